@@ -66,9 +66,9 @@ def compiled() -> Callable[[_Job], None]:
     with tempfile.TemporaryDirectory() as folder:
         library = Path(folder) / "kernel.so"
         command = [compiler, *_FLAGS, "-o", str(library), str(_SOURCE), "-lm"]
-        told = subprocess.run(command, capture_output=True, text=True, check=False)
-        if told.returncode:
-            raise NoKernelError(f"the C compiler says {told.stderr.strip().splitlines()[0]}")
+        finished = subprocess.run(command, capture_output=True, text=True, check=False)
+        if finished.returncode:
+            raise NoKernelError(f"the C compiler says {finished.stderr.strip().splitlines()[0]}")
         photograph = ctypes.CDLL(str(library)).photograph
     photograph.argtypes, photograph.restype = [ctypes.POINTER(_Job)], None
     return lambda job: photograph(ctypes.byref(job))

@@ -50,10 +50,10 @@ def small_rows(rounds: int) -> Rows:
     ]
     for peer in ("numpy", "prysm", "getframes"):
         if peer in times:
-            told = f"{name} {'the same numpy, both on 1 thread' if peer == 'numpy' else peer}"
+            label = f"{name} {'the same numpy, both on 1 thread' if peer == 'numpy' else peer}"
             who = "here" if peer == "numpy" else "here, all cores"
             rate = f"{median(times[who]) * 1e3:.1f} ms"
-            rows.append(Row(told, None, ratio(times, peer, who), rate))
+            rows.append(Row(label, None, ratio(times, peer, who), rate))
     rows += [Skipped(name, reason) for reason in missing]
     try:
         peak = peak_of_cube()
@@ -106,7 +106,7 @@ def cluster_rows(height: int, width: int, *, rounds: int, folder: str | None) ->
     return [Row(name, 1.3, ratio(times, "dask", "threads"), rate, at_most=True)]
 
 
-def _told(times: Times, pixels: int) -> str:
+def _rate_text(times: Times, pixels: int) -> str:
     by_pixel, by_band = (gigabytes_per_second(times, order, pixels) for order in ("BIP", "BSQ"))
     return f"It read the cubes at {by_pixel:.1f} (BIP) and {by_band:.1f} GB/s (BSQ)."
 
@@ -122,7 +122,7 @@ def main() -> None:
     rounds, width = 5, 2048
     at_start = os.getloadavg()[0]
     times, missing = pictures_race(height, width, rounds=rounds, threads=THREADS)
-    reading = _told(times, height * width)
+    reading = _rate_text(times, height * width)
     print(reading)
     tall = height * 15 // 4
     rows: Rows = []

@@ -37,8 +37,8 @@ def file_race(path: Path, *, cold: bool, rounds: int, threads: int) -> tuple[Tim
 
 def _turn(who: str, path: Path, threads: int) -> tuple[float, float]:
     command = [sys.executable, str(Path(__file__)), who, str(path), str(threads)]
-    told = subprocess.run(command, capture_output=True, text=True, check=True).stdout.split()
-    return float(told[0]), float(told[1])
+    printed = subprocess.run(command, capture_output=True, text=True, check=True).stdout.split()
+    return float(printed[0]), float(printed[1])
 
 
 def _plainly(path: Path) -> float:

@@ -34,7 +34,7 @@ SENSORS = "onyx-rgbw, onyx-rgb-ircut"
 
 @dataclass(frozen=True, slots=True)
 class Line:
-    """One measured thing; ``asked`` is ``None`` for what is told and not judged."""
+    """One measured thing; ``asked`` is ``None`` for what is reported and not judged."""
 
     what: str
     asked: float | None
@@ -192,8 +192,8 @@ def table(lines: list[Line]) -> str:
     for line in lines:
         sign = ">=" if line.at_least else "<="
         asked = "-" if line.asked is None else f"{sign} {line.asked:g} {line.unit}".strip()
-        told = f"{line.measured:.3g} {line.unit}".strip()
-        rows.append(f"| {line.what} | {asked} | {told if line.reached else f'**{told}**'} |")
+        text = f"{line.measured:.3g} {line.unit}".strip()
+        rows.append(f"| {line.what} | {asked} | {text if line.reached else f'**{text}**'} |")
     return "\n".join(rows)
 
 

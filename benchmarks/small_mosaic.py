@@ -114,10 +114,10 @@ def _getframes(electrons: Doing, at: OperatingPoint) -> Doing:
 
 def peak_of_cube() -> float:
     """Peak memory of a whole process over the cube's size, less what it held before the cube."""
-    told = subprocess.run(
+    printed = subprocess.run(
         [sys.executable, str(Path(__file__)), "peak"], capture_output=True, text=True, check=True
     )
-    return float(told.stdout)
+    return float(printed.stdout)
 
 
 def _peak() -> float:

@@ -10,7 +10,7 @@ class Row:
     """One measured path.
 
     ``asked`` and what was measured have one unit; ``at_most`` where less is better; ``asked`` is
-    ``None`` for what is told and not judged.
+    ``None`` for what is reported and not judged.
     """
 
     path: str

@@ -477,14 +477,14 @@ def prepared_files():
         return files | {"result.json": Path(base, "analysis-kernel.json").read_bytes()}
 
 
-def broken_lines(seed, numbers, told=lambda number, line, outcome, faults: None):
+def broken_lines(seed, numbers, report=lambda number, line, outcome, faults: None):
     """The lines that break a rule, and statistics of all lines."""
     files, broken, codes, slowest, largest = prepared_files(), [], {}, 0.0, 0
     for number in numbers:
         line = random_line(seed, number, files)
         outcome = outcome_of(line, files)
         faults = faults_of(line, outcome)
-        told(number, line, outcome, faults)
+        report(number, line, outcome, faults)
         codes[str(outcome.code)] = codes.get(str(outcome.code), 0) + 1
         slowest, largest = max(slowest, outcome.seconds), max(largest, outcome.resident_kib)
         if faults:

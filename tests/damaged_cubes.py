@@ -222,11 +222,11 @@ def returned_in_a_fork(child, function, given, path, limit_s, memory_bytes):
         os._exit(0)
     os.close(writer)
     with os.fdopen(reader, "rb") as stream:
-        told = stream.read()
+        result = stream.read()
     _, status = os.waitpid(pid, 0)
     if code := os.waitstatus_to_exitcode(status):
         raise _sandbox._fault(code, limit_s)
-    how, what = pickle.loads(told)
+    how, what = pickle.loads(result)
     return _sandbox._result(how, what)
 
 
@@ -245,10 +245,10 @@ def outcome(path, options, checked, original):
             for a in range(0, min(source.shape[0], 8), 2)
         ]
     except InputError as error:
-        told = str(error)
-        if "\n" in told or len(told) > 2000 or INTERNALS.search(told):
-            return f"not one plain sentence: {told[:300]}"
-        return "sentence" if path.name.rpartition(".")[0][:1] in told else f"unnamed: {told}"
+        message = str(error)
+        if "\n" in message or len(message) > 2000 or INTERNALS.search(message):
+            return f"not one plain sentence: {message[:300]}"
+        return "sentence" if path.name.rpartition(".")[0][:1] in message else f"unnamed: {message}"
     except BaseException as error:
         return f"{type(error).__name__}: {str(error)[:200]}"
     nm = cube.wavelength_nm
@@ -278,31 +278,31 @@ def in_a_fork(path, options, checked, original):
             sys.stderr.flush()
             os._exit(0)
         os.close(writer)
-        told = _read_in_time(reader)
+        result = _read_in_time(reader)
         os.close(reader)
-        if told is None:
+        if result is None:
             os.kill(pid, signal.SIGKILL)
         _, status, usage = os.wait4(pid, 0)
         code = os.waitstatus_to_exitcode(status)
         printed.seek(0)
         chatter = printed.read(300).decode("utf-8", "replace")
-    if told is None:
-        told = f"not done in {SECONDS:g} s"
+    if result is None:
+        result = f"not done in {SECONDS:g} s"
     elif code:
-        told = f"ended with code {code}"
+        result = f"ended with code {code}"
     elif chatter:
-        told = f"printed {chatter!r}, then {told}"
-    return told, usage.ru_maxrss
+        result = f"printed {chatter!r}, then {result}"
+    return result, usage.ru_maxrss
 
 
 def _read_in_time(reader):
-    until, told = time.monotonic() + SECONDS, b""
+    until, received = time.monotonic() + SECONDS, b""
     while (left := until - time.monotonic()) > 0:
         if select.select([reader], [], [], left)[0]:
             part = os.read(reader, 65536)
             if not part:
-                return told.decode("utf-8", "replace")
-            told += part
+                return received.decode("utf-8", "replace")
+            received += part
     return None
 
 
@@ -335,9 +335,9 @@ def main(count, seed=SEED, first=0):
     try:
         samples = {name: prepared(root, name) for name in FORMATS}
         for name, (path, options, checked, original, *_) in samples.items():
-            told, _ = in_a_fork(path, options, checked, original)
-            if told != "right" and name != "tiff jpeg":  # JPEG loses digits
-                faults.append({"format": name, "number": -1, "told": told})
+            result, _ = in_a_fork(path, options, checked, original)
+            if result != "right" and name != "tiff jpeg":  # JPEG loses digits
+                faults.append({"format": name, "number": -1, "result": result})
         gc.disable()  # a collection in a fork would copy all memory that it shares
         gc.freeze()
         for number in range(first, first + count):
@@ -346,14 +346,14 @@ def main(count, seed=SEED, first=0):
             path, options, checked, original, files, contents = samples[name]
             file = files[rng.integers(len(files))]
             file.write_bytes(damaged(contents[file], rng))
-            told, kib = in_a_fork(path, options, checked, original)
+            result, kib = in_a_fork(path, options, checked, original)
             file.write_bytes(contents[file])
             largest = max(largest, kib)
-            kind = told if told in ("right", "other numbers", "sentence") else "fault"
+            kind = result if result in ("right", "other numbers", "sentence") else "fault"
             own = outcomes.setdefault(name, {})
             own[kind] = own.get(kind, 0) + 1
             if kind == "fault":
-                faults.append({"format": name, "number": number, "told": told})
+                faults.append({"format": name, "number": number, "result": result})
     finally:
         shutil.rmtree(root, ignore_errors=True)
     summary = {"count": count, "outcomes": outcomes, "faults": faults, "largest_kib": largest}

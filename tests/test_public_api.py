@@ -131,18 +131,23 @@ def faults_of_function(name, function, *, computes, text=None):
     text = function.__doc__ if text is None else text
     if not text:
         return [f"{name}: no docstring"]
-    told, faults = sections(text), []
+    message, faults = sections(text), []
     signature = inspect.signature(function)
     wanted = [one for one in signature.parameters if one not in ("self", "cls")]
-    documented = entries(told.get("Parameters", "")) | entries(told.get("Other Parameters", ""))
+    documented = entries(message.get("Parameters", "")) | entries(
+        message.get("Other Parameters", "")
+    )
     faults += [
         f"{name}: {one} is no documented parameter" for one in wanted if one not in documented
     ]
     faults += faults_of_units(name, {one: documented.get(one, "") for one in wanted})
     returns = signature.return_annotation not in (None, "None", inspect.Signature.empty)
-    if wanted and returns and "Returns" not in told:
+    if wanted and returns and "Returns" not in message:
         faults.append(f"{name}: no Returns")
-    if re.search(r"^ +raise ", inspect.getsource(function), re.MULTILINE) and "Raises" not in told:
+    if (
+        re.search(r"^ +raise ", inspect.getsource(function), re.MULTILINE)
+        and "Raises" not in message
+    ):
         faults.append(f"{name}: no Raises")
     if computes and not SOURCE.search(text):
         faults.append(f"{name}: no source")
@@ -161,18 +166,18 @@ def faults_of_class(name, kind):
     """What the documentation of a class and of its own methods lacks."""
     if not kind.__doc__:
         return [f"{name}: no docstring"]
-    told, faults = sections(kind.__doc__), []
+    values, faults = sections(kind.__doc__), []
     if issubclass(kind, BaseModel):
         described = {one: field.description for one, field in kind.model_fields.items()}
         faults += [f"{name}: {one} is not described" for one, text in described.items() if not text]
     else:
-        documented = entries(told.get("Attributes", "")) | entries(told.get("Parameters", ""))
+        documented = entries(values.get("Attributes", "")) | entries(values.get("Parameters", ""))
         fields = [one for one in inspect.signature(kind).parameters if not one.startswith("_")]
         faults += [f"{name}: {one} is not documented" for one in fields if one not in documented]
         grouped = {one: documented.get(one, "") for one in fields}
         faults += faults_of_units(name, grouped)
     checks = vars(kind).get("__post_init__")
-    if checks is not None and "Raises" not in told:
+    if checks is not None and "Raises" not in values:
         faults.append(f"{name}: no Raises")
     for own, method in vars(kind).items():
         if own.startswith("_") or own in ("plot", "model_config"):
@@ -275,8 +280,8 @@ def test_what_only_a_file_is_asked_is_refused_of_an_object():
 
 
 def test_numbers_of_numpy_and_paths_are_numbers_and_names():
-    told = cn.analyze("model-mono", lux=np.int64(3), time_ms=np.float32(4)).to_dict()
-    assert told == cn.analyze(Path("model-mono"), lux=3, time_ms=4.0).to_dict()
+    data = cn.analyze("model-mono", lux=np.int64(3), time_ms=np.float32(4)).to_dict()
+    assert data == cn.analyze(Path("model-mono"), lux=3, time_ms=4.0).to_dict()
 
 
 @pytest.mark.parametrize(
@@ -380,17 +385,17 @@ def test_a_data_frame_holds_the_table_with_units_in_its_heads(results, kind):
 
 
 def test_a_run_gives_what_each_function_gives(results):
-    told = results["results"].to_list()
+    values = results["results"].to_list()
     analysis = cn.analyze("onyx-rgbw", budget=True).to_dict()
-    assert told == [analysis, results["matrices"].to_dict(), results["comparison"].to_dict()]
+    assert values == [analysis, results["matrices"].to_dict(), results["comparison"].to_dict()]
 
 
 def test_snr_by_name_is_that_of_the_plain_data(results):
     result = results["analyses"]
-    (told,) = result.to_dict()["sensors"]
-    channels = {one["name"]: one["snr_db"] for one in told["channels"]}
+    (data,) = result.to_dict()["sensors"]
+    channels = {one["name"]: one["snr_db"] for one in data["channels"]}
     assert result.raw_snr_db() == {"onyx-rgbw": channels}
-    assert result.color_snr_db() == {"onyx-rgbw": told["color"]["snr_db"]}
+    assert result.color_snr_db() == {"onyx-rgbw": data["color"]["snr_db"]}
     assert set(result.contravariant_snr_db()["onyx-rgbw"]) == set(channels)
 
 

@@ -133,8 +133,8 @@ def _ask(
         with lock:
             report.add(question, status, time.monotonic() - start, reply)
         if question.path == "/api/upload" and b'"id"' in reply:
-            told = json.loads(reply)
-            ids[told["kind"]] = [*ids.get(told["kind"], []), told["id"]][-_IDS:]
+            upload = json.loads(reply)
+            ids[upload["kind"]] = [*ids.get(upload["kind"], []), upload["id"]][-_IDS:]
 
 
 def answer_of(host: str, question: Question) -> tuple[int, bytes]:
@@ -196,13 +196,13 @@ def _tree(pid: int) -> list[int]:
 
 
 def main() -> None:
-    """Ask, and print the report; how it goes is told on the way."""
+    """Send the questions, and print progress and the report."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--count", type=int, default=3000)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--bombs", type=float, default=0.003, help="Share of malicious files.")
-    told: Any = parser.parse_args()
-    report = attacked(told.count, told.seed, bombs=told.bombs)
+    options: Any = parser.parse_args()
+    report = attacked(options.count, options.seed, bombs=options.bombs)
     print(report)
     for status, question in report.bad:
         print(status, question.kind, question.method, question.path[:80], dict(question.headers))

@@ -141,25 +141,25 @@ def _study(rng: random.Random, ids: Ids) -> dict[str, Any]:
 
 def _question(rng: random.Random, ids: Ids) -> Question:
     path = rng.choice(("/api/answer",) * 8 + ("/api/texts",) * 2 + ("/api/picture",))
-    told: dict[str, Any] = {"number": rng.randrange(1000), "study": _study(rng, ids)}
+    question: dict[str, Any] = {"number": rng.randrange(1000), "study": _study(rng, ids)}
     if path == "/api/answer":
-        told["want"] = rng.sample(PARTS, rng.choice((1, 1, 2)))
-        told["look"] = {
+        question["want"] = rng.sample(PARTS, rng.choice((1, 1, 2)))
+        question["look"] = {
             "coordinate": rng.choice(("Y", "b*", "?")),
             "plane": rng.choice(("ab", "xy")),
         }
     elif path == "/api/picture":
-        told |= {"sensor": rng.choice((0, 0, 1)), "noisy": rng.random() < 0.5}
-        told["cube"] = rng.choice((None, "builtin:checker", *ids.get("cube", [])))
+        question |= {"sensor": rng.choice((0, 0, 1)), "noisy": rng.random() < 0.5}
+        question["cube"] = rng.choice((None, "builtin:checker", *ids.get("cube", [])))
     for _ in range(rng.choice((0, 0, 1, 1, 1, 3))):
-        _mutate(rng, told)
-    body = json.dumps(told).encode()
+        _mutate(rng, question)
+    body = json.dumps(question).encode()
     if rng.random() < 0.1:
         body = damaged(rng, body)
     return Question(kind=f"question {path}", path=path, body=body)
 
 
-def _mutate(rng: random.Random, told: Any) -> None:
+def _mutate(rng: random.Random, question: Any) -> None:
     """Change one value somewhere in it."""
     places: list[tuple[Any, Any]] = []
 
@@ -169,7 +169,7 @@ def _mutate(rng: random.Random, told: Any) -> None:
             if isinstance(at[key], dict | list):
                 look(at[key])
 
-    look(told)
+    look(question)
     if not places:
         return
     at, key = rng.choice(places)
@@ -281,10 +281,10 @@ def _mat(packed: bool = True, **arrays: Any) -> bytes:
 def _tif(cube: np.ndarray, compression: str | None = "zlib") -> bytes:
     import tifffile
 
-    told = json.dumps({"wavelengths": [float(w) for w in np.linspace(400, 1050, len(cube))]})
+    description = json.dumps({"wavelengths": [float(w) for w in np.linspace(400, 1050, len(cube))]})
     return _saved(
         lambda held: tifffile.imwrite(
-            held, cube, compression=compression, photometric="minisblack", description=told
+            held, cube, compression=compression, photometric="minisblack", description=description
         )
     )
 

@@ -59,11 +59,11 @@ PACKAGE_FOLDER = Path(tables.__file__).parent
     "--out",
     type=click.Path(path_type=Path, file_okay=False),
     default=PACKAGE_FOLDER,
-    help="Folder for the two CSV files; the package's tables unless told.",
+    help="Folder for the two CSV files; by default the package's tables.",
 )
 def main(out: Path) -> None:
     """Fit from every start, print ours beside the paper's, write the curves."""
-    best = min(told_fits(), key=lambda fit: fit.cost)
+    best = min(printed_fits(), key=lambda fit: fit.cost)
     curves = curves_of(polished(best).parameters)
     click.echo("\n".join(comparison(predicted(curves))))
     click.echo("IR-cut: edge {:.2f} nm, 90 to 10 % over {:.2f} nm".format(*curves.cut))
@@ -71,8 +71,8 @@ def main(out: Path) -> None:
     click.echo(f"wrote {out}")
 
 
-def told_fits() -> Iterator[Fit]:
-    """One fit per start, each told as it ends."""
+def printed_fits() -> Iterator[Fit]:
+    """One fit per start, each printed as it ends."""
     for number in range(STARTS):
         fit = fitted(start(number))
         worst = np.abs(misfits_db(predicted(curves_of(fit.parameters)))).max()

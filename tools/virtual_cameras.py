@@ -209,12 +209,12 @@ def _of(found: list[Finding], name: str) -> list[Finding]:
 
 def _score(found: list[Finding]) -> Score:
     z = np.array([one.z for one in found if one.z is not None], dtype=float)
-    told = z.size > 0
+    known = z.size > 0
     finite = z[np.isfinite(z)]
     return Score(
         values=z.size,
         missing=len(found) - z.size,
-        within_3=float((np.abs(z) <= 3).mean()) if told else math.nan,
+        within_3=float((np.abs(z) <= 3).mean()) if known else math.nan,
         mean_z=float(finite.mean()) if finite.size else math.nan,
         sd_z=float(finite.std()) if finite.size else math.nan,
     )
@@ -230,13 +230,13 @@ def table(found: Iterable[Finding]) -> str:
     for name, score in scores(kept).items():
         own = [one for one in _of(kept, name) if one.z is not None]
         farthest = max(own, key=lambda one: abs(one.z or 0.0), default=None)
-        told = "" if farthest is None else (
+        note = "" if farthest is None else (
             f"z = {farthest.z:.1f}, camera {farthest.camera}: {farthest.found:.5g}, "
             f"true {farthest.true:.5g}"
         )  # fmt: skip
         lines.append(
             f"{name:22}{score.values:8}{score.missing:9}{score.within_3:10.2%}{score.mean_z:8.2f}"
-            f"{score.sd_z:7.2f}   {told}"
+            f"{score.sd_z:7.2f}   {note}"
         )
     return "\n".join(lines)
 

@@ -467,7 +467,7 @@ export type ReportHead = Pick<Head, "verdict" | "table">;
 export interface ReportSlide {
   label: string;
   own: number;
-  told: string[];
+  texts: string[];
   answers: ReportChanges[];
 }
 

@@ -1,8 +1,8 @@
 """The functions of ``import chromanoise as cn``: each builds a study and returns its results."""
 
 import inspect
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar, Unpack
 
@@ -102,10 +102,8 @@ def analyze(
     >>> cn.analyze("onyx-rgbw", lux=10)
     <Analyses: SNR Y onyx-rgbw 26.0 dB at 10 lx (illuminant E, 11.94 ms, f/1.8)>
     """
-    with _terms_of("analyze"):
-        names, given, rest = _named(sensors, settings)
-        study = analyze_study(names, rest, matrix=matrix)
-        (result,) = run_of(study, given=given).analyses.values()
+    results = _results("analyze", partial(analyze_study, matrix=matrix), sensors, settings)
+    (result,) = results.analyses.values()
     return result
 
 
@@ -191,10 +189,8 @@ def compare(
     -----
     Clouet, Vaillant & Alleysson, CIC27 (2019), eq. 1-7, evaluated at each value.
     """
-    with _terms_of("compare"):
-        names, given, rest = _named(sensors, settings)
-        study = compare_study(names, rest, matrices=matrices)
-        (result,) = run_of(study, given=given).sweeps
+    made = partial(compare_study, matrices=matrices)
+    (result,) = _results("compare", made, sensors, settings).sweeps
     return result
 
 
@@ -236,10 +232,8 @@ def compare_map(
     >>> made.maps[0].value.shape
     (3, 4)
     """
-    with _terms_of("compare_map"):
-        names, given, rest = _named(sensors, settings)
-        study = map_study(names, rest, matrices=matrices)
-        (result,) = run_of(study, given=given).maps
+    made = partial(map_study, matrices=matrices)
+    (result,) = _results("compare_map", made, sensors, settings).maps
     return result
 
 
@@ -274,10 +268,11 @@ def matrix(
     -----
     Clouet, Vaillant & Alleysson, CIC27 (2019), eq. 6.
     """
-    with _terms_of("matrix"):
-        names, given, rest = _named([sensor], settings)
-        study = matrix_study(names[0], rest, matrix=matrix)
-        (result,) = run_of(study, given=given).matrices.values()
+
+    def made(names: list[str], rest: dict[str, Any]) -> Study:
+        return matrix_study(names[0], rest, matrix=matrix)
+
+    (result,) = _results("matrix", made, [sensor], settings).matrices.values()
     return result
 
 
@@ -319,10 +314,8 @@ def render(
     Shot noise and read noise are drawn for each pixel (eq. 7). The same seed gives identical
     pictures with any number of threads.
     """
-    with _terms_of("render"):
-        names, given, rest = _named(sensors, settings)
-        study = render_study(str(cube), names, rest, matrix=matrix)
-        (result,) = run_of(study, given=given, folder=_folder(folder)).pictures
+    made = partial(render_study, str(cube), matrix=matrix)
+    (result,) = _results("render", made, sensors, settings, folder=folder).pictures
     return result
 
 
@@ -354,11 +347,18 @@ def run(study: Study, folder: str | Path | None = None) -> Results:
     return run_of(study, folder=_folder(folder))
 
 
-@contextmanager
-def _terms_of(function: str) -> Iterator[None]:
-    """Make errors name the arguments of the function instead of the keys of the study."""
+def _results(
+    function: str,
+    made: Callable[[list[str], dict[str, Any]], Study],
+    sensors: Sequence[str | Path | Sensor],
+    settings: Mapping[str, Any],
+    *,
+    folder: str | Path | None = None,
+) -> Results:
+    """Results of the study of a function; errors name its arguments, not the keys of the study."""
     try:
-        yield
+        names, given, rest = _named(sensors, settings)
+        return run_of(made(names, rest), given=given, folder=_folder(folder))
     except InputError as error:
         raise in_arguments(error, function) from None
 

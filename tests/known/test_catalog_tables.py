@@ -17,9 +17,9 @@ needs_sources = pytest.mark.skipif(
 def isetcam(name):
     from scipy.io import loadmat
 
-    told = loadmat(DATA / name)
-    wavelength = told["wavelength"].ravel().astype(float)
-    return wavelength, told["data"].reshape(wavelength.size, -1)
+    result = loadmat(DATA / name)
+    wavelength = result["wavelength"].ravel().astype(float)
+    return wavelength, result["data"].reshape(wavelength.size, -1)
 
 
 def text(name, **options):

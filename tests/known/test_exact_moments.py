@@ -72,12 +72,12 @@ def test_lightness_of_a_noisy_18_percent_grey(mean_e, read_noise_e, mean, sd):
 
 def test_a_bend_that_is_not_told_moves_lightness_by_less_than_1e_5():
     white = 10 / 0.18
-    told, untold = (
+    values, untold = (
         expectation(lightness(white), np.array([10.0]), read_noise_e=2.0, kinks_e=kinks)
         for kinks in ((216 / 24389 * white,), ())
     )
-    assert untold.mean == pytest.approx(told.mean, abs=1e-5)
-    assert untold.variance == pytest.approx(told.variance, abs=1e-3)
+    assert untold.mean == pytest.approx(values.mean, abs=1e-5)
+    assert untold.variance == pytest.approx(values.variance, abs=1e-3)
 
 
 def test_at_99_percent_of_full_well_15_9_percent_are_held_there():

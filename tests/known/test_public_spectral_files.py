@@ -185,14 +185,14 @@ def _written(entry, folder) -> Path:
     return path
 
 
-def _assert_ends_and_peak(told, entry):
+def _assert_ends_and_peak(result, entry):
     first, last, _ = entry["nm"]
     last = entry.get("short", last)
     peak, peak_nm = entry["peak"]
-    at = told.curves.wavelength_nm
+    at = result.curves.wavelength_nm
     assert [at[0], at[-1]] == pytest.approx([first, last], rel=1e-5)
-    highest = told.curves.values[:, 0]
-    assert highest.max() == pytest.approx(peak * told.factor, rel=1e-4)
+    highest = result.curves.values[:, 0]
+    assert highest.max() == pytest.approx(peak * result.factor, rel=1e-4)
     assert highest[np.abs(at - peak_nm).argmin()] == highest.max()
 
 
@@ -220,22 +220,22 @@ def _cases(entries):
 
 @pytest.mark.parametrize("entry", _cases(READ))
 def test_a_public_file_is_read_as_declared_and_the_rest_is_asked(tmp_path, entry):
-    told = read_curves(_written(entry, tmp_path))
-    assert told.wavelength_unit == entry["unit"]
-    _assert_ends_and_peak(told, entry)
-    assert len(told.curves.names) == LookAlike(entry).count
+    result = read_curves(_written(entry, tmp_path))
+    assert result.wavelength_unit == entry["unit"]
+    _assert_ends_and_peak(result, entry)
+    assert len(result.curves.names) == LookAlike(entry).count
     if "names" in entry:
-        assert list(told.curves.names) == entry["names"]
+        assert list(result.curves.names) == entry["names"]
     declares = [entry.get(key) for key in ("quantity", "level", "per")]
-    assert [told.quantity, told.level, told.per] == declares
-    assert told.factor == (0.01 if entry.get("scale") == "percent" else 1.0)
-    assert told.scale == entry.get("scale", told.scale)
-    assert (told.deviations is not None) == ("deviations" in entry)
-    guessed = any(f"are taken as {entry['unit']}" in note for note in told.notes)
+    assert [result.quantity, result.level, result.per] == declares
+    assert result.factor == (0.01 if entry.get("scale") == "percent" else 1.0)
+    assert result.scale == entry.get("scale", result.scale)
+    assert (result.deviations is not None) == ("deviations" in entry)
+    guessed = any(f"are taken as {entry['unit']}" in note for note in result.notes)
     assert guessed == (not entry.get("declared", True))
-    first, last = told.curves.wavelength_nm[[0, -1]]
+    first, last = result.curves.wavelength_nm[[0, -1]]
     short = ["beyond"] if first > GRID_NM[0] or last < GRID_NM[1] else []
-    assert sorted(q.about for q in told.questions) == sorted([*entry.get("asks", []), *short])
+    assert sorted(q.about for q in result.questions) == sorted([*entry.get("asks", []), *short])
 
 
 @pytest.mark.parametrize("entry", _cases(ASKED))
@@ -243,8 +243,8 @@ def test_a_public_file_without_a_unit_asks_for_it_and_is_read_right_with_it(tmp_
     path = _written(entry, tmp_path)
     _assert_refused(path, setting="wavelength_unit")
     if entry["unit"] != "eV" and entry.get("form") != "matrix":
-        told = read_curves(path, answers=Answers(wavelength_unit=entry["unit"]))
-        _assert_ends_and_peak(told, entry)
+        result = read_curves(path, answers=Answers(wavelength_unit=entry["unit"]))
+        _assert_ends_and_peak(result, entry)
 
 
 @pytest.mark.parametrize("entry", _cases(REFUSED))
@@ -291,6 +291,6 @@ REAL = {
 def test_a_real_file_has_the_range_and_the_curves_that_its_readme_states(name):
     assert SHARED is not None
     first, last, curves = REAL[name]
-    told = read_curves(SHARED / name)
-    assert told.curves.wavelength_nm[[0, -1]].tolist() == [first, last]
-    assert (told.wavelength_unit, len(told.curves.names)) == ("nm", curves)
+    result = read_curves(SHARED / name)
+    assert result.curves.wavelength_nm[[0, -1]].tolist() == [first, last]
+    assert (result.wavelength_unit, len(result.curves.names)) == ("nm", curves)

@@ -178,8 +178,8 @@ def test_color_sensitivity_is_blind_to_an_invertible_matrix():
 
 def test_one_channel_tells_half_the_log_of_its_signal_to_noise_plus_one():
     # signal variance 24, noise 8: 1/2 log2(1 + 3) = 1 bit
-    told = information_bits(np.array([[24.0]]), np.array([[8.0]]))
-    assert float(told) == pytest.approx(1.0, abs=1e-14)
+    result = information_bits(np.array([[24.0]]), np.array([[8.0]]))
+    assert float(result) == pytest.approx(1.0, abs=1e-14)
 
 
 def test_information_is_the_entropy_that_the_light_loses_once_seen():
@@ -189,8 +189,8 @@ def test_information_is_the_entropy_that_the_light_loses_once_seen():
     k, d = root @ root.T + np.eye(6), np.diag([0.5, 2.0, 7.0])
     posterior = np.linalg.inv(np.linalg.inv(k) + f @ np.linalg.inv(d) @ f.T)
     lost = 0.5 * (np.linalg.slogdet(k)[1] - np.linalg.slogdet(posterior)[1]) / np.log(2)
-    told = information_bits(f.T @ k @ f, d)
-    assert float(told) == pytest.approx(lost, rel=1e-10)
+    result = information_bits(f.T @ k @ f, d)
+    assert float(result) == pytest.approx(lost, rel=1e-10)
 
 
 # the eye's filters

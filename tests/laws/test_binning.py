@@ -143,8 +143,8 @@ def test_a_binning_of_one_changes_no_digit():
     settings = {"time_ms": 2.0, "prnu": 0.01, "bits": 10, "budget": True, "row_noise_e": 1.0}
     plain = cn.analyze("onyx-rgbw", **settings).to_dict()
     one = cn.analyze("onyx-rgbw", binning=1, **settings).to_dict()
-    for told in (plain, one):
-        told.pop("study", None), told.pop("hash", None)
+    for result in (plain, one):
+        result.pop("study", None), result.pop("hash", None)
     assert one["sensors"] == plain["sensors"]
 
 

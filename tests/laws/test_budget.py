@@ -213,6 +213,6 @@ def test_contravariant_budgets_add_up_to_the_contravariant_snr():
 def test_a_copy_of_a_channel_has_no_contravariant_budget():
     sensor = sensor_of(box(400, 500), box(500, 600), box(500, 600))
     frame = kernel_matrix(sensor, EXPOSURE).frame
-    told = [contravariant_budget(WHITE, sensor, EXPOSURE, frame, n) for n in sensor.names]
-    assert told[0] is not None
-    assert told[1:] == [None, None]
+    values = [contravariant_budget(WHITE, sensor, EXPOSURE, frame, n) for n in sensor.names]
+    assert values[0] is not None
+    assert values[1:] == [None, None]

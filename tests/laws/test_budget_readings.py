@@ -102,8 +102,8 @@ def test_the_six_readings_of_luminance_are_those_counted_by_hand():
 def test_the_share_of_infrared_is_what_the_unmixed_weights_make_of_its_electrons(coordinate):
     row = UNMIXING @ weights_by_hand()[:, "XYZ".index(coordinate)]
     share = 1 - (row @ VISIBLE_E) / (row @ ELECTRONS)
-    told = readings(color_budget(GRAY, SENSOR, EXPOSURE, MATRIX, coordinate))["rest"]
-    assert told == f"{100 * share:.1f} % of {coordinate} is infrared that the matrix lets through"
+    result = readings(color_budget(GRAY, SENSOR, EXPOSURE, MATRIX, coordinate))["rest"]
+    assert result == f"{100 * share:.1f} % of {coordinate} is infrared that the matrix lets through"
 
 
 def test_the_angle_of_the_weights_is_what_they_cost_without_infrared_and_unmixing():
@@ -112,13 +112,13 @@ def test_the_angle_of_the_weights_is_what_they_cost_without_infrared_and_unmixin
         own = weights_by_hand()[:, i]
         snr = own @ ELECTRONS / np.sqrt(own**2 @ VARIANCE)
         psi = np.degrees(np.arccos(snr / np.sqrt((ELECTRONS**2 / VARIANCE).sum())))
-        told = readings(color_budget(GRAY, SENSOR, EXPOSURE, MATRIX, coordinate))["weights"]
-        assert f" {psi:.0f} deg from the lowest-noise one" in told
+        result = readings(color_budget(GRAY, SENSOR, EXPOSURE, MATRIX, coordinate))["weights"]
+        assert f" {psi:.0f} deg from the lowest-noise one" in result
 
 
 def test_a_contravariant_budget_tells_the_channel_that_stands_alone():
-    told = readings(contravariant_budget(GRAY, SENSOR, EXPOSURE, MATRIX.frame, "g"))
-    assert told == {
+    result = readings(contravariant_budget(GRAY, SENSOR, EXPOSURE, MATRIX.frame, "g"))
+    assert result == {
         "filters": "15 % of the photons become electrons",
         "read noise": "46.2 % of the mean noise variance is readout",
         "weights": "g alone, of all 3 channels",
@@ -185,23 +185,23 @@ def counted(request):
 
 def test_the_readings_of_lightness_and_hue_are_those_counted_by_hand(counted):
     coordinate, change, electrons, slope = counted
-    told = readings(lab_budget(GRAY, SENSOR, EXPOSURE, MATRIX, coordinate))
+    result = readings(lab_budget(GRAY, SENSOR, EXPOSURE, MATRIX, coordinate))
     gain = electrons @ (UNMIXING @ weights_by_hand() @ slope)
-    assert told["rest"] == f"one unit of {coordinate} comes out as {gain:.2f}"
+    assert result["rest"] == f"one unit of {coordinate} comes out as {gain:.2f}"
     # a reader that counts each photon against a colorimeter with exact color-matching functions
     counting = (change**2 / PHOTONS[:3]).sum()  # SNR^2 on one pixel
     scatter = ((EYE / SEEN_NM[:, None] @ slope) ** 2 * PHOTONS[:3]).sum()  # sigma^2 on one pixel
     own = weights_by_hand() @ slope
     best = electrons / np.sqrt(VARIANCE)
     cosine = electrons @ own / np.sqrt((own**2 @ VARIANCE) * (best @ best))
-    assert told["weights"] == (
+    assert result["weights"] == (
         f"this color needs a channel mix {np.degrees(np.arccos(cosine)):.0f} deg from the "
         f"lowest-noise one; a perfect colorimeter pays {10 * np.log10(counting * scatter):.1f} dB"
     )
-    assert told["filters"] == "15 % of the photons become electrons"
-    assert told["read noise"] == "46.2 % of the mean noise variance is readout"
-    assert told["correlation"] == "unmixing multiplies the variance of r by 1.5, condition 2.0"
-    assert told["infrared"] == "29 % of the electrons come from beyond 700 nm"
+    assert result["filters"] == "15 % of the photons become electrons"
+    assert result["read noise"] == "46.2 % of the mean noise variance is readout"
+    assert result["correlation"] == "unmixing multiplies the variance of r by 1.5, condition 2.0"
+    assert result["infrared"] == "29 % of the electrons come from beyond 700 nm"
 
 
 def test_the_bound_of_lightness_and_hue_has_the_noise_of_infrared_and_readout(counted):

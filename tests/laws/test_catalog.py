@@ -1,4 +1,4 @@
-"""The catalogue: nothing without provenance, and every entry can be used."""
+"""The catalog: nothing without provenance, and every entry can be used."""
 
 import re
 
@@ -35,14 +35,21 @@ AT = DEFAULT_GRID.wavelength_nm
 
 @pytest.mark.parametrize("entry", ENTRIES, ids=NAMES)
 def test_every_entry_says_where_it_comes_from_and_what_is_wrong_with_it(entry):
-    told = entry.provenance
-    for text in (told.what, told.source, told.license, told.quantity, told.unit, told.defects):
+    result = entry.provenance
+    for text in (
+        result.what,
+        result.source,
+        result.license,
+        result.quantity,
+        result.unit,
+        result.defects,
+    ):
         assert len(text) >= 1
         assert text == text.strip()
-    assert len(told.source) > 10
-    assert told.level in ("absolute", "relative")
-    if told.table:
-        assert len(told.done) > 10
+    assert len(result.source) > 10
+    assert result.level in ("absolute", "relative")
+    if result.table:
+        assert len(result.done) > 10
 
 
 def test_every_entry_of_a_table_has_the_range_of_its_file():
@@ -76,7 +83,7 @@ def test_each_kind_has_its_entries_and_together_they_are_all():
         catalog_entries("sensor")
 
 
-def test_the_catalogue_lists_every_sensor_cube_and_cie_illuminant_that_can_be_named():
+def test_the_catalog_lists_every_sensor_cube_and_cie_illuminant_that_can_be_named():
     import colour
 
     of = {kind: {e.provenance.name for e in catalog_entries(kind)} for kind in KINDS}
@@ -89,17 +96,17 @@ def test_what_is_said_of_colour_sciences_tables_is_so():
     import colour
 
     told_of = {n: p for n, p in formulas().items() if "colour-science" in p.source}
-    cameras = {name for name, told in told_of.items() if told.carried_as}
+    cameras = {name for name, result in told_of.items() if result.carried_as}
     assert cameras == {"nikon-d5100", "sigma-sd-merrill"}
     # A and E follow their formulas instead
     assert set(told_of) - cameras == set(colour.SDS_ILLUMINANTS) - {"A", "E"}
     assert len(told_of) == 59
-    for name, told in told_of.items():
-        carried = colour.MSDS_CAMERA_SENSITIVITIES if told.carried_as else colour.SDS_ILLUMINANTS
-        table = carried[told.carried_as or name]
-        assert told.range_nm == (table.wavelengths[0], table.wavelengths[-1])
-        if told.carried_as:
-            assert [label[0].upper() for label in table.labels] == list(told.channels)
+    for name, result in told_of.items():
+        carried = colour.MSDS_CAMERA_SENSITIVITIES if result.carried_as else colour.SDS_ILLUMINANTS
+        table = carried[result.carried_as or name]
+        assert result.range_nm == (table.wavelengths[0], table.wavelengths[-1])
+        if result.carried_as:
+            assert [label[0].upper() for label in table.labels] == list(result.channels)
             # the defect that is told: each channel is divided by its own peak
             assert table.values.max(axis=0) == pytest.approx(1.0, abs=1e-12)
 
@@ -155,9 +162,9 @@ def test_the_pixel_of_a_device_is_that_of_its_sheet_and_the_papers_stands_in_for
     whole = sensor_named("gsense4040bsi", DEFAULT_GRID)
     assert not any("not given" in note for note in whole.notes)
     given = {"pitch_um": 3.0, "full_well_e": 2e4, "read_noise_e": 20.0}
-    told = sensor_named("mt9v024-mono", DEFAULT_GRID, pixel=given)
-    assert (told.pixel.pitch_um, told.pixel.full_well_e) == (3.0, 2e4)
-    assert not any("not given" in note for note in told.notes)
+    result = sensor_named("mt9v024-mono", DEFAULT_GRID, pixel=given)
+    assert (result.pixel.pitch_um, result.pixel.full_well_e) == (3.0, 2e4)
+    assert not any("not given" in note for note in result.notes)
 
 
 def test_green_above_white_is_found_and_said_of_the_mt9v024():
@@ -327,8 +334,8 @@ def test_the_last_diode_of_a_name_is_the_one_that_is_taken_off():
 
 
 def test_entries_as_json_say_everything_a_table_does():
-    told = entries_as_json(catalog_entries("sensors"))["entries"]
-    one = next(entry for entry in told if entry["name"] == "mt9v024-rgbw")
+    data = entries_as_json(catalog_entries("sensors"))["entries"]
+    one = next(entry for entry in data if entry["name"] == "mt9v024-rgbw")
     assert one["curves"] == ["R", "G", "B", "W"]
     assert one["pixel"]["pitch_um"] == 6.0
     assert "MT9V024/D, Table 1" in one["pixel"]["told"]

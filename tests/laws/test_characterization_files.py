@@ -58,9 +58,9 @@ def exact_plane(name="mono", **given):
 
 
 def test_the_json_has_the_keys_that_scripts_rely_on():
-    told = json.loads(json.dumps(characterization_as_json(color()), allow_nan=False))
-    assert [plane["name"] for plane in told["planes"]] == ["R", "G1", "G2", "B"]
-    for plane in told["planes"]:
+    data = json.loads(json.dumps(characterization_as_json(color()), allow_nan=False))
+    assert [plane["name"] for plane in data["planes"]] == ["R", "G1", "G2", "B"]
+    for plane in data["planes"]:
         assert {
             *("name", "gain_dn_per_e", "gain_dn_per_e_se", "dark_noise_e", "dark_noise_e_se"),
             *("qe", "full_well_e", "prnu", "dsnu_e", "dark_current_e_per_s", "black_level_dn"),
@@ -70,17 +70,17 @@ def test_the_json_has_the_keys_that_scripts_rely_on():
         for level in plane["levels"]:
             for key in ("mean_dn", "variance_dn2", "predicted_variance_dn2"):
                 assert isinstance(level[key], float)
-    assert told["mosaic"] == [["R", "G1"], ["G2", "B"]]
-    assert (told["source"], told["camera"]) == ("frames", "Acme Model One")
-    assert (told["iso"], told["bits"], told["verdict"]["holds"]) == (100.0, 12, True)
-    assert np.array_equal(told["correlation"], np.eye(4))
-    assert told["schema"] == "chromanoise characterization"
+    assert data["mosaic"] == [["R", "G1"], ["G2", "B"]]
+    assert (data["source"], data["camera"]) == ("frames", "Acme Model One")
+    assert (data["iso"], data["bits"], data["verdict"]["holds"]) == (100.0, 12, True)
+    assert np.array_equal(data["correlation"], np.eye(4))
+    assert data["schema"] == "chromanoise characterization"
 
 
 def test_the_json_has_every_field_with_all_digits():
     result = color()
-    told = json.loads(json.dumps(characterization_as_json(result)))
-    for plane, own in zip(told["planes"], result.planes, strict=True):
+    data = json.loads(json.dumps(characterization_as_json(result)))
+    for plane, own in zip(data["planes"], result.planes, strict=True):
         assert set(plane) == {field.name for field in fields(PlaneNoise)}
         assert plane["gain_dn_per_e"] == own.gain_dn_per_e
         assert plane["levels"] == [asdict(level) for level in own.levels]
@@ -89,12 +89,12 @@ def test_the_json_has_every_field_with_all_digits():
 
 def test_a_number_that_is_not_defined_is_null():
     plane = replace(plane_of(), qe=None, bend_z=math.nan)
-    told = characterization_as_json(monochrome(planes=(plane,), iso=None))
-    assert told["planes"][0]["qe"] is None
-    assert told["planes"][0]["bend_z"] is None
-    assert told["iso"] is None
-    assert told["mosaic"] is None
-    json.dumps(told, allow_nan=False)
+    data = characterization_as_json(monochrome(planes=(plane,), iso=None))
+    assert data["planes"][0]["qe"] is None
+    assert data["planes"][0]["bend_z"] is None
+    assert data["iso"] is None
+    assert data["mosaic"] is None
+    json.dumps(data, allow_nan=False)
 
 
 # --- the pixel
@@ -219,14 +219,14 @@ def test_the_reference_code_of_the_standard_reads_the_xml(file):
     routines = pytest.importorskip("emva1288.process.routines")
     plane = exact_plane("G<1>", prnu=0.0061)
     path = file(emva_sheet_xml(monochrome(camera="A & B\x01"), plane), "sheet.xml")
-    told = routines.xml_to_dict(str(path))
-    assert told["sensitivity"]["k"]["value"] == 0.5
-    assert told["sensitivity"]["sigma_d"]["value"] == 5.0
-    assert told["sensitivity"]["u_e_sat"]["value"] == plane.full_well_e
-    assert told["sensitivity"]["qe"]["value"] == pytest.approx(61.0, rel=EXACT)
-    assert told["spatial"]["prnu1288"]["value"] == pytest.approx(0.61, rel=EXACT)
-    assert told["spatial"]["dsnu1288"]["value"] == plane.dsnu_e
-    assert told["spatial"]["prnu1288"]["unit"] == "%"
+    data = routines.xml_to_dict(str(path))
+    assert data["sensitivity"]["k"]["value"] == 0.5
+    assert data["sensitivity"]["sigma_d"]["value"] == 5.0
+    assert data["sensitivity"]["u_e_sat"]["value"] == plane.full_well_e
+    assert data["sensitivity"]["qe"]["value"] == pytest.approx(61.0, rel=EXACT)
+    assert data["spatial"]["prnu1288"]["value"] == pytest.approx(0.61, rel=EXACT)
+    assert data["spatial"]["dsnu1288"]["value"] == plane.dsnu_e
+    assert data["spatial"]["prnu1288"]["unit"] == "%"
 
 
 def test_the_photon_transfer_is_read_to_the_last_digit_and_gives_the_same_fit(file):
@@ -347,9 +347,9 @@ def test_xml_that_is_no_data_sheet_is_refused(file, text):
 def test_the_white_level_is_the_code_at_which_the_first_plane_saturates():
     # 55 + 0.5 * 7000 = 3555; the converter ends at 4095
     planes = [exact_plane(full_well_e=well) for well in (7000.0, 7500.0)]
-    told = noise_profile_json(monochrome(planes=(planes[0],)))
-    assert told["white_level_dn"] == told["dng"]["WhiteLevel"] == 3555
-    assert told["S"] == [0.5 / 3500]
+    data = noise_profile_json(monochrome(planes=(planes[0],)))
+    assert data["white_level_dn"] == data["dng"]["WhiteLevel"] == 3555
+    assert data["S"] == [0.5 / 3500]
     beyond = noise_profile_json(monochrome(planes=(exact_plane(full_well_e=9000.0),)))
     assert beyond["white_level_dn"] == 4095
     unknown = noise_profile_json(monochrome(planes=(exact_plane(full_well_e=None),)))
@@ -358,17 +358,17 @@ def test_the_white_level_is_the_code_at_which_the_first_plane_saturates():
 
 def test_the_noise_profile_is_that_of_dng():
     # R = 255 - 55 = 200 DN; S = 0.5 / 200; O = (2.5^2 + 1/12) / 200^2
-    told = noise_profile_json(monochrome(planes=(exact_plane(),)), white_level_dn=255)
-    assert told["S"] == [0.0025]
-    assert told["O"] == pytest.approx([6.3333333333333333 / 40000], rel=EXACT)
-    assert (told["black_level_dn"], told["white_level_dn"]) == (55.0, 255.0)
+    data = noise_profile_json(monochrome(planes=(exact_plane(),)), white_level_dn=255)
+    assert data["S"] == [0.0025]
+    assert data["O"] == pytest.approx([6.3333333333333333 / 40000], rel=EXACT)
+    assert (data["black_level_dn"], data["white_level_dn"]) == (55.0, 255.0)
 
 
 def test_the_model_of_the_noise_profile_gives_the_variance_of_the_codes():
     plane = exact_plane()
-    told = noise_profile_json(monochrome(planes=(plane,)))["dng"]
-    scale, offset = told["NoiseProfile"]
-    signal_e, span = 3000.0, told["WhiteLevel"] - 55
+    data = noise_profile_json(monochrome(planes=(plane,)))["dng"]
+    scale, offset = data["NoiseProfile"]
+    signal_e, span = 3000.0, data["WhiteLevel"] - 55
     variance_dn2 = (scale * (0.5 * signal_e / span) + offset) * span**2
     assert variance_dn2 == pytest.approx(0.25 * (signal_e + 25.0) + 1 / 12, rel=1e-12)
 
@@ -376,10 +376,10 @@ def test_the_model_of_the_noise_profile_gives_the_variance_of_the_codes():
 def test_the_pairs_of_dng_are_those_of_red_green_and_blue():
     gains = {"B": 0.6, "G1": 0.4, "G2": 0.5, "R": 0.3}
     planes = tuple(exact_plane(name, gain_dn_per_e=gain) for name, gain in gains.items())
-    told = noise_profile_json(color(planes=planes), white_level_dn=1055)
-    assert told["dng"]["colors"] == ["R", "G", "B"]
-    assert told["dng"]["NoiseProfile"][::2] == pytest.approx([3e-4, 4.5e-4, 6e-4], rel=EXACT)
-    assert told["channels"] == ["B", "G1", "G2", "R"]
+    data = noise_profile_json(color(planes=planes), white_level_dn=1055)
+    assert data["dng"]["colors"] == ["R", "G", "B"]
+    assert data["dng"]["NoiseProfile"][::2] == pytest.approx([3e-4, 4.5e-4, 6e-4], rel=EXACT)
+    assert data["channels"] == ["B", "G1", "G2", "R"]
 
 
 @pytest.mark.parametrize("name", ["noise_profile.json", "noise_profile.txt"])
@@ -399,8 +399,8 @@ def test_the_noise_profile_is_read_to_the_last_digit(file, name):
 
 def test_the_profile_of_darktable_is_read_and_gives_the_read_noise(file):
     planes = tuple(exact_plane(name) for name in ("R", "G1", "G2", "B"))
-    told = darktable_json(color(planes=planes))
-    path = file(json.dumps(told), "noiseprofiles.json")
+    data = darktable_json(color(planes=planes))
+    path = file(json.dumps(data), "noiseprofiles.json")
     noise = read_darktable_noise(path, maker="Acme", model="Model One", iso=100)
     dng = noise_profile_json(color(planes=planes))["dng"]
     own = dng["NoiseProfile"]
@@ -431,7 +431,7 @@ def test_a_camera_is_split_into_maker_and_model(camera, maker, model):
 def test_the_noise_of_libcamera_is_that_of_its_tuning_tool():
     # ctt_noise.py: numpy.polyfit of the standard deviation over the root of the mean, in 16 bits
     result = color()
-    told = libcamera_json(result)["algorithms"]
+    data = libcamera_json(result)["algorithms"]
     patches = [
         (16 * (level.mean_dn - BLACK_DN), 16 * math.sqrt(level.variance_dn2))
         for plane in result.planes
@@ -440,9 +440,9 @@ def test_the_noise_of_libcamera_is_that_of_its_tuning_tool():
     ]
     means, sds = np.array(patches).T
     slope, constant = np.polyfit(np.sqrt(means), sds, 1)
-    assert told[1]["rpi.noise"]["reference_slope"] == pytest.approx(slope, rel=1e-9)
-    assert told[1]["rpi.noise"]["reference_constant"] == pytest.approx(constant, rel=1e-9)
-    assert told[0] == {"rpi.black_level": {"black_level": round(16 * BLACK_DN)}}
+    assert data[1]["rpi.noise"]["reference_slope"] == pytest.approx(slope, rel=1e-9)
+    assert data[1]["rpi.noise"]["reference_constant"] == pytest.approx(constant, rel=1e-9)
+    assert data[0] == {"rpi.black_level": {"black_level": round(16 * BLACK_DN)}}
 
 
 def shot_noise_only(gain, bits):
@@ -470,8 +470,8 @@ def test_libcamera_multiplies_the_noise_at_gain_1_by_the_root_of_the_analog_gain
 def test_black_levels_of_colors_that_differ_are_written_for_each():
     blacks = {"R": 63.0, "G1": 64.0, "G2": 64.0, "B": 65.0}
     planes = tuple(exact_plane(name, black_level_dn=black) for name, black in blacks.items())
-    told = libcamera_json(color(planes=planes))["algorithms"][0]["rpi.black_level"]
-    assert told == {
+    data = libcamera_json(color(planes=planes))["algorithms"][0]["rpi.black_level"]
+    assert data == {
         "black_level": 1024,
         "black_level_r": 1008,
         "black_level_g": 1024,

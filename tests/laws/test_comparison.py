@@ -99,8 +99,8 @@ def test_levels_at_which_a_channel_is_saturated_have_no_snr():
     (curve,), _ = compare(small, levels=np.array([1e-3, 1e3]))
     assert np.isfinite(curve.value[0])
     assert np.isnan(curve.value[1])
-    told = comparison_as_json([curve], [])["curves"][0]["value"]
-    assert told[1] is None
+    data = comparison_as_json([curve], [])["curves"][0]["value"]
+    assert data[1] is None
 
 
 def test_sensors_without_a_common_level_are_refused():

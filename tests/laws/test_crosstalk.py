@@ -268,12 +268,12 @@ def test_crosstalk_after_counting_correlates_readings_and_adds_readout_after():
     assert raw.covariance[0, 1] / np.sqrt(raw.variance[0] * raw.variance[1]) > 0.1
 
 
-def assert_draws_follow(drawn, told):
+def assert_draws_follow(drawn, result):
     away = drawn - drawn.mean(axis=0)
     products = away[:, :, None] * away[:, None, :]
     draws = len(drawn)
-    mean_z = (drawn.mean(axis=0) - told.mean) / (drawn.std(axis=0) / np.sqrt(draws))
-    covariance_z = (products.mean(axis=0) - told.covariance) / (
+    mean_z = (drawn.mean(axis=0) - result.mean) / (drawn.std(axis=0) / np.sqrt(draws))
+    covariance_z = (products.mean(axis=0) - result.covariance) / (
         products.std(axis=0) / np.sqrt(draws)
     )
     assert np.abs(mean_z).max() < 3.5

@@ -36,7 +36,7 @@ def rows_of(path, **options):
     return source.rows(0, source.shape[0])
 
 
-def told(path, **options):
+def refusal(path, **options):
     """The message with which a cube is refused."""
     with pytest.raises(InputError) as caught:
         rows_of(path, **options)
@@ -82,7 +82,7 @@ def test_pages_that_pillow_would_change_need_the_package_imagecodecs(tmp_path, m
     monkeypatch.setitem(sys.modules, "imagecodecs", None)
     planes = (CUBE.transpose(2, 0, 1) * 128).astype("u1")
     path = by_pillow(tmp_path / "a.tif", planes, "tiff_lzw", **tags)
-    text = told(path, scale=1.0, **EVEN)
+    text = refusal(path, scale=1.0, **EVEN)
     assert "LZW" in text
     assert "imagecodecs" in text
     assert "chromanoise[tiff]" in text
@@ -96,10 +96,10 @@ def test_a_damaged_page_is_refused_and_nothing_else_is_printed(tmp_path, capfd):
         at = file.pages[0].dataoffsets[0]
     content[at + 50 : at + 150] = bytes(b ^ 0x5A for b in content[at + 50 : at + 150])
     path.write_bytes(content)
-    told(path, **EVEN)
+    refusal(path, **EVEN)
     empty = tmp_path / "b.tif"
     empty.write_bytes(content[:4] + struct.pack("<I", len(content) * 2))
-    told(empty, **EVEN)
+    refusal(empty, **EVEN)
     assert capfd.readouterr() == ("", "")
     assert logging.getLogger("tifffile").handlers
 
@@ -115,7 +115,7 @@ def test_places_of_strips_that_are_no_whole_numbers_are_refused(tmp_path):
     struct.pack_into("<H", content, tag.offset + 2, 11)  # single precision
     struct.pack_into("<f", content, tag.valueoffset, place)
     (tmp_path / "a.tif").write_bytes(content)
-    assert "page 0" in told(tmp_path / "a.tif", **EVEN)
+    assert "page 0" in refusal(tmp_path / "a.tif", **EVEN)
 
 
 # files of other kinds
@@ -129,7 +129,7 @@ def test_places_of_strips_that_are_no_whole_numbers_are_refused(tmp_path):
 )  # fmt: skip
 def test_a_file_of_another_kind_is_refused_with_its_kind(tmp_path, name, content, kind):
     (tmp_path / name).write_bytes(content + bytes(200))
-    assert kind in told(tmp_path / name)
+    assert kind in refusal(tmp_path / name)
 
 
 def test_an_array_named_npz_and_an_archive_named_npy_are_refused_with_their_kind(tmp_path):
@@ -137,8 +137,8 @@ def test_an_array_named_npz_and_an_archive_named_npy_are_refused_with_their_kind
     np.savez(tmp_path / "b.npz", CUBE)
     (tmp_path / "b.npy").rename(tmp_path / "a.npz")
     (tmp_path / "b.npz").rename(tmp_path / "a.npy")
-    assert ".npy" in told(tmp_path / "a.npz")
-    assert "zip" in told(tmp_path / "a.npy")
+    assert ".npy" in refusal(tmp_path / "a.npz")
+    assert "zip" in refusal(tmp_path / "a.npy")
 
 
 class Bomb:
@@ -148,10 +148,10 @@ class Bomb:
 
 def test_pickles_in_an_npz_are_never_loaded(tmp_path, capfd):
     np.savez(tmp_path / "a.npz", reflectance=np.array([Bomb()], dtype=object))
-    assert "object" in told(tmp_path / "a.npz")
+    assert "object" in refusal(tmp_path / "a.npz")
     with zipfile.ZipFile(tmp_path / "b.npz", "w") as archive:
         archive.writestr("reflectance.pkl", pickle.dumps(Bomb()))
-    assert "no arrays" in told(tmp_path / "b.npz")
+    assert "no arrays" in refusal(tmp_path / "b.npz")
     assert capfd.readouterr().out == ""
 
 
@@ -170,7 +170,7 @@ def test_no_message_contains_words_about_the_parser(tmp_path, shape, name):
     if name == "a.npz":
         with zipfile.ZipFile(path, "w") as archive:
             archive.writestr("reflectance.npy", content)
-    text = told(path)
+    text = refusal(path)
     assert not any(word in text for word in ("<", "ast", "object", "0x"))
 
 
@@ -255,7 +255,7 @@ def test_an_array_of_which_hardly_a_chunk_is_there_is_refused(tmp_path):
     header = tmp_path / "a.zarr" / ".zarray"
     about = json.loads(header.read_text())
     header.write_text(json.dumps(about | {"shape": [3, 65535, 5]}))
-    text = told(tmp_path / "a.zarr", **EVEN)
+    text = refusal(tmp_path / "a.zarr", **EVEN)
     assert "49152" in text  # 3 rows of 16384 chunks of 4 columns
     assert "only 3" in text
 

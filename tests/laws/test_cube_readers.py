@@ -812,8 +812,8 @@ def test_memory_that_runs_out_is_said(tmp_path, monkeypatch):
 
 
 def test_importing_the_scene_does_not_import_scipy():
-    told = "import sys, chromanoise.scene; print('scipy' in sys.modules)"
-    out = subprocess.run([sys.executable, "-c", told], capture_output=True, text=True, check=True)
+    result = "import sys, chromanoise.scene; print('scipy' in sys.modules)"
+    out = subprocess.run([sys.executable, "-c", result], capture_output=True, text=True, check=True)
     assert out.stdout.strip() == "False"
 
 

@@ -422,15 +422,15 @@ def impatient(monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("library", "told"), [(LOOPS, "does not return within 2 s"), (CRASHES, "crashes")]
+    ("library", "result"), [(LOOPS, "does not return within 2 s"), (CRASHES, "crashes")]
 )
 def test_a_library_that_loops_or_crashes_costs_a_sentence(
-    impatient, tmp_path, monkeypatch, library, told
+    impatient, tmp_path, monkeypatch, library, result
 ):
     path = write_redfish(tmp_path / "a.h5", numbers())
     (tmp_path / "h5py.py").write_text(library)  # for the child process; here it is loaded already
     monkeypatch.syspath_prepend(tmp_path)
-    refused(path, rf"not a readable HDF5 file \(its library {told}.*save it again")
+    refused(path, rf"not a readable HDF5 file \(its library {result}.*save it again")
 
 
 def without_end(path):
@@ -475,8 +475,8 @@ def test_an_absent_package_is_told_with_what_installs_it(tmp_path, name, monkeyp
 
 
 def test_importing_the_scene_imports_no_library_of_files():
-    told = "import sys, chromanoise.scene; print(sorted(sys.modules))"
-    out = subprocess.run([sys.executable, "-c", told], capture_output=True, text=True, check=True)
+    values = "import sys, chromanoise.scene; print(sorted(sys.modules))"
+    out = subprocess.run([sys.executable, "-c", values], capture_output=True, text=True, check=True)
     for name in ("h5py", "zarr", "xarray", "tifffile", "PIL"):
         assert f"'{name}'" not in out.stdout
 
@@ -538,19 +538,19 @@ def test_no_key_leads_out_of_a_zarr_folder(tmp_path, key):
 def test_nothing_in_a_zarr_folder_is_unpickled(tmp_path):
     path = write_zarr(tmp_path / "a.zarr", version=2)
     header = path / "reflectance" / ".zarray"
-    told = json.loads(header.read_text())
+    data = json.loads(header.read_text())
     for change in ({"filters": [{"id": "pickle"}]}, {"compressor": {"id": "pickle"}}):
-        header.write_text(json.dumps(told | change))
+        header.write_text(json.dumps(data | change))
         with refused_input(where="array 'reflectance'", value="pickle"):
             read_cube(path)
-    header.write_text(json.dumps(told | {"dtype": "|O", "filters": [{"id": "pickle"}]}))
+    header.write_text(json.dumps(data | {"dtype": "|O", "filters": [{"id": "pickle"}]}))
     with refused_input(where="array 'reflectance'", value="pickle"):
         read_cube(path)
     path = write_zarr(tmp_path / "b.zarr")
     header = path / "reflectance" / "zarr.json"
-    told = json.loads(header.read_text())
-    told["codecs"] = [{"name": "numcodecs.pickle", "configuration": {}}]
-    header.write_text(json.dumps(told))
+    data = json.loads(header.read_text())
+    data["codecs"] = [{"name": "numcodecs.pickle", "configuration": {}}]
+    header.write_text(json.dumps(data))
     with refused_input(where="array 'reflectance'", value="pickle"):
         read_cube(path)
 
@@ -613,8 +613,8 @@ def test_compressed_pages_are_decoded(tmp_path):
 def test_a_description_lists_the_wavelengths(tmp_path, text):
     with tifffile.TiffWriter(tmp_path / "a.tif") as file:
         for k, plane in enumerate(numbers(dtype="f4").transpose(2, 0, 1)):
-            told = text if k == 0 else None
-            file.write(plane, photometric="minisblack", description=told, metadata=None)
+            message = text if k == 0 else None
+            file.write(plane, photometric="minisblack", description=message, metadata=None)
     assert_holds(read_cube(tmp_path / "a.tif"), numbers())
 
 

@@ -43,7 +43,7 @@ FORMATS = [(write_mat, "a.mat"), (write_npz, "a.npz"), (write_hdf5, "a.h5"), (wr
 every = pytest.mark.parametrize(("write", "name"), FORMATS)
 
 
-def told(path, **options):
+def refusal(path, **options):
     with pytest.raises(InputError) as caught:
         read_cube(path, **options)
     text = str(caught.value)
@@ -76,7 +76,7 @@ def test_the_unit_comes_from_the_name_or_from_unambiguous_numbers(
 @every
 def test_numbers_that_could_be_angstrom_or_nm_are_not_guessed(tmp_path, write, name):
     write(tmp_path / name, reflectance=CUBE, wl=np.array(NM) * 10)
-    text = told(tmp_path / name)
+    text = refusal(tmp_path / name)
     assert "'wl'" in text
     assert "4000" in text
 
@@ -100,7 +100,7 @@ def test_falling_wavelengths_reverse_the_bands_with_a_note(tmp_path, write, name
 @every
 def test_two_lists_that_differ_are_refused_and_both_named(tmp_path, write, name):
     write(tmp_path / name, reflectance=CUBE, wl=np.array(NM), wavelengths=np.array(NM) + 1)
-    text = told(tmp_path / name)
+    text = refusal(tmp_path / name)
     assert "'wl'" in text
     assert "'wavelengths'" in text
 
@@ -204,7 +204,7 @@ def test_a_faulty_file_of_wavelengths_is_refused_by_name(tmp_path, text):
 def test_listed_numbers_that_are_not_wavelengths_of_light_are_refused(tmp_path, text):
     (tmp_path / "wl.txt").write_text(text)
     np.save(tmp_path / "a.npy", CUBE)
-    told(tmp_path / "a.npy", wavelengths=tmp_path / "wl.txt")
+    refusal(tmp_path / "a.npy", wavelengths=tmp_path / "wl.txt")
 
 
 @pytest.mark.parametrize(

@@ -117,10 +117,15 @@ def test_free_text_leaves_quantum_efficiencies_as_they_are_to_the_last_digit(
 def test_no_comment_alone_answers_a_question(tmp_path, comment):
     path = tmp_path / "bare.csv"
     path.write_text(f"# {comment}\nx,y\n400.5,0.2\n700.5,0.4\n")
-    told = read_curves(path)
-    assert (told.quantity, told.level, told.per, told.scale) == (None, None, None, "fraction")
-    assert told.curves.values.ravel().tolist() == [0.2, 0.4]
-    assert {q.about for q in told.questions} == {"quantity", "per", "level", "beyond"}
+    result = read_curves(path)
+    assert (result.quantity, result.level, result.per, result.scale) == (
+        None,
+        None,
+        None,
+        "fraction",
+    )
+    assert result.curves.values.ravel().tolist() == [0.2, 0.4]
+    assert {q.about for q in result.questions} == {"quantity", "per", "level", "beyond"}
 
 
 UNITS = {"nm": AT_NM, "um": AT_NM / 1000, "angstrom": 10 * AT_NM, "1/cm": 1e7 / AT_NM}
@@ -156,20 +161,20 @@ def test_every_declared_unit_of_wavelengths_gives_the_same_curve(tmp_path, unit,
     rows = [f"{w!r},{q!r}" for w, q in zip(UNITS[unit].tolist(), QE.tolist(), strict=True)]
     path = tmp_path / "filter.ecsv"
     path.write_text(HEADS[head].format(unit=spelling) + "\n".join(rows), encoding="utf-8")
-    told = read_curves(path)
-    assert told.wavelength_unit == unit
-    assert told.quantity == "transmittance"
-    np.testing.assert_allclose(told.curves.wavelength_nm, AT_NM, rtol=1e-12)
-    np.testing.assert_allclose(told.curves.values.ravel(), QE, rtol=1e-12)
+    result = read_curves(path)
+    assert result.wavelength_unit == unit
+    assert result.quantity == "transmittance"
+    np.testing.assert_allclose(result.curves.wavelength_nm, AT_NM, rtol=1e-12)
+    np.testing.assert_allclose(result.curves.values.ravel(), QE, rtol=1e-12)
 
 
 def test_a_table_of_spectral_flux_in_angstrom_is_a_light(tmp_path):
     # the form of synthetic photometry: names, and units below them, in comments
     path = tmp_path / "star.dat"
     path.write_text("# WAVELENGTH FLUX\n# ANGSTROMS FLAM\n3500. 1.\n5500. 2.\n11000. 1.\n")
-    told = read_curves(path)
-    assert (told.quantity, told.per, told.wavelength_unit) == ("power", "energy", "angstrom")
-    assert power_of(told).wavelength_nm.tolist() == [350.0, 550.0, 1100.0]
+    result = read_curves(path)
+    assert (result.quantity, result.per, result.wavelength_unit) == ("power", "energy", "angstrom")
+    assert power_of(result).wavelength_nm.tolist() == [350.0, 550.0, 1100.0]
 
 
 @pytest.mark.parametrize(
@@ -183,8 +188,8 @@ def test_no_unit_is_guessed_where_another_could_be_meant(tmp_path, at):
     with refused_input(subject=str(path), value=span, setting="wavelength_unit"):
         read_curves(path)
     if at == (3000, 11000):
-        told = read_curves(path, answers=Answers(wavelength_unit="angstrom"))
-        assert told.curves.wavelength_nm.tolist() == [300.0, 1100.0]
+        result = read_curves(path, answers=Answers(wavelength_unit="angstrom"))
+        assert result.curves.wavelength_nm.tolist() == [300.0, 1100.0]
 
 
 @pytest.mark.parametrize(
@@ -213,8 +218,8 @@ def test_an_option_never_overrides_a_plausible_heading(tmp_path):
     ):
         read_curves(path, answers=Answers(wavelength_unit="angstrom"))
     path.write_text("wavelength_nm,QE\n0.4,.1\n1.05,.2\n")  # the heading does not fit
-    told = read_curves(path, answers=Answers(wavelength_unit="um"))
-    assert told.curves.wavelength_nm.tolist() == [400.0, 1050.0]
+    result = read_curves(path, answers=Answers(wavelength_unit="um"))
+    assert result.curves.wavelength_nm.tolist() == [400.0, 1050.0]
 
 
 def _curve(path, heading, values):
@@ -337,17 +342,17 @@ def test_units_inside_the_cells_of_wavelengths_leave_the_heading(tmp_path, headi
     factor = 100 if "%" in heading else 1
     path = tmp_path / "cells.csv"
     path.write_text(f"{heading}\n400nm,{factor * 0.5},{factor * 0.25}\n1050nm,{factor * 0.25},0\n")
-    told = read_curves(path)
-    assert told.curves.names == ("QE R", "QE G")
-    assert told.quantity == "QE"
-    np.testing.assert_allclose(told.curves.values, [[0.5, 0.25], [0.25, 0.0]], rtol=1e-15)
+    result = read_curves(path)
+    assert result.curves.names == ("QE R", "QE G")
+    assert result.quantity == "QE"
+    np.testing.assert_allclose(result.curves.values, [[0.5, 0.25], [0.25, 0.0]], rtol=1e-15)
 
 
 def test_percent_of_one_column_is_not_that_of_another(tmp_path):
     path = tmp_path / "mixed.csv"
     path.write_text("wavelength_nm,QE G,error [%]\n400,0.5,2\n1050,0.5,2\n")
-    told = read_curves(path)
-    assert told.curves.values.ravel().tolist() == [0.5, 0.5]  # the error is a deviation
+    result = read_curves(path)
+    assert result.curves.values.ravel().tolist() == [0.5, 0.5]  # the error is a deviation
     path.write_text("wavelength_nm,QE G,T filter [%]\n400,0.5,90\n1050,0.5,90\n")
     with refused_input(subject=str(path), value=("T filter", "QE G"), setting="columns"):
         read_curves(path)

@@ -275,13 +275,13 @@ def test_in_the_dark_a_window_that_knows_of_the_noise_comes_nearer_than_one_that
     mean = raw_of(truth, rgbw_2x2(), sensor.names)
     spread = np.sqrt(np.maximum(mean, 0.0) + sensor.pixel.read_noise_e**2)
     raw = mean + spread * stream(4).standard_normal(mean.shape)
-    told, untold = (
+    values, untold = (
         demosaicked(
             raw, lmmse_filters(rgbw_2x2(), picture_prior(electrons, sensor.names, noise_e2=n))
         )
         for n in (noise, 0.0 * noise)
     )
-    assert psnr_db(told, truth, electrons[18]) > psnr_db(untold, truth, electrons[18]) + 3.0
+    assert psnr_db(values, truth, electrons[18]) > psnr_db(untold, truth, electrons[18]) + 3.0
 
 
 # its noise

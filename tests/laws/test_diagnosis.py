@@ -23,26 +23,26 @@ def analysis_of(qe, time_s=0.005):
 def test_a_healthy_sensor_has_every_number_and_no_complaint():
     analysis = analysis_of(RGB)
     assert diagnosis(analysis) == ()
-    for told in (raw_snr_db(analysis), contravariant_snr_db(analysis), color_snr_db(analysis)):
-        assert all(isinstance(db, float) and np.isfinite(db) for db in told.values())
+    for result in (raw_snr_db(analysis), contravariant_snr_db(analysis), color_snr_db(analysis)):
+        assert all(isinstance(db, float) and np.isfinite(db) for db in result.values())
 
 
 def test_a_copied_channel_hides_its_own_contravariant_snr_and_no_other():
     analysis = analysis_of(COPY)
-    told = contravariant_snr_db(analysis)
+    result = contravariant_snr_db(analysis)
     healthy = contravariant_snr_db(analysis_of(RGB))
-    assert (told["a"], told["d"]) == (None, None)
+    assert (result["a"], result["d"]) == (None, None)
     for name in ("b", "c"):
-        assert told[name] == pytest.approx(healthy[name], abs=1.0)
+        assert result[name] == pytest.approx(healthy[name], abs=1.0)
     assert None not in raw_snr_db(analysis).values()
     assert None not in color_snr_db(analysis).values()
 
 
 def test_a_copied_channel_is_diagnosed_with_its_mix():
-    told = " ".join(diagnosis(analysis_of(COPY)))
-    assert "singular" in told
-    assert "3 of 4" in told
-    assert "0.50 a" in told or "2.00 d" in told
+    result = " ".join(diagnosis(analysis_of(COPY)))
+    assert "singular" in result
+    assert "3 of 4" in result
+    assert "0.50 a" in result or "2.00 d" in result
 
 
 def test_a_nearly_copied_channel_is_diagnosed_and_keeps_its_numbers():
@@ -62,10 +62,10 @@ def test_a_saturated_channel_hides_every_number_that_it_enters():
     assert [other for other, db in raw.items() if db is None] == [name]
     assert set(contravariant_snr_db(analysis).values()) == {None}
     assert set(color_snr_db(analysis).values()) == {None}
-    told = diagnosis(analysis)
-    assert len(told) == 1
-    assert f"channel {name} is saturated" in told[0]
-    assert "10000 e-" in told[0]
+    result = diagnosis(analysis)
+    assert len(result) == 1
+    assert f"channel {name} is saturated" in result[0]
+    assert "10000 e-" in result[0]
 
 
 def test_full_well_itself_still_has_an_snr():
@@ -85,15 +85,15 @@ def held(mean_e):
 
 def test_a_channel_at_99_percent_of_full_well_is_told_to_be_held_there_in_one_of_six_readouts():
     # docs/numbers.md: 15.866 % of 9,900 e- with 10 e- of read noise
-    (told,) = held(9_900.0)
-    assert told.startswith("15.9 % of W is clipped at full well")
-    assert "SNR are too high" in told
+    (result,) = held(9_900.0)
+    assert result.startswith("15.9 % of W is clipped at full well")
+    assert "SNR are too high" in result
 
 
 def test_one_held_readout_of_a_thousand_is_worth_telling_and_one_of_ten_thousand_is_not():
     # Gaussian tails at (10,000 - M) / sqrt(M + 100): 3.03 standard deviations 0.12 %, 3.54 0.02 %
-    (told,) = held(9_700.0)
-    assert told.startswith("0.1 % of W is clipped at full well")
+    (result,) = held(9_700.0)
+    assert result.startswith("0.1 % of W is clipped at full well")
     assert held(9_650.0) == ()
 
 

@@ -230,7 +230,7 @@ def simulated(source, folder, *more):
 
 @pytest.fixture
 def wide_file(tmp_path):
-    """A cube over the whole grid of the catalogue's sensors, as ENVI."""
+    """A cube over the whole grid of the catalog's sensors, as ENVI."""
     path = envi_file(tmp_path)
     ends = ", ".join(f"{w:g}" for w in np.linspace(400, 1050, WAVELENGTH.size))
     head, _, _ = path.read_text().rpartition("wavelength =")
@@ -281,13 +281,13 @@ def spoiled(kind, tmp_path):
 
 @pytest.mark.parametrize("kind", ["file", "memory"])
 def test_a_bad_reflectance_is_the_same_sentence_from_a_worker(executor, tmp_path, kind):
-    cube, told = spoiled(kind, tmp_path), []
+    cube, values = spoiled(kind, tmp_path), []
     for work in (Work(tile_rows=9), Work(tile_rows=9, executor=executor)):
         with refused_input(subject=cube.source) as refused:
             acquired(cube, SITUATION, mosaic=bayer(), work=work)
         assert refused.value.where.startswith("row 33, column 5 ")
-        told.append(str(refused.value))
-    assert told[0] == told[1]
+        values.append(str(refused.value))
+    assert values[0] == values[1]
 
 
 def test_after_a_refused_cube_the_cluster_works_on(executor):
@@ -352,12 +352,12 @@ def test_a_scheduler_that_does_not_answer_is_one_sentence(
     dask = pytest.importorskip("dask", reason="dask is an extra")
     monkeypatch.setattr(on_clusters, "_ANSWERS_WITHIN_S", 0.5)
     code = simulated(wide_file, tmp_path / "o", "--scheduler", scheduler)
-    told = capsys.readouterr()
-    assert (code, told.out) == (2, "")
-    assert told.err.startswith("chromanoise: ")
-    assert f"'{scheduler}'" in told.err
+    message = capsys.readouterr()
+    assert (code, message.out) == (2, "")
+    assert message.err.startswith("chromanoise: ")
+    assert f"'{scheduler}'" in message.err
     assert dask.config.get("scheduler", None) is None  # others' work with dask goes on
-    assert told.err.count("\n") == 1
+    assert message.err.count("\n") == 1
     assert sorted(path.name for path in tmp_path.iterdir()) == ["cube.hdr", "cube.img"]
 
 
@@ -367,10 +367,10 @@ def test_without_dask_the_way_to_install_it_is_told(
 ):
     monkeypatch.setitem(sys.modules, missing, None)
     code = simulated(wide_file, tmp_path / "o", "--scheduler", "local")
-    told = capsys.readouterr()
-    assert (code, told.out) == (2, "")
-    assert "pip install 'chromanoise[distributed]'" in told.err
-    assert told.err.count("\n") == 1
+    message = capsys.readouterr()
+    assert (code, message.out) == (2, "")
+    assert "pip install 'chromanoise[distributed]'" in message.err
+    assert message.err.count("\n") == 1
     assert not (tmp_path / "o").exists()
 
 

@@ -77,8 +77,8 @@ BOTH = ("onyx-rgbw", "onyx-rgb-ircut")
 
 def study_of(*names, level_lux=10.0, **more):
     light = {"illuminant": "E", "level_lux": level_lux} | more.pop("light", {})
-    told = {"light": light, "sensors": [{"name": name} for name in names], **more}
-    return study_from_data(told, source="a test")
+    values = {"light": light, "sensors": [{"name": name} for name in names], **more}
+    return study_from_data(values, source="a test")
 
 
 def fast_study(*names, **more):
@@ -117,9 +117,9 @@ def numbers_of(value):
 @pytest.mark.parametrize("part", PARTS)
 @pytest.mark.parametrize("of", [usual, bright], ids=["usual", "saturated"])
 def test_every_drawing_is_plain_data_without_a_number_that_is_none(part, of):
-    told = drawing(part, of(), Look())
-    assert json.loads(json.dumps(told, allow_nan=False)) == told
-    assert np.isfinite(numbers_of(told)).all()
+    result = drawing(part, of(), Look())
+    assert json.loads(json.dumps(result, allow_nan=False)) == result
+    assert np.isfinite(numbers_of(result)).all()
 
 
 @pytest.mark.parametrize("part", PARTS)
@@ -217,11 +217,11 @@ def night(*, clip):
 @pytest.mark.parametrize("clip", [False, True])
 def test_charts_have_the_numbers_of_a_run(clip):
     of, results = shown(night(clip=clip)), run(night(clip=clip))
-    told = next(iter(results.analyses.values())).to_dict()["sensors"]
+    data = next(iter(results.analyses.values())).to_dict()["sensors"]
     head, stages, chart, pareto = (
         drawing(part, of)["sensors"] for part in ("head", "stages", "chart", "pareto")
     )
-    for i, own in enumerate(told):
+    for i, own in enumerate(data):
         channels = own["channels"]
         assert head[i]["mean_e"] == {c["name"]: c["mean_e"] for c in channels}
         assert head[i]["notes"] == own["notes"]
@@ -242,7 +242,7 @@ def test_charts_have_the_numbers_of_a_run(clip):
     (sweep,) = results.sweeps
     curves = drawing("levels", of)["curves"]
     assert [c["values"] for c in curves] == [c["value"] for c in sweep.to_dict()["curves"]]
-    assert told[0]["color"]["snr_db"]["Y"] == pytest.approx(-16.25 if clip else -15.81, abs=0.01)
+    assert data[0]["color"]["snr_db"]["Y"] == pytest.approx(-16.25 if clip else -15.81, abs=0.01)
 
 
 def test_the_noise_of_patches_is_clipped_where_the_study_clips():
@@ -263,8 +263,8 @@ def test_a_clipped_study_has_no_budget_and_says_what_is_not_clipped():
     for part in PARTS:
         title = drawing(part, of).get("title", "")
         assert title.endswith("without clipping") == (part in ("levels", "pareto"))
-    told = drawing("head", of)["verdict"]
-    assert not any(sentence.startswith("What") for sentence in told)
+    result = drawing("head", of)["verdict"]
+    assert not any(sentence.startswith("What") for sentence in result)
 
 
 def test_a_slider_keeps_the_clipping_of_the_study():
@@ -280,8 +280,8 @@ def test_a_slider_keeps_the_clipping_of_the_study():
 
 @pytest.mark.parametrize("coordinate", ["X", "Y", "Z", "M^G", "L*", "a*", "b*"])
 def test_the_waterfall_has_the_digits_of_analyze_and_leads_from_the_photons_to_the_snr(coordinate):
-    told = drawing("budget", usual(), Look(coordinate=coordinate))["sensors"]
-    for own, drawn in zip(analyzed_as_json(), told, strict=True):
+    result = drawing("budget", usual(), Look(coordinate=coordinate))["sensors"]
+    for own, drawn in zip(analyzed_as_json(), result, strict=True):
         kept = [*own["budget"], *own["contravariant_budget"], *own["lab_budget"]]
         (budget,) = [one for one in kept if one and one["coordinate"] == coordinate]
         start, *middle, end = drawn["steps"]
@@ -318,16 +318,16 @@ def test_a_coordinate_made_of_infrared_has_an_snr_but_no_budget_and_says_why():
 @pytest.mark.parametrize("matrices", [("kernel",), ("lmmse",)], ids=" ".join)
 def test_curves_and_crossovers_over_the_light_are_those_of_compare(matrices):
     of = shown(study_of(*BOTH, matrices=matrices))
-    told = drawing("levels", of)
+    result = drawing("levels", of)
     values = swept_values(SWEEPS["lux"], 0.01, 10_000.0, 73)
     curves = compared(of.operating_points, of.makers, values)
-    assert told["lux"] == values.tolist()
-    for drawn, curve in zip(told["curves"], curves, strict=True):
+    assert result["lux"] == values.tolist()
+    for drawn, curve in zip(result["curves"], curves, strict=True):
         known = [np.nan if v is None else v for v in drawn["values"]]
         np.testing.assert_array_equal(known, curve.value)
     (crossed,) = crossovers(of.operating_points, of.makers, curves)
-    assert [c["lux"] for c in told["crossovers"]] == list(crossed.at or (None,))
-    assert told["crossovers"][0]["sentence"] == crossover_sentence(crossed)
+    assert [c["lux"] for c in result["crossovers"]] == list(crossed.at or (None,))
+    assert result["crossovers"][0]["sentence"] == crossover_sentence(crossed)
 
 
 @pytest.mark.parametrize(
@@ -348,7 +348,7 @@ def test_the_slider_of_the_page_ends_where_the_curves_end():
 
 
 @pytest.mark.parametrize(
-    ("level_lux", "told"),
+    ("level_lux", "result"),
     [
         (10.0, "10 lx"),
         (0.0133, "0.0133 lx"),
@@ -361,18 +361,18 @@ def test_the_slider_of_the_page_ends_where_the_curves_end():
         (1e15, "10¹⁵ lx"),
     ],
 )
-def test_a_level_is_told_as_people_write_it(level_lux, told):
-    assert level_in_words(level_lux) == told
+def test_a_level_is_told_as_people_write_it(level_lux, result):
+    assert level_in_words(level_lux) == result
 
 
 @pytest.mark.parametrize("level_lux", [2e-5, 5e4])
 def test_no_sentence_or_slider_tells_a_level_with_an_e(level_lux):
     of = shown(study_of(*BOTH, level_lux=level_lux))
     slider, *_ = slides_of(of)
-    told = [*drawing("head", of)["verdict"], *slider.told]
+    message = [*drawing("head", of)["verdict"], *slider.texts]
     if level_lux > 1:  # else the span of the curves is told as the command tells it
-        told += [one["sentence"] for one in drawing("levels", of)["crossovers"]]
-    for sentence in told:
+        message += [one["sentence"] for one in drawing("levels", of)["crossovers"]]
+    for sentence in message:
         assert not re.search(r"\de[+-]?\d", sentence)
 
 
@@ -462,9 +462,9 @@ def test_the_fullest_level_is_where_the_fullest_channel_holds_its_well():
 def test_a_curve_tells_from_which_light_on_it_is_saturated_and_not_the_next_point():
     """The time fills the fuller sensor's well to the share asked for at the study's own level."""
     of = shown(study_of(*BOTH, exposure={"saturate": 0.8}))
-    told = [curve["saturated_from_lux"] for curve in drawing("levels", of)["curves"]]
-    assert min(told) == pytest.approx(10.0 / 0.8, rel=1e-9)
-    assert max(told) > 1.5 * min(told)
+    values = [curve["saturated_from_lux"] for curve in drawing("levels", of)["curves"]]
+    assert min(values) == pytest.approx(10.0 / 0.8, rel=1e-9)
+    assert max(values) > 1.5 * min(values)
 
 
 def test_two_sensors_are_equal_where_their_curves_cross():
@@ -504,9 +504,9 @@ def test_the_frame_is_orthonormal_and_spans_the_color_axes():
     frame = color_frame(axes)
     np.testing.assert_allclose(frame.T @ frame, np.eye(3), atol=1e-12)
     np.testing.assert_allclose(frame @ (frame.T @ axes), axes, atol=1e-12 * np.abs(axes).max())
-    told = drawing("vectors", usual())["axes"]
-    assert all(axis["at"][i] > 0 for i, axis in enumerate(told))
-    assert [np.linalg.norm(axis["at"]) for axis in told] == pytest.approx([1, 1, 1])
+    result = drawing("vectors", usual())["axes"]
+    assert all(axis["at"][i] > 0 for i, axis in enumerate(result))
+    assert [np.linalg.norm(axis["at"]) for axis in result] == pytest.approx([1, 1, 1])
 
 
 def test_angles_between_axes_in_the_frame_are_those_of_the_spectra():
@@ -521,12 +521,12 @@ def test_the_share_of_the_norm_is_what_least_squares_on_x_y_z_leaves():
     axes = color_axes(DEFAULT_GRID, "quanta")
     analysis = usual().analyses[0]
     light = reconstructed_light(analysis.matrix.frame, analysis.raw.mean)
-    told = drawing("vectors", usual())["sensors"][0]
+    result = drawing("vectors", usual())["sensors"][0]
     for vector, share in [
-        (light, told["light"]["norm_share"]),
+        (light, result["light"]["norm_share"]),
         *zip(
             analysis.matrix.frame.basis.T,
-            [channel["norm_share"] for channel in told["channels"]],
+            [channel["norm_share"] for channel in result["channels"]],
             strict=True,
         ),
     ]:
@@ -539,12 +539,12 @@ def test_the_share_of_the_norm_is_what_least_squares_on_x_y_z_leaves():
 def test_the_ellipsoid_projected_on_an_axis_has_the_spread_of_that_color():
     """A color axis lies in the frame, so the ellipsoid casts its shadow as the SNR tells it."""
     of = usual()
-    told = drawing("vectors", of, Look(magnification=1.0))
-    for analysis, sensor in zip(of.analyses, told["sensors"], strict=True):
-        direction = np.array(told["axes"][1]["at"])
+    result = drawing("vectors", of, Look(magnification=1.0))
+    for analysis, sensor in zip(of.analyses, result["sensors"], strict=True):
+        direction = np.array(result["axes"][1]["at"])
         center = direction @ sensor["ellipsoid"]["center"]
         shadow = np.linalg.norm(np.array(sensor["ellipsoid"]["half_axes"]) @ direction)
-        snr = 20 * np.log10(center / (shadow / told["sigmas"]))
+        snr = 20 * np.log10(center / (shadow / result["sigmas"]))
         kernel = analysis.color.mean[1] / np.sqrt(analysis.color.variance[1])
         assert snr == pytest.approx(20 * np.log10(kernel), rel=1e-9)
 
@@ -555,7 +555,7 @@ def test_the_ellipsoids_share_is_that_of_the_noise_of_drawn_spectra_within_x_y_z
     axes = color_axes(DEFAULT_GRID, "quanta")
     scaled = axes / np.linalg.norm(axes, axis=0)
     rng = np.random.default_rng(11)
-    for analysis, told in zip(of.analyses, drawing("vectors", of)["sensors"], strict=True):
+    for analysis, result in zip(of.analyses, drawing("vectors", of)["sensors"], strict=True):
         sd = np.sqrt(np.diag(analysis.raw.covariance))
         noise = sd * rng.standard_normal((20_000, sd.size))
         spectra = reconstructed_light(analysis.matrix.frame, noise)
@@ -563,7 +563,7 @@ def test_the_ellipsoids_share_is_that_of_the_noise_of_drawn_spectra_within_x_y_z
         rest = spectra - (scaled @ fit).T
         share = 1 - (rest**2).sum() / (spectra**2).sum()
         assert 0.01 < share < 0.99
-        assert told["ellipsoid"]["norm_share"] == pytest.approx(share, abs=0.01)
+        assert result["ellipsoid"]["norm_share"] == pytest.approx(share, abs=0.01)
 
 
 def test_half_axes_rebuild_the_covariance():
@@ -582,20 +582,20 @@ def test_the_magnification_is_a_round_number_that_fits(largest, magnification):
 
 def test_a_magnification_that_is_asked_for_is_taken():
     one, two = (drawing("vectors", usual(), Look(magnification=m))["sensors"] for m in (1.0, 3.0))
-    small, large = (np.array(told[0]["ellipsoid"]["half_axes"]) for told in (one, two))
+    small, large = (np.array(result[0]["ellipsoid"]["half_axes"]) for result in (one, two))
     np.testing.assert_allclose(large, 3 * small)
 
 
 def test_chart_errors_are_those_of_analyze():
-    for own, told in zip(analyzed_as_json(), drawing("chart", usual())["sensors"], strict=True):
-        assert told["mean_delta_e"] == own["color_error_mean"]
-        errors = [patch["delta_e"] for patch in told["patches"]]
+    for own, result in zip(analyzed_as_json(), drawing("chart", usual())["sensors"], strict=True):
+        assert result["mean_delta_e"] == own["color_error_mean"]
+        errors = [patch["delta_e"] for patch in result["patches"]]
         assert np.mean(errors) == pytest.approx(own["color_error_mean"], rel=1e-12)
 
 
 def test_chart_noise_is_that_of_the_exact_distribution():
     analysis = usual().analyses[1]
-    told = drawing("chart", usual())["sensors"][1]["patches"]
+    result = drawing("chart", usual())["sensors"][1]["patches"]
     chart, some = colorchecker(DEFAULT_GRID), [0, 12, 21]
     scene = replace(analysis.scene, reflectance=chart.values.T[some])
     source = ElectronSource(
@@ -605,7 +605,7 @@ def test_chart_noise_is_that_of_the_exact_distribution():
     )
     color = noisy_color(source, analysis.color.mean)
     noise = propagate(color, LAB, partial(exact, points=2**11))
-    np.testing.assert_allclose([told[i]["noise"] for i in some], noise.delta_e, rtol=0.02)
+    np.testing.assert_allclose([result[i]["noise"] for i in some], noise.delta_e, rtol=0.02)
 
 
 def test_ellipses_are_closed_and_of_48_points_around_their_center():
@@ -629,8 +629,8 @@ def test_the_half_axes_of_an_ellipse_are_conjugate_for_its_covariance(plane):
     for analysis, sensor in zip(of.analyses, drawn["sensors"], strict=True):
         covariance = in_plane(patches_of(analysis), plane)[2]
         axes = np.array([patch["half_axes"] for patch in sensor["patches"]])
-        told = np.einsum("pki,pkj->pij", axes, axes) / drawn["sigmas"] ** 2
-        np.testing.assert_allclose(told, covariance, rtol=1e-9, atol=1e-15)
+        result = np.einsum("pki,pkj->pij", axes, axes) / drawn["sigmas"] ** 2
+        np.testing.assert_allclose(result, covariance, rtol=1e-9, atol=1e-15)
 
 
 @pytest.mark.parametrize("plane", ["ab", "xy"])
@@ -643,8 +643,8 @@ def test_an_ellipse_reaches_as_far_as_the_spread_in_its_worst_direction(plane):
     for analysis, sensor in zip(of.analyses, drawn["sensors"], strict=True):
         covariance = in_plane(patches_of(analysis), plane)[2]
         spread = np.sqrt(np.einsum("ki,pij,kj->pk", around, covariance, around)).max(axis=1)
-        told = np.array([patch["reach"] for patch in sensor["patches"]])
-        np.testing.assert_allclose(told, drawn["sigmas"] * spread, rtol=1e-6)
+        result = np.array([patch["reach"] for patch in sensor["patches"]])
+        np.testing.assert_allclose(result, drawn["sigmas"] * spread, rtol=1e-6)
         for patch in sensor["patches"]:
             farthest = max(np.hypot(*np.subtract(at, patch["center"])) for at in patch["outline"])
             assert np.cos(np.pi / 47) * patch["reach"] * 0.998 < farthest < patch["reach"] * 1.002
@@ -682,9 +682,9 @@ def test_ellipses_hold_the_share_of_draws_that_two_sigma_hold():
 
 def test_colors_on_the_screen_are_those_of_srgb():
     white, gray = np.array([0.9, 1.0, 0.8]), 0.18
-    (told,) = hex_colors(gray * white[None], white)
+    (result,) = hex_colors(gray * white[None], white)
     code = round(255 * float(encoded_srgb(np.full(3, gray), np.ones(3))[0]))
-    assert told == f"#{code:02x}" + 2 * f"{code:02x}"
+    assert result == f"#{code:02x}" + 2 * f"{code:02x}"
 
 
 def test_chromaticity_of_equal_energy_is_a_third_and_its_slope_that_of_differences():
@@ -700,21 +700,21 @@ def test_chromaticity_of_equal_energy_is_a_third_and_its_slope_that_of_differenc
 
 def test_the_pareto_curve_trades_error_for_noise_and_passes_through_its_own_matrix():
     of = shown(study_of("onyx-rgbw", matrices=["noise-regularized=1"]))
-    (told,) = drawing("pareto", of)["sensors"]
+    (result,) = drawing("pareto", of)["sensors"]
     assert noise_weights(1e-3, 1e3, points=13)[6] == pytest.approx(1.0)
-    at_one = told["points"][6]
-    assert told["now"]["snr_db"] == pytest.approx(at_one["snr_db"], rel=1e-9)
-    assert told["now"]["color_error"] == pytest.approx(at_one["color_error"], rel=1e-9)
-    snr = [p["snr_db"] for p in told["points"]]
+    at_one = result["points"][6]
+    assert result["now"]["snr_db"] == pytest.approx(at_one["snr_db"], rel=1e-9)
+    assert result["now"]["color_error"] == pytest.approx(at_one["color_error"], rel=1e-9)
+    snr = [p["snr_db"] for p in result["points"]]
     assert snr == sorted(snr)
 
 
 def test_the_verdict_of_the_papers_sensors_is_the_papers():
-    told = " ".join(drawing("head", usual())["verdict"])
-    assert "onyx-rgbw is 4.5 dB better than onyx-rgb-ircut in raw" in told
-    assert "6.4 dB worse in luminance" in told
-    assert "unmixing correlated channels" in told
-    assert "Delta E*ab" in told
+    result = " ".join(drawing("head", usual())["verdict"])
+    assert "onyx-rgbw is 4.5 dB better than onyx-rgb-ircut in raw" in result
+    assert "6.4 dB worse in luminance" in result
+    assert "unmixing correlated channels" in result
+    assert "Delta E*ab" in result
 
 
 def test_the_verdict_does_not_depend_on_the_order_of_sensors():
@@ -725,8 +725,8 @@ def test_the_verdict_does_not_depend_on_the_order_of_sensors():
 
 def test_a_pixel_of_a_hundredth_of_the_area_loses_20_db_for_photons_and_the_verdict_says_so():
     small = {"name": "onyx-rgb-ircut", "pixel": {"pitch_um": 1.0}}
-    told = {"light": {"level_lux": 10.0}, "sensors": [{"name": "onyx-rgb-ircut"}, small]}
-    verdict = drawing("head", shown(study_from_data(told, source="a test")))["verdict"]
+    values = {"light": {"level_lux": 10.0}, "sensors": [{"name": "onyx-rgb-ircut"}, small]}
+    verdict = drawing("head", shown(study_from_data(values, source="a test")))["verdict"]
     assert "than onyx-rgb-ircut: fewer photons reach its pixels: 20.0 dB;" in verdict[1]
 
 
@@ -761,11 +761,13 @@ def test_what_a_sensor_alone_loses_below_its_raw_channels_is_not_what_they_lack_
     name, matrix, illuminant, level_lux
 ):
     light = {"illuminant": illuminant, "level_lux": level_lux}
-    told, *_ = verdict_sentences(shown(fast_study(name, light=light, matrices=[matrix])).analyses)
-    assert "read noise" not in told
-    assert "-0.0" not in told
-    price = float(re.search(r"SNR, ([\d.]+) dB below", told)[1])
-    why = re.search(r"(mostly|above all) because of [^;]+ \(([\d.]+) dB\)", told)
+    message, *_ = verdict_sentences(
+        shown(fast_study(name, light=light, matrices=[matrix])).analyses
+    )
+    assert "read noise" not in message
+    assert "-0.0" not in message
+    price = float(re.search(r"SNR, ([\d.]+) dB below", message)[1])
+    why = re.search(r"(mostly|above all) because of [^;]+ \(([\d.]+) dB\)", message)
     assert (why is None) <= (price < 1.0)
     if why:
         share = float(why[2]) / price
@@ -787,11 +789,11 @@ def test_terms_other_than_one_time_for_all_are_told():
 
 
 def test_the_verdict_tells_of_saturated_sensors_and_of_one_alone():
-    told = drawing("head", bright())["verdict"]
-    assert len(told) == 2
-    assert told[0].startswith("At 10 lx (illuminant E, 30 ms, f/1.8), onyx-rgb-ircut has")
-    assert told[1].startswith("onyx-rgbw: ")
-    assert "saturated" in told[1]
+    result = drawing("head", bright())["verdict"]
+    assert len(result) == 2
+    assert result[0].startswith("At 10 lx (illuminant E, 30 ms, f/1.8), onyx-rgb-ircut has")
+    assert result[1].startswith("onyx-rgbw: ")
+    assert "saturated" in result[1]
 
 
 @pytest.mark.parametrize(
@@ -806,16 +808,16 @@ def test_the_verdict_tells_of_saturated_sensors_and_of_one_alone():
 )
 @pytest.mark.parametrize("level_lux", [0.001, 1000.0])
 def test_every_set_of_sensors_has_a_verdict_of_whole_sentences(names, level_lux):
-    told = drawing("head", shown(study_of(*names, level_lux=level_lux)))["verdict"]
-    assert told
-    for sentence in told:
+    result = drawing("head", shown(study_of(*names, level_lux=level_lux)))["verdict"]
+    assert result
+    for sentence in result:
         assert re.fullmatch(r"[^\n]*[A-Za-z][^\n]*[^.\s]\.", sentence)
         assert not re.search(r"\b(nan|inf|None)\b|  | [.,;]|\(\)|\.\.|-0\.0\b", sentence)
         assert sentence.count("(") == sentence.count(")")
     for name in names:
-        assert any(name in sentence for sentence in told), name
-    (colors,) = [s for s in told if "color error" in s.lower()]
-    assert all(name in colors for name in names if not any(s.startswith(name) for s in told))
+        assert any(name in sentence for sentence in result), name
+    (colors,) = [s for s in result if "color error" in s.lower()]
+    assert all(name in colors for name in names if not any(s.startswith(name) for s in result))
 
 
 def test_equal_sensors_are_told_apart_and_level():
@@ -837,8 +839,8 @@ def test_an_unknown_part_plane_or_coordinate_is_refused():
 
 
 def test_an_added_cut_in_a_study_is_that_of_the_sweep():
-    told = {"sensors": [{"name": "onyx-rgbw", "ircut_nm": 650.0}]}
-    (cut,) = operating_points_of(study_from_data(told, source="a test"))
+    values = {"sensors": [{"name": "onyx-rgbw", "ircut_nm": 650.0}]}
+    (cut,) = operating_points_of(study_from_data(values, source="a test"))
     (bare,) = operating_points_of(study_of("onyx-rgbw"))
     swept = SWEEPS["ircut-nm"].at(bare, 650.0)
     np.testing.assert_array_equal(cut.sensor.qe, swept.sensor.qe)
@@ -875,8 +877,8 @@ def test_a_shift_out_of_reason_is_refused(shift_nm):
 
 
 def test_curves_are_shifted_before_the_added_cut_which_stays_where_it_is():
-    told = {"sensors": [{"name": "onyx-rgb", "ircut_nm": 650.0, "shift_nm": 30.0}]}
-    sensor = sensor_of(study_from_data(told, source="a test").sensors[0])
+    values = {"sensors": [{"name": "onyx-rgb", "ircut_nm": 650.0, "shift_nm": 30.0}]}
+    sensor = sensor_of(study_from_data(values, source="a test").sensors[0])
     moved = with_shifted_curves(sensor_named("onyx-rgb", DEFAULT_GRID), 30.0)
     np.testing.assert_array_equal(sensor.qe, behind_ir_cut(moved, 650.0).qe)
     edge = int(np.argmax(DEFAULT_GRID.wavelength_nm == 650.0))
@@ -884,6 +886,8 @@ def test_curves_are_shifted_before_the_added_cut_which_stays_where_it_is():
 
 
 def test_the_grays_noise_is_that_of_the_full_cubature():
-    for analysis, told in zip(usual().analyses, drawing("stages", usual())["sensors"], strict=True):
+    for analysis, result in zip(
+        usual().analyses, drawing("stages", usual())["sensors"], strict=True
+    ):
         full = gray_noise_as_json(gray_noise(analysis, LAB))["sd_normal_law"]
-        assert told["lab_sd"] == pytest.approx(full, rel=3e-3)
+        assert result["lab_sd"] == pytest.approx(full, rel=3e-3)

@@ -286,12 +286,12 @@ def test_only_the_exact_method_reports_an_error_of_its_own(method):
 
 def test_in_the_dark_the_gray_of_a_sensor_says_that_its_noise_is_not_normal():
     sensor = sensor_named("onyx-rgb-ircut", DEFAULT_GRID)
-    told = []
+    values = []
     for level_lux in (100.0, 0.3):
         analysis = analyzed(flat_field(LAMP, level_lux=level_lux), sensor, Exposure(time_s=0.001))
-        told.append(gray_noise(analysis, LAB, readout=HELD))
-    assert [noise.normal_holds for noise in told] == [True, False]
-    assert [noise.first_order_holds for noise in told] == [True, False]
+        values.append(gray_noise(analysis, LAB, readout=HELD))
+    assert [noise.normal_holds for noise in values] == [True, False]
+    assert [noise.first_order_holds for noise in values] == [True, False]
 
 
 def drawn_moments(mean_e, read_noise_e, readout, ways, draws, seed):

@@ -60,7 +60,7 @@ def test_a_resin_passes_its_band_blocks_beside_it_and_leaks_the_infrared(low, wi
     assert curve[-1] > 0.9
 
 
-def test_no_catalogue_sensor_exceeds_one_electron_per_photon():
+def test_no_catalog_sensor_exceeds_one_electron_per_photon():
     for name in SENSOR_NAMES:
         qe = sensor_named(name, DEFAULT_GRID).qe
         assert qe.max() <= 1

@@ -126,10 +126,10 @@ def test_libraw_tells_the_same_of_a_dng_as_its_tags(tmp_path):
         write(tmp_path / "a.dng", drawn(), *((mosaic,) if write is write_raw else ()))
         (frame,) = frames_in(tmp_path / "a.dng")
         libraw = _Raw(path=frame.path, shape=frame.shape, pixels=24 * 30)
-        told = libraw.header()
-        assert told["mosaic"] == frame.mosaic == mosaic
-        assert told["black_level_dn"] == frame.black_level_dn == 64.0
-        assert told["white_level_dn"] == frame.white_level_dn == 4000.0
+        result = libraw.header()
+        assert result["mosaic"] == frame.mosaic == mosaic
+        assert result["black_level_dn"] == frame.black_level_dn == 64.0
+        assert result["white_level_dn"] == frame.white_level_dn == 4000.0
         assert (libraw() == frame.codes()).all()
 
 

@@ -24,11 +24,11 @@ def test_a_damaged_cube_of_any_format_is_a_cube_or_one_sentence_in_bounded_time_
         capture_output=True, text=True, check=True,
         env={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
     )  # fmt: skip
-    told = json.loads(done.stdout)
-    for name, own in told["outcomes"].items():
+    data = json.loads(done.stdout)
+    for name, own in data["outcomes"].items():
         print(f"{name}: {own}")
-    print(f"largest {told['largest_kib'] // 1024} MiB, {told['seconds']} s")
+    print(f"largest {data['largest_kib'] // 1024} MiB, {data['seconds']} s")
     assert done.stderr == ""
-    assert told["faults"] == []
-    assert sum(sum(own.values()) for own in told["outcomes"].values()) == COUNT
-    assert told["largest_kib"] < 2**20
+    assert data["faults"] == []
+    assert sum(sum(own.values()) for own in data["outcomes"].values()) == COUNT
+    assert data["largest_kib"] < 2**20

@@ -119,7 +119,7 @@ SENTENCES = ("study",)  # all its faults at once, one line each
 def right_or_refused(read, path, name):
     """What was read, or why not: sentences that name the file and are not endless."""
     try:
-        told = read(path)
+        result = read(path)
     except InputError as error:
         lines = str(error).splitlines()
         assert len(lines) == 1 or name in SENTENCES
@@ -127,15 +127,15 @@ def right_or_refused(read, path, name):
             assert path.name in line, line
             assert len(line) < 2000
         return False
-    if told is None:  # of our own JSON whose head was hit: it is another's then
+    if result is None:  # of our own JSON whose head was hit: it is another's then
         head = path.read_bytes()[:200]
         assert b'"chromanoise sensor"' not in head or not head.lstrip().startswith(b"{")
         return True
-    assert isinstance(told, KINDS[name])
-    assert all(np.isfinite(value) and value >= 0 for value in numbers_of(told))
-    if isinstance(told, Sensor):
-        assert ((told.qe >= 0) & (told.qe <= 1)).all()
-        assert told.qe.shape == (told.grid.n, len(told.names))
+    assert isinstance(result, KINDS[name])
+    assert all(np.isfinite(value) and value >= 0 for value in numbers_of(result))
+    if isinstance(result, Sensor):
+        assert ((result.qe >= 0) & (result.qe <= 1)).all()
+        assert result.qe.shape == (result.grid.n, len(result.names))
     return True
 
 
@@ -149,16 +149,22 @@ KINDS = dict.fromkeys(("sheet", "sheet-json", "profile", "transfer", "pixel-toml
 }
 
 
-def numbers_of(told):
+def numbers_of(result):
     """What a pixel is made of, which has no sense below 0; and the curves of a file."""
-    if isinstance(told, PixelSource):
-        given = (told.pitch_um, told.full_well_e, told.read_noise_e, told.dsnu_e, told.prnu)
-        return [value for value in (*given, told.dark_current_e_per_s) if value is not None]
-    if isinstance(told, Sensor):
-        pixel = told.pixel
+    if isinstance(result, PixelSource):
+        given = (
+            result.pitch_um,
+            result.full_well_e,
+            result.read_noise_e,
+            result.dsnu_e,
+            result.prnu,
+        )
+        return [value for value in (*given, result.dark_current_e_per_s) if value is not None]
+    if isinstance(result, Sensor):
+        pixel = result.pixel
         return [pixel.pitch_um, pixel.full_well_e, pixel.read_noise_e]
-    if isinstance(told, ParsedSpectra):
-        return np.abs(told.curves.values).ravel()
+    if isinstance(result, ParsedSpectra):
+        return np.abs(result.curves.values).ravel()
     return []
 
 

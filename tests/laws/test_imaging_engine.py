@@ -480,8 +480,8 @@ def test_a_view_is_read_as_it_lies(columns, bands):
     whole = np.arange(4 * 50 * 9, dtype=np.float32).reshape(4, 50, 9)
     view = whole[1:3, 2 : 2 + columns, 3 : 3 + bands]
     for planar in (False, True):
-        flat, (told, row, pixel, band) = flattened(view, planar=planar)
-        assert told == bands
+        flat, (result, row, pixel, band) = flattened(view, planar=planar)
+        assert result == bands
         read = [
             [[flat[r * row + c * pixel + b * band] for b in range(bands)] for c in range(columns)]
             for r in range(2)

@@ -283,9 +283,9 @@ def test_a_saturated_sensor_says_so_and_a_missing_coordinate_is_named():
     assert "saturated" in missing_lab_budgets(mono, lab_budgets(mono))
     assert lab_budgets(mono) == (None, None, None)
     short = analyzed(WHITE, mono.sensor, Exposure(time_s=0.002))
-    told = lab_budgets(short)
-    assert [b is None for b in told] == [False, True, True]
-    assert "no budget of a*, b*" in missing_lab_budgets(short, told)
+    result = lab_budgets(short)
+    assert [b is None for b in result] == [False, True, True]
+    assert "no budget of a*, b*" in missing_lab_budgets(short, result)
     assert [b is None for b in budgets_as_json(short)["lab_budget"]] == [False, True, True]
     rgb = analyzed(WHITE, sensor_named("onyx-rgb-ircut", DEFAULT_GRID), EXPOSURE)
     assert missing_lab_budgets(rgb, lab_budgets(rgb)) is None
@@ -296,9 +296,9 @@ def test_the_budgets_of_a_study_are_of_an_18_percent_gray_in_the_light_of_its_wh
     sensor = sensor_named("onyx-rgbw", DEFAULT_GRID)
     study = analyzed(WHITE, sensor, EXPOSURE if not more else Exposure(time_s=0.005))
     measured = sigmas(sensor, scene, study.exposure)
-    told = lab_budgets(study, **more)
-    assert [b.coordinate for b in told] == list(COORDINATES)
-    for budget in told:
+    result = lab_budgets(study, **more)
+    assert [b.coordinate for b in result] == list(COORDINATES)
+    for budget in result:
         sigma = measured[budget.coordinate]
         assert budget.snr_db == pytest.approx(-20 * np.log10(sigma), abs=1e-9)
 

@@ -30,7 +30,14 @@ from chromanoise.imaging import bilinear_filters, demosaicked
 from chromanoise.metrics import matrix_report, visual_noise_of_picture
 from chromanoise.noise import with_noise
 from chromanoise.scene import Scene, flat_field
-from chromanoise.sensor import Mosaic, Pixel, bayer
+from chromanoise.sensor import (
+    Mosaic,
+    Pixel,
+    bayer,
+    crosstalk_of_share,
+    with_crosstalk,
+    with_pixel,
+)
 from chromanoise.spectra import (
     DEFAULT_GRID,
     Grid,
@@ -95,28 +102,28 @@ def camera(name):
     ],
 )
 def test_a_measured_camera_has_its_printed_q_vora_value_and_smi(name, q, vora, smi):
-    told = values(merits_at(camera(name), metric="energy"))
-    assert [told[f"neugebauer_q_{c}"] for c in "RGB"] == pytest.approx(q, abs=5e-5)
-    assert told["vora_value"] == pytest.approx(vora, abs=1e-4)  # no curve below 0 here
-    assert told["smi"] == pytest.approx(smi, abs=0.02)
+    result = values(merits_at(camera(name), metric="energy"))
+    assert [result[f"neugebauer_q_{c}"] for c in "RGB"] == pytest.approx(q, abs=5e-5)
+    assert result["vora_value"] == pytest.approx(vora, abs=1e-4)  # no curve below 0 here
+    assert result["smi"] == pytest.approx(smi, abs=0.02)
 
 
 def test_a_measured_camera_has_its_printed_angles():
-    told = values(merits_at(camera("Nikon 5100 (NPL)"), metric="energy"))
-    angles = [told[f"principal_angle_{i}"] for i in (1, 2, 3)]
+    result = values(merits_at(camera("Nikon 5100 (NPL)"), metric="energy"))
+    angles = [result[f"principal_angle_{i}"] for i in (1, 2, 3)]
     assert angles == pytest.approx([3.63, 13.65, 22.84], abs=5e-3)
 
 
 def test_a_sensor_that_is_the_eye_reaches_the_best_of_every_filter_merit():
     axes = color_axes(DEFAULT_GRID, "quanta")
     eye = sensor_of(0.9 * axes / axes.max(), grid=DEFAULT_GRID, pixel=pixel_with(0.0, 1e9))
-    told = values(merits_at(eye, exposure=filled(eye, 0.9)))
-    assert [told[f"neugebauer_q_{c}"] for c in "abc"] == pytest.approx([1.0] * 3, abs=1e-12)
-    assert told["vora_value"] == pytest.approx(1.0, abs=1e-12)
-    assert [told[f"principal_angle_{i}"] for i in (1, 2, 3)] == pytest.approx([0.0] * 3, abs=1e-6)
-    assert told["smi"] == pytest.approx(100.0, abs=1e-3)
-    assert told["smi_lamp"] == pytest.approx(100.0, abs=1e-3)
-    assert told["figure_of_merit"] == pytest.approx(1.0, abs=1e-5)  # 1e9 e- at the white
+    result = values(merits_at(eye, exposure=filled(eye, 0.9)))
+    assert [result[f"neugebauer_q_{c}"] for c in "abc"] == pytest.approx([1.0] * 3, abs=1e-12)
+    assert result["vora_value"] == pytest.approx(1.0, abs=1e-12)
+    assert [result[f"principal_angle_{i}"] for i in (1, 2, 3)] == pytest.approx([0.0] * 3, abs=1e-6)
+    assert result["smi"] == pytest.approx(100.0, abs=1e-3)
+    assert result["smi_lamp"] == pytest.approx(100.0, abs=1e-3)
+    assert result["figure_of_merit"] == pytest.approx(1.0, abs=1e-5)  # 1e9 e- at the white
 
 
 def test_infrared_costs_metamerism_in_the_lamp_but_not_in_the_standards_range():
@@ -142,6 +149,14 @@ def test_information_of_one_channel_is_that_of_a_gaussian_channel():
     electrons = chart_electrons(sensor)
     snr = np.var(electrons) / (electrons.mean() + 49.0)  # Shannon 1948
     assert values(merits_at(sensor))["information"] == pytest.approx(0.5 * np.log2(1.0 + snr))
+
+
+def test_the_noise_of_the_chart_is_the_mean_over_its_patches_also_with_prnu():
+    sensor = with_pixel(white_channel(pixel=pixel_with(7.0)), {"prnu": 0.1})
+    electrons = chart_electrons(sensor)
+    noise = np.mean(electrons + 49.0 + (0.1 * electrons) ** 2)
+    bits = 0.5 * np.log2(1.0 + np.var(electrons) / noise)
+    assert values(merits_at(sensor))["information"] == pytest.approx(bits)
 
 
 @pytest.mark.parametrize("read_noise_e", [0.0, 30.0])
@@ -198,10 +213,10 @@ def test_one_channel_without_readout_reaches_snr_10_at_100_electrons():
 def test_noise_speed_of_one_channel_counts_photons_per_lux_second():
     """32,555 photons per lx s um^2 of equal energy 400-1050 nm (docs/numbers.md) on 100 um^2."""
     sensor = white_channel(0.5, grid=Grid.uniform(400, 1050, 1), pixel=pixel_with(0.0))
-    told = values(merits_at(sensor))
+    result = values(merits_at(sensor))
     per_lux_second = 32_555 * 100 * 0.5
-    assert told["noise_speed_10"] == pytest.approx(10 * per_lux_second / 10**2, rel=1e-4)
-    assert told["noise_speed_40"] == pytest.approx(10 * per_lux_second / 40**2, rel=1e-4)
+    assert result["noise_speed_10"] == pytest.approx(10 * per_lux_second / 10**2, rel=1e-4)
+    assert result["noise_speed_40"] == pytest.approx(10 * per_lux_second / 40**2, rel=1e-4)
 
 
 def test_the_adapting_matrix_has_snr_10_at_the_light_for_which_it_is_made():
@@ -219,8 +234,8 @@ def test_the_adapting_matrix_has_snr_10_at_the_light_for_which_it_is_made():
 
 @pytest.mark.parametrize("method", ["kernel", "least-squares", "ridge=0.01"])
 def test_a_matrix_that_does_not_adapt_has_no_adapted_speed(method):
-    told = merits_at(rgb_sensor(), method=method)
-    (adapted,) = (entry for entry in told.entries if entry.name == "snr10_adapted")
+    result = merits_at(rgb_sensor(), method=method)
+    (adapted,) = (entry for entry in result.entries if entry.name == "snr10_adapted")
     assert adapted.value is None
     assert "does not adapt" in adapted.missing
 
@@ -238,10 +253,22 @@ def test_tonal_range_of_a_full_well_of_10000_electrons_is_7_4998_bits(share):
     )
 
 
+@pytest.mark.parametrize("bits", [8, 10, 14])
+def test_levels_are_no_finer_than_the_codes(bits):
+    """DxOMark: the integral of 1 over the larger of step and noise, here as a sum."""
+    sensor = with_pixel(white_channel(pixel=pixel_with(2.0, 10_000.0)), {"bits": bits})
+    step = 10_000.0 / (2**bits - 1)
+    middle = np.linspace(0.0, 10_000.0, 400_001)[:-1] + 0.0125
+    sigma = np.sqrt(middle + 4.0 + step**2 / 12)
+    levels = np.sum(0.025 / np.maximum(step, sigma))
+    found = values(merits_at(sensor, exposure=filled(sensor, 1.0)))["tonal_range_W"]
+    assert found == pytest.approx(np.log2(levels), rel=1e-6)
+
+
 def test_color_sensitivity_of_three_channels_of_64_electrons_is_12_bits():
     sensor = sensor_of(np.repeat(RGB[:, :1], 3, axis=1), pixel=pixel_with(0.0, 64.0))
-    told = values(merits_at(sensor, exposure=filled(sensor, 1.0)))
-    assert told["color_sensitivity"] == pytest.approx(12.0, rel=1e-12)  # 3 log2(2 sqrt 64)
+    result = values(merits_at(sensor, exposure=filled(sensor, 1.0)))
+    assert result["color_sensitivity"] == pytest.approx(12.0, rel=1e-12)  # 3 log2(2 sqrt 64)
 
 
 # visual noise
@@ -251,18 +278,29 @@ def test_visual_noise_of_one_channel_is_the_area_under_the_luminance_csf():
     """sigma_L* = 116/3 Y^(1/3) / SNR, and int 2 pi f CSF^2 df by the gamma function."""
     sensor = white_channel(pixel=pixel_with(5.0, 1e6))
     seen = Viewing(pixel_pitch_mm=0.25, distance_mm=1800.0)
-    told = values(merits_at(sensor, viewing=seen))["visual_noise"]
+    result = values(merits_at(sensor, viewing=seen))["visual_noise"]
     per_degree = 2 * 1800.0 * np.tan(np.radians(0.5)) / 0.25
     area = 2 * np.pi * (75.0 / 34.05) ** 2 * gamma(3.6) / 0.4**3.6 / per_degree**2
     gray_e = 0.18 * expected_electrons(flat_field(LAMP, level_lux=10.0), sensor, EXPOSURE)[0]
     sigma = 116.0 / 3.0 * 0.18 ** (1 / 3) * np.sqrt(gray_e + 25.0) / gray_e
-    assert told == pytest.approx(sigma * np.sqrt(area), rel=3e-3)
+    assert result == pytest.approx(sigma * np.sqrt(area), rel=3e-3)
+
+
+def test_crosstalk_after_counting_is_undone_where_the_readout_adds_no_noise():
+    plain = rgb_sensor(mosaic=bayer(), pixel=Pixel(pitch_um=10, full_well_e=1e9, read_noise_e=0))
+    mixing = replace(crosstalk_of_share(0.2, bayer(), plain.names), stage="charge")
+    coupled = merits_at(with_crosstalk(plain, mixing))
+    names = ("visual_noise", "figure_of_merit", "information")
+    found, expected = values(coupled), values(merits_at(plain))
+    assert [found[name] for name in names] == pytest.approx([expected[name] for name in names])
+    missing = {entry.name: entry.missing for entry in coupled.entries}
+    assert "crosstalk" in missing["color_sensitivity"]
 
 
 def test_a_mosaic_of_one_channel_leaves_its_visual_noise_alone():
     alone = replace(white_channel(), mosaic=Mosaic((("W",),)))
-    told = values(merits_at(alone))
-    assert told["visual_noise_bilinear"] == pytest.approx(told["visual_noise"], rel=1e-12)
+    result = values(merits_at(alone))
+    assert result["visual_noise_bilinear"] == pytest.approx(result["visual_noise"], rel=1e-12)
 
 
 def test_visual_noise_of_a_bayer_mosaic_is_that_of_simulated_pictures():
@@ -308,19 +346,19 @@ def test_visual_noise_of_a_bayer_mosaic_is_that_of_simulated_pictures():
 def test_a_white_that_fills_a_channel_hides_what_follows_eq_7_and_says_why():
     sensor = rgb_sensor(mosaic=bayer())
     exposure = filled(sensor, 1.0)
-    told = merits_at(sensor, exposure=replace(exposure, time_s=4 * exposure.time_s))
-    hidden = {entry.name for entry in told.entries if "saturated" in entry.missing}
+    result = merits_at(sensor, exposure=replace(exposure, time_s=4 * exposure.time_s))
+    hidden = {entry.name for entry in result.entries if "saturated" in entry.missing}
     assert hidden == {"figure_of_merit", "information", "visual_noise", "visual_noise_bilinear"}
-    assert values(told)["vora_value"] is not None
+    assert values(result)["vora_value"] is not None
 
 
 def test_a_matrix_whose_white_is_no_color_has_no_visual_noise_and_no_speed():
     red_only = sensor_of(bell_qe([620.0, 660.0], [10.0, 10.0], [0.5, 0.5]), grid=GRID)
     analysis = analyzed(flat_field(LAMP, level_lux=10.0), red_only, EXPOSURE)
     negative = replace(analysis.matrix, matrix=analysis.matrix.matrix * [[1], [1], [-1]])
-    told = merits_of(replace(analysis, matrix=negative))
+    result = merits_of(replace(analysis, matrix=negative))
     lost = {
-        entry.name for entry in told.entries if entry.missing.startswith("Z of a perfect white")
+        entry.name for entry in result.entries if entry.missing.startswith("Z of a perfect white")
     }
     assert lost == {"noise_speed_10", "noise_speed_40", "visual_noise"}
     # not the one through a mosaic: that there is none is told first
@@ -329,17 +367,17 @@ def test_a_matrix_whose_white_is_no_color_has_no_visual_noise_and_no_speed():
 def test_a_lamp_without_blue_has_no_color_in_cielab():
     sensor = rgb_sensor()
     lamp = illuminant_named("LED660", GRID)
-    told = merits_of(analyzed(flat_field(lamp, level_lux=10.0), sensor, EXPOSURE))
-    for entry in told.entries:
+    result = merits_of(analyzed(flat_field(lamp, level_lux=10.0), sensor, EXPOSURE))
+    for entry in result.entries:
         assert (entry.value is None) == bool(entry.missing)
 
 
 @settings(max_examples=6, deadline=None)
 @given(sensors(), st.floats(1e-3, 1e4))
 def test_every_merit_has_a_finite_value_or_a_reason_and_goes_into_json(sensor, lux):
-    told = merits_as_json(merits_at(sensor, lux=lux))
-    json.dumps(told, allow_nan=False)
-    for name, entry in told["values"].items():
+    data = merits_as_json(merits_at(sensor, lux=lux))
+    json.dumps(data, allow_nan=False)
+    for name, entry in data["values"].items():
         assert (entry["value"] is None) != (entry["missing"] is None), name
         assert entry["source"]
 
@@ -391,20 +429,20 @@ def test_a_saturated_white_has_no_snr_along_the_curve():
     )
     curve = pareto_of(operating_point, noise_weights(0.1, 10.0, points=3), prior="chart")
     assert white_snr_db(curve, report) == (None, None, None)
-    told = matrix_as_json(operating_point, matrix, report, curve)
-    assert [point["snr_y_db"] for point in told["pareto"]] == [None] * 3
-    assert told["report"]["snr_db"] is None
+    data = matrix_as_json(operating_point, matrix, report, curve)
+    assert [point["snr_y_db"] for point in data["pareto"]] == [None] * 3
+    assert data["report"]["snr_db"] is None
 
 
 def test_the_matrix_in_json_is_on_the_curve_in_json_at_its_weight():
     operating_point, matrix, report = reported(rgb_sensor(), EXPOSURE)
     curve = pareto_of(operating_point, noise_weights(0.01, 100.0, points=3), prior="chart")
-    told = matrix_as_json(operating_point, matrix, report, curve)
-    json.dumps(told, allow_nan=False)
-    at_1 = told["pareto"][1]
+    data = matrix_as_json(operating_point, matrix, report, curve)
+    json.dumps(data, allow_nan=False)
+    at_1 = data["pareto"][1]
     assert at_1["weight"] == pytest.approx(1.0)
-    assert np.array(at_1["lux_per_e"]) == pytest.approx(np.array(told["matrix"]["lux_per_e"]))
-    assert at_1["snr_y_db"] == pytest.approx(told["report"]["snr_db"]["Y"], abs=1e-9)
+    assert np.array(at_1["lux_per_e"]) == pytest.approx(np.array(data["matrix"]["lux_per_e"]))
+    assert at_1["snr_y_db"] == pytest.approx(data["report"]["snr_db"]["Y"], abs=1e-9)
 
 
 @pytest.mark.parametrize(

@@ -69,14 +69,14 @@ def test_a_name_cannot_become_markup():
         notes=("a & b",),
     )
     assert "<img" not in sensor._repr_html_()
-    told = read(sensor)
-    assert evil in told
-    assert "a & b" in told
+    result = read(sensor)
+    assert evil in result
+    assert "a & b" in result
 
 
 def test_a_measurement_tells_mean_deviation_and_correlation():
     """The covariance [[4, -3], [-3, 9]] has deviations 2 and 3 and a correlation of -1/2."""
-    told = read(
+    result = read(
         Measurement(
             mean=np.array([10.0, 20.0]),
             covariance=np.array([[4.0, -3.0], [-3.0, 9.0]]),
@@ -85,8 +85,8 @@ def test_a_measurement_tells_mean_deviation_and_correlation():
             unit="e-",
         )
     )
-    assert re.search(r"a\s+10\s+2\s+1.00\s+-0.50", told)
-    assert re.search(r"b\s+20\s+3\s+-0.50\s+1.00", told)
+    assert re.search(r"a\s+10\s+2\s+1.00\s+-0.50", result)
+    assert re.search(r"b\s+20\s+3\s+-0.50\s+1.00", result)
 
 
 def test_an_analysis_shows_the_papers_figures():
@@ -103,17 +103,17 @@ def test_a_saturated_channel_shows_no_number():
 
 
 def test_the_shown_costs_lead_from_all_photons_to_the_coordinate():
-    told = read(color_budgets(ANALYSIS)[1])
-    (start,) = re.findall(r"all photons on the pixels\s+(\d+\.\d\d)", told)
-    costs = re.findall(r"\s([+-]\d+\.\d\d)\s", told)
-    (end,) = re.findall(r"SNR of Y\s+(\d+\.\d\d)", told)
+    result = read(color_budgets(ANALYSIS)[1])
+    (start,) = re.findall(r"all photons on the pixels\s+(\d+\.\d\d)", result)
+    costs = re.findall(r"\s([+-]\d+\.\d\d)\s", result)
+    (end,) = re.findall(r"SNR of Y\s+(\d+\.\d\d)", result)
     assert len(costs) == 6
     assert float(start) + sum(map(float, costs)) == pytest.approx(float(end), abs=0.05)
 
 
 def test_electrons_and_micrometers_have_their_signs_and_numbers_keep_theirs():
-    told = table(["", "mean [e-]", "1e-05 um"], [["R", "12 e-/photon", "number"]])
-    assert "mean [e⁻]" in told
-    assert "12 e⁻/photon" in told
-    assert "1e-05 µm" in told
-    assert "number" in told
+    result = table(["", "mean [e-]", "1e-05 um"], [["R", "12 e-/photon", "number"]])
+    assert "mean [e⁻]" in result
+    assert "12 e⁻/photon" in result
+    assert "1e-05 µm" in result
+    assert "number" in result

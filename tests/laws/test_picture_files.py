@@ -77,8 +77,8 @@ def test_a_mosaic_comes_back_from_its_tiff(tmp_path_factory, height, width):
 
 def test_a_mosaic_tiff_tells_in_json_how_its_codes_were_made(tmp_path):
     path = tmp_path / "m.tiff"
-    told = {"sensor_name": "Grün \u2014 4x4", "mosaic": rgbw_sparse_4x4(), "adc": ADC}
-    write_mosaic_tiff(path, drawn(3, 4), **told)
+    values = {"sensor_name": "Grün \u2014 4x4", "mosaic": rgbw_sparse_4x4(), "adc": ADC}
+    write_mosaic_tiff(path, drawn(3, 4), **values)
     with tifffile.TiffFile(path) as file:
         description = file.pages[0].tags[270].value
     assert json.loads(description) == {

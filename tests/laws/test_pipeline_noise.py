@@ -50,6 +50,7 @@ from chromanoise.sensor import (
     noise_without_light_e,
     white_level_e,
     with_analog_gain,
+    with_binning,
     with_crosstalk,
     with_pixel,
 )
@@ -99,11 +100,11 @@ def test_the_linear_steps_compose_to_one_matrix(seed, p):
 
 def test_the_steps_of_a_chart_compose_to_one_matrix():
     analysis = seen()
-    told = found(analysis, saturation=1.2, exposure_gain=0.8)
+    result = found(analysis, saturation=1.2, exposure_gain=0.8)
     white = analysis.matrix.matrix @ analysis.expected_e
     steps = rendering_matrix(white / white[1], exposure_gain=0.8, saturation=1.2)
     one = steps @ analysis.matrix.matrix / white[1]
-    raw, last = told.step("raw"), told.step("saturation")
+    raw, last = result.step("raw"), result.step("saturation")
     assert last.mean == pytest.approx(raw.mean @ one.T, rel=1e-12, abs=1e-12)
     assert last.covariance == pytest.approx(one @ raw.covariance @ one.T, rel=1e-9, abs=1e-12)
 
@@ -125,9 +126,9 @@ def test_saturation_keeps_luminance_and_neutrals_and_composes():
 
 
 def test_without_saturation_all_chroma_noise_is_gone():
-    told = found(saturation=0.0)
-    assert np.abs(told.step("Y'CbCr").covariance[:, 1:, 1:]).max() < 1e-18
-    assert np.sqrt(told.step("Lab").variance[:, 1:]).max() < 0.02  # the printed matrix is rounded
+    result = found(saturation=0.0)
+    assert np.abs(result.step("Y'CbCr").covariance[:, 1:, 1:]).max() < 1e-18
+    assert np.sqrt(result.step("Lab").variance[:, 1:]).max() < 0.02  # the printed matrix is rounded
 
 
 def test_luma_and_chroma_of_the_primaries_are_those_of_the_recommendations():
@@ -174,10 +175,10 @@ def test_the_jacobian_of_a_rendered_space_is_its_difference_quotient(made):
 def test_the_steps_one_by_one_are_the_space_to_first_order():
     analysis = seen(level_lux=10.0)
     settings = PipelineSettings(tone="rec709", saturation=1.1)
-    told = pipeline_noise(analysis, settings, method=first_order)
-    step = encoded(told.step("saturation"), tone_curve("rec709"))
-    assert told.step("Rec. 709").mean == pytest.approx(step.mean, abs=1e-12)
-    assert told.step("Rec. 709").covariance == pytest.approx(step.covariance, rel=1e-8, abs=1e-15)
+    result = pipeline_noise(analysis, settings, method=first_order)
+    step = encoded(result.step("saturation"), tone_curve("rec709"))
+    assert result.step("Rec. 709").mean == pytest.approx(step.mean, abs=1e-12)
+    assert result.step("Rec. 709").covariance == pytest.approx(step.covariance, rel=1e-8, abs=1e-15)
 
 
 def test_the_cubature_agrees_with_the_exact_distribution_of_the_electrons():
@@ -236,7 +237,7 @@ def test_a_black_level_error_moves_the_gains_by_gray_but_not_those_of_the_illumi
 def test_gains_from_gray_pixels_scatter_by_the_delta_method(name):
     repeats, pixels = 4000, 256
     analysis = seen(name, level_lux=1.0)
-    told = found(analysis, white_balance_pixels=pixels)
+    result = found(analysis, white_balance_pixels=pixels)
     gray = 0.18 * analysis.expected_e
     noise = noise_sources(analysis.sensor, analysis.exposure)
     means = sample_electrons(
@@ -249,7 +250,7 @@ def test_gains_from_gray_pixels_scatter_by_the_delta_method(name):
     gains = means[:, green : green + 1] / means
     away = gains - gains.mean(axis=0)
     products = away[:, :, None] * away[:, None, :]
-    covariance = told.white_balance_noise.gains_covariance
+    covariance = result.white_balance_noise.gains_covariance
     se = products.std(axis=0) / np.sqrt(repeats)
     z = (products.mean(axis=0) - covariance) / np.where(se > 0, se, 1.0)
     assert np.abs(z).max() < 5
@@ -258,11 +259,11 @@ def test_gains_from_gray_pixels_scatter_by_the_delta_method(name):
     space = rendered_lab_space(exposure_gain=1.0, saturation=1.0)
     white = analysis.matrix.matrix @ analysis.expected_e
     relative = gains / (analysis.expected_e[green] / analysis.expected_e)
-    patches = told.step("raw").mean
+    patches = result.step("raw").mean
     for i in (18, 20, 12):
         xyz = (relative * patches[i]) @ analysis.matrix.matrix.T / white[1]
         lab = space.from_xyz(xyz, white / white[1])
-        spread = np.sqrt(np.diagonal(told.white_balance_noise.lab_covariance[i]))
+        spread = np.sqrt(np.diagonal(result.white_balance_noise.lab_covariance[i]))
         assert lab.std(axis=0) == pytest.approx(spread, rel=0.07)
 
 
@@ -288,20 +289,46 @@ def test_s_and_o_are_those_of_the_noise_profile_of_the_converter(gain):
     pixel = (("bits", 12), ("gain_e_per_dn", 2.0), ("black_level_dn", 64), ("read_noise_e", 5.0))
     pixel += (("dark_current_e_per_s", 40.0), ("dsnu_e", 1.5), ("row_noise_e", 1.0), ("prnu", 0.01))
     analysis = seen(pixel=pixel, time_s=0.008)
-    told = found(analysis, iso=(100.0 * gain,)).iso[0]
+    result = found(analysis, iso=(100.0 * gain,)).iso[0]
     adc = Adc(bits=12, gain_e_per_dn=2.0 / gain, black_level_dn=64)
     noise_e = noise_without_light_e(analysis.sensor.pixel, time_s=0.008 / gain)
-    for profile in told.noise_profile:
+    for profile in result.noise_profile:
         assert profile == pytest.approx(noise_profile(adc, read_noise_e=noise_e), rel=1e-12)
-    assert told.gain_dn_per_e == pytest.approx(gain / 2.0)
+    assert result.gain_dn_per_e == pytest.approx(gain / 2.0)
+
+
+def test_the_gain_of_digital_binning_is_that_of_one_reading():
+    """Codes of the sum over its electrons: both are sums, so their ratio stays."""
+    binned = with_binning(with_pixel(seen().sensor, {"gain_e_per_dn": 2.0}), 4, "digital")
+    analysis = seen()
+    analysis = analyzed(analysis.scene, binned, Exposure(time_s=0.002))
+    gains = [one.gain_dn_per_e for one in found(analysis, iso=(100.0, 800.0)).iso]
+    assert gains == pytest.approx([0.5, 4.0])
+
+
+def test_the_read_noise_of_an_iso_is_that_of_one_of_the_binned_pixels():
+    sensor = with_binning(with_pixel(seen().sensor, {"read_noise_e": 5.0}), 4, "digital")
+    analysis = analyzed(seen().scene, sensor, Exposure(time_s=0.002))
+    same = found(analysis, iso=(100.0, 400.0))
+    given = found(analysis, iso=(100.0, 400.0), iso_read_noise_e=(5.0, 5.0))
+    assert [one.read_noise_e for one in given.iso] == [one.read_noise_e for one in same.iso]
+    assert given.iso[0].steps is given.steps
+
+
+def test_a_black_level_error_changes_no_noise_profile():
+    iso = (100.0, 800.0)
+    plain = found(iso=iso, white_balance=LAMP)
+    shifted = found(seen(pixel=(("black_error_e", 400.0),)), iso=iso, white_balance=LAMP)
+    for one, other in zip(plain.iso, shifted.iso, strict=True):
+        assert other.noise_profile == pytest.approx(one.noise_profile, rel=1e-12)
 
 
 def test_the_profile_predicts_the_variance_of_a_patch():
-    told = found(seen(pixel=(("bits", 12),)), iso=(800.0,)).iso[0]
-    raw = told.steps[0].measurement
-    x = raw.mean / told.white_level_e
-    shot, dark = told.noise_profile.T
-    assert (shot * x + dark) * told.white_level_e**2 == pytest.approx(raw.variance, rel=1e-12)
+    result = found(seen(pixel=(("bits", 12),)), iso=(800.0,)).iso[0]
+    raw = result.steps[0].measurement
+    x = raw.mean / result.white_level_e
+    shot, dark = result.noise_profile.T
+    assert (shot * x + dark) * result.white_level_e**2 == pytest.approx(raw.variance, rel=1e-12)
 
 
 @pytest.mark.parametrize("gain", [1.0, 2.0, 32.0])
@@ -312,14 +339,14 @@ def test_dynamic_range_is_that_of_emva_1288(gain):
         {"full_well_e": 9000.0, "read_noise_e": 3.0, "bits": 10},
     )
     analysis = analyzed(flat_field(LAMP, level_lux=1.0), sensor, Exposure(time_s=0.005))
-    told = found(analysis, iso=(100.0 * gain,)).iso[0]
+    result = found(analysis, iso=(100.0 * gain,)).iso[0]
     step = 9000.0 / 1023.0 / gain
     dark = (3.0**2 + step**2 / 12) ** 0.5
-    assert told.dynamic_range_db[0] == pytest.approx(20 * np.log10(9000.0 / gain / dark))
-    assert told.emva_dynamic_range_db[0] == pytest.approx(
+    assert result.dynamic_range_db[0] == pytest.approx(20 * np.log10(9000.0 / gain / dark))
+    assert result.emva_dynamic_range_db[0] == pytest.approx(
         20 * np.log10(9000.0 / gain / (dark + 0.5))
     )
-    assert 2 ** told.dynamic_range_stops[0] == pytest.approx(9000.0 / gain / dark)
+    assert 2 ** result.dynamic_range_stops[0] == pytest.approx(9000.0 / gain / dark)
 
 
 def test_a_known_converter_limits_the_signal_until_the_well_does():
@@ -332,19 +359,19 @@ def test_a_known_converter_limits_the_signal_until_the_well_does():
 
 
 def test_at_the_base_iso_the_steps_are_those_of_the_operating_point():
-    told = found(iso=(100.0, 400.0), iso_read_noise_e=(10.0, 10.0))
-    assert told.iso[0].steps is told.steps
-    assert [step.name for step in told.iso[1].steps] == NAMES
+    result = found(iso=(100.0, 400.0), iso_read_noise_e=(10.0, 10.0))
+    assert result.iso[0].steps is result.steps
+    assert [step.name for step in result.iso[1].steps] == NAMES
 
 
 def test_a_quarter_of_the_light_is_iso_400():
     """Another road to a gain: the analysis of a quarter of the light, with the same matrix."""
     bright, dim = seen(), seen(level_lux=2.5)
-    told = found(bright, iso=(400.0,), iso_read_noise_e=(2.0,)).iso[0]
+    result = found(bright, iso=(400.0,), iso_read_noise_e=(2.0,)).iso[0]
     other = analyzed(
         dim.scene, with_pixel(dim.sensor, {"read_noise_e": 2.0}), dim.exposure, matrix=bright.matrix
     )
-    for own, step in zip(told.steps, found(other).steps, strict=True):
+    for own, step in zip(result.steps, found(other).steps, strict=True):
         assert own.measurement.mean == pytest.approx(step.measurement.mean, rel=1e-9, abs=1e-9)
         expected = step.measurement.covariance
         assert own.measurement.covariance == pytest.approx(expected, rel=1e-6, abs=1e-12)
@@ -358,23 +385,26 @@ def test_crosstalk_after_counting_reaches_the_steps_and_the_noise_in_the_dark():
         Crosstalk(matrix=mixing, pixels=(1, 1, 1), stage="charge"),
     )
     analysis = analyzed(flat_field(LAMP, level_lux=10.0), coupled, Exposure(time_s=0.009))
-    told = found(analysis)
-    raw = told.step("raw").covariance
+    result = found(analysis)
+    raw = result.step("raw").covariance
     assert (raw[:, 0, 1] > 0).all()
     dark_e = 3000.0 * 0.009
     spread = 100.0 + dark_e * (mixing**2).sum(axis=1)
     white = coupled.pixel.full_well_e - dark_e
     expected = 10 * np.log10(white**2 / spread)
-    assert told.iso[0].dynamic_range_db == pytest.approx(expected, rel=1e-12)
+    assert result.iso[0].dynamic_range_db == pytest.approx(expected, rel=1e-12)
+    for method in (exact, partial(exact, points=256)):
+        with refused_input(subject="crosstalk_stage", value="charge"):
+            pipeline_noise(analysis, method=method)
 
 
 # results and refusals
 
 
 def test_the_result_names_its_steps_and_is_plain_data():
-    told = found(white_balance_pixels=10)
-    assert [step.name for step in told.steps] == NAMES
-    data = pipeline_as_json(told)
+    result = found(white_balance_pixels=10)
+    assert [step.name for step in result.steps] == NAMES
+    data = pipeline_as_json(result)
     assert data["white_balance"] == "gray"
     assert data["gains"]["G"] == 1
     assert [step["name"] for step in data["steps"]] == NAMES
@@ -396,10 +426,10 @@ def test_a_saturated_sensor_has_no_pipeline():
 def test_readings_above_1_are_noted_with_their_share():
     analysis = seen(level_lux=40.0)
     assert not any("exceed" in note for note in found(analysis).notes)
-    told = found(analysis, exposure_gain=1.12)
-    (note,) = [one for one in told.notes if "exceed" in one]
+    result = found(analysis, exposure_gain=1.12)
+    (note,) = [one for one in result.notes if "exceed" in one]
     assert "white (" in note
-    own = told.step("saturation")
+    own = result.step("saturation")
     z = (1 - own.mean[18, 0]) / np.sqrt(own.variance[18, 0])
     share = np.mean(stream(3).standard_normal(200_000) > z)
     assert float(note.split(" %")[0].split("(")[-1]) == pytest.approx(100 * share, abs=0.4)

@@ -31,20 +31,20 @@ def file(tmp_path):
 
 def test_a_noise_profile_alone_tells_the_read_noise_in_electrons(file):
     # 1 / S = 5000 e- from black to white; sqrt(O) = 0.001 of them
-    told = read_noise_profile(file("NoiseProfile: 0.0002 0.000001\n"))
-    assert told.read_noise_e == pytest.approx(5.0, rel=1e-12)
-    assert told.gain_e_per_dn is None
-    assert any("5000 e- lie between" in note for note in told.notes)
-    assert any("no BlackLevel" in note for note in told.notes)
+    result = read_noise_profile(file("NoiseProfile: 0.0002 0.000001\n"))
+    assert result.read_noise_e == pytest.approx(5.0, rel=1e-12)
+    assert result.gain_e_per_dn is None
+    assert any("5000 e- lie between" in note for note in result.notes)
+    assert any("no BlackLevel" in note for note in result.notes)
 
 
 def test_with_its_levels_a_noise_profile_tells_the_gain_too(file):
     # docs of DNG: S = 1 / (2 e-/DN * 200 DN); O = (20^2 + 1/12) / 200^2
     pairs = "0.0025 0.0100020833 0.0025 0.0100020833"
     text = f"Noise Profile : {pairs}\nBlack Level: 55 55\nWhiteLevel=255\n"
-    told = read_noise_profile(file(text))
-    assert told.gain_e_per_dn == pytest.approx(2.0)
-    assert told.read_noise_e == pytest.approx(40.0, rel=1e-6)
+    message = read_noise_profile(file(text))
+    assert message.gain_e_per_dn == pytest.approx(2.0)
+    assert message.read_noise_e == pytest.approx(40.0, rel=1e-6)
 
 
 @pytest.mark.parametrize(

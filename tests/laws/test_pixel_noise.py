@@ -124,11 +124,11 @@ def test_the_variance_of_one_reading_is_the_sum_of_the_terms_of_emva_1288():
     sensor = one_channel(gain_e_per_dn=4.0, **pixel)
     mean = np.array([5000.0])
     temporal = 5000 + 40 + 9 + 2.25 + 16 / 12
-    told = [
+    values = [
         float(with_noise(mean, sensor, Exposure(time_s=0.5), kind=kind).variance[0])
         for kind in ("temporal", "total")
     ]
-    assert told == pytest.approx([temporal, temporal + 4 + 2500], rel=1e-14)
+    assert values == pytest.approx([temporal, temporal + 4 + 2500], rel=1e-14)
 
 
 @pytest.mark.parametrize("prnu", [0.002, 0.01, 0.2])
@@ -493,9 +493,9 @@ def plain_readings(mean_e, sensor, draws, rng):
 def plain_scores(sensor, number, draws, chunk=100_000):
     """z of mean, variance and covariance of raw, and of mean and variance of X, Y, Z."""
     mean_e, rows = point_of(sensor, number)
-    told = with_noise(mean_e, sensor, EXPOSURE)
-    expected = rows @ told.mean
-    covariance = rows @ told.covariance @ rows.T
+    result = with_noise(mean_e, sensor, EXPOSURE)
+    expected = rows @ result.mean
+    covariance = rows @ result.covariance @ rows.T
     rng = np.random.default_rng(7000 + number)
     q = len(rows)
     sums, squares = np.zeros((2, q)), np.zeros((2, q, q))
@@ -513,12 +513,12 @@ def plain_scores(sensor, number, draws, chunk=100_000):
 def estimated_scores(sensor, number, draws):
     """The same by `monte_carlo` with all noise sources of the pixel: mean and deviation."""
     mean_e, rows = point_of(sensor, number)
-    told = with_noise(mean_e, sensor, EXPOSURE)
+    result = with_noise(mean_e, sensor, EXPOSURE)
     noise = noise_sources(sensor, EXPOSURE)
     drawn = monte_carlo(mean_e, sensor.pixel, rows, draws=draws, seed=number, noise=noise)
-    sd = np.sqrt(np.einsum("qp,pr,qr->q", rows, told.covariance, rows))
+    sd = np.sqrt(np.einsum("qp,pr,qr->q", rows, result.covariance, rows))
     return np.concatenate(
-        [(drawn.mean - rows @ told.mean) / drawn.mean_se, (drawn.sd - sd) / drawn.sd_se]
+        [(drawn.mean - rows @ result.mean) / drawn.mean_se, (drawn.sd - sd) / drawn.sd_se]
     )
 
 
@@ -602,8 +602,8 @@ def test_exact_moments_of_the_whole_pixel_agree_with_draws(case, black_error_e):
     ]
     assert np.abs(z).max() < 5
     assert found.bias[0] == pytest.approx(found.mean[0] - mean, abs=1e-9)
-    told = float(found.black_share[0]), float(found.full_share[0])
-    for seen, share in zip(clipped, told, strict=True):
+    values = float(found.black_share[0]), float(found.full_share[0])
+    for seen, share in zip(clipped, values, strict=True):
         assert abs(seen - share) <= 5 * np.sqrt(share * (1 - share) / read.size) + 1e-4
 
 
@@ -627,9 +627,9 @@ def test_without_bounds_the_exact_moments_are_the_closed_form():
     sensor = one_channel(**ALL)
     mean = np.array([0.0, 30.0, 4000.0])[:, None]
     found = sensor_moments(mean, noise_sources(sensor, EXPOSURE), Readout())
-    told = with_noise(mean, sensor, EXPOSURE)
-    assert found.mean == pytest.approx(told.mean, abs=2e-4)
-    assert found.variance == pytest.approx(told.variance, rel=1e-3)  # 8 e- steps of 3 e- noise
+    result = with_noise(mean, sensor, EXPOSURE)
+    assert found.mean == pytest.approx(result.mean, abs=2e-4)
+    assert found.variance == pytest.approx(result.variance, rel=1e-3)  # 8 e- steps of 3 e- noise
 
 
 # exact noise in CIELAB

@@ -91,12 +91,17 @@ def test_an_answer_never_overrides_a_source():
 
 
 def test_a_sheet_that_agrees_with_itself_has_no_contradiction_and_its_own_numbers():
-    told = pixel_from_emva(SHEET, source="a sheet")
-    assert disagreements(told) == []
-    assert (told.qe, told.pitch_um, told.full_well_e, told.read_noise_e) == (0.6, 3.45, 1e4, 8.0)
-    assert told.adc == Adc(bits=12, gain_e_per_dn=4.0, black_level_dn=64)
-    assert (told.dark_current_e_per_s, told.dsnu_e, told.prnu) == (16.0, 1.5, 0.005)
-    assert open_questions(told) == ()
+    result = pixel_from_emva(SHEET, source="a sheet")
+    assert disagreements(result) == []
+    assert (result.qe, result.pitch_um, result.full_well_e, result.read_noise_e) == (
+        0.6,
+        3.45,
+        1e4,
+        8.0,
+    )
+    assert result.adc == Adc(bits=12, gain_e_per_dn=4.0, black_level_dn=64)
+    assert (result.dark_current_e_per_s, result.dsnu_e, result.prnu) == (16.0, 1.5, 0.005)
+    assert open_questions(result) == ()
 
 
 @pytest.mark.parametrize(
@@ -202,14 +207,14 @@ def test_what_a_sheet_leaves_out_is_said():
 
 def test_the_noise_profile_of_docs_numbers_gives_back_its_gain_and_read_noise():
     # docs/numbers.md: 8 bits, black 55, 2 e-/DN, 10 e-: S = 1/400, O = (25 + 1/12)/200^2
-    told = pixel_from_noise_profile(
+    result = pixel_from_noise_profile(
         np.array([[0.0025, 6.270833333333e-4]]), black_level_dn=55, white_level_dn=255
     )
-    assert told.gain_e_per_dn == pytest.approx(2.0, rel=1e-12)
-    assert told.read_noise_e == pytest.approx(10.0, rel=1e-11)
-    assert told.adc == Adc(bits=8, gain_e_per_dn=told.gain_e_per_dn, black_level_dn=55)
-    assert told.full_well_e is None
-    assert "400 e- lie between black and white" in told.notes[0]
+    assert result.gain_e_per_dn == pytest.approx(2.0, rel=1e-12)
+    assert result.read_noise_e == pytest.approx(10.0, rel=1e-11)
+    assert result.adc == Adc(bits=8, gain_e_per_dn=result.gain_e_per_dn, black_level_dn=55)
+    assert result.full_well_e is None
+    assert "400 e- lie between black and white" in result.notes[0]
 
 
 @given(
@@ -221,18 +226,18 @@ def test_the_noise_profile_of_docs_numbers_gives_back_its_gain_and_read_noise():
 def test_a_profile_and_its_pixel_are_inverse(bits, gain, black, read):
     adc = Adc(bits=bits, gain_e_per_dn=gain, black_level_dn=black)
     rows = np.tile(noise_profile(adc, read_noise_e=read), (3, 1))
-    told = pixel_from_noise_profile(rows, black_level_dn=black, white_level_dn=adc.top_code)
-    assert told.gain_e_per_dn == pytest.approx(gain, rel=1e-9)
+    result = pixel_from_noise_profile(rows, black_level_dn=black, white_level_dn=adc.top_code)
+    assert result.gain_e_per_dn == pytest.approx(gain, rel=1e-9)
     # rounding is taken away again: what is left of it is that of double precision
     lost = 1e-12 * (gain / read) ** 2
-    assert told.read_noise_e == pytest.approx(read, rel=1e-9 + lost)
+    assert result.read_noise_e == pytest.approx(read, rel=1e-9 + lost)
 
 
 def test_codes_drawn_with_a_profile_have_its_variance():
     # another road: Poisson electrons, Gaussian readout, rounding, then S x + O of the codes
     rng = np.random.default_rng(RNG_SEED)
     draws, gain, read, black = 200_000, 2.5, 6.0, 64
-    told = pixel_from_noise_profile(
+    result = pixel_from_noise_profile(
         np.array([noise_profile(Adc(bits=12, gain_e_per_dn=gain, black_level_dn=black),
                                 read_noise_e=read)]),
         black_level_dn=black,
@@ -242,21 +247,25 @@ def test_codes_drawn_with_a_profile_have_its_variance():
         codes = np.rint(
             black + (rng.poisson(electrons, draws) + read * rng.standard_normal(draws)) / gain
         )
-        own = (electrons + told.read_noise_e**2) / told.gain_e_per_dn**2 + 1 / 12
+        own = (electrons + result.read_noise_e**2) / result.gain_e_per_dn**2 + 1 / 12
         assert abs(codes.var() / own - 1) / np.sqrt(2 / draws) < 5
 
 
 def test_a_dark_variance_below_that_of_rounding_tells_no_read_noise():
-    told = pixel_from_noise_profile(np.array([[1e-3, 1e-9]]), black_level_dn=0, white_level_dn=1023)
-    assert told.read_noise_e is None
-    assert any("less than rounding alone makes" in note for note in told.notes)
+    result = pixel_from_noise_profile(
+        np.array([[1e-3, 1e-9]]), black_level_dn=0, white_level_dn=1023
+    )
+    assert result.read_noise_e is None
+    assert any("less than rounding alone makes" in note for note in result.notes)
 
 
 def test_a_white_level_below_the_top_code_is_told():
-    told = pixel_from_noise_profile(np.array([[1e-4, 1e-6]]), black_level_dn=0, white_level_dn=1000)
-    assert told.adc is not None
-    assert told.adc.bits == 10
-    assert any("top code 1023" in note for note in told.notes)
+    result = pixel_from_noise_profile(
+        np.array([[1e-4, 1e-6]]), black_level_dn=0, white_level_dn=1000
+    )
+    assert result.adc is not None
+    assert result.adc.bits == 10
+    assert any("top code 1023" in note for note in result.notes)
 
 
 @pytest.mark.parametrize(
@@ -580,8 +589,8 @@ def test_the_unknown_factor_of_a_profile_does_not_reach_the_read_noise(factor, r
         a=np.full(3, factor / well),
         b=np.full(3, factor * read * read / well / well),
     )
-    told = pixel_from_darktable(noise, full_well_e=well)
-    assert told.read_noise_e == pytest.approx(read, rel=1e-12)
+    result = pixel_from_darktable(noise, full_well_e=well)
+    assert result.read_noise_e == pytest.approx(read, rel=1e-12)
 
 
 def test_a_negative_b_tells_no_read_noise_and_doubles_are_told(tmp_path):
@@ -589,9 +598,9 @@ def test_a_negative_b_tells_no_read_noise_and_doubles_are_told(tmp_path):
     path = profiles(tmp_path, [entry, REAL])
     noise = read_darktable_noise(path, maker="Canon", model="EOS-1Ds", iso=50)
     assert any("2 profiles of ISO 50" in note for note in noise.notes)
-    told = pixel_from_darktable(noise, full_well_e=1e4)
-    assert told.read_noise_e is None
-    assert any("b of green is negative" in note for note in told.notes)
+    result = pixel_from_darktable(noise, full_well_e=1e4)
+    assert result.read_noise_e is None
+    assert any("b of green is negative" in note for note in result.notes)
 
 
 @pytest.mark.parametrize(

@@ -88,8 +88,8 @@ def test_the_ranking_of_a_comparison_is_that_of_the_analysis_at_the_operating_po
     assert [one.sensor for one in result.ranking] == sorted(snr, key=snr.get, reverse=True)
     for one in result.to_dict()["ranking"]:
         assert one["value"] == pytest.approx(snr[one["sensor"]], abs=1e-9)
-    told = cn.analyze(*FIVE, lux=3.0).to_dict()["ranking"]
-    assert [one["sensor"] for one in told] == [one.sensor for one in result.ranking]
+    data = cn.analyze(*FIVE, lux=3.0).to_dict()["ranking"]
+    assert [one["sensor"] for one in data] == [one.sensor for one in result.ranking]
 
 
 def test_two_equal_sensors_share_a_rank():

@@ -309,11 +309,11 @@ REFUSED = {
 }
 
 
-@pytest.mark.parametrize(("made", "told"), REFUSED.values(), ids=REFUSED)
-def test_nouns_refuse_what_cannot_be_and_say_where(made, told):
+@pytest.mark.parametrize(("made", "result"), REFUSED.values(), ids=REFUSED)
+def test_nouns_refuse_what_cannot_be_and_say_where(made, result):
     with pytest.raises(InputError) as refusal:
         made()
-    for part in told:
+    for part in result:
         assert part in str(refusal.value)
 
 
@@ -473,11 +473,11 @@ def unchecked_shapes():
 
 
 @pytest.mark.usefixtures("unchecked_shapes")
-@pytest.mark.parametrize(("made", "told"), MISSHAPEN.values(), ids=MISSHAPEN)
-def test_nouns_refuse_shapes_that_do_not_belong_together(made, told):
+@pytest.mark.parametrize(("made", "result"), MISSHAPEN.values(), ids=MISSHAPEN)
+def test_nouns_refuse_shapes_that_do_not_belong_together(made, result):
     with pytest.raises(InputError) as refusal:
         made()
-    for part in told:
+    for part in result:
         assert part in str(refusal.value)
 
 

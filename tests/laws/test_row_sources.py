@@ -109,12 +109,12 @@ def test_a_source_travels_and_reads_on_in_another_process(tmp_path):
     numbers = np.arange(24.0).reshape(2, 3, 4)
     source = row_source(mapped(tmp_path / "a", numbers, (2, 0, 1), "<f8"))
     (tmp_path / "pickled").write_bytes(pickle.dumps(source))
-    told = (
+    result = (
         "import pickle, sys; source = pickle.load(open(sys.argv[1], 'rb')); "
         "print(source.rows(1, 2).sum())"
     )
     out = subprocess.run(
-        [sys.executable, "-c", told, str(tmp_path / "pickled")],
+        [sys.executable, "-c", result, str(tmp_path / "pickled")],
         capture_output=True,
         text=True,
         check=True,
@@ -215,7 +215,7 @@ def test_streaming_holds_little_memory(tmp_path):
         np.lib.format.write_array_header_1_0(file, header)
         for _ in range(64):
             file.write(bytes(2**20))
-    told = (
+    result = (
         "import resource, sys\n"
         "from chromanoise.io.cubes import read_cube\nfrom chromanoise.scene import row_source\n"
         "source = row_source(read_cube(sys.argv[1], wavelengths=(400, 800)).stored)\n"
@@ -226,7 +226,7 @@ def test_streaming_holds_little_memory(tmp_path):
         "print((most() - before) // (1024 if sys.platform != 'darwin' else 2**20))\n"
     )
     out = subprocess.run(
-        [sys.executable, "-c", told, str(tmp_path / "a.npy")],
+        [sys.executable, "-c", result, str(tmp_path / "a.npy")],
         capture_output=True,
         text=True,
         check=True,

@@ -23,8 +23,8 @@ def file(tmp_path):
     return write
 
 
-def abouts(told):
-    return {question.about for question in told.questions}
+def abouts(result):
+    return {question.about for question in result.questions}
 
 
 def matlab(path, data, at=AT_NM):
@@ -35,11 +35,11 @@ def matlab(path, data, at=AT_NM):
 def test_no_straight_line_bridges_lost_values_of_matlab_unsaid(tmp_path):
     data = np.full((AT_NM.size, 2), 0.25)
     data[5:26, 1] = np.nan  # 450-650 nm
-    told = read_curves(matlab(tmp_path / "lost.mat", data))
-    assert told.gaps_nm == ((440.0, 660.0),)
+    record = read_curves(matlab(tmp_path / "lost.mat", data))
+    assert record.gaps_nm == ((440.0, 660.0),)
     lost = "2: 21 values that are no number (NaN) at 450-650; straight lines join their neighbors"
-    assert lost in told.defects
-    assert any("a gap from 440 to 660 nm" in defect for defect in told.defects)
+    assert lost in record.defects
+    assert any("a gap from 440 to 660 nm" in defect for defect in record.defects)
 
 
 def test_a_wavelength_that_is_no_number_is_refused(tmp_path):
@@ -57,9 +57,9 @@ def test_square_data_say_which_axis_was_taken(tmp_path):
 
 def test_empty_cells_are_said_with_their_curve_and_range(file):
     rows = [f"{w:g},{'' if 450 <= w <= 650 else 0.2},0.3" for w in AT_NM]
-    told = read_curves(file("\n".join(["nm,R,G", *rows])))
-    assert "R: 21 empty cells at 450-650; straight lines join their neighbors" in told.defects
-    assert told.gaps_nm == ((440.0, 660.0),)
+    result = read_curves(file("\n".join(["nm,R,G", *rows])))
+    assert "R: 21 empty cells at 450-650; straight lines join their neighbors" in result.defects
+    assert result.gaps_nm == ((440.0, 660.0),)
 
 
 @pytest.mark.parametrize(
@@ -85,17 +85,17 @@ def test_one_ragged_row_has_and_two_have(file):
 
 def test_values_of_unknown_scale_stay_as_they_are_and_are_asked_about(file):
     # CIE FL2 begins so: power relative to no whole, with a peak of 35
-    told = read_curves(file("wavelength,FL2\n380,1.18\n545,34.98\n780,2.0\n"))
-    assert told.curves.values.max() == 34.98
-    assert "scale" in abouts(told)
+    result = read_curves(file("wavelength,FL2\n380,1.18\n545,34.98\n780,2.0\n"))
+    assert result.curves.values.max() == 34.98
+    assert "scale" in abouts(result)
     percent = read_curves(file("nm,FL2\n380,1.18\n780,35\n"), answers=Answers(scale="percent"))
     assert percent.curves.values.max() == pytest.approx(0.35)
 
 
 def test_a_heading_in_percent_is_an_answer(file):
-    told = read_curves(file("nm,R [%]\n400,10\n700,40\n"))
-    assert told.curves.values.ravel() == pytest.approx([0.1, 0.4])
-    assert "scale" not in abouts(told)
+    result = read_curves(file("nm,R [%]\n400,10\n700,40\n"))
+    assert result.curves.values.ravel() == pytest.approx([0.1, 0.4])
+    assert "scale" not in abouts(result)
 
 
 @pytest.mark.parametrize("beyond", ["zero", "hold"])
@@ -104,9 +104,9 @@ def test_an_answered_question_is_neither_a_defect_nor_asked_again(file, beyond):
     asked = read_curves(path)
     assert any("look relative" in defect for defect in asked.defects)
     assert "beyond" in abouts(asked)
-    told = read_curves(path, answers=Answers(beyond=beyond, level="absolute"))
-    assert told.defects == ()
-    assert abouts(told) == {"quantity", "per"}
+    result = read_curves(path, answers=Answers(beyond=beyond, level="absolute"))
+    assert result.defects == ()
+    assert abouts(result) == {"quantity", "per"}
 
 
 def lamp(**changes):
@@ -120,15 +120,15 @@ def lamp(**changes):
 def test_tm_27_keeps_name_level_and_how_light_is_counted(file):
     text = spectra_spdx(lamp(source="/home/someone/lamp.csv"), "lamp", created="2026-01-31")
     assert "someone" not in text
-    told = read_curves(file(text, "lamp.spdx"))
-    assert told.curves.names == ("lamp",)
-    assert (told.quantity, told.level, told.per) == ("power", "relative", "photon")
+    message = read_curves(file(text, "lamp.spdx"))
+    assert message.curves.names == ("lamp",)
+    assert (message.quantity, message.level, message.per) == ("power", "relative", "photon")
 
 
 def test_csv_of_ours_keeps_source_notes_and_how_light_is_counted(file):
-    told = read_curves(file(spectra_csv(lamp())))
-    assert (told.said_source, told.said_notes) == (lamp().source, lamp().notes)
-    assert (told.quantity, told.level, told.per) == ("power", "relative", "photon")
+    result = read_curves(file(spectra_csv(lamp())))
+    assert (result.said_source, result.said_notes) == (lamp().source, lamp().notes)
+    assert (result.quantity, result.level, result.per) == ("power", "relative", "photon")
 
 
 def test_a_sensor_that_says_nothing_is_asked_all_in_one_sentence(file):
@@ -148,5 +148,5 @@ def test_a_sensor_that_says_nothing_is_asked_all_in_one_sentence(file):
 
 @pytest.mark.parametrize("head", ["wavelength_nm,R,G", "nm,QE R,QE G", "nm,R [e-/photon],G"])
 def test_a_sensor_whose_heading_says_qe_is_absolute_per_photon(file, head):
-    told = read_curves(file(f"{head}\n400,.1,.2\n700,.3,.1\n"))
-    assert qe_of(told, Answers()).values.tolist() == [[0.1, 0.2], [0.3, 0.1]]
+    result = read_curves(file(f"{head}\n400,.1,.2\n700,.3,.1\n"))
+    assert qe_of(result, Answers()).values.tolist() == [[0.1, 0.2], [0.3, 0.1]]

@@ -46,25 +46,25 @@ def file(tmp_path):
 def refusal(path, answers=None):
     with pytest.raises(InputError) as refused:
         read_curves(path, answers=answers or Answers())
-    told = str(refused.value)
-    assert str(path) in told
-    assert "\n" not in told
+    message = str(refused.value)
+    assert str(path) in message
+    assert "\n" not in message
     return refused.value
 
 
-def abouts(told):
-    return {question.about for question in told.questions}
+def abouts(result):
+    return {question.about for question in result.questions}
 
 
 @pytest.mark.parametrize("name", SAMPLES)
 def test_the_same_curves_come_out_of_every_format_to_the_last_digit(file, name):
-    told = read_curves(file(SAMPLES[name], name))
-    expected = np.stack([RED, GREEN], axis=1)[:, : len(told.curves.names)]
-    assert (told.curves.wavelength_nm == AT_NM).all()
+    result = read_curves(file(SAMPLES[name], name))
+    expected = np.stack([RED, GREEN], axis=1)[:, : len(result.curves.names)]
+    assert (result.curves.wavelength_nm == AT_NM).all()
     # percent and SPECTRAL_NORM cost one rounding
-    np.testing.assert_allclose(told.curves.values, expected, rtol=3e-16)
-    assert told.curves.names == ("R", "G")[: expected.shape[1]]
-    assert told.step_nm == 100
+    np.testing.assert_allclose(result.curves.values, expected, rtol=3e-16)
+    assert result.curves.names == ("R", "G")[: expected.shape[1]]
+    assert result.step_nm == 100
 
 
 def test_each_format_says_what_it_knows(file):
@@ -98,15 +98,15 @@ def test_each_format_says_what_it_knows(file):
     ],
 )
 def test_text_is_read_however_its_cells_are_parted(file, text, delimiter):
-    told = read_curves(file(text))
-    assert told.delimiter == delimiter
-    assert told.curves.wavelength_nm.tolist() == [400.0, 410.0]
-    np.testing.assert_allclose(told.curves.values[:, 0], [0.1, 0.2], rtol=1e-15)
+    message = read_curves(file(text))
+    assert message.delimiter == delimiter
+    assert message.curves.wavelength_nm.tolist() == [400.0, 410.0]
+    np.testing.assert_allclose(message.curves.values[:, 0], [0.1, 0.2], rtol=1e-15)
 
 
 def test_a_file_of_two_byte_characters_is_read_by_its_mark(file):
-    told = read_curves(file("nm\tA\n400\t0.1\n410\t0.2".encode("utf-16")))
-    assert told.curves.values.ravel().tolist() == [0.1, 0.2]
+    result = read_curves(file("nm\tA\n400\t0.1\n410\t0.2".encode("utf-16")))
+    assert result.curves.values.ravel().tolist() == [0.1, 0.2]
 
 
 @pytest.mark.parametrize(
@@ -192,61 +192,61 @@ def test_percent_is_understood_and_said_and_between_one_and_one_and_a_half_asked
     unclear = read_curves(file("nm,QE\n400,0.1\n410,1.2\n"))
     assert "scale" in abouts(unclear)
     assert unclear.curves.values.max() == 1.2
-    told = read_curves(file("nm,QE\n400,0.1\n410,1.2\n"), answers=Answers(scale="percent"))
-    assert told.curves.values.ravel() == pytest.approx([0.001, 0.012])
-    assert "scale" not in abouts(told)
+    result = read_curves(file("nm,QE\n400,0.1\n410,1.2\n"), answers=Answers(scale="percent"))
+    assert result.curves.values.ravel() == pytest.approx([0.001, 0.012])
+    assert "scale" not in abouts(result)
 
 
 def test_power_is_never_taken_for_percent(file):
-    told = read_curves(file("nm,power\n400,10\n410,45\n"))
-    assert told.curves.values.ravel().tolist() == [10.0, 45.0]
-    assert told.scale == "as written"
+    result = read_curves(file("nm,power\n400,10\n410,45\n"))
+    assert result.curves.values.ravel().tolist() == [10.0, 45.0]
+    assert result.scale == "as written"
 
 
 def test_ragged_rows_and_empty_cells_are_said_and_bridged(file):
-    told = read_curves(file("nm,A,B\n400,1e-1,0.1\n410,0.2\n420,0.3,0.5\n430,,0.1\n"))
-    assert any("ragged rows: line 3" in defect for defect in told.defects)
+    result = read_curves(file("nm,A,B\n400,1e-1,0.1\n410,0.2\n420,0.3,0.5\n430,,0.1\n"))
+    assert any("ragged rows: line 3" in defect for defect in result.defects)
     # A ends at 420 and B has no value at 410: the mean of its neighbors
-    assert told.curves.wavelength_nm.tolist() == [400, 410, 420]
-    assert told.curves.values[1, 1] == pytest.approx(0.3)
-    assert any("cut to what they share" in note for note in told.notes)
+    assert result.curves.wavelength_nm.tolist() == [400, 410, 420]
+    assert result.curves.values[1, 1] == pytest.approx(0.3)
+    assert any("cut to what they share" in note for note in result.notes)
 
 
 @pytest.mark.parametrize(("beyond", "end"), [("zero", 0.0), ("hold", 0.3)])
 def test_a_curve_that_ends_before_the_others_goes_on_as_asked(file, beyond, end):
     path = file("A,,B,\nX,Y,X,Y\n400,0.1,400,0.2\n500,0.3,600,0.4\n")
-    told = read_curves(path, answers=Answers(beyond=beyond))
-    assert told.curves.wavelength_nm.tolist() == [400, 500, 600]
-    assert told.curves.values[-1].tolist() == [end, 0.4]
+    result = read_curves(path, answers=Answers(beyond=beyond))
+    assert result.curves.wavelength_nm.tolist() == [400, 500, 600]
+    assert result.curves.values[-1].tolist() == [end, 0.4]
 
 
 def test_points_that_disagree_are_merged_and_said(file):
-    told = read_curves(file("nm,A\n400,0.1\n420,0.5\n410,0.2\n410,0.4\n"))
-    assert told.curves.values.ravel() == pytest.approx([0.1, 0.3, 0.5])
-    assert told.merged == 1
-    assert any("different values" in d and "410 nm" in d for d in told.defects)
-    assert any("sorted" in note for note in told.notes)
+    result = read_curves(file("nm,A\n400,0.1\n420,0.5\n410,0.2\n410,0.4\n"))
+    assert result.curves.values.ravel() == pytest.approx([0.1, 0.3, 0.5])
+    assert result.merged == 1
+    assert any("different values" in d and "410 nm" in d for d in result.defects)
+    assert any("sorted" in note for note in result.notes)
 
 
 def test_gaps_and_irregular_steps_are_told(file):
-    told = read_curves(file("nm,A\n400,0.1\n410,0.2\n420,0.3\n430,0.3\n500,0.1\n"))
-    assert told.gaps_nm == ((430.0, 500.0),)
-    assert told.step_nm is None
+    result = read_curves(file("nm,A\n400,0.1\n410,0.2\n420,0.3\n430,0.3\n500,0.1\n"))
+    assert result.gaps_nm == ((430.0, 500.0),)
+    assert result.step_nm is None
 
 
 def test_a_column_of_deviations_is_no_curve(file):
-    told = read_curves(
+    result = read_curves(
         file("#Wavelength in nm, Reflectance, Standard Deviation\n400 .1 .01\n410 .2 .02")
     )
-    assert told.curves.names == ("Reflectance",)
-    assert told.deviations is not None
-    assert told.deviations.values.ravel().tolist() == [0.01, 0.02]
+    assert result.curves.names == ("Reflectance",)
+    assert result.deviations is not None
+    assert result.deviations.values.ravel().tolist() == [0.01, 0.02]
 
 
 def test_columns_without_names_are_curves_with_a_note(file):
-    told = read_curves(file("400 0.1 0.01\n410 0.2 0.02"))
-    assert told.curves.names == ("column 2", "column 3")
-    assert any("no names" in note for note in told.notes)
+    result = read_curves(file("400 0.1 0.01\n410 0.2 0.02"))
+    assert result.curves.names == ("column 2", "column 3")
+    assert any("no names" in note for note in result.notes)
     one = read_curves(file("400 0.1 0.01\n410 0.2 0.02"), answers=Answers(columns=("column 2",)))
     assert one.curves.names == ("column 2",)
     assert not any("no names" in note for note in one.notes)
@@ -279,10 +279,10 @@ def test_a_curve_survives_the_way_through_any_text_in_any_order(tmp_path_factory
     rows = [f"{w / scale!r}{sign}{v!r}" for w, v in points]
     path = tmp_path_factory.mktemp("text") / "curve.txt"
     path.write_text("\n".join([f"{'um' if um else 'nm'}{sign}QE", *rows]))
-    told = read_curves(path, answers=Answers(scale="fraction"))
+    result = read_curves(path, answers=Answers(scale="fraction"))
     points = sorted(points)
-    np.testing.assert_allclose(told.curves.wavelength_nm, [w / 10 for w, _ in points], rtol=1e-12)
-    assert told.curves.values.ravel().tolist() == [v for _, v in points]
+    np.testing.assert_allclose(result.curves.wavelength_nm, [w / 10 for w, _ in points], rtol=1e-12)
+    assert result.curves.values.ravel().tolist() == [v for _, v in points]
 
 
 def test_a_response_per_watt_becomes_quantum_efficiency(file):
@@ -308,9 +308,9 @@ def test_photons_of_a_lamp_become_power(file):
 
 def test_a_lamp_that_may_count_photons_or_energy_is_asked_about(file):
     path = file("nm,lamp\n400,1\n800,1\n")
-    told = read_curves(path, answers=Answers(quantity="power"))
+    result = read_curves(path, answers=Answers(quantity="power"))
     with refused_input(subject=str(path), remedy=(Setting("per", ("energy", "photon")),)):
-        power_of(told)
+        power_of(result)
     with refused_input(subject=str(path), setting="columns"):
         power_of(read_curves(file("nm,A,B\n400,1,1\n800,1,1\n")))
 
@@ -367,8 +367,8 @@ def test_tm27_keeps_the_lines_of_its_faults(file):
 
 
 def test_a_relative_lamp_of_tm27_is_one_of_power(file):
-    told = read_curves(file(tm27_text("relative")))
-    assert (told.quantity, told.per, told.level) == ("power", "energy", "relative")
+    message = read_curves(file(tm27_text("relative")))
+    assert (message.quantity, message.per, message.level) == ("power", "energy", "relative")
 
 
 # What shared/data/README.md says of each file, and a part of the sentence that must be found,
@@ -389,8 +389,8 @@ REAL_DEFECTS = {
 def test_the_known_defects_of_real_files_are_found_and_said(name, defect):
     assert SHARED is not None
     answers = Answers(quantity="reflectance") if "reflectances/" in name else Answers()
-    told = read_curves(SHARED / name, answers=answers)
-    assert re.search(defect, "\n".join(told.defects))
+    result = read_curves(SHARED / name, answers=answers)
+    assert re.search(defect, "\n".join(result.defects))
 
 
 REAL_ENDS = {
@@ -404,10 +404,10 @@ REAL_ENDS = {
 @pytest.mark.parametrize(("name", "ends"), REAL_ENDS.items())
 def test_a_range_that_ends_before_1050_nm_is_a_question_and_not_a_defect(name, ends):
     assert SHARED is not None
-    told = read_curves(SHARED / name)
-    assert tuple(told.curves.wavelength_nm[[0, -1]]) == ends
-    assert told.defects == ()
-    assert "beyond" in abouts(told)
+    result = read_curves(SHARED / name)
+    assert tuple(result.curves.wavelength_nm[[0, -1]]) == ends
+    assert result.defects == ()
+    assert "beyond" in abouts(result)
 
 
 @real_files
@@ -424,7 +424,7 @@ def test_every_real_file_is_read_and_its_range_is_right():
     folders = ("sensors", "irfilters", "reflectances", "illuminants")
     read = {p.name: read_curves(p) for f in folders for p in sorted((SHARED / f).iterdir())}
     assert len(read) >= 27
-    ends = {name: told.curves.wavelength_nm[[0, -1]].tolist() for name, told in read.items()}
+    ends = {name: result.curves.wavelength_nm[[0, -1]].tolist() for name, result in read.items()}
     # shared/data/README.md
     assert ends["MT9V024_RGBW.mat"] == [380, 1080]
     assert ends["ircf_public.mat"] == [350, 1200]
@@ -476,15 +476,15 @@ def read_or_refusal(path):
 
 def right_or_refused(path: Path) -> None:
     """A result that is whole, or one sentence that names the file."""
-    told = read_or_refusal(path)
-    if isinstance(told, str):
-        assert str(path) in told
-        assert "\n" not in told
-        assert len(told) < 1000
+    result = read_or_refusal(path)
+    if isinstance(result, str):
+        assert str(path) in result
+        assert "\n" not in result
+        assert len(result) < 1000
         return
-    assert np.isfinite(told.curves.values).all()
-    assert (np.diff(told.curves.wavelength_nm) > 0).all()
-    assert told.curves.names
+    assert np.isfinite(result.curves.values).all()
+    assert (np.diff(result.curves.wavelength_nm) > 0).all()
+    assert result.curves.names
 
 
 edits = st.lists(

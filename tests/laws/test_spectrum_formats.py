@@ -31,9 +31,9 @@ def file(tmp_path):
 def refusal(path):
     with pytest.raises(InputError) as refused:
         read_curves(path)
-    told = str(refused.value)
-    assert str(path) in told
-    assert "\n" not in told
+    message = str(refused.value)
+    assert str(path) in message
+    assert "\n" not in message
     return refused.value
 
 
@@ -314,7 +314,7 @@ def test_a_fits_cell_of_the_declared_null_number_is_no_value(file, scale, zero):
     known = [zero + scale * number for number in (500, 400, 300)]
     assert read.curves.values[:, 0] == pytest.approx(known)
     assert read.curves.wavelength_nm.tolist() == [400.0, 600.0, 700.0]
-    assert any("flux: 1 value" in told for told in read.defects)
+    assert any("flux: 1 value" in result for result in read.defects)
 
 
 # headings
@@ -408,6 +408,6 @@ def test_no_message_of_a_third_party_parser_is_shown(file, monkeypatch):
         raise TypeError("expected <class 'int'>")
 
     monkeypatch.setattr(door, "meaning_of", broken)
-    told = str(refusal(file("a.csv", "nm,A\n400,0.1\n500,0.2\n")))
-    assert "class" not in told
-    assert "expected" not in told
+    message = str(refusal(file("a.csv", "nm,A\n400,0.1\n500,0.2\n")))
+    assert "class" not in message
+    assert "expected" not in message

@@ -410,17 +410,17 @@ def test_the_hash_depends_on_the_bytes_of_every_file_and_on_the_version(tmp_path
         ),
         pictures=(PicturePart(cube="cube.dat"), PicturePart(cube="pages")),
     )
-    told = provenance(study)
-    assert set(told["files"]) == {*names, "pages/1.png", "bare"}
-    seen = {told["hash"]}
-    for name in told["files"]:
+    result = provenance(study)
+    assert set(result["files"]) == {*names, "pages/1.png", "bare"}
+    seen = {result["hash"]}
+    for name in result["files"]:
         kept = (tmp_path / name).read_text()
         (tmp_path / name).write_text(kept + "two")
         seen.add(study_hash(study))
         (tmp_path / name).write_text(kept)
     monkeypatch.setattr("chromanoise.study.hashes.__version__", "another")
     seen.add(study_hash(study))
-    assert len(seen) == 2 + len(told["files"])
+    assert len(seen) == 2 + len(result["files"])
     monkeypatch.undo()
     monkeypatch.chdir(tmp_path)
     (tmp_path / "pages" / "2.png").write_text("new")
@@ -441,13 +441,13 @@ def whole(tmp_path_factory):
 def test_a_run_that_was_stopped_goes_on_to_the_same_bytes(after, whole, tmp_path):
     steps = []
 
-    def told(what, done):
+    def reported(what, done):
         if len(steps) == after:
             raise KeyboardInterrupt
         steps.append(done)
 
     with pytest.raises(KeyboardInterrupt):
-        run_study(small(), tmp_path / "o", report=told)
+        run_study(small(), tmp_path / "o", report=reported)
     stood = []
     run_study(small(), tmp_path / "o", report=lambda _, done: stood.append(done))
     assert stood == [True] * after + [False] * (4 - after)
@@ -479,12 +479,12 @@ def test_a_picture_that_was_emptied_or_changed_is_taken_again(whole, tmp_path):
 def test_a_step_without_a_result_is_done_again(result, whole, tmp_path):
     shutil.copytree(whole, tmp_path / "o")
     step = tmp_path / "o" / "sweep-1-lux-snr-y.json"
-    told = json.loads(step.read_bytes())
+    data = json.loads(step.read_bytes())
     if result is None:
-        del told["result"]
+        del data["result"]
     else:
-        told["result"] = result
-    step.write_text(json.dumps(told))
+        data["result"] = result
+    step.write_text(json.dumps(data))
     run_study(small(), tmp_path / "o")
     assert files_of(tmp_path / "o") == files_of(whole)
 
@@ -545,8 +545,8 @@ def test_the_study_of_any_output_runs_to_the_same_bytes(whole, tmp_path):
 def test_frames_and_parts_of_a_study_do_not_share_their_noise(whole):
     codes = {p.read_bytes() for p in whole.glob("picture-1-onyx-rgbw-*.xyz.tiff")}
     assert len(codes) == 2
-    told = json.loads((whole / "pictures-2.json").read_bytes())["result"]["pictures"]
-    assert [one["frame"] for one in told] == [2, 2]
+    data = json.loads((whole / "pictures-2.json").read_bytes())["result"]["pictures"]
+    assert [one["frame"] for one in data] == [2, 2]
 
 
 def test_an_output_that_was_changed_or_is_of_another_version_or_file_is_refused(
@@ -652,8 +652,8 @@ def test_every_fault_is_told_at_once_with_file_line_and_what_may_be_meant(tmp_pa
     with pytest.raises(InputError) as error:
         read_study(path)
     lines = str(error.value).splitlines()
-    told = {line.removeprefix(f"{path}:").split(":")[0] for line in lines}
-    assert told == {"1", "3", "4", "8", "9", "11", "12", "13", "14"}
+    values = {line.removeprefix(f"{path}:").split(":")[0] for line in lines}
+    assert values == {"1", "3", "4", "8", "9", "11", "12", "13", "14"}
     assert any("did you mean illuminant" in line for line in lines)
     path.write_text(
         'metric = "quants"\n[[sensors]]\nname = "onyx-rgb"\n'

@@ -80,14 +80,14 @@ def test_the_line_where_two_sensors_are_equal_is_the_crossover_of_each_row():
 
 def test_the_best_sensor_at_each_pair_of_values_has_the_best_value():
     sensors = (*PAIR, "onyx-rgb", "onyx-rgbw-ircut")
-    told = mapped(*sensors, second="read-noise-e", low=1.0, high=50.0).to_dict()
-    values = {one["sensor"]: one["value"] for one in told["maps"]}
-    assert told["crossovers"] == []
-    for j, row in enumerate(told["best"]["lmmse"]):
+    data = mapped(*sensors, second="read-noise-e", low=1.0, high=50.0).to_dict()
+    values = {one["sensor"]: one["value"] for one in data["maps"]}
+    assert data["crossovers"] == []
+    for j, row in enumerate(data["best"]["lmmse"]):
         for k, name in enumerate(row):
             there = {one: value[j][k] for one, value in values.items() if value[j][k] is not None}
             assert name == max(there, key=there.get, default=None)
-    assert len({name for row in told["best"]["lmmse"] for name in row}) > 2
+    assert len({name for row in data["best"]["lmmse"] for name in row}) > 2
 
 
 def test_the_table_has_one_row_per_pair_of_values():
@@ -137,9 +137,9 @@ def test_a_setting_that_the_second_parameter_replaces_is_refused():
 def test_bands_over_all_priors_have_one_parameter():
     second = {"vary": "prnu", "first": 0.0, "last": 0.1}
     sweep = {"vary": "lux", "first": 0.1, "last": 1.0, "all_priors": True, "second": second}
-    told = {"sensors": [{"name": "onyx-rgbw"}], "matrices": ["lmmse"], "sweeps": [sweep]}
+    values = {"sensors": [{"name": "onyx-rgbw"}], "matrices": ["lmmse"], "sweeps": [sweep]}
     with refused_input(subject="all_priors", value=True):
-        study_from_data(told)
+        study_from_data(values)
 
 
 def test_a_temperature_without_dark_current_is_refused():

@@ -58,9 +58,9 @@ def test_the_name_of_a_spectrum_in_a_row_is_all_words_before_its_numbers(tmp_pat
                                      "x,450,500,550,600,650", "nm,R,450,500,550,600"])  # fmt: skip
 def test_curves_with_numbers_as_names_stay_in_columns(tmp_path, heading):
     rows = [f"{w},.1,.2,.3,.4,.5" for w in AT_NM]
-    told = _read(tmp_path, "\n".join([heading, *rows]))
-    assert told.curves.names == tuple(heading.split(",")[1:])
-    assert told.curves.wavelength_nm.tolist() == AT_NM.tolist()
+    result = _read(tmp_path, "\n".join([heading, *rows]))
+    assert result.curves.names == tuple(heading.split(",")[1:])
+    assert result.curves.wavelength_nm.tolist() == AT_NM.tolist()
 
 
 def test_one_bad_wavelength_does_not_transpose_a_table(tmp_path):
@@ -77,9 +77,9 @@ def test_one_bad_wavelength_does_not_transpose_a_table(tmp_path):
 def test_a_heading_between_blanks_keeps_its_units_and_the_range_of_its_values(
     tmp_path, heading, factor
 ):
-    told = _read(tmp_path, "\n".join(["#", heading, "#", *(f"{w}  0.5" for w in AT_NM)]))
-    assert (told.quantity, told.wavelength_unit, told.factor) == ("QE", "nm", factor)
-    assert not any("taken as nm" in note for note in told.notes)
+    result = _read(tmp_path, "\n".join(["#", heading, "#", *(f"{w}  0.5" for w in AT_NM)]))
+    assert (result.quantity, result.wavelength_unit, result.factor) == ("QE", "nm", factor)
+    assert not any("taken as nm" in note for note in result.notes)
 
 
 @pytest.mark.parametrize(("heading", "unit", "first", "step"), [
@@ -94,8 +94,8 @@ def test_a_heading_whose_unit_fits_no_wavelength_is_a_question(
     with refused_input(subject=str(tmp_path / "table.csv"), setting="wavelength_unit") as refused:
         _read(tmp_path, text)
     assert refused.value.remedy[0].values[0] == unit
-    told = _read(tmp_path, text, Answers(wavelength_unit=unit))
-    assert told.curves.wavelength_nm[0] == 380
+    message = _read(tmp_path, text, Answers(wavelength_unit=unit))
+    assert message.curves.wavelength_nm[0] == 380
 
 
 @settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])

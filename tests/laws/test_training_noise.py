@@ -162,13 +162,13 @@ def test_the_variance_is_that_of_the_samples_for_each_channel(unit):
         "white": light * gain / (16383.0 - black),
     }[unit]
     add_noise = cn.noise.sampler(camera, seed=9)
-    mean, variance, told = moments_over(add_noise, clean, 400, unit=unit, time_s=1.0)
+    mean, variance, result = moments_over(add_noise, clean, 400, unit=unit, time_s=1.0)
     groups = channel * 2 + (light > 100)
     for group in range(6):
         here = groups == group
         count = 400 * here.sum()
-        assert abs(variance[here].mean() / told[here].mean() - 1) < 5 * np.sqrt(2 / count) + 0.02
-        scatter = np.sqrt(told[here].mean() / 400)  # row noise is shared, so counted per frame
+        assert abs(variance[here].mean() / result[here].mean() - 1) < 5 * np.sqrt(2 / count) + 0.02
+        scatter = np.sqrt(result[here].mean() / 400)  # row noise is shared, so counted per frame
         assert abs((mean - clean)[here].mean()) < 5 * scatter
 
 
@@ -192,8 +192,8 @@ def test_exact_moments_without_clipping_have_the_stated_variance():
     clean = np.full((2, 2), 300.0)
     how = {"unit": "white", "time_s": 2.0}
     exact = add_noise.exact_moments(clean / 16383, **how)
-    told = add_noise(clean / 16383, **how).variance
-    np.testing.assert_allclose(exact.variance, told, rtol=1e-5)
+    result = add_noise(clean / 16383, **how).variance
+    np.testing.assert_allclose(exact.variance, result, rtol=1e-5)
     np.testing.assert_allclose(exact.mean, clean / 16383, rtol=1e-6)
 
 
@@ -329,9 +329,9 @@ def test_channels_last_pictures_have_the_noise_of_their_channel():
     camera = color()
     clean = np.full((200, 300, 3), 100.0)
     sample = cn.noise.sampler(camera)(clean, unit="electron")
-    told = 100.0 + np.array([36.0, 9.0, 4.0]) + 1 / 12 / np.array([0.25, 1.0, 4.0])
-    np.testing.assert_allclose(sample.variance[0, 0], told, rtol=1e-6)
-    np.testing.assert_allclose(sample.noisy.var(axis=(0, 1)), told, rtol=5 * (2 / 60_000) ** 0.5)
+    result = 100.0 + np.array([36.0, 9.0, 4.0]) + 1 / 12 / np.array([0.25, 1.0, 4.0])
+    np.testing.assert_allclose(sample.variance[0, 0], result, rtol=1e-6)
+    np.testing.assert_allclose(sample.noisy.var(axis=(0, 1)), result, rtol=5 * (2 / 60_000) ** 0.5)
 
 
 # ---- ISO ----

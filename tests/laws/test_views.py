@@ -166,8 +166,8 @@ def test_the_snr_of_the_color_axis_is_its_mean_over_its_interval(study):
     plane = channel_plane(study.columns[RGB_59], ("G", "R"))
     noise = magnified_noise(plane, 1.0)
     sd = np.linalg.norm(np.diff(noise.axis_bar, axis=0)) / (2 * noise.sigmas)
-    told = 20 * np.log10(np.linalg.norm(plane.axis.foot) / sd)
-    assert plane.axis.color_snr_db == pytest.approx(told, abs=1e-9)
+    result = 20 * np.log10(np.linalg.norm(plane.axis.foot) / sd)
+    assert plane.axis.color_snr_db == pytest.approx(result, abs=1e-9)
 
 
 @pytest.mark.parametrize("column", [RGBW_12, RGB_59])

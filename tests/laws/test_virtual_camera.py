@@ -54,8 +54,8 @@ def share_of_codes(*, mean_e, well_e, read_e, gain, black_dn, bits):
 def test_codes_follow_the_law_of_poisson_electrons_gaussian_readout_and_rounding(
     mean_e, gain, black_dn
 ):
-    told = {"read_noise_e": 1.5, "full_well_e": 60.0, "bits": 8, "black_level_dn": black_dn}
-    camera = VirtualCamera(shape=(400, 400), gain_dn_per_e=gain, qe=0.4, seed=3, **told)
+    values = {"read_noise_e": 1.5, "full_well_e": 60.0, "bits": 8, "black_level_dn": black_dn}
+    camera = VirtualCamera(shape=(400, 400), gain_dn_per_e=gain, qe=0.4, seed=3, **values)
     codes = camera.frame(photons_per_pixel=mean_e / 0.4, time_ms=1.0)
     law = share_of_codes(
         mean_e=mean_e, well_e=60.0, read_e=1.5, gain=gain, black_dn=black_dn, bits=8
@@ -328,8 +328,8 @@ def codes_of(path):
 @pytest.mark.parametrize("bits", [8, 16])
 def test_the_frames_of_a_folder_hold_the_codes_of_the_camera(tmp_path, file_format, bits):
     camera = quiet(shape=(12, 17), bits=bits, black_level_dn=20.0, read_noise_e=2.0)
-    told = {"levels": 2, "frames": 2, "darks": 1, "longest_time_ms": 40.0}
-    paths = photon_transfer_frames(camera, folder=tmp_path / "f", file_format=file_format, **told)
+    values = {"levels": 2, "frames": 2, "darks": 1, "longest_time_ms": 40.0}
+    paths = photon_transfer_frames(camera, folder=tmp_path / "f", file_format=file_format, **values)
     capture = tomllib.loads((tmp_path / "f" / "capture.toml").read_text())
     assert "mosaic" not in capture
     assert capture["bits"] == bits
@@ -374,8 +374,8 @@ def test_the_time_stays_where_the_light_varies(tmp_path):
 def test_the_truth_gives_the_camera_back(tmp_path):
     photon_transfer_frames(NOISY, folder=tmp_path / "f", levels=2)
     truth = tomllib.loads((tmp_path / "f" / "truth.toml").read_text())
-    told = {k: tuple(v) if isinstance(v, list) else v for k, v in truth["camera"].items()}
-    assert VirtualCamera(**told) == NOISY
+    values = {k: tuple(v) if isinstance(v, list) else v for k, v in truth["camera"].items()}
+    assert VirtualCamera(**values) == NOISY
     for plane, written in zip(NOISY.planes(), truth["planes"], strict=True):
         assert {name: getattr(plane, name) for name in plane.__slots__} == written
 
@@ -396,7 +396,7 @@ def test_a_folder_whose_frames_fail_is_absent(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    "told",
+    "result",
     [
         {"levels": 1},
         {"levels": 10**9},
@@ -409,9 +409,9 @@ def test_a_folder_whose_frames_fail_is_absent(tmp_path, monkeypatch):
     ],
     ids=str,
 )
-def test_a_photon_transfer_that_cannot_be_is_refused(tmp_path, told):
-    with refused_input(subject=next(iter(told))):
-        photon_transfer_frames(quiet(shape=(4, 4)), folder=tmp_path / "f", **told)
+def test_a_photon_transfer_that_cannot_be_is_refused(tmp_path, result):
+    with refused_input(subject=next(iter(result))):
+        photon_transfer_frames(quiet(shape=(4, 4)), folder=tmp_path / "f", **result)
     assert list(tmp_path.iterdir()) == []
 
 

@@ -18,9 +18,9 @@ def characterize_by_the_truth(spread, shift=0.0, hidden=()):
     rng = np.random.default_rng(4)
 
     def characterize(folder):
-        told = tomllib.loads((folder / "truth.toml").read_text())["planes"]
+        data = tomllib.loads((folder / "truth.toml").read_text())["planes"]
         planes = []
-        for plane in told:
+        for plane in data:
             values = {"name": plane["name"]}
             for name in PARAMETERS:
                 error = 0.01 * plane[name] + 1e-3
@@ -34,8 +34,8 @@ def characterize_by_the_truth(spread, shift=0.0, hidden=()):
 
 
 def found_by(monkeypatch, characterize, cameras):
-    def few(camera, **told):
-        return written(camera, levels=2, darks=1, **told)
+    def few(camera, **settings):
+        return written(camera, levels=2, darks=1, **settings)
 
     written = virtual_cameras.photon_transfer_frames
     monkeypatch.setattr(virtual_cameras, "photon_transfer_frames", few)

@@ -200,17 +200,17 @@ def test_a_rawtoaces_camera_answers_to_power_as_the_sensor_to_photons():
     # a joule of 800 nm has twice the photons of one of 400 nm: QE .4 at 400 is worth .2 at 800
     grid = Grid.uniform(400, 800, 200)
     sensor = rgb([[0.4, 0.1, 0.0], [0.0, 0.4, 0.0], [0.2, 0.0, 0.4]], grid)
-    told = json.loads(sensor_rawtoaces_json(sensor, created="2026-01-31T12:00:00Z"))
-    data = told["spectral_data"]["data"]["main"]
+    record = json.loads(sensor_rawtoaces_json(sensor, created="2026-01-31T12:00:00Z"))
+    data = record["spectral_data"]["data"]["main"]
     assert list(data) == ["400", "600", "800"]
     assert data["400"][0] == data["800"][0] == pytest.approx(0.5, rel=1e-15)
     assert data["800"][2] == 1.0
     assert data["600"][1] == pytest.approx(0.75, rel=1e-15)
-    assert told["spectral_data"]["index"]["main"] == ["R", "G", "B"]
-    assert told["spectral_data"]["units"] == "relative"
+    assert record["spectral_data"]["index"]["main"] == ["R", "G", "B"]
+    assert record["spectral_data"]["units"] == "relative"
     # rawtoaces-data, schema 1.0.0: required keys of the header
     needed = ("description", "document_creation_date", "document_creator", "license")
-    assert all(isinstance(told["header"][key], str) for key in needed)
+    assert all(isinstance(record["header"][key], str) for key in needed)
 
 
 def test_a_camera_without_red_green_or_blue_is_no_rawtoaces_camera():

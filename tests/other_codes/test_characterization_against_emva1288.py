@@ -60,8 +60,8 @@ def theirs(frames, plane):
         if nearest is None or away < nearest:
             nearest, spatial = away, {time_ns: {0.0: dark, light: bright}}
     height, width = CAMERA.shape
-    told = {"width": width, "height": height, "temporal": temporal, "spatial": spatial}
-    return results.Results1288(data.Data1288(told).data, pixel_area=1.0)
+    values = {"width": width, "height": height, "temporal": temporal, "spatial": spatial}
+    return results.Results1288(data.Data1288(values).data, pixel_area=1.0)
 
 
 def test_temporal_results_are_those_of_the_reference_evaluation(frames):

@@ -72,11 +72,11 @@ def test_darks_of_the_exposure_time_belong_to_a_level_and_others_stand_alone(tmp
         *("d 1000000", *files(4, 5), "d 8000000", *files(6, 7, 8)),
         *("b 1000000 350.25", *files(9, 10, 11)),  # spatial: more than two frames
     )
-    told = [
+    values = [
         (level.time_ms, level.photons_per_pixel, len(level.flats), len(level.darks))
         for level in read_frame_set([tmp_path]).levels
     ]
-    assert told == [(1, 350.25, 2, 2), (2, 700, 2, 0), (1, 350.25, 3, 2), (8, None, 0, 3)]
+    assert values == [(1, 350.25, 2, 2), (2, 700, 2, 0), (1, 350.25, 3, 2), (8, None, 0, 3)]
 
 
 def test_names_have_backslashes_or_slashes(tmp_path):

@@ -267,10 +267,10 @@ def test_the_noise_profile_is_the_variance_of_codes(tmp_path):
             0, operating_point.sensor.pixel.read_noise_e, n
         )
         x = (np.round(black + electrons / adc.gain_e_per_dn) - black) / (top - black)
-        told = slope * x.mean() + offset
+        result = slope * x.mean() + offset
         # kurtosis of a Poisson variate adds mean / n to the relative variance of a variance
-        se = told * np.sqrt(2 / n + 1 / (n * max(mean_e, 1.0)))
-        assert abs(x.var(ddof=1) - told) < 5 * se
+        se = result * np.sqrt(2 / n + 1 / (n * max(mean_e, 1.0)))
+        assert abs(x.var(ddof=1) - result) < 5 * se
 
 
 def test_the_white_level_is_where_pixels_saturate_and_the_noise_profile_knows_the_dark(tmp_path):

@@ -200,21 +200,21 @@ def test_pictures_of_its_virtual_camera_scatter_as_the_closed_form_tells(celsius
     exposure = Exposure(time_s=0.1)
     noise = noise_sources(sensor, exposure)
     assert noise.dark_e == pytest.approx(camera._u_therm())
-    told = {
+    values = {
         kind: 1 / 12
         + 0.25 * float(with_noise(np.array([mean_e]), sensor, exposure, kind=kind).variance[0])
         for kind in ("temporal", "total")
     }
     temporal = pictures.var(axis=0, ddof=1).mean()
     pixels, frames = SIDE**2, len(pictures)
-    error = told["temporal"] * np.sqrt(2 / (pixels * (frames - 1)))
-    assert abs(temporal - told["temporal"]) < 5 * error
-    spatial = told["total"] - told["temporal"]
+    error = values["temporal"] * np.sqrt(2 / (pixels * (frames - 1)))
+    assert abs(temporal - values["temporal"]) < 5 * error
+    spatial = values["total"] - values["temporal"]
     total = ((pictures - pictures.mean()) ** 2).mean()
     error = np.sqrt(
-        2 * spatial**2 / pixels + (2 * told["temporal"] ** 2 + 4 * spatial * told["temporal"])
+        2 * spatial**2 / pixels + (2 * values["temporal"] ** 2 + 4 * spatial * values["temporal"])
         / pictures.size
     )  # fmt: skip
-    assert abs(total - told["total"]) < 5 * error
-    mean_error = np.sqrt(spatial / pixels + told["temporal"] / pictures.size)
+    assert abs(total - values["total"]) < 5 * error
+    mean_error = np.sqrt(spatial / pixels + values["temporal"] / pictures.size)
     assert abs(pictures.mean() - 0.5 * (mean_e + noise.dark_e + 100.0)) < 5 * mean_error

@@ -106,12 +106,12 @@ def test_the_verdict_tells_what_correlation_and_infrared_cost_over_all_orders(st
 
 def test_the_verdict_tells_what_each_sensor_keeps_of_its_raw_channels(study):
     """The sum of the squared raw SNRs over the SNR of Y, from Tables 2 and 3 as printed."""
-    told = re.search(
+    result = re.search(
         r"([\d.]+) dB below the best linear readout, that of the RGB sensor ([\d.]+) dB",
         verdict(study),
     )
     printed = (([38.1, 36.8, 36.4, 39.9], 26.1), ([32.6, 32.8, 32.6], 32.4))
-    for number, (raw, y) in zip(told.groups(), printed, strict=True):
+    for number, (raw, y) in zip(result.groups(), printed, strict=True):
         bound = 10 * np.log10(sum(10 ** (db / 10) for db in raw))
         assert float(number) == pytest.approx(bound - y, abs=0.3)
 
@@ -129,8 +129,8 @@ def test_the_finding_on_table_5_tells_the_share_within_reach(study):
 
 def test_the_finding_on_table_5_tells_the_error_bar_of_5000_draws(study):
     """0.087 dB (docs/numbers.md), and that is how runs of draws scatter, as 1 / sqrt(draws)."""
-    told = re.search(r"Monte Carlo error of ([\d.]+) dB", table_5_finding(study))
-    assert told.group(1) == "0.09"
+    result = re.search(r"Monte Carlo error of ([\d.]+) dB", table_5_finding(study))
+    assert result.group(1) == "0.09"
     draws = np.random.default_rng(5).normal(100.0, 1.0, (2000, 500))
     runs = 20 * np.log10(draws.mean(axis=1) / draws.std(axis=1, ddof=1))
     spread = runs.std(ddof=1) * np.sqrt(500 / 5000)  # runs of 500 draws

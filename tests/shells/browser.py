@@ -98,7 +98,7 @@ def window(browser, address, watch):
         pages.append(page)
         where = at or address
         page.route(re.compile(f"^(?!{re.escape(where)}|blob:|data:)"), watch.refuse)
-        page.on("console", lambda told: watch.hear(told.type, told.text))
+        page.on("console", lambda result: watch.hear(result.type, result.text))
         page.on("pageerror", lambda error: watch.hear("error", str(error)))
         page.goto(where + ("" if state is None else f"#{packed(state)}"))
         if wait:

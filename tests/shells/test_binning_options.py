@@ -45,9 +45,9 @@ def test_a_pixel_of_a_picture_is_one_binned_pixel(run, tmp_path):
     asked = (*asked, "--mosaic", "G", "--raw-only", "--bits", 16)
     code, _, err = run(*asked, "--binning", 4, "--prnu", 0.02, "-o", tmp_path / "o")
     assert code == 0, err
-    (told,) = json.loads((tmp_path / "o" / "summary.json").read_text())["pictures"]
+    (data,) = json.loads((tmp_path / "o" / "summary.json").read_text())["pictures"]
     codes = tifffile.imread(tmp_path / "o" / "model-rgb.raw.tiff").astype(float)
-    gain, mean_e = told["gain_e_per_dn"], 4 * expected_green(run)
+    gain, mean_e = data["gain_e_per_dn"], 4 * expected_green(run)
     assert gain == pytest.approx(40_000 / 65535)
     variance = mean_e + 10.0**2 + (0.01 * mean_e) ** 2 + gain**2 / 12  # a PRNU of 2 % by sqrt(4)
     assert abs(gain * codes.mean() - mean_e) < 5 * np.sqrt(variance / codes.size)

@@ -63,11 +63,11 @@ def test_a_kind_is_printed_within_100_columns_and_as_json_with_every_entry(run, 
     assert max(len(line) for line in out.splitlines()) <= 100
     code, out, err = run("catalog", kind, "--json", "-")
     assert (code, err) == (0, "")
-    told = json.loads(out)["entries"]
-    assert [entry["name"] for entry in told] == [
+    data = json.loads(out)["entries"]
+    assert [entry["name"] for entry in data] == [
         entry.provenance.name for entry in catalog_entries(kind)
     ]
-    for entry in told:
+    for entry in data:
         assert all(entry[key] for key in ("source", "license", "what", "quantity", "defects"))
 
 
@@ -103,7 +103,7 @@ def test_json_and_markdown_go_to_files_whole(run, tmp_path):
     refused(run("catalog", "--json", "-", "--markdown", "-"), subject="--markdown", value="-")
 
 
-def test_what_is_not_in_the_catalogue_is_refused_with_the_nearest_name(run):
+def test_what_is_not_in_the_catalog_is_refused_with_the_nearest_name(run):
     refused(run("catalog", "mt9v024"), "mt9v024-rgbw", value="mt9v024")
     refused(run("catalog", "sensors", "--folder", "nowhere"), "nowhere")
 
@@ -327,10 +327,10 @@ def test_a_light_of_nothing_is_refused_by_its_name(run, word):
     ("command", "words"),
     [("analyze", ("halogen", "led-white", "A+0.5xLED850", "catalog illuminants"))],
 )
-def test_the_help_names_the_lights_of_the_catalogue(run, command, words):
-    told = " ".join(run(command, "--help")[1].split())
+def test_the_help_names_the_lights_of_the_catalog(run, command, words):
+    result = " ".join(run(command, "--help")[1].split())
     for word in words:
-        assert word in told
+        assert word in result
 
 
 def test_the_home_of_the_user_is_found_in_names_of_files(folder, monkeypatch):

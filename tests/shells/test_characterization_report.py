@@ -121,8 +121,8 @@ def drawings(text):
 def test_levels_without_light_have_no_chart_of_linearity():
     plane = plane_of()
     levels = tuple(replace(one, photons_per_pixel=None, time_ms=5.0) for one in plane.levels)
-    told = characterization_report(monochrome(planes=(replace(plane, levels=levels),)))
-    assert Page(told).tags.count("svg") == 4
+    result = characterization_report(monochrome(planes=(replace(plane, levels=levels),)))
+    assert Page(result).tags.count("svg") == 4
 
 
 def test_values_that_are_not_known_are_dashes():

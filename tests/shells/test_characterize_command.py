@@ -21,10 +21,10 @@ def frames(run, tmp_path, monkeypatch):
 def test_json_has_the_digits_of_the_library_and_the_keys_that_scripts_use(run, frames):
     code, out, err = run("characterize", "frames", "--json", "-")
     assert code == 0, err
-    told = json.loads(out)
-    assert told == json.loads(json.dumps(cn.characterize("frames").to_dict()))
-    assert [plane["name"] for plane in told["planes"]] == ["R", "G1", "G2", "B"]
-    for plane in told["planes"]:
+    data = json.loads(out)
+    assert data == json.loads(json.dumps(cn.characterize("frames").to_dict()))
+    assert [plane["name"] for plane in data["planes"]] == ["R", "G1", "G2", "B"]
+    for plane in data["planes"]:
         assert plane["gain_dn_per_e"] == pytest.approx(0.3, abs=5 * plane["gain_dn_per_e_se"])
         for name in ("dark_noise_e", "dark_noise_e_se", "qe", "full_well_e", "prnu", "dsnu_e"):
             assert plane[name] > 0

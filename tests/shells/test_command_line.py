@@ -49,16 +49,16 @@ def curve_file(tmp_path):
 
 def test_json_of_analyze_has_the_digits_of_the_library(run):
     code, out, _ = run("analyze", "onyx-rgbw", "--time-ms", 12, "--json", "-")
-    told = json.loads(out)["sensors"][0]
+    data = json.loads(out)["sensors"][0]
     scene = flat_field(equal_energy(DEFAULT_GRID), level_lux=10.0)
     sensor = sensor_named("onyx-rgbw", DEFAULT_GRID)
     ours = analyzed(scene, sensor, Exposure(time_s=0.012))
     assert code == 0
-    assert [c["mean_e"] for c in told["channels"]] == ours.raw.mean.tolist()
-    assert told["matrix"] == ours.matrix.matrix.tolist()
-    assert told["bound_db"] == ours.optimal_linear_snr_db
-    assert told["price_db"] == pytest.approx(
-        ours.optimal_linear_snr_db - told["color"]["snr_db"]["Y"]
+    assert [c["mean_e"] for c in data["channels"]] == ours.raw.mean.tolist()
+    assert data["matrix"] == ours.matrix.matrix.tolist()
+    assert data["bound_db"] == ours.optimal_linear_snr_db
+    assert data["price_db"] == pytest.approx(
+        ours.optimal_linear_snr_db - data["color"]["snr_db"]["Y"]
     )
 
 
@@ -134,9 +134,9 @@ def test_reproduce_writes_the_same_json_for_the_same_seed(run, tmp_path):
     for path in files:
         assert run("reproduce", "--draws", 500, "--seed", 3, "--json", path)[0] == 0
     assert files[0].read_bytes() == files[1].read_bytes()
-    told = json.loads(files[0].read_text())
-    assert {"version", "seed", "metric", "tables", "times_ms"} <= set(told)
-    assert {cell["table"] for cell in told["tables"]} == {2, 3, 4, 5}
+    data = json.loads(files[0].read_text())
+    assert {"version", "seed", "metric", "tables", "times_ms"} <= set(data)
+    assert {cell["table"] for cell in data["tables"]} == {2, 3, 4, 5}
 
 
 def test_simulate_writes_picture_tiff_and_summary_that_belong_together(run, tmp_path):
@@ -360,10 +360,10 @@ def test_a_folder_in_the_place_of_a_file_leaves_no_half_of_the_outputs(run, tmp_
 
 def test_an_output_that_cannot_be_kept_is_refused_before_anything_is_written(run, tmp_path):
     (tmp_path / "file").write_text("mine")
-    told = tmp_path / "tables.json"
+    data = tmp_path / "tables.json"
     out = tmp_path / "file" / "deep"
-    refused(run("reproduce", "--json", told, "--out", out), str(out))
-    assert not told.exists()
+    refused(run("reproduce", "--json", data, "--out", out), str(out))
+    assert not data.exists()
 
 
 @pytest.mark.parametrize(
@@ -453,14 +453,14 @@ def test_a_saturated_sensor_has_no_budget_and_says_so(run):
 def test_compare_tells_curves_and_crossovers_with_the_digits_of_analyze(run):
     arguments = ("compare", "onyx-rgbw", "onyx-rgb-ircut", "--time-ms", 5, "--points", 3)
     code, out, _ = run(*arguments, "--sweep", "lux=0.1:10", "--json", "-")
-    told = json.loads(out)
+    data = json.loads(out)
     assert code == 0
-    assert told["sweep"]["values"] == pytest.approx([0.1, 1.0, 10.0])
+    assert data["sweep"]["values"] == pytest.approx([0.1, 1.0, 10.0])
     _, analyzed_out, _ = run("analyze", "onyx-rgbw", "--time-ms", 5, "--lux", 10, "--json", "-")
     direct = json.loads(analyzed_out)["sensors"][0]
-    assert told["curves"][0]["value"][-1] == pytest.approx(direct["color"]["snr_db"]["Y"], abs=1e-9)
-    assert told["curves"][0]["color_error"][0] == pytest.approx(direct["color_error_mean"])
-    assert told["crossovers"][0]["at"] == []
+    assert data["curves"][0]["value"][-1] == pytest.approx(direct["color"]["snr_db"]["Y"], abs=1e-9)
+    assert data["curves"][0]["color_error"][0] == pytest.approx(direct["color_error_mean"])
+    assert data["crossovers"][0]["at"] == []
     code, out, _ = run(*arguments)
     assert code == 0
     assert "SNR of Y" in out
@@ -517,16 +517,16 @@ def test_a_saturated_sensor_has_no_gray_noise(run):
 
 def test_clipping_flatters_white_and_luminance_and_says_so(run):
     """At 99 % of full well 15.9 % of W is held: Monte Carlo gives +1.25 dB on W, +0.43 on Y."""
-    told = []
+    values = []
     for more in ((), ("--clip",)):
         _, out, _ = run("analyze", "onyx-rgbw", *more, "--json", "-")
-        told.append(json.loads(out)["sensors"][0])
-    white = [next(c for c in t["channels"] if c["name"] == "W") for t in told]
+        values.append(json.loads(out)["sensors"][0])
+    white = [next(c for c in t["channels"] if c["name"] == "W") for t in values]
     assert white[1]["full_share"] == pytest.approx(0.1587, abs=2e-4)
     assert white[1]["snr_db"] - white[0]["snr_db"] == pytest.approx(1.25, abs=0.02)
-    luminance = [t["color"]["snr_db"]["Y"] for t in told]
+    luminance = [t["color"]["snr_db"]["Y"] for t in values]
     assert luminance[1] - luminance[0] == pytest.approx(0.43, abs=0.02)
-    assert any("SNR are too high" in note for note in told[1]["notes"])
+    assert any("SNR are too high" in note for note in values[1]["notes"])
     both = run("analyze", "onyx-rgbw", "--clip", "--budget")
     refused(both, "--clip", setting="outputs.clip", value=True)
 
@@ -543,16 +543,16 @@ def test_a_readout_held_whole_at_full_well_is_saturated_and_nothing_more(run):
 
 def test_analyze_takes_another_matrix_and_tells_every_patch_of_the_chart(run):
     arguments = ("analyze", "onyx-rgbw", "--lux", 1, "--time-ms", 12)
-    told = []
+    values = []
     lmmse = ("--matrix", "lmmse")
     for more in (("--chart",), lmmse, (*lmmse, "--prior", "chart")):
         _, out, _ = run(*arguments, *more, "--json", "-")
-        told.append(json.loads(out)["sensors"][0])
-    assert ["LMMSE" in sensor["matrix_made_by"] for sensor in told] == [False, True, True]
-    assert len({sensor["color"]["snr_db"]["Y"] for sensor in told}) == 3
-    assert len(told[0]["chart"]) == 24
-    errors = [patch["color_error"] for patch in told[0]["chart"]]
-    assert sum(errors) / 24 == pytest.approx(told[0]["color_error_mean"])
+        values.append(json.loads(out)["sensors"][0])
+    assert ["LMMSE" in sensor["matrix_made_by"] for sensor in values] == [False, True, True]
+    assert len({sensor["color"]["snr_db"]["Y"] for sensor in values}) == 3
+    assert len(values[0]["chart"]) == 24
+    errors = [patch["color_error"] for patch in values[0]["chart"]]
+    assert sum(errors) / 24 == pytest.approx(values[0]["color_error_mean"])
     code, out, _ = run(*arguments, "--chart")
     assert code == 0
     assert "neutral 6.5" in out
@@ -561,11 +561,11 @@ def test_analyze_takes_another_matrix_and_tells_every_patch_of_the_chart(run):
 def test_compare_tells_the_band_over_priors(run):
     arguments = ("compare", "onyx-rgbw", "onyx-rgb-ircut", "--matrix", "lmmse", "--points", 9)
     code, out, _ = run(*arguments, "--sweep", "lux=0.05:5", "--prior", "all", "--json", "-")
-    told = json.loads(out)
+    data = json.loads(out)
     assert code == 0
-    (band,) = told["bands"]
+    (band,) = data["bands"]
     assert len(band["by_prior"]) == 5
-    assert band["span"][0] <= told["crossovers"][0]["at"][0] <= band["span"][1]
+    assert band["span"][0] <= data["crossovers"][0]["at"][0] <= band["span"][1]
     assert "5 priors" in run(*arguments, "--sweep", "lux=0.05:5", "--prior", "all")[1]
 
 
@@ -610,11 +610,11 @@ def test_every_setting_is_an_option_or_a_part_of_one(command, function):
 
 def test_an_added_ir_cut_and_a_shift_change_the_sensor(run):
     cut = ("--ircut-nm", 680, "--shift-nm", -5)
-    told = json.loads(run("analyze", "onyx-rgb", *cut, "--time-ms", 5, "--json", "-")[1])
+    data = json.loads(run("analyze", "onyx-rgb", *cut, "--time-ms", 5, "--json", "-")[1])
     sensor = behind_ir_cut(with_shifted_curves(sensor_named("onyx-rgb"), -5.0), 680.0)
     exposure = Exposure(time_s=5e-3, f_number=1.8)
     white = flat_field(equal_energy(DEFAULT_GRID), level_lux=10.0)
-    (one,) = told["sensors"]
+    (one,) = data["sensors"]
     assert [channel["mean_e"] for channel in one["channels"]] == pytest.approx(
         expected_electrons(white, sensor, exposure).tolist(), rel=1e-12
     )

@@ -43,16 +43,16 @@ def broken_among(count, seed):
 
 
 def test_a_few_random_command_lines_give_results_or_sentences():
-    told = broken_among(16, seed=0)
-    assert told["broken"] == []
-    assert set(told["codes"]) == {"0", "2"}
+    result = broken_among(16, seed=0)
+    assert result["broken"] == []
+    assert set(result["codes"]) == {"0", "2"}
 
 
 @pytest.mark.evidence
 def test_many_random_command_lines_give_results_or_sentences():
-    told = broken_among(LINES, seed=1)
-    print({key: value for key, value in told.items() if key != "broken"})
-    assert told["broken"] == []
+    result = broken_among(LINES, seed=1)
+    print({key: value for key, value in result.items() if key != "broken"})
+    assert result["broken"] == []
 
 
 def test_random_command_lines_know_a_valid_value_of_every_option():
@@ -169,9 +169,9 @@ def test_the_message_for_a_full_disk_names_the_file(run, here):
 
 
 def test_a_whole_number_may_be_written_with_an_exponent(run):
-    told = [run("reproduce", "--draws", draws, "--json", "-") for draws in ("1000", "1e3")]
-    assert told[0][0] == 0
-    assert told[0] == told[1]
+    data = [run("reproduce", "--draws", draws, "--json", "-") for draws in ("1000", "1e3")]
+    assert data[0][0] == 0
+    assert data[0] == data[1]
 
 
 @pytest.mark.parametrize("draws", ["1e11", "1", "1.5", "inf", "x"])
@@ -215,12 +215,12 @@ def test_a_local_cluster_whose_workers_end_at_once_is_refused(run, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("parts", "told"), [(100, "the work: takes about 3.3 min\n"), (10, "")]
+    ("parts", "result"), [(100, "the work: takes about 3.3 min\n"), (10, "")]
 )  # 2 s each: 200 s and 20 s
-def test_only_a_long_computation_prints_how_long_it_takes(capsys, monkeypatch, parts, told):
+def test_only_a_long_computation_prints_how_long_it_takes(capsys, monkeypatch, parts, result):
     clock = iter(np.arange(0.0, 1000.0, 2.0))
     monkeypatch.setattr(progress.time, "monotonic", lambda: next(clock))
     with progress.progress_of("the work", parts, "parts") as advance:
         for _ in range(3):
             advance(1)
-    assert capsys.readouterr() == ("", told)
+    assert capsys.readouterr() == ("", result)

@@ -35,17 +35,17 @@ def test_command_study_copy_and_python_give_the_same_digits(run, here):
     asked = ("compare", *PAIR, *SWEEP, "--and", "prnu=0:0.1:3")
     code, out, _ = run(*asked, "--json", "-")
     assert code == 0
-    told = json.loads(out)
+    data = json.loads(out)
     (result,) = cn.run(study_from_data(STUDY)).maps
     second = {"second_vary": "prnu", "second_first": 0.0, "second_last": 0.1, "second_points": 3}
     python = cn.compare_map(*PAIR, first=0.1, last=10.0, points=4, **second)
-    assert told == result.to_dict() == python.to_dict()
+    assert data == result.to_dict() == python.to_dict()
     code, copied, _ = run(*asked, "--copy-as", "toml")
     (here / "copied.toml").write_text(copied)
     code, _, err = run("run", "copied.toml", "-o", "copied")
     assert code == 0, err
     file = here / "copied" / "sweep-1-lux-prnu-snr-y.json"
-    assert json.loads(file.read_bytes())["result"] == told
+    assert json.loads(file.read_bytes())["result"] == data
     assert "cn.compare_map(" in run(*asked, "--copy-as", "python")[1]
 
 

@@ -43,7 +43,7 @@ def test_curves_come_back_from_csv_json_and_csv_again_to_the_digit(done, here):
     assert (read_curves(here / "c.csv").curves.values == table).all()
 
 
-def test_a_sensor_of_the_catalogue_that_asks_is_converted_with_the_answers(done, here):
+def test_a_sensor_of_the_catalog_that_asks_is_converted_with_the_answers(done, here):
     answers = ("--beyond", "zero", "--peak-qe", 0.6)
     done("convert", "ar0132at-rgbw", "x.csv", *answers)
     values = read_curves(here / "x.csv").curves.values
@@ -53,7 +53,7 @@ def test_a_sensor_of_the_catalogue_that_asks_is_converted_with_the_answers(done,
     np.testing.assert_allclose(read_curves(here / "y.csv").curves.values, values / 2, rtol=1e-12)
 
 
-def test_no_file_hides_a_name_of_the_catalogue_but_a_file_needs_no_ending(done, here):
+def test_no_file_hides_a_name_of_the_catalog_but_a_file_needs_no_ending(done, here):
     text = "wavelength_nm,A\n400,0.25\n1050,0.25\n"
     for name in ("onyx-rgbw", "mine"):
         (here / name).write_text(text)
@@ -77,10 +77,10 @@ def test_a_rawtoaces_camera_is_qe_times_wavelength_up_to_one_factor(done, here):
         "500,0.1,0.4,0.2,0.5\n600,0.3,0.1,0.1,0.5\n"
     )
     _, err = done("convert", "cam.csv", "cam.json", "--as", "rawtoaces")
-    told = json.loads((here / "cam.json").read_text())
-    assert told["spectral_data"]["data"]["main"]["400"] == pytest.approx([0.2, 0.4, 0.8])
-    assert told["spectral_data"]["data"]["main"]["600"] == pytest.approx([0.9, 0.3, 0.3])
-    assert told["header"]["model"] == "cam"
+    data = json.loads((here / "cam.json").read_text())
+    assert data["spectral_data"]["data"]["main"]["400"] == pytest.approx([0.2, 0.4, 0.8])
+    assert data["spectral_data"]["data"]["main"]["600"] == pytest.approx([0.9, 0.3, 0.3])
+    assert data["header"]["model"] == "cam"
     assert "W" in err
     again = read_curves(here / "cam.json").curves  # a response per energy stays as it is
     done("convert", "cam.json", "again.json", "--as", "rawtoaces")
@@ -128,11 +128,11 @@ def test_a_table_of_analyze_holds_the_numbers_of_its_json(done, here):
     out, _ = done("analyze", "onyx-rgbw", "model-rgb", "--table", "t.json", "--json", "-")
     table = table_from_json((here / "t.json").read_text())
     heads = [column.name for column in table.columns]
-    for row, told in zip(table.rows, json.loads(out)["sensors"], strict=True):
+    for row, result in zip(table.rows, json.loads(out)["sensors"], strict=True):
         cells = dict(zip(heads, row, strict=True))
-        assert cells["sensor"] == told["name"]
-        assert cells["SNR Y"] == told["color"]["snr_db"]["Y"]
-        assert cells["time"] == pytest.approx(told["time_ms"], rel=1e-15)
+        assert cells["sensor"] == result["name"]
+        assert cells["SNR Y"] == result["color"]["snr_db"]["Y"]
+        assert cells["time"] == pytest.approx(result["time_ms"], rel=1e-15)
 
 
 def test_a_table_of_compare_has_a_row_per_value_and_one_of_matrix_a_row_per_coordinate(done, here):
@@ -143,8 +143,8 @@ def test_a_table_of_compare_has_a_row_per_value_and_one_of_matrix_a_row_per_coor
     rows = list(csv.reader((here / "m.csv").read_text().splitlines()))
     assert rows[0] == ["coordinate", *(f"{name} [lx/e-]" for name in "RGBW")]
     assert [row[0] for row in rows[1:]] == ["X", "Y", "Z"]
-    told = np.array([[float(cell) for cell in row[1:]] for row in rows[1:]])
-    assert (told == np.array(json.loads(out)["matrix"]["lux_per_e"])).all()
+    result = np.array([[float(cell) for cell in row[1:]] for row in rows[1:]])
+    assert (result == np.array(json.loads(out)["matrix"]["lux_per_e"])).all()
 
 
 @pytest.mark.parametrize("command", ["analyze", "compare", "matrix"])
@@ -163,8 +163,8 @@ def test_the_ending_decides_the_form_and_is_refused_before_the_work(run, done, h
 
 
 def sensor_told(done, *arguments):
-    (told,) = json.loads(done("analyze", "onyx-rgbw", *arguments, "--json", "-")[0])["sensors"]
-    return told, " | ".join(told["notes"])
+    (data,) = json.loads(done("analyze", "onyx-rgbw", *arguments, "--json", "-")[0])["sensors"]
+    return data, " | ".join(data["notes"])
 
 
 @pytest.mark.parametrize(
@@ -212,17 +212,17 @@ def test_the_pixel_of_a_file_is_used_where_the_file_tells_it(done, here, name, t
         assert ", ".join(silent) in notes
 
 
-def rounded(told):
+def rounded(result):
     """Nested data with its numbers to 9 digits."""
-    text = json.dumps(told)
+    text = json.dumps(result)
     return re.sub(r"-?\d+\.\d+(?:e-?\d+)?", lambda m: f"{float(m[0]):.9g}", text)
 
 
 def test_a_number_that_is_given_wins_over_the_file_and_the_note_says_so(done, here):
     (here / "p.txt").write_text("sigma_d = 3 e-\nmu_e.sat = 8000 e-\nPRNU = 1 %")
-    told, notes = sensor_told(done, "--pixel", "p.txt", "--read-noise-e", 5)
+    result, notes = sensor_told(done, "--pixel", "p.txt", "--read-noise-e", 5)
     typed, _ = sensor_told(done, "--full-well-e", 8000, "--read-noise-e", 5, "--prnu", 0.01)
-    assert told["color"] == typed["color"]
+    assert result["color"] == typed["color"]
     assert any("read_noise_e" in note and "p.txt" in note for note in notes.split(" | "))
     assert any("prnu" in note and "p.txt" in note for note in notes.split(" | "))
     other, _ = sensor_told(done, "--pixel", "p.txt", "--read-noise-e", 5, "--prnu", 0)
@@ -254,5 +254,5 @@ def test_every_command_that_takes_sensors_takes_the_pixel_of_a_file_and_never_ov
         refused(taken, subject="--json", value="p.json")
     done("simulate", "builtin:checker", "--sensor", "onyx-rgb", "--pixel", "p.json", "-o", "o")
     assert PAPER_PIXEL.read_noise_e == 10  # so that 3 is the file's
-    told = json.loads((here / "o" / "summary.json").read_text())["pictures"][0]
-    assert any("read_noise_e" in note and "p.json" in note for note in told["notes"])
+    data = json.loads((here / "o" / "summary.json").read_text())["pictures"][0]
+    assert any("read_noise_e" in note and "p.json" in note for note in data["notes"])

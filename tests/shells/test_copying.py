@@ -28,7 +28,7 @@ def copied(run, tmp_path):
         code, _, err = run("run", path, "-o", tmp_path / "copied")
         assert code == 0, err
         found = {p.stem: json.loads(p.read_bytes()) for p in (tmp_path / "copied").glob("*.json")}
-        return {name: told["result"] for name, told in found.items() if "result" in told}
+        return {name: result["result"] for name, result in found.items() if "result" in result}
 
     return call
 
@@ -291,13 +291,13 @@ def test_an_answer_that_no_sensor_asks_for_is_refused(
 
 def test_an_answer_that_one_of_several_sensors_asks_for_is_taken(run):
     options = ("onyx-rgbw", "ar0132at-rgbw", "--peak-qe", 0.3, "--beyond", "zero")
-    told = told_by(run, "analyze", *options)
-    assert [one["name"] for one in told["sensors"]] == ["onyx-rgbw", "ar0132at-rgbw"]
+    result = told_by(run, "analyze", *options)
+    assert [one["name"] for one in result["sensors"]] == ["onyx-rgbw", "ar0132at-rgbw"]
 
 
 @pytest.mark.parametrize("option", ["--illuminant-photons", "--illuminant-energy"])
 def test_a_light_by_name_is_asked_nothing(run, option):
-    told = run("analyze", "onyx-rgbw", "--illuminant", "A+1xLED850", option)
-    refused(told, option, "A+1xLED850", setting="light.per")
-    told = run("analyze", "onyx-rgbw", "--illuminant-column", "x")
-    refused(told, "--illuminant-column", setting="light.column", value="x")
+    result = run("analyze", "onyx-rgbw", "--illuminant", "A+1xLED850", option)
+    refused(result, option, "A+1xLED850", setting="light.per")
+    result = run("analyze", "onyx-rgbw", "--illuminant-column", "x")
+    refused(result, "--illuminant-column", setting="light.column", value="x")

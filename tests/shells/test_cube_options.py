@@ -53,8 +53,8 @@ def test_a_study_finds_a_file_of_wavelengths_in_its_folder_and_hashes_it(files, 
 
 @pytest.mark.parametrize("word", ["400", "none.txt", "400:x", "nan"])
 def test_wavelengths_that_are_neither_two_ends_nor_a_file_are_refused(files, run, word):
-    told = run("simulate", str(files / "a.npy"), "--sensor", "model-rgb", "--wavelengths", word)
-    refused(told, subject="--wavelengths", value=word)
+    message = run("simulate", str(files / "a.npy"), "--sensor", "model-rgb", "--wavelengths", word)
+    refused(message, subject="--wavelengths", value=word)
 
 
 @pytest.mark.parametrize("value", ["5", "[400]", "[400, 500, 600]", "true", '["a", "b"]'])

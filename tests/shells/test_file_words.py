@@ -40,8 +40,8 @@ def analysis(run):
     def call(*arguments):
         code, out, err = run("analyze", *arguments, "--json", "-")
         assert code == 0, err
-        told = json.loads(out)
-        return [[sensor[part] for part in ("channels", "color")] for sensor in told["sensors"]]
+        data = json.loads(out)
+        return [[sensor[part] for part in ("channels", "color")] for sensor in data["sensors"]]
 
     return call
 

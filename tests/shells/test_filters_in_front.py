@@ -59,8 +59,8 @@ def test_behind_a_gray_glass_the_time_of_saturation_is_four_times_as_long(run, f
     def times(*more):
         code, out, err = run("analyze", "onyx-rgb", "model-rgb", *more, "--json", "-")
         assert code == 0, err
-        told = json.loads(out)["sensors"]
-        return [one["name"] for one in told], [one["time_ms"] for one in told]
+        data = json.loads(out)["sensors"]
+        return [one["name"] for one in data], [one["time_ms"] for one in data]
 
     names, bare = times()
     behind, long = times("--filter", word)
@@ -81,11 +81,11 @@ def test_a_filter_of_a_study_has_its_own_name_enters_the_hash_and_the_files(fold
     assert [sensor_of(part).name for part in one.sensors] == ["onyx-rgb", "onyx-rgb+ircut-650"]
     assert study_hash(one) != study_hash(other)
     assert filter_files("ircut-650") == ()
-    told = study_from_text(STUDY.format("glass.csv"), source="t")
-    assert list(provenance(told)["files"]) == ["glass.csv"]
-    before = study_hash(told)
+    message = study_from_text(STUDY.format("glass.csv"), source="t")
+    assert list(provenance(message)["files"]) == ["glass.csv"]
+    before = study_hash(message)
     (folder / "glass.csv").write_text(GLASS)
-    assert study_hash(told) != before
+    assert study_hash(message) != before
 
 
 def test_a_filter_of_a_command_is_copied_as_a_study_and_comes_back_as_the_command(run, folder):

@@ -91,9 +91,9 @@ def test_the_matrix_of_a_dcp_is_inverted_and_scaled_to_the_luminance_of_the_whit
     read = read_matrix(path)
     assert read.values.tolist() == matrix
     assert read.kelvin == 6504
-    told = first(str(path))
-    assert told["color"]["mean_lux"]["Y"] == pytest.approx(10.0, rel=1e-3)
-    product = np.array(matrix) @ told["matrix"]
+    message = first(str(path))
+    assert message["color"]["mean_lux"]["Y"] == pytest.approx(10.0, rel=1e-3)
+    product = np.array(matrix) @ message["matrix"]
     assert product / product[0, 0] == pytest.approx(np.eye(3), abs=1e-12)
 
 
@@ -143,6 +143,35 @@ def test_a_damaged_profile_and_a_missing_file_are_refused(tmp_path):
             first(str(path))
     with refused_input(value="none.csv"):
         first("none.csv")
+
+
+@pytest.mark.parametrize("count", [0, 4, 10])
+def test_a_profile_without_three_numbers_per_channel_is_refused(tmp_path, count):
+    path = tmp_path / "a.dcp"
+    entry = struct.pack("<HHIII", 50721, 10, count, 26, 0)
+    path.write_bytes(b"II*\0" + struct.pack("<IH", 8, 1) + entry + struct.pack("<ii", 1, 2) * 12)
+    with refused_input(subject=str(path), value=count):
+        read_matrix(path)
+
+
+@pytest.mark.parametrize(
+    ("data", "fields"),
+    [
+        ({"channels": 5, "balanced": [[1, 2, 3]] * 3}, {"value": 5}),
+        ({"channels": None, "balanced": [[1, 2, 3]] * 3}, {"value": None}),
+        ({"balanced": [[[1, 2], [3, 4]]] * 3}, {"value": (3, 2, 2)}),
+        ({"balanced": [[], [], []]}, {"value": (3, 0)}),
+        (
+            {"matrix_lux_per_e": [[1, 2, 3]] * 3, "time_ms": 0, "f_number": 2, "pitch_um": 3},
+            {"value": 0.0},
+        ),
+    ],
+)
+def test_json_that_is_no_matrix_of_channels_is_refused(tmp_path, data, fields):
+    path = tmp_path / "a.json"
+    path.write_text(json.dumps(data))
+    with refused_input(**fields):
+        read_matrix(path)
 
 
 def test_the_ending_tells_a_file_from_a_method():

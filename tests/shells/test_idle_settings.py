@@ -7,7 +7,7 @@ from pydantic import ValidationError
 
 import chromanoise as cn
 from chromanoise.errors import errors_in
-from chromanoise.page.answers import Answers
+from chromanoise.page.answers import ChartReplies
 from chromanoise.page.services import Services
 from chromanoise.page.studies import Studies
 from chromanoise.page.uploads import Uploads
@@ -93,8 +93,8 @@ def test_a_setting_without_effect_is_refused_alike_by_every_entrance(
     assert [one.subject for one in errors_in(caught.value)] == [key.rpartition(".")[2]]
     with pytest.raises(ValidationError) as refused:
         cn.Study(**data)
-    (told,) = refused.value.errors()
-    assert told["ctx"]["error"].requirement == refusal[0]
+    (result,) = refused.value.errors()
+    assert result["ctx"]["error"].requirement == refusal[0]
     # the page keeps it for the next change of a control; what runs is without it
     kept = cn.Study.model_validate(data, context=KEEP_IDLE)
     share = "[exposure]\nsaturate = 0.99\n" if "0.99" in str(data) else ""  # a default
@@ -135,12 +135,12 @@ def test_the_page_keeps_what_another_control_put_out_of_effect():
     }
     uploads = Uploads()
     try:
-        answers = Answers(Studies(uploads))
-        told = json.loads(answers.answer({"study": data, "want": ["head"]}))
-        assert [one["time_ms"] for one in told["parts"]["head"]["sensors"]] == [3.0, 3.0]
+        answers = ChartReplies(Studies(uploads))
+        record = json.loads(answers.answer({"study": data, "want": ["head"]}))
+        assert [one["time_ms"] for one in record["parts"]["head"]["sensors"]] == [3.0, 3.0]
         copied = study_from_text(answers.texts({"study": data})["toml"], source="copied")
         assert (copied.prior, copied.exposure.saturate) == ("chart-nir", 0.99)
-        assert told["hash"] == study_hash(copied)
+        assert record["hash"] == study_hash(copied)
         # the initial study has all defaults
         served = study_as_json(cn.study_from_data({"sensors": ONE, "exposure": {"time_ms": 3.0}}))
         assert Services(uploads, study=served)
@@ -182,8 +182,8 @@ def test_the_record_of_a_run_has_all_defaults_and_is_run_again(here):
 def test_a_study_built_in_python_is_checked_when_it_is_built(data, setting, value):
     with pytest.raises(ValidationError) as refused:
         cn.Study(sensors=ONE, **data)
-    told = refused.value.errors()[0]  # a list without its only entry is too short as well
-    assert ".".join(map(str, told["loc"])) == setting
-    assert told["ctx"]["error"].value == value
+    result = refused.value.errors()[0]  # a list without its only entry is too short as well
+    assert ".".join(map(str, result["loc"])) == setting
+    assert result["ctx"]["error"].value == value
     with refused_input(setting_name=setting.split(".")[-1 - setting[-1].isdigit()], value=value):
         cn.study_from_data({"sensors": ONE} | data)

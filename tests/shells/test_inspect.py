@@ -41,21 +41,21 @@ def test_the_preview_names_delimiter_decimal_unit_and_what_was_done(run, sample)
 
 def test_json_of_the_preview_has_the_curves_to_the_last_digit(run, sample):
     code, out, _ = run("inspect", sample("bench.csv"), "--json", "-")
-    told = json.loads(out)
+    data = json.loads(out)
     assert code == 0
-    assert told["wavelength_nm"] == AT_NM.tolist()
-    assert told["values"] == {"R": RED.tolist(), "G": GREEN.tolist()}
-    assert told["delimiter"] == "comma"
-    assert {q["about"] for q in told["questions"]} >= {"quantity", "level", "beyond"}
+    assert data["wavelength_nm"] == AT_NM.tolist()
+    assert data["values"] == {"R": RED.tolist(), "G": GREEN.tolist()}
+    assert data["delimiter"] == "comma"
+    assert {q["about"] for q in data["questions"]} >= {"quantity", "level", "beyond"}
 
 
 def test_answers_on_the_command_line_are_no_longer_asked(run, sample):
     answers = ("--quantity", "response", "--relative", "--energy", "--beyond", "zero", "--nm",
                "--peak-qe", 0.5)  # fmt: skip
     _, out, _ = run("inspect", sample("bench.csv"), *answers, "--column", "G", "--json", "-")
-    told = json.loads(out)
-    assert told["questions"] == []
-    assert (told["level"], told["per"], told["names"]) == ("relative", "energy", ["G"])
+    data = json.loads(out)
+    assert data["questions"] == []
+    assert (data["level"], data["per"], data["names"]) == ("relative", "energy", ["G"])
 
 
 def test_questions_and_defects_are_no_failure_but_a_file_of_nothing_is(run, sample, tmp_path):
@@ -109,8 +109,8 @@ def test_a_light_from_a_file_asks_how_it_counts_and_which_curve_it_is(run, tmp_p
     code, out, _ = run(*one, "--illuminant-energy")
     assert code == 0
     _, equal, _ = run(*light[:-2], "--illuminant", "E")
-    told, known = (json.loads(text)["sensors"][0]["channels"] for text in (out, equal))
-    assert [c["mean_e"] for c in told] == pytest.approx([c["mean_e"] for c in known], rel=1e-9)
+    data, known = (json.loads(text)["sensors"][0]["channels"] for text in (out, equal))
+    assert [c["mean_e"] for c in data] == pytest.approx([c["mean_e"] for c in known], rel=1e-9)
     code, photons, _ = run(*one, "--illuminant-photons")
     assert code == 0
     assert photons != out
@@ -131,8 +131,8 @@ def test_a_sensor_that_was_converted_is_told_by_what_it_holds(run, tmp_path):
     for part in ("own JSON, a sensor", "4: R, G, B, W", "400-1050 nm, step 5 nm", "10000 e- full"):
         assert part in out
     assert "reconstruction" in out
-    told = json.loads(run("inspect", path, "--json", "-")[1])
-    assert told["pixel"]["full_well_e"] == 10_000
+    data = json.loads(run("inspect", path, "--json", "-")[1])
+    assert data["pixel"]["full_well_e"] == 10_000
     refused(run("inspect", path, "--percent"), "--percent")
 
 

@@ -44,7 +44,7 @@ mosaic = "bayer"
 
 def made_of(folder):
     """Digests of the files of a folder; of a summary, only what is equal in all runs."""
-    told = {}
+    values = {}
     for path in folder.rglob("*") if folder.exists() else ():
         content = path.read_bytes()
         if path.name == "summary.json":
@@ -53,8 +53,8 @@ def made_of(folder):
                 picture.pop("seconds")
                 picture.pop("timings_s", None)
             content = json.dumps(summary).encode()
-        told[path.name] = hashlib.sha256(content).hexdigest()
-    return told
+        values[path.name] = hashlib.sha256(content).hexdigest()
+    return values
 
 
 def ran(arguments):

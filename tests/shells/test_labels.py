@@ -14,11 +14,11 @@ PAIR = ("onyx-rgbw", "onyx-rgb-ircut")
 LABELS = ["New chip", "Old chip"]
 
 
-def without_labels(told):
+def without_labels(result):
     """Plain data without labels and without the sentences that show them."""
-    if isinstance(told, dict):
-        return {k: without_labels(v) for k, v in told.items() if k not in ("label", "sentence")}
-    return [without_labels(one) for one in told] if isinstance(told, list) else told
+    if isinstance(result, dict):
+        return {k: without_labels(v) for k, v in result.items() if k not in ("label", "sentence")}
+    return [without_labels(one) for one in result] if isinstance(result, list) else result
 
 
 @pytest.mark.parametrize("function", [cn.analyze, cn.compare])
@@ -67,9 +67,9 @@ def test_charts_show_labels_in_place_of_names():
     sensors = [{"name": name, "label": label} for name, label in zip(PAIR, LABELS, strict=True)]
     of = shown(study_from_data({"sensors": sensors}))
     for part in ("levels", "budget", "stages", "pareto"):
-        told = json.dumps(drawing(part, of))
-        assert all(label in told for label in LABELS)
-        assert not any(f'"{name}"' in told for name in PAIR)
+        data = json.dumps(drawing(part, of))
+        assert all(label in data for label in LABELS)
+        assert not any(f'"{name}"' in data for name in PAIR)
 
 
 def test_a_command_with_labels_is_copied_with_them(run):

@@ -52,17 +52,17 @@ def test_the_balanced_matrix_sends_the_balanced_white_to_a_luminance_of_one():
 
 
 def test_csv_and_json_hold_every_digit(tmp_path):
-    told = json.loads(exported(tmp_path, ".json", "onyx-rgbw").read_text())
+    data = json.loads(exported(tmp_path, ".json", "onyx-rgbw").read_text())
     lines = exported(tmp_path, ".csv", "onyx-rgbw").read_text().splitlines()
     facts = dict(line[2:].split(": ", 1) for line in lines if line.startswith("#"))
     rows = list(csv.reader(line for line in lines if not line.startswith("#")))
     ours = made("onyx-rgbw").matrix.matrix
-    assert told["matrix_lux_per_e"] == ours.tolist()
+    assert data["matrix_lux_per_e"] == ours.tolist()
     assert rows[0] == ["lx/e-", "R", "G", "B", "W"]
     assert [[float(cell) for cell in row[1:]] for row in rows[1:]] == ours.tolist()
-    assert "reconstruction" in told["notes"]
+    assert "reconstruction" in data["notes"]
     for name, value in (("f_number", 1.8), ("pitch_um", 10.0)):
-        assert told[name] == float(facts[name]) == value
+        assert data[name] == float(facts[name]) == value
 
 
 def test_clf_is_well_formed_and_holds_the_balanced_matrix(tmp_path):
@@ -84,11 +84,11 @@ def test_opencolorio_applies_the_clf_as_the_library_multiplies(tmp_path):
 
 
 def test_the_camera_profile_goes_from_xyz_to_camera_and_its_neutral_is_the_white(tmp_path):
-    told = json.loads(exported(tmp_path, ".dcp.json").read_text())
+    data = json.loads(exported(tmp_path, ".dcp.json").read_text())
     source = made("onyx-rgb-ircut")
     white_xyz = source.matrix.matrix @ source.white_e / source.white_lux
-    camera = np.array(told["ColorMatrix1"]) @ white_xyz
-    np.testing.assert_allclose(camera, told["AsShotNeutral"], rtol=1e-9)
+    camera = np.array(data["ColorMatrix1"]) @ white_xyz
+    np.testing.assert_allclose(camera, data["AsShotNeutral"], rtol=1e-9)
     np.testing.assert_allclose(camera, source.white_e / source.white_e.max(), rtol=1e-9)
 
 

@@ -31,7 +31,7 @@ def situation_of(name, lux, time_s):
 def test_json_of_merit_has_the_digits_of_the_library(run):
     arguments = ("--matrix", "lmmse", "--prior", "chart", "--lux", 2, "--time-ms", 10)
     code, out, _ = run("analyze", "model-rgb-ircut", *arguments, "--merit", "--json", "-")
-    told = json.loads(out)["sensors"][0]["merits"]
+    data = json.loads(out)["sensors"][0]["merits"]
     operating_point = situation_of("model-rgb-ircut", 2.0, 0.010)
     maker = matrix_makers(["lmmse"], "quanta", prior="chart")["lmmse"]
     white = flat_field(LAMP, level_lux=2.0)
@@ -39,9 +39,9 @@ def test_json_of_merit_has_the_digits_of_the_library(run):
         white, operating_point.sensor, operating_point.exposure, matrix=maker(operating_point)
     )
     assert code == 0
-    assert told == json.loads(json.dumps(merits_as_json(merits_of(analysis, maker=maker))))
-    assert told["values"]["snr10_adapted"]["value"] > 0
-    assert told["viewing"]["pixels_per_degree"] == pytest.approx(41.888, abs=1e-3)
+    assert data == json.loads(json.dumps(merits_as_json(merits_of(analysis, maker=maker))))
+    assert data["values"]["snr10_adapted"]["value"] > 0
+    assert data["viewing"]["pixels_per_degree"] == pytest.approx(41.888, abs=1e-3)
 
 
 def test_merit_prints_each_number_with_its_source_and_each_gap_with_its_reason(run):
@@ -80,17 +80,17 @@ def test_json_of_pareto_has_the_digits_of_the_library(run):
         *("matrix", "onyx-rgbw", "--lux", 1, "--time-ms", 12, "--prior", "smooth-100"),
         *("--pareto", "0.01:100:5", "--json", "-"),
     )
-    told = json.loads(out)
+    data = json.loads(out)
     operating_point = situation_of("onyx-rgbw", 1.0, 0.012)
     curve = pareto_of(operating_point, noise_weights(0.01, 100.0, points=5), prior="smooth-100")
     assert code == 0
-    assert [p["weight"] for p in told["pareto"]] == curve.weight.tolist()
-    assert [p["color_error_rms_lux"] for p in told["pareto"]] == curve.color_error_rms.tolist()
-    assert [p["delta_e"] for p in told["pareto"]] == list(curve.delta_e)
-    assert [p["noise_rms_lux"] for p in told["pareto"]] == curve.noise_rms.tolist()
-    assert [p["snr_y_db"] for p in told["pareto"]] == curve.snr_y_db.tolist()
-    assert told["matrix"]["made_by"] == "kernel (eq. 6)"
-    assert told["report"]["psi"] > 0
+    assert [p["weight"] for p in data["pareto"]] == curve.weight.tolist()
+    assert [p["color_error_rms_lux"] for p in data["pareto"]] == curve.color_error_rms.tolist()
+    assert [p["delta_e"] for p in data["pareto"]] == list(curve.delta_e)
+    assert [p["noise_rms_lux"] for p in data["pareto"]] == curve.noise_rms.tolist()
+    assert [p["snr_y_db"] for p in data["pareto"]] == curve.snr_y_db.tolist()
+    assert data["matrix"]["made_by"] == "kernel (eq. 6)"
+    assert data["report"]["psi"] > 0
 
 
 def test_pareto_prints_one_line_per_weight_and_names_the_lmmse_matrix(run):

@@ -38,8 +38,8 @@ def test_the_conditions_name_an_observer_other_than_cie_1931(done, words):
 @pytest.mark.parametrize("command", ["analyze", "matrix"])
 def test_a_note_says_that_y_of_another_observer_is_not_an_illuminance(done, command):
     def notes(*more):
-        told = data_of(done, command, "model-rgb-ircut", *more)
-        return told["sensors"][0]["notes"] if command == "analyze" else told["notes"]
+        data = data_of(done, command, "model-rgb-ircut", *more)
+        return data["sensors"][0]["notes"] if command == "analyze" else data["notes"]
 
     (note,) = set(notes("--observer", "cie-1964-10")) - set(notes())
     assert "cie-1964-10" in note
@@ -67,8 +67,8 @@ def test_pictures_are_those_of_the_observer(done, here):
         (picture,) = json.loads((here / folder / "summary.json").read_text())["pictures"]
         assert picture["observer"] == observer
         with tifffile.TiffFile(here / folder / "model-rgb-ircut.xyz.tiff") as file:
-            told = file.pages[0].description
-            assert (observer in told) == (folder == "other")
+            result = file.pages[0].description
+            assert (observer in result) == (folder == "other")
             read[folder] = file.asarray()
     # the draws are the same, and 3 channels to X, Y, Z have an inverse: one map for all pixels
     usual, other = (read[name].reshape(-1, 3).astype(float) for name in ("usual", "other"))
@@ -106,9 +106,9 @@ def test_a_study_has_an_observer(done, here):
     study = 'observer = "cie-2015-10"\n[[sensors]]\nname = "model-rgb-ircut"\n'
     (here / "study.toml").write_text(study)
     done("run", "study.toml", "--out", "out")
-    (told,) = (json.loads(path.read_bytes()) for path in (here / "out").glob("analysis-*.json"))
-    assert told["result"]["observer"] == "cie-2015-10"
+    (data,) = (json.loads(path.read_bytes()) for path in (here / "out").glob("analysis-*.json"))
+    assert data["result"]["observer"] == "cie-2015-10"
     done("report", "study.toml", "-o", "report.html")
     assert "observer cie-2015-10)" in (here / "report.html").read_text(encoding="utf-8")
     in_python = cn.analyze("model-rgb-ircut", observer="cie-2015-10", budget=True).to_dict()
-    assert json.loads(json.dumps(in_python)) == told["result"]
+    assert json.loads(json.dumps(in_python)) == data["result"]

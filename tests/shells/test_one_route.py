@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 import chromanoise as cn
 from chromanoise.cli.entry import commands
 from chromanoise.errors import InputError, errors_in
-from chromanoise.page.answers import Answers
+from chromanoise.page.answers import ChartReplies
 from chromanoise.page.requests import QuestionError
 from chromanoise.page.studies import Studies
 from chromanoise.page.uploads import Uploads
@@ -207,19 +207,19 @@ TROUBLE = [  # idle, contradictory, impossible or unknown
 def calls(draw, troubles=TROUBLE):
     sensors = draw(st.lists(st.sampled_from(SENSORS), min_size=1, max_size=3, unique=True))
     names = draw(st.sets(st.sampled_from(list(VALID)), max_size=4))
-    told = {name: draw(VALID[name]) for name in sorted(names)}
+    values = {name: draw(VALID[name]) for name in sorted(names)}
     mixed = MIXED_RGB if set(sensors) <= RGB else MIXED
     for group in (TIMES, LIGHTS, MATRICES, MOMENTS, DARK, mixed):
-        told |= draw(st.sampled_from(group))
+        values |= draw(st.sampled_from(group))
     if "cam.csv" in sensors:
-        told |= {"qe_scale": "percent", "beyond": draw(st.sampled_from(["zero", "hold"]))}
+        values |= {"qe_scale": "percent", "beyond": draw(st.sampled_from(["zero", "hold"]))}
     if troubles and draw(st.booleans()):
-        told |= draw(st.sampled_from(troubles))
-    return capture_settings_of({"sensors": tuple(sensors)} | told)
+        values |= draw(st.sampled_from(troubles))
+    return capture_settings_of({"sensors": tuple(sensors)} | values)
 
 
-def capture_settings_of(told):
-    settings = {name: value for name, value in told.items() if value is not None}
+def capture_settings_of(result):
+    settings = {name: value for name, value in result.items() if value is not None}
     return Asked(settings.pop("sensors"), settings.pop("matrix"), settings)
 
 
@@ -285,15 +285,15 @@ def in_python(asked):
 
 
 def on_the_command_line(asked):
-    told = json.loads(printed(*words_of(asked), "--json", "-"))
-    return {"sensors": [told]} if asked.function == "matrix" else told
+    data = json.loads(printed(*words_of(asked), "--json", "-"))
+    return {"sensors": [data]} if asked.function == "matrix" else data
 
 
 def as_copied_study(asked):
     Path("copied.toml").write_text(printed(*words_of(asked), "--copy-as", "toml"))
     printed("run", "copied.toml", "--out", "copied")
     found = [json.loads(path.read_bytes()) for path in Path("copied").glob("*.json")]
-    (result,) = [told["result"] for told in found if "result" in told]
+    (result,) = [values["result"] for values in found if "result" in values]
     return result
 
 
@@ -302,8 +302,8 @@ def as_copied_script(asked):
     out = io.StringIO()
     with redirect_stdout(out):
         exec(compile(script, "copied.py", "exec"), {})
-    (told,) = json.loads(out.getvalue())
-    return told
+    (data,) = json.loads(out.getvalue())
+    return data
 
 
 def data_of(asked):
@@ -333,10 +333,10 @@ def on_the_page(data, *want):
     try:
         studies = Studies(uploads, files=frozenset(FILES) | {"missing.txt", "missing.csv"})
         try:
-            told = Answers(studies).answer({"study": data, "want": list(want)})
+            record = ChartReplies(studies).answer({"study": data, "want": list(want)})
         except QuestionError as error:
             return error
-        return json.loads(told)["parts"]
+        return json.loads(record)["parts"]
     finally:
         uploads.close()
 
@@ -361,10 +361,10 @@ def agree(one, other):
         assert one == other
 
 
-def page_agrees(told, parts):
+def page_agrees(result, parts):
     """The SNR of each kind, the operating point and the notes of each sensor."""
     for own, drawn, head in zip(
-        told["sensors"], parts["stages"]["sensors"], parts["head"]["sensors"], strict=True
+        result["sensors"], parts["stages"]["sensors"], parts["head"]["sensors"], strict=True
     ):
         assert own["name"] == drawn["name"] == head["name"]
         agree({c["name"]: c["snr_db"] for c in own["channels"]}, drawn["raw"])
@@ -398,27 +398,27 @@ def kept_by_a_page(error, asked):
 def routes_agree(asked):
     """What all routes give; the page's own is compared where a page can show it."""
     with folder_of_files():
-        told = outcome(in_python, asked)
+        result = outcome(in_python, asked)
         others = {
             act.__name__: outcome(act, asked)
             for act in (on_the_command_line, as_copied_study, as_copied_script)
         }
         paged = asked.function == "analyze"
         parts = on_the_page(data_of(asked), "head", "stages") if paged else None
-        if isinstance(told, Refusal):
+        if isinstance(result, Refusal):
             for name, other in others.items():
-                assert isinstance(other, Refusal), (name, told.fields)
-                assert told.fields[0] in other.fields, (name, told.fields, other.fields)
+                assert isinstance(other, Refusal), (name, result.fields)
+                assert result.fields[0] in other.fields, (name, result.fields, other.fields)
             if paged:
-                page_refuses(told.errors[0], asked, parts)
-            return told
+                page_refuses(result.errors[0], asked, parts)
+            return result
         for name, other in others.items():
             assert not isinstance(other, Refusal), (name, other.fields)
-            agree(told, other)
+            agree(result, other)
         assert not isinstance(parts, QuestionError), parts.faults
         if paged and not asked.settings.get("clip"):  # a page draws the moments of eq. 7
-            page_agrees(told, parts)
-        return told
+            page_agrees(result, parts)
+        return result
 
 
 # ---- the laws ----
@@ -433,16 +433,16 @@ def test_every_route_gives_the_same_analysis(asked):
 @pytest.mark.parametrize("trouble", TROUBLE, ids=str)
 def test_every_route_gives_the_same_refusal(trouble):
     of_file = {"qe_scale", "beyond", "peak_qe"} & trouble.keys()
-    told = {"sensors": ("cam.csv",), "qe_scale": "percent", "beyond": "zero"} if of_file else {}
-    asked = capture_settings_of({"sensors": ("onyx-rgbw",), "matrix": "kernel"} | told | trouble)
+    values = {"sensors": ("cam.csv",), "qe_scale": "percent", "beyond": "zero"} if of_file else {}
+    asked = capture_settings_of({"sensors": ("onyx-rgbw",), "matrix": "kernel"} | values | trouble)
     assert isinstance(routes_agree(asked), Refusal)
 
 
 @pytest.mark.parametrize("matrix", ["kernel", "lmmse"])
 def test_an_observer_is_the_same_by_every_route(matrix):
     asked = {"sensors": PAIR, "matrix": matrix, "observer": "cie-1964-10", "budget": True}
-    told = routes_agree(capture_settings_of(asked | {"chart": True, "space": "lab"}))
-    assert told["observer"] == "cie-1964-10"
+    result = routes_agree(capture_settings_of(asked | {"chart": True, "space": "lab"}))
+    assert result["observer"] == "cie-1964-10"
 
 
 @pytest.mark.evidence
@@ -481,20 +481,20 @@ MATRIXED = [
 ]
 
 
-@pytest.mark.parametrize("told", COMPARED, ids=str)
-def test_a_comparison_is_the_same_by_every_route(told):
+@pytest.mark.parametrize("result", COMPARED, ids=str)
+def test_a_comparison_is_the_same_by_every_route(result):
     start = {"sensors": ("onyx-rgbw", "onyx-rgb-ircut"), "matrix": "kernel", "points": 3}
-    routes_agree(replace(capture_settings_of(start | told), function="compare"))
+    routes_agree(replace(capture_settings_of(start | result), function="compare"))
 
 
-@pytest.mark.parametrize("told", MATRIXED, ids=str)
-def test_a_color_matrix_is_the_same_by_every_route(told):
+@pytest.mark.parametrize("result", MATRIXED, ids=str)
+def test_a_color_matrix_is_the_same_by_every_route(result):
     start = {"sensors": ("onyx-rgbw",), "matrix": "kernel"}
-    routes_agree(replace(capture_settings_of(start | told), function="matrix"))
+    routes_agree(replace(capture_settings_of(start | result), function="matrix"))
 
 
-def times_ms(told):
-    return [one["time_ms"] for one in told["sensors"]]
+def times_ms(result):
+    return [one["time_ms"] for one in result["sensors"]]
 
 
 def brightest_e(sensor):
@@ -505,25 +505,25 @@ PAIR = ("onyx-rgbw", "onyx-rgb-ircut")
 
 
 def test_ten_lux_and_twelve_milliseconds_give_the_json_of_the_command_exactly():
-    told = json.loads(printed("analyze", *PAIR, "--lux", "10", "--time-ms", "12", "--json", "-"))
-    assert cn.analyze(*PAIR, lux=10, time_ms=12).to_dict() == told
-    assert times_ms(told) == [12.0, 12.0]
+    data = json.loads(printed("analyze", *PAIR, "--lux", "10", "--time-ms", "12", "--json", "-"))
+    assert cn.analyze(*PAIR, lux=10, time_ms=12).to_dict() == data
+    assert times_ms(data) == [12.0, 12.0]
 
 
 @pytest.mark.parametrize("equal", [{}, {"equal": "exposure"}])
 def test_without_a_time_all_sensors_share_one_at_which_none_saturates(equal):
     words = [word for name, value in equal.items() for word in (f"--{name}", value)]
-    told = json.loads(printed("analyze", *PAIR, *words, "--json", "-"))
-    assert cn.analyze(*PAIR, **equal).to_dict() == told
-    assert times_ms(told) == pytest.approx([11.94, 11.94], abs=0.005)
-    assert max(brightest_e(one) for one in told["sensors"]) == pytest.approx(9900)
+    data = json.loads(printed("analyze", *PAIR, *words, "--json", "-"))
+    assert cn.analyze(*PAIR, **equal).to_dict() == data
+    assert times_ms(data) == pytest.approx([11.94, 11.94], abs=0.005)
+    assert max(brightest_e(one) for one in data["sensors"]) == pytest.approx(9900)
 
 
 def test_equal_saturation_gives_each_sensor_its_own_time():
-    told = json.loads(printed("analyze", *PAIR, "--equal", "saturation", "--json", "-"))
-    assert cn.analyze(*PAIR, equal="saturation").to_dict() == told
-    first, second = times_ms(told)
+    data = json.loads(printed("analyze", *PAIR, "--equal", "saturation", "--json", "-"))
+    assert cn.analyze(*PAIR, equal="saturation").to_dict() == data
+    first, second = times_ms(data)
     assert first == pytest.approx(11.94, abs=0.005)
     assert second > 2 * first
-    for one in told["sensors"]:
+    for one in data["sensors"]:
         assert brightest_e(one) == pytest.approx(9900)  # 99 % of the paper's 10,000 e-

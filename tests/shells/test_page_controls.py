@@ -126,11 +126,11 @@ CHOICES = [  # one after the other: label, value, key of the study and what it s
 
 
 def test_every_choice_is_asked_for_and_drawn(page):
-    for label, value, key, told in CHOICES:
+    for label, value, key, result in CHOICES:
         select = page.get_by_label(label, exact=True).and_(page.locator("select"))
         before = shown(page)
         question, _ = answer_to(page, lambda one=select, to=value: one.select_option(to))
-        assert question["study"][key] == told or told is None, label
+        assert question["study"][key] == result or result is None, label
         assert shown(page) != before, label
         in_address(page, question["study"])
 

@@ -38,9 +38,9 @@ def ghost_question(look):
     def is_it(request):
         if not request.url.endswith("/api/answer"):
             return False
-        told = request.post_data_json
-        return told["number"] == 0 and all(
-            told["look"][key] == value for key, value in look.items()
+        data = request.post_data_json
+        return data["number"] == 0 and all(
+            data["look"][key] == value for key, value in look.items()
         )
 
     return is_it
@@ -98,7 +98,7 @@ ODD = [
 
 def test_a_link_with_values_of_another_kind_is_one_sentence_over_a_default_study_that_works(window):
     page = window({"study": {"sensors": PAIR}})
-    told = page.locator("#broken")
+    result = page.locator("#broken")
     for odd in ODD:
         key = next(iter(odd))
         page.evaluate(
@@ -107,9 +107,9 @@ def test_a_link_with_values_of_another_kind_is_one_sentence_over_a_default_study
         sentence = f"This link holds {key} of another kind, so the default study is shown."
         until(page, "(s) => document.querySelector('#broken').textContent === s", sentence)
         page.evaluate("(hash) => (location.hash = hash)", packed({"study": {"sensors": PAIR}}))
-        told.wait_for(state="hidden")
+        result.wait_for(state="hidden")
     page.evaluate("(hash) => (location.hash = hash)", packed({"study": {"sensors": PAIR} | odd}))
-    told.wait_for()
+    result.wait_for()
 
     def is_of_the_default_study(request):  # one of the study before may still be on its way
         return request.url.endswith("/api/answer") and '"onyx-rgb-ircut"' in (
@@ -242,10 +242,10 @@ def test_the_highest_qe_is_asked_only_of_a_file_of_relative_curves(page, watch):
         choice.select_option("relative" if "relative" in options else options[1])
     exchange.click()
     label.wait_for()
-    told = page.locator("fieldset.card").first.locator(".fault")
-    told.wait_for()
-    assert "highest QE" in told.inner_text()
-    assert "--" not in told.inner_text()
+    result = page.locator("fieldset.card").first.locator(".fault")
+    result.wait_for()
+    assert "highest QE" in result.inner_text()
+    assert "--" not in result.inner_text()
     field = page.get_by_label("Highest QE, of relative curves, as a number")
     field.fill("0.6")
     question, _ = answer_to(page, lambda: field.press("Enter"))
@@ -288,8 +288,8 @@ def test_slow_drawings_of_a_trained_matrix_never_hold_back_the_numbers(page):
         assert set(question["want"]) <= QUICK
         comes(page, waiting)
         assert len(waiting) == 1, step  # one under way, the latest waits
-        told = f"{parts['head']['sensors'][0]['mean_e']['G']:.4g}"
-        assert told in page.locator("#electrons").inner_text()
+        result = f"{parts['head']['sensors'][0]['mean_e']['G']:.4g}"
+        assert result in page.locator("#electrons").inner_text()
         assert levels.get_attribute("aria-busy") == "true"
         assert levels.locator(".body").inner_html() == before
     dimmed = "Number(getComputedStyle(document.querySelector('[data-part=levels] .body')).opacity)"
@@ -342,9 +342,9 @@ def test_a_filter_is_written_before_its_sensor_and_its_fault_stands_beside_it(pa
     fault = {"faults": [{"where": "sensors.0.filter", "sentence": sentence}]}
     page.route("**/api/answer", lambda route: route.fulfill(status=200, json=fault))
     put("")
-    told = page.locator(".row", has=field).locator(".fault")
-    told.wait_for()
-    assert told.inner_text() == sentence
+    result = page.locator(".row", has=field).locator(".fault")
+    result.wait_for()
+    assert result.inner_text() == sentence
     assert "filter" not in study_of(page)["sensors"][0]
 
 
@@ -370,8 +370,8 @@ def test_an_answer_that_comes_after_a_newer_one_is_not_shown(window):
     let_go(waiting[1:])
     until(page, "(b) => document.querySelector('#electrons').innerText !== b", before)
     last = numbers.inner_text()
-    told = f"{newer[1].json()['parts']['head']['sensors'][0]['mean_e']['G']:.4g}"
-    assert told in last
+    data = f"{newer[1].json()['parts']['head']['sensors'][0]['mean_e']['G']:.4g}"
+    assert data in last
     older[0].fulfill(response=older[1])
     page.wait_for_timeout(300)
     assert numbers.inner_text() == last
@@ -382,24 +382,24 @@ FILTER = "[data-where='sensors.0.filter']"
 
 def asks_of(word, other="othername"):
     def is_it(request):
-        told = request.post_data or ""
-        return request.url.endswith("answer") and word in told and other not in told
+        data = request.post_data or ""
+        return request.url.endswith("answer") and word in data and other not in data
 
     return is_it
 
 
 def test_a_refusal_that_comes_after_a_newer_one_is_not_told(page):
     waiting = held(page, asks_of("nosuchone"))
-    field, told = page.locator(FILTER), page.locator(".row", has=page.locator(FILTER))
+    field, values = page.locator(FILTER), page.locator(".row", has=page.locator(FILTER))
     field.fill("nosuchone")
     field.press("Enter")
     comes(page, waiting)
     field.fill("othername")
     field.press("Enter")
-    told.locator(".fault", has_text="othername").wait_for()
+    values.locator(".fault", has_text="othername").wait_for()
     let_go(waiting)
     page.wait_for_timeout(300)
-    assert "othername" in told.locator(".fault").inner_text()
+    assert "othername" in values.locator(".fault").inner_text()
 
 
 def test_an_answer_that_comes_after_a_newer_refusal_leaves_no_drawing_waiting(page):

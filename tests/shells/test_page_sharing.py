@@ -140,9 +140,11 @@ def test_a_dropped_file_is_called_by_its_name_in_another_window_and_missed_on_an
     assert "lamp.csv" in name.input_value()
     with served() as (elsewhere, _):
         there = window(page.url.partition("#")[2], at=elsewhere, wait=False)
-        told = there.locator(".row", has=there.get_by_label("Light", exact=True)).locator(".fault")
-        told.wait_for()
-        assert "drop the file again" in told.inner_text()
+        result = there.locator(".row", has=there.get_by_label("Light", exact=True)).locator(
+            ".fault"
+        )
+        result.wait_for()
+        assert "drop the file again" in result.inner_text()
         assert "upload:" not in there.locator("body").inner_text()
         there.close()  # before its server ends, so that it misses nobody
 
@@ -173,11 +175,11 @@ def test_a_file_that_cannot_be_read_is_told_beside_the_field_and_changes_nothing
     watch.forgive("status of 400")
     page = window()
     before = shown(page)
-    for name, content, told in UNREADABLE:
+    for name, content, result in UNREADABLE:
         page.evaluate("document.querySelector('.brought').textContent = ''")
         brought = bring(page, name, content)
         sentence = brought.get_by_role("alert").inner_text()
-        assert told in sentence
+        assert result in sentence
         assert 20 < len(sentence) < 600
         assert "Traceback" not in sentence
         assert "/tmp" not in sentence
@@ -275,16 +277,16 @@ BROKEN = ["%%%", "bm9wZQ", "e30", packed({"study": {"sensors": []}}), packed([1]
 
 def test_a_broken_link_is_told_in_a_sentence_over_the_default_study(window):
     page = window(BROKEN[0])
-    told = page.locator("#broken")
+    result = page.locator("#broken")
     for i, broken in enumerate(BROKEN):
         if i > 0:  # followed in the same window, from a study that is whole
             page.evaluate("(hash) => (location.hash = hash)", packed({"study": STUDY}))
-            told.wait_for(state="hidden")
+            result.wait_for(state="hidden")
             page.get_by_role("rowheader", name="model-rgbir").first.wait_for()
             page.evaluate("(hash) => (location.hash = hash)", broken)
-            told.wait_for()
+            result.wait_for()
             page.get_by_role("rowheader", name="onyx-rgb-ircut").first.wait_for()
-        sentence = told.inner_text()
+        sentence = result.inner_text()
         assert sentence.startswith("This link")
         assert sentence.endswith("the default study is shown.")
         assert page.locator("#electrons tbody tr").count() == 2

@@ -143,8 +143,8 @@ def test_a_damaged_file_of_any_format_is_answered_and_never_an_error_of_the_serv
         headers = FILE | {"X-Filename": f"a.{name}"}
         reply = client.post("/api/upload", content=content, headers=headers)
         assert reply.status_code == 200
-        told = reply.json()
-        assert told.get("id") or told["faults"][0]["sentence"]
+        data = reply.json()
+        assert data.get("id") or data["faults"][0]["sentence"]
     assert client.post("/api/upload", content=whole, headers=headers).json().get("id") or name in (
         "npy",  # does not declare its wavelengths
     )
@@ -201,9 +201,9 @@ def test_an_unpaired_surrogate_is_refused_in_one_sentence(server, body):
 
 
 def test_an_unpaired_surrogate_in_a_file_is_answered(server):
-    told = json.loads(FILES["json"]())
-    told["spectral_data"]["index"]["main"] = ["\ud800", "G"]
-    content = json.dumps(told).encode()
+    data = json.loads(FILES["json"]())
+    data["spectral_data"]["index"]["main"] = ["\ud800", "G"]
+    content = json.dumps(data).encode()
     reply = server[0].post("/api/upload", content=content, headers=FILE | {"X-Filename": "a.json"})
     assert reply.status_code == 200
 
@@ -438,9 +438,9 @@ def test_a_preparation_that_fails_is_an_answer_and_ends_the_process(monkeypatch,
         worker._Answering(services, reads, writes, None).serve()
     written = BytesIO(answers.read_bytes())
     assert pickle.load(written) == "begins"
-    (kind, *told), is_spent = pickle.load(written)
+    (kind, *result), is_spent = pickle.load(written)
     assert (kind, is_spent) == (("no memory" if error is MemoryError else "failed"), True)
-    assert error is MemoryError or "No space left" in told[0]
+    assert error is MemoryError or "No space left" in result[0]
     assert not written.read()  # the second question is left to another process
     assert not services._has_kernels
 

@@ -30,7 +30,7 @@ SETTINGS = {
 WORDS = ("analyze", "model-rgb-ircut", "--pipeline", "--exposure-gain", 0.7, *OPTIONS)
 
 
-def told(out):
+def pipeline_of(out):
     (sensor,) = json.loads(out)["sensors"]
     return sensor["pipeline"]
 
@@ -40,7 +40,7 @@ def test_json_has_the_digits_of_the_library(done):
     (outcome,) = cn.analyze("model-rgb-ircut").outcomes
     settings = {name: value for name, value in SETTINGS.items() if name != "pipeline"}
     own = pipeline_as_json(pipeline_noise(outcome.analysis, PipelineSettings(**settings)))
-    assert told(out) == json.loads(json.dumps(own))
+    assert pipeline_of(out) == json.loads(json.dumps(own))
 
 
 def test_command_python_and_study_file_agree(done, here):
@@ -70,8 +70,8 @@ def test_the_tables_show_patches_and_isos(done):
 def test_balance_by_illuminant_is_that_of_the_light_or_of_another(done, here):
     base = ("analyze", "model-rgb-ircut", "--pipeline", "--json", "-", "--white-balance")
     own, _ = done(*base, "illuminant")
-    assert told(own)["gains"] == pytest.approx(told(done(*base, "E")[0])["gains"])
-    other = told(done(*base, "2856K")[0])
+    assert pipeline_of(own)["gains"] == pytest.approx(pipeline_of(done(*base, "E")[0])["gains"])
+    other = pipeline_of(done(*base, "2856K")[0])
     (outcome,) = cn.analyze("model-rgb-ircut").outcomes
     settings = PipelineSettings(white_balance=black_body(DEFAULT_GRID, 2856.0))
     gains = pipeline_noise(outcome.analysis, settings).gains
@@ -79,14 +79,16 @@ def test_balance_by_illuminant_is_that_of_the_light_or_of_another(done, here):
     (here / "lamp.csv").write_text(
         "wavelength_nm,power\n" + "".join(f"{w},{w / 500}\n" for w in range(400, 1051, 10))
     )
-    filed = told(done(*base, "lamp.csv", "--illuminant", "lamp.csv", "--illuminant-energy")[0])
-    again = told(done(*base, "gray", "--illuminant", "lamp.csv", "--illuminant-energy")[0])
+    filed = pipeline_of(
+        done(*base, "lamp.csv", "--illuminant", "lamp.csv", "--illuminant-energy")[0]
+    )
+    again = pipeline_of(done(*base, "gray", "--illuminant", "lamp.csv", "--illuminant-energy")[0])
     assert filed["gains"] == pytest.approx(again["gains"])
 
 
 def test_a_saturated_sensor_has_null(done):
     words = ("analyze", "model-rgb-ircut", "--pipeline", "--time-ms", 1e5)
-    assert told(done(*words, "--json", "-")[0]) is None
+    assert pipeline_of(done(*words, "--json", "-")[0]) is None
     assert "no pipeline" in done(*words)[0]
 
 

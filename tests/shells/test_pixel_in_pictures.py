@@ -11,7 +11,7 @@ from PIL import Image
 
 from chromanoise.catalog import sensor_with_pixel
 from chromanoise.io.sensor_json import sensor_from_json, sensor_json
-from chromanoise.page.pictures import Pictures
+from chromanoise.page.pictures import PictureReplies
 from chromanoise.page.studies import Studies, files_of, served_data
 from chromanoise.page.uploads import Uploads
 from chromanoise.sensor import Converter
@@ -65,8 +65,8 @@ def take(run, here):
 
 
 def test_codes_of_a_flat_patch_have_the_mean_and_the_variance_that_the_sheet_gives(take):
-    codes, told, _ = take(*GREEN)
-    mu = 2 * told["mean_e"]["G"]
+    codes, result, _ = take(*GREEN)
+    mu = 2 * result["mean_e"]["G"]
     assert 200 < mu < 1500  # codes end at (1023 - 64) / 0.5 = 1918 e-
     for patch, mean_e in ((codes[:, :SIDE], 0.0), (codes[:, SIDE:], mu)):
         # mu_i + mu_dark + s_r^2 + PRNU^2 mu_i^2 + DSNU^2 in electrons, rounding in codes
@@ -77,10 +77,10 @@ def test_codes_of_a_flat_patch_have_the_mean_and_the_variance_that_the_sheet_giv
 
 
 def test_the_summary_and_its_notes_list_the_values_used(take):
-    _, told, _ = take(*GREEN)
-    assert (told["bits"], told["gain_e_per_dn"], told["black_level_dn"]) == (10, 2.0, 64)
-    assert told["imperfections"] == TOLD
-    notes = " | ".join(told["notes"])
+    _, result, _ = take(*GREEN)
+    assert (result["bits"], result["gain_e_per_dn"], result["black_level_dn"]) == (10, 2.0, 64)
+    assert result["imperfections"] == TOLD
+    notes = " | ".join(result["notes"])
     for value in ("dark_current_e_per_s 2000", "dsnu_e 12", "prnu 0.05", "10 bits, 2 e-/DN"):
         assert value in notes
 
@@ -88,11 +88,11 @@ def test_the_summary_and_its_notes_list_the_values_used(take):
 def test_every_option_overrides_the_sheet_also_with_0(take):
     zeros = {"dark_current_e_per_s": 0, "dsnu_e": 0, "prnu": 0}
     words = [word for k, v in zeros.items() for word in (f"--{k.replace('_', '-')}", v)]
-    codes, told, _ = take(*GREEN, *words)
-    assert told["imperfections"] == dict.fromkeys(TOLD, 0.0)
+    codes, result, _ = take(*GREEN, *words)
+    assert result["imperfections"] == dict.fromkeys(TOLD, 0.0)
     dark = codes[:, :SIDE]
     assert abs(dark.var(ddof=1) / (0.25 * 36 + 1 / 12) - 1) < 5 * np.sqrt(2 / dark.size)
-    (note,) = [note for note in told["notes"] if "as given" in note]
+    (note,) = [note for note in result["notes"] if "as given" in note]
     assert all(name in note for name in (*zeros, "sheet.txt"))
     more = ("--prnu", 0.01, "--bits", 12, "--black-level", 0)
     _, other, _ = take(*GREEN, *more, name="p")
@@ -102,24 +102,24 @@ def test_every_option_overrides_the_sheet_also_with_0(take):
 
 def test_a_gain_without_bits_makes_a_converter_whose_codes_reach_the_full_well(take, here):
     (here / "sheet.txt").write_text("K = 0.5 DN/e-\nmu_e.sat = 4095 e-\nblack level = 10 DN")
-    _, told, _ = take(*GREEN)
-    assert (told["bits"], told["gain_e_per_dn"], told["black_level_dn"]) == (12, 2.0, 10)
-    _, told, _ = take(*GREEN, "--bits", 14, name="p")
-    assert (told["bits"], told["gain_e_per_dn"], told["black_level_dn"]) == (14, 2.0, 10)
+    _, result, _ = take(*GREEN)
+    assert (result["bits"], result["gain_e_per_dn"], result["black_level_dn"]) == (12, 2.0, 10)
+    _, result, _ = take(*GREEN, "--bits", 14, name="p")
+    assert (result["bits"], result["gain_e_per_dn"], result["black_level_dn"]) == (14, 2.0, 10)
 
 
 def test_a_sheet_without_a_black_level_is_not_named_as_its_source(take, here):
     (here / "sheet.txt").write_text("K = 0.5 DN/e-\nbits = 10")
-    _, told, _ = take(*GREEN)
-    (note,) = [note for note in told["notes"] if note.endswith("of sheet.txt")]
+    _, result, _ = take(*GREEN)
+    (note,) = [note for note in result["notes"] if note.endswith("of sheet.txt")]
     assert note == "bits, gain_e_per_dn of sheet.txt"
-    assert (told["gain_e_per_dn"], told["black_level_dn"]) == (2.0, 0)
+    assert (result["gain_e_per_dn"], result["black_level_dn"]) == (2.0, 0)
 
 
 def test_a_picture_without_a_mosaic_has_the_noise_of_the_sheet_and_no_converter(take, here):
-    _, told, _ = take("--format", "xyz")
-    assert told["imperfections"] == TOLD
-    notes = " | ".join(told["notes"])
+    _, result, _ = take("--format", "xyz")
+    assert result["imperfections"] == TOLD
+    notes = " | ".join(result["notes"])
     assert "bits 10, gain_e_per_dn 2, black_level_dn 64" in notes
     _, typed, _ = take(
         *("--pitch-um", 5, "--full-well-e", 4000, "--read-noise-e", 6, "--prnu", 0.05),
@@ -134,14 +134,14 @@ def test_a_picture_without_a_mosaic_has_the_noise_of_the_sheet_and_no_converter(
 
 def test_the_closed_form_has_all_noise_of_the_sheet(run, here):
     """EMVA 1288: mu + I t + s_r^2 + (1/12)/K^2 + PRNU^2 mu^2 + DSNU^2, the last two spatial."""
-    told = analyzed(run, "--pixel", "sheet.txt")
-    for channel in told["channels"]:
+    result = analyzed(run, "--pixel", "sheet.txt")
+    for channel in result["channels"]:
         mean_e = channel["mean_e"]
         temporal_e2 = mean_e + 2000 * 0.02 + 6**2 + 1 / 0.5**2 / 12
         total_e2 = temporal_e2 + (0.05 * mean_e) ** 2 + 12**2
         for name, variance_e2 in (("temporal_snr_db", temporal_e2), ("snr_db", total_e2)):
             assert channel[name] == pytest.approx(10 * np.log10(mean_e**2 / variance_e2), abs=1e-9)
-    (note,) = [note for note in told["notes"] if note.endswith("of sheet.txt")]
+    (note,) = [note for note in result["notes"] if note.endswith("of sheet.txt")]
     for name in ("dark_current_e_per_s", "dsnu_e", "prnu", "bits", "gain_e_per_dn"):
         assert name in note
 
@@ -187,10 +187,10 @@ def test_simulate_its_study_and_its_script_give_the_same_picture(take, run, here
         if kind == "toml":
             (here / "s.toml").write_text(out)
             assert run("run", "s.toml", "-o", kind)[0] == 0
-            (told,) = json.loads((folder / "pictures-1.json").read_text())["result"]["pictures"]
+            (data,) = json.loads((folder / "pictures-1.json").read_text())["result"]["pictures"]
             own = json.loads((here / "o" / "summary.json").read_text())["pictures"][0]
-            assert told["imperfections"] == own["imperfections"]
-            assert told["notes"] == own["notes"]
+            assert data["imperfections"] == own["imperfections"]
+            assert data["notes"] == own["notes"]
         else:
             folder.mkdir()
             script = out.replace('"cube.npz"', '"../cube.npz"').replace(
@@ -221,13 +221,13 @@ def test_the_picture_of_the_page_is_that_of_the_run_with_its_sheet(run, here):
     )
     (here / "s.toml").write_text(text)
     assert run("run", "s.toml", "-o", "o")[0] == 0
-    (told,) = json.loads((here / "o" / "pictures-1.json").read_text())["result"]["pictures"]
-    assert told["imperfections"] == TOLD | {"prnu": 0.0}
+    (record,) = json.loads((here / "o" / "pictures-1.json").read_text())["result"]["pictures"]
+    assert record["imperfections"] == TOLD | {"prnu": 0.0}
     data = served_data(read_study("s.toml"))
     uploads = Uploads()
     try:
         files = files_of(study_from_data(data, source="the test", keep_idle=True))
-        png, summary = Pictures(Studies(uploads, files=files)).picture({"study": data})
+        png, summary = PictureReplies(Studies(uploads, files=files)).picture({"study": data})
     finally:
         uploads.close()
     (here / "page.png").write_bytes(png)

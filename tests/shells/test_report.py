@@ -80,8 +80,8 @@ class Elements(HTMLParser):
 
 
 def block(page):
-    (told,) = [text for attrs, text in Elements(page).of("script") if attrs.get("id") == "data"]
-    return json.loads(gzip.decompress(base64.b64decode(told)))
+    (data,) = [text for attrs, text in Elements(page).of("script") if attrs.get("id") == "data"]
+    return json.loads(gzip.decompress(base64.b64decode(data)))
 
 
 def test_the_file_asks_for_nothing_from_elsewhere(page):
@@ -114,10 +114,10 @@ def test_a_title_is_words_and_never_markup(page):
 
 
 def test_the_data_is_json_whose_numbers_are_those_of_the_library(page, there):
-    told = block(page)["parts"]
+    result = block(page)["parts"]
     for part in ("stages", "budget", "levels", "chart", "pareto", "sensitivities", "vectors"):
-        assert told[part]["table"] == drawing(part, there)["table"]
-    named = {one["name"]: one["color"] for one in told["stages"]["sensors"]}
+        assert result[part]["table"] == drawing(part, there)["table"]
+    named = {one["name"]: one["color"] for one in result["stages"]["sensors"]}
     for analysis in there.analyses:
         for name, value in color_snr_db(analysis).items():
             assert named[analysis.sensor.name][name] == pytest.approx(value, rel=1e-4)
@@ -134,22 +134,22 @@ def test_verdict_tables_equations_and_study_stand_in_the_page_without_a_script(p
     for analysis in there.analyses:
         assert f"{color_snr_db(analysis)['Y']:.1f}" in cells
     words = " ".join(text for _, text in elements.of("div"))
-    for told in EQUATIONS.values():
-        assert told["equation"] in words
-        assert told["source"] in words
+    for result in EQUATIONS.values():
+        assert result["equation"] in words
+        assert result["source"] in words
     (_, toml) = elements.of("pre")[0]
     assert study_from_text(toml, source="the page") == there.study
 
 
 def unpacked(packed, chart):
     """Outlines as the page lays them: points of one circle along two half axes."""
-    told = []
+    values = []
     for center, right, up, reach in packed["patches"]:
         points = [
             [center[k] + c * right[k] + s * up[k] for k in (0, 1)] for c, s in chart["circle"]
         ]
-        told.append((center, points, reach))
-    return told
+        values.append((center, points, reach))
+    return values
 
 
 def test_ellipses_come_back_from_their_half_axes(page, there):
@@ -214,7 +214,7 @@ def test_the_study_itself_is_a_position_of_every_slider_and_changes_nothing(page
     assert data["slides"][0]["values"][data["slides"][0]["own"]] == 10.0
     for i, slide in enumerate(slides_of(there)):
         assert data["slides"][i]["answers"][slide.own] == {}
-        assert len(slide.told) == len(set(slide.told))
+        assert len(slide.texts) == len(set(slide.texts))
     assert at_value(there, slides_of(there)[1], None) is there
 
 
@@ -267,9 +267,9 @@ def test_the_figures_of_a_study_say_its_numbers(folder, there):
     }
     for sensor in drawing("budget", there)["sensors"]:
         start, *causes, end = sensor["steps"]
-        told = {f"{step['to_db']:.1f}" for step in (start, end)}
-        told |= {f"\N{MINUS SIGN}{-step['change_db']:.1f}" for step in causes[:1]}
-        assert told <= set(texts["budget"])
+        values = {f"{step['to_db']:.1f}" for step in (start, end)}
+        values |= {f"\N{MINUS SIGN}{-step['change_db']:.1f}" for step in causes[:1]}
+        assert values <= set(texts["budget"])
     assert {"a*", "b*"} <= set(texts["ellipses"])
     for name in ("comparison", "budget", "ellipses", "pareto"):
         assert "illuminant E" in " ".join(texts[name])

@@ -132,12 +132,12 @@ def grown(path):
 
 @pytest.mark.parametrize("change", [changed_in_place, grown, Path.unlink])
 def test_a_cube_that_changes_while_it_is_read_gives_no_result(project, change):
-    def told(what, _):
+    def reported(what, _):
         if "cube" in what:  # after its digest was taken, before it is read
             change(project / "cube.npz")
 
     with pytest.raises(InputError, match=r"cube\.npz") as error:
-        run_study(read_study("study.toml"), Path("o"), report=told)
+        run_study(read_study("study.toml"), Path("o"), report=reported)
     assert len(str(error.value).splitlines()) == 1
     assert set(files_of(Path("o"))) == {"study.json", "analysis-kernel.json"}
 
@@ -166,11 +166,11 @@ def test_every_change_of_the_record_of_a_run_is_detected(run, made, key, value):
 
 
 def test_a_run_into_a_folder_that_another_run_is_writing_is_refused(project):
-    def told(*_):
+    def reported(*_):
         run_study(read_study("study.toml"), Path("o"))
 
     with refused_input(subject="o", value=os.getpid()):
-        run_study(read_study("study.toml"), Path("o"), report=told)
+        run_study(read_study("study.toml"), Path("o"), report=reported)
 
 
 def test_agreement_names_the_largest_relative_difference_and_its_place(made, tmp_path):
@@ -178,11 +178,11 @@ def test_agreement_names_the_largest_relative_difference_and_its_place(made, tmp
     assert (same.files, same.other_bytes, same.largest) == (len(files_of(made)), (), 0.0)
     shutil.copytree(made, tmp_path / "again")
     file = tmp_path / "again" / "analysis-kernel.json"
-    told = json.loads(file.read_bytes())
-    own = told["result"]["sensors"][0]
+    data = json.loads(file.read_bytes())
+    own = data["result"]["sensors"][0]
     (stage,) = [key for key, value in own.items() if isinstance(value, float)][:1]
     own[stage] *= 1 + 2e-6
-    file.write_text(json.dumps(told))
+    file.write_text(json.dumps(data))
     found = agreement_of(made, tmp_path / "again")
     assert found.other_bytes == ("analysis-kernel.json",)
     assert found.where == f"analysis-kernel.json /sensors/0/{stage}"
@@ -203,10 +203,10 @@ def test_agreement_names_the_largest_relative_difference_and_its_place(made, tmp
 def test_only_another_place_or_machine_in_the_record_is_no_difference_of_results(made, tmp_path):
     shutil.copytree(made, tmp_path / "again")
     file = made / "study.json"
-    told = json.loads(file.read_bytes())
-    told["numerics"]["machine"] = "riscv128"
-    told["place"] = "/far/away"
-    file.write_text(json.dumps(told))
+    data = json.loads(file.read_bytes())
+    data["numerics"]["machine"] = "riscv128"
+    data["place"] = "/far/away"
+    file.write_text(json.dumps(data))
     found = agreement_of(made, tmp_path / "again")
     assert (found.other_bytes, found.incomparable, found.where) == ((), (), "")
     assert found.place == "/far/away"
@@ -215,8 +215,8 @@ def test_only_another_place_or_machine_in_the_record_is_no_difference_of_results
     assert "/far/away" in text
     assert "machine" in text
     assert "same bytes" not in text
-    told["seed"] = 99
-    file.write_text(json.dumps(told))
+    data["seed"] = 99
+    file.write_text(json.dumps(data))
     assert agreement_of(made, tmp_path / "again").other_bytes == ("study.json",)
 
 

@@ -70,9 +70,9 @@ def answers_of(words):
         "--photons": {"per": "photon"},
         "--fraction": {"scale": "fraction"},
     }
-    told = {key: value for word in words for key, value in either.get(word, {}).items()}
+    found = {key: value for word in words for key, value in either.get(word, {}).items()}
     quantity = {"quantity": words[1]} if "--quantity" in words else {}
-    return Answers(**told, **quantity)
+    return Answers(**found, **quantity)
 
 
 @pytest.mark.parametrize("ending", [".csv", ".json"])
@@ -113,12 +113,12 @@ def test_the_qe_that_convert_writes_is_the_sensor_that_it_read(done, here, endin
 @pytest.mark.parametrize("ending", [".csv", ".json"])
 def test_a_sensor_of_the_catalog_comes_back_from_either_file(done, here, ending):
     done("convert", "onyx-rgbw", f"mine{ending}")
-    told = [
+    data = [
         json.loads(done("analyze", name, "--json", "-")[0])["sensors"][0]
         for name in ("onyx-rgbw", f"mine{ending}")
     ]
-    assert told[0]["channels"] == told[1]["channels"]
-    assert told[0]["color"] == told[1]["color"]
+    assert data[0]["channels"] == data[1]["channels"]
+    assert data[0]["color"] == data[1]["color"]
 
 
 @pytest.mark.parametrize("ending", [".csv", ".json", ".spdx"])

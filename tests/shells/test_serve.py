@@ -70,12 +70,12 @@ def uploaded(client, name, content):
 
 
 def test_an_answer_has_the_digits_of_the_library(client):
-    told = answered(client, {"number": 7, "study": BOTH}).json()
+    record = answered(client, {"number": 7, "study": BOTH}).json()
     of = shown(study_from_data(BOTH, source="a test"))
-    assert told["number"] == 7
-    assert re.fullmatch("[0-9a-f]{64}", told["hash"])
-    assert list(told["parts"]) == list(PARTS)
-    for part, data in told["parts"].items():
+    assert record["number"] == 7
+    assert re.fullmatch("[0-9a-f]{64}", record["hash"])
+    assert list(record["parts"]) == list(PARTS)
+    for part, data in record["parts"].items():
         assert data == json.loads(json.dumps(drawing(part, of)))
 
 
@@ -95,26 +95,28 @@ def test_an_answer_clips_where_the_study_does_and_is_not_that_of_the_unclipped_o
     luminance = {}
     for clip in (False, True):
         study = dark | {"outputs": {"clip": clip, "budget": False}}
-        told = answered(client, {"study": study, "want": ["stages"]}).json()
-        luminance[clip] = told["parts"]["stages"]["sensors"][0]["color"]["Y"]
+        data = answered(client, {"study": study, "want": ["stages"]}).json()
+        luminance[clip] = data["parts"]["stages"]["sensors"][0]["color"]["Y"]
     assert luminance == pytest.approx({False: -15.81, True: -16.25}, abs=0.01)
 
 
 def test_a_look_changes_the_drawing_that_reads_it(client):
     question = {"study": BOTH, "want": ["budget", "ellipses"]}
-    told = answered(client, question | {"look": {"coordinate": "b*", "plane": "xy", "theme": "x"}})
-    assert told.json()["parts"]["budget"]["coordinate"] == "b*"
-    assert told.json()["parts"]["ellipses"]["plane"] == "xy"
+    result = answered(
+        client, question | {"look": {"coordinate": "b*", "plane": "xy", "theme": "x"}}
+    )
+    assert result.json()["parts"]["budget"]["coordinate"] == "b*"
+    assert result.json()["parts"]["ellipses"]["plane"] == "xy"
 
 
 def test_choices_hold_sensors_lights_sliders_and_equations(client):
-    told = client.get("/api/choices").json()
-    names = [sensor["name"] for sensor in told["sensors"]]
+    data = client.get("/api/choices").json()
+    names = [sensor["name"] for sensor in data["sensors"]]
     assert {"onyx-rgbw", "onyx-rgb-ircut", "model-rgbir"} <= set(names)
-    assert {"E", "A", "G173"} <= set(told["illuminants"])
-    assert {"light.level_lux", "sensors.ircut_nm"} <= {s["key"] for s in told["sliders"]}
-    assert {"raw", "contravariant", "color", "bound", "price"} <= set(told["equations"])
-    assert study_from_data(told["study"], source="the page's own").sensors
+    assert {"E", "A", "G173"} <= set(data["illuminants"])
+    assert {"light.level_lux", "sensors.ircut_nm"} <= {s["key"] for s in data["sliders"]}
+    assert {"raw", "contravariant", "color", "bound", "price"} <= set(data["equations"])
+    assert study_from_data(data["study"], source="the page's own").sensors
 
 
 def test_a_body_that_says_it_is_too_long_is_refused_before_it_comes(address):
@@ -124,20 +126,20 @@ def test_a_body_that_says_it_is_too_long_is_refused_before_it_comes(address):
             head = f"POST /api/{path} HTTP/1.1\r\nHost: {host}:{port}\r\nX-Filename: a.csv\r\n"
             kinds = f"Content-Type: application/{kind}\r\nContent-Length: {10**12}\r\n\r\n"
             asking.sendall((head + kinds).encode())
-            told = b""
-            while b"exceeds the limit" not in told:
+            received = b""
+            while b"exceeds the limit" not in received:
                 piece = asking.recv(4096)
-                assert piece, told
-                told += piece
-            assert told.startswith(b"HTTP/1.1 413")
+                assert piece, received
+                received += piece
+            assert received.startswith(b"HTTP/1.1 413")
 
 
 def test_a_number_of_thousands_of_digits_is_one_sentence(client):
     body = b'{"number": ' + b"1" * 6000 + b"}"
     reply = client.post("/api/answer", content=body, headers={"Content-Type": "application/json"})
     assert "6000 digits" in sentence_of(reply, 400)
-    told = uploaded(client, "a.toml", "seed = " + "1" * 6000).json()["faults"]
-    (fault,) = told
+    data = uploaded(client, "a.toml", "seed = " + "1" * 6000).json()["faults"]
+    (fault,) = data
     assert fault["sentence"].startswith("a.toml: ")
 
 
@@ -148,10 +150,10 @@ def test_no_header_waits_for_its_answer_on_the_socket():
 
 
 def test_texts_are_the_study_again(client):
-    told = client.post("/api/texts", json={"study": BOTH}).json()
-    assert study_from_text(told["toml"], source="a test") == study_from_data(BOTH, source="a test")
-    assert told["command"].startswith("chromanoise ")
-    compile(told["python"], "a test", "exec")
+    data = client.post("/api/texts", json={"study": BOTH}).json()
+    assert study_from_text(data["toml"], source="a test") == study_from_data(BOTH, source="a test")
+    assert data["command"].startswith("chromanoise ")
+    compile(data["python"], "a test", "exec")
 
 
 def test_a_picture_is_a_png_of_its_cube_and_tells_how_it_was_taken(client):
@@ -315,11 +317,11 @@ def test_a_body_in_pieces_without_length_is_stopped_where_it_is_too_long(address
 
 
 def test_a_dropped_sensor_is_previewed_and_answers_under_its_own_name(client):
-    told = uploaded(client, "my%20sensor.csv", SENSOR).json()
-    assert told["kind"] == "sensor"
-    assert "R, G, B" in told["preview"][0]
+    data = uploaded(client, "my%20sensor.csv", SENSOR).json()
+    assert data["kind"] == "sensor"
+    assert "R, G, B" in data["preview"][0]
     answers = {"level": "absolute", "per": "photon"}
-    study = BOTH | {"sensors": [{"name": told["id"], "answers": answers}, {"name": "onyx-rgbw"}]}
+    study = BOTH | {"sensors": [{"name": data["id"], "answers": answers}, {"name": "onyx-rgbw"}]}
     head = answered(client, {"study": study, "want": ["head"]}).json()["parts"]["head"]
     assert head["sensors"][0]["name"] == "my sensor"
     assert "upload" not in json.dumps(head)
@@ -328,9 +330,9 @@ def test_a_dropped_sensor_is_previewed_and_answers_under_its_own_name(client):
 
 def test_a_dropped_light_answers_with_infrared_beside_it(client):
     rows = "\n".join(f"{nm},1.0" for nm in range(400, 1051, 10))
-    told = uploaded(client, "lamp.csv", f"wavelength_nm,power_W\n{rows}").json()
-    assert told["kind"] == "light"
-    light = {"illuminant": f"{told['id']}+0.5xLED850", "per": "energy"}
+    data = uploaded(client, "lamp.csv", f"wavelength_nm,power_W\n{rows}").json()
+    assert data["kind"] == "light"
+    light = {"illuminant": f"{data['id']}+0.5xLED850", "per": "energy"}
     head = answered(client, {"study": BOTH | {"light": light}, "want": ["head"]}).json()
     assert head["parts"]["head"]["light"]["name"].startswith("lamp")
 
@@ -339,20 +341,20 @@ def test_a_lamp_that_is_1_at_its_peak_is_no_wrong_lamp_and_keeps_the_name_of_its
     lamp = b"wavelength_nm,power\n" + b"".join(
         b"%d,%.2f\n" % (w, w / 1050) for w in range(400, 1051, 10)
     )
-    told = uploaded(client, "night.csv", lamp).json()
-    assert told["kind"] == "light"
-    assert not any("Looks wrong" in line for line in told["preview"])
-    light = {"illuminant": f"{told['id']}+0.3xLED850", "per": "energy"}
+    data = uploaded(client, "night.csv", lamp).json()
+    assert data["kind"] == "light"
+    assert not any("Looks wrong" in line for line in data["preview"])
+    light = {"illuminant": f"{data['id']}+0.3xLED850", "per": "energy"}
     reply = answered(client, {"number": 1, "study": BOTH | {"light": light}})
     assert "exactly 1" not in reply.text
     assert "night.csv" in reply.text
-    assert told["id"].removeprefix("upload:") not in json.dumps(reply.json()["parts"])
+    assert data["id"].removeprefix("upload:") not in json.dumps(reply.json()["parts"])
 
 
 def test_a_dropped_study_comes_back_as_data(client):
-    told = uploaded(client, "a.toml", b'title = "T"\n[[sensors]]\nname = "onyx-rgb"\n').json()
-    assert told["kind"] == "study"
-    assert told["study"]["sensors"][0]["name"] == "onyx-rgb"
+    data = uploaded(client, "a.toml", b'title = "T"\n[[sensors]]\nname = "onyx-rgb"\n').json()
+    assert data["kind"] == "study"
+    assert data["study"]["sensors"][0]["name"] == "onyx-rgb"
     bad = uploaded(client, "b.toml", b"[[sensors]]\nnam = 3\n")
     assert any("b.toml:2" in fault["sentence"] for fault in bad.json()["faults"])
 
@@ -371,12 +373,12 @@ def test_a_dropped_study_comes_back_as_data(client):
 )
 def test_a_name_never_becomes_a_path(client, tmp_path, name):
     reply = uploaded(client, name, SENSOR)
-    told = reply.json()
+    data = reply.json()
     assert reply.status_code == 200
     assert not re.search(r"/etc|/tmp|windows|\.\.", reply.text)
     assert "x-evil" not in reply.headers
-    if "faults" not in told:
-        assert re.fullmatch("upload:[0-9a-f]{16}", told["id"])
+    if "faults" not in data:
+        assert re.fullmatch("upload:[0-9a-f]{16}", data["id"])
 
 
 @pytest.mark.parametrize(
@@ -397,9 +399,9 @@ def test_a_name_never_becomes_a_path(client, tmp_path, name):
     ids=lambda value: value if isinstance(value, str) else "",
 )
 def test_a_file_that_cannot_be_read_is_told_in_a_sentence(client, name, content):
-    told = sentence_of(uploaded(client, name, content), 200)
-    assert "Traceback" not in told
-    assert "/tmp" not in told
+    message = sentence_of(uploaded(client, name, content), 200)
+    assert "Traceback" not in message
+    assert "/tmp" not in message
 
 
 def test_a_spectrum_of_ten_megabytes_or_a_hundred_thousand_points_is_refused_at_once(client):
@@ -434,9 +436,9 @@ def test_two_hundred_questions_at_once_all_get_an_answer_and_the_server_lives(ad
             study = {"light": {"level_lux": 5.0 + i % 25}, "sensors": [{"name": "onyx-rgbw"}]}
             question = {"number": i, "study": study, "want": ["vectors"]}
             reply = many.post("/api/answer", json=question)
-            told = reply.json()
+            data = reply.json()
             assert reply.status_code in (200, 503)
-            return told["number"] == i if reply.status_code == 200 else bool(told["faults"])
+            return data["number"] == i if reply.status_code == 200 else bool(data["faults"])
 
         with ThreadPoolExecutor(200) as pool:
             assert all(pool.map(ask, range(200)))
@@ -452,8 +454,8 @@ def test_whoever_hangs_up_in_the_middle_harms_nobody(address, client, capfd):
         with socket.create_connection(("127.0.0.1", port)) as lost:
             lost.sendall(f"{head}Content-Length: {length}\r\n\r\n".encode() + sent)
     assert answered(client, {"study": BOTH, "want": ["head"]}).status_code == 200
-    told = capfd.readouterr()
-    assert "Traceback" not in told.err
+    result = capfd.readouterr()
+    assert "Traceback" not in result.err
 
 
 def test_files_of_the_page_come_with_a_tag_and_nothing_else_comes(client):

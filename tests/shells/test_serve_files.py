@@ -11,8 +11,8 @@ from PIL import Image
 
 from chromanoise.errors import InputError
 from chromanoise.page import answers as answering
-from chromanoise.page.answers import Answers
-from chromanoise.page.pictures import Pictures
+from chromanoise.page.answers import ChartReplies
+from chromanoise.page.pictures import PictureReplies
 from chromanoise.page.requests import QuestionError
 from chromanoise.page.services import Services
 from chromanoise.page.studies import MOST_SENSORS, Studies, files_of, served_data
@@ -70,7 +70,7 @@ def uploads():
 
 @pytest.fixture
 def answers(uploads):
-    return Answers(Studies(uploads))
+    return ChartReplies(Studies(uploads))
 
 
 def asked(answers, study, *want):
@@ -86,10 +86,10 @@ def faults_of(act, *given):
 
 def serving(uploads, path):
     """Answers and pictures of a server that was started with a study's file."""
-    told = served_data(read_study(path))
-    files = files_of(study_from_data(told, source="the test", keep_idle=True))
+    data = served_data(read_study(path))
+    files = files_of(study_from_data(data, source="the test", keep_idle=True))
     studies = Studies(uploads, files=files)
-    return told, Answers(studies), Pictures(studies)
+    return data, ChartReplies(studies), PictureReplies(studies)
 
 
 # ---- which files are opened ----
@@ -97,8 +97,8 @@ def serving(uploads, path):
 
 def test_every_key_that_may_name_a_file_is_listed_and_can_be_told_otherwise():
     study = study_from_data(EVERY_KEY, source="a test")
-    told = {one.where: one.word for one in file_words(study)}
-    assert told == {
+    values = {one.where: one.word for one in file_words(study)}
+    assert values == {
         "light.illuminant": "l",
         "sensors.0.name": "s",
         "sensors.0.filter": "f",
@@ -124,33 +124,33 @@ def test_no_key_of_a_link_opens_a_file_of_its_own(answers, name):
         "pictures": [{"cube": name}],
     }
     for act in (answers.answer, answers.texts):
-        told = faults_of(act, {"study": study})
-        assert len(told) == 7
-        assert all("drop the file" in sentence for sentence in told.values())
+        result = faults_of(act, {"study": study})
+        assert len(result) == 7
+        assert all("drop the file" in sentence for sentence in result.values())
 
 
 def test_nothing_may_stand_behind_the_id_of_a_file_but_diodes(uploads, answers):
     one = uploads.keep("cam.csv", curves())
-    told = faults_of(answers.answer, {"study": {"sensors": [{"name": f"{one.id}/../x.csv"}]}})
-    assert "drop the file" in told["sensors.0.name"]
+    result = faults_of(answers.answer, {"study": {"sensors": [{"name": f"{one.id}/../x.csv"}]}})
+    assert "drop the file" in result["sensors.0.name"]
 
 
 def test_a_pipe_in_a_served_study_is_refused_and_not_waited_for(uploads, tmp_path):
     os.mkfifo(tmp_path / "cube.npz")
     path = tmp_path / "s.toml"
     path.write_text('[[sensors]]\nname = "onyx-rgb"\n[[pictures]]\ncube = "cube.npz"\n')
-    told, answers, _ = serving(uploads, path)
-    assert "a pipe" in faults_of(answers.answer, {"study": told})["pictures.0.cube"]
+    result, answers, _ = serving(uploads, path)
+    assert "a pipe" in faults_of(answers.answer, {"study": result})["pictures.0.cube"]
 
 
 def test_a_served_study_whose_cube_was_moved_away_is_told_so(uploads, tmp_path):
     cube, path = tmp_path / "cube.npz", tmp_path / "s.toml"
     cube.write_bytes(cube_bytes())
     path.write_text('[[sensors]]\nname = "onyx-rgb"\n[[pictures]]\ncube = "cube.npz"\n')
-    told, answers, _ = serving(uploads, path)
-    assert asked(answers, told, "head")["parts"]["head"]["sensors"]
+    result, answers, _ = serving(uploads, path)
+    assert asked(answers, result, "head")["parts"]["head"]["sensors"]
     cube.unlink()
-    assert "cube.npz" in faults_of(answers.answer, {"study": told})["pictures.0.cube"]
+    assert "cube.npz" in faults_of(answers.answer, {"study": result})["pictures.0.cube"]
 
 
 def test_a_dropped_cube_in_the_study_is_answered(uploads, answers):
@@ -166,9 +166,9 @@ def test_a_served_lamp_stays_when_the_diode_beside_it_is_moved(uploads, tmp_path
         '[[sensors]]\nname = "onyx-rgb"\n'
         '[light]\nilluminant = "lamp.csv+0.5xLED850"\nper = "energy"\n'
     )
-    told, answers, _ = serving(uploads, path)
-    told["light"]["illuminant"] = told["light"]["illuminant"].replace("0.5x", "0.7x")
-    assert asked(answers, told, "head")["parts"]["head"]["light"]["name"].endswith("+0.7xLED850")
+    result, answers, _ = serving(uploads, path)
+    result["light"]["illuminant"] = result["light"]["illuminant"].replace("0.5x", "0.7x")
+    assert asked(answers, result, "head")["parts"]["head"]["light"]["name"].endswith("+0.7xLED850")
 
 
 # ---- what is copied, and its hash ----
@@ -182,13 +182,13 @@ def test_a_study_with_all_noise_of_a_pixel_is_answered_and_its_copies_keep_it(an
         for one in (study, {"sensors": [{"name": "onyx-rgb"}]})
     )
     assert head["color"]["Y"] < plain["color"]["Y"] - 2
-    told = answers.texts({"study": study})
-    copied = study_from_text(told["toml"], source="a test").sensors[0]
+    message = answers.texts({"study": study})
+    copied = study_from_text(message["toml"], source="a test").sensors[0]
     assert copied.pixel.model_dump(exclude_none=True) == PIXEL
     assert copied.model_dump(include=set(noisy)) == noisy
     for name, value in (PIXEL | noisy).items():
-        assert f"{name}={json.dumps(value)}" in told["python"]
-        assert f"--{name.replace('_', '-')} {value}" in told["command"]
+        assert f"{name}={json.dumps(value)}" in message["python"]
+        assert f"--{name.replace('_', '-')} {value}" in message["command"]
 
 
 def test_served_files_of_crosstalk_and_matrix_are_read_and_read_again(uploads, tmp_path, done):
@@ -200,10 +200,10 @@ def test_served_files_of_crosstalk_and_matrix_are_read_and_read_again(uploads, t
         '[[sensors]]\nname = "onyx-rgb"\ncrosstalk = "mix.csv"\n[exposure]\ntime_ms = 10\n'
     )
     path.write_text('matrices = ["made.csv"]\n' + path.read_text())
-    told, answers, _ = serving(uploads, path)
+    result, answers, _ = serving(uploads, path)
 
     def snr_db():
-        (sensor,) = asked(answers, told, "stages")["parts"]["stages"]["sensors"]
+        (sensor,) = asked(answers, result, "stages")["parts"]["stages"]["sensors"]
         return sensor["raw"]["R"], sensor["color"]["Y"]
 
     first = snr_db()
@@ -214,19 +214,19 @@ def test_served_files_of_crosstalk_and_matrix_are_read_and_read_again(uploads, t
     assert first[0] == second[0] > third[0]
     assert first[1] != pytest.approx(second[1], abs=0.01)
     mix.unlink()
-    assert "mix.csv" in faults_of(answers.answer, {"study": told})["sensors.0.crosstalk"]
+    assert "mix.csv" in faults_of(answers.answer, {"study": result})["sensors.0.crosstalk"]
 
 
 def test_the_name_of_a_dropped_file_is_quoted_in_a_copied_command(uploads, answers):
     one = uploads.keep("my sensor; touch x #.csv", curves())
     study = {"sensors": [{"name": one.id, "answers": QE}]}
-    told = answers.texts({"study": study})
-    assert shlex.split(told["command"])[:3] == ["chromanoise", "analyze", one.label]
-    assert study_from_text(told["toml"], source="a test").sensors[0].name == one.label
+    message = answers.texts({"study": study})
+    assert shlex.split(message["command"])[:3] == ["chromanoise", "analyze", one.label]
+    assert study_from_text(message["toml"], source="a test").sensors[0].name == one.label
     odd = uploads.keep("a\"b\\c'd.csv", curves(red=0.3))
-    told = answers.texts({"study": {"sensors": [{"name": odd.id, "answers": QE}]}})
-    assert study_from_text(told["toml"], source="a test").sensors[0].name == odd.label
-    compile(told["python"], "a test", "exec")
+    message = answers.texts({"study": {"sensors": [{"name": odd.id, "answers": QE}]}})
+    assert study_from_text(message["toml"], source="a test").sensors[0].name == odd.label
+    compile(message["python"], "a test", "exec")
 
 
 def test_the_hash_of_a_page_is_that_of_a_run_beside_the_same_files(
@@ -245,18 +245,18 @@ def test_the_hash_of_a_page_is_that_of_a_run_beside_the_same_files(
             "pictures": [{"cube": named["wall.npz"]}],
         }
 
-    told = asked(answers, study(kept), "head")["hash"]
+    result = asked(answers, study(kept), "head")["hash"]
     beside = study_from_data(study({name: name for name in files}), source="a test")
-    assert told == study_hash(beside)
+    assert result == study_hash(beside)
     (tmp_path / "cut.csv").write_bytes(cut(height=0.8))
-    assert told != study_hash(beside)
+    assert result != study_hash(beside)
 
 
 def test_two_files_of_one_name_stay_two_in_what_is_copied(uploads, answers):
     pair = [uploads.keep("cam.csv", curves(red=red)) for red in (0.3, 0.4)]
     study = {"sensors": [{"name": one.id, "answers": QE} for one in pair]}
-    told = answers.texts({"study": study})["toml"]
-    names = [part.name for part in study_from_text(told, source="a test").sensors]
+    message = answers.texts({"study": study})["toml"]
+    names = [part.name for part in study_from_text(message, source="a test").sensors]
     assert names == ["cam.csv", "cam (2).csv"]
 
 
@@ -275,14 +275,14 @@ def test_a_file_that_is_written_anew_gives_new_numbers(uploads, tmp_path, name):
         'answers.per = "photon"\n[exposure]\ntime_ms = 10\n'
         '[light]\nilluminant = "lamp.csv+0.5xLED850"\nper = "energy"\n'
     )
-    told, answers, pictures = serving(uploads, path)
-    before = asked(answers, told, "head")["parts"]["head"]["sensors"][0]["mean_e"]
-    seen = pictures.picture({"study": told, "noisy": False})[1]
+    result, answers, pictures = serving(uploads, path)
+    before = asked(answers, result, "head")["parts"]["head"]["sensors"][0]["mean_e"]
+    seen = pictures.picture({"study": result, "noisy": False})[1]
     (tmp_path / name).write_bytes(anew[name] + b"\n")
-    after = asked(answers, told, "head")["parts"]["head"]["sensors"][0]["mean_e"]
+    after = asked(answers, result, "head")["parts"]["head"]["sensors"][0]["mean_e"]
     assert after["R"] != pytest.approx(before["R"], rel=0.01)
     assert (
-        json.loads(pictures.picture({"study": told, "noisy": False})[1])["mean_e"]
+        json.loads(pictures.picture({"study": result, "noisy": False})[1])["mean_e"]
         != (json.loads(seen)["mean_e"])
     )
 
@@ -307,10 +307,10 @@ def test_what_is_wrong_with_one_study_is_not_said_of_the_next(answers, monkeypat
     study = {"sensors": [{"name": "onyx-rgb"}], "exposure": {"time_ms": 10.0}}
     with monkeypatch.context() as patched:
         patched.setattr(answering, "shown", refuses)
-        told = asked(answers, study | {"matrices": ["lmmse"]}, "sensitivities")
-        assert told["parts"]["sensitivities"]["fault"] == "the matrix: cannot be made"
-    told = asked(answers, study, "sensitivities")  # which depend on no matrix
-    assert told["parts"]["sensitivities"]["sensors"]
+        result = asked(answers, study | {"matrices": ["lmmse"]}, "sensitivities")
+        assert result["parts"]["sensitivities"]["fault"] == "the matrix: cannot be made"
+    result = asked(answers, study, "sensitivities")  # which depend on no matrix
+    assert result["parts"]["sensitivities"]["sensors"]
 
 
 # ---- one sensor twice ----
@@ -325,9 +325,9 @@ def test_a_sensor_beside_its_changed_self_is_shown_copied_and_run_under_the_same
     path = tmp_path / "s.toml"
     path.write_text(answers.texts({"study": study})["toml"] + '[[pictures]]\nformats = ["png"]\n')
     run_study(read_study(path), tmp_path / "o")
-    told = json.loads((tmp_path / "o" / "analysis-kernel.json").read_bytes())["result"]
+    data = json.loads((tmp_path / "o" / "analysis-kernel.json").read_bytes())["result"]
     assert shown == ["onyx-rgbw", "onyx-rgbw (2)"]
-    assert [name for name in shown if json.dumps(name) in json.dumps(told)] == shown
+    assert [name for name in shown if json.dumps(name) in json.dumps(data)] == shown
     assert len(list((tmp_path / "o").glob("*.png"))) == 2
 
 
@@ -366,28 +366,28 @@ def test_the_picture_of_a_served_study_is_that_of_its_run(uploads, tmp_path):
         'seed = 3\n[[sensors]]\nname = "onyx-rgb-ircut"\n[[pictures]]\ncube = "wall.npz"\n'
         'scale = 0.01\nbeyond = "zero"\nclip = true\nrow_noise_e = 20.0\nformats = ["png"]\n'
     )
-    told, _, pictures = serving(uploads, path)
-    png, summary = pictures.picture({"study": told})
+    result, _, pictures = serving(uploads, path)
+    png, summary = pictures.picture({"study": result})
     run_study(read_study(path), tmp_path / "o")
     (file,) = (tmp_path / "o").glob("*.png")
     np.testing.assert_array_equal(pixels(png), pixels(file.read_bytes()))
     assert json.loads(summary)["clipped"]
-    told["pictures"][0]["beyond"] = "refuse"
-    (sentence,) = faults_of(pictures.picture, {"study": told}).values()
+    result["pictures"][0]["beyond"] = "refuse"
+    (sentence,) = faults_of(pictures.picture, {"study": result}).values()
     assert "700" in sentence
 
 
 def test_a_dropped_cube_that_ends_short_is_held_and_the_summary_says_so(uploads):
     short = uploads.keep("wall.npz", cube_bytes(last=700))
     study = {"sensors": [{"name": "onyx-rgb"}], "pictures": [{"cube": short.id}]}
-    png, summary = Pictures(Studies(uploads)).picture({"study": study})
+    png, summary = PictureReplies(Studies(uploads)).picture({"study": study})
     assert pixels(png).shape == (4, 5, 3)
     assert any("hold beyond 400-700 nm" in note for note in json.loads(summary)["notes"])
     assert "tmp" not in summary
 
 
 def test_a_lamp_that_is_exchanged_gives_another_picture(uploads):
-    pictures = Pictures(Studies(uploads))
+    pictures = PictureReplies(Studies(uploads))
     study = {"sensors": [{"name": "onyx-rgb"}]}
     one, other = (
         pictures.picture({"study": study | {"light": {"illuminant": name}}, "noisy": False})[0]
@@ -397,7 +397,7 @@ def test_a_lamp_that_is_exchanged_gives_another_picture(uploads):
 
 
 def test_a_fault_of_a_picture_is_told_where_it_stands(uploads):
-    pictures = Pictures(Studies(uploads))
+    pictures = PictureReplies(Studies(uploads))
     study = {"sensors": [{"name": "onyx-rgb"}], "pictures": [{"scale": 2.0}]}
     assert "scale" in faults_of(pictures.picture, {"study": study})["pictures.0.cube"]
     for word in ("/etc/passwd", "builtin:moon", "upload:0123456789abcdef"):
@@ -410,12 +410,12 @@ def test_the_digest_of_a_cube_is_taken_once_while_it_stays_the_same(uploads, tmp
     (tmp_path / "wall.npz").write_bytes(cube_bytes())
     path = tmp_path / "s.toml"
     path.write_text('[[sensors]]\nname = "onyx-rgb"\n[[pictures]]\ncube = "wall.npz"\n')
-    told, answers, _ = serving(uploads, path)
-    first = asked(answers, told, "head")["hash"]
+    result, answers, _ = serving(uploads, path)
+    first = asked(answers, result, "head")["hash"]
     from chromanoise.page import studies
 
     monkeypatch.setattr(studies, "digests_of", None)
-    assert asked(answers, told, "head")["hash"] == first
+    assert asked(answers, result, "head")["hash"] == first
 
 
 def test_a_desk_warms_with_the_study_that_it_was_given(uploads):

@@ -113,10 +113,10 @@ def nothing_left(folder):
 def test_the_codes_are_those_of_the_library_for_the_mosaic_that_was_asked_for(
     take, cube, sensor, asked, mosaic
 ):
-    folder, (told,), _, _ = take("o", sensor, "--mosaic", asked, "--raw-only")
+    folder, (result,), _, _ = take("o", sensor, "--mosaic", asked, "--raw-only")
     ours = acquired(read_cube(cube), used(sensor), mosaic=mosaic)
     assert (codes_in(folder, sensor) == ours.codes).all()
-    assert told["mosaic"] == [list(row) for row in mosaic.pattern]
+    assert result["mosaic"] == [list(row) for row in mosaic.pattern]
 
 
 def test_each_pixel_of_a_mosaic_sees_its_own_channel(take, tmp_path):
@@ -124,36 +124,36 @@ def test_each_pixel_of_a_mosaic_sees_its_own_channel(take, tmp_path):
     source = tmp_path / "flat.npz"
     wavelength = np.linspace(400, 1050, 14)
     np.savez(source, wavelength_nm=wavelength, reflectance=np.full((8, 8, 14), 0.5))
-    folder, (told,), _, _ = take(
+    folder, (result,), _, _ = take(
         "o", "model-rgb", "--mosaic", "RG/GB", "--raw-only", "--bits", 16,
         "--full-well-e", 1e13, "--read-noise-e", 0, source=source,
     )  # fmt: skip
-    codes = codes_in(folder, "model-rgb") * told["gain_e_per_dn"]
+    codes = codes_in(folder, "model-rgb") * result["gain_e_per_dn"]
     for name, own in {
         "R": codes[0::2, 0::2],
         "G": np.stack([codes[0::2, 1::2], codes[1::2, 0::2]]),
         "B": codes[1::2, 1::2],
     }.items():
-        assert own == pytest.approx(told["mean_e"][name], rel=2e-4)
+        assert own == pytest.approx(result["mean_e"][name], rel=2e-4)
 
 
 def test_raw_only_writes_codes_and_no_color(take):
-    folder, (told,), _, _ = take("o", "model-rgb", "--mosaic", "bayer", "--raw-only")
+    folder, (result,), _, _ = take("o", "model-rgb", "--mosaic", "bayer", "--raw-only")
     assert names_in(folder) == ["model-rgb.dng", "model-rgb.raw.tiff", "summary.json"]
-    assert told["files"] == ["model-rgb.raw.tiff", "model-rgb.dng"]
-    assert "white_xyz" not in told
+    assert result["files"] == ["model-rgb.raw.tiff", "model-rgb.dng"]
+    assert "white_xyz" not in result
 
 
 @pytest.mark.parametrize("method", ["bilinear", "malvar", "gradient", "lmmse"])
 def test_the_color_of_a_mosaic_is_that_of_the_library(take, cube, method):
-    folder, (told,), _, _ = take("o", "model-rgb", "--mosaic", "sensor", "--demosaic", method)
+    folder, (result,), _, _ = take("o", "model-rgb", "--mosaic", "sensor", "--demosaic", method)
     operating_point = used("model-rgb")
     raw = acquired(read_cube(cube), operating_point)
     ours = developed(raw, DEMOSAICING[method](bayer(), operating_point))
     assert (tifffile.imread(folder / "model-rgb.xyz.tiff") == ours.xyz).all()
     with Image.open(folder / "model-rgb.png") as picture:
         assert (np.asarray(picture) == ours.srgb).all()
-    assert any(note.startswith("demosaicked: ") for note in told["notes"])
+    assert any(note.startswith("demosaicked: ") for note in result["notes"])
 
 
 def test_demosaicing_is_bilinear_unless_asked_and_methods_differ(take):
@@ -176,24 +176,24 @@ def test_demosaicing_is_bilinear_unless_asked_and_methods_differ(take):
 def test_the_dark_is_at_the_black_level_and_too_much_light_at_the_top_code(take, bits, top):
     asked = ("--mosaic", "bayer", "--raw-only", "--time-ms", 1, "--read-noise-e", 0)
     asked = (*asked, "--bits", bits, "--black-level", 60)
-    dark, (told,), _, _ = take("dark", "model-rgb", *asked, "--lux", 1e-9)
+    dark, (result,), _, _ = take("dark", "model-rgb", *asked, "--lux", 1e-9)
     bright, _, _, _ = take("bright", "model-rgb", *asked, "--lux", 1e9)
     assert (codes_in(dark, "model-rgb") == 60).all()
     assert (codes_in(bright, "model-rgb") == top).all()
-    assert told["gain_e_per_dn"] * (top - 60) == pytest.approx(10_000.0)
-    assert (told["bits"], told["black_level_dn"]) == (bits, 60)
+    assert result["gain_e_per_dn"] * (top - 60) == pytest.approx(10_000.0)
+    assert (result["bits"], result["black_level_dn"]) == (bits, 60)
 
 
 def test_without_words_a_converter_has_12_bits_and_black_at_zero(take):
-    _, (told,), _, _ = take("o", "model-rgb", "--mosaic", "bayer", "--raw-only")
-    assert (told["bits"], told["black_level_dn"]) == (12, 0)
-    assert told["gain_e_per_dn"] == pytest.approx(10_000.0 / 4095)
+    _, (result,), _, _ = take("o", "model-rgb", "--mosaic", "bayer", "--raw-only")
+    assert (result["bits"], result["black_level_dn"]) == (12, 0)
+    assert result["gain_e_per_dn"] == pytest.approx(10_000.0 / 4095)
 
 
 @pytest.mark.parametrize("more", [(), ("--mosaic", "bayer")])
 def test_a_burst_begins_with_the_picture_of_one_frame_and_goes_on_with_others(take, more):
     one, (alone,), _, _ = take("one", "model-rgb", *more, "--seed", 5)
-    burst, told, _, err = take("burst", "model-rgb", *more, "--seed", 5, "--frames", 3)
+    burst, result, _, err = take("burst", "model-rgb", *more, "--seed", 5, "--frames", 3)
     alone_files = pixels_in(one)
     frames = [
         {name.replace(f"-{k:04d}", ""): data for name, data in pixels_in(burst).items()
@@ -203,18 +203,18 @@ def test_a_burst_begins_with_the_picture_of_one_frame_and_goes_on_with_others(ta
     assert frames[0] == alone_files
     for name in alone_files:
         assert len({frame[name] for frame in frames}) == 3
-    assert [picture["frame"] for picture in told] == [0, 1, 2]
-    assert all(picture["mean_e"] == alone["mean_e"] for picture in told)
+    assert [picture["frame"] for picture in result] == [0, 1, 2]
+    assert all(picture["mean_e"] == alone["mean_e"] for picture in result)
     assert err.count("model of silicon") == 1  # a note once for the burst
 
 
 def test_every_format_holds_the_same_picture(take):
     rawpy = pytest.importorskip("rawpy", reason="reads the DNG back")
     exr = pytest.importorskip("OpenEXR", reason="reads the EXR back")
-    folder, (told,), _, _ = take(
+    folder, (result,), _, _ = take(
         "o", "model-rgb", "--mosaic", "bayer", "--format", "dng,raw,exr,srgb16,xyz,png"
     )
-    assert names_in(folder) == sorted([*told["files"], "summary.json"])
+    assert names_in(folder) == sorted([*result["files"], "summary.json"])
     codes = codes_in(folder, "model-rgb")
     assert codes.shape == (ROWS, COLUMNS)
     with rawpy.imread(str(folder / "model-rgb.dng")) as negative:
@@ -243,13 +243,15 @@ def test_formats_that_were_not_asked_for_are_not_written(take):
 def test_each_imperfection_goes_where_the_library_puts_it(take, cube, field):
     value = IMPERFECT[field]
     option = f"--{field.replace('_', '-')}"
-    folder, (told,), _, _ = take("o", "model-rgb", "--mosaic", "bayer", "--raw-only", option, value)
+    folder, (result,), _, _ = take(
+        "o", "model-rgb", "--mosaic", "bayer", "--raw-only", option, value
+    )
     plain = acquired(read_cube(cube), used("model-rgb"))
     ours = acquired(read_cube(cube), used("model-rgb", **{field: value}))
     codes = codes_in(folder, "model-rgb")
     assert (codes == ours.codes).all()
     assert not (codes == plain.codes).all()
-    assert told["imperfections"] == dict.fromkeys(EXTRA_NOISE, 0.0) | {field: value}
+    assert result["imperfections"] == dict.fromkeys(EXTRA_NOISE, 0.0) | {field: value}
 
 
 def test_imperfections_reach_the_picture_without_a_mosaic_too(take, cube):
@@ -281,18 +283,18 @@ def test_a_rerun_changes_nothing_but_the_seconds(take):
 
 
 def test_the_summary_says_how_each_picture_was_taken(take, cube):
-    _, (told,), _, _ = take("o", "model-rgb", "--mosaic", "bayer", "--seed", 9, "--saturate", 0.5)
-    assert told["sensor"] == "model-rgb"
-    assert (told["height_px"], told["width_px"]) == (ROWS, COLUMNS)
-    assert (told["seed"], told["frame"], told["illuminant"]) == (9, 0, "E")
-    assert (told["level_lux"], told["f_number"], told["metric"]) == (10.0, 1.8, "quanta")
-    assert told["mosaic"] == [["R", "G"], ["G", "B"]]
-    assert told["time_ms"] == pytest.approx(1e3 * used("model-rgb").exposure.time_s * 50 / 99)
-    assert set(told["mean_e"]) == set(told["above_full_well_share"]) == {"R", "G", "B"}
-    assert all(0 < mean < 5000 for mean in told["mean_e"].values())
-    assert set(told["above_full_well_share"].values()) == {0.0}
-    assert told["white_xyz"][1] == pytest.approx(1.0)
-    assert told["not_written"] == []
+    _, (result,), _, _ = take("o", "model-rgb", "--mosaic", "bayer", "--seed", 9, "--saturate", 0.5)
+    assert result["sensor"] == "model-rgb"
+    assert (result["height_px"], result["width_px"]) == (ROWS, COLUMNS)
+    assert (result["seed"], result["frame"], result["illuminant"]) == (9, 0, "E")
+    assert (result["level_lux"], result["f_number"], result["metric"]) == (10.0, 1.8, "quanta")
+    assert result["mosaic"] == [["R", "G"], ["G", "B"]]
+    assert result["time_ms"] == pytest.approx(1e3 * used("model-rgb").exposure.time_s * 50 / 99)
+    assert set(result["mean_e"]) == set(result["above_full_well_share"]) == {"R", "G", "B"}
+    assert all(0 < mean < 5000 for mean in result["mean_e"].values())
+    assert set(result["above_full_well_share"].values()) == {0.0}
+    assert result["white_xyz"][1] == pytest.approx(1.0)
+    assert result["not_written"] == []
 
 
 def test_the_share_above_full_well_is_told_and_what_was_done_with_it(take):
@@ -302,8 +304,8 @@ def test_the_share_above_full_well_is_told_and_what_was_done_with_it(take):
         ("held", ("--clip",), "clipped"),
         ("codes", ("--mosaic", "W", "--raw-only"), "clipped"),
     ):
-        _, (told,), _, err = take(name, *bright, *more)
-        assert told["above_full_well_share"]["W"] > 0.99
+        _, (result,), _, err = take(name, *bright, *more)
+        assert result["above_full_well_share"]["W"] > 0.99
         (note,) = [line for line in err.splitlines() if "of W" in line]
         assert words in note
         assert ("--clip" in note) == (name == "free")
@@ -311,29 +313,29 @@ def test_the_share_above_full_well_is_told_and_what_was_done_with_it(take):
 
 def test_a_dng_of_warm_pixels_tells_more_noise_and_an_earlier_white(take):
     asked = ("model-rgb", "--mosaic", "bayer", "--raw-only", "--format", "dng", "--time-ms", 12)
-    told = []
+    values = []
     for name, warm in (("cold", ()), ("warm", ("--dark-current-e-per-s", 1e5))):
         folder, _, _, _ = take(name, *asked, *warm)
         with tifffile.TiffFile(folder / "model-rgb.dng") as file:
             tags = file.pages[0].tags
-            told.append((tags["NoiseProfile"].value[1], tags["WhiteLevel"].value))
-    (cold_noise, cold_white), (warm_noise, warm_white) = told
+            values.append((tags["NoiseProfile"].value[1], tags["WhiteLevel"].value))
+    (cold_noise, cold_white), (warm_noise, warm_white) = values
     assert warm_noise > 2 * cold_noise
     assert 0 < warm_white < cold_white
 
 
 def test_a_mosaic_that_dng_cannot_hold_is_written_as_tiff_with_a_word(take):
-    folder, (told,), _, err = take("o", "onyx-rgbw", "--mosaic", "sensor", "--raw-only")
+    folder, (result,), _, err = take("o", "onyx-rgbw", "--mosaic", "sensor", "--raw-only")
     assert names_in(folder) == ["onyx-rgbw.raw.tiff", "summary.json"]
     assert "DNG" in err
-    (note,) = told["not_written"]
+    (note,) = result["not_written"]
     assert "4 rows and 4 columns" in note
 
 
 def test_a_complaint_about_a_file_leaves_out_the_scratch_folder(take, tmp_path):
     small = written_cube(tmp_path / "small.npz", rows=8, columns=8)  # readers of DNG want 22
-    _, (told,), _, err = take("o", "model-rgb", "--mosaic", "bayer", "--raw-only", source=small)
-    (note,) = told["not_written"]
+    _, (result,), _, err = take("o", "model-rgb", "--mosaic", "bayer", "--raw-only", source=small)
+    (note,) = result["not_written"]
     assert "model-rgb.dng" in note
     assert ".o-" not in note + err
 
@@ -348,23 +350,23 @@ def test_a_dng_that_is_insisted_on_and_cannot_be_is_refused_with_nothing_left(ru
 
 
 def test_several_sensors_share_one_folder_and_one_summary(take):
-    folder, told, out, _ = take(
+    folder, result, out, _ = take(
         "o", "model-rgb", "--sensor", "model-rgbir", "--mosaic", "sensor", "--raw-only",
         "--format", "raw",
     )  # fmt: skip
-    assert [picture["sensor"] for picture in told] == ["model-rgb", "model-rgbir"]
+    assert [picture["sensor"] for picture in result] == ["model-rgb", "model-rgbir"]
     assert names_in(folder) == ["model-rgb.raw.tiff", "model-rgbir.raw.tiff", "summary.json"]
     assert out.count("\n") == 2
 
 
 def test_one_pixel_has_a_code_but_not_the_colors_of_a_mosaic(take, run, tmp_path):
     source = written_cube(tmp_path / "one.npz", rows=1, columns=1)
-    folder, (told,), _, _ = take(
+    folder, (result,), _, _ = take(
         "o", "onyx-rgbw", "--mosaic", "sensor", "--raw-only", source=source
     )
     assert codes_in(folder, "onyx-rgbw").shape == (1, 1)
-    assert told["mean_e"]["R"] > 0
-    assert told["mean_e"]["W"] == 0  # W lies over no pixel of this picture
+    assert result["mean_e"]["R"] > 0
+    assert result["mean_e"]["W"] == 0  # W lies over no pixel of this picture
     outcome = run(
         "simulate", source, "--sensor", "onyx-rgbw", "--mosaic", "sensor", "-o", tmp_path / "c"
     )
@@ -536,8 +538,8 @@ def test_a_sensor_without_a_mosaic_cannot_lend_its_own(run, cube, tmp_path):
 def test_channels_that_the_mosaic_leaves_out_are_missed_only_by_color(run, take, tmp_path, cube):
     asked = ("simulate", cube, "--sensor", "model-rgbw", "--mosaic", "bayer")
     refused(run(*asked, "-o", tmp_path / "c"), "W", "R, G, B", setting="pictures.0")
-    _, (told,), _, _ = take("o", "model-rgbw", "--mosaic", "bayer", "--raw-only")
-    assert told["mean_e"]["W"] == 0
+    _, (result,), _, _ = take("o", "model-rgbw", "--mosaic", "bayer", "--raw-only")
+    assert result["mean_e"]["W"] == 0
 
 
 def test_what_color_lacks_is_told_before_the_long_work(run, cube, tmp_path, monkeypatch):
@@ -623,7 +625,7 @@ def test_a_stem_that_leads_elsewhere_is_refused_before_anything_is_written(
         shots.append(taken)
         return [], []
 
-    monkeypatch.setattr("chromanoise.cli.simulate.write_capture", kept)
+    monkeypatch.setattr("chromanoise.study.pictures.write_capture", kept)
     out = tmp_path / "out"
     assert run("simulate", "builtin:checker", "--sensor", "model-rgb", "-o", out)[0] == 0
     (taken,) = shots

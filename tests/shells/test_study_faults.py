@@ -76,7 +76,7 @@ def test_an_input_that_is_gone_is_named(run, made):
     refused(run("rerun", "out", "--out", "again"), "cam.csv")
 
 
-def test_a_catalogue_folder_that_is_missing_is_asked_for(run, made, monkeypatch):
+def test_a_catalog_folder_that_is_missing_is_asked_for(run, made, monkeypatch):
     folder = made / "mine"
     folder.mkdir()
     (folder / "shed.csv").write_text(CAMERA.format(end=0.3))
@@ -95,9 +95,9 @@ def test_a_catalogue_folder_that_is_missing_is_asked_for(run, made, monkeypatch)
 def test_a_result_that_was_changed_is_computed_anew_and_said(run, made):
     file = made / "out/analysis-kernel.json"
     right = file.read_bytes()
-    told = json.loads(right)
-    told["result"]["sensors"][0]["sensor"] = "another"
-    file.write_text(json.dumps(told, indent=1) + "\n")
+    data = json.loads(right)
+    data["result"]["sensors"][0]["sensor"] = "another"
+    file.write_text(json.dumps(data, indent=1) + "\n")
     code, _, err = run("run", "s.toml", "--out", "out")
     assert code == 0
     assert "kernel" in err
@@ -112,9 +112,9 @@ def test_csv_json_and_csv_again_keeps_source_and_notes(run, here):
     (here / "a.csv").write_text(head + CAMERA.format(end=0.3))
     assert run("convert", "a.csv", "b.json")[0] == 0
     assert run("convert", "b.json", "c.csv")[0] == 0
-    told = read_curves(here / "c.csv")
-    assert told.said_source == "a bench"
-    assert told.said_notes[:2] == ("one", "two")
+    result = read_curves(here / "c.csv")
+    assert result.said_source == "a bench"
+    assert result.said_notes[:2] == ("one", "two")
     kept = json.loads((here / "b.json").read_text())
     assert (kept["source"], kept["notes"][:2]) == ("a bench", ["one", "two"])
 
@@ -152,17 +152,17 @@ def test_a_file_of_no_pixel_is_told_all_forms(run, here):
     )
 
 
-def test_no_name_of_the_catalogue_is_broken(run, monkeypatch):
+def test_no_name_of_the_catalog_is_broken(run, monkeypatch):
     monkeypatch.setenv("COLUMNS", "80")
     _, out, _ = run("catalog", "sensors")
-    told = json.loads(run("catalog", "sensors", "--json", "-")[1])
-    names = [entry["name"] for entry in told["entries"]]
+    data = json.loads(run("catalog", "sensors", "--json", "-")[1])
+    names = [entry["name"] for entry in data["entries"]]
     assert "model-rgbw-ircut" in names
     for name in names:
         assert re.search(rf"(?<![\w-]){re.escape(name)}(?![\w-])", out), name
 
 
-def test_a_pixel_of_the_catalogue_is_one_that_could_be(run, here, monkeypatch):
+def test_a_pixel_of_the_catalog_is_one_that_could_be(run, here, monkeypatch):
     (here / "shed.csv").write_text(CAMERA.format(end=0.3))
     (here / "SOURCES.toml").write_text(
         '[shed]\nkind = "sensor"\nwhat = "a camera"\nquantity = "QE"\nunit = "e-/photon"\n'

@@ -31,8 +31,8 @@ def test_the_starter_runs_as_it_is_and_again_to_the_same_bytes(run, starter, tmp
     names = ["analysis-kernel", "analysis-lmmse", "sweep-1-lux-snr-y"]
     assert out.split() == [f"out/study/{name}.json" for name in names]
     first = files_of(tmp_path / "out" / "study")
-    for told in map(json.loads, first.values()):
-        assert {"version", "study", "seed", "files", "hash"} <= set(told)
+    for result in map(json.loads, first.values()):
+        assert {"version", "study", "seed", "files", "hash"} <= set(result)
     assert run("run", "study.toml", *FEW)[2].count("(already done)") == 3
     for output in ("out/study", "out/study/analysis-lmmse.json"):
         code, out, err = run("rerun", output, "-o", "again")
@@ -76,16 +76,16 @@ def test_a_run_into_results_of_another_study_and_a_rerun_onto_itself_are_refused
     assert files_of(tmp_path / "out" / "study") == before
 
 
-def numbers(told, path=""):
+def numbers(result, path=""):
     """Every value of nested data by its place."""
-    if isinstance(told, dict):
-        for key, value in told.items():
+    if isinstance(result, dict):
+        for key, value in result.items():
             yield from numbers(value, f"{path}/{key}")
-    elif isinstance(told, list):
-        for i, value in enumerate(told):
+    elif isinstance(result, list):
+        for i, value in enumerate(result):
             yield from numbers(value, f"{path}/{i}")
     else:
-        yield path, told
+        yield path, result
 
 
 def of_library(names, lux):
@@ -100,10 +100,10 @@ def of_library(names, lux):
     for sensor in sensors:
         used = OperatingPoint(sensor=sensor, exposure=exposure, illuminant=lamp, level_lux=lux)
         analyses.append(analyzed(white, sensor, exposure, matrix=maker(used)))
-    told = analyses_as_json(analyses)
-    for own, analysis in zip(told["sensors"], analyses, strict=True):
+    data = analyses_as_json(analyses)
+    for own, analysis in zip(data["sensors"], analyses, strict=True):
         own |= budgets_as_json(analysis)
-    return json.loads(json.dumps(told))
+    return json.loads(json.dumps(data))
 
 
 def test_the_sensors_of_a_command_share_one_time_unless_they_are_saturated_alike(run):
@@ -132,8 +132,8 @@ def test_command_line_library_and_run_give_the_same_digits(run, tmp_path):
     )
     code, out, err = run("run", study, "-o", tmp_path / "o")
     assert code == 0, err
-    told = json.loads((tmp_path / "o" / "analysis-lmmse.json").read_text())["result"]
-    ran, library = dict(numbers(told)), dict(numbers(of_library(names, 3.0)))
+    data = json.loads((tmp_path / "o" / "analysis-lmmse.json").read_text())["result"]
+    ran, library = dict(numbers(data)), dict(numbers(of_library(names, 3.0)))
     assert set(command) == set(ran) == set(library)
     for place, value in command.items():
         assert value == ran[place] == library[place], place

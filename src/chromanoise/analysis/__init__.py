@@ -22,13 +22,6 @@ if TYPE_CHECKING:
         missing_lab_budgets,
     )
     from chromanoise.analysis.camera_pipeline import (
-        BASE_ISO,
-        GainStep,
-        PipelineNoise,
-        PipelineSettings,
-        PipelineStep,
-        WhiteBalanceNoise,
-        pipeline_as_json,
         pipeline_noise,
     )
     from chromanoise.analysis.chart_patches import (
@@ -108,6 +101,15 @@ if TYPE_CHECKING:
         noise_weights,
         pareto_of,
         white_snr_db,
+    )
+    from chromanoise.analysis.pipeline_results import (
+        BASE_ISO,
+        GainStep,
+        PipelineNoise,
+        PipelineSettings,
+        PipelineStep,
+        WhiteBalanceNoise,
+        pipeline_as_json,
     )
     from chromanoise.analysis.priors import (
         DEFAULT_PRIOR,

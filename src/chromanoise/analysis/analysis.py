@@ -146,7 +146,7 @@ class Analysis:
 
     def _repr_html_(self) -> str:
         raw, spectral, color = (
-            told(self) for told in (raw_snr_db, contravariant_snr_db, color_snr_db)
+            ratio(self) for ratio in (raw_snr_db, contravariant_snr_db, color_snr_db)
         )
         rows = [[f"channel {n}", _db(raw[n]), _db(spectral[n]), ""] for n in raw]
         rows += [[n, "", "", _db(value)] for n, value in color.items()]
@@ -235,7 +235,7 @@ def analyzed(
     )
 
 
-@lru_cache(maxsize=64)  # asked by each output about the chart
+@lru_cache(maxsize=64)  # every output of the chart uses it
 def of_white(analysis: Analysis) -> Analysis:
     """The analysis of a perfect white at the same point; the analysis itself without a patch."""
     if analysis.patch is None:
@@ -290,13 +290,13 @@ def mix_sentence(mix: NearestMix) -> str:
 def raw_snr_db(analysis: Analysis) -> dict[str, float | None]:
     """Raw SNR per channel; ``None`` where the channel is saturated or has no signal. [dB]"""
     hidden = dict(zip(analysis.sensor.names, analysis.saturated.tolist(), strict=True))
-    return _told(snr_db(analysis.raw), hidden)
+    return _unless_hidden(snr_db(analysis.raw), hidden)
 
 
 def temporal_raw_snr_db(analysis: Analysis) -> dict[str, float | None]:
     """As `raw_snr_db`, without fixed-pattern noise (DSNU, PRNU). [dB]"""
     hidden = dict(zip(analysis.sensor.names, analysis.saturated.tolist(), strict=True))
-    return _told(snr_db(analysis.temporal_raw), hidden)
+    return _unless_hidden(snr_db(analysis.temporal_raw), hidden)
 
 
 def temporal_color_snr_db(analysis: Analysis) -> dict[str, float | None]:
@@ -305,7 +305,7 @@ def temporal_color_snr_db(analysis: Analysis) -> dict[str, float | None]:
     color = colored(analysis.temporal_raw, analysis.matrix)
     decibels = signal_snr_db(color, analysis.truth_xyz)
     named = {name: np.asarray(decibels[i]) for i, name in enumerate(color.names)}
-    return _told(named, dict.fromkeys(named, lost))
+    return _unless_hidden(named, dict.fromkeys(named, lost))
 
 
 def contravariant_snr_db(analysis: Analysis) -> dict[str, float | None]:
@@ -319,7 +319,7 @@ def contravariant_snr_db(analysis: Analysis) -> dict[str, float | None]:
         name: lost or not math.isfinite(vif)
         for name, vif in zip(analysis.sensor.names, analysis.vif, strict=True)
     }
-    return _told(snr_db(analysis.contravariant), hidden)
+    return _unless_hidden(snr_db(analysis.contravariant), hidden)
 
 
 def color_snr_db(analysis: Analysis) -> dict[str, float | None]:
@@ -336,7 +336,7 @@ def _color_snr_db(analysis: Analysis) -> Mapping[str, float | None]:
     lost = bool(analysis.saturated.any())
     decibels = signal_snr_db(analysis.color, analysis.truth_xyz)
     named = {name: np.asarray(decibels[i]) for i, name in enumerate(analysis.color.names)}
-    return _told(named, dict.fromkeys(named, lost))
+    return _unless_hidden(named, dict.fromkeys(named, lost))
 
 
 def diagnosis(analysis: Analysis) -> tuple[str, ...]:
@@ -432,7 +432,9 @@ def _frame_notes(analysis: Analysis) -> list[str]:
     return []
 
 
-def _told(ratios: dict[str, Float[Array, ""]], hidden: dict[str, bool]) -> dict[str, float | None]:
+def _unless_hidden(
+    ratios: dict[str, Float[Array, ""]], hidden: dict[str, bool]
+) -> dict[str, float | None]:
     return {
         name: None if hidden[name] or not np.isfinite(value) else float(value)
         for name, value in ratios.items()

@@ -1,7 +1,7 @@
 """Noise of every ColorChecker patch after each step of the camera's own pipeline, at every gain."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -13,7 +13,13 @@ from chromanoise._shapes import Float
 from chromanoise.analysis.analysis import Analysis, color_snr_db
 from chromanoise.analysis.color_space_noise import GRAY
 from chromanoise.analysis.operating_point import Stages, electrons_at, stages_at
-from chromanoise.analysis.undefined import defined
+from chromanoise.analysis.pipeline_results import (
+    GainStep,
+    PipelineNoise,
+    PipelineSettings,
+    PipelineStep,
+    WhiteBalanceNoise,
+)
 from chromanoise.color import (
     FIRST_ORDER_TOLERANCE,
     UNBOUNDED,
@@ -25,6 +31,7 @@ from chromanoise.color import (
     checked_gains,
     cubature,
     encoded_space,
+    exact,
     first_order,
     gains_covariance,
     gray_gains,
@@ -40,228 +47,24 @@ from chromanoise.color import (
     with_saturation,
 )
 from chromanoise.color.matrices import XYZ
-from chromanoise.color.pipeline import RGB, LumaStandard
+from chromanoise.color.pipeline import RGB
 from chromanoise.errors import InputError
 from chromanoise.exposure import OperatingPoint
 from chromanoise.noise import (
     Measurement,
     Readout,
+    demand_independent_channels,
     noise_sources,
     signal_limit_e,
     through,
     with_noise,
 )
-from chromanoise.sensor import quantization_step_e, with_analog_gain
+from chromanoise.sensor import code_step_e, with_analog_gain
 from chromanoise.spectra import Illuminant, colorchecker
 from chromanoise.units import decibel
 
-BASE_ISO = 100.0
-"""ISO of the operating point, at which the sensor has the analog gain 1."""
-
-_MOST_GAIN = 1e6
-_MOST_READ_NOISE_E = 1e12
-_WORTH_TELLING = 1e-3  # share of readings above 1
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class PipelineSettings:
-    """Settings of the pipeline.
-
-    Attributes
-    ----------
-    white_balance
-        ``gray``: equal raw of an 18 % gray as it is read; an illuminant: equal raw of a white under
-        it; or one gain per channel.
-    white_balance_pixels
-        Number of gray pixels from which the gains are estimated; ``None`` for exact gains.
-    exposure_gain, saturation
-        Factor of linear RGB, and of its distance to luminance. [1]
-    tone
-        ``srgb``, ``rec709``, ``linear``, or a gamma.
-    luma
-        ``bt709`` or ``bt601``.
-    iso
-        ISO settings; at each, the analog gain is the ISO over the base, and the exposure is divided
-        by it, so that the codes stay the same.
-    base_iso
-        ISO of the operating point.
-    iso_read_noise_e
-        Read noise at each ISO; ``None`` for the same at all. [e-]
-
-    Raises
-    ------
-    InputError
-        If a value is out of range, an ISO is below the base, or there is not one read noise per
-        ISO.
-    """
-
-    white_balance: str | Illuminant | tuple[float, ...] = "gray"
-    white_balance_pixels: int | None = None
-    exposure_gain: float = 1.0
-    saturation: float = 1.0
-    tone: str | float = "srgb"
-    luma: LumaStandard = "bt709"
-    iso: tuple[float, ...] = (BASE_ISO,)
-    base_iso: float = BASE_ISO
-    iso_read_noise_e: tuple[float, ...] | None = None
-
-    def __post_init__(self) -> None:
-        if isinstance(self.white_balance, str):
-            _check.one_of("white_balance", self.white_balance, ("gray",))
-        if self.white_balance_pixels is not None and self.white_balance != "gray":
-            raise InputError(
-                "white_balance_pixels",
-                "must be given only with gains estimated from gray pixels",
-                value=self.white_balance_pixels,
-                found="the gains are not",
-                remedy="omit it, or balance by gray",
-            )
-        _check.positive("exposure_gain", "1", self.exposure_gain)
-        _check.not_negative("saturation", "1", self.saturation)
-        tone_curve(self.tone)
-        _check.positive("base_iso", "ISO", self.base_iso)
-        for iso in self.iso:
-            if not self.base_iso <= iso <= _MOST_GAIN * self.base_iso:
-                raise InputError(
-                    "iso",
-                    f"must be 1 to {_MOST_GAIN:g} times the base ISO of {self.base_iso:g}",
-                    value=iso,
-                )
-        if self.iso_read_noise_e is not None:
-            for read in self.iso_read_noise_e:
-                _check.within("iso_read_noise_e", "e-", read, 0.0, _MOST_READ_NOISE_E)
-            if len(self.iso_read_noise_e) != len(self.iso):
-                raise InputError(
-                    "iso_read_noise_e",
-                    "must have one value per ISO [e-]",
-                    value=self.iso_read_noise_e,
-                    found=f"has {len(self.iso_read_noise_e)} for {len(self.iso)} ISO settings",
-                )
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class PipelineStep:
-    """The patches after one step.
-
-    Attributes
-    ----------
-    name
-        E.g. ``raw``, ``white-balanced``, ``sRGB``, ``Y'CbCr``.
-    measurement
-        Mean and covariance of the 24 patches.
-    """
-
-    name: str
-    measurement: Measurement
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class GainStep:
-    """The sensor at one ISO.
-
-    Attributes
-    ----------
-    iso, gain
-        ISO, and analog gain over that at the base ISO. [1]
-    read_noise_e
-        Read noise at this gain. [e-]
-    white_level_e
-        Largest signal: full well, or top code if that is lower. [e-]
-    gain_dn_per_e
-        Gain K of the converter; ``None`` where it is unknown. [DN/e-]
-    dynamic_range_db
-        White level over temporal noise in the dark, per channel; inf without noise. [dB]
-    emva_dynamic_range_db
-        White level over the absolute sensitivity threshold, temporal noise in the dark + 1/2 e-
-        (EMVA 1288, release 4.0), per channel. [dB]
-    noise_profile
-        S and O of each channel: variance S x + O, x = 1 at the white level (DNG). PRNU is not
-        included, because its variance is quadratic.
-    steps
-        The patches after each step at this gain.
-    """
-
-    iso: float
-    gain: float
-    read_noise_e: float
-    white_level_e: float
-    gain_dn_per_e: float | None
-    dynamic_range_db: Float[Array, " p"]
-    emva_dynamic_range_db: Float[Array, " p"]
-    noise_profile: Float[Array, "p 2"]
-    steps: tuple[PipelineStep, ...]
-
-    @property
-    def dynamic_range_stops(self) -> Float[Array, " p"]:
-        """The dynamic range as a power of two, per channel."""
-        return self.dynamic_range_db / decibel(np.array(2.0))
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class WhiteBalanceNoise:
-    """Error of gains that are estimated from gray pixels, common to all pixels of the picture.
-
-    Attributes
-    ----------
-    pixels
-        Number of gray pixels.
-    gains_covariance
-        Of the gains. [1]
-    lab_covariance
-        Of the shift of each patch in CIELAB.
-    """
-
-    pixels: int
-    gains_covariance: Float[Array, "p p"]
-    lab_covariance: Float[Array, "24 3 3"]
-
-    @property
-    def delta_e(self) -> Float[Array, "24"]:
-        """Root mean square shift of each patch. [Delta E*ab]"""
-        return np.asarray(np.sqrt(np.trace(self.lab_covariance, axis1=-2, axis2=-1)))
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class PipelineNoise:
-    """Noise of the chart through the pipeline of one sensor.
-
-    Attributes
-    ----------
-    settings
-        Of the pipeline.
-    patches, channels
-        Names of the 24 patches and of the channels.
-    gains
-        White balance gains.
-    steps
-        The patches after each step, at the operating point.
-    iso
-        The sensor and the patches at each ISO.
-    white_balance_noise
-        ``None`` where the gains are exact.
-    notes
-        Remarks: readings that clip, and where the first order fails.
-    """
-
-    settings: PipelineSettings
-    patches: tuple[str, ...]
-    channels: tuple[str, ...]
-    gains: Float[Array, " p"]
-    steps: tuple[PipelineStep, ...]
-    iso: tuple[GainStep, ...]
-    white_balance_noise: WhiteBalanceNoise | None
-    notes: tuple[str, ...]
-
-    def step(self, name: str) -> Measurement:
-        """The patches after the step of this name.
-
-        Raises
-        ------
-        InputError
-            If there is no such step.
-        """
-        known = {one.name: one.measurement for one in self.steps}
-        return known[_check.one_of("step", name, tuple(known))]
+_NOTED_SHARE = 1e-3
+"""Share of readings above 1 from which a note names the patch."""
 
 
 def pipeline_noise(
@@ -289,8 +92,9 @@ def pipeline_noise(
     Raises
     ------
     InputError
-        If a channel without signal cannot be balanced, there is not one gain per channel, or the
-        exposure gain or the gains push a patch above 1.
+        If a channel without signal cannot be balanced, there is not one gain per channel, the
+        exposure gain or the gains push a patch above 1, or the method is `exact` and crosstalk
+        after counting correlates the channels.
 
     Notes
     -----
@@ -305,8 +109,11 @@ def pipeline_noise(
         raise InputError(
             "matrix", "must give X, Y, Z", value=analysis.matrix.coordinates, remedy="take another"
         )
+    if getattr(method, "func", method) is exact:  # also where `partial` sets its points
+        demand_independent_channels(analysis.sensor)
     camera = _camera(analysis, chosen, readout)
-    steps = _steps(camera, analysis.point, method)
+    at = _chart_at(camera, analysis.point)
+    steps = _steps(camera, at, method)
     _refuse_clipped_means(camera, steps)
     isos = tuple(_gain_step(camera, i, steps, method) for i in range(len(chosen.iso)))
     return PipelineNoise(
@@ -317,7 +124,11 @@ def pipeline_noise(
         steps=steps,
         iso=isos,
         white_balance_noise=_balance_noise(camera),
-        notes=(*_clipping_notes(camera, steps), *_method_notes(camera, steps), *_full_notes(isos)),
+        notes=(
+            *_clipping_notes(camera, steps),
+            *_method_notes(camera, at, steps),
+            *_full_notes(isos),
+        ),
     )
 
 
@@ -381,14 +192,18 @@ def _raw(stages: Stages) -> Measurement:
     return black_subtracted(stages.raw, stages.point.sensor.pixel.black_error_e)
 
 
-def _steps(
-    camera: _Camera, point: OperatingPoint, method: Method, exposure: float = 1.0
-) -> tuple[PipelineStep, ...]:
-    """The patches after each step; ``exposure`` is that of the point over the analysis."""
-    settings = camera.settings
-    at = stages_at(
+def _chart_at(camera: _Camera, point: OperatingPoint) -> Stages:
+    """The patches of the chart, as they are read."""
+    return stages_at(
         point, camera.analysis.matrix, reflectance=camera.reflectance, readout=camera.readout
     )
+
+
+def _steps(
+    camera: _Camera, at: Stages, method: Method, exposure: float = 1.0
+) -> tuple[PipelineStep, ...]:
+    """The patches after each step; ``exposure`` is that of the stages over the analysis."""
+    settings = camera.settings
     raw = _raw(at)
     balanced = white_balanced(raw, camera.gains)
     to_xyz = camera.for_balanced / exposure
@@ -446,7 +261,7 @@ def _gain_step(camera: _Camera, i: int, base: tuple[PipelineStep, ...], method: 
     )
     same = gain == 1 and at.sensor.pixel == point.sensor.pixel
     white_e = _check.positive("white level", "e-", signal_limit_e(at.sensor, at.exposure))
-    step_e = quantization_step_e(at.sensor.converter, at.sensor.pixel)
+    step_e = code_step_e(at.sensor.converter, at.sensor.pixel)
     dark = _dark_noise_e(at)
     return GainStep(
         iso=iso,
@@ -456,8 +271,8 @@ def _gain_step(camera: _Camera, i: int, base: tuple[PipelineStep, ...], method: 
         gain_dn_per_e=1 / step_e if step_e else None,
         dynamic_range_db=np.asarray(decibel(np.array(white_e)) - decibel(dark)),
         emva_dynamic_range_db=np.asarray(decibel(white_e / (dark + 0.5))),
-        noise_profile=_noise_profile(at, camera.gray.mean / gain, white_e),
-        steps=base if same else _steps(camera, at, method, 1 / gain),
+        noise_profile=_noise_profile(at, white_e),
+        steps=base if same else _steps(camera, _chart_at(camera, at), method, 1 / gain),
     )
 
 
@@ -467,12 +282,10 @@ def _dark_noise_e(point: OperatingPoint) -> Float[Array, " p"]:
     return np.sqrt(with_noise(dark, point.sensor, point.exposure, kind="temporal").variance)
 
 
-def _noise_profile(
-    point: OperatingPoint, gray_e: Float[Array, " p"], white_e: float
-) -> Float[Array, "p 2"]:
+def _noise_profile(point: OperatingPoint, white_e: float) -> Float[Array, "p 2"]:
     """S and O of each channel on a gray, whose variance is linear in the light without PRNU."""
     sensor = replace(point.sensor, pixel=replace(point.sensor.pixel, prnu=0.0))
-    gray = np.maximum(gray_e - sensor.pixel.black_error_e, 0.0)
+    gray = electrons_at(point, reflectance=GRAY)
     dark, lit = (
         with_noise(mean, sensor, point.exposure).variance for mean in (np.zeros_like(gray), gray)
     )
@@ -540,7 +353,7 @@ def _refuse_clipped_means(camera: _Camera, steps: Sequence[PipelineStep]) -> Non
 
 
 def _clipping_notes(camera: _Camera, steps: Sequence[PipelineStep]) -> list[str]:
-    """The patches of which a share of readings above 1 is worth telling, in one note."""
+    """One note on the patches with at least this share of readings above 1."""
     from scipy.special import ndtr
 
     rgb = _named_step(steps, "saturation")
@@ -551,7 +364,7 @@ def _clipping_notes(camera: _Camera, steps: Sequence[PipelineStep]) -> list[str]
         for name, most, channel in zip(
             camera.patches, share.max(axis=-1), share.argmax(axis=-1), strict=True
         )
-        if most > _WORTH_TELLING
+        if most > _NOTED_SHARE
     ]
     if not exceeding:
         return []
@@ -561,15 +374,8 @@ def _clipping_notes(camera: _Camera, steps: Sequence[PipelineStep]) -> list[str]
     ]
 
 
-def _method_notes(camera: _Camera, steps: Sequence[PipelineStep]) -> list[str]:
+def _method_notes(camera: _Camera, at: Stages, steps: Sequence[PipelineStep]) -> list[str]:
     """Where the Jacobian of the tone curve or of CIELAB is off by more than 5 %."""
-    analysis = camera.analysis
-    at = stages_at(
-        analysis.point,
-        analysis.matrix,
-        reflectance=camera.reflectance,
-        readout=camera.readout,
-    )
     color = _noisy(camera, at, _named_step(steps, "XYZ"), camera.for_balanced)
     notes = []
     for space, name in zip(camera.spaces, (steps[-3].name, "Lab"), strict=True):
@@ -594,85 +400,3 @@ def _full_notes(isos: Sequence[GainStep]) -> list[str]:
                 "white level; a converter clips them, the numbers do not"
             )
     return notes
-
-
-# ---- plain data ----
-
-
-def pipeline_as_json(found: PipelineNoise | None) -> dict[str, Any] | None:
-    """Gains, and mean and covariance of each patch after each step and at each ISO."""
-    if found is None:
-        return None
-    settings, channels = found.settings, found.channels
-    balance = settings.white_balance
-    noise = found.white_balance_noise
-    return {
-        "white_balance": balance.name
-        if isinstance(balance, Illuminant)
-        else balance
-        if isinstance(balance, str)
-        else list(balance),
-        "gains": _named(channels, found.gains),
-        "exposure_gain": settings.exposure_gain,
-        "saturation": settings.saturation,
-        "tone": settings.tone,
-        "luma": settings.luma,
-        "steps": _steps_as_json(found.steps, found.patches),
-        "iso": [
-            {
-                "iso": one.iso,
-                "gain": one.gain,
-                "gain_dn_per_e": one.gain_dn_per_e,
-                "read_noise_e": one.read_noise_e,
-                "white_level_e": one.white_level_e,
-                "dynamic_range_db": _defined(channels, one.dynamic_range_db),
-                "dynamic_range_stops": _defined(channels, one.dynamic_range_stops),
-                "emva_dynamic_range_db": _named(channels, one.emva_dynamic_range_db),
-                "noise_profile": {
-                    name: _named(channels, one.noise_profile[:, i])
-                    for i, name in enumerate(("S", "O"))
-                },
-                "steps": _steps_as_json(one.steps, found.patches),
-            }
-            for one in found.iso
-        ],
-        "white_balance_noise": None
-        if noise is None
-        else {
-            "pixels": noise.pixels,
-            "gains_sd": _named(channels, np.sqrt(np.diagonal(noise.gains_covariance))),
-            "gains_covariance": noise.gains_covariance.tolist(),
-            "patches": [
-                {"patch": name, "lab_covariance": covariance.tolist(), "delta_e": float(delta_e)}
-                for name, covariance, delta_e in zip(
-                    found.patches, noise.lab_covariance, noise.delta_e, strict=True
-                )
-            ],
-        },
-        "notes": list(found.notes),
-    }
-
-
-def _steps_as_json(steps: Sequence[PipelineStep], patches: Sequence[str]) -> list[dict[str, Any]]:
-    return [
-        {
-            "name": step.name,
-            "unit": step.measurement.unit,
-            "coordinates": list(step.measurement.names),
-            "patches": [
-                {"patch": name, "mean": mean.tolist(), "covariance": covariance.tolist()}
-                for name, mean, covariance in zip(
-                    patches, step.measurement.mean, step.measurement.covariance, strict=True
-                )
-            ],
-        }
-        for step in steps
-    ]
-
-
-def _defined(names: Sequence[str], values: Float[Array, " p"]) -> Mapping[str, float | None]:
-    return {name: defined(value) for name, value in _named(names, values).items()}
-
-
-def _named(names: Sequence[str], values: Float[Array, " p"]) -> Mapping[str, float]:
-    return {name: float(value) for name, value in zip(names, values, strict=True)}

@@ -14,7 +14,7 @@ from chromanoise.errors import InputError
 from chromanoise.io.spectra import power_of_photons
 from chromanoise.io.spectra.defects import defects_of
 from chromanoise.spectra import DEFAULT_GRID, Spectra, infrared_parts
-from chromanoise.spectra.tables import catalogue_curves, formulas, sources
+from chromanoise.spectra.tables import catalog_curves, formulas, sources
 from chromanoise.spectra.tables.folder import UserTable, user_curves, user_tables
 from chromanoise.spectra.tables.provenance import Provenance
 
@@ -247,7 +247,7 @@ def _provenances() -> tuple[Provenance, ...]:
 
 def _built_in(provenance: Provenance) -> Entry:
     if provenance.table:
-        return _of_table(provenance, catalogue_curves(provenance))
+        return _of_table(provenance, catalog_curves(provenance))
     start, stop = provenance.range_nm or (None, None)
     channels = provenance.channels
     if provenance.kind == "sensor" and provenance.name in SENSOR_NAMES:

@@ -140,14 +140,14 @@ def idle_answers(words: Sequence[str], answers: Answers) -> tuple[str, ...]:
     ('per', 'peak_qe')
     """
     given = [name for name in _OF_SENSORS if getattr(answers, name) is not None]
-    asked = {name for word in words for name in (_asked_for(word, answers) if given else ())}
-    return tuple(name for name in given if name not in asked)
+    used = {name for word in words for name in (_answers_used_by(word, answers) if given else ())}
+    return tuple(name for name in given if name not in used)
 
 
 _OF_SENSORS = ("scale", "level", "per", "wavelength_unit", "peak_qe")
 
 
-def _asked_for(word: str, answers: Answers) -> tuple[str, ...]:
+def _answers_used_by(word: str, answers: Answers) -> tuple[str, ...]:
     if not is_file_word(word, "sensor"):
         return asked_of_name(word)
     try:
@@ -226,9 +226,9 @@ def _on_pixel(
     made: Callable[[Mapping[str, Any]], Sensor], file: str | None, given: Mapping[str, Any]
 ) -> Sensor:
     """The sensor that ``made`` returns for the given values, which override those of the file."""
-    asked = {name: value for name, value in given.items() if value is not None}
+    values = {name: value for name, value in given.items() if value is not None}
     if file is None:
-        return made(asked)
+        return made(values)
     source = read_pixel_source(file_of(file))
     own = {name: getattr(source, name) for name in _OF_SOURCE}
     held = {name: value for name, value in own.items() if value is not None}
@@ -242,12 +242,12 @@ def _on_pixel(
         )
     of_file = {**held, **converter}
     try:
-        sensor = made({**of_file, **asked})
+        sensor = made({**of_file, **values})
     except InputError as error:
-        if error.subject in of_file and error.subject not in asked:
+        if error.subject in of_file and error.subject not in values:
             raise error.within(source.source) from None
         raise
-    return replace(sensor, notes=(*sensor.notes, *_notes(source, of_file, asked)))
+    return replace(sensor, notes=(*sensor.notes, *_notes(source, of_file, values)))
 
 
 def _converter(source: PixelSource) -> Converter:
@@ -265,14 +265,14 @@ def _converter(source: PixelSource) -> Converter:
         raise error.within(source.source) from None
 
 
-def _notes(source: PixelSource, held: Mapping[str, Any], asked: Mapping[str, Any]) -> list[str]:
+def _notes(source: PixelSource, held: Mapping[str, Any], values: Mapping[str, Any]) -> list[str]:
     """Notes that state which values are from the file, given, or unchanged."""
-    taken = [name for name in held if name not in asked]
-    won = [name for name in held if name in asked]
-    silent = [name for name in _REQUIRED if name not in held and name not in asked]
+    taken = [name for name in held if name not in values]
+    replaced = [name for name in held if name in values]
+    silent = [name for name in _REQUIRED if name not in held and name not in values]
     notes = [f"{', '.join(taken)} of {source.source}"] if taken else []
-    if won:
-        notes.append(f"{', '.join(won)} as given, not of {source.source}")
+    if replaced:
+        notes.append(f"{', '.join(replaced)} as given, not of {source.source}")
     if silent:
         notes.append(
             f"{source.source} does not give {', '.join(silent)}: the values of the sensor are used"

@@ -21,7 +21,7 @@ from chromanoise.spectra import (
     refuse_outside,
     used_on_grid,
 )
-from chromanoise.spectra.tables import catalogue_tables
+from chromanoise.spectra.tables import catalog_tables
 
 MOST_REFLECTANCE = 2.0
 """Highest reflectance that is accepted; fluorescence and gloss exceed 1."""
@@ -152,7 +152,7 @@ def _refuse_unknown(word: str) -> None:
 
 
 def _known_patches() -> tuple[str, ...]:
-    return (*colorchecker(DEFAULT_GRID).names, *catalogue_tables("reflectance"))
+    return (*colorchecker(DEFAULT_GRID).names, *catalog_tables("reflectance"))
 
 
 def _one(spectra: Spectra, name: str) -> Spectra:

@@ -72,7 +72,7 @@ def resolve_sensor(word: str, *, answers: Answers = ASK, **changes: Any) -> Sens
     """
     given = {key: value for key, value in changes.items() if value is not None}
     if not is_file_word(word, "sensor"):
-        return with_pixel(_catalogue_sensor(word, answers, of_pixel(given)), given)
+        return with_pixel(_catalog_sensor(word, answers, of_pixel(given)), given)
     sensor = read_sensor(file_there(word, "sensor"), DEFAULT_GRID, PAPER_PIXEL, answers=answers)
     note = assumed_pixel(sensor.name, sensor.pixel, given)
     return with_pixel(replace(sensor, notes=(*sensor.notes, *note)), given)
@@ -343,7 +343,7 @@ def _light(word: str, answers: Answers) -> Illuminant:
     return illuminant_named(word, DEFAULT_GRID, beyond=answers.beyond)
 
 
-def _catalogue_sensor(word: str, answers: Answers, pixel: dict[str, float]) -> Sensor:
+def _catalog_sensor(word: str, answers: Answers, pixel: dict[str, float]) -> Sensor:
     own = own_table(word, "sensor")
     if own is not None:
         curves = user_curves(own)

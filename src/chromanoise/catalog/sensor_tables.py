@@ -14,10 +14,10 @@ from chromanoise.sensor.mosaic import mosaic_named
 from chromanoise.sensor.pixel import PAPER_PIXEL, Pixel
 from chromanoise.sensor.sensor import Sensor
 from chromanoise.spectra import Grid, Spectra, means_on_grid, refuse_outside
-from chromanoise.spectra.tables import catalogue_curves, catalogue_tables, formulas
+from chromanoise.spectra.tables import catalog_curves, catalog_tables, formulas
 from chromanoise.spectra.tables.provenance import Provenance
 
-DEVICE_NAMES = tuple(catalogue_tables("sensor"))
+DEVICE_NAMES = tuple(catalog_tables("sensor"))
 """Sensors whose curves are copied from data sheets."""
 
 CAMERA_NAMES = tuple(
@@ -36,9 +36,9 @@ def device_named(name: str, grid: Grid, answers: Answers, pixel: Mapping[str, fl
     InputError
         If the table does not cover the grid or is relative, and ``answers`` lacks the setting.
     """
-    provenance = catalogue_tables("sensor")[name]
+    provenance = catalog_tables("sensor")[name]
     return sensor_from_table(
-        provenance, catalogue_curves(provenance), grid, answers=answers, pixel=pixel
+        provenance, catalog_curves(provenance), grid, answers=answers, pixel=pixel
     )
 
 

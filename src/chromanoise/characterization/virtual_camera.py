@@ -352,14 +352,14 @@ class VirtualCamera:
     ) -> float:
         """Photons per pixel of this frame, drift included."""
         given = {"photons_per_pixel": photons, "electrons": electrons}
-        told = {name: value for name, value in given.items() if value is not None}
-        if len(told) != (0 if dark else 1):
+        known = {name: value for name, value in given.items() if value is not None}
+        if len(known) != (0 if dark else 1):
             demand = "must not be given with dark" if dark else "must be given exactly once"
-            found = f"is given as {' and '.join(told)}" if told else "is missing"
-            raise InputError("the light", demand, value=told, found=found)
+            found = f"is given as {' and '.join(known)}" if known else "is missing"
+            raise InputError("the light", demand, value=known, found=found)
         if dark:
             return 0.0
-        ((name, value),) = told.items()
+        ((name, value),) = known.items()
         light = _check.within(name, "1", value, 0.0, 1e12) / (self.qe if name == "electrons" else 1)
         drift = math.exp(min(number * math.log1p(self.drift), 700.0))
         return _check.within("photons_per_pixel with drift", "1", light * drift, 0.0, 1e15)

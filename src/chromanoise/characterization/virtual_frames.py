@@ -199,9 +199,9 @@ def _capture_toml(camera: VirtualCamera, planned: list[_Level]) -> str:
     lines = ["# Frames of a virtual camera; truth.toml has its true values."]
     lines += _pairs({"mosaic": camera.mosaic, "bits": camera.bits})
     for level in planned:
-        told: dict[str, Any] = {"flats": list(level.flats), "darks": list(level.darks)}
-        told |= {"time_ms": level.time_ms, "photons_per_pixel": level.photons_per_pixel}
-        lines += ["", "[[levels]]", *_pairs(told)]
+        entry: dict[str, Any] = {"flats": list(level.flats), "darks": list(level.darks)}
+        entry |= {"time_ms": level.time_ms, "photons_per_pixel": level.photons_per_pixel}
+        lines += ["", "[[levels]]", *_pairs(entry)]
     return "\n".join(lines) + "\n"
 
 

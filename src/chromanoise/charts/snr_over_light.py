@@ -61,8 +61,8 @@ def drawn_levels(shown: Shown, look: Look) -> dict[str, Any]:
     found = [one for one in pairs if isinstance(one, Crossover)]
     leading = leads(curves, found)
     many = len(shown.operating_points) > MOST_PAIRS_SENSORS
-    told = leading_crossovers(leading, found) if many else pairs
-    crossed = [entry for pair in told for entry in _crossed(pair)]
+    crossovers = leading_crossovers(leading, found) if many else pairs
+    crossed = [entry for pair in crossovers for entry in _crossed(pair)]
     leaders = lead_sentences(leading) if many else []
     lux = values.tolist()
     return {

@@ -6,7 +6,7 @@ import numpy as np
 from rich.table import Table
 
 from chromanoise._check import Array
-from chromanoise.analysis.camera_pipeline import GainStep, PipelineNoise, PipelineStep
+from chromanoise.analysis.pipeline_results import GainStep, PipelineNoise, PipelineStep
 from chromanoise.cli.output import terminal
 
 _CODES = 255

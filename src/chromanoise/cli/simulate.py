@@ -26,25 +26,19 @@ from chromanoise.cli.progress import progress_of
 from chromanoise.errors import InputError
 from chromanoise.exposure import conditions
 from chromanoise.imaging import DEMOSAICING, Work
-from chromanoise.imaging.capture import (
-    Capture,
-    any_picture,
-    capture_summary,
-    is_held,
-    write_capture,
-)
+from chromanoise.imaging.capture import any_picture, capture_summary, is_held
 from chromanoise.imaging.distributed import cluster
 from chromanoise.imaging.formats import FORMATS
 from chromanoise.scene.rows import row_source
 from chromanoise.sensor import MOSAIC_NAMES
 from chromanoise.study import (
     Study,
-    captures,
-    file_word,
+    TakenPicture,
     makers_of,
     operating_points_of,
     prepared_cameras,
     render_study,
+    taken_pictures,
 )
 
 
@@ -173,18 +167,15 @@ def _taken(
             work = replace(work, executor=executor, same_machine=scheduler == "local")
         advance = stack.enter_context(progress_of("the pictures", rows, "rows"))
         start = time.perf_counter()
-        for _, taken in captures(study, 0, cube, cameras, work=replace(work, progress=advance)):
-            name, frame = (
-                file_word(taken.camera.operating_point.sensor.name),
-                any_picture(taken).frame,
-            )
-            stem = name + (f"-{frame:04d}" if frames > 1 else "")
-            files, missing = write_capture(folder, stem, taken)
+        work = replace(work, progress=advance)
+        for taken in taken_pictures(
+            study, 0, cube, cameras, work=work, folder=folder, stem="{sensor}"
+        ):
             # only the seconds differ between runs
             seconds, start = time.perf_counter() - start, time.perf_counter()
-            taking = {"seconds": seconds, "not_written": missing}
-            summaries.append(capture_summary(taken, files) | taking)
-            lines.append((_line(taken, out, files), _notes(taken, stem, missing)))
+            taking = {"seconds": seconds, "not_written": taken.not_written}
+            summaries.append(capture_summary(taken.capture, taken.files) | taking)
+            lines.append((_line(taken, out), _notes(taken)))
         summary = {"version": __version__, "cube": cube.source, "pictures": summaries}
         write_json(summary, str(folder / "summary.json"))
     click.echo(f"at {conditions(points)}", err=True)
@@ -226,22 +217,24 @@ def _pair(option: str, text: str | None, separator: str, kind: Any) -> Any:
     return first, second
 
 
-def _line(taken: Capture, out: Path, files: list[str]) -> str:
-    operating_point = taken.camera.operating_point
-    means = zip(operating_point.sensor.names, any_picture(taken).mean_e, strict=True)
+def _line(taken: TakenPicture, out: Path) -> str:
+    point = taken.capture.camera.operating_point
+    means = zip(point.sensor.names, any_picture(taken.capture).mean_e, strict=True)
     text = ", ".join(f"{name} {e:.0f} e-" for name, e in means)
-    return f"{out}/{', '.join(files)}: {operating_point.exposure.time_s * 1e3:.4g} ms, mean {text}"
+    files = ", ".join(taken.files)
+    return f"{out}/{files}: {point.exposure.time_s * 1e3:.4g} ms, mean {text}"
 
 
-def _notes(taken: Capture, stem: str, not_written: list[str]) -> list[str]:
+def _notes(taken: TakenPicture) -> list[str]:
     """Notes on a picture; for a burst, only on its first frame."""
-    picture, names = any_picture(taken), taken.camera.operating_point.sensor.names
+    capture = taken.capture
+    picture, names = any_picture(capture), capture.camera.operating_point.sensor.names
     if picture.frame > 0:
         return []
-    what = "clipped there" if is_held(taken) else "not clipped; --clip does so"
+    what = "clipped there" if is_held(capture) else "not clipped; --clip does so"
     above = [
         f"{100 * share:.1f} % of {name} lies above full well ({what})"
         for name, share in zip(names, picture.above_full_well, strict=True)
         if share > 0
     ]
-    return [f"{stem}: {note}" for note in (*above, *picture.notes, *not_written)]
+    return [f"{taken.stem}: {note}" for note in (*above, *picture.notes, *taken.not_written)]

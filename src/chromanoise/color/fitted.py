@@ -419,4 +419,4 @@ def _mean_delta_e(seen: TrainingResponse, matrices: Array) -> tuple[float | None
     truth = balanced_cielab(seen.xyz / np.where(seen.white_xyz > 0, seen.white_xyz, 1.0))
     errors = cie1976_difference(truth, balanced_cielab(balanced))
     means = (errors @ seen.share).tolist()
-    return tuple(mean if told else None for mean, told in zip(means, known, strict=True))
+    return tuple(mean if defined else None for mean, defined in zip(means, known, strict=True))

@@ -38,8 +38,8 @@ def draw_flow(analysis: Analysis, ax: Axes, *, rows: int = 4) -> Axes:
     for i in range(len(_STAGES) - 1):
         _draw_step(ax, i)
     _write_scene(analysis, ax)
-    for column, told in enumerate((_electrons, _raw, _contravariant), start=1):
-        _write_column(ax, column, analysis.sensor.names, told(analysis), channel_color)
+    for column, texts in enumerate((_electrons, _raw, _contravariant), start=1):
+        _write_column(ax, column, analysis.sensor.names, texts(analysis), channel_color)
     _write_column(ax, 4, analysis.color.names, _color(analysis), lambda _: INK)
     exposure = analysis.exposure
     label = sensor_label(analysis.sensor.name, analysis.sensor.origin)
@@ -51,7 +51,7 @@ def draw_flow(analysis: Analysis, ax: Axes, *, rows: int = 4) -> Axes:
 
 
 def _draw_stage(ax: Axes, i: int, stage: tuple[str, str, str, str]) -> None:
-    name, symbol, equation, told = stage
+    name, symbol, equation, note = stage
     left, middle = i * _PITCH, i * _PITCH + _BOX / 2
     box = FancyBboxPatch(
         (left, _TOP),
@@ -66,7 +66,7 @@ def _draw_stage(ax: Axes, i: int, stage: tuple[str, str, str, str]) -> None:
     ax.text(middle, 0.14, name, ha="center", va="center", fontweight="bold")
     ax.text(middle, 0.33, symbol, ha="center", va="center", fontsize=8)
     ax.text(middle, 0.50, equation, ha="center", va="center", color=QUIET, fontsize=8)
-    ax.text(left, _row_at(0), told, ha="left", va="center", color=QUIET, fontsize=8)
+    ax.text(left, _row_at(0), note, ha="left", va="center", color=QUIET, fontsize=8)
 
 
 def _draw_step(ax: Axes, i: int) -> None:
@@ -81,12 +81,12 @@ def _draw_step(ax: Axes, i: int) -> None:
 
 def _write_scene(analysis: Analysis, ax: Axes) -> None:
     scene = analysis.scene
-    told = (
+    lines = (
         f"{scene.level_lux:g} lx",
         f"illuminant {scene.illuminant.name}",
         _reflectance(analysis),
     )
-    for row, line in enumerate(told, start=1):
+    for row, line in enumerate(lines, start=1):
         ax.text(0, _row_at(row), line, va="center")
 
 
@@ -97,9 +97,9 @@ def _reflectance(analysis: Analysis) -> str:
 
 
 def _write_column(
-    ax: Axes, i: int, names: tuple[str, ...], told: list[str], color: Callable[[str], str]
+    ax: Axes, i: int, names: tuple[str, ...], texts: list[str], color: Callable[[str], str]
 ) -> None:
-    for row, (name, text) in enumerate(zip(names, told, strict=True), start=1):
+    for row, (name, text) in enumerate(zip(names, texts, strict=True), start=1):
         at = _row_at(row)
         ax.text(i * _PITCH, at, name, va="center", color=color(name), fontweight="bold")
         weight = "bold" if name == "Y" else "normal"  # the number that the paper is about

@@ -38,8 +38,8 @@ def draw_pareto(data: dict[str, Any], ax: Axes) -> Axes:
     ax.set(xlabel="SNR of Y [dB]", ylabel="color error, mean [ΔE*ab]")
     ends = [data["sensors"][0]["points"][k]["text"] for k in (0, -1)]
     along = f"Curves: the weight of the noise from {ends[0]} to {ends[1]} (right)."
-    weights_told = along if many else "Numbers: the weight of the noise."
-    key = f"{weights_told} Mark: the {data['matrix']} matrix."
+    weights_note = along if many else "Numbers: the weight of the noise."
+    key = f"{weights_note} Mark: the {data['matrix']} matrix."
     ax.set_title(f"{data['title']}\n{key}", loc="left", fontweight="normal", fontsize=9)
     if many:
         ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), fontsize=8, frameon=False)

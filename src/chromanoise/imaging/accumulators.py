@@ -70,7 +70,7 @@ def _count_above(electrons, most_e):
 @kernel(error_model="numpy")
 @no_type_check
 def hold_at_well(electrons, n, p, well, counts):
-    """Count what lies above full well, and hold it between 0 and full well if asked."""
+    """Count what lies above full well, and clip it to 0 and full well."""
     most_e, held = well
     for c in range(p):
         counts[1, c] += _count_above(electrons[c * n : (c + 1) * n], most_e)

@@ -106,7 +106,7 @@ class Camera:
     operating_point, matrix
         Sensor (with the pixel and converter of its images), exposure and light; the
         matrix from electrons to XYZ.
-    asked
+    settings
         Settings of its images.
     mosaic, adc, bank
         Mosaic and converter of raw codes, and demosaicing filters; ``None`` if not used.
@@ -118,7 +118,7 @@ class Camera:
 
     operating_point: OperatingPoint
     matrix: ColorMatrix
-    asked: CaptureSettings
+    settings: CaptureSettings
     mosaic: Mosaic | None = None
     adc: Adc | None = None
     bank: FilterBank | None = None
@@ -136,7 +136,7 @@ class Capture:
 
 
 def camera_for(
-    cube: Cube, operating_point: OperatingPoint, matrix: ColorMatrix, asked: CaptureSettings
+    cube: Cube, operating_point: OperatingPoint, matrix: ColorMatrix, settings: CaptureSettings
 ) -> Camera:
     """A camera for capturing a cube; invalid settings are refused before any long computation.
 
@@ -148,7 +148,7 @@ def camera_for(
         Sensor, exposure and light.
     matrix
         Matrix from electrons to XYZ.
-    asked
+    settings
         Settings of its images.
 
     Raises
@@ -157,32 +157,32 @@ def camera_for(
         If the mosaic names a channel that the sensor lacks or does not suit the demosaicing, the
         matrix gives no luminance, or a requested format cannot be written.
     """
-    insisted = asked.formats or ()
-    if "exr" in insisted:
+    requested = settings.formats or ()
+    if "exr" in requested:
         openexr()
     operating_point = replace(
-        operating_point, sensor=overridden(operating_point.sensor, asked.pixel, raw=asked.raw)
+        operating_point, sensor=overridden(operating_point.sensor, settings.pixel, raw=settings.raw)
     )
-    if asked.raw or asked.clip:
+    if settings.raw or settings.clip:
         demand_well(operating_point, draw_of(operating_point, seed=0))
-    if not asked.raw:
+    if not settings.raw:
         color_matrices(matrix, operating_point)
-        return Camera(operating_point=operating_point, matrix=matrix, asked=asked)
+        return Camera(operating_point=operating_point, matrix=matrix, settings=settings)
     adc = adc_of(operating_point.sensor.converter, operating_point.sensor.pixel)
-    mosaic = mosaic_of(operating_point, asked.mosaic)
+    mosaic = mosaic_of(operating_point, settings.mosaic)
     bank = None
-    if asked.demosaic is not None:
-        method = DEMOSAICING[one_of("demosaicing", asked.demosaic, tuple(DEMOSAICING))]
+    if settings.demosaic is not None:
+        method = DEMOSAICING[one_of("demosaicing", settings.demosaic, tuple(DEMOSAICING))]
         bank = method(mosaic, operating_point)
         color_matrices(matrix, operating_point)
-    profile, no_profile = _profile(operating_point, matrix, mosaic, adc, asked)
-    if "dng" in insisted:
+    profile, no_profile = _profile(operating_point, matrix, mosaic, adc, settings)
+    if "dng" in requested:
         height, width, _ = row_source(cube.stored).shape
         refuse_dng_size(f"DNG of {operating_point.sensor.name}", height=height, width=width)
     return Camera(
         operating_point=operating_point,
         matrix=matrix,
-        asked=asked,
+        settings=settings,
         mosaic=mosaic,
         adc=adc,
         bank=bank,
@@ -196,20 +196,20 @@ def _profile(
     matrix: ColorMatrix,
     mosaic: Mosaic,
     adc: Adc,
-    asked: CaptureSettings,
+    settings: CaptureSettings,
 ) -> tuple[RawProfile | None, InputError | None]:
     """The DNG profile, or the reason why there is none; an error only if a DNG was requested."""
-    if "dng" not in (asked.formats or _RAW):
+    if "dng" not in (settings.formats or _RAW):
         return None, None
     try:
         return raw_profile(operating_point, matrix, mosaic=mosaic, adc=adc), None
     except InputError as error:
-        if asked.formats:
+        if settings.formats:
             raise
         return None, error
 
 
-def captured(cube: Cube, camera: Camera, *, frame: int, work: Work) -> Capture:
+def captured(cube: Cube, camera: Camera, *, frame: int, work: Work, noisy: bool = True) -> Capture:
     """Capture one image.
 
     Parameters
@@ -222,23 +222,30 @@ def captured(cube: Cube, camera: Camera, *, frame: int, work: Work) -> Capture:
         Number of the image in a burst.
     work
         Threads or executor for the computation.
+    noisy
+        As `rendered`; raw codes always have noise.
 
     Raises
     ------
     InputError
         As `rendered` and `acquired`.
     """
-    asked = camera.asked
+    settings = camera.settings
     common: dict[str, Any] = {
-        "seed": asked.seed,
+        "seed": settings.seed,
         "frame": frame,
-        "beyond": asked.beyond,
-        "bad_pixels": asked.bad_pixels,
+        "beyond": settings.beyond,
+        "bad_pixels": settings.bad_pixels,
         "work": work,
     }
-    if not asked.raw:
+    if not settings.raw:
         picture = rendered(
-            cube, camera.operating_point, matrix=camera.matrix, clip=asked.clip, **common
+            cube,
+            camera.operating_point,
+            matrix=camera.matrix,
+            clip=settings.clip,
+            noisy=noisy,
+            **common,
         )
         return Capture(camera=camera, raw=None, picture=picture)
     raw = acquired(cube, camera.operating_point, mosaic=camera.mosaic, adc=camera.adc, **common)
@@ -263,13 +270,13 @@ def is_held(taken: Capture) -> bool:
 
 def capture_summary(taken: Capture, files: list[str]) -> dict[str, Any]:
     """Summary of the capture as plain data."""
-    told: dict[str, Any] = {"files": files}
+    summary: dict[str, Any] = {"files": files}
     if taken.raw is not None:
-        told |= raw_summary(taken.raw)
+        summary |= raw_summary(taken.raw)
     if taken.picture is not None:
-        told |= picture_summary(taken.picture)
+        summary |= picture_summary(taken.picture)
     pixel = taken.camera.operating_point.sensor.pixel
-    return told | {"imperfections": {name: getattr(pixel, name) for name in EXTRA_NOISE}}
+    return summary | {"imperfections": {name: getattr(pixel, name) for name in EXTRA_NOISE}}
 
 
 def write_capture(folder: Path, stem: str, taken: Capture) -> tuple[list[str], list[str]]:
@@ -287,7 +294,7 @@ def write_capture(folder: Path, stem: str, taken: Capture) -> tuple[list[str], l
             value=stem,
             remedy="use another name",
         )
-    formats = taken.camera.asked.formats
+    formats = taken.camera.settings.formats
     if formats is not None:
         return [_written(name, folder / stem, taken) for name in formats], []
     files, notes = [], []

@@ -176,7 +176,7 @@ def gradient_corrected_filters(
             remedy="make one with picture_prior",
         )
     plain = bilinear_filters(mosaic, names)
-    told = _ordered(prior, plain.names)
+    ordered = _ordered(prior, plain.names)
     tile = channel_tile(mosaic, plain.names)
     radius = 2 * max(tile.shape)  # a mean of bilinear means, or four pixels one period away
     window, bilinear = channels_around(tile, radius), _widened(plain.kernels, radius)
@@ -184,7 +184,7 @@ def gradient_corrected_filters(
     for a, b, c in np.ndindex(*kernels.shape[:3]):
         if tile[a, b] != c:
             details = _details(plain, tile, (a, b), c, radius)
-            kernels[a, b, c] += _best_detail(told, window[a, b], c, bilinear[a, b, c], details)
+            kernels[a, b, c] += _best_detail(ordered, window[a, b], c, bilinear[a, b, c], details)
     return bank_of("gradient-corrected", mosaic, plain.names, kernels)
 
 

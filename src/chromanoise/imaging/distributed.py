@@ -71,7 +71,7 @@ def cluster(scheduler: str, *, workers: int | None = None) -> Iterator[Executor]
                         remedy="use fewer workers",
                     ) from None
                 scheduler = stack.enter_context(processes).scheduler_address
-        stack.enter_context(_lost_workers_told(scheduler))
+        stack.enter_context(_lost_workers_reported(scheduler))
         try:
             client = Client(  # type: ignore[no-untyped-call]
                 scheduler,
@@ -111,7 +111,7 @@ def _stop_waiting() -> Iterator[None]:
 
 
 @contextmanager
-def _lost_workers_told(scheduler: str) -> Iterator[None]:
+def _lost_workers_reported(scheduler: str) -> Iterator[None]:
     """Report lost workers as InputError; dask first retries their blocks a few times."""
     from dask.distributed import KilledWorker
 

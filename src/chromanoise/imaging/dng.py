@@ -80,7 +80,7 @@ class RawProfile:
     illuminant: str
 
     def __post_init__(self) -> None:
-        _refuse_untold_channels(self.sensor_name, self.channels, self.mosaic)
+        _refuse_unsupported_channels(self.sensor_name, self.channels, self.mosaic)
         p = len(self.channels)
         for name, wanted in (
             ("color_matrix", (p, 3)),
@@ -95,7 +95,7 @@ class RawProfile:
                     value=own.shape,
                     found=f"has {own.shape}",
                 )
-        _refuse_untold_numbers(self)
+        _refuse_unsupported_numbers(self)
         _check.freeze(self, "color_matrix", "as_shot_neutral", "noise_profile")
 
 
@@ -344,7 +344,9 @@ def _readable_pattern(sensor_name: str, mosaic: Mosaic) -> Array:
     )
 
 
-def _refuse_untold_channels(sensor_name: str, channels: tuple[str, ...], mosaic: Mosaic) -> None:
+def _refuse_unsupported_channels(
+    sensor_name: str, channels: tuple[str, ...], mosaic: Mosaic
+) -> None:
     _check.distinct(f"channels of {sensor_name}", channels)
     unknown = [name for name in channels if name not in _COLOR_CODES]
     if unknown:
@@ -366,7 +368,7 @@ def _refuse_untold_channels(sensor_name: str, channels: tuple[str, ...], mosaic:
     _readable_pattern(sensor_name, mosaic)
 
 
-def _refuse_untold_numbers(profile: RawProfile) -> None:
+def _refuse_unsupported_numbers(profile: RawProfile) -> None:
     """Refuse values that 32-bit fractions cannot represent, or an invalid noise profile."""
     name = profile.sensor_name
     largest = float(np.abs(profile.color_matrix).max())

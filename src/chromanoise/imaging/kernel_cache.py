@@ -57,13 +57,13 @@ def kernel_folder() -> Path | None:
     sources = sorted(SOURCES.glob("*.py"))
     if not sources:
         return None
-    told = hashlib.sha256(numba.__version__.encode())
+    digest = hashlib.sha256(numba.__version__.encode())
     for source in sources:
         content = source.read_bytes()
-        told.update(f"\n{source.name} {len(content)}\n".encode() + content)
+        digest.update(f"\n{source.name} {len(content)}\n".encode() + content)
     ours = f"kernels-{hashlib.sha256(os.fsencode(SOURCES)).hexdigest()[:8]}-"
     for place in _places():
-        folder = place / f"{ours}{told.hexdigest()[:16]}"
+        folder = place / f"{ours}{digest.hexdigest()[:16]}"
         with suppress(OSError):
             folder.mkdir(parents=True, exist_ok=True)
             tempfile.TemporaryFile(dir=folder).close()

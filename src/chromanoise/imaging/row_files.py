@@ -56,7 +56,7 @@ def tiff_rows(
         )
     missing = np.ones(shape[0], dtype=bool)
     lock = Lock()
-    with _told(path):
+    with _writing(path):
         file, offset = _empty_tiff(
             path,
             shape=shape,
@@ -71,7 +71,7 @@ def tiff_rows(
     def put(start: int, rows: Array) -> None:
         _refuse_unfit(path, start, rows, shape, dtype)
         little = np.ascontiguousarray(rows, dtype=np.dtype(dtype).newbyteorder("<"))
-        with lock, _told(path):
+        with lock, _writing(path):
             file.seek(offset + start * row_bytes)
             file.write(little.data)
             missing[start : start + rows.shape[0]] = False
@@ -89,7 +89,7 @@ def tiff_rows(
     except BaseException:
         _closed_quietly(file)  # so that the first error is reported
         raise
-    with _told(path):
+    with _writing(path):
         file.close()
 
 
@@ -130,7 +130,7 @@ def _closed_quietly(file: BinaryIO) -> None:
 
 
 @contextmanager
-def _told(path: Path) -> Iterator[None]:
+def _writing(path: Path) -> Iterator[None]:
     """Context that turns an OSError into an InputError."""
     try:
         yield

@@ -161,7 +161,7 @@ def mosaic_tiff_rows(
     InputError
         If the file cannot be written, or rows have a wrong shape or are missing at the end.
     """
-    told = {
+    description = {
         "sensor": sensor_name,
         "bits": adc.bits,
         "black_level_dn": adc.black_level_dn,
@@ -173,7 +173,7 @@ def mosaic_tiff_rows(
         shape=(height, width),
         dtype="uint16",
         photometric="minisblack",
-        description=json.dumps(told, ensure_ascii=False),
+        description=json.dumps(description, ensure_ascii=False),
     )
 
 

@@ -68,7 +68,7 @@ class GivenMatrix:
     Raises
     ------
     InputError
-        If an entry is not finite, or the shape does not fit.
+        If an entry is not finite, the shape does not fit, or the exposure is not above 0.
     """
 
     source: str
@@ -96,6 +96,8 @@ class GivenMatrix:
                 value=values.shape,
                 found=f"has shape {values.shape}",
             )
+        if self.light_time is not None:
+            _check.positive(f"t a^2 / f#^2 of {self.source}", "s um2", self.light_time)
         object.__setattr__(self, "values", _check.frozen(values))
 
 
@@ -185,7 +187,10 @@ def _json(source: str, text: str) -> GivenMatrix:
         held = json.loads(text)
     except (ValueError, RecursionError) as error:
         raise InputError(source, f"is not JSON ({error})") from None
-    channels = tuple(str(name) for name in held.get("channels", ()))
+    channels = held.get("channels", [])
+    if not isinstance(channels, list):
+        raise InputError(source, "must list the names of its channels", value=channels)
+    channels = tuple(map(str, channels))
     if "matrix_lux_per_e" in held:
         return GivenMatrix(
             source=source,
@@ -262,6 +267,10 @@ def _profile(path: Path, file: Any) -> GivenMatrix:
             tag, kind, size, place = struct.unpack(order + "HHII", entries[12 * i : 12 * i + 12])
             if tag in _COLOR_MATRIX and kind == 10 and size <= 12:
                 file.seek(place)
+                if not size or size % 3:
+                    raise InputError(
+                        source, "must have 3 numbers per channel in its color matrix", value=size
+                    )
                 pairs = struct.unpack(order + "ii" * size, file.read(8 * size))
                 tags[tag] = [n / d for n, d in zip(pairs[::2], pairs[1::2], strict=True)]
             elif tag in _CALIBRATION and kind == 3:
@@ -314,8 +323,16 @@ def _numbers(cells: list[str]) -> bool:
 
 def _array(source: str, rows: Any) -> Float[Array, "a b"]:
     try:
-        return np.array(rows, dtype=np.float64).reshape(len(rows), -1)
+        values = np.array(rows, dtype=np.float64)
     except (TypeError, ValueError) as error:
         raise InputError(
             source, "must hold a matrix of numbers", found=f"does not ({str(error)[:80]})"
         ) from None
+    if values.ndim != 2 or not values.size:
+        raise InputError(
+            source,
+            "must hold a matrix of rows and columns",
+            value=values.shape,
+            found=f"holds an array of shape {values.shape}",
+        )
+    return values

@@ -132,7 +132,7 @@ def matrix_report(
         made_by=matrix.made_by,
         color_error_mean=None if error is None else float(error.mean()),
         color_error_max=None if error is None else float(error.max()),
-        snr_db=None if full else _told(matrix.coordinates, decibels),
+        snr_db=None if full else _by_name(matrix.coordinates, decibels),
         condition=_condition(normalized),
         psi=noise_gain(normalized),
         nir_color=_named(matrix, answers[beyond].sum(axis=0), answers[~beyond].sum(axis=0)),
@@ -142,7 +142,7 @@ def matrix_report(
     )
 
 
-def _told(names: tuple[str, ...], decibels: Float[Array, " c"]) -> dict[str, float | None]:
+def _by_name(names: tuple[str, ...], decibels: Float[Array, " c"]) -> dict[str, float | None]:
     values = (None if np.isnan(value) else value for value in decibels.tolist())
     return dict(zip(names, values, strict=True))
 

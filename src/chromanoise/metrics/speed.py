@@ -238,8 +238,8 @@ def illuminance_for_snr_adapted(
     brightest = signal_limit_e(sensor, exposure) / float(per_lux.max())
     if not brightest > 0:
         return None
-    hopeless = 0.5 * _check.positive("snr", "1", snr) ** 2 / float(per_lux.sum())
-    return _lowest_kept(enough, hopeless, brightest, step=10.0 ** (1.0 / steps_per_decade))
+    least = 0.5 * _check.positive("snr", "1", snr) ** 2 / float(per_lux.sum())
+    return _lowest_kept(enough, least, brightest, step=10.0 ** (1.0 / steps_per_decade))
 
 
 def noise_speed(
@@ -373,13 +373,13 @@ def _level_of_row(
 
 
 def _lowest_kept(
-    enough: Callable[[float], bool], hopeless: float, brightest: float, *, step: float
+    enough: Callable[[float], bool], least: float, brightest: float, *, step: float
 ) -> float | None:
     """The lowest level above which all levels are enough: search downwards, then bisection."""
     low, high = brightest, brightest
     while enough(low):
         low, high = low / step, low
-        if low < hopeless:  # no level below can be enough
+        if low < least:  # no level below can be enough
             break
     if low == brightest:
         return None

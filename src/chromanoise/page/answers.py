@@ -28,7 +28,7 @@ _LOOKS: Mapping[str, tuple[str, ...]] = {
 }
 
 
-class Answers:
+class ChartReplies:
     """Replies to requests, with caches of recent studies."""
 
     def __init__(self, studies: Studies) -> None:
@@ -112,7 +112,7 @@ class Answers:
         return json.dumps(drawing(part, seen, look), allow_nan=False)
 
 
-def look_of(told: Mapping[str, Any]) -> Look:
+def look_of(settings: Mapping[str, Any]) -> Look:
     """Parse the settings of the view; unknown keys are ignored.
 
     Raises
@@ -120,13 +120,13 @@ def look_of(told: Mapping[str, Any]) -> Look:
     QuestionError
         If a value is invalid.
     """
-    magnification = told.get("magnification")
+    magnification = settings.get("magnification")
     if magnification is not None and not _is_number(magnification):
         raise malformed("look.magnification", "magnification must be a JSON number or null")
     try:
         return Look(
-            coordinate=field(told, "coordinate", str, "Y"),
-            plane=field(told, "plane", str, "ab"),
+            coordinate=field(settings, "coordinate", str, "Y"),
+            plane=field(settings, "plane", str, "ab"),
             magnification=None if magnification is None else float(magnification),
         )
     except (InputError, OverflowError) as error:

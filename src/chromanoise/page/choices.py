@@ -61,7 +61,7 @@ def choices() -> dict[str, Any]:
             dict(zip(("key", "label", "unit", "low", "high", "scale", "step"), one, strict=True))
             for one in _SLIDERS
         ],
-        "equations": {key: dict(told) for key, told in EQUATIONS.items()},
+        "equations": {key: dict(equation) for key, equation in EQUATIONS.items()},
     }
 
 

@@ -4,14 +4,14 @@ import json
 import math
 import zipfile
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Any
 
 from chromanoise.analysis.color_matrices import matrix_makers
 from chromanoise.catalog.resolve import file_of
 from chromanoise.errors import InputError
 from chromanoise.exposure import OperatingPoint
-from chromanoise.imaging import Work, rendered
+from chromanoise.imaging import Work
+from chromanoise.imaging.capture import camera_for, captured
 from chromanoise.imaging.writers import picture_summary, png_bytes
 from chromanoise.io.cubes.errors import reading
 from chromanoise.page.cache import Remembered
@@ -20,7 +20,6 @@ from chromanoise.page.studies import Studies, spoken, stamps_of
 from chromanoise.page.uploads import Upload
 from chromanoise.scene import Cube
 from chromanoise.scene.rows import row_source
-from chromanoise.sensor import overridden
 from chromanoise.study import Study
 from chromanoise.study.assembly import cube_of, with_distinct_names
 from chromanoise.study.document import PicturePart
@@ -33,7 +32,7 @@ _OF_CUBE = {"cube", "key", "shape", "wavelengths", "scale"}
 _BESIDE = {"outputs", "sweeps", "pictures", "title"}
 
 
-class Pictures:
+class PictureReplies:
     """Render pictures, with caches of recent cubes and pictures."""
 
     def __init__(self, studies: Studies) -> None:
@@ -136,19 +135,11 @@ def _taken(
 ) -> tuple[bytes, str]:
     makers = matrix_makers(study.matrices[:1], study.metric, prior=study.prior)  # type: ignore[arg-type]
     (maker,) = makers.values()
-    pixel = capture_settings_of(part, seed=study.seed).pixel
-    used = replace(operating_point, sensor=overridden(operating_point.sensor, pixel, raw=False))
-    picture = rendered(
-        cube,
-        used,
-        matrix=maker(operating_point),
-        seed=study.seed,
-        noisy=noisy,
-        clip=part.clip,
-        beyond=part.beyond,
-        bad_pixels=part.bad_pixels,
-        work=Work(threads=1),
-    )
+    color = part.model_copy(update={"mosaic": None, "formats": None})
+    settings = capture_settings_of(color, seed=study.seed)
+    camera = camera_for(cube, operating_point, maker(operating_point), settings)
+    picture = captured(cube, camera, frame=0, work=Work(threads=1), noisy=noisy).picture
+    assert picture is not None  # no picture without color is requested
     summary = picture_summary(picture)
     if part.mosaic is not None:
         note = f"all channels at every pixel; a run takes it through its mosaic {part.mosaic}"

@@ -42,10 +42,10 @@ def preview_of(upload: Upload) -> Data:
     except InputError as error:
         # of a study all faults are shown, a line each
         if isinstance(error, StudyError) and error.places:
-            told_lines = error.sentences()
+            sentences = error.sentences()
         else:
-            told_lines = [_without_settings(one) for one in errors_in(error)]
-        raise QuestionError(*(("file", in_words(line, upload)) for line in told_lines)) from None
+            sentences = [_without_settings(one) for one in errors_in(error)]
+        raise QuestionError(*(("file", in_words(line, upload)) for line in sentences)) from None
     lines = [in_words(line, upload) for line in preview["preview"]]
     return {"asks": [], "study": None} | preview | {"id": upload.id, "preview": lines}
 

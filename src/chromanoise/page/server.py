@@ -81,7 +81,7 @@ def application(*, port: int, study: dict[str, Any] | None = None) -> ASGIApp:
             Route("/api/upload", _replying(_upload), methods=["POST"]),
             Route("/api/texts", _replying(_texts), methods=["POST"]),
         ],
-        exception_handlers={HTTPException: _told_status, Exception: _told_crash},
+        exception_handlers={HTTPException: _status_reply, Exception: _crash_reply},
     )
     return guarded(app, port=port, policy=page_policy)
 
@@ -149,8 +149,8 @@ def _replying(
 
 def _refusing(error: QuestionError) -> Response:
     faults = [
-        {"where": where[:_LONGEST_SENTENCE], "sentence": told[:_LONGEST_SENTENCE]}
-        for where, told in error.faults[:_MOST_FAULTS]
+        {"where": where[:_LONGEST_SENTENCE], "sentence": sentence[:_LONGEST_SENTENCE]}
+        for where, sentence in error.faults[:_MOST_FAULTS]
     ]
     # what follows of a body that was not read to its end is not read either
     headers = {} if error.status in (200, 400, 503) else {"Connection": "close"}
@@ -189,8 +189,8 @@ async def _picture(request: Request, server: _Server) -> Response:
 async def _upload(request: Request, server: _Server) -> Response:
     kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
     if kind != "application/octet-stream":
-        told = "a file must be sent as application/octet-stream"
-        raise QuestionError(("file", told), status=415, unread=True)
+        sentence = "a file must be sent as application/octet-stream"
+        raise QuestionError(("file", sentence), status=415, unread=True)
     name = unquote(request.headers.get("x-filename", ""))
     if not name:
         raise malformed("file", "a file must be sent with its name in the header X-Filename")
@@ -204,11 +204,11 @@ def _json(text: str) -> Response:
     return Response(text, media_type="application/json")
 
 
-async def _told_status(request: Request, error: Exception) -> Response:
+async def _status_reply(request: Request, error: Exception) -> Response:
     assert isinstance(error, HTTPException)
     sentences = {404: "not found", 405: "method not allowed"}
     return fault_reply(error.status_code, sentences.get(error.status_code, error.detail))
 
 
-async def _told_crash(request: Request, error: Exception) -> Response:
+async def _crash_reply(request: Request, error: Exception) -> Response:
     return fault_reply(500, "internal error; see the terminal that runs chromanoise serve")

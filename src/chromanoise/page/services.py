@@ -4,9 +4,9 @@ import json
 from contextlib import suppress
 from typing import Any
 
-from chromanoise.page.answers import Answers
+from chromanoise.page.answers import ChartReplies
 from chromanoise.page.choices import choices
-from chromanoise.page.pictures import Pictures
+from chromanoise.page.pictures import PictureReplies
 from chromanoise.page.previews import preview_of
 from chromanoise.page.requests import QuestionError, data_of
 from chromanoise.page.studies import Studies, files_of
@@ -37,8 +37,8 @@ class Services:
         self.uploads, self._study = uploads, STUDY if study is None else study
         files = files_of(study_from_data(self._study, source="study", keep_idle=True))
         self._studies = Studies(uploads, files=files)
-        self._answers = Answers(self._studies)
-        self._pictures = Pictures(self._studies)
+        self._answers = ChartReplies(self._studies)
+        self._pictures = PictureReplies(self._studies)
         self._has_kernels = False
 
     def choices(self) -> str:
@@ -65,11 +65,11 @@ class Services:
 
     def previewed(self, upload: Upload) -> str:
         """The JSON of ``/api/upload``."""
-        told = preview_of(upload)
-        if told["study"] is not None:
-            wrong = self._studies.complaints(told["study"])
-            told["preview"] += [f"Looks wrong: {sentence}" for sentence in wrong]
-        return json.dumps(told)
+        preview = preview_of(upload)
+        if preview["study"] is not None:
+            wrong = self._studies.complaints(preview["study"])
+            preview["preview"] += [f"Looks wrong: {sentence}" for sentence in wrong]
+        return json.dumps(preview)
 
     def prepare(self, name: str) -> None:
         """Do the one-time preparation of a job, which must not count against its time limit.

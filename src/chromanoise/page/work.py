@@ -187,22 +187,22 @@ class _Queue:
 
 
 def _result(answer: tuple[Any, ...], job: Job, lane: Lane) -> Any:
-    kind, *told = answer
+    kind, *parts = answer
     if kind == "refused":
-        faults, status = told
+        faults, status = parts
         raise QuestionError(*faults, status=status)
     if kind == "no memory":
         raise QuestionError((job.where, _no_memory(lane)))
     if kind == "failed":
-        _LOG.error("%s", told[0])
+        _LOG.error("%s", parts[0])
         raise RuntimeError("a job failed")
-    size = len(told[0])
+    size = len(parts[0])
     if size > MOST_ANSWER_BYTES:
         sentence = (
             f"the answer has {size / 1e6:.0f} MB; the limit is {MOST_ANSWER_BYTES / 1e6:g} MB"
         )
         raise QuestionError((job.where, f"{sentence}; reduce the request"))
-    return told[0]
+    return parts[0]
 
 
 def _stopped(job: Job, ended: ProcessEndedError, lane: Lane) -> QuestionError:

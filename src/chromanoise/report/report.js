@@ -160,12 +160,12 @@ function slid(moved) {
     const slide = data.slides[Number(slider.dataset.slide)];
     if (moved && slider !== moved) slider.value = String(slide.own);
     const at = Number(slider.value);
-    slider.setAttribute("aria-valuetext", slide.told[at]);
+    slider.setAttribute("aria-valuetext", slide.texts[at]);
     const output = slider.parentElement?.querySelector("output");
-    if (output) output.textContent = slide.told[at];
+    if (output) output.textContent = slide.texts[at];
     if (at === slide.own) continue;
     changed = slide.answers[at];
-    said.push(`${slide.label}: ${slide.told[at]}; all else, the time too, as in the study.`);
+    said.push(`${slide.label}: ${slide.texts[at]}; all else, the time too, as in the study.`);
   }
   byId("changed").textContent = said.join(" ") || "The study as it is.";
   /** @type {HTMLButtonElement} */ (byId("back")).disabled = !said.length;

@@ -34,7 +34,7 @@ class Slide:
         Label of the setting that it changes.
     values
         Values in the unit of the sweep; ``None`` is the unchanged study, where no value gives it.
-    told
+    texts
         Text of each value.
     own
         Index of the unchanged study.
@@ -43,11 +43,11 @@ class Slide:
     key: str
     label: str
     values: tuple[float | None, ...]
-    told: tuple[str, ...]
+    texts: tuple[str, ...]
     own: int
 
     def __post_init__(self) -> None:
-        _check.same_length("positions", values=len(self.values), told=len(self.told))
+        _check.same_length("positions", values=len(self.values), texts=len(self.texts))
 
 
 def slides_of(of: Shown) -> tuple[Slide, ...]:
@@ -89,13 +89,13 @@ def at_value(of: Shown, slide: Slide, value: float | None) -> Shown:
 def _level(of: Shown, count: int) -> Slide:
     own = of.study.light.level_lux
     above = 1
-    slide = Slide(key="lux", label="Light level", values=(), told=(), own=0)
+    slide = Slide(key="lux", label="Light level", values=(), texts=(), own=0)
     while above < min(_MOST_ABOVE, count // 2) and not _all_saturated(of, slide, own, above):
         above += 1
     steps = range(above - count + 1, above + 1)
     values = [float(f"{own * _STEP**i:.3g}") if i else own for i in steps]
-    told = [level_in_words(value) for value in values]
-    return replace(slide, values=tuple(values), told=tuple(told), own=count - 1 - above)
+    texts = [level_in_words(value) for value in values]
+    return replace(slide, values=tuple(values), texts=tuple(texts), own=count - 1 - above)
 
 
 def _all_saturated(of: Shown, slide: Slide, own: float, above: int) -> bool:
@@ -104,12 +104,12 @@ def _all_saturated(of: Shown, slide: Slide, own: float, above: int) -> bool:
 
 
 def _ir_cut(edges_nm: Sequence[float]) -> Slide:
-    told = [f"at {edge:g} nm" for edge in edges_nm]
+    texts = [f"at {edge:g} nm" for edge in edges_nm]
     return Slide(
         key="ircut-nm",
         label="IR-cut added before every sensor",
         values=(*edges_nm, None),
-        told=(*told, "none"),
+        texts=(*texts, "none"),
         own=len(edges_nm),
     )
 
@@ -119,7 +119,7 @@ def _infrared(ratios: Sequence[float]) -> Slide:
         key="infrared",
         label="Infrared added to the light, 850 nm",
         values=(None, *ratios),
-        told=("none", *(f"{ratio:g} W per W of light" for ratio in ratios)),
+        texts=("none", *(f"{ratio:g} W per W of light" for ratio in ratios)),
         own=0,
     )
 
@@ -151,13 +151,13 @@ def changed_keys(answer: dict[str, Any], own: dict[str, Any]) -> dict[str, Any]:
     >>> changed_keys({"a": {"fault": "none"}}, {"a": {"x": 1}})
     {'a': {'whole': {'fault': 'none'}}}
     """
-    told: dict[str, Any] = {}
+    texts: dict[str, Any] = {}
     for part, data in answer.items():
         if data.keys() != own[part].keys():
-            told[part] = {"whole": data}
+            texts[part] = {"whole": data}
         elif differing := {key: value for key, value in data.items() if value != own[part][key]}:
-            told[part] = differing
-    return told
+            texts[part] = differing
+    return texts
 
 
 def slide_as_json(
@@ -168,7 +168,7 @@ def slide_as_json(
         "key": slide.key,
         "label": slide.label,
         "values": list(slide.values),
-        "told": list(slide.told),
+        "texts": list(slide.texts),
         "own": slide.own,
         "answers": [changed_keys(answer, own) for answer in answers],
     }

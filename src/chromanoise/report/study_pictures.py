@@ -7,8 +7,7 @@ from chromanoise._check import Array
 from chromanoise._shapes import UInt8
 from chromanoise.charts import Shown
 from chromanoise.imaging import Work
-from chromanoise.imaging.capture import captured
-from chromanoise.study.pictures import first_frame, prepared_cameras
+from chromanoise.study.pictures import prepared_cameras, taken_pictures
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -52,11 +51,8 @@ def sights_of(of: Shown, *, work: Work | None = None) -> tuple[Sight, ...]:
         cube, cameras = prepared_cameras(
             of.study, number, list(of.operating_points), {matrix: maker}
         )
-        frame = first_frame(of.study, number)
-        taken = [
-            captured(cube, camera, frame=frame, work=work or Work()).picture
-            for camera in cameras[matrix]
-        ]
-        pictures = tuple(picture.srgb for picture in taken if picture is not None)
+        taken = taken_pictures(of.study, number, cube, cameras, work=work or Work(), frames=1)
+        colors = (one.capture.picture for one in taken)
+        pictures = tuple(picture.srgb for picture in colors if picture is not None)
         sights.append(Sight(cube=part.cube, matrix=matrix, sensors=names, pictures=pictures))
     return tuple(sights)

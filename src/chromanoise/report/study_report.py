@@ -134,7 +134,7 @@ def study_report(of: Shown, equations: Equations, sights: Sequence[Sight] = ()) 
 def report_data(of: Shown, full: dict[str, Any] | None = None) -> dict[str, Any]:
     """What the drawing modules get: the study's own parts, and what differs at each slider.
 
-    Outlines of ellipses are told by center and half axes on one common ``circle``, numbers by as
+    Outlines of ellipses are given by center and half axes on one common ``circle``, numbers by as
     many digits as are shown (`chromanoise.report.bundle.shortened`).
 
     Parameters
@@ -152,8 +152,8 @@ def report_data(of: Shown, full: dict[str, Any] | None = None) -> dict[str, Any]
         "parts": own,
         "chart_of": shortened(_chart_of([full, *chain.from_iterable(answers)])),
         "slides": [
-            slide_as_json(slide, [_packed(one) for one in told], own)
-            for slide, told in zip(slides, answers, strict=True)
+            slide_as_json(slide, [_packed(one) for one in drawings], own)
+            for slide, drawings in zip(slides, answers, strict=True)
         ],
     }
 
@@ -172,31 +172,31 @@ def _there(of: Shown, slide: Slide, value: float | None, full: dict[str, Any]) -
 
 def _parts(of: Shown, wanted: Sequence[str] = tuple(PARTS)) -> dict[str, Any]:
     """Every drawing; one that cannot be made says why in its place."""
-    told: dict[str, Any] = {}
+    drawings: dict[str, Any] = {}
     for part in wanted:
         try:
-            told[part] = drawing(part, of)
+            drawings[part] = drawing(part, of)
         except InputError as error:
-            told[part] = {"fault": str(error)}
-    return told
+            drawings[part] = {"fault": str(error)}
+    return drawings
 
 
 def _packed(full: dict[str, Any]) -> dict[str, Any]:
     """The parts as they stand in the file; the head as sentences and rows."""
-    told = {part: shortened(data) for part, data in full.items() if part != "ellipses"}
-    told["head"] = {"verdict": full["head"]["verdict"], "table": full["head"]["table"]}
-    told["ellipses"] = _packed_ellipses(full["ellipses"])
-    return told
+    drawings = {part: shortened(data) for part, data in full.items() if part != "ellipses"}
+    drawings["head"] = {"verdict": full["head"]["verdict"], "table": full["head"]["table"]}
+    drawings["ellipses"] = _packed_ellipses(full["ellipses"])
+    return drawings
 
 
 def _packed_ellipses(data: dict[str, Any]) -> dict[str, Any]:
     if "fault" in data:
         return data
-    told = [
+    sensors = [
         {**sensor, "patches": [_packed_ellipse(patch) for patch in sensor["patches"]]}
         for sensor in data["sensors"]
     ]
-    return {**data, "sensors": told}
+    return {**data, "sensors": sensors}
 
 
 def _packed_ellipse(patch: dict[str, Any]) -> list[Any]:

@@ -135,10 +135,10 @@ def block(
     Only ascending slices are used, because array storage libraries support no others.
     """
     up = bands if bands.step > 0 else bands[::-1]
-    asked: list[slice] = [slice(None)] * 3
-    asked[axes[0]] = slice(start, stop)
-    asked[axes[2]] = slice(up.start, up[-1] + 1, up.step)
-    read = np.asarray(array[tuple(asked)]).transpose(axes)
+    index: list[slice] = [slice(None)] * 3
+    index[axes[0]] = slice(start, stop)
+    index[axes[2]] = slice(up.start, up[-1] + 1, up.step)
+    read = np.asarray(array[tuple(index)]).transpose(axes)
     return read if bands.step > 0 else read[:, :, ::-1]
 
 

@@ -8,6 +8,7 @@ from chromanoise.sensor.adc import (
     Converter,
     adc_of,
     adc_to_full_well,
+    code_step_e,
     quantization_step_e,
 )
 from chromanoise.sensor.analog_gain import with_analog_gain
@@ -122,6 +123,7 @@ __all__ = [
     "behind_ir_cut",
     "binned",
     "code_range_e",
+    "code_step_e",
     "crosstalk_of_kernel",
     "crosstalk_of_share",
     "extra_noise",

@@ -141,26 +141,40 @@ def refuse_coarse_codes(converter: Converter, pixel: Pixel) -> None:
         )
 
 
-def quantization_step_e(converter: Converter, pixel: Pixel) -> float:
+def code_step_e(converter: Converter, pixel: Pixel) -> float:
     """Electrons per code, 0 if neither the gain nor the bits of the converter are known. [e-/DN]
 
-    Where n readings are summed (`binned`), the step whose rounding has the variance of their sum:
-    the root of n times the step of one.
+    Where n readings are summed (`binned`), it is the step of one reading, and so of their sum.
 
     Examples
     --------
     >>> pixel = Pixel(pitch_um=10, full_well_e=4095, read_noise_e=0)
-    >>> quantization_step_e(Converter(gain_e_per_dn=2.5), pixel)
+    >>> code_step_e(Converter(gain_e_per_dn=2.5), pixel)
     2.5
-    >>> quantization_step_e(Converter(bits=12), pixel), quantization_step_e(Converter(), pixel)
+    >>> code_step_e(Converter(bits=12), pixel), code_step_e(Converter(), pixel)
     (1.0, 0.0)
     """
-    readings = pixel.summed_readings
     if converter.gain_e_per_dn is not None:
-        return converter.gain_e_per_dn * math.sqrt(readings)
+        return converter.gain_e_per_dn
     if converter.bits is None:
         return 0.0
-    return adc_of(converter, pixel).gain_e_per_dn / math.sqrt(readings)
+    return adc_of(converter, pixel).gain_e_per_dn / pixel.summed_readings
+
+
+def quantization_step_e(converter: Converter, pixel: Pixel) -> float:
+    """Step whose rounding has the variance of the reading: q in q^2 / 12. [e-]
+
+    It is `code_step_e` of one reading; where n readings are summed (`binned`), the root of n times
+    that, because each of them is rounded.
+
+    Examples
+    --------
+    >>> from chromanoise.sensor import binned
+    >>> pixel = Pixel(pitch_um=10, full_well_e=4095, read_noise_e=0)
+    >>> quantization_step_e(Converter(gain_e_per_dn=2.5), binned(pixel, 4, "digital"))
+    5.0
+    """
+    return code_step_e(converter, pixel) * math.sqrt(pixel.summed_readings)
 
 
 def adc_to_full_well(pixel: Pixel, *, bits: int = 12, black_level_dn: int = 0) -> Adc:

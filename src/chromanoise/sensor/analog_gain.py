@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 from chromanoise import _check
+from chromanoise.sensor.pixel import of_the_sum
 from chromanoise.sensor.sensor import Sensor
 
 
@@ -17,7 +18,8 @@ def with_analog_gain(sensor: Sensor, gain: float, *, read_noise_e: float | None 
         Above 0. The quantization step in electrons, and the electrons at the top code, are divided
         by it. Where the converter is unknown, the top code is at the full well.
     read_noise_e
-        Read noise at this gain; ``None`` for that at gain 1. [e-]
+        Read noise at this gain, of one pixel if the sensor's are binned; ``None`` for that at gain
+        1. [e-]
 
     Raises
     ------
@@ -36,7 +38,7 @@ def with_analog_gain(sensor: Sensor, gain: float, *, read_noise_e: float | None 
     factor = _check.positive("gain", "1", gain)
     pixel, converter = sensor.pixel, sensor.converter
     if read_noise_e is not None:
-        pixel = replace(pixel, read_noise_e=read_noise_e)
+        pixel = replace(pixel, **of_the_sum(pixel, {"read_noise_e": read_noise_e}))
     if converter.bits is None or converter.gain_e_per_dn is None:
         pixel = replace(pixel, full_well_e=pixel.full_well_e / factor)
     if converter.gain_e_per_dn is not None:

@@ -15,7 +15,7 @@ from chromanoise._check import Array
 from chromanoise._shapes import Float
 from chromanoise.errors import InputError
 from chromanoise.spectra import Beyond, Grid, Spectra, means_on_grid
-from chromanoise.spectra.tables import catalogue_curves, catalogue_tables, packaged_table
+from chromanoise.spectra.tables import catalog_curves, catalog_tables, packaged_table
 
 _CM_PER_UM = 1e-4
 _MODEL = r"ircut-([\d.]+)(?:/([\d.]+))?"
@@ -163,10 +163,10 @@ def filter_named(
             source=name,
             notes=(f"{name}: a model with one logistic edge, not a filter that exists",),
         )
-    measured = catalogue_tables("filter")
+    measured = catalog_tables("filter")
     _check.one_of("filter", name, (*measured, "ircut-650", *others))
     entry = measured[name]
-    curve = replace(catalogue_curves(entry), notes=(entry.source, entry.defects))
+    curve = replace(catalog_curves(entry), notes=(entry.source, entry.defects))
     return means_on_grid(curve, grid, beyond=beyond)
 
 
@@ -178,7 +178,7 @@ def is_filter_name(name: str) -> bool:
     >>> is_filter_name("ircut-650.5/4"), is_filter_name("glass.dat")
     (True, False)
     """
-    return bool(re.fullmatch(_MODEL, name)) or name in catalogue_tables("filter")
+    return bool(re.fullmatch(_MODEL, name)) or name in catalog_tables("filter")
 
 
 def _number(text: str, name: str) -> float:

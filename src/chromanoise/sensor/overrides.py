@@ -48,14 +48,14 @@ def overridden(sensor: Sensor, given: PixelOverrides, *, raw: bool) -> Sensor:
     """
     if raw:
         refuse_summed_readings(sensor)
-    asked = {name: value for name, value in asdict(given).items() if value is not None}
+    values = {name: value for name, value in asdict(given).items() if value is not None}
     own = extra_noise(sensor.pixel)
     known = sensor.converter.known
-    converter = replace(sensor.converter, **{k: v for k, v in asked.items() if k in _CONVERTER})
-    asked |= of_the_sum(sensor.pixel, asked)
-    pixel = replace(sensor.pixel, **{k: v for k, v in asked.items() if k not in _CONVERTER})
-    used = {k: v for k, v in own.items() if k not in asked}
-    won = {k: v for k, v in {**own, **known}.items() if k in asked and asked[k] != v}
+    converter = replace(sensor.converter, **{k: v for k, v in values.items() if k in _CONVERTER})
+    values |= of_the_sum(sensor.pixel, values)
+    pixel = replace(sensor.pixel, **{k: v for k, v in values.items() if k not in _CONVERTER})
+    used = {k: v for k, v in own.items() if k not in values}
+    replaced = {k: v for k, v in {**own, **known}.items() if k in values and values[k] != v}
     notes = [f"{_listed(used)} of the sensor's pixel in the picture"] if used else []
     crosstalk = sensor.crosstalk
     if raw and crosstalk is not None and crosstalk.stage == "charge" and crosstalk.kernel is None:
@@ -63,8 +63,10 @@ def overridden(sensor: Sensor, given: PixelOverrides, *, raw: bool) -> Sensor:
             "crosstalk after counting is applied before counting in raw codes, because its matrix "
             "does not tell the neighbors: their noise stays independent"
         )
-    if won:
-        notes.append(f"{', '.join(won)} as given, instead of {_listed(won)} of the sensor's pixel")
+    if replaced:
+        notes.append(
+            f"{', '.join(replaced)} as given, instead of {_listed(replaced)} of the sensor's pixel"
+        )
     changed = replace(sensor, converter=converter, pixel=pixel)
     if known:
         notes += _converter_notes(changed, known, raw=raw)

@@ -24,7 +24,7 @@ from chromanoise.spectra.illuminants import (
     narrow_diode,
 )
 from chromanoise.spectra.observers import observer_table
-from chromanoise.spectra.tables import catalogue_curves, catalogue_tables, formulas
+from chromanoise.spectra.tables import catalog_curves, catalog_tables, formulas
 from chromanoise.units import LUMEN_PER_WATT
 
 _FORMULAS: dict[str, Callable[[Grid], Illuminant]] = {
@@ -82,7 +82,7 @@ def is_light_name(name: str) -> bool:
 
 
 def _known_lights() -> tuple[str, ...]:
-    return (*_FORMULAS, *catalogue_tables("illuminant"), *_cie_names())
+    return (*_FORMULAS, *catalog_tables("illuminant"), *_cie_names())
 
 
 def _cie_names() -> tuple[str, ...]:
@@ -151,9 +151,9 @@ def _light_named(name: str, grid: Grid, beyond: Beyond) -> Illuminant:
         _check.positive(f"peak of illuminant {name}", "nm", peak_nm)
         _check.positive(f"width of illuminant {name}", "nm", width_nm)
         return led(grid, peak_nm, width_nm)
-    measured = catalogue_tables("illuminant")
+    measured = catalog_tables("illuminant")
     if name in measured:
-        return illuminant_from(catalogue_curves(measured[name]), grid, name=name, beyond=beyond)
+        return illuminant_from(catalog_curves(measured[name]), grid, name=name, beyond=beyond)
     known = _check.one_of("illuminant", name, _known_lights())
     return cie_illuminant(known, grid, beyond=beyond)
 

@@ -10,7 +10,7 @@ from chromanoise import _check
 from chromanoise.errors import InputError
 from chromanoise.spectra.curves import Beyond, Spectra, on_grid
 from chromanoise.spectra.grid import Grid
-from chromanoise.spectra.tables import catalogue_curves, catalogue_tables, packaged_table
+from chromanoise.spectra.tables import catalog_curves, catalog_tables, packaged_table
 
 
 @cache
@@ -64,9 +64,9 @@ def reflectance_named(name: str, grid: Grid, *, beyond: Beyond = "refuse") -> Sp
     """
     if match := re.fullmatch(r"gray-([\d.]+)", name):
         return _gray(name, match[1], grid)
-    measured = catalogue_tables("reflectance")
+    measured = catalog_tables("reflectance")
     _check.one_of("reflectance", name, (*measured, "gray-18"))
-    return on_grid(catalogue_curves(measured[name]), grid, beyond=beyond)
+    return on_grid(catalog_curves(measured[name]), grid, beyond=beyond)
 
 
 def _gray(name: str, percent: str, grid: Grid) -> Spectra:

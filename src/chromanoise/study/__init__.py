@@ -52,8 +52,9 @@ if TYPE_CHECKING:
         study_hash,
     )
     from chromanoise.study.pictures import (
-        captures,
+        TakenPicture,
         prepared_cameras,
+        taken_pictures,
     )
     from chromanoise.study.reading import (
         read_study,
@@ -150,13 +151,13 @@ __all__ = [
     "Results",
     "Step",
     "Study",
+    "TakenPicture",
     "agreement_of",
     "agreement_text",
     "analysis_of",
     "analyze_study",
     "argument_of",
     "call_of",
-    "captures",
     "compare_study",
     "default_of",
     "described_settings",
@@ -188,5 +189,6 @@ __all__ = [
     "study_hash",
     "study_of_output",
     "study_schema",
+    "taken_pictures",
 ]
 __getattr__, __dir__ = lazy_names(__name__)

@@ -72,7 +72,7 @@ def agreement_of(first: Path, second: Path) -> Agreement:
             other.append(name)
         if one.get("place") != its.get("place"):
             place = str(one.get("place", ""))
-        before, now = (told.get("numerics") or {} for told in (one, its))
+        before, now = (record.get("numerics") or {} for record in (one, its))
         numerics |= {key for key in before | now if before.get(key) != now.get(key)}
     largest, where, incomparable = 0.0, "", []
     for name in other:
@@ -133,15 +133,15 @@ def _same_bytes(first: Path, second: Path) -> bool:
 def _record(path: Path) -> dict[str, Any]:
     """What a JSON file of a run says; empty of any other file."""
     try:
-        told = json.loads(path.read_bytes()) if path.suffix == ".json" else {}
+        record = json.loads(path.read_bytes()) if path.suffix == ".json" else {}
     except (OSError, ValueError):
         return {}
-    return told if isinstance(told, dict) else {}
+    return record if isinstance(record, dict) else {}
 
 
-def _results(told: dict[str, Any]) -> dict[str, Any]:
+def _results(record: dict[str, Any]) -> dict[str, Any]:
     """All but what depends on place and machine, and the hash of all."""
-    return {key: told[key] for key in told.keys() - {"place", "numerics", "content"}}
+    return {key: record[key] for key in record.keys() - {"place", "numerics", "content"}}
 
 
 def _differences(first: Path, second: Path) -> Iterator[tuple[float, str]]:

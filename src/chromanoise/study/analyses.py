@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from chromanoise.analysis.analysis import Analysis, analyzed, of_white
-from chromanoise.analysis.camera_pipeline import PipelineNoise, pipeline_as_json, pipeline_noise
+from chromanoise.analysis.camera_pipeline import pipeline_noise
 from chromanoise.analysis.chart_patches import ChartNoise, chart_as_json, chart_noise
 from chromanoise.analysis.color_matrices import MatrixMaker
 from chromanoise.analysis.color_space_noise import GrayNoise, gray_noise, gray_noise_as_json
@@ -21,6 +21,7 @@ from chromanoise.analysis.information import (
     information_as_json,
     information_chains,
 )
+from chromanoise.analysis.pipeline_results import PipelineNoise, pipeline_as_json
 from chromanoise.analysis.separation import Separation, separation_as_json, separation_of
 from chromanoise.color import SPACES, UNBOUNDED
 from chromanoise.exposure import OperatingPoint, patch_scene
@@ -32,7 +33,7 @@ from chromanoise.study.document import OutputsPart, PipelinePart, pipeline_setti
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Outcome:
-    """Every stage of one sensor, and what was asked beyond.
+    """Every stage of one sensor, and the further outputs of the study.
 
     Attributes
     ----------
@@ -117,7 +118,7 @@ def outcome_of(
     Raises
     ------
     InputError
-        If the matrix cannot be made, or what is asked cannot be computed.
+        If the matrix cannot be made, or an output cannot be computed.
     """
     analysis = analysis_of(operating_point, maker, outputs)
     readout, for_machine = analysis.readout, outputs.reader == "machine"
@@ -147,8 +148,8 @@ def _pipeline(
 
 def outcomes_as_json(outcomes: Sequence[Outcome], outputs: OutputsPart) -> dict[str, Any]:
     """The outcomes as plain data, side by side."""
-    told = analyses_as_json([outcome.analysis for outcome in outcomes])
-    for own, outcome in zip(told["sensors"], outcomes, strict=True):
+    data = analyses_as_json([outcome.analysis for outcome in outcomes])
+    for own, outcome in zip(data["sensors"], outcomes, strict=True):
         if outputs.budget:
             own |= budgets_as_json(outcome.analysis)
         if outputs.space is not None:
@@ -163,4 +164,4 @@ def outcomes_as_json(outcomes: Sequence[Outcome], outputs: OutputsPart) -> dict[
             own["separation"] = separation_as_json(outcome.separation)
             own["contrast_detection"] = contrast_detection_as_json(outcome.contrast_detection)
             own["information"] = [information_as_json(one) for one in outcome.information]
-    return told
+    return data

@@ -605,8 +605,8 @@ def cube_of(part: PicturePart, *, key: str = "pictures.0") -> Cube:
 
 
 def _exposures(study: Study, white: Scene, sensors: Sequence[Sensor]) -> list[Exposure]:
-    asked = study.exposure
-    lens: dict[str, Any] = {"f_number": asked.f_number, "magnification": asked.magnification}
-    if asked.time_ms is not None:
-        return [Exposure(time_s=1e-3 * asked.time_ms, **lens)] * len(sensors)
-    return EQUAL_TERMS[asked.equal](white, sensors, share=asked.saturate, **lens)
+    part = study.exposure
+    lens: dict[str, Any] = {"f_number": part.f_number, "magnification": part.magnification}
+    if part.time_ms is not None:
+        return [Exposure(time_s=1e-3 * part.time_ms, **lens)] * len(sensors)
+    return EQUAL_TERMS[part.equal](white, sensors, share=part.saturate, **lens)

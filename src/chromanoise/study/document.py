@@ -17,7 +17,6 @@ from pydantic import (
 )
 
 from chromanoise import _check
-from chromanoise.analysis.camera_pipeline import BASE_ISO, PipelineSettings
 from chromanoise.analysis.color_matrices import (
     DEFAULT_METHOD,
     METHODS,
@@ -26,6 +25,7 @@ from chromanoise.analysis.color_matrices import (
 )
 from chromanoise.analysis.comparison.quantities import QUANTITIES
 from chromanoise.analysis.comparison.sweeps import SWEEPS
+from chromanoise.analysis.pipeline_results import BASE_ISO, PipelineSettings
 from chromanoise.analysis.priors import DEFAULT_PRIOR, PRIORS
 from chromanoise.catalog.reflectances import is_reflectance_file
 from chromanoise.color import SPACES, TONES
@@ -799,8 +799,8 @@ def without_idle_settings(study: Study) -> Study:
 
     Examples
     --------
-    >>> told = {"sensors": [{"name": "onyx-rgbw"}], "prior": "chart"}
-    >>> without_idle_settings(Study.model_validate(told, context=KEEP_IDLE)).prior
+    >>> data = {"sensors": [{"name": "onyx-rgbw"}], "prior": "chart"}
+    >>> without_idle_settings(Study.model_validate(data, context=KEEP_IDLE)).prior
     'chart-nir'
     """
     keys = [one.setting for one in (*_idle_priors(study), *_replaced_settings(study))]

@@ -53,7 +53,7 @@ class FileWord:
     word: str
 
 
-def with_file_words(study: Study, told: Callable[[FileWord], str]) -> Study:
+def with_file_words(study: Study, replaced: Callable[[FileWord], str]) -> Study:
     """The study with other words in place of all that may name a file: the list of those keys.
 
     Examples
@@ -66,7 +66,7 @@ def with_file_words(study: Study, told: Callable[[FileWord], str]) -> Study:
     """
 
     def word(where: str, kind: Kind, was: str | None) -> str | None:
-        return None if was is None else told(FileWord(where=where, kind=kind, word=was))
+        return None if was is None else replaced(FileWord(where=where, kind=kind, word=was))
 
     light = {"illuminant": word("light.illuminant", "light", study.light.illuminant)}
     sensors = []
@@ -103,14 +103,14 @@ def with_file_words(study: Study, told: Callable[[FileWord], str]) -> Study:
         "reflectances.pairs": own.pairs,
         "prior": study.prior,
     }
-    told_of = {
+    renamed = {
         key: word(key, "reflectance", was)
         if isinstance(was, str) and (key in _FILES_ONLY or is_reflectance_file(was))
         else was
         for key, was in named.items()
     }
-    prior = told_of.pop("prior")
-    reflectances = {key.rpartition(".")[2]: value for key, value in told_of.items()}
+    prior = renamed.pop("prior")
+    reflectances = {key.rpartition(".")[2]: value for key, value in renamed.items()}
     parts: dict[str, Any] = {
         "sensors": tuple(sensors),
         "matrices": tuple(matrices),
@@ -120,8 +120,8 @@ def with_file_words(study: Study, told: Callable[[FileWord], str]) -> Study:
     }
     outputs, balance = study.outputs, study.outputs.pipeline.white_balance
     if isinstance(balance, str) and balance not in BALANCE_WORDS:
-        told_word = word("outputs.pipeline.white_balance", "light", balance)
-        pipeline = outputs.pipeline.model_copy(update={"white_balance": told_word})
+        changed = word("outputs.pipeline.white_balance", "light", balance)
+        pipeline = outputs.pipeline.model_copy(update={"white_balance": changed})
         outputs = outputs.model_copy(update={"pipeline": pipeline})
     parts |= {"light": study.light.model_copy(update=light), "outputs": outputs}
     return study.model_copy(update=parts)
@@ -157,8 +157,8 @@ def files_of_word(one: FileWord) -> tuple[Path, ...]:
             return () if built_in else tuple(cube_files(file_of(one.word)))
         return _FILES[one.kind](one.word)
     except OSError as error:  # a name that is too long to ask for
-        told = str(error.filename)[:60]
-        raise InputError(told, f"cannot be read ({error.strerror})") from None
+        name = str(error.filename)[:60]
+        raise InputError(name, f"cannot be read ({error.strerror})") from None
 
 
 _FILES = {"light": illuminant_files, "sensor": sensor_files, "filter": filter_files}
@@ -170,7 +170,7 @@ def study_hash(study: Study, digests: Mapping[str, str] | None = None) -> str:
     Parameters
     ----------
     study
-        Of which the words are told.
+        Study whose words are listed.
     digests
         Of its files, where they are known already; `file_digests` otherwise.
 
@@ -201,7 +201,7 @@ def digests_of(files: Iterable[Path]) -> dict[str, str]:
     InputError
         If one of the files cannot be read.
     """
-    return {_told(file): _digest(file) for file in dict.fromkeys(files)}
+    return {_name_of(file): _digest(file) for file in dict.fromkeys(files)}
 
 
 def changes_since(study: Study, before: Mapping[str, str]) -> tuple[str, ...]:
@@ -214,25 +214,25 @@ def changes_since(study: Study, before: Mapping[str, str]) -> tuple[str, ...]:
     before
         The `file_digests` that the result carries.
     """
-    told = []
-    now = {_told(file): file for file in dict.fromkeys(_files(study))}
+    changes = []
+    now = {_name_of(file): file for file in dict.fromkeys(_files(study))}
     for name in dict.fromkeys((*before, *now)):
         there = name in now and now[name].exists()
         if not there and in_catalog(name):
             file = name.removeprefix(_CATALOG)
             entry = Path(file).stem
-            told.append(
+            changes.append(
                 f"unknown {entry!r}; set CHROMANOISE_CATALOG to the folder of {file}"
                 if entry != "SOURCES"
                 else ""
             )
         elif not there:
-            told.append(f"{name} is there no longer")
+            changes.append(f"{name} is there no longer")
         elif name not in before:
-            told.append(f"{name} is there now and was not")
+            changes.append(f"{name} is there now and was not")
         elif _digest(now[name]) != before[name]:
-            told.append(f"{name} has changed since")
-    return tuple(sentence for sentence in told if sentence)
+            changes.append(f"{name} has changed since")
+    return tuple(sentence for sentence in changes if sentence)
 
 
 def file_stamps(study: Study) -> dict[str, tuple[int, int, int] | None]:
@@ -256,8 +256,8 @@ def in_catalog(name: str) -> bool:
     return name.startswith(_CATALOG)
 
 
-def _told(file: Path) -> str:
-    """A table of the user's catalogue by its name, for that folder may lie anywhere."""
+def _name_of(file: Path) -> str:
+    """A table of the user's catalog by its name, for that folder may lie anywhere."""
     return f"{_CATALOG}{file.name}" if file.parent == catalog_folder() else str(file)
 
 
@@ -276,8 +276,8 @@ def cube_files(path: Path) -> list[Path]:
 
 
 def _hash_of(study: Study, digests: Mapping[str, str]) -> str:
-    told = [__version__, study_as_json(study), dict(digests)]
-    return hashlib.sha256(json.dumps(told, sort_keys=True).encode()).hexdigest()
+    content = [__version__, study_as_json(study), dict(digests)]
+    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
 
 
 def _digest(file: Path) -> str:

@@ -1,6 +1,7 @@
 """The pictures of a study: their settings and cameras, prepared before the computation."""
 
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 
 from chromanoise.analysis.color_matrices import MatrixMaker
@@ -10,7 +11,6 @@ from chromanoise.imaging.capture import (
     Camera,
     Capture,
     CaptureSettings,
-    any_picture,
     camera_for,
     capture_summary,
     captured,
@@ -87,9 +87,9 @@ def prepared_cameras(
     own |= {"black_level_dn": f"{key}.black_level", "names of formats": f"{key}.formats"}
     own |= {"binning_mode": "sensors.0.pixel.binning_mode"}
     with keyed(key, lambda name: own.get(name, name), own):
-        asked = capture_settings_of(part, seed=study.seed, key=key)
+        settings = capture_settings_of(part, seed=study.seed, key=key)
         return cube, {
-            name: [camera_for(cube, each, maker(each), asked) for each in operating_points]
+            name: [camera_for(cube, each, maker(each), settings) for each in operating_points]
             for name, maker in makers.items()
         }
 
@@ -97,6 +97,74 @@ def prepared_cameras(
 def first_frame(study: Study, number: int) -> int:
     """Of a part of the pictures (from 0): no two parts of a study share their noise."""
     return sum(part.frames for part in study.pictures[:number])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class TakenPicture:
+    """One picture of a study.
+
+    Attributes
+    ----------
+    matrix
+        Name of its color matrix.
+    capture
+        Its codes, its color, or both.
+    stem
+        Name of its files without their endings.
+    files, not_written
+        Names of the files that were written, and notes on those that could not be.
+    """
+
+    matrix: str
+    capture: Capture
+    stem: str
+    files: list[str]
+    not_written: list[str]
+
+
+def taken_pictures(
+    study: Study,
+    number: int,
+    cube: Cube,
+    cameras: Mapping[str, list[Camera]],
+    *,
+    work: Work,
+    folder: Path | None = None,
+    stem: str = "picture-{number}-{sensor}-{matrix}",
+    frames: int | None = None,
+) -> Iterator[TakenPicture]:
+    """Each picture of a part (from 0) as soon as it is taken and, if a folder is given, written.
+
+    Parameters
+    ----------
+    study, number, cube, cameras
+        The study, the part, and the result of `prepared_cameras` for it.
+    work
+        Threads or executor for the computation.
+    folder
+        Folder for the files; ``None`` to write none.
+    stem
+        Names of the files; the frame is added where the part has several.
+    frames
+        Number of frames, the first ones; ``None`` for those of the part.
+
+    Raises
+    ------
+    InputError
+        If the cube holds what is no reflectance, or a file cannot be written.
+    """
+    part, first = study.pictures[number], first_frame(study, number)
+    for i in range(len(study.sensors)):
+        for name, own in cameras.items():
+            sensor = file_word(own[i].operating_point.sensor.name)
+            start = stem.format(number=number + 1, sensor=sensor, matrix=file_word(name))
+            for frame in range(part.frames if frames is None else frames):
+                capture = captured(cube, own[i], frame=first + frame, work=work)
+                full = start + (f"-{frame:04d}" if part.frames > 1 else "")
+                files, missing = write_capture(folder, full, capture) if folder else ([], [])
+                yield TakenPicture(
+                    matrix=name, capture=capture, stem=full, files=files, not_written=missing
+                )
 
 
 def pictures_taken(
@@ -108,49 +176,25 @@ def pictures_taken(
     work: Work,
     folder: Path | None,
 ) -> Pictures:
-    """Take the pictures of a part (from 0), and write them if a folder is given.
+    """All pictures of a part (from 0), in memory, or summaries of those that were written.
 
     Raises
     ------
     InputError
-        If the cube holds what is no reflectance, or a file cannot be written.
+        As `taken_pictures`.
     """
-    part, summaries, kept = study.pictures[number], [], []
+    summaries, kept = [], []
     points: dict[str, OperatingPoint] = {}
-    for name, taken in captures(study, number, cube, cameras, work=work):
-        points[taken.camera.operating_point.sensor.name] = taken.camera.operating_point
+    for one in taken_pictures(study, number, cube, cameras, work=work, folder=folder):
+        point = one.capture.camera.operating_point
+        points[point.sensor.name] = point
+        summary = {"matrix": one.matrix} | capture_summary(one.capture, one.files)
+        summaries.append(summary | ({"not_written": one.not_written} if one.not_written else {}))
         if folder is None:
-            summaries.append({"matrix": name} | capture_summary(taken, []))
-            kept.append(taken)
-            continue
-        sensor = taken.camera.operating_point.sensor.name
-        stem = f"picture-{number + 1}-{file_word(sensor)}-{file_word(name)}"
-        frame = any_picture(taken).frame - first_frame(study, number)
-        files, missing = write_capture(
-            folder, stem + (f"-{frame:04d}" if part.frames > 1 else ""), taken
-        )
-        summary = {"matrix": name} | capture_summary(taken, files)
-        summaries.append(summary | ({"not_written": missing} if missing else {}))
+            kept.append(one.capture)
     return Pictures(
-        cube=part.cube,
+        cube=study.pictures[number].cube,
         points=tuple(points.values()),
         summaries=tuple(summaries),
         captures=tuple(kept),
     )
-
-
-def captures(
-    study: Study, number: int, cube: Cube, cameras: Mapping[str, list[Camera]], *, work: Work
-) -> Iterator[tuple[str, Capture]]:
-    """Each picture of a part (from 0) as it is taken, with the name of its matrix.
-
-    Raises
-    ------
-    InputError
-        If the cube holds what is no reflectance.
-    """
-    first, frames = first_frame(study, number), study.pictures[number].frames
-    for i in range(len(study.sensors)):
-        for name, own in cameras.items():
-            for frame in range(first, first + frames):
-                yield name, captured(cube, own[i], frame=frame, work=work)

@@ -69,7 +69,7 @@ def read_study(
     here = path.parent == Path() or Path("/dev") in path.absolute().parents
 
     def seen(study: Study) -> Study:
-        return study if here else _told_from(path.parent, study)
+        return study if here else _relative_to(path.parent, study)
 
     def unresolved_in(study: Study) -> list[InputError]:
         return unresolved(seen(study))
@@ -77,7 +77,7 @@ def read_study(
     return seen(_study(text, str(path), changes, change_label, unresolved_in))
 
 
-def _told_from(folder: Path, study: Study) -> Study:
+def _relative_to(folder: Path, study: Study) -> Study:
     """The study with file names relative to the working folder."""
     return with_file_words(study, lambda one: _beside(one, folder))
 
@@ -86,8 +86,8 @@ def _beside(one: FileWord, folder: Path) -> str:
     if one.kind in ("sensor", "light", "filter"):
         return word_beside(one.word, one.kind, folder)
     name = one.word
-    told = name.startswith("builtin:") or file_of(name).is_absolute()
-    return name if told else str(folder / name)
+    complete = name.startswith("builtin:") or file_of(name).is_absolute()
+    return name if complete else str(folder / name)
 
 
 def study_from_text(
@@ -123,13 +123,13 @@ def _study(
     unfit: Callable[[Study], list[InputError]],
     keep_idle: bool = False,
 ) -> Study:
-    told = _toml(text, source)
+    data = _toml(text, source)
     lines = _lines_of_keys(text)
     changed: dict[Key, str] = {}
     for change in changes:
         place = f"{change_label} {_short(change)}"
-        changed[_changed(told, change, place)] = place
-    return _validated(told, source, lines, changed, unfit, keep_idle)
+        changed[_changed(data, change, place)] = place
+    return _validated(data, source, lines, changed, unfit, keep_idle)
 
 
 def _toml(text: str, source: str) -> dict[str, Any]:
@@ -161,12 +161,12 @@ def _toml(text: str, source: str) -> dict[str, Any]:
         raise InputError(source, "is not TOML (an integer has too many digits)") from None
 
 
-def study_from_data(told: Mapping[str, Any], *, source: str = "", keep_idle: bool = False) -> Study:
+def study_from_data(data: Mapping[str, Any], *, source: str = "", keep_idle: bool = False) -> Study:
     """The study in plain data, as TOML would give it.
 
     Parameters
     ----------
-    told
+    data
         The data.
     source
         Names it in messages; empty where the data are arguments of a call.
@@ -183,11 +183,11 @@ def study_from_data(told: Mapping[str, Any], *, source: str = "", keep_idle: boo
     StudyError
         All faults of what it says, each with its key as ``setting``.
     """
-    return _validated(told, source, {}, {}, lambda study: [], keep_idle)
+    return _validated(data, source, {}, {}, lambda study: [], keep_idle)
 
 
 def _validated(
-    told: Mapping[str, Any],
+    data: Mapping[str, Any],
     source: str,
     lines: Mapping[Key, int],
     changed: Mapping[Key, str],
@@ -197,19 +197,19 @@ def _validated(
     faults: list[InputError] = []
     study: Study | None = None
     try:
-        study = Study.model_validate(told, context=KEEP_IDLE if keep_idle else None)
+        study = Study.model_validate(data, context=KEEP_IDLE if keep_idle else None)
     except ValidationError as error:
         found = error.errors(include_url=False)
         inside = [one["loc"] for one in found]
         shown = [
             one
             for one in found
-            # a list that holds a faulty entry is told as too short as well
+            # a list that holds a faulty entry is reported as too short as well
             if one["type"] != "too_short"
             or not any(k[: len(one["loc"])] == one["loc"] != k for k in inside)
         ]
         faults = [fault for one in shown for fault in _faults(one)]
-        study = _without(told, [one["loc"] for one in shown])
+        study = _without(data, [one["loc"] for one in shown])
     if study is not None and study.sensors[0].name:
         faults += unfit(study)
     if faults or study is None:
@@ -228,9 +228,9 @@ def _line_of(key: Key, lines: Mapping[Key, int]) -> int:
     return next((lines[key[:n]] for n in range(len(key), 0, -1) if key[:n] in lines), 0)
 
 
-def _without(told: Mapping[str, Any], wrong: Sequence[Key]) -> Study | None:
+def _without(data: Mapping[str, Any], wrong: Sequence[Key]) -> Study | None:
     """What remains of a study without its faulty values, so that its names can be looked at too."""
-    rest: Any = copy.deepcopy(told)
+    rest: Any = copy.deepcopy(data)
     for key in wrong:
         while key and isinstance(key[-1], int):
             key = key[:-1]  # without one entry the others would have other places
@@ -252,7 +252,7 @@ def _without(told: Mapping[str, Any], wrong: Sequence[Key]) -> Study | None:
     return None
 
 
-def _changed(told: dict[str, Any], change: str, place: str) -> Key:
+def _changed(data: dict[str, Any], change: str, place: str) -> Key:
     """Put ``a.b.0.c=value`` in its place; the value is TOML, or else a plain word.
 
     Errors name the change by ``place``.
@@ -263,7 +263,7 @@ def _changed(told: dict[str, Any], change: str, place: str) -> Key:
         raise InputError(
             place, "needs the form key=value, e.g. light.level_lux=3", value=change, found=None
         )
-    at: Any = told
+    at: Any = data
     for i, step in enumerate(steps[:-1]):
         following: Any = [] if isinstance(steps[i + 1], int) else {}
         at = _step(at, step, following, place)

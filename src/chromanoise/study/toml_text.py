@@ -18,10 +18,10 @@ def study_as_toml(study: Study) -> str:
     [[sensors]]
     name = "onyx-rgbw"
     """
-    told = study.model_dump(mode="json", by_alias=True, exclude_defaults=True)
+    data = study.model_dump(mode="json", by_alias=True, exclude_defaults=True)
     lines = ["schema = 1"]
     tables = []
-    for key, value in told.items():
+    for key, value in data.items():
         if isinstance(value, dict):
             tables += ["", f"[{key}]", *_pairs(value)]
         elif isinstance(value, list) and value and isinstance(value[0], dict):
@@ -32,10 +32,10 @@ def study_as_toml(study: Study) -> str:
     return "\n".join([*lines, *tables]) + "\n"
 
 
-def _pairs(told: dict[str, Any], prefix: str = "") -> list[str]:
+def _pairs(data: dict[str, Any], prefix: str = "") -> list[str]:
     """``key = value`` lines; tables inside become dotted keys."""
     lines = []
-    for key, value in told.items():
+    for key, value in data.items():
         if isinstance(value, dict):
             lines += _pairs(value, f"{prefix}{key}.")
         else:

@@ -97,10 +97,10 @@ def band_sentence(band: CrossoverBand) -> str:
         return f"{start} have no crossover in {one.quantity.what}: {who}."
     low, high = band.span
     never = [prior for prior, crossover in band.by_prior.items() if not crossover.at]
-    except_told = f", and none with {', '.join(never)}" if never else ""
+    exceptions = f", and none with {', '.join(never)}" if never else ""
     return (
         f"{start} have a crossover in {one.quantity.what} between {low:.3g} and "
-        f"{one.sweep.with_unit(f'{high:.3g}')} of {one.sweep.what}{except_told}."
+        f"{one.sweep.with_unit(f'{high:.3g}')} of {one.sweep.what}{exceptions}."
     )
 
 

@@ -1,4 +1,4 @@
-"""Where sensors change places while one thing varies: found on the closed form, told in words."""
+"""Crossovers: values of a parameter at which two sensors change places, and their sentences."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -31,16 +31,17 @@ class Crossover:
     first, second, matrix
         Names.
     labels
-        What sentences call first and second.
+        Names of first and second in sentences.
     sweep, quantity
-        What varies, and what was asked.
+        The parameter that varies, and the quantity.
     at
         Where the sign of their difference changes; empty if it never does. [unit of the sweep]
     color_error
-        Of first and second at each of these: SNR is never told alone; NaN where it is not
+        Of first and second at each of these, to report beside an SNR; NaN where it is not
         defined. [Delta E*ab]
     better_first
-        Who leads first, from the lowest common value of the sweep on; ``None`` for equals.
+        The better sensor at the lowest common value of the sweep; ``None`` if they are equal
+        throughout.
     first_at, last_at
         The range in which both have a value. [unit of the sweep]
     """
@@ -60,14 +61,14 @@ class Crossover:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Incomparable:
-    """Two sensors that are never usable together, so that none leads.
+    """Two sensors that have no common value of the sweep at which the quantity is defined.
 
     Attributes
     ----------
     first, second, matrix
         Names.
     labels
-        What sentences call first and second.
+        Names of first and second in sentences.
     why
         A sentence.
     """
@@ -108,7 +109,7 @@ def crossovers_or_reasons(
     makers: Mapping[str, MatrixFunction],
     curves: Sequence[Curve],
 ) -> tuple[Crossover | Incomparable, ...]:
-    """As `crossovers`, but a pair that cannot be compared does not silence the others.
+    """As `crossovers`, with an `Incomparable` for each pair that cannot be compared.
 
     Parameters
     ----------
@@ -148,7 +149,7 @@ def _crossover_or_reason(
         )
 
 
-def _asked(
+def _value_at(
     contestant: OperatingPoint,
     maker: MatrixFunction,
     sweep: Sweep,
@@ -169,7 +170,7 @@ def _crossover(maker: MatrixFunction, one: _Side, other: _Side) -> Crossover:
         _refuse_nothing_common(first, second)
 
     def lead_at(value: float) -> float:
-        ours, theirs = (_asked(c, maker, sweep, quantity.of, value) for c in (a, b))
+        ours, theirs = (_value_at(c, maker, sweep, quantity.of, value) for c in (a, b))
         return sign * (ours - theirs)
 
     changes = [
@@ -178,7 +179,7 @@ def _crossover(maker: MatrixFunction, one: _Side, other: _Side) -> Crossover:
         if lead[i] * lead[k] < 0 and np.isfinite(lead[i : k + 1]).all()
     ]
     at = tuple(_root(lead_at, low, high, sweep.logarithmic) for low, high in changes)
-    errors = (tuple(_asked(c, maker, sweep, color_error, value) for c in (a, b)) for value in at)
+    errors = (tuple(_value_at(c, maker, sweep, color_error, value) for c in (a, b)) for value in at)
     return Crossover(
         first=first.sensor,
         second=second.sensor,
@@ -241,7 +242,7 @@ Point = tuple[float, float]
 
 
 def _next_share(a: Point, b: Point, c: Point, tolerance: float) -> float:
-    """How far from a towards b to look next; c lies behind a or b."""
+    """Share of the way from a to b of the next evaluation; c is the point before."""
     (xa, fa), (xb, fb), (xc, fc) = a, b, c
     place, height = (xa - xb) / (xc - xb), (fa - fb) / (fc - fb)
     share = 0.5
@@ -254,17 +255,17 @@ def _next_share(a: Point, b: Point, c: Point, tolerance: float) -> float:
 
 def crossover_as_json(crossover: Crossover) -> dict[str, Any]:
     """One crossover as plain data, with its sentence."""
-    told = {
+    data = {
         key: getattr(crossover, key)
         for key in ("first", "second", "matrix", "better_first", "first_at", "last_at")
     }
     errors = [[defined(ours), defined(theirs)] for ours, theirs in crossover.color_error]
     sentence = crossover_sentence(crossover)
-    return told | {"at": list(crossover.at), "color_error": errors, "sentence": sentence}
+    return data | {"at": list(crossover.at), "color_error": errors, "sentence": sentence}
 
 
 def crossover_sentence(crossover: Crossover) -> str:
-    """Who leads over which values of the sweep, and the color errors where places change."""
+    """Which sensor is better over which values, and the color errors at the crossovers."""
     (first, second), sweep = crossover.labels, crossover.sweep
     last = sweep.with_unit(value_in_words(crossover.last_at, 4))
     span = f"{value_in_words(crossover.first_at, 4)} to {last}"

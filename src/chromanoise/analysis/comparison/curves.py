@@ -1,7 +1,7 @@
-"""Sensors against each other while one thing varies: one curve each."""
+"""A quantity of several sensors as a function of one parameter: one curve each."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -22,43 +22,56 @@ from chromanoise.exposure import OperatingPoint
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Curve:
-    """One sensor with one matrix over the sweep.
+class SweptQuantity:
+    """A quantity of one sensor with one matrix over a sweep.
 
     Attributes
     ----------
     sensor, matrix
         Names.
     label
-        What tables and charts call the sensor.
-    time_s
-        Integration time before the sweep. [s]
+        Name of the sensor in tables and charts.
     sweep, quantity
-        What varies, and what was asked.
+        The parameter that varies, and the quantity.
     at
-        Where it was computed. [unit of the sweep]
+        Values of the parameter. [unit of the sweep]
     value
         NaN where it is not defined: a channel is saturated, a color is no signal. [unit of the
         quantity]
     saturated
         Where a channel is saturated on a perfect white.
-    color_error
-        Mean over the ColorChecker, without noise; NaN where it is not defined. [Delta E*ab]
     """
 
     sensor: str
     label: str
     matrix: str
-    time_s: float
     sweep: Sweep
     quantity: Quantity
     at: Float[Array, " k"]
-    value: Float[Array, " k"]
-    saturated: Bool[Array, " k"]
-    color_error: Float[Array, " k"]
+    value: Float[Array, "*j k"]
+    saturated: Bool[Array, "*j k"]
 
     def __post_init__(self) -> None:
-        _check.freeze(self, "at", "value", "saturated", "color_error")
+        names = (field.name for field in fields(self))
+        _check.freeze(
+            self, *(name for name in names if isinstance(getattr(self, name), np.ndarray))
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Curve(SweptQuantity):
+    """A quantity over one parameter.
+
+    Attributes
+    ----------
+    time_s
+        Exposure time before the sweep. [s]
+    color_error
+        Mean over the ColorChecker, without noise; NaN where it is not defined. [Delta E*ab]
+    """
+
+    time_s: float
+    color_error: Float[Array, " k"]
 
 
 def compared(
@@ -70,55 +83,55 @@ def compared(
     quantity: Quantity = SNR_Y,
     progress: Callable[[int], None] = lambda _: None,
 ) -> tuple[Curve, ...]:
-    """Every sensor with every matrix over the sweep.
+    """A quantity of every sensor with every matrix over the sweep.
 
     Parameters
     ----------
     contestants
-        Sensors with their exposures and their light; each keeps all that the sweep does not vary.
+        Sensors with their exposures and their light; the sweep changes nothing else of them.
     makers
-        Matrix methods by name, from `matrix_makers` or functions of your own; each is asked anew
-        at every value.
+        Matrix methods by name, from `matrix_makers` or functions of your own; each makes a new
+        matrix at every value.
     at
         Increasing. [unit of the sweep]
     sweep
-        What varies: one of `SWEEPS`, or your own.
+        The parameter that varies: one of `SWEEPS`, or your own.
     quantity
-        What is asked: one of `QUANTITIES`, or your own.
+        One of `QUANTITIES`, or your own.
     progress
         Called with the number of newly finished values, out of all values of all curves.
 
     Raises
     ------
     InputError
-        If the values do not increase or leave what makes sense.
+        If the values do not increase, or are out of the range of the sweep.
     """
     values = _check.increasing(f"values of {sweep.name}", sweep.unit, at)
     for end in (values[0], values[-1]):
         _check.within(f"sweep of {sweep.name}", sweep.unit, end, sweep.lowest, sweep.highest)
     pairs = [(one, name, maker) for one in contestants for name, maker in makers.items()]
     found = [_over_levels(one, maker, values, sweep, quantity) for one, _, maker in pairs]
-    progress(values.size * sum(asked is not None for asked in found))
-    slow = [(one, maker) for (one, _, maker), asked in zip(pairs, found, strict=True) if not asked]
+    progress(values.size * sum(curve is not None for curve in found))
+    slow = [(one, maker) for (one, _, maker), curve in zip(pairs, found, strict=True) if not curve]
     rest = iter(_one_by_one(slow, values, sweep, quantity, progress))
     return tuple(
-        _curve(one, name, asked or next(rest), values, sweep, quantity)
-        for (one, name, _), asked in zip(pairs, found, strict=True)
+        _curve(one, name, curve or next(rest), values, sweep, quantity)
+        for (one, name, _), curve in zip(pairs, found, strict=True)
     )
 
 
-_Asked = tuple[Float[Array, " k"], Float[Array, " k"], Bool[Array, " k"]]
+_OverSweep = tuple[Float[Array, " k"], Float[Array, " k"], Bool[Array, " k"]]
 
 
 def _curve(
     contestant: OperatingPoint,
     matrix: str,
-    found: _Asked,
+    found: _OverSweep,
     values: Float[Array, " k"],
     sweep: Sweep,
     quantity: Quantity,
 ) -> Curve:
-    asked, errors, full = found
+    value, errors, full = found
     return Curve(
         sensor=contestant.sensor.name,
         label=contestant.sensor.label,
@@ -127,7 +140,7 @@ def _curve(
         sweep=sweep,
         quantity=quantity,
         at=values,
-        value=asked,
+        value=value,
         saturated=full,
         color_error=errors,
     )
@@ -139,8 +152,8 @@ def _over_levels(
     values: Float[Array, " k"],
     sweep: Sweep,
     quantity: Quantity,
-) -> _Asked | None:
-    """All levels at once; ``None`` where the quantity can only be asked one by one."""
+) -> _OverSweep | None:
+    """All levels at once; ``None`` where the quantity has no function for many levels."""
     if sweep.name != SWEEPS["lux"].name or not isinstance(maker, MatrixMaker):
         return None
     if quantity.over_levels is None:
@@ -149,9 +162,9 @@ def _over_levels(
     first = maker(SWEEPS["lux"].at(contestant, float(values[0])))
     matrices = maker.over_levels(contestant, values)
     if matrices is not None:
-        asked = quantity.over_levels(contestant, first, values, matrices=matrices)
-        return asked, color_errors(contestant, matrices), full
-    error = color_error(contestant, first)  # of the one matrix that looks at no light
+        found = quantity.over_levels(contestant, first, values, matrices=matrices)
+        return found, color_errors(contestant, matrices), full
+    error = color_error(contestant, first)  # one matrix for all levels
     return quantity.over_levels(contestant, first, values), np.full(values.size, error), full
 
 
@@ -161,16 +174,16 @@ def _one_by_one(
     sweep: Sweep,
     quantity: Quantity,
     progress: Callable[[int], None],
-) -> list[_Asked]:
+) -> list[_OverSweep]:
     """All curves at each value, so that the first values show how long all of them take."""
-    found: list[_Asked] = [
+    found: list[_OverSweep] = [
         (np.empty(values.size), np.empty(values.size), np.empty(values.size, bool)) for _ in pairs
     ]
     for i, value in enumerate(values.tolist()):
-        for (contestant, maker), (asked, errors, full) in zip(pairs, found, strict=True):
+        for (contestant, maker), (of_one, errors, full) in zip(pairs, found, strict=True):
             operating_point = sweep.at(contestant, value)
             matrix = maker(operating_point)
-            asked[i] = quantity.of(operating_point, matrix)
+            of_one[i] = quantity.of(operating_point, matrix)
             errors[i] = color_error(operating_point, matrix)
             full[i] = is_saturated(operating_point)
             progress(1)

@@ -1,7 +1,7 @@
-"""Sensors against each other while two things vary: a grid of values each."""
+"""A quantity of several sensors as a function of two parameters: a grid of values each."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import Any
 
@@ -9,10 +9,10 @@ import numpy as np
 
 from chromanoise import __version__, _check
 from chromanoise._check import Array
-from chromanoise._shapes import Bool, Float, Int
+from chromanoise._shapes import Float, Int
 from chromanoise.analysis.color_matrices import MatrixFunction
 from chromanoise.analysis.comparison.crossing import Crossover, crossovers_or_reasons
-from chromanoise.analysis.comparison.curves import Curve, compared
+from chromanoise.analysis.comparison.curves import Curve, SweptQuantity, compared
 from chromanoise.analysis.comparison.quantities import SNR_Y, Quantity
 from chromanoise.analysis.comparison.ranking import MOST_PAIRS_SENSORS, leaders_of
 from chromanoise.analysis.comparison.sweeps import Sweep
@@ -22,49 +22,32 @@ from chromanoise.exposure import OperatingPoint
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class QuantityMap:
-    """One sensor with one matrix over two sweeps.
+class QuantityMap(SweptQuantity):
+    """A quantity over two parameters: one row of values per value of the second.
 
     Attributes
     ----------
-    sensor, label, matrix
-        Names.
-    sweep, second, quantity
-        What varies along columns and along rows, and what was asked.
-    at, second_at
-        Where it was computed. [units of the sweeps]
-    value
-        One row per value of the second sweep; NaN where it is not defined. [unit of the quantity]
-    saturated
-        Where a channel is saturated on a perfect white.
+    second
+        The second parameter.
+    second_at
+        Its values. [unit of ``second``]
     """
 
-    sensor: str
-    label: str
-    matrix: str
-    sweep: Sweep
     second: Sweep
-    quantity: Quantity
-    at: Float[Array, " k"]
     second_at: Float[Array, " j"]
-    value: Float[Array, "j k"]
-    saturated: Bool[Array, "j k"]
-
-    def __post_init__(self) -> None:
-        _check.freeze(self, "at", "second_at", "value", "saturated")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CrossoverLine:
-    """Where two sensors with one matrix change places, for each value of the second sweep.
+    """Crossovers of two sensors with one matrix, for each value of the second sweep.
 
     Attributes
     ----------
     first, second, matrix
         Names.
     at
-        Values of the first sweep, one entry per value of the second sweep; empty where the order
-        never changes. [unit of the first sweep]
+        Their values of the first sweep, one entry per value of the second sweep; empty where there
+        is none. [unit of the first sweep]
     """
 
     first: str
@@ -84,7 +67,7 @@ def mapped(
     quantity: Quantity = SNR_Y,
     progress: Callable[[int], None] = lambda _: None,
 ) -> tuple[tuple[QuantityMap, ...], tuple[CrossoverLine, ...]]:
-    """Every sensor with every matrix over two sweeps, and where pairs of sensors change places.
+    """A quantity of every sensor with every matrix over two sweeps, and the crossovers of pairs.
 
     Parameters
     ----------
@@ -103,7 +86,7 @@ def mapped(
     Raises
     ------
     InputError
-        If both sweeps vary the same thing, or as `chromanoise.analysis.compared`.
+        If both sweeps vary the same parameter, or as `chromanoise.analysis.compared`.
 
     Notes
     -----
@@ -112,7 +95,10 @@ def mapped(
     """
     if sweep.name == second.name:
         raise InputError(
-            "second", "must vary another thing than the first sweep", value=second.name, found=None
+            "second",
+            "must vary another parameter than the first sweep",
+            value=second.name,
+            found=None,
         )
     rows = _check.increasing(f"values of {second.name}", second.unit, second_at)
     for end in (rows[0], rows[-1]):
@@ -169,15 +155,7 @@ def _then(sweep: Sweep, second: Sweep, value: float) -> Sweep:
     def both(operating_point: OperatingPoint, first: float) -> OperatingPoint:
         return second.at(sweep.at(operating_point, first), value)
 
-    return Sweep(
-        name=sweep.name,
-        what=sweep.what,
-        unit=sweep.unit,
-        logarithmic=sweep.logarithmic,
-        lowest=sweep.lowest,
-        highest=sweep.highest,
-        at=both,
-    )
+    return replace(sweep, at=both)
 
 
 def _lines(

@@ -1,4 +1,4 @@
-"""What can be asked of an operating point with a color matrix, as one number."""
+"""Quantities that can be compared: each is one number of an operating point and a matrix."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -48,18 +48,18 @@ class Quantity:
     Attributes
     ----------
     name
-        As a person asks for it.
+        Its name in options and studies.
     what
         In words, unit not included.
     unit
         Of the number.
     more_is_better
-        What winning means.
+        Whether the higher value is the better one.
     of
         The number; NaN where it is not defined: a channel is saturated, a color is no signal.
     over_levels
-        The same for many light levels [lx] at once, as `color_snr_over_levels`; ``None`` where it
-        is asked one by one.
+        The same for many light levels [lx] at once, as `color_snr_over_levels`; ``None`` where
+        there is no such function.
     """
 
     name: str
@@ -119,7 +119,7 @@ def is_saturated_over_levels(
     Parameters
     ----------
     operating_point
-        A sensor in use; its own light level is not asked.
+        A sensor in use; its own light level is not used.
     level_lux
         Illuminance. [lx]
     """
@@ -129,10 +129,10 @@ def is_saturated_over_levels(
 
 
 def fullest_level_lux(operating_point: OperatingPoint) -> float | None:
-    """Up to which illuminance on a perfect white no channel is saturated, the time kept. [lx]
+    """Highest illuminance at which a perfect white saturates no channel, at a fixed time. [lx]
 
-    ``None`` where no channel sees the light. Electrons are linear in light, so it is the white
-    level over the electrons of one lux in the channel that gets most.
+    ``None`` where no channel receives light. Electrons are linear in light, so it is the white
+    level over the electrons per lux of the most sensitive channel.
     """
     most = float(electrons_at(operating_point, level_lux=np.ones(1)).max())
     left_e = signal_limit_e(operating_point.sensor, operating_point.exposure)
@@ -156,7 +156,7 @@ def best_snr_over_levels(
 
 
 def color_loss(operating_point: OperatingPoint, matrix: ColorMatrix) -> float:
-    """How far SNR of Y stays below the best linear readout. [dB]"""
+    """SNR of the best linear readout minus SNR of Y. [dB]"""
     at = _patch_at(operating_point, matrix)
     return float(at.optimal_linear_snr_db - _color_snr(at, "Y"))
 
@@ -212,7 +212,10 @@ def information_over_levels(
 
 
 def color_error(operating_point: OperatingPoint, matrix: ColorMatrix) -> float:
-    """Mean over the chart, without noise; NaN where the white is no color. [Delta E*ab]"""
+    """Mean over the chart, without noise. [Delta E*ab]
+
+    NaN where X, Y or Z of the white is not above 0.
+    """
     error = chart_color_error(
         operating_point.sensor,
         matrix,

@@ -1,4 +1,4 @@
-"""Many sensors: their ranks by one quantity, and who leads where over a sweep."""
+"""Many sensors: their ranks by one quantity, and the best one over each range of a sweep."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -15,7 +15,7 @@ from chromanoise.analysis.comparison.sweeps import Sweep
 from chromanoise.exposure import OperatingPoint
 
 MOST_PAIRS_SENSORS = 3
-"""Up to this number of sensors, a sentence per pair is shown; beyond, a ranking and the leaders."""
+"""Up to this number of sensors each pair has a sentence; more have a ranking and leaders."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -52,7 +52,7 @@ class Lead:
     sensor, label, matrix
         Its names.
     sweep, quantity
-        What varies, and what was asked.
+        The parameter that varies, and the quantity.
     first, last
         The ends of the range. [unit of the sweep]
     """
@@ -280,7 +280,7 @@ def lead_changes(leading: Sequence[Lead], crossed: Sequence[Crossover]) -> tuple
 
 
 def lead_sentences(leading: Sequence[Lead]) -> list[str]:
-    """Per matrix, who is the best of all over which values of the sweep."""
+    """Per matrix, the best sensor over each range of the sweep."""
     sentences = []
     for name in dict.fromkeys(one.matrix for one in leading):
         mine = [one for one in leading if one.matrix == name]

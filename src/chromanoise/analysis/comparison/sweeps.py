@@ -1,7 +1,7 @@
-"""What can be varied: light, exposure, IR-cut edge, noise of the pixel, crosstalk.
+"""Parameters that can be varied: light, exposure, IR-cut edge, noise of the pixel, crosstalk.
 
-A sweep changes one thing of an operating point and nothing else: the time, for example, stays as it
-was.
+A sweep changes one parameter of an operating point and nothing else; the exposure time, for
+example, stays.
 """
 
 from collections.abc import Callable, Mapping
@@ -29,20 +29,20 @@ _ILLUMINATOR_NM = 850.0
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Sweep:
-    """One thing that varies.
+    """One parameter that varies.
 
     Attributes
     ----------
     name
-        As a person asks for it.
+        Its name in options and studies.
     what
-        In words.
+        Description, unit not included.
     unit
         Of its values.
     logarithmic
-        Whether equal ratios, not equal steps, are equally far apart.
+        Whether values have equal ratios instead of equal steps.
     lowest, highest
-        Between which it makes sense. [unit]
+        Its range. [unit]
     at
         The operating point with that value.
     replaces
@@ -52,7 +52,7 @@ class Sweep:
     replaces_light
         Whether every value replaces the illuminant.
     whole
-        Whether only whole numbers make sense.
+        Whether values are whole numbers.
     """
 
     name: str
@@ -119,7 +119,7 @@ def _of_pixel(
 
 
 def _at_bits(operating_point: OperatingPoint, bits: float) -> OperatingPoint:
-    """A converter whose top code is full well, whatever gain it had."""
+    """A converter whose top code is at full well, in place of any known gain."""
     sensor = operating_point.sensor
     converter = replace(sensor.converter, bits=round(bits), gain_e_per_dn=None)
     return replace(operating_point, sensor=replace(sensor, converter=converter))
@@ -143,7 +143,7 @@ def _at_crosstalk(operating_point: OperatingPoint, share: float) -> OperatingPoi
 
 
 def _at_ir_cut(operating_point: OperatingPoint, edge_nm: float) -> OperatingPoint:
-    """A model IR-cut in front of what the sensor is: one that has a cut has two then."""
+    """A model IR-cut in addition to any that the sensor has."""
     return replace(
         operating_point, sensor=behind_ir_cut(operating_point.sensor, edge_nm, noted=False)
     )
@@ -155,7 +155,7 @@ def _at_temperature(operating_point: OperatingPoint, kelvin: float) -> Operating
 
 
 def _at_infrared(operating_point: OperatingPoint, ratio: float) -> OperatingPoint:
-    """An 850 nm illuminator beside the light; the lux stay what they were."""
+    """An 850 nm illuminator in addition to the light, at the same illuminance."""
     light = with_infrared(operating_point.illuminant, peak_nm=_ILLUMINATOR_NM, ratio=ratio)
     return replace(operating_point, illuminant=light)
 
@@ -259,24 +259,24 @@ SWEEPS: Mapping[str, Sweep] = {
 
 
 def swept_values(sweep: Sweep, first: float, last: float, points: int) -> Float[Array, " k"]:
-    """Values from first to last, equally far apart. [unit of the sweep]
+    """Values from first to last, with equal steps, or equal ratios in a logarithmic sweep.
 
-    In a logarithmic sweep their ratios are equal, else their differences. Where only whole numbers
-    make sense, they are rounded, and each number comes once.
+    Where values are whole numbers, they are rounded, and repeated ones are dropped.
 
     Parameters
     ----------
     sweep
         One of `SWEEPS`, or your own.
     first, last
-        The ends, both among the values. [unit of the sweep]
+        First and last value. [unit of the sweep]
     points
         How many. [1]
 
     Raises
     ------
     InputError
-        If they do not rise, leave what makes sense, or there are fewer than 2 or over 100,000.
+        If they do not increase, are out of the range of the sweep, or are fewer than 2 or more than
+        100,000.
     """
     for value in (first, last):
         _check.within(f"sweep of {sweep.name}", sweep.unit, value, sweep.lowest, sweep.highest)

@@ -1,1 +1,1 @@
-"""Every figure of merit of a sensor in use: of its filters, and of it in its light."""
+"""Figures of merit of a sensor: of its filters, and of the sensor in its light."""

@@ -1,4 +1,4 @@
-"""What a figure of merit is: a number with its source, or the reason why there is none."""
+"""A figure of merit: a number with its source, or the reason why it is not defined."""
 
 import math
 from collections.abc import Callable
@@ -23,7 +23,7 @@ from chromanoise.noise import saturated
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Viewing:
-    """From where a picture is looked at, pixel by pixel.
+    """Display and distance from which a picture is viewed, one picture pixel per display pixel.
 
     Attributes
     ----------
@@ -56,9 +56,9 @@ class Merit:
     value
         ``None`` where it is not defined.
     source
-        Who defined it: standard with its edition, or paper.
+        Standard with its edition, or paper.
     missing
-        Why there is no value; empty where there is one.
+        Reason why there is no value; empty where there is one.
 
     Raises
     ------
@@ -94,16 +94,16 @@ def merit_or_reason(
     of: Callable[[], float | None],
     never: str = "not defined here",
 ) -> Merit:
-    """Ask for a number; a refusal of the library is the reason why there is none.
+    """A figure of merit; the text of an `InputError` is the reason why it has no value.
 
     Parameters
     ----------
     name, what, unit, source
         As `Merit`.
     of
-        The number; ``None`` or infinite where it is not defined.
+        Returns the number; ``None`` or infinite where it is not defined.
     never
-        The reason for that.
+        The reason in that case.
     """
     try:
         value = of()
@@ -127,7 +127,7 @@ def white_color(analysis: Analysis) -> Float[Array, " 3"]:
     Raises
     ------
     InputError
-        If X, Y or Z is no signal: below 0, or next to nothing of what the eye sees.
+        If X, Y or Z is no signal: negative, or below `LEAST_COLOR` times the true color.
     """
     at = stages_at(analysis.point, analysis.matrix)
     white = analysis.matrix.matrix @ at.expected_e
@@ -144,12 +144,12 @@ def white_color(analysis: Analysis) -> Float[Array, " 3"]:
 
 
 def refuse_full(analysis: Analysis) -> None:
-    """Refuse an exposure in which a perfect white fills a channel: eq. 7 does not hold there.
+    """Refuse an exposure at which a perfect white saturates a channel: eq. 7 does not hold there.
 
     Raises
     ------
     InputError
-        If it does; the channels are told.
+        If it does, with the names of the channels.
     """
     full = saturated(white_electrons(analysis), analysis.sensor, analysis.exposure)
     held = [name for name, is_full in zip(analysis.sensor.names, full, strict=True) if is_full]

@@ -1,4 +1,4 @@
-"""Merits of filters: how far they span the eye, and what they tell under a prior."""
+"""Figures of merit of filters: against the observer, and for the ColorChecker as a prior."""
 
 from chromanoise._check import Array
 from chromanoise._shapes import Float
@@ -26,14 +26,14 @@ from chromanoise.scene import Scene, light
 from chromanoise.spectra import cie_1931, color_axes, colorchecker
 from chromanoise.spectra.metric import photons_per_unit
 
-_COLORED_PATCHES = 18  # of the chart's 24; the gray row tells nothing of metamerism
+_COLORED_PATCHES = 18  # of 24; the gray row has no metamerism
 
 
-# filters: how far they span what the eye sees
+# filters against the observer
 
 
 def filter_merits(analysis: Analysis) -> tuple[Merit, ...]:
-    """Neugebauer's q, Vora value and principal angles over the whole grid, lamp not asked."""
+    """Neugebauer's q, Vora value and principal angles over the whole grid, for any illuminant."""
     sensor, metric = analysis.sensor, analysis.matrix.metric
     filters = measurement_vectors(sensor, analysis.exposure, metric)
     eye = color_axes(sensor.grid, metric, analysis.matrix.observer)
@@ -116,7 +116,7 @@ def chart_merits(analysis: Analysis) -> tuple[Merit, ...]:
         ),
         merit_or_reason(
             "information",
-            "what a pixel of all channels tells of the ColorChecker's light",
+            "information of a pixel with all channels on the ColorChecker's light",
             "bit",
             "Shannon 1948",
             of=lambda: _chart_information(analysis),
@@ -156,6 +156,6 @@ def _chart(analysis: Analysis) -> Scene:
 
 
 def _mean_noise(scene: Scene, analysis: Analysis) -> Float[Array, "p p"]:
-    """D of eq. 7 at the mean patch; without PRNU it is the mean of the patches as well."""
-    mean_e = expected_electrons(scene, analysis.sensor, analysis.exposure).mean(axis=0)
-    return with_noise(mean_e, analysis.sensor, analysis.exposure).covariance
+    """Covariance of the raw channels, mean of the patches. [e-^2]"""
+    electrons = expected_electrons(scene, analysis.sensor, analysis.exposure)
+    return with_noise(electrons, analysis.sensor, analysis.exposure).covariance.mean(axis=0)

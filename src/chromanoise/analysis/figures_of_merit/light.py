@@ -1,4 +1,4 @@
-"""Merits of a sensor in its light: speed, levels, visual noise, and what its matrix costs."""
+"""Figures of merit of a sensor in its light: speed, levels, visual noise, color matrix."""
 
 from dataclasses import replace
 from functools import partial
@@ -42,20 +42,20 @@ from chromanoise.metrics import (
 )
 from chromanoise.metrics.visual_noise import pixels_per_degree
 from chromanoise.noise import after_counting, counted_electrons, signal_limit_e, with_noise
-from chromanoise.sensor import Sensor
+from chromanoise.sensor import Sensor, code_step_e
 
 _PLANE = 128  # side of the Fourier plane on which visual noise is averaged
 _SAME_MATRIX = 1e-9  # two matrices that differ by less are one
 _SPEEDS = ((10, "first acceptable"), (40, "first excellent"))
 
 
-# speed: how little light is enough
+# speed: the least light for an SNR
 
 
 def speed_merits(analysis: Analysis, maker: MatrixFunction | None) -> tuple[Merit, ...]:
     """SNR10 of the matrix in use, of one that adapts, and the noise-based speeds."""
     card = f"{100 * GRAY:.0f} % gray, this exposure"
-    never = f"no light is enough: full well comes first, or Y of a gray ({card}) is no signal"
+    never = f"no light is enough: a channel saturates first, or Y of a gray ({card}) is no signal"
     adapts = maker is not None and _adapts(analysis.point, maker)
     fixed = merit_or_reason(
         "snr10",
@@ -98,7 +98,7 @@ def _noise_speeds(analysis: Analysis) -> tuple[Merit, ...]:
             "1",
             ISO_12232_2019.edition,
             of=partial(speed, snr),
-            never=f"no exposure is enough: full well comes before SNR {snr}",
+            never=f"no exposure is enough: a channel saturates before SNR {snr}",
         )
         for snr, quality in _SPEEDS
     )
@@ -120,7 +120,7 @@ def _adapts(operating_point: OperatingPoint, maker: MatrixFunction) -> bool:
     return bool(np.abs(there - here).max() > _SAME_MATRIX * np.abs(here).max())
 
 
-# levels: how much a pixel tells apart
+# levels that a pixel distinguishes
 
 
 def level_merits(analysis: Analysis) -> tuple[Merit, ...]:
@@ -129,11 +129,13 @@ def level_merits(analysis: Analysis) -> tuple[Merit, ...]:
     top_e = np.clip(white_e, 0.0, max(signal_limit_e(sensor, exposure), 0.0))
     dark = with_noise(np.zeros_like(white_e), sensor, exposure, kind="temporal")
     dark_noise_e, shot = np.sqrt(dark.variance), _shot_noise_per_electron(sensor, white_e)
+    step_e = code_step_e(sensor.converter, sensor.pixel)
 
     def of_channel(i: int) -> float:
         # the levels of a reading are those of the counts that have as much shot noise
         counted_e, noise_e = np.asarray(top_e[i] / shot[i]), float(dark_noise_e[i] / shot[i])
-        return float(tonal_range_bits(counted_e, read_noise_e=noise_e))
+        step = float(step_e / shot[i])
+        return float(tonal_range_bits(counted_e, read_noise_e=noise_e, step_e=step))
 
     ranges = (
         merit_or_reason(
@@ -171,14 +173,18 @@ def _color_sensitivity(
     """The sum of tonal ranges, which holds for independent channels only."""
     if after_counting(sensor.crosstalk) is not None:
         return None
-    return float(color_sensitivity_bits(top_e, read_noise_e=dark_noise_e))
+    step_e = code_step_e(sensor.converter, sensor.pixel)
+    return float(color_sensitivity_bits(top_e, read_noise_e=dark_noise_e, step_e=step_e))
 
 
 # visual noise of a gray, from the closed-form noise power spectrum
 
 
 def visual_merits(analysis: Analysis, viewing: Viewing) -> tuple[Merit, ...]:
-    """Visual noise with every channel in each pixel, and through bilinear demosaicing."""
+    """Visual noise with every channel in each pixel, and through bilinear demosaicing.
+
+    Demosaicing needs pixels with independent noise, without crosstalk after counting.
+    """
     card = f"visual noise of {100 * GRAY:.0f} % gray"
     return (
         merit_or_reason(
@@ -269,6 +275,6 @@ def matrix_merits(analysis: Analysis) -> tuple[Merit, ...]:
             "1",
             "singular values",
             of=lambda: report().condition,
-            never="the rank of the matrix is short: a coordinate is a mix of others",
+            never="the matrix does not have full rank: a coordinate is a mix of others",
         ),
     )

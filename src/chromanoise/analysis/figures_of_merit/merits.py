@@ -23,7 +23,7 @@ from chromanoise.analysis.figures_of_merit.light import (
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Merits:
-    """What a sensor is worth in a light and with an exposure.
+    """All figures of merit of a sensor in a light and with an exposure.
 
     Attributes
     ----------
@@ -32,13 +32,13 @@ class Merits:
     level_lux, time_s
         The exposure. [lx], [s]
     metric
-        In which light was a vector.
+        Metric of the space of spectra.
     observer
         Of the filters and of color; the SMI is that of CIE 1931 by its standard.
     viewing
         Of the visual noise.
     entries
-        The figures, in the order in which they are told.
+        The figures, in the order of tables and JSON.
     """
 
     sensor: str
@@ -60,8 +60,8 @@ def merits_of(
 ) -> Merits:
     """Every figure of merit of an analysis: its sensor, exposure, lamp and matrix.
 
-    What is not defined (a channel is saturated on the white, the lamp leaves a color of zero, the
-    mosaic is not known) has no value but a sentence. Noise is that of eq. 7, unclipped.
+    A figure that is not defined (a channel is saturated on the white, a color of the lamp is zero,
+    the mosaic is not known) has the reason in place of a value. Noise is unclipped.
 
     Parameters
     ----------

@@ -55,16 +55,16 @@ class Chunks:
         """The number of chunks along each axis."""
         return tuple(-(-n // long) for n, long in zip(self.shape, self.chunk, strict=True))
 
-    def __getitem__(self, asked: Any) -> Shaped[Array, "..."]:
+    def __getitem__(self, key: Any) -> Shaped[Array, "..."]:
         """Part of the array, from all chunks that overlap it.
 
         Parameters
         ----------
-        asked
+        key
             A slice for each axis, which goes up; or ``...`` for the whole array.
         """
-        asked = (slice(None),) * len(self.shape) if asked is ... else asked
-        wanted = [range(n)[part] for part, n in zip(asked, self.shape, strict=True)]
+        key = (slice(None),) * len(self.shape) if key is ... else key
+        wanted = [range(n)[part] for part, n in zip(key, self.shape, strict=True)]
         spans = [range(one[0], one[-1] + 1) for one in wanted]
         result = np.empty([len(span) for span in spans], self.dtype.newbyteorder("="))
         touched = [

@@ -284,16 +284,16 @@ def _matched(
     """Darks of each level, darks that belong to none, and notes."""
     if not darks:
         return {}, {}, ["no darks: no name has one of the words dark, bias, black, cap"]
-    told = [one.frame.time_ms is not None for one in darks]
-    if not all(told) and any(told):
+    timed = [one.frame.time_ms is not None for one in darks]
+    if not all(timed) and any(timed):
         without = next(one for one in darks if one.frame.time_ms is None)
         raise _question(
             source, f"some darks have an exposure time, but {without.frame.name} has none"
         )
     times = {time for _, time in groups}
-    if all(told) and (None not in times):
+    if all(timed) and (None not in times):
         return _by_time(groups, darks)
-    if all(told):
+    if all(timed):
         raise _question(source, "the darks have exposure times and the flats have none")
     return _without_times(source, groups, darks)
 

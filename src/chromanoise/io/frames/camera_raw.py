@@ -62,8 +62,8 @@ def raw_frames(path: Path) -> tuple[Frame, ...]:
             remedy="copy it again, because the file is damaged",
         )
     read = _Raw(path=path, shape=shape, pixels=pixels)
-    told = from_tags if "mosaic" in from_tags else read.header() | from_tags
-    return (Frame(path=path, shape=shape, read=read, **told),)
+    metadata = from_tags if "mosaic" in from_tags else read.header() | from_tags
+    return (Frame(path=path, shape=shape, read=read, **metadata),)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -80,9 +80,9 @@ class _Raw:
 
     def header(self) -> dict[str, Any]:
         """Mosaic, levels, exposure time and ISO as LibRaw knows them."""
-        told: dict[str, Any] = self._called(_header)
-        rows = told.pop("mosaic")
-        return told | {"mosaic": None if rows is None else smallest_mosaic(rows)}
+        metadata: dict[str, Any] = self._called(_header)
+        rows = metadata.pop("mosaic")
+        return metadata | {"mosaic": None if rows is None else smallest_mosaic(rows)}
 
     def _called(self, function: Any) -> Any:
         with reading_rows(self.path, "camera raw"):  # threads may read frames at once
@@ -108,21 +108,21 @@ def _of_tags(path: Path) -> tuple[dict[str, Any], StoredPlane | None]:
         return {}, None
     with opened_tiff(path) as tiff:
         first = tiff.pages[0].aspage()
-        told = {name: value for name, value in exposure_of(first).items() if value}
+        metadata = {name: value for name, value in exposure_of(first).items() if value}
         if _DNG_VERSION not in first.tags:
-            return told, None
+            return metadata, None
         pages = [first, *(page.aspage() for page in first.pages or ())]
         whole = [page for page in pages if page.photometric == CFA]
         for page in whole:
             refuse_incomplete(path, 0, page)
         mosaic = mosaic_of(whole[0]) if len(whole) == 1 else None
         if mosaic is None:
-            return told, None
+            return metadata, None
         levels = {
             "black_level_dn": _mean(whole[0], _BLACK),
             "white_level_dn": _mean(whole[0], _WHITE),
         }
-        return told | levels | {"mosaic": mosaic}, _in_place(path, whole[0])
+        return metadata | levels | {"mosaic": mosaic}, _in_place(path, whole[0])
 
 
 def _in_place(path: Path, page: Any) -> StoredPlane | None:

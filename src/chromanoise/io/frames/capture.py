@@ -369,5 +369,5 @@ def _mosaic(
     other = next((one for one in frames if one.mosaic not in (None, mosaic)), None)
     if other is None:
         return mosaic, ()
-    told = f"mosaic {mosaic_text(mosaic)} of {path.name}; {other.name} states "
-    return mosaic, (told + mosaic_text(other.mosaic),)
+    note = f"mosaic {mosaic_text(mosaic)} of {path.name}; {other.name} states "
+    return mosaic, (note + mosaic_text(other.mosaic),)

@@ -36,10 +36,10 @@ def refuse_mixed(source: str, frames: Sequence[Frame]) -> None:
         It names the first frame and the first that differs from it.
     """
     for name, quantity, shown in _QUANTITIES:
-        told = [frame for frame in frames if quantity(frame) is not None]
-        other = next((one for one in told if quantity(one) != quantity(told[0])), None)
+        known = [frame for frame in frames if quantity(frame) is not None]
+        other = next((one for one in known if quantity(one) != quantity(known[0])), None)
         if other is not None:
-            raise _mixed(source, name, told[0], other, (quantity, shown))
+            raise _mixed(source, name, known[0], other, (quantity, shown))
 
 
 def mosaic_of_all(source: str, frames: Sequence[Frame]) -> Mosaic | None:

@@ -84,7 +84,7 @@ def _of_part(path: Path, number: int, part: Any, first: Any) -> list[Frame]:
         )
     shape = (axes[-2], axes[-1])
     name = printable(str(header.get("EXTNAME", "")) or str(number)) if number else ""
-    told = _told(header, first)
+    metadata = _metadata(header, first)
     frames = []
     for i in range(axes[0]) if len(axes) == 3 else (None,):
         plane = StoredPlane(
@@ -95,7 +95,7 @@ def _of_part(path: Path, number: int, part: Any, first: Any) -> list[Frame]:
             shape=shape,
         )
         read = _Scaled(plane=plane, **_scaling(path, where, header))
-        frames.append(Frame(path=path, shape=shape, read=read, index=i, part=name, **told))
+        frames.append(Frame(path=path, shape=shape, read=read, index=i, part=name, **metadata))
     return frames
 
 
@@ -146,7 +146,7 @@ def _scaling(path: Path, where: str, header: Any) -> dict[str, Any]:
     return {"zero": zero, "scale": scale, "blank": None if blank is None else int(blank)}
 
 
-def _told(header: Any, first: Any) -> dict[str, Any]:
+def _metadata(header: Any, first: Any) -> dict[str, Any]:
     """Exposure, gain, camera and mosaic of an image; an extension inherits from the first part."""
 
     def value(*keys: str) -> Any:

@@ -139,5 +139,5 @@ def _refuse_folder(error: OSError) -> None:
 def _listed(files: Sequence[Path]) -> str:
     """`` (3 .txt, 1 .csv)``."""
     counts = Counter(file.suffix.lower() or file.name for file in files)
-    told = ", ".join(f"{count} {ending[:20]}" for ending, count in sorted(counts.items())[:8])
-    return f" ({told})" if told else ""
+    listed = ", ".join(f"{count} {ending[:20]}" for ending, count in sorted(counts.items())[:8])
+    return f" ({listed})" if listed else ""

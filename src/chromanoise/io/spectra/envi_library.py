@@ -9,7 +9,7 @@ from chromanoise.errors import InputError
 from chromanoise.io.spectra.declared import known_unit
 from chromanoise.io.spectra.envi import EnviHeader, envi_pair, envi_pixels, read_envi_header
 from chromanoise.io.spectra.parsed import Column, Found
-from chromanoise.io.spectra.tables import missing_told, number_in
+from chromanoise.io.spectra.tables import missing_notes, number_in
 
 _LIBRARY = "envi spectral library"
 _GAINS = ("data gain values", "data offset values")
@@ -91,7 +91,7 @@ def read_envi_library(header: EnviHeader, data: Path) -> Found:
     missing = [
         text
         for name, here in zip(names, known, strict=True)
-        for text in missing_told(
+        for text in missing_notes(
             name, wavelength, here, "values that are not numbers or marked as deleted"
         )
     ]

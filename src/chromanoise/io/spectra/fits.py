@@ -12,7 +12,7 @@ from chromanoise._check import Array
 from chromanoise.errors import InputError
 from chromanoise.io.spectra.declared import known_unit
 from chromanoise.io.spectra.parsed import Column, Found
-from chromanoise.io.spectra.tables import missing_told
+from chromanoise.io.spectra.tables import missing_notes
 
 _WAVELENGTH = re.compile(r"(?i)(wavelengths?|waves?|wl|lambda|lam|loglam)(?![a-z])")
 _LARGEST = 1e30
@@ -81,7 +81,7 @@ def _table(path: Path, part: Any, place: int, at_name: str) -> Found:
     missing = [
         sentence
         for name, values in curves.items()
-        for sentence in missing_told(
+        for sentence in missing_notes(
             name, at, np.isfinite(values), "values that are no number (NaN or TNULL)"
         )
     ]

@@ -10,7 +10,7 @@ from chromanoise._check import Array
 from chromanoise.errors import InputError
 from chromanoise.io.mat5 import mat_array, mat_arrays, mat_texts
 from chromanoise.io.spectra.parsed import Column, Found
-from chromanoise.io.spectra.tables import missing_told
+from chromanoise.io.spectra.tables import missing_notes
 
 _LARGEST_BYTES = 32 * 2**20
 _WAVELENGTHS = ("wavelength", "wavelength_nm", "wave")
@@ -66,7 +66,7 @@ def read_isetcam(path: Path) -> Found:
     missing = [
         text
         for name, here in zip(names, known, strict=True)
-        for text in missing_told(name, wavelength, here, "values that are no number (NaN)")
+        for text in missing_notes(name, wavelength, here, "values that are no number (NaN)")
     ]
     comment = " ".join(" ".join(words.get("comment", ())).split())
     return Found(

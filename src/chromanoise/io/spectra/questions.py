@@ -83,7 +83,7 @@ def questions_of(parsed: ParsedSpectra, words: str, answers: Answers) -> ParsedS
     """
     use = use_of(parsed.quantity)
     own = tuple(sensor_questions(parsed, answers)) if use == "sensor" else ()
-    asked = (
+    questions = (
         *(_quantity(parsed, words) if own else ()),
         *_scale(parsed, answers),
         *own,
@@ -91,7 +91,7 @@ def questions_of(parsed: ParsedSpectra, words: str, answers: Answers) -> ParsedS
         *_negatives(parsed, answers),
         *_beyond(parsed, answers),
     )
-    return replace(parsed, questions=asked)
+    return replace(parsed, questions=questions)
 
 
 def sensor_questions(parsed: ParsedSpectra, answers: Answers) -> Iterator[Question]:

@@ -284,7 +284,7 @@ def _shared(
     for k, (name, unit) in enumerate(names):
         known = np.isfinite(numbers[:, k + 1])
         name = name or f"column {k + 2}"
-        missing += missing_told(name, numbers[:, 0], known, "empty cells")
+        missing += missing_notes(name, numbers[:, 0], known, "empty cells")
         columns.append(
             Column(name=name, unit=unit, wavelength=numbers[known, 0], values=numbers[known, k + 1])
         )
@@ -296,7 +296,7 @@ def _shared(
     )
 
 
-def missing_told(name: str, wavelength: Array, known: Array, what: str) -> list[str]:
+def missing_notes(name: str, wavelength: Array, known: Array, what: str) -> list[str]:
     """A sentence if a curve lacks values at some wavelengths, which are in the file's unit."""
     lost = wavelength[~known]
     if not lost.size:

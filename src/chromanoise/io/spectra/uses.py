@@ -74,9 +74,9 @@ def qe_of(parsed: ParsedSpectra, answers: Answers) -> Spectra:
 
 def _refuse_open(parsed: ParsedSpectra, questions: Iterable[Question]) -> None:
     """Raise an error if there are open questions; its message lists all of them."""
-    asked = tuple(questions)
-    if asked:
-        raise UndeclaredError(parsed.curves.source, asked)
+    open_questions = tuple(questions)
+    if open_questions:
+        raise UndeclaredError(parsed.curves.source, open_questions)
 
 
 def _with_height(

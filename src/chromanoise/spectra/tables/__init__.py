@@ -35,18 +35,18 @@ def packaged_table(name: str) -> Spectra:
     )
 
 
-def catalogue_tables(kind: str) -> dict[str, Provenance]:
+def catalog_tables(kind: str) -> dict[str, Provenance]:
     """The packaged tables of one kind, by their names in the catalog.
 
     Examples
     --------
-    >>> catalogue_tables("illuminant")["G173"].table
+    >>> catalog_tables("illuminant")["G173"].table
     'astm_g173_global'
     """
     return {entry.name: entry for entry in sources().values() if entry.kind == kind}
 
 
-def catalogue_curves(provenance: Provenance) -> Spectra:
+def catalog_curves(provenance: Provenance) -> Spectra:
     """The curves of a packaged table, with their catalog name as source in messages."""
     return replace(packaged_table(provenance.table), source=provenance.name)
 
