@@ -42,7 +42,11 @@ def checked(function):
         if dataclasses.is_dataclass(function) and "__init__" in vars(function):
             function.__init__ = checked(function.__init__)
         return function
+    told, later = function.__annotations__, {}
+    if "." not in function.__qualname__:  # text there is a type that only type checkers import
+        later = {name: told.pop(name) for name in list(told) if isinstance(told[name], str)}
     one = typed(function)
+    told.update(later)
     if not any(map(has_shape, inspect.get_annotations(function).values())):
         return one
 
