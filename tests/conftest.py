@@ -3,6 +3,7 @@
 import dataclasses
 import functools
 import inspect
+import re
 import sys
 from pathlib import Path
 from typing import get_args
@@ -42,7 +43,16 @@ def checked(function):
         if dataclasses.is_dataclass(function) and "__init__" in vars(function):
             function.__init__ = checked(function.__init__)
         return function
+    told, later = function.__annotations__, {}
+    if "." not in function.__qualname__:  # text there is a type that only type checkers import
+        unknown = {
+            name
+            for name, hint in told.items()
+            if isinstance(hint, str) and re.split(r"\W", hint)[0] not in function.__globals__
+        }
+        later = {name: told.pop(name) for name in unknown}
     one = typed(function)
+    told.update(later)
     if not any(map(has_shape, inspect.get_annotations(function).values())):
         return one
 
