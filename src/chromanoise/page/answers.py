@@ -4,9 +4,10 @@ import json
 import logging
 import time
 from collections.abc import Hashable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
-from chromanoise.charts import PARTS, Look, Shown, drawing, shown
+from chromanoise.charts import DRAWINGS, PARTS, Look, Shown, drawing, shown
 from chromanoise.errors import InputError
 from chromanoise.exposure import OperatingPoint
 from chromanoise.page.cache import Remembered
@@ -20,6 +21,7 @@ _BESIDE: dict[str, Any] = {  # no drawing depends on them
     **dict.fromkeys(("sweeps", "pictures", "title", "seed"), True),
     "outputs": set(OutputsPart.model_fields) - {"clip"},
 }
+_BESIDE_MAP = {name: what for name, what in _BESIDE.items() if name != "sweeps"}
 _LOOKS: Mapping[str, tuple[str, ...]] = {
     "budget": ("coordinate",),
     "ellipses": ("plane",),
@@ -88,7 +90,8 @@ class Answers:
         looked = tuple(getattr(look, name) for name in _LOOKS.get(part, ()))
         nouns = tuple((one.sensor, one.illuminant) for one in operating_points)
         # sensitivities do not depend on level and exposure
-        words = "" if part == "sensitivities" else study.model_dump_json(exclude=_BESIDE)
+        beside = _BESIDE_MAP if part == "map" else _BESIDE
+        words = "" if part == "sensitivities" else study.model_dump_json(exclude=beside)
         try:
             return self._parts.of(
                 (part, looked, nouns, words, stamps_of(study, "matrices.")),
@@ -109,7 +112,8 @@ class Answers:
             stamps_of(study, "matrices."),
         )
         seen = self._shown.of(key, lambda: shown(study, operating_points=operating_points))
-        return json.dumps(drawing(part, seen, look), allow_nan=False)
+        # of a study that differs in its sweeps, too
+        return json.dumps(drawing(part, replace(seen, study=study), look), allow_nan=False)
 
 
 def look_of(told: Mapping[str, Any]) -> Look:
@@ -142,8 +146,8 @@ def _is_number(value: Any) -> bool:
 def _wanted(question: Mapping[str, Any]) -> list[str]:
     wanted = field(question, "want", list, list(PARTS))
     for part in wanted:
-        if not isinstance(part, str) or part not in PARTS:
+        if not isinstance(part, str) or part not in DRAWINGS:
             raise malformed(
-                "want", f"unknown part {str(part)[:40]!r}; known are {', '.join(PARTS)}"
+                "want", f"unknown part {str(part)[:40]!r}; known are {', '.join(DRAWINGS)}"
             )
     return list(dict.fromkeys(wanted))

@@ -7,6 +7,7 @@ import { attribute, brief, byId, say, within } from "app/dom.js";
 import { useEquations } from "app/equations.js";
 import { clearFaults, showFaults } from "app/faults.js";
 import { showHead } from "app/head.js";
+import { mapControls } from "app/map.js";
 import { isTrained } from "app/matrix.js";
 import { PARTS, panels, showTable } from "app/panels.js";
 import { picturePanel } from "app/picture.js";
@@ -50,6 +51,7 @@ const root = document.documentElement;
  * @property {(state: State, head: Head | null) => void} showControls
  * @property {ReturnType<typeof panels>} panels
  * @property {ReturnType<typeof headingTools>} tools
+ * @property {ReturnType<typeof mapControls>} map
  * @property {ReturnType<typeof snapshots>} ghosts
  * @property {ReturnType<typeof picturePanel>} picture
  * @property {Asker} asker
@@ -105,7 +107,10 @@ function laterQuestion() {
   if (!page.answered || page.failedVersion >= page.answered.version) return null;
   const { study, look, version } = page.answered;
   const parts = stale(version);
-  const seen = parts.filter((part) => panelOf(part).visible && isSlow(part, study));
+  const slow = parts.filter((part) => panelOf(part).visible && isSlow(part, study));
+  // the map comes last and alone, for it takes longest
+  const others = slow.filter((part) => part !== "map");
+  const seen = others.length ? others : slow;
   // one at a time, so that what is hidden never keeps what is seen waiting
   const idle = seen.length === 0 && page.calm;
   const want = idle ? parts.slice(0, 1) : seen;
@@ -118,7 +123,7 @@ const stale = (version) => PARTS.filter((part) => panelOf(part).version < versio
  * @param {Part} part
  * @param {Study} study
  */
-const isSlow = (part, study) => SLOW.has(part) && isTrained(study);
+const isSlow = (part, study) => part === "map" || (SLOW.has(part) && isTrained(study));
 
 /**
  * @param {Answer} reply
@@ -255,6 +260,7 @@ function changed(state, what) {
   askedBefore = asked;
   showTheme(state.look);
   page.tools.show(state.look);
+  page.map.show(state);
   page.showControls(state, page.head);
   lookedAt(state.look);
   if (what !== "look") page.picture(state);
@@ -365,6 +371,8 @@ async function start() {
     },
     resized: (panel) => redraw(panel.part),
   });
+  page.map = mapControls(choices);
+  panelOf("map").fault.before(page.map.node);
   page.picture = picturePanel();
   listen();
   subscribe(changed);

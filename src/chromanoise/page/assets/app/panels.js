@@ -1,6 +1,7 @@
 /** The parts of the answer as panels: a heading, its equations, its drawing, its table. */
 
 import { attribute, button, el, freshId, within } from "app/dom.js";
+import * as map from "app/heatmap.js";
 import { changeLook } from "app/state.js";
 import * as budget from "draw/budget.js";
 import * as chart from "draw/chart.js";
@@ -31,7 +32,7 @@ import * as vectors from "draw/vectors.js";
  */
 
 /** @type {{ [P in Part]: DrawingModule<any> }} */
-const DRAWN = { stages, budget, sensitivities, levels, pareto, vectors, ellipses, chart };
+const DRAWN = { stages, budget, sensitivities, levels, pareto, map, vectors, ellipses, chart };
 
 /** Which equations stand behind the `?` of a heading. */
 /** @type {Record<Part, string>} */
@@ -40,6 +41,7 @@ const EQUATIONS = {
   budget: "budget bound price",
   sensitivities: "electrons",
   levels: "levels color",
+  map: "levels color",
   vectors: "vectors",
   ellipses: "ellipses",
   chart: "chart",
