@@ -30,6 +30,7 @@ export interface SensorPart {
   ircut_nm?: number;
   label?: string;
   shift_nm?: number;
+  crosstalk?: number | string | null;
   beyond?: string;
   answers?: { peak_qe?: number; level?: string; [key: string]: unknown };
 }
@@ -477,11 +478,13 @@ export interface UploadedStudy extends UploadedPart {
 }
 
 /** What the id of a file stands for. */
-export type FileKind = "sensor" | "light" | "cube";
+export type FileKind = "sensor" | "light" | "cube" | "crosstalk" | "matrix" | "pixel";
 
 export interface UploadedFile extends UploadedPart {
   kind: FileKind;
   id: string;
+  /** What else the file may be, where it can be read in several ways. */
+  others?: UploadedFile[];
 }
 
 export type Upload = UploadedStudy | UploadedFile;

@@ -151,7 +151,10 @@ def read_matrix(path: Path) -> GivenMatrix:
 def _csv(source: str, text: str) -> GivenMatrix:
     facts = dict(re.findall(r"^#\s*(\w+):\s*(.*)$", text, flags=re.MULTILINE))
     lines = [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
-    rows = [[cell.strip() for cell in row] for row in csv.reader(io.StringIO("\n".join(lines)))]
+    try:
+        rows = [[cell.strip() for cell in row] for row in csv.reader(io.StringIO("\n".join(lines)))]
+    except csv.Error as error:
+        raise InputError(source, f"is not CSV ({error})") from None
     if len(rows) < 3:
         raise InputError(source, "must hold a matrix of 3 rows", value=len(rows))
     head = rows[0]
@@ -185,7 +188,8 @@ def _json(source: str, text: str) -> GivenMatrix:
         held = json.loads(text)
     except (ValueError, RecursionError) as error:
         raise InputError(source, f"is not JSON ({error})") from None
-    channels = tuple(str(name) for name in held.get("channels", ()))
+    listed = held.get("channels", ())
+    channels = tuple(map(str, listed)) if isinstance(listed, list) else ()
     if "matrix_lux_per_e" in held:
         return GivenMatrix(
             source=source,
@@ -265,7 +269,7 @@ def _profile(path: Path, file: Any) -> GivenMatrix:
         entries = file.read(12 * count)
         for i in range(count):
             tag, kind, size, place = struct.unpack(order + "HHII", entries[12 * i : 12 * i + 12])
-            if tag in _COLOR_MATRIX and kind == 10 and size <= 12:
+            if tag in _COLOR_MATRIX and kind == 10 and size in (9, 12):
                 file.seek(place)
                 pairs = struct.unpack(order + "ii" * size, file.read(8 * size))
                 tags[tag] = [n / d for n, d in zip(pairs[::2], pairs[1::2], strict=True)]

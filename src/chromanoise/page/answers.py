@@ -10,6 +10,7 @@ from typing import Any
 from chromanoise.charts import DRAWINGS, PARTS, Look, Shown, drawing, shown
 from chromanoise.errors import InputError
 from chromanoise.exposure import OperatingPoint
+from chromanoise.io.given_matrices import is_matrix_file
 from chromanoise.page.cache import Remembered
 from chromanoise.page.requests import QuestionError, field, malformed, page_sentence
 from chromanoise.page.studies import Studies, labeled, spoken, stamps_of
@@ -93,12 +94,16 @@ class Answers:
         beside = _BESIDE_MAP if part == "map" else _BESIDE
         words = "" if part == "sensitivities" else study.model_dump_json(exclude=beside)
         try:
-            return self._parts.of(
+            told = self._parts.of(
                 (part, looked, nouns, words, stamps_of(study, "matrices.")),
                 lambda: self._drawn(part, study, operating_points, look),
             )
+            return spoken(told, [replace(one, label=_as_json(one.label)) for one in used])
         except InputError as error:  # not remembered: sensitivities have the key of other studies
-            return json.dumps({"fault": spoken(page_sentence(error), used)})
+            sentence = spoken(page_sentence(error), used)
+            if part == "head" and is_matrix_file(study.matrices[0]):
+                raise QuestionError((error.setting or "matrices.0", sentence)) from None
+            return json.dumps({"fault": sentence})
         except Exception:  # not cached: the next request may succeed
             _LOG.exception("the drawing %s failed", part)
             return json.dumps({"fault": f"{part} could not be computed for this study"})
@@ -114,6 +119,11 @@ class Answers:
         seen = self._shown.of(key, lambda: shown(study, operating_points=operating_points))
         # of a study that differs in its sweeps, too
         return json.dumps(drawing(part, replace(seen, study=study), look), allow_nan=False)
+
+
+def _as_json(text: str) -> str:
+    """The text as it stands within a string of JSON."""
+    return json.dumps(text)[1:-1]
 
 
 def look_of(told: Mapping[str, Any]) -> Look:

@@ -6,11 +6,11 @@ from typing import Any
 
 from chromanoise import __version__
 from chromanoise.analysis.color_matrices import METHODS
+from chromanoise.analysis.comparison.quantities import QUANTITIES
+from chromanoise.analysis.comparison.sweeps import SWEEPS
 from chromanoise.analysis.priors import PRIORS
 from chromanoise.catalog.entries import catalog_entries, catalog_folder
 from chromanoise.catalog.resolve import resolve_illuminant, resolve_sensor
-from chromanoise.analysis.comparison.quantities import QUANTITIES
-from chromanoise.analysis.comparison.sweeps import SWEEPS
 from chromanoise.charts import DRAWINGS
 from chromanoise.color import SPACES
 from chromanoise.errors import InputError

@@ -5,15 +5,26 @@ import { button, choice, el, fillChoice, within } from "app/dom.js";
 import { lampless } from "app/light.js";
 import { setCube } from "app/scene.js";
 import { complain } from "app/faults.js";
+import { matricesOf, MOST_MATRICES } from "app/matrix.js";
 import { exchange } from "app/sensors.js";
 import { changeStudy, current, replaceStudy } from "app/state.js";
-import { remember } from "app/uploads.js";
+import { remember, shownName } from "app/uploads.js";
 
-/** @import { FileQuestion, SensorPart, Study, Upload } from "answers" */
+/** @import { FileQuestion, SensorPart, Study, Upload, UploadedFile } from "answers" */
 /** @typedef {Record<string, string | number>} Answers */
 /** @typedef {ReturnType<typeof question>} Ask */
 
 const LARGEST = 12e6;
+/** @type {Record<Upload["kind"], string>} */
+const KINDS = {
+  sensor: "a sensor",
+  light: "a light",
+  cube: "a cube",
+  study: "a study",
+  crosstalk: "crosstalk of a sensor",
+  matrix: "a color matrix",
+  pixel: "the values of a pixel",
+};
 const UNHEARD = "The server does not answer, so the file was not read; try again.";
 
 /**
@@ -31,7 +42,7 @@ export function uploads(place) {
     on: { change: () => field.files?.[0] && bring(field.files[0], report).then(() => (field.value = "")) },
   });
   const label = el("label", { for: "file", class: "drop" }, el("span", { text: "Drop a file or choose one" }));
-  const hint = el("p", { class: "hint", text: "Spectrum, sensor, study or cube; it stays on this computer." });
+  const hint = el("p", { class: "hint", text: "Spectrum, sensor, pixel, crosstalk, color matrix, study or cube; it stays on this computer." });
   place.replaceChildren(field, label, hint, report);
   dropAnywhere((file) => {
     place.closest("details")?.setAttribute("open", "");
@@ -110,9 +121,13 @@ const tooLarge = ({ size }) =>
  * @param {Upload} answer
  */
 function show(report, name, answer) {
+  if (answer.kind !== "study" && answer.others?.length) {
+    report.replaceChildren(severalWays(report, name, answer));
+    return;
+  }
   if (answer.kind !== "study") remember(answer.kind, answer.id, name, (answer.asks ?? []).map(({ key }) => key));
   const lines = (answer.preview ?? []).map((text) => el("li", { text }));
-  const title = el("p", { class: "strong", text: `${name}: a ${answer.kind}` });
+  const title = el("p", { class: "strong", text: `${name}: ${KINDS[answer.kind]}` });
   const asks = (answer.asks ?? []).map(question);
   const answers = () => Object.fromEntries(asks.map((ask) => ask.answer()).filter(([, value]) => value !== ""));
   const unanswered = () => asks.find((ask) => ask.answer()[1] === "");
@@ -123,6 +138,28 @@ function show(report, name, answer) {
     ...uses(answer, answers, () => report.replaceChildren(), unanswered),
   );
   report.replaceChildren(title, el("ul", { class: "notes" }, ...lines), form);
+}
+
+/**
+ * Asks what a file is that can be read in several ways.
+ *
+ * @param {HTMLElement} report
+ * @param {string} name
+ * @param {UploadedFile} answer
+ */
+function severalWays(report, name, { others = [], ...first }) {
+  const all = [first, ...others];
+  const ways = all.map(({ kind }) => [kind, KINDS[kind]]);
+  const pick = choice({
+    label: `${name} can be read in ${all.length} ways. It is:`,
+    options: [["", "Choose..."], ...ways],
+    on: (kind) => {
+      const chosen = all.find((one) => one.kind === kind);
+      if (chosen) show(report, name, chosen);
+    },
+  });
+  const lines = all.map(({ preview = [] }) => el("li", { text: preview[0] }));
+  return el("div", { class: "asks" }, el("ul", { class: "notes" }, ...lines), pick.row);
 }
 
 /**
@@ -175,11 +212,32 @@ function uses(answer, answers, done, unanswered) {
   if (answer.kind === "study") {
     return [button("Open this study", () => (replaceStudy(answer.study), done()), { class: "wide primary" })];
   }
+  if (answer.kind === "matrix") return matrixUses(answer.id, use);
+  if (answer.kind === "crosstalk" || answer.kind === "pixel") {
+    const { kind, id } = answer;
+    const put = /** @param {SensorPart} sensor */ (sensor) =>
+      kind === "pixel" ? (sensor.pixel = { file: id }) : (sensor.crosstalk = id);
+    return current().study.sensors.map((sensor, i) =>
+      use(`Use for sensor ${i + 1}, ${shownName(sensor.name)}`, (study) => put(study.sensors[i])),
+    );
+  }
   if (answer.kind !== "sensor") return [];
   const exchanges = current().study.sensors.map((_, i) =>
     use(`Replace sensor ${i + 1}`, (study) => exchangeFor(study, i, withAnswers(answer.id, answers()))),
   );
   return [use("Add as a sensor", (study) => study.sensors.push(withAnswers(answer.id, answers()))), ...exchanges];
+}
+
+/**
+ * @param {string} id
+ * @param {(text: string, edit: (study: Study) => unknown) => HTMLElement} use
+ */
+function matrixUses(id, use) {
+  const names = matricesOf(current().study);
+  const others = names.filter((name) => name !== id);
+  const first = use("Use as the color matrix", (study) => (study.matrices = [id, ...others.filter((name) => name !== names[0])]));
+  if (others.length >= MOST_MATRICES) return [first];
+  return [first, use("Add as a color matrix", (study) => (study.matrices = [...others, id]))];
 }
 
 /**
