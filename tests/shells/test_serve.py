@@ -376,7 +376,7 @@ def test_a_name_never_becomes_a_path(client, tmp_path, name):
     assert not re.search(r"/etc|/tmp|windows|\.\.", reply.text)
     assert "x-evil" not in reply.headers
     if "faults" not in told:
-        assert re.fullmatch("upload:[0-9a-f]{16}", told["id"])
+        assert re.fullmatch("upload:[0-9a-f]{16}[.]csv", told["id"])
 
 
 @pytest.mark.parametrize(
