@@ -58,7 +58,7 @@ def test_the_colors_rise_with_the_value_and_are_absent_where_there_is_none(count
     assert (scale["colors"][0], scale["colors"][-1]) == (colors[0], colors[-1])
     assert scale["high"] == pytest.approx(np.nanmax(np.abs(values) if count == 2 else values))
     assert scale["low"] == pytest.approx(-scale["high"] if count == 2 else np.nanmin(values))
-    flat = sum(told["colors"], [])
+    flat = [color for row in told["colors"] for color in row]
     assert [one is None for one in flat] == np.isnan(values).ravel().tolist()
     assert any(one is None for one in flat)  # saturated at 1000 lx
     ranks = [scale["colors"].index(flat[i]) for i in np.argsort(values, axis=None) if flat[i]]

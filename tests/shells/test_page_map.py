@@ -15,6 +15,7 @@ PAIR = {
 SWEEP = {"vary": "infrared", "first": 0.0, "last": 2.0, "points": 9}
 MAP = {**SWEEP, "second": {"vary": "lux", "first": 0.01, "last": 0.1, "points": 5}}
 MIXING = "R,G,B\n0.9,0.05,0\n0.05,0.9,0.05\n0,0.05,0.9\n"
+FIRST_CELL = "power of an 850 nm illuminator over the light's 0 W/W, illuminance 0.01 lx: "
 LARGE_BYTES = 100_000_000
 
 
@@ -72,9 +73,7 @@ def test_a_cell_is_read_by_keyboard_and_by_pointing(window):
     read, root = panel.locator(".d-read"), panel.locator(".d-map")
     root.focus()
     first = read.inner_text()
-    assert first.startswith(
-        "power of an 850 nm illuminator over the light's 0 W/W, illuminance 0.01"
-    )
+    assert first.startswith(FIRST_CELL)
     page.keyboard.press("ArrowUp")
     page.keyboard.press("ArrowRight")
     told = read.inner_text()

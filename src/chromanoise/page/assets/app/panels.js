@@ -175,6 +175,7 @@ function show(panel, data, options) {
   panel.fault.textContent = complaint ?? "";
   panel.body.hidden = complaint !== null;
   panel.section.removeAttribute("aria-busy");
+  panel.toggle.hidden = data !== null && "table" in data && /** @type {Table} */ (data.table).rows.length === 0;
   showTable(panel, options.look.open.includes(panel.part));
 }
 
