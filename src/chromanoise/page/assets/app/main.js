@@ -7,7 +7,6 @@ import { attribute, brief, byId, say, within } from "app/dom.js";
 import { useEquations } from "app/equations.js";
 import { clearFaults, showFaults } from "app/faults.js";
 import { showHead } from "app/head.js";
-import { mapControls } from "app/map.js";
 import { isTrained } from "app/matrix.js";
 import { PARTS, panels, showTable } from "app/panels.js";
 import { picturePanel } from "app/picture.js";
@@ -51,7 +50,7 @@ const root = document.documentElement;
  * @property {(state: State, head: Head | null) => void} showControls
  * @property {ReturnType<typeof panels>} panels
  * @property {ReturnType<typeof headingTools>} tools
- * @property {ReturnType<typeof mapControls>} map
+ * @property {((state: State) => void) | null} showMap controls of the map, loaded when it is seen
  * @property {ReturnType<typeof snapshots>} ghosts
  * @property {ReturnType<typeof picturePanel>} picture
  * @property {Asker} asker
@@ -71,6 +70,7 @@ const page = /** @type {Page} */ (
     head: null,
     printing: false,
     showControls: () => {},
+    showMap: null,
   })
 );
 
@@ -260,7 +260,7 @@ function changed(state, what) {
   askedBefore = asked;
   showTheme(state.look);
   page.tools.show(state.look);
-  page.map.show(state);
+  page.showMap?.(state);
   page.showControls(state, page.head);
   lookedAt(state.look);
   if (what !== "look") page.picture(state);
@@ -341,6 +341,16 @@ async function choicesOfServer() {
   }
 }
 
+/** @param {import("answers").Choices} choices */
+async function withMapControls(choices) {
+  page.showMap = () => {};
+  const { mapControls } = await import("app/map.js");
+  const { node, show } = mapControls(choices);
+  panelOf("map").fault.before(node);
+  page.showMap = show;
+  show(current());
+}
+
 async function start() {
   const narrow = window.matchMedia("(max-width: 799px)");
   const drawer = /** @type {HTMLDetailsElement} */ (byId("drawer"));
@@ -366,13 +376,12 @@ async function start() {
   page.panels = panels({
     tools: page.tools.nodes,
     seen: () => {
+      if (panelOf("map").visible && !page.showMap) withMapControls(choices);
       page.asker.ask();
       page.later.ask();
     },
     resized: (panel) => redraw(panel.part),
   });
-  page.map = mapControls(choices);
-  panelOf("map").fault.before(page.map.node);
   page.picture = picturePanel();
   listen();
   subscribe(changed);

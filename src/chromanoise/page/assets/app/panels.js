@@ -1,19 +1,19 @@
 /** The parts of the answer as panels: a heading, its equations, its drawing, its table. */
 
 import { attribute, button, el, freshId, within } from "app/dom.js";
-import * as map from "app/heatmap.js";
 import { changeLook } from "app/state.js";
 import * as budget from "draw/budget.js";
 import * as chart from "draw/chart.js";
 import * as ellipses from "draw/ellipses.js";
 import * as levels from "draw/levels.js";
 import * as pareto from "draw/pareto.js";
+import { note } from "draw/look.js";
 import { refill } from "draw/refill.js";
 import * as sensitivities from "draw/sensitivities.js";
 import * as stages from "draw/stages.js";
 import * as vectors from "draw/vectors.js";
 
-/** @import { DrawingModule, Look, Options, Part, Table } from "answers" */
+/** @import { DrawingModule, Look, Options, Part, SweepMap, Table } from "answers" */
 /** @typedef {Options<any> & { look: Look & { level_lux?: number, level?: string } }} DrawnOptions */
 /**
  * @typedef {object} Panel
@@ -30,6 +30,24 @@ import * as vectors from "draw/vectors.js";
  * @property {object | null} data
  * @property {(data: object | null, options: DrawnOptions) => void} show
  */
+
+/** @type {DrawingModule<SweepMap> | null} */
+let heatmap = null;
+
+/** The module that draws maps is loaded with the first map. */
+/** @type {DrawingModule<SweepMap>} */
+const map = {
+  draw(element, data, options) {
+    if (heatmap) heatmap.draw(element, data, options);
+    else if (data.why_not !== null) refill(element, note(data.why_not));
+    else {
+      import("app/heatmap.js").then((loaded) => {
+        heatmap = loaded;
+        heatmap.draw(element, data, options);
+      });
+    }
+  },
+};
 
 /** @type {{ [P in Part]: DrawingModule<any> }} */
 const DRAWN = { stages, budget, sensitivities, levels, pareto, map, vectors, ellipses, chart };
