@@ -242,7 +242,9 @@ def _clf(source: str, text: str) -> GivenMatrix:
     (step,), words = steps, (arrays[0].text or "").split()
     depths = {step.attrib.get("inBitDepth"), step.attrib.get("outBitDepth")}
     if not depths <= {"16f", "32f"}:
-        raise InputError(source, "must have inBitDepth and outBitDepth 32f", value=sorted(depths))
+        raise InputError(
+            source, "must have inBitDepth and outBitDepth 32f", value=sorted(map(str, depths))
+        )
     size = arrays[0].attrib.get("dim", "").split()[:2]
     if size not in (["3", "3"], ["3", "4"]) or len(words) != 3 * int(size[1]):
         raise InputError(source, "must have an array of dim 3 3", value=size)
@@ -269,7 +271,7 @@ def _profile(path: Path, file: Any) -> GivenMatrix:
         entries = file.read(12 * count)
         for i in range(count):
             tag, kind, size, place = struct.unpack(order + "HHII", entries[12 * i : 12 * i + 12])
-            if tag in _COLOR_MATRIX and kind == 10 and size in (9, 12):
+            if tag in _COLOR_MATRIX and kind == 10 and size in (3, 6, 9, 12):
                 file.seek(place)
                 pairs = struct.unpack(order + "ii" * size, file.read(8 * size))
                 tags[tag] = [n / d for n, d in zip(pairs[::2], pairs[1::2], strict=True)]
