@@ -80,6 +80,7 @@ def test_on_the_line_both_sensors_have_the_same_snr():
     """Infrared helps a sensor without IR-cut as long as read noise dominates."""
     infrared, dim = {"vary": "infrared", "first": 0.0}, {"vary": "lux", "first": 0.01, "last": 0.1}
     told = record(2, **infrared, last=2.0, second=dim | {"points": 3})
+    assert told["scale"]["low"] == -told["scale"]["high"] < 0
     (line,) = told["equal"]
     assert [level for _, level in line] == told["y"]["values"]
     for ratio, level in line:
