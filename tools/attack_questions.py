@@ -18,7 +18,8 @@ import numpy as np
 JSON = {"Content-Type": "application/json"}
 NM = range(400, 1051, 25)
 PARTS = (
-    "head", "sensitivities", "stages", "budget", "vectors", "ellipses", "levels", "chart", "pareto"
+    "head", "sensitivities", "stages", "budget", "vectors", "ellipses", "levels", "chart",
+    "pareto", "map",
 )  # fmt: skip
 NUMBERS = (
     0, -0.0, -1, 1, 2, 0.5, 1e-320, 1e-300, 1e-15, 1e-6, 1e6, 1e15, 1e16, 1e154, 1e155, 1e300,

@@ -30,6 +30,7 @@ export interface SensorPart {
   ircut_nm?: number;
   label?: string;
   shift_nm?: number;
+  crosstalk?: number | string | null;
   beyond?: string;
   answers?: { peak_qe?: number; level?: string; [key: string]: unknown };
 }
@@ -53,6 +54,15 @@ export interface PicturePart {
   [key: string]: unknown;
 }
 
+export interface SweepPart {
+  vary: string;
+  first: number;
+  last: number;
+  quantity?: string;
+  second?: { vary: string; first: number; last: number; points?: number } | null;
+  [key: string]: unknown;
+}
+
 /** A study as a TOML file has it; defaults may be left away. */
 export interface Study {
   light?: LightPart;
@@ -61,6 +71,7 @@ export interface Study {
   matrices?: string[];
   pictures?: PicturePart[];
   prior?: string | null;
+  sweeps?: SweepPart[];
   seed?: number;
 }
 
@@ -108,6 +119,14 @@ export interface KnownSensor {
   read_noise_e: number;
 }
 
+export interface KnownSweep {
+  name: string;
+  what: string;
+  unit: string;
+  first: number;
+  last: number;
+}
+
 export interface Equation {
   title: string;
   equation: string;
@@ -126,6 +145,8 @@ export interface Choices {
   prior?: string;
   coordinates?: string[];
   sliders: Slider[];
+  sweeps: KnownSweep[];
+  quantities: { name: string; what: string }[];
   equations?: Record<string, Equation>;
 }
 
@@ -376,6 +397,34 @@ export interface Pareto extends Chartable {
   sensors: ParetoSensor[];
 }
 
+export interface MapAxis {
+  what: string;
+  logarithmic: boolean;
+  values: number[];
+  /** Name, value and unit. */
+  text: string[];
+}
+
+export interface DrawnMap extends Chartable {
+  why_not: null;
+  kind: "value" | "difference" | "best";
+  matrix: string;
+  what: string;
+  unit: string;
+  x: MapAxis;
+  y: MapAxis;
+  /** Rows from the lowest value of y; `null` where there is no value. */
+  colors: (string | null)[][];
+  cells: string[][];
+  scale: { low: number; high: number; colors: string[] } | null;
+  key: { name: string; color: string }[];
+  /** Lines along which two sensors are equal. */
+  equal: number[][][];
+  note: string;
+}
+
+export type SweepMap = DrawnMap | (Chartable & { why_not: string });
+
 /** The data of each drawn part. */
 export interface Drawn {
   stages: Stages;
@@ -383,6 +432,7 @@ export interface Drawn {
   sensitivities: Sensitivities;
   levels: Levels;
   pareto: Pareto;
+  map: SweepMap;
   vectors: Vectors;
   ellipses: Ellipses;
   chart: Chart;
@@ -428,11 +478,13 @@ export interface UploadedStudy extends UploadedPart {
 }
 
 /** What the id of a file stands for. */
-export type FileKind = "sensor" | "light" | "cube";
+export type FileKind = "sensor" | "light" | "cube" | "crosstalk" | "matrix" | "pixel";
 
 export interface UploadedFile extends UploadedPart {
   kind: FileKind;
   id: string;
+  /** What else the file may be, where it can be read in several ways. */
+  others?: UploadedFile[];
 }
 
 export type Upload = UploadedStudy | UploadedFile;

@@ -3,7 +3,7 @@
 Channels have the colors of Wong, "Points of view: Color blindness", Nature Methods 8 (2011) 441.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 CHANNELS: Mapping[str, tuple[str, str]] = {
     "R": ("#D55E00", "#D55E00"),
@@ -35,12 +35,44 @@ SENSORS: tuple[tuple[str, str], ...] = (
 """Colors of many sensors, in turn: Petroff, "Accessible color sequences for data visualization",
 arXiv:2107.02270 (2021), darker or lighter where needed for a contrast of 3:1, and the text color.
 """
+VALUES = (
+    *("#440154", "#472D7B", "#3B528B", "#2C728E", "#21918C"),
+    *("#28AE80", "#5EC962", "#ADDC30", "#FDE725"),
+)
+"""Colors of a value from low to high, equally far apart: viridis of matplotlib."""
+DIFFERENCES = (
+    *("#67001F", "#BB2A34", "#E58368", "#FBCEB7", "#F6F7F7"),
+    *("#C0DCEB", "#68ABD0", "#2870B1", "#053061"),
+)
+"""Colors of a difference, negative, zero and positive: RdBu of ColorBrewer."""
 INK, QUIET, FAINT = (NEUTRALS[name][0] for name in ("ink", "quiet", "faint"))
 
 
 def channel_color(name: str) -> str | None:
     """The color of a channel on a light background; ``None`` if the palette does not contain it."""
     return CHANNELS[name][0] if name in CHANNELS else None
+
+
+def color_between(colors: Sequence[str], share: float) -> str:
+    """The color at a share of the way from the first to the last of a scale.
+
+    Parameters
+    ----------
+    colors
+        Of `VALUES` or `DIFFERENCES`.
+    share
+        0 to 1.
+
+    Examples
+    --------
+    >>> color_between(("#000000", "#FFFFFF"), 0.5)
+    '#808080'
+    """
+    place = share * (len(colors) - 1)
+    i = min(int(place), len(colors) - 2)
+    before, after = (bytes.fromhex(color[1:]) for color in colors[i : i + 2])
+    mixed = (round(a + (place - i) * (b - a)) for a, b in zip(before, after, strict=True))
+    return f"#{bytes(mixed).hex().upper()}"
 
 
 def palette_css() -> str:

@@ -509,7 +509,7 @@ def test_crosstalk_without_mosaic_and_a_mosaic_without_crosstalk_are_refused(giv
         ("0.1,0.8,0.1\n0.1,0.8\n0.1,0.8,0.1\n", "must have rows of equal length"),
         ("", "must hold a table of numbers"),
         ("# nothing\n", "must hold a table of numbers"),
-        ("once upon a time\n", "must have columns for the channels"),
+        ("once upon a time\n", "must have 4 rows of 4 numbers"),
     ],
 )
 def test_a_file_that_is_no_table_of_the_channels_is_refused(table, text, requirement):

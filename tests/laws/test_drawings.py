@@ -717,6 +717,14 @@ def test_the_verdict_of_the_papers_sensors_is_the_papers():
     assert "Delta E*ab" in result
 
 
+@pytest.mark.parametrize("crossed", [0, 1])
+def test_crosstalk_of_one_sensor_only_is_a_reason_of_the_verdict(crossed):
+    sensors = [{"name": "onyx-rgb"}, {"name": "onyx-rgb-ircut"}]
+    sensors[crossed] |= {"crosstalk": 0.3, "mosaic": "bayer"}
+    verdict = drawing("head", shown(study_from_data({"sensors": sensors}, source="")))["verdict"]
+    assert any("crosstalk costs" in sentence for sentence in verdict)
+
+
 def test_the_verdict_does_not_depend_on_the_order_of_sensors():
     one = verdict_sentences(usual().analyses)
     other = verdict_sentences(usual().analyses[::-1])

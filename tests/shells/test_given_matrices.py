@@ -126,6 +126,9 @@ def test_the_color_matrix_of_our_dng_is_that_which_tifffile_reads(tmp_path, run)
         ("{}", {"value": []}),
         ("<a/>", {"value": 0}),
         ('<!DOCTYPE a [<!ENTITY b "c">]><a/>', {}),
+        ('<a><b inBitDepth="8i"><Array/></b></a>', {"value": ["8i", "None"]}),
+        ('{"matrix_lux_per_e": [[1, 0]], "channels": 5}', {"value": (1, 2)}),
+        ("lx/e-,R,G,B\nX," + 200_000 * "1" + "\nY\nZ\n", {}),
     ],
 )
 def test_a_file_without_a_matrix_for_the_sensor_is_refused(tmp_path, text, fields):
@@ -141,6 +144,9 @@ def test_a_damaged_profile_and_a_missing_file_are_refused(tmp_path):
         path.write_bytes(tiff_profile(np.eye(3))[:cut])
         with refused_input():
             first(str(path))
+    path.write_bytes(tiff_profile(np.ones(7)))
+    with refused_input():
+        first(str(path))
     with refused_input(value="none.csv"):
         first("none.csv")
 

@@ -378,7 +378,7 @@ def test_a_name_never_becomes_a_path(client, tmp_path, name):
     assert not re.search(r"/etc|/tmp|windows|\.\.", reply.text)
     assert "x-evil" not in reply.headers
     if "faults" not in data:
-        assert re.fullmatch("upload:[0-9a-f]{16}", data["id"])
+        assert re.fullmatch("upload:[0-9a-f]{16}[.]csv", data["id"])
 
 
 @pytest.mark.parametrize(

@@ -4,11 +4,12 @@ One module per chart; undefined values are ``None``, with the reason in ``why_no
 """
 
 from chromanoise.charts.budget import cause_label
-from chromanoise.charts.by_name import PARTS, drawing
+from chromanoise.charts.by_name import DRAWINGS, PARTS, drawing
 from chromanoise.charts.charted_study import Look, Shown, shown, shown_at
 from chromanoise.charts.verdicts import verdict_sentences
 
 __all__ = [
+    "DRAWINGS",
     "PARTS",
     "Look",
     "Shown",

@@ -9,6 +9,7 @@ from chromanoise.charts.charted_study import Look, Shown
 from chromanoise.charts.color_checker import drawn_chart
 from chromanoise.charts.electrons import drawn_head
 from chromanoise.charts.ellipses import drawn_ellipses
+from chromanoise.charts.maps import drawn_map
 from chromanoise.charts.pareto import drawn_pareto
 from chromanoise.charts.sensitivities import drawn_sensitivities
 from chromanoise.charts.snr_over_light import drawn_levels
@@ -26,7 +27,9 @@ PARTS: Mapping[str, Callable[[Shown, Look], dict[str, Any]]] = {
     "chart": drawn_chart,
     "pareto": drawn_pareto,
 }
-"""Names of the charts of a study."""
+"""Names of the charts of every study."""
+DRAWINGS: Mapping[str, Callable[[Shown, Look], dict[str, Any]]] = {**PARTS, "map": drawn_map}
+"""The same, and the heat map of a sweep of two parameters."""
 
 
 def drawing(part: str, of: Shown, look: Look | None = None) -> dict[str, Any]:
@@ -35,7 +38,7 @@ def drawing(part: str, of: Shown, look: Look | None = None) -> dict[str, Any]:
     Parameters
     ----------
     part
-        A name from `PARTS`.
+        A name from `DRAWINGS`.
     of
         A study as `shown` gives it.
     look
@@ -46,4 +49,4 @@ def drawing(part: str, of: Shown, look: Look | None = None) -> dict[str, Any]:
     InputError
         If there is no such chart, or an option does not fit the study.
     """
-    return PARTS[_check.one_of("part", part, tuple(PARTS))](of, look or Look())
+    return DRAWINGS[_check.one_of("part", part, tuple(DRAWINGS))](of, look or Look())

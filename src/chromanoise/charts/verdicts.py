@@ -135,12 +135,13 @@ def _reasons(winner: Analysis, loser: Analysis) -> list[str]:
         return []
     parts: list[str] = []
     explained = 0.0
-    for cause in sorted(bad, key=lambda c: good[c] - bad[c]):
-        beyond = bad[cause] - good[cause]
+    for cause in sorted(bad, key=lambda c: good.get(c, 0.0) - bad[c]):
+        own = good.get(cause, 0.0)  # crosstalk may be a cause for one sensor only
+        beyond = bad[cause] - own
         if beyond < _WORTH_DB or (len(parts) > 1 and explained > gap - _WORTH_DB):
             break
         explained += beyond
-        parts.append(_reason(cause, bad[cause], good[cause], winner.sensor.label))
+        parts.append(_reason(cause, bad[cause], own, winner.sensor.label))
     if not parts:
         return []
     who = f"{loser.sensor.label} has less luminance SNR than {winner.sensor.label}"

@@ -6,16 +6,19 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import ListedColormap, TwoSlopeNorm
+from matplotlib.colors import LinearSegmentedColormap, ListedColormap, TwoSlopeNorm
 from matplotlib.patches import Patch
 from matplotlib.ticker import LogFormatter
 
+from chromanoise import _palette
 from chromanoise._check import Array
 from chromanoise._shapes import Float
 from chromanoise.analysis.comparison.maps import QuantityMap, best_of
 from chromanoise.figures.style import FAINT, INK, sensor_colors
 
 _LETTERS = 72  # of a line of the title
+_VALUES = LinearSegmentedColormap.from_list("values", _palette.VALUES)
+_DIFFERENCES = LinearSegmentedColormap.from_list("differences", _palette.DIFFERENCES)
 
 
 def draw_maps(maps: Sequence[QuantityMap], ax: Axes, *, title: str = "") -> Axes:
@@ -38,7 +41,7 @@ def draw_maps(maps: Sequence[QuantityMap], ax: Axes, *, title: str = "") -> Axes
     ax.set_facecolor(FAINT)
     if len(mine) == 1:
         what = f"{first.label}, {first.matrix}"
-        _draw_values(first, first.value, ax, label=f"[{first.quantity.unit}]")
+        _draw_values(first, first.value, ax, label=f"[{first.quantity.unit}]", cmap=_VALUES)
     elif len(mine) == 2:
         what = f"{first.label} minus {mine[1].label}, {first.matrix}; line: equal"
         _draw_difference(first, first.value - mine[1].value, ax)
@@ -67,7 +70,7 @@ def _draw_difference(one: QuantityMap, values: Float[Array, "j k"], ax: Axes) ->
     reach = float(np.abs(known).max(initial=0.0)) or 1.0
     norm = TwoSlopeNorm(0.0, vmin=-reach, vmax=reach)
     label = f"difference [{one.quantity.unit}]"
-    _draw_values(one, values, ax, label=label, cmap="RdBu", norm=norm)
+    _draw_values(one, values, ax, label=label, cmap=_DIFFERENCES, norm=norm)
     if known.size and known.min() < 0 < known.max() and min(values.shape) > 1:
         ax.contour(one.at, one.second_at, np.ma.masked_invalid(values), [0.0], colors=INK)
 

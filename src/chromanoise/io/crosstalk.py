@@ -1,10 +1,15 @@
 """Read a crosstalk matrix or kernel from a table of text."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from chromanoise import _inputs
+from chromanoise._check import Array
+from chromanoise._shapes import Float
 from chromanoise.errors import InputError, Setting
 from chromanoise.sensor import Crosstalk, Mosaic, crosstalk_of_kernel
 
@@ -32,24 +37,71 @@ def read_crosstalk(path: Path, names: tuple[str, ...], mosaic: Mosaic | None) ->
         If the file is no such table, its channels differ from the sensor's, a kernel is given
         without mosaic, or a channel gives more light than it has.
     """
+    table = crosstalk_table(path)
+    if table.columns:
+        return _matrix(path, table, names, mosaic)
+    if mosaic is None:
+        raise InputError(
+            str(path),
+            "must name the channels in its first line, or be a kernel for a mosaic",
+            value=table.values.shape,
+            found="has numbers only, and the sensor has no mosaic",
+            remedy=Setting("mosaic"),
+        )
+    with _errors_of(path):
+        return crosstalk_of_kernel(table.values, mosaic, names)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class CrosstalkTable:
+    """The numbers of a crosstalk file, before they are applied to a sensor.
+
+    Attributes
+    ----------
+    columns, rows
+        Names of the channels of each column and row; empty for a kernel.
+    values
+        Shares of the light; a matrix has as many rows as columns. [1]
+    """
+
+    columns: tuple[str, ...]
+    rows: tuple[str, ...]
+    values: Float[Array, "r c"]
+
+
+def crosstalk_table(path: Path) -> CrosstalkTable:
+    """The numbers of a crosstalk file; their range is checked with the sensor.
+
+    Parameters
+    ----------
+    path
+        As for `read_crosstalk`.
+
+    Raises
+    ------
+    InputError
+        If the file is no table of numbers, or a matrix with names is not square.
+    """
     rows = _rows(path)
-    try:
-        if not _are_numbers(rows[0]):
-            return _matrix(path, rows, names, mosaic)
-        kernel = np.array([[_number(path, i, cell) for cell in row] for i, row in enumerate(rows)])
-        if mosaic is None:
-            raise InputError(
-                str(path),
-                "must name the channels in its first line, or be a kernel for a mosaic",
-                value=rows[0],
-                found="has numbers only, and the sensor has no mosaic",
-                remedy=Setting("mosaic"),
-            )
-        return crosstalk_of_kernel(kernel, mosaic, names)
-    except ValueError as error:
-        if isinstance(error, InputError):
-            raise
-        raise InputError(str(path), "must have rows of equal length", value=len(rows)) from None
+    if _are_numbers(rows[0]):
+        if len({len(row) for row in rows}) > 1:
+            raise InputError(str(path), "must have rows of equal length", value=len(rows))
+        return CrosstalkTable(columns=(), rows=(), values=_numbers(path, rows, first=0))
+    head, body = rows[0], rows[1:]
+    has_labels = bool(body) and not _are_numbers(body[0][:1])
+    cells = [row[1:] if has_labels else row for row in body]
+    columns = head[1:] if cells and len(head) == len(cells[0]) + 1 else head
+    if len(cells) != len(columns) or any(len(row) != len(columns) for row in cells):
+        raise InputError(
+            str(path),
+            f"must have {len(columns)} rows of {len(columns)} numbers",
+            value=[len(row) for row in cells],
+        )
+    return CrosstalkTable(
+        columns=tuple(columns),
+        rows=tuple(row[0] for row in body) if has_labels else tuple(columns),
+        values=_numbers(path, cells, first=1),
+    )
 
 
 def _rows(path: Path) -> list[list[str]]:
@@ -80,15 +132,9 @@ def _are_numbers(cells: list[str]) -> bool:
 
 
 def _matrix(
-    path: Path, rows: list[list[str]], names: tuple[str, ...], mosaic: Mosaic | None
+    path: Path, table: CrosstalkTable, names: tuple[str, ...], mosaic: Mosaic | None
 ) -> Crosstalk:
-    head, body = rows[0], rows[1:]
-    labeled = len(head) == len(names) + 1 and head[0] not in names
-    columns = head[1:] if labeled else head
-    has_labels = bool(body) and not _are_numbers(body[0][:1])
-    lines = [row[0] for row in body] if has_labels else list(columns)
-    cells = [row[1:] if has_labels else row for row in body]
-    for what, given in (("columns", columns), ("rows", lines)):
+    for what, given in (("columns", table.columns), ("rows", table.rows)):
         if sorted(given) != sorted(names):
             raise InputError(
                 str(path),
@@ -96,20 +142,26 @@ def _matrix(
                 value=given,
                 found=f"has {', '.join(given)[:80]}",
             )
-    if len(cells) != len(names) or any(len(row) != len(names) for row in cells):
-        raise InputError(
-            str(path),
-            f"must have {len(names)} rows of {len(names)} numbers",
-            value=[len(row) for row in cells],
-        )
-    numbers = np.array([[_number(path, i, c) for c in row] for i, row in enumerate(cells, start=1)])
-    order_rows = [lines.index(name) for name in names]
-    order_columns = [list(columns).index(name) for name in names]
+    order_rows = [table.rows.index(name) for name in names]
+    order_columns = [table.columns.index(name) for name in names]
     pixels = (1,) * len(names)
     if mosaic is not None and sorted(mosaic.names) == sorted(names):
         flat = [channel for row in mosaic.pattern for channel in row]
         pixels = tuple(flat.count(name) for name in names)
-    return Crosstalk(matrix=numbers[np.ix_(order_rows, order_columns)], pixels=pixels)
+    with _errors_of(path):
+        return Crosstalk(matrix=table.values[np.ix_(order_rows, order_columns)], pixels=pixels)
+
+
+@contextmanager
+def _errors_of(path: Path) -> Iterator[None]:
+    try:
+        yield
+    except InputError as error:
+        raise error.within(str(path)) from None
+
+
+def _numbers(path: Path, rows: list[list[str]], *, first: int) -> Float[Array, "r c"]:
+    return np.array([[_number(path, i, c) for c in row] for i, row in enumerate(rows, start=first)])
 
 
 def _number(path: Path, line: int, cell: str) -> float:

@@ -153,7 +153,10 @@ def read_matrix(path: Path) -> GivenMatrix:
 def _csv(source: str, text: str) -> GivenMatrix:
     facts = dict(re.findall(r"^#\s*(\w+):\s*(.*)$", text, flags=re.MULTILINE))
     lines = [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
-    rows = [[cell.strip() for cell in row] for row in csv.reader(io.StringIO("\n".join(lines)))]
+    try:
+        rows = [[cell.strip() for cell in row] for row in csv.reader(io.StringIO("\n".join(lines)))]
+    except csv.Error as error:
+        raise InputError(source, f"is not CSV ({error})") from None
     if len(rows) < 3:
         raise InputError(source, "must hold a matrix of 3 rows", value=len(rows))
     head = rows[0]
@@ -238,7 +241,9 @@ def _clf(source: str, text: str) -> GivenMatrix:
     (step,), words = steps, (arrays[0].text or "").split()
     depths = {step.attrib.get("inBitDepth"), step.attrib.get("outBitDepth")}
     if not depths <= {"16f", "32f"}:
-        raise InputError(source, "must have inBitDepth and outBitDepth 32f", value=sorted(depths))
+        raise InputError(
+            source, "must have inBitDepth and outBitDepth 32f", value=sorted(map(str, depths))
+        )
     size = arrays[0].attrib.get("dim", "").split()[:2]
     if size not in (["3", "3"], ["3", "4"]) or len(words) != 3 * int(size[1]):
         raise InputError(source, "must have an array of dim 3 3", value=size)

@@ -4,11 +4,13 @@ import json
 import logging
 import time
 from collections.abc import Hashable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
-from chromanoise.charts import PARTS, Look, Shown, drawing, shown
+from chromanoise.charts import DRAWINGS, PARTS, Look, Shown, drawing, shown
 from chromanoise.errors import InputError
 from chromanoise.exposure import OperatingPoint
+from chromanoise.io.given_matrices import is_matrix_file
 from chromanoise.page.cache import Remembered
 from chromanoise.page.requests import QuestionError, field, malformed, page_sentence
 from chromanoise.page.studies import Studies, labeled, spoken, stamps_of
@@ -20,6 +22,7 @@ _BESIDE: dict[str, Any] = {  # no drawing depends on them
     **dict.fromkeys(("sweeps", "pictures", "title", "seed"), True),
     "outputs": set(OutputsPart.model_fields) - {"clip"},
 }
+_BESIDE_MAP = {name: what for name, what in _BESIDE.items() if name != "sweeps"}
 _LOOKS: Mapping[str, tuple[str, ...]] = {
     "budget": ("coordinate",),
     "ellipses": ("plane",),
@@ -88,14 +91,19 @@ class ChartReplies:
         looked = tuple(getattr(look, name) for name in _LOOKS.get(part, ()))
         nouns = tuple((one.sensor, one.illuminant) for one in operating_points)
         # sensitivities do not depend on level and exposure
-        words = "" if part == "sensitivities" else study.model_dump_json(exclude=_BESIDE)
+        beside = _BESIDE_MAP if part == "map" else _BESIDE
+        words = "" if part == "sensitivities" else study.model_dump_json(exclude=beside)
         try:
-            return self._parts.of(
+            chart = self._parts.of(
                 (part, looked, nouns, words, stamps_of(study, "matrices.")),
                 lambda: self._drawn(part, study, operating_points, look),
             )
+            return spoken(chart, [replace(one, label=_as_json(one.label)) for one in used])
         except InputError as error:  # not remembered: sensitivities have the key of other studies
-            return json.dumps({"fault": spoken(page_sentence(error), used)})
+            sentence = spoken(page_sentence(error), used)
+            if part == "head" and is_matrix_file(study.matrices[0]):
+                raise QuestionError((error.setting or "matrices.0", sentence)) from None
+            return json.dumps({"fault": sentence})
         except Exception:  # not cached: the next request may succeed
             _LOG.exception("the drawing %s failed", part)
             return json.dumps({"fault": f"{part} could not be computed for this study"})
@@ -109,7 +117,13 @@ class ChartReplies:
             stamps_of(study, "matrices."),
         )
         seen = self._shown.of(key, lambda: shown(study, operating_points=operating_points))
-        return json.dumps(drawing(part, seen, look), allow_nan=False)
+        # of a study that differs in its sweeps, too
+        return json.dumps(drawing(part, replace(seen, study=study), look), allow_nan=False)
+
+
+def _as_json(text: str) -> str:
+    """The text as it stands within a string of JSON."""
+    return json.dumps(text)[1:-1]
 
 
 def look_of(settings: Mapping[str, Any]) -> Look:
@@ -142,8 +156,8 @@ def _is_number(value: Any) -> bool:
 def _wanted(question: Mapping[str, Any]) -> list[str]:
     wanted = field(question, "want", list, list(PARTS))
     for part in wanted:
-        if not isinstance(part, str) or part not in PARTS:
+        if not isinstance(part, str) or part not in DRAWINGS:
             raise malformed(
-                "want", f"unknown part {str(part)[:40]!r}; known are {', '.join(PARTS)}"
+                "want", f"unknown part {str(part)[:40]!r}; known are {', '.join(DRAWINGS)}"
             )
     return list(dict.fromkeys(wanted))

@@ -1,14 +1,17 @@
 """The choices on the page: names, and the ranges of the sliders."""
 
+from collections.abc import Mapping
 from functools import lru_cache
 from typing import Any
 
 from chromanoise import __version__
 from chromanoise.analysis.color_matrices import METHODS
+from chromanoise.analysis.comparison.quantities import QUANTITIES
+from chromanoise.analysis.comparison.sweeps import SWEEPS
 from chromanoise.analysis.priors import PRIORS
 from chromanoise.catalog.entries import catalog_entries, catalog_folder
 from chromanoise.catalog.resolve import resolve_illuminant, resolve_sensor
-from chromanoise.charts import PARTS
+from chromanoise.charts import DRAWINGS
 from chromanoise.color import SPACES
 from chromanoise.errors import InputError
 from chromanoise.exposure import EQUAL_TERMS
@@ -34,6 +37,17 @@ _SLIDERS = (
     ("sensors.shift_nm", "Shift of the filters", "nm", -50.0, 50.0, "linear", 1.0),
     ("matrices.weight", "Weight of the noise in the matrix", "1", 0.001, 1000.0, "log", 0.02),
 )
+_RANGES: Mapping[str, tuple[float, float]] = {  # of a new heat map
+    **{
+        key.rpartition(".")[2].replace("_", "-"): (low, high)
+        for key, _, _, low, high, *_ in _SLIDERS
+    },
+    "lux": (0.01, 10_000.0),
+    "dark-current-e-per-s": (1.0, 1000.0),
+    "temperature-c": (-20.0, 80.0),
+    "bits": (8.0, 16.0),
+    "kelvin": (2000.0, 10_000.0),
+}
 
 
 @lru_cache(maxsize=1)
@@ -53,7 +67,13 @@ def choices() -> dict[str, Any]:
         "spaces": list(SPACES),
         "metrics": list(METRICS),
         "terms": list(EQUAL_TERMS),
-        "parts": list(PARTS),
+        "parts": list(DRAWINGS),
+        "sweeps": [
+            {"name": one.name, "what": one.what, "unit": one.unit, "first": low, "last": high}
+            for one in SWEEPS.values()
+            for low, high in (_RANGES[one.name],)
+        ],
+        "quantities": [{"name": one.name, "what": one.what} for one in QUANTITIES.values()],
         "coordinates": ["X", "Y", "Z", "L*", "a*", "b*"],
         "infrared_from_nm": INFRARED_FROM_NM,
         "infrared_light": "LED850",

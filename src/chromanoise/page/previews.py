@@ -1,5 +1,6 @@
 """Preview of an uploaded file: how it was parsed, and which metadata it lacks."""
 
+import re
 from typing import Any
 
 from chromanoise.catalog import own_sensor_of
@@ -7,12 +8,13 @@ from chromanoise.errors import InputError, Setting, StudyError, errors_in
 from chromanoise.io.spectra import ParsedSpectra, read_curves
 from chromanoise.io.spectra.defects import defects_of_a_light
 from chromanoise.page.pictures import cube_of_upload
+from chromanoise.page.recognition import crosstalk_preview, matrix_preview, pixel_preview
 from chromanoise.page.requests import QuestionError, page_sentence
 from chromanoise.page.studies import served_data
 from chromanoise.page.uploads import Upload, in_words
 from chromanoise.scene.rows import row_source
 from chromanoise.spectra import DEFAULT_GRID, Spectra
-from chromanoise.study import study_from_text
+from chromanoise.study import Study, study_from_text
 
 MOST_SPECTRUM_BYTES = 1_000_000  # some 50,000 rows, which are understood in half a second
 _MOST_STUDY_BYTES = 100_000  # many keys take quadratic time to parse; the starter study has 2.5 kB
@@ -25,6 +27,12 @@ _ASKS = {
     "beyond": ("beyond", ["zero", "hold"]),
 }
 _OF_LIGHT = {"per": "per", "beyond": "beyond"}
+
+_HEAD_BYTES = 2000
+_MATRIX_KEYS = (b"matrix_lux_per_e", b"balanced", b"CameraToXYZ", b"ColorMatrix1")
+_NO_TABLE = "must have at least 2 rows of a wavelength and a value"
+_PIXEL_SCHEMA = re.compile(r"(?m)^[ \t]*schema[ \t]*=[ \t]*[\"']")
+_STUDY_KEY = re.compile(rf"(?m)^[ \t]*\[*[ \t]*(?:{'|'.join((*Study.model_fields, 'schema'))})\b")
 
 Data = dict[str, Any]
 
@@ -46,8 +54,16 @@ def preview_of(upload: Upload) -> Data:
         else:
             sentences = [_without_settings(one) for one in errors_in(error)]
         raise QuestionError(*(("file", in_words(line, upload)) for line in sentences)) from None
+    return _answer(upload, preview) | {
+        "study": preview.get("study"),
+        "others": [_answer(upload, one) for one in preview.get("others", ())],
+    }
+
+
+def _answer(upload: Upload, preview: Data) -> Data:
     lines = [in_words(line, upload) for line in preview["preview"]]
-    return {"asks": [], "study": None} | preview | {"id": upload.id, "preview": lines}
+    asks = preview.get("asks", [])
+    return {"kind": preview["kind"], "id": upload.id, "preview": lines, "asks": asks}
 
 
 def _without_settings(error: InputError) -> str:
@@ -69,19 +85,79 @@ def _without_settings(error: InputError) -> str:
 
 
 def _preview(upload: Upload) -> Data:
-    if upload.kind == "study":
-        return _study(upload)
+    if upload.kind == "toml":
+        return _toml(upload)
+    if upload.kind == "matrix":
+        return matrix_preview(upload)
     if upload.kind == "cube":
         return _cube(upload)
     if upload.kind == "either":
         try:
+            _refuse_large_table(upload)
             return _spectra(upload)
         except InputError:
             return _cube(upload)
-    return _spectra(upload)
+    return _table(upload)
 
 
-def _study(upload: Upload) -> Data:
+def _table(upload: Upload) -> Data:
+    """A file of numbers: what each reader takes it for; ``others`` if more than one reads it."""
+    _refuse_large_table(upload)
+    found: list[Data] = []
+    errors: list[InputError] = []
+    for make in (_spectra, crosstalk_preview, matrix_preview, pixel_preview):
+        try:
+            found.append(make(upload))
+        except InputError as error:
+            errors.append(error)
+    if not found:
+        raise _of_none(upload, errors)
+    first, *others = found
+    return first | {"others": others}
+
+
+def _of_none(upload: Upload, errors: list[InputError]) -> InputError:
+    """The error of the reader that the content points to."""
+    spectra, crosstalk, matrix, pixel = errors
+    text = upload.path.read_bytes()[:_HEAD_BYTES].lstrip()
+    if text.startswith(b"<") and b"ProcessList" in text:
+        return matrix
+    if any(key in text for key in _MATRIX_KEYS) and text.startswith(b"{"):
+        return matrix
+    if text.startswith(b"{") and b'"S"' in text and b'"O"' in text:
+        return pixel
+    if crosstalk.subject.startswith("crosstalk"):  # of its numbers, not of its form
+        return crosstalk
+    if spectra.requirement != _NO_TABLE and not text.startswith(b"{"):
+        return spectra
+    return InputError(
+        upload.label,
+        "must hold spectra, a sensor, crosstalk, a color matrix or the values of a pixel",
+        found="holds none of them",
+    )
+
+
+def _toml(upload: Upload) -> Data:
+    """A pixel if the schema is a text, else a study, whose schema is a number."""
+    _refuse_large_study(upload)
+    try:
+        text = upload.path.read_bytes().decode("utf-8")
+    except UnicodeDecodeError:
+        raise InputError(
+            upload.label, "is not a UTF-8 text file", remedy="save the file as UTF-8"
+        ) from None
+    if _PIXEL_SCHEMA.search(text):
+        return pixel_preview(upload)
+    if not _STUDY_KEY.search(text):
+        raise InputError(
+            upload.label,
+            'must be a study, or a pixel with schema = "chromanoise pixel"',
+            found="has no key of either",
+        )
+    return _study(upload, text)
+
+
+def _refuse_large_study(upload: Upload) -> None:
     if upload.size_bytes > _MOST_STUDY_BYTES:
         raise InputError(
             upload.label,
@@ -89,12 +165,9 @@ def _study(upload: Upload) -> Data:
             value=upload.size_bytes,
             found=f"has {upload.size_bytes / 1e6:.1f} MB",
         )
-    try:
-        text = upload.path.read_bytes().decode("utf-8")
-    except UnicodeDecodeError:
-        raise InputError(
-            upload.label, "is not a UTF-8 text file", remedy="save the study as UTF-8"
-        ) from None
+
+
+def _study(upload: Upload, text: str) -> Data:
     study = study_from_text(text, source=upload.label, keep_idle=True)
     data = served_data(study)
     names = ", ".join(part.name for part in study.sensors)
@@ -134,7 +207,7 @@ def _beyond(ends_nm: list[float], first_nm: float, last_nm: float) -> Data:
     return {"key": "beyond", "question": question, "choices": ["hold", "zero"]}
 
 
-def _spectra(upload: Upload) -> Data:
+def _refuse_large_table(upload: Upload) -> None:
     if upload.size_bytes > MOST_SPECTRUM_BYTES:
         raise InputError(
             upload.label,
@@ -143,6 +216,9 @@ def _spectra(upload: Upload) -> Data:
             found=f"has {upload.size_bytes / 1e6:.1f} MB",
             remedy="keep one row per nanometer",
         )
+
+
+def _spectra(upload: Upload) -> Data:
     own = own_sensor_of(upload.path)
     if own is not None:
         line = f"A sensor of this library, {own.name}: channels {', '.join(own.names)}."

@@ -14,12 +14,13 @@ from chromanoise.page.requests import QuestionError
 MOST_FILES = 32
 MOST_BYTES = 128_000_000
 
-_ID = re.compile(r"upload:([0-9a-f]{16})")
+_ID = re.compile(r"upload:[0-9a-f]{16}(\.[a-z0-9]+)?")
 _ENDINGS = {
-    "spectra": (".csv", ".tsv", ".txt", ".json", ".sp", ".spdx", ".xml", ".xlsx"),
+    "table": (".csv", ".tsv", ".txt", ".json", ".sp", ".spdx", ".xml", ".xlsx"),
     "cube": (".npz", ".npy", ".tif", ".tiff", ".h5", ".hdf5", ".nc"),
     "either": (".mat",),
-    "study": (".toml",),
+    "matrix": (".clf", ".dng", ".dcp"),
+    "toml": (".toml",),
 }
 
 
@@ -30,13 +31,13 @@ class Upload:
     Attributes
     ----------
     id
-        By which questions name it: ``upload:`` and a digest of what is in it.
+        By which questions name it: ``upload:``, a digest of its content, and its ending.
     label
         What it was called, as far as it can be shown; never a path.
     path
         Where it lies, under a name of ours.
     kind
-        ``spectra``, ``cube``, ``either`` or ``study``, by its ending.
+        ``table``, ``cube``, ``either``, ``matrix`` or ``toml``, by its ending.
     size_bytes
         Of the file.
     """
@@ -114,7 +115,11 @@ class Uploads(Kept):
         digest = hashlib.sha256(ending.encode() + content).hexdigest()[:16]
         path = self._folder / f"{digest}{ending}"
         one = Upload(
-            id=f"upload:{digest}", label=label, path=path, kind=kind, size_bytes=len(content)
+            id=f"upload:{digest}{ending}",
+            label=label,
+            path=path,
+            kind=kind,
+            size_bytes=len(content),
         )
         with self._lock:
             self._kept.pop(one.id, None)

@@ -15,7 +15,7 @@ import * as vectors from "draw/vectors.js";
 /** @typedef {import("answers").Failed} Failed */
 /** @typedef {import("answers").PackedEllipses} PackedEllipses */
 /** @typedef {import("answers").PackedPatch} PackedPatch */
-/** @typedef {import("answers").Part} Part */
+/** @typedef {Exclude<import("answers").Part, "map">} Part a map is a picture here */
 /** @typedef {import("answers").ReportChanges} ReportChanges */
 /** @typedef {import("answers").ReportData} ReportData */
 /** @typedef {import("answers").ReportHead} ReportHead */

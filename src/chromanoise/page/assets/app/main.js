@@ -50,6 +50,7 @@ const root = document.documentElement;
  * @property {(state: State, head: Head | null) => void} showControls
  * @property {ReturnType<typeof panels>} panels
  * @property {ReturnType<typeof headingTools>} tools
+ * @property {((state: State) => void) | null} showMap controls of the map, loaded when it is seen
  * @property {ReturnType<typeof snapshots>} ghosts
  * @property {ReturnType<typeof picturePanel>} picture
  * @property {Asker} asker
@@ -69,6 +70,7 @@ const page = /** @type {Page} */ (
     head: null,
     printing: false,
     showControls: () => {},
+    showMap: null,
   })
 );
 
@@ -105,7 +107,10 @@ function laterQuestion() {
   if (!page.answered || page.failedVersion >= page.answered.version) return null;
   const { study, look, version } = page.answered;
   const parts = stale(version);
-  const seen = parts.filter((part) => panelOf(part).visible && isSlow(part, study));
+  const slow = parts.filter((part) => panelOf(part).visible && isSlow(part, study));
+  // the map comes last and alone, for it takes longest
+  const others = slow.filter((part) => part !== "map");
+  const seen = others.length ? others : slow;
   // one at a time, so that what is hidden never keeps what is seen waiting
   const idle = seen.length === 0 && page.calm;
   const want = idle ? parts.slice(0, 1) : seen;
@@ -118,7 +123,7 @@ const stale = (version) => PARTS.filter((part) => panelOf(part).version < versio
  * @param {Part} part
  * @param {Study} study
  */
-const isSlow = (part, study) => SLOW.has(part) && isTrained(study);
+const isSlow = (part, study) => part === "map" || (SLOW.has(part) && isTrained(study));
 
 /**
  * @param {Answer} reply
@@ -255,6 +260,7 @@ function changed(state, what) {
   askedBefore = asked;
   showTheme(state.look);
   page.tools.show(state.look);
+  page.showMap?.(state);
   page.showControls(state, page.head);
   lookedAt(state.look);
   if (what !== "look") page.picture(state);
@@ -335,6 +341,16 @@ async function choicesOfServer() {
   }
 }
 
+/** @param {import("answers").Choices} choices */
+async function withMapControls(choices) {
+  page.showMap = () => {};
+  const { mapControls } = await import("app/map.js");
+  const { node, show } = mapControls(choices);
+  panelOf("map").fault.before(node);
+  page.showMap = show;
+  show(current());
+}
+
 async function start() {
   const narrow = window.matchMedia("(max-width: 799px)");
   const drawer = /** @type {HTMLDetailsElement} */ (byId("drawer"));
@@ -360,6 +376,7 @@ async function start() {
   page.panels = panels({
     tools: page.tools.nodes,
     seen: () => {
+      if (panelOf("map").visible && !page.showMap) withMapControls(choices);
       page.asker.ask();
       page.later.ask();
     },

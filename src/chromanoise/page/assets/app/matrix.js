@@ -4,12 +4,13 @@ import { attribute, button, choice, el, fillChoice, say } from "app/dom.js";
 import { rangeOf } from "app/paths.js";
 import { slider } from "app/slider.js";
 import { changeStudy } from "app/state.js";
+import { uploaded } from "app/uploads.js";
 
 /** @import { Choices, Range, State, Study } from "answers" */
 /** @import { Group } from "app/controls.js" */
 /** @typedef {Range & { label: string, start: number }} Parameter */
 
-const MOST = 4;
+export const MOST_MATRICES = 4;
 const STANDARD = "kernel";
 
 /** @type {Record<string, Parameter>} */
@@ -35,11 +36,14 @@ export function matrixParts(name) {
  * @param {Study} study
  */
 export function isTrained({ matrices = [] }) {
-  return matrices.some((name) => matrixParts(name).method !== STANDARD);
+  return matrices.some((name) => matrixParts(name).method !== STANDARD && !isFile(name));
 }
 
+/** @param {string} name */
+const isFile = (name) => /\.[a-z]\w*$/i.test(name);
+
 /** @param {Study} study */
-const namesOf = ({ matrices }) => (matrices?.length ? matrices : [STANDARD]);
+export const matricesOf = ({ matrices }) => (matrices?.length ? matrices : [STANDARD]);
 
 /**
  * The group of controls: `node` and `show(state)`.
@@ -61,13 +65,13 @@ export function matrixControls(choices) {
   let cards = [];
   /** @param {State} state */
   const show = ({ study }) => {
-    const names = namesOf(study);
+    const names = matricesOf(study);
     if (cards.length !== names.length) {
       cards = names.map((_, i) => matrixCard(choices, i));
       list.replaceChildren(...cards.map((card) => card.node));
     }
     names.forEach((_, i) => cards[i].show(names));
-    attribute(add, "disabled", names.length >= MOST);
+    attribute(add, "disabled", names.length >= MOST_MATRICES);
     say(said, names.length > 1 ? "'SNR against light' shows all matrices; the other charts use the first." : "");
     fillChoice(prior.select, choices.priors, study.prior ?? choices.prior ?? "chart-nir");
   };
@@ -84,7 +88,7 @@ function matrixCard(choices, i) {
     label,
     options: [],
     where: i ? `matrices.${i}` : "matrices", // the first also stands for all of them
-    on: (method) => changeStudy((study) => put(study, i, fresh(choices, method, namesOf(study)))),
+    on: (method) => changeStudy((study) => put(study, i, fresh(choices, method, matricesOf(study)))),
   });
   const up = button("\u2191", () => changeStudy((study) => raised(study, i)), {
     "aria-label": `Move matrix ${i + 1} up`,
@@ -106,7 +110,7 @@ function matrixCard(choices, i) {
     const now = matrixParts(names[i]);
     fillChoice(pick.select, methodsFor(choices, names, i), now.method);
     attribute(up, "disabled", i === 0);
-    attribute(away, "disabled", names.length < 2);
+    attribute(away, "disabled", names.length < 2 && !isFile(names[i]));
     if (drawn?.method !== now.method) {
       drawn = { method: now.method, weight: weightSlider(choices, now.method, i) };
       place.replaceChildren(...(drawn.weight ? [drawn.weight.row] : []));
@@ -117,7 +121,7 @@ function matrixCard(choices, i) {
 }
 
 /**
- * Methods that a matrix may have: one without a parameter stands there once.
+ * Methods and files that a matrix may have: one without a parameter stands there once.
  *
  * @param {Choices} choices
  * @param {string[]} names
@@ -125,7 +129,8 @@ function matrixCard(choices, i) {
  */
 function methodsFor(choices, names, i) {
   const taken = new Set(names.filter((_, k) => k !== i));
-  return choices.matrices.map((one) => one.name).filter((name) => !taken.has(name));
+  const methods = choices.matrices.map((one) => [one.name, one.name]);
+  return [...methods, ...uploaded("matrix", names[i])].filter(([name]) => !taken.has(name));
 }
 
 /**
@@ -151,7 +156,7 @@ function fresh(choices, method, names) {
  * @param {string} name
  */
 function put(study, i, name) {
-  const names = [...namesOf(study)];
+  const names = [...matricesOf(study)];
   if (names.some((other, k) => k !== i && other === name)) return;
   names[i] = name;
   study.matrices = names;
@@ -162,7 +167,7 @@ function put(study, i, name) {
  * @param {Choices} choices
  */
 function added(study, choices) {
-  const names = namesOf(study);
+  const names = matricesOf(study);
   const methods = choices.matrices.map((one) => fresh(choices, one.name, names));
   const free = methods.find((name) => !names.includes(name));
   if (free) study.matrices = [...names, free];
@@ -173,7 +178,7 @@ function added(study, choices) {
  * @param {number} i
  */
 function raised(study, i) {
-  const names = [...namesOf(study)];
+  const names = [...matricesOf(study)];
   [names[i - 1], names[i]] = [names[i], names[i - 1]];
   study.matrices = names;
 }
@@ -186,8 +191,19 @@ function raised(study, i) {
  */
 function removed(node, i) {
   const list = /** @type {HTMLElement} */ (node.parentElement);
-  changeStudy((study) => (study.matrices = namesOf(study).filter((_, k) => k !== i)));
+  changeStudy((study) => (study.matrices = without(matricesOf(study), i)));
   list.children[Math.min(i, list.children.length - 1)]?.querySelector("select")?.focus();
+}
+
+/**
+ * The rest; the standard method in place of an only one.
+ *
+ * @param {string[]} names
+ * @param {number} i
+ */
+function without(names, i) {
+  const rest = names.filter((_, k) => k !== i);
+  return rest.length ? rest : [STANDARD];
 }
 
 /**

@@ -7,12 +7,13 @@ import * as chart from "draw/chart.js";
 import * as ellipses from "draw/ellipses.js";
 import * as levels from "draw/levels.js";
 import * as pareto from "draw/pareto.js";
+import { note } from "draw/look.js";
 import { refill } from "draw/refill.js";
 import * as sensitivities from "draw/sensitivities.js";
 import * as stages from "draw/stages.js";
 import * as vectors from "draw/vectors.js";
 
-/** @import { DrawingModule, Look, Options, Part, Table } from "answers" */
+/** @import { DrawingModule, Look, Options, Part, SweepMap, Table } from "answers" */
 /** @typedef {Options<any> & { look: Look & { level_lux?: number, level?: string } }} DrawnOptions */
 /**
  * @typedef {object} Panel
@@ -30,8 +31,26 @@ import * as vectors from "draw/vectors.js";
  * @property {(data: object | null, options: DrawnOptions) => void} show
  */
 
+/** @type {DrawingModule<SweepMap> | null} */
+let heatmap = null;
+
+/** The module that draws maps is loaded with the first map. */
+/** @type {DrawingModule<SweepMap>} */
+const map = {
+  draw(element, data, options) {
+    if (heatmap) heatmap.draw(element, data, options);
+    else if (data.why_not !== null) refill(element, note(data.why_not));
+    else {
+      import("app/heatmap.js").then((loaded) => {
+        heatmap = loaded;
+        heatmap.draw(element, data, options);
+      });
+    }
+  },
+};
+
 /** @type {{ [P in Part]: DrawingModule<any> }} */
-const DRAWN = { stages, budget, sensitivities, levels, pareto, vectors, ellipses, chart };
+const DRAWN = { stages, budget, sensitivities, levels, pareto, map, vectors, ellipses, chart };
 
 /** Which equations stand behind the `?` of a heading. */
 /** @type {Record<Part, string>} */
@@ -40,6 +59,7 @@ const EQUATIONS = {
   budget: "budget bound price",
   sensitivities: "electrons",
   levels: "levels color",
+  map: "levels color",
   vectors: "vectors",
   ellipses: "ellipses",
   chart: "chart",
@@ -173,6 +193,7 @@ function show(panel, data, options) {
   panel.fault.textContent = complaint ?? "";
   panel.body.hidden = complaint !== null;
   panel.section.removeAttribute("aria-busy");
+  panel.toggle.hidden = data !== null && "table" in data && /** @type {Table} */ (data.table).rows.length === 0;
   showTable(panel, options.look.open.includes(panel.part));
 }
 

@@ -4,7 +4,7 @@ import { attribute, brief, button, choice, el, fillChoice, freshId, say } from "
 import { setAt, valueAt } from "app/paths.js";
 import { shownUnit, slider } from "app/slider.js";
 import { changeStudy } from "app/state.js";
-import { asksFor, uploaded } from "app/uploads.js";
+import { asksFor, shownName, uploaded } from "app/uploads.js";
 
 /** @import { Choices, Head, HeadSensor, KnownSensor, SensorPart, Slider, State, Study } from "answers" */
 /** @import { Group } from "app/controls.js" */
@@ -95,6 +95,7 @@ function sensorCard(choices, i) {
   const front = filterChoice(choices, i);
   const inner = innerSliders(choices, i);
   const peak = sensorSlider(PEAK, i);
+  const files = [fileRow("Pixel", "pixel.file", i), fileRow("Crosstalk", "crosstalk", i)];
   const drawer = el(
     "details",
     { class: "drawer" },
@@ -102,7 +103,7 @@ function sensorCard(choices, i) {
     front.row,
     ...inner.map((one) => one.row),
   );
-  const node = el("fieldset", { class: "card" }, legend, pick.row, what, drawer);
+  const node = el("fieldset", { class: "card" }, legend, pick.row, what, ...files.map((one) => one.row), drawer);
   /**
    * @param {SensorPart} sensor
    * @param {HeadSensor | undefined} told
@@ -114,6 +115,7 @@ function sensorCard(choices, i) {
     fillChoice(pick.select, [...names, ...uploaded("sensor", sensor.name)], sensor.name);
     say(what, known ? described(known, told) : "");
     front.show(sensor);
+    for (const one of files) one.show(sensor);
     for (const one of inner) one.show(sensor, told);
     peak.show(sensor, told);
     const asked = asksForPeak(sensor);
@@ -203,10 +205,37 @@ function sensorSlider(range, i) {
    */
   const show = (sensor, told) => {
     const value = valueAt(sensor, path);
+    control.row.hidden = typeof value === "string"; // a file, with a row of its own
+    if (control.row.hidden) return;
     if (path === "pixel.read_noise_e") control.show(value, told?.read_noise_e ?? null);
     else control.show(value, untouched(path, range), path === "shift_nm" ? null : "own");
   };
   return { row: control.row, show };
+}
+
+/**
+ * A file in place of numbers, with a button that takes it away; hidden where there is none.
+ *
+ * @param {string} label
+ * @param {string} path
+ * @param {number} i
+ */
+function fileRow(label, path, i) {
+  const name = el("span", { class: "file" });
+  const away = button("\u00d7", () => changeStudy((study) => setAt(study.sensors[i], path, null)), {
+    title: "Remove",
+    class: "square",
+    "aria-label": `Remove the file: ${label} of sensor ${i + 1}`,
+  });
+  const row = el("div", { class: "row row-file", hidden: true }, el("span", { class: "label", text: label }), name, away);
+  /** @param {SensorPart} sensor */
+  const show = (sensor) => {
+    const word = valueAt(sensor, path);
+    row.hidden = typeof word !== "string";
+    attribute(away, "data-where", row.hidden ? null : `sensors.${i}.${path}`);
+    say(name, row.hidden ? "" : shownName(word));
+  };
+  return { row, show };
 }
 
 /**

@@ -10,6 +10,8 @@ import { shownName } from "app/uploads.js";
 /** @typedef {{ study: Study, name: string, parts: Parts, turn: number }} Ghost */
 
 const MOST = 3;
+/** A map has no place for an earlier one. */
+const PINNED = PARTS.filter((part) => part !== "map");
 
 /**
  * Of a look, what the server needs to know.
@@ -92,7 +94,7 @@ async function refreshed(ghost) {
   const look = askedLook(current().look);
   const turn = (ghost.turn += 1);
   try {
-    const reply = await posted("/api/answer", { number: 0, study: ghost.study, want: PARTS, look });
+    const reply = await posted("/api/answer", { number: 0, study: ghost.study, want: PINNED, look });
     // a newer question about this ghost is under way, and its answer is the one that counts
     if (turn !== ghost.turn) return "";
     if (JSON.stringify(look) !== JSON.stringify(askedLook(current().look))) return refreshed(ghost);

@@ -2,9 +2,12 @@
 
 /** @import { FileKind } from "answers" */
 
-const ID = /upload:[0-9a-f]{16}/g;
+const ID = /upload:[0-9a-f]{16}(?:\.[a-z0-9]+)?/g;
 /** @type {Record<FileKind, Map<string, string[]>>} */
-const brought = { sensor: new Map(), light: new Map(), cube: new Map() };
+const brought = {
+  ...{ sensor: new Map(), light: new Map(), cube: new Map() },
+  ...{ crosstalk: new Map(), matrix: new Map(), pixel: new Map() },
+};
 /** @type {Map<string, string>} */
 const labels = new Map();
 
@@ -18,7 +21,7 @@ const labels = new Map();
  */
 export function remember(kind, id, label, asks) {
   labels.set(id, label);
-  brought[kind]?.set(id, asks);
+  brought[kind].set(id, asks);
 }
 
 /**

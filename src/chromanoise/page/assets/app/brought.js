@@ -1,0 +1,193 @@
+/** A file that was brought: what it was taken for, its questions, and what can be done with it. */
+
+import { button, choice, el, fillChoice, within } from "app/dom.js";
+import { complain } from "app/faults.js";
+import { lampless } from "app/light.js";
+import { matricesOf, MOST_MATRICES } from "app/matrix.js";
+import { setCube } from "app/scene.js";
+import { exchange } from "app/sensors.js";
+import { changeStudy, current, replaceStudy } from "app/state.js";
+import { remember, shownName } from "app/uploads.js";
+
+/** @import { FileQuestion, SensorPart, Study, Upload, UploadedFile } from "answers" */
+/** @typedef {Record<string, string | number>} Answers */
+/** @typedef {ReturnType<typeof question>} Ask */
+
+/** @type {Record<Upload["kind"], string>} */
+const KINDS = {
+  sensor: "a sensor",
+  light: "a light",
+  cube: "a cube",
+  study: "a study",
+  crosstalk: "crosstalk of a sensor",
+  matrix: "a color matrix",
+  pixel: "the values of a pixel",
+};
+
+/**
+ * What was understood, what is still to be answered, and what to do with it.
+ *
+ * @param {HTMLElement} report
+ * @param {string} name
+ * @param {Upload} answer
+ */
+export function show(report, name, answer) {
+  if (answer.kind !== "study" && answer.others?.length) {
+    report.replaceChildren(severalWays(report, name, answer));
+    return;
+  }
+  if (answer.kind !== "study") remember(answer.kind, answer.id, name, (answer.asks ?? []).map(({ key }) => key));
+  const lines = (answer.preview ?? []).map((text) => el("li", { text }));
+  const title = el("p", { class: "strong", text: `${name}: ${KINDS[answer.kind]}` });
+  const asks = (answer.asks ?? []).map(question);
+  const answers = () => Object.fromEntries(asks.map((ask) => ask.answer()).filter(([, value]) => value !== ""));
+  const unanswered = () => asks.find((ask) => ask.answer()[1] === "");
+  const form = el(
+    "form",
+    { class: "asks", on: { submit: (event) => event.preventDefault() } },
+    ...asks.map((ask) => ask.row),
+    ...uses(answer, answers, () => report.replaceChildren(), unanswered),
+  );
+  report.replaceChildren(title, el("ul", { class: "notes" }, ...lines), form);
+}
+
+/**
+ * Asks what a file is that can be read in several ways.
+ *
+ * @param {HTMLElement} report
+ * @param {string} name
+ * @param {UploadedFile} answer
+ */
+function severalWays(report, name, { others = [], ...first }) {
+  const all = [first, ...others];
+  const ways = all.map(({ kind }) => [kind, KINDS[kind]]);
+  const pick = choice({
+    label: `${name} can be read in ${all.length} ways. It is:`,
+    options: [["", "Choose..."], ...ways],
+    on: (kind) => {
+      const chosen = all.find((one) => one.kind === kind);
+      if (chosen) show(report, name, chosen);
+    },
+  });
+  const lines = all.map(({ preview = [] }) => el("li", { text: preview[0] }));
+  return el("div", { class: "asks" }, el("ul", { class: "notes" }, ...lines), pick.row);
+}
+
+/**
+ * A question that the file cannot answer: one of a few words, or a number.
+ *
+ * @param {FileQuestion} asked
+ */
+function question({ key, question: text, choices }) {
+  if (choices?.length) {
+    const pick = choice({ label: text, options: [], on: () => {} });
+    fillChoice(pick.select, [["", "Choose..."], ...choices.map((one) => [String(one), String(one)])], "");
+    return { row: pick.row, answer: () => [key, pick.select.value] };
+  }
+  const field = el("input", { type: "text", inputmode: "decimal", class: "field" });
+  const row = el("div", { class: "row" }, el("label", { class: "label" }, `${text} `, field));
+  return { row, answer: () => [key, typed(field.value.trim())] };
+}
+
+/**
+ * Whether a question of the file is still open; then it says so and stands under the cursor.
+ *
+ * @param {Ask | undefined} ask
+ */
+function asksFor(ask) {
+  if (!ask) return false;
+  complain(ask.row, "The file does not declare this; please choose.");
+  within(ask.row, "select, input").focus();
+  return true;
+}
+
+/** @param {string} text */
+const typed = (text) => (text === "" || Number.isNaN(Number(text)) ? text : Number(text));
+
+/**
+ * @param {Upload} answer
+ * @param {() => Answers} answers
+ * @param {() => void} done
+ * @param {() => Ask | undefined} unanswered
+ */
+function uses(answer, answers, done, unanswered) {
+  /**
+   * @param {string} text
+   * @param {(study: Study) => unknown} edit
+   */
+  const use = (text, edit) => button(text, () => (asksFor(unanswered()) ? null : (changeStudy(edit), done())), { class: "wide" });
+  if (answer.kind === "light") {
+    return [use("Use as the light", (study) => useLight(study, answer.id, answers()))];
+  }
+  if (answer.kind === "cube") return [use("Show in the picture", (study) => setCube(study, answer.id, answers()))];
+  if (answer.kind === "study") {
+    return [button("Open this study", () => (replaceStudy(answer.study), done()), { class: "wide primary" })];
+  }
+  if (answer.kind === "matrix") return matrixUses(answer.id, use);
+  if (answer.kind === "crosstalk" || answer.kind === "pixel") {
+    const { kind, id } = answer;
+    const put = /** @param {SensorPart} sensor */ (sensor) =>
+      kind === "pixel" ? (sensor.pixel = { file: id }) : (sensor.crosstalk = id);
+    return current().study.sensors.map((sensor, i) =>
+      use(`Use for sensor ${i + 1}, ${shownName(sensor.name)}`, (study) => put(study.sensors[i])),
+    );
+  }
+  if (answer.kind !== "sensor") return [];
+  const exchanges = current().study.sensors.map((_, i) =>
+    use(`Replace sensor ${i + 1}`, (study) => exchangeFor(study, i, withAnswers(answer.id, answers()))),
+  );
+  return [use("Add as a sensor", (study) => study.sensors.push(withAnswers(answer.id, answers()))), ...exchanges];
+}
+
+/**
+ * @param {string} id
+ * @param {(text: string, edit: (study: Study) => unknown) => HTMLElement} use
+ */
+function matrixUses(id, use) {
+  const names = matricesOf(current().study);
+  const others = names.filter((name) => name !== id);
+  const first = use("Use as the color matrix", (study) => (study.matrices = [id, ...others.filter((name) => name !== names[0])]));
+  if (others.length >= MOST_MATRICES) return [first];
+  return [first, use("Add as a color matrix", (study) => (study.matrices = [...others, id]))];
+}
+
+/**
+ * @param {Study} study
+ * @param {string} id
+ * @param {Answers} told
+ */
+function useLight(study, id, told) {
+  study.light = { ...lampless(study.light), illuminant: id, ...stripped(told, "light.") };
+}
+
+/**
+ * @param {Study} study
+ * @param {number} i
+ * @param {SensorPart} sensor
+ */
+function exchangeFor(study, i, { name, ...answers }) {
+  exchange(study, i, name, answers);
+}
+
+/**
+ * A sensor of a file: most answers are about its curves, a few about the sensor itself.
+ *
+ * @param {string} id
+ * @param {Answers} told
+ * @returns {SensorPart}
+ */
+function withAnswers(id, told) {
+  const plain = stripped(stripped(told, "sensors."), "answers.");
+  const { beyond, ...answers } = plain;
+  return { name: id, ...(beyond ? { beyond: String(beyond) } : {}), ...(Object.keys(answers).length ? { answers } : {}) };
+}
+
+/**
+ * @param {Answers} told
+ * @param {string} start
+ */
+function stripped(told, start) {
+  /** @param {string} key */
+  const short = (key) => (key.startsWith(start) ? key.slice(start.length) : key);
+  return Object.fromEntries(Object.entries(told).map(([key, value]) => [short(key), value]));
+}

@@ -1,0 +1,114 @@
+"""The heat map of the page: the values of `compare_map`, their colors, and the line of equality."""
+
+import json
+
+import numpy as np
+import pytest
+
+import chromanoise as cn
+from chromanoise._palette import DIFFERENCES, VALUES
+from chromanoise.charts import drawing, shown
+from chromanoise.charts.maps import MOST_VALUES
+from chromanoise.study import study_from_data
+
+SENSORS = ("onyx-rgb", "onyx-rgb-ircut", "onyx-rgbw")
+SWEEP = {"vary": "lux", "first": 0.1, "last": 1000.0, "points": 9}
+SECOND = {"vary": "read-noise-e", "first": 1.0, "last": 100.0, "points": 5}
+
+
+TIME_MS = 12.0
+
+
+def record(count, **changes):
+    sweep = {**SWEEP, "second": SECOND, **changes}
+    sensors = [{"name": name} for name in SENSORS[:count]]
+    study = {"sensors": sensors, "sweeps": [sweep], "exposure": {"time_ms": TIME_MS}}
+    told = drawing("map", shown(study_from_data(study, source="")))
+    assert json.loads(json.dumps(told, allow_nan=False)) == told
+    return told
+
+
+def computed(count):
+    ends = {f"second_{key}": value for key, value in SECOND.items()}
+    given = {**SWEEP, **ends, "time_ms": TIME_MS}
+    return np.array([one.value for one in cn.compare_map(*SENSORS[:count], **given).maps])
+
+
+@pytest.mark.parametrize("count", [1, 2, 3])
+def test_the_table_has_the_values_of_a_comparison_in_python(count):
+    table, values = record(count)["table"], computed(count)
+    assert len(table["rows"]) == values[0].size
+    for row, *cells in zip(table["rows"], *(one.ravel() for one in values), strict=True):
+        for text, value in zip(row[2:], cells, strict=False):
+            assert (text == "undefined") == np.isnan(value)
+            assert np.isnan(value) or float(text.replace("−", "-")) == pytest.approx(
+                value, abs=0.006
+            )
+        best = SENSORS[int(np.argmax(cells))] if np.isfinite(cells).all() else row[-1]
+        assert count == 1 or row[-1] == best
+
+
+@pytest.mark.parametrize(
+    ("count", "colors", "drawn"),
+    [(1, VALUES, lambda values: values[0]), (2, DIFFERENCES, lambda values: values[0] - values[1])],
+)
+def test_the_colors_rise_with_the_value_and_are_absent_where_there_is_none(count, colors, drawn):
+    told, values = record(count), drawn(computed(count))
+    scale = told["scale"]
+    assert (scale["colors"][0], scale["colors"][-1]) == (colors[0], colors[-1])
+    assert scale["high"] == pytest.approx(np.nanmax(np.abs(values) if count == 2 else values))
+    assert scale["low"] == pytest.approx(-scale["high"] if count == 2 else np.nanmin(values))
+    flat = [color for row in told["colors"] for color in row]
+    assert [one is None for one in flat] == np.isnan(values).ravel().tolist()
+    assert any(one is None for one in flat)  # saturated at 1000 lx
+    ranks = [scale["colors"].index(flat[i]) for i in np.argsort(values, axis=None) if flat[i]]
+    assert ranks == sorted(ranks)
+
+
+def test_the_difference_of_a_sensor_and_itself_has_the_color_of_zero():
+    study = {
+        "sensors": [{"name": "onyx-rgb"}, {"name": "onyx-rgb", "pixel": {"prnu": 0.0}}],
+        "sweeps": [{**SWEEP, "second": SECOND}],
+    }
+    told = drawing("map", shown(study_from_data(study, source="")))
+    colors = {one for row in told["colors"] for one in row} - {None}
+    assert len(colors) == 1
+    assert told["scale"]["low"] == -told["scale"]["high"] < 0
+
+
+def test_on_the_line_both_sensors_have_the_same_snr():
+    """Infrared helps a sensor without IR-cut as long as read noise dominates."""
+    infrared, dim = {"vary": "infrared", "first": 0.0}, {"vary": "lux", "first": 0.01, "last": 0.1}
+    told = record(2, **infrared, last=2.0, second=dim | {"points": 3})
+    assert told["scale"]["low"] == -told["scale"]["high"] < 0
+    (line,) = told["equal"]
+    assert [level for _, level in line] == told["y"]["values"]
+    for ratio, level in line:
+        near = {"vary": "infrared", "first": ratio, "last": ratio + 1e-6, "points": 2}
+        curves = cn.compare(*SENSORS[:2], **near, lux=level, time_ms=TIME_MS).curves
+        first, second = (one.value[0] for one in curves)
+        assert first == pytest.approx(second, abs=0.001)
+
+
+def test_of_many_sensors_the_key_names_those_that_win_somewhere():
+    told, values = record(3), computed(3)
+    known = np.isfinite(values).all(axis=0)
+    winners = {SENSORS[i] for i in np.argmax(values[:, known], axis=0)}
+    assert winners <= {one["name"] for one in told["key"]}
+    assert {one["color"] for one in told["key"]} == {c for row in told["colors"] for c in row if c}
+
+
+def test_a_fine_sweep_is_drawn_on_fewer_values_with_the_same_ends_and_says_so():
+    told = record(1, points=61, second={**SECOND, "points": 21})
+    assert (len(told["x"]["values"]), len(told["y"]["values"])) == MOST_VALUES
+    for axis, part in (("x", SWEEP), ("y", SECOND)):
+        ends = told[axis]["values"][0], told[axis]["values"][-1]
+        assert ends == pytest.approx((part["first"], part["last"]))
+    assert "61 by 21" in told["note"]
+    assert record(1)["note"] == ""
+
+
+def test_a_study_without_such_a_sweep_has_no_map():
+    told = drawing("map", shown(study_from_data({"sensors": [{"name": "onyx-rgb"}]}, source="")))
+    assert told["why_not"]
+    assert told["table"]["rows"] == []
