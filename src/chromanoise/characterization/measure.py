@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from chromanoise._check import Array
-from chromanoise._shapes import Float
+from chromanoise._shapes import Integer
 from chromanoise.characterization.lights import (
     Key,
     Sampler,
@@ -27,9 +27,8 @@ from chromanoise.characterization.spatial import (
 from chromanoise.characterization.statistics import (
     LightSample,
     PlaneSample,
-    averaged,
     light_sample,
-    planes_of,
+    summed,
 )
 from chromanoise.characterization.verdict import model_verdict
 from chromanoise.errors import InputError
@@ -180,10 +179,10 @@ def _shading_notes(names: Sequence[str]) -> list[str]:
     ]
 
 
-# ---- averaged frames ----
+# ---- fixed patterns ----
 
-Patterns = Mapping[tuple[Key, int], Float[Array, "h w"]]
-"""Averaged frames by the names of the frames and the number of the plane."""
+Patterns = Mapping[tuple[Key, int], Integer[Array, "h w"]]
+"""Sums of frames by the names of the frames and the number of the plane."""
 
 
 def _middle(
@@ -206,17 +205,17 @@ def _darks_of(frames: FrameSet, middle: FrameLevel) -> tuple[Frame, ...]:
 
 def _patterns(
     frames: FrameSet, middles: Sequence[FrameLevel], tile: tuple[int, int]
-) -> dict[tuple[Key, int], Float[Array, "h w"]]:
-    """The averaged flats and darks at the middle level of each plane; each frame is read once."""
+) -> dict[tuple[Key, int], Integer[Array, "h w"]]:
+    """The sums of flats and darks at the middle level of each plane; each frame is read once."""
     wanted: dict[Key, tuple[tuple[Frame, ...], set[int]]] = {}
     for i, middle in enumerate(middles):
         for group in (middle.flats, _darks_of(frames, middle)):
             if group:
                 wanted.setdefault(key_of(group), (group, set()))[1].add(i)
-    found: dict[tuple[Key, int], Float[Array, "h w"]] = {}
+    found: dict[tuple[Key, int], Integer[Array, "h w"]] = {}
     for key, (group, planes) in wanted.items():
-        images = planes_of(averaged(group[: _averaged_count(group)], tile), tile)
-        found |= {(key, i): images[i].copy() for i in planes}
+        images = summed(group[: _averaged_count(group)], tile)
+        found |= {(key, i): images[i] for i in planes}
     return found
 
 
