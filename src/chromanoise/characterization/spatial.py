@@ -36,15 +36,56 @@ class SpatialVariance:
     filtered: bool
 
 
-def spatial_variance(
-    total: Integer[Array, "h w"], sample: PlaneSample, *, frames: int, high_pass: bool
-) -> SpatialVariance:
-    """The variance between pixels that is the same in every frame.
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class FixedPattern:
+    """The sum of frames of one light, one plane, without the places of its pixels.
+
+    Attributes
+    ----------
+    shape
+        Rows and columns. [px]
+    values, counts
+        The different sums in increasing order, and how many pixels have each. [DN], [1]
+    high_passed
+        Variance of the sum minus its smoothed copy, and the rows and columns of what is left
+        without the borders; ``None`` below 64 pixels. [DN^2], [px]
+    """
+
+    shape: tuple[int, int]
+    values: Integer[Array, "n"]
+    counts: Integer[Array, "n"]
+    high_passed: tuple[float, tuple[int, int]] | None
+
+    @property
+    def variance(self) -> float:
+        """Variance of the pixels. [DN^2]"""
+        pixels = math.prod(self.shape)
+        away = self.values - float(self.values @ self.counts) / pixels
+        return float(self.counts @ away**2) / (pixels - 1)
+
+
+def fixed_pattern(total: Integer[Array, "h w"]) -> FixedPattern:
+    """What is needed of a sum of frames.
 
     Parameters
     ----------
     total
         Sum of the frames of one light, one plane. [DN]
+    """
+    values, counts = value_counts(total)
+    high_passed = high_passed_variance(total) if min(total.shape) >= LEAST_SIDE else None
+    return FixedPattern(shape=total.shape, values=values, counts=counts, high_passed=high_passed)
+
+
+def spatial_variance(
+    pattern: FixedPattern, sample: PlaneSample, *, frames: int, high_pass: bool
+) -> SpatialVariance:
+    """The variance between pixels that is the same in every frame.
+
+    Parameters
+    ----------
+    pattern
+        Of the sum of frames of one light.
     sample
         Temporal statistics of the frames of this light.
     frames
@@ -58,10 +99,10 @@ def spatial_variance(
     EMVA 1288, release 4.0: s^2 = s^2 measured - sigma^2 / L for L frames; the filter is that of its
     section on PRNU.
     """
-    filtered = high_pass and min(total.shape) >= LEAST_SIDE
-    measured, (rows, columns) = (
-        high_passed_variance(total) if filtered else (_variance(total), total.shape)
-    )
+    measured, (rows, columns) = pattern.variance, pattern.shape
+    filtered = high_pass and pattern.high_passed is not None
+    if high_pass and pattern.high_passed is not None:
+        measured, (rows, columns) = pattern.high_passed
     measured /= frames**2
     white, shared = _kept() if filtered else (1.0, 1.0)
     of_rows, of_columns = (max(part, 0.0) for part in (sample.row_dn2, sample.column_dn2))
@@ -78,16 +119,16 @@ def spatial_variance(
     )
 
 
-def hot_pixels(dark_total: Integer[Array, "h w"], sample: PlaneSample, *, frames: int) -> int:
+def hot_pixels(pattern: FixedPattern, sample: PlaneSample, *, frames: int) -> int:
     """Number of pixels far above the others in a sum of dark frames.
 
     Parameters
     ----------
-    dark_total, sample, frames
+    pattern, sample, frames
         As `spatial_variance`. The spread of the others is that of the median absolute deviation,
         and at least that of the temporal noise: averages of few codes may all be equal.
     """
-    values, counts = value_counts(dark_total)
+    values, counts = pattern.values, pattern.counts
     away = values - _median(values, counts)
     order = np.argsort(np.abs(away))
     spread = _TO_SIGMA * _median(np.abs(away)[order], counts[order])
@@ -100,13 +141,6 @@ def _median(values: Array, counts: Array) -> float:
     until = np.cumsum(counts)
     middle = np.searchsorted(until, [(until[-1] - 1) // 2, until[-1] // 2], side="right")
     return float(values[middle].mean())
-
-
-def _variance(total: Integer[Array, "h w"]) -> float:
-    values, counts = value_counts(total)
-    pixels = total.size
-    away = values - float(values @ counts) / pixels
-    return float(counts @ away**2) / (pixels - 1)
 
 
 def _kept() -> tuple[float, float]:

@@ -16,7 +16,7 @@ from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._shapes import Float, Integer
 from chromanoise.errors import InputError
-from chromanoise.imaging.frame_sums import PairSums, difference_rests, product_sum
+from chromanoise.imaging.frame_sums import PairSums, add_plane, difference_rests, product_sum
 from chromanoise.io.frames.frame import Frame
 
 _BLOCK_PIXELS = 1 << 19
@@ -164,16 +164,17 @@ def summed(frames: Sequence[Frame], tile: tuple[int, int]) -> list[Integer[Array
     """
     shape = _whole_cells(frames[0], tile)
     cells = (shape[0] // tile[0], shape[1] // tile[1])
-    total: list[Array] = []
+    totals: list[Array] = []  # in several arrays, whose memory is used again
     for start, blocks in _blocks(frames, shape, tile):
         row = start // tile[0]
         for block in blocks:
-            if not total:
+            if not totals:
                 kind = np.int32 if block.dtype.itemsize <= 2 else np.int64
-                total = [np.zeros(cells, kind) for _ in range(math.prod(tile))]
-            for whole, plane in zip(total, planes_of(block, tile), strict=True):
-                whole[row : row + plane.shape[0]] += plane
-    return total
+                totals = [np.zeros(cells, kind) for _ in range(math.prod(tile))]
+            for i, total in enumerate(totals):
+                of_plane = block[i // tile[1] :: tile[0]]
+                add_plane(of_plane, i % tile[1], tile[1], total[row : row + of_plane.shape[0]])
+    return totals
 
 
 def planes_of(image: Array, tile: tuple[int, int]) -> list[Array]:

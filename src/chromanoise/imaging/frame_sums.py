@@ -10,7 +10,7 @@ import numpy as np
 from numba import njit
 
 from chromanoise._check import Array
-from chromanoise._shapes import Float, Integer
+from chromanoise._shapes import Integer
 from chromanoise.imaging.kernel_cache import kernel
 
 
@@ -91,6 +91,23 @@ class PairSums:
         tile = self.totals.shape
         sums = (self.totals, self.squares, self.columns, self.rows)
         _add_pair(a, b, first_row, *tile, *sums)
+
+
+@kernel()
+@no_type_check
+def add_plane(rows, first, step, total):
+    """Add every ``step``-th value from ``first`` on of rows (n, w) to ``total`` (n, m)."""
+    for y in range(total.shape[0]):
+        row, into = rows[y], total[y]
+        if step == 1:
+            for i in range(into.size):
+                into[i] += row[i]
+        elif step == 2:
+            for i in range(into.size):
+                into[i] += row[2 * i + first]
+        else:
+            for i in range(into.size):
+                into[i] += row[i * step + first]
 
 
 @kernel(error_model="numpy")
