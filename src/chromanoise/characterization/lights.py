@@ -2,8 +2,9 @@
 
 import math
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing
 
 import numpy as np
 
@@ -73,19 +74,20 @@ def lights_of(
                 groups.setdefault(key_of(group), group)
     whole, done, lights = sum(map(len, groups.values())), 0, {}
     progress(done, whole)
-    for (key, group), light in zip(groups.items(), _sampled(groups, tile, sampled), strict=True):
-        _refuse_apart(group, light)
-        _refuse_codes_beyond_bits(group, light)
-        lights[key] = light
-        done += len(group)
-        progress(done, whole)
+    with closing(_sampled(groups, tile, sampled)) as samples:
+        for (key, group), light in zip(groups.items(), samples, strict=True):
+            _refuse_apart(group, light)
+            _refuse_codes_beyond_bits(group, light)
+            lights[key] = light
+            done += len(group)
+            progress(done, whole)
     _refuse_bright_darks(frames, lights)
     return lights
 
 
 def _sampled(
     groups: Mapping[Key, tuple[Frame, ...]], tile: tuple[int, int], sampled: Sampler
-) -> Iterator[LightSample]:
+) -> Generator[LightSample]:
     """The statistics of each group in turn; a thread per core computes the next ones."""
     bytes_each = 8 * math.prod(next(iter(groups.values()))[0].shape)
     workers = max(1, min(os.cpu_count() or 1, _MOST_BYTES // bytes_each))
