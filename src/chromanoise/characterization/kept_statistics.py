@@ -25,8 +25,8 @@ _FIELDS = {field.name for field in fields(PlaneSample)}
 def resumed(path: Path) -> Sampler:
     """A function for `characterized` that keeps its results in a file.
 
-    The file is rewritten after each light; several threads may call the function. Results are reused only for the same frames: same
-    paths, sizes and modification times.
+    The file is rewritten after each light. Results are reused only for the same frames: same
+    paths, sizes and modification times. Several threads may call the function.
 
     Parameters
     ----------
