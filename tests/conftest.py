@@ -43,16 +43,17 @@ def checked(function):
         if dataclasses.is_dataclass(function) and "__init__" in vars(function):
             function.__init__ = checked(function.__init__)
         return function
-    told, later = function.__annotations__, {}
-    if "." not in function.__qualname__:  # text there is a type that only type checkers import
+    hints, later = function.__annotations__, {}
+    if "." not in function.__qualname__ or function.__name__ == "__init__":
+        # text there is a type that only type checkers import
         unknown = {
             name
-            for name, hint in told.items()
+            for name, hint in hints.items()
             if isinstance(hint, str) and re.split(r"\W", hint)[0] not in function.__globals__
         }
-        later = {name: told.pop(name) for name in unknown}
+        later = {name: hints.pop(name) for name in unknown}
     one = typed(function)
-    told.update(later)
+    hints.update(later)
     if not any(map(has_shape, inspect.get_annotations(function).values())):
         return one
 

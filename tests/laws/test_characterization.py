@@ -17,7 +17,7 @@ from chromanoise.characterization import (
     variance_through,
     variance_through_file,
 )
-from chromanoise.characterization.spatial import hot_pixels, spatial_variance
+from chromanoise.characterization.spatial import fixed_pattern, hot_pixels, spatial_variance
 from chromanoise.io.frames import Frame, FrameLevel, FrameSet, read_frame_set
 from chromanoise.io.given_matrices import GivenMatrix
 from chromanoise.sensor import Mosaic, bayer
@@ -125,9 +125,9 @@ def test_a_fixed_pattern_is_found_without_the_temporal_noise():
         for _ in range(2)
     ]
     (plane,) = light_sample(frames, (1, 1)).planes
-    mean = np.mean([one.codes() for one in frames], axis=0)
+    total = fixed_pattern(sum(one.codes().astype(int) for one in frames))
     for filtered in (False, True):
-        one = spatial_variance(mean, plane, frames=2, high_pass=filtered)
+        one = spatial_variance(total, plane, frames=2, high_pass=filtered)
         assert one.variance_dn2 == pytest.approx(pattern.var(), abs=4 * one.se_dn2)
         assert one.se_dn2 < 3.0
 
@@ -135,10 +135,11 @@ def test_a_fixed_pattern_is_found_without_the_temporal_noise():
 def test_the_high_pass_takes_shading_away_and_keeps_the_pattern():
     y, _ = np.indices((200, 200))
     pattern = np.random.default_rng(5).standard_normal((200, 200))
-    shaded = 500 * (1 - 0.3 * (y / 199 - 0.5) ** 2) + 5 * pattern
+    shaded = 500_000 * (1 - 0.3 * (y / 199 - 0.5) ** 2) + 5000 * pattern
+    total = fixed_pattern(shaded.round().astype(int))
     (plane,) = light_sample([frame(np.zeros((200, 200), int))] * 2, (1, 1)).planes
     plain, filtered = (
-        spatial_variance(shaded, plane, frames=2, high_pass=one).variance_dn2
+        spatial_variance(total, plane, frames=1000, high_pass=one).variance_dn2
         for one in (False, True)
     )
     assert plain > 100
@@ -150,10 +151,10 @@ def test_hot_pixels_are_counted_and_normal_ones_are_not(sigma):
     rng = np.random.default_rng(6)
     dark = [(100 + sigma * rng.standard_normal((300, 300))).round().astype(int) for _ in range(2)]
     (plane,) = light_sample([frame(one) for one in dark], (1, 1)).planes
-    assert hot_pixels(np.mean(dark, axis=0), plane, frames=2) == 0
+    assert hot_pixels(fixed_pattern(sum(dark)), plane, frames=2) == 0
     for one in dark:
         one[3, 4] = one[200, 7] = 100 + 30 * max(sigma, 1)
-    assert hot_pixels(np.mean(dark, axis=0), plane, frames=2) == 2
+    assert hot_pixels(fixed_pattern(sum(dark)), plane, frames=2) == 2
 
 
 @pytest.mark.parametrize("shape", [(40, 3000), (3000, 40)])

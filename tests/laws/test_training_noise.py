@@ -6,14 +6,18 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numba import vectorize
 from scipy import stats
 from scipy.special import ndtr
 
 import chromanoise as cn
 from chromanoise.imaging import AddCameraNoise, NoisyDataset
+from chromanoise.imaging.noise_draws import read_quantile_of_many
+from chromanoise.imaging.training_noise import counted_below_e
 from chromanoise.sensor import CameraNoise, LogLinearNoise, ReadNoiseSum, bayer
 from outcomes import refused_input
 
+SUMS = vectorize(lambda mean, variance, z: read_quantile_of_many(mean, variance, z))
 PARTS = ("shot", "read", "dark", "prnu", "dsnu", "row", "quantize", "clamp")
 OFF = dict.fromkeys(PARTS, False)
 
@@ -109,6 +113,29 @@ def test_a_million_codes_follow_the_exact_law_in_each_of_200_settings(series):
     print(f"p > 0.01 in {np.mean(chances > 0.01):.1%}, least {chances.min():.2g}")
     assert (chances <= 0.01).sum() <= stats.binom.isf(1e-3, 200, 0.01)
     assert stats.kstest(chances, "uniform").pvalue > 1e-3
+
+
+@pytest.mark.parametrize("read_e", [0.75, 0.9, 1.0, 1.3, 1.5, 1.8, 2.0, 2.3, 2.6, 2.66, 3.0, 6.0])
+def test_the_sum_of_electrons_and_read_noise_has_the_exact_chances(read_e):
+    least, variance, z = counted_below_e(read_e), np.float32(read_e**2), np.linspace(-5.5, 5.5, 400)
+    for mean in least + np.array([0.0, 0.02, 0.1, 0.5, 1.0, 2.0, 4.0, 7.0, 12.0, 20.0]):
+        arguments = np.float32(mean), variance, z.astype(np.float32)
+        found = SUMS(*arguments).astype(np.float64)
+        counts = np.arange(int(mean + 12 * np.sqrt(mean) + 40))
+        edges = (found[:, None] - counts) / read_e
+        chance = ndtr(edges) @ stats.poisson.pmf(counts, float(arguments[0]))
+        assert abs(chance - ndtr(z)).max() < 5.5e-6
+
+
+@pytest.mark.parametrize("read_e", [3.0, 0.5])
+@pytest.mark.parametrize("mean", [0.0, 0.4, 3.0, 15.0])
+def test_codes_of_few_electrons_follow_the_exact_law(mean, read_e):
+    law = {"gain": 1.7, "read_e": read_e, "black": 64.0, "top": 4095}
+    light = np.full((400, 500), mean)
+    noisy = cn.noise.sampler(mono(**law), seed=3)(light, unit="electron").noisy
+    found = np.rint(noisy.astype(np.float64).ravel() * 1.7 + 64).astype(int)
+    rng = np.random.default_rng(0)
+    assert randomized_p(found, *code_law(mean, **law), rng) > 1e-3
 
 
 @pytest.mark.parametrize("shape", [-0.25, -0.1, 0.0, 0.14, 0.5])

@@ -5,6 +5,7 @@ import json
 from collections.abc import Sequence
 from dataclasses import asdict, fields
 from pathlib import Path
+from threading import Lock
 from typing import Any
 
 import numpy as np
@@ -25,7 +26,7 @@ def resumed(path: Path) -> Sampler:
     """A function for `characterized` that keeps its results in a file.
 
     The file is rewritten after each light. Results are reused only for the same frames: same
-    paths, sizes and modification times.
+    paths, sizes and modification times. Several threads may call the function.
 
     Parameters
     ----------
@@ -37,18 +38,20 @@ def resumed(path: Path) -> Sampler:
     InputError
         If the file exists and is of another kind or version.
     """
-    kept = _read(path) if path.exists() else {}
+    kept, writing = _read(path) if path.exists() else {}, Lock()
 
     def sampled(frames: Sequence[Frame], tile: tuple[int, int]) -> LightSample:
         key = _key(frames, tile)
         if key not in kept:
             found = light_sample(frames, tile)
-            kept[key] = {
+            one = {
                 "planes": [asdict(plane) for plane in found.planes],
                 "covariance_dn2": found.covariance_dn2.tolist(),
             }
-            data = {"schema": _SCHEMA, "version": __version__, "lights": kept}
-            write_whole(path, json.dumps(data).encode())
+            with writing:
+                kept[key] = one
+                data = {"schema": _SCHEMA, "version": __version__, "lights": kept}
+                write_whole(path, json.dumps(data).encode())
             return found
         one = kept[key]
         planes = [

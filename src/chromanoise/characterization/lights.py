@@ -1,7 +1,10 @@
 """Sets of frames of one light, their statistics, and the photon transfer table of a plane."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+import os
+from collections.abc import Callable, Generator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing
 
 import numpy as np
 
@@ -12,6 +15,7 @@ from chromanoise.io.frames.frame import Frame, FrameLevel, FrameSet
 from chromanoise.sensor import PhotonTransfer
 from chromanoise.sensor.photon_transfer_table import SAME_TIME
 
+_MOST_BYTES = 400_000_000  # of frames that threads keep in memory
 _MOST_APART = 0.2  # of the mean, by which flats of one level may differ
 
 Sampler = Callable[[Sequence[Frame], tuple[int, int]], LightSample]
@@ -53,16 +57,29 @@ def lights_of(
             if len(group) > 1:
                 groups.setdefault(key_of(group), group)
     whole, done, lights = sum(map(len, groups.values())), 0, {}
-    for key, group in groups.items():
-        progress(done, whole)
-        light = sampled(group, tile)
-        _refuse_apart(group, light)
-        _refuse_codes_beyond_bits(group, light)
-        lights[key] = light
-        done += len(group)
-    progress(whole, whole)
+    progress(done, whole)
+    with closing(_sampled(groups, tile, sampled)) as samples:
+        for (key, group), light in zip(groups.items(), samples, strict=True):
+            _refuse_apart(group, light)
+            _refuse_codes_beyond_bits(group, light)
+            lights[key] = light
+            done += len(group)
+            progress(done, whole)
     _refuse_bright_darks(frames, lights)
     return lights
+
+
+def _sampled(
+    groups: Mapping[Key, tuple[Frame, ...]], tile: tuple[int, int], sampled: Sampler
+) -> Generator[LightSample]:
+    """The statistics of each group in turn; a thread per core computes the next ones."""
+    bytes_each = 8 * math.prod(next(iter(groups.values()))[0].shape)
+    workers = max(1, min(os.cpu_count() or 1, _MOST_BYTES // bytes_each))
+    pool = ThreadPoolExecutor(workers)
+    try:
+        yield from pool.map(lambda group: sampled(group, tile), groups.values())
+    finally:
+        pool.shutdown(cancel_futures=True)
 
 
 def _refuse_bright_darks(frames: FrameSet, lights: Mapping[Key, LightSample]) -> None:

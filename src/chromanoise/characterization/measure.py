@@ -5,8 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from chromanoise._check import Array
-from chromanoise._shapes import Float
 from chromanoise.characterization.lights import (
     Key,
     Sampler,
@@ -21,17 +19,18 @@ from chromanoise.characterization.planes import hidden_by_rounding, plane_noise
 from chromanoise.characterization.results import Characterization, plane_names
 from chromanoise.characterization.spatial import (
     LEAST_SIDE,
+    FixedPattern,
     SpatialVariance,
+    fixed_pattern,
     hot_pixels,
     spatial_variance,
 )
 from chromanoise.characterization.statistics import (
     LightSample,
     PlaneSample,
-    averaged,
     light_sample,
     mean_shared,
-    planes_of,
+    summed,
 )
 from chromanoise.characterization.verdict import model_verdict
 from chromanoise.errors import InputError
@@ -96,8 +95,8 @@ def characterized(
                 _spatial(patterns, steady, darks, i, high_pass=filtered)
                 for filtered in (False, True)
             )
-            image, of_dark = patterns[key_of(darks), i], own[key_of(darks)]
-            hot = hot_pixels(image, of_dark, frames=_averaged_count(darks))
+            pattern, of_dark = patterns[key_of(darks), i], own[key_of(darks)]
+            hot = hot_pixels(pattern, of_dark, frames=_averaged_count(darks))
         unfiltered += [] if flat.filtered else [name]
         planes.append(
             plane_noise(
@@ -184,10 +183,10 @@ def _shading_notes(names: Sequence[str]) -> list[str]:
     ]
 
 
-# ---- averaged frames ----
+# ---- fixed patterns ----
 
-Patterns = Mapping[tuple[Key, int], Float[Array, "h w"]]
-"""Averaged frames by the names of the frames and the number of the plane."""
+Patterns = Mapping[tuple[Key, int], FixedPattern]
+"""Fixed patterns by the names of the frames and the number of the plane."""
 
 
 def _middle(
@@ -210,17 +209,18 @@ def _darks_of(frames: FrameSet, middle: FrameLevel) -> tuple[Frame, ...]:
 
 def _patterns(
     frames: FrameSet, middles: Sequence[FrameLevel], tile: tuple[int, int]
-) -> dict[tuple[Key, int], Float[Array, "h w"]]:
-    """The averaged flats and darks at the middle level of each plane; each frame is read once."""
+) -> dict[tuple[Key, int], FixedPattern]:
+    """The patterns of flats and darks at the middle level of each plane, read once."""
     wanted: dict[Key, tuple[tuple[Frame, ...], set[int]]] = {}
     for i, middle in enumerate(middles):
         for group in (middle.flats, _darks_of(frames, middle)):
             if group:
                 wanted.setdefault(key_of(group), (group, set()))[1].add(i)
-    found: dict[tuple[Key, int], Float[Array, "h w"]] = {}
+    found: dict[tuple[Key, int], FixedPattern] = {}
     for key, (group, planes) in wanted.items():
-        images = planes_of(averaged(group[: _averaged_count(group)], tile), tile)
-        found |= {(key, i): images[i].copy() for i in planes}
+        totals = summed(group[: _averaged_count(group)], tile)
+        found |= {(key, i): fixed_pattern(totals[i]) for i in planes}
+        del totals  # its memory is used for the next one
     return found
 
 

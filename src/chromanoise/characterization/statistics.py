@@ -8,7 +8,6 @@ difference: rows, columns, rest.
 
 import math
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,9 +16,10 @@ from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._shapes import Float, Integer
 from chromanoise.errors import InputError
-from chromanoise.imaging.frame_sums import PairSums
+from chromanoise.imaging.frame_sums import PairSums, add_plane, difference_rests, product_sum
 from chromanoise.io.frames.frame import Frame
 
+_BLOCK_PIXELS = 1 << 19
 BAND_PIXELS = 1 << 17
 """Pixels of a plane from which correlations are computed: their error is 0.003."""
 
@@ -149,24 +149,23 @@ def light_sample(frames: Sequence[Frame], tile: tuple[int, int]) -> LightSample:
             value=len(frames),
             found="is the only one",
         )
-    before: Array | None = None
-    pairs: list[_Pair] = []
-    means: list[Array] = []
-    first: Array | None = None
-    for codes in _read_ahead(frames):
-        cut = _whole_cells(codes, tile, frames[0].name)
-        if before is None:
-            first = cut
-        else:
-            sums = PairSums(before, cut, tile)
-            pairs.append(_pair(sums, tile, cut.shape))
-            means.append(pairs[-1].mean_dn)
-            if len(pairs) == 1:
-                band = _band(before, cut, tile)
-        before = cut
+    shape = _whole_cells(frames[0], tile)
+    sums, middle = [PairSums(shape, tile) for _ in frames[1:]], _band_rows(shape, tile)
+    parts: tuple[list[Array], list[Array]] = ([], [])  # rows in the middle of the first two frames
+    for start, blocks in _blocks(frames, shape, tile):
+        before = next(blocks)
+        inside = slice(max(middle.start - start, 0), max(middle.stop - start, 0))
+        parts[0].append(before[inside].copy())
+        for pair, block in zip(sums, blocks, strict=True):
+            pair.add(before, block, start)
+            if pair is sums[0]:
+                parts[1].append(block[inside].copy())
+            before = block
+    pairs = [_pair(one, tile) for one in sums]
+    means = [pair.mean_dn for pair in pairs]
     means.append(means[-1] - pairs[-1].difference_dn)
-    assert first is not None
-    return _sample(pairs, np.array(means), band, first, tile)
+    first, second = (np.stack(planes_of(np.concatenate(part), tile)) for part in parts)
+    return _sample(pairs, np.array(means), _band(first, second), first)
 
 
 def independent_pairs(frames: int) -> float:
@@ -182,8 +181,8 @@ def independent_pairs(frames: int) -> float:
     return 2 * (frames - 1) ** 2 / (3 * frames - 4)
 
 
-def averaged(frames: Sequence[Frame], tile: tuple[int, int]) -> Float[Array, "h w"]:
-    """The mean of the frames, from each of which the mean of every plane is subtracted. [DN]
+def summed(frames: Sequence[Frame], tile: tuple[int, int]) -> list[Integer[Array, "h w"]]:
+    """The sum of the codes of at most 2^15 frames, one picture for each plane. [DN]
 
     Parameters
     ----------
@@ -195,15 +194,19 @@ def averaged(frames: Sequence[Frame], tile: tuple[int, int]) -> Float[Array, "h 
     InputError
         If a frame cannot be read.
     """
-    total: Array | None = None
-    for codes in _read_ahead(frames):
-        cut = _whole_cells(codes, tile, frames[0].name).astype(np.float32)
-        for plane in planes_of(cut, tile):
-            plane -= plane.mean(dtype=np.float64)
-        total = cut if total is None else np.add(total, cut, out=total)
-    assert total is not None
-    total /= len(frames)
-    return total
+    shape = _whole_cells(frames[0], tile)
+    cells = (shape[0] // tile[0], shape[1] // tile[1])
+    totals: list[Array] = []  # in several arrays, whose memory is used again
+    for start, blocks in _blocks(frames, shape, tile):
+        row = start // tile[0]
+        for block in blocks:
+            if not totals:
+                kind = np.int32 if block.dtype.itemsize <= 2 else np.int64
+                totals = [np.zeros(cells, kind) for _ in range(math.prod(tile))]
+            for i, total in enumerate(totals):
+                of_plane = block[i // tile[1] :: tile[0]]
+                add_plane(of_plane, i % tile[1], tile[1], total[row : row + of_plane.shape[0]])
+    return totals
 
 
 def planes_of(image: Array, tile: tuple[int, int]) -> list[Array]:
@@ -211,27 +214,33 @@ def planes_of(image: Array, tile: tuple[int, int]) -> list[Array]:
     return [image[y :: tile[0], x :: tile[1]] for y in range(tile[0]) for x in range(tile[1])]
 
 
-def _read_ahead(frames: Sequence[Frame]) -> Iterator[Integer[Array, "h w"]]:
-    """The codes of each frame; the next one is read while one is in use."""
-    with ThreadPoolExecutor(1) as reader:
-        waiting = reader.submit(frames[0].codes)
-        for following in frames[1:]:
-            codes = waiting.result()
-            waiting = reader.submit(following.codes)
-            yield codes
-        yield waiting.result()
+def _blocks(
+    frames: Sequence[Frame], shape: tuple[int, int], tile: tuple[int, int]
+) -> Iterator[tuple[int, Iterator[Integer[Array, "n w"]]]]:
+    """Rows of all frames, with the number of the first one.
+
+    Rows that a file stores one after another are read in blocks that stay in the cache of the
+    processor; other frames are read whole.
+    """
+    height, width = shape
+    in_place = all(frame.has_rows for frame in frames)
+    rows = max(1, _BLOCK_PIXELS // width // tile[0]) * tile[0] if in_place else height
+    for start in range(0, height, rows):
+        stop = min(start + rows, height)
+        yield start, (frame.rows(start, stop)[:, :width] for frame in frames)
 
 
-def _whole_cells(codes: Array, tile: tuple[int, int], name: str) -> Array:
-    height, width = (size - size % step for size, step in zip(codes.shape, tile, strict=True))
+def _whole_cells(frame: Frame, tile: tuple[int, int]) -> tuple[int, int]:
+    """Rows and columns of the whole periods of the mosaic in a frame."""
+    height, width = (size - size % step for size, step in zip(frame.shape, tile, strict=True))
     if height < 4 * tile[0] or width < 4 * tile[1]:
         raise InputError(
-            name,
+            frame.name,
             "must have at least 4 x 4 pixels of each plane",
-            value=codes.shape,
-            found=f"has {codes.shape[0]} x {codes.shape[1]} pixels",
+            value=frame.shape,
+            found=f"has {frame.shape[0]} x {frame.shape[1]} pixels",
         )
-    return codes[:height, :width]
+    return height, width
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -247,22 +256,22 @@ class _Pair:
     columns: int
 
 
-def _pair(sums: PairSums, tile: tuple[int, int], shape: tuple[int, ...]) -> _Pair:
+def _pair(sums: PairSums, tile: tuple[int, int]) -> _Pair:
     """The analysis of variance of a difference: mean squares of rows, columns and the rest."""
-    rows, columns = shape[0] // tile[0], shape[1] // tile[1]
+    rows, columns = sums.rows.shape[0] // tile[0], sums.columns.shape[1] // tile[1]
     n, found = rows * columns, []
     for y in range(tile[0]):
         for x in range(tile[1]):
-            by_column = sums.sums[y, x :: tile[1]]
+            by_column = sums.columns[y, x :: tile[1]]
             by_row = sums.rows[y :: tile[0], x]
-            whole, square = int(by_column.sum()), int(sums.squares[y, x :: tile[1]].sum())
+            whole, square = int(by_column.sum()), int(sums.squares[y, x])
             mean = whole / n
             of_rows = columns * float(((by_row / columns - mean) ** 2).sum())
             of_columns = rows * float(((by_column / rows - mean) ** 2).sum())
             rest = max((square * n - whole**2) / n - of_rows - of_columns, 0.0)
             found.append(
                 (
-                    int(sums.total[y, x :: tile[1]].sum()) / n,
+                    int(sums.totals[y, x]) / n,
                     mean,
                     of_rows / (rows - 1),
                     of_columns / (columns - 1),
@@ -283,25 +292,7 @@ class _Band:
     covariance: Array
 
 
-def _band(a: Array, b: Array, tile: tuple[int, int]) -> _Band:
-    cut = _band_rows(a.shape, tile)
-    rows, columns = (cut.stop - cut.start) // tile[0], a.shape[1] // tile[1]
-    difference = a[cut].astype(np.float32) - b[cut].astype(np.float32)
-    rests = []
-    for plane in planes_of(difference, tile):
-        rest = plane - plane.mean(axis=1, keepdims=True)
-        rests.append(rest - rest.mean(axis=0, keepdims=True))
-    right, down = [], []  # the subtracted means correlate neighbors by -1 / (n - 1)
-    for rest in rests:
-        square = float(np.vdot(rest, rest)) / rest.size or 1.0
-        right.append(float((rest[:, 1:] * rest[:, :-1]).mean()) / square + 1 / (columns - 1))
-        down.append(float((rest[1:] * rest[:-1]).mean()) / square + 1 / (rows - 1))
-    flat = np.stack([rest.ravel() for rest in rests]).astype(np.float64)
-    kept = (rows - 1) * (columns - 1)
-    return _Band(right=np.array(right), down=np.array(down), covariance=flat @ flat.T / (2 * kept))
-
-
-def _band_rows(shape: tuple[int, ...], tile: tuple[int, int]) -> slice:
+def _band_rows(shape: tuple[int, int], tile: tuple[int, int]) -> slice:
     """Rows in the middle of a frame with enough pixels for correlations."""
     height, width = shape
     rows = min(height // tile[0], max(4, BAND_PIXELS // (width // tile[1])))
@@ -309,12 +300,29 @@ def _band_rows(shape: tuple[int, ...], tile: tuple[int, int]) -> slice:
     return slice(start, start + rows * tile[0])
 
 
+def _band(a: Integer[Array, "p m n"], b: Integer[Array, "p m n"]) -> _Band:
+    rests = difference_rests(a, b)
+    planes, rows, columns = rests.shape
+    products = np.empty((planes, planes))
+    for i in range(planes):
+        for j in range(i + 1):
+            products[i, j] = products[j, i] = product_sum(rests[i], rests[j], 0, 0)
+    squares = np.diag(products) / (rows * columns)
+    squares = np.where(squares > 0, squares, 1.0)
+    right = np.array([product_sum(rest, rest, 0, 1) for rest in rests]) / (rows * (columns - 1))
+    down = np.array([product_sum(rest, rest, 1, 0) for rest in rests]) / ((rows - 1) * columns)
+    return _Band(  # the subtracted means correlate neighbors by -1 / (n - 1)
+        right=right / squares + 1 / (columns - 1),
+        down=down / squares + 1 / (rows - 1),
+        covariance=products / (2 * (rows - 1) * (columns - 1)),
+    )
+
+
 def _sample(
     pairs: Sequence[_Pair],
     means: Float[Array, "k p"],
     band: _Band,
-    first: Array,
-    tile: tuple[int, int],
+    first: Integer[Array, "p m n"],
 ) -> LightSample:
     count, rows, columns = len(pairs) + 1, pairs[0].rows, pairs[0].columns
     # variance of one frame: half that of a difference
@@ -336,7 +344,7 @@ def _sample(
     of_mean = rest / (rows * columns) + np.maximum(row, 0) / rows
     of_mean = (of_mean + np.maximum(column, 0) / columns) / count
     planes = []
-    for i, plane in enumerate(planes_of(first[_band_rows(first.shape, tile)], tile)):
+    for i, plane in enumerate(first):
         top, bottom = int(plane.max()), int(plane.min())
         planes.append(
             PlaneSample(

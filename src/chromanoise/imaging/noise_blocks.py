@@ -185,27 +185,27 @@ def _count_together(low, left, chance, found):
 
 @kernel(error_model="numpy")
 @no_type_check
-def list_low(mean, count, lanes):
-    """How many means are low; their lanes come first in ``lanes``, which has room for all."""
-    if _count_few(mean[:count]) == 0:
+def list_low(mean, count, few_e, lanes):
+    """How many means are below ``few_e``; ``lanes``, with room for all, starts with these lanes."""
+    if _count_few(mean[:count], few_e) == 0:
         return 0
     few = 0
     for start in range(0, count, GROUP):
         stop = min(start + GROUP, count)
-        if _count_few(mean[start:stop]) > 0:
+        if _count_few(mean[start:stop], few_e) > 0:
             for j in range(start, stop):
                 lanes[few] = j
-                few += 1 if mean[j] < FEW_E else 0
+                few += 1 if mean[j] < few_e else 0
     return few
 
 
 @kernel(error_model="numpy")
 @no_type_check
-def _count_few(mean):
+def _count_few(mean, few_e):
     """How many means are low; counted in 32 bits, as wide as the means, to vectorize."""
     few = np.int32(0)
     for j in range(mean.size):
-        few = np.int32(few + np.int32(mean[j] < FEW_E))
+        few = np.int32(few + np.int32(mean[j] < few_e))
     return few
 
 
@@ -231,7 +231,7 @@ def draw_light(mean, words, count, read_noise_e, room, electrons):
     steps of whole electrons, one word makes their sum.
     """
     lanes, normal, logs = room
-    few = list_low(mean, count, lanes)
+    few = list_low(mean, count, FEW_E, lanes)
     together = read_noise_e >= SMOOTH_E
     if few < count:
         normal_of_words(words, count, normal, logs)

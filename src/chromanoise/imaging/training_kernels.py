@@ -61,7 +61,8 @@ def add_noise(
     electrons per unit, gain, read noise, code without light, black level, largest code, variance
     that does not depend on light, units per code, and units^2 per electrons^2. pattern:
     sensitivity and dark offset of each pixel (h, w) f4, each empty if not used. use: which parts
-    are drawn. noise (4,) f4: dark electrons, PRNU, row noise and the shape of the read noise.
+    are drawn. noise (5,) f4: dark electrons, PRNU, row noise, shape of the read noise, and the
+    mean below which electrons are counted.
     """
     width = clean.shape[1]
     most = min(LANES, width)
@@ -88,7 +89,7 @@ def add_noise(
             waiting = n
             if use.shot or noise[0] > _ZERO:
                 fill_lane_words(calls, n, LIGHT, item, key, words)
-                waiting = draw_counts(counted, read_e, words, n, use, room, electrons)
+                waiting = draw_counts(counted, read_e, words, n, use, noise[4], room, electrons)
             else:
                 electrons[:n] = _ZERO
                 waiting = n if use.read else 0
@@ -156,10 +157,10 @@ def _counted_means(light, pattern, row, first, n, use, noise, counted):
 
 @kernel(error_model="numpy")
 @no_type_check
-def draw_counts(mean, read_e, words, count, use, room, electrons):
+def draw_counts(mean, read_e, words, count, use, few_e, room, electrons):
     """Electrons of ``count`` lanes, as `draw_light` but with a read noise for each lane."""
     lanes, normal, logs = room
-    few = list_low(mean, count, lanes)
+    few = list_low(mean, count, few_e, lanes)
     if few < count:
         normal_of_words(words, count, normal, logs)
         if use.together:

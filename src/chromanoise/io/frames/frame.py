@@ -10,6 +10,7 @@ import numpy as np
 from chromanoise._check import Array
 from chromanoise._shapes import Integer
 from chromanoise.errors import InputError
+from chromanoise.io.frames.stored import StoredPlane
 from chromanoise.sensor import Mosaic
 
 
@@ -73,11 +74,36 @@ class Frame:
         InputError
             If the file cannot be read, has changed in size, or holds no integers.
         """
-        codes: Any = np.asarray(self.read())
-        if codes.shape != self.shape:
+        return self._checked(self.read(), self.shape)
+
+    @property
+    def has_rows(self) -> bool:
+        """Whether `rows` reads only what it returns, from a file that is not compressed."""
+        return isinstance(self.read, StoredPlane) and self.read.has_rows
+
+    def rows(self, start: int, stop: int) -> Integer[Array, "rows w"]:
+        """The codes of the rows from ``start`` to ``stop``. [DN]
+
+        Parameters
+        ----------
+        start, stop
+            The first row, and the row after the last. [px]
+
+        Raises
+        ------
+        InputError
+            As `codes`.
+        """
+        if isinstance(self.read, StoredPlane) and self.read.has_rows:
+            return self._checked(self.read.rows(start, stop), (stop - start, self.shape[1]))
+        return self.codes()[start:stop]
+
+    def _checked(self, given: Any, shape: tuple[int, int]) -> Integer[Array, "h w"]:
+        codes: Any = np.asarray(given)
+        if codes.shape != shape:
             raise InputError(
                 self.name,
-                f"must have {self.shape[0]} rows and {self.shape[1]} columns",
+                f"must have {shape[0]} rows and {shape[1]} columns",
                 value=codes.shape,
                 found=f"has shape {codes.shape}",
             )

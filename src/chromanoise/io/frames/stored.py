@@ -1,7 +1,7 @@
 """Codes of raw frames as they are stored: bounds, planes read in place, and whole numbers."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -56,6 +56,24 @@ class StoredPlane:
             If the file cannot be read, has another size, or holds fractions.
         """
         return whole_codes(str(self.path), self.values())
+
+    @property
+    def has_rows(self) -> bool:
+        """Whether the rows are stored one after another, as integers."""
+        return not self.by_columns and self.stored.kind in "ui"
+
+    def rows(self, start: int, stop: int) -> Integer[Array, "rows w"]:
+        """The codes of the rows from ``start`` to ``stop``; only these are read. [DN]
+
+        Raises
+        ------
+        InputError
+            As the call.
+        """
+        shape = (stop - start, self.shape[1])
+        offset = self.offset + start * self.shape[1] * self.stored.itemsize
+        part = replace(self, offset=offset, shape=shape)
+        return part()
 
     def values(self) -> Shaped[Array, "h w"]:
         """The numbers in the file, before they are checked.

@@ -1,0 +1,136 @@
+"""Sums over frames: those of numpy and scipy, in blocks or whole, on any number of threads."""
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.ndimage import convolve1d, uniform_filter1d
+
+from chromanoise.characterization import characterized, light_sample, statistics
+from chromanoise.characterization.statistics import summed
+from chromanoise.imaging.frame_sums import PairSums, high_passed_variance, value_counts
+from chromanoise.io.frames import Frame, FrameLevel, FrameSet, frames_in
+from outcomes import refused_input
+
+
+def codes(shape, seed=0, high=4096, kind=np.uint16):
+    return np.random.default_rng(seed).integers(0, high, shape).astype(kind)
+
+
+def frame(values, name="f"):
+    return Frame(path=Path(name), shape=values.shape, read=lambda: values)
+
+
+def stored(folder, *pictures):
+    for i, values in enumerate(pictures):
+        np.save(folder / f"{i}.npy", values)
+    return [frames_in(folder / f"{i}.npy")[0] for i in range(len(pictures))]
+
+
+@pytest.mark.parametrize("tile", [(1, 1), (2, 2), (4, 4), (6, 6), (2, 3)])
+@pytest.mark.parametrize(("kind", "high"), [(np.uint16, 65536), (np.int32, 2**31 - 1)])
+def test_sums_of_a_pair_are_those_of_numpy(tile, kind, high):
+    if kind == np.int32:
+        high //= 64
+    a, b = (codes((24, 36), seed, high, kind) for seed in (1, 2))
+    sums = PairSums(a.shape, tile)
+    sums.add(a[:11], b[:11], 0)  # a block may end within a period of the mosaic
+    sums.add(a[11:], b[11:], 11)
+    difference = a.astype(np.int64) - b
+    for y in range(tile[0]):
+        np.testing.assert_array_equal(sums.columns[y], difference[y :: tile[0]].sum(axis=0))
+        for x in range(tile[1]):
+            plane = difference[y :: tile[0], x :: tile[1]]
+            assert sums.totals[y, x] == a[y :: tile[0], x :: tile[1]].sum(dtype=np.int64)
+            assert sums.squares[y, x] == (plane**2).sum()
+            np.testing.assert_array_equal(sums.rows[y :: tile[0], x], plane.sum(axis=1))
+
+
+@pytest.mark.parametrize("tile", [(1, 1), (2, 2)])
+def test_blocks_of_rows_give_the_statistics_of_whole_frames(tmp_path, monkeypatch, tile):
+    pictures = [codes((90, 64), seed) for seed in range(3)]
+    whole = light_sample([frame(one) for one in pictures], tile)
+    monkeypatch.setattr(statistics, "_BLOCK_PIXELS", 64 * 14)
+    found = light_sample(stored(tmp_path, *pictures), tile)
+    assert found.planes == whole.planes
+    np.testing.assert_array_equal(found.covariance_dn2, whole.covariance_dn2)
+
+
+def test_only_the_rows_asked_for_are_read(tmp_path):
+    values = codes((50, 20))
+    (one,) = stored(tmp_path, values)
+    assert one.has_rows
+    np.testing.assert_array_equal(one.rows(7, 19), values[7:19])
+    other = frame(values)
+    assert not other.has_rows
+    np.testing.assert_array_equal(other.rows(7, 19), values[7:19])
+
+
+def test_a_file_that_shrinks_between_rows_is_refused(tmp_path):
+    (one,) = stored(tmp_path, codes((50, 20)))
+    np.save(tmp_path / "0.npy", codes((20, 20)))
+    with refused_input(subject=str(tmp_path / "0.npy")):
+        one.rows(3, 9)
+
+
+@pytest.mark.parametrize("tile", [(1, 1), (2, 2), (2, 3)])
+def test_frames_are_summed_by_plane(tmp_path, tile):
+    pictures = [codes((24, 36), seed, 65536) for seed in range(5)]
+    whole = np.sum(pictures, axis=0, dtype=np.int64)
+    planes = [whole[y :: tile[0], x :: tile[1]] for y in range(tile[0]) for x in range(tile[1])]
+    for found, plane in zip(summed(stored(tmp_path, *pictures), tile), planes, strict=True):
+        np.testing.assert_array_equal(found, plane)
+
+
+@pytest.mark.parametrize("shape", [(64, 64), (70, 131)])
+def test_the_high_pass_is_that_of_scipy(shape):
+    image = codes(shape, high=30_000, kind=np.int32)
+    smooth = image.astype(np.float64)
+    for axis in (0, 1):
+        for width in (7, 11):
+            smooth = uniform_filter1d(smooth, width, axis=axis)
+        smooth = convolve1d(smooth, [0.25, 0.5, 0.25], axis=axis)
+    inner = (image - smooth)[9:-9, 9:-9]
+    variance, sides = high_passed_variance(image)
+    assert sides == inner.shape
+    assert variance == pytest.approx(inner.var(ddof=1), rel=1e-12)
+
+
+@pytest.mark.parametrize("high", [3, 100_000, 2**40])
+def test_values_are_counted_as_numpy_counts_them(high):
+    image = codes((30, 40), high=high, kind=np.int64) - 1
+    found = value_counts(image)
+    for one, true in zip(found, np.unique(image, return_counts=True), strict=True):
+        np.testing.assert_array_equal(one, true)
+
+
+def levels(number):
+    rng = np.random.default_rng(8)
+    means = 100 + 200.0 * np.arange(number)
+    flats = [
+        [frame(rng.poisson(mean, (40, 50)).astype(np.uint16), f"{i}{k}.npy") for k in "ab"]
+        for i, mean in enumerate(means)
+    ]
+    named = (FrameLevel(name=str(i), flats=tuple(pair)) for i, pair in enumerate(flats))
+    return FrameSet(source="frames", levels=tuple(named))
+
+
+def test_results_do_not_depend_on_the_number_of_threads(monkeypatch):
+    frames, found, done = levels(6), [], []
+    for cores in (1, 5):
+        monkeypatch.setattr(os, "cpu_count", lambda cores=cores: cores)
+        found.append(characterized(frames, progress=lambda *now: done.append(now)))
+    assert found[0].planes[0].levels == found[1].planes[0].levels
+    assert found[0].planes[0].gain_dn_per_e == found[1].planes[0].gain_dn_per_e
+    assert done == [(i, 12) for i in range(0, 13, 2)] * 2
+
+
+def test_the_first_bad_light_is_named_whichever_thread_finds_it(monkeypatch):
+    monkeypatch.setattr(os, "cpu_count", lambda: 4)
+    frames = levels(6)
+    for i in (2, 3):
+        a, b = frames.levels[i].flats
+        object.__setattr__(b, "read", lambda a=a: a.codes() // 2)
+    with refused_input(subject="2a.npy"):
+        characterized(frames)
