@@ -72,6 +72,7 @@ export interface Study {
   pictures?: PicturePart[];
   prior?: string | null;
   sweeps?: SweepPart[];
+  outputs?: { reader?: string; [key: string]: unknown };
   seed?: number;
 }
 

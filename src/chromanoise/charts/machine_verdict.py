@@ -42,11 +42,10 @@ _Medians = tuple[str, float, float]  # label, median D_M with and without bright
 
 
 def _contest(best: _Medians, rival: _Medians, what: str) -> str:
-    lead = "separates" if _tied(best[1], rival[1]) else "better separates"
-    same = " as well as" if _tied(best[1], rival[1]) else " than"
+    than = "as well as" if _tied(best[1], rival[1]) else "better than"
     first = (
-        f"For a machine that reads raw values, {best[0]} {lead} {what}{same} {rival[0]}: median "
-        f"D_M {_text(best[1])} against {_text(rival[1])}"
+        f"For a machine that reads raw values, {best[0]} separates {what} {than} {rival[0]}: "
+        f"median D_M {_text(best[1])} against {_text(rival[1])}"
     )
     if rival[2] > best[2] and not _tied(best[2], rival[2]):
         return (

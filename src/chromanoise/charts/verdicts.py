@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from typing import Literal
 
 import numpy as np
 
@@ -41,7 +42,12 @@ _TERMS: Mapping[str, str] = {
 }
 
 
-def verdict_sentences(analyses: Sequence[Analysis], *, equal: str = "exposure") -> list[str]:
+Reader = Literal["eye", "machine"]
+
+
+def verdict_sentences(
+    analyses: Sequence[Analysis], *, equal: str = "exposure", reader: Reader = "eye"
+) -> list[str]:
     """Sentences that compare the sensors of several analyses.
 
     For an eye, they compare raw SNR and luminance SNR, name the causes of the difference, and give
@@ -55,6 +61,8 @@ def verdict_sentences(analyses: Sequence[Analysis], *, equal: str = "exposure") 
     equal
         Terms of the comparison, from `chromanoise.exposure.EQUAL_TERMS`; named in the text unless
         all sensors have the same exposure time.
+    reader
+        Whose sentence comes first.
 
     Raises
     ------
@@ -65,7 +73,20 @@ def verdict_sentences(analyses: Sequence[Analysis], *, equal: str = "exposure") 
     sentences = [sentence for a in analyses if (sentence := _left_out(a))]
     able = [a for a in analyses if _left_out(a) is None]
     sentences += [sentence for a in able if (sentence := _too_noisy(a))]
-    sentences = [*machine_sentences(analyses), *sentences]
+    machine = machine_sentences(analyses)
+    if reader == "machine":
+        first = [f"{_setting(analyses, equal)} {_lower(one)}" for one in machine]
+        return [*first, *_for_an_eye(analyses, able, sentences, equal)]
+    return _for_an_eye(analyses, able, [*machine, *sentences], equal)
+
+
+def _lower(sentence: str) -> str:
+    return sentence[0].lower() + sentence[1:]
+
+
+def _for_an_eye(
+    analyses: Sequence[Analysis], able: list[Analysis], sentences: list[str], equal: str
+) -> list[str]:
     if len(able) == 1:
         sentences.insert(0, _alone(able[0], _setting(analyses, equal)))
     if len(able) < 2:

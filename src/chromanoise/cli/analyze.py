@@ -95,7 +95,7 @@ def _print(result: Analyses, *, equal: str) -> None:
     outputs, analyses = result.outputs, result.analyses
     tables.print_conditions(conditions(result.points))
     tables.print_analyses(analyses)
-    tables.print_lines(verdict_sentences(analyses, equal=equal))
+    tables.print_lines(verdict_sentences(analyses, equal=equal, reader=outputs.reader))
     if len(analyses) > MOST_PAIRS_SENSORS:
         tables.print_ranking(result.ranking, "Ranking by SNR of Y [dB]")
     for analysis in analyses if outputs.budget else ():

@@ -20,7 +20,7 @@ from chromanoise.study import OutputsPart, Study, study_as_command, study_as_pyt
 _LOG = logging.getLogger("chromanoise.page")
 _BESIDE: dict[str, Any] = {  # no drawing depends on them
     **dict.fromkeys(("sweeps", "pictures", "title", "seed"), True),
-    "outputs": set(OutputsPart.model_fields) - {"clip"},
+    "outputs": set(OutputsPart.model_fields) - {"clip", "reader"},
 }
 _BESIDE_MAP = {name: what for name, what in _BESIDE.items() if name != "sweeps"}
 _LOOKS: Mapping[str, tuple[str, ...]] = {

@@ -50,7 +50,7 @@ _SECTIONS = (  # part, heading, what it shows, equations
     ),
     (
         "levels",
-        "SNR against light",
+        "Over the light level",
         "With the time kept; circles mark where sensors change places.",
         ("levels", "color"),
     ),

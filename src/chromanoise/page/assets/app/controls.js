@@ -4,6 +4,7 @@ import { el } from "app/dom.js";
 import { exposureControls } from "app/exposure.js";
 import { lightControls } from "app/light.js";
 import { matrixControls } from "app/matrix.js";
+import { readerControls } from "app/reader.js";
 import { sceneControls } from "app/scene.js";
 import { sensorControls } from "app/sensors.js";
 
@@ -16,6 +17,7 @@ const GROUPS = [
   ["Exposure", exposureControls],
   ["Sensors", sensorControls],
   ["Color matrix", matrixControls],
+  ["Reader", readerControls],
   ["Scene", sceneControls],
 ];
 

@@ -72,7 +72,7 @@ export function matrixControls(choices) {
     }
     names.forEach((_, i) => cards[i].show(names));
     attribute(add, "disabled", names.length >= MOST_MATRICES);
-    say(said, names.length > 1 ? "'SNR against light' shows all matrices; the other charts use the first." : "");
+    say(said, names.length > 1 ? "'Over the light level' shows all matrices; the other charts use the first." : "");
     fillChoice(prior.select, choices.priors, study.prior ?? choices.prior ?? "chart-nir");
   };
   return { node: el("div", {}, list, add, said, prior.row), show };

@@ -41,6 +41,7 @@ const UNSAID = {
   "exposure.equal": "exposure",
   "exposure.saturate": 0.99,
   "exposure.f_number": 1.8,
+  "outputs.reader": "eye",
 };
 
 /**
