@@ -215,3 +215,10 @@ def test_commands_copied_as_a_study_keep_the_reflectances(run, here):
     assert code == 0, err
     own = study_from_text(toml, source="").reflectances
     assert (own.chart, own.patch) == ("two.csv", 0.5)
+
+
+def test_a_patch_changes_no_number_of_the_camera_pipeline():
+    (white,) = cn.analyze("onyx-rgb-ircut", time_ms=12, pipeline=True).to_dict()["sensors"]
+    settings = {"time_ms": 12, "pipeline": True, "patch": 0.18}
+    (gray,) = cn.analyze("onyx-rgb-ircut", **settings).to_dict()["sensors"]
+    assert gray["pipeline"] == white["pipeline"]
