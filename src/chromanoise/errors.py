@@ -280,6 +280,17 @@ class StudyError(InputError):
         return list(dict.fromkeys(error.sentence(render=render) for error in self.errors))
 
 
+def refusal(errors: Sequence[InputError], places: Sequence[str] = ()) -> InputError:
+    """All errors of a study as one that can be raised: a single one without a place is itself.
+
+    Parameters
+    ----------
+    errors, places
+        As `StudyError`.
+    """
+    return errors[0] if len(errors) == 1 and not places else StudyError(errors, places)
+
+
 def in_study(error: InputError, place: str) -> str:
     """The sentence of an error in the terms of a study file: the place, the key and its settings.
 

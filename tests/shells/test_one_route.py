@@ -281,12 +281,18 @@ def in_python(asked):
         matrices = asked.matrix.split(",")
         return cn.compare(*asked.sensors, matrices=matrices, **asked.settings).to_dict()
     function = getattr(cn, asked.function)
-    return function(*asked.sensors, matrix=asked.matrix, **asked.settings).to_dict()
+    return as_a_step(
+        asked, function(*asked.sensors, matrix=asked.matrix, **asked.settings).to_dict()
+    )
+
+
+def as_a_step(asked, told):
+    """What a run writes: a list of one matrix where `cn.matrix` and its command give it alone."""
+    return {"sensors": [told]} if asked.function == "matrix" else told
 
 
 def on_the_command_line(asked):
-    told = json.loads(printed(*words_of(asked), "--json", "-"))
-    return {"sensors": [told]} if asked.function == "matrix" else told
+    return as_a_step(asked, json.loads(printed(*words_of(asked), "--json", "-")))
 
 
 def as_copied_study(asked):
@@ -303,7 +309,7 @@ def as_copied_script(asked):
     with redirect_stdout(out):
         exec(compile(script, "copied.py", "exec"), {})
     (told,) = json.loads(out.getvalue())
-    return told
+    return as_a_step(asked, told)
 
 
 def data_of(asked):

@@ -122,7 +122,7 @@ def test_the_errors_of_a_study_are_data_with_their_places():
         assert (error.requirement, error.value) == ("must have no errors", 3)
         assert not any(place in error.subject for place in error.places)
     with pytest.raises(StudyError) as caught:
-        cn.study_from_data({"sensors": [{"name": "onyx-rgbw"}], "seed": -1})
+        cn.study_from_data({"sensors": [{"name": "onyx-rgbw"}], "seed": -1, "metric": 1})
     assert caught.value.places == ()
     assert renamed(StudyError([DARK], ["s.toml:1"]), "a", "b").places == ("s.toml:1",)
 

@@ -96,9 +96,9 @@ def matrix(
     if export and writer:
         write_whole(Path(export), writer(_made(result)).encode("utf-8"))
     if table is not None:
-        write_table(results.to_table(), table)
+        write_table(result.to_table(), table)
     if json_target is not None:
-        write_json(results.to_dict()["sensors"][0], json_target)
+        write_json(result.to_dict(), json_target)
     if json_target == "-":
         return
     tables.print_conditions(conditions([point]))

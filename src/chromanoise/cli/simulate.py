@@ -29,7 +29,6 @@ from chromanoise.imaging import DEMOSAICING, Work
 from chromanoise.imaging.capture import (
     Capture,
     any_picture,
-    capture_summary,
     is_held,
     write_capture,
 )
@@ -43,6 +42,7 @@ from chromanoise.study import (
     file_word,
     makers_of,
     operating_points_of,
+    picture_record,
     prepared_cameras,
     render_study,
 )
@@ -173,7 +173,8 @@ def _taken(
             work = replace(work, executor=executor, same_machine=scheduler == "local")
         advance = stack.enter_context(progress_of("the pictures", rows, "rows"))
         start = time.perf_counter()
-        for _, taken in captures(study, 0, cube, cameras, work=replace(work, progress=advance)):
+        work = replace(work, progress=advance)
+        for matrix, taken in captures(study, 0, cube, cameras, work=work):
             name, frame = (
                 file_word(taken.camera.operating_point.sensor.name),
                 any_picture(taken).frame,
@@ -182,10 +183,10 @@ def _taken(
             files, missing = write_capture(folder, stem, taken)
             # only the seconds differ between runs
             seconds, start = time.perf_counter() - start, time.perf_counter()
-            taking = {"seconds": seconds, "not_written": missing}
-            summaries.append(capture_summary(taken, files) | taking)
+            record = picture_record(matrix, taken, files, missing)
+            summaries.append(record | {"seconds": seconds})
             lines.append((_line(taken, out, files), _notes(taken, stem, missing)))
-        summary = {"version": __version__, "cube": cube.source, "pictures": summaries}
+        summary = {"version": __version__, "cube": study.pictures[0].cube, "pictures": summaries}
         write_json(summary, str(folder / "summary.json"))
     click.echo(f"at {conditions(points)}", err=True)
     return lines

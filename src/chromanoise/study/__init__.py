@@ -52,6 +52,7 @@ if TYPE_CHECKING:
     )
     from chromanoise.study.pictures import (
         captures,
+        picture_record,
         prepared_cameras,
     )
     from chromanoise.study.reading import (
@@ -170,6 +171,7 @@ __all__ = [
     "option_of",
     "outcome_of",
     "outcomes_as_json",
+    "picture_record",
     "prepared_cameras",
     "provenance",
     "read_study",

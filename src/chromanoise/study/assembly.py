@@ -21,7 +21,7 @@ from chromanoise.catalog.resolve import (
     is_file_word,
     resolve_illuminant,
 )
-from chromanoise.errors import InputError, Setting, StudyError
+from chromanoise.errors import InputError, Setting, refusal
 from chromanoise.exposure import EQUAL_TERMS, Exposure, OperatingPoint
 from chromanoise.io.crosstalk import read_crosstalk
 from chromanoise.io.spectra import Answers
@@ -93,11 +93,6 @@ def refuse_idle(study: Study, given: Given = NOTHING_GIVEN) -> None:
     errors = [*duplicates(study), *repeated_labels(study), *idle_settings(study, given)]
     if errors:
         raise refusal(errors)
-
-
-def refusal(errors: Sequence[InputError]) -> InputError:
-    """All errors as one that can be raised."""
-    return errors[0] if len(errors) == 1 else StudyError(errors)
 
 
 def with_distinct_names(points: Sequence[OperatingPoint]) -> list[OperatingPoint]:

@@ -29,7 +29,7 @@ from chromanoise.analysis.comparison.sweeps import SWEEPS
 from chromanoise.analysis.priors import DEFAULT_PRIOR, PRIORS
 from chromanoise.catalog.reflectances import is_reflectance_file
 from chromanoise.color import SPACES, TONES
-from chromanoise.errors import InputError, Setting, StudyError, did_you_mean
+from chromanoise.errors import InputError, Setting, did_you_mean, refusal
 from chromanoise.imaging import DEMOSAICING
 from chromanoise.imaging.formats import FORMATS, MOST_FRAMES
 from chromanoise.io.given_matrices import is_matrix_file
@@ -503,7 +503,7 @@ class PicturePart(_Part):
             if value is not None and value is not False
         ]
         if self.mosaic is None and idle:
-            raise StudyError(idle)
+            raise refusal(idle)
         if self.mosaic is not None and self.clip:
             raise InputError(
                 "clip",
@@ -724,7 +724,7 @@ class Study(_Part):
     def _without_idle_settings(self, info: Any) -> "Study":
         errors = [] if _keeps(info) else [*_idle_priors(self), *_replaced_settings(self)]
         if errors:
-            raise errors[0] if len(errors) == 1 else StudyError(errors)
+            raise refusal(errors)
         return self
 
 

@@ -1,7 +1,8 @@
 """The pictures of a study: their settings and cameras, prepared before the computation."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from chromanoise.analysis.color_matrices import MatrixMaker
 from chromanoise.exposure import OperatingPoint
@@ -120,7 +121,7 @@ def pictures_taken(
     for name, taken in captures(study, number, cube, cameras, work=work):
         points[taken.camera.operating_point.sensor.name] = taken.camera.operating_point
         if folder is None:
-            summaries.append({"matrix": name} | capture_summary(taken, []))
+            summaries.append(picture_record(name, taken))
             kept.append(taken)
             continue
         sensor = taken.camera.operating_point.sensor.name
@@ -129,14 +130,31 @@ def pictures_taken(
         files, missing = write_capture(
             folder, stem + (f"-{frame:04d}" if part.frames > 1 else ""), taken
         )
-        summary = {"matrix": name} | capture_summary(taken, files)
-        summaries.append(summary | ({"not_written": missing} if missing else {}))
+        summaries.append(picture_record(name, taken, files, missing))
     return Pictures(
         cube=part.cube,
         points=tuple(points.values()),
         summaries=tuple(summaries),
         captures=tuple(kept),
     )
+
+
+def picture_record(
+    matrix: str, taken: Capture, files: Sequence[str] = (), not_written: Sequence[str] = ()
+) -> dict[str, Any]:
+    """A picture as plain data: its matrix, settings and statistics.
+
+    Parameters
+    ----------
+    matrix
+        Name of the matrix.
+    taken
+        The picture.
+    files, not_written
+        Names of its files, and notes on those that could not be written.
+    """
+    record = {"matrix": matrix} | capture_summary(taken, list(files))
+    return record | {"not_written": list(not_written)}
 
 
 def captures(

@@ -11,7 +11,7 @@ from pydantic import BaseModel, ValidationError
 
 from chromanoise._inputs import regular_file
 from chromanoise.catalog.resolve import file_of, word_beside
-from chromanoise.errors import InputError, StudyError, did_you_mean, errors_in
+from chromanoise.errors import InputError, did_you_mean, errors_in, refusal
 from chromanoise.study.assembly import unresolved
 from chromanoise.study.document import KEEP_IDLE, Study
 from chromanoise.study.hashes import FileWord, with_file_words
@@ -180,8 +180,8 @@ def study_from_data(told: Mapping[str, Any], *, source: str = "", keep_idle: boo
 
     Raises
     ------
-    StudyError
-        All faults of what it says, each with its key as ``setting``.
+    InputError
+        All faults of what it says, each with its key as ``setting``; several as a `StudyError`.
     """
     return _validated(told, source, {}, {}, lambda study: [], keep_idle)
 
@@ -215,7 +215,7 @@ def _validated(
     if faults or study is None:
         ordered = sorted(faults, key=lambda error: _line_of(_key_of(error), lines))
         places = [_place(_key_of(error), lines, changed, source) for error in ordered]
-        raise StudyError(ordered, places if source else ())
+        raise refusal(ordered, places if source else ())
     return study
 
 

@@ -7,6 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from chromanoise._check import frozen
 from chromanoise.analysis.color_matrices import MatrixMaker
 from chromanoise.analysis.comparison.bands import CrossoverBand, crossover_bands
 from chromanoise.analysis.comparison.crossing import crossovers
@@ -135,19 +136,11 @@ def run(
         If a name is unknown, a file cannot be read, or a result cannot be computed.
     """
     plan = run_plan(study, given=given, work=work)
-    done: list[StepResult] = []
+    done: dict[str, StepResult] = {}
     for step in plan.steps:
         with progress(step) as advance:
-            done.append(step.run(folder, advance))
-    return Results(
-        study=study,
-        points=plan.points,
-        analyses={one.matrix: one for one in done if isinstance(one, Analyses)},
-        matrices={one.method: one for one in done if isinstance(one, Matrices)},
-        sweeps=tuple(one for one in done if isinstance(one, Comparison)),
-        maps=tuple(one for one in done if isinstance(one, ComparisonMap)),
-        pictures=tuple(one for one in done if isinstance(one, Pictures)),
-    )
+            done[step.name] = step.run(folder, advance)
+    return Results(study=study, points=plan.points, steps=done)
 
 
 def run_plan(study: Study, *, given: Given = NOTHING_GIVEN, work: "Work | None" = None) -> RunPlan:
@@ -307,7 +300,7 @@ def _matrix(
             patch=point.patch,
         )
         curve = None if weights is None else pareto_of(point, weights, prior=prior)
-        white_e = expected_electrons(white_scene(point), point.sensor, point.exposure)
+        white_e = frozen(expected_electrons(white_scene(point), point.sensor, point.exposure))
         results.append(
             MatrixResult(point=point, matrix=made, report=report, white_e=white_e, pareto=curve)
         )
