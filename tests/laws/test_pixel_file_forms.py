@@ -98,6 +98,6 @@ def test_only_a_saturation_capacity_is_said_to_be_taken_for_the_full_well():
 
 def test_a_gain_without_bits_has_a_note_that_bits_are_needed():
     alone = pixel_from_emva({"K": (0.5, "DN/e-")}).notes
-    assert any("gain of 2 e-/DN is used only where the bits" in n for n in alone)
+    assert any("bits not given: the gain of 2 e-/DN" in n for n in alone)
     both = pixel_from_emva({"K": (0.5, "DN/e-"), "bits": (12.0, "")}).notes
     assert not any("is used only" in n for n in both)

@@ -23,6 +23,8 @@ Beyond = Literal["refuse", "zero", "hold"]
 """How a curve is extrapolated: refuse with an error, use zero, or hold the last value."""
 
 SMALL_NEGATIVES = Setting("negatives", ("zero",))
+SMALL_SHARE = 0.01
+"""Size of negative values that may be set to 0, over the highest value of their curve."""
 """Sets small negative values, which digitizing or dark readings can cause, to 0."""
 
 _SLACK_NM = 1e-6  # wavelengths read from text may miss the grid's end by rounding
@@ -233,7 +235,15 @@ def refuse_outside(
         bad &= used[:, None]
     if not bad.any():
         return
-    row, column = (int(i) for i in np.argwhere(bad)[0])
+    large = bad & ~are_small_negatives(spectra.values)
+    if remedy == SMALL_NEGATIVES and large.any():
+        remedy = (
+            f"only down to {-100 * SMALL_SHARE:g} % of the highest value of a curve are they "
+            "set to 0 on demand; correct the file"
+        )
+        row, column = (int(i) for i in np.argwhere(large)[0])
+    else:
+        row, column = (int(i) for i in np.argwhere(bad)[0])
     value = float(spectra.values[row, column])
     demand = f"{low:g} .. {high:g}" if np.isfinite(high) else f">= {low:g}"
     raise InputError(
@@ -244,6 +254,11 @@ def refuse_outside(
         where=f"column {spectra.names[column]!r} at {spectra.wavelength_nm[row]:g} nm",
         remedy=remedy,
     )
+
+
+def are_small_negatives(values: Float[Array, "n m"]) -> Bool[Array, "n m"]:
+    """Mask of negative values that may be set to 0: at most 1 % of the highest of their curve."""
+    return (values < 0) & (values >= -SMALL_SHARE * values.max(axis=0, keepdims=True))
 
 
 def on_grid(spectra: Spectra, grid: Grid, *, beyond: Beyond = "refuse") -> Spectra:
