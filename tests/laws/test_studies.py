@@ -158,7 +158,7 @@ def studies():
         seed=st.integers(0, 2**32 - 1),
         light=light_parts(),
         exposure=st.builds(
-            ExposurePart, saturate=st.floats(1e-9, 1.0), f_number=st.floats(1e-2, 1e6)
+            ExposurePart, saturate=st.floats(1e-9, 1.0), f_number=st.floats(0.5, 1e6)
         ),
         sensors=st.lists(sensor_parts(), min_size=1, max_size=3).map(tuple),
         matrices=st.just(("kernel", "ridge=0.01")),

@@ -187,6 +187,8 @@ def test_unknown_names_tell_the_nearest_ones(run):
         ("--time-ms", 0, "exposure.time_ms"),
         ("--time-ms", -1, "exposure.time_ms"),
         ("--f-number", 0, "exposure.f_number"),
+        ("--f-number", 0.1, "exposure.f_number"),
+        ("--gain-dn-per-e", 1e30, "sensors.0.pixel.gain_dn_per_e"),
         ("--f-number", "inf", "exposure.f_number"),
         ("--saturate", 0, "exposure.saturate"),
         ("--saturate", 99, "exposure.saturate"),

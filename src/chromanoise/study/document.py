@@ -30,6 +30,7 @@ from chromanoise.analysis.priors import DEFAULT_PRIOR, PRIORS
 from chromanoise.catalog.reflectances import is_reflectance_file
 from chromanoise.color import SPACES, TONES
 from chromanoise.errors import InputError, Setting, did_you_mean, refusal
+from chromanoise.exposure import refuse_f_number
 from chromanoise.imaging import DEMOSAICING
 from chromanoise.imaging.formats import FORMATS, MOST_FRAMES
 from chromanoise.io.given_matrices import is_matrix_file
@@ -74,6 +75,11 @@ def _within(unit: str, low: float, high: float) -> AfterValidator:
         return _check.within(str(info.field_name), unit, value, low, high)
 
     return AfterValidator(checked)
+
+
+def _of_a_lens(f_number: float) -> float:
+    refuse_f_number(f_number)
+    return f_number
 
 
 def _known_matrix(name: str, info: Any) -> str:
@@ -168,7 +174,7 @@ class PixelPart(_Part):
     bits: Annotated[int, Field(ge=8, le=16)] | None = Field(
         None, description="Bits of the converter; its step adds quantization noise."
     )
-    gain_dn_per_e: Positive | None = Field(
+    gain_dn_per_e: Annotated[Positive, _within("DN/e-", 1e-15, 1e12)] | None = Field(
         None, description="Gain K of the converter [DN/e-]; default: full well at the top code."
     )
     binning: Annotated[int, Field(ge=1, le=MOST_BINNING)] | None = Field(
@@ -328,7 +334,7 @@ class ExposurePart(_Part):
     saturate: Annotated[float, Field(gt=0, le=1), _within("of full well", 1e-9, 1.0)] = Field(
         0.99, description="Share of full well that a perfect white fills, if the time is solved."
     )
-    f_number: Annotated[Positive, _within("1", 1e-2, 1e6)] = Field(
+    f_number: Annotated[Positive, AfterValidator(_of_a_lens)] = Field(
         1.8, description="f-number of the lens."
     )
     magnification: Finite | None = Field(
