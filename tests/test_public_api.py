@@ -436,6 +436,7 @@ def test_a_python_result_is_the_json_of_its_command(tmp_path):
     commands.main(asked, standalone_mode=False)
     told = json.loads((folder / "summary.json").read_bytes())
     own = cn.render("builtin:checker", "onyx-rgbw", lux=3, time_ms=12).to_dict()
+    assert told.pop("study")["pictures"][0]["cube"] == "builtin:checker"
     for one in told["pictures"]:
         assert one.pop("seconds") > 0
         assert one["files"] == ["onyx-rgbw.png", "onyx-rgbw.xyz.tiff"]

@@ -601,8 +601,8 @@ def test_outputs_stay_in_their_folder_whatever_a_sensor_is_called(tmp_path):
 
 def test_what_cannot_be_is_refused_before_anything_is_computed(tmp_path):
     for change, key in [
-        ("sweeps.0.first=1e30", "sweeps.0"),
-        ("sweeps.0.first=200", "sweeps.0"),
+        ("sweeps.0.first=1e30", "sweeps.0.vary"),
+        ("sweeps.0.first=200", "sweeps.0.vary"),
         ("pictures.1.mosaic=RG/B", "pictures.1.mosaic"),
         ("pictures.0.formats=['dng']", "pictures.0"),
         ("pictures.0.cube=nowhere.hdr", ""),  # found when the files are hashed

@@ -60,7 +60,7 @@ def wrong(subject, key, *, value=1, remedy=()):
         ),
         (wrong("formats", "pictures.0.formats.1"), "simulate", "--format must be right, but is 1"),
         (wrong("matrices", "matrices.0"), "compare", "--matrix must be right, but is 1"),
-        (wrong("matrix", "matrices.0"), "matrix", "--method must be right, but is 1"),
+        (wrong("matrix", "matrices.0"), "matrix", "--matrix must be right, but is 1"),
         (wrong("vary", "sweeps.0.vary"), "compare", "--sweep must be right, but is 1"),
         (
             wrong("points", "outputs.pareto.points"),

@@ -44,7 +44,9 @@ from chromanoise.study import (
     operating_points_of,
     picture_record,
     prepared_cameras,
+    refuse_other_pictures,
     render_study,
+    study_as_json,
 )
 
 
@@ -141,13 +143,14 @@ def simulate(
     CUBE is a hyperspectral reflectance cube: ENVI (.hdr or its data file), MAT, HDF5, NetCDF,
     Zarr, multi-page TIFF, a folder of one PNG per band, NPZ or NPY; or builtin:checker. It may be
     larger than memory. The same arguments give the same pictures on any number of threads, tiles
-    or machines.
+    or machines. A folder with pictures of other arguments is refused.
     """
     study = render_study(cube, sensors, {**settings, **_parsed(settings)}, matrix=method)
     if copy_as is not None:
         print_copy(copy_as, study)
         return
     refuse_unwritable(out)
+    refuse_other_pictures(study, out)
     work = Work(threads=threads, tile_rows=tile)
     for line, notes in _taken(study, work, out, scheduler):
         click.echo(line)
@@ -186,7 +189,12 @@ def _taken(
             record = picture_record(matrix, taken, files, missing)
             summaries.append(record | {"seconds": seconds})
             lines.append((_line(taken, out, files), _notes(taken, stem, missing)))
-        summary = {"version": __version__, "cube": study.pictures[0].cube, "pictures": summaries}
+        summary = {
+            "version": __version__,
+            "study": study_as_json(study),
+            "cube": study.pictures[0].cube,
+            "pictures": summaries,
+        }
         write_json(summary, str(folder / "summary.json"))
     click.echo(f"at {conditions(points)}", err=True)
     return lines

@@ -63,6 +63,7 @@ if TYPE_CHECKING:
     from chromanoise.study.records import (
         RecordedRun,
         recorded_run,
+        refuse_other_pictures,
         run_study,
         study_of_output,
     )
@@ -177,6 +178,7 @@ __all__ = [
     "read_study",
     "recorded_run",
     "refuse_idle",
+    "refuse_other_pictures",
     "render_study",
     "run",
     "run_plan",

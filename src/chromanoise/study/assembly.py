@@ -411,7 +411,10 @@ def sensor_of(part: SensorPart, *, key: str = "sensors.0", given: Given = NOTHIN
             sensor = behind_resolved_filter(sensor, part.filter, answers=answers)
     for channel, word in (part.channel_filters or {}).items():
         with keyed(f"{key}.channel_filters", lambda name: f"{key}.{_FILTER_KEYS.get(name, name)}"):
-            _check.one_of("channel_filters", channel, sensor.names)
+            try:
+                _check.one_of("channel", channel, sensor.names)
+            except InputError as error:
+                raise error.within("channel_filters") from None
             sensor = behind_resolved_filter(sensor, word, answers=answers, channel=channel)
     if part.ircut_nm is not None:
         sensor = behind_ir_cut(sensor, part.ircut_nm)

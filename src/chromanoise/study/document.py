@@ -4,6 +4,7 @@ The classes define which studies are valid. File names are relative to the folde
 file.
 """
 
+import os
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Annotated, Any, Literal
 
@@ -33,7 +34,7 @@ from chromanoise.errors import InputError, Setting, did_you_mean, refusal
 from chromanoise.exposure import refuse_f_number
 from chromanoise.imaging import DEMOSAICING
 from chromanoise.imaging.formats import FORMATS, MOST_FRAMES
-from chromanoise.io.given_matrices import is_matrix_file
+from chromanoise.io.given_matrices import MATRIX_ENDINGS, is_matrix_file
 from chromanoise.io.spectra.parsed import Negatives, Unit
 from chromanoise.scene import BUILTIN_CUBES
 from chromanoise.sensor import MOSAIC_NAMES, MOST_BINNING, BinningMode
@@ -85,6 +86,11 @@ def _of_a_lens(f_number: float) -> float:
 def _known_matrix(name: str, info: Any) -> str:
     if is_matrix_file(name):
         return name
+    if "/" in name or os.sep in name:
+        kinds = ", ".join(MATRIX_ENDINGS)
+        raise InputError(
+            info.field_name, f"must be a method, or a file that ends in {kinds}", value=name
+        )
     _one_of(info.field_name, name.partition("=")[0].strip(), tuple(METHODS))
     matrix_makers([name], "quanta")  # checks its parameter
     return name
@@ -193,7 +199,7 @@ class PixelPart(_Part):
                 "must be given only with binning of 2 pixels or more",
                 value=self.binning_mode,
                 found="there is none" if self.binning is None else "binning is 1",
-                remedy=(Setting("binning"), "omit binning_mode"),
+                remedy=(Setting("binning"), Setting("binning_mode", omit=True)),
             )
         return self
 
@@ -350,14 +356,14 @@ class ExposurePart(_Part):
                 "must not be given with a share of full well, from which the time is solved",
                 value=self.time_ms,
                 found=None,
-                remedy="omit one of them",
+                remedy=(Setting("time_ms", omit=True), Setting("saturate", omit=True)),
             )
         if self.time_ms is not None and self.equal != "exposure":
             raise InputError(
                 "equal",
                 "must be 'exposure' where a time is given, which all sensors share",
                 value=self.equal,
-                remedy="omit the time or the rule",
+                remedy=(Setting("time_ms", omit=True), Setting("equal", omit=True)),
             )
         return self
 
@@ -406,6 +412,7 @@ class SweepPart(_Part):
                 "must differ from the second parameter of the sweep",
                 value=self.vary,
                 found=None,
+                remedy=("vary another thing", Setting("second.vary", omit=True)),
             )
         if self.all_priors:
             raise InputError(

@@ -460,7 +460,7 @@ class Pictures(Result):
     captures: "tuple[Capture, ...]" = ()
 
     def to_dict(self) -> dict[str, Any]:
-        """As ``summary.json`` of ``chromanoise simulate``, without the measured ``seconds``."""
+        """As ``summary.json`` of ``chromanoise simulate``, without ``study`` and ``seconds``."""
         return {"version": __version__, "cube": self.cube, "pictures": list(self.summaries)}
 
     def to_table(self) -> Table:

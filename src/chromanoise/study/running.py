@@ -33,7 +33,7 @@ from chromanoise.study.assembly import (
     operating_points_of,
     prior_of,
 )
-from chromanoise.study.document import Study, SweepPart
+from chromanoise.study.document import SecondSweepPart, Study, SweepPart
 from chromanoise.study.file_names import file_word, refuse_shared_file_names
 from chromanoise.study.results import (
     Analyses,
@@ -204,8 +204,7 @@ def _sweeps(study: Study, points: Points, makers: Makers) -> Iterator[Step]:
         if part.second is not None:
             yield _map_step(study, i, points, makers, part)
             continue
-        with keyed(f"sweeps.{i - 1}"):
-            values = swept_values(SWEEPS[part.vary], part.first, part.last, part.points)
+        values = _values(part, f"sweeps.{i - 1}")
         yield Step(
             name=f"sweep-{i}-{part.vary}-{part.quantity}",
             what=f"{QUANTITIES[part.quantity].what} over {SWEEPS[part.vary].what}",
@@ -347,11 +346,16 @@ def _values_of_both(study: Study, number: int) -> tuple[Any, Any]:
     part = study.sweeps[number]
     second = part.second
     assert second is not None  # as `_map_step`
-    with keyed(f"sweeps.{number}"):
-        values = swept_values(SWEEPS[part.vary], part.first, part.last, part.points)
-    with keyed(f"sweeps.{number}.second"):
-        rows = swept_values(SWEEPS[second.vary], second.first, second.last, second.points)
-    return values, rows
+    return _values(part, f"sweeps.{number}"), _values(second, f"sweeps.{number}.second")
+
+
+def _values(part: SweepPart | SecondSweepPart, key: str) -> Any:
+    """The values of one parameter; an error names its key."""
+    with keyed(f"{key}.vary"):
+        try:
+            return swept_values(SWEEPS[part.vary], part.first, part.last, part.points)
+        except InputError as error:
+            raise error.within("vary") from None
 
 
 def sweep_map(
