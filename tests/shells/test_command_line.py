@@ -671,3 +671,15 @@ def test_an_added_ir_cut_and_a_shift_change_the_sensor(run):
 )
 def test_an_error_names_every_option_that_it_is_about(run, words, fields, options):
     refused(run(*words.split()), *options, **fields)
+
+
+@pytest.mark.parametrize("command", ["analyze", "compare", "matrix"])
+def test_a_file_that_cannot_be_written_leaves_the_others_as_they_were(run, tmp_path, command):
+    table, blocked = tmp_path / "a.csv", tmp_path / "file" / "x.json"
+    (tmp_path / "file").write_text("no folder")
+    table.write_text("mine")
+    few = ("--points", 2) if command == "compare" else ()
+    outcome = run(command, "onyx-rgbw", *few, "--table", table, "--json", blocked)
+    refused(outcome, subject=str(blocked))
+    assert table.read_text() == "mine"
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.csv", "file"]

@@ -16,7 +16,7 @@ from chromanoise.cli.options import (
     table_option,
     with_defaults,
 )
-from chromanoise.cli.output import refuse_taken_inputs, write_json, write_table
+from chromanoise.cli.output import json_text, refuse_taken_inputs, table_text, write_outputs
 from chromanoise.cli.parsing import command
 from chromanoise.cli.progress import progress_of_step
 from chromanoise.errors import InputError
@@ -96,10 +96,10 @@ def compare(
     results = run(study, progress=progress_of_step)
     result: Comparison | ComparisonMap
     (result,) = results.maps if second is not None else results.sweeps
-    if table is not None:
-        write_table(result.to_table(), table)
-    if json_target:
-        write_json(result.to_dict(), json_target)
+    write_outputs(
+        (table, lambda: table_text(result.to_table(), str(table))),
+        (json_target, lambda: json_text(result.to_dict())),
+    )
     if json_target != "-":
         tables.print_conditions(f"{conditions(result.points)}, before the sweep")
         if isinstance(result, ComparisonMap):

@@ -20,6 +20,7 @@ from chromanoise.catalog.resolve import (
     file_of,
     is_file_word,
     resolve_illuminant,
+    resolve_sensor,
 )
 from chromanoise.errors import InputError, Setting, refusal
 from chromanoise.exposure import EQUAL_TERMS, Exposure, OperatingPoint
@@ -171,7 +172,7 @@ def idle_settings(study: Study, given: Given = NOTHING_GIVEN) -> list[InputError
                 errors.append(
                     _idle(f"sensors.{sharing[0]}.answers.{name}", value, ", ".join(words))
                 )
-    errors += _idle_crosstalk(study)
+    errors += [*_idle_crosstalk(study), *_idle_treatments(study, given)]
     light = study.light
     infrared = infrared_parts(light.illuminant)
     base = light.illuminant if infrared is None else infrared[0]
@@ -198,6 +199,40 @@ def idle_settings(study: Study, given: Given = NOTHING_GIVEN) -> list[InputError
             )
             break
     return errors
+
+
+def _idle_treatments(study: Study, given: Given) -> list[InputError]:
+    """Extrapolation and treatment of negative values where no curve of the study needs them."""
+    own, light = study.reflectances, study.light
+    files = [word for word in (own.chart, own.patch, study.prior) if isinstance(word, str)]
+    if study.pictures or any(map(is_reflectance_file, files)):
+        return []
+    errors = []
+    for name in ("beyond", "negatives"):
+        parts = [one for one in study.sensors if getattr(one, name) != "refuse"]
+        needed = any(_is_incomplete(one, given) for one in parts)
+        if name == "negatives" and is_file_word(light.illuminant, "light"):
+            needed = True
+        if parts and not needed:
+            key = f"sensors.{study.sensors.index(parts[0])}.{name}"
+            words = ", ".join(one.name for one in parts)
+            errors.append(_idle(key, getattr(parts[0], name), words))
+    return errors
+
+
+def _is_incomplete(part: SensorPart, given: Given) -> bool:
+    """Whether curves of a sensor come from a file or a filter, or do not cover the grid."""
+    if part.filter is not None or part.channel_filters:
+        return True
+    if part.name in given.sensors:
+        return False
+    if is_file_word(part.name, "sensor"):
+        return True
+    try:
+        resolve_sensor(part.name, answers=replace(_answers(part), beyond="refuse"))
+    except InputError:
+        return True
+    return False
 
 
 def _idle_crosstalk(study: Study) -> list[InputError]:

@@ -603,11 +603,12 @@ class PipelinePart(_Part):
         return given
 
     @model_validator(mode="after")
-    def _that_has_an_effect(self) -> "PipelinePart":
+    def _that_has_an_effect(self, info: Any) -> "PipelinePart":
         pipeline_settings(self)
         for name, field in type(self).model_fields.items():
             value = getattr(self, name)
-            if not self.run and value != field.default:
+            given = name in self.model_fields_set - {"run"} and not _keeps(info)
+            if not self.run and (given or value != field.default):
                 raise InputError(
                     name,
                     "must be given only with the pipeline",
