@@ -21,7 +21,7 @@ from chromanoise.study import (
     study_of_output,
 )
 from chromanoise.study.document import KEEP_IDLE, without_idle_settings
-from outcomes import refused_input
+from outcomes import refused, refused_input
 
 ONE = [{"name": "onyx-rgbw"}]
 TIMES = {"vary": "time-ms", "first": 1.0, "last": 20.0}

@@ -266,5 +266,7 @@ def _notes(source: PixelSource, held: Mapping[str, Any], asked: Mapping[str, Any
     if won:
         notes.append(f"{', '.join(won)} as given, not of {source.source}")
     if silent:
-        notes.append(f"{source.source} does not give {', '.join(silent)}: the sensor's own stay")
+        notes.append(
+            f"{source.source} does not give {', '.join(silent)}: the sensor's own values are used"
+        )
     return [*notes, *source.notes]

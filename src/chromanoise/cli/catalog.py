@@ -18,6 +18,7 @@ from chromanoise.catalog.entries import (
     pixel_summary,
 )
 from chromanoise.cli.options import json_option
+from chromanoise.cli.output import json_text, write_outputs
 from chromanoise.cli.parsing import command
 from chromanoise.errors import InputError
 

@@ -80,8 +80,8 @@ def compare(
 ) -> None:
     """Compare SENSORS over a range of one parameter: SNR, color error, crossovers.
 
-    The exposure time is solved once, at --lux and before the sweep, so that the brightest channel
-    of a perfect white fills --saturate (99 %) of full well; --time-ms sets it.
+    The exposure time is solved once, for the settings that stay fixed, so that the brightest
+    channel of a perfect white fills --saturate (99 %) of full well; --time-ms sets it.
     """
     settings |= _span(sweep, "--sweep")
     makers = matrices.split(",")
@@ -101,7 +101,8 @@ def compare(
         (json_target, lambda: json_text(result.to_dict())),
     )
     if json_target != "-":
-        tables.print_conditions(f"{conditions(result.points)}, before the sweep")
+        fixed = conditions(result.points)
+        tables.print_lines([f"Settings (all but those that vary stay fixed): {fixed}"])
         if isinstance(result, ComparisonMap):
             tables.print_maps(result.maps, result.ranking)
             return

@@ -104,9 +104,9 @@ _SHARED = (
     click.option(
         "--equal",
         type=click.Choice(list(EQUAL_TERMS)),
-        help="exposure: one time for all sensors. saturation: each sensor its own time. light: "
-        "time x channels x pixel area is equal, so a 4-channel sensor gets 3/4 of the time of a "
-        "3-channel one.",
+        help="What is equal for all sensors. exposure: the time. saturation: the share of full "
+        "well, each with its own time. light: time x pixel area x number of channels, so a "
+        "4-channel sensor gets 3/4 of the time of a 3-channel one.",
     ),
     click.option("--time-ms", type=float, help="Exposure time [ms], the same for all sensors."),
     click.option(
@@ -240,7 +240,7 @@ _OF_CLOSED_FORM = (
     click.option(
         "--mosaic",
         metavar="NAME|ROWS",
-        help=f"Mosaic whose neighbors exchange light: {', '.join(MOSAIC_NAMES)}, or rows, e.g. "
+        help=f"Color filter array, used for crosstalk: {', '.join(MOSAIC_NAMES)}, or rows, e.g. "
         "RG/GB; default: the sensor's own.",
     ),
     click.option(

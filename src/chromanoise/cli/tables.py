@@ -151,7 +151,7 @@ def print_comparison(
     many = len({curve.sensor for curve in curves}) > MOST_PAIRS_SENSORS
     if many:
         what = f"{quantity.what} [{quantity.unit}]"
-        print_ranking(ranks, f"Ranking before the sweep by {what}")
+        print_ranking(ranks, f"Ranking at the fixed settings by {what}")
     for sentence in (*sentences, *map(band_sentence, bands)):
         console.print(sentence, soft_wrap=True)
     if many:
@@ -172,7 +172,7 @@ def print_maps(maps: Sequence[QuantityMap], ranks: Sequence[Rank]) -> None:
         labels = [[mine[i].label if i >= 0 else "-" for i in row] for row in best_of(mine).tolist()]
         console.print(_grid(mine[0], labels, f"Best {quantity.what}, {name} matrix"))
     if len({one.sensor for one in maps}) > MOST_PAIRS_SENSORS:
-        print_ranking(ranks, f"Ranking before the sweep by {what}")
+        print_ranking(ranks, f"Ranking at the fixed settings by {what}")
 
 
 def _map_cell(one: QuantityMap, j: int, k: int) -> str:

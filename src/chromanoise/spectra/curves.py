@@ -130,11 +130,12 @@ def interpolation_matrix(
     notes: tuple[str, ...] = ()
     if short.any():
         if beyond == "refuse":
+            ends = f"{known[0]:g}-{known[-1]:g} nm"
             raise InputError(
                 what,
                 f"must cover the grid {grid}",
                 value=(float(known[0]), float(known[-1])),
-                found=f"covers {known[0]:g}-{known[-1]:g} nm only, without {wanted[short][0]:g} nm",
+                found=f"covers {ends}; {_spans(wanted, short)} nm are missing",
                 remedy=(
                     Setting("beyond", ("zero", "hold")),
                     "use a measurement that covers the grid",
@@ -202,6 +203,13 @@ def used_on_grid(
     last = np.searchsorted(wavelength_nm, high, side="left")
     rows = np.arange(wavelength_nm.size)
     return np.asarray((rows >= first) & (rows <= last))
+
+
+def _spans(wavelength_nm: Float[Array, " n"], chosen: Bool[Array, " n"]) -> str:
+    """The ranges of the chosen wavelengths, which lie at the two ends."""
+    at = np.flatnonzero(chosen)
+    runs = np.split(at, np.flatnonzero(np.diff(at) > 1) + 1)
+    return " and ".join(f"{wavelength_nm[r[0]]:g}-{wavelength_nm[r[-1]]:g}" for r in runs)
 
 
 def refuse_outside(
