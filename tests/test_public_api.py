@@ -288,6 +288,8 @@ def test_numbers_of_numpy_and_paths_are_numbers_and_names():
         ("analyze", "vary", "it is one of compare and compare_map"),
         ("analyze", "matrices", "did you mean metric or matrix?"),
         ("compare", "matrix", "did you mean matrices?"),
+        ("matrix", "method", "did you mean matrix?"),
+        ("compare_map", "method", "did you mean matrices?"),
         ("compare", "clip", "it is one of analyze and render"),
         ("matrix", "seed", "it is one of render"),
         ("render", "fnumber", "did you mean f_number?"),
@@ -306,6 +308,7 @@ def test_an_unknown_argument_is_refused_with_what_may_be_meant(function, word, r
         ({"matrix": "lmse"}, "matrix"),
         ({"qe_scale": "percent"}, "qe_scale"),
         ({"f_number": 1e-9}, "f_number"),
+        ({"lux": -10}, "lux"),
         ({"time_ms": 3.0, "saturate": 0.5}, "time_ms"),
     ],
 )

@@ -384,6 +384,15 @@ def _named(
     sensors: Sequence[str | Path | Sensor], settings: Mapping[str, Any]
 ) -> tuple[list[str], Given, dict[str, Any]]:
     """Names for the study, the objects that they refer to, and the other settings."""
+    for one in sensors:
+        if not isinstance(one, str | Path | Sensor):
+            raise InputError(
+                "sensors",
+                "must be names, files or Sensor objects, each an argument of its own",
+                value=one,
+                found=f"is a {type(one).__name__}",
+                remedy="write *names for a list of names" if isinstance(one, list | tuple) else (),
+            )
     own = {one.name: one for one in sensors if isinstance(one, Sensor)}
     names = [one.name if isinstance(one, Sensor) else str(one) for one in sensors]
     if not names:

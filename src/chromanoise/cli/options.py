@@ -35,7 +35,7 @@ class _WholeNumber(click.ParamType):
             with suppress(ValueError, OverflowError):  # not a number; infinite
                 if int(read(value)) == read(value):
                     return int(read(value))
-        raise click.BadParameter(f"{str(value)[:80]!r} is not a whole number.", ctx, param)
+        raise InputError(max(param.opts, key=len), "must be a whole number", value=str(value))
 
 
 WHOLE = _WholeNumber()
@@ -69,7 +69,8 @@ class _Numbers(click.ParamType):
         except ValueError:
             if self.or_word:
                 return value
-            self.fail(f"{value[:80]!r} must be numbers separated by commas.", param, ctx)
+            option = max(param.opts, key=len)
+            raise InputError(option, "must be numbers with commas between", value=value) from None
 
 
 def _by_channel(_: Any, __: Any, given: tuple[str, ...]) -> dict[str, str] | None:

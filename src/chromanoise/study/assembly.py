@@ -126,7 +126,7 @@ def duplicates(study: Study) -> list[InputError]:
             "must not be repeated with the same settings",
             value=part.name,
             found=f"{part.name!r} is repeated",
-            remedy="change a setting of one, or omit one",
+            remedy=(f"change one in a study file, e.g. sensors.{i}.filter", "omit one"),
             setting=f"sensors.{i}.name",
         )
         for i, part in enumerate(parts)

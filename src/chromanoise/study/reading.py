@@ -364,7 +364,8 @@ def _of_type(error: Any, key: Key, setting: str) -> InputError:
             setting=setting,
         )
     said = str(error["msg"]).removeprefix("Value error, ").replace("Input should", "must")
-    shown = not isinstance(given, dict | list | tuple | BaseModel)
+    plain = isinstance(given, list | tuple) and all(isinstance(n, int | float) for n in given)
+    shown = plain or not isinstance(given, dict | list | tuple | BaseModel)
     return InputError(
         last, f"{said[:1].lower()}{said[1:]}", value=given if shown else None, setting=setting
     )

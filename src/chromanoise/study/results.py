@@ -35,6 +35,7 @@ from chromanoise.analysis.comparison.ranking import (
     lead_sentences,
     leading_crossovers,
     leads_as_json,
+    matrix_sentences,
     ranking_as_json,
 )
 from chromanoise.analysis.export import ranking_of_analyses
@@ -356,9 +357,13 @@ class Comparison(Result):
 
     @property
     def shown_sentences(self) -> list[str]:
-        """The sentences on `shown_crossovers`; of more than three sensors, also on the leaders."""
+        """The sentences on `shown_crossovers`, and on the matrices of each sensor if several.
+
+        Of more than three sensors, they begin with those on the leaders.
+        """
         many = len(self.points) > MOST_PAIRS_SENSORS
         first = lead_sentences(self.leads) if many else []
+        first += [] if many else matrix_sentences(self.ranking, self.curves[0].quantity)
         return [*first, *(crossover_sentence(one) for one in self.shown_crossovers)]
 
     def plot(self, ax: Any = None) -> Any:

@@ -458,6 +458,11 @@ def _refuse_unknown(settings: Settings, function: str) -> None:
     for name in settings:
         if name in FUNCTIONS[function]:
             continue
+        if name == "method":  # as the option is called too
+            (matrix,) = (one for one in _ARGUMENTS[function] if one.startswith("matri"))
+            raise InputError(
+                name, f"is not an argument of {function}", remedy=f"did you mean {matrix}?"
+            )
         others = [other for other in FUNCTIONS if name in (*FUNCTIONS[other], *_ARGUMENTS[other])]
         otherwise = f"known: {', '.join(known)}"
         if others:
