@@ -501,3 +501,24 @@ def test_a_white_preserving_matrix_gives_the_white_its_illuminance():
     )
     assert one.white_e.tolist() == electrons.tolist()
     assert one.white_lux == pytest.approx(7.0, rel=1e-4)  # the kernel matrix gives 7.095
+
+
+def test_arguments_of_a_wrong_type_are_refused_in_a_sentence():
+    script = """
+import chromanoise as cn
+for call in (
+    lambda: cn.analyze(["onyx-rgbw", "onyx-rgb"]),
+    lambda: cn.analyze(None),
+    lambda: cn.analyze("onyx-rgbw", lux=[1, 2]),
+    lambda: cn.run({}),
+):
+    try:
+        call()
+    except cn.InputError as error:
+        print(error.subject, error.value)
+"""
+    done = subprocess.run(  # without the type checks of the tests
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True
+    )
+    subjects = ["sensors ['onyx-rgbw', 'onyx-rgb']", "sensors None", "lux [1, 2]", "study dict"]
+    assert done.stdout.splitlines() == subjects

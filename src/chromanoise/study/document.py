@@ -683,7 +683,16 @@ class OutputsPart(_Part):
 
 
 class Study(_Part):
-    """One reproducible run; file names are relative to the folder of the study file."""
+    """One reproducible run; file names are relative to the folder of the study file.
+
+    Its parameters are its fields, each with a description; `study_schema` lists them. `read_study`
+    and `study_from_data` build a study and raise `InputError` instead.
+
+    Raises
+    ------
+    pydantic.ValidationError
+        If a field is missing, unknown or invalid, or a setting has no effect.
+    """
 
     schema_number: Annotated[int, Field(ge=SCHEMA, le=SCHEMA)] = Field(
         SCHEMA, alias="schema", description=f"Version of this format: {SCHEMA}."
