@@ -36,6 +36,7 @@ _START = f"{_VARY}={_FIRST:g}:{_LAST:g}"
     "--sweep",
     metavar="NAME=FIRST:LAST",
     help=f"Parameter that varies: {', '.join(f'{s.name} [{s.unit}]' for s in SWEEPS.values())}. "
+    "An ircut-nm of 1200 or more is a sensor without the added filter. "
     f"[default: {_START}]",
 )
 @click.option("--points", type=WHOLE, help="Number of values of the sweep.")
