@@ -14,7 +14,8 @@ import pytest
 from pydantic import BaseModel
 
 import chromanoise as cn
-from chromanoise.study import described_settings
+from chromanoise.cli.entry import commands
+from chromanoise.study import described_settings, run_study
 from outcomes import refused_input
 
 NAMES = [
@@ -29,6 +30,7 @@ NAMES = [
     "Illuminant",
     "InputError",
     "Matrices",
+    "MatrixResult",
     "Measurement",
     "Mosaic",
     "OperatingPoint",
@@ -291,6 +293,8 @@ def test_numbers_of_numpy_and_paths_are_numbers_and_names():
         ("analyze", "vary", "it is one of compare and compare_map"),
         ("analyze", "matrices", "did you mean metric or matrix?"),
         ("compare", "matrix", "did you mean matrices?"),
+        ("matrix", "method", "did you mean matrix?"),
+        ("compare_map", "method", "did you mean matrices?"),
         ("compare", "clip", "it is one of analyze and render"),
         ("matrix", "seed", "it is one of render"),
         ("render", "fnumber", "did you mean f_number?"),
@@ -309,12 +313,14 @@ def test_an_unknown_argument_is_refused_with_what_may_be_meant(function, word, r
         ({"matrix": "lmse"}, "matrix"),
         ({"qe_scale": "percent"}, "qe_scale"),
         ({"f_number": 1e-9}, "f_number"),
+        ({"lux": -10}, "lux"),
         ({"time_ms": 3.0, "saturate": 0.5}, "time_ms"),
     ],
 )
-def test_an_error_names_the_argument_that_is_wrong(settings, subject):
-    with refused_input(subject=subject):
+def test_a_single_error_is_raised_itself_and_names_the_argument(settings, subject):
+    with pytest.raises(cn.InputError) as caught:
         cn.analyze("onyx-rgbw", **settings)
+    assert caught.value.subject == subject
 
 
 def test_a_sensor_given_twice_is_refused_by_the_name_of_the_argument():
@@ -387,7 +393,63 @@ def test_a_data_frame_holds_the_table_with_units_in_its_heads(results, kind):
 def test_a_run_gives_what_each_function_gives(results):
     values = results["results"].to_list()
     analysis = cn.analyze("onyx-rgbw", budget=True).to_dict()
-    assert values == [analysis, results["matrices"].to_dict(), results["comparison"].to_dict()]
+    matrices = {"sensors": [results["matrices"].to_dict()]}
+    assert values == [analysis, matrices, results["comparison"].to_dict()]
+
+
+def test_a_run_of_a_file_is_by_the_names_of_its_steps_what_the_command_writes(tmp_path):
+    file = tmp_path / "s.toml"
+    file.write_text(
+        '[[sensors]]\nname = "onyx-rgbw"\n[outputs]\nmatrix = true\n[[sweeps]]\nvary = "lux"\n'
+        "first = 1\nlast = 9\npoints = 2\n"
+        '[sweeps.second]\nvary = "f-number"\nfirst = 2\nlast = 4\npoints = 2\n'
+        '[[sweeps]]\nvary = "lux"\nfirst = 1\nlast = 9\npoints = 2\n'
+    )
+    results = cn.run(file)
+    written = run_study(cn.read_study(str(file)), tmp_path / "out")
+    assert [path.stem for path in written] == list(results.steps)
+    told = json.loads(json.dumps(results.to_dict()))
+    assert told == {path.stem: json.loads(path.read_bytes())["result"] for path in written}
+    assert results.to_list() == list(results.to_dict().values())
+
+
+def test_a_run_of_a_missing_file_is_refused(tmp_path):
+    with refused_input(subject=str(tmp_path / "none.toml")):
+        cn.run(tmp_path / "none.toml")
+
+
+def test_the_table_of_a_run_is_that_of_its_only_step_or_of_a_named_one(results):
+    ran = results["results"]
+    sweep, name = results["comparison"], "sweep-1-lux-snr-y"
+    assert ran.to_table(name).rows == sweep.to_table().rows
+    assert ran.to_latex("tab:one", name) == sweep.to_latex("tab:one")
+    assert ran.plot(step=name).get_title() == sweep.plot().get_title()
+    for made in (ran.to_table, ran.to_latex, ran.plot, ran.to_dataframe):
+        with refused_input(subject="step", setting="step"):
+            made()
+    with refused_input(subject="step", value="sweep-2"):
+        ran.to_table("sweep-2")
+    alone = replace(ran, steps={name: ran.steps[name]})
+    assert alone.to_table().rows == sweep.to_table().rows
+
+
+def test_a_python_result_is_the_json_of_its_command(tmp_path):
+    matrix = tmp_path / "m.json"
+    words = ["--lux", "3", "--time-ms", "12"]
+    commands.main(["matrix", "onyx-rgbw", *words, "--json", str(matrix)], standalone_mode=False)
+    told = cn.matrix("onyx-rgbw", lux=3, time_ms=12).to_dict()
+    assert told == json.loads(matrix.read_bytes())
+    folder = tmp_path / "o"
+    asked = ["simulate", "builtin:checker", "--sensor", "onyx-rgbw", *words, "-o", str(folder)]
+    commands.main(asked, standalone_mode=False)
+    told = json.loads((folder / "summary.json").read_bytes())
+    own = cn.render("builtin:checker", "onyx-rgbw", lux=3, time_ms=12).to_dict()
+    assert told.pop("study")["pictures"][0]["cube"] == "builtin:checker"
+    for one in told["pictures"]:
+        assert one.pop("seconds") > 0
+        assert one["files"] == ["onyx-rgbw.png", "onyx-rgbw.xyz.tiff"]
+        one["files"] = []  # in memory there is none
+    assert own == told
 
 
 def test_snr_by_name_is_that_of_the_plain_data(results):
@@ -438,10 +500,30 @@ def test_pictures_in_a_folder_are_not_drawn(tmp_path):
 
 
 def test_a_white_preserving_matrix_gives_the_white_its_illuminance():
-    result = cn.matrix("onyx-rgb-ircut", matrix="white-preserving", lux=7.0, time_ms=10.0)
-    (one,) = result.results
+    one = cn.matrix("onyx-rgb-ircut", matrix="white-preserving", lux=7.0, time_ms=10.0)
     electrons = cn.exposure.expected_electrons(
         cn.exposure.white_scene(one.point), one.point.sensor, one.point.exposure
     )
     assert one.white_e.tolist() == electrons.tolist()
     assert one.white_lux == pytest.approx(7.0, rel=1e-4)  # the kernel matrix gives 7.095
+
+
+def test_arguments_of_a_wrong_type_are_refused_in_a_sentence():
+    script = """
+import chromanoise as cn
+for call in (
+    lambda: cn.analyze(["onyx-rgbw", "onyx-rgb"]),
+    lambda: cn.analyze(None),
+    lambda: cn.analyze("onyx-rgbw", lux=[1, 2]),
+    lambda: cn.run({}),
+):
+    try:
+        call()
+    except cn.InputError as error:
+        print(error.subject, error.value)
+"""
+    done = subprocess.run(  # without the type checks of the tests
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True
+    )
+    subjects = ["sensors ['onyx-rgbw', 'onyx-rgb']", "sensors None", "lux [1, 2]", "study dict"]
+    assert done.stdout.splitlines() == subjects

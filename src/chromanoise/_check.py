@@ -38,6 +38,11 @@ def reason(error: Exception) -> str:
     return text[:_LONGEST_REASON]
 
 
+def _in(unit: str) -> str:
+    """The unit in brackets; nothing for a number without a unit."""
+    return "" if unit == "1" else f" [{unit}]"
+
+
 def finite(name: str, unit: str, values: Any) -> Array:
     """``values`` as float64; raises `InputError` if an entry is NaN or infinite."""
     return _demand(name, unit, values, "finite", np.isfinite)
@@ -63,7 +68,7 @@ def positive(name: str, unit: str, value: float) -> float:
     """A finite number > 0."""
     number = float(value)
     if not (np.isfinite(number) and number > 0):
-        raise InputError(name, f"must be finite and > 0 [{unit}]", value=number)
+        raise InputError(name, f"must be finite and > 0{_in(unit)}", value=number)
     return number
 
 
@@ -71,7 +76,7 @@ def not_negative(name: str, unit: str, value: float) -> float:
     """A finite number >= 0."""
     number = float(value)
     if not (np.isfinite(number) and number >= 0):
-        raise InputError(name, f"must be finite and >= 0 [{unit}]", value=number)
+        raise InputError(name, f"must be finite and >= 0{_in(unit)}", value=number)
     return number
 
 
@@ -79,7 +84,7 @@ def within(name: str, unit: str, value: float, low: float, high: float) -> float
     """A finite number from ``low`` to ``high``, the range in which double precision suffices."""
     number = float(value)
     if not low <= number <= high:
-        raise InputError(name, f"must be {low:g} to {high:g} [{unit}]", value=number)
+        raise InputError(name, f"must be {low:g} to {high:g}{_in(unit)}", value=number)
     return number
 
 
@@ -88,14 +93,16 @@ def increasing(name: str, unit: str, values: Any) -> Array:
     array = finite(name, unit, values)
     if array.ndim != 1 or array.size < 2:
         raise InputError(
-            name, f"must hold at least 2 values in a row [{unit}]", found=f"has shape {array.shape}"
+            name,
+            f"must hold at least 2 values in a row{_in(unit)}",
+            found=f"has shape {array.shape}",
         )
     falls = np.flatnonzero(np.diff(array) <= 0)
     if falls.size:
         i = int(falls[0])
         raise InputError(
             name,
-            f"must increase [{unit}]",
+            f"must increase{_in(unit)}",
             value=float(array[i + 1]),
             found=f"{array[i + 1]:g} follows {array[i]:g} at index {i + 1}",
             remedy="sort the rows and drop repeated ones",
@@ -164,7 +171,7 @@ def _demand(
         count = f"{int(bad.sum())} of {array.size} entries are not"
         raise InputError(
             name,
-            f"must be {demand} [{unit}]",
+            f"must be {demand}{_in(unit)}",
             value=first,
             found=f"{count}; the first is {first:g} at index {index} (from 0)",
         )

@@ -18,8 +18,8 @@ import shutil
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager, suppress
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import IO, Any
 
@@ -136,16 +136,48 @@ def write_whole(path: Path, content: bytes) -> None:
     InputError
         If ``path`` is a folder or cannot be written.
     """
+    write_all_whole({path: content})
+
+
+def write_all_whole(contents: Mapping[Path, bytes]) -> None:
+    """Write several files as `write_whole`; none is replaced before all temporary files are made.
+
+    Raises
+    ------
+    InputError
+        If one of the paths is a folder or cannot be written.
+    """
+    with ExitStack() as stack:
+        steps = {path: stack.enter_context(_prepared(path, contents[path])) for path in contents}
+        for path, step in steps.items():
+            with _write_errors(path):
+                step()
+
+
+@contextmanager
+def _prepared(path: Path, content: bytes) -> Iterator[Callable[[], object]]:
+    """The function that puts the content in place, after it was written beside the file."""
     if path.is_dir():
         raise InputError(str(path), "must be a file", found="is a folder", remedy="name a file")
-    with _write_errors(path):
-        if path.exists() and not path.is_file():
-            path.write_bytes(content)
-            return
-        goal = Path(os.path.realpath(path))
-        if goal.is_symlink():  # links in a loop have no target
-            raise OSError(errno.ELOOP, os.strerror(errno.ELOOP))
-        _replaced(goal, content)
+    if path.exists() and not path.is_file():
+        yield lambda: path.write_bytes(content)
+        return
+    scratch = None
+    try:
+        with _write_errors(path):
+            goal = Path(os.path.realpath(path))
+            if goal.is_symlink():  # links in a loop have no target
+                raise OSError(errno.ELOOP, os.strerror(errno.ELOOP))
+            goal.parent.mkdir(parents=True, exist_ok=True)
+            handle, name = tempfile.mkstemp(prefix=f".{goal.name}-", dir=goal.parent)
+            scratch = Path(name)
+            with os.fdopen(handle, "wb") as part:
+                part.write(content)
+            scratch.chmod(0o644)  # temporary files are readable by their owner only
+        yield lambda: scratch.replace(goal)
+    finally:
+        if scratch is not None:
+            scratch.unlink(missing_ok=True)
 
 
 def renamed(error: InputError, old: str, new: str) -> InputError:
@@ -201,19 +233,6 @@ def _write_errors(path: Path) -> Iterator[None]:
         yield
     except OSError as error:
         raise InputError(str(path), f"cannot be written ({error.strerror})") from None
-
-
-def _replaced(path: Path, content: bytes) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    handle, name = tempfile.mkstemp(prefix=f".{path.name}-", dir=path.parent)
-    scratch = Path(name)
-    try:
-        with os.fdopen(handle, "wb") as part:
-            part.write(content)
-        scratch.chmod(0o644)  # temporary files are readable by their owner only
-        scratch.replace(path)
-    finally:
-        scratch.unlink(missing_ok=True)
 
 
 def _place(goal: Path) -> Path:

@@ -22,7 +22,7 @@ from chromanoise.study import (
     ComparisonSettings,
     Given,
     MapSettings,
-    Matrices,
+    MatrixResult,
     MatrixSettings,
     Pictures,
     RenderSettings,
@@ -34,6 +34,7 @@ from chromanoise.study import (
     in_arguments,
     map_study,
     matrix_study,
+    read_study,
     render_study,
 )
 from chromanoise.study import run as run_of
@@ -240,7 +241,7 @@ def compare_map(
 @_with_listed_settings
 def matrix(
     sensor: str | Path | Sensor, matrix: str = DEFAULT_METHOD, **settings: Unpack[MatrixSettings]
-) -> Matrices:
+) -> MatrixResult:
     """The color matrix of a sensor, with its color error, noise and condition.
 
     Parameters
@@ -256,8 +257,8 @@ def matrix(
 
     Returns
     -------
-    Matrices
-        One matrix, electrons to XYZ. [lx/e-]
+    MatrixResult
+        The matrix, electrons to XYZ [lx/e-], with the report on it.
 
     Raises
     ------
@@ -272,7 +273,8 @@ def matrix(
     def made(names: list[str], rest: dict[str, Any]) -> Study:
         return matrix_study(names[0], rest, matrix=matrix)
 
-    (result,) = _results("matrix", made, [sensor], settings).matrices.values()
+    (found,) = _results("matrix", made, [sensor], settings).matrices.values()
+    (result,) = found.results
     return result
 
 
@@ -319,31 +321,37 @@ def render(
     return result
 
 
-def run(study: Study, folder: str | Path | None = None) -> Results:
+def run(study: Study | str | Path, folder: str | Path | None = None) -> Results:
     """Run a study and return all its results.
 
     Parameters
     ----------
     study
-        From `read_study`, `study_from_data` or `Study`.
+        A study file, or a study from `read_study`, `study_from_data` or `Study`.
     folder
         Folder for pictures; ``None`` keeps them in memory.
 
     Returns
     -------
     Results
-        Analyses and matrices by name, sweeps, maps and pictures in order.
+        The result of each step, by the name of the step.
 
     Raises
     ------
     InputError
-        As `analyze`.
+        As `analyze`, or if ``study`` is neither a study nor a file of one.
 
     Notes
     -----
     The numbers are those of ``chromanoise run``: Clouet, Vaillant & Alleysson, CIC27 (2019),
     eq. 1-7.
     """
+    if isinstance(study, str | Path):
+        study = read_study(study)
+    if not isinstance(study, Study):
+        raise InputError(
+            "study", "must be a Study or the name of a study file", value=type(study).__name__
+        )
     return run_of(study, folder=_folder(folder))
 
 
@@ -376,6 +384,15 @@ def _named(
     sensors: Sequence[str | Path | Sensor], settings: Mapping[str, Any]
 ) -> tuple[list[str], Given, dict[str, Any]]:
     """Names for the study, the objects that they refer to, and the other settings."""
+    for one in sensors:
+        if not isinstance(one, str | Path | Sensor):
+            raise InputError(
+                "sensors",
+                "must be names, files or Sensor objects, each an argument of its own",
+                value=one,
+                found=f"is a {type(one).__name__}",
+                remedy="write *names for a list of names" if isinstance(one, list | tuple) else (),
+            )
     own = {one.name: one for one in sensors if isinstance(one, Sensor)}
     names = [one.name if isinstance(one, Sensor) else str(one) for one in sensors]
     if not names:

@@ -6,7 +6,7 @@ terms: the command line names the option, a study file the line and key, the pag
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from typing import Any
 
@@ -23,13 +23,18 @@ class Setting:
         Name of the parameter in Python (``beyond``) or its key in a study (``sensors.0.beyond``).
     values
         The values that resolve the error; empty if only the user knows the value.
+    omit
+        Whether the error is resolved by omitting the parameter instead.
     """
 
     name: str
     values: tuple[str | float, ...] = ()
+    omit: bool = False
 
     def __str__(self) -> str:
-        """The setting in Python syntax: ``set beyond='zero' or 'hold'``."""
+        """The setting in Python syntax: ``set beyond='zero' or 'hold'``, ``omit clip``."""
+        if self.omit:
+            return f"omit {self.name}"
         values = " or ".join(repr(value) for value in self.values)
         return f"set {self.name}={values}" if values else f"set {self.name}"
 
@@ -224,7 +229,7 @@ class InputError(ValueError):
         InputError
         """
         remedy = tuple(
-            Setting(names(one.name), one.values) if isinstance(one, Setting) else one
+            replace(one, name=names(one.name)) if isinstance(one, Setting) else one
             for one in self.remedy
         )
         return _rebuilt(type(self), self.__dict__ | {"setting": setting, "remedy": remedy})
@@ -280,6 +285,17 @@ class StudyError(InputError):
         return list(dict.fromkeys(error.sentence(render=render) for error in self.errors))
 
 
+def refusal(errors: Sequence[InputError], places: Sequence[str] = ()) -> InputError:
+    """All errors of a study as one that can be raised: a single one without a place is itself.
+
+    Parameters
+    ----------
+    errors, places
+        As `StudyError`.
+    """
+    return errors[0] if len(errors) == 1 and not places else StudyError(errors, places)
+
+
 def in_study(error: InputError, place: str) -> str:
     """The sentence of an error in the terms of a study file: the place, the key and its settings.
 
@@ -303,6 +319,8 @@ def in_study(error: InputError, place: str) -> str:
 
 
 def _setting_of_study(setting: Setting) -> str:
+    if setting.omit:
+        return str(setting)
     values = " or ".join(
         f'"{value}"' if isinstance(value, str) else f"{value:g}" for value in setting.values
     )

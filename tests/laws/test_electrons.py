@@ -18,6 +18,7 @@ from chromanoise.noise import saturated
 from chromanoise.scene import Cube, Scene, flat_field, light
 from chromanoise.sensor import Pixel, behind_filter, with_channels
 from chromanoise.spectra import DEFAULT_GRID, METRICS, Grid, cie_a, color_axes, equal_energy, led
+from outcomes import refused_input
 from strategies import EXPOSURE, GRID, reflectances, sensor_of, sensors, white_channel
 
 A = cie_a(GRID)
@@ -179,3 +180,10 @@ def test_stored_integers_are_scaled_to_reflectance():
         source="counts",
     )
     assert reflectance_rows(cube, 1, 2) == pytest.approx(np.array([[[1.0, 0.25]]]), rel=1e-12)
+
+
+@pytest.mark.parametrize("f_number", [0.0, 0.1, 0.499, 2e6, float("nan")])
+def test_no_lens_has_an_f_number_below_one_half(f_number):
+    with refused_input(subject="f_number"):
+        Exposure(time_s=1.0, f_number=f_number)
+    assert Exposure(time_s=1.0, f_number=0.5).f_number == 0.5

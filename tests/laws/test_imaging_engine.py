@@ -495,7 +495,7 @@ def test_more_light_than_can_be_counted_is_refused():
         sensor=replace(
             sensor_with(3), pixel=replace(sensor_with(3).pixel, pitch_um=1e6, full_well_e=1e12)
         ),
-        exposure=Exposure(time_s=1e12, f_number=0.01),
+        exposure=Exposure(time_s=1e12, f_number=0.5),
         illuminant=LAMP,
         level_lux=1e15,
     )

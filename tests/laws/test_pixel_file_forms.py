@@ -4,6 +4,7 @@ import pytest
 
 from chromanoise.errors import InputError
 from chromanoise.io.pixels import (
+    read_emva_sheet,
     read_noise_profile,
 )
 from chromanoise.io.pixels.emva import pixel_from_emva
@@ -98,6 +99,13 @@ def test_only_a_saturation_capacity_is_said_to_be_taken_for_the_full_well():
 
 def test_a_gain_without_bits_has_a_note_that_bits_are_needed():
     alone = pixel_from_emva({"K": (0.5, "DN/e-")}).notes
-    assert any("gain of 2 e-/DN is used only where the bits" in n for n in alone)
+    assert any("bits not given: the gain of 2 e-/DN" in n for n in alone)
     both = pixel_from_emva({"K": (0.5, "DN/e-"), "bits": (12.0, "")}).notes
-    assert not any("is used only" in n for n in both)
+    assert not any("bits not given" in n for n in both)
+
+
+def test_a_known_name_before_a_number_and_a_unit_needs_a_sign_between(file):
+    path = file("K = 0.5 DN/e-\nread noise 2.5 e-\n")
+    with refused_input(subject=str(path), where="line 2", value="read noise 2.5 e-"):
+        read_emva_sheet(path)
+    assert read_emva_sheet(file("Camera K 12 of 2020\nsigma_d = 2 e-\n")).bits is None

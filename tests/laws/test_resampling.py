@@ -87,13 +87,18 @@ def test_a_continuation_that_is_not_needed_is_not_told():
 
 
 @pytest.mark.parametrize(
-    ("at", "first"), [([450.0, 700.0], "400"), ([400.0, 650.0], "660"), ([450.0, 650.0], "400")]
+    ("at", "missing"),
+    [
+        ([450.0, 700.0], "400-440 nm"),
+        ([400.0, 650.0], "660-700 nm"),
+        ([450.0, 650.0], "400-440 and 660-700 nm"),
+    ],
 )
-def test_a_short_curve_is_refused_where_it_first_fails(at, first):
+def test_a_short_curve_is_refused_with_the_wavelengths_that_are_missing(at, missing):
     subject = "QE of a datasheet"
     with refused_input(subject=subject, value=tuple(at), setting="beyond") as refused:
         on_grid(curve(at, [0.1, 0.2]), GRID)
-    assert refused.value.found.endswith(f" {first} nm")
+    assert refused.value.found.partition("; ")[2] == f"{missing} are missing"
 
 
 @pytest.mark.parametrize("beyond", ["refuse", "zero", "hold"])

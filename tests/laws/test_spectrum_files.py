@@ -10,6 +10,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+import chromanoise as cn
 from chromanoise.errors import InputError, Setting
 from chromanoise.io import read_sensor
 from chromanoise.io.spectra import Answers, power_of, qe_of, read_curves
@@ -527,3 +528,29 @@ def test_a_hundred_thousand_damaged_files_are_read_right_or_refused(tmp_path):
         path.write_bytes(mutated(SAMPLES[name], changes))
         right_or_refused(path)
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss < 2**20  # KiB: 1 GiB
+
+
+@pytest.mark.parametrize("cell", ["abc", "nan"])
+@pytest.mark.parametrize("head", ["wavelength_nm,R,G\n", ""])
+def test_a_faulty_first_row_is_refused_as_any_later_row(file, head, cell):
+    rows = ["400,0.1,0.2", "500,0.3,0.3", "600,0.3,0.4"]
+    for i, row in enumerate(rows):
+        faulty = [*rows[:i], row.replace(row[4:7], cell), *rows[i + 1 :]]
+        path = file(head + "\n".join(faulty) + "\n")
+        error = refusal(path)
+        line, column = i + 1 + bool(head), "R" if head else "2"
+        assert (error.value, error.where) == (cell, f"line {line}, column {column!r}")
+    assert read_curves(file("31,samples\nnm,R\n400,0.1\n500,0.3\n")).curves.names == ("R",)
+
+
+def test_only_small_negative_values_are_said_to_be_set_to_zero_on_demand(file):
+    small, large = (
+        f"wavelength_nm,R\n400,0.5\n700,{value}\n1050,0.5\n" for value in (-0.004, -0.2)
+    )
+    with refused_input(value=-0.004, setting="negatives"):
+        cn.analyze(file(small))
+    for negatives in ("refuse", "zero"):
+        with refused_input(value=-0.2) as caught:
+            cn.analyze(file(large), negatives=negatives)
+        assert not any(isinstance(one, cn.Setting) for one in caught.value.remedy)
+    assert cn.analyze(file(small), negatives="zero", budget=False).analyses

@@ -187,6 +187,8 @@ def test_unknown_names_tell_the_nearest_ones(run):
         ("--time-ms", 0, "exposure.time_ms"),
         ("--time-ms", -1, "exposure.time_ms"),
         ("--f-number", 0, "exposure.f_number"),
+        ("--f-number", 0.1, "exposure.f_number"),
+        ("--gain-dn-per-e", 1e30, "sensors.0.pixel.gain_dn_per_e"),
         ("--f-number", "inf", "exposure.f_number"),
         ("--saturate", 0, "exposure.saturate"),
         ("--saturate", 99, "exposure.saturate"),
@@ -214,7 +216,7 @@ def test_a_qe_above_one_names_file_column_wavelength_and_value(run, curve_file):
 
 def test_a_negative_qe_names_file_column_wavelength_and_value(run, curve_file):
     path = curve_file(replace={"450,0.05,0.1": "450,-0.05,0.1"})
-    parts = (path.name, "R", "450 nm", "-0.05", "--negatives")
+    parts = (path.name, "R", "450 nm", "-0.05")
     refused(run("analyze", path), *parts, setting="sensors.0.name")
 
 
@@ -470,15 +472,15 @@ def test_compare_tells_curves_and_crossovers_with_the_digits_of_analyze(run):
     ("option", "value", "parts", "fields"),
     [
         ("--sweep", "lux=1", ["--sweep"], {"subject": "--sweep", "value": "lux=1"}),
-        ("--sweep", "lux=10:1", ["lux", "10", "1"], {"setting": "sweeps.0"}),
-        ("--sweep", "lux=0:1", ["lux"], {"setting": "sweeps.0", "value": 0.0}),
+        ("--sweep", "lux=10:1", ["lux", "10", "1"], {"setting": "sweeps.0.vary"}),
+        ("--sweep", "lux=0:1", ["lux"], {"setting": "sweeps.0.vary", "value": 0.0}),
         (
             "--sweep",
             "time=1:2",
             ["--sweep", "time-ms"],
             {"setting": "sweeps.0.vary", "value": "time"},
         ),
-        ("--sweep", "kelvin=10:1000", ["kelvin"], {"setting": "sweeps.0", "value": 10.0}),
+        ("--sweep", "kelvin=10:1000", ["kelvin"], {"setting": "sweeps.0.vary", "value": 10.0}),
         ("--points", 1, ["--points"], {"setting": "sweeps.0.points", "value": 1}),
         (
             "--matrix",
@@ -618,3 +620,66 @@ def test_an_added_ir_cut_and_a_shift_change_the_sensor(run):
     assert [channel["mean_e"] for channel in one["channels"]] == pytest.approx(
         expected_electrons(white, sensor, exposure).tolist(), rel=1e-12
     )
+
+
+@pytest.mark.parametrize(
+    ("words", "fields", "options"),
+    [
+        (
+            "analyze onyx-rgbw --binning-mode digital",
+            {"subject": "binning_mode", "remedy_setting": "sensors.0.pixel.binning_mode"},
+            ("--binning,", "omit --binning-mode"),
+        ),
+        (
+            "analyze onyx-rgbw --time-ms 3 --saturate 0.5",
+            {"subject": "time_ms", "remedy_setting": "exposure.saturate"},
+            ("omit --time-ms", "omit --saturate"),
+        ),
+        (
+            "compare onyx-rgbw --sweep lux=1:2 --and lux=1:2",
+            {"value": "lux", "remedy_setting": "sweeps.0.second.vary"},
+            ("--sweep", "omit --and"),
+        ),
+        (
+            "compare onyx-rgbw --sweep lux=2:1",
+            {"subject": "vary", "where": "sweep of lux", "value": (2.0, 1.0)},
+            ("--sweep",),
+        ),
+        (
+            "analyze onyx-rgbw --matrix ridge=-1",
+            {"subject": "matrix", "where": "strength of a ridge matrix", "value": -1.0},
+            ("--matrix",),
+        ),
+        ("analyze onyx-rgbw --matrix a/folder", {"value": "a/folder"}, ("--matrix", ".clf")),
+        (
+            "analyze onyx-rgbw --channel-filter Q=ircut-650",
+            {"subject": "channel_filters", "where": "channel", "value": "Q"},
+            ("--channel-filter",),
+        ),
+        (
+            "simulate builtin:checker --sensor onyx-rgbw --mosaic bayer",
+            {"subject": "channel 'W'", "remedy_setting": "pictures.0.mosaic"},
+            ("--mosaic rgbw-2x2",),
+        ),
+        ("analyze onyx-rgbw --illuminant 3200", {"value": "3200"}, ("--illuminant", "3200K")),
+        (
+            "analyze onyx-rgbw --illuminant LED99",
+            {"subject": "peak of illuminant LED99", "value": 99.0},
+            (),
+        ),
+    ],
+)
+def test_an_error_names_every_option_that_it_is_about(run, words, fields, options):
+    refused(run(*words.split()), *options, **fields)
+
+
+@pytest.mark.parametrize("command", ["analyze", "compare", "matrix"])
+def test_a_file_that_cannot_be_written_leaves_the_others_as_they_were(run, tmp_path, command):
+    table, blocked = tmp_path / "a.csv", tmp_path / "file" / "x.json"
+    (tmp_path / "file").write_text("no folder")
+    table.write_text("mine")
+    few = ("--points", 2) if command == "compare" else ()
+    outcome = run(command, "onyx-rgbw", *few, "--table", table, "--json", blocked)
+    refused(outcome, subject=str(blocked))
+    assert table.read_text() == "mine"
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.csv", "file"]

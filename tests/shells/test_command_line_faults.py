@@ -224,3 +224,22 @@ def test_only_a_long_computation_prints_how_long_it_takes(capsys, monkeypatch, p
         for _ in range(3):
             advance(1)
     assert capsys.readouterr() == ("", result)
+
+
+@pytest.mark.parametrize(
+    ("words", "subject", "value", "remedy"),
+    [
+        (("--lux", "abc"), "--lux", "abc", ()),
+        (("--bits", "1.5"), "--bits", "1.5", ()),
+        (("--iso", "a,b"), "--iso", "a,b", ()),
+        (("--equal", "exposur"), "--equal", "exposur", ("did you mean exposure?",)),
+        (("--luxx", "3"), "--luxx", None, ("did you mean --lux or --luma?",)),
+    ],
+)
+def test_an_option_or_a_value_that_is_none_is_refused_in_fields(run, words, subject, value, remedy):
+    refused(run("analyze", "onyx-rgbw", *words), subject=subject, value=value, remedy=remedy)
+
+
+def test_a_name_of_the_catalog_is_no_file_to_inspect(run):
+    refused(run("inspect", "onyx-rgbw"), "catalog onyx-rgbw", subject="onyx-rgbw")
+    refused(run("inspect", "onyx-none"), subject="onyx-none")

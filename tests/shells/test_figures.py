@@ -314,7 +314,7 @@ def test_nothing_but_saturated_sensors_is_a_chart_that_says_so(ax):
 
 
 def test_each_entry_of_a_matrix_is_a_bar_in_the_color_of_its_channel(ax):
-    (one,) = matrix("onyx-rgbw").results
+    one = matrix("onyx-rgbw")
     draw_matrices([one], ax)
     bars = [bar for group in ax.containers for bar in group]
     np.testing.assert_allclose([b.get_height() for b in bars], one.matrix.matrix.ravel())
@@ -326,7 +326,7 @@ def test_each_entry_of_a_matrix_is_a_bar_in_the_color_of_its_channel(ax):
 
 
 def test_a_pareto_curve_goes_through_the_errors_and_ratios_of_its_matrices(ax):
-    (one,) = matrix("onyx-rgbw", pareto_first=0.01, pareto_last=100.0).results
+    one = matrix("onyx-rgbw", pareto_first=0.01, pareto_last=100.0)
     draw_matrices([one], ax)
     at = ax.lines[0].get_xydata()
     np.testing.assert_array_equal(at[:, 0], one.pareto.snr_y_db)

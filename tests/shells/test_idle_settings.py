@@ -21,7 +21,7 @@ from chromanoise.study import (
     study_of_output,
 )
 from chromanoise.study.document import KEEP_IDLE, without_idle_settings
-from outcomes import refused_input
+from outcomes import refused, refused_input
 
 ONE = [{"name": "onyx-rgbw"}]
 TIMES = {"vary": "time-ms", "first": 1.0, "last": 20.0}
@@ -187,3 +187,21 @@ def test_a_study_built_in_python_is_checked_when_it_is_built(data, setting, valu
     assert result["ctx"]["error"].value == value
     with refused_input(setting_name=setting.split(".")[-1 - setting[-1].isdigit()], value=value):
         cn.study_from_data({"sensors": ONE} | data)
+
+
+@pytest.mark.parametrize(
+    ("words", "subject", "value"),
+    [
+        (("--beyond", "zero"), "beyond", "zero"),
+        (("--negatives", "zero"), "negatives", "zero"),
+        (("--white-balance", "gray"), "white_balance", "gray"),
+        (("--tone", "srgb"), "tone", "srgb"),
+    ],
+)
+def test_a_setting_of_curves_or_steps_that_are_not_there_is_refused(run, words, subject, value):
+    refused(run("analyze", "onyx-rgbw", *words), subject=subject, value=value)
+
+
+def test_a_filter_or_a_catalog_sensor_that_ends_early_may_be_extrapolated(run):
+    assert run("analyze", "ar0132at-rgbw", "--peak-qe", 0.3, "--beyond", "zero")[0] == 0
+    assert run("analyze", "onyx-rgbw", "--filter", "ircut-650", "--beyond", "zero")[0] == 0

@@ -111,3 +111,12 @@ def test_two_variants_of_one_sensor_keep_their_labels():
     (result,) = cn.run(study_from_data({"sensors": sensors})).analyses.values()
     found = [(one["name"], one["label"]) for one in result.to_dict()["sensors"]]
     assert found == [("onyx-rgbw", "as built"), ("onyx-rgbw (2)", "quiet")]
+
+
+def test_no_letter_of_a_long_name_is_cut_on_the_terminal(run):
+    long = "a-name-without-any-blank-of-46-letters-in-full"
+    out = run("analyze", PAIR[0], "--label", long)[1]
+    for head in ("Channels (eq. 1-3, 7)", "Spectrum and color (eq. 4-6)"):
+        rows = [line.split("│") for line in out.partition(head)[2].splitlines() if "│" in line]
+        cells = [row[1].strip() for row in rows]
+        assert long in "".join(cells)

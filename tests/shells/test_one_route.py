@@ -281,12 +281,18 @@ def in_python(asked):
         matrices = asked.matrix.split(",")
         return cn.compare(*asked.sensors, matrices=matrices, **asked.settings).to_dict()
     function = getattr(cn, asked.function)
-    return function(*asked.sensors, matrix=asked.matrix, **asked.settings).to_dict()
+    return as_a_step(
+        asked, function(*asked.sensors, matrix=asked.matrix, **asked.settings).to_dict()
+    )
+
+
+def as_a_step(asked, data):
+    """What a run writes: a list of one matrix where `cn.matrix` and its command give it alone."""
+    return {"sensors": [data]} if asked.function == "matrix" else data
 
 
 def on_the_command_line(asked):
-    data = json.loads(printed(*words_of(asked), "--json", "-"))
-    return {"sensors": [data]} if asked.function == "matrix" else data
+    return as_a_step(asked, json.loads(printed(*words_of(asked), "--json", "-")))
 
 
 def as_copied_study(asked):
@@ -303,7 +309,7 @@ def as_copied_script(asked):
     with redirect_stdout(out):
         exec(compile(script, "copied.py", "exec"), {})
     (data,) = json.loads(out.getvalue())
-    return data
+    return as_a_step(asked, data)
 
 
 def data_of(asked):

@@ -69,7 +69,7 @@ def test_comparisons_and_matrices_have_the_errors_over_the_own_chart(here):
     ).to_dict()["curves"][0]  # fmt: skip
     assert swept["value"][0] == pytest.approx(own["color"]["total_error_delta_e"], abs=1e-9)
     assert swept["color_error"][0] == pytest.approx(own["color_error_mean"], abs=1e-9)
-    (one,) = cn.matrix("model-rgb-ircut", chart_file="two.csv", **LIGHT).results
+    one = cn.matrix("model-rgb-ircut", chart_file="two.csv", **LIGHT)
     assert one.report.color_error_mean == pytest.approx(own["color_error_mean"], abs=1e-9)
 
 
@@ -84,7 +84,7 @@ def test_the_pareto_curve_of_a_prior_in_a_file_is_that_of_the_prior_chart(here):
     curves = []
     for prior in ("chart.csv", "chart"):
         asked = {"pareto_first": 0.1, "pareto_last": 10.0, "pareto_points": 3, "prior": prior}
-        (one,) = cn.matrix("model-rgb-ircut", "lmmse", **LIGHT, **asked).results
+        one = cn.matrix("model-rgb-ircut", "lmmse", **LIGHT, **asked)
         curves.append(one.pareto.noise_rms)
     np.testing.assert_allclose(*curves, rtol=1e-9)
 
@@ -131,7 +131,7 @@ def test_a_comparison_and_a_matrix_report_the_snr_of_the_patch(here):
     timed = {**asked, "vary": "time-ms", "first": 0.6, "last": 1.2, "lux": 100.0, "time_ms": None}
     swept = cn.compare("model-rgb-ircut", patch="red", **timed).to_dict()["curves"][0]
     assert swept["value"][-1] == pytest.approx(wanted, abs=1e-9)
-    (one,) = cn.matrix("model-rgb-ircut", patch="red", **LIGHT).results
+    one = cn.matrix("model-rgb-ircut", patch="red", **LIGHT)
     assert one.report.snr_db["Y"] == pytest.approx(wanted, abs=1e-9)
     assert one.report.patch == "patch red"
 
@@ -215,3 +215,10 @@ def test_commands_copied_as_a_study_keep_the_reflectances(run, here):
     assert code == 0, err
     own = study_from_text(toml, source="").reflectances
     assert (own.chart, own.patch) == ("two.csv", 0.5)
+
+
+def test_a_patch_changes_no_number_of_the_camera_pipeline():
+    (white,) = cn.analyze("onyx-rgb-ircut", time_ms=12, pipeline=True).to_dict()["sensors"]
+    settings = {"time_ms": 12, "pipeline": True, "patch": 0.18}
+    (gray,) = cn.analyze("onyx-rgb-ircut", **settings).to_dict()["sensors"]
+    assert gray["pipeline"] == white["pipeline"]

@@ -60,7 +60,7 @@ def wrong(subject, key, *, value=1, remedy=()):
         ),
         (wrong("formats", "pictures.0.formats.1"), "simulate", "--format must be right, but is 1"),
         (wrong("matrices", "matrices.0"), "compare", "--matrix must be right, but is 1"),
-        (wrong("matrix", "matrices.0"), "matrix", "--method must be right, but is 1"),
+        (wrong("matrix", "matrices.0"), "matrix", "--matrix must be right, but is 1"),
         (wrong("vary", "sweeps.0.vary"), "compare", "--sweep must be right, but is 1"),
         (
             wrong("points", "outputs.pareto.points"),
@@ -122,7 +122,7 @@ def test_the_errors_of_a_study_are_data_with_their_places():
         assert (error.requirement, error.value) == ("must have no errors", 3)
         assert not any(place in error.subject for place in error.places)
     with pytest.raises(StudyError) as caught:
-        cn.study_from_data({"sensors": [{"name": "onyx-rgbw"}], "seed": -1})
+        cn.study_from_data({"sensors": [{"name": "onyx-rgbw"}], "seed": -1, "metric": 1})
     assert caught.value.places == ()
     assert renamed(StudyError([DARK], ["s.toml:1"]), "a", "b").places == ("s.toml:1",)
 

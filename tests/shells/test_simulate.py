@@ -408,7 +408,7 @@ BURST = ("--sensor", "model-rgb", "--mosaic", "bayer", "--raw-only", "--frames",
 def test_a_signal_in_a_long_burst_ends_it_and_keeps_what_was_there_before(cube, tmp_path, sent):
     folder = tmp_path / "o"
     folder.mkdir()
-    (folder / "summary.json").write_text("mine")
+    (folder / "other.json").write_text("mine")
     with command("simulate", cube, *BURST, "-o", folder) as process:
         wait_for(lambda: list(tmp_path.glob(".o-*/*-0001.raw.tiff")), process)
         process.send_signal(sent)
@@ -418,8 +418,21 @@ def test_a_signal_in_a_long_burst_ends_it_and_keeps_what_was_there_before(cube, 
     assert last == "chromanoise: stopped"
     assert all(line.startswith("the pictures: takes about") for line in estimate)
     assert [path.name for path in tmp_path.iterdir()] == ["o"]
-    assert names_in(folder) == ["summary.json"]
-    assert (folder / "summary.json").read_text() == "mine"
+    assert names_in(folder) == ["other.json"]
+    assert (folder / "other.json").read_text() == "mine"
+
+
+def test_pictures_of_other_settings_or_without_a_record_are_kept(run, cube, tmp_path):
+    folder = tmp_path / "o"
+    asked = ("simulate", cube, "--sensor", "model-mono", "--time-ms", 12, "-o", folder)
+    assert run(*asked)[0] == 0
+    before = {path.name: path.read_bytes() for path in folder.iterdir()}
+    for more in (("--lux", 1), ("--frames", 2), ("--sensor", "model-rgb")):
+        refused(run(*asked, *more), subject=str(folder), value=str(folder))
+    assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
+    assert run(*asked)[0] == 0
+    (folder / "summary.json").write_text("{}")
+    refused(run(*asked), subject=str(folder))
 
 
 def test_an_ignored_sigint_stays_ignored_and_sigterm_ends_cleanly(cube, tmp_path):

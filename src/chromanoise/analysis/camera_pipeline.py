@@ -10,7 +10,7 @@ import numpy as np
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._shapes import Float
-from chromanoise.analysis.analysis import Analysis, color_snr_db
+from chromanoise.analysis.analysis import Analysis, color_snr_db, of_white
 from chromanoise.analysis.color_space_noise import GRAY
 from chromanoise.analysis.operating_point import Stages, electrons_at, stages_at
 from chromanoise.analysis.pipeline_results import (
@@ -81,7 +81,8 @@ def pipeline_noise(
     Parameters
     ----------
     analysis
-        The analysis of a perfect white; its color matrix is that of the pipeline.
+        Of any patch; its color matrix is that of the pipeline. White balance and scale are those of
+        a perfect white.
     settings
         Of the pipeline; ``None`` for the defaults.
     readout
@@ -102,7 +103,7 @@ def pipeline_noise(
     with the gains g_0 of a white under this light: gains that differ show as a color cast. The
     first steps are linear and exact. CIELAB is that of the rendered picture relative to D65.
     """
-    chosen = settings or PipelineSettings()
+    chosen, analysis = settings or PipelineSettings(), of_white(analysis)
     if None in color_snr_db(analysis).values():
         return None
     if analysis.matrix.coordinates != XYZ:

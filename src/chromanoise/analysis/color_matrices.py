@@ -234,7 +234,10 @@ def _maker(name: str, metric: Metric, prior: str | Spectra) -> MatrixMaker:
     parameters: tuple[tuple[str, float], ...] = ()
     if method.parameter:
         what, value = f"{method.parameter} of a {word} matrix", _number(text, name)
-        parameters = ((method.parameter, _check.within(what, "1", value, *method.bounds)),)
+        try:
+            parameters = ((method.parameter, _check.within(what, "1", value, *method.bounds)),)
+        except InputError as error:
+            raise error.within("matrix") from None
     return MatrixMaker(method=method, metric=metric, prior=prior, parameters=parameters)
 
 

@@ -51,7 +51,7 @@ def analyses_as_table(analyses: Sequence[Analysis]) -> Table:
 
 def matrix_as_table(matrix: ColorMatrix, report: MatrixReport, sensor_name: str) -> Table:
     """A color matrix, one row per coordinate; color error, condition and SNR are in the notes."""
-    columns = [Column(name=name, unit="lx/e-") for name in matrix.channels]
+    columns = [Column(name=name, unit="lx/e-", digits=".6g") for name in matrix.channels]
     rows = zip(matrix.coordinates, matrix.matrix.tolist(), strict=True)
     notes = [
         f"mean color error without noise {written(report.color_error_mean, '.4g') or 'not defined'}"
@@ -103,7 +103,7 @@ def matrices_as_table(
         columns=(
             Column(name="sensor"),
             Column(name="coordinate"),
-            *(Column(name=name, unit="lx/e-") for name in channels),
+            *(Column(name=name, unit="lx/e-", digits=".6g") for name in channels),
         ),
         rows=tuple(rows),
         notes=tuple(notes),

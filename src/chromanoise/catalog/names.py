@@ -30,6 +30,8 @@ def unknown_name(
     "filter must be in the catalog, but is 'x'; see the catalog"
     """
     remedy = did_you_mean(name, known, "see the catalog", plain=_without_parameters)
+    if "<T>K" in known and re.fullmatch(r"\d+(\.\d+)?", name):
+        remedy = f"did you mean {name}K, a black body?"
     return InputError(subject, requirement, value=name, remedy=remedy)
 
 

@@ -275,6 +275,6 @@ def _notes(source: PixelSource, held: Mapping[str, Any], values: Mapping[str, An
         notes.append(f"{', '.join(replaced)} as given, not of {source.source}")
     if silent:
         notes.append(
-            f"{source.source} does not give {', '.join(silent)}: the values of the sensor are used"
+            f"{source.source} does not give {', '.join(silent)}: the sensor's own values are used"
         )
     return [*notes, *source.notes]

@@ -21,7 +21,7 @@ from chromanoise.cli.options import (
     table_option,
     with_defaults,
 )
-from chromanoise.cli.output import refuse_taken_inputs, write_json, write_table
+from chromanoise.cli.output import json_text, refuse_taken_inputs, table_text, write_outputs
 from chromanoise.cli.parsing import command
 from chromanoise.cli.pipeline_tables import print_pipeline
 from chromanoise.cli.progress import progress_of_step
@@ -83,10 +83,10 @@ def analyze(
         return
     refuse_taken_inputs({"--json": json_target, "--table": table}, sensors, settings)
     (result,) = run(study, progress=progress_of_step).analyses.values()
-    if table is not None:
-        write_table(result.to_table(), table)
-    if json_target:
-        write_json(result.to_dict(), json_target)
+    write_outputs(
+        (table, lambda: table_text(result.to_table(), str(table))),
+        (json_target, lambda: json_text(result.to_dict())),
+    )
     if json_target != "-":
         _print(result, equal=study.exposure.equal)
 

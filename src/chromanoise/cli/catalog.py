@@ -8,7 +8,6 @@ import click
 from rich.console import Console
 from rich.table import Table
 
-from chromanoise._files import write_whole
 from chromanoise.catalog.entries import (
     KINDS,
     Entry,
@@ -19,7 +18,7 @@ from chromanoise.catalog.entries import (
     pixel_summary,
 )
 from chromanoise.cli.options import json_option
-from chromanoise.cli.output import write_json
+from chromanoise.cli.output import json_text, write_outputs
 from chromanoise.cli.parsing import command
 from chromanoise.errors import InputError
 
@@ -58,12 +57,10 @@ def catalog(
         if one and word is not None
         else catalog_entries(word, folder=folder)
     )
-    if json_target is not None:
-        write_json(entries_as_json(entries), json_target)
-    if markdown == "-":
-        click.echo(as_markdown(entries), nl=False)
-    elif markdown is not None:
-        write_whole(Path(markdown), as_markdown(entries).encode("utf-8"))
+    write_outputs(
+        (json_target, lambda: json_text(entries_as_json(entries))),
+        (markdown, lambda: as_markdown(entries)),
+    )
     if "-" in (json_target, markdown):
         return
     if one:

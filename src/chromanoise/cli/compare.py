@@ -16,7 +16,7 @@ from chromanoise.cli.options import (
     table_option,
     with_defaults,
 )
-from chromanoise.cli.output import refuse_taken_inputs, write_json, write_table
+from chromanoise.cli.output import json_text, refuse_taken_inputs, table_text, write_outputs
 from chromanoise.cli.parsing import command
 from chromanoise.cli.progress import progress_of_step
 from chromanoise.errors import InputError
@@ -36,6 +36,7 @@ _START = f"{_VARY}={_FIRST:g}:{_LAST:g}"
     "--sweep",
     metavar="NAME=FIRST:LAST",
     help=f"Parameter that varies: {', '.join(f'{s.name} [{s.unit}]' for s in SWEEPS.values())}. "
+    "An ircut-nm of 1200 or more is a sensor without the added filter. "
     f"[default: {_START}]",
 )
 @click.option("--points", type=WHOLE, help="Number of values of the sweep.")
@@ -80,8 +81,8 @@ def compare(
 ) -> None:
     """Compare SENSORS over a range of one parameter: SNR, color error, crossovers.
 
-    The exposure time is solved once, at --lux and before the sweep, so that the brightest channel
-    of a perfect white fills --saturate (99 %) of full well; --time-ms sets it.
+    The exposure time is solved once, for the settings that stay fixed, so that the brightest
+    channel of a perfect white fills --saturate (99 %) of full well; --time-ms sets it.
     """
     settings |= _span(sweep, "--sweep")
     makers = matrices.split(",")
@@ -96,12 +97,13 @@ def compare(
     results = run(study, progress=progress_of_step)
     result: Comparison | ComparisonMap
     (result,) = results.maps if second is not None else results.sweeps
-    if table is not None:
-        write_table(result.to_table(), table)
-    if json_target:
-        write_json(result.to_dict(), json_target)
+    write_outputs(
+        (table, lambda: table_text(result.to_table(), str(table))),
+        (json_target, lambda: json_text(result.to_dict())),
+    )
     if json_target != "-":
-        tables.print_conditions(f"{conditions(result.points)}, before the sweep")
+        fixed = conditions(result.points)
+        tables.print_lines([f"Settings (all but those that vary stay fixed): {fixed}"])
         if isinstance(result, ComparisonMap):
             tables.print_maps(result.maps, result.ranking)
             return

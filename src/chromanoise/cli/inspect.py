@@ -8,6 +8,7 @@ import click
 import numpy as np
 
 from chromanoise.catalog import own_sensor_of
+from chromanoise.catalog.entries import catalog_entry, catalog_folder
 from chromanoise.cli.answers import answering, answers_of, of_one_file
 from chromanoise.cli.output import refuse_inputs, write_json
 from chromanoise.cli.parsing import command
@@ -38,6 +39,8 @@ def inspect(file: Path, json_target: str | None, **options: Any) -> None:
     .sli with .hdr, tables of .fits, .xlsx, and the .csv and .json that convert writes.
     """
     refuse_inputs(json_target, "--json", str(file))
+    if not file.exists():
+        _refuse_name(str(file))
     own = own_sensor_of(file) if file.is_file() else None
     if own is None:
         parsed = read_curves(file, answers=answers_of(options))
@@ -49,6 +52,21 @@ def inspect(file: Path, json_target: str | None, **options: Any) -> None:
         write_json(data, json_target)
     if json_target != "-":
         click.echo("\n".join(lines))
+
+
+def _refuse_name(word: str) -> None:
+    """Refuse a name of the catalog, which is no file."""
+    try:
+        kind = catalog_entry(word, folder=catalog_folder()).provenance.kind
+    except InputError:
+        return  # neither a name nor a file
+    raise InputError(
+        word,
+        "must be a file",
+        value=word,
+        found=f"is the name of a {kind} of the catalog",
+        remedy=f"use `chromanoise catalog {word}`",
+    )
 
 
 def _refuse_answers(options: dict[str, Any]) -> None:

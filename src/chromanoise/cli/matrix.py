@@ -6,7 +6,6 @@ from typing import Any
 
 import click
 
-from chromanoise._files import write_whole
 from chromanoise.analysis import DEFAULT_METHOD, known_matrices
 from chromanoise.cli import tables
 from chromanoise.cli.copying import print_copy
@@ -20,7 +19,7 @@ from chromanoise.cli.options import (
     table_option,
     with_defaults,
 )
-from chromanoise.cli.output import refuse_taken_inputs, write_json, write_table
+from chromanoise.cli.output import json_text, refuse_taken_inputs, table_text, write_outputs
 from chromanoise.cli.parsing import command
 from chromanoise.cli.progress import progress_of_step
 from chromanoise.errors import InputError
@@ -89,16 +88,15 @@ def matrix(
         return
     targets = {"--export": export, "--json": json_target, "--table": table}
     refuse_taken_inputs(targets, [sensor], settings)
-    writer = _writer(Path(export)) if export else None
+    writer = None if export is None else _writer(Path(export))
     (results,) = run(study, progress=progress_of_step).matrices.values()
     (result,) = results.results
     point, report = result.point, result.report
-    if export and writer:
-        write_whole(Path(export), writer(_made(result)).encode("utf-8"))
-    if table is not None:
-        write_table(results.to_table(), table)
-    if json_target is not None:
-        write_json(results.to_dict()["sensors"][0], json_target)
+    write_outputs(
+        (export, lambda: "" if writer is None else writer(_made(result))),
+        (table, lambda: table_text(result.to_table(), str(table))),
+        (json_target, lambda: json_text(result.to_dict())),
+    )
     if json_target == "-":
         return
     tables.print_conditions(conditions([point]))

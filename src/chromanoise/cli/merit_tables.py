@@ -34,7 +34,13 @@ def print_pareto(curve: ParetoCurve, report: MatrixReport, sensor_name: str) -> 
     """Print color error against noise, one line per weight."""
     console = terminal()
     table = Table(title=f"Color error against noise of {sensor_name}", title_justify="left")
-    heads = ("weight", "color error rms [lx]", "Delta E*ab", "noise rms [lx]", "SNR Y [dB]")
+    heads = (
+        "weight",
+        "color error rms [lx]",
+        "Delta E*ab of training",
+        "noise rms [lx]",
+        "SNR Y [dB]",
+    )
     for head in heads:
         table.add_column(head, justify="right")
     table.add_column("")
@@ -51,7 +57,8 @@ def print_pareto(curve: ParetoCurve, report: MatrixReport, sensor_name: str) -> 
         )
     console.print(table)
     console.print(
-        "Error and noise of X, Y and Z together over the training set; SNR of a perfect white.",
+        "Errors and noise are those of the training set, X, Y and Z together; the color error "
+        "above is over the chart. SNR of a perfect white.",
         soft_wrap=True,
     )
 

@@ -36,7 +36,7 @@ class _WholeNumber(click.ParamType):
             with suppress(ValueError, OverflowError):  # not a number; infinite
                 if int(read(value)) == read(value):
                     return int(read(value))
-        raise click.BadParameter(f"{str(value)[:80]!r} is not a whole number.", ctx, param)
+        raise InputError(max(param.opts, key=len), "must be a whole number", value=str(value))
 
 
 WHOLE = _WholeNumber()
@@ -70,7 +70,8 @@ class _Numbers(click.ParamType):
         except ValueError:
             if self.or_word:
                 return value
-            self.fail(f"{value[:80]!r} must be numbers separated by commas.", param, ctx)
+            option = max(param.opts, key=len)
+            raise InputError(option, "must be numbers with commas between", value=value) from None
 
 
 def _by_channel(_: Any, __: Any, given: tuple[str, ...]) -> dict[str, str] | None:
@@ -105,9 +106,9 @@ _SHARED = (
     click.option(
         "--equal",
         type=click.Choice(list(EQUAL_TERMS)),
-        help="exposure: one time for all sensors. saturation: each sensor its own time. light: "
-        "time x channels x pixel area is equal, so a 4-channel sensor gets 3/4 of the time of a "
-        "3-channel one.",
+        help="What is equal for all sensors. exposure: the time. saturation: the share of full "
+        "well, each with its own time. light: time x pixel area x number of channels, so a "
+        "4-channel sensor gets 3/4 of the time of a 3-channel one.",
     ),
     click.option("--time-ms", type=float, help="Exposure time [ms], the same for all sensors."),
     click.option(
@@ -241,7 +242,7 @@ _OF_CLOSED_FORM = (
     click.option(
         "--mosaic",
         metavar="NAME|ROWS",
-        help=f"Mosaic whose neighbors exchange light: {', '.join(MOSAIC_NAMES)}, or rows, e.g. "
+        help=f"Color filter array, used for crosstalk: {', '.join(MOSAIC_NAMES)}, or rows, e.g. "
         "RG/GB; default: the sensor's own.",
     ),
     click.option(

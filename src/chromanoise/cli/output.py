@@ -2,14 +2,14 @@
 
 import json
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import click
 from rich.console import Console
 
-from chromanoise._files import write_whole
+from chromanoise._files import write_all_whole
 from chromanoise.errors import InputError
 from chromanoise.io.table import (
     Table,
@@ -19,13 +19,34 @@ from chromanoise.io.table_formats import table_writer
 _ANOTHER = "name another file"
 
 
+def json_text(data: dict[str, Any]) -> str:
+    """JSON as the commands write it."""
+    return json.dumps(data, indent=2, allow_nan=False, ensure_ascii=False) + "\n"
+
+
+def table_text(table: Table, target: str) -> str:
+    """A table in the format given by the suffix of its file."""
+    return table_writer(Path(target))(table)
+
+
+def write_outputs(*outputs: tuple[str | None, Callable[[], str]]) -> None:
+    """Write the files of a command, all or none; ``-`` is standard output.
+
+    Parameters
+    ----------
+    outputs
+        The file, ``None`` where it is not wanted, and the function that makes its text.
+    """
+    texts = {target: make() for target, make in outputs if target is not None}
+    files = {Path(name): text.encode("utf-8") for name, text in texts.items() if name != "-"}
+    write_all_whole(files)
+    if "-" in texts:
+        click.echo(texts["-"], nl=False)
+
+
 def write_json(data: dict[str, Any], target: str) -> None:
     """Write JSON to a file atomically, or to standard output if ``target`` is ``-``."""
-    text = json.dumps(data, indent=2, allow_nan=False, ensure_ascii=False) + "\n"
-    if target == "-":
-        click.echo(text, nl=False)
-    else:
-        write_whole(Path(target), text.encode("utf-8"))
+    write_outputs((target, lambda: json_text(data)))
 
 
 def refuse_inputs(target: str | Path | None, option: str, *inputs: str) -> None:
@@ -71,11 +92,6 @@ def refuse_taken_inputs(
         refuse_inputs(target, option, *inputs)
         if option == "--table" and target is not None:
             table_writer(Path(target))
-
-
-def write_table(table: Table, target: str) -> None:
-    """Write a table atomically, in the format given by the suffix of the file."""
-    write_whole(Path(target), table_writer(Path(target))(table).encode("utf-8"))
 
 
 def terminal() -> Console:

@@ -1,9 +1,13 @@
-"""Commands that refuse an option that is given twice."""
+"""Commands that refuse an option that is given twice, and name what they refuse."""
 
+import re
 from collections import Counter
 from functools import partial
+from typing import Any
 
 import click
+
+from chromanoise.errors import InputError, did_you_mean
 
 
 class Command(click.Command):
@@ -16,7 +20,23 @@ class Command(click.Command):
         ------
         click.UsageError
             If an option is repeated that has one value: click keeps the last one.
+        InputError
+            If there is no such option, or a value is not a number or not one of the choices.
         """
+        try:
+            return self._parsed(ctx, args)
+        except click.NoSuchOption as error:
+            known = [name for one in self.params if _is_shown(one) for name in one.opts]
+            help_ = f"see `{ctx.command_path} --help`"
+            raise InputError(
+                error.option_name,
+                f"must be an option of `{ctx.command_path}`",
+                remedy=did_you_mean(error.option_name, known, help_, most=2, cutoff=0.6),
+            ) from None
+        except click.BadParameter as error:
+            raise _bad_value(error) or error from None
+
+    def _parsed(self, ctx: click.Context, args: list[str]) -> list[str]:
         _, _, order = self.make_parser(ctx).parse_args(args=list(args))
         for parameter, count in Counter(order).items():
             once = isinstance(parameter, click.Option) and not parameter.multiple
@@ -24,6 +44,28 @@ class Command(click.Command):
                 name = " or ".join((*parameter.opts, *parameter.secondary_opts))
                 raise click.UsageError(f"{name} must be given once, but is given {count} times")
         return super().parse_args(ctx, args)
+
+
+def _is_shown(parameter: click.Parameter) -> bool:
+    return isinstance(parameter, click.Option) and not parameter.hidden
+
+
+def _bad_value(error: click.BadParameter) -> InputError | None:
+    """The error of a value that is no number or no choice; ``None`` for other errors."""
+    kind: Any = error.param.type if error.param is not None else None
+    told = re.match(r"(?s)'(.*)' is not ", error.message)
+    if error.param is None or told is None:
+        return None
+    name = max(error.param.opts, key=len) if isinstance(error.param, click.Option) else ""
+    name = name or error.param.human_readable_name
+    if isinstance(kind, click.Choice):
+        choices = [str(one) for one in kind.choices]
+        remedy = did_you_mean(told[1], choices, "", most=1)
+        return InputError(
+            name, f"must be {' or '.join(choices)}", value=told[1], remedy=remedy or ()
+        )
+    demand = {click.FLOAT: "a number", click.INT: "a whole number"}.get(kind)
+    return None if demand is None else InputError(name, f"must be {demand}", value=told[1])
 
 
 command = partial(click.command, cls=Command)

@@ -50,7 +50,7 @@ def _sentence(error: InputError, command: str, options: Mapping[str, str]) -> st
 
 
 def _remedy(setting: Setting, command: str) -> str:
-    return f"give {options_text(setting, command)}"
+    return f"{'omit' if setting.omit else 'give'} {options_text(setting, command)}"
 
 
 def options_text(setting: Setting, command: str = "") -> str:
@@ -89,7 +89,7 @@ def _flat(key: str, command: str) -> str | None:
     from chromanoise.study import ANALYSIS, COMPARISON, MAPS, MATRIX, RENDERING, argument_of
 
     if key.startswith("matrices"):
-        return "method" if command == "matrix" else "matrix"
+        return "matrix"
     if key.startswith("sensors.") and key.endswith(".name"):
         return "sensors"
     if key == "pictures.0.cube":

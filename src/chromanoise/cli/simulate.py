@@ -26,7 +26,7 @@ from chromanoise.cli.progress import progress_of
 from chromanoise.errors import InputError
 from chromanoise.exposure import conditions
 from chromanoise.imaging import DEMOSAICING, Work
-from chromanoise.imaging.capture import any_picture, capture_summary, is_held
+from chromanoise.imaging.capture import any_picture, is_held
 from chromanoise.imaging.distributed import cluster
 from chromanoise.imaging.formats import FORMATS
 from chromanoise.scene.rows import row_source
@@ -37,7 +37,9 @@ from chromanoise.study import (
     makers_of,
     operating_points_of,
     prepared_cameras,
+    refuse_other_pictures,
     render_study,
+    study_as_json,
     taken_pictures,
 )
 
@@ -135,13 +137,14 @@ def simulate(
     CUBE is a hyperspectral reflectance cube: ENVI (.hdr or its data file), MAT, HDF5, NetCDF,
     Zarr, multi-page TIFF, a folder of one PNG per band, NPZ or NPY; or builtin:checker. It may be
     larger than memory. The same arguments give the same pictures on any number of threads, tiles
-    or machines.
+    or machines. A folder with pictures of other arguments is refused.
     """
     study = render_study(cube, sensors, {**settings, **_parsed(settings)}, matrix=method)
     if copy_as is not None:
         print_copy(copy_as, study)
         return
     refuse_unwritable(out)
+    refuse_other_pictures(study, out)
     work = Work(threads=threads, tile_rows=tile)
     for line, notes in _taken(study, work, out, scheduler):
         click.echo(line)
@@ -173,10 +176,14 @@ def _taken(
         ):
             # only the seconds differ between runs
             seconds, start = time.perf_counter() - start, time.perf_counter()
-            taking = {"seconds": seconds, "not_written": taken.not_written}
-            summaries.append(capture_summary(taken.capture, taken.files) | taking)
+            summaries.append(taken.record | {"seconds": seconds})
             lines.append((_line(taken, out), _notes(taken)))
-        summary = {"version": __version__, "cube": cube.source, "pictures": summaries}
+        summary = {
+            "version": __version__,
+            "study": study_as_json(study),
+            "cube": study.pictures[0].cube,
+            "pictures": summaries,
+        }
         write_json(summary, str(folder / "summary.json"))
     click.echo(f"at {conditions(points)}", err=True)
     return lines

@@ -86,7 +86,8 @@ def print_analyses(analyses: Iterable[Analysis]) -> None:
     console = terminal()
     channels = Table(title="Channels (eq. 1-3, 7)", title_justify="left")
     for head in ("sensor", "channel", "electrons", "raw SNR dB", "contravariant SNR dB", "VIF"):
-        channels.add_column(head, justify="left" if head in ("sensor", "channel") else "right")
+        left = head in ("sensor", "channel")
+        channels.add_column(head, justify="left" if left else "right", overflow="fold")
     for head in ("to x deg", "to y deg", "to z deg"):
         channels.add_column(head, justify="right")
     color = Table(title="Spectrum and color (eq. 4-6)", title_justify="left")
@@ -103,7 +104,8 @@ def print_analyses(analyses: Iterable[Analysis]) -> None:
         "Delta E*ab",
         "total Delta E*ab",
     ):
-        color.add_column(head, justify="left" if head == "sensor" else "right")
+        left = head == "sensor"
+        color.add_column(head, justify="left" if left else "right", overflow="fold")
     notes: list[str] = []
     for analysis in analyses:
         _add_channels(channels, analysis)
@@ -149,7 +151,7 @@ def print_comparison(
     many = len({curve.sensor for curve in curves}) > MOST_PAIRS_SENSORS
     if many:
         what = f"{quantity.what} [{quantity.unit}]"
-        print_ranking(ranks, f"Ranking before the sweep by {what}")
+        print_ranking(ranks, f"Ranking at the fixed settings by {what}")
     for sentence in (*sentences, *map(band_sentence, bands)):
         console.print(sentence, soft_wrap=True)
     if many:
@@ -170,7 +172,7 @@ def print_maps(maps: Sequence[QuantityMap], ranks: Sequence[Rank]) -> None:
         labels = [[mine[i].label if i >= 0 else "-" for i in row] for row in best_of(mine).tolist()]
         console.print(_grid(mine[0], labels, f"Best {quantity.what}, {name} matrix"))
     if len({one.sensor for one in maps}) > MOST_PAIRS_SENSORS:
-        print_ranking(ranks, f"Ranking before the sweep by {what}")
+        print_ranking(ranks, f"Ranking at the fixed settings by {what}")
 
 
 def _map_cell(one: QuantityMap, j: int, k: int) -> str:
@@ -234,7 +236,7 @@ def print_gray_noise(analyses: Sequence[Analysis], noises: Sequence[GrayNoise | 
         return
     space = known[0].exact.measurement.kind
     table = Table(title=f"Noise of an 18 % gray in {space}", title_justify="left")
-    table.add_column("sensor")
+    table.add_column("sensor", overflow="fold")
     names = known[0].exact.measurement.names if known else ()
     routes = ("first order", "Gaussian approx.")
     for head in (*(f"sd {name}" for name in names), "sd C*", "mean Delta E", "bias", *routes):

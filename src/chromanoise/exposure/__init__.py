@@ -6,6 +6,7 @@ from chromanoise.exposure.electrons import (
     expected_electrons,
     exposure_factor,
     measurement_vectors,
+    refuse_f_number,
     saturating_exposure,
     time_to_saturation,
 )
@@ -34,6 +35,7 @@ __all__ = [
     "light_and_exposure",
     "measurement_vectors",
     "patch_scene",
+    "refuse_f_number",
     "saturating_exposure",
     "time_to_saturation",
     "white_scene",

@@ -11,6 +11,9 @@ from chromanoise.sensor import Pixel, Sensor, code_range_e
 from chromanoise.spectra import Metric
 from chromanoise.spectra.metric import photons_per_unit
 
+FASTEST_F_NUMBER = 0.5
+"""The least f-number of a lens in air, by the sine condition."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Exposure:
@@ -40,10 +43,27 @@ class Exposure:
     def __post_init__(self) -> None:
         _check.positive("time_s", "s", self.time_s)
         _check.within("time_s", "s", self.time_s, 1e-15, 1e12)
-        _check.positive("f_number", "1", self.f_number)
-        _check.within("f_number", "1", self.f_number, 1e-2, 1e6)
+        refuse_f_number(self.f_number)
         if self.magnification is not None:
             _check.within("magnification", "1", self.magnification, -1e6, 1e6)
+
+
+def refuse_f_number(f_number: float) -> None:
+    """Raise an error if no lens in air has this f-number.
+
+    Raises
+    ------
+    InputError
+        If it is below 0.5, where the sine of the half angle of the light cone, 1/(2 f#), would
+        exceed 1, or above 1e6.
+    """
+    if not FASTEST_F_NUMBER <= f_number <= 1e6:
+        raise InputError(
+            "f_number",
+            f"must be {FASTEST_F_NUMBER:g} to 1e+06",
+            value=float(f_number),
+            remedy=f"no lens in air is faster than f/{FASTEST_F_NUMBER:g} (sine condition)",
+        )
 
 
 def exposure_factor(exposure: Exposure, pixel: Pixel, step_nm: float) -> float:

@@ -20,7 +20,7 @@ from chromanoise.errors import (
     InputError,
     Setting,
 )
-from chromanoise.sensor import Mosaic
+from chromanoise.sensor import MOSAIC_NAMES, Mosaic, mosaic_named
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -99,9 +99,14 @@ def channel_tile(mosaic: Mosaic, names: Sequence[str]) -> Int[Array, "ty tx"]:
                 f"channel {name!r}",
                 f"must be in the mosaic ({', '.join(mosaic.names)}) to be interpolated",
                 found="is over no pixel of it",
-                remedy="omit it",
+                remedy=Setting("mosaic", _mosaics_of(wanted)),
             )
     return np.array([[wanted.index(name) for name in row] for row in mosaic.pattern])
+
+
+def _mosaics_of(names: Sequence[str]) -> tuple[str, ...]:
+    """The named mosaics with exactly these channels."""
+    return tuple(one for one in MOSAIC_NAMES if set(mosaic_named(one).names) == set(names))
 
 
 def channels_around(tile: Int[Array, "ty tx"], radius: int) -> Int[Array, "ty tx k k"]:

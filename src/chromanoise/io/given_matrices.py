@@ -28,7 +28,7 @@ Target = Literal["XYZ", "sRGB"]
 
 _MOST_BYTES = 1_000_000
 _MOST_PROFILE_BYTES = 2_000_000_000
-_ENDINGS = (".csv", ".txt", ".tsv", ".json", ".clf", ".xml", ".dng", ".dcp")
+MATRIX_ENDINGS = (".csv", ".txt", ".tsv", ".json", ".clf", ".xml", ".dng", ".dcp")
 _CLF_NAMESPACE = re.compile(r"^\{.*\}")
 _COLOR_MATRIX, _CALIBRATION = (50721, 50722), (50778, 50779)
 _KELVIN = {1: 5500, 2: 4230, 3: 2856, 4: 5500, 9: 5500, 10: 6500, 11: 7500, 12: 6430, 13: 5000}
@@ -109,7 +109,7 @@ def is_matrix_file(word: str) -> bool:
     >>> is_matrix_file("mine.dcp"), is_matrix_file("ridge=0.01")
     (True, False)
     """
-    return word.lower().endswith(_ENDINGS)
+    return word.lower().endswith(MATRIX_ENDINGS)
 
 
 def read_matrix(path: Path) -> GivenMatrix:

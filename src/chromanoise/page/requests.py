@@ -50,6 +50,8 @@ def page_sentence(error: InputError) -> str:
 
     def rendered(setting: Setting) -> str:
         name = setting.name.rpartition(".")[2].replace("_", " ")
+        if setting.omit:
+            return f"omit {name}"
         values = " or ".join(map(str, setting.values))
         return f"set {name} to {values}" if values else f"set {name}"
 

@@ -1,5 +1,6 @@
 """Pixel values of a picture that override those of the sensor."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 
@@ -105,7 +106,9 @@ def _converter_notes(sensor: Sensor, known: Mapping[str, float], *, raw: bool) -
         f"converter: {adc.bits} bits, {adc.gain_e_per_dn:.4g} e-/DN, black {adc.black_level_dn} DN"
     )
     last_e = (adc.top_code - adc.black_level_dn) * adc.gain_e_per_dn
-    return [f"{converter}; codes end at {last_e:.4g} e-, {last_e / full_e:.3g} of the full well"]
+    same = math.isclose(last_e, full_e, rel_tol=1e-3)
+    share = "the full well" if same else f"{last_e / full_e:.3g} of the full well"
+    return [f"{converter}; the top code is at {last_e:.0f} e-, {share}"]
 
 
 def _listed(values: Mapping[str, float]) -> str:

@@ -23,6 +23,8 @@ Beyond = Literal["refuse", "zero", "hold"]
 """How a curve is extrapolated: refuse with an error, use zero, or hold the last value."""
 
 SMALL_NEGATIVES = Setting("negatives", ("zero",))
+SMALL_SHARE = 0.01
+"""Size of negative values that may be set to 0, over the highest value of their curve."""
 """Sets small negative values, which digitizing or dark readings can cause, to 0."""
 
 _SLACK_NM = 1e-6  # wavelengths read from text may miss the grid's end by rounding
@@ -128,11 +130,12 @@ def interpolation_matrix(
     notes: tuple[str, ...] = ()
     if short.any():
         if beyond == "refuse":
+            ends = f"{known[0]:g}-{known[-1]:g} nm"
             raise InputError(
                 what,
                 f"must cover the grid {grid}",
                 value=(float(known[0]), float(known[-1])),
-                found=f"covers {known[0]:g}-{known[-1]:g} nm only, without {wanted[short][0]:g} nm",
+                found=f"covers {ends}; {_spans(wanted, short)} nm are missing",
                 remedy=(
                     Setting("beyond", ("zero", "hold")),
                     "use a measurement that covers the grid",
@@ -202,6 +205,13 @@ def used_on_grid(
     return np.asarray((rows >= first) & (rows <= last))
 
 
+def _spans(wavelength_nm: Float[Array, " n"], chosen: Bool[Array, " n"]) -> str:
+    """The ranges of the chosen wavelengths, which lie at the two ends."""
+    at = np.flatnonzero(chosen)
+    runs = np.split(at, np.flatnonzero(np.diff(at) > 1) + 1)
+    return " and ".join(f"{wavelength_nm[r[0]]:g}-{wavelength_nm[r[-1]]:g}" for r in runs)
+
+
 def refuse_outside(
     spectra: Spectra,
     *,
@@ -233,7 +243,15 @@ def refuse_outside(
         bad &= used[:, None]
     if not bad.any():
         return
-    row, column = (int(i) for i in np.argwhere(bad)[0])
+    large = bad & ~are_small_negatives(spectra.values)
+    if remedy == SMALL_NEGATIVES and large.any():
+        remedy = (
+            f"only down to {-100 * SMALL_SHARE:g} % of the highest value of a curve are they "
+            "set to 0 on demand; correct the file"
+        )
+        row, column = (int(i) for i in np.argwhere(large)[0])
+    else:
+        row, column = (int(i) for i in np.argwhere(bad)[0])
     value = float(spectra.values[row, column])
     demand = f"{low:g} .. {high:g}" if np.isfinite(high) else f">= {low:g}"
     raise InputError(
@@ -244,6 +262,11 @@ def refuse_outside(
         where=f"column {spectra.names[column]!r} at {spectra.wavelength_nm[row]:g} nm",
         remedy=remedy,
     )
+
+
+def are_small_negatives(values: Float[Array, "n m"]) -> Bool[Array, "n m"]:
+    """Mask of negative values that may be set to 0: at most 1 % of the highest of their curve."""
+    return (values < 0) & (values >= -SMALL_SHARE * values.max(axis=0, keepdims=True))
 
 
 def on_grid(spectra: Spectra, grid: Grid, *, beyond: Beyond = "refuse") -> Spectra:

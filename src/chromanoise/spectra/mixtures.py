@@ -148,7 +148,8 @@ def _light_named(name: str, grid: Grid, beyond: Beyond) -> Illuminant:
         return black_body(grid, kelvin)
     if match := re.fullmatch(_LED, name):
         peak_nm, width_nm = (_number(text, name) for text in (match[1], match[2] or "20"))
-        _check.positive(f"peak of illuminant {name}", "nm", peak_nm)
+        ends = (grid.start_nm, grid.stop_nm)
+        _check.within(f"peak of illuminant {name}", "nm", peak_nm, *ends)
         _check.positive(f"width of illuminant {name}", "nm", width_nm)
         return led(grid, peak_nm, width_nm)
     measured = catalog_tables("illuminant")

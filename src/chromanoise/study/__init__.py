@@ -64,6 +64,7 @@ if TYPE_CHECKING:
     from chromanoise.study.records import (
         RecordedRun,
         recorded_run,
+        refuse_other_pictures,
         run_study,
         study_of_output,
     )
@@ -176,6 +177,7 @@ __all__ = [
     "read_study",
     "recorded_run",
     "refuse_idle",
+    "refuse_other_pictures",
     "render_study",
     "run",
     "run_plan",

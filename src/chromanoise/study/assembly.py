@@ -21,8 +21,9 @@ from chromanoise.catalog.resolve import (
     file_of,
     is_file_word,
     resolve_illuminant,
+    resolve_sensor,
 )
-from chromanoise.errors import InputError, Setting, StudyError
+from chromanoise.errors import InputError, Setting, refusal
 from chromanoise.exposure import EQUAL_TERMS, Exposure, OperatingPoint
 from chromanoise.io.crosstalk import read_crosstalk
 from chromanoise.io.spectra import Answers
@@ -96,11 +97,6 @@ def refuse_idle(study: Study, given: Given = NOTHING_GIVEN) -> None:
         raise refusal(errors)
 
 
-def refusal(errors: Sequence[InputError]) -> InputError:
-    """All errors as one that can be raised."""
-    return errors[0] if len(errors) == 1 else StudyError(errors)
-
-
 def with_distinct_names(points: Sequence[OperatingPoint]) -> list[OperatingPoint]:
     """Sensors of one name get a number: a sensor is often compared with a changed copy.
 
@@ -131,7 +127,7 @@ def duplicates(study: Study) -> list[InputError]:
             "must not be repeated with the same settings",
             value=part.name,
             found=f"{part.name!r} is repeated",
-            remedy="change a setting of one, or omit one",
+            remedy=(f"change one in a study file, e.g. sensors.{i}.filter", "omit one"),
             setting=f"sensors.{i}.name",
         )
         for i, part in enumerate(parts)
@@ -177,7 +173,7 @@ def idle_settings(study: Study, given: Given = NOTHING_GIVEN) -> list[InputError
                 errors.append(
                     _idle(f"sensors.{sharing[0]}.answers.{name}", value, ", ".join(words))
                 )
-    errors += _idle_crosstalk(study)
+    errors += [*_idle_crosstalk(study), *_idle_treatments(study, given)]
     light = study.light
     infrared = infrared_parts(light.illuminant)
     base = light.illuminant if infrared is None else infrared[0]
@@ -206,6 +202,40 @@ def idle_settings(study: Study, given: Given = NOTHING_GIVEN) -> list[InputError
             )
             break
     return errors
+
+
+def _idle_treatments(study: Study, given: Given) -> list[InputError]:
+    """Extrapolation and treatment of negative values where no curve of the study needs them."""
+    own, light = study.reflectances, study.light
+    files = [word for word in (own.chart, own.patch, study.prior) if isinstance(word, str)]
+    if study.pictures or any(map(is_reflectance_file, files)):
+        return []
+    errors = []
+    for name in ("beyond", "negatives"):
+        parts = [one for one in study.sensors if getattr(one, name) != "refuse"]
+        needed = any(_is_incomplete(one, given) for one in parts)
+        if name == "negatives" and is_file_word(light.illuminant, "light"):
+            needed = True
+        if parts and not needed:
+            key = f"sensors.{study.sensors.index(parts[0])}.{name}"
+            words = ", ".join(one.name for one in parts)
+            errors.append(_idle(key, getattr(parts[0], name), words))
+    return errors
+
+
+def _is_incomplete(part: SensorPart, given: Given) -> bool:
+    """Whether curves of a sensor come from a file or a filter, or do not cover the grid."""
+    if part.filter is not None or part.channel_filters:
+        return True
+    if part.name in given.sensors:
+        return False
+    if is_file_word(part.name, "sensor"):
+        return True
+    try:
+        resolve_sensor(part.name, answers=replace(_answers(part), beyond="refuse"))
+    except InputError:
+        return True
+    return False
 
 
 def _idle_crosstalk(study: Study) -> list[InputError]:
@@ -435,7 +465,10 @@ def sensor_of(part: SensorPart, *, key: str = "sensors.0", given: Given = NOTHIN
             sensor = behind_resolved_filter(sensor, part.filter, answers=answers)
     for channel, word in (part.channel_filters or {}).items():
         with keyed(f"{key}.channel_filters", lambda name: f"{key}.{_FILTER_KEYS.get(name, name)}"):
-            _check.one_of("channel_filters", channel, sensor.names)
+            try:
+                _check.one_of("channel", channel, sensor.names)
+            except InputError as error:
+                raise error.within("channel_filters") from None
             sensor = behind_resolved_filter(sensor, word, answers=answers, channel=channel)
     if part.ircut_nm is not None:
         sensor = behind_ir_cut(sensor, part.ircut_nm)

@@ -4,6 +4,7 @@ The classes define which studies are valid. File names are relative to the folde
 file.
 """
 
+import os
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Annotated, Any, Literal
 
@@ -29,10 +30,11 @@ from chromanoise.analysis.pipeline_results import BASE_ISO, PipelineSettings
 from chromanoise.analysis.priors import DEFAULT_PRIOR, PRIORS
 from chromanoise.catalog.reflectances import is_reflectance_file
 from chromanoise.color import SPACES, TONES
-from chromanoise.errors import InputError, Setting, StudyError, did_you_mean
+from chromanoise.errors import InputError, Setting, did_you_mean, refusal
+from chromanoise.exposure import refuse_f_number
 from chromanoise.imaging import DEMOSAICING
 from chromanoise.imaging.formats import FORMATS, MOST_FRAMES
-from chromanoise.io.given_matrices import is_matrix_file
+from chromanoise.io.given_matrices import MATRIX_ENDINGS, is_matrix_file
 from chromanoise.io.spectra.parsed import Negatives, Unit
 from chromanoise.scene import BUILTIN_CUBES
 from chromanoise.sensor import MOSAIC_NAMES, MOST_BINNING, BinningMode
@@ -76,9 +78,19 @@ def _within(unit: str, low: float, high: float) -> AfterValidator:
     return AfterValidator(checked)
 
 
+def _of_a_lens(f_number: float) -> float:
+    refuse_f_number(f_number)
+    return f_number
+
+
 def _known_matrix(name: str, info: Any) -> str:
     if is_matrix_file(name):
         return name
+    if "/" in name or os.sep in name:
+        kinds = ", ".join(MATRIX_ENDINGS)
+        raise InputError(
+            info.field_name, f"must be a method, or a file that ends in {kinds}", value=name
+        )
     _one_of(info.field_name, name.partition("=")[0].strip(), tuple(METHODS))
     matrix_makers([name], "quanta")  # checks its parameter
     return name
@@ -168,7 +180,7 @@ class PixelPart(_Part):
     bits: Annotated[int, Field(ge=8, le=16)] | None = Field(
         None, description="Bits of the converter; its step adds quantization noise."
     )
-    gain_dn_per_e: Positive | None = Field(
+    gain_dn_per_e: Annotated[Positive, _within("DN/e-", 1e-15, 1e12)] | None = Field(
         None, description="Gain K of the converter [DN/e-]; default: full well at the top code."
     )
     binning: Annotated[int, Field(ge=1, le=MOST_BINNING)] | None = Field(
@@ -187,7 +199,7 @@ class PixelPart(_Part):
                 "must be given only with binning of 2 pixels or more",
                 value=self.binning_mode,
                 found="there is none" if self.binning is None else "binning is 1",
-                remedy=(Setting("binning"), "omit binning_mode"),
+                remedy=(Setting("binning"), Setting("binning_mode", omit=True)),
             )
         return self
 
@@ -334,7 +346,7 @@ class ExposurePart(_Part):
     saturate: Annotated[float, Field(gt=0, le=1), _within("of full well", 1e-9, 1.0)] = Field(
         0.99, description="Share of full well that a perfect white fills, if the time is solved."
     )
-    f_number: Annotated[Positive, _within("1", 1e-2, 1e6)] = Field(
+    f_number: Annotated[Positive, AfterValidator(_of_a_lens)] = Field(
         1.8, description="f-number of the lens."
     )
     magnification: Finite | None = Field(
@@ -350,14 +362,14 @@ class ExposurePart(_Part):
                 "must not be given with a share of full well, from which the time is solved",
                 value=self.time_ms,
                 found=None,
-                remedy="omit one of them",
+                remedy=(Setting("time_ms", omit=True), Setting("saturate", omit=True)),
             )
         if self.time_ms is not None and self.equal != "exposure":
             raise InputError(
                 "equal",
                 "must be 'exposure' where a time is given, which all sensors share",
                 value=self.equal,
-                remedy="omit the time or the rule",
+                remedy=(Setting("time_ms", omit=True), Setting("equal", omit=True)),
             )
         return self
 
@@ -406,6 +418,7 @@ class SweepPart(_Part):
                 "must differ from the second parameter of the sweep",
                 value=self.vary,
                 found=None,
+                remedy=("vary another thing", Setting("second.vary", omit=True)),
             )
         if self.all_priors:
             raise InputError(
@@ -509,7 +522,7 @@ class PicturePart(_Part):
             if value is not None and value is not False
         ]
         if self.mosaic is None and idle:
-            raise StudyError(idle)
+            raise refusal(idle)
         if self.mosaic is not None and self.clip:
             raise InputError(
                 "clip",
@@ -596,11 +609,12 @@ class PipelinePart(_Part):
         return given
 
     @model_validator(mode="after")
-    def _that_has_an_effect(self) -> "PipelinePart":
+    def _that_has_an_effect(self, info: Any) -> "PipelinePart":
         pipeline_settings(self)
         for name, field in type(self).model_fields.items():
             value = getattr(self, name)
-            if not self.run and value != field.default:
+            given = name in self.model_fields_set - {"run"} and not _keeps(info)
+            if not self.run and (given or value != field.default):
                 raise InputError(
                     name,
                     "must be given only with the pipeline",
@@ -680,7 +694,16 @@ class OutputsPart(_Part):
 
 
 class Study(_Part):
-    """One reproducible run; file names are relative to the folder of the study file."""
+    """One reproducible run; file names are relative to the folder of the study file.
+
+    Its parameters are its fields, each with a description; `study_schema` lists them. `read_study`
+    and `study_from_data` build a study and raise `InputError` instead.
+
+    Raises
+    ------
+    pydantic.ValidationError
+        If a field is missing, unknown or invalid, or a setting has no effect.
+    """
 
     schema_number: Annotated[int, Field(ge=SCHEMA, le=SCHEMA)] = Field(
         SCHEMA, alias="schema", description=f"Version of this format: {SCHEMA}."
@@ -735,7 +758,7 @@ class Study(_Part):
     def _without_idle_settings(self, info: Any) -> "Study":
         errors = [] if _keeps(info) else [*_idle_priors(self), *_replaced_settings(self)]
         if errors:
-            raise errors[0] if len(errors) == 1 else StudyError(errors)
+            raise refusal(errors)
         return self
 
 

@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from chromanoise.analysis.color_matrices import MatrixMaker
 from chromanoise.exposure import OperatingPoint
@@ -121,6 +122,12 @@ class TakenPicture:
     files: list[str]
     not_written: list[str]
 
+    @property
+    def record(self) -> dict[str, Any]:
+        """The picture as plain data: its matrix, settings, statistics and files."""
+        data = {"matrix": self.matrix} | capture_summary(self.capture, self.files)
+        return data | {"not_written": self.not_written}
+
 
 def taken_pictures(
     study: Study,
@@ -188,8 +195,7 @@ def pictures_taken(
     for one in taken_pictures(study, number, cube, cameras, work=work, folder=folder):
         point = one.capture.camera.operating_point
         points[point.sensor.name] = point
-        summary = {"matrix": one.matrix} | capture_summary(one.capture, one.files)
-        summaries.append(summary | ({"not_written": one.not_written} if one.not_written else {}))
+        summaries.append(one.record)
         if folder is None:
             kept.append(one.capture)
     return Pictures(

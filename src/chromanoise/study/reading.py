@@ -11,7 +11,7 @@ from pydantic import BaseModel, ValidationError
 
 from chromanoise._inputs import regular_file
 from chromanoise.catalog.resolve import file_of, word_beside
-from chromanoise.errors import InputError, StudyError, did_you_mean, errors_in
+from chromanoise.errors import InputError, did_you_mean, errors_in, refusal
 from chromanoise.study.assembly import unresolved
 from chromanoise.study.document import KEEP_IDLE, Study
 from chromanoise.study.hashes import FileWord, with_file_words
@@ -180,8 +180,8 @@ def study_from_data(data: Mapping[str, Any], *, source: str = "", keep_idle: boo
 
     Raises
     ------
-    StudyError
-        All faults of what it says, each with its key as ``setting``.
+    InputError
+        All faults of what it says, each with its key as ``setting``; several as a `StudyError`.
     """
     return _validated(data, source, {}, {}, lambda study: [], keep_idle)
 
@@ -215,7 +215,7 @@ def _validated(
     if faults or study is None:
         ordered = sorted(faults, key=lambda error: _line_of(_key_of(error), lines))
         places = [_place(_key_of(error), lines, changed, source) for error in ordered]
-        raise StudyError(ordered, places if source else ())
+        raise refusal(ordered, places if source else ())
     return study
 
 
@@ -364,7 +364,8 @@ def _of_type(error: Any, key: Key, setting: str) -> InputError:
             setting=setting,
         )
     said = str(error["msg"]).removeprefix("Value error, ").replace("Input should", "must")
-    shown = not isinstance(given, dict | list | tuple | BaseModel)
+    plain = isinstance(given, list | tuple) and all(isinstance(n, int | float) for n in given)
+    shown = plain or not isinstance(given, dict | list | tuple | BaseModel)
     return InputError(
         last, f"{said[:1].lower()}{said[1:]}", value=given if shown else None, setting=setting
     )

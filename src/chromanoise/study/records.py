@@ -10,6 +10,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from chromanoise import __version__
 from chromanoise._check import reason
 from chromanoise._files import claimed_folder, refuse_unwritable
 from chromanoise._inputs import regular_file
@@ -17,11 +18,18 @@ from chromanoise.errors import InputError
 from chromanoise.imaging import Work
 from chromanoise.io.spectra.own_json import named
 from chromanoise.study.document import KEEP_IDLE, Study
-from chromanoise.study.hashes import changes_since, file_stamps, in_catalog, provenance, study_hash
+from chromanoise.study.hashes import (
+    changes_since,
+    file_stamps,
+    in_catalog,
+    provenance,
+    study_as_json,
+    study_hash,
+)
 from chromanoise.study.numeric_libraries import numerics
 from chromanoise.study.running import Progress, no_progress, run_plan
 
-STUDY_FILE = "study.json"
+STUDY_FILE, SUMMARY_FILE = "study.json", "summary.json"
 _LARGEST_BYTES = 256 << 20
 
 Report = Callable[[str, bool], None]
@@ -261,14 +269,42 @@ def _refuse_other_study(folder: Path, study: Study, who: dict[str, Any], called:
         if changed:
             raise _changed(called, changed)
     if record.get("hash") != who["hash"]:
-        raise InputError(
-            str(called),
-            "must not hold other results",
-            value=record.get("hash"),
-            found="holds those of another study or version",
-            remedy=("choose another folder", "remove it"),
-        )
+        raise _other_results(called)
     _refuse_altered(called / STUDY_FILE, record)
+
+
+def refuse_other_pictures(study: Study, folder: Path) -> None:
+    """Raise an error if a folder holds pictures of another study.
+
+    Parameters
+    ----------
+    study
+        Of the pictures to be written.
+    folder
+        Their folder, with the ``summary.json`` of earlier ones if there are any.
+
+    Raises
+    ------
+    InputError
+        If the record of the earlier pictures has another study or version, or none.
+    """
+    file = folder / SUMMARY_FILE
+    if not file.exists():
+        return
+    record = _read(file)
+    wanted = {"version": __version__, "study": study_as_json(study)}
+    if not isinstance(record, dict) or any(record.get(key) != wanted[key] for key in wanted):
+        raise _other_results(folder)
+
+
+def _other_results(folder: Path) -> InputError:
+    return InputError(
+        str(folder),
+        "must not hold other results",
+        value=str(folder),
+        found="holds results of another study",
+        remedy=("choose another folder", "remove it"),
+    )
 
 
 def _changed(place: Path, changed: Sequence[str]) -> InputError:

@@ -4,10 +4,11 @@ Each result can be converted to plain data (`to_dict`, as the JSON of the comman
 pandas data frame, LaTeX and a figure.
 """
 
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, TypeVar
 
-from chromanoise import _check
+from chromanoise import __version__, _check
 from chromanoise._check import Array
 from chromanoise._shapes import Float
 from chromanoise.analysis import (
@@ -32,6 +33,7 @@ from chromanoise.analysis.comparison.ranking import (
     lead_sentences,
     leading_crossovers,
     leads_as_json,
+    matrix_sentences,
     ranking_as_json,
 )
 from chromanoise.analysis.export import ranking_of_analyses
@@ -42,7 +44,7 @@ from chromanoise.analysis.tables import (
     matrices_as_table,
 )
 from chromanoise.color import ColorMatrix, ParetoCurve
-from chromanoise.errors import InputError
+from chromanoise.errors import InputError, Setting
 from chromanoise.exposure import OperatingPoint, conditions
 from chromanoise.io.result import Result, axes_of, figures
 from chromanoise.io.table import Column, Table, number_text
@@ -52,6 +54,8 @@ from chromanoise.study.document import OutputsPart, Study
 
 if TYPE_CHECKING:
     from chromanoise.imaging.capture import Capture
+
+Kind = TypeVar("Kind", bound="Result")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -122,7 +126,7 @@ class Analyses(Result):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class MatrixResult:
+class MatrixResult(Result):
     """One color matrix of one sensor.
 
     Attributes
@@ -145,13 +149,35 @@ class MatrixResult:
     white_e: Float[Array, " p"]
     pareto: ParetoCurve | None
 
-    def __post_init__(self) -> None:
-        _check.freeze(self, "white_e")
-
     @property
     def white_lux(self) -> float:
         """Y of a perfect white by this matrix. [lx]"""
         return float(self.matrix.matrix[1] @ self.white_e)
+
+    def to_dict(self) -> dict[str, Any]:
+        """As ``chromanoise matrix --json``."""
+        return matrix_as_json(self.point, self.matrix, self.report, self.pareto)
+
+    def to_table(self) -> Table:
+        """One row per coordinate."""
+        return matrices_as_table([(self.point.sensor.label, self.matrix, self.report)])
+
+    def plot(self, ax: Any = None) -> Any:
+        """Draw color error against noise if that curve was requested, else the matrix as bars."""
+        return figures().draw_matrices([self], axes_of(ax))
+
+    def __repr__(self) -> str:
+        """Method, sensor and color error."""
+        text = f"{self.report.made_by}, {_color_error_text(self)}"
+        return f"<MatrixResult: {text} at {conditions([self.point])}>"
+
+    def _repr_html_(self) -> str:
+        return self._html(f"{self.report.made_by} at {conditions([self.point])}")
+
+
+def _color_error_text(one: MatrixResult) -> str:
+    error = number_text(one.report.color_error_mean, none="undefined")
+    return f"{one.point.sensor.label} {error} Delta E*ab"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -170,13 +196,8 @@ class Matrices(Result):
     results: tuple[MatrixResult, ...]
 
     def to_dict(self) -> dict[str, Any]:
-        """One entry per sensor, each as ``chromanoise matrix --json``."""
-        return {
-            "sensors": [
-                matrix_as_json(one.point, one.matrix, one.report, one.pareto)
-                for one in self.results
-            ]
-        }
+        """As ``chromanoise run``: one entry per sensor, each as that of `MatrixResult`."""
+        return {"sensors": [one.to_dict() for one in self.results]}
 
     def to_table(self) -> Table:
         """One row per coordinate; of several sensors, per sensor and coordinate."""
@@ -190,11 +211,7 @@ class Matrices(Result):
 
     def __repr__(self) -> str:
         """Method, sensors and color error."""
-        text = ", ".join(
-            f"{one.point.sensor.label} "
-            f"{number_text(one.report.color_error_mean, none='undefined')} Delta E*ab"
-            for one in self.results
-        )
+        text = ", ".join(map(_color_error_text, self.results))
         points = [one.point for one in self.results]
         return f"<Matrices: {self.method}, {text} at {conditions(points)}>"
 
@@ -262,9 +279,13 @@ class Comparison(Result):
 
     @property
     def shown_sentences(self) -> list[str]:
-        """The sentences on `shown_crossovers`; of more than three sensors, also on the leaders."""
+        """The sentences on `shown_crossovers`, and on the matrices of each sensor if several.
+
+        Of more than three sensors, they begin with those on the leaders.
+        """
         many = len(self.points) > MOST_PAIRS_SENSORS
         first = lead_sentences(self.leads) if many else []
+        first += [] if many else matrix_sentences(self.ranking, self.curves[0].quantity)
         return [*first, *(crossover_sentence(one) for one in self.shown_crossovers)]
 
     def plot(self, ax: Any = None) -> Any:
@@ -366,8 +387,8 @@ class Pictures(Result):
     captures: "tuple[Capture, ...]" = ()
 
     def to_dict(self) -> dict[str, Any]:
-        """The cube and the summaries."""
-        return {"cube": self.cube, "pictures": list(self.summaries)}
+        """As ``summary.json`` of ``chromanoise simulate``, without ``study`` and ``seconds``."""
+        return {"version": __version__, "cube": self.cube, "pictures": list(self.summaries)}
 
     def to_table(self) -> Table:
         """One row per picture and channel: mean electrons, and the share of pixels above full well.
@@ -431,44 +452,145 @@ class Results:
         The study.
     points
         Operating point of each sensor.
-    analyses, matrices
-        One per color matrix, by name.
-    sweeps, maps, pictures
-        In the order of the study; maps are sweeps of two parameters.
+    steps
+        The result of each step in order, by the name of the step, which is that of the file of
+        ``chromanoise run``: ``analysis-kernel``, ``sweep-1-lux-snr-y`` ...
     """
 
     study: Study
     points: tuple[OperatingPoint, ...]
-    analyses: dict[str, Analyses] = field(default_factory=dict)
-    matrices: dict[str, Matrices] = field(default_factory=dict)
-    sweeps: tuple[Comparison, ...] = ()
-    maps: tuple[ComparisonMap, ...] = ()
-    pictures: tuple[Pictures, ...] = ()
+    steps: Mapping[str, Result]
+
+    @property
+    def analyses(self) -> dict[str, Analyses]:
+        """The analyses by the name of their color matrix."""
+        return {one.matrix: one for one in self._of(Analyses)}
+
+    @property
+    def matrices(self) -> dict[str, Matrices]:
+        """The color matrices by the name of their method."""
+        return {one.method: one for one in self._of(Matrices)}
+
+    @property
+    def sweeps(self) -> tuple[Comparison, ...]:
+        """The sweeps of one parameter, in the order of the study."""
+        return self._of(Comparison)
+
+    @property
+    def maps(self) -> tuple[ComparisonMap, ...]:
+        """The sweeps of two parameters, in the order of the study."""
+        return self._of(ComparisonMap)
+
+    @property
+    def pictures(self) -> tuple[Pictures, ...]:
+        """The pictures, in the order of the study."""
+        return self._of(Pictures)
+
+    def step(self, name: str | None = None) -> Result:
+        """The result of a step.
+
+        Parameters
+        ----------
+        name
+            A key of `steps`; ``None`` for the only step.
+
+        Returns
+        -------
+        Result
+
+        Raises
+        ------
+        InputError
+            If there is no such step, or several and none is named.
+        """
+        if name is not None:
+            return self.steps[_check.one_of("step", name, tuple(self.steps))]
+        if len(self.steps) > 1:
+            raise InputError(
+                "step",
+                "must name one of the steps of the study",
+                found="none is named",
+                remedy=Setting("step", tuple(self.steps)),
+            )
+        return next(iter(self.steps.values()))
+
+    def to_dict(self) -> dict[str, Any]:
+        """The result of each step by its name, as ``chromanoise run`` writes them."""
+        return {name: step.to_dict() for name, step in self.steps.items()}
 
     def to_list(self) -> list[dict[str, Any]]:
-        """The result of each step, as ``chromanoise run`` writes them."""
-        return [step.to_dict() for step in self._steps()]
+        """The result of each step, as `to_dict` without the names."""
+        return list(self.to_dict().values())
+
+    def to_table(self, step: str | None = None) -> Table:
+        """The main table of a step.
+
+        Parameters
+        ----------
+        step
+            As of `Results.step`.
+
+        Returns
+        -------
+        Table
+        """
+        return self.step(step).to_table()
+
+    def to_dataframe(self, step: str | None = None) -> Any:
+        """The main table of a step as a pandas data frame; pandas must be installed.
+
+        Parameters
+        ----------
+        step
+            As of `Results.step`.
+
+        Returns
+        -------
+        DataFrame
+        """
+        return self.step(step).to_dataframe()
+
+    def to_latex(self, label: str = "", step: str | None = None) -> str:
+        r"""The main table of a step in LaTeX.
+
+        Parameters
+        ----------
+        label
+            Label for ``\ref``; empty for no label.
+        step
+            As of `Results.step`.
+
+        Returns
+        -------
+        str
+        """
+        return self.step(step).to_latex(label)
+
+    def plot(self, ax: Any = None, step: str | None = None) -> Any:
+        """Draw the main chart of a step.
+
+        Parameters
+        ----------
+        ax
+            Axes of matplotlib; ``None`` for those of a new figure.
+        step
+            As of `Results.step`.
+
+        Returns
+        -------
+        Axes
+        """
+        return self.step(step).plot(ax)
 
     def __repr__(self) -> str:
         """Number of results of each kind, and the operating point."""
-        counts = {
-            "analyses": len(self.analyses),
-            "matrices": len(self.matrices),
-            "sweeps": len(self.sweeps),
-            "maps": len(self.maps),
-            "pictures": len(self.pictures),
-        }
+        kinds = ("analyses", "matrices", "sweeps", "maps", "pictures")
+        counts = {kind: len(getattr(self, kind)) for kind in kinds}
         text = ", ".join(f"{count} {name}" for name, count in counts.items() if count)
         return f"<Results: {text} at {conditions(self.points)}>"
 
     def _repr_html_(self) -> str:
-        return "".join(one._repr_html_() for one in self._steps())
+        return "".join(one._repr_html_() for one in self.steps.values())
 
-    def _steps(self) -> list[Result]:
-        return [
-            *self.analyses.values(),
-            *self.matrices.values(),
-            *self.sweeps,
-            *self.maps,
-            *self.pictures,
-        ]
+    def _of(self, kind: type[Kind]) -> tuple[Kind, ...]:
+        return tuple(one for one in self.steps.values() if isinstance(one, kind))

@@ -7,6 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from chromanoise._check import frozen
 from chromanoise.analysis.color_matrices import MatrixMaker
 from chromanoise.analysis.comparison.bands import CrossoverBand, crossover_bands
 from chromanoise.analysis.comparison.crossing import crossovers
@@ -32,7 +33,7 @@ from chromanoise.study.assembly import (
     operating_points_of,
     prior_of,
 )
-from chromanoise.study.document import Study, SweepPart
+from chromanoise.study.document import SecondSweepPart, Study, SweepPart
 from chromanoise.study.file_names import file_word, refuse_shared_file_names
 from chromanoise.study.results import (
     Analyses,
@@ -135,19 +136,11 @@ def run(
         If a name is unknown, a file cannot be read, or a result cannot be computed.
     """
     plan = run_plan(study, given=given, work=work)
-    done: list[StepResult] = []
+    done: dict[str, StepResult] = {}
     for step in plan.steps:
         with progress(step) as advance:
-            done.append(step.run(folder, advance))
-    return Results(
-        study=study,
-        points=plan.points,
-        analyses={one.matrix: one for one in done if isinstance(one, Analyses)},
-        matrices={one.method: one for one in done if isinstance(one, Matrices)},
-        sweeps=tuple(one for one in done if isinstance(one, Comparison)),
-        maps=tuple(one for one in done if isinstance(one, ComparisonMap)),
-        pictures=tuple(one for one in done if isinstance(one, Pictures)),
-    )
+            done[step.name] = step.run(folder, advance)
+    return Results(study=study, points=plan.points, steps=done)
 
 
 def run_plan(study: Study, *, given: Given = NOTHING_GIVEN, work: "Work | None" = None) -> RunPlan:
@@ -211,8 +204,7 @@ def _sweeps(study: Study, points: Points, makers: Makers) -> Iterator[Step]:
         if part.second is not None:
             yield _map_step(study, i, points, makers, part)
             continue
-        with keyed(f"sweeps.{i - 1}"):
-            values = swept_values(SWEEPS[part.vary], part.first, part.last, part.points)
+        values = _values(part, f"sweeps.{i - 1}")
         yield Step(
             name=f"sweep-{i}-{part.vary}-{part.quantity}",
             what=f"{QUANTITIES[part.quantity].what} over {SWEEPS[part.vary].what}",
@@ -307,7 +299,7 @@ def _matrix(
             patch=point.patch,
         )
         curve = None if weights is None else pareto_of(point, weights, prior=prior)
-        white_e = expected_electrons(white_scene(point), point.sensor, point.exposure)
+        white_e = frozen(expected_electrons(white_scene(point), point.sensor, point.exposure))
         results.append(
             MatrixResult(point=point, matrix=made, report=report, white_e=white_e, pareto=curve)
         )
@@ -354,11 +346,16 @@ def _values_of_both(study: Study, number: int) -> tuple[Any, Any]:
     part = study.sweeps[number]
     second = part.second
     assert second is not None  # as `_map_step`
-    with keyed(f"sweeps.{number}"):
-        values = swept_values(SWEEPS[part.vary], part.first, part.last, part.points)
-    with keyed(f"sweeps.{number}.second"):
-        rows = swept_values(SWEEPS[second.vary], second.first, second.last, second.points)
-    return values, rows
+    return _values(part, f"sweeps.{number}"), _values(second, f"sweeps.{number}.second")
+
+
+def _values(part: SweepPart | SecondSweepPart, key: str) -> Any:
+    """The values of one parameter; an error names its key."""
+    with keyed(f"{key}.vary"):
+        try:
+            return swept_values(SWEEPS[part.vary], part.first, part.last, part.points)
+        except InputError as error:
+            raise error.within("vary") from None
 
 
 def sweep_map(

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, TypedDict, get_type_hints
 
 from chromanoise.analysis import DEFAULT_METHOD
-from chromanoise.errors import InputError, StudyError, did_you_mean
+from chromanoise.errors import InputError, did_you_mean, errors_in, refusal
 from chromanoise.io.spectra.parsed import Negatives, Unit
 from chromanoise.spectra import (
     Illuminant,
@@ -391,8 +391,8 @@ def _study(
                 _put(data, place, one)
     try:
         return study_from_data(data)
-    except StudyError as error:
-        raise StudyError([_called_flat(one, names, {}) for one in error.errors]) from None
+    except InputError as error:
+        raise refusal([_called_flat(one, names, {}) for one in errors_in(error)]) from None
 
 
 def _one_each(name: str, values: Any, sensors: Sequence[str]) -> list[Any]:
@@ -439,9 +439,7 @@ def in_arguments(error: InputError, function: str) -> InputError:
         inside = one.inside(one.setting, lambda key: argument_of(key, names) or key)
         return _called_flat(inside, names, positional)
 
-    if isinstance(error, StudyError):
-        return StudyError([translated(one) for one in error.errors])
-    return translated(error)
+    return refusal([translated(one) for one in errors_in(error)])
 
 
 def _called_flat(
@@ -462,6 +460,11 @@ def _refuse_unknown(settings: Settings, function: str) -> None:
     for name in settings:
         if name in FUNCTIONS[function]:
             continue
+        if name == "method":  # as the option is called too
+            (matrix,) = (one for one in _ARGUMENTS[function] if one.startswith("matri"))
+            raise InputError(
+                name, f"is not an argument of {function}", remedy=f"did you mean {matrix}?"
+            )
         others = [other for other in FUNCTIONS if name in (*FUNCTIONS[other], *_ARGUMENTS[other])]
         otherwise = f"known: {', '.join(known)}"
         if others:

@@ -13,6 +13,7 @@ from chromanoise.analysis.comparison.curves import Curve
 from chromanoise.analysis.comparison.quantities import Quantity
 from chromanoise.analysis.comparison.sweeps import Sweep
 from chromanoise.exposure import OperatingPoint
+from chromanoise.io.table import number_text
 
 MOST_PAIRS_SENSORS = 3
 """Up to this number of sensors each pair has a sentence; more have a ranking and leaders."""
@@ -143,6 +144,31 @@ def ranking(
             more_is_better=quantity.more_is_better,
         )
     )
+
+
+def matrix_sentences(ranks: Sequence[Rank], quantity: Quantity) -> list[str]:
+    """For each sensor with several matrices, a sentence that ranks them at the operating point.
+
+    Parameters
+    ----------
+    ranks
+        Of `ranking`.
+    quantity
+        That of the ranks.
+    """
+    sign = -1.0 if quantity.more_is_better else 1.0
+    sentences = []
+    for name in dict.fromkeys(one.sensor for one in ranks):
+        own = [one for one in ranks if one.sensor == name]
+        known = [one for one in own if one.value is not None]
+        known.sort(key=lambda one: sign * (one.value or 0.0))
+        if len(own) > 1 and known:
+            text = ", ".join(f"{one.matrix} {number_text(one.value)}" for one in known)
+            sentences.append(
+                f"{known[0].label}: {quantity.what} [{quantity.unit}] at the fixed settings, best "
+                f"matrix first: {text}."
+            )
+    return sentences
 
 
 def leads(curves: Sequence[Curve], crossed: Sequence[Crossover]) -> tuple[Lead, ...]:

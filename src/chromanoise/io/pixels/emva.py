@@ -90,6 +90,7 @@ _LINE = re.compile(
     r"(?P<name>[^\[\]:=;,\t]+?)\s*(?:\[(?P<left>[^\]]*)\])?\s*[:=;,\t]\s*"
     r"(?P<value>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)(?P<right>[\s;,\t\[%a-zA-Zµμ].*)?"
 )
+_UNSIGNED_LINE = re.compile(r"(?P<name>.*[^\s:=])\s+[-+]?[\d.]+([eE][-+]?\d+)?\s*(?P<unit>\S+)")
 
 
 @dataclass(frozen=True, slots=True)
@@ -215,6 +216,9 @@ def _text_rows(text: str, path: Path) -> list[tuple[str, float, str, str]]:
         if not line:
             continue
         where, name = f"line {i}", re.split(r"[\[:=;,\t]", line)[0].strip()
+        unsigned = _UNSIGNED_LINE.fullmatch(line)
+        if unsigned and unsigned["unit"].lower() in _UNIT_OF:  # read noise 2.5 e-
+            name = unsigned["name"]
         matched = _LINE.fullmatch(line)
         if matched is None:
             if _key(name) is None:
@@ -348,8 +352,8 @@ def _pixel_source(found: Mapping[str, _Value], unused: list[str], source: str) -
         notes = [f"{source}: {well.name}, the saturation capacity, is taken for the full well"]
     if gain and adc is None:
         notes.append(
-            f"{source}: the gain of {1 / gain:.4g} e-/DN is used only where the bits of the "
-            "converter are given too"
+            f"{source}: bits not given: the gain of {1 / gain:.4g} e-/DN sets the quantization "
+            "noise, without a top code; pictures take the fewest bits that reach the full well"
         )
     notes += (
         [f"{source}: {', '.join(silent)} not given, taken as 0 unless an option gives them"]

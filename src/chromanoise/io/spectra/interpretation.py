@@ -32,7 +32,7 @@ from chromanoise.io.spectra.parsed import (
 )
 from chromanoise.io.spectra.questions import questions_of
 from chromanoise.io.spectra.tables import DIGITIZED
-from chromanoise.spectra.curves import Spectra
+from chromanoise.spectra.curves import Spectra, are_small_negatives
 
 _WORDS: tuple[tuple[Quantity, str], ...] = (
     ("QE", r"(?<![a-z])qe(?![a-z])|quantum.?efficiency|e-?/(photon|ph)\b|electrons per photon"),
@@ -52,7 +52,6 @@ _DEVIATION = (
 _MOST_UM, _LEAST_NM = 20.0, 100.0
 _SENSITIVE_NM = (400.0, 1050.0)
 _MOSTLY = 0.5  # of the steps, ascending minus descending
-_SMALL_NEGATIVE = 0.01  # of the highest value of its curve
 _FRACTION_AT_MOST, _PERCENT_AT_MOST = 1.5, 100.0
 _MOST_SENTENCES = 3
 
@@ -329,9 +328,7 @@ def _per(
 
 def _without_small_negatives(curves: Spectra, answers: Answers) -> tuple[Spectra, tuple[str, ...]]:
     """The curves with small negative values set to 0, if the user chose that."""
-    small = (curves.values < 0) & (
-        curves.values >= -_SMALL_NEGATIVE * curves.values.max(axis=0, keepdims=True)
-    )
+    small = are_small_negatives(curves.values)
     if answers.negatives == "refuse" or not small.any():
         return curves, ()
     note = (

@@ -150,7 +150,7 @@ def _quantity(parsed: ParsedSpectra, words: str) -> Iterator[Question]:
         hint = f" (its text mentions {found[1]!r}, but free text is not used)" if found else ""
         yield Question(
             about="quantity",
-            asks=f"what are the curves?{hint}",
+            asks=f"what are the curves, for another use than a sensor?{hint}",
             settings=(Setting("quantity", get_args(Quantity)),),
         )
 

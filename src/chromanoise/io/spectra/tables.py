@@ -114,11 +114,20 @@ def table_of(
 
 
 def _first_row_of_numbers(rows: Sequence[Row], comma: bool) -> int:
+    """The first row of data, which may have a faulty cell: then its wavelength shows what it is."""
     for i, row in enumerate(rows):
         cells = [cell for cell in row.cells if cell]
         if len(cells) > 1 and all(is_number(c, decimal_comma=comma) for c in cells[:2]):
+            while i and _continues(rows[i - 1], rows[i], comma):
+                i -= 1
             return i
     return len(rows)
+
+
+def _continues(row: Row, following: Row, comma: bool) -> bool:
+    """Whether a row begins with a number as close to that of the following row as wavelengths."""
+    first, other = (number_in(one.cells[0], decimal_comma=comma) for one in (row, following))
+    return sum(map(bool, row.cells)) > 1 and 0.5 * other < first < 2 * other
 
 
 def _with_row_of_units(heads: list[tuple[str, ...]]) -> list[tuple[str, ...]]:

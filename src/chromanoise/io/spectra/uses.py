@@ -67,7 +67,7 @@ def qe_of(parsed: ParsedSpectra, answers: Answers) -> Spectra:
     if parsed.level == "relative" or (parsed.level is None and looks_normalized(parsed.curves)):
         curves, notes = _with_height(curves, answers, notes)
     elif parsed.level is None:
-        why = "a table headed wavelength_nm" if parsed.quantity is None else "QE by its own words"
+        why = "a table headed wavelength_nm" if parsed.quantity is None else "the file declares QE"
         notes = (*notes, f"{_name(parsed)}: {why}, taken as absolute QE per photon")
     return replace(curves, quantity="QE", unit="e-/photon", notes=(*curves.notes, *notes))
 
