@@ -774,7 +774,7 @@ def test_what_a_sensor_alone_loses_below_its_raw_channels_is_not_what_they_lack_
     )
     assert "read noise" not in message
     assert "-0.0" not in message
-    price = float(re.search(r"SNR, ([\d.]+) dB below", message)[1])
+    price = float(re.search(r"SNR for an eye, ([\d.]+) dB below", message)[1])
     why = re.search(r"(mostly|above all) because of [^;]+ \(([\d.]+) dB\)", message)
     assert (why is None) <= (price < 1.0)
     if why:
@@ -797,11 +797,11 @@ def test_terms_other_than_one_time_for_all_are_told():
 
 
 def test_the_verdict_tells_of_saturated_sensors_and_of_one_alone():
-    result = drawing("head", bright())["verdict"]
-    assert len(result) == 2
-    assert result[0].startswith("At 10 lx (illuminant E, 30 ms, f/1.8), onyx-rgb-ircut has")
-    assert result[1].startswith("onyx-rgbw: ")
-    assert "saturated" in result[1]
+    eye, machine, saturated = drawing("head", bright())["verdict"]
+    assert eye.startswith("At 10 lx (illuminant E, 30 ms, f/1.8), onyx-rgb-ircut has")
+    assert "onyx-rgbw" not in machine
+    assert saturated.startswith("onyx-rgbw: ")
+    assert "saturated" in saturated
 
 
 @pytest.mark.parametrize(

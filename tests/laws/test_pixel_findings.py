@@ -98,7 +98,7 @@ def test_independent_noise_costs_color_no_more_than_the_most_affected_channel(na
 
 def test_the_limits_of_prnu_are_those_of_the_matrix():
     limits = [
-        float(n) for n in re.findall(r"at (\d\d\.\d) dB", TEXT[TEXT.index("PRNU has a limit") :])
+        float(n) for n in re.findall(r"to (\d\d\.\d) dB", TEXT[TEXT.index("PRNU limits the SNR") :])
     ]
     for name, printed in zip(SENSORS, limits[1:4], strict=True):
         sensor = sensor_of(name)

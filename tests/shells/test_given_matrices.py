@@ -127,7 +127,7 @@ def test_the_color_matrix_of_our_dng_is_that_which_tifffile_reads(tmp_path, run)
         ("<a/>", {"value": 0}),
         ('<!DOCTYPE a [<!ENTITY b "c">]><a/>', {}),
         ('<a><b inBitDepth="8i"><Array/></b></a>', {"value": ["8i", "None"]}),
-        ('{"matrix_lux_per_e": [[1, 0]], "channels": 5}', {"value": (1, 2)}),
+        ('{"matrix_lux_per_e": [[1, 0]], "channels": 5}', {"value": 5}),
         ("lx/e-,R,G,B\nX," + 200_000 * "1" + "\nY\nZ\n", {}),
     ],
 )

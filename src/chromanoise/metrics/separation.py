@@ -56,10 +56,10 @@ def mahalanobis_distance(
     ...     mean = np.array(electrons)
     ...     return Measurement(mean=mean, covariance=np.diag(np.full(2, 25.0)),
     ...                        names=("a", "b"), kind="raw", unit="e-")
-    >>> mahalanobis_distance(patch(100.0, 100.0), patch(103.0, 104.0)).round(12)
-    array(1.)
-    >>> mahalanobis_distance(patch(2.0, 2.0), patch(3.0, 3.0), brightness=False).round(12)
-    array(0.)
+    >>> float(mahalanobis_distance(patch(100.0, 100.0), patch(103.0, 104.0)))
+    1.0
+    >>> float(mahalanobis_distance(patch(2.0, 2.0), patch(3.0, 3.0), brightness=False))
+    0.0
     """
     _same_coordinates(first, second)
     difference = first.mean - second.mean
@@ -148,8 +148,8 @@ def gaussian_separation_probability(first: Measurement, second: Measurement) -> 
     >>> def wide(sd):
     ...     return Measurement(mean=np.zeros(2), covariance=sd**2 * np.eye(2), names=("a", "b"),
     ...                        kind="raw", unit="e-")
-    >>> gaussian_separation_probability(wide(1.0), wide(3.0)).round(6)
-    array(0.837...)
+    >>> round(float(gaussian_separation_probability(wide(1.0), wide(3.0))), 4)
+    0.8377
     """
     _same_coordinates(first, second)
     what = "mean covariance of two patches"
