@@ -44,7 +44,8 @@ def resolve_pairs(word: str, *, answers: Answers = ASK) -> PatchPairs:
     lines = _listed(word)
     if lines is None:
         return all_pairs(resolve_reflectances(word, answers=answers))
-    patches = {}
+    patches: dict[str, Spectra] = {}
+    column: dict[str, int] = {}
     pairs = []
     for number, line in lines:
         where = f"{word}, line {number}"
@@ -54,8 +55,9 @@ def resolve_pairs(word: str, *, answers: Answers = ASK) -> PatchPairs:
             )
         for name in line:
             if name not in patches:
+                column[name] = len(patches)
                 patches[name] = _patch(name, where, answers)
-        pairs.append([list(patches).index(name) for name in line])
+        pairs.append([column[name] for name in line])
         if line[0] == line[1]:
             raise InputError("pairs", "must be of two patches", value=line[0], where=where)
     columns = [each.values[:, 0] for each in patches.values()]
@@ -79,10 +81,13 @@ def _patch(name: str, where: str, answers: Answers) -> Spectra:
             remedy="put own curves into one file of reflectances: all its pairs are taken",
         )
     try:
-        share = float(name)
+        share: float | str = float(name)
     except ValueError:
-        return resolve_patch(name, answers=answers)
-    return resolve_patch(share, answers=answers)
+        share = name
+    try:
+        return resolve_patch(share, answers=answers)
+    except InputError as error:
+        raise error.within(where) from None
 
 
 def _listed(word: str) -> list[tuple[int, list[str]]] | None:
@@ -95,12 +100,22 @@ def _listed(word: str) -> list[tuple[int, list[str]]] | None:
     except OSError as error:
         raise InputError(word, f"cannot be read ({_check.reason(error)})") from None
     text = start.decode("utf-8-sig", errors="replace")
-    rows = [
-        (number, [cell.strip() for cell in row])
-        for number, row in enumerate(csv.reader(io.StringIO(text)), 1)
-        if any(cell.strip() for cell in row) and not row[0].lstrip().startswith("#")
-    ]
-    if not rows or tuple(cell.casefold() for cell in rows[0][1]) != _HEADER:
+    reader = csv.reader(io.StringIO(text, newline=None))
+    rows: list[tuple[int, list[str]]] = []
+    try:
+        for row in reader:
+            cells = [cell.strip() for cell in row]
+            if not any(cells) or cells[0].startswith("#"):
+                continue
+            if not rows and tuple(cell.casefold() for cell in cells) != _HEADER:
+                return None
+            rows.append((reader.line_num, cells))
+    except csv.Error as error:
+        if not rows:
+            return None
+        where = f"line {reader.line_num}"
+        raise InputError(word, "must be a list in CSV", found=str(error), where=where) from None
+    if not rows:
         return None
     if len(start) > _MOST_BYTES or len(rows) - 1 > _MOST_PAIRS:
         raise InputError(word, f"must hold at most {_MOST_PAIRS} pairs", value=len(rows) - 1)
