@@ -96,6 +96,13 @@ def test_equal_patches_and_a_tolerance_of_zero_are_refused():
         contrast_detection_probability(two, one, bright_sd=one, dark_sd=one, tolerance=0.0)
 
 
+def test_patches_without_noise_are_refused():
+    one, two, none = np.array([10.0]), np.array([20.0]), np.zeros(1)
+    for sd in ({"bright_sd": none, "dark_sd": one}, {"bright_sd": one, "dark_sd": none}):
+        with refused_input(subject="bright_sd, dark_sd", value=0.0):
+            contrast_detection_probability(two, one, **sd)
+
+
 def analyzed(**more):
     settings = {"lux": 5.0, "time_ms": 12.0, "reader": "machine", **more}
     return cn.analyze("onyx-rgb-ircut", **settings).analyses[0]

@@ -10,6 +10,7 @@ from scipy.optimize import minimize_scalar
 from scipy.stats import multivariate_normal, norm, poisson
 
 import chromanoise as cn
+from chromanoise.analysis.contrast_detection import contrast_detection_of
 from chromanoise.analysis.separation import (
     COLOR,
     COLOR_WITHOUT,
@@ -30,7 +31,9 @@ from chromanoise.metrics import (
 from chromanoise.noise import (
     Measurement,
     NoiseSources,
+    ReadingDistribution,
     Readout,
+    few_electrons,
     reading_distribution,
     sensor_moments,
     through,
@@ -254,6 +257,25 @@ def test_many_electrons_are_gaussian():
     )
 
 
+@pytest.mark.parametrize("p", [1, 2, 16])
+@pytest.mark.parametrize("distance", [0.0, 0.002, 0.05, 1.0, 6.0])
+def test_tables_of_normal_distributions_have_the_closed_form_of_the_whole_distance(p, distance):
+    at = np.linspace(-14.0, 14.0, 4001)
+    table = norm.pdf(at - np.array([[0.0], [distance / np.sqrt(p)]]))
+    table /= table.sum(axis=1, keepdims=True)
+    one = ReadingDistribution(values_e=at, probability=table, width_e=at[1] - at[0])
+    found = exact_separation_probability([one] * p, ONE_PAIR)
+    assert found == pytest.approx(norm.cdf(distance / 2), abs=1e-6)
+
+
+def test_an_endless_distance_is_always_right_and_a_negative_one_is_refused():
+    assert separation_probability(np.array([np.inf])) == 1.0
+    with refused_input(subject="distance"):
+        separation_probability(np.array([-1.0]))
+    with refused_input(subject="distance"):
+        separation_probability(np.array([np.nan]))
+
+
 # the distribution of one reading
 
 NOISES = [
@@ -280,6 +302,33 @@ def test_a_distribution_has_the_mean_and_variance_of_the_exact_moments(noise, re
 def test_a_distribution_of_many_electrons_is_refused():
     with refused_input(subject="mean_e", value=3000.0):
         reading_distribution(np.array([3000.0]), SHOT_ONLY)
+
+
+def test_a_distribution_of_great_noise_is_refused_and_not_needed():
+    noise = NoiseSources(read_noise_e=1e6)
+    assert not few_electrons(np.array([1.0]), noise).any()
+    with refused_input(subject="noise"):
+        reading_distribution(np.array([1.0]), noise)
+
+
+def test_few_electrons_include_those_of_the_dark():
+    mean = np.array([0.0, 150.0, 201.0])
+    assert few_electrons(mean, SHOT_ONLY).tolist() == [True, True, False]
+    assert few_electrons(mean, NoiseSources(read_noise_e=1.0, dark_e=60.0)).tolist() == [
+        True,
+        False,
+        False,
+    ]
+
+
+def test_readings_with_very_little_read_noise_are_as_good_as_counts():
+    means = np.array([3.0, 5.0])
+    found = [
+        exact_separation_probability([reading_distribution(means, noise)], ONE_PAIR)
+        for noise in (NoiseSources(read_noise_e=0.002), SHOT_ONLY)
+    ]
+    assert found[0] == pytest.approx(found[1], abs=1e-6)
+    assert reading_distribution(means, NoiseSources(read_noise_e=0.002)).values_e.size < 20_000
 
 
 # sensors
@@ -326,6 +375,20 @@ def test_many_levels_have_the_medians_of_each(reading):
     for lux, median in zip(levels, found, strict=True):
         (alone,) = analyzed("onyx-rgbw", lux=lux).analyses
         assert median == pytest.approx(separation_of(alone).median_distance(reading), rel=1e-10)
+
+
+@pytest.mark.parametrize("lux", [1e-9, 1e-3, 0.1])
+def test_no_matrix_adds_evidence_where_counts_are_not_gaussian(lux):
+    (four,) = analyzed("onyx-rgbw", lux=lux, read_noise_e=0.0).analyses
+    found = separation_of(four).probability
+    assert (found[COLOR] <= found[RAW]).all()
+
+
+def test_a_read_noise_that_hides_everything_leaves_chance():
+    (blind,) = analyzed("onyx-rgbw", lux=0.1, read_noise_e=1e6).analyses
+    found = separation_of(blind)
+    assert found.median_probability(RAW) == pytest.approx(0.5, abs=1e-5)
+    assert max(contrast_detection_of(blind).channels.values()) < 0.05
 
 
 def test_prnu_lowers_every_distance_in_raw_values():

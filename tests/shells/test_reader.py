@@ -75,7 +75,14 @@ def test_a_wrong_line_of_a_list_is_named(run, here, text, value):
     refused(outcome, value=value)
 
 
-@pytest.mark.parametrize("text", ["", "first,second\n", "hello\n"])
+def test_a_list_may_have_the_line_ends_of_any_system(done, here):
+    (here / "pairs.csv").write_bytes(b"first,second\rred,green\rred,blue\r\n")
+    assert separation(done, "--pairs", "pairs.csv")["pairs"] == 2
+
+
+@pytest.mark.parametrize(
+    "text", ["", "first,second\n", "hello\n", "\0" * 200_000, 'first,second\n"red,' + "a" * 140_000]
+)
 def test_a_file_without_pairs_is_refused(run, here, text):
     (here / "pairs.csv").write_text(text)
     refused(run("analyze", "onyx-rgbw", "--reader", "machine", "--pairs", "pairs.csv"), "pairs.csv")

@@ -17,6 +17,7 @@ from chromanoise.metrics import (
     exact_contrast_detection_probability,
 )
 from chromanoise.noise import (
+    few_electrons,
     noise_sources,
     reading_distribution,
     saturated,
@@ -31,7 +32,7 @@ TOLERANCE = 0.5
 TARGET = 0.9
 """Probability at which a contrast counts as detected reliably."""
 
-_FEW_E = 200.0  # mean of the bright gray below which the exact distribution is used
+_MANY_E = 200.0  # of each channel, from which on Y is Gaussian
 _LEAST_E = 1e-3  # of the bright gray, where the search for a level starts
 _LEVELS = 61
 _HALVINGS = 30
@@ -44,9 +45,12 @@ class ContrastDetection:
     Attributes
     ----------
     channels
-        Per raw channel, from the exact distribution of few electrons.
+        Per raw channel, without clipping: from the exact distribution of few electrons
+        (`few_electrons`), unless crosstalk after counting correlates the channels; else for
+        Gaussian noise.
     luminance
-        Of Y after the color matrix, for Gaussian noise; NaN where Y of a gray is not above 0.
+        Of Y after the color matrix, for Gaussian noise; NaN where a channel has fewer than
+        200 electrons of a gray, or Y is not above 0.
     level_lux
         Least illuminance from which on the best raw channel reaches `TARGET`, the time kept; NaN
         if it does not before a channel saturates. [lx]
@@ -102,7 +106,7 @@ def _channel_probabilities(point: OperatingPoint, times: float) -> Float[Array, 
     if crosstalk is not None and crosstalk.stage == "charge":
         return found
     noise = noise_sources(point.sensor, point.exposure)
-    for i in np.flatnonzero(seen & (mean[0] <= _FEW_E)):
+    for i in np.flatnonzero(seen & few_electrons(mean, noise).all(axis=0)):
         readings = reading_distribution(mean[:, i], noise)
         found[i] = exact_contrast_detection_probability(readings, mean[:, i], tolerance=TOLERANCE)
     return found
@@ -114,6 +118,8 @@ def _of_luminance(analysis: Analysis) -> float:
     color = stages_at(analysis.point, analysis.matrix, reflectance=reflectance).color
     at = color.names.index("Y")
     mean, sd = color.mean[:, [at]], np.sqrt(color.variance[:, [at]])
+    if not (_grays(analysis.point) >= _MANY_E).all():
+        return float("nan")
     if not (mean > 0).all() or not (sd > 0).all():
         return float("nan")
     found = contrast_detection_probability(

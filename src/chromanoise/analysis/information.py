@@ -23,6 +23,7 @@ from chromanoise.noise import (
     demand_independent_channels,
     mean_noise_covariance,
     noise_sources,
+    saturated,
 )
 from chromanoise.noise.gaussian import held_moments
 from chromanoise.sensor import Converter
@@ -208,14 +209,17 @@ def information_chain(
 def information_chains(analysis: Analysis) -> tuple[InformationChain, ...]:
     """The chain about the whole spectrum and about its visible part, at one operating point.
 
-    Values are clipped, unless crosstalk after counting correlates them.
+    Values are clipped, unless crosstalk after counting correlates them. Empty where a channel is
+    saturated on the white.
 
     Parameters
     ----------
     analysis
         With sensor, exposure, light and matrix.
     """
-    crosstalk = analysis.sensor.crosstalk
+    crosstalk, white_e = analysis.sensor.crosstalk, electrons_at(analysis.point)
+    if saturated(white_e, analysis.sensor, analysis.exposure).any():
+        return ()
     return tuple(
         information_chain(
             analysis.point,

@@ -26,15 +26,19 @@ from chromanoise.metrics import (
     pair_distances,
     separation_probability,
 )
-from chromanoise.noise import Measurement, Readout, noise_sources, reading_distribution
+from chromanoise.noise import (
+    Measurement,
+    Readout,
+    few_electrons,
+    noise_sources,
+    reading_distribution,
+)
 from chromanoise.spectra import PatchPairs, all_pairs, chart_on, chart_title
 
 RAW, COLOR = "raw", "color"
 RAW_WITHOUT, COLOR_WITHOUT = "raw_without_brightness", "color_without_brightness"
 READINGS = (RAW, COLOR, RAW_WITHOUT, COLOR_WITHOUT)
 """What a machine reads: raw values or color coordinates, and whether brightness is evidence."""
-
-_FEW_E = 200.0  # mean below which probabilities are those of the exact distribution
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -50,9 +54,11 @@ class Separation:
     distance
         D_M per reading of `READINGS` and pair. [1]
     probability
-        Probability that an ideal reader names the right one of two equally frequent patches: from
-        the exact distribution of few electrons, else for Gaussian noise with the covariance of each
-        patch. Without brightness Phi(D_M / 2).
+        Probability that an ideal reader names the right one of two equally frequent patches. Raw
+        values: from the exact distribution of few electrons (`few_electrons`), unless crosstalk
+        after counting correlates the channels; else for Gaussian noise with the covariance of each
+        patch. Color: that of raw values if the matrix is invertible, else for Gaussian noise, and
+        at most that of raw values. Without brightness: Phi(D_M / 2), and at most that with it.
     """
 
     pairs: PatchPairs
@@ -103,7 +109,11 @@ def separation_of(analysis: Analysis) -> Separation | None:
     if matrix_rank("the color matrix", analysis.matrix.matrix) == len(at.raw.names):
         probability[COLOR] = probability[RAW]  # an invertible matrix changes nothing
     else:
-        probability[COLOR] = gaussian_pair_probabilities(_color(at), pairs.indices)
+        gaussian = gaussian_pair_probabilities(_color(at), pairs.indices)
+        # no matrix adds evidence; variances of few electrons would, if they were Gaussian
+        probability[COLOR] = np.minimum(gaussian, probability[RAW])
+    for without, reading in ((RAW_WITHOUT, RAW), (COLOR_WITHOUT, COLOR)):
+        probability[without] = np.minimum(probability[without], probability[reading])
     title = chart_title(point.chart) if point.pairs is None else patches.source
     return Separation(pairs=pairs, title=title, distance=distance, probability=probability)
 
@@ -181,19 +191,30 @@ def _distance(at: Stages, pairs: PatchPairs, reading: str) -> Float[Array, "*lv 
 def _color(at: Stages) -> Measurement:
     """What the matrix leaves; the color itself where each level has a matrix of its own."""
     if at.lux_per_e is not None:
-        return at.color
+        invertible = matrix_rank("the color matrices", at.lux_per_e) == len(at.raw.names)
+        return at.raw if np.all(invertible) else at.color
     return independent_coordinates(at.raw, at.matrix.matrix)
 
 
 def _raw_probabilities(at: Stages, pairs: PatchPairs) -> Float[Array, " m"]:
+    """From the exact distribution where both patches have few electrons in all channels."""
     crosstalk = at.point.sensor.crosstalk
-    correlated = crosstalk is not None and crosstalk.stage == "charge"
-    if correlated or at.expected_e.max() > _FEW_E:
-        return gaussian_pair_probabilities(at.raw, pairs.indices)
     noise = noise_sources(at.point.sensor, at.point.exposure)
-    readout = at.readout or Readout()
-    channels = [reading_distribution(mean, noise, readout) for mean in at.expected_e.T]
-    return exact_separation_probability(channels, pairs.indices)
+    few = np.asarray(few_electrons(at.expected_e, noise).all(axis=-1))
+    exact = np.asarray(few[pairs.indices].all(axis=1))
+    if crosstalk is not None and crosstalk.stage == "charge":
+        exact[:] = False
+    found = np.empty(len(exact))
+    if not exact.all():
+        found[~exact] = gaussian_pair_probabilities(at.raw, pairs.indices[~exact])
+    if exact.any():
+        own, place = np.unique(pairs.indices[exact], return_inverse=True)
+        channels = [
+            reading_distribution(mean, noise, at.readout or Readout())
+            for mean in at.expected_e[own].T
+        ]
+        found[exact] = exact_separation_probability(channels, place.reshape(-1, 2))
+    return found
 
 
 def separation_as_json(separation: Separation | None) -> dict[str, Any] | None:

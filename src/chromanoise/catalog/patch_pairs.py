@@ -19,7 +19,7 @@ from chromanoise.io.spectra import ASK, Answers
 from chromanoise.spectra import PatchPairs, Spectra, all_pairs
 
 _HEADER = ("first", "second")
-_MOST_PAIRS = 10_000
+_MOST_PAIRS = 2_000
 _MOST_BYTES = 2**20
 
 
@@ -43,8 +43,18 @@ def resolve_pairs(word: str, *, answers: Answers = ASK) -> PatchPairs:
     """
     lines = _listed(word)
     if lines is None:
-        return all_pairs(resolve_reflectances(word, answers=answers))
-    patches = {}
+        curves = resolve_reflectances(word, answers=answers)
+        if len(curves.names) * (len(curves.names) - 1) // 2 > _MOST_PAIRS:
+            raise InputError(
+                word,
+                f"must have at most {_MOST_PAIRS} pairs of curves",
+                value=len(curves.names),
+                found=f"has {len(curves.names)} curves",
+                remedy="name the pairs in a list with the header first,second",
+            )
+        return all_pairs(curves)
+    patches: dict[str, Spectra] = {}
+    column: dict[str, int] = {}
     pairs = []
     for number, line in lines:
         where = f"{word}, line {number}"
@@ -54,8 +64,9 @@ def resolve_pairs(word: str, *, answers: Answers = ASK) -> PatchPairs:
             )
         for name in line:
             if name not in patches:
+                column[name] = len(patches)
                 patches[name] = _patch(name, where, answers)
-        pairs.append([list(patches).index(name) for name in line])
+        pairs.append([column[name] for name in line])
         if line[0] == line[1]:
             raise InputError("pairs", "must be of two patches", value=line[0], where=where)
     columns = [each.values[:, 0] for each in patches.values()]
@@ -79,10 +90,13 @@ def _patch(name: str, where: str, answers: Answers) -> Spectra:
             remedy="put own curves into one file of reflectances: all its pairs are taken",
         )
     try:
-        share = float(name)
+        share: float | str = float(name)
     except ValueError:
-        return resolve_patch(name, answers=answers)
-    return resolve_patch(share, answers=answers)
+        share = name
+    try:
+        return resolve_patch(share, answers=answers)
+    except InputError as error:
+        raise error.within(where) from None
 
 
 def _listed(word: str) -> list[tuple[int, list[str]]] | None:
@@ -95,12 +109,22 @@ def _listed(word: str) -> list[tuple[int, list[str]]] | None:
     except OSError as error:
         raise InputError(word, f"cannot be read ({_check.reason(error)})") from None
     text = start.decode("utf-8-sig", errors="replace")
-    rows = [
-        (number, [cell.strip() for cell in row])
-        for number, row in enumerate(csv.reader(io.StringIO(text)), 1)
-        if any(cell.strip() for cell in row) and not row[0].lstrip().startswith("#")
-    ]
-    if not rows or tuple(cell.casefold() for cell in rows[0][1]) != _HEADER:
+    reader = csv.reader(io.StringIO(text, newline=None))
+    rows: list[tuple[int, list[str]]] = []
+    try:
+        for row in reader:
+            cells = [cell.strip() for cell in row]
+            if not any(cells) or cells[0].startswith("#"):
+                continue
+            if not rows and tuple(cell.casefold() for cell in cells) != _HEADER:
+                return None
+            rows.append((reader.line_num, cells))
+    except csv.Error as error:
+        if not rows:
+            return None
+        where = f"line {reader.line_num}"
+        raise InputError(word, "must be a list in CSV", found=str(error), where=where) from None
+    if not rows:
         return None
     if len(start) > _MOST_BYTES or len(rows) - 1 > _MOST_PAIRS:
         raise InputError(word, f"must hold at most {_MOST_PAIRS} pairs", value=len(rows) - 1)

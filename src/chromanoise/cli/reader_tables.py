@@ -98,11 +98,13 @@ def print_information(sensors: Sequence[tuple[str, Sequence[InformationChain]]])
     for name in steps:
         table.add_column(name, justify="right")
     for label, chains in sensors:
+        if not chains:
+            table.add_row(label, "saturated")
         for one in chains:
             bits = [f"{one.bits[name]:.2f}" if name in one.bits else "" for name in steps]
             table.add_row(label, _ABOUT[one.about], *bits)
     console.print(table)
-    source = sensors[0][1][0].prior
+    source = next((one.prior for _, chains in sensors for one in chains), "none")
     console.print(
         f"Information about reflectances ({source}) that is left after each step; for a linear "
         "reader of one pixel of each channel.",

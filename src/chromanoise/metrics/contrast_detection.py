@@ -74,6 +74,9 @@ def contrast_detection_probability(
             )
         )
     )
+    if not ((first_sd > 0).all() and (second_sd > 0).all()):
+        smallest = float(min(first_sd.min(), second_sd.min()))
+        raise InputError("bright_sd, dark_sd", "must be > 0", value=smallest)
     swapped = first < second
     high, low = np.where(swapped, second, first), np.where(swapped, first, second)
     high_sd, low_sd = np.where(swapped, second_sd, first_sd), np.where(swapped, first_sd, second_sd)

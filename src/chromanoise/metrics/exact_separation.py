@@ -12,7 +12,8 @@ from chromanoise.noise.distribution import ReadingDistribution
 
 _BINS = 2**15
 _FARTHEST = 60.0  # a log likelihood ratio beyond it has a weight below e^-30
-_PER_BIN = _BINS / (2 * _FARTHEST)
+_LEAST_RANGE = 1e-6  # of the table, where two patches are equal
+_NO_MASS = 1e-16  # of a value, which does not widen the table
 
 
 def exact_separation_probability(
@@ -38,7 +39,8 @@ def exact_separation_probability(
     -----
     As `gaussian_separation_probability`: half the sum of e^(-|l|/2) g(l). The density
     sqrt(p q) of the logarithm l of the likelihood ratio is tabulated per channel; the density of
-    the sum over the channels is their convolution, by fast Fourier transform.
+    the sum over the channels is their convolution, by fast Fourier transform. The table is as wide
+    as the ratios of the pair, so that nearly equal patches have the same digits.
 
     Examples
     --------
@@ -53,22 +55,20 @@ def exact_separation_probability(
         raise InputError("channels", "must hold at least one channel", value=0)
     patches = {f"channel {i}": len(each.probability) for i, each in enumerate(channels)}
     _check.same_length("patches", **patches)
-    ratio = np.fft.fftfreq(_BINS, 1.0 / (2 * _FARTHEST))
-    kernel = np.fft.rfft(np.exp(-0.5 * np.abs(ratio))).real
-    error = [_error_probability(channels, int(i), int(j), kernel) for i, j in pairs]
+    error = [_error_probability(channels, int(i), int(j)) for i, j in pairs]
     return 1.0 - np.asarray(error, dtype=np.float64)
 
 
-def _error_probability(
-    channels: Sequence[ReadingDistribution], one: int, other: int, kernel: Float[Array, " f"]
-) -> float:
+def _error_probability(channels: Sequence[ReadingDistribution], one: int, other: int) -> float:
+    ratios = [_log_ratio(each.probability[one], each.probability[other]) for each in channels]
+    widest = sum(np.abs(r[m > _NO_MASS]).max(initial=0.0) for r, m in ratios)
+    farthest = float(np.clip(widest, _LEAST_RANGE, _FARTHEST))
+    at = np.fft.fftfreq(_BINS, 1.0 / (2 * farthest))
+    kernel = np.fft.rfft(np.exp(-0.5 * np.abs(at))).real
     spectrum = np.ones(kernel.size, dtype=complex)
-    for each in channels:
-        p, q = each.probability[one], each.probability[other]
-        both = (p > 0) & (q > 0)
-        ratio, mass = np.log(p[both] / q[both]), np.sqrt(p[both] * q[both])
-        near = np.abs(ratio) < _FARTHEST
-        place = ratio[near] * _PER_BIN
+    for ratio, mass in ratios:
+        near = np.abs(ratio) <= farthest
+        place = ratio[near] * (_BINS / (2 * farthest))
         below = np.floor(place).astype(np.int64)
         share = (place - below) * mass[near]
         table = np.bincount(below % _BINS, mass[near] - share, _BINS)
@@ -77,3 +77,11 @@ def _error_probability(
     power = spectrum.real * kernel
     total = 2 * power.sum() - power[0] - power[-1]  # of both halves of the spectrum
     return float(np.clip(total / _BINS / 2, 0.0, 0.5))
+
+
+def _log_ratio(
+    p: Float[Array, " x"], q: Float[Array, " x"]
+) -> tuple[Float[Array, " y"], Float[Array, " y"]]:
+    """Logarithm of p / q where both are above 0, and the root of p q."""
+    both = (p > 0) & (q > 0)
+    return np.log(p[both]) - np.log(q[both]), np.sqrt(p[both]) * np.sqrt(q[both])

@@ -7,7 +7,7 @@ it uses, and is imported on first use.
 from typing import TYPE_CHECKING
 
 from chromanoise._lazy import lazy_names
-from chromanoise.noise.distribution import ReadingDistribution, reading_distribution
+from chromanoise.noise.distribution import ReadingDistribution, few_electrons, reading_distribution
 from chromanoise.noise.exact import (
     Moments,
     Readout,
@@ -59,6 +59,7 @@ __all__ = [
     "counted_readout",
     "demand_independent_channels",
     "expectation",
+    "few_electrons",
     "mean_noise_covariance",
     "monte_carlo",
     "noise_sources",

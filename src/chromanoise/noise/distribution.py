@@ -7,7 +7,7 @@ import numpy as np
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise._shapes import Float
+from chromanoise._shapes import Bool, Float
 from chromanoise.errors import InputError
 from chromanoise.noise.counts import count_law, count_window
 from chromanoise.noise.exact import Readout, counted_readout
@@ -17,8 +17,13 @@ from chromanoise.noise.sources import NoiseSources
 MOST_COUNTED_E = 2000.0
 """Largest mean whose distribution is tabulated. [e-]"""
 
+_FEW_E = 1000.0
+_MOST_NOISE_E = 100.0  # with more, the skewness of 1000 electrons is below 1e-3
+
 _PER_READ_NOISE = 6  # values per standard deviation of the readout
 _LEAST_NOISE_E = 1e-3  # below it the readout is exact
+_LEAST_SD_E = 0.02  # in place of less, because 50 of it lie between two counts
+_MOST_REACH_E = 1e5
 _MOST_ENTRIES = 2**22  # of the table codes x counts; more codes are as good as continuous
 
 
@@ -46,6 +51,28 @@ class ReadingDistribution:
         _check.freeze(self, "values_e", "probability")
 
 
+def few_electrons(mean_e: Float[Array, "*k"], noise: NoiseSources) -> Bool[Array, "*k"]:
+    """Whether one reading needs its whole distribution: a Gaussian is not enough.
+
+    True up to 1000 electrons of light and dark, with at most 100 electrons of noise that is not
+    counted.
+
+    Parameters
+    ----------
+    mean_e
+        Expected electrons of the light. [e-]
+    noise
+        The noise sources.
+
+    Examples
+    --------
+    >>> few_electrons(np.array([10.0, 2000.0]), NoiseSources(read_noise_e=2.0))
+    array([ True, False])
+    """
+    added = noise.added_variance_e2(mean_e)
+    return np.asarray((mean_e + noise.dark_e <= _FEW_E) & (added <= _MOST_NOISE_E**2))
+
+
 def reading_distribution(
     mean_e: Float[Array, " k"], noise: NoiseSources, readout: Readout | None = None
 ) -> ReadingDistribution:
@@ -63,7 +90,7 @@ def reading_distribution(
     Raises
     ------
     InputError
-        If a mean is negative or too large.
+        If a mean is negative or too large, or the noise is too large for a table.
 
     Examples
     --------
@@ -85,6 +112,13 @@ def reading_distribution(
     added = np.sqrt(np.broadcast_to(noise.added_variance_e2(mean), mean.shape))
     step = bounds.step_e
     low, high = _reach(counted, added)
+    if high - low > _MOST_REACH_E:
+        raise InputError(
+            "noise",
+            f"must span at most {_MOST_REACH_E:g} [e-] for a table of a distribution",
+            value=high - low,
+            remedy="take the Gaussian form",
+        )
     if step and (high - low) ** 2 / step > _MOST_ENTRIES:
         step, added = 0.0, np.sqrt(added**2 + step**2 / 12)
     if step:
@@ -92,7 +126,7 @@ def reading_distribution(
     elif added.max() < _LEAST_NOISE_E:
         values, table = _rounded(counted, np.zeros_like(added), 1.0)
     else:
-        values, table = _continuous(counted, np.maximum(added, _LEAST_NOISE_E))
+        values, table = _continuous(counted, np.maximum(added, _LEAST_SD_E))
     width = 0.0 if step or added.max() < _LEAST_NOISE_E else float(values[1] - values[0])
     values, table = _clipped(values, table, bounds)
     return ReadingDistribution(

@@ -161,6 +161,7 @@ def outcomes_as_json(outcomes: Sequence[Outcome], outputs: OutputsPart) -> dict[
         if outputs.pipeline.run:
             own["pipeline"] = pipeline_as_json(outcome.pipeline)
         if outputs.reader == "machine":
+            data["reader"] = outputs.reader
             own["separation"] = separation_as_json(outcome.separation)
             own["contrast_detection"] = contrast_detection_as_json(outcome.contrast_detection)
             own["information"] = [information_as_json(one) for one in outcome.information]
