@@ -96,6 +96,17 @@ def test_equal_patches_and_a_tolerance_of_zero_are_refused():
         contrast_detection_probability(two, one, bright_sd=one, dark_sd=one, tolerance=0.0)
 
 
+def test_a_dark_reading_below_zero_is_not_detected():
+    rng, count = np.random.default_rng(5), 400_000
+    high, low = (mean + 10.0 * rng.standard_normal(count) for mean in (2.0, 1.0))
+    share = ((low > 0) & (np.abs(high / low - 2.0) <= 0.5)).mean()
+    sd = np.array([10.0])
+    found = contrast_detection_probability(
+        np.array([2.0]), np.array([1.0]), bright_sd=sd, dark_sd=sd
+    )
+    assert abs(found[0] - share) < 4 * np.sqrt(share / count)
+
+
 def test_patches_without_noise_are_refused():
     one, two, none = np.array([10.0]), np.array([20.0]), np.zeros(1)
     for sd in ({"bright_sd": none, "dark_sd": one}, {"bright_sd": one, "dark_sd": none}):

@@ -356,6 +356,12 @@ def test_the_medians_of_276_pairs_are_those_that_were_printed(lux):
             assert f"{median:.{len(text.partition('.')[2])}f}" == text
 
 
+def test_the_worst_pair_has_the_least_distance_in_raw_values():
+    (one,) = analyzed("onyx-rgbw").analyses
+    found = separation_of(one)
+    assert (found.distance[RAW] >= found.distance[RAW][found.worst]).all()
+
+
 def test_three_channels_lose_nothing_in_three_colors_and_four_do():
     four, three = analyzed("onyx-rgbw", "onyx-rgb-ircut").analyses
     same, less = separation_of(three), separation_of(four)
