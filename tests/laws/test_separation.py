@@ -312,7 +312,7 @@ def test_a_distribution_of_great_noise_is_refused_and_not_needed():
 
 
 def test_few_electrons_include_those_of_the_dark():
-    mean = np.array([0.0, 150.0, 201.0])
+    mean = np.array([0.0, 950.0, 1001.0])
     assert few_electrons(mean, SHOT_ONLY).tolist() == [True, True, False]
     assert few_electrons(mean, NoiseSources(read_noise_e=1.0, dark_e=60.0)).tolist() == [
         True,
