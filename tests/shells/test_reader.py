@@ -104,3 +104,30 @@ def test_a_comparison_of_separations_crosses_where_the_medians_do(done):
     ).to_dict()["sensors"]
     medians = [one["separation"]["median_raw_without_brightness"] for one in both]
     assert medians[0] == pytest.approx(medians[1], rel=2e-3)
+
+
+def test_the_report_for_a_machine_has_the_medians_of_the_command(done, here):
+    (here / "s.toml").write_text(
+        '[[sensors]]\nname = "onyx-rgbw"\n[exposure]\ntime_ms = 12\n[outputs]\nreader = "machine"\n'
+    )
+    done("report", "s.toml", "-o", "s.html")
+    found = separation(done)
+    text = (here / "s.html").read_text()
+    for name in DISTANCES:
+        cell = (
+            f"<td>{found[f'median_{name}']:#.3g} ({found[f'median_{name}_probability']:.3f})</td>"
+        )
+        assert cell in text
+
+
+def test_a_comparison_of_raw_values_says_nothing_of_matrix_and_color_error(done):
+    lines = []
+    for quantity in ("separation-without-brightness", "color-separation"):
+        out, _ = done(
+            "compare", "onyx-rgbw", "onyx-rgb-ircut", "--quantity", quantity,
+            "--sweep", "lux=1:8", "--points", "3", "--time-ms", "12",
+        )  # fmt: skip
+        lines.append(out)
+    raw, color = lines
+    assert " | 12.4" not in raw
+    assert " | 12.4" in color

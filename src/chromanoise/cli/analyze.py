@@ -6,7 +6,7 @@ import click
 
 from chromanoise.analysis import color_budgets, contravariant_budgets
 from chromanoise.analysis.comparison.ranking import MOST_PAIRS_SENSORS
-from chromanoise.charts import verdict_sentences
+from chromanoise.charts import MachineReading, verdict_sentences
 from chromanoise.cli import tables
 from chromanoise.cli.copying import print_copy
 from chromanoise.cli.merit_tables import print_merits
@@ -25,11 +25,7 @@ from chromanoise.cli.output import json_text, refuse_taken_inputs, table_text, w
 from chromanoise.cli.parsing import command
 from chromanoise.cli.pipeline_tables import print_pipeline
 from chromanoise.cli.progress import progress_of_step
-from chromanoise.cli.reader_tables import (
-    print_contrast_detection,
-    print_information,
-    print_separations,
-)
+from chromanoise.cli.reader_tables import print_machine_readings
 from chromanoise.color import SPACES
 from chromanoise.exposure import conditions
 from chromanoise.study import Analyses, analyze_study, run
@@ -107,10 +103,17 @@ def _print(result: Analyses, *, equal: str) -> None:
     for outcome in result.outcomes if outputs.pipeline.run else ():
         print_pipeline(outcome.analysis.sensor.name, outcome.pipeline)
     if outputs.reader == "machine":
-        of = [(outcome.analysis.sensor.label, outcome) for outcome in result.outcomes]
-        print_separations([(label, outcome.separation) for label, outcome in of])
-        print_contrast_detection([(label, outcome.contrast_detection) for label, outcome in of])
-        print_information([(label, outcome.information) for label, outcome in of])
+        print_machine_readings(
+            [
+                MachineReading(
+                    label=one.analysis.sensor.label,
+                    separation=one.separation,
+                    contrast=one.contrast_detection,
+                    information=one.information,
+                )
+                for one in result.outcomes
+            ]
+        )
     print_merits(
         [
             (point, outcome.merits)

@@ -131,10 +131,10 @@ def print_comparison(
     """
     console = terminal()
     sweep, quantity, at = curves[0].sweep, curves[0].quantity, curves[0].at
-    title = (
-        f"{quantity.what} [{quantity.unit}] | mean color error of the chart without "
-        f"noise [Delta E*ab], over {sweep.what} [{sweep.unit}]"
+    beside = (
+        "" if quantity.of_raw else " | mean color error of the chart without noise [Delta E*ab]"
     )
+    title = f"{quantity.what} [{quantity.unit}]{beside}, over {sweep.what} [{sweep.unit}]"
     table = Table(title=title, title_justify="left")
     for head in ("sensor", "matrix"):
         table.add_column(head, no_wrap=True)
@@ -218,6 +218,8 @@ def print_ranking(ranks: Sequence[Rank], title: str) -> None:
 def _curve_cell(curve: Curve, i: int) -> str:
     if curve.saturated[i] and np.isnan(curve.value[i]):
         return "saturated"
+    if curve.quantity.of_raw:
+        return number_text(curve.value[i])
     return f"{number_text(curve.value[i])} | {number_text(curve.color_error[i], '.1f')}"
 
 

@@ -9,7 +9,7 @@ from typing import Any
 import jinja2
 
 from chromanoise import __version__
-from chromanoise.charts import PARTS, Shown, drawing
+from chromanoise.charts import PARTS, Shown, drawing, machine_reading, machine_tables
 from chromanoise.errors import InputError
 from chromanoise.geometry import unit_circle
 from chromanoise.imaging import png_bytes
@@ -118,6 +118,7 @@ def study_report(of: Shown, equations: Equations, sights: Sequence[Sight] = ()) 
         slides=data["slides"],
         sights=[_sight(one) for one in sights],
         maps=_maps(of),
+        machine=_machine(of),
         notes=_notes(full["head"]),
         faults=[data["fault"] for data in full.values() if "fault" in data],
         provenance=provenance(of.study),
@@ -237,6 +238,13 @@ def _sight(sight: Sight) -> dict[str, Any]:
     sizes = [picture.shape[:2] for picture in sight.pictures]
     shown = zip(sight.sensors, sources, sizes, strict=False)
     return {"cube": sight.cube, "matrix": sight.matrix, "pictures": list(shown)}
+
+
+def _machine(of: Shown) -> list[dict[str, Any]]:
+    """The tables for a machine, if it is the reader of the study."""
+    if of.study.outputs.reader != "machine":
+        return []
+    return machine_tables([machine_reading(analysis) for analysis in of.analyses])
 
 
 def _maps(of: Shown) -> list[dict[str, Any]]:

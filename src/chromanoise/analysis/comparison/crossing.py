@@ -278,20 +278,23 @@ def crossover_sentence(crossover: Crossover) -> str:
             f"{crossover.quantity.what} at every {crossover.sweep.what} from {span}."
         )
     better = "higher" if crossover.quantity.more_is_better else "lower"
-    leads = (
-        f"With the {crossover.matrix} matrix {leader} has the {better} {crossover.quantity.what}"
-    )
+    of_raw = crossover.quantity.of_raw
+    leads = f"{leader} has the {better} {crossover.quantity.what}"
+    if not of_raw:
+        leads = f"With the {crossover.matrix} matrix {leads}"
     if not crossover.at:
         return f"{leads} than {other} at every {crossover.sweep.what} from {span}."
     values = [value_in_words(value, 3 if value < 100 else 4) for value in crossover.at]
     between = [f"from {low} to {high}" for low, high in pairwise(values)]
     leaders = (other, leader) * len(values)
     rest = (f"{who} {where}" for who, where in zip(leaders, (*between, "above"), strict=False))
+    crossed = f"{leads} below {sweep.with_unit(values[0])} of {sweep.what}, {', '.join(rest)}"
+    if of_raw:
+        return f"{crossed} (within {span})."
     colors = "; ".join(f"{a:.1f} and {b:.1f}" for a, b in crossover.color_error)
     where = "at the crossover" if len(values) == 1 else "at the crossovers"
     return (
-        f"{leads} below {sweep.with_unit(values[0])} of {sweep.what}, {', '.join(rest)} "
-        f"(within {span}); {where} the mean color errors of {first} and {second} are "
+        f"{crossed} (within {span}); {where} the mean color errors of {first} and {second} are "
         f"{colors} Delta E*ab."
     )
 

@@ -60,6 +60,8 @@ class Quantity:
     over_levels
         The same for many light levels [lx] at once, as `color_snr_over_levels`; ``None`` where
         there is no such function.
+    of_raw
+        Whether it is one of raw values, which neither a color matrix nor its color error concerns.
     """
 
     name: str
@@ -68,6 +70,7 @@ class Quantity:
     more_is_better: bool
     of: Callable[[OperatingPoint, ColorMatrix], float]
     over_levels: Callable[..., Array] | None = None
+    of_raw: bool = False
 
 
 def _patch_at(operating_point: OperatingPoint, matrix: ColorMatrix, **more: Any) -> Stages:
@@ -286,6 +289,7 @@ def _separation(name: str, reading: str) -> Quantity:
         more_is_better=True,
         of=partial(median_distance, reading=reading),
         over_levels=partial(median_distance_over_levels, reading=reading),
+        of_raw=reading.startswith("raw"),
     )
 
 
@@ -342,6 +346,7 @@ QUANTITIES: Mapping[str, Quantity] = {
             unit="1",
             more_is_better=True,
             of=best_channel_probability,
+            of_raw=True,
         ),
         Quantity(
             name="information",
@@ -350,6 +355,7 @@ QUANTITIES: Mapping[str, Quantity] = {
             more_is_better=True,
             of=information,
             over_levels=information_over_levels,
+            of_raw=True,
         ),
     )
 }

@@ -1,0 +1,131 @@
+"""What a machine tells apart, as tables for a terminal and for a report."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from chromanoise.analysis.analysis import Analysis
+from chromanoise.analysis.contrast_detection import (
+    BRIGHT,
+    DARK,
+    TARGET,
+    TOLERANCE,
+    ContrastDetection,
+    contrast_detection_of,
+)
+from chromanoise.analysis.information import InformationChain, information_chains
+from chromanoise.analysis.separation import READINGS, Separation, separation_of
+
+_ABOUT = {"spectrum": "spectrum", "visible": "visible light"}
+_HEADS = ("raw", "color", "raw, no brightness", "color, no brightness")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class MachineReading:
+    """What a machine tells apart with one sensor.
+
+    Attributes
+    ----------
+    label
+        Of the sensor.
+    separation, contrast, information
+        As `separation_of`, `contrast_detection_of` and `information_chains`.
+    """
+
+    label: str
+    separation: Separation | None
+    contrast: ContrastDetection | None
+    information: Sequence[InformationChain]
+
+
+def machine_reading(analysis: Analysis) -> MachineReading:
+    """All that is computed for a machine, at the operating point of an analysis."""
+    return MachineReading(
+        label=analysis.sensor.label,
+        separation=separation_of(analysis),
+        contrast=contrast_detection_of(analysis),
+        information=information_chains(analysis),
+    )
+
+
+def machine_tables(readings: Sequence[MachineReading]) -> list[dict[str, Any]]:
+    """Tables of distances, contrast detection and information, each with ``title`` and ``note``.
+
+    Parameters
+    ----------
+    readings
+        One per sensor.
+    """
+    return [_separations(readings), _contrasts(readings), _information(readings)]
+
+
+def _separations(readings: Sequence[MachineReading]) -> dict[str, Any]:
+    rows: list[list[str]] = []
+    for reading in readings:
+        found = reading.separation
+        if found is None:
+            rows.append([reading.label, "a patch is saturated", *("" for _ in READINGS)])
+            continue
+        medians = [(found.median_distance(n), found.median_probability(n)) for n in READINGS]
+        count = len(found.pairs.indices)
+        rows.append([reading.label, f"median of {count}", *map(_distance, medians)])
+        at, names = found.worst, found.pairs.names[found.worst]
+        worst = [(found.distance[n][at], found.probability[n][at]) for n in READINGS]
+        rows.append(["", f"worst: {names[0]} / {names[1]}", *map(_distance, worst)])
+    return {
+        "title": "For a machine: distance D_M (probability)",
+        "head": ["sensor", "pairs", *_HEADS],
+        "rows": rows,
+        "note": "D_M: distance of two patches in units of their noise, for an ideal reader of one "
+        "pixel; in parentheses the probability that it names the right one of the two (0.5 is "
+        "chance). Medians of distances and of probabilities are taken separately.",
+    }
+
+
+def _contrasts(readings: Sequence[MachineReading]) -> dict[str, Any]:
+    rows = []
+    for reading in readings:
+        found = reading.contrast
+        if found is None:
+            rows.append([reading.label, "saturated", "", ""])
+            continue
+        channels = ", ".join(f"{name} {p:.3f}" for name, p in found.channels.items())
+        luminance = "" if math.isnan(found.luminance) else f"{found.luminance:.3f}"
+        level = "none" if math.isnan(found.level_lux) else f"{found.level_lux:.3g}"
+        rows.append([reading.label, channels, luminance, level])
+    return {
+        "title": "For a machine: contrast detection probability (CDP)",
+        "head": ["sensor", "raw channels", "Y", f"least lux for CDP {TARGET:g}"],
+        "rows": rows,
+        "note": f"Grays of {100 * BRIGHT:g} and {100 * DARK:g} % on one pixel each: the share of "
+        f"readings whose Weber contrast is within {100 * TOLERANCE:g} % of the true one (idea of "
+        "IEEE P2020). Y has none where a channel has fewer than 200 electrons. The last column is "
+        "for the best raw channel, with the time kept.",
+    }
+
+
+def _information(readings: Sequence[MachineReading]) -> dict[str, Any]:
+    every = [name for reading in readings for one in reading.information for name in one.bits]
+    steps = list(dict.fromkeys(every))
+    rows = []
+    for reading in readings:
+        if not reading.information:
+            rows.append([reading.label, "saturated", *("" for _ in steps)])
+        for one in reading.information:
+            bits = [f"{float(one.bits[n]):.2f}" if n in one.bits else "" for n in steps]
+            rows.append([reading.label, _ABOUT[one.about], *bits])
+    source = next((one.prior for reading in readings for one in reading.information), "none")
+    return {
+        "title": "For a machine: information [bit per pixel]",
+        "head": ["sensor", "about", *steps],
+        "rows": rows,
+        "note": f"Least information about reflectances ({source}) that is left after each step, "
+        "for a linear reader of one pixel of each channel.",
+    }
+
+
+def _distance(value: tuple[float, float]) -> str:
+    distance, probability = value
+    digits = "#.3g" if distance < 100 else ".0f"
+    return f"{distance:{digits}} ({probability:.3f})"
