@@ -56,7 +56,7 @@ SHEET = {
 
 
 def disagreements(source):
-    return [note for note in source.notes if "one is wrong" in note or "top code" in note]
+    return [note for note in source.notes if "one is wrong" in note or "the top code " in note]
 
 
 def typed(tmp_path, values, form="{name} = {number} {unit}", name="sheet.txt"):

@@ -276,7 +276,7 @@ REFUSED = {
     ),
     "cube that ends short": (
         lambda: picture_of(flat_cube(np.array([400.0, 650.0]), 0.5, height=1, width=1)),
-        ["a flat cube", "400-650 nm", "660 nm", "beyond"],
+        ["a flat cube", "400-650 nm", "660-700 nm", "beyond"],
     ),
     "cube in micrometers": (
         lambda: picture_of(flat_cube(np.array([0.4, 0.7]), 0.5, height=1, width=1), beyond="hold"),
@@ -608,7 +608,7 @@ def test_a_file_that_is_not_there_is_refused_by_name(tmp_path):
     ("cell", "remedy"),
     [
         ("1.01", "divide percent by 100"),
-        ("-0.02", Setting("negatives", ("zero",))),
+        ("-0.002", Setting("negatives", ("zero",))),
         ("45", "divide percent by 100"),
     ],
 )

@@ -183,7 +183,7 @@ def test_the_page_calls_a_setting_by_the_name_of_its_control():
         (
             lambda: cn.analyze("onyx-rgbw", "onyx-rgbw"),
             "sensors must not be repeated with the same settings, but 'onyx-rgbw' is repeated; "
-            "change a setting of one, or omit one",
+            "change one in a study file, e.g. sensors.1.filter, or omit one",
         ),
     ],
 )
