@@ -1,52 +1,15 @@
-"""What a machine tells apart, as tables for a terminal and for a report."""
+"""Separation, contrast detection and information as tables for a terminal and a report."""
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
-from chromanoise.analysis.analysis import Analysis
-from chromanoise.analysis.contrast_detection import (
-    BRIGHT,
-    DARK,
-    TARGET,
-    TOLERANCE,
-    ContrastDetection,
-    contrast_detection_of,
-)
-from chromanoise.analysis.information import InformationChain, information_chains
-from chromanoise.analysis.separation import READINGS, Separation, separation_of
+from chromanoise.analysis.contrast_detection import BRIGHT, DARK, TARGET, TOLERANCE
+from chromanoise.analysis.machine_reading import MachineReading
+from chromanoise.analysis.separation import READINGS
 
 _ABOUT = {"spectrum": "spectrum", "visible": "visible light"}
 _HEADS = ("raw", "color", "raw, no brightness", "color, no brightness")
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class MachineReading:
-    """What a machine tells apart with one sensor.
-
-    Attributes
-    ----------
-    label
-        Of the sensor.
-    separation, contrast, information
-        As `separation_of`, `contrast_detection_of` and `information_chains`.
-    """
-
-    label: str
-    separation: Separation | None
-    contrast: ContrastDetection | None
-    information: Sequence[InformationChain]
-
-
-def machine_reading(analysis: Analysis) -> MachineReading:
-    """All that is computed for a machine, at the operating point of an analysis."""
-    return MachineReading(
-        label=analysis.sensor.label,
-        separation=separation_of(analysis),
-        contrast=contrast_detection_of(analysis),
-        information=information_chains(analysis),
-    )
 
 
 def machine_tables(readings: Sequence[MachineReading]) -> list[dict[str, Any]]:

@@ -1,4 +1,4 @@
-"""A sentence on what a machine that reads raw values tells apart; for an eye see `verdicts`."""
+"""The verdict for a machine that reads raw values, in one sentence; for an eye see `verdicts`."""
 
 from collections.abc import Sequence
 

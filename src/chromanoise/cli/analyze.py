@@ -6,7 +6,7 @@ import click
 
 from chromanoise.analysis import color_budgets, contravariant_budgets
 from chromanoise.analysis.comparison.ranking import MOST_PAIRS_SENSORS
-from chromanoise.charts import MachineReading, verdict_sentences
+from chromanoise.charts import verdict_sentences
 from chromanoise.cli import tables
 from chromanoise.cli.copying import print_copy
 from chromanoise.cli.merit_tables import print_merits
@@ -102,18 +102,9 @@ def _print(result: Analyses, *, equal: str) -> None:
         tables.print_chart(outcome.analysis, outcome.chart)
     for outcome in result.outcomes if outputs.pipeline.run else ():
         print_pipeline(outcome.analysis.sensor.name, outcome.pipeline)
-    if outputs.reader == "machine":
-        print_machine_readings(
-            [
-                MachineReading(
-                    label=one.analysis.sensor.label,
-                    separation=one.separation,
-                    contrast=one.contrast_detection,
-                    information=one.information,
-                )
-                for one in result.outcomes
-            ]
-        )
+    readings = [one.machine for one in result.outcomes if one.machine is not None]
+    if readings:
+        print_machine_readings(readings)
     print_merits(
         [
             (point, outcome.merits)

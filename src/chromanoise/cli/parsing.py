@@ -53,19 +53,19 @@ def _is_shown(parameter: click.Parameter) -> bool:
 def _bad_value(error: click.BadParameter) -> InputError | None:
     """The error of a value that is no number or no choice; ``None`` for other errors."""
     kind: Any = error.param.type if error.param is not None else None
-    told = re.match(r"(?s)'(.*)' is not ", error.message)
-    if error.param is None or told is None:
+    quoted = re.match(r"(?s)'(.*)' is not ", error.message)
+    if error.param is None or quoted is None:
         return None
     name = max(error.param.opts, key=len) if isinstance(error.param, click.Option) else ""
     name = name or error.param.human_readable_name
     if isinstance(kind, click.Choice):
         choices = [str(one) for one in kind.choices]
-        remedy = did_you_mean(told[1], choices, "", most=1)
+        remedy = did_you_mean(quoted[1], choices, "", most=1)
         return InputError(
-            name, f"must be {' or '.join(choices)}", value=told[1], remedy=remedy or ()
+            name, f"must be {' or '.join(choices)}", value=quoted[1], remedy=remedy or ()
         )
     demand = {click.FLOAT: "a number", click.INT: "a whole number"}.get(kind)
-    return None if demand is None else InputError(name, f"must be {demand}", value=told[1])
+    return None if demand is None else InputError(name, f"must be {demand}", value=quoted[1])
 
 
 command = partial(click.command, cls=Command)

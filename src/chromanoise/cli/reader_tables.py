@@ -1,10 +1,11 @@
-"""What a machine tells apart, as tables on a terminal."""
+"""The tables for a machine on a terminal."""
 
 from collections.abc import Sequence
 
 from rich.table import Table
 
-from chromanoise.charts import MachineReading, machine_tables
+from chromanoise.analysis.machine_reading import MachineReading
+from chromanoise.charts import machine_tables
 from chromanoise.cli.output import terminal
 
 _TEXTS = 2  # columns of text before those of numbers

@@ -9,7 +9,8 @@ from typing import Any
 import jinja2
 
 from chromanoise import __version__
-from chromanoise.charts import PARTS, Shown, drawing, machine_reading, machine_tables
+from chromanoise.analysis.machine_reading import machine_reading
+from chromanoise.charts import PARTS, Shown, drawing, machine_tables
 from chromanoise.errors import InputError
 from chromanoise.geometry import unit_circle
 from chromanoise.imaging import png_bytes

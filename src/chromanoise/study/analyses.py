@@ -9,20 +9,14 @@ from chromanoise.analysis.camera_pipeline import pipeline_noise
 from chromanoise.analysis.chart_patches import ChartNoise, chart_as_json, chart_noise
 from chromanoise.analysis.color_matrices import MatrixMaker
 from chromanoise.analysis.color_space_noise import GrayNoise, gray_noise, gray_noise_as_json
-from chromanoise.analysis.contrast_detection import (
-    ContrastDetection,
-    contrast_detection_as_json,
-    contrast_detection_of,
-)
 from chromanoise.analysis.export import analyses_as_json, budgets_as_json
 from chromanoise.analysis.figures_of_merit.merits import Merits, merits_as_json, merits_of
-from chromanoise.analysis.information import (
-    InformationChain,
-    information_as_json,
-    information_chains,
+from chromanoise.analysis.machine_reading import (
+    MachineReading,
+    machine_reading,
+    machine_reading_as_json,
 )
 from chromanoise.analysis.pipeline_results import PipelineNoise, pipeline_as_json
-from chromanoise.analysis.separation import Separation, separation_as_json, separation_of
 from chromanoise.color import SPACES, UNBOUNDED
 from chromanoise.exposure import OperatingPoint, patch_scene
 from chromanoise.noise import Readout, clipping_readout
@@ -45,12 +39,8 @@ class Outcome:
         ``None`` where not asked for.
     pipeline
         As ``grey_noise``.
-    separation, contrast_detection
-        What a machine tells apart; ``None`` where not asked for, or where a patch saturates a
-        channel.
-    information
-        What raw values and color know about the default prior, first about the whole spectrum,
-        then about its visible part; empty where not asked for.
+    machine
+        ``None`` for an eye.
     """
 
     analysis: Analysis
@@ -58,9 +48,7 @@ class Outcome:
     chart: ChartNoise | None
     merits: Merits | None
     pipeline: PipelineNoise | None
-    separation: Separation | None
-    contrast_detection: ContrastDetection | None
-    information: tuple[InformationChain, ...]
+    machine: MachineReading | None
 
 
 def analysis_of(
@@ -121,7 +109,7 @@ def outcome_of(
         If the matrix cannot be made, or an output cannot be computed.
     """
     analysis = analysis_of(operating_point, maker, outputs)
-    readout, for_machine = analysis.readout, outputs.reader == "machine"
+    readout = analysis.readout
     space = SPACES[outputs.space] if outputs.space is not None else None
     return Outcome(
         analysis=analysis,
@@ -131,9 +119,7 @@ def outcome_of(
         pipeline=_pipeline(analysis, outputs.pipeline, balance_light, readout)
         if outputs.pipeline.run
         else None,
-        separation=separation_of(analysis) if for_machine else None,
-        contrast_detection=contrast_detection_of(analysis) if for_machine else None,
-        information=information_chains(analysis) if for_machine else (),
+        machine=machine_reading(analysis) if outputs.reader == "machine" else None,
     )
 
 
@@ -160,9 +146,7 @@ def outcomes_as_json(outcomes: Sequence[Outcome], outputs: OutputsPart) -> dict[
             own["merits"] = merits_as_json(outcome.merits)
         if outputs.pipeline.run:
             own["pipeline"] = pipeline_as_json(outcome.pipeline)
-        if outputs.reader == "machine":
+        if outcome.machine is not None:
             data["reader"] = outputs.reader
-            own["separation"] = separation_as_json(outcome.separation)
-            own["contrast_detection"] = contrast_detection_as_json(outcome.contrast_detection)
-            own["information"] = [information_as_json(one) for one in outcome.information]
+            own |= machine_reading_as_json(outcome.machine)
     return data
