@@ -44,6 +44,7 @@ lint-js:
 bench: $(VENV)/.bench
 	$(BIN)/python benchmarks/closed_form_against_sampling.py
 	$(BIN)/python benchmarks/whole_pixel.py
+	$(BIN)/python benchmarks/separation.py
 	$(BIN)/python benchmarks/imaging.py --write
 	$(BIN)/python benchmarks/startup.py --write
 	$(BIN)/python benchmarks/page.py --write

@@ -37,7 +37,7 @@ def _separations(readings: Sequence[MachineReading]) -> dict[str, Any]:
         worst = [(found.distance[n][at], found.probability[n][at]) for n in READINGS]
         rows.append(["", f"worst: {names[0]} / {names[1]}", *map(_distance, worst)])
     return {
-        "title": "For a machine: distance D_M (probability)",
+        "title": "Distance D_M for a machine (probability)",
         "head": ["sensor", "pairs", *_HEADS],
         "rows": rows,
         "note": "D_M: distance of two patches in units of their noise, for an ideal reader of one "
@@ -58,7 +58,7 @@ def _contrasts(readings: Sequence[MachineReading]) -> dict[str, Any]:
         level = "none" if math.isnan(found.level_lux) else f"{found.level_lux:.3g}"
         rows.append([reading.label, channels, luminance, level])
     return {
-        "title": "For a machine: contrast detection probability (CDP)",
+        "title": "Contrast detection probability for a machine (CDP)",
         "head": ["sensor", "raw channels", "Y", f"least lux for CDP {TARGET:g}"],
         "rows": rows,
         "note": f"Grays of {100 * BRIGHT:g} and {100 * DARK:g} % on one pixel each: the share of "
@@ -80,7 +80,7 @@ def _information(readings: Sequence[MachineReading]) -> dict[str, Any]:
             rows.append([reading.label, _ABOUT[one.about], *bits])
     source = next((one.prior for reading in readings for one in reading.information), "none")
     return {
-        "title": "For a machine: information [bit per pixel]",
+        "title": "Information for a machine [bit per pixel]",
         "head": ["sensor", "about", *steps],
         "rows": rows,
         "note": f"Least information about reflectances ({source}) that is left after each step, "
