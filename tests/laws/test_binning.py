@@ -22,7 +22,7 @@ from chromanoise.sensor import (
 from chromanoise.spectra import DEFAULT_GRID
 from outcomes import refused_input
 
-DRAWS = 400_000
+DRAWS = 100_000
 PIXEL = {
     "read_noise_e": 4.0,
     "dark_current_e_per_s": 600.0,

@@ -3,8 +3,8 @@
 import json
 import logging
 import time
-from collections.abc import Hashable, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 from chromanoise.charts import DRAWINGS, PARTS, Look, Shown, drawing, shown
@@ -13,8 +13,10 @@ from chromanoise.exposure import OperatingPoint
 from chromanoise.io.given_matrices import is_matrix_file
 from chromanoise.page.cache import Remembered
 from chromanoise.page.requests import QuestionError, field, malformed, page_sentence
-from chromanoise.page.studies import Studies, labeled, spoken, stamps_of
+from chromanoise.page.studies import Stamps, Studies, labeled, spoken, stamps_of
 from chromanoise.page.uploads import Upload
+from chromanoise.sensor import Sensor
+from chromanoise.spectra import Illuminant
 from chromanoise.study import OutputsPart, Study, study_as_command, study_as_python, study_as_toml
 
 _LOG = logging.getLogger("chromanoise.page")
@@ -53,9 +55,15 @@ class ChartReplies:
         study, used = self._studies.read(field(question, "study", dict, {}))
         operating_points = self._studies.operating_points(study, used)
         hashed = self._studies.hash_of(study, used)
-        parts = ", ".join(
-            f'"{part}": {self._part(part, study, operating_points, look, used)}' for part in wanted
+        asked = _Asked(
+            study=study,
+            operating_points=operating_points,
+            look=look,
+            nouns=tuple((one.sensor, one.illuminant) for one in operating_points),
+            words=study.model_dump_json(exclude=_BESIDE),
+            stamps=stamps_of(study, "matrices."),
         )
+        parts = ", ".join(f'"{part}": {self._part(part, asked, used)}' for part in wanted)
         head = {
             "number": number,
             "hash": hashed,
@@ -80,23 +88,17 @@ class ChartReplies:
         }
         return {name: make(study) for name, make in makers.items()}
 
-    def _part(
-        self,
-        part: str,
-        study: Study,
-        operating_points: Sequence[OperatingPoint],
-        look: Look,
-        used: list[Upload],
-    ) -> str:
-        looked = tuple(getattr(look, name) for name in _LOOKS.get(part, ()))
-        nouns = tuple((one.sensor, one.illuminant) for one in operating_points)
-        # sensitivities do not depend on level and exposure
-        beside = _BESIDE_MAP if part == "map" else _BESIDE
-        words = "" if part == "sensitivities" else study.model_dump_json(exclude=beside)
+    def _part(self, part: str, asked: "_Asked", used: list[Upload]) -> str:
+        study = asked.study
+        looked = tuple(getattr(asked.look, name) for name in _LOOKS.get(part, ()))
+        words = asked.words
+        if part == "sensitivities":  # they do not depend on level and exposure
+            words = ""
+        elif part == "map":
+            words = study.model_dump_json(exclude=_BESIDE_MAP)
         try:
             chart = self._parts.of(
-                (part, looked, nouns, words, stamps_of(study, "matrices.")),
-                lambda: self._drawn(part, study, operating_points, look),
+                (part, looked, asked.nouns, words, asked.stamps), lambda: self._drawn(part, asked)
             )
             return spoken(chart, [replace(one, label=_as_json(one.label)) for one in used])
         except InputError as error:  # not remembered: sensitivities have the key of other studies
@@ -108,17 +110,26 @@ class ChartReplies:
             _LOG.exception("the drawing %s failed", part)
             return json.dumps({"fault": f"{part} could not be computed for this study"})
 
-    def _drawn(
-        self, part: str, study: Study, operating_points: Sequence[OperatingPoint], look: Look
-    ) -> str:
-        key: Hashable = (
-            study.model_dump_json(exclude=_BESIDE),
-            *((one.sensor, one.illuminant) for one in operating_points),
-            stamps_of(study, "matrices."),
+    def _drawn(self, part: str, asked: "_Asked") -> str:
+        study = asked.study
+        seen = self._shown.of(
+            (asked.words, asked.nouns, asked.stamps),
+            lambda: shown(study, operating_points=asked.operating_points),
         )
-        seen = self._shown.of(key, lambda: shown(study, operating_points=operating_points))
         # of a study that differs in its sweeps, too
-        return json.dumps(drawing(part, replace(seen, study=study), look), allow_nan=False)
+        return json.dumps(drawing(part, replace(seen, study=study), asked.look), allow_nan=False)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Asked:
+    """The study of a request, and the keys of the caches, which all of its parts share."""
+
+    study: Study
+    operating_points: Sequence[OperatingPoint]
+    look: Look
+    nouns: tuple[tuple[Sensor, Illuminant], ...]
+    words: str
+    stamps: Stamps
 
 
 def _as_json(text: str) -> str:
