@@ -337,7 +337,7 @@ def test_readings_with_very_little_read_noise_are_as_good_as_counts():
 
 @cache
 def analyzed(*sensors, **more):
-    return cn.analyze(*sensors, **{"lux": 10.0, "time_ms": 12.0, "reader": "machine", **more})
+    return cn.analyze(*sensors, **{"lux": 10.0, "time_ms": 12.0, **more})
 
 
 MEDIANS = {  # computed by plain numpy; there 56.95 of the first is printed as 57.0
