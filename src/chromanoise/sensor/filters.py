@@ -101,6 +101,30 @@ def silicon_qe(
     return entering * np.exp(-per_um * dead) * -np.expm1(-per_um * depth)
 
 
+def layered_silicon_qe(grid: Grid, ends_um: Sequence[Number]) -> Inexact[Array, "*m n p"]:
+    """Electrons per photon of stacked photodiodes: each absorbs what those above it transmit.
+
+    The surface has no dead layer, and reflects as that of `silicon_qe`. [e-/photon]
+
+    Parameters
+    ----------
+    grid
+        Within 400-1050 nm.
+    ends_um
+        Depth at which each diode ends, increasing. [um]
+
+    Raises
+    ------
+    InputError
+        If a depth is not positive, or the depths do not increase.
+    """
+    depth = np.stack(np.broadcast_arrays(*ends_um), axis=-1)
+    if (np.diff(depth.real, axis=-1) <= 0).any():
+        raise InputError("ends_um", "must increase [um]", value=depth.real.tolist())
+    whole = silicon_qe(grid, depth_um=depth, dead_layer_um=0.0)
+    return np.moveaxis(np.diff(whole, axis=-2, prepend=0.0), -2, -1)
+
+
 def resin_filter(
     grid: Grid,
     *,
