@@ -107,7 +107,5 @@ def router_collection(
         raise InputError("channels of a router", "must be at least 2", value=p)
     own = [per_candidate("selectivity", "1", one, most=1.0) for one in selectivity]
     collected = per_candidate("efficiency", "1", efficiency, most=1.0)
-    columns = [
-        np.where(np.arange(p) == i, one, (1.0 - one) / (p - 1)) for i, one in enumerate(own)
-    ]
+    columns = [np.where(np.arange(p) == i, one, (1.0 - one) / (p - 1)) for i, one in enumerate(own)]
     return collected[..., None] * np.stack(np.broadcast_arrays(*columns), axis=-1)

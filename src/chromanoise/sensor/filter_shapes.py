@@ -159,7 +159,7 @@ def dual_band_filter(
     >>> dual_band_filter(
     ...     Grid.uniform(600, 900, 50), cutoff_nm=650, band_nm=850, band_width_nm=60, width_nm=4
     ... ).round(3)
-    array([1.   , 0.5  , 0.   , 0.   , 0.   , 0.999, 0.007])
+    array([1.   , 0.5  , 0.   , 0.   , 0.007, 0.999, 0.007])
     """
     visible = ir_cut(grid, edge_nm=cutoff_nm, width_nm=width_nm)
     scale = per_candidate("width_nm", "nm", width_nm, least=LEAST_LENGTH_NM)
@@ -207,7 +207,7 @@ def fabry_perot_filter(
     --------
     >>> comb = fabry_perot_filter(Grid.uniform(400, 800, 100), center_nm=800, reflectance=0.5,
     ...                           order=2)
-    >>> comb.round(3)               # orders 2 and 4 at 800 and 400 nm, order 3 between
+    >>> comb.round(3)               # orders 2 and 4 at 800 and 400 nm
     array([1.   , 0.266, 0.143, 0.17 , 1.   ])
     """
     center = per_candidate("center_nm", "nm", center_nm, least=LEAST_LENGTH_NM)

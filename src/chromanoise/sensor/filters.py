@@ -59,20 +59,20 @@ def per_candidate(
 
 
 def silicon_qe(
-    grid: Grid, *, depth_um: Number, dead_layer_um: float = 0.05, reflectance: float = 0.1
+    grid: Grid, *, depth_um: Number, dead_layer_um: Number = 0.05, reflectance: Number = 0.1
 ) -> Inexact[Array, "*m n"]:
     """Electrons per photon of a silicon photodiode (Beer-Lambert). [e-/photon]
 
     (1 - R) exp(-alpha dead) (1 - exp(-alpha depth)): the share of the light that is
     not reflected, not lost in the dead layer at the surface, and absorbed within the collection
-    depth.
+    depth. Each number may be one, or one per candidate.
 
     Parameters
     ----------
     grid
         Within 400-1050 nm, where the absorption of silicon is tabulated.
     depth_um
-        Collection depth; one, or one per candidate. [um]
+        Collection depth. [um]
     dead_layer_um
         Surface layer whose carriers are lost. [um]
     reflectance
@@ -84,8 +84,8 @@ def silicon_qe(
     logarithm is interpolated because it is smooth.
     """
     depth = per_candidate("depth_um", "um", depth_um, least=LEAST_LENGTH_UM)
-    dead = _check.not_negative("dead_layer_um", "um", dead_layer_um)
-    entering = 1.0 - float(_check.fraction("reflectance", "1", reflectance))
+    dead = per_candidate("dead_layer_um", "um", dead_layer_um)
+    entering = 1.0 - per_candidate("reflectance", "1", reflectance, most=1.0)
     table = packaged_table("silicon_absorption")
     wavelength = grid.wavelength_nm
     known = table.wavelength_nm
