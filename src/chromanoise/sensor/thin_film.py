@@ -1,7 +1,7 @@
 """Transmittance of a stack of thin films without absorption, at normal incidence.
 
-The transfer matrix of a film is [[cos d, i sin d / n], [i n sin d, cos d]], d its phase. The product
-of such matrices has the form [[a, i b], [i c, e]] with real a, b, c, e and a e + b c = 1. Only these
+The transfer matrix of a film with the phase d is [[cos d, i sin d / n], [i n sin d, cos d]]. The
+product of such matrices is [[a, i b], [i c, e]] with real a, b, c, e and a e + b c = 1. Only these
 four are multiplied: the transmittance is then an analytic function of all thicknesses and indices,
 which |t|^2 is not, and never above 1:
 
