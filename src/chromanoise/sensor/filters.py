@@ -50,12 +50,27 @@ def per_candidate(
         If a real part is not finite or not possible.
     """
     numbers = np.asarray(value)
+    if numbers.dtype.kind not in "fc":
+        numbers = numbers.astype(np.float64)
     bad = ~(np.isfinite(numbers.real) & (numbers.real >= least) & (numbers.real <= most))
     if bad.any():
-        limits = f"{least:g} to {most:g}" if most < math.inf else f"finite and >= {least:g}"
+        limits = possible(least, most)
         unit = "" if unit == "1" else f" [{unit}]"
         raise InputError(name, f"must be {limits}{unit}", value=float(numbers.real[bad].flat[0]))
     return numbers[..., None]
+
+
+def possible(least: float, most: float) -> str:
+    """The demand of a message for a number from ``least`` to ``most``.
+
+    Examples
+    --------
+    >>> possible(0.0, 1.0), possible(0.0, math.inf), possible(-math.inf, math.inf)
+    ('0 to 1', 'finite and >= 0', 'finite')
+    """
+    if most < math.inf:
+        return f"{least:g} to {most:g}"
+    return f"finite and >= {least:g}" if least > -math.inf else "finite"
 
 
 def silicon_qe(
@@ -161,7 +176,10 @@ def resin_filter(
     infrared = per_candidate("leak", "1", leak, most=1.0)
     bottom = per_candidate("floor", "1", floor, most=1.0)
     scale = per_candidate("edge_nm", "nm", edge_nm, least=LEAST_LENGTH_NM)
-    low, high, again = (np.asarray(edge)[..., None] for edge in (low_nm, high_nm, leak_nm))
+    low, high, again = (
+        per_candidate(name, "nm", edge, least=-math.inf)
+        for name, edge in (("low_nm", low_nm), ("high_nm", high_nm), ("leak_nm", leak_nm))
+    )
     order = (low.real < high.real) & (high.real <= again.real)
     if not order.all():
         first = np.unravel_index(int(order.argmin()), order.shape)
