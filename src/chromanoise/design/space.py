@@ -107,7 +107,7 @@ class DesignSpace:
         wavelengths.
     structure
         ``mosaic``: each channel has its own pixels. ``layers``: channels are stacked in silicon.
-        ``router``: all light of a tile is sorted to its pixels. The last two make `stacked` sensors.
+        ``router``: all light of a tile is sorted to its pixels. The last two are `stacked`.
     ir_cut
         A filter in front of all channels, with numbers ``ir_cut.cutoff_nm`` and so on.
     silicon
@@ -179,6 +179,7 @@ class DesignSpace:
     prnu: Value | None = None
     parameters: tuple[Parameter, ...] = field(init=False)
     _numbers: Mapping[str, float | int] = field(init=False, repr=False)
+    _curves: Mapping[str, Float[Array, "k n"]] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         self._refuse_structure()
@@ -200,6 +201,7 @@ class DesignSpace:
         parameters, numbers_of = _resolved(given, choices)
         object.__setattr__(self, "parameters", parameters)
         object.__setattr__(self, "_numbers", MappingProxyType(numbers_of))
+        object.__setattr__(self, "_curves", MappingProxyType(dict(self._library_curves())))
         self._refuse_dark_channels()
 
     # what the design consists of
@@ -250,6 +252,15 @@ class DesignSpace:
     def _needs_silicon(self) -> bool:
         """Whether a channel has the QE of one diode of silicon."""
         return self.structure != "layers" and any(one.base is None for one in self.channels)
+
+    def _library_curves(self) -> Iterator[tuple[str, Float[Array, "k n"]]]:
+        """Place and curves of each dye, of its thickness where that is fixed."""
+        for place, one in self._filters():
+            if one.model == LIBRARY_MODEL:
+                curves = np.stack([self.library[name] for name in one.curves])
+                thickness = self._numbers[f"{place}.thickness"]
+                is_free = isinstance(thickness, int)
+                yield place, curves if is_free else beer_lambert(curves, thickness)
 
     # candidates
 
@@ -350,9 +361,11 @@ class DesignSpace:
         self, place: str, one: Filter, values: Inexact[Array, "m d"]
     ) -> Inexact[Array, "*m n"]:
         if one.model == LIBRARY_MODEL:
-            curves = np.stack([self.library[name] for name in one.curves])
-            chosen = np.rint(np.real(self._number(f"{place}.curve", values))).astype(int)
-            return beer_lambert(curves[chosen], self._number(f"{place}.thickness", values))
+            index = np.asarray(self._number(f"{place}.curve", values))
+            curves = self._curves[place][np.rint(index.real).astype(int)]
+            thickness = self._numbers[f"{place}.thickness"]
+            is_free = isinstance(thickness, int)
+            return beer_lambert(curves, values[:, thickness]) if is_free else curves
         known = _known_numbers(place, one)
         numbers = {name: self._number(f"{place}.{name}", values) for name in known}
         return FILTER_MODELS[one.model].of(self.grid, numbers)
@@ -416,6 +429,9 @@ class DesignSpace:
         if name not in self._numbers:
             return None
         return np.broadcast_to(self._number(name, values), (len(values),))
+
+    def _first(self, name: str, values: Float[Array, "m d"]) -> float:
+        return float(np.asarray(self._number(name, values)).flat[0])
 
     def _checked(self, values: Inexact[Array, "m d"]) -> Inexact[Array, "m d"]:
         if values.shape[1] != len(self.parameters):
@@ -491,7 +507,7 @@ class DesignSpace:
         """The crosstalk in the curves, where it can be told by whole numbers of pixels."""
         if self.crosstalk is None:
             return None
-        share = float(np.real(self._number("crosstalk.share", row)).ravel()[0])
+        share = self._first("crosstalk.share", row)
         if self.mosaic is not None:
             return crosstalk_of_share(share, self.mosaic, self.names)
         if shares is not None:
@@ -503,21 +519,17 @@ class DesignSpace:
     def _notes(
         self, row: Float[Array, "1 d"], shares: Float[Array, "1 p"] | None
     ) -> tuple[str, ...]:
-        models = {place: one for place, one in self._filters()}
+        models = dict(self._filters())
         told: dict[str, list[str]] = {}
         for name in self._numbers:
             place, _, number = name.rpartition(".")
-            value = float(np.real(self._number(name, row)).ravel()[0])
+            value = self._first(name, row)
             shown = f"{number} {value:.6g}"
             if number == "curve":
                 shown = models[place].curves[round(value)]
             told.setdefault(place, []).append(shown)
-        parts = [
-            ", ".join(
-                [f"{place}: {models[place].model}" if place in models else f"{place}:", *all_]
-            )
-            for place, all_ in told.items()
-        ]
+        kinds = {place: f"{one.model} " for place, one in models.items()}
+        parts = [f"{place}: {kinds.get(place, '')}{', '.join(of)}" for place, of in told.items()]
         notes = [f"designed from models of filters and silicon, not a device; {'; '.join(parts)}"]
         if any(channel.base is not None for channel in self.channels):
             own = [f"{one.name} has {one.base}" for one in self.channels if one.base is not None]
