@@ -364,8 +364,9 @@ class DesignSpace:
             index = np.asarray(self._number(f"{place}.curve", values))
             curves = self._curves[place][np.rint(index.real).astype(int)]
             thickness = self._numbers[f"{place}.thickness"]
-            is_free = isinstance(thickness, int)
-            return beer_lambert(curves, values[:, thickness]) if is_free else curves
+            if isinstance(thickness, int):
+                return beer_lambert(curves, values[:, thickness])
+            return curves
         known = _known_numbers(place, one)
         numbers = {name: self._number(f"{place}.{name}", values) for name in known}
         return FILTER_MODELS[one.model].of(self.grid, numbers)
@@ -533,7 +534,7 @@ class DesignSpace:
         notes = [f"designed from models of filters and silicon, not a device; {'; '.join(parts)}"]
         if any(channel.base is not None for channel in self.channels):
             own = [f"{one.name} has {one.base}" for one in self.channels if one.base is not None]
-            notes.append(f"QE of {self.base.name}: {', '.join(own)}")
+            notes += (f"QE of {self.base.name}: {', '.join(own)}", *self.base.notes)
         if shares is not None:
             of = [f"{name} {share:.4g}" for name, share in zip(self.names, shares[0], strict=True)]
             notes.append(f"shares of the pixels: {', '.join(of)}")
@@ -568,6 +569,10 @@ class DesignSpace:
         for name, curve in self.library.items():
             _check.fraction(f"transmittance of {name}", "1", curve)
             _check.same_length("wavelengths", grid=self.grid.n, **{name: len(curve)})
+        if self.crosstalk is not None and self.base.crosstalk is not None:
+            raise InputError(
+                "crosstalk", "must be given once", found=f"the base {self.base.name} has it"
+            )
         self._refuse_shares()
 
     def _refuse_shares(self) -> None:
