@@ -7,8 +7,10 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
+from chromanoise.catalog import sensor_named
 from chromanoise.sensor import ir_cut, resin_filter, silicon_qe
 from chromanoise.sensor.color_router import color_router, router_collection
+from chromanoise.sensor.dyes import dye_transmittances
 from chromanoise.sensor.filter_models import FILTER_MODELS, SILICON_NUMBERS
 from chromanoise.sensor.filter_shapes import (
     beer_lambert,
@@ -292,3 +294,19 @@ def test_layers_of_many_candidates_are_those_of_each():
     np.testing.assert_allclose(both, each, rtol=1e-14)
     with refused_input(subject="ends_um"):
         layered_silicon_qe(GRID, (1.2, 0.4))
+
+
+def test_the_dyes_of_a_model_are_its_resins_and_a_ratio_above_1_is_scaled_with_a_note():
+    sensor = sensor_named("model-rgbw", GRID)
+    dyes = dye_transmittances(sensor)
+    green = resin_filter(GRID, low_nm=490, high_nm=590, leak_nm=790)
+    np.testing.assert_allclose(dyes.values[:, 1], green, rtol=1e-12)
+    assert dyes.notes == sensor.notes
+    sheet = sensor_named("mt9v024-rgbw", GRID)  # its G exceeds its W
+    real = dye_transmittances(sheet)
+    assert real.values.max() == 1.0
+    assert "no filter transmits more than all light" in real.notes[-1]
+    ratio = sheet.qe[:, :2] / sheet.qe[:, 3:]
+    np.testing.assert_allclose(real.values[:, 1] / real.values[:, 0], ratio[:, 1] / ratio[:, 0])
+    with refused_input(subject="dyes of model-mono"):
+        dye_transmittances(sensor_named("model-mono", GRID))
