@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from chromanoise.sensor.color_router import color_router, router_collection
+from chromanoise.sensor.color_router import router_collection, router_shares
 from chromanoise.spectra import Grid, cie_1931
 
 GRID = Grid.uniform(400, 700, 5)
@@ -21,8 +21,8 @@ def test_a_router_collects_more_electrons_than_bayer_and_has_a_worse_y():
     # 84 % of the light, of its bands 49, 59 and 58 % in B, G and R; Bayer's filters transmit 90 %
     # of their band over a quarter, half and a quarter of the pixels
     collection = router_collection([0.49 / 0.84, 0.59 / 0.84, 0.58 / 0.84], 0.84)
-    router_db, router_e = y_of(color_router(GRID, collection=collection, **BANDS))
-    bands = color_router(GRID, collection=np.eye(3), **BANDS)
+    router_db, router_e = y_of(router_shares(GRID, collection=collection, **BANDS))
+    bands = router_shares(GRID, collection=np.eye(3), **BANDS)
     bayer_db, bayer_e = y_of(0.9 * bands * [0.25, 0.5, 0.25])
     assert router_e / bayer_e == pytest.approx(2.8, abs=0.05)
     assert router_db - bayer_db == pytest.approx(-1.1, abs=0.1)
@@ -30,9 +30,9 @@ def test_a_router_collects_more_electrons_than_bayer_and_has_a_worse_y():
 
 def test_a_perfect_router_gains_what_three_filters_stop_and_one_without_choice_splits_equally():
     collection = router_collection([1.0, 1.0, 1.0], 0.84)
-    bands = color_router(GRID, collection=np.eye(3), **BANDS)
-    sorted_db, _ = y_of(color_router(GRID, collection=collection, **BANDS))
+    bands = router_shares(GRID, collection=np.eye(3), **BANDS)
+    sorted_db, _ = y_of(router_shares(GRID, collection=collection, **BANDS))
     third_db, _ = y_of(bands / 3)
     assert sorted_db - third_db == pytest.approx(10 * np.log10(3 * 0.84), rel=1e-9)
-    equal = color_router(GRID, collection=router_collection([1 / 3] * 3, 1.0), **BANDS)
+    equal = router_shares(GRID, collection=router_collection([1 / 3] * 3, 1.0), **BANDS)
     np.testing.assert_allclose(equal, 1 / 3, rtol=1e-12)

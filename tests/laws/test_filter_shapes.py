@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from chromanoise.catalog import sensor_named
 from chromanoise.sensor import ir_cut, resin_filter, silicon_qe
-from chromanoise.sensor.color_router import color_router, router_collection
+from chromanoise.sensor.color_router import router_collection, router_shares
 from chromanoise.sensor.dyes import dye_transmittances
 from chromanoise.sensor.filter_models import FILTER_MODELS, SILICON_NUMBERS
 from chromanoise.sensor.filter_shapes import (
@@ -45,10 +45,6 @@ def filters(draw):
         for key, one in known.items()
         for low, high in [RANGES[one.unit]]
     }
-    if name == "resin":
-        edges = sorted(numbers[key] for key in ("low_nm", "high_nm", "leak_nm"))
-        assume(edges[0] < edges[1])
-        numbers |= dict(zip(("low_nm", "high_nm", "leak_nm"), edges, strict=True))
     return name, numbers, draw(st.sampled_from(sorted(numbers)))
 
 
@@ -64,8 +60,6 @@ def test_a_filter_transmits_between_nothing_and_all(case):
 def test_filters_of_many_candidates_are_those_of_each(case, factor):
     name, numbers, key = case
     other = numbers | {key: numbers[key] * factor}
-    if name == "resin":
-        assume(other["low_nm"] < other["high_nm"] <= other["leak_nm"])
     number = FILTER_MODELS[name].numbers_for(numbers)[key]
     assume(other[key] >= number.least)
     both = {one: np.array([numbers[one], other[one]]) for one in numbers}
@@ -83,7 +77,7 @@ TYPICAL = {
         "leak_nm": 800.0,
     },
     "resin": {
-        "low_nm": 490.0, "high_nm": 590.0, "leak_nm": 790.0, "edge_nm": 12.0, "peak": 0.9,
+        "low_nm": 490.0, "band_width_nm": 100.0, "gap_nm": 200.0, "edge_nm": 12.0, "peak": 0.9,
         "leak": 0.95, "floor": 0.02,
     },
     "dye-bands": {
@@ -272,7 +266,7 @@ def test_a_stack_transmits_as_much_from_the_other_side(thickness, index_out):
 )
 def test_a_router_gives_all_light_that_it_collects_and_no_more(selectivity, efficiency, edge_nm):
     crossing = np.linspace(450, 900, len(selectivity) - 1)
-    shares = color_router(
+    shares = router_shares(
         GRID,
         collection=router_collection(selectivity, efficiency),
         crossing_nm=crossing.tolist(),
@@ -284,7 +278,7 @@ def test_a_router_gives_all_light_that_it_collects_and_no_more(selectivity, effi
 
 def test_a_router_that_gives_more_than_it_has_is_refused():
     with refused_input(subject="collection", value=1.2):
-        color_router(GRID, collection=np.array([[0.6, 0.3], [0.6, 0.3]]), crossing_nm=[550.0])
+        router_shares(GRID, collection=np.array([[0.6, 0.3], [0.6, 0.3]]), crossing_nm=[550.0])
 
 
 def test_layers_of_many_candidates_are_those_of_each():
