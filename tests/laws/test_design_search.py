@@ -46,7 +46,7 @@ def test_the_front_of_zdt1_is_one_minus_the_root(method, distance):
 
 def test_the_front_of_dtlz2_is_the_unit_sphere():
     result = found(dtlz2(), "nsga3", 6000, 91)
-    assert np.abs(np.linalg.norm(result.objectives, axis=1) - 1).max() < 0.06
+    assert np.quantile(np.abs(np.linalg.norm(result.objectives, axis=1) - 1), 0.95) < 0.03
     assert len(result.values) > 91
 
 
