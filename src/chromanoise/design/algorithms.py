@@ -1,0 +1,459 @@
+"""NSGA-II, NSGA-III, differential evolution and CMA-ES, one generation at a time.
+
+Every algorithm is asked for the candidates of a generation, is told their costs, and gives its
+state as arrays. Its random numbers are derived from seed and generation, so that a restored state
+continues with the same digits.
+"""
+
+import math
+import warnings
+from importlib import util
+from typing import Any, Protocol, runtime_checkable
+
+import numpy as np
+
+from chromanoise._check import Array
+from chromanoise._shapes import Bool, Float
+from chromanoise.design.front import crowding
+from chromanoise.design.problem import Problem
+from chromanoise.errors import InputError
+from chromanoise.rng import stream
+
+State = dict[str, Array]
+
+_FIRST_STEP = 0.25  # of CMA-ES, as a share of the range of each parameter
+_ATTEMPTS = 100  # times that a generation is completed after duplicates were removed
+_CROSSED, _MUTATED = 0.9, 0.9  # shares of pairs and of children, as in NSGA-II of pymoo
+_NORMALIZATION = ("ideal_point", "worst_point", "nadir_point", "extreme_points")
+_DITHER = (0.5, 1.0)  # weight of a difference in differential evolution
+_CONVERGED = 1e-9  # spread of a population, as a share of the range of each parameter
+_RECOMBINATION = 0.7  # share of the parameters that a trial takes from the mutant
+
+
+@runtime_checkable
+class Algorithm(Protocol):
+    """What `chromanoise.design.search` needs of a method.
+
+    ``misses`` is the sum of the violations of a candidate, 0 if it meets all constraints. In every
+    method a feasible candidate precedes an infeasible one, and of two infeasible ones that with
+    the lower sum is first (Deb, 2000).
+    """
+
+    def ask(self, rng: np.random.Generator) -> Float[Array, "m d"]:
+        """The candidates of the next generation; none if there are no new ones."""
+
+    def tell(
+        self,
+        values: Float[Array, "m d"],
+        costs: Float[Array, "m q"],
+        misses: Float[Array, " m"],
+        rng: np.random.Generator,
+    ) -> None:
+        """Select from the evaluated candidates of a generation; the first one is not asked for."""
+
+    def state(self) -> State:
+        """All that the next generation depends on."""
+
+    def restore(self, state: State) -> None:
+        """Continue from a state."""
+
+
+def generation_rng(seed: int, generation: int) -> np.random.Generator:
+    """The random numbers of one generation."""
+    return stream(seed, generation)
+
+
+def latin_hypercube(problem: Problem, count: int, rng: np.random.Generator) -> Float[Array, "m d"]:
+    """Candidates of which each of ``count`` equal parts of a parameter's range has exactly one."""
+    cells = rng.permuted(np.tile(np.arange(count)[:, None], (1, len(problem.names))), axis=0)
+    share = (cells + rng.random(cells.shape)) / count
+    return problem.allowed(problem.low + share * (problem.high - problem.low))
+
+
+class Genetic:
+    """NSGA-II or NSGA-III with the operators, ranks and reference directions of pymoo.
+
+    Arrays hold the population, because the objects of pymoo cost more than the fast objectives.
+
+    Parameters
+    ----------
+    problem
+        Integer parameters are rounded after crossover and mutation.
+    population
+        Number of candidates in a generation.
+    many
+        Whether to use NSGA-III, whose reference directions (Das & Dennis, 1998) are as many as
+        the population allows.
+
+    Notes
+    -----
+    Deb, Pratap, Agarwal & Meyarivan (2002); Deb & Jain (2014); Blank & Deb, "pymoo" (2020).
+    """
+
+    def __init__(self, problem: Problem, population: int, *, many: bool) -> None:
+        from pymoo.config import Config
+
+        Config.warnings["not_compiled"] = False  # otherwise printed where pymoo was not compiled
+        from pymoo.algorithms.moo.nsga3 import ReferenceDirectionSurvival
+
+        self._problem, self._size = problem, population
+        self._kept = dict[str, Array]()
+        self._many = many
+        self._niches: Any = (
+            ReferenceDirectionSurvival(_directions(len(problem.objectives), population))
+            if many
+            else None
+        )
+
+    def ask(self, rng: np.random.Generator) -> Float[Array, "m d"]:
+        """As `Algorithm.ask`."""
+        seen = {row.tobytes() for row in self._kept["values"]}
+        found: list[Array] = []
+        for _ in range(_ATTEMPTS):
+            for row in self._children(self._size - len(found), rng):
+                if (key := row.tobytes()) not in seen:
+                    seen.add(key)
+                    found.append(row)
+            if len(found) == self._size:
+                break
+        return np.array(found).reshape(-1, len(self._problem.names))
+
+    def _children(self, count: int, rng: np.random.Generator) -> Array:
+        from pymoo.operators.crossover.sbx import cross_sbx
+        from pymoo.operators.mutation.pm import mut_pm
+
+        low, high, d = self._problem.low, self._problem.high, len(self._problem.names)
+        matings = -(-count // 2)
+        values = self._kept["values"]
+        parents = values[self._winners(2 * matings, rng)].reshape(2, matings, d)
+        eta, share = (30.0, 1.0) if self._many else (15.0, _CROSSED)
+        half = np.full((matings, 1), 0.5)
+        crossed = cross_sbx(
+            parents.copy(), low, high, np.full((matings, 1), eta), half, half, random_state=rng
+        )
+        pairs = np.where(rng.random((matings, 1)) < share, crossed, parents)
+        children = pairs.reshape(-1, d)[:count]
+        rate = np.full(count, min(0.5, 1 / d))
+        mutated = mut_pm(children, low, high, np.full(count, 20.0), rate, False, random_state=rng)
+        chosen = np.where(rng.random((count, 1)) < _MUTATED, mutated, children)
+        return self._problem.allowed(chosen)
+
+    def _winners(self, count: int, rng: np.random.Generator) -> Array:
+        """Winners of pairs: lower violation, then dominance, crowding (NSGA-II) and chance."""
+        size = len(self._kept["values"])
+        rounds = -(-2 * count // size)
+        drawn = np.concatenate([rng.permutation(size) for _ in range(rounds)])[: 2 * count]
+        first, second = drawn.reshape(-1, 2).T
+        costs, misses, distance = (self._kept[name] for name in ("costs", "misses", "crowding"))
+        score = np.zeros(count, dtype=int)
+        for better, worse in (
+            (misses[first] < misses[second], misses[first] > misses[second]),
+            (
+                _nowhere_above(costs[first], costs[second]),
+                _nowhere_above(costs[second], costs[first]),
+            ),
+            (distance[first] > distance[second], distance[first] < distance[second]),
+        ):
+            score = np.where(score == 0, better.astype(int) - worse, score)
+        score = np.where(score == 0, rng.choice([-1, 1], size=count), score)
+        return np.where(score > 0, first, second)
+
+    def tell(
+        self,
+        values: Float[Array, "m d"],
+        costs: Float[Array, "m q"],
+        misses: Float[Array, " m"],
+        rng: np.random.Generator,
+    ) -> None:
+        """As `Algorithm.tell`."""
+        new = {
+            "values": values,
+            "costs": costs,
+            "misses": misses,
+            "crowding": np.zeros(len(misses)),
+        }
+        if self._kept:
+            new = {name: np.concatenate([self._kept[name], array]) for name, array in new.items()}
+        feasible = np.flatnonzero(new["misses"] == 0)
+        best = feasible[:0]
+        if feasible.size:
+            select = self._nearest if self._many else self._crowded
+            places, distance = select(new["costs"][feasible], rng)
+            best = feasible[places]
+            new["crowding"][best] = distance
+        order = np.argsort(new["misses"], kind="stable")
+        rest = order[feasible.size :][: self._size - best.size]
+        chosen = np.concatenate([best, rest])
+        self._kept = {name: array[chosen] for name, array in new.items()}
+
+    def _crowded(self, costs: Array, rng: np.random.Generator) -> tuple[Array, Array]:
+        """Survivors of NSGA-II by rank and crowding, and their crowding distance."""
+        from pymoo.util.nds.non_dominated_sorting import NonDominatedSorting
+
+        chosen: list[int] = []
+        distance = np.zeros(len(costs))
+        for front in NonDominatedSorting().do(costs, n_stop_if_ranked=self._size):
+            distance[front] = crowding(costs[front])
+            room = self._size - len(chosen)
+            order = np.lexsort((rng.random(front.size), -distance[front]))
+            chosen += (front if front.size <= room else front[order[:room]]).tolist()
+        return np.array(chosen), distance[chosen]
+
+    def _nearest(self, costs: Array, rng: np.random.Generator) -> tuple[Array, Array]:
+        """Survivors of NSGA-III by the reference directions; crowding is not used."""
+        every = _Costs(costs, np.arange(len(costs)))
+        with warnings.catch_warnings():  # pymoo changes the filters of warnings
+            kept = self._niches._do(None, every, min(self._size, len(costs)), random_state=rng)
+        return kept.places, np.zeros(kept.places.size)
+
+    def state(self) -> State:
+        """As `Algorithm.state`; ranks are derived from the costs, the crowding is kept."""
+        if not self._many or self._niches.norm.extreme_points is None:
+            return dict(self._kept)
+        norm = self._niches.norm
+        return self._kept | {name: getattr(norm, name) for name in _NORMALIZATION}
+
+    def restore(self, state: State) -> None:
+        """As `Algorithm.restore`."""
+        self._kept = {name: array for name, array in state.items() if name not in _NORMALIZATION}
+        for name in set(_NORMALIZATION) & set(state):
+            setattr(self._niches.norm, name, state[name])
+
+
+class _Costs:
+    """What the survival of NSGA-III asks of a population of pymoo, which are costs and places."""
+
+    def __init__(self, costs: Array, places: Array) -> None:
+        self._costs, self.places = costs, places
+
+    def __len__(self) -> int:
+        return self.places.size
+
+    def __getitem__(self, index: Any) -> "_Costs":
+        return _Costs(self._costs, self.places[np.asarray(index, dtype=int)])
+
+    def get(self, _: str) -> Array:
+        return self._costs[self.places]
+
+    def set(self, *_: Any) -> None:
+        """Rank and niche are not used later."""
+
+
+def _nowhere_above(one: Float[Array, "m q"], other: Float[Array, "m q"]) -> Bool[Array, " m"]:
+    return np.all(one <= other, axis=1)
+
+
+def _directions(objectives: int, most: int) -> Float[Array, "k q"]:
+    """As many evenly spaced reference directions as a population of ``most`` allows."""
+    from pymoo.util.ref_dirs import get_reference_directions
+
+    parts = 1
+    while objectives > 1 and math.comb(parts + objectives, objectives - 1) <= most:
+        parts += 1
+    return get_reference_directions("das-dennis", objectives, n_partitions=parts)
+
+
+class DifferentialEvolution:
+    """Differential evolution, best/1/bin with dither, for one objective.
+
+    A mutant outside the bounds takes a uniform value there. A trial replaces its parent if its sum
+    of violations is lower, or if the sums are equal and its cost is not higher. A population that
+    has converged is replaced by a Latin hypercube.
+
+    Notes
+    -----
+    Storn & Price (1997); constraints after Lampinen (2002). The strategy and its constants are the
+    defaults of `scipy.optimize.differential_evolution`, which cannot be stopped and resumed
+    without evaluating its population again.
+    """
+
+    def __init__(self, problem: Problem) -> None:
+        self._problem, self._kept = problem, dict[str, Array]()
+
+    def ask(self, rng: np.random.Generator) -> Float[Array, "m d"]:
+        """As `Algorithm.ask`."""
+        values, problem = self._kept["values"], self._problem
+        size, count = values.shape
+        if (np.ptp(values, axis=0) <= _CONVERGED * (problem.high - problem.low)).all():
+            self._kept = {}
+            return latin_hypercube(problem, size, rng)
+        best = np.lexsort((self._kept["costs"][:, 0], self._kept["misses"]))[0]
+        one = rng.integers(1, size, size)  # offsets to two other candidates that differ
+        other = rng.integers(1, size - 1, size)
+        other += other >= one
+        here = np.arange(size)
+        step = values[(here + one) % size] - values[(here + other) % size]
+        mutant = values[best] + rng.uniform(*_DITHER, (size, 1)) * step
+        outside = (mutant < problem.low) | (mutant > problem.high)
+        mutant = np.where(outside, rng.uniform(problem.low, problem.high, mutant.shape), mutant)
+        taken = rng.random(values.shape) < _RECOMBINATION
+        taken[here, rng.integers(0, count, size)] = True
+        return problem.allowed(np.where(taken, mutant, values))
+
+    def tell(
+        self,
+        values: Float[Array, "m d"],
+        costs: Float[Array, "m q"],
+        misses: Float[Array, " m"],
+        rng: np.random.Generator,
+    ) -> None:
+        """As `Algorithm.tell`."""
+        new = {"values": values, "costs": costs, "misses": misses}
+        if not self._kept:
+            self._kept = new
+            return
+        old = self._kept
+        lower = misses < old["misses"]
+        equal = (misses == old["misses"]) & (costs[:, 0] <= old["costs"][:, 0])
+        wins = lower | equal
+        self._kept = {
+            name: np.where(wins.reshape((-1,) + (1,) * (array.ndim - 1)), array, old[name])
+            for name, array in new.items()
+        }
+
+    def state(self) -> State:
+        """As `Algorithm.state`."""
+        return dict(self._kept)
+
+    def restore(self, state: State) -> None:
+        """As `Algorithm.restore`."""
+        self._kept = dict(state)
+
+
+class CovarianceMatrixAdaptation:
+    """CMA-ES with active covariance update, by the package ``cma``, for one objective.
+
+    It starts at the best candidate of the first generation, with a step of a quarter of the range
+    of each parameter, and starts again at a random candidate when it has converged. Bounds are kept
+    by the transformation of the package. A candidate that violates constraints is told a cost
+    above that of all feasible ones of its generation, rising with its sum of violations. Its state
+    is the list of the costs it was told: the generations are replayed without evaluations.
+
+    Notes
+    -----
+    Hansen & Ostermeier (2001); active update: Jastrebski & Arnold (2006).
+    """
+
+    def __init__(self, problem: Problem, population: int, seed: int) -> None:
+        self._problem, self._size, self._seed = problem, population, seed
+        self._rng = generation_rng(seed, 0)
+        self._strategy: Any = None
+        self._origin = np.empty(0)
+        self._asked: Any = None
+        self._told, self._count = np.empty((64, population)), 0
+
+    def ask(self, rng: np.random.Generator) -> Float[Array, "m d"]:
+        """As `Algorithm.ask`."""
+        self._rng, count = rng, len(self._problem.names)
+        if self._strategy is None or self._strategy.stop():
+            origin = rng.random(count) if self._strategy is not None else self._origin
+            self._strategy = self._started(origin)
+        self._asked = self._strategy.ask()
+        share = np.clip(self._asked, 0.0, 1.0)
+        return self._problem.allowed(
+            self._problem.low + share * (self._problem.high - self._problem.low)
+        )
+
+    def tell(
+        self,
+        values: Float[Array, "m d"],
+        costs: Float[Array, "m q"],
+        misses: Float[Array, " m"],
+        rng: np.random.Generator,
+    ) -> None:
+        """As `Algorithm.tell`."""
+        if not self._origin.size:
+            best = np.lexsort((costs[:, 0], misses))[0]
+            low, high = self._problem.low, self._problem.high
+            self._origin = (values[best] - low) / (high - low)
+            return
+        kept = misses == 0
+        worst = costs[kept, 0].max() if kept.any() else 0.0
+        told = np.where(kept, costs[:, 0], worst + misses)
+        self._learn(told)
+
+    def _learn(self, told: Float[Array, " m"]) -> None:
+        if self._count == len(self._told):
+            self._told = np.concatenate([self._told, np.empty_like(self._told)])
+        self._told[self._count] = told
+        self._count += 1
+        self._strategy.tell(self._asked, told.tolist())
+
+    def state(self) -> State:
+        """As `Algorithm.state`."""
+        return {"origin": self._origin, "told": self._told[: self._count]}
+
+    def restore(self, state: State) -> None:
+        """As `Algorithm.restore`."""
+        self._origin = state["origin"]
+        for generation, told in enumerate(state["told"], start=1):
+            self.ask(generation_rng(self._seed, generation))
+            self._learn(told)
+
+    def _started(self, origin: Float[Array, " d"]) -> Any:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of optional packages for plots
+            import cma
+        return cma.CMAEvolutionStrategy(
+            np.clip(origin, 0.01, 0.99),
+            _FIRST_STEP,
+            {
+                "bounds": [0.0, 1.0],
+                "popsize": self._size,
+                "randn": lambda *shape: self._rng.standard_normal(shape),
+                "seed": np.nan,  # numpy's global generator stays as it is
+                "verbose": -9,
+                "verb_log": 0,
+                "CMA_active": True,
+            },
+        )
+
+
+METHODS = ("nsga2", "nsga3", "de", "cma-es")
+_OF_ONE = ("de", "cma-es")
+_PACKAGES = {"nsga2": "pymoo", "nsga3": "pymoo", "cma-es": "cma"}
+
+
+def algorithm_of(problem: Problem, method: str, population: int, seed: int) -> Algorithm:
+    """The algorithm of a name in `METHODS`.
+
+    Raises
+    ------
+    InputError
+        If its package is not installed, it takes one objective and the problem has several, or the
+        problem has one parameter and the method is CMA-ES.
+    """
+    package = _PACKAGES.get(method)
+    if package and util.find_spec(package) is None:
+        raise InputError(
+            "method",
+            f"needs the package {package}, which is not installed",
+            value=method,
+            found=None,
+            remedy=(
+                "install it with pip install 'chromanoise[design]'",
+                "use de for one objective",
+            ),
+        )
+    count = len(problem.objectives)
+    if method in _OF_ONE and count > 1:
+        raise InputError(
+            "method",
+            "must be nsga2 or nsga3 for several objectives",
+            value=method,
+            found=f"is {method}, which takes one objective, and the design has {count}",
+            remedy=("use nsga2", "make all objectives but one constraints"),
+        )
+    if method == "cma-es" and len(problem.names) < 2:
+        raise InputError(
+            "method",
+            "must not be cma-es for one parameter",
+            value=method,
+            found=f"the only parameter is {problem.names[0]}",
+            remedy="use de",
+        )
+    if method == "de":
+        return DifferentialEvolution(problem)
+    if method == "cma-es":
+        return CovarianceMatrixAdaptation(problem, population, seed)
+    return Genetic(problem, population, many=method == "nsga3")
