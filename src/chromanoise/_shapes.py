@@ -14,6 +14,7 @@ if TYPE_CHECKING or "jaxtyping" in sys.modules:
     from jaxtyping import Float as Float
     from jaxtyping import Float32 as Float32
     from jaxtyping import Float64 as Float64
+    from jaxtyping import Inexact as Inexact
     from jaxtyping import Int as Int
     from jaxtyping import Int64 as Int64
     from jaxtyping import Integer as Integer
@@ -29,5 +30,5 @@ else:
         def __class_getitem__(cls, array_and_shape: tuple[Any, str]) -> Any:
             return array_and_shape[0]
 
-    Bool = Complex = Float = Float32 = Float64 = Int = Int64 = Num = Integer = _Unchecked
-    Shaped = UInt8 = UInt16 = _Unchecked
+    Bool = Complex = Float = Float32 = Float64 = Inexact = Int = Int64 = _Unchecked
+    Integer = Num = Shaped = UInt8 = UInt16 = _Unchecked
