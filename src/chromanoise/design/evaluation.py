@@ -397,7 +397,7 @@ def _fast(
     found = np.full((m, len(names)), np.nan, dtype)
     for q, name in enumerate(names):
         found[:, q] = _finished(OBJECTIVES[name], out, fullness)
-    return found, fullness if np.iscomplexobj(fullness) else fullness, out[:, -1].real
+    return found, fullness, out[:, -1].real
 
 
 def _finished(objective: Objective, out: Array, fullness: Array) -> Inexact[Array, " m"]:
