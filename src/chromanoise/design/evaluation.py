@@ -206,7 +206,7 @@ class Evaluator:
     def _higher(self) -> Bool[Array, " q"]:
         return np.array([one.better == "higher" for one in self.entries])
 
-    def _around(self, space: Space, at: Float[Array, " d"]) -> Float[Array, "s 2d+1 q"]:
+    def _around(self, space: Space, at: Float[Array, " d"]) -> Float[Array, "s k q"]:
         steps = np.diag(_steps(space))
         return self.values_of_scenes(space.candidates(np.vstack([at, at + steps, at - steps])))
 
