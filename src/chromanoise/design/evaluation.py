@@ -304,8 +304,9 @@ def _demand_grid(evaluator: Evaluator, n: int) -> None:
 
 def _some(candidates: Candidates, which: Any) -> Candidates:
     """Some of the candidates."""
-    parts: dict[str, Any] = {name: getattr(candidates, name) for name in _FIELDS}
-    return Candidates(**{k: None if v is None else v[which] for k, v in parts.items()})
+    given = {name: getattr(candidates, name) for name in _FIELDS}
+    some: dict[str, Any] = {k: None if v is None else v[which] for k, v in given.items()}
+    return Candidates(**some)
 
 
 def _steps(space: Space) -> Float[Array, " d"]:
