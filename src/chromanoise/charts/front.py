@@ -24,7 +24,8 @@ def drawn_front(front: FrontFile, *, x: str | None = None, y: str | None = None)
     dict
         ``title``, ``description``; ``x`` and ``y``; ``axes``, one per objective; ``members``
         and ``references`` with ``values`` and their ``text`` by objective; a member's ``mark`` is
-        ``extreme``, ``knee`` or ``member``; ``sentences``; ``table``.
+        ``extreme``, ``knee`` or ``member``; ``reading``, all of it in words; ``sentences``;
+        ``table``.
 
     Raises
     ------
@@ -71,7 +72,8 @@ def _axis(objective: FrontObjective) -> dict[str, str]:
 def _placed(one: FrontReference, objectives: list[FrontObjective]) -> dict[str, Any]:
     values = {each.name: one.objectives[each.name] for each in objectives}
     text = {each.name: _with_unit(values[each.name], each.unit) for each in objectives}
-    return {"name": one.name, "values": values, "text": text}
+    told = "; ".join(f"{each.what} {text[each.name]}" for each in objectives)
+    return {"name": one.name, "values": values, "text": text, "reading": f"{one.name}: {told}."}
 
 
 def _member(one: FrontMember, objectives: list[FrontObjective]) -> dict[str, Any]:
@@ -83,7 +85,9 @@ def _member(one: FrontMember, objectives: list[FrontObjective]) -> dict[str, Any
         *([f"Held by {listed(one.held_by)}."] if one.held_by else []),
     ]
     mark = "knee" if one.knee else "extreme" if best else "member"
-    return _placed(one, objectives) | {"mark": mark, "notes": notes}
+    placed = _placed(one, objectives)
+    reading = " ".join((placed["reading"], *notes))
+    return placed | {"mark": mark, "notes": notes, "reading": reading}
 
 
 def _with_unit(value: float | None, unit: str) -> str:
