@@ -102,6 +102,9 @@ class FrontMember(FrontReference):
     matrix: MatrixName = Field(
         None, description="Its own color matrix, if the weight of the noise is a free parameter."
     )
+    analyze: str = Field(
+        "", description="Command for the folder of front.json that gives the same SNR of Y."
+    )
 
 
 class FrontFile(_Part):
