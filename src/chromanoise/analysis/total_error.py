@@ -16,6 +16,7 @@ from chromanoise.analysis.analysis import Analysis, color_snr_db, of_white
 from chromanoise.analysis.color_matrices import matrix_makers
 from chromanoise.analysis.operating_point import electrons_at, noisy_color_at, stages_at
 from chromanoise.color import LAB, ColorMatrix, cubature, gaussian_cubature, propagate
+from chromanoise.color.propagation import Method as PropagationMethod
 from chromanoise.exposure import OperatingPoint
 from chromanoise.metrics.accuracy import chart_lab
 from chromanoise.noise import Readout, saturated
@@ -24,7 +25,8 @@ from chromanoise.spectra import chart_on
 NOISY_DELTA_E = 50.0
 """Noise above which a verdict names a better matrix. [Delta E*ab]"""
 
-_RULE = {"radii": 5, "latitudes": 3, "longitudes": 6}  # error below 4e-3 of a standard deviation
+# error below 4e-3 of a standard deviation
+_BY_CUBATURE = partial(cubature, rule=gaussian_cubature(radii=5, latitudes=3, longitudes=6))
 _OTHERS = ("least-squares", "white-preserving", "lmmse")
 
 
@@ -52,7 +54,11 @@ class TotalError:
 
 
 def total_errors(
-    operating_point: OperatingPoint, matrix: ColorMatrix, *, readout: Readout | None = None
+    operating_point: OperatingPoint,
+    matrix: ColorMatrix,
+    *,
+    readout: Readout | None = None,
+    method: PropagationMethod = _BY_CUBATURE,
 ) -> TotalError | None:
     """Total color error of the chart at an operating point, by default the ColorChecker.
 
@@ -66,15 +72,14 @@ def total_errors(
         Its color matrix.
     readout
         Clipping and rounding of the values; ``None`` for none.
+    method
+        Of the noise in CIELAB, as `propagate`; by default from X, Y, Z as jointly normal, by
+        cubature.
 
     Raises
     ------
     InputError
         If the grid extends beyond 400-1050 nm, the range of the chart's data.
-
-    Notes
-    -----
-    Mean and covariance in CIELAB from X, Y, Z as jointly normal, by cubature.
     """
     sensor, exposure = operating_point.sensor, operating_point.exposure
     electrons = electrons_at(operating_point)
@@ -87,7 +92,6 @@ def total_errors(
         return None
     reflectance = chart_on(sensor.grid, chart).values.T
     at = stages_at(operating_point, matrix, reflectance=reflectance, readout=readout)
-    method = partial(cubature, rule=gaussian_cubature(**_RULE))
     noise = propagate(noisy_color_at(at, white), LAB, method).measurement
     bias = np.linalg.norm(noise.mean - lab[0], axis=-1)
     spread = noise.variance.sum(axis=-1)

@@ -1,0 +1,338 @@
+"""What a design can optimize: one table of objectives, each with the library's function.
+
+To add an objective, add an entry to `OBJECTIVES`. The evaluator calls its function for each
+candidate, some milliseconds each. Those of `FAST` are computed for a whole batch by
+`chromanoise.design.kernels`; the function of the entry is their definition, which tests compare.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from chromanoise._check import Array
+from chromanoise.analysis import MatrixMaker, analyzed, electrons_at, stages_at, total_errors
+from chromanoise.analysis.color_space_noise import GRAY
+from chromanoise.analysis.figures_of_merit.entries import Viewing
+from chromanoise.analysis.figures_of_merit.light import visual_merits
+from chromanoise.analysis.information import raw_information
+from chromanoise.analysis.separation import pairs_of
+from chromanoise.color import ColorMatrix, first_order
+from chromanoise.exposure import OperatingPoint, measurement_vectors, white_scene
+from chromanoise.metrics import (
+    chart_ciede2000,
+    chart_color_error,
+    illuminance_for_snr,
+    illuminance_for_snr_adapted,
+    pair_distances,
+    sensor_metamerism,
+    vora_value,
+)
+from chromanoise.noise import saturated
+from chromanoise.spectra import INFRARED_FROM_NM, color_axes
+
+SNR10 = 10.0
+"""The amplitude ratio of SNR10, 20 dB."""
+
+FAST = (
+    "snr_y_db",
+    "noise_delta_e",
+    "total_delta_e",
+    "delta_e",
+    "ciede2000",
+    "vora",
+    "least_separation",
+    "mean_separation",
+    "infrared_share",
+    "snr10_lux",
+)
+"""Objectives of a whole batch, in the order of the columns of the kernels."""
+
+ADAPTED = ("lmmse", "noise-regularized")
+"""Matrices that depend on the light level."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Candidate:
+    """One candidate in one scene: an operating point and its color matrix.
+
+    Attributes
+    ----------
+    point
+        Sensor, exposure and light.
+    matrix
+        Its color matrix.
+    maker
+        The method of the matrix, for other light levels.
+    """
+
+    point: OperatingPoint
+    matrix: ColorMatrix
+    maker: MatrixMaker
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Objective:
+    """One number of a candidate.
+
+    Attributes
+    ----------
+    name
+        What users type; also in JSON.
+    what
+        In words, unit not included.
+    unit
+        Of the number.
+    better
+        ``higher`` or ``lower``.
+    of
+        The number; ``None`` or not finite where it is not defined.
+    source
+        Standard or paper.
+    of_saturated
+        Whether it is defined where a channel is saturated on a perfect white.
+    """
+
+    name: str
+    what: str
+    unit: str
+    better: Literal["higher", "lower"]
+    of: Callable[[Candidate], float | None]
+    source: str
+    of_saturated: bool = False
+
+    @property
+    def fast(self) -> bool:
+        """Whether it is computed for a whole batch."""
+        return self.name in FAST
+
+    @property
+    def undefined(self) -> float:
+        """The value of a candidate for which it is not defined: -inf or inf, the worst one."""
+        return -np.inf if self.better == "higher" else np.inf
+
+
+def value_of(objective: Objective, candidate: Candidate) -> float:
+    """The number of one candidate by the library's own function; `Objective.undefined` without.
+
+    Parameters
+    ----------
+    objective
+        An entry of `OBJECTIVES`.
+    candidate
+        The operating point and its matrix.
+    """
+    point = candidate.point
+    full = saturated(electrons_at(point), point.sensor, point.exposure).any()
+    value = None if full and not objective.of_saturated else objective.of(candidate)
+    if value is None or np.isnan(value):
+        return objective.undefined
+    return float(value)
+
+
+def _snr_y_db(candidate: Candidate) -> float:
+    at = stages_at(candidate.point, candidate.matrix)
+    return float(at.color_snr_db[candidate.matrix.coordinates.index("Y")])
+
+
+def _noise_delta_e(candidate: Candidate) -> float | None:
+    error = total_errors(candidate.point, candidate.matrix, method=first_order)
+    return None if error is None else _rms(error.noise)
+
+
+def _total_delta_e(candidate: Candidate) -> float | None:
+    error = total_errors(candidate.point, candidate.matrix, method=first_order)
+    return None if error is None else _rms(error.total)
+
+
+def _delta_e(candidate: Candidate) -> float | None:
+    return _mean_error(candidate, chart_color_error)
+
+
+def _ciede2000(candidate: Candidate) -> float | None:
+    return _mean_error(candidate, chart_ciede2000)
+
+
+def _vora(candidate: Candidate) -> float:
+    point, metric = candidate.point, candidate.matrix.metric
+    filters = measurement_vectors(point.sensor, point.exposure, metric)
+    return vora_value(filters, color_axes(point.sensor.grid, metric, point.observer))
+
+
+def _least_separation(candidate: Candidate) -> float | None:
+    distance = _distances(candidate.point, candidate.matrix)
+    return None if distance is None else float(distance.min())
+
+
+def _mean_separation(candidate: Candidate) -> float | None:
+    distance = _distances(candidate.point, candidate.matrix)
+    return None if distance is None else float(distance.mean())
+
+
+def _infrared_share(candidate: Candidate) -> float | None:
+    point = candidate.point
+    infrared = (point.sensor.grid.wavelength_nm >= INFRARED_FROM_NM).astype(np.float64)
+    white_e, infrared_e = electrons_at(point), electrons_at(point, reflectance=infrared)
+    if not (white_e > 0).all():
+        return None
+    return float((infrared_e / white_e).max())
+
+
+def _snr10_lux(candidate: Candidate) -> float | None:
+    point, maker = candidate.point, candidate.maker
+    given = (point.sensor, point.illuminant, point.exposure)
+    if maker.method.over_light is None:
+        return illuminance_for_snr(*given, candidate.matrix, snr=SNR10, reflectance=GRAY)
+    return illuminance_for_snr_adapted(
+        *given,
+        lambda lux: maker(replace(point, level_lux=lux)),
+        snr=SNR10,
+        reflectance=GRAY,
+    )
+
+
+def _smi(candidate: Candidate) -> float:
+    return sensor_metamerism(candidate.point.sensor).index
+
+
+def _visual_noise(candidate: Candidate) -> float | None:
+    point = candidate.point
+    white = analyzed(white_scene(point), point.sensor, point.exposure, matrix=candidate.matrix)
+    merit, _ = visual_merits(white, Viewing())
+    return merit.value
+
+
+def _information_bits(candidate: Candidate) -> float:
+    return float(raw_information(candidate.point))
+
+
+def _mean_error(candidate: Candidate, errors: Callable[..., Array | None]) -> float | None:
+    point = candidate.point
+    found = errors(point.sensor, candidate.matrix, point.exposure, point.illuminant, point.chart)
+    return None if found is None else float(found.mean())
+
+
+def _distances(point: OperatingPoint, matrix: ColorMatrix) -> Array | None:
+    """D_M of all pairs in raw values; ``None`` where a patch saturates a channel."""
+    pairs = pairs_of(point)
+    at = stages_at(point, matrix, reflectance=pairs.patches.values.T)
+    return None if at.saturated.any() else pair_distances(at.raw, pairs.indices)
+
+
+def _rms(values: Array) -> float:
+    return float(np.sqrt((values**2).mean()))
+
+
+_ENTRIES = (
+    Objective(
+        name="snr_y_db",
+        what="SNR of Y of a perfect white",
+        unit="dB",
+        better="higher",
+        of=_snr_y_db,
+        source="Clouet, Vaillant & Alleysson 2019, eq. 5-7",
+    ),
+    Objective(
+        name="noise_delta_e",
+        what="noise in CIELAB over the chart, root mean square",
+        unit="Delta E*ab",
+        better="lower",
+        of=_noise_delta_e,
+        source="JCGM 102:2011, 6.2 (first order)",
+    ),
+    Objective(
+        name="total_delta_e",
+        what="bias and noise in CIELAB over the chart, root mean square",
+        unit="Delta E*ab",
+        better="lower",
+        of=_total_delta_e,
+        source="JCGM 102:2011, 6.2 (first order)",
+    ),
+    Objective(
+        name="delta_e",
+        what="mean color error over the chart, white balanced",
+        unit="Delta E*ab",
+        better="lower",
+        of=_delta_e,
+        source="CIE 015:2018, eq. 8.21",
+    ),
+    Objective(
+        name="ciede2000",
+        what="mean CIEDE2000 over the chart, white balanced",
+        unit="1",
+        better="lower",
+        of=_ciede2000,
+        source="CIE 142-2001 (ISO/CIE 11664-6)",
+    ),
+    Objective(
+        name="vora",
+        what="Vora value",
+        unit="1",
+        better="higher",
+        of=_vora,
+        source="Vora & Trussell 1993",
+        of_saturated=True,
+    ),
+    Objective(
+        name="smi",
+        what="sensitivity metamerism index",
+        unit="1",
+        better="higher",
+        of=_smi,
+        source="ISO 17321-1:2012",
+        of_saturated=True,
+    ),
+    Objective(
+        name="visual_noise",
+        what="visual noise of a gray, all channels in each pixel",
+        unit="CIELUV",
+        better="lower",
+        of=_visual_noise,
+        source="ISO 15739:2017",
+    ),
+    Objective(
+        name="snr10_lux",
+        what="illuminance at which Y of a gray has an SNR of 10",
+        unit="lx",
+        better="lower",
+        of=_snr10_lux,
+        source="Alakarhu, IISW 2007",
+        of_saturated=True,
+    ),
+    Objective(
+        name="information_bits",
+        what="information of one pixel of all channels about spectra",
+        unit="bit",
+        better="higher",
+        of=_information_bits,
+        source="Cover & Thomas 2006, 9.4",
+    ),
+    Objective(
+        name="least_separation",
+        what="least distance D_M of two patches in raw values",
+        unit="1",
+        better="higher",
+        of=_least_separation,
+        source="ICRU Report 54 (1996)",
+    ),
+    Objective(
+        name="mean_separation",
+        what="mean distance D_M of two patches in raw values",
+        unit="1",
+        better="higher",
+        of=_mean_separation,
+        source="ICRU Report 54 (1996)",
+    ),
+    Objective(
+        name="infrared_share",
+        what=f"electrons of a white from {INFRARED_FROM_NM:g} nm, worst channel",
+        unit="1",
+        better="lower",
+        of=_infrared_share,
+        source="",
+        of_saturated=True,
+    ),
+)
+OBJECTIVES: Mapping[str, Objective] = {entry.name: entry for entry in _ENTRIES}
+"""Objectives by name."""
