@@ -8,7 +8,14 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    ValidationError,
+    model_validator,
+)
 
 from chromanoise import _check
 from chromanoise.catalog.resolve import word_beside
@@ -260,7 +267,7 @@ class DesignPart(Part):
         100, description="Candidates per generation."
     )
     seed: Annotated[int, Field(ge=0, lt=2**32)] = Field(0, description="Seed of the search.")
-    polish: bool = Field(True, description="Polish the front by exact gradients.")
+    polish: bool = Field(False, description="Polish the front by exact gradients.")
     members: Annotated[int, Field(ge=1, le=10_000)] = Field(
         100, description="Greatest number of designs on the front."
     )
@@ -366,6 +373,29 @@ def read_design(path: Path | str) -> DesignDocument:
 
     text = document_text(path, "design")
     return placed(document_from_text(DesignDocument, text, source=str(path), unfit=unfit))
+
+
+def with_effort(
+    document: DesignDocument, *, budget: int | None = None, seed: int | None = None
+) -> DesignDocument:
+    """The design with another budget or seed of the search; ``None`` keeps that of the document.
+
+    Raises
+    ------
+    InputError
+        If one of them is not possible.
+    """
+    given = {"budget": budget, "seed": seed}
+    changes = {name: value for name, value in given.items() if value is not None}
+    data = document.design.model_dump(exclude_unset=True) | changes
+    try:
+        design = DesignPart.model_validate(data)
+    except ValidationError as error:
+        (first, *_) = error.errors(include_url=False)
+        name = str(first["loc"][-1])
+        said = str(first["msg"]).replace("Input should be", "must be")
+        raise InputError(name, said, value=changes.get(name)) from None
+    return document.model_copy(update={"design": design})
 
 
 def _with_scenes_beside(document: DesignDocument, path: Path) -> DesignDocument:

@@ -44,7 +44,7 @@ from chromanoise.study.assembly import prior_of
 
 FULLEST = 0.99
 """Greatest share of full well of a channel on a perfect white."""
-_STEP = 1e-20  # of the complex step
+_STEP = 1e-6  # of the range of a parameter, for the slope of the share of full well
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -205,10 +205,12 @@ class Evaluation:
         )
 
     def _share(self, values: Float[Array, " d"]) -> tuple[float, Float[Array, " d"]]:
+        spans = np.array([one.span for one in self.space.parameters])
+        steps = np.diag(_STEP * spans)
+        around = np.concatenate([values[None], values + steps, values - steps])
+        share = self.evaluator.share_of_full_well(self.space.candidates(around))
         d = len(values)
-        steps = values + 1j * _STEP * np.eye(d)
-        share = self.evaluator.share_of_full_well(self.space.candidates(steps))
-        return float(share[0].real), np.imag(share) / _STEP
+        return float(share[0]), (share[1 : d + 1] - share[d + 1 :]) / (2 * _STEP * spans)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

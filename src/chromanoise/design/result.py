@@ -115,6 +115,7 @@ class Design(Result):
                 "exposure": exposure.model_dump(exclude_defaults=True),
                 "sensors": [{"name": file}],
                 "matrices": [matrix],
+                "outputs": {"budget": False},
             }
         )
         return study_as_command(study)
@@ -179,11 +180,13 @@ class Design(Result):
         parameters = self.task.space.parameters
         objectives = [OBJECTIVES[name] for name in self.front.objectives]
         columns = [
-            Column("sensor"),
-            *(Column(one.name, "" if one.unit == "1" else one.unit, ".4g") for one in objectives),
-            *(Column(one.name, "" if one.unit == "1" else one.unit, ".4g") for one in parameters),
-            Column("extreme of"),
-            Column("held by"),
+            Column(name="sensor"),
+            *(
+                Column(name=one.name, unit="" if one.unit == "1" else one.unit, digits=".4g")
+                for one in (*objectives, *parameters)
+            ),
+            Column(name="extreme of"),
+            Column(name="held by"),
         ]
         rows: list[tuple[Any, ...]] = []
         for reference in self.references:
@@ -200,7 +203,8 @@ class Design(Result):
                     ", ".join(held_by(one, parameters)),
                 )
             )
-        return Table(columns=tuple(columns), rows=tuple(rows))
+        scene = conditions([self.task.scenes[0].point])
+        return Table(title=f"Front of a design at {scene}", columns=tuple(columns), rows=tuple(rows))
 
     def plot(self, ax: Any = None) -> Any:
         """Draw the second objective against the first: members and references."""
