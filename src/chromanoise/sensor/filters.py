@@ -50,29 +50,44 @@ def per_candidate(
         If a real part is not finite or not possible.
     """
     numbers = np.asarray(value)
+    if numbers.dtype.kind not in "fc":
+        numbers = numbers.astype(np.float64)
     bad = ~(np.isfinite(numbers.real) & (numbers.real >= least) & (numbers.real <= most))
     if bad.any():
-        limits = f"{least:g} to {most:g}" if most < math.inf else f"finite and >= {least:g}"
+        limits = possible(least, most)
         unit = "" if unit == "1" else f" [{unit}]"
         raise InputError(name, f"must be {limits}{unit}", value=float(numbers.real[bad].flat[0]))
     return numbers[..., None]
 
 
+def possible(least: float, most: float) -> str:
+    """The demand of a message for a number from ``least`` to ``most``.
+
+    Examples
+    --------
+    >>> possible(0.0, 1.0), possible(0.0, math.inf), possible(-math.inf, math.inf)
+    ('0 to 1', 'finite and >= 0', 'finite')
+    """
+    if most < math.inf:
+        return f"{least:g} to {most:g}"
+    return f"finite and >= {least:g}" if least > -math.inf else "finite"
+
+
 def silicon_qe(
-    grid: Grid, *, depth_um: Number, dead_layer_um: float = 0.05, reflectance: float = 0.1
+    grid: Grid, *, depth_um: Number, dead_layer_um: Number = 0.05, reflectance: Number = 0.1
 ) -> Inexact[Array, "*m n"]:
     """Electrons per photon of a silicon photodiode (Beer-Lambert). [e-/photon]
 
     (1 - R) exp(-alpha dead) (1 - exp(-alpha depth)): the share of the light that is
     not reflected, not lost in the dead layer at the surface, and absorbed within the collection
-    depth.
+    depth. Each number may be one, or one per candidate.
 
     Parameters
     ----------
     grid
         Within 400-1050 nm, where the absorption of silicon is tabulated.
     depth_um
-        Collection depth; one, or one per candidate. [um]
+        Collection depth. [um]
     dead_layer_um
         Surface layer whose carriers are lost. [um]
     reflectance
@@ -84,8 +99,8 @@ def silicon_qe(
     logarithm is interpolated because it is smooth.
     """
     depth = per_candidate("depth_um", "um", depth_um, least=LEAST_LENGTH_UM)
-    dead = _check.not_negative("dead_layer_um", "um", dead_layer_um)
-    entering = 1.0 - float(_check.fraction("reflectance", "1", reflectance))
+    dead = per_candidate("dead_layer_um", "um", dead_layer_um)
+    entering = 1.0 - per_candidate("reflectance", "1", reflectance, most=1.0)
     table = packaged_table("silicon_absorption")
     wavelength = grid.wavelength_nm
     known = table.wavelength_nm
@@ -99,6 +114,30 @@ def silicon_qe(
     per_cm = np.exp(np.interp(wavelength, known, np.log(table.values[:, 0])))
     per_um = per_cm * _CM_PER_UM
     return entering * np.exp(-per_um * dead) * -np.expm1(-per_um * depth)
+
+
+def layered_silicon_qe(grid: Grid, ends_um: Sequence[Number]) -> Inexact[Array, "*m n p"]:
+    """Electrons per photon of stacked photodiodes: each absorbs what those above it transmit.
+
+    The surface has no dead layer, and reflects as that of `silicon_qe`. [e-/photon]
+
+    Parameters
+    ----------
+    grid
+        Within 400-1050 nm.
+    ends_um
+        Depth at which each diode ends, increasing. [um]
+
+    Raises
+    ------
+    InputError
+        If a depth is not positive, or the depths do not increase.
+    """
+    depth = np.stack(np.broadcast_arrays(*ends_um), axis=-1)
+    if (np.diff(depth.real, axis=-1) <= 0).any():
+        raise InputError("ends_um", "must increase [um]", value=depth.real.tolist())
+    whole = silicon_qe(grid, depth_um=depth, dead_layer_um=0.0)
+    return np.moveaxis(np.diff(whole, axis=-2, prepend=0.0), -2, -1)
 
 
 def resin_filter(
@@ -137,7 +176,10 @@ def resin_filter(
     infrared = per_candidate("leak", "1", leak, most=1.0)
     bottom = per_candidate("floor", "1", floor, most=1.0)
     scale = per_candidate("edge_nm", "nm", edge_nm, least=LEAST_LENGTH_NM)
-    low, high, again = (np.asarray(edge)[..., None] for edge in (low_nm, high_nm, leak_nm))
+    low, high, again = (
+        per_candidate(name, "nm", edge, least=-math.inf)
+        for name, edge in (("low_nm", low_nm), ("high_nm", high_nm), ("leak_nm", leak_nm))
+    )
     order = (low.real < high.real) & (high.real <= again.real)
     if not order.all():
         first = np.unravel_index(int(order.argmin()), order.shape)
