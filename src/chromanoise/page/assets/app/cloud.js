@@ -1,6 +1,6 @@
 /** The sensors of a front as points over two of its objectives; a point is read and loaded. */
 
-import { axes, linear, niceRange, textWidth } from "draw/axes.js";
+import { axes, linear, niceRange, textWidth, wrapped } from "draw/axes.js";
 import { caption, legend, markPath, note } from "draw/look.js";
 import { refill } from "draw/refill.js";
 import { figure, figureWidth, html, known, svg, tenth, words } from "draw/svg.js";
@@ -26,6 +26,7 @@ import { figure, figureWidth, html, known, svg, tenth, words } from "draw/svg.js
  */
 
 const ROOM = { left: 48, right: 24, top: 34, bottom: 44 };
+const LINE_PX = 16;
 const REACH_PX = 24;
 const HELP = "Point at a sensor, or move along the front with the arrow keys. A click or Enter loads it.";
 /** @type {Record<string, (i: number, count: number) => number>} */
@@ -58,7 +59,10 @@ export function draw(element, data, options) {
   const before = views.get(element);
   const drawn = (/** @type {FrontPoint} */ { values }) => known(values[options.x]) && known(values[options.y]);
   const points = [...data.members, ...data.references];
-  const { x, y, height } = plane(points.filter(drawn), options, width);
+  const [across, up] = [options.x, options.y].map((name) => /** @type {FrontAxis} */ (data.axes.find((one) => one.name === name)));
+  const [below, above] = [across, up].map(({ title }) => wrapped(title, width - ROOM.left));
+  const top = ROOM.top + LINE_PX * (above.length - 1);
+  const { x, y, bottom } = plane(points.filter(drawn), options, top, width);
   const place = (/** @type {FrontPoint} */ point) => ({
     point,
     left: x.at(/** @type {number} */ (point.values[options.x])),
@@ -70,11 +74,13 @@ export function draw(element, data, options) {
   const at = members.some(({ point }) => point.name === before?.at) ? (before?.at ?? null) : null;
   const view = { members, references, at, options, width };
   views.set(element, view);
-  const [across, up] = [options.x, options.y].map((name) => /** @type {FrontAxis} */ (data.axes.find((one) => one.name === name)));
-  const nodes = axes(x, y, { x: across.title, y: up.title, xRoom: 64 });
+  const nodes = axes(x, y, { xRoom: 64 });
+  above.forEach((text, i) => nodes.push(words(0, top - 14 - LINE_PX * (above.length - 1 - i), text, "d-quiet")));
+  below.forEach((text, i) => nodes.push(words((x.from + x.to) / 2, bottom + 35 + LINE_PX * i, text, "d-quiet", "middle")));
+  const height = bottom + ROOM.bottom + LINE_PX * (below.length - 1);
   nodes.push(better(across, up, x, y), ...labels(view, x, y));
-  nodes.push(...references.map(({ left, top }) => svg("path", { d: markPath(1, left, top), class: "d-reference" })));
   nodes.push(...members.map((one) => option(one, options)));
+  nodes.push(...references.map(({ left, top }) => svg("path", { d: markPath(1, left, top), class: "d-reference" })));
   nodes.push(svg("circle", { class: "d-cursor", r: 11, visibility: "hidden" }));
   const keys = "ArrowLeft ArrowRight Home End Enter";
   const list = { class: "d-figure d-cloud", role: "listbox", tabindex: 0, "aria-keyshortcuts": keys };
@@ -88,15 +94,16 @@ export function draw(element, data, options) {
 /**
  * @param {FrontPoint[]} points
  * @param {CloudOptions} options
+ * @param {number} top
  * @param {number} width
  */
-function plane(points, options, width) {
+function plane(points, options, top, width) {
   const tall = Math.round(Math.min(420, Math.max(220, 0.45 * width)));
   const [left, right] = niceRange(points.map(({ values }) => values[options.x]), 6);
   const [low, high] = niceRange(points.map(({ values }) => values[options.y]), 6);
   const x = linear(left, right, ROOM.left, width - ROOM.right);
-  const y = linear(low, high, ROOM.top + tall, ROOM.top);
-  return { x, y, height: ROOM.top + tall + ROOM.bottom };
+  const y = linear(low, high, top + tall, top);
+  return { x, y, bottom: top + tall };
 }
 
 /**

@@ -23,8 +23,20 @@ let panel = null;
 
 /** Shows the front that was served with the page. */
 export async function showServed() {
-  const { front } = await understood(await fetch("/api/front"));
-  showFront(front);
+  try {
+    const { front } = await understood(await fetch("/api/front"));
+    showFront(front);
+  } catch (error) {
+    const notice = byId("broken");
+    say(notice, sentenceOf(error));
+    notice.hidden = false;
+  }
+}
+
+/** @param {unknown} error */
+function sentenceOf(error) {
+  if (error instanceof Refused) return error.faults.map(({ sentence }) => sentence).join(" ");
+  return "The server does not answer; try again.";
 }
 
 /**
@@ -113,7 +125,7 @@ function frontPanel() {
       changeStudy((study) => put(study, { name: answer.id, ...pixelOf(member) }, member, used));
     } catch (error) {
       if (mine !== turn) return;
-      complain(error instanceof Refused ? error.faults.map(({ sentence }) => sentence).join(" ") : "The server does not answer; try again.");
+      complain(sentenceOf(error));
     }
   }
 
@@ -142,7 +154,7 @@ function frontPanel() {
   function show(study) {
     const places = study.sensors.map(({ name }, i) => [String(i), `in place of sensor ${i + 1}, ${shownName(name)}`]);
     const beside = study.sensors.length < MOST ? [["beside", "beside the others"]] : [];
-    const now = [["last", "in place of the one that a click loaded last"], ...beside, ...places];
+    const now = [["last", "in place of the last loaded"], ...beside, ...places];
     const kept = now.some(([value]) => value === target.select.value) ? target.select.value : "last";
     fillChoice(target.select, now, kept);
     redraw();
