@@ -3,7 +3,7 @@
 from typing import Any
 
 from chromanoise import _check
-from chromanoise.charts.text import NONE, brief, listed, table
+from chromanoise.charts.text import brief, listed, table
 from chromanoise.design.front_file import FrontFile, FrontMember, FrontObjective, FrontReference
 
 _DIGITS = 4
@@ -41,7 +41,7 @@ def drawn_front(front: FrontFile, *, x: str | None = None, y: str | None = None)
     members = [_member(one, front.objectives) for one in front.members]
     references = [_placed(one, front.objectives) for one in front.references]
     return {
-        "title": f"Front of {sensors}: {axes[up]['title']} against {axes[across]['title']}",
+        "title": f"Front of {sensors}{_scenes(front)}",
         "description": _description(front, sensors),
         "x": across,
         "y": up,
@@ -64,8 +64,8 @@ def drawn_front(front: FrontFile, *, x: str | None = None, y: str | None = None)
 
 
 def _axis(objective: FrontObjective) -> dict[str, str]:
-    unit = "" if objective.unit == "1" else f" [{objective.unit}]"
-    title = f"{objective.what}{unit}"
+    unit = _shown(objective.unit)
+    title = f"{objective.what} [{unit}]" if unit else objective.what
     return {"name": objective.name, "title": title, "better": objective.better}
 
 
@@ -92,7 +92,16 @@ def _member(one: FrontMember, objectives: list[FrontObjective]) -> dict[str, Any
 
 def _with_unit(value: float | None, unit: str) -> str:
     text = brief(value, _DIGITS)
-    return text if unit == "1" or text == NONE else f"{text} {unit}"
+    return text if value is None else f"{text} {_shown(unit)}".strip()
+
+
+def _shown(unit: str) -> str:
+    return "" if unit == "1" else unit.replace("Delta E", "ΔE")
+
+
+def _scenes(front: FrontFile) -> str:
+    names = [one.name for one in front.scenes]
+    return f", scene{'' if len(names) == 1 else 's'} {listed(names)}" if names else ""
 
 
 def _description(front: FrontFile, sensors: str) -> str:
