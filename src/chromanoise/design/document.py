@@ -6,7 +6,7 @@ The sensors of the study are the references of the design. The first of them, or
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, TypeVar
 
 from pydantic import (
     AfterValidator,
@@ -21,7 +21,9 @@ from chromanoise import _check
 from chromanoise.catalog.resolve import word_beside
 from chromanoise.design.objectives import OBJECTIVES
 from chromanoise.design.parameters import Free, Value
+from chromanoise.design.space import LIBRARY_MODEL, LIBRARY_NUMBERS
 from chromanoise.errors import InputError, Setting, did_you_mean, refusal
+from chromanoise.sensor import MOSAIC_NAMES
 from chromanoise.sensor.filter_models import FILTER_MODELS, SILICON_NUMBERS, ModelNumber
 from chromanoise.study import (
     Part,
@@ -82,8 +84,8 @@ Limit = Annotated[float | str | None, BeforeValidator(_number_or_name)]
 ObjectiveName = Annotated[str, AfterValidator(_objective)]
 
 
-class _NumbersPart(Part):
-    """A part whose further keys are numbers of a model."""
+class NumbersPart(Part):
+    """A part whose further keys are numbers of a design."""
 
     model_config = ConfigDict(extra="allow")
     __pydantic_extra__: dict[str, Numbers]
@@ -93,80 +95,93 @@ class _NumbersPart(Part):
         """The numbers that are given, by name."""
         return dict(self.__pydantic_extra__)
 
-    def known_numbers(self) -> Mapping[str, ModelNumber]:
-        """The numbers that the part may have; no model, no numbers."""
-        return {}
+    def known_numbers(self) -> Mapping[str, ModelNumber] | None:
+        """The numbers that the part may have; ``None`` if the rest of the design decides."""
+        return None
 
     @model_validator(mode="after")
-    def _of_the_model(self) -> "_NumbersPart":
+    def _of_the_model(self) -> "NumbersPart":
         known = self.known_numbers()
-        errors = [
-            InputError(
-                name,
-                "is an unknown key",
-                remedy=did_you_mean(
-                    name,
-                    [*known, *type(self).model_fields],
-                    f"known are {', '.join([*type(self).model_fields, *known])}",
-                    most=2,
-                ),
-            )
-            for name in self.numbers
-            if name not in known
-        ]
-        errors += [
-            InputError(
+        if known is not None:
+            errors = [*_unknown(self, known), *_missing(self, known)]
+            if errors:
+                raise refusal(errors)
+        return self
+
+
+def _unknown(part: NumbersPart, known: Mapping[str, ModelNumber]) -> Iterator[InputError]:
+    names = [*type(part).model_fields, *known]
+    for name in part.numbers:
+        if name not in known:
+            remedy = did_you_mean(name, names, f"known are {', '.join(names)}", most=2)
+            yield InputError(name, "is an unknown key", remedy=remedy)
+
+
+def _missing(part: NumbersPart, known: Mapping[str, ModelNumber]) -> Iterator[InputError]:
+    for name, number in known.items():
+        if number.default is None and name not in part.numbers:
+            yield InputError(
                 name,
                 f"is missing: {number.what} [{number.unit}]",
                 remedy=f"give a number, or bounds as {name} = [low, high]",
             )
-            for name, number in known.items()
-            if number.default is None and name not in self.numbers
-        ]
-        if errors:
-            raise refusal(errors)
-        return self
 
 
 def _known_model(name: str, info: Any) -> str:
-    if name not in FILTER_MODELS:
-        known = f"known are {', '.join(FILTER_MODELS)}"
-        remedy = did_you_mean(name, list(FILTER_MODELS), known, most=2)
+    models = (*FILTER_MODELS, LIBRARY_MODEL)
+    if name not in models:
+        remedy = did_you_mean(name, models, f"known are {', '.join(models)}", most=2)
         raise InputError(info.field_name, "must be a known filter", value=name, remedy=remedy)
     return name
 
 
 FilterName = Annotated[str, AfterValidator(_known_model)]
+_MODELS = ", ".join((*FILTER_MODELS, LIBRARY_MODEL))
+_OF_DYE = "For dye: filters of the catalog or files; the search chooses one of several."
+Curves = Annotated[tuple[str, ...], Field(strict=False)]
 
 
-class FilterPart(_NumbersPart):
-    """A filter; its further keys are the numbers of its model."""
+class _FilterNumbers(NumbersPart):
+    """A part whose numbers are those of a filter."""
 
-    filter: FilterName = Field("ir-cut", description=f"Its model: {', '.join(FILTER_MODELS)}.")
+    @model_validator(mode="after")
+    def _curves_of_a_dye(self) -> "_FilterNumbers":
+        model, curves = getattr(self, "filter", None), getattr(self, "curves", ())
+        if (model == LIBRARY_MODEL) != bool(curves):
+            demand = "must be given" if model == LIBRARY_MODEL else "must be given only"
+            raise InputError("curves", f"{demand} for filter = {LIBRARY_MODEL!r}")
+        return self
 
     def known_numbers(self) -> Mapping[str, ModelNumber]:
-        """The numbers of the model."""
-        return FILTER_MODELS[self.filter].numbers
+        """The numbers of the filter."""
+        model = getattr(self, "filter", None)
+        if model is None:
+            return {}
+        if model == LIBRARY_MODEL:
+            return LIBRARY_NUMBERS
+        return FILTER_MODELS[model].numbers_for(self.numbers)
 
 
-class ChannelPart(_NumbersPart):
+class FilterPart(_FilterNumbers):
+    """A filter; its further keys are the numbers of its model."""
+
+    filter: FilterName = Field("ir-cut", description=f"Its model: {_MODELS}.")
+    curves: Curves = Field((), description=_OF_DYE)
+
+
+class ChannelPart(_FilterNumbers):
     """A channel; its further keys are the numbers of its filter."""
 
     name: str = Field(description="Name of the channel.")
-    filter: FilterName | None = Field(
-        None, description=f"Its filter: {', '.join(FILTER_MODELS)}; default: none."
-    )
+    filter: FilterName | None = Field(None, description=f"Its filter: {_MODELS}; default: none.")
+    curves: Curves = Field((), description=_OF_DYE)
     base: str | None = Field(
         None, description="Channel of the base whose curve it has; default: silicon."
     )
     ir_cut: FilterPart | None = Field(None, description="A second filter on this channel.")
 
-    def known_numbers(self) -> Mapping[str, ModelNumber]:
-        """The numbers of its filter."""
-        return FILTER_MODELS[self.filter].numbers if self.filter is not None else {}
 
-
-class SiliconPart(_NumbersPart):
+class SiliconPart(NumbersPart):
     """The photodiode; its keys are the numbers of its model."""
 
     def known_numbers(self) -> Mapping[str, ModelNumber]:
@@ -186,6 +201,21 @@ class MatrixNumbers(Part):
     noise_weight: Numbers = Field(
         None, description="Weight of the noise in the matrix: 0 least squares, 1 LMMSE."
     )
+
+
+class CrosstalkNumbers(Part):
+    """Crosstalk before counting, where it is not that of the base."""
+
+    share: Numbers = Field(
+        None, description="Share of the light of a pixel that ends in its four neighbors."
+    )
+
+
+class PixelNumbers(Part):
+    """The pixel, where it is not that of the base."""
+
+    read_noise_e: Numbers = Field(None, description="Read noise [e-].")
+    prnu: Numbers = Field(None, description="Photo response non-uniformity [1].")
 
 
 class ScenePart(Part):
@@ -231,6 +261,15 @@ class ConstraintPart(Part):
         return given
 
 
+def _shares(given: Any) -> Any:
+    """Give one error message; the schema alone would give one for each type of value."""
+    if isinstance(given, list | tuple) and all(map(_is_number, given)):
+        return tuple(map(float, given))
+    if given in ("equal", "free"):
+        return given
+    raise ValueError("must be equal, free, or one share per channel with the sum 1")
+
+
 class DesignPart(Part):
     """What is designed, for what, and how it is searched."""
 
@@ -246,6 +285,23 @@ class DesignPart(Part):
     )
     ir_cut: FilterPart | None = Field(None, description="A filter in front of all channels.")
     silicon: SiliconPart = Field(SiliconPart(), description="The photodiode.")
+    structure: Literal["mosaic", "layers", "router"] = Field(
+        "mosaic", description="Channels beside each other, stacked in silicon, or sorted by color."
+    )
+    layers: NumbersPart = Field(
+        NumbersPart(), description="With layers: NAME_um, thickness of the layer of each channel."
+    )
+    router: NumbersPart = Field(
+        NumbersPart(), description="With router: efficiency, NAME_selectivity, crossing_1_nm ..."
+    )
+    mosaic: str | None = Field(
+        None, description=f"Channel of each pixel: {', '.join(MOSAIC_NAMES)}, or rows as RG/GB."
+    )
+    pixel_shares: Annotated[Any, BeforeValidator(_shares)] = Field(
+        "equal", description="Shares of the pixels: equal, free, or one number per channel."
+    )
+    crosstalk: CrosstalkNumbers = Field(CrosstalkNumbers(), description="Crosstalk.")
+    pixel: PixelNumbers = Field(PixelNumbers(), description="The pixel.")
     exposure: ExposureNumbers = Field(ExposureNumbers(), description="A designed exposure.")
     matrix: MatrixNumbers = Field(MatrixNumbers(), description="A designed color matrix.")
     scenes: Annotated[tuple[ScenePart, ...], Field(strict=False)] = Field(
@@ -365,7 +421,7 @@ def read_design(path: Path | str) -> DesignDocument:
     path = Path(path)
 
     def placed(document: DesignDocument) -> DesignDocument:
-        return _with_scenes_beside(beside_file(document, path), path)
+        return _with_files_beside(beside_file(document, path), path)
 
     def unfit(document: DesignDocument) -> list[InputError]:
         document = placed(document)
@@ -398,17 +454,31 @@ def with_effort(
     return document.model_copy(update={"design": design})
 
 
-def _with_scenes_beside(document: DesignDocument, path: Path) -> DesignDocument:
-    """The document with the files of lights of scenes relative to the working folder."""
+def _with_files_beside(document: DesignDocument, path: Path) -> DesignDocument:
+    """The document with files of lights and dyes relative to the working folder."""
     if is_relative_to_working_folder(path):
         return document
+    folder = path.parent
     scenes = tuple(
-        scene
-        if scene.illuminant is None
-        else scene.model_copy(
-            update={"illuminant": word_beside(scene.illuminant, "light", path.parent)}
-        )
-        for scene in document.design.scenes
+        part.model_copy(update={"illuminant": word_beside(part.illuminant, "light", folder)})
+        if part.illuminant is not None
+        else part
+        for part in document.design.scenes
     )
-    design = document.design.model_copy(update={"scenes": scenes})
-    return document.model_copy(update={"design": design})
+    channels = tuple(_with_curves_beside(part, folder) for part in document.design.channels)
+    front = document.design.ir_cut
+    ir_cut = None if front is None else _with_curves_beside(front, folder)
+    changes = {"scenes": scenes, "channels": channels, "ir_cut": ir_cut}
+    return document.model_copy(update={"design": document.design.model_copy(update=changes)})
+
+
+FilteredPart = TypeVar("FilteredPart", FilterPart, ChannelPart)
+
+
+def _with_curves_beside(part: FilteredPart, folder: Path) -> FilteredPart:
+    changes: dict[str, Any] = {
+        "curves": tuple(word_beside(word, "filter", folder) for word in part.curves)
+    }
+    if isinstance(part, ChannelPart) and part.ir_cut is not None:
+        changes["ir_cut"] = _with_curves_beside(part.ir_cut, folder)
+    return part.model_copy(update=changes)

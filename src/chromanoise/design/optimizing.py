@@ -1,5 +1,6 @@
 """From a design document to its front: the one route of the command and of Python."""
 
+import hashlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -11,12 +12,13 @@ import numpy as np
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._shapes import Float
-from chromanoise.catalog.resolve import resolve_illuminant
+from chromanoise.catalog.resolve import resolve_filter, resolve_illuminant
 from chromanoise.design.document import (
     BEST_REFERENCE,
     ChannelPart,
     ConstraintPart,
     DesignDocument,
+    DesignPart,
     FilterPart,
 )
 from chromanoise.design.evaluation import Evaluator
@@ -32,7 +34,7 @@ from chromanoise.design.space import Channel, DesignSpace, Filter
 from chromanoise.errors import InputError
 from chromanoise.exposure import OperatingPoint
 from chromanoise.io.spectra import Answers
-from chromanoise.sensor import Sensor
+from chromanoise.sensor import Sensor, mosaic_named
 from chromanoise.study import (
     NOTHING_GIVEN,
     Given,
@@ -155,8 +157,14 @@ class Task:
             evaluate=evaluate,
             gradient=evaluate.linearized,
             integer=tuple(one.name for one in parameters if one.choices),
-            identity=identity_of(self.document),
+            identity=self.identity,
         )
+
+    @property
+    def identity(self) -> str:
+        """A hash of all that determines the objectives; the effort of the search is not in it."""
+        lights = [one.point.illuminant.irradiance for one in self.scenes]
+        return _identity(self.document, [*self.space.library.values(), *lights])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -232,17 +240,21 @@ class Search:
     result: SearchResult
 
 
-def identity_of(document: DesignDocument) -> str:
-    """The hash of all that determines the values of a design, files included.
+_EFFORT = ("method", "budget", "population", "seed", "polish", "members")
 
-    The effort of the search and the title do not belong to it.
+
+def _identity(document: DesignDocument, arrays: Sequence[Array]) -> str:
+    """A hash of a document, of the files of its study, and of the arrays of its other files.
+
+    The effort of the search and the title are not in it.
     """
-    effort = {
-        name: DesignDocument.model_fields["design"].annotation.model_fields[name].default  # type: ignore[union-attr]
-        for name in ("method", "budget", "population", "seed", "polish", "members")
-    }
+    effort = {name: DesignPart.model_fields[name].default for name in _EFFORT}
     design = document.design.model_copy(update=effort)
-    return study_hash(document.model_copy(update={"design": design, "title": ""}))
+    plain = document.model_copy(update={"design": design, "title": ""})
+    digest = hashlib.sha256(study_hash(plain).encode())
+    for one in arrays:
+        digest.update(np.ascontiguousarray(one, dtype=np.float64).tobytes())
+    return digest.hexdigest()
 
 
 def task_of(document: DesignDocument, given: Given = NOTHING_GIVEN) -> Task:
@@ -349,26 +361,56 @@ def space_of(document: DesignDocument, base: Sensor) -> DesignSpace:
         return DesignSpace(
             base=base,
             channels=tuple(_channel(part) for part in design.channels),
+            structure=design.structure,
             ir_cut=None if design.ir_cut is None else _filter(design.ir_cut),
             silicon=design.silicon.numbers,
+            layers=design.layers.numbers,
+            router=design.router.numbers,
+            library=_library(document),
+            mosaic=None if design.mosaic is None else mosaic_named(design.mosaic),
+            pixel_shares=design.pixel_shares,
+            crosstalk=design.crosstalk.share,
             time_ms=design.exposure.time_ms,
             noise_weight=design.matrix.noise_weight,
+            read_noise_e=design.pixel.read_noise_e,
+            prnu=design.pixel.prnu,
         )
     except InputError as error:
+        if error.setting:
+            raise
         raise error.inside(_key_in(error.subject, design.channels), str) from None
 
 
 def _channel(part: ChannelPart) -> Channel:
     return Channel(
         name=part.name,
-        filter=None if part.filter is None else Filter(model=part.filter, numbers=part.numbers),
+        filter=None if part.filter is None else _filter(part),
         ir_cut=None if part.ir_cut is None else _filter(part.ir_cut),
         base=part.base,
     )
 
 
-def _filter(part: FilterPart) -> Filter:
-    return Filter(model=part.filter, numbers=part.numbers)
+def _filter(part: FilterPart | ChannelPart) -> Filter:
+    assert part.filter is not None  # a channel without a filter is not asked for it
+    return Filter(model=part.filter, numbers=part.numbers, curves=part.curves)
+
+
+def _library(document: DesignDocument) -> dict[str, Array]:
+    """The transmittances that the filters of model ``dye`` name."""
+    design, answers = document.design, Answers(quantity="transmittance")
+    parts: dict[str, FilterPart | ChannelPart] = {}
+    for i, channel in enumerate(design.channels):
+        parts[f"design.channels.{i}.curves"] = channel
+        if channel.ir_cut is not None:
+            parts[f"design.channels.{i}.ir_cut.curves"] = channel.ir_cut
+    if design.ir_cut is not None:
+        parts["design.ir_cut.curves"] = design.ir_cut
+    library = {}
+    for key, part in parts.items():
+        for word in part.curves:
+            with keyed(key):
+                library[word] = resolve_filter(word, answers=answers).values[:, 0]
+    return library
 
 
 def _key_in(subject: str, channels: Sequence[ChannelPart]) -> str:
@@ -436,9 +478,8 @@ def _named(document: DesignDocument, name: str) -> int:
 
 
 def searched(
-    document: DesignDocument,
+    task: Task,
     *,
-    given: Given = NOTHING_GIVEN,
     checkpoint: Path | None = None,
     resume: bool = False,
     evaluate_on: Scheduler | None = None,
@@ -448,20 +489,17 @@ def searched(
 
     Parameters
     ----------
-    document
-        The design.
-    given
-        Objects of Python in place of names.
+    task
+        Of `task_of`.
     checkpoint, resume, evaluate_on, progress
         As `chromanoise.design.search.search`.
 
     Raises
     ------
     InputError
-        As `task_of` and `chromanoise.design.search.search`.
+        As `chromanoise.design.search.search`.
     """
-    task = task_of(document, given)
-    design, problem = document.design, task.problem()
+    design, problem = task.document.design, task.problem()
     settings = SearchSettings(
         method=design.method,
         budget=design.budget,

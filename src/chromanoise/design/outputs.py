@@ -7,7 +7,7 @@ from pathlib import Path
 from chromanoise import __version__
 from chromanoise._files import claimed_folder, refuse_unwritable, write_whole
 from chromanoise.design.document import DesignDocument
-from chromanoise.design.optimizing import identity_of, searched
+from chromanoise.design.optimizing import searched, task_of
 from chromanoise.design.result import SENSORS, Design
 from chromanoise.design.scheduler import Scheduler
 from chromanoise.design.search import Progress
@@ -51,12 +51,11 @@ def optimized(
     if folder is None:
         if resume:
             raise InputError("resume", "must be given with the folder of the stopped search")
-        return Design(
-            search=searched(document, given=given, evaluate_on=evaluate_on, progress=progress)
-        )
+        found = searched(task_of(document, given), evaluate_on=evaluate_on, progress=progress)
+        return Design(search=found)
     refuse_unwritable(folder)
-    identity = identity_of(document)
-    _refuse_other_design(folder, identity)
+    task = task_of(document, given)
+    _refuse_other_design(folder, task.identity)
     if resume and not (folder / CHECKPOINT).exists():
         raise InputError(
             str(folder),
@@ -66,12 +65,11 @@ def optimized(
         )
     with claimed_folder(folder) as scratch_folder:
         if not (folder / RECORD).exists():
-            record = {"version": __version__, "identity": identity}
+            record = {"version": __version__, "identity": task.identity}
             record |= {"design": study_as_json(document)}
             write_whole(folder / RECORD, f"{json.dumps(record, indent=1)}\n".encode())
         found = searched(
-            document,
-            given=given,
+            task,
             checkpoint=folder / CHECKPOINT,
             resume=resume,
             evaluate_on=evaluate_on,

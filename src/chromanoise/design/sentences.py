@@ -126,7 +126,7 @@ def _short(value: float, best: float, objective: Objective) -> str:
     if abs(ratio - 1) < _ALIKE:
         return "the same as"
     if objective.better == "lower":
-        return f"{ratio:.2g} times"
+        return f"{_ratio(ratio)} times"
     return f"{100 * (1 - ratio):.2g} % short of"
 
 
@@ -138,7 +138,11 @@ def _gained(value: float, before: float, objective: Objective) -> str:
         return f"a {objective.what} of {_shown(value, objective)}"
     if _HALF[0] <= ratio <= _HALF[1]:
         return f"half the {objective.what}"
-    return f"{ratio:.2g} times the {objective.what}"
+    return f"{_ratio(ratio)} times the {objective.what}"
+
+
+def _ratio(ratio: float) -> str:
+    return f"{ratio:.0f}" if ratio >= 10 else f"{ratio:.2g}"
 
 
 def _shown(value: float, objective: Objective) -> str:
