@@ -18,6 +18,7 @@ above it (``pyproject.toml`` lists them in reverse order).
 ``catalog``    built-in sensors, filters, illuminants; the user's own folder
 ``analysis``   one operating point at every stage; budgets, sweeps, comparison
 ``study``      a study: document, errors, run, records
+``design``     search over filters, exposure and matrix of a sensor
 ``paper``      the paper's study, Tables 2-5 and figures, computed with the public API
 ``charts``     results as chart records: marks, axes, table rows
 ``figures``    chart records drawn on matplotlib Axes
@@ -42,6 +43,7 @@ if TYPE_CHECKING:
         characterization,
         charts,
         color,
+        design,
         exposure,
         figures,
         geometry,
@@ -55,10 +57,20 @@ if TYPE_CHECKING:
         spectra,
         study,
     )
-    from chromanoise.api import analyze, characterize, compare, compare_map, matrix, render, run
+    from chromanoise.api import (
+        analyze,
+        characterize,
+        compare,
+        compare_map,
+        matrix,
+        optimize,
+        render,
+        run,
+    )
     from chromanoise.catalog import sensor_named
     from chromanoise.characterization import Characterization
     from chromanoise.color import ColorMatrix
+    from chromanoise.design import Design
     from chromanoise.errors import InputError, Setting
     from chromanoise.exposure import Exposure, OperatingPoint
     from chromanoise.io.cubes import read_cube
@@ -89,6 +101,7 @@ __all__ = [
     "Comparison",
     "ComparisonMap",
     "Cube",
+    "Design",
     "Exposure",
     "Grid",
     "Illuminant",
@@ -115,6 +128,7 @@ __all__ = [
     "color",
     "compare",
     "compare_map",
+    "design",
     "exposure",
     "figures",
     "geometry",
@@ -124,6 +138,7 @@ __all__ = [
     "matrix",
     "metrics",
     "noise",
+    "optimize",
     "paper",
     "read_cube",
     "read_curves",

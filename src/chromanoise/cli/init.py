@@ -22,7 +22,7 @@ def init(study: Path | None, design: bool) -> None:
         )
     text, next_step = STARTER, "run"
     if design:
-        from chromanoise.design.starter import DESIGN_STARTER
+        from chromanoise.design import DESIGN_STARTER
 
         text, next_step = DESIGN_STARTER, "optimize"
     write_whole(file, text.encode("utf-8"))

@@ -15,8 +15,7 @@ from chromanoise.cli.progress import duration
 from chromanoise.exposure import conditions
 
 if TYPE_CHECKING:
-    from chromanoise.design.result import Design
-    from chromanoise.design.search import Progress
+    from chromanoise.design import Design, Progress
 
 _REPORTED_EVERY_S = 10.0
 _SHOWN = 12  # members in the table on the terminal
@@ -55,9 +54,7 @@ def optimize(
     front.csv, front.svg and sensors/NAME.json, which every command takes as SENSOR. A stopped
     search continues with --resume. A folder with another design is refused.
     """
-    from chromanoise.design.document import read_design, with_effort
-    from chromanoise.design.outputs import optimized
-    from chromanoise.design.scheduler import scheduler_at
+    from chromanoise.design import optimized, read_design, scheduler_at, with_effort
 
     document = with_effort(read_design(design), budget=budget, seed=seed)
     refuse_inputs(json_target, "--json", str(design))

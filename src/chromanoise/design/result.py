@@ -76,6 +76,10 @@ class Design(Result):
         name
             Name of the member.
 
+        Returns
+        -------
+        Sensor
+
         Raises
         ------
         InputError
@@ -92,6 +96,10 @@ class Design(Result):
             Name of the member.
         folder
             Folder of ``front.json``, empty for the working folder.
+
+        Returns
+        -------
+        str
 
         Raises
         ------
