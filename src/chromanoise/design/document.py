@@ -329,6 +329,18 @@ class DesignPart(Part):
     )
 
 
+    @model_validator(mode="after")
+    def _one_population(self) -> "DesignPart":
+        if self.budget < self.population:
+            raise InputError(
+                "budget",
+                f"must be at least one population of {self.population} sensors",
+                value=self.budget,
+                remedy=(Setting("budget", (self.population,)), "lower design.population"),
+            )
+        return self
+
+
 _IDLE = ("seed", "sweeps", "pictures", "outputs")
 
 
@@ -448,6 +460,9 @@ def with_effort(
         design = DesignPart.model_validate(data)
     except ValidationError as error:
         (first, *_) = error.errors(include_url=False)
+        raised = first.get("ctx", {}).get("error")
+        if isinstance(raised, InputError):
+            raise raised from None
         name = str(first["loc"][-1])
         said = str(first["msg"]).replace("Input should be", "must be")
         raise InputError(name, said, value=changes.get(name)) from None
