@@ -322,7 +322,7 @@ def scenes_of(document: DesignDocument, base: OperatingPoint) -> tuple[DesignSce
         prior=prior_of(document),
     )
     if not document.design.scenes:
-        return (made(point=base, name="scene 1"),)
+        return (made(point=base, name="1"),)
     scenes = []
     for i, part in enumerate(document.design.scenes):
         key = f"design.scenes.{i}"
@@ -336,7 +336,7 @@ def scenes_of(document: DesignDocument, base: OperatingPoint) -> tuple[DesignSce
             changes["exposure"] = replace(base.exposure, time_s=1e-3 * part.time_ms)
         with keyed(key):
             point = replace(base, **changes)
-            scenes.append(made(point=point, name=part.name or f"scene {i + 1}"))
+            scenes.append(made(point=point, name=part.name or str(i + 1)))
     _check.distinct("names of scenes", [one.name for one in scenes])
     return tuple(scenes)
 
