@@ -175,6 +175,8 @@ def test_the_leak_of_a_dye_opens_the_infrared_only():
     np.testing.assert_allclose(open_[NM < 500], shut[NM < 500], atol=1e-5)
     assert shut[-1] < 1e-12
     assert open_[-1] == pytest.approx(0.95, abs=1e-4)
+    wide = gaussian_filter(GRID, center_nm=1050.0, width_nm=1e6, peak=0.9, infrared_leak=0.8)
+    assert wide[-1] == pytest.approx(1 - 0.1 * 0.2, abs=1e-4)  # what the band stops, leaks
 
 
 @given(st.floats(0.2, 0.95), st.integers(3, 8))

@@ -13,13 +13,13 @@ from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._shapes import Bool, Float, Inexact, Integer
 from chromanoise.analysis import matrix_makers
-from chromanoise.color import kernel_matrix
 from chromanoise.color.fitted import penalized_matrix
 from chromanoise.design.candidates import Candidates
 from chromanoise.design.objectives import FAST, OBJECTIVES, Candidate, Objective, value_of
 from chromanoise.design.scenes import DesignScene, candidate_point, scene_arrays
 from chromanoise.errors import InputError
 from chromanoise.exposure import OperatingPoint
+from chromanoise.geometry import dual_and_orthonormal_bases
 from chromanoise.noise import noise_sources
 from chromanoise.sensor.saturation import code_range_e
 
@@ -171,9 +171,10 @@ class Evaluator:
 
         Notes
         -----
-        Fast objectives: exact, by a complex step (Squire & Trapp, SIAM Rev. 40 (1998) 110). Others,
-        and all at a sensor whose channels are nearly dependent: central differences with a step of
-        1e-5 of the range of the parameter.
+        Fast objectives: exact, by a complex step (Squire & Trapp, SIAM Rev. 40 (1998) 110). Central
+        differences with a step of 1e-5 of the range of the parameter for the others, for matrices
+        that are not linear in the training set, and for all objectives of a sensor whose channels
+        are nearly dependent.
         """
         at = np.asarray(values, dtype=np.float64)
         d, q = at.size, len(self.objectives)
@@ -182,13 +183,15 @@ class Evaluator:
         turned = _given(self, space.candidates(at + 1j * _COMPLEX_STEP * np.eye(d)))
         around: Array | None = None
         for s, scene in enumerate(self.scenes):
-            raw, _, pivot = _fast(self, scene, turned, self.objectives)
-            exact = np.array([_is_fast(scene, turned, name) for name in self.objectives])
-            exact &= bool((pivot >= _LEAST_PIVOT).all())
-            found[s], slope[s] = raw[0].real, raw.imag.T / _COMPLEX_STEP
+            exact = np.zeros(q, dtype=bool)
+            if _matrix_group(scene):
+                raw, _, pivot = _fast(self, scene, turned, self.objectives)
+                found[s], slope[s] = raw[0].real, raw.imag.T / _COMPLEX_STEP
+                exact[:] = [_is_fast(scene, turned, name) for name in self.objectives]
+                exact &= bool((pivot >= _LEAST_PIVOT).all())
             if not exact.all():
                 around = self._around(space, at) if around is None else around
-                found[s] = around[s, 0]
+                found[s] = np.where(exact, found[s], around[s, 0])
                 step = _steps(space)[:, None]
                 with np.errstate(invalid="ignore"):
                     differences = (around[s, 1 : d + 1] - around[s, d + 1 :]) / (2 * step)
@@ -323,13 +326,14 @@ def _values(
     lost = np.flatnonzero(~(pivot >= _LEAST_PIVOT))
     if lost.size:
         some = _given(evaluator, batch.of(lost))
-        found[lost] = _fast(evaluator, scene, some, names, matrices=_matrices(scene, some))[0]
+        matrices, vora = _by_singular_values(scene, some)
+        found[lost] = _fast(evaluator, scene, some, names, matrices)[0]
+        if "vora" in names:
+            found[lost, names.index("vora")] = vora
     for q, name in enumerate(names):
         if not _is_fast(scene, batch, name):
             _refuse_shares(OBJECTIVES[name], batch.more)
             found[:, q] = _library_values(scene, batch.of(slice(None)), OBJECTIVES[name])
-        elif name == "vora" and lost.size:
-            found[lost, q] = _library_values(scene, batch.of(lost), OBJECTIVES[name])
     return found
 
 
@@ -398,7 +402,7 @@ def _fast(
     found = np.full((m, len(names)), np.nan, dtype)
     for q, name in enumerate(names):
         found[:, q] = _finished(OBJECTIVES[name], out, fullness)
-    return found, fullness if np.iscomplexobj(fullness) else fullness, out[:, -1].real
+    return found, fullness, out[:, -1].real
 
 
 def _finished(objective: Objective, out: Array, fullness: Array) -> Inexact[Array, " m"]:
@@ -524,8 +528,25 @@ def _method(scene: DesignScene, more: Candidates) -> tuple[int, float, float]:
     return (kernels.KERNEL if word == "kernel" else kernels.GIVEN), 0.0, 0.0
 
 
+def _by_singular_values(
+    scene: DesignScene, batch: _Batch
+) -> tuple[Float[Array, "m 3 p"], Float[Array, " m"]]:
+    """Matrices and Vora values; NaN and -inf where a channel measures nothing."""
+    candidates, arrays = batch.of(slice(None)), scene_arrays(scene)
+    dark = ~candidates.qe.any(axis=1).all(axis=1)
+    qe = np.where(dark[:, None, None], np.eye(*candidates.qe.shape[1:]), candidates.qe)
+    dual, span = dual_and_orthonormal_bases(qe * arrays.basis[:, None])
+    overlap = np.swapaxes(span, 1, 2) @ arrays.orthonormal_axes
+    vora = np.where(dark, -np.inf, (overlap**2).sum(axis=(1, 2)) / 3)
+    if _matrix_group(scene) != "axes":
+        return _matrices(scene, batch), vora
+    gain = _each(candidates.time_s, scene.point.exposure.time_s, batch.m, batch.dtype)
+    matrices = arrays.axes.T @ dual / (gain / scene.point.exposure.time_s)[:, None, None]
+    return np.where(dark[:, None, None], np.nan, matrices), vora
+
+
 def _matrices(scene: DesignScene, batch: _Batch) -> Float[Array, "m 3 p"]:
-    """The matrices by singular values, one by one; NaN where a channel measures nothing."""
+    """The matrices one by one; NaN where a channel measures nothing."""
     candidates = batch.of(slice(None))
     return np.array([_matrix(scene, candidates, i) for i in range(batch.m)])
 
@@ -538,8 +559,6 @@ def _matrix(scene: DesignScene, candidates: Candidates, i: int) -> Float[Array, 
     if candidates.noise_weight is None and candidates.pixel_share is None:
         return scene.maker(point).matrix
     word, parameters = scene.matrix.partition("=")[0].strip(), dict(scene.maker.parameters)
-    if word == "kernel":
-        return kernel_matrix(sensor, point.exposure, scene.metric, point.observer).matrix
     if word not in _WEIGHTED:
         return scene.maker(point).matrix
     weight = parameters.get("weight", float(word == "lmmse"))

@@ -42,7 +42,7 @@ LIBRARY_MODEL = "dye"
 Structure = Literal["mosaic", "layers", "router"]
 PixelShares = Literal["equal", "free"] | tuple[float, ...]
 
-_BLOCK = 128  # candidates whose curves fit into a processor's cache
+_BLOCK = 1024  # candidates: large enough that calls cost little, small enough for a cache
 _PROBES = 64  # random candidates in the check for a channel without QE
 _LEAST_QE = 1e-9
 _ROUNDING = 1e-9
@@ -324,10 +324,10 @@ class DesignSpace:
             bare = self._bare(values, front)
         shares = self._routed(values) if self.structure == "router" else None
         for i, channel in enumerate(self.channels):
-            own = bare[i]
+            own = qe[:, i]
+            own[...] = bare[i] if shares is None else bare[i] * shares[..., i]
             for place, one in _filters_of(channel):
-                own = own * self._transmittance(place, one, values)
-            qe[:, i] = own if shares is None else own * shares[..., i]
+                own *= self._transmittance(place, one, values)
         if self.crosstalk is not None:
             share = np.asarray(self._number("crosstalk.share", values))[..., None, None]
             mixed = qe + share * (self._neighbors(values) @ qe - qe)
