@@ -46,7 +46,7 @@ from chromanoise.study.assembly import prior_of
 
 FULLEST = 0.99
 """Greatest share of full well of a channel on a perfect white."""
-_STEP = 1e-6  # of the range of a parameter, for the slope of the share of full well
+_COMPLEX_STEP = 1e-20  # no difference is taken, so that it may be this small
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -213,12 +213,9 @@ class Evaluation:
         )
 
     def _share(self, values: Float[Array, " d"]) -> tuple[float, Float[Array, " d"]]:
-        spans = np.array([one.span for one in self.space.parameters])
-        steps = np.diag(_STEP * spans)
-        around = np.concatenate([values[None], values + steps, values - steps])
-        share = self.evaluator.share_of_full_well(self.space.candidates(around))
-        d = len(values)
-        return float(share[0]), (share[1 : d + 1] - share[d + 1 :]) / (2 * _STEP * spans)
+        steps = values + 1j * _COMPLEX_STEP * np.eye(len(values))
+        share = self.evaluator.share_of_full_well(self.space.candidates(steps))
+        return float(share[0].real), share.imag / _COMPLEX_STEP
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
