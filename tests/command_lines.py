@@ -44,7 +44,16 @@ MATRICES = [
     *("noise-regularized=0.5", "bounded-psi=6.5"),
 ]
 FILES = [
-    *("cam.csv", "lamp.csv", "filter.csv", "pixel.txt", "cube.npy", "study.toml", "design.toml", "mine"),
+    *(
+        "cam.csv",
+        "lamp.csv",
+        "filter.csv",
+        "pixel.txt",
+        "cube.npy",
+        "study.toml",
+        "design.toml",
+        "mine",
+    ),
     *("result.json", "missing.csv", "folder", "é.csv", "loop.csv"),
 ]
 VALUES = {  # by the name of an option or argument; a command's own as "command.name"
@@ -177,11 +186,20 @@ STRANGE = [
     *("--json", "--no-such", "-o", "-h", "--help", "None", "True", "E+E", "A+1xLED850+1xLED850"),
 ]
 _SHORT_DESIGN = DESIGN_STARTER.replace("population = 200", "population = 4").replace(
-    "budget = 40000", "budget = 8"
+    "budget = 20000", "budget = 8"
 )
 WEIGHTS = {
     **{"analyze": 24, "compare": 12, "matrix": 15, "simulate": 14, "convert": 10, "inspect": 8},
-    **{"catalog": 5, "run": 4, "rerun": 2, "report": 1, "init": 2, "study": 1, "serve": 2, "optimize": 2},
+    **{
+        "catalog": 5,
+        "run": 4,
+        "rerun": 2,
+        "report": 1,
+        "init": 2,
+        "study": 1,
+        "serve": 2,
+        "optimize": 2,
+    },
     **{"reproduce": 1, "demo": 0.2, "demo-frames": 4, "characterize": 5},
 }
 

@@ -1,11 +1,14 @@
 """Design files: forms of a number, what is refused with its key, references as limits."""
 
+from pathlib import Path
+
 import pytest
 
 from chromanoise.design import DESIGN_STARTER, OBJECTIVES, DesignDocument, read_design
 from chromanoise.design.optimizing import task_of
 from chromanoise.design.parameters import Free
 from chromanoise.errors import errors_in
+from chromanoise.sensor.filter_models import FILTER_MODELS
 from outcomes import refused_input
 
 HEAD = """
@@ -93,7 +96,7 @@ def test_what_a_design_cannot_use_is_refused_with_its_key(tmp_path, change, sett
     [
         ('[[sweeps]]\nvary = "lux"\nfirst = 1\nlast = 9\nquantity = "snr-y"', "sweeps"),
         ('[exposure]\nequal = "saturation"', "exposure.equal"),
-        ('[outputs]\nmerit = true', "outputs"),
+        ("[outputs]\nmerit = true", "outputs"),
     ],
 )
 def test_a_table_without_effect_on_a_design_is_refused(tmp_path, table, key):
@@ -130,7 +133,7 @@ def test_a_constraint_has_one_limit_that_is_a_number_or_a_reference(tmp_path, te
 
 
 def test_a_scene_keeps_the_time_that_is_solved_for_the_light_of_the_study(tmp_path):
-    scenes = "[[design.scenes]]\n[[design.scenes]]\nlevel_lux = 1.0\nilluminant = \"A\"\n"
+    scenes = '[[design.scenes]]\n[[design.scenes]]\nlevel_lux = 1.0\nilluminant = "A"\n'
     full, dim = task_of(read(tmp_path, HEAD + CHANNEL + scenes)).scenes
     assert full.point.exposure == dim.point.exposure
     assert (dim.point.level_lux, dim.point.illuminant.name) == (1.0, "A")
@@ -149,3 +152,12 @@ def test_the_identity_of_a_design_depends_on_all_but_the_effort_of_the_search(tm
 def test_every_description_of_the_schema_names_all_objectives():
     text = DesignDocument.model_fields["design"].annotation.model_fields["objectives"].description
     assert all(name in text for name in OBJECTIVES)
+
+
+def test_the_page_on_the_search_lists_each_filter_with_its_numbers_and_each_objective():
+    page = (Path(__file__).parents[2] / "docs" / "design_search.md").read_text(encoding="utf-8")
+    for name, model in FILTER_MODELS.items():
+        numbers = ", ".join(f"`{one}`" for one in model.numbers_for(()))
+        assert f"| `{name}` | {model.what} | {numbers} |" in page
+    for name, one in OBJECTIVES.items():
+        assert f"| `{name}` | {one.what} | {one.unit} | {one.better} |" in page

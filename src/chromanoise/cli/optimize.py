@@ -112,10 +112,8 @@ def _print_design(found: "Design", folder: Path) -> None:
     tables.print_conditions(conditions([one.point for one in found.task.scenes[:1]]))
     tables.print_front(found.to_table(), most=_SHOWN + len(found.references))
     tables.print_lines([*found.sentences, ""])
-    shown = found.front.knee.name
-    tables.print_lines(
-        [
-            f"{folder}: front.json, front.csv, front.svg, sensors/ ({len(found.members)} files)",
-            f"The knee again: {found.analyze_command(shown, str(folder))}",
-        ]
-    )
+    written = f"{folder}: front.json, front.csv, front.svg, sensors/ ({len(found.members)} files)"
+    tables.print_lines([written])
+    command = found.analyze_command(found.front.knee.name, str(folder))
+    if command:
+        tables.print_lines([f"The knee again: {command}"])

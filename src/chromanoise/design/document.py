@@ -328,7 +328,6 @@ class DesignPart(Part):
         100, description="Greatest number of designs on the front."
     )
 
-
     @model_validator(mode="after")
     def _one_population(self) -> "DesignPart":
         if self.budget < self.population:

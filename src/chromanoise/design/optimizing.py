@@ -13,6 +13,7 @@ from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._shapes import Float
 from chromanoise.catalog.resolve import resolve_filter, resolve_illuminant
+from chromanoise.design.candidates import Candidates
 from chromanoise.design.document import (
     BEST_REFERENCE,
     ChannelPart,
@@ -25,7 +26,6 @@ from chromanoise.design.evaluation import Evaluator
 from chromanoise.design.front import Front, front_of
 from chromanoise.design.objectives import OBJECTIVES
 from chromanoise.design.parameters import Parameter
-from chromanoise.design.candidates import Candidates
 from chromanoise.design.problem import Evaluated, Linearized, Problem
 from chromanoise.design.scenes import DesignScene
 from chromanoise.design.scheduler import Scheduler

@@ -90,6 +90,8 @@ class Design(Result):
     def analyze_command(self, name: str, folder: str = "") -> str:
         """The command that analyzes a member in the first scene, with the digits of the front.
 
+        Empty where shares of pixels are designed, which a study cannot describe.
+
         Parameters
         ----------
         name
@@ -107,9 +109,13 @@ class Design(Result):
             If there is no such member.
         """
         member, scene = self._member(name), self.task.scenes[0]
+        if self.task.space.pixel_shares != "equal":  # a study has no shares of pixels
+            return ""
         document = self.task.document
         data = document.model_dump(by_alias=True, exclude_defaults=True)
-        kept = {key: data[key] for key in ("metric", "observer", "prior", "reflectances") if key in data}
+        kept = {
+            key: data[key] for key in ("metric", "observer", "prior", "reflectances") if key in data
+        }
         matrix = self._matrix(member) or document.matrices[0]
         exposure = self._exposure(scene, member)
         light = document.light.model_copy(
@@ -139,9 +145,7 @@ class Design(Result):
             scenes=[
                 FrontScene(
                     name=scene.name,
-                    light=LightPart(
-                        illuminant=self._light(scene), level_lux=scene.point.level_lux
-                    ),
+                    light=LightPart(illuminant=self._light(scene), level_lux=scene.point.level_lux),
                     exposure=self._exposure(scene),
                     matrix=scene.matrix,
                 )
@@ -212,7 +216,9 @@ class Design(Result):
                 )
             )
         scene = conditions([self.task.scenes[0].point])
-        return Table(title=f"Front of a design at {scene}", columns=tuple(columns), rows=tuple(rows))
+        return Table(
+            title=f"Front of a design at {scene}", columns=tuple(columns), rows=tuple(rows)
+        )
 
     def plot(self, ax: Any = None) -> Any:
         """Draw the second objective against the first: members and references."""
@@ -280,7 +286,5 @@ def _curves(sensor: Sensor) -> FrontCurves:
 
 
 def _pixel_part(pixel: Pixel) -> PixelPart:
-    known = {
-        name: value for name, value in asdict(pixel).items() if name in PixelPart.model_fields
-    }
+    known = {name: value for name, value in asdict(pixel).items() if name in PixelPart.model_fields}
     return PixelPart(**known)

@@ -617,7 +617,9 @@ _CROSSTALK = ModelNumber(unit="1", what="share of the light that ends in neighbo
 _READ_NOISE = ModelNumber(unit="e-", what="read noise")
 _PRNU = ModelNumber(unit="1", what="PRNU", most=0.2)
 _SHARE = ModelNumber(unit="1", what="share of the pixels that are left", most=1.0)
-LIBRARY_NUMBERS = {"thickness": ModelNumber(unit="1", what="thickness over the measured one", default=1.0)}
+LIBRARY_NUMBERS = {
+    "thickness": ModelNumber(unit="1", what="thickness over the measured one", default=1.0)
+}
 _THICKNESS = ModelNumber(unit="um", what="thickness of the layer", least=LEAST_LENGTH_UM)
 
 
