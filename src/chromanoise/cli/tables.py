@@ -29,7 +29,7 @@ from chromanoise.cli.output import terminal
 from chromanoise.color import ColorMatrix
 from chromanoise.io.table import Table as Rows
 from chromanoise.io.table import number_text, written
-from chromanoise.io.table_formats import head
+from chromanoise.io.table_formats import head as heading
 from chromanoise.metrics import Budget, MatrixReport
 from chromanoise.paper import (
     Cell,
@@ -87,7 +87,7 @@ def print_front(front: Rows, *, most: int) -> None:
     """Print references and members of a front, at most ``most`` rows evenly spread."""
     table = Table(title="Front", title_justify="left")
     for column in front.columns:
-        table.add_column(head(column), justify="right" if column.digits else "left")
+        table.add_column(heading(column), justify="right" if column.digits else "left")
     marked = [i for i, row in enumerate(front.rows) if row[-2]]
     count = len(front.rows)
     spread = np.linspace(0, count - 1, min(most, count)).round().astype(int).tolist()

@@ -1,6 +1,6 @@
 """Search over filters, IR-cut, pixel shares, exposure and matrix of a sensor.
 
-``document`` reads a design, ``space`` makes its candidates, ``evaluation`` computes their
+``reading`` reads a design, ``space`` makes its candidates, ``evaluation`` computes their
 objectives, and ``search`` finds the front. ``optimizing`` connects them, ``result`` and ``outputs``
 give the front as data and files.
 """
@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING
 from chromanoise._lazy import lazy_names
 
 if TYPE_CHECKING:
-    from chromanoise.design.document import DesignDocument, read_design, with_effort
+    from chromanoise.design.document import DesignDocument, with_effort
     from chromanoise.design.objectives import OBJECTIVES
     from chromanoise.design.outputs import optimized
+    from chromanoise.design.reading import read_design
     from chromanoise.design.result import Design
     from chromanoise.design.scheduler import scheduler_at
     from chromanoise.design.search import Progress

@@ -5,8 +5,7 @@ The sensors of the study are the references of the design. The first of them, or
 """
 
 from collections.abc import Iterator, Mapping
-from pathlib import Path
-from typing import Annotated, Any, Literal, TypeVar
+from typing import Annotated, Any, Literal
 
 from pydantic import (
     AfterValidator,
@@ -18,22 +17,13 @@ from pydantic import (
 )
 
 from chromanoise import _check
-from chromanoise.catalog.resolve import word_beside
 from chromanoise.design.objectives import OBJECTIVES
 from chromanoise.design.parameters import Free, Value
 from chromanoise.design.space import LIBRARY_MODEL, LIBRARY_NUMBERS
 from chromanoise.errors import InputError, Setting, did_you_mean, refusal
 from chromanoise.sensor import MOSAIC_NAMES
 from chromanoise.sensor.filter_models import FILTER_MODELS, SILICON_NUMBERS, ModelNumber
-from chromanoise.study import (
-    Part,
-    Study,
-    beside_file,
-    document_from_text,
-    document_text,
-    is_relative_to_working_folder,
-    unresolved,
-)
+from chromanoise.study import Part, Study
 
 METHODS = ("nsga2", "nsga3", "de", "cma-es")
 """Methods of the search."""
@@ -409,39 +399,6 @@ def _unknown_references(document: DesignDocument) -> Iterator[InputError]:
             )
 
 
-def read_design(path: Path | str) -> DesignDocument:
-    """The design in a TOML file.
-
-    Parameters
-    ----------
-    path
-        The file; file names in it are relative to its folder.
-
-    Returns
-    -------
-    DesignDocument
-        With file names relative to the working folder.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read; all errors in it, one line each, with file, line and key.
-    """
-    from chromanoise.design.optimizing import impossible  # resolves what the document names
-
-    path = Path(path)
-
-    def placed(document: DesignDocument) -> DesignDocument:
-        return _with_files_beside(beside_file(document, path), path)
-
-    def unfit(document: DesignDocument) -> list[InputError]:
-        document = placed(document)
-        return unresolved(document) or impossible(document)
-
-    text = document_text(path, "design")
-    return placed(document_from_text(DesignDocument, text, source=str(path), unfit=unfit))
-
-
 def with_effort(
     document: DesignDocument, *, budget: int | None = None, seed: int | None = None
 ) -> DesignDocument:
@@ -466,33 +423,3 @@ def with_effort(
         said = str(first["msg"]).replace("Input should be", "must be")
         raise InputError(name, said, value=changes.get(name)) from None
     return document.model_copy(update={"design": design})
-
-
-def _with_files_beside(document: DesignDocument, path: Path) -> DesignDocument:
-    """The document with files of lights and dyes relative to the working folder."""
-    if is_relative_to_working_folder(path):
-        return document
-    folder = path.parent
-    scenes = tuple(
-        part.model_copy(update={"illuminant": word_beside(part.illuminant, "light", folder)})
-        if part.illuminant is not None
-        else part
-        for part in document.design.scenes
-    )
-    channels = tuple(_with_curves_beside(part, folder) for part in document.design.channels)
-    front = document.design.ir_cut
-    ir_cut = None if front is None else _with_curves_beside(front, folder)
-    changes = {"scenes": scenes, "channels": channels, "ir_cut": ir_cut}
-    return document.model_copy(update={"design": document.design.model_copy(update=changes)})
-
-
-FilteredPart = TypeVar("FilteredPart", FilterPart, ChannelPart)
-
-
-def _with_curves_beside(part: FilteredPart, folder: Path) -> FilteredPart:
-    changes: dict[str, Any] = {
-        "curves": tuple(word_beside(word, "filter", folder) for word in part.curves)
-    }
-    if isinstance(part, ChannelPart) and part.ir_cut is not None:
-        changes["ir_cut"] = _with_curves_beside(part.ir_cut, folder)
-    return part.model_copy(update=changes)

@@ -315,7 +315,7 @@ def scenes_of(document: DesignDocument, base: OperatingPoint) -> tuple[DesignSce
     made = partial(
         DesignScene,
         matrix=document.matrices[0],
-        metric=document.metric,
+        metric=document.metric,  # type: ignore[arg-type]  # its schema has checked the name
         prior=prior_of(document),
     )
     if not document.design.scenes:

@@ -65,8 +65,11 @@ def optimized(
         )
     with claimed_folder(folder) as scratch_folder:
         if not (folder / RECORD).exists():
-            record = {"version": __version__, "identity": task.identity}
-            record |= {"design": study_as_json(document)}
+            record = {
+                "version": __version__,
+                "identity": task.identity,
+                "design": study_as_json(document),
+            }
             write_whole(folder / RECORD, f"{json.dumps(record, indent=1)}\n".encode())
         found = searched(
             task,

@@ -14,8 +14,9 @@ from chromanoise.design.front_file import (
     FrontReference,
     FrontScene,
 )
-from chromanoise.design.objectives import OBJECTIVES
+from chromanoise.design.objectives import OBJECTIVES, Objective
 from chromanoise.design.optimizing import Reference, Search, Task
+from chromanoise.design.parameters import Parameter
 from chromanoise.design.scenes import DesignScene
 from chromanoise.design.sentences import front_sentences, held_by
 from chromanoise.errors import InputError
@@ -28,6 +29,7 @@ from chromanoise.study.document import ExposurePart, LightPart, PixelPart
 
 SENSORS = "sensors"
 """Folder of the members' files, beside ``front.json``."""
+_KEPT = ("metric", "observer", "prior", "reflectances")  # keys that a member's study takes over
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -190,12 +192,14 @@ class Design(Result):
     def to_table(self) -> Table:
         """One row per reference and member: objectives, then free parameters."""
         parameters = self.task.space.parameters
-        objectives = [OBJECTIVES[name] for name in self.front.objectives]
+        objectives: list[Objective | Parameter] = [
+            OBJECTIVES[name] for name in self.front.objectives
+        ]
         columns = [
             Column(name="sensor"),
             *(
                 Column(name=one.name, unit="" if one.unit == "1" else one.unit, digits=".4g")
-                for one in (*objectives, *parameters)
+                for one in [*objectives, *parameters]
             ),
             Column(name="extreme of"),
             Column(name="held by"),
