@@ -51,8 +51,7 @@ def merged(
         below &= one <= other
         above &= one >= other
     fresh[np.flatnonzero(fresh)[below.any(axis=0)]] = False
-    kept = ~(above & ~below).any(axis=1)
-    return kept, fresh
+    return np.all(below | ~above, axis=1), fresh
 
 
 def crowding(costs: Float[Array, "m q"]) -> Float[Array, " m"]:
