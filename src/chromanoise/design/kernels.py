@@ -24,9 +24,9 @@ LANES = 32
 TOGETHER = 8
 """Number of wavelengths that are transposed and added together."""
 
-COLUMNS = (*FAST, "share of full well", "smallest pivot")
+COLUMNS = (*FAST, "independence")
 (_SNR_Y, _NOISE, _TOTAL, _DELTA_E, _CIEDE2000, _VORA, _LEAST, _MEAN, _INFRARED, _LUX) = range(10)
-_FULLNESS, _PIVOT = 10, 11
+_FULLNESS, _INDEPENDENCE = 10, 11
 
 GROUPS = ("infrared", "chart", "paired", "training", "axes", "orthonormal")
 (_AT_INFRARED, _AT_CHART, _AT_PAIRED, _AT_TRAINING, _AT_AXES, _AT_EYE, _AT_END) = range(7)
@@ -238,8 +238,8 @@ def _add_gram(squared, first, q, g):
 @_compiled
 @no_type_check
 def _electrons(qe, block, gain, rows, squared, has_gram, q, e, g):
-    """Electrons of all rows and F^T F of a block of curves qe (m, n, p)."""
-    m, n, p = qe.shape
+    """Electrons of all rows and F^T F of a block of curves qe (m, p, n)."""
+    m, p, n = qe.shape
     e[:] = 0.0
     g[:] = 0.0
     for first in range(0, n, TOGETHER):
@@ -249,9 +249,9 @@ def _electrons(qe, block, gain, rows, squared, has_gram, q, e, g):
         for k in range(LANES):
             one = min(block + k, m - 1)
             factor = gain[one]
-            for i in range(many):
-                for c in range(p):
-                    q[c, i, k] = qe[one, first + i, c] * factor
+            for c in range(p):
+                for i in range(many):
+                    q[c, i, k] = qe[one, c, first + i] * factor
         _add_rows(rows, first, q, e)
         if has_gram:
             _add_gram(squared, first, q, g)
@@ -296,14 +296,14 @@ def _training_gram(e, at, xyz, g, x):
 
 @_compiled
 @no_type_check
-def _factored(g, lower, scale, pivot):
-    """Cholesky factor of the Gram matrix scaled to a unit diagonal; its smallest squared pivot."""
+def _factored(g, lower, scale, line, independence):
+    """Cholesky factor of the Gram matrix scaled to a unit diagonal, and 1 over the largest VIF."""
     p = g.shape[0]
     for c in range(p):
         for k in range(LANES):
             scale[c, k] = 1.0 / np.sqrt(g[c, c, k])
     for k in range(LANES):
-        pivot[k] = 1.0
+        independence[k] = 1.0
     for c in range(p):
         for d in range(c + 1):
             for k in range(LANES):
@@ -317,8 +317,25 @@ def _factored(g, lower, scale, pivot):
             else:
                 for k in range(LANES):
                     s = lower[c, c, k]
-                    pivot[k] = pivot[k] if s.real > pivot[k] else s.real
+                    independence[k] = independence[k] if s.real > 0.0 else 0.0
                     lower[c, c, k] = 1.0 / np.sqrt(s if s.real > 0.0 else s * 0.0 + 1.0)
+    for c in range(p):
+        for k in range(LANES):
+            line[c, k] = lower[c, c, k]
+        for d in range(c + 1, p):
+            for k in range(LANES):
+                line[d, k] = 0.0
+            for b in range(c, d):
+                for k in range(LANES):
+                    line[d, k] -= lower[d, b, k] * line[b, k]
+            for k in range(LANES):
+                line[d, k] *= lower[d, d, k]
+        for k in range(LANES):
+            vif = line[c, k] * line[c, k]
+            for d in range(c + 1, p):
+                vif += line[d, k] * line[d, k]
+            share = 1.0 / vif.real
+            independence[k] = independence[k] if share > independence[k] else share
 
 
 @_compiled
@@ -467,10 +484,8 @@ def _add_noise_of(e, row, matrix, slope, floor, prnu, spread, noise):
 
 @_compiled
 @no_type_check
-def _chart_errors(
-    e, at, matrix, truth, black_e, floor, prnu, spread, full, wanted, scratch, out, block
-):
-    """All objectives of the chart; NaN where the white has no color or saturates."""
+def _chart_errors(e, at, matrix, truth, black_e, floor, prnu, spread, wanted, scratch, out, block):
+    """All objectives of the chart; NaN where the white has no color."""
     p, many = e.shape[1], truth.shape[0]
     shift, inverse, lab, slope = scratch[0:3], scratch[3:6], scratch[6:9], scratch[9:12]
     noise, total, delta, newer = scratch[12], scratch[13], scratch[14], scratch[15]
@@ -479,8 +494,6 @@ def _chart_errors(
     for k in range(LANES):
         good[k] = 1.0
         noise[k], total[k], delta[k], newer[k] = 0.0, 0.0, 0.0, 0.0
-        for c in range(p):
-            good[k] = good[k] if e[0, c, k].real <= full[k].real else 0.0
     for j in range(3):
         for k in range(LANES):
             white = e[0, 0, k] * matrix[j, 0, k]
@@ -541,7 +554,7 @@ def _put_all(out, block, column, value):
 @_compiled
 @no_type_check
 def _separations(e, at, many, pairs, floor, prnu, spread, full, wanted, variance, scratch):
-    """Least and mean D_M of the pairs; NaN where a patch or the white saturates a channel."""
+    """Least and mean D_M of the pairs; NaN where a patch saturates a channel."""
     p = e.shape[1]
     least, mean, squared = scratch[0], scratch[1], scratch[2]
     for k in range(LANES):
@@ -572,7 +585,7 @@ def _separations(e, at, many, pairs, floor, prnu, spread, full, wanted, variance
         least[k] = np.sqrt(least[k])
         mean[k] = mean[k] / pairs.shape[0]
         for c in range(p):
-            hidden = 0.0 if e[0, c, k].real <= full[k].real else np.nan
+            hidden = 0.0
             for i in range(many):
                 hidden = hidden if e[at + i, c, k].real <= full[k].real else np.nan
             least[k] += hidden
@@ -611,7 +624,7 @@ def evaluate(
     Parameters
     ----------
     qe, choices
-        Curves (m, n, p); or indices (m, p) of filters of a library where ``qe`` is empty.
+        Curves (m, p, n); or indices (m, p) of filters of a library where ``qe`` is empty.
     gain, floor, prnu, full, weight
         Per candidate: factor on all electrons, variance without light [e-^2], PRNU, white level
         [e-], weight of the noise in the matrix.
@@ -658,7 +671,7 @@ def evaluate(
     own = np.zeros((4, LANES), qe.dtype)
     scratch = np.zeros((17, LANES), qe.dtype)
     value = np.zeros(LANES, qe.dtype)
-    pivot, least_pivot = np.ones(LANES), np.ones(LANES)
+    of_channels, of_training = np.ones(LANES), np.ones(LANES)
     at_patches = layout[_AT_PAIRED] if layout[_AT_PAIRED] >= 0 else layout[_AT_CHART]
     many = 0
     for i in range(pairs.shape[0]):
@@ -672,13 +685,13 @@ def evaluate(
             own[0, k], own[1, k], own[2, k], own[3, k] = floor[i], prnu[i], full[i], weight[i]
             for c in range(p):
                 apart[c, k] = spread[i, c]
-            pivot[k], least_pivot[k] = 1.0, 1.0
+            of_channels[k], of_training[k] = 1.0, 1.0
         if of_library:
             _electrons_of_choices(choices, block, gain, table, gram, has_gram, e, g)
         else:
             _electrons(qe, block, gain, rows, squared, has_gram, q, e, g)
         if has_gram:
-            _factored(g, lower, scale, least_pivot)
+            _factored(g, lower, scale, line, of_channels)
         if wanted[_VORA]:
             _vora_value(lower, scale, e, layout[_AT_EYE], line, value)
             _put_all(out, block, _VORA, value)
@@ -696,7 +709,7 @@ def evaluate(
             mean = at + training_xyz.shape[0]
             _training_gram(e, at, training_xyz, trained, x)
             _penalized(e, mean, method, strength, own[3], own[0], own[1], apart, trained)
-            _factored(trained, lower, scale, pivot)
+            _factored(trained, lower, scale, line, of_training)
             _solved(lower, scale, x, matrix)
         for k in range(LANES):
             fullest = e[0, 0, k]
@@ -709,9 +722,8 @@ def evaluate(
                     infrared = infrared if share.real <= infrared.real else share
             _put(out, block, k, _FULLNESS, fullest / own[2, k])
             _put(out, block, k, _INFRARED, infrared)
-            smallest = pivot[k] if pivot[k] < least_pivot[k] else least_pivot[k]
-            smallest = smallest if smallest == smallest else 0.0
-            _put(out, block, k, _PIVOT, smallest)
+            least = of_training[k] if of_training[k] < of_channels[k] else of_channels[k]
+            _put(out, block, k, _INDEPENDENCE, least if least > 0.0 else 0.0)
             i = block + k
             if i < m:
                 for j in range(3):
@@ -725,8 +737,8 @@ def evaluate(
             _put_all(out, block, _LUX, value)
         if wanted[_NOISE] or wanted[_TOTAL] or wanted[_DELTA_E] or wanted[_CIEDE2000]:
             _chart_errors(
-                e, layout[_AT_CHART], matrix, truth, black_e, own[0], own[1], apart, own[2],
-                wanted, scratch, out, block,
+                e, layout[_AT_CHART], matrix, truth, black_e, own[0], own[1], apart, wanted,
+                scratch, out, block,
             )  # fmt: skip
         if wanted[_LEAST] or wanted[_MEAN]:
             _separations(
