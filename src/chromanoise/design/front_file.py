@@ -27,6 +27,8 @@ from chromanoise.study.document import ExposurePart, LightPart, PixelPart
 FRONT_SCHEMA: Final = "chromanoise front"
 """The value of the key ``schema``."""
 _LARGEST_BYTES = 12_000_000
+_LONGEST_KEY = 80
+_WORDS = {"extra_forbidden": "is an unknown key", "missing": "is missing"}
 
 
 def _matrix(name: str) -> str:
@@ -36,6 +38,7 @@ def _matrix(name: str) -> str:
 
 Value = Annotated[float, Field(allow_inf_nan=False)] | None
 """The value of an objective; ``None`` where it is undefined or infinite."""
+Share = Annotated[float, Field(ge=0, le=1)]
 MatrixName = Annotated[str, AfterValidator(_matrix)] | None
 Given = PlainSerializer(lambda part: part and part.model_dump(mode="json", exclude_defaults=True))
 """Writes only the keys of a table that differ from their defaults."""
@@ -81,7 +84,7 @@ class FrontCurves(_Part):
 
     wavelength_nm: list[float] = Field(description="Wavelengths [nm].")
     names: list[str] = Field(description="Names of the channels.")
-    qe: list[list[float]] = Field(description="One row per wavelength [e-/photon].")
+    qe: list[list[Share]] = Field(description="One row per wavelength [e-/photon].")
 
 
 class FrontMember(FrontReference):
@@ -221,13 +224,13 @@ def _refuse_repeated(subject: str, names: list[str]) -> None:
 
 
 def _first_fault(fault: Any, source: str) -> InputError:
-    place = ".".join(str(step) for step in fault["loc"])
+    place = ".".join(str(step)[:_LONGEST_KEY] for step in fault["loc"])
     raised = fault.get("ctx", {}).get("error")
     if isinstance(raised, InputError):
         own = place.endswith(raised.subject)  # of one value, not of several
         return raised.within(source, place if own else f"{place} {raised.subject}".strip())
     given = fault.get("input")
     shown = given if isinstance(given, str | int | float) else None
-    said = str(fault["msg"]).replace("Input should", "must")
+    said = _WORDS.get(fault["type"]) or str(fault["msg"]).replace("Input should", "must")
     text = f"{said[:1].lower()}{said[1:]}"
     return InputError(source, text, value=shown, where=f"key {place!r}")
