@@ -121,6 +121,7 @@ def test_the_cloud_shows_any_two_objectives_and_reads_every_point(cloud, front):
     page.mouse.click(box["x"] + 4, box["y"] + 4)
     assert read.inner_text().startswith(f"{REFERENCES[0]}: ")
     assert study_of(page) == PAIR
+    assert panel.locator(".fault:visible").count() == 0
     panel.get_by_label("Across").select_option("color_error")
     panel.get_by_label("Up", exact=True).select_option("bound_db")
     assert options.count() == len(front.members)
@@ -131,6 +132,26 @@ def test_the_cloud_shows_any_two_objectives_and_reads_every_point(cloud, front):
     assert panel.locator("tbody tr").count() == len(front.members) + len(REFERENCES)
     panel.get_by_role("button", name="Close").click()
     panel.wait_for(state="detached")
+
+
+DROP = """([text]) => {
+    const file = (name, options, take) => take({ file: (use) => use(new File([text], name)) });
+    const folder = { isDirectory: true, name: "design", getFile: file };
+    const dropped = { types: ["Files"], files: [], items: [{ webkitGetAsEntry: () => folder }] };
+    const event = new Event("drop", { bubbles: true, cancelable: true });
+    document.body.dispatchEvent(Object.defineProperty(event, "dataTransfer", { value: dropped }));
+}"""
+
+
+def test_of_a_dropped_folder_the_front_is_shown_and_a_finger_loads_a_sensor(window, front):
+    settings = {"viewport": {"width": 360, "height": 740}, "has_touch": True}
+    page = window({"study": PAIR, "look": {}}, **settings)
+    page.evaluate(DROP, [front.as_json()])
+    panel = page.locator("section[data-part=front]")
+    panel.locator(".d-cloud").scroll_into_view_if_needed()
+    x, y = place_of(panel, 0)
+    _, parts = answer_to(page, lambda: page.touchscreen.tap(x - 10, y + 10))  # near enough
+    assert names_in(parts)[-1] == along(front)[0]
 
 
 @pytest.mark.parametrize(("size", "scheme"), [((360, 740), "light"), ((1280, 900), "dark")])
