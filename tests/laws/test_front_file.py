@@ -34,6 +34,13 @@ def test_the_curves_of_a_member_are_those_of_its_sensor_to_the_last_digit(front,
     assert np.array_equal(resolve_sensor(str(path)).qe, front.members[0].curves.qe)
 
 
+def test_default_values_of_a_pixel_are_left_out_because_a_study_refuses_them(front, data):
+    pixel = {"read_noise_e": 3.0, "prnu": 0.0, "dark_reference_c": 25.0}
+    changed = data | {"members": [data["members"][0] | {"pixel": pixel}]}
+    [member] = front_from_text(json.dumps(changed), source="front.json").members
+    assert member.pixel.model_dump(exclude_none=True) == {"read_noise_e": 3.0}
+
+
 def test_later_versions_may_add_keys(front, data):
     assert front_from_text(json.dumps(data | {"speed": 1}), source="front.json") == front
 

@@ -1,6 +1,7 @@
 """The schema of ``front.json``: objectives, scenes, references and members of a front."""
 
 from collections import Counter
+from dataclasses import fields
 from pathlib import Path
 from typing import Annotated, Any, Final, Literal
 
@@ -21,6 +22,7 @@ from chromanoise.analysis.color_matrices import matrix_makers
 from chromanoise.errors import InputError
 from chromanoise.io.spectra.own_json import SCHEMA_VERSION, as_json, held_json
 from chromanoise.io.spectra.writing import QE_FACTS, spectra_csv
+from chromanoise.sensor import Pixel
 from chromanoise.spectra import Spectra
 from chromanoise.study.document import ExposurePart, LightPart, PixelPart
 
@@ -34,6 +36,13 @@ _WORDS = {"extra_forbidden": "is an unknown key", "missing": "is missing"}
 def _matrix(name: str) -> str:
     matrix_makers([name], "quanta")  # checks name and parameter
     return name
+
+
+def _with_effect(pixel: PixelPart) -> PixelPart:
+    """Without the values that a pixel has by default, some of which a study refuses as idle."""
+    given = pixel.model_dump(exclude_none=True)
+    usual = {one.name: one.default for one in fields(Pixel)}
+    return PixelPart(**{key: value for key, value in given.items() if value != usual.get(key)})
 
 
 Value = Annotated[float, Field(allow_inf_nan=False)] | None
@@ -96,7 +105,7 @@ class FrontMember(FrontReference):
     held_by: list[str] = Field([], description="Constraints and bounds that hold it.")
     values: dict[str, float] = Field({}, description="Its free parameters.")
     curves: FrontCurves = Field(description="Its quantum efficiency.")
-    pixel: Annotated[PixelPart, Given] = Field(
+    pixel: Annotated[PixelPart, AfterValidator(_with_effect), Given] = Field(
         PixelPart(), description="The table pixel of a study."
     )
     exposure: Annotated[ExposurePart | None, Given] = Field(
