@@ -146,6 +146,7 @@ VALUES = {  # by the name of an option or argument; a command's own as "command.
     "budget": ["8", "16"],
     "init.study": ["new.toml"],
     "serve.study": ["missing.toml"],
+    "front": ["missing.json", "cam.csv"],
     "changes": ["light.level_lux=3", "sensors.0.name=onyx-rgb", "seed=1"],
     "output": ["result.json"],
     "word": ["sensors", "illuminants", "onyx-rgbw", "E"],

@@ -78,6 +78,7 @@ def front_of_ir_cuts(edges_nm=EDGES_NM):
                     pitch_um=point.sensor.pixel.pitch_um,
                     full_well_e=point.sensor.pixel.full_well_e,
                     read_noise_e=point.sensor.pixel.read_noise_e,
+                    dark_reference_c=25.0,  # the default, which a study refuses if it is idle
                 ),
             )
             for i, (edge, point, one) in enumerate(

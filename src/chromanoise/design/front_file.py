@@ -1,6 +1,7 @@
 """The schema of ``front.json``: objectives, scenes, references and members of a front."""
 
 from collections import Counter
+from dataclasses import fields
 from pathlib import Path
 from typing import Annotated, Any, Final, Literal
 
@@ -21,12 +22,15 @@ from chromanoise.analysis.color_matrices import matrix_makers
 from chromanoise.errors import InputError
 from chromanoise.io.spectra.own_json import SCHEMA_VERSION, as_json, held_json
 from chromanoise.io.spectra.writing import QE_FACTS, spectra_csv
+from chromanoise.sensor import Pixel
 from chromanoise.spectra import Spectra
 from chromanoise.study.document import ExposurePart, LightPart, PixelPart
 
 FRONT_SCHEMA: Final = "chromanoise front"
 """The value of the key ``schema``."""
 _LARGEST_BYTES = 12_000_000
+_LONGEST_KEY = 80
+_WORDS = {"extra_forbidden": "is an unknown key", "missing": "is missing"}
 
 
 def _matrix(name: str) -> str:
@@ -34,8 +38,16 @@ def _matrix(name: str) -> str:
     return name
 
 
+def _with_effect(pixel: PixelPart) -> PixelPart:
+    """Without the values that a pixel has by default, some of which a study refuses as idle."""
+    given = pixel.model_dump(exclude_none=True)
+    usual = {one.name: one.default for one in fields(Pixel)}
+    return PixelPart(**{key: value for key, value in given.items() if value != usual.get(key)})
+
+
 Value = Annotated[float, Field(allow_inf_nan=False)] | None
 """The value of an objective; ``None`` where it is undefined or infinite."""
+Share = Annotated[float, Field(ge=0, le=1)]
 MatrixName = Annotated[str, AfterValidator(_matrix)] | None
 Given = PlainSerializer(lambda part: part and part.model_dump(mode="json", exclude_defaults=True))
 """Writes only the keys of a table that differ from their defaults."""
@@ -81,7 +93,7 @@ class FrontCurves(_Part):
 
     wavelength_nm: list[float] = Field(description="Wavelengths [nm].")
     names: list[str] = Field(description="Names of the channels.")
-    qe: list[list[float]] = Field(description="One row per wavelength [e-/photon].")
+    qe: list[list[Share]] = Field(description="One row per wavelength [e-/photon].")
 
 
 class FrontMember(FrontReference):
@@ -93,7 +105,7 @@ class FrontMember(FrontReference):
     held_by: list[str] = Field([], description="Constraints and bounds that hold it.")
     values: dict[str, float] = Field({}, description="Its free parameters.")
     curves: FrontCurves = Field(description="Its quantum efficiency.")
-    pixel: Annotated[PixelPart, Given] = Field(
+    pixel: Annotated[PixelPart, AfterValidator(_with_effect), Given] = Field(
         PixelPart(), description="The table pixel of a study."
     )
     exposure: Annotated[ExposurePart | None, Given] = Field(
@@ -224,13 +236,13 @@ def _refuse_repeated(subject: str, names: list[str]) -> None:
 
 
 def _first_fault(fault: Any, source: str) -> InputError:
-    place = ".".join(str(step) for step in fault["loc"])
+    place = ".".join(str(step)[:_LONGEST_KEY] for step in fault["loc"])
     raised = fault.get("ctx", {}).get("error")
     if isinstance(raised, InputError):
         own = place.endswith(raised.subject)  # of one value, not of several
         return raised.within(source, place if own else f"{place} {raised.subject}".strip())
     given = fault.get("input")
     shown = given if isinstance(given, str | int | float) else None
-    said = str(fault["msg"]).replace("Input should", "must")
+    said = _WORDS.get(fault["type"]) or str(fault["msg"]).replace("Input should", "must")
     text = f"{said[:1].lower()}{said[1:]}"
     return InputError(source, text, value=shown, where=f"key {place!r}")

@@ -57,7 +57,7 @@ def _scene(scene: FrontScene) -> dict[str, Any]:
 
 def _member(member: FrontMember) -> dict[str, Any]:
     return {
-        "file": PurePosixPath(member.sensor).with_suffix(".csv").name,
+        "file": f"{PurePosixPath(member.sensor).stem or member.name}.csv",
         "text": member_csv(member),
         **member.model_dump(mode="json", include={"pixel", "exposure", "matrix"}),
     }

@@ -173,6 +173,8 @@ function frontPanel() {
     sentences.replaceChildren(...chart.sentences.map((text) => el("li", { text })));
     complain(null);
     if (!section.isConnected) within(byId("panels"), "[data-part=head]").after(section);
+    // known before the first drawing, which then needs no second one
+    width = Math.floor(body.clientWidth);
     open(table.hidden !== true);
     show(current().study);
   }

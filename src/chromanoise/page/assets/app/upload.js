@@ -46,9 +46,22 @@ function dropAnywhere(take) {
     root.classList.remove("dropping");
     if (!holds(event)) return;
     event.preventDefault();
+    const entry = event.dataTransfer?.items[0]?.webkitGetAsEntry();
+    if (entry?.isDirectory) return frontIn(/** @type {FileSystemDirectoryEntry} */ (entry), take);
     const file = event.dataTransfer?.files[0];
     if (file) take(file);
   });
+}
+
+/**
+ * Of the folder of a design the front is taken; another folder counts as a file without content.
+ *
+ * @param {FileSystemDirectoryEntry} folder
+ * @param {(file: File) => void} take
+ */
+function frontIn(folder, take) {
+  const none = () => take(new File([], folder.name));
+  folder.getFile("front.json", {}, (entry) => /** @type {FileSystemFileEntry} */ (entry).file(take, none), none);
 }
 
 /**
