@@ -43,6 +43,7 @@ if TYPE_CHECKING:
         characterization,
         charts,
         color,
+        design,
         exposure,
         figures,
         geometry,
@@ -56,10 +57,20 @@ if TYPE_CHECKING:
         spectra,
         study,
     )
-    from chromanoise.api import analyze, characterize, compare, compare_map, matrix, render, run
+    from chromanoise.api import (
+        analyze,
+        characterize,
+        compare,
+        compare_map,
+        matrix,
+        optimize,
+        render,
+        run,
+    )
     from chromanoise.catalog import sensor_named
     from chromanoise.characterization import Characterization
     from chromanoise.color import ColorMatrix
+    from chromanoise.design import Design
     from chromanoise.errors import InputError, Setting
     from chromanoise.exposure import Exposure, OperatingPoint
     from chromanoise.io.cubes import read_cube
@@ -90,6 +101,7 @@ __all__ = [
     "Comparison",
     "ComparisonMap",
     "Cube",
+    "Design",
     "Exposure",
     "Grid",
     "Illuminant",
@@ -116,6 +128,7 @@ __all__ = [
     "color",
     "compare",
     "compare_map",
+    "design",
     "exposure",
     "figures",
     "geometry",
@@ -125,6 +138,7 @@ __all__ = [
     "matrix",
     "metrics",
     "noise",
+    "optimize",
     "paper",
     "read_cube",
     "read_curves",
