@@ -4,6 +4,7 @@ The models have the right physics and few parameters. They are for hypothetical 
 sensor is given by its measured curves.
 """
 
+import math
 import re
 from collections.abc import Sequence
 from dataclasses import replace
@@ -12,23 +13,74 @@ import numpy as np
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise._shapes import Float
+from chromanoise._shapes import Float, Inexact
 from chromanoise.errors import InputError
 from chromanoise.spectra import Beyond, Grid, Spectra, means_on_grid
 from chromanoise.spectra.tables import catalog_curves, catalog_tables, packaged_table
 
+LEAST_LENGTH_UM = 1e-6
+"""Shortest depth or thickness of a model: no number is divided by 0. [um]"""
+LEAST_LENGTH_NM = 1e-3
+"""Shortest wavelength or width of a model: no number is divided by 0. [nm]"""
 _CM_PER_UM = 1e-4
 _MODEL = r"ircut-([\d.]+)(?:/([\d.]+))?"
 
 
+Number = float | complex | Array
+"""A number, or one per candidate (m,); complex for a derivative by the complex step."""
+
+
+def per_candidate(
+    name: str, unit: str, value: Number, *, least: float = 0.0, most: float = math.inf
+) -> Inexact[Array, "*m 1"]:
+    """A number with a last axis for wavelengths, after a check of its real part.
+
+    Parameters
+    ----------
+    name, unit
+        What the number is, for the message.
+    value
+        A number, or one per candidate.
+    least, most
+        What is possible, both included.
+
+    Raises
+    ------
+    InputError
+        If a real part is not finite or not possible.
+    """
+    numbers = np.asarray(value)
+    if numbers.dtype.kind not in "fc":
+        numbers = numbers.astype(np.float64)
+    bad = ~(np.isfinite(numbers.real) & (numbers.real >= least) & (numbers.real <= most))
+    if bad.any():
+        limits = possible(least, most)
+        unit = "" if unit == "1" else f" [{unit}]"
+        raise InputError(name, f"must be {limits}{unit}", value=float(numbers.real[bad].flat[0]))
+    return numbers[..., None]
+
+
+def possible(least: float, most: float) -> str:
+    """The demand of a message for a number from ``least`` to ``most``.
+
+    Examples
+    --------
+    >>> possible(0.0, 1.0), possible(0.0, math.inf), possible(-math.inf, math.inf)
+    ('0 to 1', 'finite and >= 0', 'finite')
+    """
+    if most < math.inf:
+        return f"{least:g} to {most:g}"
+    return f"finite and >= {least:g}" if least > -math.inf else "finite"
+
+
 def silicon_qe(
-    grid: Grid, *, depth_um: float, dead_layer_um: float = 0.05, reflectance: float = 0.1
-) -> Float[Array, " n"]:
+    grid: Grid, *, depth_um: Number, dead_layer_um: Number = 0.05, reflectance: Number = 0.1
+) -> Inexact[Array, "*m n"]:
     """Electrons per photon of a silicon photodiode (Beer-Lambert). [e-/photon]
 
     (1 - R) exp(-alpha dead) (1 - exp(-alpha depth)): the share of the light that is
     not reflected, not lost in the dead layer at the surface, and absorbed within the collection
-    depth.
+    depth. Each number may be one, or one per candidate.
 
     Parameters
     ----------
@@ -46,9 +98,9 @@ def silicon_qe(
     Absorption at 300 K: Green & Keevers, Prog. Photovolt. 3 (1995) 189-192; the
     logarithm is interpolated because it is smooth.
     """
-    depth = _check.positive("depth_um", "um", depth_um)
-    dead = _check.not_negative("dead_layer_um", "um", dead_layer_um)
-    entering = 1.0 - float(_check.fraction("reflectance", "1", reflectance))
+    depth = per_candidate("depth_um", "um", depth_um, least=LEAST_LENGTH_UM)
+    dead = per_candidate("dead_layer_um", "um", dead_layer_um)
+    entering = 1.0 - per_candidate("reflectance", "1", reflectance, most=1.0)
     table = packaged_table("silicon_absorption")
     wavelength = grid.wavelength_nm
     known = table.wavelength_nm
@@ -64,18 +116,44 @@ def silicon_qe(
     return entering * np.exp(-per_um * dead) * -np.expm1(-per_um * depth)
 
 
+def layered_silicon_qe(grid: Grid, ends_um: Sequence[Number]) -> Inexact[Array, "*m n p"]:
+    """Electrons per photon of stacked photodiodes: each absorbs what those above it transmit.
+
+    The surface has no dead layer, and reflects as that of `silicon_qe`. [e-/photon]
+
+    Parameters
+    ----------
+    grid
+        Within 400-1050 nm.
+    ends_um
+        Depth at which each diode ends, increasing. [um]
+
+    Raises
+    ------
+    InputError
+        If a depth is not positive, or the depths do not increase.
+    """
+    depth = np.stack(np.broadcast_arrays(*ends_um), axis=-1)
+    if (np.diff(depth.real, axis=-1) <= 0).any():
+        raise InputError("ends_um", "must increase [um]", value=depth.real.tolist())
+    whole = silicon_qe(grid, depth_um=depth, dead_layer_um=0.0)
+    return np.moveaxis(np.diff(whole, axis=-2, prepend=0.0), -2, -1)
+
+
 def resin_filter(
     grid: Grid,
     *,
-    low_nm: float,
-    high_nm: float,
-    leak_nm: float,
-    edge_nm: float = 12.0,
-    peak: float = 0.9,
-    leak: float = 0.95,
-    floor: float = 0.02,
-) -> Float[Array, " n"]:
+    low_nm: Number,
+    high_nm: Number,
+    leak_nm: Number,
+    edge_nm: Number = 12.0,
+    peak: Number = 0.9,
+    leak: Number = 0.95,
+    floor: Number = 0.02,
+) -> Inexact[Array, "*m n"]:
     """Transmittance of a color filter resin: one passband, and transparent again in the NIR.
+
+    All numbers may be one per candidate.
 
     Parameters
     ----------
@@ -94,24 +172,38 @@ def resin_filter(
     >>> green[[0, 3, 5, 10]].round(2)       # 400, 550, 650 and 900 nm
     array([0.02, 0.86, 0.03, 0.94])
     """
-    for name, value in (("peak", peak), ("leak", leak), ("floor", floor)):
-        _check.fraction(name, "1", value)
-    scale = _check.positive("edge_nm", "nm", edge_nm)
-    if not low_nm < high_nm <= leak_nm:
+    top = per_candidate("peak", "1", peak, most=1.0)
+    infrared = per_candidate("leak", "1", leak, most=1.0)
+    bottom = per_candidate("floor", "1", floor, most=1.0)
+    scale = per_candidate("edge_nm", "nm", edge_nm, least=LEAST_LENGTH_NM)
+    low, high, again = (
+        per_candidate(name, "nm", edge, least=-math.inf)
+        for name, edge in (("low_nm", low_nm), ("high_nm", high_nm), ("leak_nm", leak_nm))
+    )
+    order = (low.real < high.real) & (high.real <= again.real)
+    if not order.all():
+        first = np.unravel_index(int(order.argmin()), order.shape)
+        found = tuple(
+            float(np.broadcast_to(edge.real, order.shape)[first]) for edge in (low, high, again)
+        )
         raise InputError(
             "low_nm, high_nm and leak_nm",
             "must satisfy low_nm < high_nm <= leak_nm [nm]",
-            value=(low_nm, high_nm, leak_nm),
-            found=f"are {low_nm:g}, {high_nm:g} and {leak_nm:g}",
+            value=found,
+            found=f"are {found[0]:g}, {found[1]:g} and {found[2]:g}",
         )
     wavelength = grid.wavelength_nm
-    passband = _rise(wavelength, low_nm, scale) * _rise(-wavelength, -high_nm, scale)
-    open_again = _rise(wavelength, leak_nm, 2 * scale)
-    return floor + (peak - floor) * passband * (1 - open_again) + (leak - floor) * open_again
+    passband = logistic(wavelength, low, scale) * logistic(-wavelength, -high, scale)
+    open_again = logistic(wavelength, again, 2 * scale)
+    return bottom + (top - bottom) * passband * (1 - open_again) + (infrared - bottom) * open_again
 
 
-def ir_cut(grid: Grid, *, edge_nm: float = 655.0, width_nm: float = 8.0) -> Float[Array, " n"]:
+def ir_cut(
+    grid: Grid, *, edge_nm: Number = 655.0, width_nm: Number = 8.0
+) -> Inexact[Array, "*m n"]:
     """Transmittance of an IR-cut filter: 1 below a logistic edge, 0 above it.
+
+    Both numbers may be one per candidate.
 
     Parameters
     ----------
@@ -120,8 +212,9 @@ def ir_cut(grid: Grid, *, edge_nm: float = 655.0, width_nm: float = 8.0) -> Floa
     width_nm
         Logistic scale: 88 % passes two widths below the edge, 12 % two above. [nm]
     """
-    scale = _check.positive("width_nm", "nm", width_nm)
-    return _rise(-grid.wavelength_nm, -_check.positive("edge_nm", "nm", edge_nm), scale)
+    scale = per_candidate("width_nm", "nm", width_nm, least=LEAST_LENGTH_NM)
+    edge = per_candidate("edge_nm", "nm", edge_nm, least=LEAST_LENGTH_NM)
+    return logistic(-grid.wavelength_nm, -edge, scale)
 
 
 def filter_named(
@@ -193,6 +286,6 @@ def _number(text: str, name: str) -> float:
         ) from None
 
 
-def _rise(at: Float[Array, " n"], middle: float, scale: float) -> Float[Array, " n"]:
+def logistic(at: Float[Array, " n"], middle: Number, scale: Number) -> Inexact[Array, "*m n"]:
     """The logistic edge 1 / (1 + exp(-(at - middle) / scale)), in a form that cannot overflow."""
     return 0.5 * (1.0 + np.tanh(0.5 * (at - middle) / scale))

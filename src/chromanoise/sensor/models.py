@@ -9,7 +9,7 @@ import numpy as np
 
 from chromanoise._check import Array
 from chromanoise._shapes import Float
-from chromanoise.sensor.filters import ir_cut, resin_filter, silicon_qe
+from chromanoise.sensor.filters import ir_cut, layered_silicon_qe, resin_filter, silicon_qe
 from chromanoise.sensor.mosaic import Mosaic, bayer, rgbw_sparse_4x4
 from chromanoise.sensor.pixel import PAPER_PIXEL
 from chromanoise.sensor.sensor import Sensor
@@ -65,9 +65,7 @@ def three_layer(grid: Grid) -> Sensor:
 
     The layers end at 0.4, 1.2 and 4 um; each absorbs the light that the layers above transmit.
     """
-    ends_um = (0.4, 1.2, 4.0)
-    whole = [silicon_qe(grid, depth_um=end, dead_layer_um=0.0) for end in ends_um]
-    layers = np.diff(np.stack([np.zeros(grid.n), *whole], axis=1), axis=1)
+    layers = layered_silicon_qe(grid, (0.4, 1.2, 4.0))
     return Sensor(
         name="model-three-layer",
         grid=grid,

@@ -1,0 +1,271 @@
+"""The models of filters by name, with the numbers that each takes."""
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+from chromanoise._check import Array
+from chromanoise.errors import InputError
+from chromanoise.sensor.filter_shapes import (
+    MOST_REFLECTANCE,
+    dual_band_filter,
+    dye_of_bands,
+    fabry_perot_filter,
+    gaussian_filter,
+    long_pass,
+    raised_cosine_filter,
+)
+from chromanoise.sensor.filters import (
+    LEAST_LENGTH_NM,
+    LEAST_LENGTH_UM,
+    Number,
+    ir_cut,
+    resin_filter,
+)
+from chromanoise.sensor.thin_film import LEAST_INDEX, alternating_stack
+from chromanoise.spectra import Grid
+
+MOST_REPEATED = 100
+"""Most films of a stack, or bands of a dye."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ModelNumber:
+    """One number of a filter model.
+
+    Attributes
+    ----------
+    unit
+        Its unit; ``1`` for a ratio.
+    what
+        What it is, in one phrase.
+    default
+        Its value where none is given; ``None`` if one must be given.
+    least, most
+        What is possible.
+    """
+
+    unit: str
+    what: str
+    default: float | None = None
+    least: float = 0.0
+    most: float = math.inf
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FilterModel:
+    """A filter that can be made, with its numbers.
+
+    Attributes
+    ----------
+    what
+        What it models, in one phrase.
+    transmittance
+        The function of the grid and the numbers; (n,), or (m, n) for numbers of (m,). A repeated
+        number is passed as the list of its values.
+    numbers
+        Its numbers by name.
+    repeated
+        Numbers that each film or band has: ``thickness_nm`` stands for ``thickness_1_nm``,
+        ``thickness_2_nm`` and so on.
+    """
+
+    what: str
+    transmittance: Callable[..., Array]
+    numbers: Mapping[str, ModelNumber] = field(default_factory=dict)
+    repeated: Mapping[str, ModelNumber] = field(default_factory=dict)
+
+    def numbers_for(self, given: Iterable[str]) -> dict[str, ModelNumber]:
+        """All numbers of a filter for which some are given: as many films or bands as are named.
+
+        Parameters
+        ----------
+        given
+            Names of numbers.
+
+        Raises
+        ------
+        InputError
+            If more than `MOST_REPEATED` films or bands are named.
+        """
+        named = set(given)
+        count = 1
+        while any(_nth(name, count + 1) in named for name in self.repeated):
+            count += 1
+        if count > MOST_REPEATED:
+            raise InputError(
+                "films or bands",
+                f"must be at most {MOST_REPEATED}",
+                value=count,
+                remedy="give fewer",
+            )
+        each = {
+            _nth(name, i): number
+            for i in range(1, count + 1)
+            for name, number in self.repeated.items()
+        }
+        return {**self.numbers, **each}
+
+    def of(self, grid: Grid, numbers: Mapping[str, Number]) -> Array:
+        """The transmittance for the numbers of `numbers_for`, by name; (n,) or (m, n).
+
+        Parameters
+        ----------
+        grid
+            Wavelengths of the result.
+        numbers
+            All numbers of the filter.
+        """
+        single: dict[str, Number | Sequence[Number]] = {
+            name: numbers[name] for name in self.numbers
+        }
+        count = len(numbers) - len(self.numbers)
+        for name in self.repeated:
+            each = range(1, count // len(self.repeated) + 1)
+            single[name] = [numbers[_nth(name, i)] for i in each]
+        return self.transmittance(grid, **single)
+
+
+def _nth(name: str, i: int) -> str:
+    """The name of the i-th of a repeated number: ``density_2``, ``thickness_2_nm``."""
+    stem, _, unit = name.rpartition("_")
+    return f"{stem}_{i}_{unit}" if stem else f"{name}_{i}"
+
+
+def _length(what: str, default: float | None = None) -> ModelNumber:
+    return ModelNumber(unit="nm", what=what, default=default, least=LEAST_LENGTH_NM)
+
+
+def _share(what: str, default: float | None = None) -> ModelNumber:
+    return ModelNumber(unit="1", what=what, default=default, most=1.0)
+
+
+def _index(what: str, default: float) -> ModelNumber:
+    return ModelNumber(unit="1", what=what, default=default, least=LEAST_INDEX)
+
+
+def _dispersion(what: str) -> ModelNumber:
+    return ModelNumber(unit="um^2", what=what, default=0.0)
+
+
+_BAND = {
+    "peak": _share("highest transmittance", 1.0),
+    "floor": _share("transmittance far from the band", 0.0),
+    "infrared_leak": _share("share of the stopped light that passes in the infrared", 0.0),
+    "leak_nm": _length("wavelength above which it passes", 800.0),
+}
+
+
+def _ir_cut(grid: Grid, *, cutoff_nm: Number, width_nm: Number) -> Array:
+    return ir_cut(grid, edge_nm=cutoff_nm, width_nm=width_nm)
+
+
+FILTER_MODELS: Mapping[str, FilterModel] = {
+    "gaussian": FilterModel(
+        what="a passband with the shape of a Gaussian",
+        transmittance=gaussian_filter,
+        numbers={
+            "center_nm": _length("wavelength of the peak"),
+            "width_nm": _length("standard deviation"),
+            **_BAND,
+        },
+    ),
+    "raised-cosine": FilterModel(
+        what="a passband with the shape of one period of a cosine",
+        transmittance=raised_cosine_filter,
+        numbers={
+            "center_nm": _length("wavelength of the peak"),
+            "fwhm_nm": _length("full width at half maximum"),
+            **_BAND,
+        },
+    ),
+    "resin": FilterModel(
+        what="a passband with logistic edges, transparent again in the infrared",
+        transmittance=resin_filter,
+        numbers={
+            "low_nm": _length("wavelength at which the band begins"),
+            "high_nm": _length("wavelength at which the band ends"),
+            "leak_nm": _length("wavelength above which it is transparent again"),
+            "edge_nm": _length("logistic scale of the edges", 12.0),
+            "peak": _share("transmittance of the band", 0.9),
+            "leak": _share("transmittance in the infrared", 0.95),
+            "floor": _share("transmittance between them", 0.02),
+        },
+    ),
+    "dye-bands": FilterModel(
+        what="a dye with Gaussian absorption bands",
+        transmittance=dye_of_bands,
+        numbers={
+            "thickness": ModelNumber(
+                unit="1", what="thickness times concentration, relative", default=1.0
+            )
+        },
+        repeated={
+            "band_nm": _length("center of an absorption band"),
+            "width_nm": _length("standard deviation of the band"),
+            "density": ModelNumber(unit="1", what="optical density at the center"),
+        },
+    ),
+    "fabry-perot": FilterModel(
+        what="a cavity between two mirrors",
+        transmittance=fabry_perot_filter,
+        numbers={
+            "center_nm": _length("wavelength of the peak"),
+            "reflectance": ModelNumber(
+                unit="1", what="reflectance of each mirror", most=MOST_REFLECTANCE
+            ),
+            "order": ModelNumber(
+                unit="1", what="half wavelengths in the cavity", default=1.0, least=0.5
+            ),
+            "peak": _share("transmittance at the peak", 1.0),
+        },
+    ),
+    "thin-film": FilterModel(
+        what="a stack of films of two materials in turn, the high index first",
+        transmittance=alternating_stack,
+        numbers={
+            "index_high": _index("index of the first material", 2.3),
+            "dispersion_high_um2": _dispersion("Cauchy's B of the first material"),
+            "index_low": _index("index of the second material", 1.46),
+            "dispersion_low_um2": _dispersion("Cauchy's B of the second material"),
+            "index_in": _index("index before the stack", 1.0),
+            "index_out": _index("index behind the stack", 1.52),
+        },
+        repeated={"thickness_nm": ModelNumber(unit="nm", what="thickness of a film")},
+    ),
+    "ir-cut": FilterModel(
+        what="1 below a logistic edge, 0 above it",
+        transmittance=_ir_cut,
+        numbers={
+            "cutoff_nm": _length("wavelength of half transmittance"),
+            "width_nm": _length("logistic scale of the edge", 8.0),
+        },
+    ),
+    "long-pass": FilterModel(
+        what="0 below a logistic edge, 1 above it",
+        transmittance=long_pass,
+        numbers={
+            "cuton_nm": _length("wavelength of half transmittance"),
+            "width_nm": _length("logistic scale of the edge", 8.0),
+        },
+    ),
+    "dual-band": FilterModel(
+        what="the visible and one band of the infrared",
+        transmittance=dual_band_filter,
+        numbers={
+            "cutoff_nm": _length("wavelength at which the visible ends"),
+            "band_nm": _length("center of the infrared band"),
+            "band_width_nm": _length("full width of the infrared band"),
+            "width_nm": _length("logistic scale of the edges", 8.0),
+            "band_peak": _share("transmittance of the infrared band", 1.0),
+        },
+    ),
+}
+"""Models of filters by the names that a design gives them."""
+
+SILICON_NUMBERS: Mapping[str, ModelNumber] = {
+    "depth_um": ModelNumber(unit="um", what="collection depth", default=4.0, least=LEAST_LENGTH_UM),
+    "dead_layer_um": ModelNumber(unit="um", what="depth whose carriers are lost", default=0.05),
+    "reflectance": _share("share of the light that the surface reflects", 0.1),
+}
+"""Numbers of `chromanoise.sensor.silicon_qe`."""
