@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from concurrent.futures import CancelledError, Executor
 from contextlib import ExitStack, contextmanager
 from multiprocessing import resource_tracker
+from typing import Any
 
 from chromanoise.errors import InputError, Setting
 
@@ -26,6 +27,16 @@ _SENDS_EVERY_S = 0.001  # the default of dask delays all but the first task by 0
 def cluster(scheduler: str, *, workers: int | None = None) -> Iterator[Executor]:
     """An executor for `chromanoise.imaging.Work` whose tasks run on a dask cluster.
 
+    Parameters and errors are those of `client_of`.
+    """
+    with client_of(scheduler, workers=workers, smaller=Setting("tile_rows")) as client:
+        yield client.get_executor(pure=False)
+
+
+@contextmanager
+def client_of(scheduler: str, *, workers: int | None = None, smaller: Setting) -> Iterator[Any]:
+    """A client of a dask cluster that reports lost workers in one sentence.
+
     Parameters
     ----------
     scheduler
@@ -33,6 +44,8 @@ def cluster(scheduler: str, *, workers: int | None = None) -> Iterator[Executor]
         file; ``local`` for processes of this machine.
     workers
         Number of processes for ``local``; one per core if ``None``.
+    smaller
+        The setting that makes a task smaller, for workers that were lost for lack of memory.
 
     Raises
     ------
@@ -71,7 +84,7 @@ def cluster(scheduler: str, *, workers: int | None = None) -> Iterator[Executor]
                         remedy="use fewer workers",
                     ) from None
                 scheduler = stack.enter_context(processes).scheduler_address
-        stack.enter_context(_lost_workers_reported(scheduler))
+        stack.enter_context(_lost_workers_reported(scheduler, smaller))
         try:
             client = Client(  # type: ignore[no-untyped-call]
                 scheduler,
@@ -88,7 +101,7 @@ def cluster(scheduler: str, *, workers: int | None = None) -> Iterator[Executor]
         stack.enter_context(client)
         if client.scheduler_comm is not None:
             client.scheduler_comm.interval = _SENDS_EVERY_S
-        yield client.get_executor(pure=False)  # type: ignore[no-untyped-call]
+        yield client
 
 
 @contextmanager
@@ -111,7 +124,7 @@ def _stop_waiting() -> Iterator[None]:
 
 
 @contextmanager
-def _lost_workers_reported(scheduler: str) -> Iterator[None]:
+def _lost_workers_reported(scheduler: str, smaller: Setting) -> Iterator[None]:
     """Report lost workers as InputError; dask first retries their blocks a few times."""
     from dask.distributed import KilledWorker
 
@@ -121,6 +134,6 @@ def _lost_workers_reported(scheduler: str) -> Iterator[None]:
         raise InputError(
             f"the cluster {scheduler}",
             f"lost its workers ({type(error).__name__}), usually for lack of memory (smaller "
-            "tiles need less)",
-            remedy=("see their logs", Setting("tile_rows")),
+            "tasks need less)",
+            remedy=("see their logs", smaller),
         ) from None

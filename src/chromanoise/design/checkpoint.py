@@ -1,0 +1,149 @@
+"""A file from which a stopped search continues with the same digits.
+
+It holds plain arrays and one JSON text in the form of ``numpy.savez``, no pickled objects.
+"""
+
+import io
+import json
+import zipfile
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from chromanoise._check import Array
+from chromanoise._files import write_whole
+from chromanoise._inputs import regular_file
+from chromanoise.design.archive import Archive, empty_archive
+from chromanoise.errors import InputError
+
+_FORM = 1
+_DAMAGED = (
+    OSError, ValueError, KeyError, TypeError, EOFError, MemoryError, zipfile.BadZipFile,
+)  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Checkpoint:
+    """A search after a generation.
+
+    Attributes
+    ----------
+    search
+        What the search must have in common with one that continues it, as plain data.
+    generation, evaluations
+        Numbers of finished generations and of evaluated candidates.
+    archive
+        The front so far.
+    algorithm
+        State of the method.
+    """
+
+    search: Mapping[str, Any]
+    generation: int
+    evaluations: int
+    archive: Archive
+    algorithm: Mapping[str, Array]
+
+
+def write_checkpoint(path: Path, checkpoint: Checkpoint) -> None:
+    """Write the file in one step.
+
+    Raises
+    ------
+    InputError
+        If it cannot be written.
+    """
+    archive = {
+        f"archive.{field.name}": getattr(checkpoint.archive, field.name)
+        for field in fields(Archive)
+    }
+    algorithm = {f"algorithm.{name}": array for name, array in checkpoint.algorithm.items()}
+    text = json.dumps(
+        {
+            "form": _FORM,
+            "search": checkpoint.search,
+            "generation": checkpoint.generation,
+            "evaluations": checkpoint.evaluations,
+        }
+    )
+    content = io.BytesIO()
+    np.savez(content, allow_pickle=False, checkpoint=np.array(text), **archive, **algorithm)
+    write_whole(path, content.getvalue())
+
+
+def read_checkpoint(path: Path, search: Mapping[str, Any], empty: Archive) -> Checkpoint:
+    """The checkpoint of a search.
+
+    Parameters
+    ----------
+    path
+        A file of `write_checkpoint`.
+    search
+        As in `Checkpoint`; must equal that of the file.
+    empty
+        An archive without members, for the expected shapes.
+
+    Raises
+    ------
+    InputError
+        If there is no such file, it is damaged, or it belongs to another search.
+    """
+    regular_file(path)
+    try:
+        with np.load(path, allow_pickle=False) as stored:
+            text = json.loads(str(stored["checkpoint"]))
+            arrays = {name: stored[name] for name in stored.files if name != "checkpoint"}
+        if text["form"] != _FORM:
+            raise ValueError
+        theirs, generation, evaluations = (
+            dict(text["search"]), int(text["generation"]), int(text["evaluations"]),
+        )  # fmt: skip
+        archive = Archive(
+            **{field.name: arrays[f"archive.{field.name}"] for field in fields(Archive)}
+        )
+    except _DAMAGED:
+        raise InputError(
+            str(path),
+            "must be a complete checkpoint of a search",
+            found="cannot be read as one",
+            remedy="start the search anew without resume",
+        ) from None
+    for name, own in search.items():
+        if theirs.get(name) != own:
+            raise InputError(
+                str(path),
+                f"must be of a search with the same {name}",
+                value=theirs.get(name),
+                found=_difference(name, theirs.get(name), own),
+                remedy="start the search anew without resume",
+            )
+    for field in fields(Archive):
+        if getattr(archive, field.name).shape[1:] != getattr(empty, field.name).shape[1:]:
+            raise InputError(
+                str(path), "must be a complete checkpoint of a search",
+                found=f"its {field.name} have another shape",
+                remedy="start the search anew without resume",
+            )  # fmt: skip
+    return Checkpoint(
+        search=theirs,
+        generation=generation,
+        evaluations=evaluations,
+        archive=archive,
+        algorithm={
+            name.removeprefix("algorithm."): array
+            for name, array in arrays.items()
+            if name.startswith("algorithm.")
+        },
+    )
+
+
+def _difference(name: str, theirs: Any, own: Any) -> str:
+    if name == "identity" or not isinstance(own, int | str):
+        return f"its {name} differ"
+    return f"its {name} is {theirs}, not {own}"
+
+
+__all__ = ["Checkpoint", "empty_archive", "read_checkpoint", "write_checkpoint"]

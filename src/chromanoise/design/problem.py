@@ -1,0 +1,174 @@
+"""What a search minimizes: bounds, objectives, constraints and the function that evaluates them."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from chromanoise import _check
+from chromanoise._check import Array
+from chromanoise._shapes import Bool, Float
+from chromanoise.errors import InputError
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Evaluated:
+    """Objectives and constraints of ``m`` candidates.
+
+    Attributes
+    ----------
+    objectives
+        Each in its own unit; infinite on the bad side where undefined or saturated, never NaN.
+    violation
+        By how much each constraint is violated, > 0; kept where <= 0.
+    """
+
+    objectives: Float[Array, "m q"]
+    violation: Float[Array, "m r"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Linearized:
+    """Objectives and constraints of one candidate with their exact derivatives.
+
+    Attributes
+    ----------
+    objectives, violation
+        As in `Evaluated`, of one candidate.
+    objectives_jacobian, violation_jacobian
+        Derivatives with respect to the ``d`` parameters, per unit of the parameter.
+    """
+
+    objectives: Float[Array, " q"]
+    violation: Float[Array, " r"]
+    objectives_jacobian: Float[Array, "q d"]
+    violation_jacobian: Float[Array, "r d"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Problem:
+    """A design problem as the search sees it: ``d`` numbers, ``q`` objectives, ``r`` constraints.
+
+    Attributes
+    ----------
+    names
+        Of the parameters.
+    low, high
+        Bounds of the parameters, each in its unit.
+    objectives
+        Names of the objectives.
+    better
+        ``higher`` or ``lower``, per objective.
+    constraints
+        Names of the constraints, as a sentence prints them.
+    evaluate
+        From values (m d) to `Evaluated`. A row of the result depends on the same row of the values
+        only, to the last bit; then workers and chunks change no result.
+    gradient
+        From values (d,) to `Linearized`; ``None`` if there are no exact derivatives.
+    integer
+        Names of the parameters that take whole numbers only, e.g. the index of a choice.
+    identity
+        Text or hash of everything that determines ``evaluate``. A checkpoint of another identity
+        is refused.
+
+    Raises
+    ------
+    InputError
+        If there is no parameter or no objective, a name is repeated, a bound is not finite, or the
+        lower one is not below the upper one.
+    """
+
+    names: tuple[str, ...]
+    low: Float[Array, " d"]
+    high: Float[Array, " d"]
+    objectives: tuple[str, ...]
+    better: tuple[str, ...]
+    evaluate: Callable[[Array], Evaluated]
+    constraints: tuple[str, ...] = ()
+    gradient: Callable[[Array], Linearized] | None = None
+    integer: tuple[str, ...] = ()
+    identity: str = ""
+
+    def __post_init__(self) -> None:
+        for what, names in (("parameter", self.names), ("objective", self.objectives)):
+            if not names:
+                raise InputError("the design", f"must have at least one {what}", found="has none")
+            _check.distinct(f"names of {what}s", names)
+        for better in self.better:
+            _check.one_of("better", better, ("higher", "lower"))
+        for name in self.integer:
+            _check.one_of("integer parameters", name, self.names)
+        object.__setattr__(self, "low", _check.finite("Problem.low", "1", self.low))
+        object.__setattr__(self, "high", _check.finite("Problem.high", "1", self.high))
+        _check.same_length(
+            "parameters", names=len(self.names), low=self.low.size, high=self.high.size
+        )
+        _check.same_length(
+            "objectives", objectives=len(self.objectives), better=len(self.better)
+        )
+        for name, low, high in zip(self.names, self.low, self.high, strict=True):
+            if not low < high:
+                raise InputError(
+                    name,
+                    "must have a lower bound below its upper bound",
+                    value=(float(low), float(high)),
+                    found=f"goes from {low:g} to {high:g}",
+                    remedy="swap the bounds, or give one number to hold the parameter",
+                )
+        _check.freeze(self, "low", "high")
+
+    def costs(self, objectives: Float[Array, "*m q"]) -> Float[Array, "*m q"]:
+        """The objectives with their signs chosen so that lower is better."""
+        return objectives * np.array([1.0 if side == "lower" else -1.0 for side in self.better])
+
+    @property
+    def whole(self) -> Bool[Array, " d"]:
+        """Which parameters take whole numbers only."""
+        return np.array([name in self.integer for name in self.names])
+
+    def allowed(self, values: Float[Array, "m d"]) -> Float[Array, "m d"]:
+        """The values with integer parameters rounded, within the bounds."""
+        rounded = np.where(self.whole, np.round(values), values)
+        inner_low = np.where(self.whole, np.ceil(self.low), self.low)
+        inner_high = np.where(self.whole, np.floor(self.high), self.high)
+        return np.clip(rounded, inner_low, inner_high)
+
+
+def checked_evaluation(
+    problem: Problem, values: Float[Array, "m d"], evaluate: Callable[[Array], Evaluated]
+) -> Evaluated:
+    """The evaluation of candidates, after a check for NaN and for its shape.
+
+    Raises
+    ------
+    InputError
+        If a value is NaN, or the shape does not fit the problem.
+    """
+    found = evaluate(values)
+    sides = (
+        ("objective", problem.objectives, np.asarray(found.objectives, dtype=float)),
+        ("constraint", problem.constraints, np.asarray(found.violation, dtype=float)),
+    )
+    for what, names, array in sides:
+        if array.shape != (len(values), len(names)):
+            raise InputError(
+                f"the {what}s",
+                f"must have the shape {(len(values), len(names))}",
+                found=f"have the shape {array.shape}",
+            )
+        bad = np.argwhere(np.isnan(array))
+        if bad.size:
+            row, column = (int(i) for i in bad[0])
+            at = ", ".join(
+                f"{name} = {value:g}"
+                for name, value in zip(problem.names, values[row], strict=True)
+            )
+            raise InputError(
+                f"the {what} {names[column]}",
+                "must be a number for every candidate within the bounds",
+                value=float("nan"),
+                found=f"is NaN at {at}",
+                remedy="narrow the bounds",
+            )
+    return Evaluated(objectives=sides[0][2], violation=sides[1][2])
