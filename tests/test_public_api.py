@@ -38,6 +38,7 @@ NAMES = [
     "Pixel",
     "Results",
     "Scene",
+    "Sensitivity",
     "Sensor",
     "Setting",
     "Spectra",
@@ -68,6 +69,7 @@ NAMES = [
     "render",
     "run",
     "scene",
+    "sensitivity",
     "sensor",
     "sensor_named",
     "spectra",
@@ -232,7 +234,9 @@ def test_the_rule_of_documentation_finds_each_lack():
     assert faults_of_function("f", incomplete, computes=False, text="") == ["f: no docstring"]
 
 
-@pytest.mark.parametrize("name", ["analyze", "compare", "compare_map", "matrix", "render"])
+@pytest.mark.parametrize(
+    "name", ["analyze", "compare", "compare_map", "matrix", "render", "sensitivity"]
+)
 def test_help_lists_each_setting_with_the_description_of_the_study(name):
     shown = pydoc.render_doc(getattr(cn, name), renderer=pydoc.plaintext)
     for one in described_settings(name):

@@ -55,10 +55,20 @@ if TYPE_CHECKING:
         spectra,
         study,
     )
-    from chromanoise.api import analyze, characterize, compare, compare_map, matrix, render, run
+    from chromanoise.api import (
+        analyze,
+        characterize,
+        compare,
+        compare_map,
+        matrix,
+        render,
+        run,
+        sensitivity,
+    )
     from chromanoise.catalog import sensor_named
     from chromanoise.characterization import Characterization
     from chromanoise.color import ColorMatrix
+    from chromanoise.design.sensitivity import Sensitivity
     from chromanoise.errors import InputError, Setting
     from chromanoise.exposure import Exposure, OperatingPoint
     from chromanoise.io.cubes import read_cube
@@ -102,6 +112,7 @@ __all__ = [
     "Pixel",
     "Results",
     "Scene",
+    "Sensitivity",
     "Sensor",
     "Setting",
     "Spectra",
@@ -131,6 +142,7 @@ __all__ = [
     "render",
     "run",
     "scene",
+    "sensitivity",
     "sensor",
     "sensor_named",
     "spectra",

@@ -27,7 +27,9 @@ from chromanoise.catalog.sensors import RECONSTRUCTION
 from chromanoise.charts import cause_label
 from chromanoise.cli.output import terminal
 from chromanoise.color import ColorMatrix
-from chromanoise.io.table import number_text
+from chromanoise.io.table import Table as ResultTable
+from chromanoise.io.table import number_text, written
+from chromanoise.io.table_formats import head as heading
 from chromanoise.metrics import Budget, MatrixReport
 from chromanoise.paper import (
     Cell,
@@ -68,6 +70,19 @@ def print_reproduction(result: Reproduction) -> None:
     ):
         console.print(line, soft_wrap=True)
         console.print()
+
+
+def print_table(table: ResultTable) -> None:
+    """Print a table with its title and its notes."""
+    console = terminal()
+    shown = Table(title=table.title, title_justify="left")
+    for column in table.columns:
+        shown.add_column(heading(column), justify="right" if column.digits else "left")
+    for row in table.rows:
+        cells = zip(row, table.columns, strict=True)
+        shown.add_row(*(written(cell, column.digits) for cell, column in cells))
+    console.print(shown)
+    print_lines(table.notes)
 
 
 def print_lines(lines: Iterable[str]) -> None:

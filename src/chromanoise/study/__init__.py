@@ -28,6 +28,7 @@ if TYPE_CHECKING:
         makers_of,
         operating_points_of,
         refuse_idle,
+        sensor_of,
     )
     from chromanoise.study.commands import (
         FLAGS,
@@ -101,6 +102,7 @@ if TYPE_CHECKING:
         MapSettings,
         MatrixSettings,
         RenderSettings,
+        SensitivitySettings,
         analyze_study,
         argument_of,
         compare_study,
@@ -108,6 +110,7 @@ if TYPE_CHECKING:
         map_study,
         matrix_study,
         render_study,
+        sensitivity_study,
     )
     from chromanoise.study.starter import (
         STARTER,
@@ -150,6 +153,7 @@ __all__ = [
     "RenderSettings",
     "Result",
     "Results",
+    "SensitivitySettings",
     "Step",
     "Study",
     "TakenPicture",
@@ -182,6 +186,8 @@ __all__ = [
     "run",
     "run_plan",
     "run_study",
+    "sensitivity_study",
+    "sensor_of",
     "study_as_command",
     "study_as_json",
     "study_as_python",
