@@ -179,6 +179,7 @@ STRANGE = [
 ]
 WEIGHTS = {
     **{"analyze": 24, "compare": 12, "matrix": 15, "simulate": 14, "convert": 10, "inspect": 8},
+    "sensitivity": 6,
     **{"catalog": 5, "run": 4, "rerun": 2, "report": 1, "init": 2, "study": 1, "serve": 2},
     **{"reproduce": 1, "demo": 0.2, "demo-frames": 4, "characterize": 5},
 }

@@ -300,7 +300,7 @@ def test_numbers_of_numpy_and_paths_are_numbers_and_names():
         ("matrix", "method", "did you mean matrix?"),
         ("compare_map", "method", "did you mean matrices?"),
         ("compare", "clip", "it is one of analyze and render"),
-        ("matrix", "seed", "it is one of render"),
+        ("matrix", "seed", "it is one of render and sensitivity"),
         ("render", "fnumber", "did you mean f_number?"),
     ],
 )

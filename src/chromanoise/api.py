@@ -417,7 +417,8 @@ def sensitivity(
 
     Notes
     -----
-    First order (JCGM 100:2008, 5.1.2), by central differences.
+    Guide to the expression of uncertainty in measurement, JCGM 100 (2008), 5.1.2: first order, by
+    central differences.
 
     Examples
     --------

@@ -30,7 +30,9 @@ _ROUNDING = 1e-13
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Tolerances:
-    """How far parameters may be from their values: half widths of uniform distributions.
+    """How far the sensor may be from its values: half widths of uniform distributions.
+
+    Exposure and light have none.
 
     Attributes
     ----------
@@ -56,6 +58,8 @@ class Tolerances:
 
     def of(self, parameter: Varied) -> float:
         """The half width for a parameter, in its unit."""
+        if parameter.of_use:
+            return 0.0
         return self.nm if parameter.unit == NM else self.percent
 
 
@@ -108,13 +112,15 @@ class Spread:
     worst
         Sum of slope times half width: all parameters at the worse end of their tolerance.
     drawn
-        Standard deviation of drawn sensors; ``None`` without draws, or where a value is not
-        defined.
+        Standard deviation of drawn sensors, without those for which the objective is not defined;
+        ``None`` without draws.
     drawn_share
         Share of the drawn variance that each parameter explains (first-order Sobol index), from
         the regression on all parameters.
     explained
         Share of the drawn variance that the regression explains; 1 where first order is exact.
+    undefined
+        Number of drawn sensors for which an objective is not defined: a channel saturates.
     """
 
     contribution: Mapping[str, Float[Array, " d"]]
@@ -123,6 +129,7 @@ class Spread:
     drawn: Mapping[str, float | None]
     drawn_share: Mapping[str, Float[Array, " d"] | None]
     explained: Mapping[str, float | None]
+    undefined: Mapping[str, int]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -175,6 +182,11 @@ class Sensitivity(Result):
         together
             Whether all parameters vary, each with an equal contribution: their root sum of squares
             is then the loss.
+
+        Returns
+        -------
+        float or None
+            In the unit of the parameter.
         """
         slope = effect.slope[objective]
         if not slope:
@@ -234,6 +246,7 @@ class Sensitivity(Result):
                     "worst": spread.worst[name],
                     "drawn": spread.drawn[name],
                     "explained": spread.explained[name],
+                    "undefined": spread.undefined[name],
                 }
                 for name in spread.total
             }
@@ -396,6 +409,11 @@ def sensitivity_of(
     if tolerances is not None:
         widths = np.array([tolerances.of(one.parameter) for one in ordered])
         spread = _spread(entries, ordered, widths, values, draws, seed)
+        notes += [
+            f"{count} of {draws} drawn sensors have no {name}: a channel saturates"
+            for name, count in spread.undefined.items()
+            if count
+        ]
     return Sensitivity(
         point=point,
         matrix=matrix_name,
@@ -452,6 +470,7 @@ def _spread(
     drawn: dict[str, float | None] = dict.fromkeys(names)
     shares: dict[str, Float[Array, " d"] | None] = dict.fromkeys(names)
     explained: dict[str, float | None] = dict.fromkeys(names)
+    undefined = dict.fromkeys(names, 0)
     if draws:
         parameters = [effect.parameter for effect in effects]
         low = np.array([0.0 if one.one_sided else -1.0 for one in parameters])
@@ -463,13 +482,16 @@ def _spread(
                 for row in amounts
             ]
         )
-        centered = amounts - amounts.mean(axis=0)
-        for name, column in zip(names, found.T, strict=True):
-            if not np.isfinite(column).all():
+        for name, values_of_all in zip(names, found.T, strict=True):
+            defined = np.isfinite(values_of_all)
+            undefined[name] = int((~defined).sum())
+            column, own = values_of_all[defined], amounts[defined]
+            if column.size < FEWEST_DRAWS:
                 continue
+            centered = own - own.mean(axis=0)
             spread = float(column.std(ddof=1))
             drawn[name] = spread
-            if spread > 0 and draws > len(effects) + 1:
+            if spread > 0 and column.size > len(effects) + 1:
                 fit = lstsq("tolerances", centered, column - column.mean(), rcond=None)[0]
                 variance = column.var()
                 shares[name] = fit**2 * centered.var(axis=0) / variance
@@ -481,6 +503,7 @@ def _spread(
         drawn=drawn,
         drawn_share=shares,
         explained=explained,
+        undefined=undefined,
     )
 
 

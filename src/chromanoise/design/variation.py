@@ -10,7 +10,7 @@ import numpy as np
 from chromanoise.errors import InputError
 from chromanoise.exposure import OperatingPoint
 from chromanoise.sensor import Sensor, ir_cut_model, moved_curve
-from chromanoise.study import NOTHING_GIVEN, Given, Study, operating_points_of, sensor_of
+from chromanoise.study import Given, Study, operating_points_of, sensor_of
 
 NM, PERCENT, POINTS = "nm", "%", "% points"
 """Units of a change: nm, percent of the value, percentage points of a share."""
@@ -42,12 +42,15 @@ class Varied:
         Of a change: ``nm``, ``%`` of the value, or ``% points``.
     one_sided
         Whether it can only rise.
+    of_use
+        Whether it belongs to exposure and light, and not to the sensor: no tolerance applies.
     """
 
     name: str
     what: str
     unit: str
     one_sided: bool = False
+    of_use: bool = False
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -70,7 +73,7 @@ class Variation:
     """
 
     study: Study
-    given: Given = NOTHING_GIVEN
+    given: Given
 
     @cached_property
     def point(self) -> OperatingPoint:
@@ -119,9 +122,9 @@ class Variation:
             if getattr(point.sensor.pixel, name)
         ]
         varied += [
-            Varied(name=name, what=what, unit=PERCENT) for name, what in _OF_EXPOSURE.items()
+            Varied(name=name, what=what, unit=PERCENT, of_use=True)
+            for name, what in (*_OF_EXPOSURE.items(), ("level_lux", "illuminance"))
         ]
-        varied.append(Varied(name="level_lux", what="illuminance", unit=PERCENT))
         return tuple(varied)
 
     @property
@@ -153,12 +156,13 @@ class Variation:
         part, point = self.study.sensors[0], self.point
         update: dict[str, Any] = {}
         if "ircut_nm" in changes:
-            update["ircut_nm"] = part.ircut_nm + changes["ircut_nm"]
+            update["ircut_nm"] = (part.ircut_nm or 0.0) + changes["ircut_nm"]
         if "filter.edge" in changes:
             edge, width = ir_cut_model(part.filter)  # type: ignore[arg-type,misc]
             update["filter"] = f"ircut-{edge + changes['filter.edge']!r}/{width!r}"
         if "crosstalk" in changes:
-            update["crosstalk"] = (part.crosstalk or 0.0) + changes["crosstalk"] / 100
+            share = part.crosstalk if isinstance(part.crosstalk, float) else 0.0
+            update["crosstalk"] = share + changes["crosstalk"] / 100
         changed = Given(
             sensors={part.name: self._with_curves(changes)}, illuminants=self.given.illuminants
         )
