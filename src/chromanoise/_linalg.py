@@ -95,10 +95,12 @@ def _outer(sd: Float[Array, "*k p"]) -> Float[Array, "*k p p"]:
     return np.asarray(sd[..., :, None] * sd[..., None, :])
 
 
-def unit_columns(f: Float[Array, "n p"]) -> tuple[Float[Array, "n p"], Float[Array, " p"]]:
+def unit_columns(
+    f: Float[Array, "*m n p"],
+) -> tuple[Float[Array, "*m n p"], Float[Array, "*m p"]]:
     """Columns of length 1, and the lengths; a zero column stays zero."""
-    norms = np.linalg.norm(f, axis=0)
-    return f / np.where(norms > 0, norms, 1.0), norms
+    norms = np.linalg.norm(f, axis=-2)
+    return f / np.where(norms > 0, norms, 1.0)[..., None, :], norms
 
 
 def angles_deg(a: Float[Array, "n p"], b: Float[Array, "n q"]) -> Float[Array, "p q"]:

@@ -383,16 +383,47 @@ def _penalized(
     penalty_e2: Float[Array, "p p"],
     made_by: str,
 ) -> ColorMatrix:
-    """C of least E|C M - XYZ|^2 + tr(C P C^T), with the covariance P as ``penalty_e2``.
+    """C of least E|C M - XYZ|^2 + tr(C P C^T), with the covariance P as ``penalty_e2``."""
+    root = np.sqrt(seen.share)[:, None]
+    what = _over_white(made_by, sensor, seen)
+    matrix = penalized_matrix(
+        what, root * seen.electrons, root * seen.xyz, penalty_e2, scale=white_scale(seen)
+    )
+    return _made(sensor, exposure, metric, seen, matrix, made_by)
+
+
+def penalized_matrix(
+    what: str,
+    electrons: Float[Array, "k p"],
+    xyz: Float[Array, "k 3"],
+    penalty_e2: Float[Array, "p p"],
+    *,
+    scale: Float[Array, " p"],
+) -> Float[Array, "3 p"]:
+    """C of least |M C^T - XYZ|^2 + tr(C P C^T), with the covariance P as ``penalty_e2``. [lx/e-]
 
     Solved as stacked equations, because the normal equations would square the condition number.
+
+    Parameters
+    ----------
+    what
+        Name of the equations in error messages.
+    electrons, xyz
+        The training set, each row times the root of its share. [e-], [lx]
+    penalty_e2
+        Covariance that penalizes gains. [e-^2]
+    scale
+        Electrons per channel, relative to which singular values are compared. [e-]
+
+    Raises
+    ------
+    InputError
+        If a number is not finite.
     """
-    scale, root = white_scale(seen), np.sqrt(seen.share)[:, None]
-    what = _over_white(made_by, sensor, seen)
-    left = np.vstack([root * seen.electrons, covariance_root(what, penalty_e2)]) / scale
-    right = np.vstack([root * seen.xyz, np.zeros((scale.size, 3))])
+    left = np.vstack([electrons, covariance_root(what, penalty_e2)]) / scale
+    right = np.vstack([xyz, np.zeros((scale.size, 3))])
     solution, *_ = lstsq(what, left, right, rcond=RANK_TOLERANCE)
-    return _made(sensor, exposure, metric, seen, solution.T / scale, made_by)
+    return np.asarray(solution.T / scale)
 
 
 def _over_white(made_by: str, sensor: Sensor, seen: TrainingResponse) -> str:

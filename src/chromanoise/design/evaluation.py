@@ -1,29 +1,43 @@
 """Objectives of many candidates in one or more scenes."""
 
-from collections.abc import Sequence
+import os
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any, Literal, Protocol
 
 import numpy as np
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise._shapes import Float, Inexact
-from chromanoise.analysis import electrons_at, matrix_makers
+from chromanoise._shapes import Bool, Float, Inexact, Integer
+from chromanoise.analysis import matrix_makers
+from chromanoise.color.fitted import penalized_matrix
 from chromanoise.design.candidates import Candidates
-from chromanoise.design.objectives import OBJECTIVES, Candidate, Objective, value_of
-from chromanoise.design.scenes import DesignScene, candidate_point
+from chromanoise.design.objectives import FAST, OBJECTIVES, Candidate, Objective, value_of
+from chromanoise.design.scenes import DesignScene, candidate_point, scene_arrays
 from chromanoise.errors import InputError
-from chromanoise.noise import signal_limit_e
+from chromanoise.exposure import OperatingPoint
+from chromanoise.geometry import dual_and_orthonormal_bases
+from chromanoise.noise import noise_sources
+from chromanoise.sensor.saturation import code_range_e
 
 OVER_SCENES = ("worst", "mean")
-_STEP = 1e-6  # of the range of a parameter, for central differences
+_WEIGHTED = ("least-squares", "lmmse", "noise-regularized")
+_COMPLEX_STEP = 1e-30
+_DIFFERENCE_STEP = 1e-5  # of the range of a parameter
+_LEAST_PIVOT = 1e-5  # below it, normal equations lose too many digits: singular values instead
+_FULL = 1 + 1e-12  # as `chromanoise.noise.saturated`
+_FEWEST_BLOCKS = 4  # of one thread
 
 
 class Space(Protocol):
     """A design space: values of parameters to candidates (`chromanoise.design.DesignSpace`)."""
 
-    parameters: Sequence[Any]
+    @property
+    def parameters(self) -> Sequence[Any]:
+        """The parameters, with ``low`` and ``high``."""
 
     def candidates(self, values: Inexact[Array, "m d"]) -> Candidates:
         """The candidates of values of the parameters; complex for complex values."""
@@ -33,6 +47,10 @@ class Space(Protocol):
 class Evaluator:
     """Computes objectives of candidates.
 
+    The fast objectives are computed for the whole batch by `chromanoise.design.kernels`, and equal
+    those of the library to rounding. The result for a candidate does not depend on the others, on
+    their number or on the number of threads.
+
     Attributes
     ----------
     scenes
@@ -41,6 +59,8 @@ class Evaluator:
         Names from `chromanoise.design.objectives.OBJECTIVES`.
     over_scenes
         ``worst`` or ``mean`` of each objective over the scenes.
+    threads
+        Number of threads; ``None`` for one per core.
 
     Raises
     ------
@@ -51,6 +71,7 @@ class Evaluator:
     scenes: tuple[DesignScene, ...]
     objectives: tuple[str, ...]
     over_scenes: Literal["worst", "mean"] = "worst"
+    threads: int | None = None
 
     def __post_init__(self) -> None:
         for what, given in (("scenes", self.scenes), ("objectives", self.objectives)):
@@ -59,6 +80,8 @@ class Evaluator:
         for name in _check.distinct("objectives", self.objectives):
             _check.one_of("objective", name, tuple(OBJECTIVES))
         _check.one_of("over_scenes", self.over_scenes, OVER_SCENES)
+        if self.threads is not None and self.threads < 1:
+            raise InputError("threads", "must be at least 1", value=self.threads)
         grids = {scene.point.illuminant.grid for scene in self.scenes}
         if len(grids) > 1:
             raise InputError(
@@ -76,7 +99,7 @@ class Evaluator:
     def values(self, candidates: Candidates) -> Float[Array, "m q"]:
         """The objectives in their own units; never NaN.
 
-        A value that is not defined, as that of a saturated candidate, is -inf or inf: the worst one.
+        A value that is not defined, as that of a saturated candidate, is -inf or inf: the worst.
 
         Parameters
         ----------
@@ -92,8 +115,29 @@ class Evaluator:
 
     def values_of_scenes(self, candidates: Candidates) -> Float[Array, "s m q"]:
         """`values` of each scene."""
-        self._refuse(candidates)
-        return np.array([self._library_values(scene, candidates) for scene in self.scenes])
+        return self._real(_given(self, candidates), self.objectives)
+
+    def values_of_choices(
+        self, choices: Integer[Array, "m p"], curves: Float[Array, "n filters"]
+    ) -> Float[Array, "m q"]:
+        """`values` of sensors whose channels are chosen from a library.
+
+        Electrons and inner products are computed once per curve, so that a candidate costs no sums
+        over the wavelengths.
+
+        Parameters
+        ----------
+        choices
+            Columns of ``curves``, one per channel.
+        curves
+            The library. [e-/photon]
+
+        Raises
+        ------
+        InputError
+            As `values`, or if a choice is not a column.
+        """
+        return self._over_scenes(self._real(_chosen(self, choices, curves), self.objectives))
 
     def share_of_full_well(self, candidates: Candidates) -> Float[Array, " m"]:
         """Electrons of a perfect white over full well or top code, fullest channel and scene. [1]
@@ -103,14 +147,8 @@ class Evaluator:
         candidates
             As `values`.
         """
-        self._refuse(candidates)
-        shares = np.array(
-            [
-                [_share_of_full_well(_point(scene, candidates, i)) for i in range(len(candidates))]
-                for scene in self.scenes
-            ]
-        )
-        return shares.max(axis=0)
+        batch = _given(self, candidates)
+        return np.max([_fast(self, scene, batch, ())[1] for scene in self.scenes], axis=0)
 
     def gradient(
         self, space: Space, values: Float[Array, " d"]
@@ -123,57 +161,459 @@ class Evaluator:
             The design space.
         values
             Its parameters.
+
+        Returns
+        -------
+        values, jacobian
+            The derivative of the worst scene where the worst one counts. 0 where an objective is
+            not defined.
+
+        Notes
+        -----
+        Fast objectives: exact, by a complex step (Squire & Trapp, SIAM Rev. 40 (1998) 110). Central
+        differences with a step of 1e-5 of the range of the parameter for the others, for matrices
+        that are not linear in the training set, and for all objectives of a sensor whose channels
+        are nearly dependent.
         """
-        step = _STEP * np.array([one.high - one.low for one in space.parameters])
         at = np.asarray(values, dtype=np.float64)
-        around = np.concatenate([at[None], at + np.diag(step), at - np.diag(step)])
-        found = self.values(space.candidates(around))
-        d = at.size
-        return found[0], ((found[1 : d + 1] - found[d + 1 :]) / (2 * step[:, None])).T
+        d, q = at.size, len(self.objectives)
+        found = np.empty((len(self.scenes), q))
+        slope = np.empty((len(self.scenes), q, d))
+        turned = _given(self, space.candidates(at + 1j * _COMPLEX_STEP * np.eye(d)))
+        around: Array | None = None
+        for s, scene in enumerate(self.scenes):
+            exact = np.zeros(q, dtype=bool)
+            if _matrix_group(scene):
+                raw, _, pivot = _fast(self, scene, turned, self.objectives)
+                found[s], slope[s] = raw[0].real, raw.imag.T / _COMPLEX_STEP
+                exact[:] = [_is_fast(scene, turned, name) for name in self.objectives]
+                exact &= bool((pivot >= _LEAST_PIVOT).all())
+            if not exact.all():
+                around = self._around(space, at) if around is None else around
+                found[s] = np.where(exact, found[s], around[s, 0])
+                step = _steps(space)[:, None]
+                with np.errstate(invalid="ignore"):
+                    differences = (around[s, 1 : d + 1] - around[s, d + 1 :]) / (2 * step)
+                slope[s] = np.where(exact[:, None], slope[s], differences.T)
+        slope = np.where(np.isfinite(found)[..., None] & np.isfinite(slope), slope, 0.0)
+        if self.over_scenes == "mean":
+            return self._over_scenes(found[:, None])[0], slope.mean(axis=0)
+        active = np.where(self._higher, found.argmin(axis=0), found.argmax(axis=0))
+        return found[active, np.arange(q)], slope[active, np.arange(q)]
+
+    @property
+    def _higher(self) -> Bool[Array, " q"]:
+        return np.array([one.better == "higher" for one in self.entries])
+
+    def _around(self, space: Space, at: Float[Array, " d"]) -> Float[Array, "s 2d+1 q"]:
+        steps = np.diag(_steps(space))
+        return self.values_of_scenes(space.candidates(np.vstack([at, at + steps, at - steps])))
 
     def _over_scenes(self, values: Float[Array, "s m q"]) -> Float[Array, "m q"]:
         if self.over_scenes == "mean":
             return values.mean(axis=0)
-        higher = np.array([one.better == "higher" for one in self.entries])
-        return np.where(higher, values.min(axis=0), values.max(axis=0))
+        return np.where(self._higher, values.min(axis=0), values.max(axis=0))
 
-    def _library_values(self, scene: DesignScene, candidates: Candidates) -> Float[Array, "m q"]:
-        return np.array(
-            [
-                [value_of(one, _candidate(scene, candidates, i)) for one in self.entries]
-                for i in range(len(candidates))
-            ]
+    def _real(self, batch: "_Batch", names: tuple[str, ...]) -> Float[Array, "s m q"]:
+        return np.array([_values(self, scene, batch, names) for scene in self.scenes])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Batch:
+    """Candidates, or choices from a library with what else was chosen.
+
+    ``of`` gives some of them as candidates.
+    """
+
+    m: int
+    p: int
+    dtype: np.dtype
+    qe: Array
+    choices: Array
+    curves: Array | None
+    more: Candidates
+    of: Callable[[Any], Candidates]
+
+
+def _given(evaluator: Evaluator, candidates: Candidates) -> _Batch:
+    """The batch of candidates, checked."""
+    if len(candidates) == 0:
+        raise InputError("candidates", "must hold at least one", found="there is none")
+    _demand_grid(evaluator, candidates.qe.shape[1])
+    fields = [getattr(candidates, name) for name in _FIELDS]
+    dtype = np.result_type(np.float64, *(values for values in fields if values is not None))
+    m, _, p = candidates.qe.shape
+    return _Batch(
+        m=m,
+        p=p,
+        dtype=dtype,
+        qe=_own(candidates.qe, dtype),
+        choices=np.zeros((0, p), np.int64),
+        curves=None,
+        more=candidates,
+        of=lambda which: _some(candidates, which),
+    )
+
+
+def _chosen(evaluator: Evaluator, choices: Array, curves: Array) -> _Batch:
+    """The batch of choices, checked."""
+    index, library = _own(choices, np.int64), np.asarray(curves, np.float64)
+    _demand_grid(evaluator, len(library))
+    if index.ndim != 2 or not index.size:
+        raise InputError(
+            "choices", "must be (candidates, channels)", found=f"has shape {index.shape}"
+        )
+    outside = (index < 0) | (index >= library.shape[1])
+    if outside.any():
+        raise InputError(
+            "choices",
+            f"must be columns of the library, 0 to {library.shape[1] - 1}",
+            value=int(index[outside][0]),
+        )
+    (m, p), n = index.shape, len(library)
+
+    def of(which: Any) -> Candidates:
+        return Candidates(qe=np.moveaxis(library[:, index[which]], 0, 1))
+
+    return _Batch(
+        m=m,
+        p=p,
+        dtype=np.dtype(np.float64),
+        qe=np.zeros((0, n, p)),
+        choices=index,
+        curves=library,
+        more=Candidates(qe=np.zeros((0, n, p))),
+        of=of,
+    )
+
+
+_FIELDS = ("qe", "time_s", "pixel_share", "noise_weight", "read_noise_e", "prnu")
+
+
+def _demand_grid(evaluator: Evaluator, n: int) -> None:
+    grid = evaluator.scenes[0].point.illuminant.grid
+    if n != grid.n:
+        raise InputError(
+            "QE of candidates",
+            f"must have the {grid.n} wavelengths of the scenes",
+            value=n,
+            found=f"has {n}",
         )
 
-    def _refuse(self, candidates: Candidates) -> None:
-        if len(candidates) == 0:
-            raise InputError("candidates", "must hold at least one", found="there is none")
-        grid = self.scenes[0].point.illuminant.grid
-        if candidates.qe.shape[1] != grid.n:
-            raise InputError(
-                "QE of candidates",
-                f"must have the {grid.n} wavelengths of the scenes",
-                value=candidates.qe.shape,
-                found=f"has {candidates.qe.shape[1]}",
-            )
+
+def _some(candidates: Candidates, which: Any) -> Candidates:
+    """Some of the candidates."""
+    parts = {name: getattr(candidates, name) for name in _FIELDS}
+    return Candidates(**{k: None if v is None else v[which] for k, v in parts.items()})
 
 
-def _candidate(scene: DesignScene, candidates: Candidates, i: int) -> Candidate:
+def _steps(space: Space) -> Float[Array, " d"]:
+    return _DIFFERENCE_STEP * np.array([one.high - one.low for one in space.parameters])
+
+
+def _is_fast(scene: DesignScene, batch: _Batch, name: str) -> bool:
+    """SNR10 of a matrix that depends on the light is a search."""
+    adapts = scene.maker.method.over_light is not None or batch.more.noise_weight is not None
+    return name in FAST and not (name == "snr10_lux" and adapts)
+
+
+def _values(
+    evaluator: Evaluator, scene: DesignScene, batch: _Batch, names: tuple[str, ...]
+) -> Float[Array, "m q"]:
+    """The objectives in one scene."""
+    found, _, pivot = _fast(evaluator, scene, batch, names)
+    lost = np.flatnonzero(~(pivot >= _LEAST_PIVOT))
+    if lost.size:
+        some = _given(evaluator, batch.of(lost))
+        matrices, vora = _by_singular_values(scene, some)
+        found[lost] = _fast(evaluator, scene, some, names, matrices)[0]
+        if "vora" in names:
+            found[lost, names.index("vora")] = vora
+    for q, name in enumerate(names):
+        if not _is_fast(scene, batch, name):
+            _refuse_shares(OBJECTIVES[name], batch.more)
+            found[:, q] = _library_values(scene, batch.of(slice(None)), OBJECTIVES[name])
+    return found
+
+
+def _fast(
+    evaluator: Evaluator,
+    scene: DesignScene,
+    batch: _Batch,
+    names: tuple[str, ...],
+    matrices: Array | None = None,
+) -> tuple[Inexact[Array, "m q"], Inexact[Array, " m"], Float[Array, " m"]]:
+    """Values, share of full well, and smallest pivot; unset columns for those that are not fast."""
+    from chromanoise.design import kernels
+
+    columns = [name for name in names if _is_fast(scene, batch, name)]
+    wanted = np.array([name in columns for name in FAST])
+    rows = _rows(scene, frozenset(_GROUPS_OF[name] for name in columns) | {_matrix_group(scene)})
+    sensor, exposure = scene.point.sensor, scene.point.exposure
+    more, m, p, dtype = batch.more, batch.m, batch.p, batch.dtype
+    time_s = _each(more.time_s, exposure.time_s, m, dtype)
+    read_noise_e = _each(more.read_noise_e, sensor.pixel.read_noise_e, m, dtype)
+    noise = replace(noise_sources(sensor, exposure), read_noise_e=0.0, dark_e=0.0)
+    dark_e = sensor.pixel.dark_electrons_e(time_s=1.0) * time_s
+    well_e, range_e = sensor.pixel.full_well_e - dark_e, code_range_e(sensor)
+    full_e = np.where(well_e.real < range_e, well_e, range_e)
+    method, strength, weight = _method(scene, more)
+    spread = np.ones((m, p), dtype)
+    if more.pixel_share is not None:
+        spread = _own(1.0 / (p * more.pixel_share), dtype)
+    if method == kernels.GIVEN and matrices is None and names:
+        matrices = _matrices(scene, batch)
+    if matrices is not None:
+        method = kernels.GIVEN
+    out = np.full((m, len(kernels.COLUMNS)), np.nan, dtype)
+    used = np.zeros((m, 3, p), dtype) if matrices is None else _own(matrices, dtype)
+    table, gram = np.zeros((0, 0)), np.zeros((0, 0))
+    if batch.curves is not None:
+        n = len(batch.curves)
+        table = np.ascontiguousarray(batch.curves.T @ rows.rows_e[:, :n].T)
+        gram = np.ascontiguousarray((batch.curves.T * rows.squared[:n]) @ batch.curves)
+    arrays = scene_arrays(scene)
+    given = (
+        batch.qe,
+        batch.choices,
+        time_s / exposure.time_s,
+        noise.floor_e2() + read_noise_e**2 + dark_e,
+        _each(more.prnu, sensor.pixel.prnu, m, dtype),
+        full_e * _FULL,
+        _each(more.noise_weight, weight, m, dtype),
+        spread,
+        rows.rows_e,
+        rows.squared,
+        table,
+        gram,
+        rows.layout,
+        rows.pairs,
+        rows.training_xyz,
+        rows.truth,
+        method,
+        np.array([strength, arrays.white_y, sensor.pixel.black_error_e, scene.point.level_lux]),
+        wanted,
+        used,
+        out,
+    )
+    _run(evaluator.threads, -(-m // kernels.LANES), lambda a, b: kernels.evaluate(a, b, *given))
+    fullness = np.where(full_e.real > 0, out[:, -2] * _FULL, np.inf)
+    found = np.full((m, len(names)), np.nan, dtype)
+    for q, name in enumerate(names):
+        found[:, q] = _finished(OBJECTIVES[name], out, fullness)
+    return found, fullness, out[:, -1].real
+
+
+def _finished(objective: Objective, out: Array, fullness: Array) -> Inexact[Array, " m"]:
+    """A column in its own unit, with `Objective.undefined` in place of NaN."""
+    if not objective.fast:
+        return np.full(len(out), np.nan)
+    value = out[:, FAST.index(objective.name)]
+    if objective.name == "snr_y_db":
+        with np.errstate(divide="ignore", invalid="ignore"):
+            value = 10.0 * np.log10(value)
+    lost = np.isnan(value.real)
+    if not objective.of_saturated:
+        lost |= ~(fullness.real <= _FULL)
+    return np.where(lost, objective.undefined, value)
+
+
+def _run(threads: int | None, blocks: int, work: Callable[[int, int], Any]) -> None:
+    """Ranges of blocks, one per thread."""
+    many = max(1, min(threads or os.cpu_count() or 1, blocks // _FEWEST_BLOCKS))
+    if many == 1:
+        work(0, blocks)
+        return
+    ends = [blocks * i // many for i in range(many + 1)]
+    with ThreadPoolExecutor(many) as pool:
+        list(pool.map(work, ends[:-1], ends[1:]))
+
+
+def _each(values: Array | None, otherwise: float, m: int, dtype: np.dtype) -> Inexact[Array, " m"]:
+    if values is None:
+        return np.full(m, otherwise, dtype)
+    return _own(values, dtype)
+
+
+def _own(values: Array, dtype: Any) -> Array:
+    """Contiguous and writable, a copy where needed: kernels are compiled for such arrays only."""
+    return np.require(values, dtype, ["C", "W"])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Rows:
+    """The rows of a scene that some objectives need, and where each group begins."""
+
+    rows_e: Array
+    squared: Array
+    layout: Array
+    pairs: Array
+    training_xyz: Array
+    truth: Array
+
+
+_GROUPS_OF = {
+    "snr_y_db": "",
+    "noise_delta_e": "chart",
+    "total_delta_e": "chart",
+    "delta_e": "chart",
+    "ciede2000": "chart",
+    "vora": "orthonormal",
+    "least_separation": "paired",
+    "mean_separation": "paired",
+    "infrared_share": "infrared",
+    "snr10_lux": "",
+}
+
+
+@lru_cache(maxsize=64)
+def _rows(scene: DesignScene, groups: frozenset[str]) -> _Rows:
+    from chromanoise.design import kernels
+
+    arrays, n = scene_arrays(scene), scene.point.illuminant.grid.n
+    own_pairs = arrays.paired_e is not None
+    needed = groups | ({"chart"} if "paired" in groups and not own_pairs else set())
+    of_group: dict[str, Array | None] = {
+        "infrared": arrays.infrared_e[None],
+        "chart": arrays.chart_e,
+        "paired": arrays.paired_e,
+        "training": np.vstack([arrays.training_e, arrays.training_mean_e]),
+        "axes": arrays.axes.T * arrays.basis,
+        "orthonormal": arrays.orthonormal_axes.T * arrays.basis,
+    }
+    parts, layout, count = [arrays.white_e[None]], [], 1
+    for group in kernels.GROUPS:
+        rows = of_group[group]
+        if rows is None or group not in needed:
+            layout.append(-1)
+            continue
+        layout.append(count)
+        parts.append(rows)
+        count += len(rows)
+    padding = -n % kernels.TOGETHER
+    lab = arrays.chart_lab
+    return _Rows(
+        rows_e=_own(np.pad(np.vstack(parts), ((0, 0), (0, padding))), np.float64),
+        squared=np.pad(arrays.basis**2, (0, padding)),
+        layout=np.array([*layout, count]),
+        pairs=_own(arrays.pairs, np.int64),
+        training_xyz=_own(arrays.training_xyz, np.float64),
+        truth=_own(np.column_stack([lab, np.hypot(lab[:, 1], lab[:, 2])]), np.float64),
+    )
+
+
+def _matrix_group(scene: DesignScene) -> str:
+    word = scene.matrix.partition("=")[0].strip()
+    if word in (*_WEIGHTED, "ridge"):
+        return "training"
+    return "axes" if word == "kernel" else ""
+
+
+def _method(scene: DesignScene, more: Candidates) -> tuple[int, float, float]:
+    """Method of the kernels, strength of ridge, weight of the noise."""
+    from chromanoise.design import kernels
+
+    word, value = scene.matrix.partition("=")[0].strip(), dict(scene.maker.parameters)
+    if more.noise_weight is not None and word not in _WEIGHTED:
+        raise InputError(
+            f"matrix of scene {scene.name}".rstrip(),
+            f"must be one of {', '.join(_WEIGHTED)} where the weight of the noise is free",
+            value=scene.matrix,
+        )
+    if word == "ridge":
+        return kernels.RIDGE, value["strength"], 0.0
+    if word in _WEIGHTED:
+        return kernels.NOISE_WEIGHTED, 0.0, value.get("weight", float(word == "lmmse"))
+    return (kernels.KERNEL if word == "kernel" else kernels.GIVEN), 0.0, 0.0
+
+
+def _by_singular_values(
+    scene: DesignScene, batch: _Batch
+) -> tuple[Float[Array, "m 3 p"], Float[Array, " m"]]:
+    """Matrices and Vora values; NaN and -inf where a channel measures nothing."""
+    candidates, arrays = batch.of(slice(None)), scene_arrays(scene)
+    dark = ~candidates.qe.any(axis=1).all(axis=1)
+    qe = np.where(dark[:, None, None], np.eye(*candidates.qe.shape[1:]), candidates.qe)
+    dual, span = dual_and_orthonormal_bases(qe * arrays.basis[:, None])
+    overlap = np.swapaxes(span, 1, 2) @ arrays.orthonormal_axes
+    vora = np.where(dark, -np.inf, (overlap**2).sum(axis=(1, 2)) / 3)
+    if _matrix_group(scene) != "axes":
+        return _matrices(scene, batch), vora
+    gain = _each(candidates.time_s, scene.point.exposure.time_s, batch.m, batch.dtype)
+    matrices = arrays.axes.T @ dual / (gain / scene.point.exposure.time_s)[:, None, None]
+    return np.where(dark[:, None, None], np.nan, matrices), vora
+
+
+def _matrices(scene: DesignScene, batch: _Batch) -> Float[Array, "m 3 p"]:
+    """The matrices one by one; NaN where a channel measures nothing."""
+    candidates = batch.of(slice(None))
+    return np.array([_matrix(scene, candidates, i) for i in range(batch.m)])
+
+
+def _matrix(scene: DesignScene, candidates: Candidates, i: int) -> Float[Array, "3 p"]:
     point = _point(scene, candidates, i)
-    maker = scene.maker
+    sensor, p = point.sensor, len(point.sensor.names)
+    if not sensor.qe.any(axis=0).all():
+        return np.full((3, p), np.nan)
+    if candidates.noise_weight is None and candidates.pixel_share is None:
+        return scene.maker(point).matrix
+    word, parameters = scene.matrix.partition("=")[0].strip(), dict(scene.maker.parameters)
+    if word not in _WEIGHTED:
+        return scene.maker(point).matrix
+    weight = parameters.get("weight", float(word == "lmmse"))
+    if candidates.noise_weight is not None:
+        weight = float(candidates.noise_weight[i])
+    arrays, gain = scene_arrays(scene), point.exposure.time_s / scene.point.exposure.time_s
+    seen, mean_e, white_e = (
+        gain * (rows @ sensor.qe)
+        for rows in (arrays.training_e, arrays.training_mean_e, arrays.white_e)
+    )
+    noise = noise_sources(sensor, point.exposure)
+    variance = mean_e + noise.floor_e2() + noise.prnu**2 * (seen**2).sum(axis=0)
+    if candidates.pixel_share is not None:
+        variance = variance / (p * candidates.pixel_share[i])
+    return penalized_matrix(
+        f"{scene.matrix} for {sensor.name}",
+        seen,
+        arrays.training_xyz,
+        np.diag(weight * variance),
+        scale=np.where(white_e > 0, white_e, 1.0),
+    )
+
+
+def _library_values(
+    scene: DesignScene, candidates: Candidates, objective: Objective
+) -> Float[Array, " m"]:
+    """One objective by the library's function, candidate by candidate."""
+    return np.array(
+        [_library_value(scene, candidates, i, objective) for i in range(len(candidates))]
+    )
+
+
+def _library_value(
+    scene: DesignScene, candidates: Candidates, i: int, objective: Objective
+) -> float:
+    point, maker = _point(scene, candidates, i), scene.maker
+    if not point.sensor.qe.any(axis=0).all():
+        return objective.undefined
     if candidates.noise_weight is not None:
         name = f"noise-regularized={float(candidates.noise_weight[i])!r}"
         maker = matrix_makers([name], scene.metric, prior=scene.prior)[name]
-    return Candidate(point=point, matrix=maker(point), maker=maker)
+    return value_of(objective, Candidate(point=point, matrix=maker(point), maker=maker))
 
 
-def _point(scene: DesignScene, candidates: Candidates, i: int) -> Any:
+def _refuse_shares(objective: Objective, more: Candidates) -> None:
+    if more.pixel_share is not None and objective.of_noise:
+        raise InputError(
+            f"objective {objective.name}",
+            "cannot be combined with free pixel shares",
+            remedy="fix the shares, or take snr_y_db or noise_delta_e",
+        )
+
+
+def _point(scene: DesignScene, candidates: Candidates, i: int) -> OperatingPoint:
     given = {
-        name: None if (values := getattr(candidates, name)) is None else values[i]
+        name: None if (values := getattr(candidates, name)) is None else float(values[i])
         for name in ("time_s", "read_noise_e", "prnu")
     }
     return candidate_point(scene, candidates.qe[i], **given)
-
-
-def _share_of_full_well(point: Any) -> float:
-    return float(electrons_at(point).max() / signal_limit_e(point.sensor, point.exposure))

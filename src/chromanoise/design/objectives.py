@@ -49,9 +49,6 @@ FAST = (
 )
 """Objectives of a whole batch, in the order of the columns of the kernels."""
 
-ADAPTED = ("lmmse", "noise-regularized")
-"""Matrices that depend on the light level."""
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Candidate:
@@ -92,6 +89,8 @@ class Objective:
         Standard or paper.
     of_saturated
         Whether it is defined where a channel is saturated on a perfect white.
+    of_noise
+        Whether it depends on the noise.
     """
 
     name: str
@@ -101,6 +100,7 @@ class Objective:
     of: Callable[[Candidate], float | None]
     source: str
     of_saturated: bool = False
+    of_noise: bool = True
 
     @property
     def fast(self) -> bool:
@@ -282,6 +282,7 @@ _ENTRIES = (
         of=_smi,
         source="ISO 17321-1:2012",
         of_saturated=True,
+        of_noise=False,
     ),
     Objective(
         name="visual_noise",

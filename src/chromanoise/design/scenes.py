@@ -5,7 +5,6 @@ from functools import lru_cache
 
 import numpy as np
 
-from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._linalg import qr, svd, unit_columns
 from chromanoise._shapes import Float, Integer

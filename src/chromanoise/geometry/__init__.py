@@ -15,7 +15,12 @@ from chromanoise.geometry.ellipse import (
     plane_view,
     unit_circle,
 )
-from chromanoise.geometry.frame import Frame, dual_frame, reconstructed_light
+from chromanoise.geometry.frame import (
+    Frame,
+    dual_and_orthonormal_bases,
+    dual_frame,
+    reconstructed_light,
+)
 
 __all__ = [
     "Frame",
@@ -24,6 +29,7 @@ __all__ = [
     "angles_between_deg",
     "angles_to_axes_deg",
     "contravariant",
+    "dual_and_orthonormal_bases",
     "dual_frame",
     "ellipse_half_axes",
     "ellipse_outline",

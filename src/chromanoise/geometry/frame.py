@@ -86,22 +86,46 @@ def dual_frame(basis: Float[Array, "n p"], *, names: tuple[str, ...], metric: Me
                 found="is zero at all of them and spans nothing",
                 remedy="omit it",
             )
-    u, singular, vt = svd(f"channels {', '.join(names)}", directions, full_matrices=False)
-    kept = singular > RANK_TOLERANCE * singular[0]
-    inverse = np.where(kept, 1.0 / np.where(kept, singular, 1.0), 0.0)
-    dual = (u * inverse) @ vt / lengths
+    u, singular, vt, inverse = _inverted(f"channels {', '.join(names)}", directions)
     whitened = vt.T * inverse / lengths[:, None]
-    rank = int(kept.sum())
+    rank = int((inverse > 0).sum())
     full = rank == basis.shape[1]
     return Frame(
         basis=basis,
-        dual=dual,
+        dual=(u * inverse) @ vt / lengths,
         inverse_gram=whitened @ whitened.T,
         names=names,
         metric=metric,
         rank=rank,
         condition=float(singular[0] / singular[-1]) if full else float("inf"),
     )
+
+
+def dual_and_orthonormal_bases(
+    basis: Float[Array, "m n p"],
+) -> tuple[Float[Array, "m n p"], Float[Array, "m n p"]]:
+    """The dual bases of many sensors as `dual_frame`, and orthonormal bases of their spans.
+
+    Columns beyond the rank of an orthonormal basis are 0.
+
+    Parameters
+    ----------
+    basis
+        F of each sensor; no column is zero at every wavelength.
+    """
+    directions, lengths = unit_columns(basis)
+    u, _, vt, inverse = _inverted("channels of many sensors", directions)
+    dual = (u * inverse[:, None, :]) @ vt / lengths[:, None, :]
+    return dual, u * (inverse > 0)[:, None, :]
+
+
+def _inverted(
+    what: str, directions: Float[Array, "*m n p"]
+) -> tuple[Array, Array, Array, Float[Array, "*m p"]]:
+    """Singular values and vectors, and inverse singular values, 0 where they count as zero."""
+    u, singular, vt = svd(what, directions, full_matrices=False)
+    kept = singular > RANK_TOLERANCE * singular[..., :1]
+    return u, singular, vt, np.where(kept, 1.0 / np.where(kept, singular, 1.0), 0.0)
 
 
 def reconstructed_light(frame: Frame, mean_e: Float[Array, "*px p"]) -> Float[Array, "*px n"]:

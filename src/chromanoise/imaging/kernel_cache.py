@@ -2,7 +2,8 @@
 
 numba checks only whether the file of a kernel has changed (some versions by its date), not the
 files of the functions that the kernel calls. The name of the folder is a hash of all sources of
-this package and of numba's version, so that no outdated kernel is used after a change of either.
+the kernel's package and of numba's version, so that no outdated kernel is used after a change of
+either. A kernel therefore calls only kernels of its own package.
 """
 
 import hashlib
@@ -22,7 +23,6 @@ from numba import config, njit
 from numba.core import event
 from numba.misc.appdirs import AppDirs
 
-SOURCES = Path(__file__).parent
 _UNUSED_S = 30 * 24 * 3600.0
 
 
@@ -36,7 +36,8 @@ def kernel(**options: Any) -> Callable[[Callable[..., Any]], Any]:
     """
 
     def compiled(function: Callable[..., Any]) -> Any:
-        folder, before = kernel_folder(), config.CACHE_DIR
+        sources = Path(function.__code__.co_filename).parent
+        folder, before = kernel_folder(sources), config.CACHE_DIR
         config.CACHE_DIR = "" if folder is None else str(folder)
         try:
             return njit(cache=folder is not None, nogil=True, **options)(function)
@@ -47,28 +48,33 @@ def kernel(**options: Any) -> Callable[[Callable[..., Any]], Any]:
 
 
 @cache
-def kernel_folder() -> Path | None:
+def kernel_folder(package: Path) -> Path | None:
     """The folder for kernels; ``None`` if none can be written, or the sources cannot be read.
 
     It is in the first of these places that can be written: ``NUMBA_CACHE_DIR``, ``__pycache__`` of
     the installation, the user's cache, or a temporary folder that only this user can write. No file
     is removed here; `_RemovalOnCompilation` does that.
+
+    Parameters
+    ----------
+    package
+        The folder of the sources of the kernels.
     """
-    sources = sorted(SOURCES.glob("*.py"))
+    sources = sorted(package.glob("*.py"))
     if not sources:
         return None
     digest = hashlib.sha256(numba.__version__.encode())
     for source in sources:
         content = source.read_bytes()
         digest.update(f"\n{source.name} {len(content)}\n".encode() + content)
-    ours = f"kernels-{hashlib.sha256(os.fsencode(SOURCES)).hexdigest()[:8]}-"
-    for place in _places():
+    ours = f"kernels-{hashlib.sha256(os.fsencode(package)).hexdigest()[:8]}-"
+    for place in _places(package):
         folder = place / f"{ours}{digest.hexdigest()[:16]}"
         with suppress(OSError):
             folder.mkdir(parents=True, exist_ok=True)
             tempfile.TemporaryFile(dir=folder).close()
             os.utime(folder)
-            event.register("numba:compile", _RemovalOnCompilation(place, f"{ours}*"))
+            event.register("numba:compile", _RemovalOnCompilation(place, f"{ours}*", package))
             return folder
     return None
 
@@ -79,8 +85,8 @@ class _RemovalOnCompilation(event.Listener):  # type: ignore[misc]
     Only folders that were not used for 30 days: until then another process may use them.
     """
 
-    def __init__(self, place: Path, pattern: str) -> None:
-        self._place, self._pattern = place, pattern
+    def __init__(self, place: Path, pattern: str, package: Path) -> None:
+        self._place, self._pattern, self._package = place, pattern, package
         self._is_done = False
 
     def on_start(self, event: Any) -> None:
@@ -88,8 +94,8 @@ class _RemovalOnCompilation(event.Listener):  # type: ignore[misc]
 
     def on_end(self, event: Any) -> None:
         """The removal, if a kernel of this package was compiled."""
-        module = event.data["dispatcher"].py_func.__module__
-        if self._is_done or module.rpartition(".")[0] != __name__.rpartition(".")[0]:
+        source = event.data["dispatcher"].py_func.__code__.co_filename
+        if self._is_done or Path(source).parent != self._package:
             return
         self._is_done = True
         for folder in self._place.glob(self._pattern):
@@ -98,10 +104,10 @@ class _RemovalOnCompilation(event.Listener):  # type: ignore[misc]
                     shutil.rmtree(folder, ignore_errors=True)
 
 
-def _places() -> Iterator[Path]:
+def _places(package: Path) -> Iterator[Path]:
     if config.CACHE_DIR:
         yield Path(config.CACHE_DIR) / "chromanoise"
-    yield SOURCES / "__pycache__"
+    yield package / "__pycache__"
     yield Path(AppDirs(appname="chromanoise", appauthor=False).user_cache_dir)
     if hasattr(os, "getuid"):
         shared = Path(tempfile.gettempdir()) / f"chromanoise-{os.getuid()}"
