@@ -2,10 +2,8 @@
 
 from dataclasses import dataclass
 
-from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._shapes import Inexact
-from chromanoise.errors import InputError
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -31,11 +29,6 @@ class Candidates:
         Read noise of each; ``None`` for that of the pixel. [e-]
     prnu
         PRNU of each; ``None`` for that of the pixel. [1]
-
-    Raises
-    ------
-    InputError
-        If the shapes do not match.
     """
 
     qe: Inexact[Array, "m n p"]
@@ -44,25 +37,6 @@ class Candidates:
     noise_weight: Inexact[Array, " m"] | None = None
     read_noise_e: Inexact[Array, " m"] | None = None
     prnu: Inexact[Array, " m"] | None = None
-
-    def __post_init__(self) -> None:
-        if self.qe.ndim != 3:
-            raise InputError(
-                "QE of candidates",
-                "must be (candidates, wavelengths, channels)",
-                value=self.qe.shape,
-                found=f"has shape {self.qe.shape}",
-            )
-        given = {
-            name: len(values)
-            for name in ("qe", "time_s", "pixel_share", "noise_weight", "read_noise_e", "prnu")
-            if (values := getattr(self, name)) is not None
-        }
-        _check.same_length("candidates", **given)
-        if self.pixel_share is not None:
-            _check.same_length(
-                "channels", qe=self.qe.shape[2], pixel_share=self.pixel_share.shape[1]
-            )
 
     def __len__(self) -> int:
         return len(self.qe)

@@ -42,7 +42,7 @@ LIBRARY_MODEL = "dye"
 Structure = Literal["mosaic", "layers", "router"]
 PixelShares = Literal["equal", "free"] | tuple[float, ...]
 
-_BLOCK = 128  # candidates whose curves fit into a processor's cache
+_BLOCK = 1024  # candidates: large enough that calls cost little, small enough for a cache
 _PROBES = 64  # random candidates in the check for a channel without QE
 _LEAST_QE = 1e-9
 _ROUNDING = 1e-9
@@ -107,7 +107,7 @@ class DesignSpace:
         wavelengths.
     structure
         ``mosaic``: each channel has its own pixels. ``layers``: channels are stacked in silicon.
-        ``router``: all light of a tile is sorted to its pixels. The last two make `stacked` sensors.
+        ``router``: all light of a tile is sorted to its pixels. The last two are `stacked`.
     ir_cut
         A filter in front of all channels, with numbers ``ir_cut.cutoff_nm`` and so on.
     silicon
@@ -179,6 +179,7 @@ class DesignSpace:
     prnu: Value | None = None
     parameters: tuple[Parameter, ...] = field(init=False)
     _numbers: Mapping[str, float | int] = field(init=False, repr=False)
+    _curves: Mapping[str, Float[Array, "k n"]] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         self._refuse_structure()
@@ -200,6 +201,7 @@ class DesignSpace:
         parameters, numbers_of = _resolved(given, choices)
         object.__setattr__(self, "parameters", parameters)
         object.__setattr__(self, "_numbers", MappingProxyType(numbers_of))
+        object.__setattr__(self, "_curves", MappingProxyType(dict(self._library_curves())))
         self._refuse_dark_channels()
 
     # what the design consists of
@@ -250,6 +252,15 @@ class DesignSpace:
     def _needs_silicon(self) -> bool:
         """Whether a channel has the QE of one diode of silicon."""
         return self.structure != "layers" and any(one.base is None for one in self.channels)
+
+    def _library_curves(self) -> Iterator[tuple[str, Float[Array, "k n"]]]:
+        """Place and curves of each dye, of its thickness where that is fixed."""
+        for place, one in self._filters():
+            if one.model == LIBRARY_MODEL:
+                curves = np.stack([self.library[name] for name in one.curves])
+                thickness = self._numbers[f"{place}.thickness"]
+                is_free = isinstance(thickness, int)
+                yield place, curves if is_free else beer_lambert(curves, thickness)
 
     # candidates
 
@@ -313,10 +324,10 @@ class DesignSpace:
             bare = self._bare(values, front)
         shares = self._routed(values) if self.structure == "router" else None
         for i, channel in enumerate(self.channels):
-            own = bare[i]
+            own = qe[:, i]
+            own[...] = bare[i] if shares is None else bare[i] * shares[..., i]
             for place, one in _filters_of(channel):
-                own = own * self._transmittance(place, one, values)
-            qe[:, i] = own if shares is None else own * shares[..., i]
+                own *= self._transmittance(place, one, values)
         if self.crosstalk is not None:
             share = np.asarray(self._number("crosstalk.share", values))[..., None, None]
             mixed = qe + share * (self._neighbors(values) @ qe - qe)
@@ -350,9 +361,12 @@ class DesignSpace:
         self, place: str, one: Filter, values: Inexact[Array, "m d"]
     ) -> Inexact[Array, "*m n"]:
         if one.model == LIBRARY_MODEL:
-            curves = np.stack([self.library[name] for name in one.curves])
-            chosen = np.rint(np.real(self._number(f"{place}.curve", values))).astype(int)
-            return beer_lambert(curves[chosen], self._number(f"{place}.thickness", values))
+            index = np.asarray(self._number(f"{place}.curve", values))
+            curves = self._curves[place][np.rint(index.real).astype(int)]
+            thickness = self._numbers[f"{place}.thickness"]
+            if isinstance(thickness, int):
+                return beer_lambert(curves, values[:, thickness])
+            return curves
         known = _known_numbers(place, one)
         numbers = {name: self._number(f"{place}.{name}", values) for name in known}
         return FILTER_MODELS[one.model].of(self.grid, numbers)
@@ -416,6 +430,9 @@ class DesignSpace:
         if name not in self._numbers:
             return None
         return np.broadcast_to(self._number(name, values), (len(values),))
+
+    def _first(self, name: str, values: Float[Array, "m d"]) -> float:
+        return float(np.asarray(self._number(name, values)).flat[0])
 
     def _checked(self, values: Inexact[Array, "m d"]) -> Inexact[Array, "m d"]:
         if values.shape[1] != len(self.parameters):
@@ -491,7 +508,7 @@ class DesignSpace:
         """The crosstalk in the curves, where it can be told by whole numbers of pixels."""
         if self.crosstalk is None:
             return None
-        share = float(np.real(self._number("crosstalk.share", row)).ravel()[0])
+        share = self._first("crosstalk.share", row)
         if self.mosaic is not None:
             return crosstalk_of_share(share, self.mosaic, self.names)
         if shares is not None:
@@ -503,25 +520,21 @@ class DesignSpace:
     def _notes(
         self, row: Float[Array, "1 d"], shares: Float[Array, "1 p"] | None
     ) -> tuple[str, ...]:
-        models = {place: one for place, one in self._filters()}
+        models = dict(self._filters())
         told: dict[str, list[str]] = {}
         for name in self._numbers:
             place, _, number = name.rpartition(".")
-            value = float(np.real(self._number(name, row)).ravel()[0])
+            value = self._first(name, row)
             shown = f"{number} {value:.6g}"
             if number == "curve":
                 shown = models[place].curves[round(value)]
             told.setdefault(place, []).append(shown)
-        parts = [
-            ", ".join(
-                [f"{place}: {models[place].model}" if place in models else f"{place}:", *all_]
-            )
-            for place, all_ in told.items()
-        ]
+        kinds = {place: f"{one.model} " for place, one in models.items()}
+        parts = [f"{place}: {kinds.get(place, '')}{', '.join(of)}" for place, of in told.items()]
         notes = [f"designed from models of filters and silicon, not a device; {'; '.join(parts)}"]
         if any(channel.base is not None for channel in self.channels):
             own = [f"{one.name} has {one.base}" for one in self.channels if one.base is not None]
-            notes.append(f"QE of {self.base.name}: {', '.join(own)}")
+            notes += (f"QE of {self.base.name}: {', '.join(own)}", *self.base.notes)
         if shares is not None:
             of = [f"{name} {share:.4g}" for name, share in zip(self.names, shares[0], strict=True)]
             notes.append(f"shares of the pixels: {', '.join(of)}")
@@ -556,6 +569,10 @@ class DesignSpace:
         for name, curve in self.library.items():
             _check.fraction(f"transmittance of {name}", "1", curve)
             _check.same_length("wavelengths", grid=self.grid.n, **{name: len(curve)})
+        if self.crosstalk is not None and self.base.crosstalk is not None:
+            raise InputError(
+                "crosstalk", "must be given once", found=f"the base {self.base.name} has it"
+            )
         self._refuse_shares()
 
     def _refuse_shares(self) -> None:

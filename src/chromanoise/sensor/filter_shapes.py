@@ -5,6 +5,7 @@ analytic functions of their numbers, so that complex numbers give exact derivati
 step. Each transmittance is a mean or a product of values within 0 to 1, with weights within 0 to 1.
 """
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -59,8 +60,12 @@ def gaussian_filter(
     """
     center = per_candidate("center_nm", "nm", center_nm)
     width = per_candidate("width_nm", "nm", width_nm, least=LEAST_LENGTH_NM)
-    away = (grid.wavelength_nm - center) / width
-    return _leaking(grid, np.exp(-0.5 * away * away), peak, floor, infrared_leak, leak_nm)
+    shape = np.subtract(grid.wavelength_nm, center, dtype=np.result_type(center, width))
+    shape *= math.sqrt(0.5) / width
+    np.square(shape, out=shape)
+    np.negative(shape, out=shape)
+    np.exp(shape, out=shape)
+    return _leaking(grid, shape, peak, floor, infrared_leak, leak_nm)
 
 
 def raised_cosine_filter(
@@ -293,7 +298,9 @@ def _leaking(
 ) -> Inexact[Array, "*m n"]:
     """A passband of a shape within 0 to 1, between floor and peak, with its infrared leak."""
     bottom = per_candidate("floor", "1", floor, most=1.0)
-    band = bottom + (per_candidate("peak", "1", peak, most=1.0) - bottom) * shape
+    band = (per_candidate("peak", "1", peak, most=1.0) - bottom) * shape
+    if bottom.any():
+        band = band + bottom
     leak = per_candidate("infrared_leak", "1", infrared_leak, most=1.0)
     if not leak.any():
         return band

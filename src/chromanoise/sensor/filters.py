@@ -23,6 +23,7 @@ LEAST_LENGTH_UM = 1e-6
 LEAST_LENGTH_NM = 1e-3
 """Shortest wavelength or width of a model: no number is divided by 0. [nm]"""
 _CM_PER_UM = 1e-4
+_LARGEST = float(np.finfo(np.float64).max)
 _MODEL = r"ircut-([\d.]+)(?:/([\d.]+))?"
 
 
@@ -52,11 +53,12 @@ def per_candidate(
     numbers = np.asarray(value)
     if numbers.dtype.kind not in "fc":
         numbers = numbers.astype(np.float64)
-    bad = ~(np.isfinite(numbers.real) & (numbers.real >= least) & (numbers.real <= most))
-    if bad.any():
-        limits = possible(least, most)
+    real = numbers.real
+    good = (real >= max(least, -_LARGEST)) & (real <= min(most, _LARGEST))  # False for a NaN
+    if not good.all():
         unit = "" if unit == "1" else f" [{unit}]"
-        raise InputError(name, f"must be {limits}{unit}", value=float(numbers.real[bad].flat[0]))
+        first = float(real[~good].flat[0])
+        raise InputError(name, f"must be {possible(least, most)}{unit}", value=first)
     return numbers[..., None]
 
 
@@ -305,4 +307,10 @@ def _number(text: str, name: str) -> float:
 
 def logistic(at: Float[Array, " n"], middle: Number, scale: Number) -> Inexact[Array, "*m n"]:
     """The logistic edge 1 / (1 + exp(-(at - middle) / scale)), in a form that cannot overflow."""
-    return 0.5 * (1.0 + np.tanh(0.5 * (at - middle) / scale))
+    edge = np.subtract(at, middle, dtype=np.result_type(at, middle, scale))
+    edge *= 0.5
+    edge /= scale
+    np.tanh(edge, out=edge)
+    edge += 1.0
+    edge *= 0.5
+    return edge
