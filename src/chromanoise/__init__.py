@@ -18,6 +18,7 @@ above it (``pyproject.toml`` lists them in reverse order).
 ``catalog``    built-in sensors, filters, illuminants; the user's own folder
 ``analysis``   one operating point at every stage; budgets, sweeps, comparison
 ``study``      a study: document, errors, run, records
+``design``     search over filters, exposure and matrix for the best sensors
 ``paper``      the paper's study, Tables 2-5 and figures, computed with the public API
 ``charts``     results as chart records: marks, axes, table rows
 ``figures``    chart records drawn on matplotlib Axes

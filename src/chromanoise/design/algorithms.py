@@ -7,7 +7,8 @@ continues with the same digits.
 
 import math
 import warnings
-from typing import Any, Protocol
+from importlib import util
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -21,9 +22,11 @@ State = dict[str, Array]
 
 _FIRST_STEP = 0.25  # of CMA-ES, as a share of the range of each parameter
 _DITHER = (0.5, 1.0)  # weight of a difference in differential evolution
+_CONVERGED = 1e-9  # spread of a population, as a share of the range of each parameter
 _RECOMBINATION = 0.7  # share of the parameters that a trial takes from the mutant
 
 
+@runtime_checkable
 class Algorithm(Protocol):
     """What `chromanoise.design.search` needs of a method.
 
@@ -56,9 +59,7 @@ def generation_rng(seed: int, generation: int) -> np.random.Generator:
     return stream(seed, generation)
 
 
-def latin_hypercube(
-    problem: Problem, count: int, rng: np.random.Generator
-) -> Float[Array, "m d"]:
+def latin_hypercube(problem: Problem, count: int, rng: np.random.Generator) -> Float[Array, "m d"]:
     """Candidates of which each of ``count`` equal parts of a parameter's range has exactly one."""
     cells = rng.permuted(np.tile(np.arange(count)[:, None], (1, len(problem.names))), axis=0)
     share = (cells + rng.random(cells.shape)) / count
@@ -202,7 +203,8 @@ class DifferentialEvolution:
     """Differential evolution, best/1/bin with dither, for one objective.
 
     A mutant outside the bounds takes a uniform value there. A trial replaces its parent if its sum
-    of violations is lower, or if both are 0 and its cost is not higher.
+    of violations is lower, or if the sums are equal and its cost is not higher. A population that
+    has converged is replaced by a Latin hypercube.
 
     Notes
     -----
@@ -218,6 +220,9 @@ class DifferentialEvolution:
         """As `Algorithm.ask`."""
         values, problem = self._kept["values"], self._problem
         size, count = values.shape
+        if (np.ptp(values, axis=0) <= _CONVERGED * (problem.high - problem.low)).all():
+            self._kept = {}
+            return latin_hypercube(problem, size, rng)
         best = np.lexsort((self._kept["costs"][:, 0], self._kept["misses"]))[0]
         one = rng.integers(1, size, size)  # offsets to two other candidates that differ
         other = rng.integers(1, size - 1, size)
@@ -277,6 +282,7 @@ class CovarianceMatrixAdaptation:
 
     def __init__(self, problem: Problem, population: int, seed: int) -> None:
         self._problem, self._size, self._seed = problem, population, seed
+        self._rng = generation_rng(seed, 0)
         self._strategy: Any = None
         self._origin = np.empty(0)
         self._asked: Any = None
@@ -284,13 +290,10 @@ class CovarianceMatrixAdaptation:
 
     def ask(self, rng: np.random.Generator) -> Float[Array, "m d"]:
         """As `Algorithm.ask`."""
-        count = len(self._problem.names)
+        self._rng, count = rng, len(self._problem.names)
         if self._strategy is None or self._strategy.stop():
             origin = rng.random(count) if self._strategy is not None else self._origin
             self._strategy = self._started(origin)
-        self._strategy.opts["randn"] = self._strategy.randn = lambda *shape: rng.standard_normal(
-            shape
-        )
         self._asked = self._strategy.ask()
         share = np.clip(self._asked, 0.0, 1.0)
         return self._problem.allowed(
@@ -338,6 +341,7 @@ class CovarianceMatrixAdaptation:
             {
                 "bounds": [0.0, 1.0],
                 "popsize": self._size,
+                "randn": lambda *shape: self._rng.standard_normal(shape),
                 "seed": np.nan,  # numpy's global generator stays as it is
                 "verbose": -9,
                 "verb_log": 0,
@@ -348,6 +352,7 @@ class CovarianceMatrixAdaptation:
 
 METHODS = ("nsga2", "nsga3", "de", "cma-es")
 _OF_ONE = ("de", "cma-es")
+_PACKAGES = {"nsga2": "pymoo", "nsga3": "pymoo", "cma-es": "cma"}
 
 
 def algorithm_of(problem: Problem, method: str, population: int, seed: int) -> Algorithm:
@@ -356,8 +361,21 @@ def algorithm_of(problem: Problem, method: str, population: int, seed: int) -> A
     Raises
     ------
     InputError
-        If the method takes one objective and the problem has several, or CMA-ES one parameter.
+        If its package is not installed, it takes one objective and the problem has several, or the
+        problem has one parameter and the method is CMA-ES.
     """
+    package = _PACKAGES.get(method)
+    if package and util.find_spec(package) is None:
+        raise InputError(
+            "method",
+            f"needs the package {package}, which is not installed",
+            value=method,
+            found=None,
+            remedy=(
+                "install it with pip install 'chromanoise[design]'",
+                "use de for one objective",
+            ),
+        )
     count = len(problem.objectives)
     if method in _OF_ONE and count > 1:
         raise InputError(

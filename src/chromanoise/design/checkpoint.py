@@ -16,7 +16,7 @@ import numpy as np
 from chromanoise._check import Array
 from chromanoise._files import write_whole
 from chromanoise._inputs import regular_file
-from chromanoise.design.archive import Archive, empty_archive
+from chromanoise.design.archive import Archive
 from chromanoise.errors import InputError
 
 _FORM = 1
@@ -93,7 +93,7 @@ def read_checkpoint(path: Path, search: Mapping[str, Any], empty: Archive) -> Ch
     """
     regular_file(path)
     try:
-        with np.load(path, allow_pickle=False) as stored:
+        with path.open("rb") as file, np.load(file, allow_pickle=False) as stored:
             text = json.loads(str(stored["checkpoint"]))
             arrays = {name: stored[name] for name in stored.files if name != "checkpoint"}
         if text["form"] != _FORM:
@@ -144,6 +144,3 @@ def _difference(name: str, theirs: Any, own: Any) -> str:
     if name == "identity" or not isinstance(own, int | str):
         return f"its {name} differ"
     return f"its {name} is {theirs}, not {own}"
-
-
-__all__ = ["Checkpoint", "empty_archive", "read_checkpoint", "write_checkpoint"]

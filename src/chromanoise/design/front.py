@@ -51,7 +51,7 @@ def merged(
         below &= one <= other
         above &= one >= other
     fresh[np.flatnonzero(fresh)[below.any(axis=0)]] = False
-    return ~(above & ~below).any(axis=1), fresh
+    return np.all(below | ~above, axis=1), fresh
 
 
 def crowding(costs: Float[Array, "m q"]) -> Float[Array, " m"]:
@@ -202,7 +202,7 @@ def front_of(
         extreme_of = tuple(
             name for name, one in zip(problem.objectives, best, strict=True) if one == index
         )
-        name = _name(extreme_of, index == middle, f"member-{number:0{digits}}")
+        name = _name(extreme_of, bool(index == middle), f"member-{number:0{digits}}")
         members.append(
             Member(
                 name=name,
@@ -216,9 +216,7 @@ def front_of(
                 ),
             )
         )
-    return Front(
-        objectives=problem.objectives, better=problem.better, members=tuple(members)
-    )
+    return Front(objectives=problem.objectives, better=problem.better, members=tuple(members))
 
 
 def _name(extreme_of: Sequence[str], is_knee: bool, otherwise: str) -> str:

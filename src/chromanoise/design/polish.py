@@ -1,5 +1,7 @@
 """Improvement of the members of a front by exact gradients; no member becomes worse."""
 
+from contextlib import suppress
+from typing import Any
 
 import numpy as np
 
@@ -73,7 +75,7 @@ class _Descent:
         self._free = ~problem.whole
         self._range = (problem.high - problem.low)[self._free]
         self._best = (0.0, values)  # scaled sum relative to the start, and where
-        self._last: tuple[bytes, tuple[Array, ...]] = (b"", ())
+        self._last: tuple[bytes, tuple[Any, ...]] = (b"", ())
 
     def end(self) -> Float[Array, " d"]:
         """The best feasible iterate, or the start."""
@@ -87,7 +89,7 @@ class _Descent:
             "fun": lambda share: -self._at(share)[2] - _MARGIN,
             "jac": lambda share: -self._at(share)[3],
         }
-        try:
+        with suppress(_UndefinedError):
             minimize(
                 lambda share: self._at(share)[0],
                 start,
@@ -97,18 +99,16 @@ class _Descent:
                 constraints=[slack] if len(self._at(start)[2]) else [],
                 options={"maxiter": _ITERATIONS, "ftol": _PRECISION},
             )
-        except _UndefinedError:
-            pass
         return self._best[1]
 
-    def _at(self, share: Float[Array, " f"]) -> tuple[Array, ...]:
+    def _at(self, share: Float[Array, " f"]) -> tuple[Any, ...]:
         """Scaled cost and limits with their derivatives; SLSQP asks for each of them apart."""
         key = share.tobytes()
         if self._last[0] != key:
             self._last = key, self._linearized(np.clip(share, 0.0, 1.0))
         return self._last[1]
 
-    def _linearized(self, share: Float[Array, " f"]) -> tuple[Array, ...]:
+    def _linearized(self, share: Float[Array, " f"]) -> tuple[Any, ...]:
         values = self._start.copy()
         low = self._problem.low[self._free]
         values[self._free] = low + share * self._range

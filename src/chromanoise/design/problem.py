@@ -104,9 +104,7 @@ class Problem:
         _check.same_length(
             "parameters", names=len(self.names), low=self.low.size, high=self.high.size
         )
-        _check.same_length(
-            "objectives", objectives=len(self.objectives), better=len(self.better)
-        )
+        _check.same_length("objectives", objectives=len(self.objectives), better=len(self.better))
         for name, low, high in zip(self.names, self.low, self.high, strict=True):
             if not low < high:
                 raise InputError(

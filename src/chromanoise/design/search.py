@@ -18,7 +18,7 @@ from chromanoise.design.algorithms import (
     generation_rng,
     latin_hypercube,
 )
-from chromanoise.design.archive import Archive, empty_archive, misses_of
+from chromanoise.design.archive import empty_archive, misses_of
 from chromanoise.design.checkpoint import Checkpoint, read_checkpoint, write_checkpoint
 from chromanoise.design.polish import polished
 from chromanoise.design.problem import Problem, checked_evaluation
@@ -227,7 +227,7 @@ def search(
 
 def _first_generation(
     problem: Problem, settings: SearchSettings, start: Float[Array, "m d"] | None
-) -> Float[Array, "m d"]:
+) -> Float[Array, "n d"]:
     given = np.empty((0, len(problem.names))) if start is None else np.asarray(start, dtype=float)
     if given.ndim != 2 or given.shape[1] != len(problem.names):
         raise InputError(
@@ -268,7 +268,9 @@ def _common(problem: Problem, settings: SearchSettings, first: Array) -> dict[st
         "parameters": list(problem.names),
         "bounds": [problem.low.tolist(), problem.high.tolist()],
         "integer parameters": list(problem.integer),
-        "objectives": [f"{side} {o}" for o, side in zip(problem.objectives, problem.better)],
+        "objectives": [
+            f"{side} {o}" for o, side in zip(problem.objectives, problem.better, strict=True)
+        ],
         "constraints": list(problem.constraints),
         "identity": problem.identity,
         "first generation": first.tolist(),
@@ -349,6 +351,3 @@ def _refuse_infeasible(problem: Problem, now: Checkpoint) -> None:
         found=found,
         remedy=("relax a constraint", "widen the bounds", Setting("budget")),
     )
-
-
-__all__ = ["Archive", "Progress", "SearchResult", "SearchSettings", "search"]

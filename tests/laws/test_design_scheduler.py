@@ -1,0 +1,104 @@
+"""A search on a cluster gives the bits of one process, also when a worker is killed."""
+
+import logging
+import os
+import signal
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import design_problems
+from chromanoise.design.problem import Evaluated
+from chromanoise.design.scheduler import scheduler_at
+from chromanoise.design.search import SearchSettings, search
+from design_problems import bnh
+from outcomes import refused_input
+
+SETTINGS = SearchSettings(budget=300, population=50)
+
+
+@pytest.fixture(scope="module")
+def address():
+    """Two processes of this machine, found by their address as a cluster elsewhere would be."""
+    distributed = pytest.importorskip("distributed", reason="dask is an extra")
+    with distributed.LocalCluster(
+        n_workers=2,
+        threads_per_worker=1,
+        processes=True,
+        dashboard_address="127.0.0.1:0",
+        silence_logs=logging.CRITICAL,
+    ) as processes:
+        yield processes.scheduler_address
+
+
+def sent(problem):
+    """The problem with functions that a worker without this folder can decode."""
+    cloudpickle = pytest.importorskip("cloudpickle", reason="dask is an extra")
+    cloudpickle.register_pickle_by_value(design_problems)
+    return problem
+
+
+def arrays_of(result):
+    return result.values, result.objectives, result.violation
+
+
+def same(one, other):
+    return all(map(np.array_equal, arrays_of(one), arrays_of(other)))
+
+
+def test_a_cluster_gives_the_front_of_one_process_whatever_the_chunks(address):
+    here = search(bnh(), SETTINGS)
+    with scheduler_at(address) as two:
+        assert two.threads == 2
+        for threads in (1, 2, 7, 60):
+            there = search(sent(bnh()), SETTINGS, evaluate_on=replace(two, threads=threads))
+            assert same(there, here)
+
+
+def test_a_worker_that_is_killed_changes_no_bit(address):
+    from dask.distributed import Client
+
+    with Client(address) as client:
+        workers = list(client.run(os.getpid).values())
+    assert len(workers) == 2
+
+    def kill_one(_):
+        if workers:
+            os.kill(workers.pop(), signal.SIGKILL)
+            workers.clear()
+
+    here = search(bnh(), SETTINGS)
+    with scheduler_at(address) as two:
+        there = search(sent(bnh()), SETTINGS, evaluate_on=two, progress=kill_one)
+    assert workers == []
+    assert same(there, here)
+
+
+def test_a_nan_from_a_worker_is_the_same_sentence(address):
+    def spoiled(values):
+        return Evaluated(
+            objectives=np.where(values[:, :1] > 4, np.nan, values), violation=values - 9.0
+        )
+
+    problem, found = replace(bnh(), evaluate=spoiled), []
+    with scheduler_at(address) as two:
+        for place in (None, two):
+            with refused_input(subject="the objective f1") as refused:
+                search(problem, SETTINGS, evaluate_on=place)
+            found.append(str(refused.value))
+    assert found[0] == found[1]
+
+
+def test_lost_workers_are_one_sentence_that_names_the_population():
+    dask = pytest.importorskip("dask", reason="dask is an extra")
+
+    def ended(values):
+        os._exit(1)
+
+    with (
+        dask.config.set({"distributed.scheduler.allowed-failures": 0}),
+        refused_input(setting="population", requirement="KilledWorker"),
+        scheduler_at("local", workers=1) as one,
+    ):
+        search(replace(bnh(), evaluate=ended), SETTINGS, evaluate_on=one)

@@ -1,0 +1,448 @@
+"""A search finds known fronts and optima, and a stopped one continues with the same digits."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import scipy.optimize
+
+import chromanoise.design.search as searching
+from chromanoise.design import algorithms
+from chromanoise.design.algorithms import METHODS
+from chromanoise.design.front import non_dominated
+from chromanoise.design.problem import Evaluated, Problem
+from chromanoise.design.search import SearchSettings, search
+from design_problems import bnh, bowl, dtlz2, half_plane, problem_of, rosenbrock, zdt1
+from outcomes import refused_input
+
+FIELDS = "values", "objectives", "violation"
+OF_ONE = "de", "cma-es"
+
+
+def found(problem, method="nsga2", budget=3000, population=40, **options):
+    names = {"seed", "polish"} & set(options)
+    settings = {name: options.pop(name) for name in names}
+    return search(
+        problem,
+        SearchSettings(method=method, budget=budget, population=population, **settings),
+        **options,
+    )
+
+
+def same(one, other):
+    return all(np.array_equal(getattr(one, name), getattr(other, name)) for name in FIELDS)
+
+
+@pytest.mark.parametrize(("method", "distance"), [("nsga2", 0.02), ("nsga3", 0.05)])
+def test_the_front_of_zdt1_is_one_minus_the_root(method, distance):
+    result = found(zdt1(), method, 8000, 100)
+    first, second = result.objectives.T
+    assert result.evaluations == 8000
+    assert np.abs(second - (1 - np.sqrt(first))).max() < distance
+    assert first.min() < 1e-3
+    assert first.max() > 0.99
+    assert np.diff(np.sort(first)).max() < 0.02
+
+
+def test_the_front_of_dtlz2_is_the_unit_sphere():
+    result = found(dtlz2(), "nsga3", 6000, 91)
+    assert np.abs(np.linalg.norm(result.objectives, axis=1) - 1).max() < 0.06
+    assert len(result.values) > 91
+
+
+def test_the_front_of_binh_and_korn_is_a_line_and_the_upper_bound():
+    result = found(bnh(), budget=6000, population=100)
+    a, b = result.values.T
+    assert (result.violation <= 0).all()
+    assert np.abs(np.where(a < 3, a - b, 3 - b)).max() < 0.4
+    assert a.min() < 0.05
+    assert a.max() > 4.95
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_every_method_finds_the_bottom_of_a_bowl_that_a_brute_force_grid_finds(method):
+    problem = bowl()
+    axis = np.linspace(-1, 1, 201)
+    grid = np.stack(np.meshgrid(axis, axis), axis=-1).reshape(-1, 2)
+    values = problem.evaluate(grid).objectives[:, 0]
+    result = found(problem, method)
+    assert result.values.shape == (1, 2)
+    assert result.objectives[0, 0] <= values.min() + 1e-4
+    assert result.values[0] == pytest.approx(grid[values.argmin()], abs=0.01)
+
+
+@pytest.mark.parametrize("method", OF_ONE)
+def test_the_valley_of_rosenbrock_ends_at_one(method):
+    result = found(rosenbrock(), method, 6000, 20)
+    assert result.values[0] == pytest.approx([1, 1], abs=1e-5)
+
+
+def test_differential_evolution_agrees_with_that_of_scipy():
+    problem = problem_of(
+        lambda a, b, c: (
+            [30 + sum(x**2 - 10 * np.cos(2 * np.pi * x) for x in (a - 0.3, b, c))],
+            [],
+        ),
+        [-5.0] * 3,
+        [5.5] * 3,
+        better=("lower",),
+    )
+    theirs = scipy.optimize.differential_evolution(
+        lambda x: problem.evaluate(x[None]).objectives[0, 0],
+        list(zip(problem.low, problem.high, strict=True)),
+        rng=1,
+    )
+    ours = found(problem, "de", 8000, 45)
+    assert ours.values[0] == pytest.approx(theirs.x, abs=1e-6)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_an_active_constraint_is_reached_and_kept(method):
+    result = found(half_plane(), method, 4000)
+    assert (result.violation <= 0).all()
+    assert result.objectives[0, 0] == pytest.approx(1.4, abs=5e-3)
+    polished = found(half_plane(), method, 4000, polish=True)
+    assert (polished.violation <= 0).all()
+    assert polished.objectives[0, 0] == pytest.approx(1.4, abs=1e-8)
+
+
+@pytest.mark.parametrize("problem", [zdt1(5), bnh(), dtlz2(5)], ids=["zdt1", "bnh", "dtlz2"])
+def test_polish_makes_no_member_worse_and_the_front_better(problem):
+    rough, fine = (found(problem, budget=800, polish=polish) for polish in (False, True))
+    assert fine.gradient_evaluations > 0
+    assert fine.evaluations == rough.evaluations
+    assert (fine.violation <= 0).all()
+    behind = fine.objectives[None] <= rough.objectives[:, None]
+    assert behind.all(axis=2).any(axis=1).all()
+    assert non_dominated(fine.objectives).all()
+    assert (fine.objectives.min(axis=0) <= rough.objectives.min(axis=0)).all()
+    better = (fine.objectives[None] < rough.objectives[:, None]).any(axis=2) & behind.all(axis=2)
+    assert better.any(axis=1).sum() >= 20
+
+
+def test_polished_members_of_zdt1_lie_on_its_front():
+    fine = found(zdt1(5), budget=800, polish=True)
+    first, second = fine.objectives.T
+    on = np.abs(second - (1 - np.sqrt(first))) < 1e-6
+    assert on.sum() >= 20
+
+
+def test_polish_keeps_a_member_where_the_gradient_is_undefined():
+    def nowhere(values):
+        known = rosenbrock().gradient(values)
+        return replace(known, objectives_jacobian=known.objectives_jacobian * np.nan)
+
+    rough, fine = (
+        found(replace(rosenbrock(), gradient=nowhere), budget=400, polish=polish)
+        for polish in (False, True)
+    )
+    assert same(rough, fine)
+
+
+class Stopped(KeyboardInterrupt):
+    """Ctrl-C after a number of generations."""
+
+
+def stopping(after):
+    def progress(now):
+        if now.generation == after:
+            raise Stopped
+
+    return progress
+
+
+@pytest.mark.parametrize("after", [1, 7])
+@pytest.mark.parametrize(
+    ("problem", "method"),
+    [(zdt1(4), "nsga2"), (bnh(), "nsga2"), (bnh(), "nsga3"), (dtlz2(5), "nsga3")]
+    + [(problem, method) for problem in (rosenbrock(), half_plane()) for method in METHODS],
+)
+def test_a_search_that_was_stopped_gives_the_bits_of_one_that_was_not(
+    problem, method, after, tmp_path
+):
+    whole = found(problem, method, 800)
+    file = tmp_path / "search.npz"
+    np.random.default_rng().random(5)
+    with pytest.raises(Stopped):
+        found(problem, method, 400, checkpoint=file, progress=stopping(after))
+    assert same(found(problem, method, 800, checkpoint=file, resume=True), whole)
+    assert same(found(problem, method, 800, checkpoint=file, resume=True), whole)
+
+
+@pytest.mark.parametrize("method", OF_ONE)
+def test_methods_that_have_converged_start_again_and_resume_with_the_same_bits(tmp_path, method):
+    file, seen = tmp_path / "search.npz", []
+
+    def kept(values):
+        seen.append(values)
+        return bowl().evaluate(values)
+
+    whole = found(replace(bowl(), evaluate=kept), method, 2400, 12)
+    late = np.concatenate(seen)[-1200:]
+    assert np.abs(late - [0.3, -0.2]).max() > 0.3
+    found(bowl(), method, 2000, 12, checkpoint=file)
+    assert same(found(bowl(), method, 2400, 12, checkpoint=file, resume=True), whole)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_search_leaves_the_global_random_numbers_and_warnings_alone(method):
+    before = np.random.get_state()[1].copy()  # noqa: NPY002
+    found(bowl(), method, 200)
+    assert (np.random.get_state()[1] == before).all()  # noqa: NPY002
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_the_budget_is_never_exceeded_and_seeds_differ(method):
+    seen = []
+
+    def counted(values):
+        seen.append(len(values))
+        return half_plane().evaluate(values)
+
+    one = found(replace(half_plane(), evaluate=counted), method, 439)
+    assert sum(seen) == one.evaluations == 400
+    assert not same(one, found(half_plane(), method, 439, seed=2))
+    assert same(one, found(half_plane(), method, 439))
+
+
+def test_the_front_is_that_of_all_candidates_ever_evaluated():
+    seen = []
+
+    def kept(values):
+        seen.append(values)
+        return bnh().evaluate(values)
+
+    result = found(replace(bnh(), evaluate=kept), budget=600)
+    values = np.concatenate(seen)
+    every = bnh().evaluate(values)
+    feasible = (every.violation <= 0).all(axis=1)
+    front = every.objectives[feasible][non_dominated(every.objectives[feasible])]
+    assert sorted(map(tuple, front)) == sorted(map(tuple, result.objectives))
+
+
+def test_a_front_has_at_most_a_thousand_members_and_keeps_its_ends(monkeypatch):
+    # all candidates of a segment are on the front
+    segment = problem_of(lambda a: ([a, -a], []), [0.0], [1.0])
+    seen = []
+    result = found(segment, budget=5000, population=500, progress=seen.append)
+    assert len(result.values) == 1000
+    assert max(len(now.values) for now in seen) <= 2000
+    ends = result.objectives[:, 0]
+    assert ends.max() - ends.min() > 0.999
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_given_values_join_the_first_generation(method):
+    seen = []
+
+    def kept(values):
+        seen.append(values)
+        return rosenbrock().evaluate(values)
+
+    problem = replace(rosenbrock(), evaluate=kept)
+    result = found(problem, method, 120, start=np.array([[1.0, 1.0], [-1.5, 0.25]]))
+    assert (seen[0][:2] == [[1, 1], [-1.5, 0.25]]).all()
+    assert result.objectives[0, 0] == 0
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_integer_parameters_take_whole_numbers_within_the_bounds(method):
+    problem = replace(
+        problem_of(
+            lambda a, b: ([(a - 2.6) ** 2 + (b - 0.4) ** 2], []),
+            [0.5, -1.0],
+            [7.5, 1.0],
+            better=("lower",),
+        ),
+        integer=("x0",),
+    )
+    seen = []
+
+    def kept(values):
+        seen.append(values)
+        return problem.evaluate(values)
+
+    result = found(replace(problem, evaluate=kept), method, 2000)
+    assert result.values[0] == pytest.approx([3, 0.4], abs=0.01)
+    assert set(np.concatenate(seen)[:, 0]) <= set(range(1, 8))
+
+
+def test_a_space_of_few_choices_ends_when_all_were_tried():
+    few = replace(problem_of(lambda a: ([a, -a], []), [0.0], [5.0]), integer=("x0",))
+    result = found(few, budget=100_000, population=20)
+    assert sorted(result.values[:, 0]) == [0, 1, 2, 3, 4, 5]
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_saturated_candidates_are_never_members(method):
+    def saturated(values):
+        known = rosenbrock().evaluate(values)
+        return replace(known, objectives=np.where(values[:, :1] > 0.5, np.inf, known.objectives))
+
+    result = found(replace(rosenbrock(), evaluate=saturated, gradient=None), method, 2000)
+    assert result.values[0, 0] <= 0.5
+    assert result.objectives[0, 0] == pytest.approx(0.25, abs=0.05)
+
+
+@pytest.mark.parametrize(
+    ("fields", "subject"),
+    [
+        ({"method": "nsga4"}, "method"),
+        ({"budget": 50, "population": 100}, "budget"),
+        ({"population": 3}, "population"),
+        ({"seed": -1}, "seed"),
+    ],
+)
+def test_bad_settings_are_one_sentence(fields, subject):
+    with refused_input(subject=subject):
+        SearchSettings(**fields)
+
+
+@pytest.mark.parametrize("method", ["nsga2", "nsga3", "cma-es"])
+def test_a_missing_package_is_one_sentence(method, monkeypatch):
+    monkeypatch.setattr(algorithms.util, "find_spec", lambda _: None)
+    with refused_input(subject="method", value=method, requirement="not installed"):
+        found(bowl(), method)
+    found(bowl(), "de")
+
+
+def test_cma_es_refuses_a_single_parameter():
+    problem = problem_of(lambda a: ([a], []), [0.0], [1.0], better=("lower",))
+    with refused_input(subject="method", value="cma-es"):
+        found(problem, "cma-es")
+    assert found(problem, "de").objectives[0, 0] == pytest.approx(0, abs=1e-6)
+
+
+@pytest.mark.parametrize("method", OF_ONE)
+def test_a_method_for_one_objective_refuses_several(method):
+    with refused_input(subject="method", value=method, requirement="several objectives"):
+        found(zdt1(), method)
+
+
+def test_a_start_outside_the_bounds_is_one_sentence():
+    with refused_input(subject="start", value=2.5, where="candidate 2", requirement="x1"):
+        found(rosenbrock(), start=np.array([[1.0, 1.0], [1.0, 2.5]]))
+
+
+def test_polish_without_gradients_is_one_sentence():
+    with refused_input(subject="polish", setting="polish"):
+        found(replace(bowl(), gradient=None), polish=True)
+
+
+def test_an_evaluation_that_is_nan_is_one_sentence_with_the_candidate():
+    def spoiled(values):
+        known = bnh().evaluate(values)
+        violation = known.violation.copy()
+        violation[3, 1] = np.nan
+        return Evaluated(objectives=known.objectives, violation=violation)
+
+    with refused_input(subject="the constraint c2") as refused:
+        found(replace(bnh(), evaluate=spoiled))
+    assert "x0 = " in refused.value.found
+
+
+def contradiction(low, high):
+    return problem_of(
+        lambda a, b: ([a], [low - a, a - high, b - 5]),
+        [0.0, 0.0],
+        [1.0, 1.0],
+        better=("lower",),
+        constraints=("a at least", "a at most", "b at most 5"),
+    )
+
+
+def test_a_constraint_that_no_candidate_meets_is_named_with_its_distance():
+    with refused_input(subject="the constraints", value=("a at least",)) as refused:
+        found(contradiction(3.0, 9.0))
+    assert "a at least by 2" in refused.value.found
+
+
+def test_constraints_that_exclude_each_other_are_named_with_the_nearest_miss():
+    with refused_input(subject="the constraints", value=("a at least", "a at most")) as refused:
+        found(contradiction(0.8, 0.2))
+    assert "meets all" in refused.value.found
+
+
+def test_objectives_that_are_undefined_everywhere_are_one_sentence():
+    def undefined(values):
+        return Evaluated(
+            objectives=np.full((len(values), 1), np.inf), violation=np.empty((len(values), 0))
+        )
+
+    with refused_input(subject="the objectives"):
+        found(replace(bowl(), evaluate=undefined))
+
+
+@pytest.mark.parametrize(
+    ("changed", "requirement"),
+    [
+        ({"seed": 2}, "seed"),
+        ({"population": 50}, "population"),
+        ({"method": "nsga3"}, "method"),
+        ({"problem": replace(bnh(), identity="other")}, "identity"),
+        ({"problem": replace(bnh(), high=np.array([5.0, 2.9]))}, "bounds"),
+        ({"start": np.array([[1.0, 1.0]])}, "first generation"),
+        ({"problem": replace(bnh(), evaluate=half_plane().evaluate)}, ""),
+    ],
+)
+def test_a_checkpoint_of_another_search_is_one_sentence(changed, requirement, tmp_path):
+    file = tmp_path / "search.npz"
+    found(bnh(), budget=200, checkpoint=file)
+    again = {"problem": bnh(), "budget": 400} | changed
+    if not requirement:
+        again["problem"] = replace(
+            bnh(), evaluate=lambda values: bnh().evaluate(values + np.float64(1e-3))
+        )
+    with refused_input(subject=str(file), requirement=requirement):
+        found(**again, checkpoint=file, resume=True)
+
+
+def test_a_smaller_budget_than_that_of_the_checkpoint_is_one_sentence(tmp_path):
+    file = tmp_path / "search.npz"
+    found(bnh(), budget=200, checkpoint=file)
+    with refused_input(subject="budget", value=160, setting="budget"):
+        found(bnh(), budget=160, checkpoint=file, resume=True)
+
+
+@pytest.mark.parametrize("content", [b"", b"PK\x03\x04", b"chromanoise", None, "half"])
+def test_a_damaged_checkpoint_is_one_sentence(content, tmp_path):
+    file = tmp_path / "search.npz"
+    found(bnh(), budget=200, checkpoint=file)
+    if content is None:
+        file.unlink()
+    else:
+        whole = file.read_bytes()
+        file.write_bytes(whole[: len(whole) // 2] if content == "half" else content)
+    with refused_input(subject=str(file)):
+        found(bnh(), budget=200, checkpoint=file, resume=True)
+
+
+def test_the_checkpoint_is_written_every_few_seconds(tmp_path, monkeypatch):
+    monkeypatch.setattr(searching, "_WRITTEN_EVERY_S", -1.0)
+    written = []
+    monkeypatch.setattr(searching, "write_checkpoint", lambda path, now: written.append(now))
+    found(bnh(), budget=200, checkpoint=tmp_path / "search.npz")
+    assert [now.evaluations for now in written] == [40, 80, 120, 160, 200, 200]
+
+
+@pytest.mark.parametrize(
+    ("fields", "subject"),
+    [
+        ({"names": ()}, "the design"),
+        ({"objectives": (), "better": ()}, "the design"),
+        ({"names": ("a", "a")}, "names of parameters"),
+        ({"low": np.array([0.0, 3.0])}, "x1"),
+        ({"low": np.array([0.0, np.nan])}, "Problem.low"),
+        ({"better": ("lower", "least")}, "better"),
+        ({"integer": ("y",)}, "integer parameters"),
+    ],
+)
+def test_an_impossible_problem_is_one_sentence(fields, subject):
+    with refused_input(subject=subject):
+        replace(bnh(), **fields)
+
+
+def test_a_problem_is_frozen():
+    assert isinstance(bnh(), Problem)
+    with pytest.raises(ValueError, match="read-only"):
+        bnh().low[0] = 1
