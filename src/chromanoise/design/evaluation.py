@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Any, Literal, Protocol
+from typing import Any, Literal, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -32,6 +32,7 @@ _FULL = 1 + 1e-12  # as `chromanoise.noise.saturated`
 _FEWEST_BLOCKS = 4  # of one thread
 
 
+@runtime_checkable
 class Space(Protocol):
     """A design space: values of parameters to candidates (`chromanoise.design.DesignSpace`)."""
 
