@@ -148,8 +148,8 @@ class Evaluator:
         candidates
             As `values`.
         """
-        batch = _given(self, candidates)
-        return np.max([_fast(self, scene, batch, ())[1] for scene in self.scenes], axis=0)
+        own = replace(self, objectives=("share_of_full_well",), over_scenes="worst")
+        return own.values(candidates)[:, 0]
 
     def gradient(
         self, space: Space, values: Float[Array, " d"]
@@ -185,7 +185,7 @@ class Evaluator:
         for s, scene in enumerate(self.scenes):
             exact = np.zeros(q, dtype=bool)
             if _matrix_group(scene):
-                raw, _, pivot = _fast(self, scene, turned, self.objectives)
+                raw, pivot = _fast(self, scene, turned, self.objectives)
                 found[s], slope[s] = raw[0].real, raw.imag.T / _COMPLEX_STEP
                 exact[:] = [_is_fast(scene, turned, name) for name in self.objectives]
                 exact &= bool((pivot >= _LEAST_PIVOT).all())
@@ -248,7 +248,7 @@ def _given(evaluator: Evaluator, candidates: Candidates) -> _Batch:
         m=m,
         p=p,
         dtype=dtype,
-        qe=_own(candidates.qe, dtype),
+        qe=_own(candidates.qe.transpose(0, 2, 1), dtype),
         choices=np.zeros((0, p), np.int64),
         curves=None,
         more=candidates,
@@ -280,7 +280,7 @@ def _chosen(evaluator: Evaluator, choices: Array, curves: Array) -> _Batch:
         m=m,
         p=p,
         dtype=np.dtype(np.float64),
-        qe=np.zeros((0, n, p)),
+        qe=np.zeros((0, p, n)),
         choices=index,
         curves=library,
         more=Candidates(qe=np.zeros((0, n, p))),
@@ -322,7 +322,7 @@ def _values(
     evaluator: Evaluator, scene: DesignScene, batch: _Batch, names: tuple[str, ...]
 ) -> Float[Array, "m q"]:
     """The objectives in one scene."""
-    found, _, pivot = _fast(evaluator, scene, batch, names)
+    found, pivot = _fast(evaluator, scene, batch, names)
     lost = np.flatnonzero(~(pivot >= _LEAST_PIVOT))
     if lost.size:
         some = _given(evaluator, batch.of(lost))
@@ -343,8 +343,8 @@ def _fast(
     batch: _Batch,
     names: tuple[str, ...],
     matrices: Array | None = None,
-) -> tuple[Inexact[Array, "m q"], Inexact[Array, " m"], Float[Array, " m"]]:
-    """Values, share of full well, and smallest pivot; unset columns for those that are not fast."""
+) -> tuple[Inexact[Array, "m q"], Float[Array, " m"]]:
+    """Values and the smallest pivot of their equations; NaN for objectives that are not fast."""
     from chromanoise.design import kernels
 
     columns = [name for name in names if _is_fast(scene, batch, name)]
@@ -362,7 +362,7 @@ def _fast(
     spread = np.ones((m, p), dtype)
     if more.pixel_share is not None:
         spread = _own(1.0 / (p * more.pixel_share), dtype)
-    if method == kernels.GIVEN and matrices is None and names:
+    if method == kernels.GIVEN and matrices is None:
         matrices = _matrices(scene, batch)
     if matrices is not None:
         method = kernels.GIVEN
@@ -398,11 +398,11 @@ def _fast(
         out,
     )
     _run(evaluator.threads, -(-m // kernels.LANES), lambda a, b: kernels.evaluate(a, b, *given))
-    fullness = np.where(full_e.real > 0, out[:, -2] * _FULL, np.inf)
+    fullness = np.where(full_e.real > 0, out[:, FAST.index("share_of_full_well")] * _FULL, np.inf)
     found = np.full((m, len(names)), np.nan, dtype)
     for q, name in enumerate(names):
         found[:, q] = _finished(OBJECTIVES[name], out, fullness)
-    return found, fullness, out[:, -1].real
+    return found, out[:, -1].real
 
 
 def _finished(objective: Objective, out: Array, fullness: Array) -> Inexact[Array, " m"]:
@@ -410,6 +410,8 @@ def _finished(objective: Objective, out: Array, fullness: Array) -> Inexact[Arra
     if not objective.fast:
         return np.full(len(out), np.nan)
     value = out[:, FAST.index(objective.name)]
+    if objective.name == "share_of_full_well":
+        return fullness
     if objective.name == "snr_y_db":
         with np.errstate(divide="ignore", invalid="ignore"):
             value = 10.0 * np.log10(value)
@@ -464,6 +466,7 @@ _GROUPS_OF = {
     "mean_separation": "paired",
     "infrared_share": "infrared",
     "snr10_lux": "",
+    "share_of_full_well": "",
 }
 
 

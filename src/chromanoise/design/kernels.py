@@ -24,7 +24,7 @@ LANES = 32
 TOGETHER = 8
 """Number of wavelengths that are transposed and added together."""
 
-COLUMNS = (*FAST, "share of full well", "smallest pivot")
+COLUMNS = (*FAST, "smallest pivot")
 (_SNR_Y, _NOISE, _TOTAL, _DELTA_E, _CIEDE2000, _VORA, _LEAST, _MEAN, _INFRARED, _LUX) = range(10)
 _FULLNESS, _PIVOT = 10, 11
 
@@ -238,8 +238,8 @@ def _add_gram(squared, first, q, g):
 @_compiled
 @no_type_check
 def _electrons(qe, block, gain, rows, squared, has_gram, q, e, g):
-    """Electrons of all rows and F^T F of a block of curves qe (m, n, p)."""
-    m, n, p = qe.shape
+    """Electrons of all rows and F^T F of a block of curves qe (m, p, n)."""
+    m, p, n = qe.shape
     e[:] = 0.0
     g[:] = 0.0
     for first in range(0, n, TOGETHER):
@@ -249,9 +249,9 @@ def _electrons(qe, block, gain, rows, squared, has_gram, q, e, g):
         for k in range(LANES):
             one = min(block + k, m - 1)
             factor = gain[one]
-            for i in range(many):
-                for c in range(p):
-                    q[c, i, k] = qe[one, first + i, c] * factor
+            for c in range(p):
+                for i in range(many):
+                    q[c, i, k] = qe[one, c, first + i] * factor
         _add_rows(rows, first, q, e)
         if has_gram:
             _add_gram(squared, first, q, g)
@@ -467,10 +467,8 @@ def _add_noise_of(e, row, matrix, slope, floor, prnu, spread, noise):
 
 @_compiled
 @no_type_check
-def _chart_errors(
-    e, at, matrix, truth, black_e, floor, prnu, spread, full, wanted, scratch, out, block
-):
-    """All objectives of the chart; NaN where the white has no color or saturates."""
+def _chart_errors(e, at, matrix, truth, black_e, floor, prnu, spread, wanted, scratch, out, block):
+    """All objectives of the chart; NaN where the white has no color."""
     p, many = e.shape[1], truth.shape[0]
     shift, inverse, lab, slope = scratch[0:3], scratch[3:6], scratch[6:9], scratch[9:12]
     noise, total, delta, newer = scratch[12], scratch[13], scratch[14], scratch[15]
@@ -479,8 +477,6 @@ def _chart_errors(
     for k in range(LANES):
         good[k] = 1.0
         noise[k], total[k], delta[k], newer[k] = 0.0, 0.0, 0.0, 0.0
-        for c in range(p):
-            good[k] = good[k] if e[0, c, k].real <= full[k].real else 0.0
     for j in range(3):
         for k in range(LANES):
             white = e[0, 0, k] * matrix[j, 0, k]
@@ -541,7 +537,7 @@ def _put_all(out, block, column, value):
 @_compiled
 @no_type_check
 def _separations(e, at, many, pairs, floor, prnu, spread, full, wanted, variance, scratch):
-    """Least and mean D_M of the pairs; NaN where a patch or the white saturates a channel."""
+    """Least and mean D_M of the pairs; NaN where a patch saturates a channel."""
     p = e.shape[1]
     least, mean, squared = scratch[0], scratch[1], scratch[2]
     for k in range(LANES):
@@ -572,7 +568,7 @@ def _separations(e, at, many, pairs, floor, prnu, spread, full, wanted, variance
         least[k] = np.sqrt(least[k])
         mean[k] = mean[k] / pairs.shape[0]
         for c in range(p):
-            hidden = 0.0 if e[0, c, k].real <= full[k].real else np.nan
+            hidden = 0.0
             for i in range(many):
                 hidden = hidden if e[at + i, c, k].real <= full[k].real else np.nan
             least[k] += hidden
@@ -611,7 +607,7 @@ def evaluate(
     Parameters
     ----------
     qe, choices
-        Curves (m, n, p); or indices (m, p) of filters of a library where ``qe`` is empty.
+        Curves (m, p, n); or indices (m, p) of filters of a library where ``qe`` is empty.
     gain, floor, prnu, full, weight
         Per candidate: factor on all electrons, variance without light [e-^2], PRNU, white level
         [e-], weight of the noise in the matrix.
@@ -725,8 +721,8 @@ def evaluate(
             _put_all(out, block, _LUX, value)
         if wanted[_NOISE] or wanted[_TOTAL] or wanted[_DELTA_E] or wanted[_CIEDE2000]:
             _chart_errors(
-                e, layout[_AT_CHART], matrix, truth, black_e, own[0], own[1], apart, own[2],
-                wanted, scratch, out, block,
+                e, layout[_AT_CHART], matrix, truth, black_e, own[0], own[1], apart, wanted,
+                scratch, out, block,
             )  # fmt: skip
         if wanted[_LEAST] or wanted[_MEAN]:
             _separations(

@@ -29,7 +29,7 @@ from chromanoise.metrics import (
     sensor_metamerism,
     vora_value,
 )
-from chromanoise.noise import saturated
+from chromanoise.noise import saturated, signal_limit_e
 from chromanoise.spectra import INFRARED_FROM_NM, color_axes
 
 SNR10 = 10.0
@@ -46,6 +46,7 @@ FAST = (
     "mean_separation",
     "infrared_share",
     "snr10_lux",
+    "share_of_full_well",
 )
 """Objectives of a whole batch, in the order of the columns of the kernels."""
 
@@ -192,6 +193,12 @@ def _snr10_lux(candidate: Candidate) -> float | None:
     )
 
 
+def _share_of_full_well(candidate: Candidate) -> float:
+    point = candidate.point
+    limit_e = signal_limit_e(point.sensor, point.exposure)
+    return float(electrons_at(point).max() / limit_e) if limit_e > 0 else np.inf
+
+
 def _smi(candidate: Candidate) -> float:
     return sensor_metamerism(candidate.point.sensor).index
 
@@ -273,6 +280,7 @@ _ENTRIES = (
         of=_vora,
         source="Vora & Trussell 1993",
         of_saturated=True,
+        of_noise=False,
     ),
     Objective(
         name="smi",
@@ -333,6 +341,17 @@ _ENTRIES = (
         of=_infrared_share,
         source="",
         of_saturated=True,
+        of_noise=False,
+    ),
+    Objective(
+        name="share_of_full_well",
+        what="electrons of a white over full well or top code, fullest channel",
+        unit="1",
+        better="lower",
+        of=_share_of_full_well,
+        source="EMVA 1288, release 4.0",
+        of_saturated=True,
+        of_noise=False,
     ),
 )
 OBJECTIVES: Mapping[str, Objective] = {entry.name: entry for entry in _ENTRIES}

@@ -1,0 +1,411 @@
+"""The objectives of a batch of sensors equal those of the library, candidate by candidate."""
+
+from dataclasses import replace
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+
+from chromanoise.design.candidates import Candidates
+from chromanoise.design.evaluation import Evaluator
+from chromanoise.design.objectives import FAST, OBJECTIVES, Candidate, value_of
+from chromanoise.design.parameters import Parameter
+from chromanoise.design.robustness import Tolerances, robust_values
+from chromanoise.design.scenes import DesignScene, candidate_point
+from chromanoise.exposure import Exposure, OperatingPoint
+from chromanoise.metrics import chart_ciede2000
+from chromanoise.sensor import Converter, Crosstalk, Pixel, Sensor
+from chromanoise.spectra import (
+    OBSERVERS,
+    Grid,
+    PatchPairs,
+    color_axes,
+    colorchecker,
+    equal_energy,
+    illuminant_named,
+)
+from outcomes import refused_input
+
+GRID = Grid.uniform(400, 1000, 20)
+NM = GRID.wavelength_nm
+E_LAMP = equal_energy(GRID)
+QUIET = Pixel(pitch_um=5.0, full_well_e=1e5, read_noise_e=3.0)
+MATRICES = (
+    "kernel",
+    "least-squares",
+    "lmmse",
+    "ridge=0.01",
+    "noise-regularized=3",
+    "white-preserving",
+)
+
+
+def bells(rng, m, p):
+    """Smooth curves with an infrared tail."""
+    center, width = rng.uniform(420, 680, (m, 1, p)), rng.uniform(15, 60, (m, 1, p))
+    bell = rng.uniform(0.3, 0.8, (m, 1, p)) * np.exp(-0.5 * ((NM[:, None] - center) / width) ** 2)
+    tail = rng.uniform(0, 0.2, (m, 1, p)) / (1 + np.exp((750 - NM[:, None]) / 30))
+    return bell + tail + 1e-4
+
+
+def scene_of(rng, matrix="kernel", p=3, **changes):
+    """Any light, observer, exposure and pixel, all noise sources included."""
+    pixel = Pixel(
+        pitch_um=rng.uniform(2, 10), full_well_e=1e6, read_noise_e=rng.uniform(0.5, 10),
+        prnu=rng.uniform(0, 0.02), dsnu_e=rng.uniform(0, 5), row_noise_e=rng.uniform(0, 2),
+        dark_current_e_per_s=rng.uniform(0, 90), black_error_e=rng.choice([0.0, 1.5]),
+    )  # fmt: skip
+    sensor = Sensor(
+        name="own", grid=GRID, qe=np.full((GRID.n, p), 0.5), pixel=pixel,
+        names=tuple(f"c{i}" for i in range(p)), converter=Converter(bits=12),
+    )  # fmt: skip
+    lamp = illuminant_named(str(rng.choice(["E", "D65", "A"])), GRID, beyond="zero")
+    point = OperatingPoint(
+        sensor=sensor, exposure=Exposure(time_s=rng.uniform(0.002, 0.02)), illuminant=lamp,
+        level_lux=rng.uniform(1, 100), observer=str(rng.choice(list(OBSERVERS))),
+    )  # fmt: skip
+    metric = str(rng.choice(["quanta", "energy"]))
+    return DesignScene(point=replace(point, **changes), matrix=matrix, metric=metric)
+
+
+def plain_scene(matrix="kernel", pixel=QUIET, time_s=0.01, level_lux=10.0, p=3, **changes):
+    sensor = Sensor(
+        name="own",
+        grid=GRID,
+        qe=np.full((GRID.n, p), 0.5),
+        names=tuple("RGBWXYZV"[:p]),
+        pixel=pixel,
+    )
+    point = OperatingPoint(
+        sensor=sensor, exposure=Exposure(time_s=time_s), illuminant=E_LAMP, level_lux=level_lux
+    )
+    return DesignScene(point=replace(point, **changes), matrix=matrix)
+
+
+def of_library(scene, qe, names):
+    point = candidate_point(scene, qe)
+    one = Candidate(point=point, matrix=scene.maker(point), maker=scene.maker)
+    return np.array([value_of(OBJECTIVES[name], one) for name in names])
+
+
+@pytest.mark.parametrize("matrix", MATRICES)
+@pytest.mark.parametrize("p", [1, 2, 3, 4, 8])
+def test_a_batch_gives_the_values_of_the_library(matrix, p):
+    rng = np.random.default_rng([p, MATRICES.index(matrix)])
+    scene, qe = scene_of(rng, matrix, p), bells(rng, 5, p)
+    names = FAST if p < 8 else tuple(name for name in FAST if name != "snr10_lux")
+    found = Evaluator(scenes=(scene,), objectives=names).values(Candidates(qe=qe))
+    wanted = np.array([of_library(scene, one, names) for one in qe])
+    assert np.isfinite(wanted).mean() > 0.6
+    np.testing.assert_allclose(found, wanted, rtol=1e-9)
+
+
+def test_what_a_candidate_brings_replaces_what_the_scene_has():
+    rng = np.random.default_rng(1)
+    scene, qe = scene_of(rng, "lmmse"), bells(rng, 3, 3)
+    time_s, read_noise_e, prnu = np.array([0.001, 0.01, 0.02]), np.array([1.0, 4, 9]), rng.random(3)
+    weight = np.array([0.0, 1.0, 7.0])
+    own = Candidates(
+        qe=qe, time_s=time_s, read_noise_e=read_noise_e, prnu=prnu / 10, noise_weight=weight
+    )
+    found = Evaluator(scenes=(scene,), objectives=FAST).values(own)
+    for i in range(3):
+        point = candidate_point(
+            scene, qe[i], time_s=time_s[i], read_noise_e=read_noise_e[i], prnu=prnu[i] / 10
+        )
+        sensor = point.sensor
+        there = replace(scene, point=point, matrix=f"noise-regularized={weight[i]}")
+        assert sensor.pixel.read_noise_e == read_noise_e[i]
+        np.testing.assert_allclose(found[i], of_library(there, qe[i], FAST), rtol=1e-9)
+
+
+@pytest.mark.parametrize("matrix", ["kernel", "least-squares", "lmmse"])
+def test_dependent_and_nearly_dependent_channels_keep_the_digits_of_the_library(matrix):
+    rng = np.random.default_rng(2)
+    qe = bells(rng, 6, 4)
+    for i, apart in enumerate([0.0, 1e-12, 1e-7, 1e-5, 1e-3, 1e-2]):
+        qe[i, :, 3] = (qe[i, :, 0] + qe[i, :, 1]) / 2 + apart * qe[i, :, 2]
+    names = ("snr_y_db", "noise_delta_e", "delta_e", "ciede2000", "vora", "mean_separation")
+    scene = plain_scene(matrix, p=4)
+    found = Evaluator(scenes=(scene,), objectives=names).values(Candidates(qe=qe))
+    for one, values in zip(qe, found, strict=True):
+        condition = np.linalg.cond(one / np.linalg.norm(one, axis=0))
+        tolerance = max(1e-9, 1e-14 * condition) if condition < 1e10 else 1e-9
+        np.testing.assert_allclose(values, of_library(scene, one, names), rtol=tolerance)
+
+
+def test_the_bits_of_a_candidate_depend_neither_on_the_batch_nor_on_the_threads():
+    rng = np.random.default_rng(3)
+    qe = bells(rng, 300, 3)
+    qe[7, :, 2] = qe[7, :, 0]  # a singular one goes another way
+    scene = plain_scene("kernel")
+    whole = Evaluator(scenes=(scene,), objectives=FAST, threads=1).values(Candidates(qe=qe))
+    threaded = Evaluator(scenes=(scene,), objectives=FAST, threads=2).values(Candidates(qe=qe))
+    assert (whole == threaded).all()
+    parts = [
+        Evaluator(scenes=(scene,), objectives=FAST).values(Candidates(qe=part))
+        for part in np.split(qe, [1, 6, 40, 233])
+    ]
+    assert (np.concatenate(parts) == whole).all()
+
+
+def test_choices_from_a_library_are_the_sensors_with_these_curves():
+    rng = np.random.default_rng(4)
+    curves = bells(rng, 1, 40)[0]
+    choices = rng.integers(0, 40, (50, 4))
+    evaluator = Evaluator(scenes=(plain_scene(p=4),), objectives=FAST)
+    found = evaluator.values_of_choices(choices, curves)
+    wanted = evaluator.values(Candidates(qe=np.moveaxis(curves[:, choices], 0, 1)))
+    np.testing.assert_allclose(found, wanted, rtol=1e-9)
+
+
+def luther_curves():
+    """Any mixture of the observer's curves that a sensor can have."""
+    axes = color_axes(GRID, "quanta")
+    mixed = axes @ np.array([[1.0, 0.2, 0.0], [0.1, 1.0, 0.1], [0.0, 0.2, 1.0]])
+    return 0.9 * mixed / mixed.max()
+
+
+@pytest.mark.parametrize("matrix", ["kernel", "least-squares"])
+def test_mixtures_of_the_observer_have_no_color_error_and_a_vora_value_of_1(matrix):
+    names = ("delta_e", "ciede2000", "vora")
+    evaluator = Evaluator(scenes=(plain_scene(matrix),), objectives=names)
+    np.testing.assert_allclose(
+        evaluator.values(Candidates(qe=luther_curves()[None])), [[0, 0, 1]], atol=1e-9
+    )
+
+
+def test_one_channel_has_the_snr_of_its_electrons_whatever_its_angle():
+    scene, qe = plain_scene(p=1), bells(np.random.default_rng(5), 4, 1)
+    found = Evaluator(scenes=(scene,), objectives=("snr_y_db",)).values(Candidates(qe=qe))
+    share = Evaluator(scenes=(scene,), objectives=("snr_y_db",)).share_of_full_well(
+        Candidates(qe=qe)
+    )
+    electrons = share * QUIET.full_well_e
+    np.testing.assert_allclose(found[:, 0], 20 * np.log10(electrons / np.sqrt(electrons + 9)))
+
+
+def test_the_best_pixel_shares_are_proportional_to_the_weighted_noise():
+    scene, qe = plain_scene(), bells(np.random.default_rng(6), 1, 3)
+    evaluator = Evaluator(scenes=(scene,), objectives=("snr_y_db",))
+    point = candidate_point(scene, qe[0])
+    weight, electrons = scene.maker(point).matrix[1], of_white(scene, qe[0])
+    best = np.abs(weight) * np.sqrt(electrons + 9)
+    best /= best.sum()
+    others = best * np.random.default_rng(7).uniform(0.8, 1.2, (50, 3))
+    shares = np.vstack([best, others / others.sum(axis=1, keepdims=True)])
+    found = evaluator.values(Candidates(qe=np.repeat(qe, 51, axis=0), pixel_share=shares))[:, 0]
+    assert found.argmax() == 0
+    equal = evaluator.values(Candidates(qe=qe, pixel_share=np.full((1, 3), 1 / 3)))
+    np.testing.assert_allclose(equal, evaluator.values(Candidates(qe=qe)), rtol=1e-13)
+
+
+def of_white(scene, qe):
+    one = Evaluator(scenes=(scene,), objectives=("snr_y_db",))
+    each = [one.share_of_full_well(Candidates(qe=qe[None, :, [i]]))[0] for i in range(qe.shape[1])]
+    return np.array(each) * QUIET.full_well_e
+
+
+def test_ciede2000_equals_another_code_for_all_hues():
+    rng, scene = np.random.default_rng(8), plain_scene()
+    qe = rng.uniform(0.02, 0.9, (60, GRID.n, 3)) ** rng.uniform(1, 9, (60, 1, 3))
+    evaluator = Evaluator(scenes=(scene,), objectives=("ciede2000",))
+    found = evaluator.values(Candidates(qe=qe))[:, 0]
+    for one, value in zip(qe, found, strict=True):
+        point = candidate_point(scene, one)
+        given = (point.sensor, scene.maker(point), point.exposure, point.illuminant)
+        theirs = chart_ciede2000(*given)  # by colour-science
+        if theirs is None:
+            assert value == np.inf
+        else:
+            np.testing.assert_allclose(value, theirs.mean(), rtol=1e-10)
+
+
+@dataclass(frozen=True)
+class Bells:
+    """Three bells; the parameters are their centers, then time and shares where wanted."""
+
+    tolerance: float = 2.0
+    more: bool = False
+
+    @property
+    def parameters(self):
+        of = [("R", 600.0), ("G", 540.0), ("B", 460.0)] + ([("w", 30.0)] if self.more else [])
+        return [
+            Parameter(name=n, unit="nm", low=at - 20, high=at + 20, tolerance=self.tolerance)
+            for n, at in of
+        ]
+
+    def candidates(self, values):
+        values = np.asarray(values)
+        away = (NM[:, None] - values[:, None, :3]) / 35.0
+        qe = 0.6 * np.exp(-0.5 * away**2) + 1e-3
+        if not self.more:
+            return Candidates(qe=qe)
+        w = values[:, 3]
+        share = np.stack([w / 100, 0.5 - w / 200, 0.5 - w / 200], axis=1)
+        return Candidates(qe=qe, time_s=w * 2e-4, pixel_share=share, prnu=w * 1e-3)
+
+
+AT = np.array([611.0, 533.0, 452.0])
+
+
+@pytest.mark.parametrize("matrix", ["kernel", "lmmse", "ridge=0.01"])
+@pytest.mark.parametrize("more", [False, True])
+def test_gradients_equal_central_differences(matrix, more):
+    if more:
+        names = tuple(name for name in FAST if name != "snr10_lux" or matrix != "lmmse")
+    else:
+        names = FAST
+    space, at = Bells(more=more), np.append(AT, 33.0) if more else AT
+    scenes = (plain_scene(matrix), plain_scene(matrix, level_lux=3.0))
+    evaluator = Evaluator(scenes=scenes, objectives=names)
+    values, jacobian = evaluator.gradient(space, at)
+    step = 1e-3 * np.eye(at.size)
+    around = [evaluator.values(space.candidates(at + k * step)) for k in (-2, -1, 1, 2)]
+    wanted = (8 * (around[2] - around[1]) - (around[3] - around[0])) / (12 * 1e-3)
+    np.testing.assert_allclose(values, evaluator.values(space.candidates(at[None]))[0], rtol=1e-12)
+    size = np.abs(wanted).max(axis=0)[:, None]
+    assert (np.abs(jacobian - wanted.T) <= 1e-6 * size + 1e-9).all()
+
+
+def test_the_gradient_of_a_shot_limited_snr_over_time_is_known():
+    class Times:
+        parameters = (Parameter(name="time", unit="s", low=0.001, high=0.1),)
+
+        def candidates(self, values):
+            return Candidates(
+                qe=np.repeat(luther_curves()[None], len(values), axis=0), time_s=values[:, 0]
+            )
+
+    noiseless = replace(QUIET, read_noise_e=0.0, full_well_e=1e9)
+    evaluator = Evaluator(scenes=(plain_scene(pixel=noiseless),), objectives=("snr_y_db",))
+    _, jacobian = evaluator.gradient(Times(), np.array([0.02]))
+    np.testing.assert_allclose(jacobian, [[10 / np.log(10) / 0.02]], rtol=1e-12)
+
+
+def test_the_worst_scene_counts_or_the_mean():
+    qe, names = bells(np.random.default_rng(9), 5, 3), ("snr_y_db", "noise_delta_e")
+    scenes = tuple(plain_scene(level_lux=lux) for lux in (1.0, 10.0))
+    dim, bright = (
+        Evaluator(scenes=(s,), objectives=names).values(Candidates(qe=qe)) for s in scenes
+    )
+    worst = Evaluator(scenes=scenes, objectives=names).values(Candidates(qe=qe))
+    mean = Evaluator(scenes=scenes, objectives=names, over_scenes="mean").values(Candidates(qe=qe))
+    assert (worst == dim).all()
+    np.testing.assert_allclose(mean, (dim + bright) / 2)
+
+
+def test_a_saturated_candidate_has_the_worst_values_and_never_nan():
+    scene, names = plain_scene(time_s=10.0), tuple(OBJECTIVES)
+    evaluator = Evaluator(scenes=(scene,), objectives=names)
+    own = Candidates(qe=bells(np.random.default_rng(10), 1, 3))
+    assert evaluator.share_of_full_well(own)[0] > 1
+    found = dict(zip(names, evaluator.values(own)[0], strict=True))
+    assert (found["snr_y_db"], found["delta_e"]) == (-np.inf, np.inf)
+    assert (found["least_separation"], found["information_bits"]) == (-np.inf, -np.inf)
+    assert np.isfinite([found[name] for name in ("vora", "smi", "infrared_share")]).all()
+
+
+def test_a_channel_that_measures_nothing_has_the_worst_values():
+    qe = bells(np.random.default_rng(11), 2, 3)
+    qe[0, :, 1] = 0.0
+    for matrix in ("kernel", "lmmse"):
+        evaluator = Evaluator(scenes=(plain_scene(matrix),), objectives=("snr_y_db", "vora"))
+        found = evaluator.values(Candidates(qe=qe))
+        assert (found[0] == -np.inf).all()
+        assert np.isfinite(found[1]).all()
+
+
+def test_pairs_of_a_scene_are_separated_instead_of_those_of_the_chart():
+    chart = colorchecker(GRID)
+    pairs = PatchPairs(patches=chart, indices=np.array([[0, 1], [4, 9]]))
+    scene, names = plain_scene(pairs=pairs), ("least_separation", "mean_separation", "delta_e")
+    qe = bells(np.random.default_rng(12), 1, 3)
+    found = Evaluator(scenes=(scene,), objectives=names).values(Candidates(qe=qe))[0]
+    np.testing.assert_allclose(found, of_library(scene, qe[0], names), rtol=1e-9)
+
+
+def test_the_worst_of_the_tolerances_is_never_better_than_the_candidate():
+    evaluator = Evaluator(scenes=(plain_scene(),), objectives=("snr_y_db", "delta_e"))
+    nominal = evaluator.values(Bells().candidates(AT[None]))[0]
+    worst, most = (
+        robust_values(evaluator, Bells(), AT[None], Tolerances(samples=32, statistic=statistic))[0]
+        for statistic in ("worst", "percentile-95")
+    )
+    assert worst[0] < most[0] < nominal[0]
+    assert worst[1] > most[1]
+    assert worst[1] > nominal[1]
+    again = robust_values(evaluator, Bells(), AT[None].repeat(3, 0), Tolerances(samples=32))
+    assert (again == worst).all()
+
+
+def test_the_worst_of_a_small_tolerance_is_the_gradient_times_the_tolerance():
+    space = Bells(tolerance=1e-4)
+    evaluator = Evaluator(scenes=(plain_scene(),), objectives=("snr_y_db",))
+    values, jacobian = evaluator.gradient(space, AT)
+    worst = robust_values(evaluator, space, AT[None], Tolerances(samples=4096))[0, 0]
+    np.testing.assert_allclose(values[0] - worst, 1e-4 * np.abs(jacobian).sum(), rtol=0.1)
+
+
+@pytest.mark.parametrize(
+    ("made", "fields"),
+    [
+        (lambda: Evaluator(scenes=(plain_scene(),), objectives=("snr_y",)), {"value": "snr_y"}),
+        (lambda: Evaluator(scenes=(), objectives=("vora",)), {"subject": "scenes"}),
+        (lambda: Evaluator(scenes=(plain_scene(),), objectives=()), {"subject": "objectives"}),
+        (
+            lambda: Evaluator(scenes=(plain_scene(),), objectives=("vora",)).values(
+                Candidates(qe=np.full((1, 5, 3), 0.5))
+            ),
+            {"value": 5},
+        ),
+        (
+            lambda: Evaluator(scenes=(plain_scene(),), objectives=("vora",)).values(
+                Candidates(qe=np.full((0, GRID.n, 3), 0.5))
+            ),
+            {"subject": "candidates"},
+        ),
+        (
+            lambda: Evaluator(scenes=(plain_scene(),), objectives=("visual_noise",)).values(
+                Candidates(qe=np.full((1, GRID.n, 3), 0.5), pixel_share=np.full((1, 3), 1 / 3))
+            ),
+            {"subject": "objective visual_noise"},
+        ),
+        (
+            lambda: Evaluator(scenes=(plain_scene(),), objectives=("vora",)).values(
+                Candidates(qe=np.full((1, GRID.n, 3), 0.5), noise_weight=np.ones(1))
+            ),
+            {"value": "kernel"},
+        ),
+        (
+            lambda: Evaluator(scenes=(plain_scene(),), objectives=("vora",)).values_of_choices(
+                np.array([[0, 9]]), np.full((GRID.n, 9), 0.5)
+            ),
+            {"value": 9},
+        ),
+        (lambda: plain_scene("kernal"), {"value": "kernal"}),
+        (lambda: Tolerances(samples=3), {"value": 3}),
+        (
+            lambda: robust_values(
+                Evaluator(scenes=(plain_scene(),), objectives=("vora",)),
+                Bells(tolerance=0.0), AT[None], Tolerances(),
+            ),
+            {"subject": "tolerances"},
+        ),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_evaluated_is_refused(made, fields):
+    with refused_input(**fields):
+        made()
+
+
+def test_crosstalk_after_counting_is_refused():
+    coupling = Crosstalk(matrix=np.full((3, 3), 1 / 3), pixels=(1, 1, 1), stage="charge")
+    scene = plain_scene()
+    with refused_input(subject="crosstalk_stage"):
+        replace(
+            scene,
+            point=replace(scene.point, sensor=replace(scene.point.sensor, crosstalk=coupling)),
+        )
