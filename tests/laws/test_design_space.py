@@ -1,6 +1,7 @@
 """A design space makes sensors that are possible, from free, fixed and tied numbers."""
 
 import math
+import pickle
 from dataclasses import replace
 
 import numpy as np
@@ -361,6 +362,13 @@ def test_a_design_that_cannot_be_is_refused_by_what_is_wrong(case):
     fields, expected = REFUSED[case]
     with refused_input(**expected):
         space_of(**fields)
+
+
+@given(spaces, anywhere)
+def test_a_space_computes_the_same_in_another_process(space, shares):
+    values = rows(space, shares)
+    sent = pickle.loads(pickle.dumps(space))
+    np.testing.assert_array_equal(sent.curves(values), space.curves(values))
 
 
 def test_values_of_another_space_are_refused():

@@ -7,8 +7,10 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
+from chromanoise.catalog import sensor_named
 from chromanoise.sensor import ir_cut, resin_filter, silicon_qe
-from chromanoise.sensor.color_router import color_router, router_collection
+from chromanoise.sensor.color_router import router_collection, router_shares
+from chromanoise.sensor.dyes import dye_transmittances
 from chromanoise.sensor.filter_models import FILTER_MODELS, SILICON_NUMBERS
 from chromanoise.sensor.filter_shapes import (
     beer_lambert,
@@ -43,10 +45,6 @@ def filters(draw):
         for key, one in known.items()
         for low, high in [RANGES[one.unit]]
     }
-    if name == "resin":
-        edges = sorted(numbers[key] for key in ("low_nm", "high_nm", "leak_nm"))
-        assume(edges[0] < edges[1])
-        numbers |= dict(zip(("low_nm", "high_nm", "leak_nm"), edges, strict=True))
     return name, numbers, draw(st.sampled_from(sorted(numbers)))
 
 
@@ -62,8 +60,6 @@ def test_a_filter_transmits_between_nothing_and_all(case):
 def test_filters_of_many_candidates_are_those_of_each(case, factor):
     name, numbers, key = case
     other = numbers | {key: numbers[key] * factor}
-    if name == "resin":
-        assume(other["low_nm"] < other["high_nm"] <= other["leak_nm"])
     number = FILTER_MODELS[name].numbers_for(numbers)[key]
     assume(other[key] >= number.least)
     both = {one: np.array([numbers[one], other[one]]) for one in numbers}
@@ -81,7 +77,7 @@ TYPICAL = {
         "leak_nm": 800.0,
     },
     "resin": {
-        "low_nm": 490.0, "high_nm": 590.0, "leak_nm": 790.0, "edge_nm": 12.0, "peak": 0.9,
+        "low_nm": 490.0, "band_width_nm": 100.0, "gap_nm": 200.0, "edge_nm": 12.0, "peak": 0.9,
         "leak": 0.95, "floor": 0.02,
     },
     "dye-bands": {
@@ -270,7 +266,7 @@ def test_a_stack_transmits_as_much_from_the_other_side(thickness, index_out):
 )
 def test_a_router_gives_all_light_that_it_collects_and_no_more(selectivity, efficiency, edge_nm):
     crossing = np.linspace(450, 900, len(selectivity) - 1)
-    shares = color_router(
+    shares = router_shares(
         GRID,
         collection=router_collection(selectivity, efficiency),
         crossing_nm=crossing.tolist(),
@@ -282,7 +278,7 @@ def test_a_router_gives_all_light_that_it_collects_and_no_more(selectivity, effi
 
 def test_a_router_that_gives_more_than_it_has_is_refused():
     with refused_input(subject="collection", value=1.2):
-        color_router(GRID, collection=np.array([[0.6, 0.3], [0.6, 0.3]]), crossing_nm=[550.0])
+        router_shares(GRID, collection=np.array([[0.6, 0.3], [0.6, 0.3]]), crossing_nm=[550.0])
 
 
 def test_layers_of_many_candidates_are_those_of_each():
@@ -292,3 +288,19 @@ def test_layers_of_many_candidates_are_those_of_each():
     np.testing.assert_allclose(both, each, rtol=1e-14)
     with refused_input(subject="ends_um"):
         layered_silicon_qe(GRID, (1.2, 0.4))
+
+
+def test_the_dyes_of_a_model_are_its_resins_and_a_ratio_above_1_is_scaled_with_a_note():
+    sensor = sensor_named("model-rgbw", GRID)
+    dyes = dye_transmittances(sensor)
+    green = resin_filter(GRID, low_nm=490, high_nm=590, leak_nm=790)
+    np.testing.assert_allclose(dyes.values[:, 1], green, rtol=1e-12)
+    assert dyes.notes == sensor.notes
+    sheet = sensor_named("mt9v024-rgbw", GRID)  # its G exceeds its W
+    real = dye_transmittances(sheet)
+    assert real.values.max() == 1.0
+    assert "no filter transmits more than all light" in real.notes[-1]
+    ratio = sheet.qe[:, :2] / sheet.qe[:, 3:]
+    np.testing.assert_allclose(real.values[:, 1] / real.values[:, 0], ratio[:, 1] / ratio[:, 0])
+    with refused_input(subject="dyes of model-mono"):
+        dye_transmittances(sensor_named("model-mono", GRID))

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from chromanoise import _check
 from chromanoise.errors import InputError, did_you_mean
+from chromanoise.sensor.filters import possible
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -117,10 +118,10 @@ def refuse_outside(name: str, unit: str, value: float, least: float, most: float
         If it is.
     """
     if not least <= value <= most or not math.isfinite(value):
-        demand = f"{least:g} to {most:g}" if math.isfinite(most) else f"finite and >= {least:g}"
         remedy = "divide percent by 100" if most == 1 and 1 < value <= 100 else ()
         unit = "" if unit == "1" else f" [{unit}]"
-        raise InputError(name, f"must be {demand}{unit}", value=value, remedy=remedy)
+        demand = f"must be {possible(least, most)}{unit}"
+        raise InputError(name, demand, value=value, remedy=remedy)
 
 
 def tied_to(name: str, values: Mapping[str, Value]) -> str:

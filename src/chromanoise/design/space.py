@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from types import MappingProxyType
 from typing import Literal, get_args
 
 import numpy as np
@@ -22,7 +21,7 @@ from chromanoise.sensor import (
     refuse_other_channels,
     with_pixel,
 )
-from chromanoise.sensor.color_router import color_router, router_collection
+from chromanoise.sensor.color_router import router_collection, router_shares
 from chromanoise.sensor.filter_models import FILTER_MODELS, SILICON_NUMBERS, ModelNumber
 from chromanoise.sensor.filter_shapes import beer_lambert
 from chromanoise.sensor.filters import (
@@ -116,7 +115,7 @@ class DesignSpace:
         ``layers.NAME_um``, the thickness of the layer of each channel. [um]
     router
         ``router.efficiency``, ``router.NAME_selectivity`` as for `router_collection`,
-        ``router.crossing_1_nm`` and so on and ``router.edge_nm`` as for `color_router`.
+        ``router.crossing_1_nm`` and so on and ``router.edge_nm`` as for `router_shares`.
     library
         Transmittances on the grid by name, for the filters of model ``dye``. [1]
     mosaic
@@ -200,8 +199,8 @@ class DesignSpace:
                 given[name] = (value, ModelNumber(unit="1", what="curve", most=float(last)))
         parameters, numbers_of = _resolved(given, choices)
         object.__setattr__(self, "parameters", parameters)
-        object.__setattr__(self, "_numbers", MappingProxyType(numbers_of))
-        object.__setattr__(self, "_curves", MappingProxyType(dict(self._library_curves())))
+        object.__setattr__(self, "_numbers", numbers_of)
+        object.__setattr__(self, "_curves", dict(self._library_curves()))
         self._refuse_dark_channels()
 
     # what the design consists of
@@ -350,7 +349,7 @@ class DesignSpace:
         p = len(self.channels)
         selectivity = [self._number(f"router.{name}_selectivity", values) for name in self.names]
         crossing = [self._number(f"router.crossing_{i}_nm", values) for i in range(1, p)]
-        return color_router(
+        return router_shares(
             self.grid,
             collection=router_collection(selectivity, self._number("router.efficiency", values)),
             crossing_nm=crossing,

@@ -34,6 +34,7 @@ from chromanoise.sensor.filters import (
     ir_cut,
     ir_cut_model,
     is_filter_name,
+    layered_silicon_qe,
     resin_filter,
     silicon_qe,
 )
@@ -82,6 +83,23 @@ from chromanoise.sensor.sensor import (
 
 if TYPE_CHECKING:
     from chromanoise.sensor.camera_noise import CameraNoise
+    from chromanoise.sensor.color_router import router_collection, router_shares
+    from chromanoise.sensor.dyes import dye_transmittances
+    from chromanoise.sensor.filter_models import (
+        FILTER_MODELS,
+        SILICON_NUMBERS,
+        FilterModel,
+        ModelNumber,
+    )
+    from chromanoise.sensor.filter_shapes import (
+        beer_lambert,
+        dual_band_filter,
+        dye_of_bands,
+        fabry_perot_filter,
+        gaussian_filter,
+        long_pass,
+        raised_cosine_filter,
+    )
     from chromanoise.sensor.photon_transfer import (
         PhotonTransfer,
         TransferFit,
@@ -96,18 +114,23 @@ if TYPE_CHECKING:
         read_noise_sum,
         tukey_lambda_variance,
     )
+    from chromanoise.sensor.thin_film import alternating_stack, cauchy_index, thin_film_stack
 
 __all__ = [
     "EXTRA_NOISE",
+    "FILTER_MODELS",
     "MOSAIC_NAMES",
     "MOST_BINNING",
     "PAPER_PIXEL",
+    "SILICON_NUMBERS",
     "Adc",
     "BinningMode",
     "CameraNoise",
     "Converter",
     "Crosstalk",
+    "FilterModel",
     "LogLinearNoise",
+    "ModelNumber",
     "Mosaic",
     "PhotonTransfer",
     "Pixel",
@@ -120,19 +143,29 @@ __all__ = [
     "TransferFit",
     "adc_of",
     "adc_to_full_well",
+    "alternating_stack",
     "bayer",
+    "beer_lambert",
     "behind_filter",
     "behind_ir_cut",
     "binned",
+    "cauchy_index",
     "code_range_e",
     "code_step_e",
     "crosstalk_of_kernel",
     "crosstalk_of_share",
+    "dual_band_filter",
+    "dye_of_bands",
+    "dye_transmittances",
     "extra_noise",
+    "fabry_perot_filter",
     "filter_named",
+    "gaussian_filter",
     "ir_cut",
     "ir_cut_model",
     "is_filter_name",
+    "layered_silicon_qe",
+    "long_pass",
     "mosaic_named",
     "moved_curve",
     "noise_profile",
@@ -147,6 +180,7 @@ __all__ = [
     "pixel_from_photon_transfer",
     "pixels_of",
     "quantization_step_e",
+    "raised_cosine_filter",
     "read_noise_sum",
     "refuse_other_channels",
     "refuse_summed_readings",
@@ -154,9 +188,12 @@ __all__ = [
     "rgb_ir",
     "rgbw_2x2",
     "rgbw_sparse_4x4",
+    "router_collection",
+    "router_shares",
     "shares_after_counting",
     "shot_and_read_only",
     "silicon_qe",
+    "thin_film_stack",
     "tukey_lambda_variance",
     "white_level_e",
     "white_level_name",

@@ -18,7 +18,7 @@ from chromanoise.sensor.filters import LEAST_LENGTH_NM, Number, logistic, per_ca
 from chromanoise.spectra import Grid
 
 
-def color_router(
+def router_shares(
     grid: Grid,
     *,
     collection: Inexact[Array, "*m p b"],
@@ -45,7 +45,7 @@ def color_router(
     Examples
     --------
     >>> halves = np.array([[0.6, 0.3], [0.3, 0.6]])
-    >>> color_router(
+    >>> router_shares(
     ...     Grid.uniform(500, 600, 50), collection=halves, crossing_nm=[550], edge_nm=5
     ... ).round(3)
     array([[0.6 , 0.3 ],

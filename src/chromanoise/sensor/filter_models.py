@@ -156,6 +156,14 @@ _BAND = {
 }
 
 
+def _resin(
+    grid: Grid, *, low_nm: Number, band_width_nm: Number, gap_nm: Number, **others: Number
+) -> Array:
+    """`resin_filter` by distances, so that no choice of numbers puts its edges out of order."""
+    high_nm = low_nm + band_width_nm
+    return resin_filter(grid, low_nm=low_nm, high_nm=high_nm, leak_nm=high_nm + gap_nm, **others)
+
+
 def _ir_cut(grid: Grid, *, cutoff_nm: Number, width_nm: Number) -> Array:
     return ir_cut(grid, edge_nm=cutoff_nm, width_nm=width_nm)
 
@@ -181,11 +189,13 @@ FILTER_MODELS: Mapping[str, FilterModel] = {
     ),
     "resin": FilterModel(
         what="a passband with logistic edges, transparent again in the infrared",
-        transmittance=resin_filter,
+        transmittance=_resin,
         numbers={
             "low_nm": _length("wavelength at which the band begins"),
-            "high_nm": _length("wavelength at which the band ends"),
-            "leak_nm": _length("wavelength above which it is transparent again"),
+            "band_width_nm": _length("full width of the band"),
+            "gap_nm": ModelNumber(
+                unit="nm", what="distance from the end of the band to the infrared that passes"
+            ),
             "edge_nm": _length("logistic scale of the edges", 12.0),
             "peak": _share("transmittance of the band", 0.9),
             "leak": _share("transmittance in the infrared", 0.95),
