@@ -13,7 +13,8 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 
 from chromanoise._check import Array
-from chromanoise._shapes import Float
+from chromanoise._shapes import Bool, Float
+from chromanoise.design.front import crowding
 from chromanoise.design.problem import Problem
 from chromanoise.errors import InputError
 from chromanoise.rng import stream
@@ -21,6 +22,9 @@ from chromanoise.rng import stream
 State = dict[str, Array]
 
 _FIRST_STEP = 0.25  # of CMA-ES, as a share of the range of each parameter
+_ATTEMPTS = 100  # times that a generation is completed after duplicates were removed
+_CROSSED, _MUTATED = 0.9, 0.9  # shares of pairs and of children, as in NSGA-II of pymoo
+_NORMALIZATION = ("ideal_point", "worst_point", "nadir_point", "extreme_points")
 _DITHER = (0.5, 1.0)  # weight of a difference in differential evolution
 _CONVERGED = 1e-9  # spread of a population, as a share of the range of each parameter
 _RECOMBINATION = 0.7  # share of the parameters that a trial takes from the mutant
@@ -67,7 +71,9 @@ def latin_hypercube(problem: Problem, count: int, rng: np.random.Generator) -> F
 
 
 class Genetic:
-    """NSGA-II or NSGA-III with the operators and the survival of pymoo.
+    """NSGA-II or NSGA-III with the operators, ranks and reference directions of pymoo.
+
+    Arrays hold the population, because the objects of pymoo cost more than the fast objectives.
 
     Parameters
     ----------
@@ -89,47 +95,68 @@ class Genetic:
 
         Config.warnings["not_compiled"] = False  # otherwise printed where pymoo was not compiled
         from pymoo.algorithms.moo.nsga3 import ReferenceDirectionSurvival
-        from pymoo.core.duplicate import DefaultDuplicateElimination
-        from pymoo.core.mating import Mating
-        from pymoo.core.population import Population
-        from pymoo.core.problem import Problem as Bounds
-        from pymoo.operators.crossover.sbx import SBX
-        from pymoo.operators.mutation.pm import PM
-        from pymoo.operators.selection.tournament import TournamentSelection
-        from pymoo.operators.survival.rank_and_crowding import RankAndCrowding
 
-        def allowed(_: Any, candidates: Any, **__: Any) -> Any:
-            candidates.set("X", problem.allowed(candidates.get("X")))
-            return candidates
-
-        count = len(problem.objectives)
-        self._new, self._merged = Population.new, Population.merge
-        self._size, self._many = population, many
-        self._bounds = Bounds(
-            n_var=len(problem.names),
-            n_obj=count,
-            n_ieq_constr=1,
-            xl=problem.low,
-            xu=problem.high,
-        )
-        self._survival = (
-            ReferenceDirectionSurvival(_directions(count, population))
+        self._problem, self._size = problem, population
+        self._kept = dict[str, Array]()
+        self._many = many
+        self._niches: Any = (
+            ReferenceDirectionSurvival(_directions(len(problem.objectives), population))
             if many
-            else RankAndCrowding()
+            else None
         )
-        self._mating = Mating(
-            TournamentSelection(func_comp=_tournament),
-            SBX(eta=30, prob=1.0) if many else SBX(eta=15, prob=0.9),
-            PM(eta=20),
-            repair=allowed,
-            eliminate_duplicates=DefaultDuplicateElimination(),
-        )
-        self._population: Any = None
 
     def ask(self, rng: np.random.Generator) -> Float[Array, "m d"]:
         """As `Algorithm.ask`."""
-        found = self._mating.do(self._bounds, self._population, self._size, random_state=rng)
-        return found.get("X").reshape(-1, self._bounds.n_var)
+        seen = {row.tobytes() for row in self._kept["values"]}
+        found: list[Array] = []
+        for _ in range(_ATTEMPTS):
+            for row in self._children(self._size - len(found), rng):
+                if (key := row.tobytes()) not in seen:
+                    seen.add(key)
+                    found.append(row)
+            if len(found) == self._size:
+                break
+        return np.array(found).reshape(-1, len(self._problem.names))
+
+    def _children(self, count: int, rng: np.random.Generator) -> Array:
+        from pymoo.operators.crossover.sbx import cross_sbx
+        from pymoo.operators.mutation.pm import mut_pm
+
+        low, high, d = self._problem.low, self._problem.high, len(self._problem.names)
+        matings = -(-count // 2)
+        values = self._kept["values"]
+        parents = values[self._winners(2 * matings, rng)].reshape(2, matings, d)
+        eta, share = (30.0, 1.0) if self._many else (15.0, _CROSSED)
+        half = np.full((matings, 1), 0.5)
+        crossed = cross_sbx(
+            parents.copy(), low, high, np.full((matings, 1), eta), half, half, random_state=rng
+        )
+        pairs = np.where(rng.random((matings, 1)) < share, crossed, parents)
+        children = pairs.reshape(-1, d)[:count]
+        rate = np.full(count, min(0.5, 1 / d))
+        mutated = mut_pm(children, low, high, np.full(count, 20.0), rate, False, random_state=rng)
+        chosen = np.where(rng.random((count, 1)) < _MUTATED, mutated, children)
+        return self._problem.allowed(chosen)
+
+    def _winners(self, count: int, rng: np.random.Generator) -> Array:
+        """Winners of pairs: lower violation, then dominance, crowding (NSGA-II) and chance."""
+        size = len(self._kept["values"])
+        rounds = -(-2 * count // size)
+        drawn = np.concatenate([rng.permutation(size) for _ in range(rounds)])[: 2 * count]
+        first, second = drawn.reshape(-1, 2).T
+        costs, misses, distance = (self._kept[name] for name in ("costs", "misses", "crowding"))
+        score = np.zeros(count, dtype=int)
+        for better, worse in (
+            (misses[first] < misses[second], misses[first] > misses[second]),
+            (
+                _nowhere_above(costs[first], costs[second]),
+                _nowhere_above(costs[second], costs[first]),
+            ),
+            (distance[first] > distance[second], distance[first] < distance[second]),
+        ):
+            score = np.where(score == 0, better.astype(int) - worse, score)
+        score = np.where(score == 0, rng.choice([-1, 1], size=count), score)
+        return np.where(score > 0, first, second)
 
     def tell(
         self,
@@ -139,36 +166,81 @@ class Genetic:
         rng: np.random.Generator,
     ) -> None:
         """As `Algorithm.tell`."""
-        candidates = self._candidates(values, costs, misses, np.zeros(len(values)))
-        if self._population is not None:
-            candidates = self._merged(self._population, candidates)
-        with warnings.catch_warnings():  # NSGA-III of pymoo changes the filters of warnings
-            self._population = self._survival.do(
-                self._bounds, candidates, n_survive=self._size, random_state=rng
-            )
+        new = {
+            "values": values,
+            "costs": costs,
+            "misses": misses,
+            "crowding": np.zeros(len(misses)),
+        }
+        if self._kept:
+            new = {name: np.concatenate([self._kept[name], array]) for name, array in new.items()}
+        feasible = np.flatnonzero(new["misses"] == 0)
+        best = feasible[:0]
+        if feasible.size:
+            select = self._nearest if self._many else self._crowded
+            places, distance = select(new["costs"][feasible], rng)
+            best = feasible[places]
+            new["crowding"][best] = distance
+        order = np.argsort(new["misses"], kind="stable")
+        rest = order[feasible.size :][: self._size - best.size]
+        chosen = np.concatenate([best, rest])
+        self._kept = {name: array[chosen] for name, array in new.items()}
+
+    def _crowded(self, costs: Array, rng: np.random.Generator) -> tuple[Array, Array]:
+        """Survivors of NSGA-II by rank and crowding, and their crowding distance."""
+        from pymoo.util.nds.non_dominated_sorting import NonDominatedSorting
+
+        chosen: list[int] = []
+        distance = np.zeros(len(costs))
+        for front in NonDominatedSorting().do(costs, n_stop_if_ranked=self._size):
+            distance[front] = crowding(costs[front])
+            room = self._size - len(chosen)
+            order = np.lexsort((rng.random(front.size), -distance[front]))
+            chosen += (front if front.size <= room else front[order[:room]]).tolist()
+        return np.array(chosen), distance[chosen]
+
+    def _nearest(self, costs: Array, rng: np.random.Generator) -> tuple[Array, Array]:
+        """Survivors of NSGA-III by the reference directions; crowding is not used."""
+        every = _Costs(costs, np.arange(len(costs)))
+        with warnings.catch_warnings():  # pymoo changes the filters of warnings
+            kept = self._niches._do(None, every, min(self._size, len(costs)), random_state=rng)
+        return kept.places, np.zeros(kept.places.size)
 
     def state(self) -> State:
         """As `Algorithm.state`; ranks are derived from the costs, the crowding is kept."""
-        names = ("values", "X"), ("costs", "F"), ("misses", "G"), ("crowding", "crowding")
-        state = {name: self._population.get(key) for name, key in names}
-        state["misses"] = state["misses"][:, 0]
-        if self._many and self._survival.norm.extreme_points is not None:
-            state |= {name: getattr(self._survival.norm, name) for name in _NORMALIZATION}
-        return state
+        if not self._many or self._niches.norm.extreme_points is None:
+            return dict(self._kept)
+        norm = self._niches.norm
+        return self._kept | {name: getattr(norm, name) for name in _NORMALIZATION}
 
     def restore(self, state: State) -> None:
         """As `Algorithm.restore`."""
-        names = "values", "costs", "misses", "crowding"
-        self._population = self._candidates(*(state[name] for name in names))
-        for name in _NORMALIZATION:
-            if name in state:
-                setattr(self._survival.norm, name, state[name])
-
-    def _candidates(self, values: Array, costs: Array, misses: Array, crowding: Array) -> Any:
-        return self._new(X=values, F=costs, G=misses[:, None], crowding=crowding)
+        self._kept = {name: array for name, array in state.items() if name not in _NORMALIZATION}
+        for name in set(_NORMALIZATION) & set(state):
+            setattr(self._niches.norm, name, state[name])
 
 
-_NORMALIZATION = ("ideal_point", "worst_point", "nadir_point", "extreme_points")
+class _Costs:
+    """What the survival of NSGA-III asks of a population of pymoo, which are costs and places."""
+
+    def __init__(self, costs: Array, places: Array) -> None:
+        self._costs, self.places = costs, places
+
+    def __len__(self) -> int:
+        return self.places.size
+
+    def __getitem__(self, index: Any) -> "_Costs":
+        return _Costs(self._costs, self.places[np.asarray(index, dtype=int)])
+
+    def get(self, _: str) -> Array:
+        return self._costs[self.places]
+
+    def set(self, *_: Any) -> None:
+        """Rank and niche are not used later."""
+
+
+def _nowhere_above(one: Float[Array, "m q"], other: Float[Array, "m q"]) -> Bool[Array, " m"]:
+    return np.all(one <= other, axis=1)
 
 
 def _directions(objectives: int, most: int) -> Float[Array, "k q"]:
@@ -179,24 +251,6 @@ def _directions(objectives: int, most: int) -> Float[Array, "k q"]:
     while objectives > 1 and math.comb(parts + objectives, objectives - 1) <= most:
         parts += 1
     return get_reference_directions("das-dennis", objectives, n_partitions=parts)
-
-
-def _tournament(candidates: Any, pairs: Array, random_state: Any, **_: Any) -> Array:
-    """The winner of each pair: lower violation, then dominance, crowding (NSGA-II) and chance."""
-    first, second = pairs.T
-    miss, costs = candidates.get("CV")[:, 0], candidates.get("F")
-    crowding = candidates.get("crowding").astype(float)
-    below = (costs[first] <= costs[second]).all(axis=1)
-    above = (costs[first] >= costs[second]).all(axis=1)
-    score = np.zeros(len(pairs), dtype=int)
-    for better, worse in (
-        (miss[first] < miss[second], miss[first] > miss[second]),
-        (below, above),
-        (crowding[first] > crowding[second], crowding[first] < crowding[second]),
-    ):
-        score = np.where(score == 0, better.astype(int) - worse, score)
-    score = np.where(score == 0, random_state.choice([-1, 1], size=len(pairs)), score)
-    return np.where(score > 0, first, second)[:, None]
 
 
 class DifferentialEvolution:

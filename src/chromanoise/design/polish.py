@@ -7,13 +7,14 @@ import numpy as np
 
 from chromanoise._check import Array
 from chromanoise._shapes import Float
-from chromanoise.design.archive import Archive
+from chromanoise.design.archive import Archive, misses_of
 from chromanoise.design.front import extremes, thinned
-from chromanoise.design.problem import Linearized, Problem, checked_evaluation
+from chromanoise.design.problem import Evaluated, Linearized, Problem, checked_evaluation
 
 _ITERATIONS = 100
-_PRECISION = 1e-13  # of the sum of scaled costs
-_MARGIN = 1e-10  # scaled; kept from each constraint, because SLSQP meets it within rounding only
+_PRECISION = 1e-12  # of the sum of scaled costs
+_MARGIN = 1e-9  # kept from each constraint, because SLSQP meets it within rounding only
+_BACK = np.array([0.0, *np.geomspace(1e-9, 1e-2, 15)])  # steps from the end of a run to its start
 
 
 class _UndefinedError(Exception):
@@ -50,11 +51,14 @@ def polished(problem: Problem, front: Archive, *, most: int) -> tuple[Archive, i
     gradients, ends = 0, []
     for index, minimized, bounded in tasks:
         run = _Descent(problem, front.values[index], costs[index], scale, minimized, bounded)
-        ends.append(run.end())
+        ends.append(run.ends())
         gradients += run.gradients
-    values = problem.allowed(np.array(ends))
+    values = problem.allowed(np.concatenate(ends))
     found = checked_evaluation(problem, values, problem.evaluate)
-    return front.joined(problem, values, found).thinned(problem), gradients
+    feasible = (misses_of(found) == 0).reshape(len(tasks), -1)
+    first = np.arange(len(tasks)) * feasible.shape[1] + feasible.argmax(axis=1)
+    found = Evaluated(objectives=found.objectives[first], violation=found.violation[first])
+    return front.joined(problem, values[first], found).thinned(problem), gradients
 
 
 class _Descent:
@@ -73,24 +77,25 @@ class _Descent:
         self._problem, self._start, self._costs = problem, values, costs
         self._scale, self._minimized, self._bounded = scale, minimized, bounded
         self._free = ~problem.whole
+        self._low = problem.low[self._free]
         self._range = (problem.high - problem.low)[self._free]
         self._best = (0.0, values)  # scaled sum relative to the start, and where
         self._last: tuple[bytes, tuple[Any, ...]] = (b"", ())
 
-    def end(self) -> Float[Array, " d"]:
-        """The best feasible iterate, or the start."""
+    def ends(self) -> Float[Array, "k d"]:
+        """Points from the last iterate toward the feasible start, and the best feasible iterate."""
         from scipy.optimize import minimize
 
         if not self._free.any():
-            return self._start
-        start = ((self._start - self._problem.low)[self._free]) / self._range
+            return np.tile(self._start, (_BACK.size + 1, 1))
+        start = last = (self._start[self._free] - self._low) / self._range
         slack = {
             "type": "ineq",
             "fun": lambda share: -self._at(share)[2] - _MARGIN,
             "jac": lambda share: -self._at(share)[3],
         }
         with suppress(_UndefinedError):
-            minimize(
+            last = minimize(
                 lambda share: self._at(share)[0],
                 start,
                 jac=lambda share: self._at(share)[1],
@@ -98,8 +103,10 @@ class _Descent:
                 bounds=[(0.0, 1.0)] * start.size,
                 constraints=[slack] if len(self._at(start)[2]) else [],
                 options={"maxiter": _ITERATIONS, "ftol": _PRECISION},
-            )
-        return self._best[1]
+            ).x
+        path = np.tile(self._start, (_BACK.size, 1))
+        path[:, self._free] = self._low + (last + _BACK[:, None] * (start - last)) * self._range
+        return np.vstack([path, self._best[1]])
 
     def _at(self, share: Float[Array, " f"]) -> tuple[Any, ...]:
         """Scaled cost and limits with their derivatives; SLSQP asks for each of them apart."""
@@ -110,8 +117,7 @@ class _Descent:
 
     def _linearized(self, share: Float[Array, " f"]) -> tuple[Any, ...]:
         values = self._start.copy()
-        low = self._problem.low[self._free]
-        values[self._free] = low + share * self._range
+        values[self._free] = self._low + share * self._range
         assert self._problem.gradient is not None
         self.gradients += 1
         found: Linearized = self._problem.gradient(values)
