@@ -156,7 +156,7 @@ def test_the_ir_cut_of_least_total_error_moves_to_longer_wavelengths_as_light_fa
 
 
 @pytest.mark.parametrize("sensor", ["onyx-rgbw", "onyx-rgb"])
-def test_the_ir_cut_of_best_snr_moves_only_with_a_matrix_that_adapts_to_the_light(sensor):
+def test_the_ir_cut_of_best_snr_moves_with_lmmse_and_not_with_least_squares(sensor):
     adapted, fixed = (
         [best_edge_nm(sensor, evaluator("snr_y_db", lux=lux, matrix=matrix)) for lux in LIGHT]
         for matrix, LIGHT in (("lmmse", (100.0, 10.0, 1.0, 0.1)), ("least-squares", (100.0, 0.1)))
