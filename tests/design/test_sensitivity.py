@@ -107,7 +107,7 @@ def test_the_allowed_change_of_a_parameter_costs_the_loss():
 
 
 def test_drawn_sensors_have_the_spread_of_first_order_and_the_same_shares():
-    draws = 150
+    draws = 600
     found = cn.sensitivity(
         without_mosaic(),
         objectives=["snr_y_db", "delta_e"],
