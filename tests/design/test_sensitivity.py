@@ -161,6 +161,14 @@ def test_at_full_well_the_effect_is_that_of_less_light():
     assert slopes(found, "snr_y_db")["level_lux"] == pytest.approx(DB_PER_PERCENT, rel=0.03)
 
 
+def test_at_the_end_of_its_range_a_parameter_changes_to_the_other_side():
+    low, high = (
+        slopes(cn.sensitivity(SENSOR, objectives=["snr_y_db"], prnu=prnu, **LIGHT), "snr_y_db")
+        for prnu in (0.199, 0.2)
+    )
+    assert high["prnu"] == pytest.approx(low["prnu"], rel=0.02)
+
+
 @pytest.mark.parametrize(
     ("settings", "subject"),
     [

@@ -440,14 +440,21 @@ def _values(
 
 
 def _slopes(values: Any, parameter: Varied, base: Float[Array, " q"]) -> Float[Array, " q"]:
-    """Central differences; one-sided where one side is not defined. NaN where neither is.
+    """Central differences; one-sided where one side is not defined or not possible.
 
-    A difference within the rounding of the values is 0.
+    NaN where neither is. A difference within the rounding of the values is 0.
     """
+
+    def at(step: float) -> Float[Array, " q"]:
+        try:
+            return values({parameter.name: step})
+        except InputError:  # the value is at the end of its range
+            return np.full_like(base, np.nan)
+
     with np.errstate(invalid="ignore"):  # inf - inf
-        sides = [values({parameter.name: STEP}) - base]
+        sides = [at(STEP) - base]
         if not parameter.one_sided:
-            sides.append(base - values({parameter.name: -STEP}))
+            sides.append(base - at(-STEP))
         both = np.stack(sides)
         both = np.where(np.abs(both) <= _ROUNDING * np.abs(base), 0.0, both)
     defined = np.isfinite(both)
