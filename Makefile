@@ -45,6 +45,7 @@ bench: $(VENV)/.bench
 	$(BIN)/python benchmarks/closed_form_against_sampling.py
 	$(BIN)/python benchmarks/whole_pixel.py
 	$(BIN)/python benchmarks/separation.py
+	$(BIN)/python benchmarks/design.py
 	$(BIN)/python benchmarks/imaging.py --write
 	$(BIN)/python benchmarks/startup.py --write
 	$(BIN)/python benchmarks/page.py --write

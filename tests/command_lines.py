@@ -27,6 +27,7 @@ if __name__ == "__main__":  # run as a script, it finds its neighbors and the so
     sys.path[:0] = [str(Path(__file__).parent), str(Path(__file__).parents[1] / "src")]
 
 from chromanoise.cli.entry import _COMMANDS, commands, run
+from chromanoise.design import DESIGN_STARTER
 from chromanoise.study import STARTER
 from damage import mutated, random_edits
 
@@ -43,7 +44,16 @@ MATRICES = [
     *("noise-regularized=0.5", "bounded-psi=6.5"),
 ]
 FILES = [
-    *("cam.csv", "lamp.csv", "filter.csv", "pixel.txt", "cube.npy", "study.toml", "mine"),
+    *(
+        "cam.csv",
+        "lamp.csv",
+        "filter.csv",
+        "pixel.txt",
+        "cube.npy",
+        "study.toml",
+        "design.toml",
+        "mine",
+    ),
     *("result.json", "missing.csv", "folder", "é.csv", "loop.csv"),
 ]
 VALUES = {  # by the name of an option or argument; a command's own as "command.name"
@@ -132,8 +142,11 @@ VALUES = {  # by the name of an option or argument; a command's own as "command.
     "export": ["m.csv", "m.json", "m.clf", "m.dcp.json"],
     "weights": ["0.01:100", "0.01:100:5"],
     "study": ["study.toml"],
+    "optimize.design": ["design.toml"],
+    "budget": ["8", "16"],
     "init.study": ["new.toml"],
     "serve.study": ["missing.toml"],
+    "front": ["missing.json", "cam.csv"],
     "changes": ["light.level_lux=3", "sensors.0.name=onyx-rgb", "seed=1"],
     "output": ["result.json"],
     "word": ["sensors", "illuminants", "onyx-rgbw", "E"],
@@ -177,10 +190,22 @@ STRANGE = [
     *("folder", "loop.csv", "/dev/null", "/dev/full", "/dev/null/x", "no-such", "<b>&", "'", '"'),
     *("--json", "--no-such", "-o", "-h", "--help", "None", "True", "E+E", "A+1xLED850+1xLED850"),
 ]
+_SHORT_DESIGN = DESIGN_STARTER.replace("population = 200", "population = 4").replace(
+    "budget = 20000", "budget = 8"
+)
 WEIGHTS = {
     **{"analyze": 24, "compare": 12, "matrix": 15, "simulate": 14, "convert": 10, "inspect": 8},
-    "sensitivity": 6,
-    **{"catalog": 5, "run": 4, "rerun": 2, "report": 1, "init": 2, "study": 1, "serve": 2},
+    **{
+        "catalog": 5,
+        "run": 4,
+        "rerun": 2,
+        "report": 1,
+        "init": 2,
+        "study": 1,
+        "serve": 2,
+        "optimize": 2,
+        "sensitivity": 6,
+    },
     **{"reproduce": 1, "demo": 0.2, "demo-frames": 4, "characterize": 5},
 }
 
@@ -230,6 +255,7 @@ def input_files():
         **frame_files(),
         "cube.npy": npy(np.full((4, 5, 14), 0.4, np.float32)),
         "study.toml": STARTER.encode(),
+        "design.toml": _SHORT_DESIGN.encode(),
         "é.csv": curve_csv("RGB", lambda w, i: f"{0.3 / (1 + i)}"),
         "mine/shed.csv": curve_csv("RG", lambda w, i: f"{0.3 / (1 + i)}"),
         "mine/SOURCES.toml": b'[shed]\nkind = "sensor"\nwhat = "a camera"\nquantity = "QE"\n'

@@ -359,11 +359,31 @@ _SPDX += b"".join(b'<SpectralData wavelength="%d">0.5</SpectralData>' % w for w 
 _SPDX += b"</SpectralDistribution></IESTM2714>"
 _TOML = b'title = "T"\n[light]\nilluminant = "E"\n[[sensors]]\nname = "onyx-rgb"\n'
 
+_FRONT = {
+    "schema": "chromanoise front",
+    "schema_version": 1,
+    "objectives": [{"name": "snr_y_db", "what": "SNR of Y", "unit": "dB", "better": "higher"}],
+    "scenes": [{"name": "day", "light": {"level_lux": 100.0}}],
+    "members": [
+        {
+            "name": "front-001",
+            "sensor": "sensors/front-001.csv",
+            "objectives": {"snr_y_db": 30.0},
+            "curves": {
+                "wavelength_nm": [float(w) for w in NM],
+                "names": ["G"],
+                "qe": [[0.5]] * len(NM),
+            },
+            "pixel": {"read_noise_e": 2.0},
+        }
+    ],
+}
 FILES: Mapping[str, Callable[[], bytes]] = {
     "csv": lambda: _table("wavelength_nm,R,G,B"),
     "tsv": lambda: _table("nm\tpower", "{0}\t0.5"),
     "txt": lambda: _table("# a lamp", "{0} 0.5"),
     "json": lambda: json.dumps({"spectral_data": _JSON_CURVES}).encode(),
+    "front.json": lambda: json.dumps(_FRONT).encode(),
     "sp": lambda: _SP,
     "spdx": lambda: _SPDX,
     "xml": lambda: _SPDX,

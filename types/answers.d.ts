@@ -137,6 +137,8 @@ export interface Equation {
 export interface Choices {
   version: string;
   study?: Study;
+  /** Whether `/api/front` has one. */
+  front?: boolean;
   sensors: KnownSensor[];
   illuminants: string[];
   filters?: string[];
@@ -488,7 +490,61 @@ export interface UploadedFile extends UploadedPart {
   others?: UploadedFile[];
 }
 
-export type Upload = UploadedStudy | UploadedFile;
+export interface UploadedFront extends UploadedPart {
+  kind: "front";
+  front: Front;
+}
+
+export type Upload = UploadedStudy | UploadedFile | UploadedFront;
+
+// ---- the front of a design --------------------------------------------------------------------
+
+export interface FrontAxis {
+  name: string;
+  title: string;
+  better: "higher" | "lower";
+}
+
+/** A reference, or a member, which has a mark. */
+export interface FrontPoint {
+  name: string;
+  values: Record<string, Maybe>;
+  text: Record<string, string>;
+  reading: string;
+  mark?: "member" | "extreme" | "knee";
+  notes?: string[];
+}
+
+export interface FrontChart extends Chartable {
+  x: string;
+  y: string;
+  axes: FrontAxis[];
+  members: FrontPoint[];
+  references: FrontPoint[];
+  sentences: string[];
+}
+
+export interface FrontScene {
+  name: string;
+  light: LightPart;
+  exposure: ExposurePart;
+  matrix: string | null;
+}
+
+/** What loads a member: its file, and what of the study is its own. */
+export interface FrontMember {
+  file: string;
+  text: string;
+  pixel: Pixel;
+  exposure: ExposurePart | null;
+  matrix: string | null;
+}
+
+export interface Front {
+  chart: FrontChart;
+  scenes: FrontScene[];
+  members: Record<string, FrontMember>;
+}
 
 // ---- what the drawing modules take and give ---------------------------------------------------
 

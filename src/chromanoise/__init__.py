@@ -43,6 +43,7 @@ if TYPE_CHECKING:
         characterization,
         charts,
         color,
+        design,
         exposure,
         figures,
         geometry,
@@ -62,6 +63,7 @@ if TYPE_CHECKING:
         compare,
         compare_map,
         matrix,
+        optimize,
         render,
         run,
         sensitivity,
@@ -69,6 +71,7 @@ if TYPE_CHECKING:
     from chromanoise.catalog import sensor_named
     from chromanoise.characterization import Characterization
     from chromanoise.color import ColorMatrix
+    from chromanoise.design import Design
     from chromanoise.design.sensitivity import Sensitivity
     from chromanoise.errors import InputError, Setting
     from chromanoise.exposure import Exposure, OperatingPoint
@@ -100,6 +103,7 @@ __all__ = [
     "Comparison",
     "ComparisonMap",
     "Cube",
+    "Design",
     "Exposure",
     "Grid",
     "Illuminant",
@@ -127,6 +131,7 @@ __all__ = [
     "color",
     "compare",
     "compare_map",
+    "design",
     "exposure",
     "figures",
     "geometry",
@@ -136,6 +141,7 @@ __all__ = [
     "matrix",
     "metrics",
     "noise",
+    "optimize",
     "paper",
     "read_cube",
     "read_curves",

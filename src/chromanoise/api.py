@@ -2,9 +2,10 @@
 
 import inspect
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import nullcontext
 from functools import partial
 from pathlib import Path
-from typing import Any, TypeVar, Unpack
+from typing import TYPE_CHECKING, Any, TypeVar, Unpack
 
 import numpy as np
 
@@ -46,6 +47,9 @@ from chromanoise.study import (
     sensitivity_study,
 )
 from chromanoise.study import run as run_of
+
+if TYPE_CHECKING:
+    from chromanoise.design import Design, DesignDocument, Progress
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -284,6 +288,75 @@ def matrix(
     (found,) = _results("matrix", made, [sensor], settings).matrices.values()
     (result,) = found.results
     return result
+
+
+def optimize(
+    design: "str | Path | DesignDocument",
+    *,
+    folder: str | Path | None = None,
+    budget: int | None = None,
+    seed: int | None = None,
+    resume: bool = False,
+    scheduler: str | None = None,
+    progress: "Callable[[Progress], None] | None" = None,
+) -> "Design":
+    """Search filters, IR-cut, silicon, exposure and matrix for the best trades of objectives.
+
+    Parameters
+    ----------
+    design
+        A file as `chromanoise init --design` writes it, or the design that `read_design` returns.
+    folder
+        Folder for ``front.json``, the sensors and the checkpoint; ``None`` writes nothing.
+    budget, seed
+        Evaluated sensors and seed of the search; ``None`` for those of the design.
+    resume
+        Whether to continue the stopped search in ``folder``.
+    scheduler
+        Address of a dask cluster, or ``local``; ``None`` evaluates in this process.
+    progress
+        Called after each generation with the front so far.
+
+    Returns
+    -------
+    Design
+        The front: sensors of which none is better than another in all objectives.
+
+    Raises
+    ------
+    InputError
+        If the design cannot be read or made, its constraints contradict each other, or the folder
+        holds another design.
+
+    Notes
+    -----
+    The search is that of Deb et al., IEEE Trans. Evol. Comput. 6 (2002), 182-197; the SNR of Y
+    that of Clouet, Vaillant & Alleysson, CIC27 (2019), eq. 1-7.
+
+    Examples
+    --------
+    >>> import chromanoise as cn
+    >>> front = cn.optimize("design.toml", budget=2000)        # doctest: +SKIP
+    >>> front.members[0].objectives, front.sentences           # doctest: +SKIP
+    """
+    from chromanoise.design import (  # takes a second, which the other functions do not need
+        DesignDocument,
+        optimized,
+        read_design,
+        scheduler_at,
+        with_effort,
+    )
+
+    document = design if isinstance(design, DesignDocument) else read_design(design)
+    place = None if folder is None else Path(folder)
+    with nullcontext() if scheduler is None else scheduler_at(scheduler) as evaluate_on:
+        return optimized(
+            with_effort(document, budget=budget, seed=seed),
+            place,
+            resume=resume,
+            evaluate_on=evaluate_on,
+            progress=progress,
+        )
 
 
 @_with_listed_settings

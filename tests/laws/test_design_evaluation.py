@@ -1,7 +1,5 @@
 """The objectives of a batch of sensors equal those of the library, candidate by candidate."""
 
-from dataclasses import replace
-
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -93,8 +91,11 @@ def of_library(scene, qe, names):
 @pytest.mark.parametrize("p", [1, 2, 3, 4, 8])
 def test_a_batch_gives_the_values_of_the_library(matrix, p):
     rng = np.random.default_rng([p, MATRICES.index(matrix)])
-    scene, qe = scene_of(rng, matrix, p), bells(rng, 5, p)
-    names = FAST if p < 8 else tuple(name for name in FAST if name != "snr10_lux")
+    scene, qe = scene_of(rng, matrix, p), bells(rng, 4, p)
+    searched = matrix in ("lmmse", "noise-regularized=3") and p != 3  # slow
+    hueless = p == 1  # colors of one channel are gray; their hue is rounding
+    left_out = {"snr10_lux": searched, "ciede2000": hueless}
+    names = tuple(name for name in FAST if not left_out.get(name))
     found = Evaluator(scenes=(scene,), objectives=names).values(Candidates(qe=qe))
     wanted = np.array([of_library(scene, one, names) for one in qe])
     assert np.isfinite(wanted).mean() > 0.6
@@ -254,10 +255,7 @@ AT = np.array([611.0, 533.0, 452.0])
 @pytest.mark.parametrize("matrix", ["kernel", "lmmse", "ridge=0.01"])
 @pytest.mark.parametrize("more", [False, True])
 def test_gradients_equal_central_differences(matrix, more):
-    if more:
-        names = tuple(name for name in FAST if name != "snr10_lux" or matrix != "lmmse")
-    else:
-        names = FAST
+    names = tuple(name for name in FAST if name != "snr10_lux" or matrix != "lmmse")
     space, at = Bells(more=more), np.append(AT, 33.0) if more else AT
     scenes = (plain_scene(matrix), plain_scene(matrix, level_lux=3.0))
     evaluator = Evaluator(scenes=scenes, objectives=names)

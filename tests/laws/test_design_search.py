@@ -120,6 +120,11 @@ def test_polish_makes_no_member_worse_and_the_front_better(problem):
     assert better.any(axis=1).sum() >= 15
 
 
+def test_polish_extends_the_front_to_the_optimum_of_each_objective():
+    fine = found(bnh(), budget=200, polish=True)
+    assert fine.objectives.min(axis=0) == pytest.approx([0, 4], abs=1e-4)
+
+
 def test_polished_members_of_zdt1_lie_on_its_front():
     fine = found(zdt1(5), budget=800, polish=True)
     first, second = fine.objectives.T
@@ -274,6 +279,20 @@ def test_a_space_of_few_choices_ends_when_all_were_tried():
 
 
 @pytest.mark.parametrize("method", METHODS)
+def test_a_feasible_region_of_a_ten_thousandth_of_the_space_is_found(method):
+    problem = problem_of(
+        lambda a, b: ([a], [(a - 0.4) ** 2 + (b + 0.7) ** 2 - 0.01**2]),
+        [-1.0, -1.0],
+        [1.0, 1.0],
+        better=("lower",),
+        constraints=("small disk",),
+    )
+    result = found(problem, method, 2000, 20)
+    assert (result.violation <= 0).all()
+    assert result.objectives[0, 0] == pytest.approx(0.39, abs=0.006)
+
+
+@pytest.mark.parametrize("method", METHODS)
 def test_saturated_candidates_are_never_members(method):
     def saturated(values):
         known = rosenbrock().evaluate(values)
@@ -358,9 +377,18 @@ def test_a_constraint_that_no_candidate_meets_is_named_with_its_distance():
 
 
 def test_constraints_that_exclude_each_other_are_named_with_the_nearest_miss():
+    problem, seen = contradiction(0.8, 0.2), []
+
+    def kept(values):
+        seen.append(problem.evaluate(values))
+        return seen[-1]
+
     with refused_input(subject="the constraints", value=("a at least", "a at most")) as refused:
-        found(contradiction(0.8, 0.2))
-    assert "meets all" in refused.value.found
+        found(replace(problem, evaluate=kept), "de")
+    violation = np.concatenate([one.violation for one in seen])
+    nearest = violation[np.maximum(violation, 0).sum(axis=1).argmin()]
+    for amount in nearest[:2]:
+        assert f"by {amount:.3g}" in refused.value.found
 
 
 def test_objectives_that_are_undefined_everywhere_are_one_sentence():

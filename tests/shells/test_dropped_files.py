@@ -8,6 +8,7 @@ from chromanoise.page.requests import QuestionError
 from chromanoise.page.services import Services
 from chromanoise.page.uploads import Uploads
 from chromanoise.study import study_from_text
+from fronts import front_of_ir_cuts
 
 XYZ = ("X,1.5,0.1,0.2", "Y,0.6,0.9,0.1", "Z,0.1,0.2,1.1")
 CLF = """<ProcessList id="a" compCLFversion="3.0" xmlns="urn:AMPAS:CLF:v3.0">
@@ -88,6 +89,15 @@ def test_a_file_is_what_its_content_says(seen, name, content, kinds):
     told = seen(name, FILES[content])
     assert [told["kind"], *(one["kind"] for one in told["others"])] == kinds
     assert {one["id"] for one in told["others"]} <= {told["id"]}
+
+
+def test_a_front_is_recognized_and_its_members_are_sensors(seen, services):
+    told = seen("front.json", front_of_ir_cuts().as_json())
+    assert (told["kind"], told["study"], told["others"]) == ("front", None, [])
+    for name, member in told["front"]["members"].items():
+        assert member["file"] == f"{name}.csv"
+        sensor = seen(member["file"], member["text"])
+        assert (sensor["kind"], sensor["asks"]) == ("sensor", [])
 
 
 def test_a_clf_is_a_matrix_under_any_ending(seen):

@@ -33,15 +33,16 @@ def axe():
     return (files("axe_core_python") / "axe.min.js").read_text(encoding="utf-8")
 
 
-def faults_of_access(page, axe, rules=RULES):
-    """What axe-core finds, as rule and element."""
+def faults_of_access(page, axe, rules=RULES, within="html"):
+    """What axe-core finds in an element, as rule and element."""
     # a panel is dimmed while it waits for a newer answer
-    bodies = "[...document.querySelectorAll('.panel .body')]"
-    idle = "!document.querySelector('.panel[aria-busy]')"
+    bodies = f"[...document.querySelectorAll('{within} .body')]"
+    idle = f"!document.querySelector('{within}[aria-busy], {within} .panel[aria-busy]')"
     until(page, f"() => {idle} && {bodies}.every((one) => getComputedStyle(one).opacity === '1')")
     page.evaluate(f"() => {{ if (!window.axe) {{ {axe} }} }}")
     found = page.evaluate(
-        "(rules) => axe.run(document, { runOnly: rules, resultTypes: ['violations'] })", rules
+        "([root, rules]) => axe.run(root, { runOnly: rules, resultTypes: ['violations'] })",
+        [within, rules],
     )
     assert len(found["passes"]) > (10 if rules is RULES else 0)
     return [

@@ -11,12 +11,19 @@ from chromanoise.study import STARTER
 
 
 @command()
-@click.argument("study", type=click.Path(path_type=Path), default=Path("study.toml"))
-def init(study: Path) -> None:
-    """Write a commented STUDY to start from [default: study.toml]."""
-    if study.exists():
+@click.argument("study", required=False, type=click.Path(path_type=Path))
+@click.option("--design", is_flag=True, help="Write a design for `chromanoise optimize` instead.")
+def init(study: Path | None, design: bool) -> None:
+    """Write a commented STUDY to start from [default: study.toml, or design.toml]."""
+    file = study or Path("design.toml" if design else "study.toml")
+    if file.exists():
         raise InputError(
-            str(study), "must not exist yet", remedy=("name another file", "move it away")
+            str(file), "must not exist yet", remedy=("name another file", "move it away")
         )
-    write_whole(study, STARTER.encode("utf-8"))
-    click.echo(f"{study}: change it, then `chromanoise run {study}`")
+    text, next_step = STARTER, "run"
+    if design:
+        from chromanoise.design import DESIGN_STARTER
+
+        text, next_step = DESIGN_STARTER, "optimize"
+    write_whole(file, text.encode("utf-8"))
+    click.echo(f"{file}: change it, then `chromanoise {next_step} {file}`")

@@ -20,8 +20,13 @@ from chromanoise.errors import InputError
     show_default=True,
     help="Port on this machine; 0 selects a free port.",
 )
+@click.option(
+    "--front",
+    type=click.Path(path_type=Path),
+    help="Show the front of a design search: a file front.json of chromanoise optimize.",
+)
 @click.option("--open", "opened", is_flag=True, help="Open the page in the browser.")
-def serve(study: Path | None, port: int, opened: bool) -> None:
+def serve(study: Path | None, port: int, front: Path | None, opened: bool) -> None:
     """Serve a local web page with sliders, for STUDY or for the paper's two sensors.
 
     The server listens on this machine only and uses no network. Ctrl-C ends it.
@@ -29,6 +34,10 @@ def serve(study: Path | None, port: int, opened: bool) -> None:
     from chromanoise.page.server import listening_socket, page_server
 
     data = _study(study)
+    if front is not None:
+        from chromanoise.design.front_file import read_front
+
+        read_front(front)  # an invalid one ends the command
     try:
         listening = listening_socket(port)
     except OSError as error:
@@ -45,7 +54,7 @@ def serve(study: Path | None, port: int, opened: bool) -> None:
         click.launch(address)
     try:
         with _ignored_stays_ignored():
-            page_server(listening, study=data).run(sockets=[listening])
+            page_server(listening, study=data, front=front).run(sockets=[listening])
     except KeyboardInterrupt:
         pass  # Ctrl-C is the normal end
     finally:

@@ -27,7 +27,7 @@ from chromanoise.catalog.sensors import RECONSTRUCTION
 from chromanoise.charts import cause_label
 from chromanoise.cli.output import terminal
 from chromanoise.color import ColorMatrix
-from chromanoise.io.table import Table as ResultTable
+from chromanoise.io.table import Table as Rows
 from chromanoise.io.table import number_text, written
 from chromanoise.io.table_formats import head as heading
 from chromanoise.metrics import Budget, MatrixReport
@@ -72,7 +72,7 @@ def print_reproduction(result: Reproduction) -> None:
         console.print()
 
 
-def print_table(table: ResultTable) -> None:
+def print_table(table: Rows) -> None:
     """Print a table with its title and its notes."""
     console = terminal()
     shown = Table(title=table.title, title_justify="left")
@@ -94,6 +94,20 @@ def print_lines(lines: Iterable[str]) -> None:
 def print_conditions(text: str) -> None:
     """Print the operating point above its tables."""
     terminal().print(f"At {text}:", soft_wrap=True)
+
+
+def print_front(front: Rows, *, most: int) -> None:
+    """Print references and members of a front, at most ``most`` rows evenly spread."""
+    table = Table(title="Front", title_justify="left")
+    for column in front.columns:
+        table.add_column(heading(column), justify="right" if column.digits else "left")
+    marked = [i for i, row in enumerate(front.rows) if row[-2]]
+    count = len(front.rows)
+    spread = np.linspace(0, count - 1, min(most, count)).round().astype(int).tolist()
+    for i in sorted({*marked, *spread}):
+        pairs = zip(front.rows[i], front.columns, strict=True)
+        table.add_row(*(written(cell, column.digits) for cell, column in pairs))
+    terminal().print(table)
 
 
 def print_analyses(analyses: Iterable[Analysis]) -> None:

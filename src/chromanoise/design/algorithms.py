@@ -340,7 +340,7 @@ class CovarianceMatrixAdaptation:
         self._strategy: Any = None
         self._origin = np.empty(0)
         self._asked: Any = None
-        self._told: list[Array] = []
+        self._told, self._count = np.empty((64, population)), 0
 
     def ask(self, rng: np.random.Generator) -> Float[Array, "m d"]:
         """As `Algorithm.ask`."""
@@ -370,20 +370,25 @@ class CovarianceMatrixAdaptation:
         kept = misses == 0
         worst = costs[kept, 0].max() if kept.any() else 0.0
         told = np.where(kept, costs[:, 0], worst + misses)
-        self._told.append(told)
+        self._learn(told)
+
+    def _learn(self, told: Float[Array, " m"]) -> None:
+        if self._count == len(self._told):
+            self._told = np.concatenate([self._told, np.empty_like(self._told)])
+        self._told[self._count] = told
+        self._count += 1
         self._strategy.tell(self._asked, told.tolist())
 
     def state(self) -> State:
         """As `Algorithm.state`."""
-        return {"origin": self._origin, "told": np.array(self._told).reshape(-1, self._size)}
+        return {"origin": self._origin, "told": self._told[: self._count]}
 
     def restore(self, state: State) -> None:
         """As `Algorithm.restore`."""
         self._origin = state["origin"]
         for generation, told in enumerate(state["told"], start=1):
             self.ask(generation_rng(self._seed, generation))
-            self._told.append(told)
-            self._strategy.tell(self._asked, told.tolist())
+            self._learn(told)
 
     def _started(self, origin: Float[Array, " d"]) -> Any:
         with warnings.catch_warnings():

@@ -141,6 +141,6 @@ def read_checkpoint(path: Path, search: Mapping[str, Any], empty: Archive) -> Ch
 
 
 def _difference(name: str, theirs: Any, own: Any) -> str:
-    if name == "identity" or not isinstance(own, int | str):
+    if name in ("identity", "first generation") or not isinstance(own, int | str):
         return f"its {name} differ"
     return f"its {name} is {theirs}, not {own}"

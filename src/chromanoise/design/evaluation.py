@@ -27,7 +27,7 @@ OVER_SCENES = ("worst", "mean")
 _WEIGHTED = ("least-squares", "lmmse", "noise-regularized")
 _COMPLEX_STEP = 1e-30
 _DIFFERENCE_STEP = 1e-5  # of the range of a parameter
-_LEAST_PIVOT = 1e-5  # below it, normal equations lose too many digits: singular values instead
+_LEAST_INDEPENDENCE = 1e-5  # 1 / VIF; below it normal equations lose too many digits
 _FULL = 1 + 1e-12  # as `chromanoise.noise.saturated`
 _FEWEST_BLOCKS = 4  # of one thread
 
@@ -185,10 +185,10 @@ class Evaluator:
         for s, scene in enumerate(self.scenes):
             exact = np.zeros(q, dtype=bool)
             if _matrix_group(scene):
-                raw, pivot = _fast(self, scene, turned, self.objectives)
+                raw, independence = _fast(self, scene, turned, self.objectives)
                 found[s], slope[s] = raw[0].real, raw.imag.T / _COMPLEX_STEP
                 exact[:] = [_is_fast(scene, turned, name) for name in self.objectives]
-                exact &= bool((pivot >= _LEAST_PIVOT).all())
+                exact &= bool((independence >= _LEAST_INDEPENDENCE).all())
             if not exact.all():
                 around = self._around(space, at) if around is None else around
                 found[s] = np.where(exact, found[s], around[s, 0])
@@ -206,7 +206,7 @@ class Evaluator:
     def _higher(self) -> Bool[Array, " q"]:
         return np.array([one.better == "higher" for one in self.entries])
 
-    def _around(self, space: Space, at: Float[Array, " d"]) -> Float[Array, "s 2d+1 q"]:
+    def _around(self, space: Space, at: Float[Array, " d"]) -> Float[Array, "s k q"]:
         steps = np.diag(_steps(space))
         return self.values_of_scenes(space.candidates(np.vstack([at, at + steps, at - steps])))
 
@@ -304,8 +304,9 @@ def _demand_grid(evaluator: Evaluator, n: int) -> None:
 
 def _some(candidates: Candidates, which: Any) -> Candidates:
     """Some of the candidates."""
-    parts = {name: getattr(candidates, name) for name in _FIELDS}
-    return Candidates(**{k: None if v is None else v[which] for k, v in parts.items()})
+    given = {name: getattr(candidates, name) for name in _FIELDS}
+    some: dict[str, Any] = {k: None if v is None else v[which] for k, v in given.items()}
+    return Candidates(**some)
 
 
 def _steps(space: Space) -> Float[Array, " d"]:
@@ -322,8 +323,8 @@ def _values(
     evaluator: Evaluator, scene: DesignScene, batch: _Batch, names: tuple[str, ...]
 ) -> Float[Array, "m q"]:
     """The objectives in one scene."""
-    found, pivot = _fast(evaluator, scene, batch, names)
-    lost = np.flatnonzero(~(pivot >= _LEAST_PIVOT))
+    found, independence = _fast(evaluator, scene, batch, names)
+    lost = np.flatnonzero(~(independence >= _LEAST_INDEPENDENCE))
     if lost.size:
         some = _given(evaluator, batch.of(lost))
         matrices, vora = _by_singular_values(scene, some)
@@ -344,7 +345,7 @@ def _fast(
     names: tuple[str, ...],
     matrices: Array | None = None,
 ) -> tuple[Inexact[Array, "m q"], Float[Array, " m"]]:
-    """Values and the smallest pivot of their equations; NaN for objectives that are not fast."""
+    """Values, and 1 over the largest VIF of the equations; NaN for objectives that are not fast."""
     from chromanoise.design import kernels
 
     columns = [name for name in names if _is_fast(scene, batch, name)]
@@ -536,7 +537,7 @@ def _by_singular_values(
 ) -> tuple[Float[Array, "m 3 p"], Float[Array, " m"]]:
     """Matrices and Vora values; NaN and -inf where a channel measures nothing."""
     candidates, arrays = batch.of(slice(None)), scene_arrays(scene)
-    dark = ~candidates.qe.any(axis=1).all(axis=1)
+    dark = (candidates.qe.max(axis=1) == 0).any(axis=1)
     qe = np.where(dark[:, None, None], np.eye(*candidates.qe.shape[1:]), candidates.qe)
     dual, span = dual_and_orthonormal_bases(qe * arrays.basis[:, None])
     overlap = np.swapaxes(span, 1, 2) @ arrays.orthonormal_axes

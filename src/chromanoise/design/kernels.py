@@ -24,9 +24,9 @@ LANES = 32
 TOGETHER = 8
 """Number of wavelengths that are transposed and added together."""
 
-COLUMNS = (*FAST, "smallest pivot")
+COLUMNS = (*FAST, "independence")
 (_SNR_Y, _NOISE, _TOTAL, _DELTA_E, _CIEDE2000, _VORA, _LEAST, _MEAN, _INFRARED, _LUX) = range(10)
-_FULLNESS, _PIVOT = 10, 11
+_FULLNESS, _INDEPENDENCE = 10, 11
 
 GROUPS = ("infrared", "chart", "paired", "training", "axes", "orthonormal")
 (_AT_INFRARED, _AT_CHART, _AT_PAIRED, _AT_TRAINING, _AT_AXES, _AT_EYE, _AT_END) = range(7)
@@ -296,14 +296,14 @@ def _training_gram(e, at, xyz, g, x):
 
 @_compiled
 @no_type_check
-def _factored(g, lower, scale, pivot):
-    """Cholesky factor of the Gram matrix scaled to a unit diagonal; its smallest squared pivot."""
+def _factored(g, lower, scale, line, independence):
+    """Cholesky factor of the Gram matrix scaled to a unit diagonal, and 1 over the largest VIF."""
     p = g.shape[0]
     for c in range(p):
         for k in range(LANES):
             scale[c, k] = 1.0 / np.sqrt(g[c, c, k])
     for k in range(LANES):
-        pivot[k] = 1.0
+        independence[k] = 1.0
     for c in range(p):
         for d in range(c + 1):
             for k in range(LANES):
@@ -317,8 +317,25 @@ def _factored(g, lower, scale, pivot):
             else:
                 for k in range(LANES):
                     s = lower[c, c, k]
-                    pivot[k] = pivot[k] if s.real > pivot[k] else s.real
+                    independence[k] = independence[k] if s.real > 0.0 else 0.0
                     lower[c, c, k] = 1.0 / np.sqrt(s if s.real > 0.0 else s * 0.0 + 1.0)
+    for c in range(p):
+        for k in range(LANES):
+            line[c, k] = lower[c, c, k]
+        for d in range(c + 1, p):
+            for k in range(LANES):
+                line[d, k] = 0.0
+            for b in range(c, d):
+                for k in range(LANES):
+                    line[d, k] -= lower[d, b, k] * line[b, k]
+            for k in range(LANES):
+                line[d, k] *= lower[d, d, k]
+        for k in range(LANES):
+            vif = line[c, k] * line[c, k]
+            for d in range(c + 1, p):
+                vif += line[d, k] * line[d, k]
+            share = 1.0 / vif.real
+            independence[k] = independence[k] if share > independence[k] else share
 
 
 @_compiled
@@ -654,7 +671,7 @@ def evaluate(
     own = np.zeros((4, LANES), qe.dtype)
     scratch = np.zeros((17, LANES), qe.dtype)
     value = np.zeros(LANES, qe.dtype)
-    pivot, least_pivot = np.ones(LANES), np.ones(LANES)
+    of_channels, of_training = np.ones(LANES), np.ones(LANES)
     at_patches = layout[_AT_PAIRED] if layout[_AT_PAIRED] >= 0 else layout[_AT_CHART]
     many = 0
     for i in range(pairs.shape[0]):
@@ -668,13 +685,13 @@ def evaluate(
             own[0, k], own[1, k], own[2, k], own[3, k] = floor[i], prnu[i], full[i], weight[i]
             for c in range(p):
                 apart[c, k] = spread[i, c]
-            pivot[k], least_pivot[k] = 1.0, 1.0
+            of_channels[k], of_training[k] = 1.0, 1.0
         if of_library:
             _electrons_of_choices(choices, block, gain, table, gram, has_gram, e, g)
         else:
             _electrons(qe, block, gain, rows, squared, has_gram, q, e, g)
         if has_gram:
-            _factored(g, lower, scale, least_pivot)
+            _factored(g, lower, scale, line, of_channels)
         if wanted[_VORA]:
             _vora_value(lower, scale, e, layout[_AT_EYE], line, value)
             _put_all(out, block, _VORA, value)
@@ -692,7 +709,7 @@ def evaluate(
             mean = at + training_xyz.shape[0]
             _training_gram(e, at, training_xyz, trained, x)
             _penalized(e, mean, method, strength, own[3], own[0], own[1], apart, trained)
-            _factored(trained, lower, scale, pivot)
+            _factored(trained, lower, scale, line, of_training)
             _solved(lower, scale, x, matrix)
         for k in range(LANES):
             fullest = e[0, 0, k]
@@ -705,9 +722,8 @@ def evaluate(
                     infrared = infrared if share.real <= infrared.real else share
             _put(out, block, k, _FULLNESS, fullest / own[2, k])
             _put(out, block, k, _INFRARED, infrared)
-            smallest = pivot[k] if pivot[k] < least_pivot[k] else least_pivot[k]
-            smallest = smallest if smallest == smallest else 0.0
-            _put(out, block, k, _PIVOT, smallest)
+            least = of_training[k] if of_training[k] < of_channels[k] else of_channels[k]
+            _put(out, block, k, _INDEPENDENCE, least if least > 0.0 else 0.0)
             i = block + k
             if i < m:
                 for j in range(3):

@@ -1,5 +1,6 @@
 """Search for the front of a design problem: generations, checkpoint, progress and polish."""
 
+import hashlib
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -273,7 +274,7 @@ def _common(problem: Problem, settings: SearchSettings, first: Array) -> dict[st
         ],
         "constraints": list(problem.constraints),
         "identity": problem.identity,
-        "first generation": first.tolist(),
+        "first generation": hashlib.sha256(first.tobytes()).hexdigest(),
     }
 
 
@@ -295,9 +296,7 @@ def _resumed(
             found=f"is {settings.budget}, and {path} has {now.evaluations} evaluations",
             remedy=Setting("budget", (now.evaluations,)),
         )
-    sample = slice(0, 1)
-    again = checked_evaluation(problem, now.archive.values[sample], problem.evaluate)
-    if not np.allclose(again.objectives, now.archive.objectives[sample], rtol=_SAME, atol=_SAME):
+    if not _agrees(problem, now):
         raise InputError(
             str(path),
             "must be of the same design",
@@ -306,6 +305,15 @@ def _resumed(
         )
     algorithm.restore(dict(now.algorithm))
     return now
+
+
+def _agrees(problem: Problem, now: Checkpoint) -> bool:
+    """Whether the first member of the front has the same objectives here."""
+    values, objectives = now.archive.values[:1], now.archive.objectives[:1]
+    if not len(values):
+        return True
+    again = checked_evaluation(problem, values, problem.evaluate)
+    return np.allclose(again.objectives, objectives, rtol=_SAME, atol=_SAME)
 
 
 def _progress(now: Checkpoint, settings: SearchSettings) -> Progress:

@@ -617,7 +617,9 @@ _CROSSTALK = ModelNumber(unit="1", what="share of the light that ends in neighbo
 _READ_NOISE = ModelNumber(unit="e-", what="read noise")
 _PRNU = ModelNumber(unit="1", what="PRNU", most=0.2)
 _SHARE = ModelNumber(unit="1", what="share of the pixels that are left", most=1.0)
-_DYE = {"thickness": ModelNumber(unit="1", what="thickness over the measured one", default=1.0)}
+LIBRARY_NUMBERS = {
+    "thickness": ModelNumber(unit="1", what="thickness over the measured one", default=1.0)
+}
 _THICKNESS = ModelNumber(unit="um", what="thickness of the layer", least=LEAST_LENGTH_UM)
 
 
@@ -647,7 +649,7 @@ def _filters_of(channel: Channel) -> Iterator[tuple[str, Filter]]:
 def _known_numbers(place: str, one: Filter) -> Mapping[str, ModelNumber]:
     _check.one_of(f"filter of {place}", one.model, (*FILTER_MODELS, LIBRARY_MODEL))
     if one.model == LIBRARY_MODEL:
-        return _DYE
+        return LIBRARY_NUMBERS
     if one.curves:
         raise InputError(
             f"curves of {place}", f"must be omitted for the model {one.model}", value=one.curves

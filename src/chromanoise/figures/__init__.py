@@ -18,6 +18,7 @@ from chromanoise.figures.characterization import (
 from chromanoise.figures.comparison import draw_color_errors, draw_comparison
 from chromanoise.figures.ellipses import draw_ellipses
 from chromanoise.figures.flow import draw_flow
+from chromanoise.figures.front import draw_front, front_figure
 from chromanoise.figures.geometry import (
     draw_color_projection,
     draw_color_uncertainty,
@@ -54,6 +55,7 @@ __all__ = [
     "draw_contravariant",
     "draw_ellipses",
     "draw_flow",
+    "draw_front",
     "draw_light_above_plane",
     "draw_linearity",
     "draw_linearity_deviation",
@@ -71,6 +73,7 @@ __all__ = [
     "draw_snr",
     "draw_uncertainty",
     "draw_variance_residuals",
+    "front_figure",
     "map_figures",
     "paper_figures",
     "study_figures",

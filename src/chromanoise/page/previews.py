@@ -7,6 +7,7 @@ from chromanoise.catalog import own_sensor_of
 from chromanoise.errors import InputError, Setting, StudyError, errors_in
 from chromanoise.io.spectra import ParsedSpectra, read_curves
 from chromanoise.io.spectra.defects import defects_of_a_light
+from chromanoise.page.fronts import front_preview, is_front
 from chromanoise.page.pictures import cube_of_upload
 from chromanoise.page.recognition import crosstalk_preview, matrix_preview, pixel_preview
 from chromanoise.page.requests import QuestionError, page_sentence
@@ -56,6 +57,7 @@ def preview_of(upload: Upload) -> Data:
         raise QuestionError(*(("file", in_words(line, upload)) for line in sentences)) from None
     return _answer(upload, preview) | {
         "study": preview.get("study"),
+        "front": preview.get("front"),
         "others": [_answer(upload, one) for one in preview.get("others", ())],
     }
 
@@ -102,6 +104,8 @@ def _preview(upload: Upload) -> Data:
 
 def _table(upload: Upload) -> Data:
     """A file of numbers: what each reader takes it for; ``others`` if more than one reads it."""
+    if is_front(upload):
+        return front_preview(upload)
     _refuse_large_table(upload)
     found: list[Data] = []
     errors: list[InputError] = []

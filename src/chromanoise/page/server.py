@@ -9,6 +9,7 @@ import socket
 import sys
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from urllib.parse import unquote
 
@@ -22,7 +23,7 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 from chromanoise.page.files import asset_reply, index, page_policy
 from chromanoise.page.middleware import UPLOAD_BYTES, AsciiJSONResponse, fault_reply, guarded
 from chromanoise.page.requests import Bodies, QuestionError, malformed, passed_over, question_of
-from chromanoise.page.uploads import Uploads
+from chromanoise.page.uploads import Uploads, upload_at
 from chromanoise.page.work import Workers
 
 if TYPE_CHECKING:
@@ -35,8 +36,9 @@ _MOST_FAULTS = 100  # in one answer
 class _Server:
     """The state that the routes share."""
 
-    def __init__(self, study: dict[str, Any] | None) -> None:
+    def __init__(self, study: dict[str, Any] | None, front: Path | None) -> None:
         self.uploads = Uploads()
+        self.front = front
         self.workers = Workers(study)
         self.bodies = Bodies()
 
@@ -50,7 +52,9 @@ class _Server:
         self.uploads.close()
 
 
-def application(*, port: int, study: dict[str, Any] | None = None) -> ASGIApp:
+def application(
+    *, port: int, study: dict[str, Any] | None = None, front: Path | None = None
+) -> ASGIApp:
     """The page as an ASGI application.
 
     Parameters
@@ -59,11 +63,13 @@ def application(*, port: int, study: dict[str, Any] | None = None) -> ASGIApp:
         Port of the server; requests must name it in ``Host``.
     study
         The initial study as plain data; ``None`` for the default.
+    front
+        A file ``front.json`` that the page shows; it is read again whenever the page is loaded.
     """
 
     @asynccontextmanager
     async def lifespan(app: Starlette) -> AsyncIterator[None]:
-        app.state.server = server = _Server(study)
+        app.state.server = server = _Server(study, front)
         server.workers.begin()
         try:
             yield
@@ -76,6 +82,7 @@ def application(*, port: int, study: dict[str, Any] | None = None) -> ASGIApp:
             Route("/", index),
             Route("/assets/{path:path}", asset_reply),
             Route("/api/choices", _replying(_choices)),
+            Route("/api/front", _replying(_front)),
             Route("/api/answer", _replying(_answer), methods=["POST"]),
             Route("/api/picture", _replying(_picture), methods=["POST"]),
             Route("/api/upload", _replying(_upload), methods=["POST"]),
@@ -86,20 +93,25 @@ def application(*, port: int, study: dict[str, Any] | None = None) -> ASGIApp:
     return guarded(app, port=port, policy=page_policy)
 
 
-def page_server(listening: socket.socket, *, study: dict[str, Any] | None = None) -> "Server":
+def page_server(
+    listening: socket.socket,
+    *,
+    study: dict[str, Any] | None = None,
+    front: Path | None = None,
+) -> "Server":
     """The server of the page; ``run(sockets=[listening])`` serves until the process is stopped.
 
     Parameters
     ----------
     listening
         From `listening_socket`.
-    study
-        The initial study.
+    study, front
+        As for `application`.
     """
     import uvicorn
 
     config = uvicorn.Config(
-        application(port=listening.getsockname()[1], study=study),
+        application(port=listening.getsockname()[1], study=study, front=front),
         log_level="error",
         access_log=False,
         server_header=False,
@@ -170,7 +182,13 @@ class _ToldFirst(AsciiJSONResponse):
 
 
 async def _choices(request: Request, server: _Server) -> Response:
-    return _json(await server.done("choices"))
+    return _json(await server.done("choices", server.front is not None))
+
+
+async def _front(request: Request, server: _Server) -> Response:
+    if server.front is None:
+        raise HTTPException(404)
+    return _json(await server.done("previewed", upload_at(server.front)))
 
 
 async def _answer(request: Request, server: _Server) -> Response:

@@ -41,9 +41,10 @@ class Services:
         self._pictures = PictureReplies(self._studies)
         self._has_kernels = False
 
-    def choices(self) -> str:
-        """The JSON of ``/api/choices``."""
-        return json.dumps(choices() | {"study": self._study}, allow_nan=False)
+    def choices(self, has_front: bool = False) -> str:
+        """The JSON of ``/api/choices``; ``has_front`` tells whether ``/api/front`` has one."""
+        served = {"study": self._study, "front": has_front}
+        return json.dumps(choices() | served, allow_nan=False)
 
     def answer(self, body: bytes) -> str:
         """The JSON of ``/api/answer``.

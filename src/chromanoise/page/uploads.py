@@ -11,7 +11,7 @@ from pathlib import Path
 
 from chromanoise.page.requests import QuestionError
 
-MOST_FILES = 32
+MOST_FILES = 256
 MOST_BYTES = 128_000_000
 
 _ID = re.compile(r"upload:[0-9a-f]{16}(\.[a-z0-9]+)?")
@@ -139,6 +139,13 @@ class Uploads(Kept):
         while self._kept and (len(self._kept) >= MOST_FILES or total() + size_bytes > MOST_BYTES):
             _, oldest = self._kept.popitem(last=False)
             oldest.path.unlink(missing_ok=True)
+
+
+def upload_at(path: Path) -> Upload:
+    """A file of the server's user, to be read as an uploaded table; it is not kept."""
+    size_bytes = path.stat().st_size if path.exists() else 0
+    label = label_of(path.name)
+    return Upload(id="", label=label, path=path.absolute(), kind="table", size_bytes=size_bytes)
 
 
 def label_of(name: str) -> str:

@@ -61,7 +61,7 @@ def gaussian_filter(
     center = per_candidate("center_nm", "nm", center_nm)
     width = per_candidate("width_nm", "nm", width_nm, least=LEAST_LENGTH_NM)
     shape = np.subtract(grid.wavelength_nm, center, dtype=np.result_type(center, width))
-    shape *= math.sqrt(0.5) / width
+    shape = shape * (math.sqrt(0.5) / width)  # a fixed center has fewer rows than a free width
     np.square(shape, out=shape)
     np.negative(shape, out=shape)
     np.exp(shape, out=shape)

@@ -25,10 +25,12 @@ if TYPE_CHECKING:
     from chromanoise.study.assembly import (
         NOTHING_GIVEN,
         Given,
+        keyed,
         makers_of,
         operating_points_of,
         refuse_idle,
         sensor_of,
+        unresolved,
     )
     from chromanoise.study.commands import (
         FLAGS,
@@ -42,7 +44,9 @@ if TYPE_CHECKING:
     from chromanoise.study.document import (
         MOST_SENSORS,
         OutputsPart,
+        Part,
         Study,
+        StudyKind,
         study_schema,
     )
     from chromanoise.study.file_names import file_word
@@ -58,6 +62,10 @@ if TYPE_CHECKING:
         taken_pictures,
     )
     from chromanoise.study.reading import (
+        beside_file,
+        document_from_text,
+        document_text,
+        is_relative_to_working_folder,
         read_study,
         study_from_data,
         study_from_text,
@@ -147,6 +155,7 @@ __all__ = [
     "MatrixSettings",
     "Outcome",
     "OutputsPart",
+    "Part",
     "Pictures",
     "Progress",
     "RecordedRun",
@@ -156,19 +165,25 @@ __all__ = [
     "SensitivitySettings",
     "Step",
     "Study",
+    "StudyKind",
     "TakenPicture",
     "agreement_of",
     "agreement_text",
     "analysis_of",
     "analyze_study",
     "argument_of",
+    "beside_file",
     "call_of",
     "compare_study",
     "default_of",
     "described_settings",
+    "document_from_text",
+    "document_text",
     "file_digests",
     "file_word",
     "in_arguments",
+    "is_relative_to_working_folder",
+    "keyed",
     "makers_of",
     "map_study",
     "matrix_study",
@@ -198,5 +213,6 @@ __all__ = [
     "study_of_output",
     "study_schema",
     "taken_pictures",
+    "unresolved",
 ]
 __getattr__, __dir__ = lazy_names(__name__)

@@ -6,7 +6,7 @@ file.
 
 import os
 from collections.abc import Iterable, Iterator, Sequence
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, TypeVar
 
 from pydantic import (
     AfterValidator,
@@ -111,7 +111,7 @@ _NEGATIVES = (
 )
 
 
-class _Part(BaseModel):
+class Part(BaseModel):
     """A part of a study: immutable, without unknown keys, without conversion between types.
 
     Validators are built when the first value is checked, because most commands read no study.
@@ -120,7 +120,7 @@ class _Part(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, defer_build=True)
 
 
-class LightPart(_Part):
+class LightPart(Part):
     """The light on the scene."""
 
     illuminant: str = Field(
@@ -143,7 +143,7 @@ class LightPart(_Part):
     negatives: Negatives = Field("refuse", description=_NEGATIVES)
 
 
-class PixelPart(_Part):
+class PixelPart(Part):
     """Changes to the sensor's pixel."""
 
     file: str | None = Field(
@@ -204,7 +204,7 @@ class PixelPart(_Part):
         return self
 
 
-class AnswersPart(_Part):
+class AnswersPart(Part):
     """Metadata that a file of QE curves lacks."""
 
     scale: Literal["percent", "fraction"] | None = Field(
@@ -234,7 +234,7 @@ def _printable(text: str, info: Any) -> str:
     return text
 
 
-class ReflectancesPart(_Part):
+class ReflectancesPart(Part):
     """The reflectances that replace the ColorChecker and the perfect white."""
 
     chart: str | None = Field(
@@ -276,7 +276,7 @@ class ReflectancesPart(_Part):
         return _check.within("patch", "1", float(given), 0.0, 1.0)
 
 
-class SensorPart(_Part):
+class SensorPart(Part):
     """One sensor."""
 
     name: str = Field(
@@ -332,7 +332,7 @@ class SensorPart(_Part):
         raise ValueError("must be a share from 0 to 1, or the name of a file")
 
 
-class ExposurePart(_Part):
+class ExposurePart(Part):
     """Exposure time, lens, and the rule by which the sensors are compared."""
 
     equal: Literal["exposure", "saturation", "light"] = Field(
@@ -382,7 +382,7 @@ def _shares_time(rule: ExposurePart) -> bool:
 _MOST_VALUES = 1_000_000
 
 
-class SecondSweepPart(_Part):
+class SecondSweepPart(Part):
     """A second parameter of a sweep: the quantity on a grid of pairs of values."""
 
     vary: Annotated[str, _known(SWEEPS)] = Field(description="What varies too, as in the sweep.")
@@ -393,7 +393,7 @@ class SecondSweepPart(_Part):
     )
 
 
-class SweepPart(_Part):
+class SweepPart(Part):
     """One parameter that varies, or two, and the quantity to compute."""
 
     vary: Annotated[str, _known(SWEEPS)] = Field(description=f"What varies: {', '.join(SWEEPS)}.")
@@ -439,7 +439,7 @@ class SweepPart(_Part):
         return self
 
 
-class PicturePart(_Part):
+class PicturePart(Part):
     """Pictures of one cube with every sensor, as `chromanoise simulate` renders them."""
 
     cube: str = Field("builtin:checker", description=f"{', '.join(BUILTIN_CUBES)}, or a file.")
@@ -545,7 +545,7 @@ class PicturePart(_Part):
 _OF_MOSAIC = ("demosaic", "raw_only", "bits", "black_level")
 
 
-class ParetoPart(_Part):
+class ParetoPart(Part):
     """Curve of color error against noise, for a range of weights of the noise."""
 
     first: Positive = Field(description="Lowest weight; 1 is LMMSE, towards 0 is least squares.")
@@ -553,7 +553,7 @@ class ParetoPart(_Part):
     points: Annotated[int, Field(ge=2, le=100_000)] = Field(13, description="Number of weights.")
 
 
-class PipelinePart(_Part):
+class PipelinePart(Part):
     """The camera's own pipeline: noise of the ColorChecker after each of its steps."""
 
     run: bool = Field(
@@ -647,7 +647,7 @@ def pipeline_settings(part: PipelinePart, light: Illuminant | None = None) -> Pi
     return PipelineSettings(**given | {"white_balance": balance})
 
 
-class OutputsPart(_Part):
+class OutputsPart(Part):
     """The outputs of a run."""
 
     analyses: bool = Field(True, description="Every stage of each sensor, per matrix.")
@@ -693,7 +693,7 @@ class OutputsPart(_Part):
         return self
 
 
-class Study(_Part):
+class Study(Part):
     """One reproducible run; file names are relative to the folder of the study file.
 
     Its parameters are its fields, each with a description; `study_schema` lists them. `read_study`
@@ -760,6 +760,10 @@ class Study(_Part):
         if errors:
             raise refusal(errors)
         return self
+
+
+StudyKind = TypeVar("StudyKind", bound=Study)
+"""A study, or a document that has the tables of a study and others."""
 
 
 def _keeps(info: Any) -> bool:

@@ -15,7 +15,7 @@ from chromanoise.catalog.resolve import file_of, filter_files, illuminant_files,
 from chromanoise.errors import InputError
 from chromanoise.io.given_matrices import is_matrix_file
 from chromanoise.io.spectra.envi import DATA_SUFFIXES, envi_pair
-from chromanoise.study.document import BALANCE_WORDS, Study
+from chromanoise.study.document import BALANCE_WORDS, Study, StudyKind
 
 Kind = Literal[
     "light",
@@ -53,7 +53,7 @@ class FileWord:
     word: str
 
 
-def with_file_words(study: Study, replaced: Callable[[FileWord], str]) -> Study:
+def with_file_words(study: StudyKind, replaced: Callable[[FileWord], str]) -> StudyKind:
     """The study with other words in place of all that may name a file: the list of those keys.
 
     Examples

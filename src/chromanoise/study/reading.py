@@ -13,7 +13,7 @@ from chromanoise._inputs import regular_file
 from chromanoise.catalog.resolve import file_of, word_beside
 from chromanoise.errors import InputError, did_you_mean, errors_in, refusal
 from chromanoise.study.assembly import unresolved
-from chromanoise.study.document import KEEP_IDLE, Study
+from chromanoise.study.document import KEEP_IDLE, Study, StudyKind
 from chromanoise.study.hashes import FileWord, with_file_words
 
 Key = tuple[str | int, ...]
@@ -50,6 +50,30 @@ def read_study(
         If the file cannot be read; all faults of what it says, one line each.
     """
     path = Path(path)
+
+    def unresolved_in(study: Study) -> list[InputError]:
+        return unresolved(beside_file(study, path))
+
+    text = document_text(path, "study")
+    study = _document(Study, text, str(path), changes, change_label, unresolved_in)
+    return beside_file(study, path)
+
+
+def document_text(path: Path, kind: str) -> str:
+    """The text of a study file or another document.
+
+    Parameters
+    ----------
+    path
+        The file.
+    kind
+        What it holds, for messages: ``study``.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, is too large, or is no text.
+    """
     regular_file(path, pipe=True)
     try:
         with path.open("rb") as file:
@@ -57,27 +81,36 @@ def read_study(
         text = content.decode("utf-8")
     except UnicodeDecodeError:
         raise InputError(
-            str(path), "is not a UTF-8 text file", remedy="save the study as UTF-8"
+            str(path), "is not a UTF-8 text file", remedy=f"save the {kind} as UTF-8"
         ) from None
     except OSError as error:
         raise InputError(str(path), f"cannot be read ({error.strerror})") from None
     if len(content) > _LARGEST_BYTES:
         raise InputError(
-            str(path), f"must have at most {_LARGEST_BYTES} bytes, as a study", found="has more"
+            str(path), f"must have at most {_LARGEST_BYTES} bytes, as a {kind}", found="has more"
         )
-    # file names in piped text are relative to the working folder
-    here = path.parent == Path() or Path("/dev") in path.absolute().parents
-
-    def seen(study: Study) -> Study:
-        return study if here else _relative_to(path.parent, study)
-
-    def unresolved_in(study: Study) -> list[InputError]:
-        return unresolved(seen(study))
-
-    return seen(_study(text, str(path), changes, change_label, unresolved_in))
+    return text
 
 
-def _relative_to(folder: Path, study: Study) -> Study:
+def is_relative_to_working_folder(path: Path) -> bool:
+    """Whether file names in a document are relative to the working folder, as in piped text."""
+    return path.parent == Path() or Path("/dev") in path.absolute().parents
+
+
+def beside_file(study: StudyKind, path: Path) -> StudyKind:
+    """The study of a file, with file names relative to the working folder.
+
+    Parameters
+    ----------
+    study
+        With file names relative to the folder of ``path``.
+    path
+        The file that it was read from.
+    """
+    return study if is_relative_to_working_folder(path) else _relative_to(path.parent, study)
+
+
+def _relative_to(folder: Path, study: StudyKind) -> StudyKind:
     """The study with file names relative to the working folder."""
     return with_file_words(study, lambda one: _beside(one, folder))
 
@@ -112,24 +145,55 @@ def study_from_text(
     >>> study_from_text('[[sensors]]\nname = "onyx-rgbw"', source="a text").light.level_lux
     10.0
     """
-    return _study(text, source, changes, change_label, lambda study: [], keep_idle)
+    return _document(Study, text, source, changes, change_label, lambda study: [], keep_idle)
 
 
-def _study(
+def document_from_text(
+    kind: type[StudyKind],
+    text: str,
+    *,
+    source: str,
+    unfit: Callable[[StudyKind], list[InputError]],
+    changes: Sequence[str] = (),
+    change_label: str = "change",
+) -> StudyKind:
+    """A document with the tables of a study and others, from TOML text.
+
+    Parameters
+    ----------
+    kind
+        Its class.
+    text
+        TOML.
+    unfit
+        What is wrong with a document whose classes accept it, each error with its key.
+    source, changes, change_label
+        As `study_from_text`.
+
+    Raises
+    ------
+    InputError
+        As `read_study`.
+    """
+    return _document(kind, text, source, changes, change_label, unfit)
+
+
+def _document(
+    kind: type[StudyKind],
     text: str,
     source: str,
     changes: Sequence[str],
     change_label: str,
-    unfit: Callable[[Study], list[InputError]],
+    unfit: Callable[[StudyKind], list[InputError]],
     keep_idle: bool = False,
-) -> Study:
+) -> StudyKind:
     data = _toml(text, source)
     lines = _lines_of_keys(text)
     changed: dict[Key, str] = {}
     for change in changes:
         place = f"{change_label} {_short(change)}"
         changed[_changed(data, change, place)] = place
-    return _validated(data, source, lines, changed, unfit, keep_idle)
+    return _validated(kind, data, source, lines, changed, unfit, keep_idle)
 
 
 def _toml(text: str, source: str) -> dict[str, Any]:
@@ -183,21 +247,22 @@ def study_from_data(data: Mapping[str, Any], *, source: str = "", keep_idle: boo
     InputError
         All faults of what it says, each with its key as ``setting``; several as a `StudyError`.
     """
-    return _validated(data, source, {}, {}, lambda study: [], keep_idle)
+    return _validated(Study, data, source, {}, {}, lambda study: [], keep_idle)
 
 
 def _validated(
+    kind: type[StudyKind],
     data: Mapping[str, Any],
     source: str,
     lines: Mapping[Key, int],
     changed: Mapping[Key, str],
-    unfit: Callable[[Study], list[InputError]],
+    unfit: Callable[[StudyKind], list[InputError]],
     keep_idle: bool,
-) -> Study:
+) -> StudyKind:
     faults: list[InputError] = []
-    study: Study | None = None
+    study: StudyKind | None = None
     try:
-        study = Study.model_validate(data, context=KEEP_IDLE if keep_idle else None)
+        study = kind.model_validate(data, context=KEEP_IDLE if keep_idle else None)
     except ValidationError as error:
         found = error.errors(include_url=False)
         inside = [one["loc"] for one in found]
@@ -208,8 +273,8 @@ def _validated(
             if one["type"] != "too_short"
             or not any(k[: len(one["loc"])] == one["loc"] != k for k in inside)
         ]
-        faults = [fault for one in shown for fault in _faults(one)]
-        study = _without(data, [one["loc"] for one in shown])
+        faults = [fault for one in shown for fault in _faults(one, kind)]
+        study = _without(kind, data, [one["loc"] for one in shown])
     if study is not None and study.sensors[0].name:
         faults += unfit(study)
     if faults or study is None:
@@ -228,7 +293,9 @@ def _line_of(key: Key, lines: Mapping[Key, int]) -> int:
     return next((lines[key[:n]] for n in range(len(key), 0, -1) if key[:n] in lines), 0)
 
 
-def _without(data: Mapping[str, Any], wrong: Sequence[Key]) -> Study | None:
+def _without(
+    kind: type[StudyKind], data: Mapping[str, Any], wrong: Sequence[Key]
+) -> StudyKind | None:
     """What remains of a study without its faulty values, so that its names can be looked at too."""
     rest: Any = copy.deepcopy(data)
     for key in wrong:
@@ -244,7 +311,7 @@ def _without(data: Mapping[str, Any], wrong: Sequence[Key]) -> Study | None:
             at.pop(key[-1], None)
     for _ in range(2):
         try:
-            return Study.model_validate(rest, context=KEEP_IDLE)
+            return kind.model_validate(rest, context=KEEP_IDLE)
         except ValidationError as error:
             for one in error.errors(include_url=False):
                 rest.pop(one["loc"][0] if one["loc"] else "", None)
@@ -322,7 +389,7 @@ def _step(at: Any, step: str | int, following: Any, place: str) -> Any:
     raise _absent(place, str(step))
 
 
-def _faults(error: Any) -> list[InputError]:
+def _faults(error: Any, kind: type[Study]) -> list[InputError]:
     key: Key = error["loc"]
     setting = _dotted(key)
     raised = error.get("ctx", {}).get("error")
@@ -330,7 +397,7 @@ def _faults(error: Any) -> list[InputError]:
         if not isinstance(error["input"], dict | BaseModel):  # of one value, not of a part
             return [raised.inside(setting, str)]
         return [_of_part(one, setting) for one in errors_in(raised)]
-    return [_of_type(error, key, setting)]
+    return [_of_type(error, key, setting, kind)]
 
 
 def _of_part(error: InputError, part: str) -> InputError:
@@ -339,14 +406,14 @@ def _of_part(error: InputError, part: str) -> InputError:
     return error.inside(error.setting or own, lambda name: f"{part}.{name}".lstrip("."))
 
 
-def _of_type(error: Any, key: Key, setting: str) -> InputError:
+def _of_type(error: Any, key: Key, setting: str, kind: type[Study]) -> InputError:
     """The error of a value that its type or its bounds exclude."""
     last = next((_short(step) for step in reversed(key) if isinstance(step, str)), "the study")
     if error["type"] == "extra_forbidden":
         return InputError(
             last,
             "is an unknown key",
-            remedy=_meant(str(key[-1]), _fields_beside(key)),
+            remedy=_meant(str(key[-1]), _fields_beside(key, kind)),
             setting=setting,
         )
     if error["type"] == "missing":
@@ -371,9 +438,9 @@ def _of_type(error: Any, key: Key, setting: str) -> InputError:
     )
 
 
-def _fields_beside(key: Key) -> list[str]:
+def _fields_beside(key: Key, kind: type[Study]) -> list[str]:
     """The keys that are known where an unknown one stands."""
-    model: Any = Study
+    model: Any = kind
     for step in key[:-1]:
         if isinstance(step, int):
             continue

@@ -25,7 +25,8 @@ _TM27_QUANTITIES = (
     *("radiance", "exitance", "R-Factor", "T-Factor", "relative", "other"),
 )
 _TM27_FACTS = {"level": "level: ", "per": "light counted per ", "scale": "scale: "}
-_QE_FACTS = {"level": "absolute", "per": "photon", "scale": "fraction"}
+QE_FACTS = {"level": "absolute", "per": "photon", "scale": "fraction"}
+"""Facts of the curves of a sensor, for `spectra_csv`."""
 
 
 def sensor_spectra(sensor: Sensor) -> Spectra:
@@ -76,7 +77,7 @@ def sensor_csv(sensor: Sensor) -> str:
     return _csv(
         sensor_spectra(sensor),
         {
-            **_QE_FACTS,
+            **QE_FACTS,
             "origin": sensor.origin,
             "mosaic": mosaic_text(sensor.mosaic),
             "pitch_um": repr(pixel.pitch_um),

@@ -9,7 +9,7 @@ import { exchange } from "app/sensors.js";
 import { changeStudy, current, replaceStudy } from "app/state.js";
 import { remember, shownName } from "app/uploads.js";
 
-/** @import { FileQuestion, SensorPart, Study, Upload, UploadedFile } from "answers" */
+/** @import { FileQuestion, SensorPart, Study, Upload, UploadedFile, UploadedFront } from "answers" */
 /** @typedef {Record<string, string | number>} Answers */
 /** @typedef {ReturnType<typeof question>} Ask */
 
@@ -19,6 +19,7 @@ const KINDS = {
   light: "a light",
   cube: "a cube",
   study: "a study",
+  front: "a front of a design",
   crosstalk: "crosstalk of a sensor",
   matrix: "a color matrix",
   pixel: "the values of a pixel",
@@ -32,6 +33,10 @@ const KINDS = {
  * @param {Upload} answer
  */
 export function show(report, name, answer) {
+  if (answer.kind === "front") {
+    showBroughtFront(report, name, answer);
+    return;
+  }
   if (answer.kind !== "study" && answer.others?.length) {
     report.replaceChildren(severalWays(report, name, answer));
     return;
@@ -49,6 +54,20 @@ export function show(report, name, answer) {
     ...uses(answer, answers, () => report.replaceChildren(), unanswered),
   );
   report.replaceChildren(title, el("ul", { class: "notes" }, ...lines), form);
+}
+
+/**
+ * A front is shown at once; its module is loaded with the first one.
+ *
+ * @param {HTMLElement} report
+ * @param {string} name
+ * @param {UploadedFront} answer
+ */
+async function showBroughtFront(report, name, { front, preview = [] }) {
+  const { showFront } = await import("app/front.js");
+  const lines = preview.slice(0, 1).map((text) => el("li", { text }));
+  report.replaceChildren(el("p", { class: "strong", text: `${name}: ${KINDS.front}` }), el("ul", { class: "notes" }, ...lines));
+  showFront(front).scrollIntoView({ block: "start" });
 }
 
 /**

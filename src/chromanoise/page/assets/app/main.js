@@ -386,6 +386,7 @@ async function start() {
   listen();
   subscribe(changed);
   notice("broken", readAddress());
+  if (choices.front) import("app/front.js").then(({ showServed }) => showServed());
 }
 
 start();

@@ -123,7 +123,7 @@ const GAP_ROWS = 4;
  *
  * @param {Iterable<HTMLElement>} sections
  */
-function pack(sections) {
+export function pack(sections) {
   const heights = new ResizeObserver((entries) => {
     for (const { target, borderBoxSize } of entries) {
       const rows = Math.ceil(borderBoxSize[0].blockSize / ROW_PX) + GAP_ROWS;

@@ -10,7 +10,7 @@ import { asksFor, shownName, uploaded } from "app/uploads.js";
 /** @import { Group } from "app/controls.js" */
 
 const FEWEST = 2;
-const MOST = 6;
+export const MOST = 6;
 
 /** What a file of relative curves must be told. */
 const PEAK = {

@@ -21,7 +21,7 @@ export function uploads(place) {
     on: { change: () => field.files?.[0] && bring(field.files[0], report).then(() => (field.value = "")) },
   });
   const label = el("label", { for: "file", class: "drop" }, el("span", { text: "Drop a file or choose one" }));
-  const hint = el("p", { class: "hint", text: "Spectrum, sensor, pixel, crosstalk, color matrix, study or cube; it stays on this computer." });
+  const hint = el("p", { class: "hint", text: "Spectrum, sensor, pixel, crosstalk, color matrix, study, cube or front of a design; it stays on this computer." });
   place.replaceChildren(field, label, hint, report);
   dropAnywhere((file) => {
     place.closest("details")?.setAttribute("open", "");
@@ -46,9 +46,33 @@ function dropAnywhere(take) {
     root.classList.remove("dropping");
     if (!holds(event)) return;
     event.preventDefault();
+    const entry = event.dataTransfer?.items[0]?.webkitGetAsEntry();
+    if (entry?.isDirectory) return frontIn(/** @type {FileSystemDirectoryEntry} */ (entry), take);
     const file = event.dataTransfer?.files[0];
     if (file) take(file);
   });
+}
+
+/**
+ * Of the folder of a design the front is taken; another folder counts as a file without content.
+ *
+ * @param {FileSystemDirectoryEntry} folder
+ * @param {(file: File) => void} take
+ */
+function frontIn(folder, take) {
+  const none = () => take(new File([], folder.name));
+  folder.getFile("front.json", {}, (entry) => /** @type {FileSystemFileEntry} */ (entry).file(take, none), none);
+}
+
+/**
+ * Sends a file; the reply tells what it is.
+ *
+ * @param {string} name
+ * @param {Blob} body
+ */
+export function sent(name, body) {
+  const headers = { "Content-Type": "application/octet-stream", "X-Filename": encodeURIComponent(name) };
+  return fetch("/api/upload", { method: "POST", headers, body });
 }
 
 let latest = 0;
@@ -62,12 +86,7 @@ async function bring(file, report) {
   report.replaceChildren(el("p", { text: `Reading ${file.name} …` }));
   try {
     if (file.size > LARGEST) throw new Refused([{ sentence: tooLarge(file) }]);
-    const reply = await fetch("/api/upload", {
-      method: "POST",
-      headers: { "Content-Type": "application/octet-stream", "X-Filename": encodeURIComponent(file.name) },
-      body: file,
-    });
-    const answer = await understood(reply);
+    const answer = await understood(await sent(file.name, file));
     // a slow file must not write over what was brought after it
     if (turn !== latest) return;
     const { show } = await import("app/brought.js");

@@ -1,0 +1,425 @@
+"""The schema of ``design.toml``: the tables of a study, and what is designed.
+
+The sensors of the study are the references of the design. The first of them, or the one that
+``design.base`` names, gives the grid and the pixel of all designs.
+"""
+
+from collections.abc import Iterator, Mapping
+from typing import Annotated, Any, Literal
+
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    ValidationError,
+    model_validator,
+)
+
+from chromanoise import _check
+from chromanoise.design.objectives import OBJECTIVES
+from chromanoise.design.parameters import Free, Value
+from chromanoise.design.space import LIBRARY_MODEL, LIBRARY_NUMBERS
+from chromanoise.errors import InputError, Setting, did_you_mean, refusal
+from chromanoise.sensor import MOSAIC_NAMES
+from chromanoise.sensor.filter_models import FILTER_MODELS, SILICON_NUMBERS, ModelNumber
+from chromanoise.study import Part, Study
+
+METHODS = ("nsga2", "nsga3", "de", "cma-es")
+"""Methods of the search."""
+BEST_REFERENCE = "best reference"
+"""Limit of a constraint: the best value of all references."""
+_FREE_KEYS = ("low", "high", "start", "tolerance")
+_FORMS = "must be a number, [low, high], {low = .., high = ..}, or the name of another number"
+
+
+def _value(given: Any) -> Value:
+    """A fixed number, a free one, or a tie, from its form in TOML."""
+    if isinstance(given, str | Free):
+        return given
+    if _is_number(given):
+        return float(_check.finite("number", "1", given))
+    if isinstance(given, list | tuple) and len(given) == 2 and all(map(_is_number, given)):
+        return Free(low=float(given[0]), high=float(given[1]))
+    if isinstance(given, Mapping) and {"low", "high"} <= set(given) <= set(_FREE_KEYS):
+        numbers = {name: value for name, value in given.items() if value is not None}
+        if all(map(_is_number, numbers.values())):
+            return Free(**{name: float(value) for name, value in numbers.items()})
+    raise ValueError(_FORMS)
+
+
+def _is_number(given: Any) -> bool:
+    return isinstance(given, int | float) and not isinstance(given, bool)
+
+
+def _number_or_name(given: Any) -> Any:
+    """Give one error message; the schema alone would give one for each type of value."""
+    if given is None or isinstance(given, str):
+        return given
+    if not _is_number(given):
+        raise ValueError('must be a number, "best reference", or the name of a reference')
+    return float(_check.finite("limit", "1", given))
+
+
+def _objective(name: str, info: Any) -> str:
+    if name not in OBJECTIVES:
+        remedy = did_you_mean(name, list(OBJECTIVES), f"known are {', '.join(OBJECTIVES)}", most=2)
+        raise InputError(info.field_name, "must be a known objective", value=name, remedy=remedy)
+    return name
+
+
+Numbers = Annotated[Any, BeforeValidator(_value)]
+"""A number of a design: fixed, free or tied."""
+Limit = Annotated[float | str | None, BeforeValidator(_number_or_name)]
+ObjectiveName = Annotated[str, AfterValidator(_objective)]
+
+
+class NumbersPart(Part):
+    """A part whose further keys are numbers of a design."""
+
+    model_config = ConfigDict(extra="allow")
+    __pydantic_extra__: dict[str, Numbers]
+
+    @property
+    def numbers(self) -> dict[str, Value]:
+        """The numbers that are given, by name."""
+        return dict(self.__pydantic_extra__)
+
+    def known_numbers(self) -> Mapping[str, ModelNumber] | None:
+        """The numbers that the part may have; ``None`` if the rest of the design decides."""
+        return None
+
+    @model_validator(mode="after")
+    def _of_the_model(self) -> "NumbersPart":
+        known = self.known_numbers()
+        if known is not None:
+            errors = [*_unknown(self, known), *_missing(self, known)]
+            if errors:
+                raise refusal(errors)
+        return self
+
+
+def _unknown(part: NumbersPart, known: Mapping[str, ModelNumber]) -> Iterator[InputError]:
+    names = [*type(part).model_fields, *known]
+    for name in part.numbers:
+        if name not in known:
+            remedy = did_you_mean(name, names, f"known are {', '.join(names)}", most=2)
+            yield InputError(name, "is an unknown key", remedy=remedy)
+
+
+def _missing(part: NumbersPart, known: Mapping[str, ModelNumber]) -> Iterator[InputError]:
+    for name, number in known.items():
+        if number.default is None and name not in part.numbers:
+            yield InputError(
+                name,
+                f"is missing: {number.what} [{number.unit}]",
+                remedy=f"give a number, or bounds as {name} = [low, high]",
+            )
+
+
+def _known_model(name: str, info: Any) -> str:
+    models = (*FILTER_MODELS, LIBRARY_MODEL)
+    if name not in models:
+        remedy = did_you_mean(name, models, f"known are {', '.join(models)}", most=2)
+        raise InputError(info.field_name, "must be a known filter", value=name, remedy=remedy)
+    return name
+
+
+FilterName = Annotated[str, AfterValidator(_known_model)]
+_MODELS = ", ".join((*FILTER_MODELS, LIBRARY_MODEL))
+_OF_DYE = "For dye: filters of the catalog or files; the search chooses one of several."
+Curves = Annotated[tuple[str, ...], Field(strict=False)]
+
+
+class _FilterNumbers(NumbersPart):
+    """A part whose numbers are those of a filter."""
+
+    @model_validator(mode="after")
+    def _curves_of_a_dye(self) -> "_FilterNumbers":
+        model, curves = getattr(self, "filter", None), getattr(self, "curves", ())
+        if (model == LIBRARY_MODEL) != bool(curves):
+            demand = "must be given" if model == LIBRARY_MODEL else "must be given only"
+            raise InputError("curves", f"{demand} for filter = {LIBRARY_MODEL!r}")
+        return self
+
+    def known_numbers(self) -> Mapping[str, ModelNumber]:
+        """The numbers of the filter."""
+        model = getattr(self, "filter", None)
+        if model is None:
+            return {}
+        if model == LIBRARY_MODEL:
+            return LIBRARY_NUMBERS
+        return FILTER_MODELS[model].numbers_for(self.numbers)
+
+
+class FilterPart(_FilterNumbers):
+    """A filter; its further keys are the numbers of its model."""
+
+    filter: FilterName = Field("ir-cut", description=f"Its model: {_MODELS}.")
+    curves: Curves = Field((), description=_OF_DYE)
+
+
+class ChannelPart(_FilterNumbers):
+    """A channel; its further keys are the numbers of its filter."""
+
+    name: str = Field(description="Name of the channel.")
+    filter: FilterName | None = Field(None, description=f"Its filter: {_MODELS}; default: none.")
+    curves: Curves = Field((), description=_OF_DYE)
+    base: str | None = Field(
+        None, description="Channel of the base whose curve it has; default: silicon."
+    )
+    ir_cut: FilterPart | None = Field(None, description="A second filter on this channel.")
+
+
+class SiliconPart(NumbersPart):
+    """The photodiode; its keys are the numbers of its model."""
+
+    def known_numbers(self) -> Mapping[str, ModelNumber]:
+        """The numbers of silicon."""
+        return SILICON_NUMBERS
+
+
+class ExposureNumbers(Part):
+    """The exposure, where it is designed."""
+
+    time_ms: Numbers = Field(None, description="Exposure time [ms]; default: that of the scene.")
+
+
+class MatrixNumbers(Part):
+    """The color matrix, where it is designed."""
+
+    noise_weight: Numbers = Field(
+        None, description="Weight of the noise in the matrix: 0 least squares, 1 LMMSE."
+    )
+
+
+class CrosstalkNumbers(Part):
+    """Crosstalk before counting, where it is not that of the base."""
+
+    share: Numbers = Field(
+        None, description="Share of the light of a pixel that ends in its four neighbors."
+    )
+
+
+class PixelNumbers(Part):
+    """The pixel, where it is not that of the base."""
+
+    read_noise_e: Numbers = Field(None, description="Read noise [e-].")
+    prnu: Numbers = Field(None, description="Photo response non-uniformity [1].")
+
+
+class ScenePart(Part):
+    """A scene; what it omits is that of the study."""
+
+    name: str | None = Field(None, description="Name in results; default: its number.")
+    illuminant: str | None = Field(None, description="Its light.")
+    level_lux: Annotated[float, Field(gt=0, allow_inf_nan=False)] | None = Field(
+        None, description="Its illuminance [lx]."
+    )
+    time_ms: Annotated[float, Field(gt=0, allow_inf_nan=False)] | None = Field(
+        None, description="Its exposure time [ms]; default: that of the study's light."
+    )
+
+
+class ConstraintPart(Part):
+    """A limit of an objective."""
+
+    objective: ObjectiveName = Field(description=f"One of {', '.join(OBJECTIVES)}.")
+    at_most: Limit = Field(None, description="Number, best reference, or name of a reference.")
+    at_least: Limit = Field(None, description="Number, best reference, or name of a reference.")
+
+    @model_validator(mode="after")
+    def _one_limit(self) -> "ConstraintPart":
+        if (self.at_most is None) == (self.at_least is None):
+            raise InputError(
+                "at_most",
+                "must be given or at_least, one of both",
+                found="both are given" if self.at_most is not None else "none is given",
+            )
+        return self
+
+    @property
+    def side(self) -> Literal["at_most", "at_least"]:
+        """Which limit is given."""
+        return "at_least" if self.at_most is None else "at_most"
+
+    @property
+    def limit(self) -> float | str:
+        """The limit as given."""
+        given = self.at_least if self.at_most is None else self.at_most
+        assert given is not None  # one of both is given
+        return given
+
+
+def _shares(given: Any) -> Any:
+    """Give one error message; the schema alone would give one for each type of value."""
+    if isinstance(given, list | tuple) and all(map(_is_number, given)):
+        return tuple(map(float, given))
+    if given in ("equal", "free"):
+        return given
+    raise ValueError("must be equal, free, or one share per channel with the sum 1")
+
+
+class DesignPart(Part):
+    """What is designed, for what, and how it is searched."""
+
+    objectives: Annotated[tuple[ObjectiveName, ...], Field(strict=False, min_length=1)] = Field(
+        description=f"What is made better: {', '.join(OBJECTIVES)}."
+    )
+    base: str | None = Field(
+        None,
+        description="Reference whose grid, pixel and curves the designs use; default: the first.",
+    )
+    channels: Annotated[tuple[ChannelPart, ...], Field(strict=False, min_length=1)] = Field(
+        description="The channels: name, filter, and the numbers of the filter."
+    )
+    ir_cut: FilterPart | None = Field(None, description="A filter in front of all channels.")
+    silicon: SiliconPart = Field(SiliconPart(), description="The photodiode.")
+    structure: Literal["mosaic", "layers", "router"] = Field(
+        "mosaic", description="Channels beside each other, stacked in silicon, or sorted by color."
+    )
+    layers: NumbersPart = Field(
+        NumbersPart(), description="With layers: NAME_um, thickness of the layer of each channel."
+    )
+    router: NumbersPart = Field(
+        NumbersPart(), description="With router: efficiency, NAME_selectivity, crossing_1_nm ..."
+    )
+    mosaic: str | None = Field(
+        None, description=f"Channel of each pixel: {', '.join(MOSAIC_NAMES)}, or rows as RG/GB."
+    )
+    pixel_shares: Annotated[Any, BeforeValidator(_shares)] = Field(
+        "equal", description="Shares of the pixels: equal, free, or one number per channel."
+    )
+    crosstalk: CrosstalkNumbers = Field(CrosstalkNumbers(), description="Crosstalk.")
+    pixel: PixelNumbers = Field(PixelNumbers(), description="The pixel.")
+    exposure: ExposureNumbers = Field(ExposureNumbers(), description="A designed exposure.")
+    matrix: MatrixNumbers = Field(MatrixNumbers(), description="A designed color matrix.")
+    scenes: Annotated[tuple[ScenePart, ...], Field(strict=False)] = Field(
+        (), description="Scenes of the objectives; default: that of the study."
+    )
+    over_scenes: Literal["worst", "mean"] = Field(
+        "worst", description="Whether the worst or the mean scene counts."
+    )
+    constraints: Annotated[tuple[ConstraintPart, ...], Field(strict=False)] = Field(
+        (), description="Limits of objectives."
+    )
+    method: Literal["nsga2", "nsga3", "de", "cma-es"] = Field(
+        "nsga2", description=f"Search: {', '.join(METHODS)}."
+    )
+    budget: Annotated[int, Field(ge=1, le=10**12)] = Field(
+        20_000, description="Number of evaluated candidates."
+    )
+    population: Annotated[int, Field(ge=4, le=10**7)] = Field(
+        100, description="Candidates per generation."
+    )
+    seed: Annotated[int, Field(ge=0, lt=2**32)] = Field(0, description="Seed of the search.")
+    polish: bool = Field(False, description="Polish the front by exact gradients.")
+    members: Annotated[int, Field(ge=1, le=10_000)] = Field(
+        100, description="Greatest number of designs on the front."
+    )
+
+    @model_validator(mode="after")
+    def _one_population(self) -> "DesignPart":
+        if self.budget < self.population:
+            raise InputError(
+                "budget",
+                f"must be at least one population of {self.population} sensors",
+                value=self.budget,
+                remedy=(Setting("budget", (self.population,)), "lower design.population"),
+            )
+        return self
+
+
+_IDLE = ("seed", "sweeps", "pictures", "outputs")
+
+
+class DesignDocument(Study):
+    """A design: the tables of a study, whose sensors are the references, and ``[design]``.
+
+    Raises
+    ------
+    pydantic.ValidationError
+        As `Study`, or if a table has no effect on a design.
+    """
+
+    design: DesignPart = Field(description="What is designed.")
+
+    @model_validator(mode="after")
+    def _with_effect(self) -> "DesignDocument":
+        errors = [*_idle_tables(self), *_unknown_references(self)]
+        if errors:
+            raise refusal(errors)
+        return self
+
+
+def _idle_tables(document: DesignDocument) -> Iterator[InputError]:
+    for name in _IDLE:
+        if name in document.model_fields_set and getattr(document, name):
+            yield InputError(
+                name,
+                "must not be given in a design, where it changes nothing",
+                remedy="give design.seed" if name == "seed" else "omit it",
+                setting=name,
+            )
+    if len(document.matrices) > 1:
+        yield InputError(
+            "matrices",
+            "must be one matrix in a design",
+            value=document.matrices,
+            setting="matrices",
+        )
+    if document.exposure.equal != "exposure":
+        yield InputError(
+            "equal",
+            "must be exposure in a design: one time for all designs of a scene",
+            value=document.exposure.equal,
+            remedy=Setting("exposure.equal", omit=True),
+            setting="exposure.equal",
+        )
+
+
+def _unknown_references(document: DesignDocument) -> Iterator[InputError]:
+    names = [part.name for part in document.sensors]
+    known = [*dict.fromkeys([*names, *(one.label for one in document.sensors if one.label)])]
+    design = document.design
+    given: list[tuple[str, object]] = [("design.base", design.base)]
+    given += [
+        (f"design.constraints.{i}.{part.side}", part.limit)
+        for i, part in enumerate(design.constraints)
+    ]
+    for key, word in given:
+        others = [BEST_REFERENCE] if key != "design.base" else []
+        if isinstance(word, str) and word not in [*known, *others]:
+            yield InputError(
+                key.rpartition(".")[2],
+                "must be the name of a reference, that is, of one of the sensors",
+                value=word,
+                remedy=did_you_mean(word, known, f"known are {', '.join([*others, *known])}"),
+                setting=key,
+            )
+
+
+def with_effort(
+    document: DesignDocument, *, budget: int | None = None, seed: int | None = None
+) -> DesignDocument:
+    """The design with another budget or seed of the search; ``None`` keeps that of the document.
+
+    Raises
+    ------
+    InputError
+        If one of them is not possible.
+    """
+    given = {"budget": budget, "seed": seed}
+    changes = {name: value for name, value in given.items() if value is not None}
+    data = document.design.model_dump(exclude_unset=True) | changes
+    try:
+        design = DesignPart.model_validate(data)
+    except ValidationError as error:
+        (first, *_) = error.errors(include_url=False)
+        raised = first.get("ctx", {}).get("error")
+        if isinstance(raised, InputError):
+            raise raised from None
+        name = str(first["loc"][-1])
+        said = str(first["msg"]).replace("Input should be", "must be")
+        raise InputError(name, said, value=changes.get(name)) from None
+    return document.model_copy(update={"design": design})

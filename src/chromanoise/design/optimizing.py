@@ -1,0 +1,532 @@
+"""From a design document to its front: the one route of the command and of Python."""
+
+import hashlib
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from chromanoise import _check
+from chromanoise._check import Array
+from chromanoise._shapes import Float
+from chromanoise.catalog.resolve import resolve_filter, resolve_illuminant
+from chromanoise.design.candidates import Candidates
+from chromanoise.design.document import (
+    BEST_REFERENCE,
+    ChannelPart,
+    ConstraintPart,
+    DesignDocument,
+    DesignPart,
+    FilterPart,
+)
+from chromanoise.design.evaluation import Evaluator
+from chromanoise.design.front import Front, front_of
+from chromanoise.design.objectives import OBJECTIVES
+from chromanoise.design.parameters import Parameter
+from chromanoise.design.problem import Evaluated, Linearized, Problem
+from chromanoise.design.scenes import DesignScene
+from chromanoise.design.scheduler import Scheduler
+from chromanoise.design.search import Progress, SearchResult, SearchSettings, search
+from chromanoise.design.space import Channel, DesignSpace, Filter
+from chromanoise.errors import InputError
+from chromanoise.exposure import OperatingPoint
+from chromanoise.io.spectra import Answers
+from chromanoise.sensor import Sensor, mosaic_named
+from chromanoise.study import (
+    NOTHING_GIVEN,
+    Given,
+    keyed,
+    operating_points_of,
+    study_hash,
+)
+from chromanoise.study.assembly import prior_of
+
+FULLEST = 0.99
+"""Greatest share of full well of a channel on a perfect white."""
+_COMPLEX_STEP = 1e-20  # no difference is taken, so that it may be this small
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Reference:
+    """A sensor with which the designs are compared.
+
+    Attributes
+    ----------
+    name
+        Its name in results.
+    sensor
+        The sensor.
+    objectives
+        Value of each objective of the design and of its constraints, by name.
+    """
+
+    name: str
+    sensor: Sensor
+    objectives: Mapping[str, float]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Limit:
+    """A constraint with its number.
+
+    Attributes
+    ----------
+    objective, side, value
+        The objective, ``at_most`` or ``at_least``, and the number in the objective's unit.
+    origin
+        The reference that gave the number; empty where the document gives it.
+    """
+
+    objective: str
+    side: str
+    value: float
+    origin: str = ""
+
+    @property
+    def name(self) -> str:
+        """The constraint as results print it: ``delta_e <= 5.2 (onyx-rgbw)``."""
+        sign = "<=" if self.side == "at_most" else ">="
+        return f"{self.objective} {sign} {self.value:.6g}" + (
+            f" ({self.origin})" if self.origin else ""
+        )
+
+    @property
+    def sign(self) -> float:
+        """1 where smaller values keep the limit, else -1."""
+        return 1.0 if self.side == "at_most" else -1.0
+
+
+FULL_WELL = f"share of full well <= {FULLEST:g}"
+"""Name of the constraint that every design has."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Task:
+    """All that a search of a design needs.
+
+    Attributes
+    ----------
+    document
+        The design.
+    space
+        The sensors that are searched.
+    scenes
+        In which they are judged.
+    evaluator
+        Of the objectives of the design, then of its constraints.
+    references
+        The sensors of the document.
+    limits
+        The constraints of the document.
+    """
+
+    document: DesignDocument
+    space: DesignSpace
+    scenes: tuple[DesignScene, ...]
+    evaluator: Evaluator
+    references: tuple[Reference, ...]
+    limits: tuple[Limit, ...]
+
+    @property
+    def objectives(self) -> tuple[str, ...]:
+        """The objectives of the search."""
+        return self.document.design.objectives
+
+    def problem(self) -> Problem:
+        """What the search minimizes."""
+        parameters = self.space.parameters
+        evaluate = Evaluation(
+            space=self.space,
+            evaluator=self.evaluator,
+            objectives=len(self.objectives),
+            limits=tuple(
+                (self.evaluator.objectives.index(one.objective), one.sign, one.value)
+                for one in self.limits
+            ),
+        )
+        return Problem(
+            names=tuple(one.name for one in parameters),
+            low=np.array([one.low for one in parameters]),
+            high=np.array([one.high for one in parameters]),
+            objectives=self.objectives,
+            better=tuple(OBJECTIVES[name].better for name in self.objectives),
+            constraints=(*(one.name for one in self.limits), FULL_WELL),
+            evaluate=evaluate,
+            gradient=evaluate.linearized,
+            integer=tuple(one.name for one in parameters if one.choices),
+            identity=self.identity,
+        )
+
+    @property
+    def identity(self) -> str:
+        """A hash of all that determines the objectives; the effort of the search is not in it."""
+        lights = [one.point.illuminant.irradiance for one in self.scenes]
+        return _identity(self.document, [*self.space.library.values(), *lights])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Evaluation:
+    """Objectives and constraints of candidates: a function that can be sent to a worker.
+
+    Attributes
+    ----------
+    space, evaluator
+        From parameters to candidates, and from candidates to values.
+    objectives
+        How many of the evaluator's values are objectives of the search; they come first.
+    limits
+        Index of the value, sign (1 for at most) and number of each constraint.
+    """
+
+    space: DesignSpace
+    evaluator: Evaluator
+    objectives: int
+    limits: tuple[tuple[int, float, float], ...]
+
+    def __call__(self, values: Float[Array, "m d"]) -> Evaluated:
+        """Objectives and violations of ``m`` candidates."""
+        candidates = self.space.candidates(values)
+        found = self.evaluator.values(candidates)
+        return Evaluated(
+            objectives=found[:, : self.objectives],
+            violation=np.column_stack(
+                [
+                    *(sign * (found[:, i] - value) for i, sign, value in self.limits),
+                    self.evaluator.share_of_full_well(candidates) - FULLEST,
+                ]
+            ),
+        )
+
+    def linearized(self, values: Float[Array, " d"]) -> Linearized:
+        """Objectives and violations of one candidate, with their derivatives."""
+        found, jacobian = self.evaluator.gradient(self.space, values)
+        share, slope = self._share(values)
+        rows = [(sign * (found[i] - value), sign * jacobian[i]) for i, sign, value in self.limits]
+        return Linearized(
+            objectives=found[: self.objectives],
+            violation=np.array([*(row[0] for row in rows), share - FULLEST]),
+            objectives_jacobian=jacobian[: self.objectives],
+            violation_jacobian=np.array([*(row[1] for row in rows), slope]),
+        )
+
+    def _share(self, values: Float[Array, " d"]) -> tuple[float, Float[Array, " d"]]:
+        steps = values + 1j * _COMPLEX_STEP * np.eye(len(values))
+        share = self.evaluator.share_of_full_well(self.space.candidates(steps))
+        return float(share[0].real), share.imag / _COMPLEX_STEP
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Search:
+    """A finished search.
+
+    Attributes
+    ----------
+    task
+        What was searched.
+    front
+        The members, with their sensors.
+    result
+        Counts and the whole front.
+    """
+
+    task: Task
+    front: Front
+    result: SearchResult
+
+
+_EFFORT = ("method", "budget", "population", "seed", "polish", "members")
+
+
+def _identity(document: DesignDocument, arrays: Sequence[Array]) -> str:
+    """A hash of a document, of the files of its study, and of the arrays of its other files.
+
+    The effort of the search and the title are not in it.
+    """
+    effort = {name: DesignPart.model_fields[name].default for name in _EFFORT}
+    design = document.design.model_copy(update=effort)
+    plain = document.model_copy(update={"design": design, "title": ""})
+    digest = hashlib.sha256(study_hash(plain).encode())
+    for one in arrays:
+        digest.update(np.ascontiguousarray(one, dtype=np.float64).tobytes())
+    return digest.hexdigest()
+
+
+def task_of(document: DesignDocument, given: Given = NOTHING_GIVEN) -> Task:
+    """The space, the scenes, the references and the constraints of a document.
+
+    Parameters
+    ----------
+    document
+        The design.
+    given
+        Objects of Python in place of names.
+
+    Raises
+    ------
+    InputError
+        If something that it names cannot be used, each with its key.
+    """
+    points = operating_points_of(document, given)
+    base = points[_base_index(document)]
+    space = space_of(document, base.sensor)
+    design = document.design
+    wanted = (*design.objectives, *(one.objective for one in design.constraints))
+    names = tuple(dict.fromkeys(wanted))
+    scenes = scenes_of(document, base)
+    evaluator = Evaluator(scenes=scenes, objectives=names, over_scenes=design.over_scenes)
+    references = tuple(_reference(point, evaluator) for point in points)
+    return Task(
+        document=document,
+        space=space,
+        scenes=scenes,
+        evaluator=evaluator,
+        references=references,
+        limits=tuple(
+            _limit(part, document, references, f"design.constraints.{i}")
+            for i, part in enumerate(design.constraints)
+        ),
+    )
+
+
+def _base_index(document: DesignDocument) -> int:
+    name = document.design.base
+    names = [one.name for one in document.sensors]
+    labels = [one.label for one in document.sensors]
+    if name is None:
+        return 0
+    return labels.index(name) if name in labels else names.index(name)
+
+
+def scenes_of(document: DesignDocument, base: OperatingPoint) -> tuple[DesignScene, ...]:
+    """The scenes of a design; that of its study if it names none.
+
+    A scene without a time has that of the study's light, also where the time is solved.
+
+    Raises
+    ------
+    InputError
+        If a scene cannot be made.
+    """
+    light = document.light
+    answers = Answers(quantity="power", beyond=light.beyond, negatives=light.negatives)
+    made = partial(
+        DesignScene,
+        matrix=document.matrices[0],
+        metric=document.metric,  # type: ignore[arg-type]  # its schema has checked the name
+        prior=prior_of(document),
+    )
+    if not document.design.scenes:
+        return (made(point=base, name="1"),)
+    scenes = []
+    for i, part in enumerate(document.design.scenes):
+        key = f"design.scenes.{i}"
+        changes: dict[str, Any] = {}
+        if part.illuminant is not None:
+            with keyed(f"{key}.illuminant"):
+                changes["illuminant"] = resolve_illuminant(part.illuminant, answers=answers)
+        if part.level_lux is not None:
+            changes["level_lux"] = part.level_lux
+        if part.time_ms is not None:
+            changes["exposure"] = replace(base.exposure, time_s=1e-3 * part.time_ms)
+        with keyed(key):
+            point = replace(base, **changes)
+            scenes.append(made(point=point, name=part.name or str(i + 1)))
+    _check.distinct("names of scenes", [one.name for one in scenes])
+    return tuple(scenes)
+
+
+def space_of(document: DesignDocument, base: Sensor) -> DesignSpace:
+    """The design space of a document.
+
+    Parameters
+    ----------
+    document
+        The design.
+    base
+        Gives grid, pixel and curves.
+
+    Raises
+    ------
+    InputError
+        As `DesignSpace`, with the key of the design.
+    """
+    design = document.design
+    try:
+        return DesignSpace(
+            base=base,
+            channels=tuple(_channel(part) for part in design.channels),
+            structure=design.structure,
+            ir_cut=None if design.ir_cut is None else _filter(design.ir_cut),
+            silicon=design.silicon.numbers,
+            layers=design.layers.numbers,
+            router=design.router.numbers,
+            library=_library(document),
+            mosaic=None if design.mosaic is None else mosaic_named(design.mosaic),
+            pixel_shares=design.pixel_shares,
+            crosstalk=design.crosstalk.share,
+            time_ms=design.exposure.time_ms,
+            noise_weight=design.matrix.noise_weight,
+            read_noise_e=design.pixel.read_noise_e,
+            prnu=design.pixel.prnu,
+        )
+    except InputError as error:
+        if error.setting:
+            raise
+        raise error.inside(_key_in(error.subject, design.channels), str) from None
+
+
+def _channel(part: ChannelPart) -> Channel:
+    return Channel(
+        name=part.name,
+        filter=None if part.filter is None else _filter(part),
+        ir_cut=None if part.ir_cut is None else _filter(part.ir_cut),
+        base=part.base,
+    )
+
+
+def _filter(part: FilterPart | ChannelPart) -> Filter:
+    assert part.filter is not None  # a channel without a filter is not asked for it
+    return Filter(model=part.filter, numbers=part.numbers, curves=part.curves)
+
+
+def _library(document: DesignDocument) -> dict[str, Array]:
+    """The transmittances that the filters of model ``dye`` name."""
+    design, answers = document.design, Answers(quantity="transmittance")
+    parts: dict[str, FilterPart | ChannelPart] = {}
+    for i, channel in enumerate(design.channels):
+        parts[f"design.channels.{i}.curves"] = channel
+        if channel.ir_cut is not None:
+            parts[f"design.channels.{i}.ir_cut.curves"] = channel.ir_cut
+    if design.ir_cut is not None:
+        parts["design.ir_cut.curves"] = design.ir_cut
+    library = {}
+    for key, part in parts.items():
+        for word in part.curves:
+            with keyed(key):
+                library[word] = resolve_filter(word, answers=answers).values[:, 0]
+    return library
+
+
+def _key_in(subject: str, channels: Sequence[ChannelPart]) -> str:
+    """The key of a number that an error calls ``bounds of R.center_nm``."""
+    name = subject.rpartition(" ")[2]
+    place, dot, rest = name.partition(".")
+    for i, channel in enumerate(channels):
+        if dot and place == channel.name:
+            return f"design.channels.{i}.{rest}"
+    return f"design.{name}" if dot else "design"
+
+
+def impossible(document: DesignDocument) -> list[InputError]:
+    """What a document asks for and cannot be made, though all its names are known."""
+    try:
+        task_of(document)
+    except InputError as error:
+        return [error if error.setting else error.inside("design", str)]
+    return []
+
+
+def _reference(point: OperatingPoint, evaluator: Evaluator) -> Reference:
+    """A sensor of the document, in the scenes of the design with its own pixel."""
+    sensor = point.sensor
+    scenes = tuple(
+        replace(scene, point=replace(scene.point, sensor=sensor)) for scene in evaluator.scenes
+    )
+    own = replace(evaluator, scenes=scenes)
+    (values,) = own.values(Candidates(qe=np.asarray(sensor.qe)[None]))
+    names = evaluator.objectives
+    return Reference(
+        name=sensor.label,
+        sensor=sensor,
+        objectives=dict(zip(names, values.tolist(), strict=True)),
+    )
+
+
+def _limit(
+    part: ConstraintPart, document: DesignDocument, references: Sequence[Reference], key: str
+) -> Limit:
+    limit = part.limit
+    if not isinstance(limit, str):
+        return Limit(objective=part.objective, side=part.side, value=limit)
+    values = {one.name: one.objectives[part.objective] for one in references}
+    if limit == BEST_REFERENCE:
+        choose = min if OBJECTIVES[part.objective].better == "lower" else max
+        name = choose(values, key=lambda one: values[one])
+    else:
+        known = [one.label or one.name for one in document.sensors]
+        index = known.index(limit) if limit in known else _named(document, limit)
+        name = references[index].name
+    if not np.isfinite(values[name]):
+        raise InputError(
+            part.side,
+            f"must be the value of a reference whose {part.objective} is defined",
+            value=limit,
+            found=f"is that of {name}, which is saturated or has none",
+            setting=f"{key}.{part.side}",
+        )
+    return Limit(objective=part.objective, side=part.side, value=values[name], origin=name)
+
+
+def _named(document: DesignDocument, name: str) -> int:
+    return [one.name for one in document.sensors].index(name)
+
+
+def searched(
+    task: Task,
+    *,
+    checkpoint: Path | None = None,
+    resume: bool = False,
+    evaluate_on: Scheduler | None = None,
+    progress: Callable[[Progress], None] | None = None,
+) -> Search:
+    """Search the front of a design.
+
+    Parameters
+    ----------
+    task
+        Of `task_of`.
+    checkpoint, resume, evaluate_on, progress
+        As `chromanoise.design.search.search`.
+
+    Raises
+    ------
+    InputError
+        As `chromanoise.design.search.search`.
+    """
+    design, problem = task.document.design, task.problem()
+    settings = SearchSettings(
+        method=design.method,
+        budget=design.budget,
+        population=design.population,
+        seed=design.seed,
+        polish=design.polish,
+    )
+    found = search(
+        problem,
+        settings,
+        start=_start(task.space.parameters),
+        checkpoint=checkpoint,
+        resume=resume,
+        evaluate_on=evaluate_on,
+        progress=progress,
+    )
+    front = front_of(
+        problem,
+        found.values,
+        found.objectives,
+        found.violation,
+        most=design.members,
+        sensor_of=lambda values, name: task.space.sensor(values, name=name),
+    )
+    return Search(task=task, front=front, result=found)
+
+
+def _start(parameters: Sequence[Parameter]) -> Float[Array, "1 d"] | None:
+    """One candidate at the starts, elsewhere in the middle; ``None`` if there is no start."""
+    if all(one.start is None for one in parameters):
+        return None
+    middle = [0.5 * (one.low + one.high) if one.start is None else one.start for one in parameters]
+    return np.array([middle])

@@ -1,0 +1,119 @@
+"""The folder of a design: ``front.json``, ``front.csv``, ``front.svg``, a file per sensor."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+from chromanoise import __version__
+from chromanoise._files import claimed_folder, refuse_unwritable, write_whole
+from chromanoise.design.document import DesignDocument
+from chromanoise.design.optimizing import searched, task_of
+from chromanoise.design.result import SENSORS, Design
+from chromanoise.design.scheduler import Scheduler
+from chromanoise.design.search import Progress
+from chromanoise.errors import InputError
+from chromanoise.io.result import figures
+from chromanoise.io.sensor_json import sensor_json
+from chromanoise.io.table_formats import table_writer
+from chromanoise.study import NOTHING_GIVEN, Given, study_as_json
+
+RECORD, CHECKPOINT = "design.json", "search.npz"
+FRONT_JSON, FRONT_CSV, FRONT_SVG = "front.json", "front.csv", "front.svg"
+
+
+def optimized(
+    document: DesignDocument,
+    folder: Path | None,
+    *,
+    resume: bool = False,
+    given: Given = NOTHING_GIVEN,
+    evaluate_on: Scheduler | None = None,
+    progress: Callable[[Progress], None] | None = None,
+) -> Design:
+    """Search the front of a design, and write it into a folder.
+
+    Parameters
+    ----------
+    document
+        The design.
+    folder
+        For the outputs and the checkpoint of the search; ``None`` writes nothing.
+    resume
+        Whether to continue the stopped search in the folder.
+    given, evaluate_on, progress
+        As `searched`.
+
+    Raises
+    ------
+    InputError
+        As `searched`, or if the folder cannot be written or holds another design.
+    """
+    if folder is None:
+        if resume:
+            raise InputError("resume", "must be given with the folder of the stopped search")
+        found = searched(task_of(document, given), evaluate_on=evaluate_on, progress=progress)
+        return Design(search=found)
+    refuse_unwritable(folder)
+    task = task_of(document, given)
+    _refuse_other_design(folder, task.identity)
+    if resume and not (folder / CHECKPOINT).exists():
+        raise InputError(
+            str(folder),
+            "must hold a stopped search to resume",
+            found=f"has no {CHECKPOINT}",
+            remedy="omit resume",
+        )
+    with claimed_folder(folder) as scratch_folder:
+        if not (folder / RECORD).exists():
+            record = {
+                "version": __version__,
+                "identity": task.identity,
+                "design": study_as_json(document),
+            }
+            write_whole(folder / RECORD, f"{json.dumps(record, indent=1)}\n".encode())
+        found = searched(
+            task,
+            checkpoint=folder / CHECKPOINT,
+            resume=resume,
+            evaluate_on=evaluate_on,
+            progress=progress,
+        )
+        design = Design(search=found)
+        old = set((folder / SENSORS).glob("*.json"))
+        with scratch_folder() as scratch:
+            _write_design(design, scratch)
+        for file in old - {folder / SENSORS / f"{one.name}.json" for one in design.members}:
+            file.unlink(missing_ok=True)
+    return design
+
+
+def _write_design(design: Design, folder: Path) -> None:
+    (folder / SENSORS).mkdir()
+    for one in design.members:
+        text = sensor_json(one.sensor)
+        (folder / SENSORS / f"{one.name}.json").write_text(text, encoding="utf-8")
+    csv = table_writer(Path(FRONT_CSV))(design.to_table())
+    (folder / FRONT_CSV).write_text(csv, encoding="utf-8")
+    drawn = {Path(FRONT_SVG).stem: figures().front_figure(design.to_file())}
+    figures().write_figures(drawn, folder, endings=("svg",))
+    (folder / FRONT_JSON).write_text(design.to_file().as_json(), encoding="utf-8")
+
+
+def _refuse_other_design(folder: Path, identity: str) -> None:
+    file = folder / RECORD
+    before = None
+    if file.exists():
+        try:
+            before = json.loads(file.read_text(encoding="utf-8")).get("identity")
+        except (OSError, ValueError, AttributeError):
+            before = None
+    elif not any((folder / name).exists() for name in (CHECKPOINT, FRONT_JSON)):
+        return
+    if before != identity:
+        raise InputError(
+            str(folder),
+            "must not hold another design",
+            value=str(folder),
+            found="holds results of another design, another version or other files",
+            remedy=("choose another folder", "remove it"),
+        )

@@ -1,0 +1,75 @@
+"""The front of a design: its members and references, one objective against another."""
+
+from typing import Any
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from chromanoise.charts.front import drawn_front
+from chromanoise.design.front_file import FrontFile
+from chromanoise.figures.style import INK, QUIET, chromanoise_style
+
+_REFERENCES = "sD^vP*"
+_MOST_NAMED = 6
+_SIZE_IN = (6.4, 4.4)
+
+
+def draw_front(front: FrontFile, ax: Axes) -> Axes:
+    """Draw the members as dots, extremes and knee with their names, and the references as marks.
+
+    Parameters
+    ----------
+    front
+        The front; its first two objectives are drawn.
+    ax
+        To draw on.
+    """
+    data = drawn_front(front)
+    axes = {one["name"]: one for one in data["axes"]}
+    x, y = data["x"], data["y"]
+    for mark, size, color in (("member", 5, QUIET), ("extreme", 7, INK), ("knee", 7, INK)):
+        placed = _placed([one for one in data["members"] if one["mark"] == mark], x, y)
+        fill = "white" if mark == "extreme" else color
+        ax.plot(*placed, "o", markersize=size, color=color, markerfacecolor=fill, label=_KEY[mark])
+    named = [one for one in data["members"] if one["mark"] != "member"][:_MOST_NAMED]
+    for one in named:
+        if None not in (one["values"][x], one["values"][y]):
+            ax.annotate(
+                one["name"],
+                (one["values"][x], one["values"][y]),
+                xytext=(6, 6),
+                textcoords="offset points",
+                fontsize=8,
+                color=QUIET,
+            )
+    for i, one in enumerate(data["references"]):
+        shape = _REFERENCES[i % len(_REFERENCES)]
+        ax.plot(*_placed([one], x, y), shape, color=INK, linestyle="none", label=one["name"])
+    ax.set(xlabel=axes[x]["title"], ylabel=axes[y]["title"])
+    ax.grid(visible=True, alpha=0.25)
+    ax.margins(0.1)
+    ax.set_title(data["title"], loc="left", fontweight="normal", fontsize=9)
+    ax.legend(loc="best", fontsize=8)
+    return ax
+
+
+_KEY = {"member": "design", "extreme": "best in one objective", "knee": "knee"}
+
+
+def _placed(entries: list[dict[str, Any]], x: str, y: str) -> tuple[list[float], list[float]]:
+    known = [one["values"] for one in entries if None not in (one["values"][x], one["values"][y])]
+    return [one[x] for one in known], [one[y] for one in known]
+
+
+def front_figure(front: FrontFile) -> Figure:
+    """`draw_front` on a figure of its own.
+
+    Parameters
+    ----------
+    front
+        The front.
+    """
+    with chromanoise_style():
+        figure = Figure(figsize=_SIZE_IN, layout="constrained")
+        draw_front(front, figure.add_subplot())
+    return figure

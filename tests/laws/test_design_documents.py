@@ -1,0 +1,163 @@
+"""Design files: forms of a number, what is refused with its key, references as limits."""
+
+from pathlib import Path
+
+import pytest
+
+from chromanoise.design import DESIGN_STARTER, OBJECTIVES, DesignDocument, read_design
+from chromanoise.design.optimizing import task_of
+from chromanoise.design.parameters import Free
+from chromanoise.errors import errors_in
+from chromanoise.sensor.filter_models import FILTER_MODELS
+from outcomes import refused_input
+
+HEAD = """
+[[sensors]]
+name = "onyx-rgbw"
+[[sensors]]
+name = "onyx-rgb-ircut"
+label = "RGB"
+[design]
+objectives = ["snr_y_db", "delta_e"]
+budget = 16
+population = 8
+"""
+CHANNEL = """
+[[design.channels]]
+name = "R"
+filter = "gaussian"
+center_nm = [560, 680]
+width_nm = 40
+"""
+
+
+def read(tmp_path, text):
+    file = tmp_path / "design.toml"
+    file.write_text(text)
+    return read_design(file)
+
+
+def test_the_starter_is_a_design_with_two_references_and_seven_free_numbers(tmp_path):
+    document = read(tmp_path, DESIGN_STARTER)
+    task = task_of(document)
+    assert [one.name for one in task.references] == ["onyx-rgbw", "onyx-rgb-ircut"]
+    assert [one.name for one in task.space.parameters] == [
+        *("R.center_nm", "R.width_nm", "G.center_nm", "G.width_nm"),
+        *("B.center_nm", "B.width_nm", "ir_cut.cutoff_nm"),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("written", "value"),
+    [
+        ("610", 610.0),
+        ("[560, 680]", Free(low=560.0, high=680.0)),
+        ("{low = 560, high = 680}", Free(low=560.0, high=680.0)),
+        (
+            "{low = 560, high = 680, start = 600, tolerance = 5}",
+            Free(low=560.0, high=680.0, start=600.0, tolerance=5.0),
+        ),
+        ('"R.width_nm"', "R.width_nm"),
+    ],
+)
+def test_a_number_is_fixed_free_or_tied(tmp_path, written, value):
+    text = HEAD + CHANNEL.replace("[560, 680]", written).replace("40", "[20, 600]")
+    document = read(tmp_path, text)
+    assert document.design.channels[0].numbers["center_nm"] == value
+
+
+@pytest.mark.parametrize(
+    ("change", "setting"),
+    [
+        (("[560, 680]", "[680, 560]"), "design.channels.0.center_nm"),
+        (("[560, 680]", "[560]"), "design.channels.0.center_nm"),
+        (("[560, 680]", "true"), "design.channels.0.center_nm"),
+        (("[560, 680]", "[-5, 680]"), "design.channels.0.center_nm"),
+        (("width_nm", "widht_nm"), "design.channels.0.widht_nm"),
+        (("width_nm = 40", ""), "design.channels.0.width_nm"),
+        (("width_nm = 40", 'width_nm = "G.width_nm"'), "design.channels.0.width_nm"),
+        (('"gaussian"', '"bell"'), "design.channels.0.filter"),
+        (('"snr_y_db"', '"snr"'), "design.objectives.0"),
+        (("budget = 16", "budget = 4"), "design.budget"),
+        (("budget = 16", 'base = "mono"'), "design.base"),
+        (("[560, 680]", "600"), "design"),
+    ],
+)
+def test_what_a_design_cannot_use_is_refused_with_its_key(tmp_path, change, setting):
+    text = (HEAD + CHANNEL).replace(*change)
+    with refused_input(setting=None) as caught:
+        read(tmp_path, text)
+    assert setting in [one.setting for one in errors_in(caught.value)]
+    assert all(place.startswith(str(tmp_path)) for place in caught.value.places)
+
+
+@pytest.mark.parametrize(
+    ("table", "key"),
+    [
+        ('[[sweeps]]\nvary = "lux"\nfirst = 1\nlast = 9\nquantity = "snr-y"', "sweeps"),
+        ('[exposure]\nequal = "saturation"', "exposure.equal"),
+        ("[outputs]\nmerit = true", "outputs"),
+    ],
+)
+def test_a_table_without_effect_on_a_design_is_refused(tmp_path, table, key):
+    with refused_input() as caught:
+        read(tmp_path, HEAD + CHANNEL + table)
+    assert [one.setting for one in errors_in(caught.value)] == [key]
+
+
+def constraint(side, limit):
+    return f'[[design.constraints]]\nobjective = "delta_e"\n{side} = {limit}\n'
+
+
+@pytest.mark.parametrize("limit", ['"RGB"', '"onyx-rgb-ircut"', '"best reference"'])
+def test_the_limit_of_a_reference_is_its_own_value(tmp_path, limit):
+    task = task_of(read(tmp_path, HEAD + CHANNEL + constraint("at_most", limit)))
+    (one,) = task.limits
+    values = {each.name: each.objectives["delta_e"] for each in task.references}
+    assert (one.origin, one.value) == ("RGB", values["RGB"])
+    assert values["RGB"] < values["onyx-rgbw"]
+
+
+@pytest.mark.parametrize(
+    ("text", "where"),
+    [
+        (constraint("at_most", '"CMY"'), "design.constraints.0.at_most"),
+        (constraint("at_most", "5") + "at_least = 1\n", "design.constraints.0.at_most"),
+        ('[[design.constraints]]\nobjective = "delta_e"\n', "design.constraints.0.at_most"),
+    ],
+)
+def test_a_constraint_has_one_limit_that_is_a_number_or_a_reference(tmp_path, text, where):
+    with refused_input() as caught:
+        read(tmp_path, HEAD + CHANNEL + text)
+    assert [one.setting for one in errors_in(caught.value)] == [where]
+
+
+def test_a_scene_keeps_the_time_that_is_solved_for_the_light_of_the_study(tmp_path):
+    scenes = '[[design.scenes]]\n[[design.scenes]]\nlevel_lux = 1.0\nilluminant = "A"\n'
+    full, dim = task_of(read(tmp_path, HEAD + CHANNEL + scenes)).scenes
+    assert full.point.exposure == dim.point.exposure
+    assert (dim.point.level_lux, dim.point.illuminant.name) == (1.0, "A")
+
+
+def test_the_identity_of_a_design_depends_on_all_but_the_effort_of_the_search(tmp_path):
+    def identity(text):
+        return task_of(read(tmp_path, text)).identity
+
+    first = identity(HEAD + CHANNEL)
+    assert identity(HEAD.replace("16", "64").replace("= 8", "= 4") + CHANNEL) == first
+    assert identity(HEAD + CHANNEL.replace("560", "561")) != first
+    assert identity(HEAD + "[light]\nlevel_lux = 9.0\n" + CHANNEL) != first
+
+
+def test_every_description_of_the_schema_names_all_objectives():
+    text = DesignDocument.model_fields["design"].annotation.model_fields["objectives"].description
+    assert all(name in text for name in OBJECTIVES)
+
+
+def test_the_page_on_the_search_lists_each_filter_with_its_numbers_and_each_objective():
+    page = (Path(__file__).parents[2] / "docs" / "design_search.md").read_text(encoding="utf-8")
+    for name, model in FILTER_MODELS.items():
+        numbers = ", ".join(f"`{one}`" for one in model.numbers_for(()))
+        assert f"| `{name}` | {model.what} | {numbers} |" in page
+    for name, one in OBJECTIVES.items():
+        assert f"| `{name}` | {one.what} | {one.unit} | {one.better} |" in page

@@ -1,0 +1,150 @@
+"""`init --design`, `optimize`, `cn.optimize`: a front whose members every command takes."""
+
+import json
+import shlex
+
+import pytest
+
+import chromanoise as cn
+from chromanoise.design import DESIGN_STARTER
+from outcomes import refused
+
+SHORT = DESIGN_STARTER.replace("population = 200", "population = 16")
+EFFORT = ("--budget", "64")
+
+
+@pytest.fixture
+def design(here):
+    (here / "design.toml").write_text(SHORT)
+    return here / "design.toml"
+
+
+def front_of(folder):
+    return json.loads((folder / "front.json").read_text())
+
+
+def files_of(folder):
+    return {
+        str(path.relative_to(folder)): path.read_bytes()
+        for path in folder.rglob("*")
+        if path.is_file() and path.suffix != ".npz"
+    }
+
+
+def test_init_writes_a_design_and_the_command_that_searches_it(run, here):
+    said = "design.toml: change it, then `chromanoise optimize design.toml`\n"
+    assert run("init", "--design") == (0, said, "")
+    assert (here / "design.toml").read_text() == DESIGN_STARTER
+    refused(run("init", "--design"), "design.toml")
+
+
+def test_each_member_is_a_sensor_file_that_analyze_takes_with_the_snr_of_the_front(done, design):
+    done("optimize", design, *EFFORT)
+    folder = design.parent / "out" / "design"
+    front = front_of(folder)
+    assert {"front.csv", "front.svg", "front.json", "search.npz"} <= {
+        path.name for path in folder.iterdir()
+    }
+    assert len(front["members"]) > 1
+    for member in front["members"]:
+        assert (folder / member["sensor"]).is_file()
+    member = front["members"][0]
+    words = shlex.split(member["analyze"])
+    at = words.index(member["sensor"])
+    words[at] = str(folder / member["sensor"])
+    out, _ = done(*words[1:], "--json", "-")
+    (sensor,) = json.loads(out)["sensors"]
+    assert sensor["color"]["snr_db"]["Y"] == pytest.approx(
+        member["objectives"]["snr_y_db"], rel=1e-9
+    )
+
+
+def test_the_references_have_the_snr_that_analyze_gives_them(done, design):
+    out, _ = done("optimize", design, *EFFORT, "--json", "-")
+    found = {one["name"]: one["objectives"]["snr_y_db"] for one in json.loads(out)["references"]}
+    given = cn.analyze("onyx-rgbw", "onyx-rgb-ircut").color_snr_db()
+    assert found == pytest.approx({name: snr["Y"] for name, snr in given.items()}, rel=1e-9)
+
+
+def test_members_are_sorted_from_the_best_of_the_first_objective_and_none_dominates(done, design):
+    out, _ = done("optimize", design, *EFFORT, "--json", "-")
+    values = [tuple(one["objectives"].values()) for one in json.loads(out)["members"]]
+    assert values == sorted(values, reverse=True)  # a lower SNR must pay with a lower color error
+
+
+def test_a_stopped_search_continues_to_the_front_of_one_that_was_not(done, design):
+    done("optimize", design, "--budget", "32", "-o", "out/a")
+    done("optimize", design, "--budget", "64", "-o", "out/a", "--resume")
+    done("optimize", design, "--budget", "64", "-o", "out/b")
+    a, b = (files_of(design.parent / "out" / name) for name in "ab")
+    a.pop("design.json"), b.pop("design.json")  # they record their own budgets
+    assert a == b
+
+
+def test_a_seed_changes_the_front_and_the_same_seed_does_not(done, design):
+    for name, seed in (("a", 1), ("b", 1), ("c", 2)):
+        done("optimize", design, *EFFORT, "--seed", seed, "-o", name)
+    a, b, c = (front_of(design.parent / name) for name in "abc")
+    assert a == b != c
+
+
+def test_the_function_gives_the_front_of_the_command(done, design):
+    out, _ = done("optimize", design, *EFFORT, "--json", "-")
+    front = cn.optimize(design, budget=64)
+    assert front.to_dict() == json.loads(out)
+    assert len(front.to_dataframe()) == len(front.members) + len(front.references)
+    assert front.sensor(front.members[0].name).names == ("R", "G", "B")
+    assert "\\begin{tabular}" in front.to_latex()
+    assert front.plot().lines
+
+
+def test_a_search_without_a_folder_for_its_checkpoint_cannot_continue(design):
+    with pytest.raises(cn.InputError) as caught:
+        cn.optimize(design, resume=True)
+    assert caught.value.subject == "resume"
+
+
+def test_a_folder_of_another_design_is_refused_before_the_search(run, done, design):
+    done("optimize", design, *EFFORT, "-o", "mine")
+    before = files_of(design.parent / "mine")
+    design.write_text(SHORT.replace("depth_um = 4", "depth_um = 5"))
+    refused(run("optimize", design, *EFFORT, "-o", "mine"), value="mine")
+    assert files_of(design.parent / "mine") == before
+
+
+@pytest.mark.parametrize(
+    ("arguments", "parts"),
+    [
+        (("--resume", "-o", "none"), ["none", "search.npz"]),
+        (("--budget", "3"), ["--budget", "3"]),
+        (("--seed", "-1"), ["--seed", "-1"]),
+        (("--scheduler", "nowhere"), ["nowhere"]),
+    ],
+)
+def test_what_a_search_cannot_use_is_refused_and_leaves_no_folder(run, design, arguments, parts):
+    refused(run("optimize", design, *arguments), *parts)
+    assert [path.name for path in design.parent.iterdir()] == ["design.toml"]
+
+
+def test_contradicting_constraints_are_one_sentence_that_names_them(run, design):
+    limits = [("delta_e", "at_most = 0.01"), ("snr_y_db", "at_least = 60")]
+    tables = [f'[[design.constraints]]\nobjective = "{o}"\n{limit}\n' for o, limit in limits]
+    design.write_text(SHORT + "".join(tables))
+    refused(run("optimize", design, *EFFORT), "delta_e <= 0.01", "snr_y_db >= 60")
+
+
+def test_a_designed_exposure_and_matrix_are_those_of_the_command_of_a_member(done, design):
+    numbers = "[design.exposure]\ntime_ms = [2, 8]\n[design.matrix]\nnoise_weight = [0.1, 1]\n"
+    design.write_text(SHORT.replace('["kernel"]', '["lmmse"]') + numbers)
+    done("optimize", design, *EFFORT, "-o", "out")
+    for member in front_of(design.parent / "out")["members"][:2]:
+        words = shlex.split(member["analyze"])
+        words[words.index(member["sensor"])] = f"out/{member['sensor']}"
+        out, _ = done(*words[1:], "--json", "-")
+        (sensor,) = json.loads(out)["sensors"]
+        assert float(words[words.index("--time-ms") + 1]) == pytest.approx(
+            member["values"]["exposure.time_ms"]
+        )
+        assert sensor["color"]["snr_db"]["Y"] == pytest.approx(
+            member["objectives"]["snr_y_db"], rel=1e-9
+        )
