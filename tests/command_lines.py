@@ -160,6 +160,10 @@ VALUES = {  # by the name of an option or argument; a command's own as "command.
     "port": ["70000", "-1"],
     "draws": ["100", "1e3"],
     "figures": ["f"],
+    "objectives": ["snr_y_db", "vora,delta_e", "infrared_share,snr10_lux"],
+    "losses": ["snr_y_db=0.1", "delta_e=1", "vora"],
+    "tolerance_nm": ["5", "0"],
+    "tolerance_percent": ["1"],
 }
 EXTREME = [
     *("0", "-1", "-0", "1e308", "-1e308", "1e-308", "5e-324", "nan", "inf", "-inf", "1e400"),
@@ -200,6 +204,7 @@ WEIGHTS = {
         "study": 1,
         "serve": 2,
         "optimize": 2,
+        "sensitivity": 6,
     },
     **{"reproduce": 1, "demo": 0.2, "demo-frames": 4, "characterize": 5},
 }

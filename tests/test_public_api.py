@@ -39,6 +39,7 @@ NAMES = [
     "Pixel",
     "Results",
     "Scene",
+    "Sensitivity",
     "Sensor",
     "Setting",
     "Spectra",
@@ -71,6 +72,7 @@ NAMES = [
     "render",
     "run",
     "scene",
+    "sensitivity",
     "sensor",
     "sensor_named",
     "spectra",
@@ -235,7 +237,9 @@ def test_the_rule_of_documentation_finds_each_lack():
     assert faults_of_function("f", incomplete, computes=False, text="") == ["f: no docstring"]
 
 
-@pytest.mark.parametrize("name", ["analyze", "compare", "compare_map", "matrix", "render"])
+@pytest.mark.parametrize(
+    "name", ["analyze", "compare", "compare_map", "matrix", "render", "sensitivity"]
+)
 def test_help_lists_each_setting_with_the_description_of_the_study(name):
     shown = pydoc.render_doc(getattr(cn, name), renderer=pydoc.plaintext)
     for one in described_settings(name):
@@ -299,7 +303,7 @@ def test_numbers_of_numpy_and_paths_are_numbers_and_names():
         ("matrix", "method", "did you mean matrix?"),
         ("compare_map", "method", "did you mean matrices?"),
         ("compare", "clip", "it is one of analyze and render"),
-        ("matrix", "seed", "it is one of render"),
+        ("matrix", "seed", "it is one of render and sensitivity"),
         ("render", "fnumber", "did you mean f_number?"),
     ],
 )

@@ -66,11 +66,13 @@ if TYPE_CHECKING:
         optimize,
         render,
         run,
+        sensitivity,
     )
     from chromanoise.catalog import sensor_named
     from chromanoise.characterization import Characterization
     from chromanoise.color import ColorMatrix
     from chromanoise.design import Design
+    from chromanoise.design.sensitivity import Sensitivity
     from chromanoise.errors import InputError, Setting
     from chromanoise.exposure import Exposure, OperatingPoint
     from chromanoise.io.cubes import read_cube
@@ -115,6 +117,7 @@ __all__ = [
     "Pixel",
     "Results",
     "Scene",
+    "Sensitivity",
     "Sensor",
     "Setting",
     "Spectra",
@@ -146,6 +149,7 @@ __all__ = [
     "render",
     "run",
     "scene",
+    "sensitivity",
     "sensor",
     "sensor_named",
     "spectra",

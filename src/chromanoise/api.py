@@ -11,6 +11,12 @@ import numpy as np
 
 from chromanoise.analysis import DEFAULT_METHOD
 from chromanoise.characterization import Characterization, characterization_of, read_source
+from chromanoise.design.sensitivity import (
+    DEFAULT_OBJECTIVES,
+    Sensitivity,
+    sensitivity_of,
+    tolerances_of,
+)
 from chromanoise.errors import InputError
 from chromanoise.io.frames import FrameSet
 from chromanoise.sensor import Sensor
@@ -28,6 +34,7 @@ from chromanoise.study import (
     Pictures,
     RenderSettings,
     Results,
+    SensitivitySettings,
     Study,
     analyze_study,
     compare_study,
@@ -37,6 +44,7 @@ from chromanoise.study import (
     matrix_study,
     read_study,
     render_study,
+    sensitivity_study,
 )
 from chromanoise.study import run as run_of
 
@@ -426,6 +434,85 @@ def run(study: Study | str | Path, folder: str | Path | None = None) -> Results:
             "study", "must be a Study or the name of a study file", value=type(study).__name__
         )
     return run_of(study, folder=_folder(folder))
+
+
+@_with_listed_settings
+def sensitivity(
+    sensor: str | Path | Sensor,
+    matrix: str = DEFAULT_METHOD,
+    *,
+    objectives: Sequence[str] = DEFAULT_OBJECTIVES,
+    losses: Mapping[str, float] | None = None,
+    tolerance_nm: float | None = None,
+    tolerance_percent: float | None = None,
+    draws: int = 0,
+    seed: int = 0,
+    keep_matrix: bool = False,
+    **settings: Unpack[SensitivitySettings],
+) -> Sensitivity:
+    """What 1 nm or 1 % of each parameter of a sensor does to each objective; tolerance budget.
+
+    Parameters
+    ----------
+    sensor
+        As `analyze`.
+    matrix
+        As `analyze`.
+    objectives
+        Names of ``chromanoise.design.objectives.OBJECTIVES``; the first one orders the table.
+    losses
+        Loss by objective, each in the unit of its objective: the change of each parameter that
+        costs so much is computed.
+    tolerance_nm
+        Half width of the tolerance of all wavelengths: the spread of the objectives is computed.
+        [nm]
+    tolerance_percent
+        Half width of the tolerance of all other values. [%]
+    draws
+        Sensors to draw within the tolerances, as a check of the first order.
+    seed
+        Seed of the draws.
+    keep_matrix
+        Whether a changed sensor keeps the color matrix of the unchanged one.
+    settings
+        As the options of ``chromanoise sensitivity``; see the list below. The exposure time stays
+        that of the unchanged sensor.
+
+    Returns
+    -------
+    Sensitivity
+        The effect of each parameter on each objective.
+
+    Raises
+    ------
+    InputError
+        As `analyze`.
+
+    Notes
+    -----
+    Guide to the expression of uncertainty in measurement, JCGM 100 (2008), 5.1.2: first order, by
+    central differences.
+
+    Examples
+    --------
+    >>> import chromanoise as cn
+    >>> cn.sensitivity("onyx-rgb-ircut", objectives=["snr_y_db"])
+    <Sensitivity: snr_y_db f_number -0.094 dB per % at 10 lx (illuminant E, 58.55 ms, f/1.8)>
+    """
+    try:
+        names, given, rest = _named([sensor], settings)
+        return sensitivity_of(
+            sensitivity_study(names[0], rest, matrix=matrix),
+            given=given,
+            objectives=objectives,
+            losses=losses,
+            tolerances=tolerances_of(tolerance_nm, tolerance_percent),
+            draws=draws,
+            seed=seed,
+            keep_matrix=keep_matrix,
+        )
+    except InputError as error:
+        raise in_arguments(error, "sensitivity") from None
 
 
 def _results(

@@ -23,6 +23,7 @@ _COMMANDS = {
     "simulate": "Render a hyperspectral cube through sensors to noisy color pictures.",
     "compare": "Sensors over one or two parameters, as light or read noise: curves, crossovers.",
     "matrix": "A sensor's color matrix: color error, noise, condition; to CSV, JSON, CLF, profile.",
+    "sensitivity": "What 1 nm or 1 % of each parameter of a sensor changes; tolerance budget.",
     "optimize": "Search filters, IR-cut, exposure and matrix of a sensor for the best trades.",
     "init": "A commented study or design file to start from.",
     "run": "Run a study file: analyses, sweeps, pictures, with provenance.",

@@ -72,6 +72,19 @@ def print_reproduction(result: Reproduction) -> None:
         console.print()
 
 
+def print_table(table: Rows) -> None:
+    """Print a table with its title and its notes."""
+    console = terminal()
+    shown = Table(title=table.title, title_justify="left")
+    for column in table.columns:
+        shown.add_column(heading(column), justify="right" if column.digits else "left")
+    for row in table.rows:
+        cells = zip(row, table.columns, strict=True)
+        shown.add_row(*(written(cell, column.digits) for cell, column in cells))
+    console.print(shown)
+    print_lines(table.notes)
+
+
 def print_lines(lines: Iterable[str]) -> None:
     """Print sentences, each on a line of its own."""
     for line in lines:

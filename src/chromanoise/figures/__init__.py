@@ -35,6 +35,7 @@ from chromanoise.figures.pareto import draw_pareto
 from chromanoise.figures.pictures import draw_picture
 from chromanoise.figures.results import draw_analyses, draw_capture, draw_matrices
 from chromanoise.figures.sensitivities import draw_sensitivities
+from chromanoise.figures.sensitivity import draw_sensitivity
 from chromanoise.figures.study import map_figures, study_figures
 from chromanoise.figures.style import chromanoise_style
 from chromanoise.figures.writing import write_figures
@@ -68,6 +69,7 @@ __all__ = [
     "draw_picture",
     "draw_predicted_variance",
     "draw_sensitivities",
+    "draw_sensitivity",
     "draw_snr",
     "draw_uncertainty",
     "draw_variance_residuals",

@@ -14,6 +14,7 @@ from chromanoise.sensor.adc import (
 from chromanoise.sensor.analog_gain import with_analog_gain
 from chromanoise.sensor.changes import (
     behind_ir_cut,
+    moved_curve,
     of_pixel,
     with_binning,
     with_crosstalk,
@@ -31,6 +32,7 @@ from chromanoise.sensor.crosstalk import (
 from chromanoise.sensor.filters import (
     filter_named,
     ir_cut,
+    ir_cut_model,
     is_filter_name,
     layered_silicon_qe,
     resin_filter,
@@ -160,10 +162,12 @@ __all__ = [
     "filter_named",
     "gaussian_filter",
     "ir_cut",
+    "ir_cut_model",
     "is_filter_name",
     "layered_silicon_qe",
     "long_pass",
     "mosaic_named",
+    "moved_curve",
     "noise_profile",
     "noise_without_light_e",
     "of_pixel",

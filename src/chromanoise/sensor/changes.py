@@ -7,7 +7,9 @@ from typing import Any
 import numpy as np
 
 from chromanoise import _check
+from chromanoise._check import Array
 from chromanoise._linalg import inv, svd
+from chromanoise._shapes import Float
 from chromanoise.errors import InputError, Setting
 from chromanoise.sensor.adc import Converter, refuse_coarse_codes
 from chromanoise.sensor.crosstalk import Crosstalk
@@ -164,7 +166,7 @@ def with_shifted_curves(sensor: Sensor, shift_nm: float) -> Sensor:
     if shift == 0:
         return sensor
     at, grid = sensor.grid.wavelength_nm, sensor.grid
-    qe = np.stack([np.interp(at - shift, at, curve) for curve in sensor.qe.T], axis=1)
+    qe = np.stack([moved_curve(at, curve, shift_nm=shift) for curve in sensor.qe.T], axis=1)
     unknown = (grid.start_nm, min(grid.start_nm + shift, grid.stop_nm))
     if shift < 0:
         unknown = (max(grid.stop_nm + shift, grid.start_nm), grid.stop_nm)
@@ -173,6 +175,39 @@ def with_shifted_curves(sensor: Sensor, shift_nm: float) -> Sensor:
         "exist, the end value is repeated"
     )
     return replace(sensor, qe=qe, notes=(*sensor.notes, note))
+
+
+def moved_curve(
+    wavelength_nm: Float[Array, " n"],
+    curve: Float[Array, " n"],
+    *,
+    shift_nm: float,
+    width_share: float = 0.0,
+) -> Float[Array, " n"]:
+    """A curve shifted in wavelength and stretched about its centroid.
+
+    Interpolated linearly, so that the mean slope of a shift in both directions is the central
+    difference of the table. Beyond the table the end value is repeated.
+
+    Parameters
+    ----------
+    wavelength_nm, curve
+        The table.
+    shift_nm
+        Positive toward longer wavelengths. [nm]
+    width_share
+        Change of its width over the width, above -1. [1]
+
+    Examples
+    --------
+    >>> moved_curve(np.array([500.0, 510.0, 520.0]), np.array([0.0, 1.0, 0.0]), shift_nm=1.0)
+    array([0. , 0.9, 0.1])
+    """
+    at = wavelength_nm - shift_nm
+    if width_share and curve.any():
+        center = float(wavelength_nm @ curve / curve.sum())
+        at = center + (at - center) / (1 + width_share)
+    return np.interp(at, wavelength_nm, curve)
 
 
 def with_crosstalk(sensor: Sensor, crosstalk: Crosstalk) -> Sensor:

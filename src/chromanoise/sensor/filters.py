@@ -247,8 +247,8 @@ def filter_named(
     >>> filter_named("ircut-650", Grid.uniform(600, 700, 50)).values[:, 0].round(3)
     array([0.998, 0.5  , 0.002])
     """
-    if match := re.fullmatch(_MODEL, name):
-        edge_nm, width_nm = (_number(text, name) for text in (match[1], match[2] or "8"))
+    if model := ir_cut_model(name):
+        edge_nm, width_nm = model
         return Spectra(
             wavelength_nm=grid.wavelength_nm,
             values=ir_cut(grid, edge_nm=edge_nm, width_nm=width_nm)[:, None],
@@ -263,6 +263,23 @@ def filter_named(
     entry = measured[name]
     curve = replace(catalog_curves(entry), notes=(entry.source, entry.defects))
     return means_on_grid(curve, grid, beyond=beyond)
+
+
+def ir_cut_model(name: str) -> tuple[float, float] | None:
+    """Edge and width of a model IR-cut by its name; ``None`` for another name. [nm]
+
+    Raises
+    ------
+    InputError
+        If the name starts as that of a model and has no numbers.
+
+    Examples
+    --------
+    >>> ir_cut_model("ircut-650"), ir_cut_model("ircut-schott")
+    ((650.0, 8.0), None)
+    """
+    match = re.fullmatch(_MODEL, name)
+    return None if match is None else (_number(match[1], name), _number(match[2] or "8", name))
 
 
 def is_filter_name(name: str) -> bool:

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
         makers_of,
         operating_points_of,
         refuse_idle,
+        sensor_of,
         unresolved,
     )
     from chromanoise.study.commands import (
@@ -109,6 +110,7 @@ if TYPE_CHECKING:
         MapSettings,
         MatrixSettings,
         RenderSettings,
+        SensitivitySettings,
         analyze_study,
         argument_of,
         compare_study,
@@ -116,6 +118,7 @@ if TYPE_CHECKING:
         map_study,
         matrix_study,
         render_study,
+        sensitivity_study,
     )
     from chromanoise.study.starter import (
         STARTER,
@@ -159,6 +162,7 @@ __all__ = [
     "RenderSettings",
     "Result",
     "Results",
+    "SensitivitySettings",
     "Step",
     "Study",
     "StudyKind",
@@ -197,6 +201,8 @@ __all__ = [
     "run",
     "run_plan",
     "run_study",
+    "sensitivity_study",
+    "sensor_of",
     "study_as_command",
     "study_as_json",
     "study_as_python",

@@ -17,6 +17,7 @@ from chromanoise.study.settings import (
     MapSettings,
     MatrixSettings,
     RenderSettings,
+    SensitivitySettings,
 )
 
 
@@ -51,7 +52,7 @@ def described_settings(function: str) -> tuple[DescribedSetting, ...]:
     Parameters
     ----------
     function
-        ``analyze``, ``compare``, ``matrix`` or ``render``.
+        ``analyze``, ``compare``, ``matrix``, ``render`` or ``sensitivity``.
 
     Examples
     --------
@@ -79,7 +80,7 @@ def default_of(function: str, name: str) -> Any:
     Parameters
     ----------
     function
-        ``analyze``, ``compare``, ``matrix`` or ``render``.
+        ``analyze``, ``compare``, ``matrix``, ``render`` or ``sensitivity``.
     name
         The flat name of the setting.
 
@@ -101,6 +102,7 @@ _KINDS = {
     "compare_map": MapSettings,
     "matrix": MatrixSettings,
     "render": RenderSettings,
+    "sensitivity": SensitivitySettings,
 }
 
 

@@ -140,6 +140,10 @@ class MatrixSettings(_ReflectanceSettings, total=False):
     pareto_points: Annotated[int, "outputs.pareto.points"]
 
 
+class SensitivitySettings(_ReflectanceSettings, total=False):
+    """Settings of a sensitivity."""
+
+
 class RenderSettings(SharedSettings, total=False):
     """Settings of pictures; ``beyond`` applies to the cube too, ``scale`` only to the cube."""
 
@@ -183,12 +187,14 @@ COMPARISON = settings_keys(ComparisonSettings)
 MAPS = settings_keys(MapSettings)
 MATRIX = settings_keys(MatrixSettings)
 RENDERING = settings_keys(RenderSettings)
+SENSITIVITY = settings_keys(SensitivitySettings)
 FUNCTIONS = {
     "analyze": ANALYSIS,
     "compare": COMPARISON,
     "compare_map": MAPS,
     "matrix": MATRIX,
     "render": RENDERING,
+    "sensitivity": SENSITIVITY,
 }
 _ARGUMENTS = {
     "analyze": ("matrix",),
@@ -196,6 +202,17 @@ _ARGUMENTS = {
     "compare_map": ("matrices",),
     "matrix": ("sensor", "matrix"),
     "render": ("cube", "matrix", "folder"),
+    "sensitivity": (
+        "sensor",
+        "matrix",
+        "objectives",
+        "losses",
+        "tolerance_nm",
+        "tolerance_percent",
+        "draws",
+        "seed",
+        "keep_matrix",
+    ),
 }
 STARTS: Mapping[str, dict[str, Any]] = {
     "analyze": {"outputs": {"budget": False}},
@@ -216,6 +233,7 @@ STARTS: Mapping[str, dict[str, Any]] = {
     },
     "matrix": {"outputs": {"analyses": False, "matrix": True}},
     "render": {"outputs": {"analyses": False}},
+    "sensitivity": {"outputs": {"analyses": False}},
 }
 """The study of each function before its settings are applied."""
 
@@ -314,6 +332,27 @@ def matrix_study(sensor: str, settings: Settings, *, matrix: str = DEFAULT_METHO
     """
     _refuse_unknown(settings, "matrix")
     return _study([sensor], settings, "matrix", {"matrices": [matrix]})
+
+
+def sensitivity_study(sensor: str, settings: Settings, *, matrix: str = DEFAULT_METHOD) -> Study:
+    """The study of one sensor at its operating point, of which parameters then change.
+
+    Parameters
+    ----------
+    sensor
+        Name of the catalog, or file.
+    settings
+        By the names of `SensitivitySettings`.
+    matrix
+        Method of the matrix.
+
+    Raises
+    ------
+    InputError
+        If a value cannot be used, or has no effect.
+    """
+    _refuse_unknown(settings, "sensitivity")
+    return _study([sensor], settings, "sensitivity", {"matrices": [matrix]})
 
 
 def render_study(
@@ -430,7 +469,7 @@ def in_arguments(error: InputError, function: str) -> InputError:
     """
     positional = {
         "matrices": "matrices" if function in ("compare", "compare_map") else "matrix",
-        "sensors": "sensor" if function == "matrix" else "sensors",
+        "sensors": "sensor" if function in ("matrix", "sensitivity") else "sensors",
         "pictures": "cube",
     }
     names = FUNCTIONS[function]

@@ -1,0 +1,119 @@
+"""``chromanoise sensitivity``."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import click
+
+from chromanoise.cli import tables
+from chromanoise.cli.options import (
+    WHOLE,
+    closed_form_options,
+    json_option,
+    matrix_option,
+    prior_option,
+    shared_options,
+    table_option,
+    with_defaults,
+)
+from chromanoise.cli.output import json_text, refuse_taken_inputs, table_text, write_outputs
+from chromanoise.cli.parsing import command
+from chromanoise.design.objectives import OBJECTIVES
+from chromanoise.design.sensitivity import DEFAULT_OBJECTIVES, sensitivity_of, tolerances_of
+from chromanoise.errors import InputError
+from chromanoise.study import sensitivity_study
+
+
+@command()
+@with_defaults("sensitivity")
+@click.argument("sensor")
+@shared_options
+@closed_form_options
+@matrix_option
+@prior_option
+@click.option(
+    "--objectives",
+    default=",".join(DEFAULT_OBJECTIVES),
+    show_default=True,
+    metavar="NAME[,NAME...]",
+    help=f"What is computed: {', '.join(OBJECTIVES)}. The first one orders the table.",
+)
+@click.option(
+    "--loss",
+    "losses",
+    multiple=True,
+    metavar="NAME=VALUE",
+    help="Loss of an objective in its unit, e.g. snr_y_db=0.1: by how much each parameter may "
+    "change for it, alone, or together with all others. May be repeated.",
+)
+@click.option(
+    "--tolerance-nm", type=float, help="Tolerance of all wavelengths, as a half width [nm]."
+)
+@click.option(
+    "--tolerance-percent", type=float, help="Tolerance of all other values, as a half width [%]."
+)
+@click.option(
+    "--draws",
+    type=WHOLE,
+    default=0,
+    show_default=True,
+    help="Also draw so many sensors within the tolerances.",
+)
+@click.option("--seed", type=WHOLE, default=0, show_default=True, help="Seed of the draws.")
+@click.option(
+    "--keep-matrix",
+    is_flag=True,
+    help="A changed sensor keeps the color matrix of the unchanged one (no new calibration).",
+)
+@table_option
+@json_option
+def sensitivity(
+    sensor: str,
+    method: str,
+    objectives: str,
+    losses: tuple[str, ...],
+    tolerance_nm: float | None,
+    tolerance_percent: float | None,
+    draws: int,
+    seed: int,
+    keep_matrix: bool,
+    table: str | None,
+    json_target: str | None,
+    **settings: Any,
+) -> None:
+    """What 1 nm or 1 % of each parameter of SENSOR does to its SNR, color error and separation.
+
+    SENSOR is as for `chromanoise analyze`, e.g. a sensor file of a design. The exposure time stays
+    that of the unchanged sensor.
+    """
+    study = sensitivity_study(sensor, settings, matrix=method)
+    refuse_taken_inputs({"--json": json_target, "--table": table}, [sensor], settings)
+    result = sensitivity_of(
+        study,
+        objectives=[name.strip() for name in objectives.split(",")],
+        losses=_losses(losses),
+        tolerances=tolerances_of(tolerance_nm, tolerance_percent),
+        draws=draws,
+        seed=seed,
+        keep_matrix=keep_matrix,
+    )
+    write_outputs(
+        (table, lambda: table_text(result.to_table(), str(table))),
+        (json_target, lambda: json_text(result.to_dict())),
+    )
+    if json_target != "-":
+        tables.print_table(result.to_table())
+
+
+def _losses(words: Sequence[str]) -> dict[str, float]:
+    """Parse NAME=VALUE."""
+    found: dict[str, float] = {}
+    for word in words:
+        name, _, value = word.partition("=")
+        try:
+            found[name] = float(value)
+        except ValueError:
+            raise InputError(
+                "--loss", "must be NAME=VALUE, e.g. snr_y_db=0.1", value=word
+            ) from None
+    return found

@@ -1,0 +1,518 @@
+"""What 1 nm or 1 % of each parameter of a sensor does to each objective, and tolerance budgets."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from chromanoise import _check
+from chromanoise._check import Array
+from chromanoise._linalg import lstsq
+from chromanoise._shapes import Float
+from chromanoise.analysis.color_matrices import MatrixMaker
+from chromanoise.color import ColorMatrix
+from chromanoise.design.objectives import OBJECTIVES, Candidate, Objective, value_of
+from chromanoise.design.variation import NM, Variation, Varied, refuse_several
+from chromanoise.errors import InputError
+from chromanoise.exposure import OperatingPoint, conditions
+from chromanoise.io.result import Result, axes_of, figures
+from chromanoise.io.table import Column, Table
+from chromanoise.rng import stream
+from chromanoise.study import NOTHING_GIVEN, Given, Study, makers_of
+
+DEFAULT_OBJECTIVES = ("snr_y_db", "total_delta_e", "delta_e", "mean_separation", "vora")
+STEP = 0.1
+"""Half step of the central differences. [nm or %]"""
+FEWEST_DRAWS = 10
+_ROUNDING = 1e-13
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Tolerances:
+    """How far the sensor may be from its values: half widths of uniform distributions.
+
+    Exposure and light have none.
+
+    Attributes
+    ----------
+    nm
+        Of all wavelengths. [nm]
+    percent
+        Of all values in percent, and of shares in percentage points. [%]
+
+    Raises
+    ------
+    InputError
+        If a value is negative, or both are 0.
+    """
+
+    nm: float = 0.0
+    percent: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name, unit in (("nm", "nm"), ("percent", "%")):
+            _check.within(f"tolerance_{name}", unit, getattr(self, name), 0.0, 50.0)
+        if not self.nm and not self.percent:
+            raise InputError("tolerance_nm", "must be above 0, or tolerance_percent", value=0.0)
+
+    def of(self, parameter: Varied) -> float:
+        """The half width for a parameter, in its unit."""
+        if parameter.of_use:
+            return 0.0
+        return self.nm if parameter.unit == NM else self.percent
+
+
+def tolerances_of(nm: float | None, percent: float | None) -> Tolerances | None:
+    """Tolerances; ``None`` if neither is given.
+
+    Parameters
+    ----------
+    nm, percent
+        As `Tolerances`; ``None`` for 0.
+
+    Raises
+    ------
+    InputError
+        As `Tolerances`.
+    """
+    if nm is None and percent is None:
+        return None
+    return Tolerances(nm=nm or 0.0, percent=percent or 0.0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Effect:
+    """The effect of one parameter.
+
+    Attributes
+    ----------
+    parameter
+        What changes.
+    slope
+        Change of each objective per nm, percent or percentage point; ``None`` where it is not
+        defined.
+    """
+
+    parameter: Varied
+    slope: Mapping[str, float | None]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Spread:
+    """The objectives of sensors whose parameters differ by their tolerances.
+
+    Attributes
+    ----------
+    contribution
+        Standard deviation of each objective from each parameter alone, first order: slope times
+        half width over the root of 3. By objective, in the order of the effects.
+    total
+        Root of the sum of their squares.
+    worst
+        Sum of slope times half width: all parameters at the worse end of their tolerance.
+    drawn
+        Standard deviation of drawn sensors, without those for which the objective is not defined;
+        ``None`` without draws.
+    drawn_share
+        Share of the drawn variance that each parameter explains (first-order Sobol index), from
+        the regression on all parameters.
+    explained
+        Share of the drawn variance that the regression explains; 1 where first order is exact.
+    undefined
+        Number of drawn sensors for which an objective is not defined: a channel saturates.
+    """
+
+    contribution: Mapping[str, Float[Array, " d"]]
+    total: Mapping[str, float]
+    worst: Mapping[str, float]
+    drawn: Mapping[str, float | None]
+    drawn_share: Mapping[str, Float[Array, " d"] | None]
+    explained: Mapping[str, float | None]
+    undefined: Mapping[str, int]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Sensitivity(Result):
+    """Effects of all parameters of a sensor on its objectives.
+
+    Attributes
+    ----------
+    point, matrix
+        The operating point; the name of the matrix.
+    keeps_matrix
+        Whether a changed sensor keeps the matrix of the unchanged one.
+    objectives
+        What is computed.
+    value
+        Value of each objective; ``None`` where it is not defined.
+    effects
+        Per parameter, from the largest to the smallest effect on the first objective.
+    losses
+        Losses for which allowances are wanted, by objective.
+    tolerances, spread
+        Tolerances and what they cause; ``None`` without them.
+    draws
+        Number of drawn sensors.
+    notes
+        Remarks.
+    """
+
+    point: OperatingPoint
+    matrix: str
+    keeps_matrix: bool
+    objectives: tuple[Objective, ...]
+    value: Mapping[str, float | None]
+    effects: tuple[Effect, ...]
+    losses: Mapping[str, float]
+    tolerances: Tolerances | None
+    spread: Spread | None
+    draws: int
+    notes: tuple[str, ...]
+
+    def allowance(self, effect: Effect, objective: str, *, together: bool = False) -> float | None:
+        """The change of a parameter that costs the loss; ``None`` where it costs nothing.
+
+        Parameters
+        ----------
+        effect
+            One of ``effects``.
+        objective
+            One of ``losses``.
+        together
+            Whether all parameters vary, each with an equal contribution: their root sum of squares
+            is then the loss.
+
+        Returns
+        -------
+        float or None
+            In the unit of the parameter.
+        """
+        slope = effect.slope[objective]
+        if not slope:
+            return None
+        costly = sum(1 for one in self.effects if one.slope[objective])
+        return self.losses[objective] / abs(slope) / (np.sqrt(costly) if together else 1.0)
+
+    def to_dict(self) -> dict[str, Any]:
+        """As ``chromanoise sensitivity --json``."""
+        spread = self.spread
+        parameters = []
+        for i, effect in enumerate(self.effects):
+            one: dict[str, Any] = {
+                "name": effect.parameter.name,
+                "what": effect.parameter.what,
+                "unit": effect.parameter.unit,
+                "effects": dict(effect.slope),
+            }
+            if self.losses:
+                one["allowances"] = {
+                    name: {
+                        "alone": self.allowance(effect, name),
+                        "together": self.allowance(effect, name, together=True),
+                    }
+                    for name in self.losses
+                }
+            if spread is not None and self.tolerances is not None:
+                one["tolerance"] = self.tolerances.of(effect.parameter)
+                one["contributions"] = {k: float(v[i]) for k, v in spread.contribution.items()}
+                one["drawn_shares"] = {
+                    k: None if v is None else float(v[i]) for k, v in spread.drawn_share.items()
+                }
+            parameters.append(one)
+        data: dict[str, Any] = {
+            "sensor": self.point.sensor.label,
+            "conditions": conditions([self.point]),
+            "matrix": self.matrix,
+            "keeps_matrix": self.keeps_matrix,
+            "objectives": {
+                one.name: {
+                    "value": self.value[one.name],
+                    "unit": one.unit,
+                    "what": one.what,
+                    "better": one.better,
+                }
+                for one in self.objectives
+            },
+            "parameters": parameters,
+            "notes": list(self.notes),
+        }
+        if self.losses:
+            data["losses"] = dict(self.losses)
+        if spread is not None:
+            data["spread"] = {
+                name: {
+                    "total": spread.total[name],
+                    "worst": spread.worst[name],
+                    "drawn": spread.drawn[name],
+                    "explained": spread.explained[name],
+                    "undefined": spread.undefined[name],
+                }
+                for name in spread.total
+            }
+            data["draws"] = self.draws
+        return data
+
+    def to_table(self) -> Table:
+        """One row per parameter: its effect per unit, and the budget where one was requested."""
+        columns = [Column(name="parameter"), Column(name="change")]
+        columns += [Column(name=one.name, unit=one.unit, digits=".3g") for one in self.objectives]
+        for name in self.losses:
+            limit = f"{self.losses[name]:g}"
+            columns.append(Column(name=f"alone for {limit} of {name}", digits=".3g"))
+            columns.append(Column(name=f"together for {limit} of {name}", digits=".3g"))
+        spread, tolerances = self.spread, self.tolerances
+        if spread is not None:
+            columns.append(Column(name="tolerance", digits="g"))
+            columns += [Column(name=f"spread of {name}", digits=".3g") for name in spread.total]
+        rows: list[tuple[Any, ...]] = []
+        for i, effect in enumerate(self.effects):
+            row: list[Any] = [effect.parameter.name, f"+1 {effect.parameter.unit}"]
+            row += [effect.slope[one.name] for one in self.objectives]
+            for name in self.losses:
+                row += [self.allowance(effect, name), self.allowance(effect, name, together=True)]
+            if spread is not None and tolerances is not None:
+                row.append(tolerances.of(effect.parameter))
+                row += [float(one[i]) for one in spread.contribution.values()]
+            rows.append(tuple(row))
+        if spread is not None:
+            blank = [None] * (len(columns) - 2 - len(spread.total))
+            for what, values in (
+                ("root sum of squares", spread.total),
+                (f"drawn, {self.draws} sensors", spread.drawn if self.draws else {}),
+            ):
+                if values:
+                    rows.append((what, "", *blank, *values.values()))
+        return Table(
+            title=f"Sensitivity of {self.point.sensor.label} at {conditions([self.point])}",
+            columns=tuple(columns),
+            rows=tuple(rows),
+            notes=self.notes,
+        )
+
+    def plot(self, ax: Any = None) -> Any:
+        """Draw the effect of each parameter on the first objective as bars."""
+        return figures().draw_sensitivity(self, axes_of(ax))
+
+    def __repr__(self) -> str:
+        """The sensor and the parameter with the largest effect."""
+        first, name = self.effects[0], self.objectives[0]
+        slope = first.slope[name.name]
+        text = "undefined" if slope is None else f"{slope:+.2g} {name.unit}"
+        what = f"{first.parameter.name} {text} per {first.parameter.unit}"
+        return f"<Sensitivity: {name.name} {what} at {conditions([self.point])}>"
+
+    def _repr_html_(self) -> str:
+        return self._html(f"At {conditions([self.point])}", self.notes)
+
+
+def sensitivity_of(
+    study: Study,
+    *,
+    given: Given = NOTHING_GIVEN,
+    objectives: Sequence[str] = DEFAULT_OBJECTIVES,
+    losses: Mapping[str, float] | None = None,
+    tolerances: Tolerances | None = None,
+    draws: int = 0,
+    seed: int = 0,
+    keep_matrix: bool = False,
+) -> Sensitivity:
+    """Effects of all parameters of the sensor of a study on objectives, and tolerance budgets.
+
+    Parameters
+    ----------
+    study
+        With one sensor and one matrix. The exposure time stays that of the unchanged sensor.
+    given
+        Objects for names in the study.
+    objectives
+        Names of `chromanoise.design.objectives.OBJECTIVES`.
+    losses
+        By objective, how much it may lose: the allowed change of each parameter is computed.
+    tolerances
+        Half widths: the spread of the objectives is computed.
+    draws
+        Sensors to draw within the tolerances, as a check of the first order; 0 for none.
+    seed
+        Of the draws.
+    keep_matrix
+        Whether a changed sensor keeps the color matrix of the unchanged one, as a camera that is
+        not calibrated again; otherwise each has its own.
+
+    Raises
+    ------
+    InputError
+        If the study has several sensors or matrices, a name is unknown, a loss or a tolerance is
+        out of range, there are draws without tolerances, or no objective is defined.
+
+    Notes
+    -----
+    Central differences with a step of 0.1 nm or 0.1 %; one-sided where only one side is possible.
+    Root sum of squares: JCGM 100:2008, 5.1.2 (independent parameters, first order). A uniform
+    distribution of half width a has the standard deviation a / sqrt(3) (ibid., 4.3.7).
+    """
+    refuse_several(study)
+    for name in _check.distinct("objectives", objectives):
+        _check.one_of("objectives", name, tuple(OBJECTIVES))
+    if not objectives:
+        raise InputError("objectives", "must name at least one", found="is empty")
+    losses = dict(losses or {})
+    for name, loss in losses.items():
+        _check.one_of("losses", name, tuple(objectives))
+        _check.positive(f"loss of {name}", OBJECTIVES[name].unit, loss)
+    if draws and tolerances is None:
+        raise InputError(
+            "draws",
+            "must be given only with tolerances",
+            value=draws,
+            remedy="give tolerance_nm or tolerance_percent",
+        )
+    if draws and not FEWEST_DRAWS <= draws <= 1_000_000:
+        raise InputError("draws", f"must be 0 or {FEWEST_DRAWS} to 1000000", value=draws)
+    variation = Variation(study=study, given=given)
+    ((matrix_name, maker),) = makers_of(study).items()
+    point = variation.point
+    kept = maker(point) if keep_matrix else None
+    entries = tuple(OBJECTIVES[name] for name in objectives)
+
+    def values(changes: Mapping[str, float]) -> Float[Array, " q"]:
+        return _values(entries, variation.at(changes), maker, kept)
+
+    base = values({})
+    notes = list(variation.notes)
+    for one, value in zip(entries, base, strict=True):
+        if not np.isfinite(value):
+            notes.append(f"{one.name} is undefined here: a channel saturates, or has no signal")
+    if not np.isfinite(base).any():
+        raise InputError(
+            "objectives",
+            "must be defined at the operating point",
+            value=tuple(objectives),
+            found="none is: a channel saturates, or has no signal",
+        )
+    slopes = [_slopes(values, one, base) for one in variation.parameters]
+    effects = [
+        Effect(
+            parameter=one,
+            slope={e.name: _finite(s) for e, s in zip(entries, slope, strict=True)},
+        )
+        for one, slope in zip(variation.parameters, slopes, strict=True)
+    ]
+    half = {one.name: tolerances.of(one) for one in variation.parameters} if tolerances else {}
+    first = entries[0].name
+
+    def size(effect: Effect) -> float:
+        return abs(effect.slope[first] or 0.0) * half.get(effect.parameter.name, 1.0)
+
+    ordered = tuple(sorted(effects, key=size, reverse=True))
+    spread = None
+    if tolerances is not None:
+        widths = np.array([tolerances.of(one.parameter) for one in ordered])
+        spread = _spread(entries, ordered, widths, values, draws, seed)
+        notes += [
+            f"{count} of {draws} drawn sensors have no {name}: a channel saturates"
+            for name, count in spread.undefined.items()
+            if count
+        ]
+    return Sensitivity(
+        point=point,
+        matrix=matrix_name,
+        keeps_matrix=keep_matrix,
+        objectives=entries,
+        value={one.name: _finite(value) for one, value in zip(entries, base, strict=True)},
+        effects=ordered,
+        losses=losses,
+        tolerances=tolerances,
+        spread=spread,
+        draws=draws,
+        notes=tuple(notes),
+    )
+
+
+def _values(
+    entries: Sequence[Objective],
+    point: OperatingPoint,
+    maker: MatrixMaker,
+    kept: ColorMatrix | None,
+) -> Float[Array, " q"]:
+    candidate = Candidate(point=point, matrix=kept or maker(point), maker=maker)
+    return np.array([value_of(one, candidate) for one in entries])
+
+
+def _slopes(values: Any, parameter: Varied, base: Float[Array, " q"]) -> Float[Array, " q"]:
+    """Central differences; one-sided where one side is not defined or not possible.
+
+    NaN where neither is. A difference within the rounding of the values is 0.
+    """
+
+    def at(step: float) -> Float[Array, " q"]:
+        try:
+            return values({parameter.name: step})
+        except InputError:  # the value is at the end of its range
+            return np.full_like(base, np.nan)
+
+    with np.errstate(invalid="ignore"):  # inf - inf
+        sides = [at(STEP) - base]
+        if not parameter.one_sided:
+            sides.append(base - at(-STEP))
+        both = np.stack(sides)
+        both = np.where(np.abs(both) <= _ROUNDING * np.abs(base), 0.0, both)
+    defined = np.isfinite(both)
+    count = defined.sum(axis=0)
+    total = np.where(defined, both, 0.0).sum(axis=0) / STEP
+    return np.where(count > 0, total / np.maximum(count, 1), np.nan)
+
+
+def _spread(
+    entries: Sequence[Objective],
+    effects: Sequence[Effect],
+    widths: Float[Array, " d"],
+    values: Any,
+    draws: int,
+    seed: int,
+) -> Spread:
+    slopes = np.array([[effect.slope[one.name] or 0.0 for effect in effects] for one in entries])
+    contribution = np.abs(slopes) * widths / np.sqrt(3.0)
+    names = [one.name for one in entries]
+    drawn: dict[str, float | None] = dict.fromkeys(names)
+    shares: dict[str, Float[Array, " d"] | None] = dict.fromkeys(names)
+    explained: dict[str, float | None] = dict.fromkeys(names)
+    undefined = dict.fromkeys(names, 0)
+    if draws:
+        parameters = [effect.parameter for effect in effects]
+        low = np.array([0.0 if one.one_sided else -1.0 for one in parameters])
+        uniform = stream(seed).random((draws, len(effects)))
+        amounts = (low + (1.0 - low) * uniform) * widths
+        found = np.array(
+            [
+                values({one.name: float(x) for one, x in zip(parameters, row, strict=True) if x})
+                for row in amounts
+            ]
+        )
+        for name, values_of_all in zip(names, found.T, strict=True):
+            defined = np.isfinite(values_of_all)
+            undefined[name] = int((~defined).sum())
+            column, own = values_of_all[defined], amounts[defined]
+            if column.size < FEWEST_DRAWS:
+                continue
+            centered = own - own.mean(axis=0)
+            spread = float(column.std(ddof=1))
+            drawn[name] = spread
+            if spread > 0 and column.size > len(effects) + 1:
+                fit = lstsq("tolerances", centered, column - column.mean(), rcond=None)[0]
+                variance = column.var()
+                shares[name] = fit**2 * centered.var(axis=0) / variance
+                explained[name] = float((centered @ fit).var() / variance)
+    return Spread(
+        contribution=dict(zip(names, contribution, strict=True)),
+        total=dict(zip(names, np.sqrt((contribution**2).sum(axis=1)).tolist(), strict=True)),
+        worst=dict(zip(names, (np.abs(slopes) @ widths).tolist(), strict=True)),
+        drawn=drawn,
+        drawn_share=shares,
+        explained=explained,
+        undefined=undefined,
+    )
+
+
+def _finite(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None
