@@ -12,18 +12,15 @@ import stat
 import tempfile
 import time
 from collections.abc import Callable, Iterator
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from functools import cache
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-import numba
-from numba import config, njit
-from numba.core import event
-from numba.misc.appdirs import AppDirs
-
 SOURCES = Path(__file__).parent
 _UNUSED_S = 30 * 24 * 3600.0
+_OURS = f"kernels-{hashlib.sha256(os.fsencode(SOURCES)).hexdigest()[:8]}-"
 
 
 def kernel(**options: Any) -> Callable[[Callable[..., Any]], Any]:
@@ -34,16 +31,28 @@ def kernel(**options: Any) -> Callable[[Callable[..., Any]], Any]:
     options
         Options of ``njit`` other than ``cache`` and ``nogil``.
     """
+    from numba import njit
 
     def compiled(function: Callable[..., Any]) -> Any:
-        folder, before = kernel_folder(), config.CACHE_DIR
-        config.CACHE_DIR = "" if folder is None else str(folder)
-        try:
-            return njit(cache=folder is not None, nogil=True, **options)(function)
-        finally:
-            config.CACHE_DIR = before
+        with cached_compilation() as cached:
+            return njit(cache=cached, nogil=True, **options)(function)
 
     return compiled
+
+
+@contextmanager
+def cached_compilation() -> Iterator[bool]:
+    """Whether numba can keep what is declared inside, in `kernel_folder`."""
+    from numba import config
+
+    folder, before = kernel_folder(), config.CACHE_DIR
+    config.CACHE_DIR = "" if folder is None else str(folder)
+    if folder is not None:
+        _remove_on_compilation(folder)
+    try:
+        yield folder is not None
+    finally:
+        config.CACHE_DIR = before
 
 
 @cache
@@ -57,51 +66,66 @@ def kernel_folder() -> Path | None:
     sources = sorted(SOURCES.glob("*.py"))
     if not sources:
         return None
-    digest = hashlib.sha256(numba.__version__.encode())
+    digest = hashlib.sha256(_numba_version())
     for source in sources:
         content = source.read_bytes()
         digest.update(f"\n{source.name} {len(content)}\n".encode() + content)
-    ours = f"kernels-{hashlib.sha256(os.fsencode(SOURCES)).hexdigest()[:8]}-"
     for place in _places():
-        folder = place / f"{ours}{digest.hexdigest()[:16]}"
+        folder = place / f"{_OURS}{digest.hexdigest()[:16]}"
         with suppress(OSError):
             folder.mkdir(parents=True, exist_ok=True)
             tempfile.TemporaryFile(dir=folder).close()
             os.utime(folder)
-            event.register("numba:compile", _RemovalOnCompilation(place, f"{ours}*"))
             return folder
     return None
 
 
-class _RemovalOnCompilation(event.Listener):  # type: ignore[misc]
+def _numba_version() -> bytes:
+    """The file with numba's version; its import would take 0.1 s."""
+    numba = find_spec("numba")
+    assert numba is not None and numba.origin is not None
+    return Path(numba.origin).with_name("_version.py").read_bytes()
+
+
+@cache
+def _remove_on_compilation(folder: Path) -> None:
+    from numba.core import event
+
+    event.Listener.register(_RemovalOnCompilation)
+    event.register("numba:compile", _RemovalOnCompilation(folder.parent))
+
+
+class _RemovalOnCompilation:
     """Removes folders for other sources of this installation when the first kernel is compiled.
 
     Only folders that were not used for 30 days: until then another process may use them.
     """
 
-    def __init__(self, place: Path, pattern: str) -> None:
-        self._place, self._pattern = place, pattern
+    def __init__(self, place: Path) -> None:
+        self._place = place
         self._is_done = False
 
-    def on_start(self, event: Any) -> None:
-        """Nothing; numba asks for this method."""
 
-    def on_end(self, event: Any) -> None:
-        """The removal, if a kernel of this package was compiled."""
+    def notify(self, event: Any) -> None:
+        """The removal, at the end of a compilation, if a kernel of this package was compiled."""
+        if not event.is_end:
+            return
         module = event.data["dispatcher"].py_func.__module__
         if self._is_done or module.rpartition(".")[0] != __name__.rpartition(".")[0]:
             return
         self._is_done = True
-        for folder in self._place.glob(self._pattern):
+        for folder in self._place.glob(f"{_OURS}*"):
             with suppress(OSError):
                 if folder.stat().st_mtime < time.time() - _UNUSED_S:
                     shutil.rmtree(folder, ignore_errors=True)
 
 
 def _places() -> Iterator[Path]:
-    if config.CACHE_DIR:
-        yield Path(config.CACHE_DIR) / "chromanoise"
+    if os.environ.get("NUMBA_CACHE_DIR"):
+        yield Path(os.environ["NUMBA_CACHE_DIR"]) / "chromanoise"
     yield SOURCES / "__pycache__"
+    from numba.misc.appdirs import AppDirs
+
     yield Path(AppDirs(appname="chromanoise", appauthor=False).user_cache_dir)
     if hasattr(os, "getuid"):
         shared = Path(tempfile.gettempdir()) / f"chromanoise-{os.getuid()}"
