@@ -12,77 +12,101 @@ from numba import njit
 
 from chromanoise.imaging.frame_sums import SMOOTHED, WEIGHT, WIDE, WIDER
 
-_CHUNK = 512  # values: their sum has 32 bits, and that of their squares, if below the next number
-_LARGE = 2048
-
-
-@njit(inline="always")
-@no_type_check
-def _sums(a, b, at, step, count):
-    """Sums of every ``step``-th value from ``at`` on: of a, of a - b, of its square."""
-    total = whole = square = np.int64(0)
-    for i in range(count):
-        code = np.int64(a[at + i * step])
-        difference = code - np.int64(b[at + i * step])
-        total += code
-        whole += difference
-        square += difference * difference
-    return total, whole, square
-
-
-@njit(inline="always")
-@no_type_check
-def _sums_32(a, b, at, step, count):
-    """As `_sums` of codes of 16 bits, in chunks that are added in 32 bits."""
-    total = whole = square = np.int64(0)
-    for start in range(0, count, _CHUNK):
-        first, values = at + start * step, min(_CHUNK, count - start)
-        code_sum = square_sum = bits = np.uint32(0)
-        whole_sum = np.int32(0)
-        for i in range(values):
-            code = np.int32(a[first + i * step])
-            difference = np.int32(code - np.int32(b[first + i * step]))
-            size = np.uint32(abs(difference))
-            code_sum = np.uint32(code_sum + np.uint32(code))
-            whole_sum = np.int32(whole_sum + difference)
-            square_sum = np.uint32(square_sum + np.uint32(size * size))
-            bits = np.uint32(bits | size)
-        if bits >= _LARGE:
-            square += _sums(a, b, first, step, values)[2]
-        else:
-            square += np.int64(square_sum)
-        total += np.int64(code_sum)
-        whole += np.int64(whole_sum)
-    return total, whole, square
+_CHUNK = 512  # values whose sum has 32 bits
+_LARGE = 2048  # differences below it: the sum of 512 squares has 32 bits
 
 
 @no_type_check
-def add_pair(
-    a, b, height, width, first_row, bits, tile_y, tile_x, totals, squares, columns, rows
-):
-    """totals, squares (tile_y, tile_x), columns (tile_y, width), rows (height, tile_x).
-
-    The steps of common mosaics are constants, so that the loops vectorize.
-    """
+def add_pair(a, b, height, width, first_row, tile_y, tile_x, totals, squares, columns, rows):
+    """totals, squares (tile_y, tile_x), columns (tile_y, width), rows (height, tile_x)."""
     for y in range(height):
         at, phase = y * width, (first_row + y) % tile_y
-        into = phase * width
-        for x in range(width):
-            columns[into + x] += np.int64(a[at + x]) - np.int64(b[at + x])
         for first in range(tile_x):
-            if bits == 16 and tile_x == 1:
-                total, whole, square = _sums_32(a, b, at, 1, width)
-            elif bits == 16 and tile_x == 2:
-                total, whole, square = _sums_32(a, b, at + first, 2, width // 2)
-            elif bits == 16 and tile_x == 4:
-                total, whole, square = _sums_32(a, b, at + first, 4, width // 4)
-            elif bits == 16 and tile_x == 6:
-                total, whole, square = _sums_32(a, b, at + first, 6, width // 6)
-            else:
-                total, whole, square = _sums(a, b, at + first, tile_x, width // tile_x)
+            total = whole = square = np.int64(0)
+            for x in range(first, width, tile_x):
+                code = np.int64(a[at + x])
+                difference = code - np.int64(b[at + x])
+                columns[phase * width + x] += difference
+                total += code
+                whole += difference
+                square += difference * difference
             totals[phase * tile_x + first] += total
             squares[phase * tile_x + first] += square
-            rows[y * tile_x + first] = whole
+            rows[y * tile_x + first] += whole
+
+
+@njit(inline="always")
+@no_type_check
+def _differences(word_a, word_b):
+    """Codes of a in the halves of a word, and their differences from those of b, in 32 bits."""
+    low, high = np.int32(word_a & np.uint32(0xFFFF)), np.int32(word_a >> np.uint32(16))
+    low_b, high_b = np.int32(word_b & np.uint32(0xFFFF)), np.int32(word_b >> np.uint32(16))
+    return low, high, np.int32(low - low_b), np.int32(high - high_b)
+
+
+@njit(inline="always")
+@no_type_check
+def _add_words(a, b, at, step, count, even, odd, into, sums):
+    """Add the sums over every ``step``-th word from ``at`` on to ``sums``, and to the columns."""
+    for start in range(0, count, _CHUNK):
+        codes_low = codes_high = squares_low = squares_high = bits = np.uint32(0)
+        whole_low = whole_high = np.int32(0)
+        first, to, words = at + start * step, into + start * step, min(_CHUNK, count - start)
+        for i in range(words):
+            x = i * step
+            code_low, code_high, low, high = _differences(a[first + x], b[first + x])
+            even[to + x] = np.int32(even[to + x] + low)
+            odd[to + x] = np.int32(odd[to + x] + high)
+            codes_low = np.uint32(codes_low + np.uint32(code_low))
+            codes_high = np.uint32(codes_high + np.uint32(code_high))
+            whole_low, whole_high = np.int32(whole_low + low), np.int32(whole_high + high)
+            squares_low = np.uint32(squares_low + np.uint32(np.int32(low * low)))
+            squares_high = np.uint32(squares_high + np.uint32(np.int32(high * high)))
+            sizes = (low ^ (low >> np.int32(31))) | (high ^ (high >> np.int32(31)))
+            bits = np.uint32(bits | np.uint32(sizes))
+        if bits >= _LARGE - 1:
+            large_low = large_high = np.int64(0)
+            for i in range(words):
+                _, _, low, high = _differences(a[first + i * step], b[first + i * step])
+                large_low += np.int64(low) * np.int64(low)
+                large_high += np.int64(high) * np.int64(high)
+            sums[4] += large_low
+            sums[5] += large_high
+        else:
+            sums[4] += np.int64(squares_low)
+            sums[5] += np.int64(squares_high)
+        sums[0] += np.int64(codes_low)
+        sums[1] += np.int64(codes_high)
+        sums[2] += np.int64(whole_low)
+        sums[3] += np.int64(whole_high)
+
+
+@no_type_check
+def add_word_pair(
+    a, b, height, words, first_row, tile_y, tile_x, totals, squares, even, odd, rows, sums
+):
+    """As `add_pair`; each word of 32 bits holds the codes of two columns, the first one low.
+
+    ``tile_x`` is 1, 2, 4 or 6; even, odd (tile_y, words): int32 sums of such columns; sums (6).
+    """
+    second = min(tile_x - 1, 1)
+    for y in range(height):
+        at, phase = y * words, (first_row + y) % tile_y
+        for pair in range((tile_x + 1) // 2):
+            for i in range(6):
+                sums[i] = 0
+            into = phase * words + pair
+            if tile_x <= 2:
+                _add_words(a, b, at, 1, words, even, odd, into, sums)
+            elif tile_x == 4:
+                _add_words(a, b, at + pair, 2, words // 2, even, odd, into, sums)
+            else:
+                _add_words(a, b, at + pair, 3, words // 3, even, odd, into, sums)
+            for half in range(2):
+                plane = 2 * pair + half * second
+                totals[phase * tile_x + plane] += sums[half]
+                rows[y * tile_x + plane] += sums[2 + half]
+                squares[phase * tile_x + plane] += sums[4 + half]
 
 
 @no_type_check

@@ -4,6 +4,8 @@ All sums of codes are integers, so their order changes no digit. The kernels are
 numba, because its start takes longer than the sums over 100 frames.
 """
 
+import sys
+
 import numpy as np
 
 from chromanoise._check import Array
@@ -12,11 +14,15 @@ from chromanoise.imaging.stored_kernels import stored_kernel
 
 _KERNELS = "chromanoise.imaging.frame_kernels"
 _add_pair = stored_kernel(_KERNELS, "add_pair")
+_add_word_pair = stored_kernel(_KERNELS, "add_word_pair")
 _add_plane = stored_kernel(_KERNELS, "add_plane")
 _difference_rests = stored_kernel(_KERNELS, "difference_rests")
 _add_products = stored_kernel(_KERNELS, "add_products")
 _add_high_passed = stored_kernel(_KERNELS, "add_high_passed")
 _add_counts = stored_kernel(_KERNELS, "add_counts")
+
+_MOST_ROWS = 1 << 15  # of codes of 16 bits, whose sums have 32 bits
+_LOW_FIRST = sys.byteorder == "little"
 
 
 def _codes(block: Integer[Array, "..."]) -> Integer[Array, "..."]:
@@ -56,11 +62,24 @@ class PairSums:
         first_row
             Number of the first of these rows in the frame.
         """
-        tile, kind = self.totals.shape, np.result_type(a, b)
+        kind = np.result_type(a, b)
         a, b = (_codes(block.astype(kind, copy=False)) for block in (a, b))
-        rows = self.rows[first_row : first_row + a.shape[0]]
-        sums = (self.totals, self.squares, self.columns, rows)
-        _add_pair(a, b, *a.shape, first_row, 8 * a.itemsize, *tile, *sums)
+        for start in range(0, a.shape[0], _MOST_ROWS):
+            part = slice(start, start + _MOST_ROWS)
+            self._add(a[part], b[part], first_row + start)
+
+    def _add(self, a: Integer[Array, "n w"], b: Integer[Array, "n w"], first_row: int) -> None:
+        tile, (height, width) = self.totals.shape, a.shape
+        rows = self.rows[first_row : first_row + height]
+        sums = (self.totals, self.squares)
+        if not (a.dtype == np.uint16 and width % 2 == 0 and tile[1] in (1, 2, 4, 6) and _LOW_FIRST):
+            _add_pair(a, b, height, width, first_row, *tile, *sums, self.columns, rows)
+            return
+        of_columns = [np.zeros((tile[0], width // 2), np.int32) for _ in range(2)]
+        pair = (one.view(np.uint32) for one in (a, b))
+        _add_word_pair(*pair, height, width // 2, first_row, *tile, *sums, *of_columns, rows, np.zeros(6, np.int64))
+        for half, part in enumerate(of_columns):
+            self.columns[:, half::2] += part
 
 
 def add_plane(rows: Integer[Array, "n w"], first: int, step: int, total: Array) -> None:
