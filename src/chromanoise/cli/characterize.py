@@ -2,30 +2,33 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 from rich.table import Table as Grid
 
 from chromanoise._files import refuse_unwritable
-from chromanoise.catalog.resolve import file_of
 from chromanoise.characterization import (
     QUANTITIES,
     Characterization,
-    MatrixCheck,
     characterization_of,
     read_source,
-    variance_through_file,
 )
-from chromanoise.cli.options import json_option
-from chromanoise.cli.output import refuse_taken_inputs, terminal, write_json
+from chromanoise.cli.output import (
+    json_option,
+    print_lines,
+    refuse_taken_inputs,
+    terminal,
+    write_json,
+)
 from chromanoise.cli.parsing import command
 from chromanoise.cli.progress import progress_of
-from chromanoise.cli.tables import print_lines
 from chromanoise.errors import InputError
 from chromanoise.io.frames import Frame, FrameSet
-from chromanoise.io.given_matrices import read_matrix
 from chromanoise.sensor import PhotonTransfer
+
+if TYPE_CHECKING:
+    from chromanoise.characterization import MatrixCheck
 
 _SHARES = ("qe", "prnu")  # printed in percent
 
@@ -66,7 +69,12 @@ def characterize(
     refuse_taken_inputs({"--json": json_target}, frames, {})
     if out is not None:
         refuse_unwritable(out)
-    given = None if matrix is None else read_matrix(file_of(matrix))
+    given = None
+    if matrix is not None:
+        from chromanoise.catalog.resolve import file_of
+        from chromanoise.io.given_matrices import read_matrix
+
+        given = read_matrix(file_of(matrix))
     read = read_source(frames)
     _refuse_replaced(read, frames, {"--json": json_target, "--resume": resume, "--out": out})
     with progress_of("frames", _count(read), "frames") as advance:
@@ -78,7 +86,11 @@ def characterize(
             before = done
 
         result = characterization_of(read, resume=resume, progress=advanced)
-    check = None if given is None else variance_through_file(result, given)
+    check = None
+    if given is not None:
+        from chromanoise.characterization import variance_through_file
+
+        check = variance_through_file(result, given)
     written: tuple[Path, ...] = ()
     omitted: list[str] = []
     if out is not None:
@@ -143,7 +155,7 @@ def _refuse_replaced(
         seen[path] = option
 
 
-def _check_as_json(check: MatrixCheck, source: str) -> dict[str, Any]:
+def _check_as_json(check: "MatrixCheck", source: str) -> dict[str, Any]:
     return {
         "source": source,
         "names": list(check.names),

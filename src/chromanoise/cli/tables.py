@@ -70,12 +70,6 @@ def print_reproduction(result: Reproduction) -> None:
         console.print()
 
 
-def print_lines(lines: Iterable[str]) -> None:
-    """Print sentences, each on a line of its own."""
-    for line in lines:
-        terminal().print(line, soft_wrap=True)
-
-
 def print_conditions(text: str) -> None:
     """Print the operating point above its tables."""
     terminal().print(f"At {text}:", soft_wrap=True)

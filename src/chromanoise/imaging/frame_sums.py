@@ -77,7 +77,17 @@ class PairSums:
             return
         of_columns = [np.zeros((tile[0], width // 2), np.int32) for _ in range(2)]
         pair = (one.view(np.uint32) for one in (a, b))
-        _add_word_pair(*pair, height, width // 2, first_row, *tile, *sums, *of_columns, rows, np.zeros(6, np.int64))
+        _add_word_pair(
+            *pair,
+            height,
+            width // 2,
+            first_row,
+            *tile,
+            *sums,
+            *of_columns,
+            rows,
+            np.zeros(6, np.int64),
+        )
         for half, part in enumerate(of_columns):
             self.columns[:, half::2] += part
 
@@ -98,7 +108,9 @@ def add_plane(rows: Integer[Array, "n w"], first: int, step: int, total: Array) 
     _add_plane(rows, first, step, total, *total.shape, rows.shape[1])
 
 
-def difference_rests(a: Integer[Array, "p m n"], b: Integer[Array, "p m n"]) -> Float[Array, "p m n"]:
+def difference_rests(
+    a: Integer[Array, "p m n"], b: Integer[Array, "p m n"]
+) -> Float[Array, "p m n"]:
     """Difference of integers without the means of its rows and columns (float32). [DN]
 
     Parameters

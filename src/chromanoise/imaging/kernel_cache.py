@@ -105,7 +105,6 @@ class _RemovalOnCompilation:
         self._place = place
         self._is_done = False
 
-
     def notify(self, event: Any) -> None:
         """The removal, at the end of a compilation, if a kernel of this package was compiled."""
         if not event.is_end:
