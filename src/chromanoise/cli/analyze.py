@@ -30,8 +30,8 @@ from chromanoise.cli.output import (
 )
 from chromanoise.cli.parsing import command
 from chromanoise.cli.pipeline_tables import print_pipeline
-from chromanoise.cli.running import progress_of_step
 from chromanoise.cli.reader_tables import print_machine_readings
+from chromanoise.cli.running import progress_of_step
 from chromanoise.color import SPACES
 from chromanoise.exposure import conditions
 from chromanoise.study import Analyses, analyze_study, run
