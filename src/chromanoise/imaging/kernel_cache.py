@@ -83,8 +83,8 @@ def kernel_folder() -> Path | None:
 def _numba_version() -> bytes:
     """The file with numba's version; its import would take 0.1 s."""
     numba = find_spec("numba")
-    assert numba is not None and numba.origin is not None
-    return Path(numba.origin).with_name("_version.py").read_bytes()
+    origin = None if numba is None else numba.origin
+    return b"" if origin is None else Path(origin).with_name("_version.py").read_bytes()
 
 
 @cache
