@@ -55,9 +55,9 @@ if TYPE_CHECKING:
         spectra,
         study,
     )
-    from chromanoise.api import analyze, characterize, compare, compare_map, matrix, render, run
+    from chromanoise.api import analyze, compare, compare_map, matrix, render, run
     from chromanoise.catalog import sensor_named
-    from chromanoise.characterization import Characterization
+    from chromanoise.characterization import Characterization, characterize
     from chromanoise.color import ColorMatrix
     from chromanoise.errors import InputError, Setting
     from chromanoise.exposure import Exposure, OperatingPoint

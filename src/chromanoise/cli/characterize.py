@@ -30,8 +30,6 @@ from chromanoise.sensor import PhotonTransfer
 if TYPE_CHECKING:
     from chromanoise.characterization import MatrixCheck
 
-_SHARES = ("qe", "prnu")  # printed in percent
-
 
 @command()
 @click.argument("frames", nargs=-1, required=True, metavar="FOLDER|FILES")
@@ -180,10 +178,9 @@ def _print(result: Characterization) -> None:
     for plane in result.planes:
         grid.add_column(plane.name, justify="right")
     for quantity in QUANTITIES:
-        share = quantity.field in _SHARES
-        cells = [_cell(*quantity.of(plane), scale=100 if share else 1) for plane in result.planes]
+        cells = [_cell(*quantity.shown(plane)) for plane in result.planes]
         if any(cell != "-" for cell in cells):
-            grid.add_row(f"{quantity.name} [{'%' if share else quantity.unit}]", *cells)
+            grid.add_row(f"{quantity.name} [{quantity.shown_unit or '1'}]", *cells)
     terminal().print(grid)
     verdict = result.verdict
     holds = "The linear model holds" if verdict.holds else "The linear model does not hold"
@@ -198,8 +195,7 @@ def _print(result: Characterization) -> None:
     )
 
 
-def _cell(value: float | None, error: float | None, *, scale: float) -> str:
+def _cell(value: float | None, error: float | None) -> str:
     if value is None:
         return "-"
-    text = f"{scale * value:.4g}"
-    return text if error is None else f"{text} +- {scale * error:.2g}"
+    return f"{value:.4g}" if error is None else f"{value:.4g} +- {error:.2g}"
