@@ -41,8 +41,9 @@ def stored_kernel(module: str, name: str) -> Callable[..., None]:
     def call(*arguments: Any) -> None:
         types = ", ".join(map(_type_of, arguments))
         if types not in loaded:
-            with _LOCK:
-                loaded.setdefault(types, _function(module, name, f"void({types})"))
+            with _LOCK:  # the engine takes a symbol once
+                if types not in loaded:
+                    loaded[types] = _function(module, name, f"void({types})")
         status = loaded[types](*_NO_RESULT, *map(_as_c, arguments))
         assert status == 0, f"{name} returned {status}"
 
