@@ -59,7 +59,6 @@ if TYPE_CHECKING:
     )
     from chromanoise.api import (
         analyze,
-        characterize,
         compare,
         compare_map,
         matrix,
@@ -69,7 +68,7 @@ if TYPE_CHECKING:
         sensitivity,
     )
     from chromanoise.catalog import sensor_named
-    from chromanoise.characterization import Characterization
+    from chromanoise.characterization import Characterization, characterize
     from chromanoise.color import ColorMatrix
     from chromanoise.design import Design
     from chromanoise.design.sensitivity import Sensitivity

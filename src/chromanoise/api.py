@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any, TypeVar, Unpack
 import numpy as np
 
 from chromanoise.analysis import DEFAULT_METHOD
-from chromanoise.characterization import Characterization, characterization_of, read_source
 from chromanoise.design.sensitivity import (
     DEFAULT_OBJECTIVES,
     Sensitivity,
@@ -18,7 +17,6 @@ from chromanoise.design.sensitivity import (
     tolerances_of,
 )
 from chromanoise.errors import InputError
-from chromanoise.io.frames import FrameSet
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import Illuminant
 from chromanoise.study import (
@@ -118,57 +116,6 @@ def analyze(
     results = _results("analyze", partial(analyze_study, matrix=matrix), sensors, settings)
     (result,) = results.analyses.values()
     return result
-
-
-def characterize(
-    *frames: str | Path | FrameSet,
-    resume: str | Path | None = None,
-    progress: Callable[[int, int], None] = lambda _done, _all: None,
-) -> Characterization:
-    """Noise of a camera from its own raw frames: flats of several levels of light, and darks.
-
-    Parameters
-    ----------
-    frames
-        A folder, files, a `FrameSet`, or one table of means and variances. A folder with
-        ``capture.toml`` needs no guessing.
-    resume
-        File for the statistics of the frames read so far, from which a later call goes on.
-    progress
-        Called with the number of frames read and their total.
-
-    Returns
-    -------
-    Characterization
-        Gain, dark noise, full well, QE, DSNU, PRNU ... of each plane of the mosaic, each with its
-        error, and a verdict on the linear model.
-
-    Raises
-    ------
-    InputError
-        If a frame cannot be read, frames do not belong together, or they give no photon transfer.
-
-    Notes
-    -----
-    EMVA Standard 1288, release 4.0 Linear (2021).
-
-    Examples
-    --------
-    >>> import chromanoise as cn
-    >>> camera = cn.characterize("frames")                          # doctest: +SKIP
-    >>> camera.planes[0].gain_dn_per_e, camera.verdict.sentences    # doctest: +SKIP
-    """
-    kept = None if resume is None else Path(resume)
-    if len(frames) == 1 and isinstance(frames[0], FrameSet):
-        return characterization_of(frames[0], resume=kept, progress=progress)
-    words = [one for one in frames if isinstance(one, str | Path)]
-    if len(words) < len(frames) or not words:
-        raise InputError(
-            "frames",
-            "must be a folder, files, or one FrameSet",
-            value=[type(one).__name__ for one in frames],
-        )
-    return characterization_of(read_source(words), resume=kept, progress=progress)
 
 
 @_with_listed_settings

@@ -1,6 +1,9 @@
 """Sums over frames: those of numpy and scipy, in blocks or whole, on any number of threads."""
 
+import math
 import os
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -47,6 +50,45 @@ def test_sums_of_a_pair_are_those_of_numpy(tile, kind, high):
             np.testing.assert_array_equal(sums.rows[y :: tile[0], x], plane.sum(axis=1))
 
 
+@pytest.mark.parametrize("size", [2047, 2048, 2897, 4095, 65535])
+@pytest.mark.parametrize("tile", [(1, 1), (2, 2), (4, 4), (6, 6)])
+def test_squares_of_large_differences_do_not_overflow(size, tile):
+    low, high = (np.full((12, 6144), value, np.uint16) for value in (0, size))
+    for a, b in ((low, high), (high, low)):
+        sums = PairSums(a.shape, tile)
+        sums.add(a, b, 0)
+        assert set(sums.squares.ravel().tolist()) == {a.size // math.prod(tile) * size**2}
+
+
+def test_rows_beyond_2_to_the_15_do_not_overflow_their_sums():
+    a = np.full((70_000, 2), 65535, np.uint16)
+    sums = PairSums(a.shape, (1, 1))
+    sums.add(a, np.zeros_like(a), 0)
+    assert sums.columns.tolist() == [[70_000 * 65535] * 2]
+    assert sums.totals.tolist() == [[140_000 * 65535]]
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="object code is kept on Linux")
+def test_sums_over_frames_need_no_numba_until_a_kept_kernel_is_damaged(tmp_path):
+    script = (
+        "import sys, numpy as np\n"
+        "from chromanoise.imaging.frame_sums import PairSums\n"
+        "a = np.arange(64, dtype=np.uint16).reshape(8, 8)\n"
+        "sums = PairSums((8, 8), (2, 2))\n"
+        "sums.add(a, a[::-1].copy(), 0)\n"
+        "print(int(sums.squares.sum()), 'numba' in sys.modules)"
+    )
+    squares = 8 * sum((8 * (7 - 2 * row)) ** 2 for row in range(8))
+    variables = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)}
+    for is_compiled in (True, False, True):
+        run = [sys.executable, "-c", script]
+        done = subprocess.run(run, env=variables, capture_output=True, text=True, check=True)
+        assert done.stdout.split() == [str(squares), str(is_compiled)]
+        (kept,) = tmp_path.rglob("*.o")
+        if not is_compiled:
+            kept.write_bytes(kept.read_bytes()[:-100])
+
+
 @pytest.mark.parametrize("tile", [(1, 1), (2, 2)])
 def test_blocks_of_rows_give_the_statistics_of_whole_frames(tmp_path, monkeypatch, tile):
     pictures = [codes((90, 64), seed) for seed in range(3)]
@@ -57,21 +99,37 @@ def test_blocks_of_rows_give_the_statistics_of_whole_frames(tmp_path, monkeypatc
     np.testing.assert_array_equal(found.covariance_dn2, whole.covariance_dn2)
 
 
-def test_only_the_rows_asked_for_are_read(tmp_path):
-    values = codes((50, 20))
-    (one,) = stored(tmp_path, values)
+@pytest.mark.parametrize("kind", ["<u2", ">u2", "u1", "i4"])
+def test_blocks_of_rows_are_the_frame_in_turn(tmp_path, kind):
+    values = codes((50, 20), high=200, kind=np.int32)
+    (one,) = stored(tmp_path, values.astype(kind))
+    for read in (one, frame(values)):
+        blocks = [block.copy() for block in read.blocks(12)]
+        assert [len(block) for block in blocks] == [12, 12, 12, 12, 2]
+        np.testing.assert_array_equal(np.concatenate(blocks), values)
     assert one.has_rows
-    np.testing.assert_array_equal(one.rows(7, 19), values[7:19])
-    other = frame(values)
-    assert not other.has_rows
-    np.testing.assert_array_equal(other.rows(7, 19), values[7:19])
+    assert not frame(values).has_rows
 
 
-def test_a_file_that_shrinks_between_rows_is_refused(tmp_path):
-    (one,) = stored(tmp_path, codes((50, 20)))
-    np.save(tmp_path / "0.npy", codes((20, 20)))
+@pytest.mark.parametrize("rows", [10, 60])
+def test_a_file_that_shrinks_between_blocks_is_refused(tmp_path, rows):
+    (one,) = stored(tmp_path, codes((60, 2000)))
+    blocks = one.blocks(rows // 2)
+    next(blocks)
+    os.truncate(tmp_path / "0.npy", 60 * 2000)
     with refused_input(subject=str(tmp_path / "0.npy")):
-        one.rows(3, 9)
+        list(blocks)
+    with refused_input(subject=str(tmp_path / "0.npy")):
+        list(one.blocks(rows))
+    with refused_input(subject=str(tmp_path / "0.npy")):
+        one.codes()
+
+
+def test_many_frames_of_one_light_need_few_open_files(tmp_path, monkeypatch):
+    pictures = [codes((16, 16), seed) for seed in range(5)]
+    in_turn = light_sample(stored(tmp_path, *pictures), (2, 2))
+    monkeypatch.setattr(statistics, "_MOST_OPEN", 4)
+    assert light_sample(stored(tmp_path, *pictures), (2, 2)).planes == in_turn.planes
 
 
 @pytest.mark.parametrize("tile", [(1, 1), (2, 2), (2, 3)])

@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     )
     from chromanoise.characterization.sources import (
         characterization_of,
+        characterize,
         characterized_table,
         read_source,
     )
@@ -71,6 +72,7 @@ __all__ = [
     "characterization_as_json",
     "characterization_from_json",
     "characterization_of",
+    "characterize",
     "characterized",
     "characterized_table",
     "color_of_plane",

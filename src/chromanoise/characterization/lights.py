@@ -5,6 +5,7 @@ import os
 from collections.abc import Callable, Generator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
+from typing import TypeVar
 
 import numpy as np
 
@@ -21,6 +22,7 @@ _MOST_APART = 0.2  # of the mean, by which flats of one level may differ
 Sampler = Callable[[Sequence[Frame], tuple[int, int]], LightSample]
 """A function that computes the statistics of frames, or returns those of an earlier run."""
 
+Result = TypeVar("Result")
 Key = tuple[str, ...]
 """Names of the frames of one light."""
 
@@ -73,11 +75,18 @@ def _sampled(
     groups: Mapping[Key, tuple[Frame, ...]], tile: tuple[int, int], sampled: Sampler
 ) -> Generator[LightSample]:
     """The statistics of each group in turn; a thread per core computes the next ones."""
-    bytes_each = 8 * math.prod(next(iter(groups.values()))[0].shape)
+    return in_threads(lambda group: sampled(group, tile), list(groups.values()))
+
+
+def in_threads(
+    function: Callable[[tuple[Frame, ...]], Result], groups: Sequence[tuple[Frame, ...]]
+) -> Generator[Result]:
+    """The results of a function of the frames of each group, in turn, computed on all cores."""
+    bytes_each = 8 * math.prod(groups[0][0].shape)
     workers = max(1, min(os.cpu_count() or 1, _MOST_BYTES // bytes_each))
     pool = ThreadPoolExecutor(workers)
     try:
-        yield from pool.map(lambda group: sampled(group, tile), groups.values())
+        yield from pool.map(function, groups)
     finally:
         pool.shutdown(cancel_futures=True)
 

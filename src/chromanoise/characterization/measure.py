@@ -9,6 +9,7 @@ from chromanoise.characterization.lights import (
     Key,
     Sampler,
     dark_samples,
+    in_threads,
     key_of,
     lights_of,
     lit_levels,
@@ -216,11 +217,14 @@ def _patterns(
         for group in (middle.flats, _darks_of(frames, middle)):
             if group:
                 wanted.setdefault(key_of(group), (group, set()))[1].add(i)
+
+    def of_planes(group: tuple[Frame, ...]) -> dict[tuple[Key, int], FixedPattern]:
+        key, totals = key_of(group), summed(group[: _averaged_count(group)], tile)
+        return {(key, i): fixed_pattern(totals[i]) for i in wanted[key][1]}
+
     found: dict[tuple[Key, int], FixedPattern] = {}
-    for key, (group, planes) in wanted.items():
-        totals = summed(group[: _averaged_count(group)], tile)
-        found |= {(key, i): fixed_pattern(totals[i]) for i in planes}
-        del totals  # its memory is used for the next one
+    for patterns in in_threads(of_planes, [group for group, _ in wanted.values()]):
+        found |= patterns
     return found
 
 

@@ -38,7 +38,19 @@ class Quantity:
         value, error = getattr(plane, self.field), getattr(plane, f"{self.field}_se", None)
         return _defined(value), _defined(error)
 
+    def shown(self, plane: "PlaneNoise") -> tuple[float | None, float | None]:
+        """As `of`, in `shown_unit`."""
+        scale = 100 if self.field in _IN_PERCENT else 1
+        value, error = (None if one is None else scale * one for one in self.of(plane))
+        return value, error
 
+    @property
+    def shown_unit(self) -> str:
+        """The unit in tables for readers: percent for shares, empty for counts."""
+        return "%" if self.field in _IN_PERCENT else self.unit.removeprefix("1")
+
+
+_IN_PERCENT = ("qe", "prnu")
 QUANTITIES = tuple(
     Quantity(name=name, unit=unit, field=field)
     for name, unit, field in (

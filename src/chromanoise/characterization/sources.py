@@ -17,6 +17,7 @@ from chromanoise.characterization.results import (
 )
 from chromanoise.characterization.statistics import light_sample
 from chromanoise.characterization.verdict import bend_sentences
+from chromanoise.errors import InputError
 from chromanoise.io.frames import FrameSet, read_frame_set
 from chromanoise.io.pixels import read_photon_transfer_csv
 from chromanoise.io.pixels.photon_transfer_csv import is_photon_transfer_text
@@ -24,6 +25,57 @@ from chromanoise.sensor import PhotonTransfer, photon_transfer_fit
 
 _HEAD_BYTES = 4096
 _TABLES = (".csv", ".tsv", ".txt", ".dat")
+
+
+def characterize(
+    *frames: str | Path | FrameSet,
+    resume: str | Path | None = None,
+    progress: Callable[[int, int], None] = lambda _done, _all: None,
+) -> Characterization:
+    """Noise of a camera from its own raw frames: flats of several levels of light, and darks.
+
+    Parameters
+    ----------
+    frames
+        A folder, files, a `FrameSet`, or one table of means and variances. A folder with
+        ``capture.toml`` needs no guessing.
+    resume
+        File for the statistics of the frames read so far, from which a later call goes on.
+    progress
+        Called with the number of frames read and their total.
+
+    Returns
+    -------
+    Characterization
+        Gain, dark noise, full well, QE, DSNU, PRNU ... of each plane of the mosaic, each with its
+        error, and a verdict on the linear model.
+
+    Raises
+    ------
+    InputError
+        If a frame cannot be read, frames do not belong together, or they give no photon transfer.
+
+    Notes
+    -----
+    EMVA Standard 1288, release 4.0 Linear (2021).
+
+    Examples
+    --------
+    >>> import chromanoise as cn
+    >>> camera = cn.characterize("frames")                          # doctest: +SKIP
+    >>> camera.planes[0].gain_dn_per_e, camera.verdict.sentences    # doctest: +SKIP
+    """
+    kept = None if resume is None else Path(resume)
+    if len(frames) == 1 and isinstance(frames[0], FrameSet):
+        return characterization_of(frames[0], resume=kept, progress=progress)
+    words = [one for one in frames if isinstance(one, str | Path)]
+    if len(words) < len(frames) or not words:
+        raise InputError(
+            "frames",
+            "must be a folder, files, or one FrameSet",
+            value=[type(one).__name__ for one in frames],
+        )
+    return characterization_of(read_source(words), resume=kept, progress=progress)
 
 
 def read_source(words: Sequence[Path | str]) -> FrameSet | PhotonTransfer:

@@ -20,6 +20,7 @@ from chromanoise.imaging.frame_sums import PairSums, add_plane, difference_rests
 from chromanoise.io.frames.frame import Frame
 
 _BLOCK_PIXELS = 1 << 19
+_MOST_OPEN = 32  # files from which rows are read in turn
 BAND_PIXELS = 1 << 17
 """Pixels of a plane from which correlations are computed: their error is 0.003."""
 
@@ -219,15 +220,17 @@ def _blocks(
 ) -> Iterator[tuple[int, Iterator[Integer[Array, "n w"]]]]:
     """Rows of all frames, with the number of the first one.
 
-    Rows that a file stores one after another are read in blocks that stay in the cache of the
-    processor; other frames are read whole.
+    Rows of a few frames that their files store one after another are read in blocks that stay in
+    the cache of the processor; other frames are read whole, one after another.
     """
     height, width = shape
-    in_place = all(frame.has_rows for frame in frames)
-    rows = max(1, _BLOCK_PIXELS // width // tile[0]) * tile[0] if in_place else height
+    if len(frames) > _MOST_OPEN or not all(frame.has_rows for frame in frames):
+        yield 0, (frame.codes()[:height, :width] for frame in frames)
+        return
+    rows = max(1, _BLOCK_PIXELS // width // tile[0]) * tile[0]
+    every = [frame.blocks(rows) for frame in frames]
     for start in range(0, height, rows):
-        stop = min(start + rows, height)
-        yield start, (frame.rows(start, stop)[:, :width] for frame in frames)
+        yield start, (next(blocks)[: height - start, :width] for blocks in every)
 
 
 def _whole_cells(frame: Frame, tile: tuple[int, int]) -> tuple[int, int]:
@@ -358,10 +361,10 @@ def _sample(
                 samples=float(max(samples[i], 2.0)),
                 mean_variance_dn2=float(of_mean[i]),
                 pixels=rows * columns,
-                top_share=float((plane == top).mean()),
+                top_share=np.count_nonzero(plane == top) / plane.size,
                 top_dn=top,
                 bottom_dn=bottom,
-                bottom_share=float((plane == bottom).mean()),
+                bottom_share=np.count_nonzero(plane == bottom) / plane.size,
                 correlation_right=float(band.right[i]),
                 correlation_down=float(band.down[i]),
             )

@@ -13,7 +13,6 @@ from chromanoise.cli.merit_tables import print_merits
 from chromanoise.cli.options import (
     closed_form_options,
     copy_option,
-    json_option,
     matrix_option,
     pipeline_options,
     prior_option,
@@ -21,11 +20,18 @@ from chromanoise.cli.options import (
     table_option,
     with_defaults,
 )
-from chromanoise.cli.output import json_text, refuse_taken_inputs, table_text, write_outputs
+from chromanoise.cli.output import (
+    json_option,
+    json_text,
+    print_lines,
+    refuse_taken_inputs,
+    table_text,
+    write_outputs,
+)
 from chromanoise.cli.parsing import command
 from chromanoise.cli.pipeline_tables import print_pipeline
-from chromanoise.cli.progress import progress_of_step
 from chromanoise.cli.reader_tables import print_machine_readings
+from chromanoise.cli.running import progress_of_step
 from chromanoise.color import SPACES
 from chromanoise.exposure import conditions
 from chromanoise.study import Analyses, analyze_study, run
@@ -91,7 +97,7 @@ def _print(result: Analyses, *, equal: str) -> None:
     outputs, analyses = result.outputs, result.analyses
     tables.print_conditions(conditions(result.points))
     tables.print_analyses(analyses)
-    tables.print_lines(verdict_sentences(analyses, equal=equal, reader=outputs.reader))
+    print_lines(verdict_sentences(analyses, equal=equal, reader=outputs.reader))
     if len(analyses) > MOST_PAIRS_SENSORS:
         tables.print_ranking(result.ranking, "Ranking by SNR of Y [dB]")
     for analysis in analyses if outputs.budget else ():

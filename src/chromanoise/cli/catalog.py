@@ -17,8 +17,7 @@ from chromanoise.catalog.entries import (
     entries_as_json,
     pixel_summary,
 )
-from chromanoise.cli.options import json_option
-from chromanoise.cli.output import json_text, write_outputs
+from chromanoise.cli.output import json_option, json_text, write_outputs
 from chromanoise.cli.parsing import command
 from chromanoise.errors import InputError
 

@@ -2,32 +2,33 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 from rich.table import Table as Grid
 
 from chromanoise._files import refuse_unwritable
-from chromanoise.catalog.resolve import file_of
 from chromanoise.characterization import (
     QUANTITIES,
     Characterization,
-    MatrixCheck,
     characterization_of,
     read_source,
-    variance_through_file,
 )
-from chromanoise.cli.options import json_option
-from chromanoise.cli.output import refuse_taken_inputs, terminal, write_json
+from chromanoise.cli.output import (
+    json_option,
+    print_lines,
+    refuse_taken_inputs,
+    terminal,
+    write_json,
+)
 from chromanoise.cli.parsing import command
 from chromanoise.cli.progress import progress_of
-from chromanoise.cli.tables import print_lines
 from chromanoise.errors import InputError
 from chromanoise.io.frames import Frame, FrameSet
-from chromanoise.io.given_matrices import read_matrix
 from chromanoise.sensor import PhotonTransfer
 
-_SHARES = ("qe", "prnu")  # printed in percent
+if TYPE_CHECKING:
+    from chromanoise.characterization import MatrixCheck
 
 
 @command()
@@ -66,7 +67,12 @@ def characterize(
     refuse_taken_inputs({"--json": json_target}, frames, {})
     if out is not None:
         refuse_unwritable(out)
-    given = None if matrix is None else read_matrix(file_of(matrix))
+    given = None
+    if matrix is not None:
+        from chromanoise.catalog.resolve import file_of
+        from chromanoise.io.given_matrices import read_matrix
+
+        given = read_matrix(file_of(matrix))
     read = read_source(frames)
     _refuse_replaced(read, frames, {"--json": json_target, "--resume": resume, "--out": out})
     with progress_of("frames", _count(read), "frames") as advance:
@@ -78,7 +84,11 @@ def characterize(
             before = done
 
         result = characterization_of(read, resume=resume, progress=advanced)
-    check = None if given is None else variance_through_file(result, given)
+    check = None
+    if given is not None:
+        from chromanoise.characterization import variance_through_file
+
+        check = variance_through_file(result, given)
     written: tuple[Path, ...] = ()
     omitted: list[str] = []
     if out is not None:
@@ -143,7 +153,7 @@ def _refuse_replaced(
         seen[path] = option
 
 
-def _check_as_json(check: MatrixCheck, source: str) -> dict[str, Any]:
+def _check_as_json(check: "MatrixCheck", source: str) -> dict[str, Any]:
     return {
         "source": source,
         "names": list(check.names),
@@ -168,10 +178,9 @@ def _print(result: Characterization) -> None:
     for plane in result.planes:
         grid.add_column(plane.name, justify="right")
     for quantity in QUANTITIES:
-        share = quantity.field in _SHARES
-        cells = [_cell(*quantity.of(plane), scale=100 if share else 1) for plane in result.planes]
+        cells = [_cell(*quantity.shown(plane)) for plane in result.planes]
         if any(cell != "-" for cell in cells):
-            grid.add_row(f"{quantity.name} [{'%' if share else quantity.unit}]", *cells)
+            grid.add_row(f"{quantity.name} [{quantity.shown_unit or '1'}]", *cells)
     terminal().print(grid)
     verdict = result.verdict
     holds = "The linear model holds" if verdict.holds else "The linear model does not hold"
@@ -186,8 +195,7 @@ def _print(result: Characterization) -> None:
     )
 
 
-def _cell(value: float | None, error: float | None, *, scale: float) -> str:
+def _cell(value: float | None, error: float | None) -> str:
     if value is None:
         return "-"
-    text = f"{scale * value:.4g}"
-    return text if error is None else f"{text} +- {scale * error:.2g}"
+    return f"{value:.4g}" if error is None else f"{value:.4g} +- {error:.2g}"

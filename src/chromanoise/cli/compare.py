@@ -11,14 +11,20 @@ from chromanoise.cli.options import (
     WHOLE,
     closed_form_options,
     copy_option,
-    json_option,
     shared_options,
     table_option,
     with_defaults,
 )
-from chromanoise.cli.output import json_text, refuse_taken_inputs, table_text, write_outputs
+from chromanoise.cli.output import (
+    json_option,
+    json_text,
+    print_lines,
+    refuse_taken_inputs,
+    table_text,
+    write_outputs,
+)
 from chromanoise.cli.parsing import command
-from chromanoise.cli.progress import progress_of_step
+from chromanoise.cli.running import progress_of_step
 from chromanoise.errors import InputError
 from chromanoise.exposure import conditions
 from chromanoise.study import Comparison, ComparisonMap, compare_study, default_of, map_study, run
@@ -103,7 +109,7 @@ def compare(
     )
     if json_target != "-":
         fixed = conditions(result.points)
-        tables.print_lines([f"Settings (all but those that vary stay fixed): {fixed}"])
+        print_lines([f"Settings (all but those that vary stay fixed): {fixed}"])
         if isinstance(result, ComparisonMap):
             tables.print_maps(result.maps, result.ranking)
             return

@@ -13,15 +13,20 @@ from chromanoise.cli.merit_tables import print_pareto
 from chromanoise.cli.options import (
     closed_form_options,
     copy_option,
-    json_option,
     prior_option,
     shared_options,
     table_option,
     with_defaults,
 )
-from chromanoise.cli.output import json_text, refuse_taken_inputs, table_text, write_outputs
+from chromanoise.cli.output import (
+    json_option,
+    json_text,
+    refuse_taken_inputs,
+    table_text,
+    write_outputs,
+)
 from chromanoise.cli.parsing import command
-from chromanoise.cli.progress import progress_of_step
+from chromanoise.cli.running import progress_of_step
 from chromanoise.errors import InputError
 from chromanoise.exposure import conditions
 from chromanoise.io.matrices import (

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from chromanoise.cli import tables
-from chromanoise.cli.options import WHOLE, json_option
-from chromanoise.cli.output import json_text, refuse_inputs, write_outputs
+from chromanoise.cli.options import WHOLE
+from chromanoise.cli.output import json_option, json_text, print_lines, refuse_inputs, write_outputs
 from chromanoise.cli.parsing import command
 from chromanoise.cli.progress import duration
 from chromanoise.exposure import conditions
@@ -111,9 +111,9 @@ def _front_so_far(now: "Progress", objectives: tuple[str, ...]) -> str:
 def _print_design(found: "Design", folder: Path) -> None:
     tables.print_conditions(conditions([one.point for one in found.task.scenes[:1]]))
     tables.print_front(found.to_table(), most=_SHOWN + len(found.references))
-    tables.print_lines([*found.sentences, ""])
+    print_lines([*found.sentences, ""])
     written = f"{folder}: front.json, front.csv, front.svg, sensors/ ({len(found.members)} files)"
-    tables.print_lines([written])
+    print_lines([written])
     command = found.analyze_command(found.front.knee.name, str(folder))
     if command:
-        tables.print_lines([f"The knee again: {command}"])
+        print_lines([f"The knee again: {command}"])

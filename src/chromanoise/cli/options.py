@@ -311,9 +311,6 @@ _OF_PIPELINE = (
 )
 
 
-json_option = click.option(
-    "--json", "json_target", metavar="FILE|-", help="Write JSON; - for standard output."
-)
 table_option = click.option(
     "--table",
     metavar="FILE",

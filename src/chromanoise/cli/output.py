@@ -2,7 +2,7 @@
 
 import json
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +17,10 @@ from chromanoise.io.table import (
 from chromanoise.io.table_formats import table_writer
 
 _ANOTHER = "name another file"
+
+json_option = click.option(
+    "--json", "json_target", metavar="FILE|-", help="Write JSON; - for standard output."
+)
 
 
 def json_text(data: dict[str, Any]) -> str:
@@ -98,3 +102,9 @@ def terminal() -> Console:
     """Standard output for tables; 140 columns wide if it is no terminal."""
     console = Console(highlight=False, markup=False)
     return console if console.is_terminal else Console(highlight=False, markup=False, width=140)
+
+
+def print_lines(lines: Iterable[str]) -> None:
+    """Print sentences, each on a line of its own."""
+    for line in lines:
+        terminal().print(line, soft_wrap=True)

@@ -2,11 +2,9 @@
 
 import time
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import contextmanager
 
 from rich.console import Console
-
-from chromanoise.study import Step
 
 _MEASURED_S = 1.0  # time measured before the total is estimated
 _LONG_S = 30.0  # below this, no estimate is printed
@@ -54,11 +52,6 @@ def progress_of(what: str, parts: int, unit: str) -> Iterator[Callable[[int], No
             progress.update(task, speed=speed)
 
         yield advance_bar
-
-
-def progress_of_step(step: Step) -> AbstractContextManager[Callable[[int], None]]:
-    """Progress of a step of a study."""
-    return progress_of(step.what, step.parts, step.unit)
 
 
 def duration(seconds: float) -> str:

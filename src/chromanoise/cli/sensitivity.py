@@ -9,14 +9,19 @@ from chromanoise.cli import tables
 from chromanoise.cli.options import (
     WHOLE,
     closed_form_options,
-    json_option,
     matrix_option,
     prior_option,
     shared_options,
     table_option,
     with_defaults,
 )
-from chromanoise.cli.output import json_text, refuse_taken_inputs, table_text, write_outputs
+from chromanoise.cli.output import (
+    json_option,
+    json_text,
+    refuse_taken_inputs,
+    table_text,
+    write_outputs,
+)
 from chromanoise.cli.parsing import command
 from chromanoise.design.objectives import OBJECTIVES
 from chromanoise.design.sensitivity import DEFAULT_OBJECTIVES, sensitivity_of, tolerances_of

@@ -25,7 +25,7 @@ from chromanoise.analysis.comparison.maps import QuantityMap, best_of, by_matrix
 from chromanoise.analysis.comparison.ranking import MOST_PAIRS_SENSORS, Rank
 from chromanoise.catalog.sensors import RECONSTRUCTION
 from chromanoise.charts import cause_label
-from chromanoise.cli.output import terminal
+from chromanoise.cli.output import print_lines, terminal
 from chromanoise.color import ColorMatrix
 from chromanoise.io.table import Table as Rows
 from chromanoise.io.table import number_text, written
@@ -83,12 +83,6 @@ def print_table(table: Rows) -> None:
         shown.add_row(*(written(cell, column.digits) for cell, column in cells))
     console.print(shown)
     print_lines(table.notes)
-
-
-def print_lines(lines: Iterable[str]) -> None:
-    """Print sentences, each on a line of its own."""
-    for line in lines:
-        terminal().print(line, soft_wrap=True)
 
 
 def print_conditions(text: str) -> None:

@@ -3,7 +3,7 @@
 numba checks only whether the file of a kernel has changed (some versions by its date), not the
 files of the functions that the kernel calls. The name of the folder is a hash of all sources of
 the kernel's package and of numba's version, so that no outdated kernel is used after a change of
-either. A kernel therefore calls only kernels of its own package.
+either.
 """
 
 import hashlib
@@ -13,15 +13,11 @@ import stat
 import tempfile
 import time
 from collections.abc import Callable, Iterator
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from functools import cache
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
-
-import numba
-from numba import config, njit
-from numba.core import event
-from numba.misc.appdirs import AppDirs
 
 _UNUSED_S = 30 * 24 * 3600.0
 
@@ -34,17 +30,34 @@ def kernel(**options: Any) -> Callable[[Callable[..., Any]], Any]:
     options
         Options of ``njit`` other than ``cache`` and ``nogil``.
     """
+    from numba import njit
 
     def compiled(function: Callable[..., Any]) -> Any:
-        sources = Path(function.__code__.co_filename).parent
-        folder, before = kernel_folder(sources), config.CACHE_DIR
-        config.CACHE_DIR = "" if folder is None else str(folder)
-        try:
-            return njit(cache=folder is not None, nogil=True, **options)(function)
-        finally:
-            config.CACHE_DIR = before
+        with cached_compilation(Path(function.__code__.co_filename).parent) as cached:
+            return njit(cache=cached, nogil=True, **options)(function)
 
     return compiled
+
+
+@contextmanager
+def cached_compilation(package: Path) -> Iterator[bool]:
+    """Whether numba can keep what is declared inside, in `kernel_folder`.
+
+    Parameters
+    ----------
+    package
+        The folder of the sources of the kernels.
+    """
+    from numba import config
+
+    folder, before = kernel_folder(package), config.CACHE_DIR
+    config.CACHE_DIR = "" if folder is None else str(folder)
+    if folder is not None:
+        _remove_on_compilation(folder, package)
+    try:
+        yield folder is not None
+    finally:
+        config.CACHE_DIR = before
 
 
 @cache
@@ -63,51 +76,70 @@ def kernel_folder(package: Path) -> Path | None:
     sources = sorted(package.glob("*.py"))
     if not sources:
         return None
-    digest = hashlib.sha256(numba.__version__.encode())
+    digest = hashlib.sha256(_numba_version())
     for source in sources:
         content = source.read_bytes()
         digest.update(f"\n{source.name} {len(content)}\n".encode() + content)
-    ours = f"kernels-{hashlib.sha256(os.fsencode(package)).hexdigest()[:8]}-"
     for place in _places(package):
-        folder = place / f"{ours}{digest.hexdigest()[:16]}"
+        folder = place / f"{_prefix(package)}{digest.hexdigest()[:16]}"
         with suppress(OSError):
             folder.mkdir(parents=True, exist_ok=True)
             tempfile.TemporaryFile(dir=folder).close()
             os.utime(folder)
-            event.register("numba:compile", _RemovalOnCompilation(place, f"{ours}*", package))
             return folder
     return None
 
 
-class _RemovalOnCompilation(event.Listener):  # type: ignore[misc]
-    """Removes folders for other sources of this installation when the first kernel is compiled.
+def _prefix(package: Path) -> str:
+    """How the names of all folders for this package begin."""
+    return f"kernels-{hashlib.sha256(os.fsencode(package)).hexdigest()[:8]}-"
+
+
+def _numba_version() -> bytes:
+    """The file with numba's version; its import would take 0.1 s."""
+    numba = find_spec("numba")
+    origin = None if numba is None else numba.origin
+    return b"" if origin is None else Path(origin).with_name("_version.py").read_bytes()
+
+
+@cache
+def _remove_on_compilation(folder: Path, package: Path) -> None:
+    from numba.core import event
+
+    event.Listener.register(_RemovalOnCompilation)
+    event.register("numba:compile", _RemovalOnCompilation(folder.parent, package))
+
+
+class _RemovalOnCompilation:
+    """Removes folders for other sources of a package when its first kernel is compiled.
 
     Only folders that were not used for 30 days: until then another process may use them.
     """
 
-    def __init__(self, place: Path, pattern: str, package: Path) -> None:
-        self._place, self._pattern, self._package = place, pattern, package
+    def __init__(self, place: Path, package: Path) -> None:
+        self._place, self._package = place, package
         self._is_done = False
 
-    def on_start(self, event: Any) -> None:
-        """Nothing; numba asks for this method."""
-
-    def on_end(self, event: Any) -> None:
-        """The removal, if a kernel of this package was compiled."""
+    def notify(self, event: Any) -> None:
+        """The removal, at the end of a compilation, if a kernel of this package was compiled."""
+        if not event.is_end:
+            return
         source = event.data["dispatcher"].py_func.__code__.co_filename
         if self._is_done or Path(source).parent != self._package:
             return
         self._is_done = True
-        for folder in self._place.glob(self._pattern):
+        for folder in self._place.glob(f"{_prefix(self._package)}*"):
             with suppress(OSError):
                 if folder.stat().st_mtime < time.time() - _UNUSED_S:
                     shutil.rmtree(folder, ignore_errors=True)
 
 
 def _places(package: Path) -> Iterator[Path]:
-    if config.CACHE_DIR:
-        yield Path(config.CACHE_DIR) / "chromanoise"
+    if os.environ.get("NUMBA_CACHE_DIR"):
+        yield Path(os.environ["NUMBA_CACHE_DIR"]) / "chromanoise"
     yield package / "__pycache__"
+    from numba.misc.appdirs import AppDirs
+
     yield Path(AppDirs(appname="chromanoise", appauthor=False).user_cache_dir)
     if hasattr(os, "getuid"):
         shared = Path(tempfile.gettempdir()) / f"chromanoise-{os.getuid()}"

@@ -600,9 +600,10 @@ def _refuse_clean(given: Array, lanes: Array, unit: Unit, first_row: int) -> Non
     bad = ~(np.isfinite(given) & (given >= black) & (given < 1e30))
     first = tuple(int(i) for i in np.argwhere(bad)[0]) if bad.any() else (0,) * given.ndim
     name = {"electron": "e-", "white": "1", "dn": "DN"}[unit]
+    least = float(np.broadcast_to(black, given.shape)[first])
     raise InputError(
         "clean",
-        f"must be finite and not below black [{name}]",
+        f"must be finite and not below the black level, {least:g} {name}".removesuffix(" 1"),
         value=float(given[first]),
         found=f"is not at {int(bad.sum())} of {given.size} values; the first is "
         f"{float(given[first]):g} at index {first} (from 0)",

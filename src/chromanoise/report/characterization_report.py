@@ -15,6 +15,7 @@ from chromanoise import __version__
 from chromanoise._files import whole_folder
 from chromanoise._palette import CHANNELS, NEUTRALS, palette_css
 from chromanoise.characterization import (
+    QUANTITIES,
     Characterization,
     LevelNoise,
     PlaneNoise,
@@ -98,8 +99,8 @@ def characterization_report(result: Characterization) -> str:
         verdict=result.verdict,
         summary=_summary(result),
         planes=[plane.name for plane in result.planes],
-        parameters=_table(result.planes, _PARAMETERS),
-        patterns=_table(result.planes, _PATTERNS),
+        parameters=_table(result.planes, patterns=False),
+        patterns=_table(result.planes, patterns=True),
         charts=charts,
         correlation=[[_number(v, 3) for v in row] for row in result.correlation.tolist()],
         levels=[(plane.name, [_level(one) for one in plane.levels]) for plane in result.planes],
@@ -226,37 +227,20 @@ def _inline_svg(figure: Any, name: str, title: str) -> str:
     return re.sub(r"<svg ", head, re.sub(r' (width|height)="[\d.]+pt"', "", text, count=2), count=1)
 
 
-_Value = tuple[float | None, float | None]
-_PARAMETERS: tuple[tuple[str, str, Callable[[PlaneNoise], _Value]], ...] = (
-    ("Gain K", "DN/e⁻", lambda p: (p.gain_dn_per_e, p.gain_dn_per_e_se)),
-    ("Temporal dark noise", "e⁻", lambda p: (p.dark_noise_e, p.dark_noise_e_se)),
-    ("Quantum efficiency", "e⁻/photon", lambda p: (p.qe, p.qe_se)),
-    ("Full well", "e⁻", lambda p: (p.full_well_e, p.full_well_e_se)),
-    ("Saturation", "DN", lambda p: (p.saturation_dn, None)),
-    ("Dynamic range", "dB", lambda p: (p.dynamic_range_db, None)),
-    ("Black level", "DN", lambda p: (p.black_level_dn, p.black_level_dn_se)),
-    ("Linearity error", "%", lambda p: (p.linearity_error_percent, None)),
-    ("Dark current", "e⁻/s", lambda p: (p.dark_current_e_per_s, p.dark_current_e_per_s_se)),
-    ("Bend of the variance, z", "", lambda p: (p.bend_z, None)),
-)
-_PATTERNS: tuple[tuple[str, str, Callable[[PlaneNoise], _Value]], ...] = (
-    ("DSNU", "e⁻", lambda p: (p.dsnu_e, p.dsnu_e_se)),
-    ("PRNU", "%", lambda p: (_percent(p.prnu), _percent(p.prnu_se))),
-    ("Row noise", "e⁻", lambda p: (p.row_noise_e, p.row_noise_e_se)),
-    ("Column noise", "e⁻", lambda p: (p.column_noise_e, p.column_noise_e_se)),
-    ("Hot pixels", "", lambda p: (p.hot_pixels, None)),
-)
+_PATTERNS = ("dsnu_e", "prnu", "row_noise_e", "column_noise_e", "hot_pixels")
 
 
-def _percent(share: float | None) -> float | None:
-    return None if share is None else 100 * share
-
-
-def _table(
-    planes: Sequence[PlaneNoise],
-    rows: Sequence[tuple[str, str, Callable[[PlaneNoise], _Value]]],
-) -> list[tuple[str, str, list[str]]]:
-    return [(name, unit, [_measured(*take(p)) for p in planes]) for name, unit, take in rows]
+def _table(planes: Sequence[PlaneNoise], *, patterns: bool) -> list[tuple[str, str, list[str]]]:
+    """Name, unit and values of the fixed patterns, or of all other quantities."""
+    return [
+        (
+            f"{one.name[0].upper()}{one.name[1:]}",
+            one.shown_unit.replace("e-", "e⁻"),
+            [_measured(*one.shown(plane)) for plane in planes],
+        )
+        for one in QUANTITIES
+        if (one.field in _PATTERNS) == patterns
+    ]
 
 
 def _measured(value: float | None, error: float | None) -> str:

@@ -92,8 +92,8 @@ class PhotonTransfer:
                     where="column 'samples'",
                 )
             _check.freeze(self, "samples")
-        if np.unique(self.mean_dn.round(9)).size < 3:
-            count = np.unique(self.mean_dn.round(9)).size
+        count = len(set(self.mean_dn.round(9).tolist()))
+        if count < 3:
             raise InputError(
                 self.source,
                 "must have at least 3 rows of different mean",

@@ -1,6 +1,6 @@
 """Raw frames of a camera, and how they belong together: levels of light, each with its darks."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -74,36 +74,11 @@ class Frame:
         InputError
             If the file cannot be read, has changed in size, or holds no integers.
         """
-        return self._checked(self.read(), self.shape)
-
-    @property
-    def has_rows(self) -> bool:
-        """Whether `rows` reads only what it returns, from a file that is not compressed."""
-        return isinstance(self.read, StoredPlane) and self.read.has_rows
-
-    def rows(self, start: int, stop: int) -> Integer[Array, "rows w"]:
-        """The codes of the rows from ``start`` to ``stop``. [DN]
-
-        Parameters
-        ----------
-        start, stop
-            The first row, and the row after the last. [px]
-
-        Raises
-        ------
-        InputError
-            As `codes`.
-        """
-        if isinstance(self.read, StoredPlane) and self.read.has_rows:
-            return self._checked(self.read.rows(start, stop), (stop - start, self.shape[1]))
-        return self.codes()[start:stop]
-
-    def _checked(self, given: Any, shape: tuple[int, int]) -> Integer[Array, "h w"]:
-        codes: Any = np.asarray(given)
-        if codes.shape != shape:
+        codes: Any = np.asarray(self.read())
+        if codes.shape != self.shape:
             raise InputError(
                 self.name,
-                f"must have {shape[0]} rows and {shape[1]} columns",
+                f"must have {self.shape[0]} rows and {self.shape[1]} columns",
                 value=codes.shape,
                 found=f"has shape {codes.shape}",
             )
@@ -112,6 +87,30 @@ class Frame:
                 self.name, "must hold integer codes", value=str(codes.dtype), found=f"{codes.dtype}"
             )
         return np.asarray(codes)
+
+    @property
+    def has_rows(self) -> bool:
+        """Whether `blocks` reads rows only as they are needed, from a file without compression."""
+        return isinstance(self.read, StoredPlane) and self.read.has_rows
+
+    def blocks(self, rows: int) -> Iterator[Integer[Array, "rows w"]]:
+        """The codes of ``rows`` rows at a time; a block is valid until the next one. [DN]
+
+        Parameters
+        ----------
+        rows
+            Rows of a block; the last one may have fewer. [px]
+
+        Raises
+        ------
+        InputError
+            As `codes`.
+        """
+        if isinstance(self.read, StoredPlane) and self.read.has_rows:
+            yield from self.read.blocks(rows)
+            return
+        codes = self.codes()
+        yield from (codes[i : i + rows] for i in range(0, self.shape[0], rows))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -1,9 +1,12 @@
 """Codes of raw frames as they are stored: bounds, planes read in place, and whole numbers."""
 
 import math
-from dataclasses import dataclass, replace
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 
@@ -62,18 +65,21 @@ class StoredPlane:
         """Whether the rows are stored one after another, as integers."""
         return not self.by_columns and self.stored.kind in "ui"
 
-    def rows(self, start: int, stop: int) -> Integer[Array, "rows w"]:
-        """The codes of the rows from ``start`` to ``stop``; only these are read. [DN]
+    def blocks(self, rows: int) -> Iterator[Integer[Array, "rows w"]]:
+        """The codes of ``rows`` rows at a time, in memory that is used again for the next. [DN]
 
         Raises
         ------
         InputError
             As the call.
         """
-        shape = (stop - start, self.shape[1])
-        offset = self.offset + start * self.shape[1] * self.stored.itemsize
-        part = replace(self, offset=offset, shape=shape)
-        return part()
+        memory = np.empty((min(rows, self.shape[0]), self.shape[1]), self.stored)
+        with self._opened() as file:
+            for start in range(0, self.shape[0], rows):
+                block = memory[: self.shape[0] - start]
+                if file.readinto(block) != block.nbytes:  # type: ignore[attr-defined]
+                    raise self._of_other_size(self.path.stat().st_size)
+                yield whole_codes(str(self.path), block)
 
     def values(self) -> Shaped[Array, "h w"]:
         """The numbers in the file, before they are checked.
@@ -83,21 +89,33 @@ class StoredPlane:
         InputError
             If the file cannot be read or has another size.
         """
+        with self._opened() as file:
+            count = math.prod(self.shape)
+            values: Any = np.fromfile(file, self.stored, count)
+        if values.size != count:
+            raise self._of_other_size(self.path.stat().st_size)
+        return values.reshape(self.shape[::-1]).T if self.by_columns else values.reshape(self.shape)
+
+    @contextmanager
+    def _opened(self) -> Iterator[BinaryIO]:
+        """The file at the first code."""
         try:
-            size = self.path.stat().st_size
-            read = size == self.size
-            count = math.prod(self.shape) if read else 0
-            values: Any = np.fromfile(self.path, self.stored, count, offset=self.offset)
+            with self.path.open("rb", buffering=0) as file:
+                size = os.fstat(file.fileno()).st_size
+                if size != self.size:
+                    raise self._of_other_size(size)
+                file.seek(self.offset)
+                yield file
         except OSError as error:
             raise InputError(str(self.path), f"cannot be read ({error.strerror})") from None
-        if not read or values.size != count:
-            raise InputError(
-                str(self.path),
-                f"must have {self.size} bytes, as when its header was read",
-                value=size,
-                found=f"has {size}",
-            )
-        return values.reshape(self.shape[::-1]).T if self.by_columns else values.reshape(self.shape)
+
+    def _of_other_size(self, size: int) -> InputError:
+        return InputError(
+            str(self.path),
+            f"must have {self.size} bytes, as when its header was read",
+            value=size,
+            found=f"has {size}",
+        )
 
 
 def refuse_shape(path: Path, where: str, shape: tuple[int, ...]) -> None:
