@@ -443,8 +443,9 @@ def sensitivity(
     Examples
     --------
     >>> import chromanoise as cn
-    >>> cn.sensitivity("onyx-rgb-ircut", objectives=["snr_y_db"])
-    <Sensitivity: snr_y_db f_number -0.094 dB per % at 10 lx (illuminant E, 58.55 ms, f/1.8)>
+    >>> result = cn.sensitivity("onyx-rgb-ircut", objectives=["snr_y_db"])
+    >>> {one.parameter.name: round(one.slope["snr_y_db"], 3) for one in result.effects[2:4]}
+    {'crosstalk': -0.086, 'time_s': 0.044}
     """
     try:
         names, given, rest = _named([sensor], settings)

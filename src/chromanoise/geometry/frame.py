@@ -121,7 +121,7 @@ def dual_and_orthonormal_bases(
 
 def _inverted(
     what: str, directions: Float[Array, "*m n p"]
-) -> tuple[Array, Array, Array, Float[Array, "*m p"]]:
+) -> tuple[Array, Array, Array, Float[Array, "*m r"]]:
     """Singular values and vectors, and inverse singular values, 0 where they count as zero."""
     u, singular, vt = svd(what, directions, full_matrices=False)
     kept = singular > RANK_TOLERANCE * singular[..., :1]
