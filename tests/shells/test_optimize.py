@@ -107,7 +107,7 @@ def test_a_search_without_a_folder_for_its_checkpoint_cannot_continue(design):
 def test_a_folder_of_another_design_is_refused_before_the_search(run, done, design):
     done("optimize", design, *EFFORT, "-o", "mine")
     before = files_of(design.parent / "mine")
-    design.write_text(SHORT.replace("depth_um = 4", "depth_um = 5"))
+    design.write_text(SHORT.replace("width_nm = 8", "width_nm = 9"))
     refused(run("optimize", design, *EFFORT, "-o", "mine"), value="mine")
     assert files_of(design.parent / "mine") == before
 
