@@ -76,9 +76,9 @@ def print_table(table: Rows, *, width: int | None = None) -> None:
     """Print a table with its title and its notes, at most ``width`` characters wide."""
     console = terminal()
     shown = Table(title=table.title, title_justify="left")
-    for column in table.columns:
+    for i, column in enumerate(table.columns):
         side = "right" if column.digits else "left"
-        shown.add_column(heading(column), justify=side, overflow="fold")
+        shown.add_column(heading(column), justify=side, overflow="fold", no_wrap=i == 0)
     for row in table.rows:
         cells = zip(row, table.columns, strict=True)
         shown.add_row(*(written(cell, column.digits) for cell, column in cells))
