@@ -148,3 +148,14 @@ def test_a_designed_exposure_and_matrix_are_those_of_the_command_of_a_member(don
         assert sensor["color"]["snr_db"]["Y"] == pytest.approx(
             member["objectives"]["snr_y_db"], rel=1e-9
         )
+
+
+def test_the_printed_tables_fit_100_characters_and_have_all_parameters_and_extremes(done, design):
+    out, _ = done("optimize", design, *EFFORT)
+    tables = [line for line in out.splitlines() if line[:1] in "┃│┏┡└"]
+    assert max(map(len, tables)) <= 100
+    (member, *_) = front_of(design.parent / "out" / "design")["members"]
+    for name in member["values"]:
+        assert sum(f"│ {name} [nm] " in line for line in tables) == 1
+    for name in ("onyx-rgbw", "best-snr_y_db", "knee", "best-delta_e"):
+        assert sum(line.startswith((f"│ {name} ", f"┃ {name} ")) for line in tables) == 1

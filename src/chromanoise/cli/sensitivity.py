@@ -27,7 +27,7 @@ from chromanoise.cli.parsing import command
 from chromanoise.design.objectives import OBJECTIVES
 from chromanoise.design.sensitivity import DEFAULT_OBJECTIVES, sensitivity_of, tolerances_of
 from chromanoise.errors import InputError
-from chromanoise.io.table import Table
+from chromanoise.io.table import Column, Table
 from chromanoise.study import sensitivity_study
 
 
@@ -123,8 +123,8 @@ def _parts(whole: Table, *, effects: int) -> list[Table]:
     budget = replace(
         whole,
         title="Tolerance budget",
-        columns=(whole.columns[0], *whole.columns[effects:]),
-        rows=tuple((row[0], *row[effects:]) for row in whole.rows),
+        columns=(whole.columns[0], Column(name="unit"), *whole.columns[effects:]),
+        rows=tuple((row[0], str(row[1]).removeprefix("+1 "), *row[effects:]) for row in whole.rows),
     )
     return [replace(first, notes=()), budget]
 

@@ -1,8 +1,8 @@
 """NSGA-II, NSGA-III, differential evolution and CMA-ES, one generation at a time.
 
 Each algorithm returns the candidates of a generation (`ask`), takes their costs (`tell`), and
-returns its state as arrays. Its random numbers are derived from seed and generation, so that a restored state
-continues with the same digits.
+returns its state as arrays. Its random numbers are derived from seed and generation, so that a
+restored state continues with the same digits.
 """
 
 import math

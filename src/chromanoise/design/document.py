@@ -292,12 +292,8 @@ class DesignPart(Part):
     )
     crosstalk: CrosstalkNumbers = Field(CrosstalkNumbers(), description="Crosstalk.")
     pixel: PixelNumbers = Field(PixelNumbers(), description="The pixel.")
-    exposure: ExposureNumbers = Field(
-        ExposureNumbers(), description="Exposure, if it is a design number."
-    )
-    matrix: MatrixNumbers = Field(
-        MatrixNumbers(), description="Color matrix, if it is a design number."
-    )
+    exposure: ExposureNumbers = Field(ExposureNumbers(), description="Exposure of the designs.")
+    matrix: MatrixNumbers = Field(MatrixNumbers(), description="Color matrix of the designs.")
     scenes: Annotated[tuple[ScenePart, ...], Field(strict=False)] = Field(
         (), description="Scenes of the objectives; default: that of the study."
     )

@@ -314,7 +314,7 @@ def _steps(space: Space) -> Float[Array, " d"]:
 
 
 def _is_fast(scene: DesignScene, batch: _Batch, name: str) -> bool:
-    """Whether the kernels compute it; SNR10 of a matrix that depends on the light needs a search."""
+    """Whether the kernels compute it; not so SNR10 of a matrix that depends on the light."""
     adapts = scene.maker.method.over_light is not None or batch.more.noise_weight is not None
     return name in FAST and not (name == "snr10_lux" and adapts)
 
