@@ -77,8 +77,12 @@ def print_table(table: Rows, *, width: int | None = None) -> None:
     console = terminal()
     shown = Table(title=table.title, title_justify="left")
     for i, column in enumerate(table.columns):
-        side = "right" if column.digits else "left"
-        shown.add_column(heading(column), justify=side, overflow="fold", no_wrap=i == 0)
+        shown.add_column(
+            heading(column),
+            justify="right" if column.digits else "left",
+            overflow="fold",
+            no_wrap=i == 0,
+        )
     for row in table.rows:
         cells = zip(row, table.columns, strict=True)
         shown.add_row(*(written(cell, column.digits) for cell, column in cells))
