@@ -58,7 +58,7 @@ def test_an_extreme_has_its_value_and_its_shortfall():
     ("error", "shortfall", "gain"),
     [
         (1.2, "20 % above the lowest color error", "15 % of the color error"),
-        (1.0, "the lowest color error", "12 % of the color error"),
+        (1.0, "within 0.5 % of the lowest color error", "12 % of the color error"),
         (6.0, "6 times the lowest color error", "75 % of the color error"),
     ],
 )

@@ -11,7 +11,7 @@ from chromanoise.design.parameters import Parameter
 _AT_BOUND = 1e-3  # distance from a bound, as a share of the range, at which the bound holds
 _HALF = (0.45, 0.55)  # ratios that are called half
 _TIMES = 1.5  # ratio from which a multiple is printed, not a percentage
-_ALIKE = 0.005  # relative difference below which two values are called the same
+_ALIKE = 0.005  # relative difference below which no percentage is printed
 
 
 def held_by(member: Member, parameters: Sequence[Parameter]) -> list[str]:
@@ -117,7 +117,7 @@ def _shortfall(member: Member, best: Member, objective: Objective) -> str:
     if not np.isfinite(ratio):
         return f"a {objective.short} of {_shown(value, objective)}"
     if abs(ratio - 1) < _ALIKE:
-        return f"the {_best(objective)}"
+        return f"within {100 * _ALIKE:g} % of the {_best(objective)}"
     if ratio >= _TIMES:
         return f"{_ratio(ratio)} times the {_best(objective)}"
     side = "above" if ratio > 1 else "below"
