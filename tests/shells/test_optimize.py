@@ -107,7 +107,7 @@ def test_a_search_without_a_folder_for_its_checkpoint_cannot_continue(design):
 def test_a_folder_of_another_design_is_refused_before_the_search(run, done, design):
     done("optimize", design, *EFFORT, "-o", "mine")
     before = files_of(design.parent / "mine")
-    design.write_text(SHORT.replace("depth_um = 4", "depth_um = 5"))
+    design.write_text(SHORT.replace("width_nm = 8", "width_nm = 9"))
     refused(run("optimize", design, *EFFORT, "-o", "mine"), value="mine")
     assert files_of(design.parent / "mine") == before
 
@@ -148,3 +148,20 @@ def test_a_designed_exposure_and_matrix_are_those_of_the_command_of_a_member(don
         assert sensor["color"]["snr_db"]["Y"] == pytest.approx(
             member["objectives"]["snr_y_db"], rel=1e-9
         )
+
+
+def test_the_printed_tables_fit_100_characters_with_many_objectives(done, design):
+    many = '["snr_y_db", "delta_e", "vora", "noise_delta_e", "mean_separation"]'
+    design.write_text(SHORT.replace('["snr_y_db", "delta_e"]', many))
+    out, _ = done("optimize", design, *EFFORT)
+    assert max(len(line) for line in out.splitlines() if line[:1] in "┃│┏┡└") == 100
+
+
+def test_the_printed_tables_have_all_parameters_extremes_and_references(done, design):
+    out, _ = done("optimize", design, *EFFORT)
+    tables = [line for line in out.splitlines() if line[:1] in "┃│┏┡└"]
+    (member, *_) = front_of(design.parent / "out" / "design")["members"]
+    for name in member["values"]:
+        assert sum(f"│ {name} [nm] " in line for line in tables) == 1
+    for name in ("onyx-rgbw", "best-snr_y_db", "knee", "best-delta_e"):
+        assert sum(line.startswith((f"│ {name} ", f"┃ {name} ")) for line in tables) == 1

@@ -98,7 +98,7 @@ def test_a_sensor_comes_beside_the_others_or_in_place_of_one_in_the_present_ligh
     names = along(front)
     panel.get_by_label("Light and time").select_option("keep")
     for target, i in (("beside", 0), ("beside", 1), ("0", 2)):
-        panel.get_by_label("A click loads it").select_option(target)
+        panel.get_by_label("A click loads the sensor").select_option(target)
         place = place_of(panel, i)
         question, parts = answer_to(page, lambda at=place: page.mouse.click(*at))
     assert names_in(parts) == [names[2], REFERENCES[1], names[0], names[1]]

@@ -24,7 +24,7 @@ def drawn_front(front: FrontFile, *, x: str | None = None, y: str | None = None)
     dict
         ``title``, ``description``; ``x`` and ``y``; ``axes``, one per objective; ``members``
         and ``references`` with ``values`` and their ``text`` by objective; a member's ``mark`` is
-        ``extreme``, ``knee`` or ``member``; ``reading``, all of it in words; ``sentences``;
+        ``extreme``, ``knee`` or ``member``; ``reading``, its values as text; ``sentences``;
         ``table``.
 
     Raises
@@ -72,8 +72,13 @@ def _axis(objective: FrontObjective) -> dict[str, str]:
 def _placed(one: FrontReference, objectives: list[FrontObjective]) -> dict[str, Any]:
     values = {each.name: one.objectives[each.name] for each in objectives}
     text = {each.name: _with_unit(values[each.name], each.unit) for each in objectives}
-    told = "; ".join(f"{each.what} {text[each.name]}" for each in objectives)
-    return {"name": one.name, "values": values, "text": text, "reading": f"{one.name}: {told}."}
+    values_text = "; ".join(f"{each.what} {text[each.name]}" for each in objectives)
+    return {
+        "name": one.name,
+        "values": values,
+        "text": text,
+        "reading": f"{one.name}: {values_text}.",
+    }
 
 
 def _member(one: FrontMember, objectives: list[FrontObjective]) -> dict[str, Any]:
@@ -82,7 +87,7 @@ def _member(one: FrontMember, objectives: list[FrontObjective]) -> dict[str, Any
     notes = [
         *([f"Best {listed(best)}."] if best else []),
         *(["Knee of the front."] if one.knee else []),
-        *([f"Held by {listed(one.held_by)}."] if one.held_by else []),
+        *([f"Held by {', '.join(one.held_by)}."] if one.held_by else []),
     ]
     mark = "knee" if one.knee else "extreme" if best else "member"
     placed = _placed(one, objectives)

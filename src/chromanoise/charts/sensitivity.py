@@ -1,4 +1,4 @@
-"""What 1 nm or 1 % of each parameter does to the objectives of a sensor."""
+"""Effects of 1 nm or 1 % of each parameter on the objectives of a sensor."""
 
 from typing import Any
 

@@ -14,7 +14,7 @@ from chromanoise.study import STARTER
 @click.argument("study", required=False, type=click.Path(path_type=Path))
 @click.option("--design", is_flag=True, help="Write a design for `chromanoise optimize` instead.")
 def init(study: Path | None, design: bool) -> None:
-    """Write a commented STUDY to start from [default: study.toml, or design.toml]."""
+    """Write a commented starter file STUDY [default: study.toml; with --design design.toml]."""
     file = study or Path("design.toml" if design else "study.toml")
     if file.exists():
         raise InputError(

@@ -1,6 +1,7 @@
 """``chromanoise sensitivity``."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import click
@@ -26,6 +27,7 @@ from chromanoise.cli.parsing import command
 from chromanoise.design.objectives import OBJECTIVES
 from chromanoise.design.sensitivity import DEFAULT_OBJECTIVES, sensitivity_of, tolerances_of
 from chromanoise.errors import InputError
+from chromanoise.io.table import Column, Table
 from chromanoise.study import sensitivity_study
 
 
@@ -41,34 +43,32 @@ from chromanoise.study import sensitivity_study
     default=",".join(DEFAULT_OBJECTIVES),
     show_default=True,
     metavar="NAME[,NAME...]",
-    help=f"What is computed: {', '.join(OBJECTIVES)}. The first one orders the table.",
+    help=f"Objectives: {', '.join(OBJECTIVES)}. The first one orders the table.",
 )
 @click.option(
     "--loss",
     "losses",
     multiple=True,
     metavar="NAME=VALUE",
-    help="Loss of an objective in its unit, e.g. snr_y_db=0.1: by how much each parameter may "
-    "change for it, alone, or together with all others. May be repeated.",
+    help="Allowed loss of an objective in its unit, e.g. snr_y_db=0.1. The table then has the "
+    "change of each parameter that causes it, alone and together with all others. Repeatable.",
 )
+@click.option("--tolerance-nm", type=float, help="Tolerance of all wavelengths, half width [nm].")
 @click.option(
-    "--tolerance-nm", type=float, help="Tolerance of all wavelengths, as a half width [nm]."
-)
-@click.option(
-    "--tolerance-percent", type=float, help="Tolerance of all other values, as a half width [%]."
+    "--tolerance-percent", type=float, help="Tolerance of all other values, half width [%]."
 )
 @click.option(
     "--draws",
     type=WHOLE,
     default=0,
     show_default=True,
-    help="Also draw so many sensors within the tolerances.",
+    help="Number of random sensors within the tolerances.",
 )
 @click.option("--seed", type=WHOLE, default=0, show_default=True, help="Seed of the draws.")
 @click.option(
     "--keep-matrix",
     is_flag=True,
-    help="A changed sensor keeps the color matrix of the unchanged one (no new calibration).",
+    help="Use the color matrix of the unchanged sensor for changed sensors (no calibration).",
 )
 @table_option
 @json_option
@@ -86,9 +86,9 @@ def sensitivity(
     json_target: str | None,
     **settings: Any,
 ) -> None:
-    """What 1 nm or 1 % of each parameter of SENSOR does to its SNR, color error and separation.
+    """Effect of 1 nm or 1 % of each parameter of SENSOR on SNR, color error and separation.
 
-    SENSOR is as for `chromanoise analyze`, e.g. a sensor file of a design. The exposure time stays
+    SENSOR is as for `chromanoise analyze`, e.g. a sensor file of a design. The exposure time is
     that of the unchanged sensor.
     """
     study = sensitivity_study(sensor, settings, matrix=method)
@@ -107,7 +107,26 @@ def sensitivity(
         (json_target, lambda: json_text(result.to_dict())),
     )
     if json_target != "-":
-        tables.print_table(result.to_table())
+        for part in _parts(result.to_table(), effects=2 + len(result.objectives)):
+            tables.print_table(part)
+
+
+def _parts(whole: Table, *, effects: int) -> list[Table]:
+    """The effects and the tolerance budget as two tables, which fit a terminal."""
+    first = replace(
+        whole,
+        columns=whole.columns[:effects],
+        rows=tuple(row[:effects] for row in whole.rows if row[1]),  # sums have no effects
+    )
+    if len(whole.columns) == effects:
+        return [first]
+    budget = replace(
+        whole,
+        title="Tolerance budget",
+        columns=(whole.columns[0], Column(name="unit"), *whole.columns[effects:]),
+        rows=tuple((row[0], str(row[1]).removeprefix("+1 "), *row[effects:]) for row in whole.rows),
+    )
+    return [replace(first, notes=()), budget]
 
 
 def _losses(words: Sequence[str]) -> dict[str, float]:

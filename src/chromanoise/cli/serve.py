@@ -23,7 +23,7 @@ from chromanoise.errors import InputError
 @click.option(
     "--front",
     type=click.Path(path_type=Path),
-    help="Show the front of a design search: a file front.json of chromanoise optimize.",
+    help="Show the front of a design: the front.json of `chromanoise optimize`.",
 )
 @click.option("--open", "opened", is_flag=True, help="Open the page in the browser.")
 def serve(study: Path | None, port: int, front: Path | None, opened: bool) -> None:

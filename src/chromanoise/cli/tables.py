@@ -72,36 +72,27 @@ def print_reproduction(result: Reproduction) -> None:
         console.print()
 
 
-def print_table(table: Rows) -> None:
-    """Print a table with its title and its notes."""
+def print_table(table: Rows, *, width: int | None = None) -> None:
+    """Print a table with its title and its notes, at most ``width`` characters wide."""
     console = terminal()
     shown = Table(title=table.title, title_justify="left")
-    for column in table.columns:
-        shown.add_column(heading(column), justify="right" if column.digits else "left")
+    for i, column in enumerate(table.columns):
+        shown.add_column(
+            heading(column),
+            justify="right" if column.digits else "left",
+            overflow="fold",
+            no_wrap=i == 0,
+        )
     for row in table.rows:
         cells = zip(row, table.columns, strict=True)
         shown.add_row(*(written(cell, column.digits) for cell, column in cells))
-    console.print(shown)
+    console.print(shown, width=min(width or console.width, console.width))
     print_lines(table.notes)
 
 
 def print_conditions(text: str) -> None:
     """Print the operating point above its tables."""
     terminal().print(f"At {text}:", soft_wrap=True)
-
-
-def print_front(front: Rows, *, most: int) -> None:
-    """Print references and members of a front, at most ``most`` rows evenly spread."""
-    table = Table(title="Front", title_justify="left")
-    for column in front.columns:
-        table.add_column(heading(column), justify="right" if column.digits else "left")
-    marked = [i for i, row in enumerate(front.rows) if row[-2]]
-    count = len(front.rows)
-    spread = np.linspace(0, count - 1, min(most, count)).round().astype(int).tolist()
-    for i in sorted({*marked, *spread}):
-        pairs = zip(front.rows[i], front.columns, strict=True)
-        table.add_row(*(written(cell, column.digits) for cell, column in pairs))
-    terminal().print(table)
 
 
 def print_analyses(analyses: Iterable[Analysis]) -> None:

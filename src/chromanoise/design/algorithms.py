@@ -1,8 +1,8 @@
 """NSGA-II, NSGA-III, differential evolution and CMA-ES, one generation at a time.
 
-Every algorithm is asked for the candidates of a generation, is told their costs, and gives its
-state as arrays. Its random numbers are derived from seed and generation, so that a restored state
-continues with the same digits.
+Each algorithm returns the candidates of a generation (`ask`), takes their costs (`tell`), and
+returns its state as arrays. Its random numbers are derived from seed and generation, so that a
+restored state continues with the same digits.
 """
 
 import math
@@ -221,7 +221,7 @@ class Genetic:
 
 
 class _Costs:
-    """What the survival of NSGA-III asks of a population of pymoo, which are costs and places."""
+    """The population that the survival of NSGA-III in pymoo reads: costs and indices."""
 
     def __init__(self, costs: Array, places: Array) -> None:
         self._costs, self.places = costs, places
@@ -325,9 +325,9 @@ class CovarianceMatrixAdaptation:
 
     It starts at the best candidate of the first generation, with a step of a quarter of the range
     of each parameter, and starts again at a random candidate when it has converged. Bounds are kept
-    by the transformation of the package. A candidate that violates constraints is told a cost
+    by the transformation of the package. A candidate that violates constraints gets a cost
     above that of all feasible ones of its generation, rising with its sum of violations. Its state
-    is the list of the costs it was told: the generations are replayed without evaluations.
+    is the list of all costs so far: the generations are replayed without evaluations.
 
     Notes
     -----

@@ -15,7 +15,7 @@ LARGEST = 1000
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Archive:
-    """The front of everything evaluated, and how near the others came to the constraints.
+    """The front of all evaluated candidates, and the smallest violations of the constraints.
 
     Attributes
     ----------

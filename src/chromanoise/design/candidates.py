@@ -1,4 +1,4 @@
-"""Sensors of a search, all at once: the arrays that a batched evaluation reads."""
+"""The arrays of many sensors that a batched evaluation reads."""
 
 from dataclasses import dataclass
 
@@ -8,7 +8,7 @@ from chromanoise._shapes import Inexact
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Candidates:
-    """``m`` sensors with ``p`` channels on one grid, and what was chosen with each of them.
+    """``m`` sensors with ``p`` channels on one grid, with their exposure, pixel and matrix.
 
     All arrays may be complex, for derivatives by the complex step.
 

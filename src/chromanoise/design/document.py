@@ -1,4 +1,4 @@
-"""The schema of ``design.toml``: the tables of a study, and what is designed.
+"""The schema of ``design.toml``: the tables of a study and the table ``design``.
 
 The sensors of the study are the references of the design. The first of them, or the one that
 ``design.base`` names, gives the grid and the pixel of all designs.
@@ -166,7 +166,7 @@ class ChannelPart(_FilterNumbers):
     filter: FilterName | None = Field(None, description=f"Its filter: {_MODELS}; default: none.")
     curves: Curves = Field((), description=_OF_DYE)
     base: str | None = Field(
-        None, description="Channel of the base whose curve it has; default: silicon."
+        None, description="Channel of the base whose curve it filters; default: silicon."
     )
     ir_cut: FilterPart | None = Field(None, description="A second filter on this channel.")
 
@@ -233,7 +233,7 @@ class ConstraintPart(Part):
         if (self.at_most is None) == (self.at_least is None):
             raise InputError(
                 "at_most",
-                "must be given or at_least, one of both",
+                "must be given, or at_least in its place",
                 found="both are given" if self.at_most is not None else "none is given",
             )
         return self
@@ -261,10 +261,10 @@ def _shares(given: Any) -> Any:
 
 
 class DesignPart(Part):
-    """What is designed, for what, and how it is searched."""
+    """Free numbers, objectives and search settings."""
 
     objectives: Annotated[tuple[ObjectiveName, ...], Field(strict=False, min_length=1)] = Field(
-        description=f"What is made better: {', '.join(OBJECTIVES)}."
+        description=f"What is optimized: {', '.join(OBJECTIVES)}."
     )
     base: str | None = Field(
         None,
@@ -276,7 +276,7 @@ class DesignPart(Part):
     ir_cut: FilterPart | None = Field(None, description="A filter in front of all channels.")
     silicon: SiliconPart = Field(SiliconPart(), description="The photodiode.")
     structure: Literal["mosaic", "layers", "router"] = Field(
-        "mosaic", description="Channels beside each other, stacked in silicon, or sorted by color."
+        "mosaic", description="Pixels side by side, layers in silicon, or a color router."
     )
     layers: NumbersPart = Field(
         NumbersPart(), description="With layers: NAME_um, thickness of the layer of each channel."
@@ -292,16 +292,16 @@ class DesignPart(Part):
     )
     crosstalk: CrosstalkNumbers = Field(CrosstalkNumbers(), description="Crosstalk.")
     pixel: PixelNumbers = Field(PixelNumbers(), description="The pixel.")
-    exposure: ExposureNumbers = Field(ExposureNumbers(), description="A designed exposure.")
-    matrix: MatrixNumbers = Field(MatrixNumbers(), description="A designed color matrix.")
+    exposure: ExposureNumbers = Field(ExposureNumbers(), description="Exposure of the designs.")
+    matrix: MatrixNumbers = Field(MatrixNumbers(), description="Color matrix of the designs.")
     scenes: Annotated[tuple[ScenePart, ...], Field(strict=False)] = Field(
         (), description="Scenes of the objectives; default: that of the study."
     )
     over_scenes: Literal["worst", "mean"] = Field(
-        "worst", description="Whether the worst or the mean scene counts."
+        "worst", description="Whether the worst or the mean value over the scenes counts."
     )
     constraints: Annotated[tuple[ConstraintPart, ...], Field(strict=False)] = Field(
-        (), description="Limits of objectives."
+        (), description="Limits on objectives."
     )
     method: Literal["nsga2", "nsga3", "de", "cma-es"] = Field(
         "nsga2", description=f"Search: {', '.join(METHODS)}."
@@ -313,9 +313,11 @@ class DesignPart(Part):
         100, description="Candidates per generation."
     )
     seed: Annotated[int, Field(ge=0, lt=2**32)] = Field(0, description="Seed of the search.")
-    polish: bool = Field(False, description="Polish the front by exact gradients.")
+    polish: bool = Field(
+        False, description="Improve the front by exact gradients after the search."
+    )
     members: Annotated[int, Field(ge=1, le=10_000)] = Field(
-        100, description="Greatest number of designs on the front."
+        100, description="Largest number of sensors of the front."
     )
 
     @model_validator(mode="after")
@@ -365,7 +367,7 @@ def _idle_tables(document: DesignDocument) -> Iterator[InputError]:
         yield InputError(
             "matrices",
             "must be one matrix in a design",
-            value=document.matrices,
+            value=", ".join(map(str, document.matrices)),
             setting="matrices",
         )
     if document.exposure.equal != "exposure":

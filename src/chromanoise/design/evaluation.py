@@ -100,7 +100,7 @@ class Evaluator:
     def values(self, candidates: Candidates) -> Float[Array, "m q"]:
         """The objectives in their own units; never NaN.
 
-        A value that is not defined, as that of a saturated candidate, is -inf or inf: the worst.
+        An undefined value, such as that of a saturated candidate, is the worst one, -inf or inf.
 
         Parameters
         ----------
@@ -223,7 +223,7 @@ class Evaluator:
 class _Batch:
     """Candidates, or choices from a library with what else was chosen.
 
-    ``of`` gives some of them as candidates.
+    ``of`` returns some of them as candidates.
     """
 
     m: int
@@ -314,7 +314,7 @@ def _steps(space: Space) -> Float[Array, " d"]:
 
 
 def _is_fast(scene: DesignScene, batch: _Batch, name: str) -> bool:
-    """SNR10 of a matrix that depends on the light is a search."""
+    """Whether the kernels compute it; not so SNR10 of a matrix that depends on the light."""
     adapts = scene.maker.method.over_light is not None or batch.more.noise_weight is not None
     return name in FAST and not (name == "snr10_lux" and adapts)
 

@@ -102,7 +102,7 @@ class FrontMember(FrontReference):
     sensor: str = Field(description="Its file, relative to front.json.")
     extreme_of: list[str] = Field([], description="Objectives in which no member is better.")
     knee: bool = Field(False, description="Whether it is the knee of the front.")
-    held_by: list[str] = Field([], description="Constraints and bounds that hold it.")
+    held_by: list[str] = Field([], description="Active constraints and bounds.")
     values: dict[str, float] = Field({}, description="Its free parameters.")
     curves: FrontCurves = Field(description="Its quantum efficiency.")
     pixel: Annotated[PixelPart, AfterValidator(_with_effect), Given] = Field(
@@ -127,9 +127,11 @@ class FrontFile(_Part):
     version: str = Field(__version__, description="Version of chromanoise that wrote the file.")
     objectives: list[FrontObjective] = Field(min_length=1, description="The objectives.")
     scenes: list[FrontScene] = Field([], description="The operating points of the search.")
-    references: list[FrontReference] = Field([], description="Sensors to compare with.")
+    references: list[FrontReference] = Field(
+        [], description="The sensors of the design file, for comparison."
+    )
     members: list[FrontMember] = Field(min_length=1, description="The sensors of the front.")
-    sentences: list[str] = Field([], description="Extremes and knee in words.")
+    sentences: list[str] = Field([], description="One sentence per extreme and for the knee.")
 
     @model_validator(mode="after")
     def _consistent(self) -> "FrontFile":

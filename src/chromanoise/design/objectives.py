@@ -1,8 +1,8 @@
-"""What a design can optimize: one table of objectives, each with the library's function.
+"""The objectives of a design: one table, each with the library's function.
 
 To add an objective, add an entry to `OBJECTIVES`. The evaluator calls its function for each
-candidate, some milliseconds each. Those of `FAST` are computed for a whole batch by
-`chromanoise.design.kernels`; the function of the entry is their definition, which tests compare.
+candidate, which takes some milliseconds. `chromanoise.design.kernels` computes those of `FAST` for
+a whole batch; tests compare them with the function of the entry.
 """
 
 from collections.abc import Callable, Mapping
@@ -48,7 +48,7 @@ FAST = (
     "snr10_lux",
     "share_of_full_well",
 )
-"""Objectives of a whole batch, in the order of the columns of the kernels."""
+"""Objectives that the kernels compute for a whole batch, in the order of their columns."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -78,23 +78,26 @@ class Objective:
     ----------
     name
         What users type; also in JSON.
+    short
+        Its name in sentences.
     what
-        In words, unit not included.
+        Its name in tables and on axes, without the unit.
     unit
         Of the number.
     better
         ``higher`` or ``lower``.
     of
-        The number; ``None`` or not finite where it is not defined.
+        The function that computes it; ``None`` or not finite where it is undefined.
     source
         Standard or paper.
     of_saturated
-        Whether it is defined where a channel is saturated on a perfect white.
+        Whether it is defined if a channel is saturated on a perfect white.
     of_noise
         Whether it depends on the noise.
     """
 
     name: str
+    short: str
     what: str
     unit: str
     better: Literal["higher", "lower"]
@@ -110,12 +113,12 @@ class Objective:
 
     @property
     def undefined(self) -> float:
-        """The value of a candidate for which it is not defined: -inf or inf, the worst one."""
+        """The value where it is undefined: -inf or inf, the worst one."""
         return -np.inf if self.better == "higher" else np.inf
 
 
 def value_of(objective: Objective, candidate: Candidate) -> float:
-    """The number of one candidate by the library's own function; `Objective.undefined` without.
+    """An objective of one candidate by the library's function; `Objective.undefined` if none.
 
     Parameters
     ----------
@@ -234,6 +237,7 @@ def _rms(values: Array) -> float:
 _ENTRIES = (
     Objective(
         name="snr_y_db",
+        short="SNR of Y",
         what="SNR of Y of a perfect white",
         unit="dB",
         better="higher",
@@ -242,7 +246,8 @@ _ENTRIES = (
     ),
     Objective(
         name="noise_delta_e",
-        what="noise in CIELAB over the chart, root mean square",
+        short="noise in CIELAB",
+        what="RMS noise in CIELAB over the chart",
         unit="Delta E*ab",
         better="lower",
         of=_noise_delta_e,
@@ -250,7 +255,8 @@ _ENTRIES = (
     ),
     Objective(
         name="total_delta_e",
-        what="bias and noise in CIELAB over the chart, root mean square",
+        short="total error",
+        what="RMS of bias and noise in CIELAB over the chart",
         unit="Delta E*ab",
         better="lower",
         of=_total_delta_e,
@@ -258,6 +264,7 @@ _ENTRIES = (
     ),
     Objective(
         name="delta_e",
+        short="color error",
         what="mean color error over the chart, white balanced",
         unit="Delta E*ab",
         better="lower",
@@ -266,6 +273,7 @@ _ENTRIES = (
     ),
     Objective(
         name="ciede2000",
+        short="CIEDE2000",
         what="mean CIEDE2000 over the chart, white balanced",
         unit="1",
         better="lower",
@@ -274,6 +282,7 @@ _ENTRIES = (
     ),
     Objective(
         name="vora",
+        short="Vora value",
         what="Vora value",
         unit="1",
         better="higher",
@@ -284,6 +293,7 @@ _ENTRIES = (
     ),
     Objective(
         name="smi",
+        short="SMI",
         what="sensitivity metamerism index",
         unit="1",
         better="higher",
@@ -294,6 +304,7 @@ _ENTRIES = (
     ),
     Objective(
         name="visual_noise",
+        short="visual noise",
         what="visual noise of a gray, all channels in each pixel",
         unit="CIELUV",
         better="lower",
@@ -302,6 +313,7 @@ _ENTRIES = (
     ),
     Objective(
         name="snr10_lux",
+        short="SNR10",
         what="illuminance at which Y of a gray has an SNR of 10",
         unit="lx",
         better="lower",
@@ -311,7 +323,8 @@ _ENTRIES = (
     ),
     Objective(
         name="information_bits",
-        what="information of one pixel of all channels about spectra",
+        short="information",
+        what="information of one pixel with all channels about the spectrum",
         unit="bit",
         better="higher",
         of=_information_bits,
@@ -319,7 +332,8 @@ _ENTRIES = (
     ),
     Objective(
         name="least_separation",
-        what="least distance D_M of two patches in raw values",
+        short="least separation",
+        what="least distance D_M between two patches in raw values",
         unit="1",
         better="higher",
         of=_least_separation,
@@ -327,7 +341,8 @@ _ENTRIES = (
     ),
     Objective(
         name="mean_separation",
-        what="mean distance D_M of two patches in raw values",
+        short="mean separation",
+        what="mean distance D_M between two patches in raw values",
         unit="1",
         better="higher",
         of=_mean_separation,
@@ -335,7 +350,8 @@ _ENTRIES = (
     ),
     Objective(
         name="infrared_share",
-        what=f"electrons of a white from {INFRARED_FROM_NM:g} nm, worst channel",
+        short="infrared share",
+        what=f"share of the electrons of a white from {INFRARED_FROM_NM:g} nm on, worst channel",
         unit="1",
         better="lower",
         of=_infrared_share,
@@ -345,7 +361,8 @@ _ENTRIES = (
     ),
     Objective(
         name="share_of_full_well",
-        what="electrons of a white over full well or top code, fullest channel",
+        short="share of full well",
+        what="electrons of a white as a share of full well or top code, fullest channel",
         unit="1",
         better="lower",
         of=_share_of_full_well,

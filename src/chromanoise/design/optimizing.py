@@ -1,4 +1,4 @@
-"""From a design document to its front: the one route of the command and of Python."""
+"""From a design document to its front, for the command and for Python."""
 
 import hashlib
 from collections.abc import Callable, Mapping, Sequence
@@ -114,7 +114,7 @@ class Task:
     space
         The sensors that are searched.
     scenes
-        In which they are judged.
+        Light, exposure and matrix of the evaluation.
     evaluator
         Of the objectives of the design, then of its constraints.
     references
@@ -388,7 +388,7 @@ def _channel(part: ChannelPart) -> Channel:
 
 
 def _filter(part: FilterPart | ChannelPart) -> Filter:
-    assert part.filter is not None  # a channel without a filter is not asked for it
+    assert part.filter is not None  # a channel may have no filter
     return Filter(model=part.filter, numbers=part.numbers, curves=part.curves)
 
 
@@ -421,7 +421,7 @@ def _key_in(subject: str, channels: Sequence[ChannelPart]) -> str:
 
 
 def impossible(document: DesignDocument) -> list[InputError]:
-    """What a document asks for and cannot be made, though all its names are known."""
+    """Errors of a document whose names are all known but whose design cannot be made."""
     try:
         task_of(document)
     except InputError as error:

@@ -18,9 +18,9 @@ class Free:
     low, high
         Bounds, in the unit of the parameter.
     start
-        Where a search with a warm start begins; ``None`` for no wish.
+        Where a search with a warm start begins, or ``None``.
     tolerance
-        Half width of the spread of manufacture, in the unit of the parameter.
+        Half width of the manufacturing spread, in the unit of the parameter.
     """
 
     low: float
@@ -46,11 +46,11 @@ class Parameter:
     low, high
         Bounds of the search.
     start
-        Where a search with a warm start begins; ``None`` for no wish.
+        Where a search with a warm start begins, or ``None``.
     tolerance
-        Half width of the spread of manufacture.
+        Half width of the manufacturing spread.
     least, most
-        What is physically possible, whatever the bounds: a tolerance cannot lead beyond.
+        Physical limits; deviations by the tolerance stay within them.
     choices
         Names between which it chooses; then its value is the index of one, rounded to the nearest.
 

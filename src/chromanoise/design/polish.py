@@ -109,7 +109,7 @@ class _Descent:
         return np.vstack([path, self._best[1]])
 
     def _at(self, share: Float[Array, " f"]) -> tuple[Any, ...]:
-        """Scaled cost and limits with their derivatives; SLSQP asks for each of them apart."""
+        """Scaled cost and limits with their derivatives; SLSQP reads each of them separately."""
         key = share.tobytes()
         if self._last[0] != key:
             self._last = key, self._linearized(np.clip(share, 0.0, 1.0))

@@ -1,4 +1,4 @@
-"""What a search minimizes: bounds, objectives, constraints and the function that evaluates them."""
+"""An optimization problem: bounds, objectives, constraints and the function that computes them."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -47,7 +47,7 @@ class Linearized:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Problem:
-    """A design problem as the search sees it: ``d`` numbers, ``q`` objectives, ``r`` constraints.
+    """An optimization problem: ``d`` parameters, ``q`` objectives, ``r`` constraints.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Objectives over the tolerances of manufacture: the worst of perturbed copies, or a percentile."""
+"""Objectives over manufacturing tolerances: the worst of perturbed copies, or a percentile."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -18,7 +18,7 @@ _AT_ONCE = 4096  # candidates
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Tolerances:
-    """How many perturbed copies of a candidate are evaluated, and what of them counts.
+    """How many perturbed copies of a candidate are evaluated, and which statistic counts.
 
     Attributes
     ----------

@@ -30,7 +30,7 @@ _ROUNDING = 1e-16  # of the largest singular value of a training set
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class DesignScene:
-    """Light, exposure and color matrix with which every candidate of a design is judged.
+    """Light, exposure and color matrix with which every candidate of a design is evaluated.
 
     Attributes
     ----------

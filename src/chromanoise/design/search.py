@@ -261,7 +261,7 @@ def _first_generation(
 
 
 def _common(problem: Problem, settings: SearchSettings, first: Array) -> dict[str, Any]:
-    """What a resumed search must have in common with the stopped one, by the name of a message."""
+    """What a resumed search must share with the stopped one, by its name in messages."""
     return {
         "method": settings.method,
         "seed": settings.seed,
@@ -327,7 +327,7 @@ def _progress(now: Checkpoint, settings: SearchSettings) -> Progress:
 
 
 def _refuse_infeasible(problem: Problem, now: Checkpoint) -> None:
-    """Raise an error that names the constraints in the way, if no candidate was feasible."""
+    """Raise an error that names the violated constraints, if no candidate was feasible."""
     archive = now.archive
     if len(archive.values):
         return

@@ -1,4 +1,4 @@
-"""A front in words: what its extremes and its knee give up for what, and what holds them."""
+"""Sentences on a front: its extremes, its knee, the references, and the limits that hold."""
 
 from collections.abc import Mapping, Sequence
 
@@ -9,12 +9,13 @@ from chromanoise.design.objectives import OBJECTIVES, Objective
 from chromanoise.design.parameters import Parameter
 
 _AT_BOUND = 1e-3  # distance from a bound, as a share of the range, at which the bound holds
-_HALF = (0.45, 0.55)
-_ALIKE = 0.005  # relative difference below which two values are called the same
+_HALF = (0.45, 0.55)  # ratios that are called half
+_TIMES = 1.5  # ratio from which a multiple is printed, not a percentage
+_ALIKE = 0.005  # relative difference below which no percentage is printed
 
 
 def held_by(member: Member, parameters: Sequence[Parameter]) -> list[str]:
-    """The constraints and the bounds of parameters that hold a member.
+    """The active constraints and bounds of a member, such as ``R.center_nm <= 680``.
 
     Parameters
     ----------
@@ -28,10 +29,10 @@ def held_by(member: Member, parameters: Sequence[Parameter]) -> list[str]:
         if one.choices:
             continue
         if value - one.low <= _AT_BOUND * one.span:
-            bounds.append(f"the bound {one.name} >= {one.low:g}")
+            bounds.append(f"{one.name} >= {one.low:g}")
         if one.high - value <= _AT_BOUND * one.span:
-            bounds.append(f"the bound {one.name} <= {one.high:g}")
-    return [*(f"the constraint {name}" for name in member.active), *bounds]
+            bounds.append(f"{one.name} <= {one.high:g}")
+    return [*member.active, *bounds]
 
 
 def front_sentences(
@@ -50,8 +51,8 @@ def front_sentences(
     references
         Objectives of the references by name.
     """
-    told = [one for one in front.members if one.extreme_of or one.knee]
-    sentences = [_sentence(one, front, parameters) for one in told]
+    marked = [one for one in front.members if one.extreme_of or one.knee]
+    sentences = [_sentence(one, front, parameters) for one in marked]
     if references:
         sentences.append(_beaten(front, references))
     return sentences
@@ -83,73 +84,77 @@ def _beaten(front: Front, references: Mapping[str, Mapping[str, float]]) -> str:
         if all(beats(one.objectives, other, front.objectives) for other in references.values())
     ]
     names = " and ".join(references)
-    count = f"{len(winners)} of {len(front.members)} designs"
-    return (
-        f"{count} {'is' if len(winners) == 1 else 'are'} better than {names} in one objective or "
-        "more and worse in none."
-    )
+    count = f"{len(winners)} of {len(front.members)} sensors"
+    are = "is" if len(winners) == 1 else "are"
+    return f"{count} {are} better than {names} in at least one objective and worse in none."
 
 
 def _sentence(member: Member, front: Front, parameters: Sequence[Parameter]) -> str:
     parts = []
     for name in member.extreme_of:
         objective = OBJECTIVES[name]
-        parts.append(f"the best {objective.what} ({_shown(member.objectives[name], objective)})")
+        value = _shown(member.objectives[name], objective)
+        parts.append(f"the {_best(objective)} ({value})")
     for name in front.objectives:
-        if name in member.extreme_of:
-            continue
-        parts.append(_trade(member, front.best(name), name, front))
+        if name not in member.extreme_of:
+            gain = "" if member.extreme_of else _gain_for(member, front.best(name), front)
+            parts.append(f"{_shortfall(member, front.best(name), OBJECTIVES[name])}{gain}")
     held = held_by(member, parameters)
-    end = f"; held by {_listed(held)}" if held else ""
-    return f"{member.name}: {'; '.join(parts)}{end}."
+    end = f" Held by {', '.join(held)}." if held else ""
+    return f"{member.name}: {'; '.join(parts)}.{end}"
 
 
-def _trade(member: Member, best: Member, name: str, front: Front) -> str:
-    """What a member lacks in one objective, and what it gains over the best one for it."""
-    objective = OBJECTIVES[name]
-    short = _short(member.objectives[name], best.objectives[name], objective)
-    gains = []
-    for other in front.objectives:
-        one = OBJECTIVES[other]
-        if other != name and _gain(one, member.objectives[other], best.objectives[other]) > 0:
-            gains.append(_gained(member.objectives[other], best.objectives[other], one))
-    for_what = f" for {_listed(gains)}" if gains else ""
-    return f"{short} the best {objective.what} ({best.name}){for_what}"
+def _best(objective: Objective) -> str:
+    return f"{'best' if objective.better == 'higher' else 'lowest'} {objective.short}"
 
 
-def _short(value: float, best: float, objective: Objective) -> str:
+def _shortfall(member: Member, best: Member, objective: Objective) -> str:
+    """How far a member is from the best value of an objective."""
+    value, goal = member.objectives[objective.name], best.objectives[objective.name]
     if objective.unit == "dB":
-        return f"{abs(value - best):.1f} dB short of"
-    if best == 0 or not np.isfinite(value / best):
-        return f"{_shown(value, objective)} against"
-    ratio = value / best
+        return f"{abs(value - goal):.1f} dB short of the {_best(objective)}"
+    ratio = value / goal if goal else np.inf
+    if not np.isfinite(ratio):
+        return f"a {objective.short} of {_shown(value, objective)}"
     if abs(ratio - 1) < _ALIKE:
-        return "the same as"
-    if objective.better == "lower":
-        return f"{_ratio(ratio)} times"
-    return f"{100 * (1 - ratio):.2g} % short of"
+        return f"within {100 * _ALIKE:g} % of the {_best(objective)}"
+    if ratio >= _TIMES:
+        return f"{_ratio(ratio)} times the {_best(objective)}"
+    side = "above" if ratio > 1 else "below"
+    return f"{_percent(abs(ratio - 1))} {side} the {_best(objective)}"
+
+
+def _gain_for(member: Member, best: Member, front: Front) -> str:
+    """What a member gains over another one, in the first objective in which it is better."""
+    for name in front.objectives:
+        objective = OBJECTIVES[name]
+        value, before = member.objectives[name], best.objectives[name]
+        if _gain(objective, value, before) > 0:
+            return f" for {_gained(value, before, objective)}"
+    return ""
 
 
 def _gained(value: float, before: float, objective: Objective) -> str:
     if objective.unit == "dB":
-        return f"{abs(value - before):.1f} dB more {objective.what}"
+        return f"{abs(value - before):.1f} dB more {objective.short}"
     ratio = value / before if before else np.inf
     if not np.isfinite(ratio):
-        return f"a {objective.what} of {_shown(value, objective)}"
+        return f"a {objective.short} of {_shown(value, objective)}"
     if _HALF[0] <= ratio <= _HALF[1]:
-        return f"half the {objective.what}"
-    return f"{_ratio(ratio)} times the {objective.what}"
+        return f"half the {objective.short}"
+    if ratio >= _TIMES:
+        return f"{_ratio(ratio)} times the {objective.short}"
+    return f"{_percent(ratio)} of the {objective.short}"
 
 
 def _ratio(ratio: float) -> str:
     return f"{ratio:.0f}" if ratio >= 10 else f"{ratio:.2g}"
 
 
+def _percent(share: float) -> str:
+    return f"{100 * share:.0f} %" if share >= 0.1 else f"{100 * share:.2g} %"
+
+
 def _shown(value: float, objective: Objective) -> str:
     unit = "" if objective.unit == "1" else f" {objective.unit}"
     return f"{value:.4g}{unit}"
-
-
-def _listed(words: Sequence[str]) -> str:
-    *first, last = words
-    return f"{', '.join(first)} and {last}" if first else last

@@ -102,8 +102,8 @@ class DesignSpace:
     base
         Gives the grid, the pixel, and the curves of the channels that name one of its own.
     channels
-        1 to 16 channels; of layers from the surface down, of a router from short to long
-        wavelengths.
+        1 to 16 channels. Layers are in order from the surface down, channels of a router from short
+        to long wavelengths.
     structure
         ``mosaic``: each channel has its own pixels. ``layers``: channels are stacked in silicon.
         ``router``: all light of a tile is sorted to its pixels. The last two are `stacked`.
@@ -203,7 +203,7 @@ class DesignSpace:
         object.__setattr__(self, "_curves", dict(self._library_curves()))
         self._refuse_dark_channels()
 
-    # what the design consists of
+    # parts of the design
 
     @property
     def grid(self) -> Grid:
@@ -504,7 +504,7 @@ class DesignSpace:
     def _crosstalk_of(
         self, row: Float[Array, "1 d"], shares: Float[Array, "1 p"] | None
     ) -> Crosstalk | None:
-        """The crosstalk in the curves, where it can be told by whole numbers of pixels."""
+        """The crosstalk in the curves, where shares are whole numbers of pixels."""
         if self.crosstalk is None:
             return None
         share = self._first("crosstalk.share", row)
@@ -541,7 +541,7 @@ class DesignSpace:
             notes.append("crosstalk between channels in proportion to their shares of the pixels")
         return tuple(notes)
 
-    # what is refused
+    # checks
 
     def _refuse_structure(self) -> None:
         _refuse_channels(self.channels, self.base)
@@ -688,7 +688,7 @@ def _small_mosaic(
 ) -> Mosaic | None:
     """A 2 x 2 mosaic for three or four channels, if their shares are quarters.
 
-    For three equal shares, as the paper counts them, the channel nearest to the eye's 555 nm is
+    For three equal shares, as the paper counts them, the channel nearest to 555 nm is
     doubled, as in Bayer's mosaic.
     """
     p = len(names)

@@ -205,4 +205,4 @@ def refuse_several(study: Study) -> None:
     """
     for name, parts in (("sensors", study.sensors), ("matrices", study.matrices)):
         if len(parts) != 1:
-            raise InputError(name, "must be one for a sensitivity", value=len(parts))
+            raise InputError(name, "must be a single one for a sensitivity", value=len(parts))

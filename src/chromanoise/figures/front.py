@@ -53,7 +53,7 @@ def draw_front(front: FrontFile, ax: Axes) -> Axes:
     return ax
 
 
-_KEY = {"member": "design", "extreme": "best in one objective", "knee": "knee"}
+_KEY = {"member": "sensor of the front", "extreme": "best in one objective", "knee": "knee"}
 
 
 def _placed(entries: list[dict[str, Any]], x: str, y: str) -> tuple[list[float], list[float]]:

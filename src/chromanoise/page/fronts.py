@@ -1,4 +1,4 @@
-"""A front of a design search on the page: its chart, and what loads each member."""
+"""The front of a design on the page: its chart, and the data that load each member."""
 
 from pathlib import PurePosixPath
 from typing import Any
@@ -26,7 +26,7 @@ def is_front(upload: Upload) -> bool:
 
 
 def front_preview(upload: Upload) -> dict[str, Any]:
-    """What a front holds: ``chart``, ``scenes``, and by name the ``members`` with their curves.
+    """The content of a front: ``chart``, ``scenes``, and by name the ``members`` with their curves.
 
     Raises
     ------

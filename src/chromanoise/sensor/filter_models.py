@@ -194,7 +194,7 @@ FILTER_MODELS: Mapping[str, FilterModel] = {
             "low_nm": _length("wavelength at which the band begins"),
             "band_width_nm": _length("full width of the band"),
             "gap_nm": ModelNumber(
-                unit="nm", what="distance from the end of the band to the infrared that passes"
+                unit="nm", what="distance from the end of the passband to the infrared edge"
             ),
             "edge_nm": _length("logistic scale of the edges", 12.0),
             "peak": _share("transmittance of the band", 0.9),
@@ -207,7 +207,7 @@ FILTER_MODELS: Mapping[str, FilterModel] = {
         transmittance=dye_of_bands,
         numbers={
             "thickness": ModelNumber(
-                unit="1", what="thickness times concentration, relative", default=1.0
+                unit="1", what="relative thickness times concentration", default=1.0
             )
         },
         repeated={
@@ -217,7 +217,7 @@ FILTER_MODELS: Mapping[str, FilterModel] = {
         },
     ),
     "fabry-perot": FilterModel(
-        what="a cavity between two mirrors",
+        what="a cavity between two mirrors (Airy)",
         transmittance=fabry_perot_filter,
         numbers={
             "center_nm": _length("wavelength of the peak"),
@@ -225,13 +225,16 @@ FILTER_MODELS: Mapping[str, FilterModel] = {
                 unit="1", what="reflectance of each mirror", most=MOST_REFLECTANCE
             ),
             "order": ModelNumber(
-                unit="1", what="half wavelengths in the cavity", default=1.0, least=0.5
+                unit="1",
+                what="order: number of half wavelengths in the cavity",
+                default=1.0,
+                least=0.5,
             ),
             "peak": _share("transmittance at the peak", 1.0),
         },
     ),
     "thin-film": FilterModel(
-        what="a stack of films of two materials in turn, the high index first",
+        what="a stack of films of two alternating materials, the high index first",
         transmittance=alternating_stack,
         numbers={
             "index_high": _index("index of the first material", 2.3),
@@ -260,7 +263,7 @@ FILTER_MODELS: Mapping[str, FilterModel] = {
         },
     ),
     "dual-band": FilterModel(
-        what="the visible and one band of the infrared",
+        what="a passband for visible light and one infrared band",
         transmittance=dual_band_filter,
         numbers={
             "cutoff_nm": _length("wavelength at which the visible ends"),

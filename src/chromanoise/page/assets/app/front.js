@@ -12,7 +12,7 @@ import { remember, shownName } from "app/uploads.js";
 
 /** @import { Front, FrontMember, FrontScene, SensorPart, Study } from "answers" */
 
-const TITLE = "The front of a design";
+const TITLE = "Front of a design";
 const SAME_LIGHT = "keep";
 
 /** Members by the id that the server gave to their file. */
@@ -62,7 +62,7 @@ function frontPanel() {
   const across = choice({ label: "Across", options: [], on: (name) => ((x = name), redraw()) });
   const up = choice({ label: "Up", options: [], on: (name) => ((y = name), redraw()) });
   const scene = choice({ label: "Light and time", options: [], on: () => {} });
-  const target = choice({ label: "A click loads it", options: [], on: () => {} });
+  const target = choice({ label: "A click loads the sensor", options: [], on: () => {} });
   const tools = el("div", { class: "map-tools" }, across.row, up.row, scene.row, target.row);
   const fault = el("p", { class: "fault", role: "alert", hidden: true });
   const body = el("div", { class: "body" });
@@ -154,7 +154,7 @@ function frontPanel() {
   function show(study) {
     const places = study.sensors.map(({ name }, i) => [String(i), `in place of sensor ${i + 1}, ${shownName(name)}`]);
     const beside = study.sensors.length < MOST ? [["beside", "beside the others"]] : [];
-    const now = [["last", "in place of the last loaded"], ...beside, ...places];
+    const now = [["last", "in place of the last loaded one"], ...beside, ...places];
     const kept = now.some(([value]) => value === target.select.value) ? target.select.value : "last";
     fillChoice(target.select, now, kept);
     redraw();
@@ -169,7 +169,7 @@ function frontPanel() {
     fillChoice(across.select, names, x);
     fillChoice(up.select, names, y);
     const lights = scenes.map(({ name }, i) => [String(i), `of the scene ${name}`]);
-    fillChoice(scene.select, [...lights, [SAME_LIGHT, "as they are"]], lights.length ? "0" : SAME_LIGHT);
+    fillChoice(scene.select, [...lights, [SAME_LIGHT, "unchanged"]], lights.length ? "0" : SAME_LIGHT);
     sentences.replaceChildren(...chart.sentences.map((text) => el("li", { text })));
     complain(null);
     if (!section.isConnected) within(byId("panels"), "[data-part=head]").after(section);
