@@ -10,7 +10,7 @@ complex step of Squire & Trapp, SIAM Rev. 40 (1998) 110. So every function is an
 comparisons read the real part. Transcendental functions are polynomials, which the compiler can
 vectorize.
 
-Scratch arrays end in the axis of lanes: electrons (r, p, LANES), and matrices (3, p, LANES).
+Scratch arrays end in the axis of lanes: electrons (r, p, LANES + 8), and matrices (3, p, LANES).
 """
 
 from collections.abc import Callable
@@ -25,7 +25,8 @@ from chromanoise.imaging.kernel_cache import kernel
 
 LANES = 32
 TOGETHER = 8
-"""Number of wavelengths that are transposed and added together."""
+"""Number of wavelengths that are added together."""
+_APART = 8  # unused lanes, so that what one lane reads or writes spreads over all sets of the cache
 
 COLUMNS = (*FAST, "independence")
 (_SNR_Y, _NOISE, _TOTAL, _DELTA_E, _CIEDE2000, _VORA, _LEAST, _MEAN, _INFRARED, _LUX) = range(10)
@@ -230,19 +231,16 @@ def _electrons(qe, block, gain, rows, squared, has_gram, q, e, g):
     m, p, n = qe.shape
     e[:] = 0.0
     g[:] = 0.0
-    for first in range(0, n, TOGETHER):
-        many = min(TOGETHER, n - first)
-        if many < TOGETHER:
-            q[:] = 0.0
-        for k in range(LANES):
-            one = min(block + k, m - 1)
-            factor = gain[one]
-            for c in range(p):
-                for i in range(many):
-                    q[c, i, k] = qe[one, c, first + i] * factor
-        _add_rows(rows, first, q, e)
+    for k in range(LANES):
+        one = min(block + k, m - 1)
+        factor = gain[one]
+        for c in range(p):
+            for i in range(n):
+                q[i // TOGETHER, c, i % TOGETHER, k] = qe[one, c, i] * factor
+    for part in range(q.shape[0]):
+        _add_rows(rows, part * TOGETHER, q[part], e)
         if has_gram:
-            _add_gram(squared, first, q, g)
+            _add_gram(squared, part * TOGETHER, q[part], g)
 
 
 @_compiled
@@ -431,25 +429,39 @@ def _lux_of_snr10(e, matrix, floor, prnu, spread, full, level_lux, value):
         value[k] = lux if good else lux * np.nan
 
 
+@_inlined
+@no_type_check
+def _relative(t):
+    """The cube root of CIELAB and its slope."""
+    bright = t.real > _DELTA3
+    r = _inverse_cube_root(t if bright else t * 0.0 + _DELTA3)
+    r = r * r
+    return (t * r if bright else (841 / 108) * t + 16 / 116), (1 / 3) * r
+
+
 @_compiled
 @no_type_check
 def _chart_of(e, row, matrix, shift, inverse, lab, slope):
     """L*, a*, b* of one patch relative to the white, and the slopes of the cube roots."""
     p = e.shape[1]
     for j in range(3):
-        for k in range(LANES):
-            lab[j, k] = shift[j, k]
-        for c in range(p):
+        if p < 4:
+            for k in range(LANES):
+                lab[j, k] = shift[j, k] + matrix[j, 0, k] * e[row, 0, k]
+        else:
+            for k in range(LANES):
+                s = shift[j, k] + matrix[j, 0, k] * e[row, 0, k] + matrix[j, 1, k] * e[row, 1, k]
+                lab[j, k] = s + matrix[j, 2, k] * e[row, 2, k] + matrix[j, 3, k] * e[row, 3, k]
+        for c in range(1 if p < 4 else 4, p):
             for k in range(LANES):
                 lab[j, k] += matrix[j, c, k] * e[row, c, k]
-        for k in range(LANES):
-            t = lab[j, k] * inverse[j, k]
-            r = _inverse_cube_root(t if t.real > _DELTA3 else t * 0.0 + _DELTA3)
-            lab[j, k] = t * r * r if t.real > _DELTA3 else (841 / 108) * t + 16 / 116
-            slope[j, k] = (1 / 3) * (r * r) * inverse[j, k]
     for k in range(LANES):
-        x, y, z = lab[0, k], lab[1, k], lab[2, k]
+        x, slope_x = _relative(lab[0, k] * inverse[0, k])
+        y, slope_y = _relative(lab[1, k] * inverse[1, k])
+        z, slope_z = _relative(lab[2, k] * inverse[2, k])
         lab[0, k], lab[1, k], lab[2, k] = 116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)
+        slope[0, k], slope[1, k] = slope_x * inverse[0, k], slope_y * inverse[1, k]
+        slope[2, k] = slope_z * inverse[2, k]
 
 
 @_compiled
@@ -646,8 +658,8 @@ def evaluate(
     m = out.shape[0]
     p = spread.shape[1]
     count = layout[_AT_END]
-    q = np.zeros((p, TOGETHER, LANES), qe.dtype)
-    e = np.zeros((count, p, LANES), qe.dtype)
+    q = np.zeros((rows.shape[1] // TOGETHER, p, TOGETHER, LANES + _APART), qe.dtype)
+    e = np.zeros((count, p, LANES + _APART), qe.dtype)
     g = np.zeros((p, p, LANES), qe.dtype)
     lower = np.zeros((p, p, LANES), qe.dtype)
     trained = np.zeros((p, p, LANES), qe.dtype)
