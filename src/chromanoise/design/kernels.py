@@ -64,8 +64,10 @@ _LOW32 = np.int64(0xFFFFFFFF)
 _CUBE_MAGIC = 1430257664.0 - 62980.0  # 2^20 (1023 + 1023 / 3), less half the error of a chord
 _ROOT_MAGIC = np.int64(0x5FE6EB50C7B537A9)
 
-_compiled = kernel(error_model="numpy", fastmath={"contract"})
-_inlined = kernel(error_model="numpy", fastmath={"contract"}, forceinline=True)
+_OPTIONS = {"error_model": "numpy", "fastmath": {"contract"}}
+_WITHIN = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}  # called by kernels only
+_compiled = kernel(**_OPTIONS, **_WITHIN)
+_inlined = kernel(**_OPTIONS, **_WITHIN, forceinline=True)
 
 
 @_inlined
@@ -540,15 +542,15 @@ def _chart_errors(e, at, matrix, truth, black_e, floor, prnu, spread, wanted, sc
 @_inlined
 @no_type_check
 def _put(out, block, k, column, value):
-    if block + k < out.shape[0]:
-        out[block + k, column] = value
+    if block + k < out.shape[1]:
+        out[column, block + k] = value
 
 
 @_compiled
 @no_type_check
 def _put_all(out, block, column, value):
-    for k in range(min(LANES, out.shape[0] - block)):
-        out[block + k, column] = value[k]
+    for k in range(min(LANES, out.shape[1] - block)):
+        out[column, block + k] = value[k]
 
 
 @_compiled
@@ -592,7 +594,7 @@ def _separations(e, at, many, pairs, floor, prnu, spread, full, wanted, variance
             mean[k] += hidden
 
 
-@_compiled
+@kernel(**_OPTIONS)
 @no_type_check
 def evaluate(
     start,
@@ -650,12 +652,13 @@ def evaluate(
     wanted
         Whether each column of `FAST` is computed.
     matrices
-        Color matrices (m, 3, p), read or written.
+        Color matrices (m, 3, p); none for the other methods.
     out
-        One column per entry of `COLUMNS`; NaN where a value is not defined. The SNR is squared.
+        One row per entry of `COLUMNS`, of which the unwanted ones are not written; NaN where a
+        value is not defined. The SNR is squared.
     """
     of_library = qe.shape[0] == 0
-    m = out.shape[0]
+    m = out.shape[1]
     p = spread.shape[1]
     count = layout[_AT_END]
     q = np.zeros((rows.shape[1] // TOGETHER, p, TOGETHER, LANES + _APART), qe.dtype)
@@ -724,11 +727,6 @@ def evaluate(
             _put(out, block, k, _INFRARED, infrared)
             least = of_training[k] if of_training[k] < of_channels[k] else of_channels[k]
             _put(out, block, k, _INDEPENDENCE, least if least > 0.0 else 0.0)
-            i = block + k
-            if i < m:
-                for j in range(3):
-                    for c in range(p):
-                        matrices[i, j, c] = matrix[j, c, k]
         if wanted[_SNR_Y]:
             _luminance_snr(e, matrix, own[0], own[1], apart, _LEAST_COLOR * white_y, value)
             _put_all(out, block, _SNR_Y, value)
