@@ -367,8 +367,8 @@ def _fast(
         matrices = _matrices(scene, batch)
     if matrices is not None:
         method = kernels.GIVEN
-    out = np.full((m, len(kernels.COLUMNS)), np.nan, dtype)
-    used = np.zeros((m, 3, p), dtype) if matrices is None else _own(matrices, dtype)
+    out = np.empty((len(kernels.COLUMNS), m), dtype)
+    used = np.zeros((0, 3, p), dtype) if matrices is None else _own(matrices, dtype)
     table, gram = np.zeros((0, 0)), np.zeros((0, 0))
     if batch.curves is not None:
         n = len(batch.curves)
@@ -399,18 +399,16 @@ def _fast(
         out,
     )
     _run(evaluator.threads, -(-m // kernels.LANES), lambda a, b: kernels.evaluate(a, b, *given))
-    fullness = np.where(full_e.real > 0, out[:, FAST.index("share_of_full_well")] * _FULL, np.inf)
+    fullness = np.where(full_e.real > 0, out[FAST.index("share_of_full_well")] * _FULL, np.inf)
     found = np.full((m, len(names)), np.nan, dtype)
-    for q, name in enumerate(names):
-        found[:, q] = _finished(OBJECTIVES[name], out, fullness)
-    return found, out[:, -1].real
+    for name in columns:
+        value = out[FAST.index(name)]
+        found[:, names.index(name)] = _finished(OBJECTIVES[name], value, fullness)
+    return found, out[-1].real
 
 
-def _finished(objective: Objective, out: Array, fullness: Array) -> Inexact[Array, " m"]:
+def _finished(objective: Objective, value: Array, fullness: Array) -> Inexact[Array, " m"]:
     """A column in its own unit, with `Objective.undefined` in place of NaN."""
-    if not objective.fast:
-        return np.full(len(out), np.nan)
-    value = out[:, FAST.index(objective.name)]
     if objective.name == "share_of_full_well":
         return fullness
     if objective.name == "snr_y_db":

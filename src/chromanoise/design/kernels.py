@@ -10,19 +10,23 @@ complex step of Squire & Trapp, SIAM Rev. 40 (1998) 110. So every function is an
 comparisons read the real part. Transcendental functions are polynomials, which the compiler can
 vectorize.
 
-Scratch arrays end in the axis of lanes: electrons (r, p, LANES), and matrices (3, p, LANES).
+Scratch arrays end in the axis of lanes: electrons (r, p, LANES + 8), and matrices (3, p, LANES).
 """
 
+from collections.abc import Callable
 from typing import no_type_check
 
 import numpy as np
+from numpy.polynomial import Chebyshev, Polynomial
 
+from chromanoise._check import Array
 from chromanoise.design.objectives import FAST, SNR10
 from chromanoise.imaging.kernel_cache import kernel
 
 LANES = 32
 TOGETHER = 8
-"""Number of wavelengths that are transposed and added together."""
+"""Number of wavelengths that are added together."""
+_APART = 8  # unused lanes, so that what one lane reads or writes spreads over all sets of the cache
 
 COLUMNS = (*FAST, "independence")
 (_SNR_Y, _NOISE, _TOTAL, _DELTA_E, _CIEDE2000, _VORA, _LEAST, _MEAN, _INFRARED, _LUX) = range(10)
@@ -36,24 +40,34 @@ KERNEL, NOISE_WEIGHTED, RIDGE, GIVEN = range(4)
 _GRAY = 0.18
 _LEAST_COLOR = 1e-6
 _DELTA3 = (6 / 29) ** 3
-_C7 = 25.0**7
 _COS275, _SIN275 = np.cos(np.radians(275.0)), np.sin(np.radians(275.0))
 _COS30, _SIN30 = np.cos(np.radians(30.0)), np.sin(np.radians(30.0))
 _COS6, _SIN6 = np.cos(np.radians(6.0)), np.sin(np.radians(6.0))
 _COS63, _SIN63 = np.cos(np.radians(63.0)), np.sin(np.radians(63.0))
-_RADIANS_85 = np.radians(85.0)
-_PER_25_DEG = np.degrees(1.0) / 25.0
+_COS85, _COS130 = np.cos(np.radians(85.0)), np.cos(np.radians(130.0))
+
+
+def _polynomial(function: Callable[[Array], Array], degree: int, low: float) -> tuple[float, ...]:
+    """Coefficients of the polynomial through a function at the Chebyshev points of low to 1."""
+    through = Chebyshev.interpolate(function, degree, [low, 1.0])
+    return tuple(through.convert(kind=Polynomial).coef.tolist())
+
+
+_TURN = _polynomial(lambda c: np.exp(-((np.degrees(np.arccos(c)) / 50.0) ** 2)), 12, _COS130)
+"""exp(-(angle / 25 deg)^2)^(1/4) by the cosine; its fourth power errs by at most 4e-13."""
+_SINE = _polynomial(lambda s: np.sin(np.pi / 3 * np.sqrt(s)) / np.sqrt(s), 5, 0.0)
+"""Sin(60 deg x) / x by x^2; errs by at most 2e-13."""
 
 _TWO52 = 4503599627370496.0
 _TWO52_BITS = np.int64(0x4330000000000000)
 _LOW32 = np.int64(0xFFFFFFFF)
 _CUBE_MAGIC = 1430257664.0 - 62980.0  # 2^20 (1023 + 1023 / 3), less half the error of a chord
-_ROUND = 1.5 * _TWO52
-_ONE_BITS = np.int64(0x3FF0000000000000)
-_LOG2_E, _LN2_HIGH, _LN2_LOW = 1.4426950408889634, 0.6931471803691238, 1.9082149292705877e-10
+_ROOT_MAGIC = np.int64(0x5FE6EB50C7B537A9)
 
-_compiled = kernel(error_model="numpy", fastmath={"contract"})
-_inlined = kernel(error_model="numpy", fastmath={"contract"}, forceinline=True)
+_OPTIONS = {"error_model": "numpy", "fastmath": {"contract"}}
+_WITHIN = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}  # called by kernels only
+_compiled = kernel(**_OPTIONS, **_WITHIN)
+_inlined = kernel(**_OPTIONS, **_WITHIN, forceinline=True)
 
 
 @_inlined
@@ -67,65 +81,49 @@ def _inverse_cube_root(x):
     h = 1.0 - x * (r * r * r)
     s = r + r * (h * (1 / 3 + h * (2 / 9 + h * (14 / 81 + h * (35 / 243)))))
     h = 1.0 - x * (s * s * s)
-    s = s + s * (h * (1 / 3 + h * (2 / 9 + h * (14 / 81))))
-    h = 1.0 - x * (s * s * s)
-    return s + s * (h * (1 / 3))
+    return s + s * (h * (1 / 3 + h * (2 / 9 + h * (14 / 81))))
 
 
 @_inlined
 @no_type_check
-def _exp_of_minus(z):
-    """exp(-z) for a real part of 0 to 700."""
-    shifted = np.float64(-z.real * _LOG2_E + _ROUND)
-    k = shifted - _ROUND
-    power = np.int64((shifted.view(np.int64) << np.int64(52)) + _ONE_BITS).view(np.float64)
-    r = -z - k * _LN2_HIGH - k * _LN2_LOW
-    p = 1 / 479001600 + r * (1 / 6227020800)
-    p = 1 / 3628800 + r * (1 / 39916800 + r * p)
-    p = 1 / 40320 + r * (1 / 362880 + r * p)
-    p = 1 / 720 + r * (1 / 5040 + r * p)
-    p = 1 / 24 + r * (1 / 120 + r * p)
-    p = 1 / 2 + r * (1 / 6 + r * p)
-    return power * (1.0 + r * (1.0 + r * p))
+def _inverse_root(x):
+    """x^(-1/2); where the real part is below 1e-290, that of 1e-290."""
+    x = x if x.real > 1e-290 else x * 0.0 + 1e-290
+    guess = np.int64(_ROOT_MAGIC - (np.float64(x.real).view(np.int64) >> np.int64(1)))
+    r = guess.view(np.float64)
+    h = 1.0 - x * (r * r)
+    s = r + r * (h * (1 / 2 + h * (3 / 8 + h * (5 / 16 + h * (35 / 128)))))
+    h = 1.0 - x * (s * s)
+    return s + s * (h * (1 / 2 + h * (3 / 8)))
 
 
 @_inlined
 @no_type_check
-def _sin(x):
-    """Sin for 0 to 1.1 rad."""
-    s = x * x
-    p = -1 / 121645100408832000 * s + 1 / 355687428096000
-    p = p * s - 1 / 1307674368000
-    p = p * s + 1 / 6227020800
-    p = p * s - 1 / 39916800
-    p = p * s + 1 / 362880
-    p = p * s - 1 / 5040
-    p = p * s + 1 / 120
-    p = p * s - 1 / 6
-    return x + x * (s * p)
+def _share_of_25(chroma):
+    """Square root of C^7 / (C^7 + 25^7)."""
+    c = chroma * (1 / 25)
+    seven = c * c * c
+    seven = seven * seven * c
+    return seven * _inverse_root(seven * seven + seven)
 
 
 @_inlined
 @no_type_check
-def _angle(cosine, sine):
-    """The angle of a unit vector up to 160 degrees, by three half angles. [rad]"""
-    below = 1.0 + cosine
-    t = sine / (below if below.real > 0.01 else below * 0.0 + 0.01)
-    t = t / (1.0 + np.sqrt(1.0 + t * t))
-    t = t / (1.0 + np.sqrt(1.0 + t * t))
-    t = t / (1.0 + np.sqrt(1.0 + t * t))
-    s = t * t  # at most 0.035
-    p = -1 / 23 * s + 1 / 21
-    p = p * s - 1 / 19
-    p = p * s + 1 / 17
-    p = p * s - 1 / 15
-    p = p * s + 1 / 13
-    p = p * s - 1 / 11
-    p = p * s + 1 / 9
-    p = p * s - 1 / 7
-    p = p * s + 1 / 5
-    p = p * s - 1 / 3
-    return 16.0 * (t + t * (s * p))
+def _sin_of_rotation(c):
+    """Sin of the angle of rotation, for the cosine of the angle from 275 degrees above -0.64."""
+    p = _TURN[12] * c + _TURN[11]
+    p = (p * c + _TURN[10]) * c + _TURN[9]
+    p = (p * c + _TURN[8]) * c + _TURN[7]
+    p = (p * c + _TURN[6]) * c + _TURN[5]
+    p = (p * c + _TURN[4]) * c + _TURN[3]
+    p = (p * c + _TURN[2]) * c + _TURN[1]
+    p = p * c + _TURN[0]
+    p = p * p
+    turn = p * p
+    s = turn * turn
+    p = (_SINE[5] * s + _SINE[4]) * s + _SINE[3]
+    p = (p * s + _SINE[2]) * s + _SINE[1]
+    return turn * (p * s + _SINE[0])
 
 
 @_inlined
@@ -133,29 +131,23 @@ def _angle(cosine, sine):
 def _ciede2000(l1, a1, b1, c1, l2, a2, b2):
     """CIEDE2000 of two colors; c1 is the chroma of the first.
 
-    The mean hue is the direction of the bisector, so that one angle is needed, in the rotation.
+    The mean hue is the direction of the bisector of the two hues, so no angle is needed.
     """
-    mean = 0.5 * (c1 + np.sqrt(a2 * a2 + b2 * b2))
-    seven = mean * mean * mean
-    seven = seven * seven * mean
-    stretch = 1.5 - 0.5 * np.sqrt(seven / (seven + _C7))
+    stretch = 1.5 - 0.5 * _share_of_25(0.5 * (c1 + np.sqrt(a2 * a2 + b2 * b2)))
     x1, x2 = stretch * a1, stretch * a2
-    c1p, c2p = np.sqrt(x1 * x1 + b1 * b1), np.sqrt(x2 * x2 + b2 * b2)
-    product = c1p * c2p
-    dot, cross = x1 * x2 + b1 * b2, x1 * b2 - x2 * b1
-    near = dot.real >= 0.0
-    sign = 1.0 if cross.real >= 0.0 else -1.0
-    half = np.sqrt(0.5 * (product + (dot if near else -dot)))
-    hue = cross / (half if half.real > 1e-150 else half * 0.0 + 1e-150)
-    hue = hue if near else 2.0 * sign * half
-    i1 = 1.0 / (c1p if c1p.real > 1e-150 else c1p * 0.0 + 1e-150)
-    i2 = 1.0 / (c2p if c2p.real > 1e-150 else c2p * 0.0 + 1e-150)
+    squared1, squared2 = x1 * x1 + b1 * b1, x2 * x2 + b2 * b2
+    i1, i2 = _inverse_root(squared1), _inverse_root(squared2)
+    c1p, c2p = squared1 * i1, squared2 * i2
     ux, uy, vx, vy = x1 * i1, b1 * i1, x2 * i2, b2 * i2
+    cross = ux * vy - uy * vx
+    near = (ux * vx + uy * vy).real >= 0.0
+    sign = 1.0 if cross.real >= 0.0 else -1.0
     mx = ux + vx if near else sign * (vy - uy)
     my = uy + vy if near else sign * (ux - vx)
-    length = np.sqrt(mx * mx + my * my)
-    scale = 1.0 / (length if length.real > 1e-150 else length * 0.0 + 1e-150)
+    length2 = mx * mx + my * my
+    scale = _inverse_root(length2)
     ch, sh = mx * scale, my * scale
+    hue = 2.0 * np.sqrt(c1p * c2p) * ((cross if near else sign * 0.5 * length2) * scale)
     cosine2, sine2 = ch * ch - sh * sh, 2.0 * (ch * sh)
     cosine3, sine3 = cosine2 * ch - sine2 * sh, sine2 * ch + cosine2 * sh
     cosine4, sine4 = cosine2 * cosine2 - sine2 * sine2, 2.0 * (sine2 * cosine2)
@@ -167,22 +159,21 @@ def _ciede2000(l1, a1, b1, c1, l2, a2, b2):
         - 0.20 * (cosine4 * _COS63 + sine4 * _SIN63)
     )
     from_blue = ch * _COS275 + sh * _SIN275
-    angle = _angle(from_blue, sh * _COS275 - ch * _SIN275)
-    size = _PER_25_DEG * angle
-    squared = size * size
-    turn = _exp_of_minus(squared if squared.real < 700.0 else squared * 0.0 + 700.0)
-    turn = turn if (from_blue.real > -0.93) and (angle.real < _RADIANS_85) else turn * 0.0
+    red = (sh * _COS275 - ch * _SIN275).real > 0.0
+    turned = _sin_of_rotation(from_blue)
+    turned = turned if from_blue.real > (_COS85 if red else _COS130) else turned * 0.0
     chroma = 0.5 * (c1p + c2p)
-    seven = chroma * chroma * chroma
-    seven = seven * seven * chroma
-    rotation = -2.0 * np.sqrt(seven / (seven + _C7)) * _sin((np.pi / 3.0) * turn)
+    rotation = -2.0 * _share_of_25(chroma) * turned
     lightness = 0.5 * (l1 + l2) - 50.0
     lightness = lightness * lightness
-    dl = (l2 - l1) / (1.0 + 0.015 * lightness / np.sqrt(20.0 + lightness))
-    dc = (c2p - c1p) / (1.0 + 0.045 * chroma)
-    dh = hue / (1.0 + 0.015 * chroma * t)
+    root = np.sqrt(20.0 + lightness)
+    weight_l, weight_c = root + 0.015 * lightness, 1.0 + 0.045 * chroma
+    weight_h = 1.0 + 0.015 * chroma * t
+    dl = (l2 - l1) * root * (weight_c * weight_h)
+    dc = (c2p - c1p) * (weight_l * weight_h)
+    dh = hue * (weight_l * weight_c)
     sum_ = dl * dl + dc * dc + dh * dh + rotation * (dc * dh)
-    return np.sqrt(sum_ if sum_.real > 0.0 else sum_ * 0.0)
+    return np.sqrt(sum_ if sum_.real > 0.0 else sum_ * 0.0) / (weight_l * weight_c * weight_h)
 
 
 @_compiled
@@ -242,19 +233,16 @@ def _electrons(qe, block, gain, rows, squared, has_gram, q, e, g):
     m, p, n = qe.shape
     e[:] = 0.0
     g[:] = 0.0
-    for first in range(0, n, TOGETHER):
-        many = min(TOGETHER, n - first)
-        if many < TOGETHER:
-            q[:] = 0.0
-        for k in range(LANES):
-            one = min(block + k, m - 1)
-            factor = gain[one]
-            for c in range(p):
-                for i in range(many):
-                    q[c, i, k] = qe[one, c, first + i] * factor
-        _add_rows(rows, first, q, e)
+    for k in range(LANES):
+        one = min(block + k, m - 1)
+        factor = gain[one]
+        for c in range(p):
+            for i in range(n):
+                q[i // TOGETHER, c, i % TOGETHER, k] = qe[one, c, i] * factor
+    for part in range(q.shape[0]):
+        _add_rows(rows, part * TOGETHER, q[part], e)
         if has_gram:
-            _add_gram(squared, first, q, g)
+            _add_gram(squared, part * TOGETHER, q[part], g)
 
 
 @_compiled
@@ -443,25 +431,39 @@ def _lux_of_snr10(e, matrix, floor, prnu, spread, full, level_lux, value):
         value[k] = lux if good else lux * np.nan
 
 
+@_inlined
+@no_type_check
+def _relative(t):
+    """The cube root of CIELAB and its slope."""
+    bright = t.real > _DELTA3
+    r = _inverse_cube_root(t if bright else t * 0.0 + _DELTA3)
+    r = r * r
+    return (t * r if bright else (841 / 108) * t + 16 / 116), (1 / 3) * r
+
+
 @_compiled
 @no_type_check
 def _chart_of(e, row, matrix, shift, inverse, lab, slope):
     """L*, a*, b* of one patch relative to the white, and the slopes of the cube roots."""
     p = e.shape[1]
     for j in range(3):
-        for k in range(LANES):
-            lab[j, k] = shift[j, k]
-        for c in range(p):
+        if p < 4:
+            for k in range(LANES):
+                lab[j, k] = shift[j, k] + matrix[j, 0, k] * e[row, 0, k]
+        else:
+            for k in range(LANES):
+                s = shift[j, k] + matrix[j, 0, k] * e[row, 0, k] + matrix[j, 1, k] * e[row, 1, k]
+                lab[j, k] = s + matrix[j, 2, k] * e[row, 2, k] + matrix[j, 3, k] * e[row, 3, k]
+        for c in range(1 if p < 4 else 4, p):
             for k in range(LANES):
                 lab[j, k] += matrix[j, c, k] * e[row, c, k]
-        for k in range(LANES):
-            t = lab[j, k] * inverse[j, k]
-            r = _inverse_cube_root(t if t.real > _DELTA3 else t * 0.0 + _DELTA3)
-            lab[j, k] = t * r * r if t.real > _DELTA3 else (841 / 108) * t + 16 / 116
-            slope[j, k] = (1 / 3) * (r * r) * inverse[j, k]
     for k in range(LANES):
-        x, y, z = lab[0, k], lab[1, k], lab[2, k]
+        x, slope_x = _relative(lab[0, k] * inverse[0, k])
+        y, slope_y = _relative(lab[1, k] * inverse[1, k])
+        z, slope_z = _relative(lab[2, k] * inverse[2, k])
         lab[0, k], lab[1, k], lab[2, k] = 116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)
+        slope[0, k], slope[1, k] = slope_x * inverse[0, k], slope_y * inverse[1, k]
+        slope[2, k] = slope_z * inverse[2, k]
 
 
 @_compiled
@@ -540,15 +542,15 @@ def _chart_errors(e, at, matrix, truth, black_e, floor, prnu, spread, wanted, sc
 @_inlined
 @no_type_check
 def _put(out, block, k, column, value):
-    if block + k < out.shape[0]:
-        out[block + k, column] = value
+    if block + k < out.shape[1]:
+        out[column, block + k] = value
 
 
 @_compiled
 @no_type_check
 def _put_all(out, block, column, value):
-    for k in range(min(LANES, out.shape[0] - block)):
-        out[block + k, column] = value[k]
+    for k in range(min(LANES, out.shape[1] - block)):
+        out[column, block + k] = value[k]
 
 
 @_compiled
@@ -592,7 +594,7 @@ def _separations(e, at, many, pairs, floor, prnu, spread, full, wanted, variance
             mean[k] += hidden
 
 
-@_compiled
+@kernel(**_OPTIONS)
 @no_type_check
 def evaluate(
     start,
@@ -650,16 +652,17 @@ def evaluate(
     wanted
         Whether each column of `FAST` is computed.
     matrices
-        Color matrices (m, 3, p), read or written.
+        Color matrices (m, 3, p); none for the other methods.
     out
-        One column per entry of `COLUMNS`; NaN where a value is not defined. The SNR is squared.
+        One row per entry of `COLUMNS`, of which the unwanted ones are not written; NaN where a
+        value is not defined. The SNR is squared.
     """
     of_library = qe.shape[0] == 0
-    m = out.shape[0]
+    m = out.shape[1]
     p = spread.shape[1]
     count = layout[_AT_END]
-    q = np.zeros((p, TOGETHER, LANES), qe.dtype)
-    e = np.zeros((count, p, LANES), qe.dtype)
+    q = np.zeros((rows.shape[1] // TOGETHER, p, TOGETHER, LANES + _APART), qe.dtype)
+    e = np.zeros((count, p, LANES + _APART), qe.dtype)
     g = np.zeros((p, p, LANES), qe.dtype)
     lower = np.zeros((p, p, LANES), qe.dtype)
     trained = np.zeros((p, p, LANES), qe.dtype)
@@ -724,11 +727,6 @@ def evaluate(
             _put(out, block, k, _INFRARED, infrared)
             least = of_training[k] if of_training[k] < of_channels[k] else of_channels[k]
             _put(out, block, k, _INDEPENDENCE, least if least > 0.0 else 0.0)
-            i = block + k
-            if i < m:
-                for j in range(3):
-                    for c in range(p):
-                        matrices[i, j, c] = matrix[j, c, k]
         if wanted[_SNR_Y]:
             _luminance_snr(e, matrix, own[0], own[1], apart, _LEAST_COLOR * white_y, value)
             _put_all(out, block, _SNR_Y, value)
