@@ -24,7 +24,9 @@ def found(problem, method="nsga2", budget=1600, population=40, **options):
     settings = {name: options.pop(name) for name in names}
     return search(
         problem,
-        SearchSettings(method=method, budget=budget, population=population, **settings),
+        SearchSettings(
+            method=method, budget=budget, population=population, **{"seed": 1} | settings
+        ),
         **options,
     )
 

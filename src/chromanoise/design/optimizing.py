@@ -2,7 +2,7 @@
 
 import hashlib
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -237,7 +237,8 @@ class Search:
     result: SearchResult
 
 
-_EFFORT = ("method", "budget", "population", "seed", "polish", "members")
+_SEARCH = tuple(one.name for one in fields(SearchSettings))
+_EFFORT = (*_SEARCH, "members")
 
 
 def _identity(document: DesignDocument, arrays: Sequence[Array]) -> str:
@@ -497,13 +498,7 @@ def searched(
         As `chromanoise.design.search.search`.
     """
     design, problem = task.document.design, task.problem()
-    settings = SearchSettings(
-        method=design.method,
-        budget=design.budget,
-        population=design.population,
-        seed=design.seed,
-        polish=design.polish,
-    )
+    settings = SearchSettings(**{name: getattr(design, name) for name in _SEARCH})
     found = search(
         problem,
         settings,
