@@ -117,7 +117,7 @@ def _missing(part: NumbersPart, known: Mapping[str, ModelNumber]) -> Iterator[In
         if number.default is None and name not in part.numbers:
             yield InputError(
                 name,
-                f"is missing: {number.what} [{number.unit}]",
+                f"is missing: {number.what}{_check.in_brackets(number.unit)}",
                 remedy=f"give a number, or bounds as {name} = [low, high]",
             )
 

@@ -17,19 +17,25 @@ from chromanoise.sensor import (
     Mosaic,
     Sensor,
     bayer,
+    beer_lambert,
     crosstalk_of_share,
+    layered_silicon_qe,
     refuse_other_channels,
+    router_collection,
+    router_shares,
+    silicon_qe,
     with_pixel,
 )
-from chromanoise.sensor.color_router import router_collection, router_shares
-from chromanoise.sensor.filter_models import FILTER_MODELS, SILICON_NUMBERS, ModelNumber
-from chromanoise.sensor.filter_shapes import beer_lambert
+from chromanoise.sensor.filter_models import (
+    FILTER_MODELS,
+    SILICON_NUMBERS,
+    ModelNumber,
+    with_defaults,
+)
 from chromanoise.sensor.filters import (
     LEAST_LENGTH_NM,
     LEAST_LENGTH_UM,
     Number,
-    layered_silicon_qe,
-    silicon_qe,
 )
 from chromanoise.spectra import Grid
 
@@ -650,13 +656,12 @@ def _router_numbers(names: Sequence[str]) -> dict[str, ModelNumber]:
         unit="1", what="share of its band that the channel receives of what is collected", most=1.0
     )
     crossing = ModelNumber(unit="nm", what="wavelength between two bands", least=LEAST_LENGTH_NM)
+    edge = ModelNumber(unit="nm", what="logistic scale between bands", least=LEAST_LENGTH_NM)
     return {
         "efficiency": ModelNumber(unit="1", what="share of the light collected", most=1.0),
         **{f"{name}_selectivity": selectivity for name in names},
         **{f"crossing_{i}_nm": crossing for i in range(1, len(names))},
-        "edge_nm": ModelNumber(
-            unit="nm", what="logistic scale between bands", default=10.0, least=LEAST_LENGTH_NM
-        ),
+        **with_defaults(router_shares, {"edge_nm": edge}),
     }
 
 
@@ -680,10 +685,9 @@ def _known_numbers(place: str, one: Filter) -> Mapping[str, ModelNumber]:
 def _value(place: str, name: str, numbers: Mapping[str, Value], number: ModelNumber) -> Value:
     value = numbers.get(name, number.default)
     if value is None:
-        unit = "" if number.unit == "1" else f" [{number.unit}]"
         raise InputError(
             f"{place}.{name}",
-            f"must be given: {number.what}{unit}",
+            f"must be given: {number.what}{_check.in_brackets(number.unit)}",
             found=None,
             remedy="give a number to fix it, or bounds [low, high] to search it",
         )
