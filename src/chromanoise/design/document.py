@@ -75,7 +75,7 @@ def _known(what: str, names: Sequence[str]) -> AfterValidator:
 
 Numbers = Annotated[Any, BeforeValidator(_value)]
 """A number of a design: fixed, free or tied."""
-Limit = Annotated[float | str | None, BeforeValidator(_number_or_name)]
+LimitWord = Annotated[float | str | None, BeforeValidator(_number_or_name)]
 ObjectiveName = Annotated[str, _known("objective", tuple(OBJECTIVES))]
 
 
@@ -218,8 +218,8 @@ class ConstraintPart(Part):
     """A limit of an objective."""
 
     objective: ObjectiveName = Field(description=f"One of {', '.join(OBJECTIVES)}.")
-    at_most: Limit = Field(None, description="Number, best reference, or name of a reference.")
-    at_least: Limit = Field(None, description="Number, best reference, or name of a reference.")
+    at_most: LimitWord = Field(None, description="Number, best reference, or name of a reference.")
+    at_least: LimitWord = Field(None, description="Number, best reference, or name of a reference.")
 
     @model_validator(mode="after")
     def _one_limit(self) -> "ConstraintPart":

@@ -29,7 +29,7 @@ from chromanoise.design.parameters import Parameter
 from chromanoise.design.problem import Evaluated, Linearized, Problem
 from chromanoise.design.scenes import DesignScene
 from chromanoise.design.scheduler import Scheduler
-from chromanoise.design.search import Progress, SearchResult, SearchSettings, search
+from chromanoise.design.search import Progress, SearchResult, SearchSettings, searched_front
 from chromanoise.design.space import Channel, DesignSpace, Filter
 from chromanoise.errors import InputError
 from chromanoise.exposure import OperatingPoint
@@ -490,16 +490,16 @@ def searched(
     task
         Of `task_of`.
     checkpoint, resume, evaluate_on, progress
-        As `chromanoise.design.search.search`.
+        As `chromanoise.design.search.searched_front`.
 
     Raises
     ------
     InputError
-        As `chromanoise.design.search.search`.
+        As `chromanoise.design.search.searched_front`.
     """
     design, problem = task.document.design, task.problem()
     settings = SearchSettings(**{name: getattr(design, name) for name in _SEARCH})
-    found = search(
+    found = searched_front(
         problem,
         settings,
         start=_start(task.space.parameters),

@@ -135,7 +135,7 @@ class SearchResult:
     gradient_evaluations: int
 
 
-def search(
+def searched_front(
     problem: Problem,
     settings: SearchSettings,
     *,

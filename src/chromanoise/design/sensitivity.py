@@ -21,7 +21,14 @@ from chromanoise.io.table import Column, Table
 from chromanoise.rng import stream
 from chromanoise.study import NOTHING_GIVEN, Given, Study, makers_of
 
-DEFAULT_OBJECTIVES = ("snr_y_db", "total_delta_e", "delta_e", "mean_separation", "vora")
+DEFAULT_OBJECTIVES: tuple[str, ...] = (
+    "snr_y_db",
+    "total_delta_e",
+    "delta_e",
+    "mean_separation",
+    "vora",
+)
+"""What a sensitivity computes if no objectives are named."""
 STEP = 0.1
 """Half step of the central differences. [nm or %]"""
 FEWEST_DRAWS = 10
@@ -29,7 +36,7 @@ _ROUNDING = 1e-13
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Tolerances:
+class HalfWidths:
     """How far the sensor may be from its values: half widths of uniform distributions.
 
     Exposure and light have none.
@@ -63,22 +70,22 @@ class Tolerances:
         return self.nm if parameter.unit == NM else self.percent
 
 
-def tolerances_of(nm: float | None, percent: float | None) -> Tolerances | None:
-    """Tolerances; ``None`` if neither is given.
+def half_widths(nm: float | None, percent: float | None) -> HalfWidths | None:
+    """Half widths of tolerances; ``None`` if neither is given.
 
     Parameters
     ----------
     nm, percent
-        As `Tolerances`; ``None`` for 0.
+        As `HalfWidths`; ``None`` for 0.
 
     Raises
     ------
     InputError
-        As `Tolerances`.
+        As `HalfWidths`.
     """
     if nm is None and percent is None:
         return None
-    return Tolerances(nm=nm or 0.0, percent=percent or 0.0)
+    return HalfWidths(nm=nm or 0.0, percent=percent or 0.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -165,7 +172,7 @@ class Sensitivity(Result):
     value: Mapping[str, float | None]
     effects: tuple[Effect, ...]
     losses: Mapping[str, float]
-    tolerances: Tolerances | None
+    tolerances: HalfWidths | None
     spread: Spread | None
     draws: int
     notes: tuple[str, ...]
@@ -312,7 +319,7 @@ def sensitivity_of(
     given: Given = NOTHING_GIVEN,
     objectives: Sequence[str] = DEFAULT_OBJECTIVES,
     losses: Mapping[str, float] | None = None,
-    tolerances: Tolerances | None = None,
+    tolerances: HalfWidths | None = None,
     draws: int = 0,
     seed: int = 0,
     keep_matrix: bool = False,
