@@ -33,7 +33,6 @@ if TYPE_CHECKING:
     from chromanoise.design.problem import Evaluated, Linearized, Problem
     from chromanoise.design.reading import read_design
     from chromanoise.design.result import Design
-    from chromanoise.design.robustness import Tolerances, robust_values
     from chromanoise.design.scenes import DesignScene
     from chromanoise.design.scheduler import scheduler_at
     from chromanoise.design.search import Progress, SearchResult, SearchSettings, searched_front
@@ -84,14 +83,12 @@ __all__ = [
     "SearchSettings",
     "Sensitivity",
     "Task",
-    "Tolerances",
     "front_of",
     "half_widths",
     "member_csv",
     "optimized",
     "read_design",
     "read_front",
-    "robust_values",
     "scheduler_at",
     "searched",
     "searched_front",

@@ -475,6 +475,25 @@ def algorithm_of(problem: Problem, method: str, population: int, seed: int) -> A
     Raises
     ------
     InputError
+        As `refuse_method`.
+    """
+    refuse_method(problem, method)
+    return METHODS[method].algorithm(problem, population, seed)
+
+
+def refuse_method(problem: Problem, method: str) -> None:
+    """Refuse a method in `METHODS` that cannot search a problem.
+
+    Parameters
+    ----------
+    problem
+        What is searched.
+    method
+        A name in `METHODS`.
+
+    Raises
+    ------
+    InputError
         If its package is not installed, it takes one objective and the problem has several, or the
         problem has too few parameters for it.
     """
@@ -507,4 +526,3 @@ def algorithm_of(problem: Problem, method: str, population: int, seed: int) -> A
             found=f"the only parameter is {problem.names[0]}",
             remedy="use de",
         )
-    return chosen.algorithm(problem, population, seed)

@@ -269,7 +269,7 @@ class DesignPart(Part):
     ir_cut: FilterPart | None = Field(None, description="A filter in front of all channels.")
     silicon: SiliconPart = Field(SiliconPart(), description="The photodiode.")
     structure: Structure = Field(
-        "mosaic", description="Channels beside each other, stacked in silicon, or sorted by color."
+        "mosaic", description="Pixels side by side, layers in silicon, or a color router."
     )
     layers: NumbersPart = Field(
         NumbersPart(), description="With layers: NAME_um, thickness of the layer of each channel."
@@ -291,7 +291,7 @@ class DesignPart(Part):
         (), description="Scenes of the objectives; default: that of the study."
     )
     over_scenes: OverScenes = Field(
-        "worst", description="Whether the worst or the mean scene counts."
+        "worst", description="Whether the worst or the mean value over the scenes counts."
     )
     constraints: Annotated[tuple[ConstraintPart, ...], Field(strict=False)] = Field(
         (), description="Limits of objectives."
@@ -308,7 +308,9 @@ class DesignPart(Part):
     seed: Annotated[int, Field(ge=0, lt=2**32)] = Field(
         DEFAULT_SEARCH.seed, description="Seed of the search."
     )
-    polish: bool = Field(DEFAULT_SEARCH.polish, description="Polish the front by exact gradients.")
+    polish: bool = Field(
+        DEFAULT_SEARCH.polish, description="Improve the front by exact gradients after the search."
+    )
     members: Annotated[int, Field(ge=1, le=10_000)] = Field(
         100, description="Greatest number of designs on the front."
     )

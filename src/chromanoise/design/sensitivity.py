@@ -1,4 +1,4 @@
-"""What 1 nm or 1 % of each parameter of a sensor does to each objective, and tolerance budgets."""
+"""Effects of 1 nm or 1 % of each parameter of a sensor on objectives, and tolerance budgets."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -40,7 +40,7 @@ Values = Callable[[Mapping[str, float]], Array]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class HalfWidths:
-    """How far the sensor may be from its values: half widths of uniform distributions.
+    """Tolerances of the parameters of a sensor: half widths of uniform distributions.
 
     Exposure and light have none.
 

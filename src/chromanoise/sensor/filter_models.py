@@ -235,7 +235,7 @@ FILTER_MODELS: Mapping[str, FilterModel] = {
             "low_nm": _length("wavelength at which the band begins"),
             "band_width_nm": _length("full width of the band"),
             "gap_nm": ModelNumber(
-                unit="nm", what="distance from the end of the band to the infrared that passes"
+                unit="nm", what="distance from the end of the passband to the infrared edge"
             ),
             "edge_nm": _length("logistic scale of the edges"),
             "peak": _share("transmittance of the band"),
@@ -246,9 +246,7 @@ FILTER_MODELS: Mapping[str, FilterModel] = {
     "dye-bands": _model(
         what="a dye with Gaussian absorption bands",
         transmittance=dye_of_bands,
-        numbers={
-            "thickness": ModelNumber(unit="1", what="thickness times concentration, relative")
-        },
+        numbers={"thickness": ModelNumber(unit="1", what="relative thickness times concentration")},
         repeated={
             "band_nm": _length("center of an absorption band"),
             "width_nm": _length("standard deviation of the band"),
@@ -256,19 +254,21 @@ FILTER_MODELS: Mapping[str, FilterModel] = {
         },
     ),
     "fabry-perot": _model(
-        what="a cavity between two mirrors",
+        what="a cavity between two mirrors (Airy)",
         transmittance=fabry_perot_filter,
         numbers={
             "center_nm": _length("wavelength of the peak"),
             "reflectance": ModelNumber(
                 unit="1", what="reflectance of each mirror", most=MOST_REFLECTANCE
             ),
-            "order": ModelNumber(unit="1", what="half wavelengths in the cavity", least=0.5),
+            "order": ModelNumber(
+                unit="1", what="order: number of half wavelengths in the cavity", least=0.5
+            ),
             "peak": _share("transmittance at the peak"),
         },
     ),
     "thin-film": _model(
-        what="a stack of films of two materials in turn, the high index first",
+        what="a stack of films of two alternating materials, the high index first",
         transmittance=alternating_stack,
         numbers={
             "index_high": _index("index of the first material"),
@@ -298,7 +298,7 @@ FILTER_MODELS: Mapping[str, FilterModel] = {
         },
     ),
     "dual-band": _model(
-        what="the visible and one band of the infrared",
+        what="a passband for visible light and one infrared band",
         transmittance=dual_band_filter,
         numbers={
             "cutoff_nm": _length("wavelength at which the visible ends"),
