@@ -70,8 +70,7 @@ if TYPE_CHECKING:
     from chromanoise.catalog import sensor_named
     from chromanoise.characterization import Characterization, characterize
     from chromanoise.color import ColorMatrix
-    from chromanoise.design import Design
-    from chromanoise.design.sensitivity import Sensitivity
+    from chromanoise.design import Design, Sensitivity
     from chromanoise.errors import InputError, Setting
     from chromanoise.exposure import Exposure, OperatingPoint
     from chromanoise.io.cubes import read_cube

@@ -38,7 +38,7 @@ def reason(error: Exception) -> str:
     return text[:_LONGEST_REASON]
 
 
-def _in(unit: str) -> str:
+def in_brackets(unit: str) -> str:
     """The unit in brackets; nothing for a number without a unit."""
     return "" if unit == "1" else f" [{unit}]"
 
@@ -68,7 +68,7 @@ def positive(name: str, unit: str, value: float) -> float:
     """A finite number > 0."""
     number = float(value)
     if not (np.isfinite(number) and number > 0):
-        raise InputError(name, f"must be finite and > 0{_in(unit)}", value=number)
+        raise InputError(name, f"must be finite and > 0{in_brackets(unit)}", value=number)
     return number
 
 
@@ -76,7 +76,7 @@ def not_negative(name: str, unit: str, value: float) -> float:
     """A finite number >= 0."""
     number = float(value)
     if not (np.isfinite(number) and number >= 0):
-        raise InputError(name, f"must be finite and >= 0{_in(unit)}", value=number)
+        raise InputError(name, f"must be finite and >= 0{in_brackets(unit)}", value=number)
     return number
 
 
@@ -84,7 +84,7 @@ def within(name: str, unit: str, value: float, low: float, high: float) -> float
     """A finite number from ``low`` to ``high``, the range in which double precision suffices."""
     number = float(value)
     if not low <= number <= high:
-        raise InputError(name, f"must be {low:g} to {high:g}{_in(unit)}", value=number)
+        raise InputError(name, f"must be {low:g} to {high:g}{in_brackets(unit)}", value=number)
     return number
 
 
@@ -94,7 +94,7 @@ def increasing(name: str, unit: str, values: Any) -> Array:
     if array.ndim != 1 or array.size < 2:
         raise InputError(
             name,
-            f"must hold at least 2 values in a row{_in(unit)}",
+            f"must hold at least 2 values in a row{in_brackets(unit)}",
             found=f"has shape {array.shape}",
         )
     falls = np.flatnonzero(np.diff(array) <= 0)
@@ -102,7 +102,7 @@ def increasing(name: str, unit: str, values: Any) -> Array:
         i = int(falls[0])
         raise InputError(
             name,
-            f"must increase{_in(unit)}",
+            f"must increase{in_brackets(unit)}",
             value=float(array[i + 1]),
             found=f"{array[i + 1]:g} follows {array[i]:g} at index {i + 1}",
             remedy="sort the rows and drop repeated ones",
@@ -171,7 +171,7 @@ def _demand(
         count = f"{int(bad.sum())} of {array.size} entries are not"
         raise InputError(
             name,
-            f"must be {demand}{_in(unit)}",
+            f"must be {demand}{in_brackets(unit)}",
             value=first,
             found=f"{count}; the first is {first:g} at index {index} (from 0)",
         )

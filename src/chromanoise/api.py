@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any, TypeVar, Unpack
 import numpy as np
 
 from chromanoise.analysis import DEFAULT_METHOD
-from chromanoise.design.sensitivity import (
+from chromanoise.design import (
     DEFAULT_OBJECTIVES,
     Sensitivity,
+    half_widths,
     sensitivity_of,
-    tolerances_of,
 )
 from chromanoise.errors import InputError
 from chromanoise.sensor import Sensor
@@ -406,7 +406,7 @@ def sensitivity(
     matrix
         As `analyze`.
     objectives
-        Names of ``chromanoise.design.objectives.OBJECTIVES``; the first one orders the table.
+        Names of ``chromanoise.design.OBJECTIVES``; the first one orders the table.
     losses
         Loss by objective, each in the unit of its objective: the change of each parameter that
         costs so much is computed.
@@ -454,7 +454,7 @@ def sensitivity(
             given=given,
             objectives=objectives,
             losses=losses,
-            tolerances=tolerances_of(tolerance_nm, tolerance_percent),
+            tolerances=half_widths(tolerance_nm, tolerance_percent),
             draws=draws,
             seed=seed,
             keep_matrix=keep_matrix,

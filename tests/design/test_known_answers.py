@@ -10,7 +10,7 @@ from chromanoise.design.candidates import Candidates
 from chromanoise.design.evaluation import Evaluator
 from chromanoise.design.problem import Evaluated, Problem
 from chromanoise.design.scenes import DesignScene
-from chromanoise.design.search import SearchSettings, search
+from chromanoise.design.search import SearchSettings, searched_front
 from chromanoise.exposure import Exposure, OperatingPoint
 from chromanoise.sensor import ir_cut, resin_filter, silicon_qe
 from chromanoise.spectra import DEFAULT_GRID, cie_1931, illuminant_named
@@ -45,7 +45,9 @@ def best(judge, candidates, low, high, *, budget):
             objectives=judge.values(candidates(x)), violation=np.zeros((len(x), 0))
         ),
     )
-    found = search(problem, SearchSettings(method="de", budget=budget, population=40, seed=1))
+    found = searched_front(
+        problem, SearchSettings(method="de", budget=budget, population=40, seed=1)
+    )
     return found.values[0], float(found.objectives[0, 0])
 
 

@@ -5,8 +5,10 @@ from pathlib import Path
 import pytest
 
 from chromanoise.design import DESIGN_STARTER, OBJECTIVES, DesignDocument, read_design
+from chromanoise.design.algorithms import METHODS
 from chromanoise.design.optimizing import task_of
 from chromanoise.design.parameters import Free
+from chromanoise.design.search import MOST_POPULATION
 from chromanoise.errors import errors_in
 from chromanoise.sensor.filter_models import FILTER_MODELS
 from outcomes import refused_input
@@ -161,3 +163,27 @@ def test_the_page_on_the_search_lists_each_filter_with_its_numbers_and_each_obje
         assert f"| `{name}` | {model.what} | {numbers} |" in page
     for name, one in OBJECTIVES.items():
         assert f"| `{name}` | {one.what} | {one.unit} | {one.better} |" in page
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("method", '"nsga-2"'),
+        ("population", "3"),
+        ("population", f"{MOST_POPULATION + 1}"),
+        ("over_scenes", '"median"'),
+        ("structure", '"stack"'),
+    ],
+)
+def test_a_design_refuses_what_its_search_and_space_refuse_with_the_key(tmp_path, key, value):
+    effort = f"[design]\n{key} = {value}\n"
+    head = HEAD.replace("population = 8\n", "").replace("budget = 16", "budget = 1_000_000")
+    with refused_input() as caught:
+        read(tmp_path, head.replace("[design]\n", effort) + CHANNEL)
+    assert [one.setting for one in errors_in(caught.value)] == [f"design.{key}"]
+
+
+def test_every_method_of_the_search_is_a_method_of_a_design(tmp_path):
+    for name in METHODS:
+        text = HEAD.replace("[design]", f'[design]\nmethod = "{name}"')
+        assert read(tmp_path, text + CHANNEL).design.method == name

@@ -114,3 +114,11 @@ def test_a_single_optimum_is_extreme_and_knee():
     at = problem.evaluate(values)
     (only,) = front_of(problem, values, at.objectives, at.violation).members
     assert (only.name, only.knee, only.extreme_of) == ("best-f1", True, ("f1",))
+
+
+def test_a_constraint_holds_the_members_whose_slack_is_a_hundredth_of_the_largest():
+    slack = np.array([0.0, 0.009, 0.011, 0.5, 1.0])
+    steps = np.arange(5.0)
+    problem = problem_of(lambda a: ([a, -a], []), [0.0], [4.0], constraints=("disk",))
+    front = front_of(problem, steps[:, None], np.stack([steps, -steps], axis=1), -slack[:, None])
+    assert [one.active for one in front.members] == [("disk",), ("disk",), (), (), ()]

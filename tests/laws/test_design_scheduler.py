@@ -11,11 +11,11 @@ import pytest
 import design_problems
 from chromanoise.design.problem import Evaluated
 from chromanoise.design.scheduler import scheduler_at
-from chromanoise.design.search import SearchSettings, search
+from chromanoise.design.search import SearchSettings, searched_front
 from design_problems import bnh
 from outcomes import refused_input
 
-SETTINGS = SearchSettings(budget=300, population=50)
+SETTINGS = SearchSettings(budget=300, population=50, seed=1)
 
 
 @pytest.fixture(scope="module")
@@ -48,11 +48,11 @@ def same(one, other):
 
 
 def test_a_cluster_gives_the_front_of_one_process_whatever_the_chunks(address):
-    here = search(bnh(), SETTINGS)
+    here = searched_front(bnh(), SETTINGS)
     with scheduler_at(address) as two:
         assert two.threads == 2
         for threads in (1, 2, 7, 60):
-            there = search(sent(bnh()), SETTINGS, evaluate_on=replace(two, threads=threads))
+            there = searched_front(sent(bnh()), SETTINGS, evaluate_on=replace(two, threads=threads))
             assert same(there, here)
 
 
@@ -68,9 +68,9 @@ def test_a_worker_that_is_killed_changes_no_bit(address):
             os.kill(workers.pop(), signal.SIGKILL)
             workers.clear()
 
-    here = search(bnh(), SETTINGS)
+    here = searched_front(bnh(), SETTINGS)
     with scheduler_at(address) as two:
-        there = search(sent(bnh()), SETTINGS, evaluate_on=two, progress=kill_one)
+        there = searched_front(sent(bnh()), SETTINGS, evaluate_on=two, progress=kill_one)
     assert workers == []
     assert same(there, here)
 
@@ -85,7 +85,7 @@ def test_a_nan_from_a_worker_is_the_same_sentence(address):
     with scheduler_at(address) as two:
         for place in (None, two):
             with refused_input(subject="the objective f1") as refused:
-                search(problem, SETTINGS, evaluate_on=place)
+                searched_front(problem, SETTINGS, evaluate_on=place)
             found.append(str(refused.value))
     assert found[0] == found[1]
 
@@ -101,4 +101,4 @@ def test_lost_workers_are_one_sentence_that_names_the_population():
         refused_input(setting="population", requirement="KilledWorker"),
         scheduler_at("local", workers=1) as one,
     ):
-        search(replace(bnh(), evaluate=ended), SETTINGS, evaluate_on=one)
+        searched_front(replace(bnh(), evaluate=ended), SETTINGS, evaluate_on=one)

@@ -11,7 +11,7 @@ from chromanoise.design import algorithms
 from chromanoise.design.algorithms import METHODS
 from chromanoise.design.front import non_dominated
 from chromanoise.design.problem import Evaluated, Problem
-from chromanoise.design.search import SearchSettings, search
+from chromanoise.design.search import SearchSettings, searched_front
 from design_problems import bnh, bowl, dtlz2, half_plane, problem_of, rosenbrock, zdt1
 from outcomes import refused_input
 
@@ -22,9 +22,11 @@ OF_ONE = "de", "cma-es"
 def found(problem, method="nsga2", budget=1600, population=40, **options):
     names = {"seed", "polish"} & set(options)
     settings = {name: options.pop(name) for name in names}
-    return search(
+    return searched_front(
         problem,
-        SearchSettings(method=method, budget=budget, population=population, **settings),
+        SearchSettings(
+            method=method, budget=budget, population=population, **{"seed": 1} | settings
+        ),
         **options,
     )
 

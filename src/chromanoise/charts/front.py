@@ -4,7 +4,7 @@ from typing import Any
 
 from chromanoise import _check
 from chromanoise.charts.text import brief, listed, table
-from chromanoise.design.front_file import FrontFile, FrontMember, FrontObjective, FrontReference
+from chromanoise.design import FrontFile, FrontMember, FrontObjective, FrontReference
 
 _DIGITS = 4
 

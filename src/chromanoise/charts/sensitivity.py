@@ -3,7 +3,7 @@
 from typing import Any
 
 from chromanoise.charts.text import NONE, brief, table
-from chromanoise.design.sensitivity import Effect, Sensitivity
+from chromanoise.design import Effect, Sensitivity
 from chromanoise.exposure import conditions
 
 _DIGITS = 3

@@ -24,8 +24,7 @@ from chromanoise.cli.output import (
     write_outputs,
 )
 from chromanoise.cli.parsing import command
-from chromanoise.design.objectives import OBJECTIVES
-from chromanoise.design.sensitivity import DEFAULT_OBJECTIVES, sensitivity_of, tolerances_of
+from chromanoise.design import DEFAULT_OBJECTIVES, OBJECTIVES, half_widths, sensitivity_of
 from chromanoise.errors import InputError
 from chromanoise.io.table import Column, Table
 from chromanoise.study import sensitivity_study
@@ -97,7 +96,7 @@ def sensitivity(
         study,
         objectives=[name.strip() for name in objectives.split(",")],
         losses=_losses(losses),
-        tolerances=tolerances_of(tolerance_nm, tolerance_percent),
+        tolerances=half_widths(tolerance_nm, tolerance_percent),
         draws=draws,
         seed=seed,
         keep_matrix=keep_matrix,

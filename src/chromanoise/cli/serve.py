@@ -35,7 +35,7 @@ def serve(study: Path | None, port: int, front: Path | None, opened: bool) -> No
 
     data = _study(study)
     if front is not None:
-        from chromanoise.design.front_file import read_front
+        from chromanoise.design import read_front
 
         read_front(front)  # an invalid one ends the command
     try:

@@ -7,6 +7,8 @@ restored state continues with the same digits.
 
 import math
 import warnings
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from importlib import util
 from typing import Any, Protocol, runtime_checkable
 
@@ -409,25 +411,97 @@ class CovarianceMatrixAdaptation:
         )
 
 
-METHODS = ("nsga2", "nsga3", "de", "cma-es")
-_OF_ONE = ("de", "cma-es")
-_PACKAGES = {"nsga2": "pymoo", "nsga3": "pymoo", "cma-es": "cma"}
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Method:
+    """A method of the search.
+
+    Attributes
+    ----------
+    algorithm
+        From problem, population and seed to the algorithm.
+    package
+        The optional package that it needs; ``None`` for none.
+    of_several
+        Whether it takes several objectives.
+    least_parameters
+        Fewest parameters of a problem.
+    """
+
+    algorithm: Callable[[Problem, int, int], Algorithm]
+    package: str | None = None
+    of_several: bool = False
+    least_parameters: int = 1
+
+
+METHODS: Mapping[str, Method] = {
+    "nsga2": Method(
+        algorithm=lambda problem, population, _: Genetic(problem, population, many=False),
+        package="pymoo",
+        of_several=True,
+    ),
+    "nsga3": Method(
+        algorithm=lambda problem, population, _: Genetic(problem, population, many=True),
+        package="pymoo",
+        of_several=True,
+    ),
+    "de": Method(algorithm=lambda problem, _, __: DifferentialEvolution(problem)),
+    "cma-es": Method(
+        algorithm=CovarianceMatrixAdaptation,
+        package="cma",
+        least_parameters=2,  # of the package
+    ),
+}
+"""Methods of the search by the names that a design gives them."""
+OF_SEVERAL = tuple(name for name, one in METHODS.items() if one.of_several)
+"""Names of the methods for several objectives."""
+OF_ONE = tuple(name for name in METHODS if name not in OF_SEVERAL)
+"""Names of the methods for one objective only."""
 
 
 def algorithm_of(problem: Problem, method: str, population: int, seed: int) -> Algorithm:
     """The algorithm of a name in `METHODS`.
 
+    Parameters
+    ----------
+    problem
+        What is searched.
+    method
+        A name in `METHODS`.
+    population
+        Candidates per generation.
+    seed
+        Of the random numbers.
+
+    Raises
+    ------
+    InputError
+        As `refuse_method`.
+    """
+    refuse_method(problem, method)
+    return METHODS[method].algorithm(problem, population, seed)
+
+
+def refuse_method(problem: Problem, method: str) -> None:
+    """Refuse a method in `METHODS` that cannot search a problem.
+
+    Parameters
+    ----------
+    problem
+        What is searched.
+    method
+        A name in `METHODS`.
+
     Raises
     ------
     InputError
         If its package is not installed, it takes one objective and the problem has several, or the
-        problem has one parameter and the method is CMA-ES.
+        problem has too few parameters for it.
     """
-    package = _PACKAGES.get(method)
-    if package and util.find_spec(package) is None:
+    chosen = METHODS[method]
+    if chosen.package and util.find_spec(chosen.package) is None:
         raise InputError(
             "method",
-            f"needs the package {package}, which is not installed",
+            f"needs the package {chosen.package}, which is not installed",
             value=method,
             found=None,
             remedy=(
@@ -436,24 +510,19 @@ def algorithm_of(problem: Problem, method: str, population: int, seed: int) -> A
             ),
         )
     count = len(problem.objectives)
-    if method in _OF_ONE and count > 1:
+    if count > 1 and not chosen.of_several:
         raise InputError(
             "method",
-            "must be nsga2 or nsga3 for several objectives",
+            f"must be {' or '.join(OF_SEVERAL)} for several objectives",
             value=method,
             found=f"is {method}, which takes one objective, and the design has {count}",
-            remedy=("use nsga2", "make all objectives but one constraints"),
+            remedy=(f"use {OF_SEVERAL[0]}", "make all objectives but one constraints"),
         )
-    if method == "cma-es" and len(problem.names) < 2:
+    if len(problem.names) < chosen.least_parameters:
         raise InputError(
             "method",
-            "must not be cma-es for one parameter",
+            f"must not be {method} for one parameter",
             value=method,
             found=f"the only parameter is {problem.names[0]}",
             remedy="use de",
         )
-    if method == "de":
-        return DifferentialEvolution(problem)
-    if method == "cma-es":
-        return CovarianceMatrixAdaptation(problem, population, seed)
-    return Genetic(problem, population, many=method == "nsga3")

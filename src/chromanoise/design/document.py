@@ -4,7 +4,7 @@ The sensors of the study are the references of the design. The first of them, or
 ``design.base`` names, gives the grid and the pixel of all designs.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Annotated, Any, Literal
 
 from pydantic import (
@@ -17,16 +17,16 @@ from pydantic import (
 )
 
 from chromanoise import _check
+from chromanoise.design.algorithms import METHODS
+from chromanoise.design.evaluation import OverScenes
 from chromanoise.design.objectives import OBJECTIVES
 from chromanoise.design.parameters import Free, Value
-from chromanoise.design.space import LIBRARY_MODEL, LIBRARY_NUMBERS
+from chromanoise.design.search import DEFAULT_SEARCH, LEAST_POPULATION, MOST_POPULATION
+from chromanoise.design.space import LIBRARY_MODEL, MODELS, PixelShares, Structure, model_numbers
 from chromanoise.errors import InputError, Setting, did_you_mean, refusal
-from chromanoise.sensor import MOSAIC_NAMES
-from chromanoise.sensor.filter_models import FILTER_MODELS, SILICON_NUMBERS, ModelNumber
+from chromanoise.sensor import MOSAIC_NAMES, SILICON_NUMBERS, ModelNumber
 from chromanoise.study import Part, Study
 
-METHODS = ("nsga2", "nsga3", "de", "cma-es")
-"""Methods of the search."""
 BEST_REFERENCE = "best reference"
 """Limit of a constraint: the best value of all references."""
 _FREE_KEYS = ("low", "high", "start", "tolerance")
@@ -61,17 +61,22 @@ def _number_or_name(given: Any) -> Any:
     return float(_check.finite("limit", "1", given))
 
 
-def _objective(name: str, info: Any) -> str:
-    if name not in OBJECTIVES:
-        remedy = did_you_mean(name, list(OBJECTIVES), f"known are {', '.join(OBJECTIVES)}", most=2)
-        raise InputError(info.field_name, "must be a known objective", value=name, remedy=remedy)
-    return name
+def _known(what: str, names: Sequence[str]) -> AfterValidator:
+    """Refuse other names, with the nearest ones as a remedy."""
+
+    def checked(name: str, info: Any) -> str:
+        if name not in names:
+            remedy = did_you_mean(name, list(names), f"known are {', '.join(names)}", most=2)
+            raise InputError(info.field_name, f"must be a known {what}", value=name, remedy=remedy)
+        return name
+
+    return AfterValidator(checked)
 
 
 Numbers = Annotated[Any, BeforeValidator(_value)]
 """A number of a design: fixed, free or tied."""
-Limit = Annotated[float | str | None, BeforeValidator(_number_or_name)]
-ObjectiveName = Annotated[str, AfterValidator(_objective)]
+LimitWord = Annotated[float | str | None, BeforeValidator(_number_or_name)]
+ObjectiveName = Annotated[str, _known("objective", tuple(OBJECTIVES))]
 
 
 class NumbersPart(Part):
@@ -112,21 +117,13 @@ def _missing(part: NumbersPart, known: Mapping[str, ModelNumber]) -> Iterator[In
         if number.default is None and name not in part.numbers:
             yield InputError(
                 name,
-                f"is missing: {number.what} [{number.unit}]",
+                f"is missing: {number.what}{_check.in_brackets(number.unit)}",
                 remedy=f"give a number, or bounds as {name} = [low, high]",
             )
 
 
-def _known_model(name: str, info: Any) -> str:
-    models = (*FILTER_MODELS, LIBRARY_MODEL)
-    if name not in models:
-        remedy = did_you_mean(name, models, f"known are {', '.join(models)}", most=2)
-        raise InputError(info.field_name, "must be a known filter", value=name, remedy=remedy)
-    return name
-
-
-FilterName = Annotated[str, AfterValidator(_known_model)]
-_MODELS = ", ".join((*FILTER_MODELS, LIBRARY_MODEL))
+FilterName = Annotated[str, _known("filter", MODELS)]
+_MODELS = ", ".join(MODELS)
 _OF_DYE = "For dye: filters of the catalog or files; the search chooses one of several."
 Curves = Annotated[tuple[str, ...], Field(strict=False)]
 
@@ -145,11 +142,7 @@ class _FilterNumbers(NumbersPart):
     def known_numbers(self) -> Mapping[str, ModelNumber]:
         """The numbers of the filter."""
         model = getattr(self, "filter", None)
-        if model is None:
-            return {}
-        if model == LIBRARY_MODEL:
-            return LIBRARY_NUMBERS
-        return FILTER_MODELS[model].numbers_for(self.numbers)
+        return {} if model is None else model_numbers(model, self.numbers)
 
 
 class FilterPart(_FilterNumbers):
@@ -225,8 +218,8 @@ class ConstraintPart(Part):
     """A limit of an objective."""
 
     objective: ObjectiveName = Field(description=f"One of {', '.join(OBJECTIVES)}.")
-    at_most: Limit = Field(None, description="Number, best reference, or name of a reference.")
-    at_least: Limit = Field(None, description="Number, best reference, or name of a reference.")
+    at_most: LimitWord = Field(None, description="Number, best reference, or name of a reference.")
+    at_least: LimitWord = Field(None, description="Number, best reference, or name of a reference.")
 
     @model_validator(mode="after")
     def _one_limit(self) -> "ConstraintPart":
@@ -251,7 +244,7 @@ class ConstraintPart(Part):
         return given
 
 
-def _shares(given: Any) -> Any:
+def _shares(given: Any) -> PixelShares:
     """Give one error message; the schema alone would give one for each type of value."""
     if isinstance(given, list | tuple) and all(map(_is_number, given)):
         return tuple(map(float, given))
@@ -275,7 +268,7 @@ class DesignPart(Part):
     )
     ir_cut: FilterPart | None = Field(None, description="A filter in front of all channels.")
     silicon: SiliconPart = Field(SiliconPart(), description="The photodiode.")
-    structure: Literal["mosaic", "layers", "router"] = Field(
+    structure: Structure = Field(
         "mosaic", description="Pixels side by side, layers in silicon, or a color router."
     )
     layers: NumbersPart = Field(
@@ -297,24 +290,26 @@ class DesignPart(Part):
     scenes: Annotated[tuple[ScenePart, ...], Field(strict=False)] = Field(
         (), description="Scenes of the objectives; default: that of the study."
     )
-    over_scenes: Literal["worst", "mean"] = Field(
+    over_scenes: OverScenes = Field(
         "worst", description="Whether the worst or the mean value over the scenes counts."
     )
     constraints: Annotated[tuple[ConstraintPart, ...], Field(strict=False)] = Field(
         (), description="Limits on objectives."
     )
-    method: Literal["nsga2", "nsga3", "de", "cma-es"] = Field(
-        "nsga2", description=f"Search: {', '.join(METHODS)}."
+    method: Annotated[str, _known("method", tuple(METHODS))] = Field(
+        DEFAULT_SEARCH.method, description=f"Search: {', '.join(METHODS)}."
     )
     budget: Annotated[int, Field(ge=1, le=10**12)] = Field(
-        20_000, description="Number of evaluated candidates."
+        DEFAULT_SEARCH.budget, description="Number of evaluated candidates."
     )
-    population: Annotated[int, Field(ge=4, le=10**7)] = Field(
-        100, description="Candidates per generation."
+    population: Annotated[int, Field(ge=LEAST_POPULATION, le=MOST_POPULATION)] = Field(
+        DEFAULT_SEARCH.population, description="Candidates per generation."
     )
-    seed: Annotated[int, Field(ge=0, lt=2**32)] = Field(0, description="Seed of the search.")
+    seed: Annotated[int, Field(ge=0, lt=2**32)] = Field(
+        DEFAULT_SEARCH.seed, description="Seed of the search."
+    )
     polish: bool = Field(
-        False, description="Improve the front by exact gradients after the search."
+        DEFAULT_SEARCH.polish, description="Improve the front by exact gradients after the search."
     )
     members: Annotated[int, Field(ge=1, le=10_000)] = Field(
         100, description="Largest number of sensors of the front."

@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Any, Literal, Protocol, runtime_checkable
+from typing import Any, Literal, Protocol, get_args, runtime_checkable
 
 import numpy as np
 
@@ -23,7 +23,8 @@ from chromanoise.geometry import dual_and_orthonormal_bases
 from chromanoise.noise import noise_sources
 from chromanoise.sensor.saturation import code_range_e
 
-OVER_SCENES = ("worst", "mean")
+OverScenes = Literal["worst", "mean"]
+"""Which value counts of those of all scenes."""
 _WEIGHTED = ("least-squares", "lmmse", "noise-regularized")
 _COMPLEX_STEP = 1e-30
 _DIFFERENCE_STEP = 1e-5  # of the range of a parameter
@@ -71,7 +72,7 @@ class Evaluator:
 
     scenes: tuple[DesignScene, ...]
     objectives: tuple[str, ...]
-    over_scenes: Literal["worst", "mean"] = "worst"
+    over_scenes: OverScenes = "worst"
     threads: int | None = None
 
     def __post_init__(self) -> None:
@@ -80,7 +81,7 @@ class Evaluator:
                 raise InputError(what, "must hold at least one", found="is empty")
         for name in _check.distinct("objectives", self.objectives):
             _check.one_of("objective", name, tuple(OBJECTIVES))
-        _check.one_of("over_scenes", self.over_scenes, OVER_SCENES)
+        _check.one_of("over_scenes", self.over_scenes, get_args(OverScenes))
         if self.threads is not None and self.threads < 1:
             raise InputError("threads", "must be at least 1", value=self.threads)
         grids = {scene.point.illuminant.grid for scene in self.scenes}

@@ -45,21 +45,23 @@ def _with_effect(pixel: PixelPart) -> PixelPart:
     return PixelPart(**{key: value for key, value in given.items() if value != usual.get(key)})
 
 
-Value = Annotated[float, Field(allow_inf_nan=False)] | None
+ObjectiveValue = Annotated[float, Field(allow_inf_nan=False)] | None
 """The value of an objective; ``None`` where it is undefined or infinite."""
 Share = Annotated[float, Field(ge=0, le=1)]
 MatrixName = Annotated[str, AfterValidator(_matrix)] | None
-Given = PlainSerializer(lambda part: part and part.model_dump(mode="json", exclude_defaults=True))
+WithoutDefaults = PlainSerializer(
+    lambda part: part and part.model_dump(mode="json", exclude_defaults=True)
+)
 """Writes only the keys of a table that differ from their defaults."""
 
 
-class _Part(BaseModel):
+class _Record(BaseModel):
     """Immutable; unknown keys are ignored, so that later versions can add some."""
 
     model_config = ConfigDict(frozen=True, strict=True, defer_build=True)
 
 
-class FrontObjective(_Part):
+class FrontObjective(_Record):
     """One objective of the search."""
 
     name: str = Field(description="Name, e.g. snr_y_db.")
@@ -68,27 +70,27 @@ class FrontObjective(_Part):
     better: Literal["higher", "lower"] = Field(description="Which values are better.")
 
 
-class FrontScene(_Part):
+class FrontScene(_Record):
     """An operating point of the search, with the tables of a study."""
 
     name: str = Field(description="Name.")
-    light: Annotated[LightPart, Given] = Field(
+    light: Annotated[LightPart, WithoutDefaults] = Field(
         LightPart(), description="The table light of a study."
     )
-    exposure: Annotated[ExposurePart, Given] = Field(
+    exposure: Annotated[ExposurePart, WithoutDefaults] = Field(
         ExposurePart(), description="The table exposure of a study."
     )
     matrix: MatrixName = Field(None, description="The color matrix, as a study names it.")
 
 
-class FrontReference(_Part):
+class FrontReference(_Record):
     """A sensor with which the members are compared."""
 
     name: str = Field(description="Name.")
-    objectives: dict[str, Value] = Field(description="Value of each objective.")
+    objectives: dict[str, ObjectiveValue] = Field(description="Value of each objective.")
 
 
-class FrontCurves(_Part):
+class FrontCurves(_Record):
     """Quantum efficiency of a member, with filters, IR-cut and crosstalk."""
 
     wavelength_nm: list[float] = Field(description="Wavelengths [nm].")
@@ -105,10 +107,10 @@ class FrontMember(FrontReference):
     held_by: list[str] = Field([], description="Active constraints and bounds.")
     values: dict[str, float] = Field({}, description="Its free parameters.")
     curves: FrontCurves = Field(description="Its quantum efficiency.")
-    pixel: Annotated[PixelPart, AfterValidator(_with_effect), Given] = Field(
+    pixel: Annotated[PixelPart, AfterValidator(_with_effect), WithoutDefaults] = Field(
         PixelPart(), description="The table pixel of a study."
     )
-    exposure: Annotated[ExposurePart | None, Given] = Field(
+    exposure: Annotated[ExposurePart | None, WithoutDefaults] = Field(
         None, description="Its own exposure, if the time is a free parameter."
     )
     matrix: MatrixName = Field(
@@ -119,7 +121,7 @@ class FrontMember(FrontReference):
     )
 
 
-class FrontFile(_Part):
+class FrontFile(_Record):
     """The content of ``front.json``."""
 
     schema_name: Literal["chromanoise front"] = Field(FRONT_SCHEMA, alias="schema")

@@ -2,7 +2,7 @@
 
 import hashlib
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -29,7 +29,7 @@ from chromanoise.design.parameters import Parameter
 from chromanoise.design.problem import Evaluated, Linearized, Problem
 from chromanoise.design.scenes import DesignScene
 from chromanoise.design.scheduler import Scheduler
-from chromanoise.design.search import Progress, SearchResult, SearchSettings, search
+from chromanoise.design.search import Progress, SearchResult, SearchSettings, searched_front
 from chromanoise.design.space import Channel, DesignSpace, Filter
 from chromanoise.errors import InputError
 from chromanoise.exposure import OperatingPoint
@@ -237,7 +237,8 @@ class Search:
     result: SearchResult
 
 
-_EFFORT = ("method", "budget", "population", "seed", "polish", "members")
+_SEARCH = tuple(one.name for one in fields(SearchSettings))
+_EFFORT = (*_SEARCH, "members")
 
 
 def _identity(document: DesignDocument, arrays: Sequence[Array]) -> str:
@@ -489,22 +490,16 @@ def searched(
     task
         Of `task_of`.
     checkpoint, resume, evaluate_on, progress
-        As `chromanoise.design.search.search`.
+        As `chromanoise.design.search.searched_front`.
 
     Raises
     ------
     InputError
-        As `chromanoise.design.search.search`.
+        As `chromanoise.design.search.searched_front`.
     """
     design, problem = task.document.design, task.problem()
-    settings = SearchSettings(
-        method=design.method,
-        budget=design.budget,
-        population=design.population,
-        seed=design.seed,
-        polish=design.polish,
-    )
-    found = search(
+    settings = SearchSettings(**{name: getattr(design, name) for name in _SEARCH})
+    found = searched_front(
         problem,
         settings,
         start=_start(task.space.parameters),

@@ -82,7 +82,7 @@ class Parameter:
         if not low < high:
             raise InputError(
                 f"bounds of {self.name}",
-                f"must satisfy low < high [{self.unit}]",
+                f"must satisfy low < high{_check.in_brackets(self.unit)}",
                 value=(low, high),
                 found=f"are {low:g} and {high:g}",
                 remedy="give one number to fix it, or exchange the bounds",
@@ -119,8 +119,7 @@ def refuse_outside(name: str, unit: str, value: float, least: float, most: float
     """
     if not least <= value <= most or not math.isfinite(value):
         remedy = "divide percent by 100" if most == 1 and 1 < value <= 100 else ()
-        unit = "" if unit == "1" else f" [{unit}]"
-        demand = f"must be {possible(least, most)}{unit}"
+        demand = f"must be {possible(least, most)}{_check.in_brackets(unit)}"
         raise InputError(name, demand, value=value, remedy=remedy)
 
 

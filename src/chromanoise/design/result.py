@@ -115,9 +115,7 @@ class Design(Result):
             return ""
         document = self.task.document
         data = document.model_dump(by_alias=True, exclude_defaults=True)
-        kept = {
-            key: data[key] for key in ("metric", "observer", "prior", "reflectances") if key in data
-        }
+        kept = {key: data[key] for key in _KEPT if key in data}
         matrix = self._matrix(member) or document.matrices[0]
         exposure = self._exposure(scene, member)
         light = document.light.model_copy(

@@ -47,7 +47,7 @@ class Scheduler:
 
 @contextmanager
 def scheduler_at(address: str, *, workers: int | None = None) -> Iterator[Scheduler]:
-    """A dask cluster for `chromanoise.design.search.search`.
+    """A dask cluster for `chromanoise.design.search.searched_front`.
 
     Parameters
     ----------

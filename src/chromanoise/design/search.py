@@ -26,9 +26,11 @@ from chromanoise.design.problem import Problem, checked_evaluation
 from chromanoise.design.scheduler import Scheduler
 from chromanoise.errors import InputError, Setting
 
+LEAST_POPULATION = 4
+"""Fewest candidates per generation: differential evolution combines three besides the parent."""
+MOST_POPULATION = 100_000
+"""Most candidates per generation."""
 _WRITTEN_EVERY_S = 2.0
-_SMALLEST_POPULATION = 4  # differential evolution combines three candidates besides the parent
-_LARGEST_POPULATION = 100_000
 _SAME = 1e-9  # relative difference of a candidate evaluated on another machine
 
 
@@ -39,7 +41,7 @@ class SearchSettings:
     Attributes
     ----------
     method
-        ``nsga2``, ``nsga3``; ``de`` or ``cma-es`` for one objective.
+        A name in `chromanoise.design.algorithms.METHODS`.
     budget
         Largest number of evaluated candidates. Only whole generations are evaluated.
     population
@@ -60,15 +62,15 @@ class SearchSettings:
     method: str = "nsga2"
     budget: int = 20_000
     population: int = 100
-    seed: int = 1
+    seed: int = 0
     polish: bool = False
 
     def __post_init__(self) -> None:
-        _check.one_of("method", self.method, METHODS)
-        if not _SMALLEST_POPULATION <= self.population <= _LARGEST_POPULATION:
+        _check.one_of("method", self.method, tuple(METHODS))
+        if not LEAST_POPULATION <= self.population <= MOST_POPULATION:
             raise InputError(
                 "population",
-                f"must be {_SMALLEST_POPULATION} to {_LARGEST_POPULATION}",
+                f"must be {LEAST_POPULATION} to {MOST_POPULATION}",
                 value=self.population,
             )
         if self.budget < self.population:
@@ -79,6 +81,10 @@ class SearchSettings:
                 remedy=(Setting("budget", (self.population,)), Setting("population")),
             )
         generation_rng(self.seed, 0)
+
+
+DEFAULT_SEARCH = SearchSettings()
+"""Method and effort of a search that names none."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -129,7 +135,7 @@ class SearchResult:
     gradient_evaluations: int
 
 
-def search(
+def searched_front(
     problem: Problem,
     settings: SearchSettings,
     *,

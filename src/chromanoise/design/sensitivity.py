@@ -1,6 +1,6 @@
 """Effects of 1 nm or 1 % of each parameter of a sensor on objectives, and tolerance budgets."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -21,15 +21,25 @@ from chromanoise.io.table import Column, Table
 from chromanoise.rng import stream
 from chromanoise.study import NOTHING_GIVEN, Given, Study, makers_of
 
-DEFAULT_OBJECTIVES = ("snr_y_db", "total_delta_e", "delta_e", "mean_separation", "vora")
+DEFAULT_OBJECTIVES: tuple[str, ...] = (
+    "snr_y_db",
+    "total_delta_e",
+    "delta_e",
+    "mean_separation",
+    "vora",
+)
+"""What a sensitivity computes if no objectives are named."""
 STEP = 0.1
 """Half step of the central differences. [nm or %]"""
-FEWEST_DRAWS = 10
+FEWEST_DRAWS, MOST_DRAWS = 10, 1_000_000
+"""Numbers of sensors that can be drawn."""
 _ROUNDING = 1e-13
+Values = Callable[[Mapping[str, float]], Array]
+"""The objectives of a sensor whose parameters are changed, by name."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Tolerances:
+class HalfWidths:
     """Tolerances of the parameters of a sensor: half widths of uniform distributions.
 
     Exposure and light have none.
@@ -63,22 +73,22 @@ class Tolerances:
         return self.nm if parameter.unit == NM else self.percent
 
 
-def tolerances_of(nm: float | None, percent: float | None) -> Tolerances | None:
-    """Tolerances; ``None`` if neither is given.
+def half_widths(nm: float | None, percent: float | None) -> HalfWidths | None:
+    """Half widths of tolerances; ``None`` if neither is given.
 
     Parameters
     ----------
     nm, percent
-        As `Tolerances`; ``None`` for 0.
+        As `HalfWidths`; ``None`` for 0.
 
     Raises
     ------
     InputError
-        As `Tolerances`.
+        As `HalfWidths`.
     """
     if nm is None and percent is None:
         return None
-    return Tolerances(nm=nm or 0.0, percent=percent or 0.0)
+    return HalfWidths(nm=nm or 0.0, percent=percent or 0.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -165,7 +175,7 @@ class Sensitivity(Result):
     value: Mapping[str, float | None]
     effects: tuple[Effect, ...]
     losses: Mapping[str, float]
-    tolerances: Tolerances | None
+    tolerances: HalfWidths | None
     spread: Spread | None
     draws: int
     notes: tuple[str, ...]
@@ -196,30 +206,6 @@ class Sensitivity(Result):
 
     def to_dict(self) -> dict[str, Any]:
         """As ``chromanoise sensitivity --json``."""
-        spread = self.spread
-        parameters = []
-        for i, effect in enumerate(self.effects):
-            one: dict[str, Any] = {
-                "name": effect.parameter.name,
-                "what": effect.parameter.what,
-                "unit": effect.parameter.unit,
-                "effects": dict(effect.slope),
-            }
-            if self.losses:
-                one["allowances"] = {
-                    name: {
-                        "alone": self.allowance(effect, name),
-                        "together": self.allowance(effect, name, together=True),
-                    }
-                    for name in self.losses
-                }
-            if spread is not None and self.tolerances is not None:
-                one["tolerance"] = self.tolerances.of(effect.parameter)
-                one["contributions"] = {k: float(v[i]) for k, v in spread.contribution.items()}
-                one["drawn_shares"] = {
-                    k: None if v is None else float(v[i]) for k, v in spread.drawn_share.items()
-                }
-            parameters.append(one)
         data: dict[str, Any] = {
             "sensor": self.point.sensor.label,
             "conditions": conditions([self.point]),
@@ -234,12 +220,12 @@ class Sensitivity(Result):
                 }
                 for one in self.objectives
             },
-            "parameters": parameters,
+            "parameters": [self._entry(i, effect) for i, effect in enumerate(self.effects)],
             "notes": list(self.notes),
         }
         if self.losses:
             data["losses"] = dict(self.losses)
-        if spread is not None:
+        if (spread := self.spread) is not None:
             data["spread"] = {
                 name: {
                     "total": spread.total[name],
@@ -253,42 +239,65 @@ class Sensitivity(Result):
             data["draws"] = self.draws
         return data
 
+    def _entry(self, i: int, effect: Effect) -> dict[str, Any]:
+        """The i-th parameter in `to_dict`."""
+        entry: dict[str, Any] = {
+            "name": effect.parameter.name,
+            "what": effect.parameter.what,
+            "unit": effect.parameter.unit,
+            "effects": dict(effect.slope),
+        }
+        if self.losses:
+            entry["allowances"] = {
+                name: {
+                    "alone": self.allowance(effect, name),
+                    "together": self.allowance(effect, name, together=True),
+                }
+                for name in self.losses
+            }
+        if self.spread is not None and self.tolerances is not None:
+            shares = self.spread.drawn_share
+            entry["tolerance"] = self.tolerances.of(effect.parameter)
+            entry["contributions"] = {k: float(v[i]) for k, v in self.spread.contribution.items()}
+            entry["drawn_shares"] = {
+                k: None if v is None else float(v[i]) for k, v in shares.items()
+            }
+        return entry
+
     def to_table(self) -> Table:
         """One row per parameter: its effect per unit, and the budget where one was requested."""
         columns = [Column(name="parameter"), Column(name="change")]
         columns += [Column(name=one.name, unit=one.unit, digits=".3g") for one in self.objectives]
-        for name in self.losses:
-            limit = f"{self.losses[name]:g}"
-            columns.append(Column(name=f"alone for {limit} of {name}", digits=".3g"))
-            columns.append(Column(name=f"together for {limit} of {name}", digits=".3g"))
-        spread, tolerances = self.spread, self.tolerances
+        for name, loss in self.losses.items():
+            columns.append(Column(name=f"alone for {loss:g} of {name}", digits=".3g"))
+            columns.append(Column(name=f"together for {loss:g} of {name}", digits=".3g"))
+        spread = self.spread
+        rows = [self._row(i, effect) for i, effect in enumerate(self.effects)]
         if spread is not None:
+            blank = [None] * (len(columns) - 1)  # up to the tolerance
             columns.append(Column(name="tolerance", digits="g"))
             columns += [Column(name=f"spread of {name}", digits=".3g") for name in spread.total]
-        rows: list[tuple[Any, ...]] = []
-        for i, effect in enumerate(self.effects):
-            row: list[Any] = [effect.parameter.name, f"+1 {effect.parameter.unit}"]
-            row += [effect.slope[one.name] for one in self.objectives]
-            for name in self.losses:
-                row += [self.allowance(effect, name), self.allowance(effect, name, together=True)]
-            if spread is not None and tolerances is not None:
-                row.append(tolerances.of(effect.parameter))
-                row += [float(one[i]) for one in spread.contribution.values()]
-            rows.append(tuple(row))
-        if spread is not None:
-            blank = [None] * (len(columns) - 2 - len(spread.total))
-            for what, values in (
-                ("root sum of squares", spread.total),
-                (f"drawn, {self.draws} sensors", spread.drawn if self.draws else {}),
-            ):
-                if values:
-                    rows.append((what, "", *blank, *values.values()))
+            rows.append(("root sum of squares", "", *blank, *spread.total.values()))
+            if self.draws:
+                drawn = f"drawn, {self.draws} sensors"
+                rows.append((drawn, "", *blank, *spread.drawn.values()))
         return Table(
             title=f"Sensitivity of {self.point.sensor.label} at {conditions([self.point])}",
             columns=tuple(columns),
             rows=tuple(rows),
             notes=self.notes,
         )
+
+    def _row(self, i: int, effect: Effect) -> tuple[Any, ...]:
+        """The i-th parameter in `to_table`."""
+        row: list[Any] = [effect.parameter.name, f"+1 {effect.parameter.unit}"]
+        row += [effect.slope[one.name] for one in self.objectives]
+        for name in self.losses:
+            row += [self.allowance(effect, name), self.allowance(effect, name, together=True)]
+        if self.spread is not None and self.tolerances is not None:
+            row.append(self.tolerances.of(effect.parameter))
+            row += [float(one[i]) for one in self.spread.contribution.values()]
+        return tuple(row)
 
     def plot(self, ax: Any = None) -> Any:
         """Draw the effect of each parameter on the first objective as bars."""
@@ -312,7 +321,7 @@ def sensitivity_of(
     given: Given = NOTHING_GIVEN,
     objectives: Sequence[str] = DEFAULT_OBJECTIVES,
     losses: Mapping[str, float] | None = None,
-    tolerances: Tolerances | None = None,
+    tolerances: HalfWidths | None = None,
     draws: int = 0,
     seed: int = 0,
     keep_matrix: bool = False,
@@ -351,24 +360,9 @@ def sensitivity_of(
     Root sum of squares: JCGM 100:2008, 5.1.2 (independent parameters, first order). A uniform
     distribution of half width a has the standard deviation a / sqrt(3) (ibid., 4.3.7).
     """
-    refuse_several(study)
-    for name in _check.distinct("objectives", objectives):
-        _check.one_of("objectives", name, tuple(OBJECTIVES))
-    if not objectives:
-        raise InputError("objectives", "must name at least one", found="is empty")
     losses = dict(losses or {})
-    for name, loss in losses.items():
-        _check.one_of("losses", name, tuple(objectives))
-        _check.positive(f"loss of {name}", OBJECTIVES[name].unit, loss)
-    if draws and tolerances is None:
-        raise InputError(
-            "draws",
-            "must be given only with tolerances",
-            value=draws,
-            remedy="give tolerance_nm or tolerance_percent",
-        )
-    if draws and not FEWEST_DRAWS <= draws <= 1_000_000:
-        raise InputError("draws", f"must be 0 or {FEWEST_DRAWS} to 1000000", value=draws)
+    refuse_several(study)
+    _refuse_requests(objectives, losses, tolerances, draws)
     variation = Variation(study=study, given=given)
     ((matrix_name, maker),) = makers_of(study).items()
     point = variation.point
@@ -378,32 +372,14 @@ def sensitivity_of(
     def values(changes: Mapping[str, float]) -> Float[Array, " q"]:
         return _values(entries, variation.at(changes), maker, kept)
 
-    base = values({})
-    notes = list(variation.notes)
-    for one, value in zip(entries, base, strict=True):
-        if not np.isfinite(value):
-            notes.append(f"{one.name} is undefined here: a channel saturates, or has no signal")
-    if not np.isfinite(base).any():
-        raise InputError(
-            "objectives",
-            "must be defined at the operating point",
-            value=tuple(objectives),
-            found="none is: a channel saturates, or has no signal",
-        )
-    slopes = [_slopes(values, one, base) for one in variation.parameters]
-    effects = [
-        Effect(
-            parameter=one,
-            slope={e.name: _finite(s) for e, s in zip(entries, slope, strict=True)},
-        )
-        for one, slope in zip(variation.parameters, slopes, strict=True)
-    ]
-    half = {one.name: tolerances.of(one) for one in variation.parameters} if tolerances else {}
-    first = entries[0].name
-
     def size(effect: Effect) -> float:
-        return abs(effect.slope[first] or 0.0) * half.get(effect.parameter.name, 1.0)
+        width = tolerances.of(effect.parameter) if tolerances else 1.0
+        return abs(effect.slope[entries[0].name] or 0.0) * width
 
+    base = values({})
+    value = {one.name: _finite(number) for one, number in zip(entries, base, strict=True)}
+    notes = [*variation.notes, *_undefined(value)]
+    effects = [_effect(entries, values, one, base) for one in variation.parameters]
     ordered = tuple(sorted(effects, key=size, reverse=True))
     spread = None
     if tolerances is not None:
@@ -419,7 +395,7 @@ def sensitivity_of(
         matrix=matrix_name,
         keeps_matrix=keep_matrix,
         objectives=entries,
-        value={one.name: _finite(value) for one, value in zip(entries, base, strict=True)},
+        value=value,
         effects=ordered,
         losses=losses,
         tolerances=tolerances,
@@ -427,6 +403,51 @@ def sensitivity_of(
         draws=draws,
         notes=tuple(notes),
     )
+
+
+def _refuse_requests(
+    objectives: Sequence[str],
+    losses: Mapping[str, float],
+    tolerances: HalfWidths | None,
+    draws: int,
+) -> None:
+    for name in _check.distinct("objectives", objectives):
+        _check.one_of("objectives", name, tuple(OBJECTIVES))
+    if not objectives:
+        raise InputError("objectives", "must name at least one", found="is empty")
+    for name, loss in losses.items():
+        _check.one_of("losses", name, tuple(objectives))
+        _check.positive(f"loss of {name}", OBJECTIVES[name].unit, loss)
+    if draws and tolerances is None:
+        raise InputError(
+            "draws",
+            "must be given only with tolerances",
+            value=draws,
+            remedy="give tolerance_nm or tolerance_percent",
+        )
+    if draws and not FEWEST_DRAWS <= draws <= MOST_DRAWS:
+        raise InputError("draws", f"must be 0 or {FEWEST_DRAWS} to {MOST_DRAWS}", value=draws)
+
+
+def _undefined(value: Mapping[str, float | None]) -> list[str]:
+    """A note for each objective that is not defined; an error if none is defined."""
+    names = [name for name, one in value.items() if one is None]
+    if len(names) == len(value):
+        raise InputError(
+            "objectives",
+            "must be defined at the operating point",
+            value=tuple(value),
+            found="none is: a channel saturates, or has no signal",
+        )
+    return [f"{name} is undefined here: a channel saturates, or has no signal" for name in names]
+
+
+def _effect(
+    entries: Sequence[Objective], values: Values, parameter: Varied, base: Float[Array, " q"]
+) -> Effect:
+    slopes = _slopes(values, parameter, base)
+    slope = {one.name: _finite(number) for one, number in zip(entries, slopes, strict=True)}
+    return Effect(parameter=parameter, slope=slope)
 
 
 def _values(
@@ -439,7 +460,7 @@ def _values(
     return np.array([value_of(one, candidate) for one in entries])
 
 
-def _slopes(values: Any, parameter: Varied, base: Float[Array, " q"]) -> Float[Array, " q"]:
+def _slopes(values: Values, parameter: Varied, base: Float[Array, " q"]) -> Float[Array, " q"]:
     """Central differences; one-sided where one side is not defined or not possible.
 
     NaN where neither is. A difference within the rounding of the values is 0.
@@ -467,49 +488,62 @@ def _spread(
     entries: Sequence[Objective],
     effects: Sequence[Effect],
     widths: Float[Array, " d"],
-    values: Any,
+    values: Values,
     draws: int,
     seed: int,
 ) -> Spread:
     slopes = np.array([[effect.slope[one.name] or 0.0 for effect in effects] for one in entries])
     contribution = np.abs(slopes) * widths / np.sqrt(3.0)
     names = [one.name for one in entries]
-    drawn: dict[str, float | None] = dict.fromkeys(names)
-    shares: dict[str, Float[Array, " d"] | None] = dict.fromkeys(names)
-    explained: dict[str, float | None] = dict.fromkeys(names)
-    undefined = dict.fromkeys(names, 0)
+    drawn = [_Drawn() for _ in names]
     if draws:
         parameters = [effect.parameter for effect in effects]
         low = np.array([0.0 if one.one_sided else -1.0 for one in parameters])
         uniform = stream(seed).random((draws, len(effects)))
         amounts = (low + (1.0 - low) * uniform) * widths
-        found = np.array(
-            [
-                values({one.name: float(x) for one, x in zip(parameters, row, strict=True) if x})
-                for row in amounts
-            ]
-        )
-        for name, values_of_all in zip(names, found.T, strict=True):
-            defined = np.isfinite(values_of_all)
-            undefined[name] = int((~defined).sum())
-            column, own = values_of_all[defined], amounts[defined]
-            if column.size < FEWEST_DRAWS:
-                continue
-            centered = own - own.mean(axis=0)
-            spread = float(column.std(ddof=1))
-            drawn[name] = spread
-            if spread > 0 and column.size > len(effects) + 1:
-                fit = lstsq("tolerances", centered, column - column.mean(), rcond=None)[0]
-                variance = column.var()
-                shares[name] = fit**2 * centered.var(axis=0) / variance
-                explained[name] = float((centered @ fit).var() / variance)
+        found = [
+            values({one.name: float(x) for one, x in zip(parameters, row, strict=True) if x})
+            for row in amounts
+        ]
+        drawn = [_drawn(amounts, column) for column in np.array(found).T]
+    by_name = dict(zip(names, drawn, strict=True))
     return Spread(
         contribution=dict(zip(names, contribution, strict=True)),
         total=dict(zip(names, np.sqrt((contribution**2).sum(axis=1)).tolist(), strict=True)),
         worst=dict(zip(names, (np.abs(slopes) @ widths).tolist(), strict=True)),
-        drawn=drawn,
-        drawn_share=shares,
-        explained=explained,
+        drawn={name: one.spread for name, one in by_name.items()},
+        drawn_share={name: one.shares for name, one in by_name.items()},
+        explained={name: one.explained for name, one in by_name.items()},
+        undefined={name: one.undefined for name, one in by_name.items()},
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Drawn:
+    """One objective of the drawn sensors, as in `Spread`."""
+
+    spread: float | None = None
+    shares: Float[Array, " d"] | None = None
+    explained: float | None = None
+    undefined: int = 0
+
+
+def _drawn(amounts: Float[Array, "draws d"], column: Float[Array, " draws"]) -> _Drawn:
+    """Spread of an objective of drawn sensors, and its linear regression on their parameters."""
+    defined = np.isfinite(column)
+    undefined = int((~defined).sum())
+    column, amounts = column[defined], amounts[defined]
+    if column.size < FEWEST_DRAWS:
+        return _Drawn(undefined=undefined)
+    spread = float(column.std(ddof=1))
+    if spread == 0 or column.size <= amounts.shape[1] + 1:
+        return _Drawn(spread=spread, undefined=undefined)
+    centered, variance = amounts - amounts.mean(axis=0), column.var()
+    fit = lstsq("tolerances", centered, column - column.mean(), rcond=None)[0]
+    return _Drawn(
+        spread=spread,
+        shares=fit**2 * centered.var(axis=0) / variance,
+        explained=float((centered @ fit).var() / variance),
         undefined=undefined,
     )
 

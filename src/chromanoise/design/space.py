@@ -1,6 +1,6 @@
 """Spaces of sensors that can be made: filters, silicon, mosaic and exposure with free numbers."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal, get_args
 
@@ -17,19 +17,25 @@ from chromanoise.sensor import (
     Mosaic,
     Sensor,
     bayer,
+    beer_lambert,
     crosstalk_of_share,
+    layered_silicon_qe,
     refuse_other_channels,
+    router_collection,
+    router_shares,
+    silicon_qe,
     with_pixel,
 )
-from chromanoise.sensor.color_router import router_collection, router_shares
-from chromanoise.sensor.filter_models import FILTER_MODELS, SILICON_NUMBERS, ModelNumber
-from chromanoise.sensor.filter_shapes import beer_lambert
+from chromanoise.sensor.filter_models import (
+    FILTER_MODELS,
+    SILICON_NUMBERS,
+    ModelNumber,
+    with_defaults,
+)
 from chromanoise.sensor.filters import (
     LEAST_LENGTH_NM,
     LEAST_LENGTH_UM,
     Number,
-    layered_silicon_qe,
-    silicon_qe,
 )
 from chromanoise.spectra import Grid
 
@@ -38,6 +44,8 @@ LEAST_SHARE = 0.01
 """Least share of the pixels that a channel of a searched mosaic has. [1]"""
 LIBRARY_MODEL = "dye"
 """The model whose curves are those of `DesignSpace.library`."""
+MODELS = (*FILTER_MODELS, LIBRARY_MODEL)
+"""Names of the models of a filter of a design."""
 Structure = Literal["mosaic", "layers", "router"]
 PixelShares = Literal["equal", "free"] | tuple[float, ...]
 
@@ -617,10 +625,30 @@ _CROSSTALK = ModelNumber(unit="1", what="share of the light that ends in neighbo
 _READ_NOISE = ModelNumber(unit="e-", what="read noise")
 _PRNU = ModelNumber(unit="1", what="PRNU", most=0.2)
 _SHARE = ModelNumber(unit="1", what="share of the pixels that are left", most=1.0)
-LIBRARY_NUMBERS = {
+_LIBRARY_NUMBERS = {
     "thickness": ModelNumber(unit="1", what="thickness over the measured one", default=1.0)
 }
 _THICKNESS = ModelNumber(unit="um", what="thickness of the layer", least=LEAST_LENGTH_UM)
+
+
+def model_numbers(model: str, given: Iterable[str]) -> Mapping[str, ModelNumber]:
+    """All numbers of a filter by name.
+
+    Parameters
+    ----------
+    model
+        One of `MODELS`.
+    given
+        Names of the numbers that are given, for a model of several films or bands.
+
+    Raises
+    ------
+    InputError
+        If too many films or bands are named.
+    """
+    if model == LIBRARY_MODEL:
+        return _LIBRARY_NUMBERS
+    return FILTER_MODELS[model].numbers_for(given)
 
 
 def _router_numbers(names: Sequence[str]) -> dict[str, ModelNumber]:
@@ -628,13 +656,12 @@ def _router_numbers(names: Sequence[str]) -> dict[str, ModelNumber]:
         unit="1", what="share of its band that the channel receives of what is collected", most=1.0
     )
     crossing = ModelNumber(unit="nm", what="wavelength between two bands", least=LEAST_LENGTH_NM)
+    edge = ModelNumber(unit="nm", what="logistic scale between bands", least=LEAST_LENGTH_NM)
     return {
         "efficiency": ModelNumber(unit="1", what="share of the light collected", most=1.0),
         **{f"{name}_selectivity": selectivity for name in names},
         **{f"crossing_{i}_nm": crossing for i in range(1, len(names))},
-        "edge_nm": ModelNumber(
-            unit="nm", what="logistic scale between bands", default=10.0, least=LEAST_LENGTH_NM
-        ),
+        **with_defaults(router_shares, {"edge_nm": edge}),
     }
 
 
@@ -647,23 +674,20 @@ def _filters_of(channel: Channel) -> Iterator[tuple[str, Filter]]:
 
 
 def _known_numbers(place: str, one: Filter) -> Mapping[str, ModelNumber]:
-    _check.one_of(f"filter of {place}", one.model, (*FILTER_MODELS, LIBRARY_MODEL))
-    if one.model == LIBRARY_MODEL:
-        return LIBRARY_NUMBERS
-    if one.curves:
+    _check.one_of(f"filter of {place}", one.model, MODELS)
+    if one.curves and one.model != LIBRARY_MODEL:
         raise InputError(
             f"curves of {place}", f"must be omitted for the model {one.model}", value=one.curves
         )
-    return FILTER_MODELS[one.model].numbers_for(one.numbers)
+    return model_numbers(one.model, one.numbers)
 
 
 def _value(place: str, name: str, numbers: Mapping[str, Value], number: ModelNumber) -> Value:
     value = numbers.get(name, number.default)
     if value is None:
-        unit = "" if number.unit == "1" else f" [{number.unit}]"
         raise InputError(
             f"{place}.{name}",
-            f"must be given: {number.what}{unit}",
+            f"must be given: {number.what}{_check.in_brackets(number.unit)}",
             found=None,
             remedy="give a number to fix it, or bounds [low, high] to search it",
         )

@@ -6,7 +6,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from chromanoise.charts.front import drawn_front
-from chromanoise.design.front_file import FrontFile
+from chromanoise.design import FrontFile
 from chromanoise.figures.style import INK, QUIET, chromanoise_style
 
 _REFERENCES = "sD^vP*"

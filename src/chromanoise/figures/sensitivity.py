@@ -3,7 +3,7 @@
 from matplotlib.axes import Axes
 
 from chromanoise.charts.sensitivity import drawn_sensitivity
-from chromanoise.design.sensitivity import Sensitivity
+from chromanoise.design import Sensitivity
 from chromanoise.figures.style import INK, QUIET
 
 _MOST = 15

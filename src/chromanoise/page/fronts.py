@@ -4,7 +4,7 @@ from pathlib import PurePosixPath
 from typing import Any
 
 from chromanoise.charts.front import drawn_front
-from chromanoise.design.front_file import (
+from chromanoise.design import (
     FRONT_SCHEMA,
     FrontFile,
     FrontMember,

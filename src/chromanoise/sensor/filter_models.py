@@ -2,7 +2,8 @@
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from inspect import signature
 
 from chromanoise._check import Array
 from chromanoise.errors import InputError
@@ -21,6 +22,7 @@ from chromanoise.sensor.filters import (
     Number,
     ir_cut,
     resin_filter,
+    silicon_qe,
 )
 from chromanoise.sensor.thin_film import LEAST_INDEX, alternating_stack
 from chromanoise.spectra import Grid
@@ -132,27 +134,65 @@ def _nth(name: str, i: int) -> str:
     return f"{stem}_{i}_{unit}" if stem else f"{name}_{i}"
 
 
-def _length(what: str, default: float | None = None) -> ModelNumber:
-    return ModelNumber(unit="nm", what=what, default=default, least=LEAST_LENGTH_NM)
+def with_defaults(
+    function: Callable[..., Array], numbers: Mapping[str, ModelNumber]
+) -> dict[str, ModelNumber]:
+    """Numbers with the defaults that a function has for keywords of their names.
+
+    Parameters
+    ----------
+    function
+        With numbers as defaults.
+    numbers
+        By name; those for which the function has no default stay as they are.
+    """
+    defaults = {
+        name: float(one.default)
+        for name, one in signature(function).parameters.items()
+        if one.default is not one.empty
+    }
+    return {
+        name: replace(number, default=defaults.get(name, number.default))
+        for name, number in numbers.items()
+    }
 
 
-def _share(what: str, default: float | None = None) -> ModelNumber:
-    return ModelNumber(unit="1", what=what, default=default, most=1.0)
+def _model(
+    what: str,
+    transmittance: Callable[..., Array],
+    numbers: Mapping[str, ModelNumber],
+    repeated: Mapping[str, ModelNumber] | None = None,
+    defaults_of: Callable[..., Array] | None = None,
+) -> FilterModel:
+    return FilterModel(
+        what=what,
+        transmittance=transmittance,
+        numbers=with_defaults(defaults_of or transmittance, numbers),
+        repeated=repeated or {},
+    )
 
 
-def _index(what: str, default: float) -> ModelNumber:
-    return ModelNumber(unit="1", what=what, default=default, least=LEAST_INDEX)
+def _length(what: str) -> ModelNumber:
+    return ModelNumber(unit="nm", what=what, least=LEAST_LENGTH_NM)
+
+
+def _share(what: str) -> ModelNumber:
+    return ModelNumber(unit="1", what=what, most=1.0)
+
+
+def _index(what: str) -> ModelNumber:
+    return ModelNumber(unit="1", what=what, least=LEAST_INDEX)
 
 
 def _dispersion(what: str) -> ModelNumber:
-    return ModelNumber(unit="um^2", what=what, default=0.0)
+    return ModelNumber(unit="um^2", what=what)
 
 
 _BAND = {
-    "peak": _share("highest transmittance", 1.0),
-    "floor": _share("transmittance far from the band", 0.0),
-    "infrared_leak": _share("share of the stopped light that passes in the infrared", 0.0),
-    "leak_nm": _length("wavelength above which it passes", 800.0),
+    "peak": _share("highest transmittance"),
+    "floor": _share("transmittance far from the band"),
+    "infrared_leak": _share("share of the stopped light that passes in the infrared"),
+    "leak_nm": _length("wavelength above which it passes"),
 }
 
 
@@ -169,7 +209,7 @@ def _ir_cut(grid: Grid, *, cutoff_nm: Number, width_nm: Number) -> Array:
 
 
 FILTER_MODELS: Mapping[str, FilterModel] = {
-    "gaussian": FilterModel(
+    "gaussian": _model(
         what="a passband with the shape of a Gaussian",
         transmittance=gaussian_filter,
         numbers={
@@ -178,7 +218,7 @@ FILTER_MODELS: Mapping[str, FilterModel] = {
             **_BAND,
         },
     ),
-    "raised-cosine": FilterModel(
+    "raised-cosine": _model(
         what="a passband with the shape of one period of a cosine",
         transmittance=raised_cosine_filter,
         numbers={
@@ -187,36 +227,33 @@ FILTER_MODELS: Mapping[str, FilterModel] = {
             **_BAND,
         },
     ),
-    "resin": FilterModel(
+    "resin": _model(
         what="a passband with logistic edges, transparent again in the infrared",
         transmittance=_resin,
+        defaults_of=resin_filter,
         numbers={
             "low_nm": _length("wavelength at which the band begins"),
             "band_width_nm": _length("full width of the band"),
             "gap_nm": ModelNumber(
                 unit="nm", what="distance from the end of the passband to the infrared edge"
             ),
-            "edge_nm": _length("logistic scale of the edges", 12.0),
-            "peak": _share("transmittance of the band", 0.9),
-            "leak": _share("transmittance in the infrared", 0.95),
-            "floor": _share("transmittance between them", 0.02),
+            "edge_nm": _length("logistic scale of the edges"),
+            "peak": _share("transmittance of the band"),
+            "leak": _share("transmittance in the infrared"),
+            "floor": _share("transmittance between them"),
         },
     ),
-    "dye-bands": FilterModel(
+    "dye-bands": _model(
         what="a dye with Gaussian absorption bands",
         transmittance=dye_of_bands,
-        numbers={
-            "thickness": ModelNumber(
-                unit="1", what="relative thickness times concentration", default=1.0
-            )
-        },
+        numbers={"thickness": ModelNumber(unit="1", what="relative thickness times concentration")},
         repeated={
             "band_nm": _length("center of an absorption band"),
             "width_nm": _length("standard deviation of the band"),
             "density": ModelNumber(unit="1", what="optical density at the center"),
         },
     ),
-    "fabry-perot": FilterModel(
+    "fabry-perot": _model(
         what="a cavity between two mirrors (Airy)",
         transmittance=fabry_perot_filter,
         numbers={
@@ -225,60 +262,63 @@ FILTER_MODELS: Mapping[str, FilterModel] = {
                 unit="1", what="reflectance of each mirror", most=MOST_REFLECTANCE
             ),
             "order": ModelNumber(
-                unit="1",
-                what="order: number of half wavelengths in the cavity",
-                default=1.0,
-                least=0.5,
+                unit="1", what="order: number of half wavelengths in the cavity", least=0.5
             ),
-            "peak": _share("transmittance at the peak", 1.0),
+            "peak": _share("transmittance at the peak"),
         },
     ),
-    "thin-film": FilterModel(
+    "thin-film": _model(
         what="a stack of films of two alternating materials, the high index first",
         transmittance=alternating_stack,
         numbers={
-            "index_high": _index("index of the first material", 2.3),
+            "index_high": _index("index of the first material"),
             "dispersion_high_um2": _dispersion("Cauchy's B of the first material"),
-            "index_low": _index("index of the second material", 1.46),
+            "index_low": _index("index of the second material"),
             "dispersion_low_um2": _dispersion("Cauchy's B of the second material"),
-            "index_in": _index("index before the stack", 1.0),
-            "index_out": _index("index behind the stack", 1.52),
+            "index_in": _index("index before the stack"),
+            "index_out": _index("index behind the stack"),
         },
         repeated={"thickness_nm": ModelNumber(unit="nm", what="thickness of a film")},
     ),
-    "ir-cut": FilterModel(
+    "ir-cut": _model(
         what="1 below a logistic edge, 0 above it",
         transmittance=_ir_cut,
+        defaults_of=ir_cut,
         numbers={
             "cutoff_nm": _length("wavelength of half transmittance"),
-            "width_nm": _length("logistic scale of the edge", 8.0),
+            "width_nm": _length("logistic scale of the edge"),
         },
     ),
-    "long-pass": FilterModel(
+    "long-pass": _model(
         what="0 below a logistic edge, 1 above it",
         transmittance=long_pass,
         numbers={
             "cuton_nm": _length("wavelength of half transmittance"),
-            "width_nm": _length("logistic scale of the edge", 8.0),
+            "width_nm": _length("logistic scale of the edge"),
         },
     ),
-    "dual-band": FilterModel(
+    "dual-band": _model(
         what="a passband for visible light and one infrared band",
         transmittance=dual_band_filter,
         numbers={
             "cutoff_nm": _length("wavelength at which the visible ends"),
             "band_nm": _length("center of the infrared band"),
             "band_width_nm": _length("full width of the infrared band"),
-            "width_nm": _length("logistic scale of the edges", 8.0),
-            "band_peak": _share("transmittance of the infrared band", 1.0),
+            "width_nm": _length("logistic scale of the edges"),
+            "band_peak": _share("transmittance of the infrared band"),
         },
     ),
 }
 """Models of filters by the names that a design gives them."""
 
-SILICON_NUMBERS: Mapping[str, ModelNumber] = {
-    "depth_um": ModelNumber(unit="um", what="collection depth", default=4.0, least=LEAST_LENGTH_UM),
-    "dead_layer_um": ModelNumber(unit="um", what="depth whose carriers are lost", default=0.05),
-    "reflectance": _share("share of the light that the surface reflects", 0.1),
-}
+SILICON_NUMBERS: Mapping[str, ModelNumber] = with_defaults(
+    silicon_qe,
+    {
+        "depth_um": ModelNumber(
+            unit="um", what="collection depth", default=4.0, least=LEAST_LENGTH_UM
+        ),
+        "dead_layer_um": ModelNumber(unit="um", what="depth whose carriers are lost"),
+        "reflectance": _share("share of the light that the surface reflects"),
+    },
+)
 """Numbers of `chromanoise.sensor.silicon_qe`."""

@@ -56,9 +56,8 @@ def per_candidate(
     real = numbers.real
     good = (real >= max(least, -_LARGEST)) & (real <= min(most, _LARGEST))  # False for a NaN
     if not good.all():
-        unit = "" if unit == "1" else f" [{unit}]"
-        first = float(real[~good].flat[0])
-        raise InputError(name, f"must be {possible(least, most)}{unit}", value=first)
+        demand = f"must be {possible(least, most)}{_check.in_brackets(unit)}"
+        raise InputError(name, demand, value=float(real[~good].flat[0]))
     return numbers[..., None]
 
 
