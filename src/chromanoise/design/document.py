@@ -19,6 +19,7 @@ from pydantic import (
 from chromanoise import _check
 from chromanoise.design.objectives import OBJECTIVES
 from chromanoise.design.parameters import Free, Value
+from chromanoise.design.robustness import STATISTICS, ToleranceDraws
 from chromanoise.design.space import LIBRARY_MODEL, LIBRARY_NUMBERS
 from chromanoise.errors import InputError, Setting, did_you_mean, refusal
 from chromanoise.sensor import MOSAIC_NAMES
@@ -29,6 +30,7 @@ METHODS = ("nsga2", "nsga3", "de", "cma-es")
 """Methods of the search."""
 BEST_REFERENCE = "best reference"
 """Limit of a constraint: the best value of all references."""
+_DRAWS = ToleranceDraws()
 _FREE_KEYS = ("low", "high", "start", "tolerance")
 _FORMS = "must be a number, [low, high], {low = .., high = ..}, or the name of another number"
 
@@ -251,6 +253,30 @@ class ConstraintPart(Part):
         return given
 
 
+class RobustPart(Part):
+    """Draws within the tolerances of the parameters, over which the search takes the objectives."""
+
+    samples: Annotated[int, Field(ge=2, le=4096)] = Field(
+        _DRAWS.samples, description="Perturbed copies of each candidate, an even number."
+    )
+    statistic: Literal["worst", "percentile-95"] = Field(
+        _DRAWS.statistic, description=f"What of the copies counts: {', '.join(STATISTICS)}."
+    )
+    seed: Annotated[int, Field(ge=0, lt=2**32)] = Field(
+        _DRAWS.seed, description="Seed of the deviations."
+    )
+
+    @model_validator(mode="after")
+    def _possible(self) -> "RobustPart":
+        _ = self.draws
+        return self
+
+    @property
+    def draws(self) -> ToleranceDraws:
+        """The draws."""
+        return ToleranceDraws(samples=self.samples, statistic=self.statistic, seed=self.seed)
+
+
 def _shares(given: Any) -> Any:
     """Give one error message; the schema alone would give one for each type of value."""
     if isinstance(given, list | tuple) and all(map(_is_number, given)):
@@ -303,6 +329,9 @@ class DesignPart(Part):
     constraints: Annotated[tuple[ConstraintPart, ...], Field(strict=False)] = Field(
         (), description="Limits of objectives."
     )
+    robust: RobustPart | None = Field(
+        None, description="Objectives over the tolerances; default: those of the exact parameters."
+    )
     method: Literal["nsga2", "nsga3", "de", "cma-es"] = Field(
         "nsga2", description=f"Search: {', '.join(METHODS)}."
     )
@@ -326,6 +355,16 @@ class DesignPart(Part):
                 f"must be at least one population of {self.population} sensors",
                 value=self.budget,
                 remedy=(Setting("budget", (self.population,)), "lower design.population"),
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _differentiable(self) -> "DesignPart":
+        if self.polish and self.robust is not None:
+            raise InputError(
+                "polish",
+                "must be false with design.robust, whose statistic has no exact gradients",
+                value=True,
             )
         return self
 

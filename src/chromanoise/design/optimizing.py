@@ -27,6 +27,7 @@ from chromanoise.design.front import Front, front_of
 from chromanoise.design.objectives import OBJECTIVES
 from chromanoise.design.parameters import Parameter
 from chromanoise.design.problem import Evaluated, Linearized, Problem
+from chromanoise.design.robustness import ToleranceDraws, over_tolerances, refuse_exact
 from chromanoise.design.scenes import DesignScene
 from chromanoise.design.scheduler import Scheduler
 from chromanoise.design.search import Progress, SearchResult, SearchSettings, search
@@ -135,10 +136,15 @@ class Task:
         """The objectives of the search."""
         return self.document.design.objectives
 
-    def problem(self) -> Problem:
-        """What the search minimizes."""
-        parameters = self.space.parameters
-        evaluate = Evaluation(
+    @property
+    def draws(self) -> ToleranceDraws | None:
+        """Of the tolerances over which the objectives are taken; ``None`` for the exact values."""
+        robust = self.document.design.robust
+        return None if robust is None else robust.draws
+
+    def evaluation(self, draws: ToleranceDraws | None) -> "Evaluation":
+        """Objectives and constraints over the draws; those of the exact parameters if ``None``."""
+        return Evaluation(
             space=self.space,
             evaluator=self.evaluator,
             objectives=len(self.objectives),
@@ -146,7 +152,13 @@ class Task:
                 (self.evaluator.objectives.index(one.objective), one.sign, one.value)
                 for one in self.limits
             ),
+            draws=draws,
         )
+
+    def problem(self) -> Problem:
+        """What the search minimizes."""
+        parameters = self.space.parameters
+        evaluate = self.evaluation(self.draws)
         return Problem(
             names=tuple(one.name for one in parameters),
             low=np.array([one.low for one in parameters]),
@@ -155,7 +167,7 @@ class Task:
             better=tuple(OBJECTIVES[name].better for name in self.objectives),
             constraints=(*(one.name for one in self.limits), FULL_WELL),
             evaluate=evaluate,
-            gradient=evaluate.linearized,
+            gradient=evaluate.linearized if self.draws is None else None,
             integer=tuple(one.name for one in parameters if one.choices),
             identity=self.identity,
         )
@@ -179,29 +191,45 @@ class Evaluation:
         How many of the evaluator's values are objectives of the search; they come first.
     limits
         Index of the value, sign (1 for at most) and number of each constraint.
+    draws
+        Of the tolerances over which both are taken; ``None`` for the exact parameters.
     """
 
     space: DesignSpace
     evaluator: Evaluator
     objectives: int
     limits: tuple[tuple[int, float, float], ...]
+    draws: ToleranceDraws | None = None
 
     def __call__(self, values: Float[Array, "m d"]) -> Evaluated:
         """Objectives and violations of ``m`` candidates."""
+        found = (
+            self._costs(values)
+            if self.draws is None
+            else over_tolerances(self._costs, values, self.space.parameters, self.draws)
+        )
+        count = self.objectives
+        return Evaluated(objectives=found[:, :count] * self._sign, violation=found[:, count:])
+
+    def _costs(self, values: Float[Array, "m d"]) -> Float[Array, "m c"]:
+        """Objectives with the sign of costs, then violations."""
         candidates = self.space.candidates(values)
         found = self.evaluator.values(candidates)
-        return Evaluated(
-            objectives=found[:, : self.objectives],
-            violation=np.column_stack(
-                [
-                    *(sign * (found[:, i] - value) for i, sign, value in self.limits),
-                    self.evaluator.share_of_full_well(candidates) - FULLEST,
-                ]
-            ),
+        return np.column_stack(
+            [
+                found[:, : self.objectives] * self._sign,
+                *(sign * (found[:, i] - value) for i, sign, value in self.limits),
+                self.evaluator.share_of_full_well(candidates) - FULLEST,
+            ]
         )
 
+    @property
+    def _sign(self) -> Float[Array, " q"]:
+        better = [one.better for one in self.evaluator.entries[: self.objectives]]
+        return np.array([1.0 if side == "lower" else -1.0 for side in better])
+
     def linearized(self, values: Float[Array, " d"]) -> Linearized:
-        """Objectives and violations of one candidate, with their derivatives."""
+        """Objectives and violations of one candidate with exact parameters, and derivatives."""
         found, jacobian = self.evaluator.gradient(self.space, values)
         share, slope = self._share(values)
         rows = [(sign * (found[i] - value), sign * jacobian[i]) for i, sign, value in self.limits]
@@ -230,11 +258,16 @@ class Search:
         The members, with their sensors.
     result
         Counts and the whole front.
+    beside
+        Further objectives of each member, by name, where parameters have tolerances: the nominal
+        ones, of the exact parameters, if the search took them over the tolerances, else the robust
+        ones, the worst of the draws. Empty without tolerances.
     """
 
     task: Task
     front: Front
     result: SearchResult
+    beside: tuple[Mapping[str, float], ...] = ()
 
 
 _EFFORT = ("method", "budget", "population", "seed", "polish", "members")
@@ -276,6 +309,9 @@ def task_of(document: DesignDocument, given: Given = NOTHING_GIVEN) -> Task:
     wanted = (*design.objectives, *(one.objective for one in design.constraints))
     names = tuple(dict.fromkeys(wanted))
     scenes = scenes_of(document, base)
+    if design.robust is not None:
+        with keyed("design.robust"):
+            refuse_exact(space.parameters)
     evaluator = Evaluator(scenes=scenes, objectives=names, over_scenes=design.over_scenes)
     references = tuple(_reference(point, evaluator) for point in points)
     return Task(
@@ -521,7 +557,15 @@ def searched(
         most=design.members,
         sensor_of=lambda values, name: task.space.sensor(values, name=name),
     )
-    return Search(task=task, front=front, result=found)
+    return Search(task=task, front=front, result=found, beside=_beside(task, front))
+
+
+def _beside(task: Task, front: Front) -> tuple[Mapping[str, float], ...]:
+    if not any(one.tolerance for one in task.space.parameters):
+        return ()
+    evaluate = task.evaluation(ToleranceDraws() if task.draws is None else None)
+    found = evaluate(np.array([one.values for one in front.members])).objectives
+    return tuple(dict(zip(task.objectives, row, strict=True)) for row in found.tolist())
 
 
 def _start(parameters: Sequence[Parameter]) -> Float[Array, "1 d"] | None:
