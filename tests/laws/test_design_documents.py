@@ -81,6 +81,10 @@ def test_a_number_is_fixed_free_or_tied(tmp_path, written, value):
         (("budget = 16", "budget = 4"), "design.budget"),
         (("budget = 16", 'base = "mono"'), "design.base"),
         (("[560, 680]", "600"), "design"),
+        (("[560, 680]", "{low = 560, high = 680, tol = 5}"), "design.channels.0.center_nm"),
+        (("[560, 680]", "nan"), "design.channels.0.center_nm"),
+        (('"delta_e"]', '"snr_y_db"]'), "design.objectives"),
+        (("budget = 16", 'budget = 16\nmethod = "de"'), "design.method"),
     ],
 )
 def test_what_a_design_cannot_use_is_refused_with_its_key(tmp_path, change, setting):

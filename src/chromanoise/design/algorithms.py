@@ -420,6 +420,22 @@ def algorithm_of(problem: Problem, method: str, population: int, seed: int) -> A
     Raises
     ------
     InputError
+        As `refuse_method`.
+    """
+    refuse_method(problem, method)
+    if method == "de":
+        return DifferentialEvolution(problem)
+    if method == "cma-es":
+        return CovarianceMatrixAdaptation(problem, population, seed)
+    return Genetic(problem, population, many=method == "nsga3")
+
+
+def refuse_method(problem: Problem, method: str) -> None:
+    """Refuse a method in `METHODS` that cannot search a problem.
+
+    Raises
+    ------
+    InputError
         If its package is not installed, it takes one objective and the problem has several, or the
         problem has one parameter and the method is CMA-ES.
     """
@@ -452,8 +468,3 @@ def algorithm_of(problem: Problem, method: str, population: int, seed: int) -> A
             found=f"the only parameter is {problem.names[0]}",
             remedy="use de",
         )
-    if method == "de":
-        return DifferentialEvolution(problem)
-    if method == "cma-es":
-        return CovarianceMatrixAdaptation(problem, population, seed)
-    return Genetic(problem, population, many=method == "nsga3")

@@ -4,6 +4,7 @@ The sensors of the study are the references of the design. The first of them, or
 ``design.base`` names, gives the grid and the pixel of all designs.
 """
 
+import math
 from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, Literal
 
@@ -40,10 +41,18 @@ def _value(given: Any) -> Value:
     if isinstance(given, str | Free):
         return given
     if _is_number(given):
-        return float(_check.finite("number", "1", given))
+        if not math.isfinite(given):
+            raise ValueError("must be finite")
+        return float(given)
     if isinstance(given, list | tuple) and len(given) == 2 and all(map(_is_number, given)):
         return Free(low=float(given[0]), high=float(given[1]))
-    if isinstance(given, Mapping) and {"low", "high"} <= set(given) <= set(_FREE_KEYS):
+    if isinstance(given, Mapping):
+        for name in given:
+            if name not in _FREE_KEYS:
+                known = f"known are {', '.join(_FREE_KEYS)}"
+                remedy = did_you_mean(name, _FREE_KEYS, known)
+                raise ValueError(f"has the unknown key {name}; {remedy}")
+    if isinstance(given, Mapping) and {"low", "high"} <= set(given):
         numbers = {name: value for name, value in given.items() if value is not None}
         if all(map(_is_number, numbers.values())):
             return Free(**{name: float(value) for name, value in numbers.items()})
@@ -356,6 +365,11 @@ class DesignPart(Part):
                 value=self.budget,
                 remedy=(Setting("budget", (self.population,)), "lower design.population"),
             )
+        return self
+
+    @model_validator(mode="after")
+    def _different_objectives(self) -> "DesignPart":
+        _check.distinct("objectives", self.objectives)
         return self
 
     @model_validator(mode="after")

@@ -13,6 +13,7 @@ from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._shapes import Float
 from chromanoise.catalog.resolve import resolve_filter, resolve_illuminant
+from chromanoise.design.algorithms import generation_rng, latin_hypercube, refuse_method
 from chromanoise.design.candidates import Candidates
 from chromanoise.design.document import (
     BEST_REFERENCE,
@@ -47,6 +48,7 @@ from chromanoise.study.assembly import prior_of
 
 FULLEST = 0.99
 """Greatest share of full well of a channel on a perfect white."""
+_SAMPLED = 64  # candidates of which the spread of each constraint is taken
 _COMPLEX_STEP = 1e-20  # no difference is taken, so that it may be this small
 
 
@@ -314,7 +316,7 @@ def task_of(document: DesignDocument, given: Given = NOTHING_GIVEN) -> Task:
             refuse_exact(space.parameters)
     evaluator = Evaluator(scenes=scenes, objectives=names, over_scenes=design.over_scenes)
     references = tuple(_reference(point, evaluator) for point in points)
-    return Task(
+    task = Task(
         document=document,
         space=space,
         scenes=scenes,
@@ -325,6 +327,9 @@ def task_of(document: DesignDocument, given: Given = NOTHING_GIVEN) -> Task:
             for i, part in enumerate(design.constraints)
         ),
     )
+    with keyed("design.method"):
+        refuse_method(task.problem(), design.method)
+    return task
 
 
 def _base_index(document: DesignDocument) -> int:
@@ -532,7 +537,7 @@ def searched(
     InputError
         As `chromanoise.design.search.search`.
     """
-    design, problem = task.document.design, task.problem()
+    design, problem = task.document.design, _with_constraint_sizes(task)
     settings = SearchSettings(
         method=design.method,
         budget=design.budget,
@@ -558,6 +563,22 @@ def searched(
         sensor_of=lambda values, name: task.space.sensor(values, name=name),
     )
     return Search(task=task, front=front, result=found, beside=_beside(task, front))
+
+
+def _with_constraint_sizes(task: Task) -> Problem:
+    """The problem whose constraints have their spread over the design space as size.
+
+    The sizes depend on the design alone, so that a search that is resumed has the same. Two digits
+    do not depend on the rounding of a processor.
+    """
+    problem = task.problem()
+    values = latin_hypercube(problem, _SAMPLED, generation_rng(0, 0))
+    sizes = []
+    for column in task.evaluation(None)(values).violation.T:
+        defined = column[np.isfinite(column)]
+        spread = float(f"{defined.std():.2g}") if defined.size else 0.0
+        sizes.append(spread or 1.0)
+    return replace(problem, constraint_sizes=tuple(sizes))
 
 
 def _beside(task: Task, front: Front) -> tuple[Mapping[str, float], ...]:
