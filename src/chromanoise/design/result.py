@@ -68,8 +68,18 @@ class Design(Result):
     @property
     def sentences(self) -> tuple[str, ...]:
         """The extremes and the knee in words."""
-        references = {one.name: one.objectives for one in self.references}
+        names = self.front.objectives
+        references = {
+            one.name: one.objectives
+            for one in self.references
+            if all(np.isfinite(one.objectives[name]) for name in names)
+        }
         told = front_sentences(self.front, self.task.space.parameters, references)
+        told += [
+            f"{one.name} is not compared: it saturates or has an undefined objective."
+            for one in self.references
+            if one.name not in references
+        ]
         by_name = {one.name: beside for one, beside in zip(self.members, self._beside, strict=True)}
         knee = by_name[self.front.knee.name]
         if knee:
