@@ -2,13 +2,23 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
-from chromanoise.design import DESIGN_STARTER, OBJECTIVES, DesignDocument, read_design
+from chromanoise.catalog import sensor_named
+from chromanoise.design import (
+    DESIGN_STARTER,
+    OBJECTIVES,
+    DesignDocument,
+    optimized,
+    read_design,
+)
 from chromanoise.design.optimizing import task_of
 from chromanoise.design.parameters import Free
 from chromanoise.errors import errors_in
+from chromanoise.sensor import dye_transmittances
 from chromanoise.sensor.filter_models import FILTER_MODELS
+from chromanoise.spectra import DEFAULT_GRID
 from outcomes import refused_input
 
 HEAD = """
@@ -165,3 +175,32 @@ def test_the_page_on_the_search_lists_each_filter_with_its_numbers_and_each_obje
         assert f"| `{name}` | {model.what} | {numbers} |" in page
     for name, one in OBJECTIVES.items():
         assert f"| `{name}` | {one.what} | {one.unit} | {one.better} |" in page
+
+
+def test_a_curve_is_the_dye_of_a_channel_of_the_catalog(tmp_path):
+    dye = CHANNEL.replace("gaussian", "dye").replace("center_nm = [560, 680]\nwidth_nm = 40", "")
+    words = '["model-rgbw:R", "model-rgbw:B"]'
+    task = task_of(read(tmp_path, f"{HEAD}{dye}curves = {words}\nthickness = [0.5, 2]"))
+    expected = dye_transmittances(sensor_named("model-rgbw", DEFAULT_GRID)).values
+    np.testing.assert_array_equal(task.space.library["model-rgbw:R"], expected[:, 0])
+    np.testing.assert_array_equal(task.space.library["model-rgbw:B"], expected[:, 2])
+    assert [one.choices for one in task.space.parameters if one.choices] == [
+        ("model-rgbw:R", "model-rgbw:B")
+    ]
+
+
+def test_the_folder_of_a_failed_search_takes_the_corrected_design(tmp_path):
+    text = HEAD + CHANNEL + constraint("at_most", "0.001")
+    with refused_input(subject="the constraints"):
+        optimized(read(tmp_path, text), tmp_path / "out")
+    optimized(read(tmp_path, text.replace("0.001", "1000")), tmp_path / "out")
+    with refused_input(requirement="must not hold another design"):
+        optimized(read(tmp_path, text.replace("0.001", "999")), tmp_path / "out")
+
+
+def test_a_saturated_reference_is_named_and_not_counted_as_beaten(tmp_path):
+    scene = "[[design.scenes]]\ntime_ms = 400.0\nlevel_lux = 1.0\n"
+    design = optimized(read(tmp_path, HEAD + CHANNEL + scene), None)
+    (lost,) = [one.name for one in design.references if one.objectives["snr_y_db"] < 0]
+    assert any(one.startswith(f"{lost} is not compared") for one in design.sentences)
+    assert not any(" better than " in one and lost in one for one in design.sentences)

@@ -12,6 +12,7 @@ import numpy as np
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._shapes import Float
+from chromanoise.catalog import KNOWN_SENSORS, sensor_named
 from chromanoise.catalog.resolve import resolve_filter, resolve_illuminant
 from chromanoise.design.algorithms import generation_rng, latin_hypercube, refuse_method
 from chromanoise.design.candidates import Candidates
@@ -36,7 +37,8 @@ from chromanoise.design.space import Channel, DesignSpace, Filter
 from chromanoise.errors import InputError
 from chromanoise.exposure import OperatingPoint
 from chromanoise.io.spectra import Answers
-from chromanoise.sensor import Sensor, mosaic_named
+from chromanoise.sensor import Sensor, dye_transmittances, mosaic_named
+from chromanoise.spectra import DEFAULT_GRID
 from chromanoise.study import (
     NOTHING_GIVEN,
     Given,
@@ -447,8 +449,19 @@ def _library(document: DesignDocument) -> dict[str, Array]:
     for key, part in parts.items():
         for word in part.curves:
             with keyed(key):
-                library[word] = resolve_filter(word, answers=answers).values[:, 0]
+                library[word] = _transmittance(word, answers)
     return library
+
+
+def _transmittance(word: str, answers: Answers) -> Array:
+    """Of a filter, or of the dye of a channel of the catalog, as ``mt9v024-rgbw:R``."""
+    name, _, channel = word.rpartition(":")
+    if name not in KNOWN_SENSORS:
+        return resolve_filter(word, answers=answers).values[:, 0]
+    dyes = dye_transmittances(sensor_named(name, DEFAULT_GRID))
+    own = [one.rpartition(":")[2] for one in dyes.names]
+    _check.one_of(f"dye of {name}", channel, own)
+    return dyes.values[:, own.index(channel)]
 
 
 def _key_in(subject: str, channels: Sequence[ChannelPart]) -> str:
