@@ -204,3 +204,56 @@ def test_a_saturated_reference_is_named_and_not_counted_as_beaten(tmp_path):
     (lost,) = [one.name for one in design.references if one.objectives["snr_y_db"] < 0]
     assert any(one.startswith(f"{lost} is not compared") for one in design.sentences)
     assert not any(" better than " in one and lost in one for one in design.sentences)
+
+
+def test_limits_that_contradict_each_other_are_refused_before_the_search(tmp_path):
+    with refused_input() as caught:
+        read(tmp_path, HEAD + CHANNEL + constraint("at_most", "1") + constraint("at_least", "2"))
+    assert [one.setting for one in errors_in(caught.value)] == ["design.constraints"]
+
+
+BARE = "\n".join(f'[[design.channels]]\nname = "{name}"' for name in "RGB")
+BANDS = "[design.router]\ncrossing_1_nm = 490\ncrossing_2_nm = 590\nedge_nm = 15\n"
+ROUTED = f"{BANDS}efficiency = [0.5, 0.9]\n" + "".join(
+    f"{name}_selectivity = 0.8\n" for name in ("R", "G", "B")
+)
+GREEN = '[[design.channels]]\nname = "G"\nfilter = "gaussian"\ncenter_nm = 540\nwidth_nm = 40\n'
+BELLS = CHANNEL + GREEN + GREEN.replace("540", "450").replace('"G"', '"B"')
+STRUCTURES = {
+    "crosstalk": (BELLS + "[design.crosstalk]\nshare = [0, 0.2]\n", "crosstalk.share"),
+    "read noise": (CHANNEL + "[design.pixel]\nread_noise_e = [1, 9]\n", "pixel.read_noise_e"),
+    "prnu": (CHANNEL + "[design.pixel]\nprnu = [0, 0.02]\n", "pixel.prnu"),
+    "time": (CHANNEL + "[design.exposure]\ntime_ms = [1, 9]\n", "exposure.time_ms"),
+    "layers": (
+        'structure = "layers"\n' + BARE
+        + "\n[design.layers]\nR_um = [1, 4]\nG_um = 1\nB_um = 0.3\n",
+        "layers.R_um",
+    ),
+    "router": ('structure = "router"\n' + BARE + "\n" + ROUTED, "router.efficiency"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", sorted(STRUCTURES))
+def test_what_a_document_varies_changes_an_objective(tmp_path, case):
+    text, name = STRUCTURES[case]
+    task = task_of(read(tmp_path, HEAD + text + "[exposure]\ntime_ms = 2.0\n"))
+    problem = task.problem()
+    middle = 0.5 * (problem.low + problem.high)
+    ends = np.tile(middle, (2, 1))
+    place = problem.names.index(name)
+    ends[:, place] = problem.low[place], problem.high[place]
+    found = problem.evaluate(ends).objectives
+    assert np.isfinite(found).all()
+    assert found[0, 0] != found[1, 0]
+
+
+def test_the_mean_of_scenes_lies_between_the_worst_and_the_best(tmp_path):
+    scenes = "[[design.scenes]]\nlevel_lux = 5\n[[design.scenes]]\nlevel_lux = 1\n"
+
+    def value(text):
+        task = task_of(read(tmp_path, text + CHANNEL))
+        return task.problem().evaluate(np.array([[620.0]])).objectives[0, 0]
+
+    mean = value(HEAD + 'over_scenes = "mean"\n' + scenes)
+    worst, bright = value(HEAD + scenes), value(HEAD + "[[design.scenes]]\nlevel_lux = 5\n")
+    assert worst < mean < bright

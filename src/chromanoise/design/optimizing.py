@@ -329,6 +329,7 @@ def task_of(document: DesignDocument, given: Given = NOTHING_GIVEN) -> Task:
             for i, part in enumerate(design.constraints)
         ),
     )
+    _refuse_contradiction(task.limits)
     with keyed("design.method"):
         refuse_method(task.problem(), design.method)
     return task
@@ -522,6 +523,20 @@ def _limit(
             setting=f"{key}.{part.side}",
         )
     return Limit(objective=part.objective, side=part.side, value=values[name], origin=name)
+
+
+def _refuse_contradiction(limits: Sequence[Limit]) -> None:
+    """Refuse two limits of one objective that no design can meet together."""
+    for most in limits:
+        for least in limits:
+            sides = (most.side, least.side) == ("at_most", "at_least")
+            if sides and most.objective == least.objective and most.value < least.value:
+                raise InputError(
+                    "constraints",
+                    "must be met together by one design",
+                    found=f"{most.name} and {least.name} contradict each other",
+                    setting="design.constraints",
+                )
 
 
 def _named(document: DesignDocument, name: str) -> int:
