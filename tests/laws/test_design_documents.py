@@ -2,15 +2,25 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
-from chromanoise.design import DESIGN_STARTER, OBJECTIVES, DesignDocument, read_design
+from chromanoise.catalog import sensor_named
+from chromanoise.design import (
+    DESIGN_STARTER,
+    OBJECTIVES,
+    DesignDocument,
+    optimized,
+    read_design,
+)
 from chromanoise.design.algorithms import METHODS
 from chromanoise.design.optimizing import task_of
 from chromanoise.design.parameters import Free
 from chromanoise.design.search import MOST_POPULATION
 from chromanoise.errors import errors_in
+from chromanoise.sensor import dye_transmittances
 from chromanoise.sensor.filter_models import FILTER_MODELS
+from chromanoise.spectra import DEFAULT_GRID
 from outcomes import refused_input
 
 HEAD = """
@@ -83,6 +93,10 @@ def test_a_number_is_fixed_free_or_tied(tmp_path, written, value):
         (("budget = 16", "budget = 4"), "design.budget"),
         (("budget = 16", 'base = "mono"'), "design.base"),
         (("[560, 680]", "600"), "design"),
+        (("[560, 680]", "{low = 560, high = 680, tol = 5}"), "design.channels.0.center_nm"),
+        (("[560, 680]", "nan"), "design.channels.0.center_nm"),
+        (('"delta_e"]', '"snr_y_db"]'), "design.objectives"),
+        (("budget = 16", 'budget = 16\nmethod = "de"'), "design.method"),
     ],
 )
 def test_what_a_design_cannot_use_is_refused_with_its_key(tmp_path, change, setting):
@@ -187,3 +201,85 @@ def test_every_method_of_the_search_is_a_method_of_a_design(tmp_path):
     for name in METHODS:
         text = HEAD.replace("[design]", f'[design]\nmethod = "{name}"')
         assert read(tmp_path, text + CHANNEL).design.method == name
+
+
+def test_a_curve_is_the_dye_of_a_channel_of_the_catalog(tmp_path):
+    dye = CHANNEL.replace("gaussian", "dye").replace("center_nm = [560, 680]\nwidth_nm = 40", "")
+    words = '["model-rgbw:R", "model-rgbw:B"]'
+    task = task_of(read(tmp_path, f"{HEAD}{dye}curves = {words}\nthickness = [0.5, 2]"))
+    expected = dye_transmittances(sensor_named("model-rgbw", DEFAULT_GRID)).values
+    np.testing.assert_array_equal(task.space.library["model-rgbw:R"], expected[:, 0])
+    np.testing.assert_array_equal(task.space.library["model-rgbw:B"], expected[:, 2])
+    assert [one.choices for one in task.space.parameters if one.choices] == [
+        ("model-rgbw:R", "model-rgbw:B")
+    ]
+
+
+def test_the_folder_of_a_failed_search_takes_the_corrected_design(tmp_path):
+    text = HEAD + CHANNEL + constraint("at_most", "0.001")
+    with refused_input(subject="the constraints"):
+        optimized(read(tmp_path, text), tmp_path / "out")
+    optimized(read(tmp_path, text.replace("0.001", "1000")), tmp_path / "out")
+    with refused_input(requirement="must not hold another design"):
+        optimized(read(tmp_path, text.replace("0.001", "999")), tmp_path / "out")
+
+
+def test_a_saturated_reference_is_named_and_not_counted_as_beaten(tmp_path):
+    scene = "[[design.scenes]]\ntime_ms = 400.0\nlevel_lux = 1.0\n"
+    design = optimized(read(tmp_path, HEAD + CHANNEL + scene), None)
+    (lost,) = [one.name for one in design.references if one.objectives["snr_y_db"] < 0]
+    assert any(one.startswith(f"{lost} is not compared") for one in design.sentences)
+    assert not any(" better than " in one and lost in one for one in design.sentences)
+
+
+def test_limits_that_contradict_each_other_are_refused_before_the_search(tmp_path):
+    with refused_input() as caught:
+        read(tmp_path, HEAD + CHANNEL + constraint("at_most", "1") + constraint("at_least", "2"))
+    assert [one.setting for one in errors_in(caught.value)] == ["design.constraints"]
+
+
+BARE = "\n".join(f'[[design.channels]]\nname = "{name}"' for name in "RGB")
+BANDS = "[design.router]\ncrossing_1_nm = 490\ncrossing_2_nm = 590\nedge_nm = 15\n"
+ROUTED = f"{BANDS}efficiency = [0.5, 0.9]\n" + "".join(
+    f"{name}_selectivity = 0.8\n" for name in ("R", "G", "B")
+)
+GREEN = '[[design.channels]]\nname = "G"\nfilter = "gaussian"\ncenter_nm = 540\nwidth_nm = 40\n'
+BELLS = CHANNEL + GREEN + GREEN.replace("540", "450").replace('"G"', '"B"')
+STRUCTURES = {
+    "crosstalk": (BELLS + "[design.crosstalk]\nshare = [0, 0.2]\n", "crosstalk.share"),
+    "read noise": (CHANNEL + "[design.pixel]\nread_noise_e = [1, 9]\n", "pixel.read_noise_e"),
+    "prnu": (CHANNEL + "[design.pixel]\nprnu = [0, 0.02]\n", "pixel.prnu"),
+    "time": (CHANNEL + "[design.exposure]\ntime_ms = [1, 9]\n", "exposure.time_ms"),
+    "layers": (
+        'structure = "layers"\n' + BARE
+        + "\n[design.layers]\nR_um = [1, 4]\nG_um = 1\nB_um = 0.3\n",
+        "layers.R_um",
+    ),
+    "router": ('structure = "router"\n' + BARE + "\n" + ROUTED, "router.efficiency"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", sorted(STRUCTURES))
+def test_what_a_document_varies_changes_an_objective(tmp_path, case):
+    text, name = STRUCTURES[case]
+    task = task_of(read(tmp_path, HEAD + text + "[exposure]\ntime_ms = 2.0\n"))
+    problem = task.problem()
+    middle = 0.5 * (problem.low + problem.high)
+    ends = np.tile(middle, (2, 1))
+    place = problem.names.index(name)
+    ends[:, place] = problem.low[place], problem.high[place]
+    found = problem.evaluate(ends).objectives
+    assert np.isfinite(found).all()
+    assert found[0, 0] != found[1, 0]
+
+
+def test_the_mean_of_scenes_lies_between_the_worst_and_the_best(tmp_path):
+    scenes = "[[design.scenes]]\nlevel_lux = 5\n[[design.scenes]]\nlevel_lux = 1\n"
+
+    def value(text):
+        task = task_of(read(tmp_path, text + CHANNEL))
+        return task.problem().evaluate(np.array([[620.0]])).objectives[0, 0]
+
+    mean = value(HEAD + 'over_scenes = "mean"\n' + scenes)
+    worst, bright = value(HEAD + scenes), value(HEAD + "[[design.scenes]]\nlevel_lux = 5\n")
+    assert worst < mean < bright

@@ -476,3 +476,28 @@ def test_a_problem_is_frozen():
     assert isinstance(bnh(), Problem)
     with pytest.raises(ValueError, match="read-only"):
         bnh().low[0] = 1
+
+
+@pytest.mark.parametrize("method", ["nsga2", "nsga3", "de", "cma-es"])
+def test_the_unit_of_a_constraint_does_not_change_the_search(method):
+    objectives = 1 if method in ("de", "cma-es") else 2
+
+    def problem(unit, **sizes):
+        def evaluate(values):
+            found = bnh().evaluate(values)
+            return Evaluated(
+                objectives=found.objectives[:, :objectives],
+                violation=(found.violation + np.array([20.0, 30.0]))
+                * np.array([unit, 1.0]),  # most are infeasible
+            )
+
+        return replace(
+            bnh(), evaluate=evaluate, objectives=("f1", "f2")[:objectives],
+            better=("lower",) * objectives, gradient=None, **sizes,
+        )  # fmt: skip
+
+    settings = SearchSettings(method=method, budget=400, population=20)
+    found = search(problem(1.0), settings)
+    same = search(problem(1024.0, constraint_sizes=(1024.0, 1.0)), settings)
+    np.testing.assert_array_equal(same.values, found.values)
+    np.testing.assert_array_equal(same.violation, found.violation * [1024.0, 1.0])

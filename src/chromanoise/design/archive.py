@@ -36,7 +36,7 @@ class Archive:
 
     def joined(self, problem: Problem, values: Float[Array, "m d"], found: Evaluated) -> "Archive":
         """The archive after a generation."""
-        feasible = misses_of(found) == 0
+        feasible = misses_of(problem, found) == 0
         costs = problem.costs(found.objectives)
         old = problem.costs(self.objectives)
         kept, fresh = merged(old, costs[feasible])
@@ -46,9 +46,9 @@ class Archive:
         def together(own: Array, new: Array) -> Array:
             return np.concatenate([own[kept], new[feasible][fresh]])[chosen]
 
-        sums = np.maximum(found.violation, 0.0).sum(axis=1)
+        sums = problem.misses(found.violation)
         best = found.violation[np.argmin(sums)]
-        nearer = sums.min() < np.maximum(self.nearest, 0.0).sum()
+        nearer = sums.min() < problem.misses(self.nearest[None])[0]
         return Archive(
             values=together(self.values, values),
             objectives=together(self.objectives, found.objectives),
@@ -81,7 +81,6 @@ def empty_archive(problem: Problem) -> Archive:
     )
 
 
-def misses_of(found: Evaluated) -> Float[Array, " m"]:
-    """Sum of the violations of each candidate, and 1 for each infinite objective."""
-    undefined = ~np.isfinite(found.objectives)
-    return np.maximum(found.violation, 0.0).sum(axis=1) + undefined.sum(axis=1)
+def misses_of(problem: Problem, found: Evaluated) -> Float[Array, " m"]:
+    """`Problem.misses` of each candidate, and 1 for each infinite objective."""
+    return problem.misses(found.violation) + (~np.isfinite(found.objectives)).sum(axis=1)

@@ -4,6 +4,7 @@ The sensors of the study are the references of the design. The first of them, or
 ``design.base`` names, gives the grid and the pixel of all designs.
 """
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Annotated, Any, Literal
 
@@ -21,6 +22,7 @@ from chromanoise.design.algorithms import METHODS
 from chromanoise.design.evaluation import OverScenes
 from chromanoise.design.objectives import OBJECTIVES
 from chromanoise.design.parameters import Free, Value
+from chromanoise.design.robustness import STATISTICS, ToleranceDraws
 from chromanoise.design.search import DEFAULT_SEARCH, LEAST_POPULATION, MOST_POPULATION
 from chromanoise.design.space import LIBRARY_MODEL, MODELS, PixelShares, Structure, model_numbers
 from chromanoise.errors import InputError, Setting, did_you_mean, refusal
@@ -29,6 +31,7 @@ from chromanoise.study import Part, Study
 
 BEST_REFERENCE = "best reference"
 """Limit of a constraint: the best value of all references."""
+_DRAWS = ToleranceDraws()
 _FREE_KEYS = ("low", "high", "start", "tolerance")
 _FORMS = "must be a number, [low, high], {low = .., high = ..}, or the name of another number"
 
@@ -38,10 +41,18 @@ def _value(given: Any) -> Value:
     if isinstance(given, str | Free):
         return given
     if _is_number(given):
-        return float(_check.finite("number", "1", given))
+        if not math.isfinite(given):
+            raise ValueError("must be finite")
+        return float(given)
     if isinstance(given, list | tuple) and len(given) == 2 and all(map(_is_number, given)):
         return Free(low=float(given[0]), high=float(given[1]))
-    if isinstance(given, Mapping) and {"low", "high"} <= set(given) <= set(_FREE_KEYS):
+    if isinstance(given, Mapping):
+        for name in given:
+            if name not in _FREE_KEYS:
+                known = f"known are {', '.join(_FREE_KEYS)}"
+                remedy = did_you_mean(name, _FREE_KEYS, known)
+                raise ValueError(f"has the unknown key {name}; {remedy}")
+    if isinstance(given, Mapping) and {"low", "high"} <= set(given):
         numbers = {name: value for name, value in given.items() if value is not None}
         if all(map(_is_number, numbers.values())):
             return Free(**{name: float(value) for name, value in numbers.items()})
@@ -244,6 +255,30 @@ class ConstraintPart(Part):
         return given
 
 
+class RobustPart(Part):
+    """Draws within the tolerances of the parameters, over which the search takes the objectives."""
+
+    samples: Annotated[int, Field(ge=2, le=4096)] = Field(
+        _DRAWS.samples, description="Perturbed copies of each candidate, an even number."
+    )
+    statistic: Literal["worst", "percentile-95"] = Field(
+        _DRAWS.statistic, description=f"What of the copies counts: {', '.join(STATISTICS)}."
+    )
+    seed: Annotated[int, Field(ge=0, lt=2**32)] = Field(
+        _DRAWS.seed, description="Seed of the deviations."
+    )
+
+    @model_validator(mode="after")
+    def _possible(self) -> "RobustPart":
+        _ = self.draws
+        return self
+
+    @property
+    def draws(self) -> ToleranceDraws:
+        """The draws."""
+        return ToleranceDraws(samples=self.samples, statistic=self.statistic, seed=self.seed)
+
+
 def _shares(given: Any) -> PixelShares:
     """Give one error message; the schema alone would give one for each type of value."""
     if isinstance(given, list | tuple) and all(map(_is_number, given)):
@@ -296,6 +331,9 @@ class DesignPart(Part):
     constraints: Annotated[tuple[ConstraintPart, ...], Field(strict=False)] = Field(
         (), description="Limits on objectives."
     )
+    robust: RobustPart | None = Field(
+        None, description="Objectives over the tolerances; default: those of the exact parameters."
+    )
     method: Annotated[str, _known("method", tuple(METHODS))] = Field(
         DEFAULT_SEARCH.method, description=f"Search: {', '.join(METHODS)}."
     )
@@ -323,6 +361,21 @@ class DesignPart(Part):
                 f"must be at least one population of {self.population} sensors",
                 value=self.budget,
                 remedy=(Setting("budget", (self.population,)), "lower design.population"),
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _different_objectives(self) -> "DesignPart":
+        _check.distinct("objectives", self.objectives)
+        return self
+
+    @model_validator(mode="after")
+    def _differentiable(self) -> "DesignPart":
+        if self.polish and self.robust is not None:
+            raise InputError(
+                "polish",
+                "must be false with design.robust, whose statistic has no exact gradients",
+                value=True,
             )
         return self
 

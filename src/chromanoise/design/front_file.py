@@ -105,6 +105,12 @@ class FrontMember(FrontReference):
     extreme_of: list[str] = Field([], description="Objectives in which no member is better.")
     knee: bool = Field(False, description="Whether it is the knee of the front.")
     held_by: list[str] = Field([], description="Active constraints and bounds.")
+    nominal: dict[str, ObjectiveValue] = Field(
+        {}, description="Its objectives without tolerances, if the search took them over these."
+    )
+    robust: dict[str, ObjectiveValue] = Field(
+        {}, description="Its worst objectives over the tolerances, if the search did not take them."
+    )
     values: dict[str, float] = Field({}, description="Its free parameters.")
     curves: FrontCurves = Field(description="Its quantum efficiency.")
     pixel: Annotated[PixelPart, AfterValidator(_with_effect), WithoutDefaults] = Field(

@@ -12,7 +12,9 @@ import numpy as np
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._shapes import Float
+from chromanoise.catalog import KNOWN_SENSORS, sensor_named
 from chromanoise.catalog.resolve import resolve_filter, resolve_illuminant
+from chromanoise.design.algorithms import generation_rng, latin_hypercube, refuse_method
 from chromanoise.design.candidates import Candidates
 from chromanoise.design.document import (
     BEST_REFERENCE,
@@ -27,6 +29,7 @@ from chromanoise.design.front import Front, front_of
 from chromanoise.design.objectives import OBJECTIVES
 from chromanoise.design.parameters import Parameter
 from chromanoise.design.problem import Evaluated, Linearized, Problem
+from chromanoise.design.robustness import ToleranceDraws, over_tolerances, refuse_exact
 from chromanoise.design.scenes import DesignScene
 from chromanoise.design.scheduler import Scheduler
 from chromanoise.design.search import Progress, SearchResult, SearchSettings, searched_front
@@ -34,7 +37,8 @@ from chromanoise.design.space import Channel, DesignSpace, Filter
 from chromanoise.errors import InputError
 from chromanoise.exposure import OperatingPoint
 from chromanoise.io.spectra import Answers
-from chromanoise.sensor import Sensor, mosaic_named
+from chromanoise.sensor import Sensor, dye_transmittances, mosaic_named
+from chromanoise.spectra import DEFAULT_GRID
 from chromanoise.study import (
     NOTHING_GIVEN,
     Given,
@@ -46,6 +50,7 @@ from chromanoise.study.assembly import prior_of
 
 FULLEST = 0.99
 """Greatest share of full well of a channel on a perfect white."""
+_SAMPLED = 64  # candidates of which the spread of each constraint is taken
 _COMPLEX_STEP = 1e-20  # no difference is taken, so that it may be this small
 
 
@@ -135,10 +140,15 @@ class Task:
         """The objectives of the search."""
         return self.document.design.objectives
 
-    def problem(self) -> Problem:
-        """What the search minimizes."""
-        parameters = self.space.parameters
-        evaluate = Evaluation(
+    @property
+    def draws(self) -> ToleranceDraws | None:
+        """Of the tolerances over which the objectives are taken; ``None`` for the exact values."""
+        robust = self.document.design.robust
+        return None if robust is None else robust.draws
+
+    def evaluation(self, draws: ToleranceDraws | None) -> "Evaluation":
+        """Objectives and constraints over the draws; those of the exact parameters if ``None``."""
+        return Evaluation(
             space=self.space,
             evaluator=self.evaluator,
             objectives=len(self.objectives),
@@ -146,7 +156,13 @@ class Task:
                 (self.evaluator.objectives.index(one.objective), one.sign, one.value)
                 for one in self.limits
             ),
+            draws=draws,
         )
+
+    def problem(self) -> Problem:
+        """What the search minimizes."""
+        parameters = self.space.parameters
+        evaluate = self.evaluation(self.draws)
         return Problem(
             names=tuple(one.name for one in parameters),
             low=np.array([one.low for one in parameters]),
@@ -155,7 +171,7 @@ class Task:
             better=tuple(OBJECTIVES[name].better for name in self.objectives),
             constraints=(*(one.name for one in self.limits), FULL_WELL),
             evaluate=evaluate,
-            gradient=evaluate.linearized,
+            gradient=evaluate.linearized if self.draws is None else None,
             integer=tuple(one.name for one in parameters if one.choices),
             identity=self.identity,
         )
@@ -179,29 +195,45 @@ class Evaluation:
         How many of the evaluator's values are objectives of the search; they come first.
     limits
         Index of the value, sign (1 for at most) and number of each constraint.
+    draws
+        Of the tolerances over which both are taken; ``None`` for the exact parameters.
     """
 
     space: DesignSpace
     evaluator: Evaluator
     objectives: int
     limits: tuple[tuple[int, float, float], ...]
+    draws: ToleranceDraws | None = None
 
     def __call__(self, values: Float[Array, "m d"]) -> Evaluated:
         """Objectives and violations of ``m`` candidates."""
+        found = (
+            self._costs(values)
+            if self.draws is None
+            else over_tolerances(self._costs, values, self.space.parameters, self.draws)
+        )
+        count = self.objectives
+        return Evaluated(objectives=found[:, :count] * self._sign, violation=found[:, count:])
+
+    def _costs(self, values: Float[Array, "m d"]) -> Float[Array, "m c"]:
+        """Objectives with the sign of costs, then violations."""
         candidates = self.space.candidates(values)
         found = self.evaluator.values(candidates)
-        return Evaluated(
-            objectives=found[:, : self.objectives],
-            violation=np.column_stack(
-                [
-                    *(sign * (found[:, i] - value) for i, sign, value in self.limits),
-                    self.evaluator.share_of_full_well(candidates) - FULLEST,
-                ]
-            ),
+        return np.column_stack(
+            [
+                found[:, : self.objectives] * self._sign,
+                *(sign * (found[:, i] - value) for i, sign, value in self.limits),
+                self.evaluator.share_of_full_well(candidates) - FULLEST,
+            ]
         )
 
+    @property
+    def _sign(self) -> Float[Array, " q"]:
+        better = [one.better for one in self.evaluator.entries[: self.objectives]]
+        return np.array([1.0 if side == "lower" else -1.0 for side in better])
+
     def linearized(self, values: Float[Array, " d"]) -> Linearized:
-        """Objectives and violations of one candidate, with their derivatives."""
+        """Objectives and violations of one candidate with exact parameters, and derivatives."""
         found, jacobian = self.evaluator.gradient(self.space, values)
         share, slope = self._share(values)
         rows = [(sign * (found[i] - value), sign * jacobian[i]) for i, sign, value in self.limits]
@@ -230,11 +262,16 @@ class Search:
         The members, with their sensors.
     result
         Counts and the whole front.
+    beside
+        Further objectives of each member, by name, where parameters have tolerances: the nominal
+        ones, of the exact parameters, if the search took them over the tolerances, else the robust
+        ones, the worst of the draws. Empty without tolerances.
     """
 
     task: Task
     front: Front
     result: SearchResult
+    beside: tuple[Mapping[str, float], ...] = ()
 
 
 _SEARCH = tuple(one.name for one in fields(SearchSettings))
@@ -277,9 +314,12 @@ def task_of(document: DesignDocument, given: Given = NOTHING_GIVEN) -> Task:
     wanted = (*design.objectives, *(one.objective for one in design.constraints))
     names = tuple(dict.fromkeys(wanted))
     scenes = scenes_of(document, base)
+    if design.robust is not None:
+        with keyed("design.robust"):
+            refuse_exact(space.parameters)
     evaluator = Evaluator(scenes=scenes, objectives=names, over_scenes=design.over_scenes)
     references = tuple(_reference(point, evaluator) for point in points)
-    return Task(
+    task = Task(
         document=document,
         space=space,
         scenes=scenes,
@@ -290,6 +330,10 @@ def task_of(document: DesignDocument, given: Given = NOTHING_GIVEN) -> Task:
             for i, part in enumerate(design.constraints)
         ),
     )
+    _refuse_contradiction(task.limits)
+    with keyed("design.method"):
+        refuse_method(task.problem(), design.method)
+    return task
 
 
 def _base_index(document: DesignDocument) -> int:
@@ -407,8 +451,19 @@ def _library(document: DesignDocument) -> dict[str, Array]:
     for key, part in parts.items():
         for word in part.curves:
             with keyed(key):
-                library[word] = resolve_filter(word, answers=answers).values[:, 0]
+                library[word] = _transmittance(word, answers)
     return library
+
+
+def _transmittance(word: str, answers: Answers) -> Array:
+    """Of a filter, or of the dye of a channel of the catalog, as ``mt9v024-rgbw:R``."""
+    name, _, channel = word.rpartition(":")
+    if name not in KNOWN_SENSORS:
+        return resolve_filter(word, answers=answers).values[:, 0]
+    dyes = dye_transmittances(sensor_named(name, DEFAULT_GRID))
+    own = [one.rpartition(":")[2] for one in dyes.names]
+    _check.one_of(f"dye of {name}", channel, own)
+    return dyes.values[:, own.index(channel)]
 
 
 def _key_in(subject: str, channels: Sequence[ChannelPart]) -> str:
@@ -471,6 +526,20 @@ def _limit(
     return Limit(objective=part.objective, side=part.side, value=values[name], origin=name)
 
 
+def _refuse_contradiction(limits: Sequence[Limit]) -> None:
+    """Refuse two limits of one objective that no design can meet together."""
+    for most in limits:
+        for least in limits:
+            sides = (most.side, least.side) == ("at_most", "at_least")
+            if sides and most.objective == least.objective and most.value < least.value:
+                raise InputError(
+                    "constraints",
+                    "must be met together by one design",
+                    found=f"{most.name} and {least.name} contradict each other",
+                    setting="design.constraints",
+                )
+
+
 def _named(document: DesignDocument, name: str) -> int:
     return [one.name for one in document.sensors].index(name)
 
@@ -497,7 +566,7 @@ def searched(
     InputError
         As `chromanoise.design.search.searched_front`.
     """
-    design, problem = task.document.design, task.problem()
+    design, problem = task.document.design, _with_constraint_sizes(task)
     settings = SearchSettings(**{name: getattr(design, name) for name in _SEARCH})
     found = searched_front(
         problem,
@@ -516,7 +585,31 @@ def searched(
         most=design.members,
         sensor_of=lambda values, name: task.space.sensor(values, name=name),
     )
-    return Search(task=task, front=front, result=found)
+    return Search(task=task, front=front, result=found, beside=_beside(task, front))
+
+
+def _with_constraint_sizes(task: Task) -> Problem:
+    """The problem whose constraints have their spread over the design space as size.
+
+    The sizes depend on the design alone, so that a search that is resumed has the same. Two digits
+    do not depend on the rounding of a processor.
+    """
+    problem = task.problem()
+    values = latin_hypercube(problem, _SAMPLED, generation_rng(0, 0))
+    sizes = []
+    for column in task.evaluation(None)(values).violation.T:
+        defined = column[np.isfinite(column)]
+        spread = float(f"{defined.std():.2g}") if defined.size else 0.0
+        sizes.append(spread or 1.0)
+    return replace(problem, constraint_sizes=tuple(sizes))
+
+
+def _beside(task: Task, front: Front) -> tuple[Mapping[str, float], ...]:
+    if not any(one.tolerance for one in task.space.parameters):
+        return ()
+    evaluate = task.evaluation(ToleranceDraws() if task.draws is None else None)
+    found = evaluate(np.array([one.values for one in front.members])).objectives
+    return tuple(dict(zip(task.objectives, row, strict=True)) for row in found.tolist())
 
 
 def _start(parameters: Sequence[Parameter]) -> Float[Array, "1 d"] | None:

@@ -71,13 +71,18 @@ def optimized(
                 "design": study_as_json(document),
             }
             write_whole(folder / RECORD, f"{json.dumps(record, indent=1)}\n".encode())
-        found = searched(
-            task,
-            checkpoint=folder / CHECKPOINT,
-            resume=resume,
-            evaluate_on=evaluate_on,
-            progress=progress,
-        )
+        try:
+            found = searched(
+                task,
+                checkpoint=folder / CHECKPOINT,
+                resume=resume,
+                evaluate_on=evaluate_on,
+                progress=progress,
+            )
+        except InputError:  # the folder of a failed search can be used by a corrected design
+            if not (folder / FRONT_JSON).exists():
+                (folder / RECORD).unlink(missing_ok=True)
+            raise
         design = Design(search=found)
         old = set((folder / SENSORS).glob("*.json"))
         with scratch_folder() as scratch:
@@ -107,7 +112,7 @@ def _refuse_other_design(folder: Path, identity: str) -> None:
             before = json.loads(file.read_text(encoding="utf-8")).get("identity")
         except (OSError, ValueError, AttributeError):
             before = None
-    elif not any((folder / name).exists() for name in (CHECKPOINT, FRONT_JSON)):
+    elif not (folder / FRONT_JSON).exists():
         return
     if before != identity:
         raise InputError(

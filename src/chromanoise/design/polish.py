@@ -55,7 +55,7 @@ def polished(problem: Problem, front: Archive, *, most: int) -> tuple[Archive, i
         gradients += run.gradients
     values = problem.allowed(np.concatenate(ends))
     found = checked_evaluation(problem, values, problem.evaluate)
-    feasible = (misses_of(found) == 0).reshape(len(tasks), -1)
+    feasible = (misses_of(problem, found) == 0).reshape(len(tasks), -1)
     first = np.arange(len(tasks)) * feasible.shape[1] + feasible.argmax(axis=1)
     found = Evaluated(objectives=found.objectives[first], violation=found.violation[first])
     return front.joined(problem, values[first], found).thinned(problem), gradients

@@ -66,6 +66,9 @@ class Problem:
         only, to the last bit; then workers and chunks change no result.
     gradient
         From values (d,) to `Linearized`; ``None`` if there are no exact derivatives.
+    constraint_sizes
+        Natural size of each violation, in its unit: violations are added as multiples of it. 1 for
+        each if empty.
     integer
         Names of the parameters that take whole numbers only, e.g. the index of a choice.
     identity
@@ -87,6 +90,7 @@ class Problem:
     evaluate: Callable[[Array], Evaluated]
     constraints: tuple[str, ...] = ()
     gradient: Callable[[Array], Linearized] | None = None
+    constraint_sizes: tuple[float, ...] = ()
     integer: tuple[str, ...] = ()
     identity: str = ""
 
@@ -105,6 +109,11 @@ class Problem:
             "parameters", names=len(self.names), low=self.low.size, high=self.high.size
         )
         _check.same_length("objectives", objectives=len(self.objectives), better=len(self.better))
+        sizes = self.constraint_sizes or (1.0,) * len(self.constraints)
+        for size in sizes:
+            _check.positive("size of a constraint", "1", size)
+        _check.same_length("constraints", constraints=len(self.constraints), sizes=len(sizes))
+        object.__setattr__(self, "constraint_sizes", sizes)
         for name, low, high in zip(self.names, self.low, self.high, strict=True):
             if not low < high:
                 raise InputError(
@@ -119,6 +128,10 @@ class Problem:
     def costs(self, objectives: Float[Array, "*m q"]) -> Float[Array, "*m q"]:
         """The objectives with their signs chosen so that lower is better."""
         return objectives * np.array([1.0 if side == "lower" else -1.0 for side in self.better])
+
+    def misses(self, violation: Float[Array, "m r"]) -> Float[Array, " m"]:
+        """Sum of the broken constraints of each candidate, in their natural sizes; 0 if none is."""
+        return (np.maximum(violation, 0.0) / np.array(self.constraint_sizes)).sum(axis=1)
 
     @property
     def whole(self) -> Bool[Array, " d"]:

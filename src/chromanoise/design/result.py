@@ -1,5 +1,6 @@
 """The result of a design: its front as data, table and figure."""
 
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -18,7 +19,7 @@ from chromanoise.design.objectives import OBJECTIVES, Objective
 from chromanoise.design.optimizing import Reference, Search, Task
 from chromanoise.design.parameters import Parameter
 from chromanoise.design.scenes import DesignScene
-from chromanoise.design.sentences import front_sentences, held_by
+from chromanoise.design.sentences import front_sentences, held_by, tolerance_sentence
 from chromanoise.errors import InputError
 from chromanoise.exposure import conditions
 from chromanoise.io.result import Result, axes_of, figures
@@ -67,8 +68,32 @@ class Design(Result):
     @property
     def sentences(self) -> tuple[str, ...]:
         """The extremes and the knee in words."""
-        references = {one.name: one.objectives for one in self.references}
-        return tuple(front_sentences(self.front, self.task.space.parameters, references))
+        names = self.front.objectives
+        references = {
+            one.name: one.objectives
+            for one in self.references
+            if all(np.isfinite(one.objectives[name]) for name in names)
+        }
+        told = front_sentences(self.front, self.task.space.parameters, references)
+        told += [
+            f"{one.name} is not compared: it saturates or has an undefined objective."
+            for one in self.references
+            if one.name not in references
+        ]
+        by_name = {one.name: beside for one, beside in zip(self.members, self._beside, strict=True)}
+        knee = by_name[self.front.knee.name]
+        if knee:
+            told.append(tolerance_sentence(self.front.knee, knee, self.beside_name))
+        return tuple(told)
+
+    @property
+    def beside_name(self) -> str:
+        """What `Search.beside` holds: ``nominal`` or ``robust`` objectives."""
+        return "robust" if self.task.draws is None else "nominal"
+
+    @property
+    def _beside(self) -> tuple[Mapping[str, float], ...]:
+        return self.search.beside or ({},) * len(self.members)
 
     def sensor(self, name: str) -> Sensor:
         """The sensor of a member.
@@ -163,6 +188,7 @@ class Design(Result):
                     extreme_of=list(one.extreme_of),
                     knee=one.knee,
                     held_by=held_by(one, parameters),
+                    **({self.beside_name: self._finite(dict(beside))} if beside else {}),
                     values=dict(
                         zip(
                             (parameter.name for parameter in parameters),
@@ -178,7 +204,7 @@ class Design(Result):
                     matrix=self._matrix(one),
                     analyze=self.analyze_command(one.name),
                 )
-                for one in self.members
+                for one, beside in zip(self.members, self._beside, strict=True)
             ],
             sentences=list(self.sentences),
         )
@@ -193,26 +219,30 @@ class Design(Result):
         objectives: list[Objective | Parameter] = [
             OBJECTIVES[name] for name in self.front.objectives
         ]
+        beside_names = self.front.objectives if self.search.beside else ()
         columns = [
             Column(name="sensor"),
             *(
                 Column(name=one.name, unit="" if one.unit == "1" else one.unit, digits=".4g")
                 for one in [*objectives, *parameters]
             ),
+            *(Column(name=f"{name}_{self.beside_name}", digits=".4g") for name in beside_names),
             Column(name="extreme of"),
             Column(name="held by"),
         ]
         rows: list[tuple[Any, ...]] = []
         for reference in self.references:
             found = self._finite(dict(reference.objectives))
-            rows.append((reference.name, *found.values(), *[None] * len(parameters), "", ""))
-        for one in self.members:
+            empty = len(parameters) + len(beside_names)
+            rows.append((reference.name, *found.values(), *[None] * empty, "", ""))
+        for one, beside in zip(self.members, self._beside, strict=True):
             marks = [*one.extreme_of, *(["knee"] if one.knee else [])]
             rows.append(
                 (
                     one.name,
                     *self._finite(dict(one.objectives)).values(),
                     *np.asarray(one.values).tolist(),
+                    *(self._finite(dict(beside)).values() if beside else ()),
                     ", ".join(marks),
                     ", ".join(held_by(one, parameters)),
                 )

@@ -1,5 +1,6 @@
 """Evaluation of a generation on a dask cluster, with the results of one process."""
 
+import re
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor
 from contextlib import contextmanager
@@ -10,7 +11,7 @@ import numpy as np
 
 from chromanoise._check import Array
 from chromanoise.design.problem import Evaluated, Problem
-from chromanoise.errors import Setting
+from chromanoise.errors import InputError, Setting
 from chromanoise.imaging.distributed import client_of
 
 
@@ -60,8 +61,13 @@ def scheduler_at(address: str, *, workers: int | None = None) -> Iterator[Schedu
     Raises
     ------
     InputError
-        As `chromanoise.imaging.distributed.client_of`.
+        As `chromanoise.imaging.distributed.client_of`, or if the address has no port.
     """
+    if address != "local" and not re.fullmatch(r"(\w+://)?[^/]+:\d+", address):
+        raise InputError(
+            "scheduler", "must be an address with a port, as tcp://host:8786, or local",
+            value=address,
+        )  # fmt: skip
     with client_of(address, workers=workers, smaller=Setting("population")) as client:
         threads = sum(client.nthreads().values())
         yield Scheduler(executor=client.get_executor(pure=False), threads=max(threads, 1))

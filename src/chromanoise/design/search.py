@@ -199,7 +199,7 @@ def searched_front(
             if not len(values):  # every combination of integer parameters was tried
                 break
             found = checked_evaluation(problem, values, evaluate)
-            misses = misses_of(found)
+            misses = misses_of(problem, found)
             defined = np.isfinite(found.objectives).all(axis=1, keepdims=True)
             costs = np.where(defined, problem.costs(found.objectives), 0.0)
             algorithm.tell(values, costs, misses, rng)

@@ -58,6 +58,27 @@ def front_sentences(
     return sentences
 
 
+def tolerance_sentence(member: Member, beside: Mapping[str, float], which: str) -> str:
+    """What the tolerances cost a member, in words.
+
+    Parameters
+    ----------
+    member
+        Of a front.
+    beside
+        Its ``nominal`` or its ``robust`` objectives, by name, beside those of the front.
+    which
+        What ``beside`` holds.
+    """
+    parts = []
+    for name, value in member.objectives.items():
+        exact, robust = (beside[name], value) if which == "nominal" else (value, beside[name])
+        one = OBJECTIVES[name]
+        after = _shown(robust, one) if np.isfinite(robust) else "undefined"
+        parts.append(f"{one.short} from {_shown(exact, one)} to {after}")
+    return f"{member.name}: its tolerances change {', '.join(parts)}."
+
+
 def beats(member: Mapping[str, float], other: Mapping[str, float], names: Sequence[str]) -> bool:
     """Whether a design is no worse in any objective and better in one.
 
