@@ -18,19 +18,19 @@ from numba import njit
 from chromanoise.imaging.kernel_cache import kernel
 from chromanoise.imaging.noise_blocks import (
     LANES,
-    count_low,
     count_refused,
     list_low,
     normal_of_words,
     room_for,
 )
 from chromanoise.imaging.noise_draws import (
-    chance_of_none,
+    exponential_less_one,
     minus_log,
     normal_quantile,
     poisson_quantile_of_many,
     read_quantile_of_many,
 )
+from chromanoise.imaging.poisson_table import ALIASES, CELLS_PER_E, few_more, leading_count
 from chromanoise.imaging.philox import (
     LIGHT,
     PIXEL_GAIN,
@@ -39,12 +39,13 @@ from chromanoise.imaging.philox import (
     ROW,
     words_at,
 )
+from chromanoise.imaging.simd import fused
 
 _F = np.float32
 _ZERO, _ONE, _HALF = _F(0.0), _F(1.0), _F(0.5)
 _TO_SHARE = _F(2.0**-32)
 _HIGH_BIT = np.int32(31)
-_LOGISTIC = 1e-5  # as in chromanoise.sensor.read_noise
+_LOGISTIC = _F(1e-5)  # as in chromanoise.sensor.read_noise
 _MARK = np.uint64(1 << 15)
 _WORD, _HIGH, _SHIFT_16 = np.uint64(0xFFFFFFFF), np.uint64(32), np.uint64(16)
 _ROW_AT = 24
@@ -170,10 +171,33 @@ def draw_counts(mean, read_e, words, count, use, few_e, room, electrons):
             for j in range(count):
                 electrons[j] = poisson_quantile_of_many(mean[j], normal[j])
     if few > 0:
-        count_low(mean, words, electrons, lanes, few)
+        count_by_table(mean, words, few, room, electrons)
     if not use.read:
         return 0
     return few if use.together else count
+
+
+@kernel(error_model="numpy")
+@no_type_check
+def count_by_table(mean, words, few, room, electrons):
+    """Poisson electrons of the first ``few`` lanes listed in ``room``, whose means are low.
+
+    The sum of two counts: one of the largest multiple of 1/2 e- below the mean, by a table, and one
+    of the rest. One word draws both: within its share of the first count it is still uniform.
+    """
+    lanes, rest, share = room
+    for j in range(few):
+        lane = np.uintp(lanes[j])
+        low = max(mean[lane], _ZERO)
+        cell = np.int32(low * CELLS_PER_E)
+        entry = ALIASES[np.uintp(cell), np.uintp(words[lane] >> np.uint32(26))]
+        electrons[lane], share[j] = leading_count(entry, words[lane])
+        rest[j] = low - _F(cell) / CELLS_PER_E
+    for j in range(few):
+        share[j] = few_more(rest[j], share[j])
+    for j in range(few):
+        lane = np.uintp(lanes[j])
+        electrons[lane] = electrons[lane] + share[j]
 
 
 @kernel(error_model="numpy")
@@ -183,7 +207,7 @@ def draw_read(words, waiting, count, read_e, shape, use, room, electrons):
     lanes, normal, logs = room
     if waiting == count:
         if use.tails:
-            tail_scores(words, count, shape, normal)
+            tail_scores(words, count, shape, normal, logs)
         else:
             normal_of_words(words, count, normal, logs)
         for j in range(count):
@@ -199,22 +223,27 @@ def draw_read(words, waiting, count, read_e, shape, use, room, electrons):
 
 @kernel(error_model="numpy")
 @no_type_check
-def tail_scores(words, count, shape, scores):
-    """Tukey lambda variates of scale 1 (f4) of ``count`` words: (u^s - (1 - u)^s) / s."""
+def tail_scores(words, count, shape, scores, logs):
+    """Tukey lambda variates of scale 1 (f4) of ``count`` words: (u^s - (1 - u)^s) / s.
+
+    With H = -ln of the larger of u and 1 - u and D = ln u - ln(1 - u) their size is
+    e^(-s H) (1 - e^(-s |D|)) / s. It errs by 1e-6 of it or of the standard deviation.
+    """
     for j in range(count):
         signed = np.int32(words[j])
         folded = np.int32(signed ^ np.int32(signed >> _HIGH_BIT))
         tail = (_F(folded) + _HALF) * _TO_SHARE
-        low, high = np.float64(minus_log(tail)), np.float64(minus_log(_ONE - tail))
-        if shape > _LOGISTIC:
-            size = (chance_of_none(shape * high) - chance_of_none(shape * low)) / shape
-        elif shape < -_LOGISTIC:
-            size = (1.0 / chance_of_none(-shape * high) - 1.0 / chance_of_none(-shape * low)) / (
-                shape
-            )
-        else:
-            size = low - high
-        scores[j] = _F(size if signed < 0 else -size)
+        high = minus_log(_ONE - tail)
+        away = minus_log(tail) - high
+        logs[j] = high
+        scores[j] = away if signed < 0 else -away
+    if abs(shape) <= _LOGISTIC:
+        return
+    scale = -_ONE / shape
+    for j in range(count):
+        size = exponential_less_one(-shape * abs(scores[j])) * scale
+        size = fused(exponential_less_one(-shape * logs[j]), size, size)
+        scores[j] = size if scores[j] > _ZERO else -size
 
 
 @kernel(error_model="numpy")
