@@ -22,7 +22,8 @@ from chromanoise.imaging.noise_draws import FEW_E
 from chromanoise.imaging.simd import fused
 
 _F = np.float32
-CELLS_PER_E = _F(2.0)
+_CELL_E = 0.5
+_CELLS = int(FEW_E / _CELL_E)
 _COLUMNS, _PART_BITS = 64, 26
 _PART = 1 << _PART_BITS
 
@@ -55,11 +56,12 @@ def _aliases(units: list[int]) -> list[int]:
 
 
 ALIASES = np.array(
-    [_aliases(_chances(cell / float(CELLS_PER_E))) for cell in range(int(FEW_E * CELLS_PER_E))],
-    np.uint32,
-)
-"""A row for each multiple of 1/2 e- below 20 e-, a column for each value of the high 6 bits."""
+    [entry for cell in range(_CELLS) for entry in _aliases(_chances(cell * _CELL_E))], np.uint32
+).view(np.int32)
+"""64 columns, by the high 6 bits of the word, for each multiple of 1/2 e- below 20 e-."""
 
+_PER_E, _E_PER_CELL = _F(1 / _CELL_E), _F(_CELL_E)
+_LAST_CELL = _F(_CELLS - 1)
 _LOW = np.uint32(_PART - 1)
 _OTHER = np.uint32(_COLUMNS - 1)
 _SIX, _AT = np.uint32(6), np.uint32(_PART_BITS)
@@ -68,14 +70,38 @@ _ZERO, _HALF, _ONE, _WHOLE = _F(0.0), _F(0.5), _F(1.0), np.int32(_PART)
 
 @njit(inline="always", error_model="numpy")
 @no_type_check
+def cell_of(mean):
+    """Which multiple of 1/2 e- is drawn from the table (i4); the last or the first for others."""
+    cell = mean * _PER_E
+    cell = cell if cell > _ZERO else _ZERO  # also for not a number
+    return np.int32(cell if cell < _LAST_CELL else _LAST_CELL)
+
+
+@njit(inline="always", error_model="numpy")
+@no_type_check
+def start_of(cell):
+    """Mean (f4) of a cell."""
+    return _F(cell) * _E_PER_CELL
+
+
+@njit(inline="always", error_model="numpy")
+@no_type_check
+def place_of(cell, word):
+    """Where in the table the column of a word lies (i4)."""
+    return np.int32(np.int32(cell << np.int32(6)) + np.int32(word >> _AT))
+
+
+@njit(inline="always", error_model="numpy")
+@no_type_check
 def leading_count(entry, word):
-    """Count (f4) by the entry of a table's column, and a uniform share (f4) between 0 and 1."""
+    """Count (i4) by the entry of a column, and a uniform share (f4) between 0 and 1."""
+    entry = np.uint32(entry)
     own, at = np.int32(entry >> _SIX), np.int32(word & _LOW)
     is_own = at < own
     count = np.int32(word >> _AT) if is_own else np.int32(entry & _OTHER)
     start = np.int32(0) if is_own else own
     size = own if is_own else np.int32(_WHOLE - own)
-    return _F(count), (_F(np.int32(at - start)) + _HALF) / _F(size)
+    return count, (_F(np.int32(at - start)) + _HALF) / _F(size)
 
 
 _E = tuple(_F((-1.0) ** k / math.factorial(k)) for k in range(8))
