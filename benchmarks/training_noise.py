@@ -3,7 +3,7 @@
 Both run on the same number of threads; processor time is compared. PyTorch adds Poisson electrons
 and normal read noise; the sampler here also rounds, clips, and gives the variance of each value,
 for a Bayer mosaic of 1500 x 2000 pixels. Rounds take turns; the ratio is the median over the
-rounds. With a read noise of 1 e-, electrons are counted one by one below 17 e-. Needs the extra
+rounds. With a read noise of 1 e-, electrons are drawn by a table below 17 e-. Needs the extra
 ``torch``.
 """
 

@@ -12,12 +12,15 @@ from scipy.special import ndtr
 
 import chromanoise as cn
 from chromanoise.imaging import AddCameraNoise, NoisyDataset
-from chromanoise.imaging.noise_draws import read_quantile_of_many
+from chromanoise.imaging.noise_draws import exponential_less_one, read_quantile_of_many
+from chromanoise.imaging.poisson_table import ALIASES
+from chromanoise.imaging.training_kernels import count_by_table, tail_scores
 from chromanoise.imaging.training_noise import counted_below_e
 from chromanoise.sensor import CameraNoise, LogLinearNoise, ReadNoiseSum, bayer
 from outcomes import refused_input
 
 SUMS = vectorize(lambda mean, variance, z: read_quantile_of_many(mean, variance, z))
+LESS_ONE = vectorize(lambda x: exponential_less_one(x))
 PARTS = ("shot", "read", "dark", "prnu", "dsnu", "row", "quantize", "clamp")
 OFF = dict.fromkeys(PARTS, False)
 
@@ -127,6 +130,51 @@ def test_the_sum_of_electrons_and_read_noise_has_the_exact_chances(read_e):
         assert abs(chance - ndtr(z)).max() < 5.5e-6
 
 
+def test_the_table_of_counts_has_the_chances_of_poisson_to_a_unit_of_the_word():
+    for cell, row in enumerate(ALIASES.view(np.uint32).reshape(-1, 64).astype(np.int64)):
+        own = row >> 6
+        chance = (own + np.bincount(row & 63, (1 << 26) - own, minlength=64)) / 2.0**32
+        wanted = stats.poisson.pmf(np.arange(64), cell / 2)
+        assert chance == pytest.approx(wanted, abs=2e-9)
+
+
+def counts_of(mean, words):
+    room = np.empty((3, words.size), np.float32)
+    means, electrons = np.full(words.size, mean, np.float32), np.full(words.size, -1, np.float32)
+    scratch = room[0].view(np.int32), room[1], room[2]
+    count_by_table(means, np.float32(20), words, words.size, scratch, electrons)
+    return electrons.astype(int)
+
+
+@pytest.mark.parametrize("mean", [0.0, 1e-3, 0.3, 0.4999, 0.5, 2.7, 9.25, 15.9, 19.99])
+def test_counts_of_evenly_spaced_words_are_poisson(mean):
+    words = (np.arange(1 << 20, dtype=np.uint64) * 4096 + 2048).astype(np.uint32)
+    found = np.bincount(counts_of(mean, words), minlength=80)
+    wanted = stats.poisson.pmf(np.arange(found.size), mean)
+    assert found / words.size == pytest.approx(wanted, abs=64 * 3 / words.size)
+    assert found[0] == words.size or mean > 0
+
+
+def test_lanes_that_are_not_low_keep_what_they_had():
+    assert (counts_of(20.0, np.arange(100, dtype=np.uint32)) == -1).all()
+
+
+def test_the_exponential_less_one_is_that_of_numpy():
+    x = np.linspace(-20, 20, 100_001).astype(np.float32)
+    assert LESS_ONE(x) == pytest.approx(np.expm1(x.astype(np.float64)), rel=2e-7, abs=0)
+
+
+@pytest.mark.parametrize("shape", [-0.4, -0.1, -2e-5, 0.0, 2e-5, 0.14, 0.8])
+def test_tails_are_the_quantiles_of_tukey_lambda_within_a_millionth(shape):
+    words = np.random.default_rng(1).integers(0, 1 << 32, 20_000, dtype=np.uint32)
+    words[:4] = 0, (1 << 32) - 1, (1 << 31) - 1, 1 << 31
+    found, logs = np.empty((2, words.size), np.float32)
+    tail_scores(words, words.size, np.float32(shape), found, logs)
+    law = stats.tukeylambda(float(np.float32(shape)))
+    wanted = law.ppf((words + 0.5) / 2.0**32)
+    assert (np.abs(found - wanted) < 1e-6 * np.maximum(law.std(), np.abs(wanted))).all()
+
+
 @pytest.mark.parametrize("read_e", [3.0, 0.5])
 @pytest.mark.parametrize("mean", [0.0, 0.4, 3.0, 15.0])
 def test_codes_of_few_electrons_follow_the_exact_law(mean, read_e):
@@ -136,6 +184,20 @@ def test_codes_of_few_electrons_follow_the_exact_law(mean, read_e):
     found = np.rint(noisy.astype(np.float64).ravel() * 1.7 + 64).astype(int)
     rng = np.random.default_rng(0)
     assert randomized_p(found, *code_law(mean, **law), rng) > 1e-3
+
+
+@pytest.mark.parametrize("read_e", [1.0, 0.5])
+@pytest.mark.parametrize("every", [2, 40])
+def test_low_values_among_high_ones_follow_the_exact_law(every, read_e):
+    law = {"gain": 1.7, "read_e": read_e, "black": 64.0, "top": 4095}
+    light = np.full((1000, 4000), 90.0)
+    light[:, ::every] = 6.3
+    noisy = cn.noise.sampler(mono(**law), seed=3)(light, unit="electron").noisy
+    found = np.rint(noisy.astype(np.float64) * 1.7 + 64).astype(int)
+    rng = np.random.default_rng(0)
+    for values, mean in ((found[:, ::every], float(np.float32(6.3))), (found[:, 1::every], 90.0)):
+        chosen = values.ravel()[:400_000]
+        assert randomized_p(chosen, *code_law(mean, **law), rng) > 1e-3
 
 
 @pytest.mark.parametrize("shape", [-0.25, -0.1, 0.0, 0.14, 0.5])

@@ -111,7 +111,7 @@ def fill_words(pixel, group, count, channels, purpose, frame, seed, words):
 @kernel(error_model="numpy")
 @no_type_check
 def count_refused(mean):
-    """How many means are negative, infinite or not a number; counted as `_count_few` does."""
+    """How many means are negative, infinite or not a number; counted as `count_few` does."""
     right = np.int32(0)
     for j in range(mean.size):
         right = np.int32(right + np.int32((mean[j] >= _ZERO) & (mean[j] < _INFINITE)))
@@ -187,12 +187,12 @@ def _count_together(low, left, chance, found):
 @no_type_check
 def list_low(mean, count, few_e, lanes):
     """How many means are below ``few_e``; ``lanes``, with room for all, starts with these lanes."""
-    if _count_few(mean[:count], few_e) == 0:
+    if count_few(mean[:count], few_e) == 0:
         return 0
     few = 0
     for start in range(0, count, GROUP):
         stop = min(start + GROUP, count)
-        if _count_few(mean[start:stop], few_e) > 0:
+        if count_few(mean[start:stop], few_e) > 0:
             for j in range(start, stop):
                 lanes[few] = j
                 few += 1 if mean[j] < few_e else 0
@@ -201,7 +201,7 @@ def list_low(mean, count, few_e, lanes):
 
 @kernel(error_model="numpy")
 @no_type_check
-def _count_few(mean, few_e):
+def count_few(mean, few_e):
     """How many means are low; counted in 32 bits, as wide as the means, to vectorize."""
     few = np.int32(0)
     for j in range(mean.size):

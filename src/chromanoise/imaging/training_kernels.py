@@ -18,14 +18,14 @@ from numba import njit
 from chromanoise.imaging.kernel_cache import kernel
 from chromanoise.imaging.noise_blocks import (
     LANES,
-    count_low,
+    count_few,
     count_refused,
     list_low,
     normal_of_words,
     room_for,
 )
 from chromanoise.imaging.noise_draws import (
-    chance_of_none,
+    exponential_less_one,
     minus_log,
     normal_quantile,
     poisson_quantile_of_many,
@@ -39,15 +39,26 @@ from chromanoise.imaging.philox import (
     ROW,
     words_at,
 )
+from chromanoise.imaging.poisson_table import (
+    ALIASES,
+    cell_of,
+    few_more,
+    leading_count,
+    place_of,
+    start_of,
+)
+from chromanoise.imaging.simd import fused
 
 _F = np.float32
 _ZERO, _ONE, _HALF = _F(0.0), _F(1.0), _F(0.5)
+_INFINITE = _F(np.inf)
 _TO_SHARE = _F(2.0**-32)
 _HIGH_BIT = np.int32(31)
-_LOGISTIC = 1e-5  # as in chromanoise.sensor.read_noise
+_LOGISTIC = _F(1e-5)  # as in chromanoise.sensor.read_noise
 _MARK = np.uint64(1 << 15)
 _WORD, _HIGH, _SHIFT_16 = np.uint64(0xFFFFFFFF), np.uint64(32), np.uint64(16)
 _ROW_AT = 24
+_RARE = 6  # fewer than one lane in so many is faster picked out
 
 
 @kernel(error_model="numpy")
@@ -67,7 +78,7 @@ def add_noise(
     width = clean.shape[1]
     most = min(LANES, width)
     words = np.empty(4 * ((most + 3) // 4), np.uint32)
-    room = room_for(most)
+    room, picked = room_for(most), _room_for_picked(most)
     light, counted = np.empty(most, np.float32), np.empty(most, np.float32)
     electrons = np.empty(most, np.float32)
     refused = 0
@@ -86,16 +97,20 @@ def add_noise(
             refused += count_refused(light[:n])
             _counted_means(light, pattern, row, first, n, use, noise, counted)
             calls = (np.uint64(row) << np.uint64(_ROW_AT)) + np.uint64(first // 4)
-            waiting = n
+            alone_e = noise[4] if use.together else _INFINITE
             if use.shot or noise[0] > _ZERO:
                 fill_lane_words(calls, n, LIGHT, item, key, words)
-                waiting = draw_counts(counted, read_e, words, n, use, noise[4], room, electrons)
+                draw_counts(counted, read_e, words, n, use, noise[4], room, picked, electrons)
             else:
                 electrons[:n] = _ZERO
-                waiting = n if use.read else 0
+                alone_e = _INFINITE
+            waiting = count_few(counted[:n], alone_e) if use.read else 0
             if waiting > 0:
                 fill_lane_words(calls, n, READOUT, item, key, words)
-                draw_read(words, waiting, n, read_e, noise[3], use, room, electrons)
+                if _is_rare(waiting, n):
+                    add_read_of(picked, waiting, words, read_e, room, electrons)
+                else:
+                    add_read(counted, alone_e, words, n, read_e, noise[3], use, room, electrons)
             _collect(electrons, light, pattern, row, first, n, use, row_e - noise[0])
             _finish(electrons, lanes, phase, first, n, use, noisy[row, first:end])
             _variance(light, lanes, phase, first, n, use, noise[1], variance[row, first:end])
@@ -157,10 +172,10 @@ def _counted_means(light, pattern, row, first, n, use, noise, counted):
 
 @kernel(error_model="numpy")
 @no_type_check
-def draw_counts(mean, read_e, words, count, use, few_e, room, electrons):
-    """Electrons of ``count`` lanes, as `draw_light` but with a read noise for each lane."""
-    lanes, normal, logs = room
-    few = list_low(mean, count, few_e, lanes)
+def draw_counts(mean, read_e, words, count, use, few_e, room, picked, electrons):
+    """Electrons of ``count`` lanes, from ``few_e`` on together with read noise if so used."""
+    _, normal, logs = room
+    few = count_few(mean[:count], few_e)
     if few < count:
         normal_of_words(words, count, normal, logs)
         if use.together:
@@ -169,52 +184,107 @@ def draw_counts(mean, read_e, words, count, use, few_e, room, electrons):
         else:
             for j in range(count):
                 electrons[j] = poisson_quantile_of_many(mean[j], normal[j])
-    if few > 0:
-        count_low(mean, words, electrons, lanes, few)
-    if not use.read:
-        return 0
-    return few if use.together else count
+    if _is_rare(few, count):
+        lanes, low, word, found = picked
+        list_low(mean, count, few_e, lanes)
+        for j in range(few):
+            low[j] = mean[np.uintp(lanes[j])]
+            word[j] = words[np.uintp(lanes[j])]
+        count_by_table(low, few_e, word, few, room, found)
+        for j in range(few):
+            electrons[np.uintp(lanes[j])] = found[j]
+    elif few > 0:
+        count_by_table(mean, few_e, words, count, room, electrons)
+
+
+@njit(inline="always")
+@no_type_check
+def _is_rare(few, count):
+    """Whether these lanes are picked out, instead of drawing all and keeping theirs."""
+    return 0 < few < count // _RARE
 
 
 @kernel(error_model="numpy")
 @no_type_check
-def draw_read(words, waiting, count, read_e, shape, use, room, electrons):
-    """Add read noise to the ``waiting`` of ``count`` lanes; words are not kept."""
-    lanes, normal, logs = room
-    if waiting == count:
-        if use.tails:
-            tail_scores(words, count, shape, normal)
-        else:
-            normal_of_words(words, count, normal, logs)
-        for j in range(count):
-            electrons[j] = electrons[j] + read_e[j] * normal[j]
-        return
-    for j in range(waiting):
-        words[j] = words[np.uintp(lanes[j])]
-    normal_of_words(words, waiting, normal, logs)
-    for j in range(waiting):
+def _room_for_picked(count):
+    """Scratch for lanes of low mean: which ones, their means and words, and what is drawn."""
+    number = np.empty(count, np.float32)
+    return np.empty(count, np.int32), number, np.empty(count, np.uint32), np.empty_like(number)
+
+
+@kernel(error_model="numpy")
+@no_type_check
+def count_by_table(mean, few_e, words, count, room, electrons):
+    """Replace ``electrons`` by Poisson counts in those of ``count`` lanes with means < ``few_e``.
+
+    Every lane is drawn, because loops without lists of lanes vectorize; only the table is not read
+    in parallel.
+    """
+    entry, rest, share = room
+    for j in range(count):
+        cell = cell_of(mean[j])
+        rest[j] = mean[j] - start_of(cell)
+        entry[j] = place_of(cell, words[j])
+    for j in range(count):
+        entry[j] = ALIASES[np.uintp(entry[j])]
+    for j in range(count):
+        entry[j], share[j] = leading_count(entry[j], words[j])
+    for j in range(count):
+        found = _F(entry[j]) + few_more(rest[j], share[j])
+        electrons[j] = found if mean[j] < few_e else electrons[j]
+
+
+@kernel(error_model="numpy")
+@no_type_check
+def add_read(mean, alone_e, words, count, read_e, shape, use, room, electrons):
+    """Add read noise to those of ``count`` lanes with means < ``alone_e``."""
+    _, normal, logs = room
+    if use.tails:
+        tail_scores(words, count, shape, normal, logs)
+    else:
+        normal_of_words(words, count, normal, logs)
+    for j in range(count):
+        added = electrons[j] + read_e[j] * normal[j]
+        electrons[j] = added if mean[j] < alone_e else electrons[j]
+
+
+@kernel(error_model="numpy")
+@no_type_check
+def add_read_of(picked, count, words, read_e, room, electrons):
+    """Add normal read noise to the ``count`` lanes that are listed in ``picked``."""
+    lanes, _, word, _ = picked
+    _, normal, logs = room
+    for j in range(count):
+        word[j] = words[np.uintp(lanes[j])]
+    normal_of_words(word, count, normal, logs)
+    for j in range(count):
         lane = np.uintp(lanes[j])
         electrons[lane] = electrons[lane] + read_e[lane] * normal[j]
 
 
 @kernel(error_model="numpy")
 @no_type_check
-def tail_scores(words, count, shape, scores):
-    """Tukey lambda variates of scale 1 (f4) of ``count`` words: (u^s - (1 - u)^s) / s."""
+def tail_scores(words, count, shape, scores, logs):
+    """Tukey lambda variates of scale 1 (f4) of ``count`` words: (u^s - (1 - u)^s) / s.
+
+    With H = -ln of the larger of u and 1 - u and D = ln u - ln(1 - u) their size is
+    e^(-s H) (1 - e^(-s |D|)) / s. It errs by 1e-6 of it or of the standard deviation.
+    """
     for j in range(count):
         signed = np.int32(words[j])
         folded = np.int32(signed ^ np.int32(signed >> _HIGH_BIT))
         tail = (_F(folded) + _HALF) * _TO_SHARE
-        low, high = np.float64(minus_log(tail)), np.float64(minus_log(_ONE - tail))
-        if shape > _LOGISTIC:
-            size = (chance_of_none(shape * high) - chance_of_none(shape * low)) / shape
-        elif shape < -_LOGISTIC:
-            size = (1.0 / chance_of_none(-shape * high) - 1.0 / chance_of_none(-shape * low)) / (
-                shape
-            )
-        else:
-            size = low - high
-        scores[j] = _F(size if signed < 0 else -size)
+        high = minus_log(_ONE - tail)
+        away = minus_log(tail) - high
+        logs[j] = high
+        scores[j] = away if signed < 0 else -away
+    if abs(shape) <= _LOGISTIC:
+        return
+    scale = -_ONE / shape
+    for j in range(count):
+        size = exponential_less_one(-shape * abs(scores[j])) * scale
+        size = fused(exponential_less_one(-shape * logs[j]), size, size)
+        scores[j] = size if scores[j] > _ZERO else -size
 
 
 @kernel(error_model="numpy")

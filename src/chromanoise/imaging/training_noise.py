@@ -28,7 +28,7 @@ Unit = Literal["electron", "white", "dn"]
 """Unit of a clean picture: electrons; 0 at black and 1 at the top code; or codes."""
 
 _SMOOTH_E = 0.75  # as in noise_draws: read noise that one word draws together with the electrons
-_FEW_E = 20.0  # as in noise_draws: mean below which electrons are counted one by one
+_FEW_E = 20.0  # as in noise_draws: mean below which electrons are counted by themselves
 _FEW_BY_READ_E = ((_SMOOTH_E, 1.0, 1.5, 2.0, 2.65), (_FEW_E, 17.0, 12.75, 10.0, 5.0))
 _ITEM_BITS, _SEED_BITS, _PATTERN_BITS, _LANE_BITS = 48, 64, 32, 26
 _MOST_ROWS = 1 << 24
@@ -500,7 +500,7 @@ def sampler(
 
 
 def counted_below_e(read_noise_e: float) -> float:
-    """Mean below which electrons are counted one by one before read noise is added. [e-]
+    """Mean below which electrons are drawn without read noise, which is then added. [e-]
 
     From this mean on one word draws the sum of electrons and read noise by an expansion
     (`read_quantile_of_many`), whose chances err by at most 5e-6, compared with the exact sums.
