@@ -15,6 +15,7 @@ import numpy as np
 import chromanoise as cn
 from chromanoise.design import Design, DesignDocument, read_design
 from chromanoise.design.objectives import OBJECTIVES
+from chromanoise.design.optimizing import task_of
 from chromanoise.exposure import expected_electrons
 from chromanoise.noise import monte_carlo, noise_sources
 from chromanoise.scene import flat_field
@@ -30,15 +31,25 @@ WHITE_ROW = 3  # of the patches of the chart; the white is the first of this row
 
 
 def design_at(path: Path, level_lux: float, crosstalk: float) -> DesignDocument:
-    """The design at another level, with crosstalk in designs and references."""
+    """The design at another level, with crosstalk in the designs, and in the references' limits."""
     document = read_design(path)
     light = document.light.model_copy(update={"level_lux": level_lux})
-    if not crosstalk:
-        return document.model_copy(update={"light": light})
-    part = document.design.crosstalk.model_copy(update={"share": crosstalk})
-    design = document.design.model_copy(update={"crosstalk": part})
-    sensors = tuple(one.model_copy(update={"crosstalk": crosstalk}) for one in document.sensors)
-    return document.model_copy(update={"light": light, "design": design, "sensors": sensors})
+    sensors = tuple(
+        one.model_copy(update={"crosstalk": crosstalk or None}) for one in document.sensors
+    )
+    references = task_of(
+        document.model_copy(update={"light": light, "sensors": sensors})
+    ).references
+    limits = []
+    for one in document.design.constraints:
+        best = max if one.side == "at_least" else min
+        limit = best(reference.objectives[one.objective] for reference in references)
+        limits.append(one.model_copy(update={one.side: limit}))
+    update: dict[str, object] = {"constraints": tuple(limits)}
+    if crosstalk:
+        update["crosstalk"] = document.design.crosstalk.model_copy(update={"share": crosstalk})
+    design = document.design.model_copy(update=update)
+    return document.model_copy(update={"light": light, "design": design})
 
 
 def checked(found: Design, level_lux: float) -> str:
@@ -111,9 +122,9 @@ def rows(found: Design) -> list[str]:
     shown = [one for one in found.members if one.extreme_of or one.knee]
     values = np.array([one.values for one in shown])
     objectives = found.task.evaluator.values(found.task.space.candidates(values))
-    for reference in found.references:
-        numbers = " | ".join(f"{reference.objectives[name]:.4g}" for name in names)
-        lines.append(f"| {reference.name} | {numbers} |")
+    limits = {one.objective: one.value for one in found.task.limits}
+    numbers = " | ".join(f"{limits[name]:.4g}" for name in names)
+    lines.append(f"| the better of the references | {numbers} |")
     for one, row in zip(shown, objectives, strict=True):
         lines.append(f"| {one.name} | " + " | ".join(f"{value:.4g}" for value in row) + " |")
     parameters = found.task.space.parameters
