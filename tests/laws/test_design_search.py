@@ -497,7 +497,7 @@ def test_the_unit_of_a_constraint_does_not_change_the_search(method):
         )  # fmt: skip
 
     settings = SearchSettings(method=method, budget=400, population=20)
-    found = search(problem(1.0), settings)
-    same = search(problem(1024.0, constraint_sizes=(1024.0, 1.0)), settings)
+    found = searched_front(problem(1.0), settings)
+    same = searched_front(problem(1024.0, constraint_sizes=(1024.0, 1.0)), settings)
     np.testing.assert_array_equal(same.values, found.values)
     np.testing.assert_array_equal(same.violation, found.violation * [1024.0, 1.0])
