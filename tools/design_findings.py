@@ -20,6 +20,7 @@ from chromanoise.exposure import expected_electrons
 from chromanoise.noise import monte_carlo, noise_sources
 from chromanoise.scene import flat_field
 from chromanoise.scene.builtin import GAP_PX, PATCH_PX
+from chromanoise.study import Analyses
 
 DESIGNS = tuple(sorted(Path("examples/designs").glob("*.toml")))
 LEVELS_LUX = (10.0, 1.0, 0.1)
@@ -52,6 +53,13 @@ def design_at(path: Path, level_lux: float, crosstalk: float) -> DesignDocument:
     return document.model_copy(update={"light": light, "design": design})
 
 
+def white_snr_db(analyses: Analyses) -> float:
+    """SNR of Y of the one sensor of an analysis. [dB]"""
+    ((snr_db,),) = ([row["Y"]] for row in analyses.color_snr_db().values())
+    assert snr_db is not None  # a member of a front is not saturated
+    return snr_db
+
+
 def checked(found: Design, level_lux: float) -> str:
     """Each member by three other ways: `cn.analyze`, draws and a picture."""
     (scene,) = found.task.scenes
@@ -60,7 +68,7 @@ def checked(found: Design, level_lux: float) -> str:
     for i, member in enumerate(found.members):
         sensor, closed_db = member.sensor, member.objectives["snr_y_db"]
         analysis = cn.analyze(sensor, lux=level_lux, time_ms=time_ms)
-        by_analysis.append(analysis.color_snr_db()[sensor.name]["Y"] - closed_db)
+        by_analysis.append(white_snr_db(analysis) - closed_db)
         (point,) = analysis.points
         white = flat_field(point.illuminant, level_lux=level_lux)
         estimate = monte_carlo(
@@ -76,6 +84,7 @@ def checked(found: Design, level_lux: float) -> str:
         patch = cn.analyze(sensor, lux=level_lux, time_ms=time_ms, patch="white")
         (taken,) = cn.render("builtin:checker", sensor, lux=level_lux, time_ms=time_ms).captures
         top = GAP_PX + WHITE_ROW * (PATCH_PX + GAP_PX)
+        assert taken.picture is not None  # every pixel has every channel
         y = taken.picture.xyz[top : top + PATCH_PX, GAP_PX : GAP_PX + PATCH_PX, 1].astype(float)
         by_picture.append(
             20 * np.log10(y.mean() / y.std()) - patch.color_snr_db()[sensor.name]["Y"]
