@@ -132,7 +132,7 @@ def rows(found: Design) -> list[str]:
     values = np.array([one.values for one in shown])
     objectives = found.task.evaluator.values(found.task.space.candidates(values))
     limits = {one.objective: one.value for one in found.task.limits}
-    numbers = " | ".join(f"{limits[name]:.4g}" for name in names)
+    numbers = " | ".join(f"{limits[name]:.4g}" if name in limits else "" for name in names)
     lines.append(f"| the better of the references | {numbers} |")
     for one, row in zip(shown, objectives, strict=True):
         lines.append(f"| {one.name} | " + " | ".join(f"{value:.4g}" for value in row) + " |")
