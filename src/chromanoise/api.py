@@ -294,6 +294,13 @@ def optimize(
         with_effort,
     )
 
+    if not isinstance(design, str | Path | DesignDocument):
+        raise InputError(
+            "design",
+            "must be a file or the result of cn.design.read_design",
+            value=design,
+            remedy="write a file with chromanoise init --design",
+        )
     document = design if isinstance(design, DesignDocument) else read_design(design)
     place = None if folder is None else Path(folder)
     with nullcontext() if scheduler is None else scheduler_at(scheduler) as evaluate_on:

@@ -66,7 +66,7 @@ width_nm = 8
 # level_lux = 1.0
 # illuminant = "A"
 
-# [[design.constraints]]
-# objective = "delta_e"
-# at_most = "best reference"         # or a number, or the name of a reference; or at_least
+[[design.constraints]]               # no larger color error than the better reference
+objective = "delta_e"
+at_most = "best reference"           # or a number, or the name of a reference; or at_least
 """
