@@ -23,6 +23,7 @@ from chromanoise.sensor.filter_models import FILTER_MODELS
 from chromanoise.spectra import DEFAULT_GRID
 from outcomes import refused_input
 
+EXAMPLES = Path(__file__).parents[2] / "examples/designs"
 HEAD = """
 [[sensors]]
 name = "onyx-rgbw"
@@ -285,3 +286,10 @@ def test_the_mean_of_scenes_lies_between_the_worst_and_the_best(tmp_path):
     mean = value(HEAD + 'over_scenes = "mean"\n' + scenes)
     worst, bright = value(HEAD + scenes), value(HEAD + "[[design.scenes]]\nlevel_lux = 5\n")
     assert worst < mean < bright
+
+
+@pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.toml")), ids=lambda path: path.stem)
+def test_the_example_designs_are_read(path):
+    task = task_of(read_design(path))
+    assert [one.name for one in task.references] == ["onyx-rgbw", "onyx-rgb-ircut"]
+    assert task.problem().constraints[0].startswith("snr_y_db >= 32.3666")
