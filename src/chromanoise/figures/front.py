@@ -34,11 +34,14 @@ def draw_front(front: FrontFile, ax: Axes) -> Axes:
     named = [one for one in data["members"] if one["mark"] != "member"][:_MOST_NAMED]
     for one in named:
         if None not in (one["values"][x], one["values"][y]):
+            is_knee = one["mark"] == "knee"
             ax.annotate(
                 one["name"],
                 (one["values"][x], one["values"][y]),
-                xytext=(6, 6),
+                xytext=(8, -10) if is_knee else (-8, 0),
                 textcoords="offset points",
+                ha="left" if is_knee else "right",
+                va="center",
                 fontsize=8,
                 color=QUIET,
             )
