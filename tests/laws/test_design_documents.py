@@ -149,13 +149,6 @@ def test_a_constraint_has_one_limit_that_is_a_number_or_a_reference(tmp_path, te
     assert [one.setting for one in errors_in(caught.value)] == [where]
 
 
-def test_a_scene_keeps_the_time_that_is_solved_for_the_light_of_the_study(tmp_path):
-    scenes = '[[design.scenes]]\n[[design.scenes]]\nlevel_lux = 1.0\nilluminant = "A"\n'
-    full, dim = task_of(read(tmp_path, HEAD + CHANNEL + scenes)).scenes
-    assert full.point.exposure == dim.point.exposure
-    assert (dim.point.level_lux, dim.point.illuminant.name) == (1.0, "A")
-
-
 def test_the_identity_of_a_design_depends_on_all_but_the_effort_of_the_search(tmp_path):
     def identity(text):
         return task_of(read(tmp_path, text)).identity
@@ -277,14 +270,15 @@ def test_what_a_document_varies_changes_an_objective(tmp_path, case):
 
 
 def test_the_mean_of_scenes_lies_between_the_worst_and_the_best(tmp_path):
-    scenes = "[[design.scenes]]\nlevel_lux = 5\n[[design.scenes]]\nlevel_lux = 1\n"
+    bright_scene = "[exposure]\ntime_ms = 10\n[[design.scenes]]\nlevel_lux = 5\n"
+    scenes = f"{bright_scene}[[design.scenes]]\nlevel_lux = 1\n"
 
     def value(text):
         task = task_of(read(tmp_path, text + CHANNEL))
         return task.problem().evaluate(np.array([[620.0]])).objectives[0, 0]
 
     mean = value(HEAD + 'over_scenes = "mean"\n' + scenes)
-    worst, bright = value(HEAD + scenes), value(HEAD + "[[design.scenes]]\nlevel_lux = 5\n")
+    worst, bright = value(HEAD + scenes), value(HEAD + bright_scene)
     assert worst < mean < bright
 
 
@@ -293,3 +287,17 @@ def test_the_example_designs_are_read(path):
     task = task_of(read_design(path))
     assert [one.name for one in task.references] == ["onyx-rgbw", "onyx-rgb-ircut"]
     assert task.problem().constraints[0].startswith("snr_y_db >= 32.3666")
+
+
+def test_a_scene_without_a_time_has_the_longest_at_which_no_reference_saturates(tmp_path):
+    scenes = "".join(f"[[design.scenes]]\nlevel_lux = {lux}\n" for lux in (1, 10, 100))
+    task = task_of(read(tmp_path, HEAD + CHANNEL + scenes))
+    times = np.array([one.point.exposure.time_s for one in task.scenes])
+    np.testing.assert_allclose(times, 0.011941189 * np.array([10, 1, 0.1]), rtol=1e-6)
+    assert all(np.isfinite(list(one.objectives.values())).all() for one in task.references)
+
+
+def test_an_unknown_light_of_a_scene_names_the_scene(tmp_path):
+    with refused_input() as caught:
+        read(tmp_path, HEAD + CHANNEL + '[[design.scenes]]\nilluminant = "QQ"\n')
+    assert [one.setting for one in errors_in(caught.value)] == ["design.scenes.0.illuminant"]

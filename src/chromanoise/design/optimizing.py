@@ -5,7 +5,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -46,7 +45,7 @@ from chromanoise.study import (
     operating_points_of,
     study_hash,
 )
-from chromanoise.study.assembly import prior_of
+from chromanoise.study.assembly import light_answers_of, prior_of
 
 FULLEST = 0.99
 """Greatest share of full well of a channel on a perfect white."""
@@ -313,7 +312,7 @@ def task_of(document: DesignDocument, given: Given = NOTHING_GIVEN) -> Task:
     design = document.design
     wanted = (*design.objectives, *(one.objective for one in design.constraints))
     names = tuple(dict.fromkeys(wanted))
-    scenes = scenes_of(document, base)
+    scenes = scenes_of(document, base, given)
     if design.robust is not None:
         with keyed("design.robust"):
             refuse_exact(space.parameters)
@@ -345,18 +344,19 @@ def _base_index(document: DesignDocument) -> int:
     return labels.index(name) if name in labels else names.index(name)
 
 
-def scenes_of(document: DesignDocument, base: OperatingPoint) -> tuple[DesignScene, ...]:
+def scenes_of(
+    document: DesignDocument, base: OperatingPoint, given: Given = NOTHING_GIVEN
+) -> tuple[DesignScene, ...]:
     """The scenes of a design; that of its study if it names none.
 
-    A scene without a time has that of the study's light, also where the time is solved.
+    A scene without a time has that of the study, or the longest at which no reference saturates in
+    its light.
 
     Raises
     ------
     InputError
         If a scene cannot be made.
     """
-    light = document.light
-    answers = Answers(quantity="power", beyond=light.beyond, negatives=light.negatives)
     made = partial(
         DesignScene,
         matrix=document.matrices[0],
@@ -367,18 +367,20 @@ def scenes_of(document: DesignDocument, base: OperatingPoint) -> tuple[DesignSce
         return (made(point=base, name="1"),)
     scenes = []
     for i, part in enumerate(document.design.scenes):
-        key = f"design.scenes.{i}"
-        changes: dict[str, Any] = {}
-        if part.illuminant is not None:
-            with keyed(f"{key}.illuminant"):
-                changes["illuminant"] = resolve_illuminant(part.illuminant, answers=answers)
-        if part.level_lux is not None:
-            changes["level_lux"] = part.level_lux
+        own = part.model_dump(include={"illuminant", "level_lux"}, exclude_none=True)
+        exposure = document.exposure
         if part.time_ms is not None:
-            changes["exposure"] = replace(base.exposure, time_s=1e-3 * part.time_ms)
-        with keyed(key):
-            point = replace(base, **changes)
-            scenes.append(made(point=point, name=part.name or str(i + 1)))
+            exposure = exposure.model_copy(update={"time_ms": part.time_ms})
+        study = document.model_copy(
+            update={"light": document.light.model_copy(update=own), "exposure": exposure}
+        )
+        if part.illuminant is not None:  # an error names the scene, not the light of the study
+            with keyed(f"design.scenes.{i}.illuminant"):
+                resolve_illuminant(part.illuminant, answers=light_answers_of(study))
+        with keyed(f"design.scenes.{i}"):
+            points = operating_points_of(study, given)
+        point = points[_base_index(document)]
+        scenes.append(made(point=point, name=part.name or str(i + 1)))
     _check.distinct("names of scenes", [one.name for one in scenes])
     return tuple(scenes)
 
