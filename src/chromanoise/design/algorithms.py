@@ -341,8 +341,8 @@ class CovarianceMatrixAdaptation:
         self._rng = generation_rng(seed, 0)
         self._strategy: Any = None
         self._origin = np.empty(0)
-        self._asked: Any = None
-        self._told, self._count = np.empty((64, population)), 0
+        self._candidates: Any = None
+        self._penalized, self._count = np.empty((64, population)), 0
 
     def ask(self, rng: np.random.Generator) -> Float[Array, "m d"]:
         """As `Algorithm.ask`."""
@@ -350,8 +350,8 @@ class CovarianceMatrixAdaptation:
         if self._strategy is None or self._strategy.stop():
             origin = rng.random(count) if self._strategy is not None else self._origin
             self._strategy = self._started(origin)
-        self._asked = self._strategy.ask()
-        share = np.clip(self._asked, 0.0, 1.0)
+        self._candidates = self._strategy.ask()
+        share = np.clip(self._candidates, 0.0, 1.0)
         return self._problem.allowed(
             self._problem.low + share * (self._problem.high - self._problem.low)
         )
@@ -371,26 +371,26 @@ class CovarianceMatrixAdaptation:
             return
         kept = misses == 0
         worst = costs[kept, 0].max() if kept.any() else 0.0
-        told = np.where(kept, costs[:, 0], worst + misses)
-        self._learn(told)
+        penalized = np.where(kept, costs[:, 0], worst + misses)
+        self._update(penalized)
 
-    def _learn(self, told: Float[Array, " m"]) -> None:
-        if self._count == len(self._told):
-            self._told = np.concatenate([self._told, np.empty_like(self._told)])
-        self._told[self._count] = told
+    def _update(self, penalized: Float[Array, " m"]) -> None:
+        if self._count == len(self._penalized):
+            self._penalized = np.concatenate([self._penalized, np.empty_like(self._penalized)])
+        self._penalized[self._count] = penalized
         self._count += 1
-        self._strategy.tell(self._asked, told.tolist())
+        self._strategy.tell(self._candidates, penalized.tolist())
 
     def state(self) -> State:
         """As `Algorithm.state`."""
-        return {"origin": self._origin, "told": self._told[: self._count]}
+        return {"origin": self._origin, "penalized": self._penalized[: self._count]}
 
     def restore(self, state: State) -> None:
         """As `Algorithm.restore`."""
         self._origin = state["origin"]
-        for generation, told in enumerate(state["told"], start=1):
+        for generation, penalized in enumerate(state["penalized"], start=1):
             self.ask(generation_rng(self._seed, generation))
-            self._learn(told)
+            self._update(penalized)
 
     def _started(self, origin: Float[Array, " d"]) -> Any:
         with warnings.catch_warnings():

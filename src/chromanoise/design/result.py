@@ -74,8 +74,8 @@ class Design(Result):
             for one in self.references
             if all(np.isfinite(one.objectives[name]) for name in names)
         }
-        told = front_sentences(self.front, self.task.space.parameters, references)
-        told += [
+        sentences = front_sentences(self.front, self.task.space.parameters, references)
+        sentences += [
             f"{one.name} is not compared: it saturates or has an undefined objective."
             for one in self.references
             if one.name not in references
@@ -83,8 +83,8 @@ class Design(Result):
         by_name = {one.name: beside for one, beside in zip(self.members, self._beside, strict=True)}
         knee = by_name[self.front.knee.name]
         if knee:
-            told.append(tolerance_sentence(self.front.knee, knee, self.beside_name))
-        return tuple(told)
+            sentences.append(tolerance_sentence(self.front.knee, knee, self.beside_name))
+        return tuple(sentences)
 
     @property
     def beside_name(self) -> str:

@@ -528,16 +528,18 @@ class DesignSpace:
         self, row: Float[Array, "1 d"], shares: Float[Array, "1 p"] | None
     ) -> tuple[str, ...]:
         models = dict(self._filters())
-        told: dict[str, list[str]] = {}
+        shown_of: dict[str, list[str]] = {}
         for name in self._numbers:
             place, _, number = name.rpartition(".")
             value = self._first(name, row)
             shown = f"{number} {value:.6g}"
             if number == "curve":
                 shown = models[place].curves[round(value)]
-            told.setdefault(place, []).append(shown)
+            shown_of.setdefault(place, []).append(shown)
         kinds = {place: f"{one.model} " for place, one in models.items()}
-        parts = [f"{place}: {kinds.get(place, '')}{', '.join(of)}" for place, of in told.items()]
+        parts = [
+            f"{place}: {kinds.get(place, '')}{', '.join(of)}" for place, of in shown_of.items()
+        ]
         notes = [f"designed from models of filters and silicon, not a device; {'; '.join(parts)}"]
         if any(channel.base is not None for channel in self.channels):
             own = [f"{one.name} has {one.base}" for one in self.channels if one.base is not None]
