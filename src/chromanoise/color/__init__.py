@@ -11,7 +11,11 @@ from chromanoise.color.cubatures import (
     gaussian_expectation,
     mean_ciede2000,
 )
-from chromanoise.color.differences import balanced_cielab, cie1976_difference
+from chromanoise.color.differences import (
+    balanced_cielab,
+    cie1976_difference,
+    ciede2000_difference,
+)
 from chromanoise.color.exact_moments import exact
 from chromanoise.color.fitted import (
     ParetoCurve,
@@ -124,6 +128,7 @@ __all__ = [
     "chart_training",
     "checked_gains",
     "cie1976_difference",
+    "ciede2000_difference",
     "cielab",
     "cieluv",
     "colored",

@@ -12,9 +12,9 @@ import numpy as np
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise._colour_science import colour_science
 from chromanoise._linalg import eigh, svd
 from chromanoise._shapes import Float
+from chromanoise.color.differences import ciede2000_difference
 from chromanoise.color.noisy_colors import NoisyColor
 from chromanoise.color.propagation import SpaceMoments
 from chromanoise.color.spaces import LAB, Space
@@ -185,12 +185,12 @@ def mean_ciede2000(color: NoisyColor, *, rule: Cubature | None = None) -> Float[
     -----
     CIE 142-2001 (ISO/CIE 11664-6), by colour-science.
     """
-    colour, white = colour_science(), color.white
+    white = color.white
 
     def difference(values: Array, center: Array) -> Array:
         noisy, still = LAB.from_xyz(values, white), LAB.from_xyz(center, white)
         still = np.broadcast_to(still, noisy.shape)
-        return np.asarray(colour.difference.delta_E_CIE2000(still, noisy))[..., None]
+        return ciede2000_difference(still, noisy)[..., None]
 
     still, shift, _ = gaussian_moments(
         difference, color.xyz.mean, _aligned_root(color, LAB), rule or gaussian_cubature()

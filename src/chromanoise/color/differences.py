@@ -3,6 +3,7 @@
 import numpy as np
 
 from chromanoise._check import Array
+from chromanoise._colour_science import colour_science
 from chromanoise._shapes import Float
 
 
@@ -60,3 +61,27 @@ def cie1976_difference(
     array(5.)
     """
     return np.asarray(np.linalg.norm(first - second, axis=-1))
+
+
+def ciede2000_difference(
+    first: Float[Array, "*#px 3"], second: Float[Array, "*#px 3"]
+) -> Float[Array, "..."]:
+    """CIEDE2000 color difference of two colors given as L*, a*, b*. [1]
+
+    Parameters
+    ----------
+    first, second
+        L*, a*, b*; their leading axes are broadcast.
+
+    Notes
+    -----
+    CIE 142-2001 (ISO/CIE 11664-6), by colour-science.
+
+    Examples
+    --------
+    Pair 7 of Sharma, Wu & Dalal, Color Res. Appl. 30, 21 (2005), table 1.
+
+    >>> ciede2000_difference(np.array([50.0, 0.0, 0.0]), np.array([50.0, -1.0, 2.0])).round(4)
+    array(2.3669)
+    """
+    return np.asarray(colour_science().difference.delta_E_CIE2000(first, second))

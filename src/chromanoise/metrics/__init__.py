@@ -1,5 +1,11 @@
-"""Metrics: SNR, optimal linear SNR, loss, budgets, color error, filter quality, speed, bits."""
+"""Metrics: SNR, optimal linear SNR, loss, budgets, color error, filter quality, speed, bits.
 
+Of pictures: color difference, S-CIELAB, PSNR, SSIM, edge sharpness, false color, noise on flats.
+"""
+
+from typing import TYPE_CHECKING
+
+from chromanoise._lazy import lazy_names
 from chromanoise.metrics.accuracy import (
     chart_ciede2000,
     chart_color_error,
@@ -74,19 +80,51 @@ from chromanoise.metrics.visual_noise import (
     VisualNoise,
     VisualNoiseModel,
     contrast_sensitivity,
+    pixels_per_degree,
     visual_noise_from_spectrum,
     visual_noise_of_picture,
     visual_noise_of_white,
 )
+
+if TYPE_CHECKING:
+    from chromanoise.metrics.edge_response import (
+        EdgeLine,
+        EdgeResponse,
+        edge_line,
+        slanted_edge_response,
+    )
+    from chromanoise.metrics.pictures import (
+        FalseColor,
+        LabDifference,
+        false_color,
+        flat_noise_sd,
+        near_edges,
+        picture_color_difference,
+        psnr_db,
+        structural_similarity,
+    )
+    from chromanoise.metrics.quality import (
+        PictureQuality,
+        picture_quality,
+    )
+    from chromanoise.metrics.scielab import (
+        scielab_difference,
+        scielab_filtered,
+    )
 
 __all__ = [
     "ISO_12232_2019",
     "ISO_15739_2017",
     "Budget",
     "Cost",
+    "EdgeLine",
+    "EdgeResponse",
+    "FalseColor",
+    "LabDifference",
     "MatrixReport",
     "Metamerism",
     "NoiseSpeedModel",
+    "PictureQuality",
     "VisualNoise",
     "VisualNoiseModel",
     "best_readout",
@@ -99,12 +137,15 @@ __all__ = [
     "contrast_detection_probability",
     "contrast_sensitivity",
     "contravariant_budget",
+    "edge_line",
     "effective_filters",
     "exact_contrast_detection_probability",
     "exact_separation_probability",
     "faintest_change",
+    "false_color",
     "figure_of_merit",
     "filter_quality",
+    "flat_noise_sd",
     "gaussian_pair_probabilities",
     "gaussian_separation_probability",
     "illuminance_for_snr",
@@ -116,18 +157,27 @@ __all__ = [
     "mahalanobis_distance",
     "matrix_report",
     "metamerism",
+    "near_edges",
     "noise_speed",
     "optimal_linear_snr_db",
     "pair_distances",
     "perceptual_weight",
+    "picture_color_difference",
+    "picture_quality",
+    "pixels_per_degree",
     "principal_angles_deg",
+    "psnr_db",
     "readout_error",
+    "scielab_difference",
+    "scielab_filtered",
     "second_moment",
     "sensor_metamerism",
     "separation_probability",
     "shapley_values",
     "signal_snr_db",
+    "slanted_edge_response",
     "snr_db",
+    "structural_similarity",
     "tonal_levels",
     "tonal_range_bits",
     "visual_noise_from_spectrum",
@@ -135,3 +185,4 @@ __all__ = [
     "visual_noise_of_white",
     "vora_value",
 ]
+__getattr__, __dir__ = lazy_names(__name__)

@@ -5,9 +5,13 @@ from functools import lru_cache
 import numpy as np
 
 from chromanoise._check import Array, frozen
-from chromanoise._colour_science import colour_science
 from chromanoise._shapes import Float
-from chromanoise.color import ColorMatrix, balanced_cielab, cie1976_difference
+from chromanoise.color import (
+    ColorMatrix,
+    balanced_cielab,
+    cie1976_difference,
+    ciede2000_difference,
+)
 from chromanoise.exposure import Exposure, expected_electrons
 from chromanoise.scene import Scene, light
 from chromanoise.sensor import Sensor
@@ -65,7 +69,7 @@ def chart_ciede2000(
     CIE 142-2001 (ISO/CIE 11664-6), by colour-science.
     """
     lab = chart_lab(sensor, matrix, exposure, illuminant, chart)
-    return None if lab is None else _ciede2000(*lab)
+    return None if lab is None else ciede2000_difference(*lab)
 
 
 def chart_lab(
@@ -125,7 +129,3 @@ def _white_and_chart(illuminant: Illuminant, chart: Spectra | None) -> Scene:
     grid = illuminant.grid
     reflectance = np.vstack([np.ones(grid.n), chart_on(grid, chart).values.T])
     return Scene(illuminant=illuminant, level_lux=1.0, reflectance=reflectance)
-
-
-def _ciede2000(first: Float[Array, "*px 3"], second: Float[Array, "*px 3"]) -> Float[Array, "*px"]:
-    return np.asarray(colour_science().difference.delta_E_CIE2000(first, second))
