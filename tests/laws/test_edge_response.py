@@ -128,10 +128,6 @@ def test_noise_spreads_the_mtf50_around_that_of_the_edge(noise_sd):
     assert ratio == pytest.approx(1 / noise_sd, rel=0.1)
 
 
-def test_an_edge_without_noise_has_an_infinite_ratio_only_if_its_sides_are_flat():
-    assert slanted_edge_response(pixel_edge(0.5, 5.0)).step_to_noise == np.inf
-
-
 def test_a_given_line_takes_the_place_of_the_fit():
     edge = pixel_edge(0.8, 5.0)
     line = edge_line(edge)

@@ -81,7 +81,8 @@ def ciede2000_difference(
     --------
     Pair 7 of Sharma, Wu & Dalal, Color Res. Appl. 30, 21 (2005), table 1.
 
-    >>> ciede2000_difference(np.array([50.0, 0.0, 0.0]), np.array([50.0, -1.0, 2.0])).round(4)
-    array(2.3669)
+    >>> first, second = np.array([50.0, 0.0, 0.0]), np.array([50.0, -1.0, 2.0])
+    >>> round(float(ciede2000_difference(first, second)), 4)
+    2.3669
     """
     return np.asarray(colour_science().difference.delta_E_CIE2000(first, second))

@@ -161,7 +161,7 @@ def slanted_edge_response(
         mtf50_cy_px=_first_fall(frequency, mtf, 0.5),
         rise_px=_rise(at, (spread - low.mean()) / step),
         step=abs(step),
-        step_to_noise=abs(step) / sd if sd > rounding else float("inf"),
+        step_to_noise=abs(step) / sd if sd > 0 else float("inf"),
     )
 
 

@@ -50,7 +50,7 @@ def picture_color_difference(
     --------
     >>> gray = np.full((1, 2, 3), 0.125)
     >>> picture_color_difference(gray, 8 * gray, np.ones(3)).round(3)     # L* = 42 and 100
-    array([[45.341, 45.341]])
+    array([[44.339, 44.339]])
     """
     first, second = same_pictures(xyz, reference)
     return np.asarray(difference(cielab(second, white), cielab(first, white)))
