@@ -48,7 +48,7 @@ def pixel_mtf(frequency, sd, angle_deg):
 @given(sds, slants)
 def test_a_gaussian_edge_at_ideal_points_has_its_mtf50_and_rise(sd, angle):
     found = slanted_edge_response(sampled_edge(sd, angle))
-    assert found.mtf50_cy_px == pytest.approx(np.sqrt(np.log(2) / 2) / np.pi / sd, rel=0.006)
+    assert found.mtf50_cy_px == pytest.approx(np.sqrt(np.log(2) / 2) / np.pi / sd, rel=0.01)
     # the bins of 1/4 px lengthen the rise
     assert found.rise_px == pytest.approx(2 * norm.ppf(0.9) * sd, rel=0.03)
     assert found.rise_px > 2 * norm.ppf(0.9) * sd * 0.999
@@ -61,7 +61,7 @@ def test_a_gaussian_edge_at_ideal_points_has_its_mtf50_and_rise(sd, angle):
 def test_square_pixels_add_their_own_aperture(sd, angle):
     found = slanted_edge_response(pixel_edge(sd, angle))
     expected = brentq(lambda f: pixel_mtf(f, sd, angle) - 0.5, 1e-3, 1.0)
-    assert found.mtf50_cy_px == pytest.approx(expected, rel=0.006)
+    assert found.mtf50_cy_px == pytest.approx(expected, rel=0.01)
 
 
 def test_the_whole_mtf_is_that_of_the_blur_and_the_pixel():

@@ -35,10 +35,10 @@ GAUSSIANS = (
 )
 """Weight [1] and spread s [deg] of each Gaussian exp(-(x^2 + y^2)/s^2), per opponent plane.
 
-As printed in the table of Zhang & Wandell (1996). The standard deviation is s / 2^(1/2). The authors' distributed
-code has other numbers (0.05, 0.225, 7.0 deg ...), in its first version full widths at half maximum,
-which agree with these spreads to 3-6 % (0.05 / (4 ln 2)^(1/2) = 0.0300); its later versions read
-them as half widths, which blurs twice as far. Here the published table holds."""
+As printed in the table of Zhang & Wandell (1996). The standard deviation is s / 2^(1/2). The code
+that the authors distribute has other numbers (0.05, 0.225, 7.0 deg ...). Its first version takes
+them as full widths at half maximum, which agree with these spreads within 7 %; later versions
+(ISETCam) take them as half widths, which blurs twice as far. Here the published table holds."""
 
 
 def scielab_difference(
