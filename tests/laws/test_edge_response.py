@@ -157,6 +157,13 @@ def test_a_region_without_contrast_is_refused(flat, line):
         slanted_edge_response(flat, line=line)
 
 
+@given(st.floats(-1.0, 1.0), st.integers(20, 60))
+def test_rounding_errors_of_a_constant_region_are_no_edge(level, side):
+    line = EdgeLine(position_px=side / 2, slope=0.1)
+    with refused_input(subject="region"):
+        slanted_edge_response(np.full((side, side + 1), level), line=line)
+
+
 @pytest.mark.parametrize("angle", [0.0, 0.5])
 def test_an_edge_along_the_pixels_is_refused(angle):
     with refused_input(subject="region", requirement="crosses at least 1 px"):

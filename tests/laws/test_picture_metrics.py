@@ -116,6 +116,17 @@ def test_the_spreads_agree_with_the_full_widths_at_half_maximum_of_the_authors_c
         assert np.array(full_widths) / np.sqrt(4 * np.log(2)) == pytest.approx(spreads, rel=0.07)
 
 
+def test_the_inverse_of_the_opponent_matrix_is_that_of_the_authors_code():
+    printed = [
+        [0.97959616, -1.53471570, 0.44459764],
+        [1.18897791, 0.76435496, 0.13512575],
+        [1.23183331, 1.16315926, 2.07840759],
+    ]
+    assert np.linalg.inv(OPPONENT) == pytest.approx(np.array(printed), abs=1e-7)
+    luminance, *chromatic = OPPONENT @ D65
+    assert np.abs(chromatic).max() < 0.1 * luminance
+
+
 def test_noise_of_fine_grain_is_seen_less_the_farther_the_picture_is():
     still = uniform(0.4 * D65, (96, 96))
     noisy = still + np.random.default_rng(5).normal(0, 0.02, still.shape)

@@ -4,10 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._shapes import Float
-from chromanoise.color import LUMA_WEIGHTS, adapted_to_d65, cielab, srgb_from_xyz
+from chromanoise.color import LUMA_WEIGHTS, cielab, encoded_srgb
 from chromanoise.metrics.pictures import (
     FalseColor,
     false_color,
@@ -77,10 +76,7 @@ def picture_quality(
     display clips is no error there; the color differences are of unclipped XYZ.
     """
     first, second = same_pictures(xyz, reference)
-    scale = _check.positive("Y of white", "unit of xyz", white[1])
-    shown, true = (
-        srgb_from_xyz(adapted_to_d65(one / scale, white / scale)) for one in (first, second)
-    )
+    shown, true = (np.clip(encoded_srgb(one, white), 0.0, 1.0) for one in (first, second))
     luma = LUMA_WEIGHTS["bt709"]
     pixel = picture_color_difference(first, second, white)
     seen = scielab_difference(first, second, white, pixels_per_degree=pixels_per_degree)
