@@ -166,11 +166,11 @@ def test_a_region_without_contrast_is_refused(flat, line):
 
 
 def test_rounding_errors_of_a_constant_region_are_no_edge():
-    for level in np.random.default_rng(1).uniform(-1, 1, 30):
+    rng = np.random.default_rng(1)
+    for height, width in rng.integers(20, 80, (100, 2)):
+        line = EdgeLine(position_px=width / 2 - 0.3, slope=0.05)
         with refused_input(subject="region"):
-            slanted_edge_response(
-                np.full((41, 53), level), line=EdgeLine(position_px=26, slope=0.1)
-            )
+            slanted_edge_response(np.full((height, width), rng.uniform(-1, 1)), line=line)
 
 
 @pytest.mark.parametrize("angle", [0.0, 0.5])
