@@ -54,6 +54,7 @@ NAMES = [
     "color",
     "compare",
     "compare_map",
+    "denoising",
     "design",
     "exposure",
     "figures",

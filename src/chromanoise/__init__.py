@@ -13,6 +13,7 @@ above it (``pyproject.toml`` lists them in reverse order).
 ``color``      matrices (eq. 6), XYZ with covariance (eq. 5), Lab, Luv, sRGB
 ``metrics``    SNR, its bound, loss and budget; color error, filters, speed, bits
 ``imaging``    a cube through the camera: kernels, mosaic, demosaicing, sampling
+``denoising``  denoising with the known noise: methods, noise of the result, bursts, baselines
 ``io``         readers and writers: spectra, cubes, pixels, matrices, tables
 ``characterization``  a camera's noise from its own raw frames
 ``catalog``    built-in sensors, filters, illuminants; the user's own folder
@@ -43,6 +44,7 @@ if TYPE_CHECKING:
         characterization,
         charts,
         color,
+        denoising,
         design,
         exposure,
         figures,
@@ -129,6 +131,7 @@ __all__ = [
     "color",
     "compare",
     "compare_map",
+    "denoising",
     "design",
     "exposure",
     "figures",

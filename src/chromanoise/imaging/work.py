@@ -110,13 +110,14 @@ def _block_bytes(source: RowSource, work: Work) -> int:
     if in_file and work.executor is None:
         return _BLOCK_BYTES
     whole = math.prod(source.shape) * source.dtype.itemsize
-    turns = (_TURNS_OF_EQUALS if work.same_machine else _TURNS) * _threads(work)
+    turns = (_TURNS_OF_EQUALS if work.same_machine else _TURNS) * threads_of(work)
     most = _BLOCK_BESIDE_BYTES if work.same_machine else _BLOCK_ELSEWHERE_BYTES
     most = most if in_file else _LARGE_BLOCK_BYTES
     return min(max(whole // turns, _BLOCK_BYTES), most)
 
 
-def _threads(work: Work) -> int:
+def threads_of(work: Work) -> int:
+    """Number of concurrent workers."""
     return work.threads or os.cpu_count() or 1
 
 
@@ -168,7 +169,7 @@ def filled(
     fill: FillBlock, plan: Any, blocks: list[Block], outputs: tuple[Array, ...], work: Work
 ) -> list[Any]:
     """Fill the rows of ``outputs`` by threads of this process; else as `made`."""
-    threads = _threads(work)
+    threads = threads_of(work)
     scratch = Scratch()
     size = max(1, min(_HANDFUL, len(blocks) // (_HANDFULS * threads)))
     handfuls = {blocks[i][0]: blocks[i : i + size] for i in range(0, len(blocks), size)}

@@ -1,0 +1,206 @@
+"""What every denoising method takes: planes of independent noise, and the noise itself.
+
+A mosaic becomes one plane per place of its tile, so no method knows of mosaics.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from chromanoise import _check
+from chromanoise._check import Array
+from chromanoise._linalg import eigh
+from chromanoise._shapes import Float, Float32
+from chromanoise.errors import InputError
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class NoisyPlanes:
+    """Noisy values of every plane at every pixel, and what is known of their noise.
+
+    Attributes
+    ----------
+    values_e
+        Noisy values; the noise of pixels and planes is independent. [e-]
+    floor_e2
+        Variance of the noise without signal, per plane. [e-^2]
+    slope_e
+        Variance per mean value, per plane: 1 for counted electrons. [e-]
+    prnu
+        Standard deviation of the sensitivity over the pixels, per plane. [1]
+    prior_e2
+        Covariance of the planes over usual scenes. [e-^2]
+    prior_mean_e
+        Mean of the planes over usual scenes. [e-]
+    names
+        Names of the planes.
+
+    Raises
+    ------
+    InputError
+        If a value is not finite, a variance is negative, or the lengths differ.
+    """
+
+    values_e: Float32[Array, "h w p"]
+    floor_e2: Float[Array, " p"]
+    slope_e: Float[Array, " p"]
+    prnu: Float[Array, " p"]
+    prior_e2: Float[Array, "p p"]
+    prior_mean_e: Float[Array, " p"]
+    names: tuple[str, ...]
+
+    def __post_init__(self) -> None:
+        for name in ("floor_e2", "slope_e", "prnu", "prior_mean_e"):
+            _check.non_negative(name, "", getattr(self, name))
+        _check.finite("prior_e2", "e-^2", self.prior_e2)
+        _check.same_length(
+            "planes",
+            names=len(self.names),
+            values=self.values_e.shape[-1],
+            floor=len(self.floor_e2),
+            slope=len(self.slope_e),
+            prnu=len(self.prnu),
+            prior=len(self.prior_e2),
+            mean=len(self.prior_mean_e),
+        )
+        _check.freeze(self, "floor_e2", "slope_e", "prnu", "prior_e2", "prior_mean_e")
+
+    def variance_e2(self, mean_e: Float[Array, "*px p"]) -> Float[Array, "*px p"]:
+        """Variance of the noise at a mean; a mean below 0, from noise, counts as 0. [e-^2]
+
+        Parameters
+        ----------
+        mean_e
+            Mean of each plane. [e-]
+
+        Examples
+        --------
+        >>> planes = NoisyPlanes(
+        ...     values_e=np.zeros((1, 1, 1), np.float32), floor_e2=np.array([25.0]),
+        ...     slope_e=np.ones(1), prnu=np.array([0.01]), prior_e2=np.eye(1),
+        ...     prior_mean_e=np.ones(1), names=("W",))
+        >>> planes.variance_e2(np.array([[-3.0], [1000.0]])).ravel()
+        array([  25., 1125.])
+        """
+        light = np.maximum(mean_e, 0.0)
+        return np.asarray(self.floor_e2 + self.slope_e * light + (self.prnu * light) ** 2)
+
+    def rows(self, start: int, stop: int) -> "NoisyPlanes":
+        """The planes of the rows ``start`` to ``stop``."""
+        return replace(self, values_e=self.values_e[start:stop])
+
+    @property
+    def noise_unit_e(self) -> Float[Array, " p"]:
+        """Standard deviation of the noise of each plane at the mean of usual scenes. [e-]"""
+        return np.sqrt(self.variance_e2(self.prior_mean_e))
+
+    def components(self) -> tuple[Float[Array, "p k"], Float[Array, " k"]]:
+        """Orthonormal directions in which signal and noise are both uncorrelated, and their SNR.
+
+        Of planes divided by `noise_unit_e`: the noise is white in every orthonormal basis, and this
+        one diagonalizes the covariance of usual scenes. The first direction is the one of most
+        signal, about that of luminance; the last ones hold color that the noise drowns.
+
+        Returns
+        -------
+        directions, power_snr
+            A direction in each column, and the variance of usual scenes along it over that of the
+            noise, falling. [1]
+        """
+        unit = self.noise_unit_e
+        if not (unit > 0).all():
+            raise InputError(
+                "noise of the planes",
+                "must be above 0 at the mean of usual scenes",
+                value=float(unit.min()),
+                remedy="give a read noise above 0",
+            )
+        power, directions = eigh("prior_e2", self.prior_e2 / np.outer(unit, unit))
+        # the sign of a direction is free: the largest entry is positive on every machine
+        signs = np.sign(directions[np.abs(directions).argmax(axis=0), np.arange(len(unit))])
+        return (directions * signs)[:, ::-1], np.maximum(power[::-1], 0.0)
+
+
+def packed(
+    raw_e: Float32[Array, "h w"], tile: Array
+) -> tuple[Float32[Array, "ht wt k"], tuple[int, ...]]:
+    """A mosaic as one plane per place of its tile, and the channel of each plane.
+
+    Parameters
+    ----------
+    raw_e
+        One value per pixel. Rows and columns beyond whole tiles are completed by the mirrored
+        pixels of the same place. [e-]
+    tile
+        Index of the channel at each place (ty tx).
+
+    Examples
+    --------
+    >>> raw = np.arange(16, dtype=np.float32).reshape(4, 4)
+    >>> planes, channels = packed(raw, np.array([[0, 1], [1, 2]]))
+    >>> planes[1, 0], channels
+    (array([ 8.,  9., 12., 13.], dtype=float32), (0, 1, 1, 2))
+    """
+    ty, tx = tile.shape
+    height, width = (-(-n // t) * t for n, t in zip(raw_e.shape, (ty, tx), strict=True))
+    rows, columns = (
+        _completed(n, whole, t)
+        for n, whole, t in zip(raw_e.shape, (height, width), (ty, tx), strict=True)
+    )
+    whole = raw_e[rows[:, None], columns] if (height, width) != raw_e.shape else raw_e
+    planes = whole.reshape(height // ty, ty, width // tx, tx).swapaxes(1, 2)
+    return (
+        np.ascontiguousarray(planes.reshape(height // ty, width // tx, ty * tx)),
+        tuple(int(channel) for channel in tile.ravel()),
+    )
+
+
+def unpacked(
+    planes: Float32[Array, "ht wt k"], tile_shape: tuple[int, int], shape: tuple[int, int]
+) -> Float32[Array, "h w"]:
+    """The mosaic of planes that `packed` made.
+
+    Parameters
+    ----------
+    planes
+        One plane per place of the tile. [e-]
+    tile_shape
+        Rows and columns of the tile.
+    shape
+        Rows and columns of the mosaic.
+
+    Examples
+    --------
+    >>> raw = np.arange(15, dtype=np.float32).reshape(3, 5)
+    >>> planes, _ = packed(raw, np.array([[0, 1], [1, 2]]))
+    >>> bool((unpacked(planes, (2, 2), raw.shape) == raw).all())
+    True
+    """
+    (ty, tx), (rows, columns, _) = tile_shape, planes.shape
+    whole = planes.reshape(rows, columns, ty, tx).swapaxes(1, 2).reshape(rows * ty, columns * tx)
+    return np.ascontiguousarray(whole[: shape[0], : shape[1]])
+
+
+def _completed(count: int, whole: int, period: int) -> Array:
+    """Indices 0 to ``whole`` - 1; those from ``count`` on are of the last pixel of their phase."""
+    places = np.arange(whole)
+    places[count:] -= period
+    return places
+
+
+def names_of_places(names: Sequence[str], channels: Sequence[int]) -> tuple[str, ...]:
+    """Names of planes of a mosaic: that of the channel, numbered where it has several places.
+
+    Examples
+    --------
+    >>> names_of_places(("R", "G", "B"), (0, 1, 1, 2))
+    ('R', 'G1', 'G2', 'B')
+    """
+    seen: dict[int, int] = {}
+    out = []
+    for channel in channels:
+        seen[channel] = seen.get(channel, 0) + 1
+        several = list(channels).count(channel) > 1
+        out.append(f"{names[channel]}{seen[channel]}" if several else names[channel])
+    return tuple(out)
