@@ -11,7 +11,7 @@ from chromanoise.scene.cube import Cube
 from chromanoise.spectra import DEFAULT_GRID, colorchecker
 
 SIDE_PX = 256
-RADIUS_PX = (2.0, 64.0)
+RADIUS_PX = (1.0, 64.0)
 """Smallest and largest radius of a disc."""
 SEED = 2009
 _SUBPIXELS = 4
@@ -69,7 +69,7 @@ def occluding_discs(
 def dead_leaves_cube() -> Cube:
     """Occluding discs with random reflectances, 256 x 256 pixels, 400-1050 nm.
 
-    The radii are 2 to 64 px. Pixels on the border of discs are means of 4 x 4 samples. The
+    The radii are 1 to 64 px. Pixels on the border of discs are means of 4 x 4 samples. The
     reflectance of a disc is a random mixture of three ColorChecker patches times a random factor,
     up to about 700 nm, and beyond it a second, independent one. Thus color and infrared vary
     independently of lightness.
@@ -83,15 +83,12 @@ def dead_leaves_cube() -> Cube:
     label, radii = occluding_discs(
         SIDE_PX * _SUBPIXELS, (RADIUS_PX[0] * _SUBPIXELS, RADIUS_PX[1] * _SUBPIXELS), seed=SEED
     )
-    seen, dense = np.unique(label, return_inverse=True)
     chart = colorchecker(DEFAULT_GRID).values.T
     infrared = logistic(700.0, 10.0)
     mixtures = np.concatenate(
-        [_random_mixtures(seen.size, len(chart), of=part) for part in range(2)], axis=1
+        [_random_mixtures(radii.size, len(chart), of=k) for k in (0, 1)], axis=1
     )
-    shares = pixel_means(
-        mixtures.astype(np.float32), dense.reshape(label.shape), subpixels=_SUBPIXELS
-    )
+    shares = pixel_means(mixtures.astype(np.float32), label, subpixels=_SUBPIXELS)
     return mixed_cube(
         shares,
         np.concatenate([chart * (1.0 - infrared), chart * infrared]),
