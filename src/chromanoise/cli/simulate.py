@@ -136,8 +136,9 @@ def simulate(
 
     CUBE is a name of `chromanoise catalog scenes`, e.g. builtin:checker, or a hyperspectral
     reflectance cube: ENVI (.hdr or its data file), MAT, HDF5, NetCDF, Zarr, multi-page TIFF, a
-    folder of one PNG per band, NPZ or NPY. It may be larger than memory. The same arguments give the same pictures on any number of threads, tiles
-    or machines. A folder with pictures of other arguments is refused.
+    folder of one PNG per band, NPZ or NPY. It may be larger than memory. The same arguments give
+    the same pictures on any number of threads, tiles or machines. A folder with pictures of other
+    arguments is refused.
     """
     study = render_study(cube, sensors, {**settings, **_parsed(settings)}, matrix=method)
     if copy_as is not None:

@@ -32,9 +32,9 @@ if TYPE_CHECKING:
 
 __all__ = [
     "BUILTIN_CUBES",
+    "SLANTED_EDGES",
     "Cube",
     "RowSource",
-    "SLANTED_EDGES",
     "Scene",
     "SlantedEdge",
     "bands_within",

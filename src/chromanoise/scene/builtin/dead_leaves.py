@@ -1,9 +1,11 @@
 """Dead leaves: occluding discs of random size, the standard target for texture."""
 
+from functools import partial
+
 import numpy as np
 
 from chromanoise._check import Array
-from chromanoise._shapes import Float, Integer
+from chromanoise._shapes import Bool, Float, Integer
 from chromanoise.rng import stream
 from chromanoise.scene.builtin.mixtures import logistic, mixed_cube, pixel_means
 from chromanoise.scene.builtin.occlusion import paint_behind
@@ -54,16 +56,15 @@ def occluding_discs(
         row, column, share = rng.random((3, _BATCH))
         new = 1.0 / np.sqrt(smallest**-2 - share * (smallest**-2 - largest**-2))
         center = np.stack([row, column], axis=1) * (side + 2 * largest) - largest
-        square = new**2
-        paint_behind(
-            label,
-            center,
-            new,
-            lambda k, down, across, square=square: down**2 + across**2 <= square[k],
-            first=radii.size,
-        )
+        paint_behind(label, center, new, partial(_inside_disc, new), first=radii.size)
         radii = np.concatenate([radii, new])
     return label, radii
+
+
+def _inside_disc(
+    radii: Float[Array, " discs"], k: int, down: Float[Array, "h 1"], right: Float[Array, "1 w"]
+) -> Bool[Array, "h w"]:
+    return down**2 + right**2 <= radii[k] ** 2
 
 
 def dead_leaves_cube() -> Cube:

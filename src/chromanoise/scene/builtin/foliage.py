@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from chromanoise._check import Array
-from chromanoise._shapes import Float, Integer
+from chromanoise._shapes import Bool, Float, Integer
 from chromanoise.rng import stream
 from chromanoise.scene.builtin.mixtures import gaussian, logistic, mixed_cube, pixel_means
 from chromanoise.scene.builtin.occlusion import paint_behind
@@ -122,7 +122,7 @@ def _leaves() -> Integer[Array, "sh sw"]:
 
     def inside_half(
         k: int, down: Float[Array, "h 1"], right: Float[Array, "1 w"]
-    ) -> Float[Array, "h w"]:
+    ) -> Bool[Array, "h w"]:
         """Two arcs that meet in pointed ends; the halves are the two sides of the midrib."""
         leaf, half = divmod(k, 2)
         cos, sin = np.cos(angle[leaf]), np.sin(angle[leaf])

@@ -11,7 +11,7 @@ _DECIMALS = 6  # rounding hides the last bits, which depend on the BLAS kernel
 
 
 def logistic(center_nm: float, width_nm: float) -> Float[Array, " n"]:
-    """A smooth step from 0 to 1 on the default grid: 1 / (1 + exp(-(wavelength - center) / width))."""
+    """A step from 0 to 1 on the default grid: 1 / (1 + exp(-(wavelength - center) / width))."""
     return 1.0 / (1.0 + np.exp(-(DEFAULT_GRID.wavelength_nm - center_nm) / width_nm))
 
 
