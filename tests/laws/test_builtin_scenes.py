@@ -1,6 +1,7 @@
 """The built-in scenes have the statistics and the geometry that they declare."""
 
 from functools import cache
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -57,14 +58,14 @@ def test_a_synthetic_scene_is_a_reflectance_on_the_default_grid_and_says_that_it
     assert np.array_equal(cube.stored, stored(name))  # the same each time
 
 
-@pytest.mark.parametrize(("name", "most"), [("dead-leaves", 0.25), ("foliage", 0.35)])
-def test_the_infrared_hardly_follows_the_luminance(name, most):
-    # in the ColorChecker the correlation over its 24 patches is 0.78
-    cube = stored(f"builtin:{name}")
+@pytest.mark.parametrize("name", ["builtin:dead-leaves", "builtin:foliage"])
+def test_the_infrared_hardly_follows_the_luminance(name):
+    # in the ColorChecker the correlation over its 24 patches is 0.5
+    cube = stored(name)
     luminance = xyz_of(cube)[..., 1].ravel()
     infrared = cube[..., WAVELENGTH >= 750].mean(axis=-1).ravel()
-    assert abs(np.corrcoef(luminance, infrared)[0, 1]) < most
-    assert infrared.std() > 0.1
+    assert abs(np.corrcoef(luminance, infrared)[0, 1]) < 0.25
+    assert infrared.std() > 0.05
 
 
 # ---- dead leaves ----
@@ -113,7 +114,7 @@ def test_the_power_spectrum_of_the_dead_leaves_falls_about_as_the_inverse_square
     power = np.abs(np.fft.fft2((band - band.mean()) * window)) ** 2
     frequency = np.hypot(np.fft.fftfreq(256)[:, None], np.fft.fftfreq(256))
     edges = np.geomspace(4 / 256, 0.25, 9)
-    rings = [power[(frequency >= a) & (frequency < b)].mean() for a, b in zip(edges, edges[1:])]
+    rings = [power[(frequency >= a) & (frequency < b)].mean() for a, b in pairwise(edges)]
     slope = np.polyfit(np.log(edges[:-1]), np.log(rings), 1)[0]
     assert -2.3 < slope < -1.5
 
@@ -168,7 +169,7 @@ def test_the_color_edge_has_equal_luminance_and_infrared_but_another_hue():
     assert at(sides, 800)[0] == pytest.approx(at(sides, 800)[1], abs=1e-4)
 
 
-@pytest.mark.parametrize(("illuminant", "tolerance"), [("E", 1e-6), ("D65", 2e-3), ("A", 4e-3)])
+@pytest.mark.parametrize(("illuminant", "tolerance"), [("E", 1e-6), ("6500K", 2e-4), ("A", 6e-4)])
 def test_the_infrared_edge_has_equal_xyz_on_both_sides_but_other_electrons(illuminant, tolerance):
     sides = sides_of("infrared")
     first, second = xyz_of(sides, illuminant)
