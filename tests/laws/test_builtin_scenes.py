@@ -11,6 +11,7 @@ from chromanoise.exposure import Exposure, expected_electrons
 from chromanoise.scene import BUILTIN_CUBES, SLANTED_EDGES, Scene, builtin_cube, light
 from chromanoise.scene.builtin.dead_leaves import occluding_discs
 from chromanoise.scene.builtin.foliage import foliage_reflectances
+from chromanoise.scene.builtin.occlusion import paint_behind
 from chromanoise.spectra import DEFAULT_GRID, color_axes
 
 WAVELENGTH = DEFAULT_GRID.wavelength_nm
@@ -81,11 +82,24 @@ def z_of(samples, expected):
     return (np.mean(samples) - expected) / (np.std(samples, ddof=1) / np.sqrt(len(samples)))
 
 
+BORDER = np.pad(np.zeros((122, 122), dtype=bool), 3, constant_values=True)
+
+
+@pytest.mark.parametrize("where", [BORDER, ~BORDER], ids=["border", "inside"])
 @pytest.mark.parametrize("share", [0.25, 0.5, 0.75])
-def test_the_radius_of_the_disc_at_a_pixel_is_uniform_in_its_logarithm(share):
+def test_the_radius_of_the_disc_at_a_pixel_is_uniform_in_its_logarithm(share, where):
     # the density of the radii, r^-3, times the area of a disc, r^2, is 1/r
     quantile = SMALLEST * (LARGEST / SMALLEST) ** share
-    assert abs(z_of([(r < quantile).mean() for r in many_discs()[1]], share)) < 5
+    assert abs(z_of([(r[where] < quantile).mean() for r in many_discs()[1]], share)) < 5
+
+
+def test_a_shape_is_painted_behind_all_earlier_ones():
+    label = np.full((1, 6), -1)
+    center, reach = np.array([[0.0, 1.0], [0.0, 3.0]]), np.array([1.5, 2.0])
+    paint_behind(label, center, reach, lambda k, down, right: abs(down + right) <= reach[k])
+    assert label.tolist() == [[0, 0, 0, 1, 1, 1]]
+    paint_behind(label, center, reach, lambda k, down, right: down + right < 9, first=2)
+    assert label.tolist() == [[0, 0, 0, 1, 1, 1]]
 
 
 def test_the_radii_have_the_density_r_to_the_minus_3():
@@ -192,11 +206,22 @@ def test_leaves_have_a_red_edge_and_black_cotton_is_bright_in_the_infrared():
     assert at(curves["black cotton"], 850) > at(curves["leaf"], 850) > 2 * at(curves["soil"], 850)
 
 
-@pytest.mark.parametrize("dark", ["leaf", "black cotton", "skin"])
-def test_the_foliage_shows_its_materials(dark):
+@pytest.mark.parametrize("material", ["leaf", "young leaf", "dry leaf", "black cotton", "skin"])
+def test_the_foliage_shows_its_materials(material):
     # the ratio of two bands does not depend on the illumination
+    assert seen_in_foliage(material).mean() > 0.05
+
+
+def test_the_leaves_are_darker_toward_the_last_corner():
+    infrared = at(stored("builtin:foliage"), 850)
+    leaves = seen_in_foliage("leaf")
+    from_first = np.add.outer(np.arange(256), np.arange(256))
+    bright, dark = leaves & (from_first < 200), leaves & (from_first > 312)
+    assert np.median(infrared[bright]) > 1.4 * np.median(infrared[dark])
+
+
+def seen_in_foliage(material):
     cube = stored("builtin:foliage").astype(float)
-    curve = foliage_reflectances()[dark]
-    seen = np.abs(at(cube, 850) / at(cube, 650) / (at(curve, 850) / at(curve, 650)) - 1.0) < 1e-3
-    assert seen.mean() > 0.05
-    assert at(cube, 850)[seen].max() > 1.5 * at(cube, 850)[seen].min()  # uneven
+    curve = foliage_reflectances()[material]
+    ratio = at(cube, 850) / at(cube, 650) / (at(curve, 850) / at(curve, 650))
+    return np.abs(ratio - 1.0) < 1e-3
