@@ -1,20 +1,16 @@
 """The names of the built-in cubes."""
 
-from collections.abc import Callable
+from importlib import import_module
 
 from chromanoise import _check
-from chromanoise.scene.builtin.checker import checker_cube
-from chromanoise.scene.builtin.dead_leaves import dead_leaves_cube
-from chromanoise.scene.builtin.foliage import foliage_cube
-from chromanoise.scene.builtin.slanted_edges import slanted_edges_cube
 from chromanoise.scene.cube import Cube
 
-_MAKERS: dict[str, Callable[[], Cube]] = {
-    "builtin:checker": checker_cube,
-    "builtin:dead-leaves": dead_leaves_cube,
-    "builtin:slanted-edges": slanted_edges_cube,
-    "builtin:foliage": foliage_cube,
-}
+_MAKERS = {
+    "builtin:checker": "checker_cube",
+    "builtin:dead-leaves": "dead_leaves_cube",
+    "builtin:slanted-edges": "slanted_edges_cube",
+    "builtin:foliage": "foliage_cube",
+}  # by name, because every command lists the cubes and few make one
 BUILTIN_CUBES = tuple(_MAKERS)
 
 
@@ -27,4 +23,5 @@ def builtin_cube(name: str) -> Cube:
         If no built-in cube has this name.
     """
     _check.one_of("scene", name, BUILTIN_CUBES)
-    return _MAKERS[name]()
+    cube: Cube = getattr(import_module("chromanoise.scene.builtin"), _MAKERS[name])()
+    return cube
