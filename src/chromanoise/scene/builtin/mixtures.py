@@ -51,7 +51,8 @@ def mixed_cube(
     Cube
         Its values are float32, rounded to 6 decimals, so that they are the same on all machines.
     """
-    mixed = np.round(shares.astype(np.float64) @ reflectances, _DECIMALS)
+    mixed = shares.astype(np.float64) @ reflectances
+    np.round(mixed, _DECIMALS, out=mixed)
     return Cube(
         wavelength_nm=DEFAULT_GRID.wavelength_nm,
         stored=mixed.astype(np.float32),
