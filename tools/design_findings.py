@@ -19,7 +19,7 @@ from chromanoise.design.optimizing import task_of
 from chromanoise.exposure import expected_electrons
 from chromanoise.noise import monte_carlo, noise_sources
 from chromanoise.scene import flat_field
-from chromanoise.scene.builtin import GAP_PX, PATCH_PX
+from chromanoise.scene.builtin.checker import GAP_PX, PATCH_PX
 from chromanoise.study import Analyses
 
 DESIGNS = tuple(sorted(Path("examples/designs").glob("*.toml")))

@@ -326,7 +326,8 @@ def render(
     Parameters
     ----------
     cube
-        ``builtin:checker``, or a file of a hyperspectral reflectance cube.
+        A name of ``chromanoise catalog scenes``, e.g. ``builtin:checker``, or a file of a
+        hyperspectral reflectance cube.
     sensors
         As `analyze`.
     matrix

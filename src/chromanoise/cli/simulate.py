@@ -134,10 +134,11 @@ def simulate(
 ) -> None:
     """Render a noisy picture of CUBE with each sensor: raw codes of a mosaic, color, or both.
 
-    CUBE is a hyperspectral reflectance cube: ENVI (.hdr or its data file), MAT, HDF5, NetCDF,
-    Zarr, multi-page TIFF, a folder of one PNG per band, NPZ or NPY; or builtin:checker. It may be
-    larger than memory. The same arguments give the same pictures on any number of threads, tiles
-    or machines. A folder with pictures of other arguments is refused.
+    CUBE is a name of `chromanoise catalog scenes`, e.g. builtin:checker, or a hyperspectral
+    reflectance cube: ENVI (.hdr or its data file), MAT, HDF5, NetCDF, Zarr, multi-page TIFF, a
+    folder of one PNG per band, NPZ or NPY. It may be larger than memory. The same arguments give
+    the same pictures on any number of threads, tiles or machines. A folder with pictures of other
+    arguments is refused.
     """
     study = render_study(cube, sensors, {**settings, **_parsed(settings)}, matrix=method)
     if copy_as is not None:

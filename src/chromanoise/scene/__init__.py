@@ -7,8 +7,13 @@ from chromanoise._lazy import lazy_names
 if TYPE_CHECKING:
     from chromanoise.scene.builtin import (
         BUILTIN_CUBES,
+        SLANTED_EDGES,
+        SlantedEdge,
         builtin_cube,
         checker_cube,
+        dead_leaves_cube,
+        foliage_cube,
+        slanted_edges_cube,
     )
     from chromanoise.scene.cube import (
         Cube,
@@ -27,15 +32,20 @@ if TYPE_CHECKING:
 
 __all__ = [
     "BUILTIN_CUBES",
+    "SLANTED_EDGES",
     "Cube",
     "RowSource",
     "Scene",
+    "SlantedEdge",
     "bands_within",
     "builtin_cube",
     "checker_cube",
+    "dead_leaves_cube",
     "flat_cube",
     "flat_field",
+    "foliage_cube",
     "light",
     "row_source",
+    "slanted_edges_cube",
 ]
 __getattr__, __dir__ = lazy_names(__name__)

@@ -43,7 +43,7 @@ quantity = "snr-y"                   # snr-x, snr-z, bound, price, delta-e, colo
 # second = {vary = "f-number", first = 1.4, last = 8.0}  # a second parameter: a heat map
 
 # [[pictures]]
-# cube = "builtin:checker"           # or a hyperspectral cube of reflectances
+# cube = "builtin:checker"           # of `chromanoise catalog scenes`, or a file of reflectances
 # mosaic = "sensor"                  # raw codes and demosaicing; bayer, RG/GB ...
 # frames = 1                         # of a burst; formats, bits, prnu, dsnu_e ...
 

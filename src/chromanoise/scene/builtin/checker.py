@@ -1,10 +1,7 @@
-"""Built-in cubes, which need no file."""
-
-from collections.abc import Callable
+"""A ColorChecker as a cube."""
 
 import numpy as np
 
-from chromanoise import _check
 from chromanoise.scene.cube import Cube
 from chromanoise.spectra import DEFAULT_GRID, colorchecker
 
@@ -27,19 +24,3 @@ def checker_cube() -> Cube:
         source="builtin:checker",
         notes=chart.notes,
     )
-
-
-_MAKERS: dict[str, Callable[[], Cube]] = {"checker": checker_cube}
-BUILTIN_CUBES = tuple(f"builtin:{name}" for name in _MAKERS)
-
-
-def builtin_cube(name: str) -> Cube:
-    """The cube with the name ``builtin:...``.
-
-    Raises
-    ------
-    InputError
-        If no built-in cube has this name.
-    """
-    _check.one_of("scene", name, BUILTIN_CUBES)
-    return _MAKERS[name.removeprefix("builtin:")]()

@@ -1,0 +1,61 @@
+"""Cubes whose pixels are mixtures of a few reflectances, and curves for such reflectances."""
+
+import numpy as np
+
+from chromanoise._check import Array
+from chromanoise._shapes import Float, Integer
+from chromanoise.scene.cube import Cube
+from chromanoise.spectra import DEFAULT_GRID
+
+_DECIMALS = 6  # rounding hides the last bits, which depend on the BLAS kernel
+
+
+def logistic(center_nm: float, width_nm: float) -> Float[Array, " n"]:
+    """A step from 0 to 1 on the default grid: 1 / (1 + exp(-(wavelength - center) / width))."""
+    return 1.0 / (1.0 + np.exp(-(DEFAULT_GRID.wavelength_nm - center_nm) / width_nm))
+
+
+def gaussian(center_nm: float, sd_nm: float) -> Float[Array, " n"]:
+    """A bump of height 1 on the default grid, with the standard deviation ``sd_nm``."""
+    return np.exp(-0.5 * ((DEFAULT_GRID.wavelength_nm - center_nm) / sd_nm) ** 2)
+
+
+def pixel_means(
+    values: Float[Array, "labels k"], label: Integer[Array, "sh sw"], *, subpixels: int
+) -> Float[Array, "h w k"]:
+    """Mean of ``values[label]`` over the ``subpixels`` x ``subpixels`` samples of each pixel."""
+    first = [label[i::subpixels, j::subpixels] for i in range(subpixels) for j in range(subpixels)]
+    return sum(values[one] for one in first) / np.float32(subpixels**2)
+
+
+def mixed_cube(
+    shares: Float[Array, "h w k"],
+    reflectances: Float[Array, "k n"],
+    *,
+    source: str,
+    notes: tuple[str, ...],
+) -> Cube:
+    """The cube on the default grid whose pixels are ``shares @ reflectances``.
+
+    Parameters
+    ----------
+    shares
+        Share of each reflectance in each pixel, times the gain of the pixel.
+    reflectances
+        Reflectances on the default grid.
+    source, notes
+        As in `Cube`.
+
+    Returns
+    -------
+    Cube
+        Its values are float32, rounded to 6 decimals, so that they are the same on all machines.
+    """
+    mixed = shares.astype(np.float64) @ reflectances
+    np.round(mixed, _DECIMALS, out=mixed)
+    return Cube(
+        wavelength_nm=DEFAULT_GRID.wavelength_nm,
+        stored=mixed.astype(np.float32),
+        source=source,
+        notes=notes,
+    )
