@@ -6,14 +6,28 @@ from chromanoise._lazy import lazy_names
 
 if TYPE_CHECKING:
     from chromanoise.denoising.method import DenoisingMethod
+    from chromanoise.denoising.methods import DENOISING
+    from chromanoise.denoising.pictures import (
+        captured_with,
+        denoised_electrons,
+        denoised_mosaic,
+        planes_of_electrons,
+        planes_of_mosaic,
+    )
     from chromanoise.denoising.planes import NoisyPlanes, packed, unpacked
     from chromanoise.denoising.strips import denoised_planes
 
 __all__ = [
+    "DENOISING",
     "DenoisingMethod",
     "NoisyPlanes",
+    "captured_with",
+    "denoised_electrons",
+    "denoised_mosaic",
     "denoised_planes",
     "packed",
+    "planes_of_electrons",
+    "planes_of_mosaic",
     "unpacked",
 ]
 __getattr__, __dir__ = lazy_names(__name__)
