@@ -21,7 +21,7 @@ import numpy as np
 
 from chromanoise._check import Array
 from chromanoise._shapes import Float, Float32
-from chromanoise.denoising.guided_kernels import add_estimates, fuse, halved, window_estimates
+from chromanoise.denoising.guided_kernels import add_estimates, fuse, halved
 from chromanoise.denoising.method import DenoisingMethod
 from chromanoise.denoising.planes import NoisyPlanes
 
@@ -54,10 +54,10 @@ def denoise(planes: NoisyPlanes) -> Float32[Array, "h w p"]:
     """
     noise = np.stack([planes.floor_e2, planes.slope_e, planes.prnu**2])
     values = [np.ascontiguousarray(np.moveaxis(planes.values_e, 2, 0))]
-    shares = [tuple(np.ones(size) for size in values[0].shape[1:])]
+    shares = [(np.ones(values[0].shape[1]), np.ones(values[0].shape[2]))]
     for _ in range(_LEVELS - 1):
         values.append(_halved(values[-1]))
-        shares.append(tuple(_share_of_halved(share) for share in shares[-1]))
+        shares.append((_share_of_halved(shares[-1][0]), _share_of_halved(shares[-1][1])))
     coarse, _ = _estimate(values.pop(), noise, shares[-1])
     while values:
         fine, active = _estimate(values.pop(), noise, shares[len(values)])
@@ -98,12 +98,9 @@ def _estimate(
     shares: tuple[Float[Array, " h"], Float[Array, " w"]],
 ) -> tuple[Float32[Array, "p h w"], Float32[Array, "h w"]]:
     """The estimate of one level, and the activity in its largest windows."""
-    p, h, w = values.shape
-    estimate, weight, active = np.zeros_like(values), *np.zeros((2, h, w), np.float32)
-    coefficients = np.empty((-(-h // 2), p * p + p + 2, -(-w // 2)), np.float32)
+    estimate, (weight, active) = np.zeros_like(values), np.zeros((2, *values.shape[1:]), np.float32)
     for radius in _RADII:
-        window_estimates(values, noise, *shares, radius, _EDGE, coefficients)
-        add_estimates(values, coefficients, radius, estimate, weight, active)
+        add_estimates(values, noise, *shares, radius, _EDGE, estimate, weight, active)
     estimate /= weight
     return estimate, active
 

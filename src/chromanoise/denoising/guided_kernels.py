@@ -18,22 +18,50 @@ _ZERO, _ONE, _TWO, _FOUR = _F(0.0), _F(1.0), _F(2.0), _F(4.0)
 _TINY = _F(1e-30)
 _LEAST_VARIANCE = 1e-10
 """Least variance of the noise, as a share of the mean square: float32 holds no smaller one."""
-_compiled = kernel(error_model="numpy", fastmath={"contract"})
+_OPTIONS = {"error_model": "numpy", "fastmath": {"contract"}}
+_compiled = kernel(**_OPTIONS)
+_within = kernel(
+    **_OPTIONS, no_cpython_wrapper=True, no_cfunc_wrapper=True
+)  # called by kernels only
 
 
 @_compiled
 @no_type_check
-def window_estimates(values, noise, row_share, column_share, radius, edge, coefficients):
-    """The linear estimate of every window.
+def add_estimates(values, noise, row_share, column_share, radius, edge, estimate, weight, active):
+    """Add to each pixel the weighted estimates of the windows of one size that hold it.
 
     values (p, h, w); noise (3, p): floor, slope, square of the PRNU; row_share (h,) and
     column_share (w,): the variance of a pixel is that of the noise times both; edge: least power of
-    a component that is kept whole, over the largest of pure noise; coefficients (rows, p * p + p +
-    2, columns): of each window the matrix and the constant times its weight, its weight, and its
-    activity: the largest gain of a component.
+    a component that is kept whole, over the largest of pure noise; estimate (p, h, w) and weight
+    (h, w): sums; active (h, w) becomes the mean over the windows of the largest gain.
     """
     p, h, w = values.shape
-    rows, count, columns = coefficients.shape
+    rows, columns, count = (h + 1) // 2, (w + 1) // 2, p * p + p + 2
+    held = radius + 2
+    ring = np.empty((held, count, columns), np.float32)
+    done = 0
+    for y in range(h):
+        top, bottom = max(0, (y - radius + 1) // 2), min(rows, (y + radius) // 2 + 1)
+        while done < bottom:
+            first, last = max(0, 2 * done - radius), min(h, 2 * done + radius + 1)
+            share = _mean(row_share, first, last)
+            _window_row(
+                values[:, first:last], noise, share, column_share, radius, edge, ring[done % held]
+            )
+            done += 1
+        _add_row(ring, top, bottom, radius, values[:, y], estimate[:, y], weight[y], active[y])
+
+
+@_within
+@no_type_check
+def _window_row(values, noise, row_share, column_share, radius, edge, out):
+    """The linear estimates of one row of windows.
+
+    values (p, rows of the windows, w); out (p * p + p + 2, columns): of each window the matrix and
+    the constant times its weight, its weight, and its largest gain.
+    """
+    p, h, w = values.shape
+    count, columns = out.shape
     pairs = p + p * (p + 1) // 2
     sums = np.empty((pairs, 2 * _LANES + 2 * radius))
     moments = np.empty((pairs, _LANES))
@@ -43,35 +71,42 @@ def window_estimates(values, noise, row_share, column_share, radius, edge, coeff
     unit = np.empty((p, _LANES), np.float32)
     power = np.empty((p, p, _LANES), np.float32)
     basis = np.empty((p, p, _LANES), np.float32)
-    out = np.empty((count, _LANES), np.float32)
-    for row in range(rows):
-        top, bottom = max(0, 2 * row - radius), min(h, 2 * row + radius + 1)
-        for first in range(0, columns, _LANES):
-            lanes = min(_LANES, columns - first)
-            start = 2 * first - radius
-            left, right = max(0, start), min(w, start + 2 * _LANES + 2 * radius)
-            _column_sums(values[:, top:bottom, left:right], sums, left - start)
-            for lane in range(_LANES):
-                x = 2 * (first + lane)
-                near, end = min(w - 1, max(0, x - radius)), min(w, x + radius + 1)
-                number[lane] = (end - near) * (bottom - top)
-                share[lane] = row_share[top:bottom].mean() * column_share[near:end].mean()
-            for k in range(pairs):
-                moments[k] = 0.0
-                for i in range(2 * radius + 1):
-                    for lane in range(_LANES):
-                        moments[k, lane] += sums[k, 2 * lane + i]
+    some = np.empty((count, _LANES), np.float32)
+    for first in range(0, columns, _LANES):
+        start = 2 * first - radius
+        left, right = max(0, start), min(w, start + 2 * _LANES + 2 * radius)
+        _column_sums(values[:, :, left:right], sums, left - start)
+        for lane in range(_LANES):
+            x = 2 * (first + lane)
+            near, end = min(w - 1, max(0, x - radius)), min(w, x + radius + 1)
+            number[lane] = (end - near) * h
+            share[lane] = row_share * _mean(column_share, near, end)
+        for k in range(pairs):
+            moments[k] = 0.0
+            for i in range(2 * radius + 1):
                 for lane in range(_LANES):
-                    moments[k, lane] /= np.float64(number[lane])
-            _whitened(moments, number, noise, share, mean, unit, power)
-            _diagonalized(power, basis)
-            _shrunk(power, basis, number, mean, unit, edge, out)
-            for k in range(count):
-                for lane in range(lanes):
-                    coefficients[row, k, first + lane] = out[k, lane]
+                    moments[k, lane] += sums[k, 2 * lane + i]
+            for lane in range(_LANES):
+                moments[k, lane] /= np.float64(number[lane])
+        _whitened(moments, number, noise, share, mean, unit, power)
+        _diagonalized(power, basis)
+        _shrunk(power, basis, number, mean, unit, edge, some)
+        lanes = min(_LANES, columns - first)
+        for k in range(count):
+            for lane in range(lanes):
+                out[k, first + lane] = some[k, lane]
 
 
-@_compiled
+@_within
+@no_type_check
+def _mean(values, start, stop):
+    total = 0.0
+    for i in range(start, stop):
+        total += values[i]
+    return total / (stop - start)
+
+
+@_within
 @no_type_check
 def _column_sums(values, sums, skipped):
     """Of each column, the sums of the planes and of their products; 0 outside the picture."""
@@ -90,7 +125,7 @@ def _column_sums(values, sums, skipped):
                 k += 1
 
 
-@_compiled
+@_within
 @no_type_check
 def _whitened(moments, number, noise, share, mean, unit, power):
     """Means, standard deviations of the noise, and the covariance in their unit."""
@@ -116,7 +151,7 @@ def _whitened(moments, number, noise, share, mean, unit, power):
             k += 1
 
 
-@_compiled
+@_within
 @no_type_check
 def _diagonalized(a, basis):
     """Jacobi's rotations, of every lane at once: a becomes diagonal, basis its eigenvectors.
@@ -152,7 +187,7 @@ def _diagonalized(a, basis):
                     _rotated(basis[i, k], basis[j, k], cosine, sine)
 
 
-@_compiled
+@_within
 @no_type_check
 def _rotated(x, y, cosine, sine):
     for lane in range(_LANES):
@@ -161,10 +196,10 @@ def _rotated(x, y, cosine, sine):
         y[lane] = sine[lane] * u + cosine[lane] * v
 
 
-@_compiled
+@_within
 @no_type_check
 def _shrunk(power, basis, number, mean, unit, edge, out):
-    """The estimate from the power of each component, as `window_estimates` stores it."""
+    """The estimate from the power of each component, as `_window_row` stores it."""
     p = mean.shape[0]
     gain = np.empty((p, _LANES), np.float32)
     weight, active = out[p * p + p], out[p * p + p + 1]
@@ -204,48 +239,42 @@ def _shrunk(power, basis, number, mean, unit, edge, out):
             constant[lane] *= weight[lane]
 
 
-@_compiled
+@_within
 @no_type_check
-def add_estimates(values, coefficients, radius, estimate, weight, active):
-    """Add to each pixel the weighted estimates of the windows that hold it.
-
-    estimate (p, h, w), weight (h, w); active (h, w) is the mean activity.
-    """
-    p, h, w = values.shape
-    rows, count, columns = coefficients.shape
+def _add_row(ring, top, bottom, radius, values, estimate, weight, active):
+    """The estimates for one row of pixels, from the rows of windows ``top`` to ``bottom``."""
+    p, w = values.shape
+    held, count, columns = ring.shape
     pad = radius // 2
-    even, odd = 2 * pad + 1, 2 * ((radius + 1) // 2)  # windows that hold a pixel
+    even, odd = 2 * pad + 1, 2 * ((radius + 1) // 2)  # windows that hold a pixel of this parity
     later = pad - (radius - 1) // 2
-    vertical = np.empty((count, columns + 2 * pad + 2), np.float32)
+    vertical = np.zeros((count, columns + 2 * pad + 2), np.float32)
     line = np.empty(2 * columns, np.float32)
-    for y in range(h):
-        vertical[:] = _ZERO
-        top, bottom = max(0, (y - radius + 1) // 2), min(rows, (y + radius) // 2 + 1)
-        for row in range(top, bottom):
-            for k in range(count):
-                for x in range(columns):
-                    vertical[k, pad + x] += coefficients[row, k, x]
+    for row in range(top, bottom):
         for k in range(count):
-            line[:] = _ZERO
-            for i in range(even):
-                for x in range(columns):
-                    line[2 * x] += vertical[k, x + i]
-            for i in range(odd):
-                for x in range(columns):
-                    line[2 * x + 1] += vertical[k, later + x + i]
-            if k < p * p:
-                for x in range(w):
-                    estimate[k // p, y, x] += line[x] * values[k % p, y, x]
-            elif k < p * p + p:
-                for x in range(w):
-                    estimate[k - p * p, y, x] += line[x]
-            elif k == p * p + p:
-                for x in range(w):
-                    weight[y, x] += line[x]
-            else:
-                for x in range(w):
-                    n = min(columns, (x + radius) // 2 + 1) - max(0, (x - radius + 1) // 2)
-                    active[y, x] = line[x] / _F(n * (bottom - top))
+            for x in range(columns):
+                vertical[k, pad + x] += ring[row % held, k, x]
+    for k in range(count):
+        line[:] = _ZERO
+        for i in range(even):
+            for x in range(columns):
+                line[2 * x] += vertical[k, x + i]
+        for i in range(odd):
+            for x in range(columns):
+                line[2 * x + 1] += vertical[k, later + x + i]
+        if k < p * p:
+            for x in range(w):
+                estimate[k // p, x] += line[x] * values[k % p, x]
+        elif k < p * p + p:
+            for x in range(w):
+                estimate[k - p * p, x] += line[x]
+        elif k == p * p + p:
+            for x in range(w):
+                weight[x] += line[x]
+        else:
+            for x in range(w):
+                n = min(columns, (x + radius) // 2 + 1) - max(0, (x - radius + 1) // 2)
+                active[x] = line[x] / _F(n * (bottom - top))
 
 
 @_compiled
