@@ -114,7 +114,7 @@ def test_flats_of_few_rows_or_columns_lose_noise_as_a_mean_of_all_that_is_near(s
 
 
 def test_a_texture_is_kept_by_wieners_gain():
-    """Independent pixels of 9 times the noise's variance: 9 / 10 of each, and of its mean 1 / 10."""
+    """Independent pixels of 9 times the variance of the noise: 9 / 10 of each stays."""
     texture = 1000.0 + 30.0 * stream(19, 1).normal(size=(200, 200, 1))
     planes = noisy(texture, 2, floor_e2=100.0)
     found = one_size(planes, 5)
@@ -146,7 +146,7 @@ def scene(p=4, height=70, width=90):
 def test_values_without_noise_come_back(count, noise_e):
     values = scene(count)
     found = denoise(planes_of(values, floor_e2=noise_e**2))
-    assert found == pytest.approx(values, rel=1e-3)
+    assert np.abs(found / values - 1).max() < 1e-3
 
 
 def test_planes_without_noise_are_returned_and_the_others_are_not():
@@ -243,10 +243,10 @@ def test_the_order_and_the_unit_of_the_planes_do_not_matter(order, unit):
         floor_e2=noise["floor_e2"][order] * unit**2,
         slope_e=noise["slope_e"][order] * unit,
     )
-    assert denoise(other) / unit == pytest.approx(denoise(planes)[..., order], rel=2e-3)
+    assert np.abs(denoise(other) / unit / denoise(planes)[..., order] - 1).max() < 2e-3
 
 
 def test_a_transposed_picture_gives_the_transposed_result():
     planes = noisy(scene(3, 41, 66), 12, slope_e=1.0, floor_e2=100.0)
     other = planes_of(planes.values_e.swapaxes(0, 1), slope_e=1.0, floor_e2=100.0)
-    assert denoise(other).swapaxes(0, 1) == pytest.approx(denoise(planes), rel=1e-3)
+    assert np.abs(denoise(other).swapaxes(0, 1) / denoise(planes) - 1).max() < 1e-3
