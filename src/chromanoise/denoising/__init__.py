@@ -5,14 +5,28 @@ from typing import TYPE_CHECKING
 from chromanoise._lazy import lazy_names
 
 if TYPE_CHECKING:
+    from chromanoise.denoising.linear import LMMSE, WIENER, LinearFilter, filtered, linear_filters
     from chromanoise.denoising.method import DenoisingMethod
     from chromanoise.denoising.planes import NoisyPlanes, packed, unpacked
+    from chromanoise.denoising.prediction import (
+        denoised_bank,
+        denoised_covariance,
+        denoised_noise_spectrum,
+    )
     from chromanoise.denoising.strips import denoised_planes
 
 __all__ = [
+    "LMMSE",
+    "WIENER",
     "DenoisingMethod",
+    "LinearFilter",
     "NoisyPlanes",
+    "denoised_bank",
+    "denoised_covariance",
+    "denoised_noise_spectrum",
     "denoised_planes",
+    "filtered",
+    "linear_filters",
     "packed",
     "unpacked",
 ]
