@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 from chromanoise._lazy import lazy_names
 
 if TYPE_CHECKING:
+    from chromanoise.denoising.burst import Burst, BurstFrame, merged_frames
     from chromanoise.denoising.linear import LMMSE, WIENER, LinearFilter, filtered, linear_filters
     from chromanoise.denoising.method import DenoisingMethod
     from chromanoise.denoising.planes import NoisyPlanes, packed, unpacked
@@ -18,6 +19,8 @@ if TYPE_CHECKING:
 __all__ = [
     "LMMSE",
     "WIENER",
+    "Burst",
+    "BurstFrame",
     "DenoisingMethod",
     "LinearFilter",
     "NoisyPlanes",
@@ -27,6 +30,7 @@ __all__ = [
     "denoised_planes",
     "filtered",
     "linear_filters",
+    "merged_frames",
     "packed",
     "unpacked",
 ]
