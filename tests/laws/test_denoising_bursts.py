@@ -128,6 +128,16 @@ def test_saturated_values_are_not_used():
     assert shorter.planes.values_e[:, :30] == pytest.approx(4 * scene[:, :30])
 
 
+def test_rows_that_are_tested_together_change_no_bit(monkeypatch):
+    planes = camera(p=2)
+    values = draw_frames(planes, np.full((150, 40, 2), 50.0), stream(4), (1.0, 2.0))
+    whole = merged(planes, values, (1.0, 2.0), false_alarm=0.2, window_px=5)
+    monkeypatch.setattr("chromanoise.denoising.burst._ROWS", 7)
+    parts = merged(planes, values, (1.0, 2.0), false_alarm=0.2, window_px=5)
+    assert (whole.planes.values_e == parts.planes.values_e).all()
+    assert (whole.used == parts.used).all()
+
+
 def test_frames_are_read_one_at_a_time():
     planes, alive = replace(camera(), values_e=np.ones((8, 8, 1), np.float32)), []
 

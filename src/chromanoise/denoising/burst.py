@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from itertools import chain
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from chromanoise._shapes import Bool, Float, Float32, Shaped
 from chromanoise.denoising.planes import NoisyPlanes
 from chromanoise.errors import InputError
 
+_ROWS = 64  # tested together, to save memory
 _LEAST_E2 = 1e-12  # of planes without read noise, at pixels without light
 
 
@@ -88,8 +90,8 @@ def merged_frames(
     Raises
     ------
     InputError
-        If a frame has another shape or a value that is not finite, a variance is negative or larger than the floor, there is no
-        temporal noise, or a number is out of range.
+        If a frame has another shape or a value that is not finite, a variance is negative or larger
+        than the floor, there is no temporal noise, or a number is out of range.
 
     Notes
     -----
@@ -103,8 +105,9 @@ def merged_frames(
     over its variance has a chi-square distribution where nothing moved. It is rejected at a pixel
     above the value of which ``false_alarm`` is the probability. The mean in the variance is that of
     both frames at the pixel; PRNU has no part in a difference. The distribution is that of
-    Gaussian noise: without read noise, below about 10 electrons, more is rejected. Where the first
-    frame is saturated, no test is possible.
+    Gaussian noise: at 1 electron and a read noise of 1 electron, 2.8e-3 of the pixels are rejected
+    instead of 1e-3 (4 planes, 3 x 3 pixels); at 10 electrons, 1e-3. Where the first frame is
+    saturated, no test is possible.
 
     Weights: Hasinoff, Durand & Freeman, "Noise-optimal capture for high dynamic range photography",
     CVPR (2010).
@@ -134,12 +137,15 @@ def merged_frames(
     _check.within("false_alarm", "1", false_alarm, 1e-12, 0.5)
     if window_px < 1 or window_px % 2 == 0:
         raise InputError("window_px", "must be odd and at least 1 [pixels]", value=window_px)
-    limits = _limits(false_alarm, window_px**2 * len(first.names))
-    usable = _unsaturated(first.values_e, saturation_e)
-    _check.finite("frame 1 of the burst", "e-", first.values_e)
-    sums = _Sums(first, fixed)
-    sums.add(first.values_e, 1.0, usable)
-    for number, frame in enumerate(others, start=2):
+    test = _Test(
+        first=first,
+        fixed_e2=fixed,
+        saturation_e=np.inf if saturation_e is None else saturation_e,
+        limits=_limits(false_alarm, window_px**2 * len(first.names)),
+        window_px=window_px,
+    )
+    sums = _Sums(test)
+    for number, frame in enumerate(chain([BurstFrame(values_e=first.values_e)], others), start=1):
         if frame.values_e.shape != first.values_e.shape:
             raise InputError(
                 f"frame {number} of the burst",
@@ -148,68 +154,86 @@ def merged_frames(
                 found=f"has {frame.values_e.shape}",
             )
         _check.finite(f"frame {number} of the burst", "e-", frame.values_e)
-        here = _unsaturated(frame.values_e, saturation_e)
-        squares = np.where(here & usable, _squares(first, frame, fixed), 0.0)
-        found, tested = (_window_sums(one, window_px) for one in (squares, here & usable))
-        agrees = found <= limits[tested.round().astype(int)]
-        sums.add(frame.values_e, frame.exposure, here & agrees[..., None])
+        sums.add(frame)
     return sums.burst()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Test:
+    """Which values of a frame are used: those not saturated, where the frame agrees."""
+
+    first: NoisyPlanes
+    fixed_e2: Float[Array, " p"]
+    saturation_e: float
+    limits: Float[Array, " n"]
+    window_px: int
+
+    def temporal(self, exposure: float) -> tuple[Float[Array, " p"], Float[Array, " p"]]:
+        """Floor and slope of the temporal variance of a frame, in electrons of the first one."""
+        floor, slope = self.first.floor_e2 - self.fixed_e2, self.first.slope_e
+        return floor / exposure**2, slope / exposure
+
+    def used(self, frame: BurstFrame, start: int, stop: int) -> Bool[Array, "rows w p"]:
+        """Whether each value of the rows ``start`` to ``stop`` is used."""
+        before = max(start - self.window_px // 2, 0)
+        rows = slice(before, stop + self.window_px // 2)
+        own, values = self.first.values_e[rows], frame.values_e[rows]
+        usable = values < self.saturation_e
+        both = usable & (own < self.saturation_e)
+        squares = np.where(both, self._squares(own, values, frame.exposure), 0.0)
+        found, count = (_window_sums(one, self.window_px) for one in (squares, both))
+        agrees = found <= self.limits[count.round().astype(int)]
+        return (usable & agrees[..., None])[start - before : stop - before]
+
+    def _squares(
+        self, own: Float32[Array, "h w p"], values: Float32[Array, "h w p"], t: float
+    ) -> Float[Array, "h w p"]:
+        """Squared difference of a frame from the first one, over its variance. [1]"""
+        light = np.maximum((own + values) / (1.0 + t), 0.0)
+        (read, shot), (own_read, own_shot) = self.temporal(t), self.temporal(1.0)
+        variance = (
+            read + own_read + self.fixed_e2 * (1.0 / t - 1.0) ** 2 + (shot + own_shot) * light
+        )
+        return np.asarray((values / t - own) ** 2 / np.maximum(variance, _LEAST_E2))
 
 
 class _Sums:
     """Running sums over the frames of a burst."""
 
-    def __init__(self, first: NoisyPlanes, fixed_e2: Float[Array, " p"]) -> None:
-        self._first, self._fixed_e2, self._frames = first, fixed_e2, 0
-        self._values, self._used = (np.zeros(first.values_e.shape) for _ in range(2))
+    def __init__(self, test: _Test) -> None:
+        self._test, self._frames = test, 0
+        self._values, self._used = (np.zeros(test.first.values_e.shape) for _ in range(2))
         # of the weights w at relative exposures t: w, w / t, w^2 / t, w^2 / t^2
-        self._moments = np.zeros((4, len(fixed_e2)))
+        self._moments = np.zeros((4, len(test.fixed_e2)))
 
-    def add(
-        self, values_e: Float32[Array, "h w p"], exposure: float, used: Bool[Array, "h w p"]
-    ) -> None:
-        """Add a frame, at the pixels where it is used."""
-        read, shot = _temporal(self._first, exposure, self._fixed_e2)
-        weight = 1.0 / (read + shot * self._first.prior_mean_e)
-        self._values += np.where(used, values_e * (weight / exposure), 0.0)
-        self._used += np.where(used, weight, 0.0)
-        self._moments += (weight, weight / exposure, weight**2 / exposure, (weight / exposure) ** 2)
+    def add(self, frame: BurstFrame) -> None:
+        """Add a frame where it is used."""
+        read, shot = self._test.temporal(frame.exposure)
+        w = 1.0 / (read + shot * self._test.first.prior_mean_e)
+        share = w / frame.exposure
+        for start in range(0, len(self._values), _ROWS):
+            rows = slice(start, start + _ROWS)
+            values = frame.values_e[rows]
+            used = self._test.used(frame, start, start + len(values))
+            self._values[rows] += np.where(used, values * share, 0.0)
+            self._used[rows] += np.where(used, w, 0.0)
+        self._moments += (w, share, w * share, share**2)
         self._frames += 1
 
     def burst(self) -> Burst:
         """The merged frames."""
-        first, some = self._first, self._used > 0
-        weights, per_exposure, slope, squares = self._moments
+        first, fixed = self._test.first, self._test.fixed_e2
+        w, share, shot, read = self._moments
         values = np.array(first.values_e)
-        np.divide(self._values, self._used, out=values, where=some, casting="same_kind")
+        np.divide(self._values, self._used, out=values, where=self._used > 0, casting="same_kind")
+        self._used /= w
         planes = replace(
             first,
             values_e=values,
-            floor_e2=squares / weights**2 * (first.floor_e2 - self._fixed_e2)
-            + self._fixed_e2 * (per_exposure / weights) ** 2,
-            slope_e=slope / weights**2 * first.slope_e,
+            floor_e2=read / w**2 * (first.floor_e2 - fixed) + (share / w) ** 2 * fixed,
+            slope_e=shot / w**2 * first.slope_e,
         )
-        used = (self._used / weights).astype(np.float32)
-        return Burst(planes=planes, used=used, frames=self._frames)
-
-
-def _temporal(
-    first: NoisyPlanes, exposure: float, fixed_e2: Float[Array, " p"]
-) -> tuple[Float[Array, " p"], Float[Array, " p"]]:
-    """Floor and slope of the temporal variance of a frame, in electrons of the first one."""
-    return (first.floor_e2 - fixed_e2) / exposure**2, first.slope_e / exposure
-
-
-def _squares(
-    first: NoisyPlanes, frame: BurstFrame, fixed_e2: Float[Array, " p"]
-) -> Float[Array, "h w p"]:
-    """Squared difference of a frame from the first one, over its variance. [1]"""
-    t = frame.exposure
-    light = np.maximum((first.values_e + frame.values_e) / np.float32(1.0 + t), np.float32(0.0))
-    (read, shot), (own_read, own_shot) = (_temporal(first, one, fixed_e2) for one in (t, 1.0))
-    variance = read + own_read + fixed_e2 * (1.0 / t - 1.0) ** 2 + (shot + own_shot) * light
-    difference = frame.values_e / np.float32(t) - first.values_e
-    return np.asarray(difference**2 / np.maximum(variance, _LEAST_E2))
+        return Burst(planes=planes, used=self._used.astype(np.float32), frames=self._frames)
 
 
 def _window_sums(values: Shaped[Array, "h w p"], window_px: int) -> Float[Array, "h w"]:
@@ -226,9 +250,3 @@ def _limits(false_alarm: float, most: int) -> Float[Array, " n"]:
     from scipy.special import chdtri
 
     return np.concatenate([[np.inf], chdtri(np.arange(1, most + 1), false_alarm)])
-
-
-def _unsaturated(
-    values_e: Float32[Array, "h w p"], saturation_e: float | None
-) -> Bool[Array, "h w p"]:
-    return values_e < (np.inf if saturation_e is None else saturation_e)
