@@ -5,6 +5,8 @@ from typing import TYPE_CHECKING
 from chromanoise._lazy import lazy_names
 
 if TYPE_CHECKING:
+    from chromanoise.denoising.burst import Burst, BurstFrame, merged_frames
+    from chromanoise.denoising.linear import LMMSE, WIENER, LinearFilter, filtered, linear_filters
     from chromanoise.denoising.method import DenoisingMethod
     from chromanoise.denoising.methods import DENOISING
     from chromanoise.denoising.pictures import (
@@ -15,16 +17,32 @@ if TYPE_CHECKING:
         planes_of_mosaic,
     )
     from chromanoise.denoising.planes import NoisyPlanes, packed, unpacked
+    from chromanoise.denoising.prediction import (
+        denoised_bank,
+        denoised_covariance,
+        denoised_noise_spectrum,
+    )
     from chromanoise.denoising.strips import denoised_planes
 
 __all__ = [
     "DENOISING",
+    "LMMSE",
+    "WIENER",
+    "Burst",
+    "BurstFrame",
     "DenoisingMethod",
+    "LinearFilter",
     "NoisyPlanes",
     "captured_with",
     "denoised_electrons",
     "denoised_mosaic",
+    "denoised_bank",
+    "denoised_covariance",
+    "denoised_noise_spectrum",
     "denoised_planes",
+    "filtered",
+    "linear_filters",
+    "merged_frames",
     "packed",
     "planes_of_electrons",
     "planes_of_mosaic",
