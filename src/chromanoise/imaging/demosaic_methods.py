@@ -4,6 +4,8 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
+from chromanoise._check import Array
+from chromanoise._shapes import Float
 from chromanoise.exposure import OperatingPoint, expected_electrons
 from chromanoise.imaging.demosaic import FilterBank, bilinear_filters, malvar_filters
 from chromanoise.imaging.demosaic_priors import (
@@ -18,8 +20,8 @@ from chromanoise.sensor import Mosaic
 from chromanoise.spectra import colorchecker
 
 
-def chart_prior(operating_point: OperatingPoint) -> PicturePrior:
-    """Prior for images with the channel covariance of the ColorChecker at this operating point.
+def chart_electrons(operating_point: OperatingPoint) -> Float[Array, "k p"]:
+    """Expected electrons of the patches of the ColorChecker at this operating point. [e-]
 
     Raises
     ------
@@ -32,7 +34,18 @@ def chart_prior(operating_point: OperatingPoint) -> PicturePrior:
         level_lux=operating_point.level_lux,
         reflectance=colorchecker(sensor.grid).values.T,
     )
-    electrons = expected_electrons(scene, sensor, operating_point.exposure)
+    return expected_electrons(scene, sensor, operating_point.exposure)
+
+
+def chart_prior(operating_point: OperatingPoint) -> PicturePrior:
+    """Prior for images with the channel covariance of the ColorChecker at this operating point.
+
+    Raises
+    ------
+    InputError
+        As `chart_electrons`.
+    """
+    sensor, electrons = operating_point.sensor, chart_electrons(operating_point)
     share = np.full(len(electrons), 1 / len(electrons))
     noise = mean_noise_covariance(electrons, share, sensor, operating_point.exposure)
     return picture_prior(electrons, sensor.names, noise_e2=np.diagonal(noise))
