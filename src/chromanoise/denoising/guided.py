@@ -21,7 +21,6 @@ import numpy as np
 
 from chromanoise._check import Array
 from chromanoise._shapes import Float, Float32
-from chromanoise.denoising.guided_kernels import add_estimates, fuse, halved
 from chromanoise.denoising.method import DenoisingMethod
 from chromanoise.denoising.planes import NoisyPlanes
 
@@ -52,6 +51,8 @@ def denoise(planes: NoisyPlanes) -> Float32[Array, "h w p"]:
     >>> bool(denoise(planes).std() < 1.0)
     True
     """
+    from chromanoise.denoising.guided_kernels import fuse  # numba is slow to import
+
     noise = np.stack([planes.floor_e2, planes.slope_e, planes.prnu**2])
     values = [np.ascontiguousarray(np.moveaxis(planes.values_e, 2, 0))]
     shares = [(np.ones(values[0].shape[1]), np.ones(values[0].shape[2]))]
@@ -80,6 +81,8 @@ def _reach_px() -> int:
 
 def _halved(values: Float32[Array, "p h w"]) -> Float32[Array, "p h2 w2"]:
     """Means of 2 x 2 pixels."""
+    from chromanoise.denoising.guided_kernels import halved
+
     p, h, w = values.shape
     out = np.empty((p, -(-h // 2), -(-w // 2)), np.float32)
     halved(values, out)
@@ -98,6 +101,8 @@ def _estimate(
     shares: tuple[Float[Array, " h"], Float[Array, " w"]],
 ) -> tuple[Float32[Array, "p h w"], Float32[Array, "h w"]]:
     """The estimate of one level, and the activity in its largest windows."""
+    from chromanoise.denoising.guided_kernels import add_estimates
+
     estimate, (weight, active) = np.zeros_like(values), np.zeros((2, *values.shape[1:]), np.float32)
     for radius in _RADII:
         add_estimates(values, noise, *shares, radius, _EDGE, estimate, weight, active)
