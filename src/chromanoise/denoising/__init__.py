@@ -14,6 +14,7 @@ if TYPE_CHECKING:
         benchmark_cells,
         markdown_table,
         verdict,
+        verdict_sentences,
     )
     from chromanoise.denoising.benchmark_scenes import BenchmarkScene, benchmark_scene
     from chromanoise.denoising.burst import Burst, BurstFrame, merged_frames
@@ -72,5 +73,6 @@ __all__ = [
     "unpacked",
     "unstabilized",
     "verdict",
+    "verdict_sentences",
 ]
 __getattr__, __dir__ = lazy_names(__name__)

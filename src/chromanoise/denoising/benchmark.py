@@ -11,8 +11,14 @@ from typing import Any
 import numpy as np
 
 from chromanoise._check import Array
-from chromanoise._shapes import Float, Float32
-from chromanoise.color import ColorMatrix, cielab, scene_xyz
+from chromanoise._shapes import Float, Float32, UInt8
+from chromanoise.color import (
+    ColorMatrix,
+    adapted_to_d65,
+    cielab,
+    scene_xyz,
+    srgb_from_xyz,
+)
 from chromanoise.denoising.benchmark_scenes import BenchmarkScene
 from chromanoise.denoising.method import DenoisingMethod
 from chromanoise.denoising.methods import denoising_named
@@ -126,10 +132,14 @@ class BenchmarkCell:
         Noise on flat regions; ``None`` if the scene has none.
     edges
         Sharpness by kind and direction of the edge; ``None`` where no step in Y can be measured.
+    snr_y_db
+        Mean square of Y without noise over the mean square error of Y: noise and lost detail. [dB]
     seconds
         Time of the method alone. [s]
     settings
         Exposure and sensor.
+    srgb, reference_srgb
+        The picture, and that of the camera without noise, white-balanced.
     """
 
     scene: str
@@ -142,8 +152,11 @@ class BenchmarkCell:
     true_ciede2000_mean: float
     flats: FlatNoise | None
     edges: Mapping[str, EdgeSharpness | None]
+    snr_y_db: float
     seconds: float
     settings: Mapping[str, Any]
+    srgb: UInt8[Array, "h w 3"]
+    reference_srgb: UInt8[Array, "h w 3"]
 
     @property
     def place(self) -> tuple[str, str, float]:
@@ -165,6 +178,7 @@ class BenchmarkCell:
             "seconds": self.seconds,
             "seed": self.seed,
             "true_ciede2000_mean": _plain(self.true_ciede2000_mean),
+            "snr_y_db": _plain(self.snr_y_db),
             "to_demosaicked": None if after is None else _plain(asdict(after)),
             "flats": None if self.flats is None else _plain(asdict(self.flats)),
             "edges": {
@@ -328,7 +342,10 @@ class _Comparison:
             true_ciede2000_mean=float(true.mean()),
             flats=self._flats(xyz),
             edges={name: self._sharpness(xyz[at], name) for name, at in self._scene.edges.items()},
+            snr_y_db=self._snr_y_db(xyz),
             seconds=seconds,
+            srgb=self._srgb(xyz),
+            reference_srgb=self._srgb(self._reference),
             settings={
                 "shape": list(xyz.shape[:2]),
                 "time_ms": 1e3 * point.exposure.time_s,
@@ -346,6 +363,15 @@ class _Comparison:
 
     def _quality(self, xyz: Array, reference: Array) -> PictureQuality:
         return picture_quality(xyz, reference, self._white, pixels_per_degree=PIXELS_PER_DEGREE)
+
+    def _snr_y_db(self, xyz: Float[Array, "h w 3"]) -> float:
+        wanted = self._reference[..., 1]
+        error = float(np.square(xyz[..., 1] - wanted).mean())
+        return 10 * float(np.log10(np.square(wanted).mean() / error)) if error > 0 else inf
+
+    def _srgb(self, xyz: Float[Array, "h w 3"]) -> UInt8[Array, "h w 3"]:
+        shown = srgb_from_xyz(adapted_to_d65(xyz.astype(np.float64), self._white))
+        return np.round(255 * shown).astype(np.uint8)
 
     def _flats(self, xyz: Float[Array, "h w 3"]) -> FlatNoise | None:
         marks = self._scene.flats
@@ -456,6 +482,32 @@ def verdict(cells: Iterable[BenchmarkCell], method: str) -> Verdict:
         worst_ratio=ratios[worst],
         worst=worst,
     )
+
+
+def verdict_sentences(cells: Iterable[BenchmarkCell]) -> tuple[str, ...]:
+    """A sentence per own method, where the cells hold one and a baseline.
+
+    Parameters
+    ----------
+    cells
+        As `verdict`.
+    """
+    cells = tuple(cells)
+    names = tuple(dict.fromkeys(cell.method for cell in cells))
+    own = [name for name in names if not denoising_named(name).baseline]
+    if len(own) == len(names):
+        return ()
+    out = []
+    for name in own:
+        found = verdict(cells, name)
+        scene, sensor, lux = found.worst
+        out.append(
+            f"{name} has the lower mean CIEDE2000 and S-CIELAB than every baseline in {found.won} "
+            f"of {found.places} combinations of scene, sensor and light ({100 * found.share:.0f} "
+            f"%); its largest error is {found.worst_ratio:.2f} times that of the best baseline "
+            f"({scene}, {sensor}, {lux:g} lx)."
+        )
+    return tuple(out)
 
 
 def markdown_table(cells: Iterable[BenchmarkCell]) -> str:
