@@ -23,6 +23,7 @@ from chromanoise.cli.options import (
 from chromanoise.cli.output import write_json
 from chromanoise.cli.parsing import command
 from chromanoise.cli.progress import progress_of
+from chromanoise.denoising import DENOISING
 from chromanoise.errors import InputError
 from chromanoise.exposure import conditions
 from chromanoise.imaging import DEMOSAICING, Work
@@ -68,6 +69,12 @@ from chromanoise.study import (
     type=click.Choice(list(DEMOSAICING)),
     help="Demosaicing method; gradient and lmmse are trained on the ColorChecker. "
     "[default: bilinear]",
+)
+@click.option(
+    "--denoise",
+    type=click.Choice(list(DENOISING)),
+    help="Denoise the electrons with their known noise before they become color; raw codes stay "
+    "as acquired. [default: no denoising]",
 )
 @click.option("--raw-only", is_flag=True, help="Write only the raw codes of the mosaic, no color.")
 @click.option(

@@ -16,8 +16,8 @@ from chromanoise.color import ColorMatrix, cielab, scene_xyz
 from chromanoise.denoising.benchmark_scenes import BenchmarkScene
 from chromanoise.denoising.method import DenoisingMethod
 from chromanoise.denoising.methods import denoising_named
-from chromanoise.denoising.planes import NoisyPlanes, packed, unpacked
-from chromanoise.denoising.planes_of_exposure import exposed_planes
+from chromanoise.denoising.pictures import planes_of_electrons, planes_of_mosaic
+from chromanoise.denoising.planes import NoisyPlanes, unpacked
 from chromanoise.denoising.strips import denoised_planes
 from chromanoise.errors import InputError
 from chromanoise.exposure import OperatingPoint, white_scene
@@ -243,11 +243,10 @@ def _denoised(
 ) -> tuple[Float[Array, "h w p"], float]:
     """All channels at every pixel after denoising, and the time of the method. [e-], [s]"""
     if camera.mosaic is None:
-        return _timed(exposed_planes(noisy_e, camera.point), method, work)
+        return _timed(planes_of_electrons(noisy_e, camera.point), method, work)
     tile = channel_tile(camera.mosaic, camera.point.sensor.names)
     raw = _behind(tile, noisy_e)
-    values, channels = packed(raw, tile)
-    planes, seconds = _timed(exposed_planes(values, camera.point, channels=channels), method, work)
+    planes, seconds = _timed(planes_of_mosaic(raw, camera.point, camera.mosaic), method, work)
     return _all_channels(unpacked(planes, tile.shape, raw.shape), camera), seconds
 
 

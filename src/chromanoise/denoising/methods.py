@@ -4,9 +4,13 @@ from collections.abc import Mapping
 
 from chromanoise import _check
 from chromanoise.denoising.baselines import BASELINES
+from chromanoise.denoising.guided import GUIDED
+from chromanoise.denoising.linear import LMMSE, WIENER
 from chromanoise.denoising.method import DenoisingMethod
 
-DENOISING: Mapping[str, DenoisingMethod] = {method.name: method for method in (*BASELINES,)}
+DENOISING: Mapping[str, DenoisingMethod] = {
+    method.name: method for method in (GUIDED, LMMSE, WIENER, *BASELINES)
+}
 """Denoising methods by the name that users type."""
 
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
         demosaicked,
         malvar_filters,
     )
-    from chromanoise.imaging.demosaic_methods import DEMOSAICING, chart_prior
+    from chromanoise.imaging.demosaic_methods import DEMOSAICING, chart_electrons, chart_prior
     from chromanoise.imaging.demosaic_noise import (
         demosaicked_covariance,
         flat_field_noise,
@@ -37,9 +37,12 @@ if TYPE_CHECKING:
     from chromanoise.imaging.render import (
         Picture,
         RawPicture,
+        RenderedElectrons,
         acquired,
+        colored,
         electrons_of_cube,
         rendered,
+        rendered_electrons,
     )
     from chromanoise.imaging.sampling import noisy_electrons
     from chromanoise.imaging.torch_noise import AddCameraNoise, NoisyDataset
@@ -78,11 +81,14 @@ __all__ = [
     "PicturePrior",
     "RawPicture",
     "RawProfile",
+    "RenderedElectrons",
     "Rendering",
     "Work",
     "acquired",
     "bilinear_filters",
+    "chart_electrons",
     "chart_prior",
+    "colored",
     "demosaicked",
     "demosaicked_covariance",
     "developed",
@@ -109,6 +115,7 @@ __all__ = [
     "raw_profile",
     "raw_summary",
     "rendered",
+    "rendered_electrons",
     "sampler",
     "sixteen_bit_srgb",
     "srgb_tiff_rows",

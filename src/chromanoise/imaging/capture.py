@@ -128,11 +128,24 @@ class Camera:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Capture:
-    """The result of a capture: codes, color, or both."""
+    """The result of a capture: codes, color, or both.
+
+    Attributes
+    ----------
+    camera
+        The camera.
+    raw
+        Codes as acquired, also where the color is denoised.
+    picture
+        Color.
+    denoised_by
+        Name of the denoising method before color; ``None`` without denoising.
+    """
 
     camera: Camera
     raw: RawPicture | None
     picture: Picture | None
+    denoised_by: str | None = None
 
 
 def camera_for(
@@ -230,14 +243,7 @@ def captured(cube: Cube, camera: Camera, *, frame: int, work: Work, noisy: bool 
     InputError
         As `rendered` and `acquired`.
     """
-    settings = camera.settings
-    common: dict[str, Any] = {
-        "seed": settings.seed,
-        "frame": frame,
-        "beyond": settings.beyond,
-        "bad_pixels": settings.bad_pixels,
-        "work": work,
-    }
+    settings, common = camera.settings, frame_settings(camera, frame=frame, work=work)
     if not settings.raw:
         picture = rendered(
             cube,
@@ -254,6 +260,18 @@ def captured(cube: Cube, camera: Camera, *, frame: int, work: Work, noisy: bool 
         here = Work(threads=work.threads)  # the codes are in this memory
         color = developed(raw, camera.bank, matrix=camera.matrix, work=here)
     return Capture(camera=camera, raw=raw, picture=color)
+
+
+def frame_settings(camera: Camera, *, frame: int, work: Work) -> dict[str, Any]:
+    """What `rendered`, `rendered_electrons` and `acquired` take for one frame of a camera."""
+    settings = camera.settings
+    return {
+        "seed": settings.seed,
+        "frame": frame,
+        "beyond": settings.beyond,
+        "bad_pixels": settings.bad_pixels,
+        "work": work,
+    }
 
 
 def any_picture(taken: Capture) -> Picture | RawPicture:
@@ -275,6 +293,8 @@ def capture_summary(taken: Capture, files: list[str]) -> dict[str, Any]:
         summary |= raw_summary(taken.raw)
     if taken.picture is not None:
         summary |= picture_summary(taken.picture)
+    if taken.denoised_by is not None:
+        summary["denoise"] = taken.denoised_by
     pixel = taken.camera.operating_point.sensor.pixel
     return summary | {"imperfections": {name: getattr(pixel, name) for name in EXTRA_NOISE}}
 

@@ -26,10 +26,11 @@ _BLOCK_ROWS = 64
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Development:
-    """All data that a block of codes needs for its conversion to color."""
+    """All data that a block of a mosaic needs for its conversion to color."""
 
-    codes: UInt16[Array, "h w"]
-    adc: Adc
+    values: UInt16[Array, "h w"] | Float32[Array, "h w"]
+    black: np.float32
+    gain_e: np.float32
     bank: FilterBank
     matrices: Float32[Array, "6 p"]
 
@@ -39,6 +40,7 @@ def developed(
     bank: FilterBank,
     *,
     matrix: ColorMatrix | None = None,
+    electrons: Float32[Array, "h w"] | None = None,
     work: Work = ALL_CORES,
 ) -> Picture:
     """The color image of raw codes: electrons, then demosaicing, then the color matrix.
@@ -51,6 +53,8 @@ def developed(
         Linear demosaicing, e.g. `bilinear_filters(raw.mosaic, raw.operating_point.sensor.names)`.
     matrix
         Matrix from electrons to XYZ; the kernel (eq. 6, quanta) if ``None``.
+    electrons
+        Electrons of each pixel, as denoising changes them; those of the codes if ``None``. [e-]
     work
         Threads and rows per block; an executor is not used, because the codes are in memory here.
 
@@ -73,9 +77,11 @@ def developed(
     matrix = matrix or kernel_matrix(point.sensor, point.exposure, observer=point.observer)
     matrices, white = color_matrices(matrix, operating_point)
     height, width = raw.codes.shape
+    from_codes = electrons is None
     plan = _Development(
-        codes=raw.codes,
-        adc=raw.adc,
+        values=raw.codes if electrons is None else electrons,
+        black=np.float32(raw.adc.black_level_dn if from_codes else 0.0),
+        gain_e=np.float32(raw.adc.gain_e_per_dn if from_codes else 1.0),
         bank=bank,
         matrices=matrices,
     )
@@ -111,9 +117,8 @@ def _developed_block(
     from chromanoise.imaging.color_kernels import color_of_electrons
     from chromanoise.imaging.kernels_demosaic import demosaicked_rows, surrounded_rows, taps_of
 
-    adc = plan.adc
-    codes = surrounded_rows(plan.codes, plan.bank, start, stop)
-    raw_e = (codes - np.float32(adc.black_level_dn)) * np.float32(adc.gain_e_per_dn)
+    values = surrounded_rows(plan.values, plan.bank, start, stop)
+    raw_e = (values - plan.black) * plan.gain_e
     electrons = demosaicked_rows(raw_e, taps_of(plan.bank), start)
     color_of_electrons(electrons, plan.matrices, srgb_table(), xyz, srgb)
 

@@ -1,6 +1,7 @@
 """Rendering of a cube by a sensor: a noisy color image, or the raw codes of a mosaic."""
 
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -10,6 +11,7 @@ from chromanoise._shapes import Float, Float32, UInt8, UInt16
 from chromanoise.color import ColorMatrix, kernel_matrix
 from chromanoise.errors import InputError, Setting
 from chromanoise.exposure import Exposure, OperatingPoint
+from chromanoise.imaging.blocks import Scratch, new_rows
 from chromanoise.imaging.coupled_plans import (
     coupled_color_block,
     coupled_color_plan,
@@ -28,8 +30,10 @@ from chromanoise.imaging.plans import (
     plan_for_rows,
     raw_block,
     raw_plan,
+    srgb_table,
 )
-from chromanoise.imaging.work import FillBlock, Part, Work, made, row_blocks
+from chromanoise.imaging.records import Draw
+from chromanoise.imaging.work import FillBlock, Part, Work, filled, made, row_blocks
 from chromanoise.noise import after_counting
 from chromanoise.scene import Cube, bands_within
 from chromanoise.sensor import (
@@ -45,6 +49,8 @@ from chromanoise.spectra import Beyond, Illuminant, Metric
 
 ALL_CORES = Work()
 """Default work: one thread per core."""
+
+_COLORED_ROWS = 64
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -195,21 +201,14 @@ def rendered(
         If the cube has an invalid reflectance or does not cover the grid, a number is out of
         range, or the matrix gives no luminance for this illuminant.
     """
-    cube = bands_within(cube, operating_point.sensor.grid)
     point = operating_point
-    light = light_of(cube, _of_counts(point), beyond=beyond, bad_pixels=bad_pixels)
-    draw = draw_of(point, seed=seed, frame=frame, noisy=noisy)
     matrix = matrix or kernel_matrix(point.sensor, point.exposure, observer=point.observer)
     matrices, white = color_matrices(matrix, operating_point)
-    plan = color_plan(light, draw, operating_point, matrices, clip=clip)
-    height, width, _ = light.source.shape
-    kinds = (((height, width, 3), np.float32), ((height, width, 3), np.uint8))
-    blocks = row_blocks(light.source, work)
-    fill: FillBlock = color_block
-    if (coupling := after_counting(point.sensor.crosstalk)) is not None:
-        plan, fill = coupled_color_plan(plan, coupling), coupled_color_block
-    (xyz, srgb), counts = made(fill, plan, plan_for_rows, blocks, kinds, work)
-    total, above, bad = np.concatenate(counts).sum(axis=0)
+    draw = draw_of(point, seed=seed, frame=frame, noisy=noisy)
+    products = _Products(
+        bands_within(cube, point.sensor.grid), point, draw, clip, beyond, bad_pixels, work
+    )
+    xyz, srgb, counts = products.of(matrices)
     return Picture(
         operating_point=operating_point,
         matrix=matrix,
@@ -218,11 +217,192 @@ def rendered(
         xyz=xyz,
         srgb=srgb,
         white=white,
-        mean_e=total / (height * width),
-        above_full_well=above / (height * width),
+        mean_e=counts.mean_e,
+        above_full_well=counts.above_full_well,
         clipped=clip,
-        notes=_notes(operating_point, light, int(bad[0])),
+        notes=counts.notes,
     )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class RenderedElectrons:
+    """Noisy electrons of every channel at every pixel.
+
+    Attributes
+    ----------
+    operating_point, seed, frame
+        Inputs of the image.
+    values_e
+        Electrons after readout, dark electrons subtracted. [e-]
+    mean_e, above_full_well, clipped, notes
+        As `Picture`.
+    """
+
+    operating_point: OperatingPoint
+    seed: int
+    frame: int
+    values_e: Float32[Array, "h w p"]
+    mean_e: Float[Array, " p"]
+    above_full_well: Float[Array, " p"]
+    clipped: bool
+    notes: tuple[str, ...]
+
+
+def rendered_electrons(
+    cube: Cube,
+    operating_point: OperatingPoint,
+    *,
+    seed: int = 0,
+    frame: int = 0,
+    noisy: bool = True,
+    clip: bool = False,
+    beyond: Beyond = "refuse",
+    bad_pixels: BadPixels = "refuse",
+    work: Work = ALL_CORES,
+) -> RenderedElectrons:
+    """The noisy electrons of which `rendered` makes color, for a step between the two.
+
+    Parameters, errors
+        As `rendered`.
+
+    Notes
+    -----
+    The color kernel gives three products of the electrons at a time, so the channels come as
+    products with unit vectors, which are exact.
+    """
+    point = operating_point
+    draw = draw_of(point, seed=seed, frame=frame, noisy=noisy)
+    products = _Products(
+        bands_within(cube, point.sensor.grid), point, draw, clip, beyond, bad_pixels, work
+    )
+    channels = len(point.sensor.names)
+    parts = []
+    for first in range(0, channels, 3):
+        unit = np.eye(channels, dtype=np.float32)[first : first + 3]
+        rows = np.zeros((6, channels), np.float32)
+        rows[: len(unit)] = unit
+        some, _, counts = products.of(rows)
+        parts.append(some[..., : len(unit)])
+    return RenderedElectrons(
+        operating_point=point,
+        seed=seed,
+        frame=frame,
+        values_e=parts[0] if len(parts) == 1 else np.concatenate(parts, axis=-1),
+        mean_e=counts.mean_e,
+        above_full_well=counts.above_full_well,
+        clipped=clip,
+        notes=counts.notes,
+    )
+
+
+def colored(
+    electrons: RenderedElectrons,
+    *,
+    matrix: ColorMatrix | None = None,
+    work: Work = ALL_CORES,
+) -> Picture:
+    """The color image of electrons: the second half of `rendered`.
+
+    Parameters
+    ----------
+    electrons
+        Result of `rendered_electrons`, also after denoising.
+    matrix
+        As `rendered`.
+    work
+        Threads and rows per block; an executor is not used, because the electrons are in memory.
+
+    Raises
+    ------
+    InputError
+        If the matrix is for other channels, or gives the white no luminance.
+    """
+    point = electrons.operating_point
+    matrix = matrix or kernel_matrix(point.sensor, point.exposure, observer=point.observer)
+    matrices, white = color_matrices(matrix, point)
+    height, width, _ = electrons.values_e.shape
+    xyz = new_rows((height, width, 3), np.float32)
+    srgb = new_rows((height, width, 3), np.uint8)
+    rows = work.tile_rows or _COLORED_ROWS
+    blocks = [(start, min(start + rows, height)) for start in range(0, height, rows)]
+    plan = (electrons.values_e, matrices)
+    filled(_colored_block, plan, blocks, (xyz, srgb), replace(work, executor=None))
+    return Picture(
+        operating_point=point,
+        matrix=matrix,
+        seed=electrons.seed,
+        frame=electrons.frame,
+        xyz=xyz,
+        srgb=srgb,
+        white=white,
+        mean_e=electrons.mean_e,
+        above_full_well=electrons.above_full_well,
+        clipped=electrons.clipped,
+        notes=electrons.notes,
+    )
+
+
+def _colored_block(
+    plan: tuple[Float32[Array, "h w p"], Float32[Array, "6 p"]],
+    start: int,
+    stop: int,
+    scratch: Scratch,
+    xyz: Float32[Array, "rows w 3"],
+    srgb: UInt8[Array, "rows w 3"],
+) -> None:
+    """Fill ``xyz`` and ``srgb`` with the rows ``start`` to ``stop``."""
+    from chromanoise.imaging.color_kernels import color_of_electrons
+
+    values, matrices = plan
+    color_of_electrons(values[start:stop], matrices, srgb_table(), xyz, srgb)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Products:
+    """Three products of the noisy electrons at every pixel, and three as codes of sRGB."""
+
+    cube: Cube
+    operating_point: OperatingPoint
+    draw: Draw
+    clip: bool
+    beyond: Beyond
+    bad_pixels: BadPixels
+    work: Work
+
+    def of(
+        self, matrices: Float32[Array, "6 p"]
+    ) -> tuple[Float32[Array, "h w 3"], UInt8[Array, "h w 3"], "_Counts"]:
+        """The products with the first three rows, the codes of the others, and the counts."""
+        point = self.operating_point
+        light = light_of(
+            self.cube, _of_counts(point), beyond=self.beyond, bad_pixels=self.bad_pixels
+        )
+        plan = color_plan(light, self.draw, point, matrices, clip=self.clip)
+        height, width, _ = light.source.shape
+        kinds = (((height, width, 3), np.float32), ((height, width, 3), np.uint8))
+        blocks = row_blocks(light.source, self.work)
+        fill: FillBlock = color_block
+        if (coupling := after_counting(point.sensor.crosstalk)) is not None:
+            plan, fill = coupled_color_plan(plan, coupling), coupled_color_block
+        (products, codes), counts = made(fill, plan, plan_for_rows, blocks, kinds, self.work)
+        total, above, bad = np.concatenate(counts).sum(axis=0)
+        return (
+            products,
+            codes,
+            _Counts(
+                total / (height * width),
+                above / (height * width),
+                _notes(point, light, int(bad[0])),
+            ),
+        )
+
+
+class _Counts(NamedTuple):
+    """What is counted while an image is rendered."""
+
+    mean_e: Float[Array, " p"]
+    above_full_well: Float[Array, " p"]
+    notes: tuple[str, ...]
 
 
 def acquired(

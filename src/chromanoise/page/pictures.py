@@ -8,10 +8,11 @@ from typing import Any
 
 from chromanoise.analysis.color_matrices import matrix_makers
 from chromanoise.catalog.resolve import file_of
+from chromanoise.denoising import DENOISING, captured_with
 from chromanoise.errors import InputError
 from chromanoise.exposure import OperatingPoint
 from chromanoise.imaging import Work
-from chromanoise.imaging.capture import camera_for, captured
+from chromanoise.imaging.capture import camera_for
 from chromanoise.imaging.writers import picture_summary, png_bytes
 from chromanoise.io.cubes.errors import reading
 from chromanoise.page.cache import Remembered
@@ -138,7 +139,9 @@ def _taken(
     color = part.model_copy(update={"mosaic": None, "formats": None})
     settings = capture_settings_of(color, seed=study.seed)
     camera = camera_for(cube, operating_point, maker(operating_point), settings)
-    picture = captured(cube, camera, frame=0, work=Work(threads=1), noisy=noisy).picture
+    method = DENOISING[part.denoise] if part.denoise is not None and noisy else None
+    work = Work(threads=1)
+    picture = captured_with(cube, camera, method, frame=0, work=work, noisy=noisy).picture
     assert picture is not None  # no picture without color is requested
     summary = picture_summary(picture)
     if part.mosaic is not None:

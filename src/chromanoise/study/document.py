@@ -30,6 +30,7 @@ from chromanoise.analysis.pipeline_results import BASE_ISO, PipelineSettings
 from chromanoise.analysis.priors import DEFAULT_PRIOR, PRIORS
 from chromanoise.catalog.reflectances import is_reflectance_file
 from chromanoise.color import SPACES, TONES
+from chromanoise.denoising import DENOISING
 from chromanoise.errors import InputError, Setting, did_you_mean, refusal
 from chromanoise.exposure import refuse_f_number
 from chromanoise.imaging import DEMOSAICING
@@ -477,6 +478,11 @@ class PicturePart(Part):
         description="Code without light, with a mosaic; default: from pixel.file, else 0.",
     )
     frames: Annotated[int, Field(ge=1, le=MOST_FRAMES)] = Field(1, description="Frames of a burst.")
+    denoise: Annotated[str, _known(DENOISING)] | None = Field(
+        None,
+        description="Denoising of the electrons, with their known noise, before they become "
+        f"color: one of {', '.join(DENOISING)}; default: none.",
+    )
     formats: (
         Annotated[tuple[Annotated[str, _known(FORMATS)], ...], Field(strict=False, min_length=1)]
         | None
@@ -531,14 +537,15 @@ class PicturePart(Part):
                 found=None,
                 remedy="omit one of them",
             )
-        if self.raw_only and self.demosaic is not None:
-            raise InputError(
-                "demosaic",
-                "must not be given where only raw codes are asked for",
-                value=self.demosaic,
-                found=None,
-                remedy="omit one of them",
-            )
+        for name in ("demosaic", "denoise"):
+            if self.raw_only and getattr(self, name) is not None:
+                raise InputError(
+                    name,
+                    "must not be given where only raw codes are asked for",
+                    value=getattr(self, name),
+                    found=None,
+                    remedy="omit one of them",
+                )
         return self
 
 

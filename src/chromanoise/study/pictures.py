@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from chromanoise.analysis.color_matrices import MatrixMaker
+from chromanoise.denoising import DENOISING, captured_with
 from chromanoise.exposure import OperatingPoint
 from chromanoise.imaging import Work
 from chromanoise.imaging.capture import (
@@ -14,7 +15,6 @@ from chromanoise.imaging.capture import (
     CaptureSettings,
     camera_for,
     capture_summary,
-    captured,
     write_capture,
 )
 from chromanoise.scene import Cube
@@ -161,12 +161,13 @@ def taken_pictures(
         If the cube holds what is no reflectance, or a file cannot be written.
     """
     part, first = study.pictures[number], first_frame(study, number)
+    method = None if part.denoise is None else DENOISING[part.denoise]
     for i in range(len(study.sensors)):
         for name, own in cameras.items():
             sensor = file_word(own[i].operating_point.sensor.name)
             start = stem.format(number=number + 1, sensor=sensor, matrix=file_word(name))
             for frame in range(part.frames if frames is None else frames):
-                capture = captured(cube, own[i], frame=first + frame, work=work)
+                capture = captured_with(cube, own[i], method, frame=first + frame, work=work)
                 full = start + (f"-{frame:04d}" if part.frames > 1 else "")
                 files, missing = write_capture(folder, full, capture) if folder else ([], [])
                 yield TakenPicture(

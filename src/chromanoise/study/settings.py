@@ -160,6 +160,7 @@ class RenderSettings(SharedSettings, total=False):
     bits: Annotated[int, "pictures.0.bits", "sensors.*.pixel.bits"]
     black_level: Annotated[int, "pictures.0.black_level"]
     frames: Annotated[int, "pictures.0.frames"]
+    denoise: Annotated[str, "pictures.0.denoise"]
     formats: Annotated[Sequence[str], "pictures.0.formats"]
     clip: Annotated[bool, "pictures.0.clip"]
 

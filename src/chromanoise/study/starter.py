@@ -45,6 +45,7 @@ quantity = "snr-y"                   # snr-x, snr-z, bound, price, delta-e, colo
 # [[pictures]]
 # cube = "builtin:checker"           # of `chromanoise catalog scenes`, or a file of reflectances
 # mosaic = "sensor"                  # raw codes and demosaicing; bayer, RG/GB ...
+# denoise = "guided"                 # the electrons, with their known noise, before color
 # frames = 1                         # of a burst; formats, bits, prnu, dsnu_e ...
 
 [outputs]
