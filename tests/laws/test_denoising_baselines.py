@@ -55,6 +55,12 @@ def test_the_inverse_of_the_mean_of_stabilized_values_is_the_mean(law, mean_e):
     assert abs(back - mean_e) < 5 * error + 1e-4 * mean_e + 1e-3
 
 
+def test_the_inverse_is_unbiased_where_prnu_is_the_largest_noise():
+    planes = flat(390, 3.0, 1.0, 0.2)
+    back = unstabilized(stabilized(planes).mean(axis=(0, 1), keepdims=True), planes)[0, 0, 0]
+    assert abs(back - 390) < 5 * planes.values_e.std() / np.sqrt(DRAWS)
+
+
 @pytest.mark.parametrize("read_noise_e", [0.0, 2.0])
 def test_the_inverse_is_that_of_makitalo_and_foi(read_noise_e):
     """Their closed form (IEEE Trans. Image Process. 20 (2011) 2697, 22 (2013) 91)."""
@@ -92,6 +98,18 @@ def test_baselines_remove_noise_of_a_flat_and_keep_its_mean(method, read_noise_e
     assert clean.dtype == np.float32
     assert (clean.std(axis=(0, 1)) < 0.4 * noise).all()
     assert (np.abs(clean.mean(axis=(0, 1)) - mean_e) < 0.1 * noise).all()
+
+
+@pytest.mark.parametrize("method", BASELINES, ids=lambda m: m.name)
+def test_a_strong_edge_stays_where_it_is(method):
+    mean_e = np.broadcast_to(
+        np.where(np.arange(32) < 13, 100.0, 4000.0)[:, None, None], (32, 32, 2)
+    )
+    noisy = stream(7).poisson(mean_e) + 3.0 * stream(8).standard_normal((32, 32, 2))
+    planes = planes_of(noisy, read_noise_e=3.0, prior_mean_e=np.full(2, 2000.0))
+    away = denoised_planes(planes, method) - mean_e
+    noise = np.sqrt(planes.variance_e2(mean_e))
+    assert np.sqrt(np.mean((away / noise) ** 2)) < 1.1
 
 
 @pytest.mark.parametrize("name", [m.name for m in BASELINES if m.name != "none"])
