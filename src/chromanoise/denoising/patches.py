@@ -97,10 +97,8 @@ def _estimate(planes: NoisyPlanes) -> Float32[Array, "h w p"]:
     coarse = None
     for level in reversed(range(len(pyramid))):
         noisy = np.ascontiguousarray(pyramid[level], np.float32)
-        fine, active = _groups(planes, noisy, noisy, axes, level, is_pilot=False)
-        if coarse is not None:
-            fine = _with_low_frequencies(planes, fine, active, coarse, axes, level)
-        fine, active = _groups(planes, noisy, fine, axes, level, is_pilot=True)
+        first, _ = _groups(planes, noisy, noisy, axes, level, is_pilot=False)
+        fine, active = _groups(planes, noisy, first, axes, level, is_pilot=True)
         if coarse is not None:
             fine = _with_low_frequencies(planes, fine, active, coarse, axes, level)
         coarse = fine
@@ -238,15 +236,12 @@ def _reach_px() -> int:
     Counted as the rows beside a cut through the picture that the cut can change.
     """
 
-    def combined(changed: int, coarse: int) -> int:
-        """Of a fine estimate after its low frequencies are replaced."""
-        return max(changed, 2 * (max(coarse, -(-changed // 2) + _BESIDE) + 1 + 2))
-
     rows = 0
     for level in reversed(range(_LEVELS)):
-        step = 2 * _RADII[level] + SIDE - 1
-        is_coarsest = level == _LEVELS - 1
-        rows = 2 * step if is_coarsest else combined(combined(step, rows) + step, rows)
+        groups = 2 * (2 * _RADII[level] + SIDE - 1)
+        # 1 for a coarse row that the cut halves, 2 for the interpolation
+        low_frequencies = 2 * (max(rows, groups // 2 + _BESIDE) + 1 + 2)
+        rows = groups if level == _LEVELS - 1 else max(groups, low_frequencies)
     return rows
 
 
