@@ -29,7 +29,7 @@ from chromanoise.denoising.method import DenoisingMethod
 from chromanoise.denoising.patches_kernels import PLACES, SIDE, add_groups
 from chromanoise.denoising.planes import NoisyPlanes
 
-_RADII = (8, 6, 5, 4)
+_RADII = (8, 7, 6, 4)
 """How far similar patches are sought, per level; less at coarse levels, to bound the reach."""
 _STRIDE = SIDE - 1
 """Distance of the groups: patches overlap, so that their borders are not seen."""
@@ -42,7 +42,7 @@ _FEATURES = 2
 """Components of most signal that tell similar noisy patches; the others are mostly noise."""
 _SIMILAR = 0.2
 """Mean squared difference of similar patches after step 1, over the variance of the noise."""
-_NEAR, _FAR = 0.25, 2.0
+_NEAR, _FAR = 0.25, 3.0
 """Standard deviations of noise to which coarse and fine estimates may differ, where the fine one
 has structure, and where it has none."""
 _BESIDE = 3

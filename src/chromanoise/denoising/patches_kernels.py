@@ -22,6 +22,9 @@ _compiled = kernel(**_OPTIONS, **_WITHIN)
 _SMALL = np.float32(1e-8)
 _TINY = np.float32(1e-20)
 _MOST_SWEEPS = 60
+_CLEAN = 2.5e5
+"""Power of the samples over that of the noise above which they are kept as they are: single
+precision could not tell the noise from rounding errors."""
 
 
 @_compiled
@@ -202,6 +205,16 @@ def _filter_of_noisy(cov, a, d, e, work, n):
                 for s in range(PLACES):
                     a[r, s] += f * work[i, s]
     return largest
+
+
+@_compiled
+@no_type_check
+def _set_identity(a):
+    """Write the filter that keeps all; its largest gain."""
+    for i in range(PLACES):
+        for j in range(PLACES):
+            a[i, j] = 1.0 if i == j else 0.0
+    return 1.0
 
 
 @_compiled
@@ -418,7 +431,12 @@ def add_groups(
             for k in range(p):
                 _rotate(z, guide, color, k, n)
                 _fill_covariance(cov, z, n)
-                if second:
+                power = 0.0
+                for i in range(PLACES):
+                    power += cov[i, i]
+                if power > _CLEAN:
+                    largest = _set_identity(a)
+                elif second:
                     largest = _wiener(cov, a, work)
                 else:
                     largest = _filter_of_noisy(cov, a, d, e, work, n)
