@@ -235,7 +235,6 @@ def _reach_px() -> int:
 
     Counted as the rows beside a cut through the picture that the cut can change.
     """
-
     rows = 0
     for level in reversed(range(_LEVELS)):
         groups = 2 * (2 * _RADII[level] + SIDE - 1)

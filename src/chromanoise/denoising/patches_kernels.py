@@ -185,7 +185,11 @@ def _nearest(distance, count, fewest, limit):
 @_compiled
 @no_type_check
 def _filter_of_noisy(cov, a, d, e, work, n):
-    """Write the filter of a group's noisy samples; the largest gain."""
+    """Write the filter of a group's noisy samples; the largest gain.
+
+    Noise of variance 1 alone has eigenvalues up to (1 + sqrt(places / n))^2; a signal's eigenvalue
+    s appears as (1 + s) (1 + places / (n s)), which is solved for s.
+    """
     for i in range(PLACES):
         for j in range(PLACES):
             work[i, j] = cov[i, j]
@@ -374,10 +378,39 @@ def _add_filtered(total, y, a, z, color, k, n):
 @kernel(**_OPTIONS)
 @no_type_check
 def add_groups(
-    noisy, pilot, features, floor, slope, prnu, second, radius, stride, fewest, limit,
-    out, weight, activity,
+    noisy,
+    pilot,
+    features,
+    floor,
+    slope,
+    prnu,
+    second,
+    radius,
+    stride,
+    fewest,
+    limit,
+    out,
+    weight,
+    activity,
 ):
     """Add the estimates of all groups of similar patches to ``out``, with their weights.
+
+    Parameters
+    ----------
+    noisy, pilot
+        Values (h w p), and the estimate of step 1, used if ``second``.
+    features
+        What tells which patches are similar (q h w), in standard deviations of the noise.
+    floor, slope, prnu
+        Variance of the noise of each plane: floor + slope m + prnu m^2 at a mean m above 0.
+    second
+        Whether this is step 2.
+    radius, stride
+        Rows and columns in which patches are sought, and between groups.
+    fewest, limit
+        Fewest patches of a group, and the squared distance up to which all patches are similar.
+    out, weight, activity
+        Sums (h w p), (h w), (h w): weighted estimates, weights, weighted largest gains.
     """
     h, w, p = noisy.shape
     most = (2 * radius + 1) ** 2
@@ -446,7 +479,7 @@ def add_groups(
                 if second:
                     _rotate(z, x, color, k, n)
                 lost += _add_filtered(total, y, a, z, color, k, n)
-            # the variance left by the filters, and that of the mean patch
+            # over the variance of the estimate: noise that the filters pass, and of the mean patch
             share = np.float32(1.0 / (lost + PLACES * p / n))
             for c in range(p):
                 for i in range(PLACES):
