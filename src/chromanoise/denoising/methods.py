@@ -7,9 +7,10 @@ from chromanoise.denoising.baselines import BASELINES
 from chromanoise.denoising.guided import GUIDED
 from chromanoise.denoising.linear import LMMSE, WIENER
 from chromanoise.denoising.method import DenoisingMethod
+from chromanoise.denoising.patches import PATCHES
 
 DENOISING: Mapping[str, DenoisingMethod] = {
-    method.name: method for method in (GUIDED, LMMSE, WIENER, *BASELINES)
+    method.name: method for method in (GUIDED, PATCHES, LMMSE, WIENER, *BASELINES)
 }
 """Denoising methods by the name that users type."""
 

@@ -26,9 +26,11 @@ from numpy.lib.stride_tricks import sliding_window_view
 from chromanoise._check import Array
 from chromanoise._shapes import Float, Float32
 from chromanoise.denoising.method import DenoisingMethod
-from chromanoise.denoising.patches_kernels import PLACES, SIDE, add_groups
 from chromanoise.denoising.planes import NoisyPlanes
 
+SIDE = 4
+"""Rows and columns of a patch. [pixels]"""
+PLACES = SIDE * SIDE
 _RADII = (8, 7, 6, 4)
 """How far similar patches are sought, per level; less at coarse levels, to bound the reach."""
 _STRIDE = SIDE - 1
@@ -116,6 +118,8 @@ def _groups(
     is_pilot: bool,
 ) -> tuple[Float32[Array, "h w p"], Float32[Array, "h w"]]:
     """The estimate of a step at a level, and how much of the patches is signal, 0 to 1."""
+    from chromanoise.denoising.patches_kernels import add_groups  # numba is slow to import
+
     share = 0.25**level
     features = _rotated(_stabilized(planes, pilot, share), axes)
     if is_pilot:

@@ -10,11 +10,8 @@ from typing import no_type_check
 
 import numpy as np
 
+from chromanoise.denoising.patches import PLACES, SIDE
 from chromanoise.imaging.kernel_cache import kernel
-
-SIDE = 4
-"""Rows and columns of a patch. [pixels]"""
-PLACES = SIDE * SIDE
 
 _OPTIONS = {"error_model": "numpy", "fastmath": {"contract", "reassoc"}}
 _WITHIN = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}  # called by kernels only
