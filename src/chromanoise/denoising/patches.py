@@ -26,11 +26,9 @@ from numpy.lib.stride_tricks import sliding_window_view
 from chromanoise._check import Array
 from chromanoise._shapes import Float, Float32
 from chromanoise.denoising.method import DenoisingMethod
+from chromanoise.denoising.patch_size import PLACES, SIDE
 from chromanoise.denoising.planes import NoisyPlanes
 
-SIDE = 4
-"""Rows and columns of a patch. [pixels]"""
-PLACES = SIDE * SIDE
 _RADII = (8, 7, 6, 4)
 """How far similar patches are sought, per level; less at coarse levels, to bound the reach."""
 _STRIDE = SIDE - 1
