@@ -5,6 +5,7 @@ from importlib.resources import files
 
 import pytest
 
+from chromanoise.denoising import DENOISING
 from shells.browser import FIXTURES, answer_to, at_rest, until
 
 address, browser, watch, window, page = FIXTURES
@@ -79,6 +80,19 @@ def test_axe_finds_no_fault_in_the_page_nor_in_its_dialogs(window, watch, axe, s
     page.locator("#file").set_input_files(file)
     page.locator(".brought .fault").wait_for()
     assert faults_of_access(page, axe, rules) == []
+
+
+@pytest.mark.skipif("guided" not in DENOISING, reason="guided is not registered")
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_axe_finds_no_fault_in_the_divider_between_noisy_and_denoised(window, axe, scheme):
+    study = FULL["study"] | {"pictures": [{"denoise": "guided"}]}
+    page = window({"study": study}, color_scheme=scheme, viewport={"width": 360, "height": 740})
+    panel = page.locator("[data-part=picture]")
+    panel.scroll_into_view_if_needed()
+    panel.locator("img").first.wait_for()
+    panel.get_by_role("slider").focus()
+    assert faults_of_access(page, axe, [*RULES], within="[data-part=picture]") == []
+    assert wider_than_their_panel(page) == []
 
 
 @pytest.mark.parametrize("size", SIZES, ids=str)
