@@ -87,7 +87,7 @@ def test_the_noisy_picture_stands_on_both_sides_until_the_denoised_one_has_come(
     panel = page.locator(PANEL)
     panel.scroll_into_view_if_needed()
     until(page, AT_REST)
-    waiting = held(page, lambda asked: "denoise" in (asked.post_data or ""))
+    waiting = held(page, lambda one: one.url.endswith("picture") and "denoise" in one.post_data)
     asked = []
     page.on("request", lambda one: one.url.endswith("/api/picture") and asked.append(one))
     panel.get_by_label("Denoising").select_option("guided")
