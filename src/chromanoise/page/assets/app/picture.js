@@ -159,7 +159,7 @@ class View {
   #describe(method) {
     const known = this.methods.find(({ name }) => name === method);
     this.what.hidden = !known;
-    if (known) say(this.what, `Denoised (${known.name}): ${sentence(known.what)} ${ITS_NOISE}`);
+    if (known) say(this.what, `Denoising (${known.name}): ${sentence(known.what)} ${ITS_NOISE}`);
   }
 
   /** @param {Study} study */
