@@ -5,8 +5,22 @@ from typing import TYPE_CHECKING
 from chromanoise._lazy import lazy_names
 
 if TYPE_CHECKING:
+    from chromanoise.denoising.benchmark import (
+        BenchmarkCamera,
+        BenchmarkCell,
+        EdgeSharpness,
+        FlatNoise,
+        Verdict,
+        benchmark_cells,
+        markdown_table,
+        verdict,
+        verdict_sentences,
+    )
+    from chromanoise.denoising.benchmark_scenes import BenchmarkScene, benchmark_scene
+    from chromanoise.denoising.burst import Burst, BurstFrame, merged_frames
+    from chromanoise.denoising.linear import LMMSE, WIENER, LinearFilter, filtered, linear_filters
     from chromanoise.denoising.method import DenoisingMethod
-    from chromanoise.denoising.methods import DENOISING
+    from chromanoise.denoising.methods import DENOISING, denoising_named
     from chromanoise.denoising.pictures import (
         captured_with,
         denoised_electrons,
@@ -15,19 +29,50 @@ if TYPE_CHECKING:
         planes_of_mosaic,
     )
     from chromanoise.denoising.planes import NoisyPlanes, packed, unpacked
+    from chromanoise.denoising.prediction import (
+        denoised_bank,
+        denoised_covariance,
+        denoised_noise_spectrum,
+    )
+    from chromanoise.denoising.stabilization import stabilized, unstabilized
     from chromanoise.denoising.strips import denoised_planes
 
 __all__ = [
     "DENOISING",
+    "LMMSE",
+    "WIENER",
+    "BenchmarkCamera",
+    "BenchmarkCell",
+    "BenchmarkScene",
+    "Burst",
+    "BurstFrame",
     "DenoisingMethod",
+    "EdgeSharpness",
+    "FlatNoise",
+    "LinearFilter",
     "NoisyPlanes",
+    "Verdict",
+    "benchmark_cells",
+    "benchmark_scene",
     "captured_with",
+    "denoised_bank",
+    "denoised_covariance",
     "denoised_electrons",
     "denoised_mosaic",
+    "denoised_noise_spectrum",
     "denoised_planes",
+    "denoising_named",
+    "filtered",
+    "linear_filters",
+    "markdown_table",
+    "merged_frames",
     "packed",
     "planes_of_electrons",
     "planes_of_mosaic",
+    "stabilized",
     "unpacked",
+    "unstabilized",
+    "verdict",
+    "verdict_sentences",
 ]
 __getattr__, __dir__ = lazy_names(__name__)
