@@ -15,7 +15,6 @@ address, browser, watch, window, page = FIXTURES
 
 PANEL = "[data-part=picture]"
 AT_REST = f"() => !document.querySelector('{PANEL}').hasAttribute('aria-busy')"
-needs_method = pytest.mark.skipif("guided" not in DENOISING, reason="guided is not registered")
 
 
 @pytest.fixture
@@ -81,7 +80,6 @@ def labels(panel):
     return panel.locator(".d-captions span").all_inner_texts()
 
 
-@needs_method
 def test_the_noisy_picture_stands_on_both_sides_until_the_denoised_one_has_come(window):
     page = window()
     panel = page.locator(PANEL)
@@ -110,7 +108,6 @@ def test_the_noisy_picture_stands_on_both_sides_until_the_denoised_one_has_come(
     assert DENOISING["guided"].what in panel.inner_text()
 
 
-@needs_method
 def test_the_divider_goes_by_keys_from_the_denoised_to_the_noisy_picture(window):
     page = window({"study": STUDY | {"pictures": [{"denoise": "guided"}]}})
     panel = page.locator(PANEL)
@@ -127,7 +124,6 @@ def test_the_divider_goes_by_keys_from_the_denoised_to_the_noisy_picture(window)
     assert at == {"Home": 0.0, "ArrowRight": 0.01, "End": 1.0, "ArrowLeft": 0.99}
 
 
-@needs_method
 def test_the_method_is_in_the_address_and_none_gives_back_both_sensors(window):
     page = window()
     panel = page.locator(PANEL)

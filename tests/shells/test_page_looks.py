@@ -5,7 +5,6 @@ from importlib.resources import files
 
 import pytest
 
-from chromanoise.denoising import DENOISING
 from shells.browser import FIXTURES, answer_to, at_rest, until
 
 address, browser, watch, window, page = FIXTURES
@@ -82,7 +81,6 @@ def test_axe_finds_no_fault_in_the_page_nor_in_its_dialogs(window, watch, axe, s
     assert faults_of_access(page, axe, rules) == []
 
 
-@pytest.mark.skipif("guided" not in DENOISING, reason="guided is not registered")
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_axe_finds_no_fault_in_the_divider_between_noisy_and_denoised(window, axe, scheme):
     study = FULL["study"] | {"pictures": [{"denoise": "guided"}]}
