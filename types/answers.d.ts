@@ -51,6 +51,7 @@ export interface ExposurePart {
 export interface PicturePart {
   cube: string;
   beyond?: string;
+  denoise?: string | null;
   [key: string]: unknown;
 }
 
@@ -143,6 +144,7 @@ export interface Choices {
   illuminants: string[];
   filters?: string[];
   scenes?: string[];
+  denoising: { name: string; what: string }[];
   matrices: { name: string; parameter: string | null }[];
   priors: string[];
   prior?: string;

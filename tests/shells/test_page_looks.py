@@ -81,6 +81,18 @@ def test_axe_finds_no_fault_in_the_page_nor_in_its_dialogs(window, watch, axe, s
     assert faults_of_access(page, axe, rules) == []
 
 
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_axe_finds_no_fault_in_the_divider_between_noisy_and_denoised(window, axe, scheme):
+    study = FULL["study"] | {"pictures": [{"denoise": "guided"}]}
+    page = window({"study": study}, color_scheme=scheme, viewport={"width": 360, "height": 740})
+    panel = page.locator("[data-part=picture]")
+    panel.scroll_into_view_if_needed()
+    panel.locator("img").first.wait_for()
+    panel.get_by_role("slider").focus()
+    assert faults_of_access(page, axe, [*RULES], within="[data-part=picture]") == []
+    assert wider_than_their_panel(page) == []
+
+
 @pytest.mark.parametrize("size", SIZES, ids=str)
 @pytest.mark.parametrize(
     "state",

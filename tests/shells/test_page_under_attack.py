@@ -442,7 +442,7 @@ def test_a_preparation_that_fails_is_an_answer_and_ends_the_process(monkeypatch,
     assert (kind, is_spent) == (("no memory" if error is MemoryError else "failed"), True)
     assert error is MemoryError or "No space left" in result[0]
     assert not written.read()  # the second question is left to another process
-    assert not services._has_kernels
+    assert not services._prepared
 
 
 def test_an_error_outside_of_an_answer_is_written_out_with_an_exit_code(capfd):

@@ -13,6 +13,7 @@ from chromanoise.catalog.entries import catalog_entries, catalog_folder
 from chromanoise.catalog.resolve import resolve_illuminant, resolve_sensor
 from chromanoise.charts import DRAWINGS
 from chromanoise.color import SPACES
+from chromanoise.denoising import DENOISING
 from chromanoise.errors import InputError
 from chromanoise.exposure import EQUAL_TERMS
 from chromanoise.page.equations import EQUATIONS
@@ -62,6 +63,11 @@ def choices() -> dict[str, Any]:
         "illuminants": _illuminants(),
         "filters": _filters(),
         "scenes": list(BUILTIN_CUBES),
+        "denoising": [
+            {"name": one.name, "what": one.what}
+            for one in DENOISING.values()
+            if not one.baseline  # baselines are other packages, for `denoise-bench`
+        ],
         "matrices": [{"name": name, "parameter": m.parameter} for name, m in METHODS.items()],
         "priors": list(PRIORS),
         "spaces": list(SPACES),

@@ -4,6 +4,7 @@ import json
 from contextlib import suppress
 from typing import Any
 
+from chromanoise.denoising import DENOISING
 from chromanoise.page.answers import ChartReplies
 from chromanoise.page.choices import choices
 from chromanoise.page.pictures import PictureReplies
@@ -39,7 +40,7 @@ class Services:
         self._studies = Studies(uploads, files=files)
         self._answers = ChartReplies(self._studies)
         self._pictures = PictureReplies(self._studies)
-        self._has_kernels = False
+        self._prepared: set[str | None] = set()
 
     def choices(self, has_front: bool = False) -> str:
         """The JSON of ``/api/choices``; ``has_front`` tells whether ``/api/front`` has one."""
@@ -72,19 +73,23 @@ class Services:
             preview["preview"] += [f"Looks wrong: {sentence}" for sentence in wrong]
         return json.dumps(preview)
 
-    def prepare(self, name: str) -> None:
+    def prepare(self, name: str, *given: Any) -> None:
         """Do the one-time preparation of a job, which must not count against its time limit.
 
         Parameters
         ----------
-        name
-            Of the method. The first picture after an installation compiles kernels for half a
-            minute.
+        name, given
+            One of its methods, and the arguments. The first picture after an installation compiles
+            kernels for half a minute, and the first one of each denoising method its own.
         """
-        if name == "picture" and not self._has_kernels:
+        if name != "picture":
+            return
+        for method in (None, _denoising_of(*given)):
+            if method in self._prepared:
+                continue
             with suppress(QuestionError):  # of the page's own study: not a fault of the one asked
-                self._pictures.picture({"study": STUDY})
-                self._has_kernels = True
+                self._pictures.picture({"study": STUDY | {"pictures": [{"denoise": method}]}})
+                self._prepared.add(method)
 
     def warm(self) -> None:
         """Compute in advance what most requests need.
@@ -93,3 +98,11 @@ class Services:
         """
         self._answers.answer({"study": STUDY})
         self.choices()
+
+
+def _denoising_of(body: bytes) -> str | None:
+    """The denoising method of a question for a picture, where it names a known one."""
+    with suppress(QuestionError, LookupError, TypeError):  # reported by the question itself
+        method = data_of(body)["study"]["pictures"][0]["denoise"]
+        return method if isinstance(method, str) and method in DENOISING else None
+    return None

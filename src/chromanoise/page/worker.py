@@ -114,7 +114,7 @@ class _Answering:
         with open(os.devnull, "w") as nowhere:  # noqa: PTH123 - closed when all is done
             while (asked := self._asked()) is not None:
                 name, kept, given, cpu_s, limit_s = asked
-                answer = answered(self._services, "prepare", kept, (name,))
+                answer = answered(self._services, "prepare", kept, (name, *given))
                 self._tell("begins")
                 if answer[0] == "done":
                     self._bound_cpu(cpu_s)

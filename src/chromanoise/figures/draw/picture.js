@@ -1,4 +1,4 @@
-/** Two pictures of the same scene, one over the other at 1:1, with a divider between them. */
+/** Two pictures of the same scene, one over the other, with a divider between them. */
 
 import { html } from "draw/svg.js";
 
@@ -9,7 +9,8 @@ import { html } from "draw/svg.js";
 const shown = new WeakMap();
 
 /**
- * `data` is {left, right: addresses of pictures, labels: [left, right]}; `options.zoom` whole.
+ * `data` is {left, right: addresses of pictures, labels: [left, right]}. `options.zoom` is whole;
+ * 0 for at most 1:1, as wide as there is room.
  *
  * @param {HTMLElement} element
  * @param {Pair} data
@@ -23,6 +24,7 @@ export function draw(element, data, options = {}) {
     element.replaceChildren(view.root);
   }
   const zoom = Math.max(1, Math.round(options.zoom ?? 1));
+  view.root.classList.toggle("d-fit", options.zoom === 0);
   show(view.left, data.left, data.labels[0], zoom, view.line);
   show(view.right, data.right, data.labels[1], zoom, view.line);
   view.captions.forEach((caption, i) => (caption.textContent = data.labels[i]));

@@ -382,7 +382,7 @@ async function start() {
     },
     resized: (panel) => redraw(panel.part),
   });
-  page.picture = picturePanel();
+  page.picture = picturePanel(choices);
   listen();
   subscribe(changed);
   notice("broken", readAddress());

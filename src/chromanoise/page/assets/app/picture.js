@@ -2,11 +2,12 @@
 
 import { Refused } from "app/ask.js";
 import { attribute, brief, button, choice, el, fillChoice, say, within } from "app/dom.js";
+import { setDenoising } from "app/scene.js";
 import { changeStudy, current } from "app/state.js";
 import { shownName } from "app/uploads.js";
 import { draw } from "draw/picture.js";
 
-/** @import { PictureSummary, State, SensorPart, Study } from "answers" */
+/** @import { Choices, PictureSummary, State, SensorPart, Study } from "answers" */
 /** @typedef {{ blob: Blob, summary: PictureSummary }} TakenPicture */
 
 const REST_MS = 350;
@@ -14,11 +15,18 @@ const REST_MS = 350;
 const UNSEEN_REST_MS = 4000;
 const BUSY = ".panel[aria-busy]:not([data-part=picture])";
 const SIDES = ["Left", "Right"];
+/** Where a picture at 1:1 is wider than the window, and a touch moves the divider. */
+const NARROW = "(max-width: 799px)";
+const NO_METHOD = ["", "none"];
 
-/** Fills the panel; gives `later(state)`, which fetches once nothing has moved for a while. */
-export function picturePanel() {
+/**
+ * Fills the panel; gives `later(state)`, which fetches once nothing has moved for a while.
+ *
+ * @param {Choices} choices
+ */
+export function picturePanel(choices) {
   const section = within(document, 'section[data-part="picture"]');
-  const view = new View(section);
+  const view = new View(section, choices);
   const watcher = new IntersectionObserver(([entry]) => view.see(entry.isIntersecting));
   watcher.observe(section);
   return /** @param {State} state */ (state) => view.later(state);
@@ -37,23 +45,39 @@ class View {
   #visible = false;
   /** @type {{ addresses: string[], labels: string[] } | null} */
   #pair = null;
+  /** Whether the study has a method, and the sides from before it had one. */
+  #denoises = false;
+  /** @type {string[]} */
+  #sidesBefore = [];
 
-  /** @param {HTMLElement} section */
-  constructor(section) {
+  /**
+   * @param {HTMLElement} section
+   * @param {Choices} choices
+   */
+  constructor(section, { denoising }) {
     this.section = section;
+    this.methods = denoising;
     this.body = within(section, ".body");
     this.said = el("p", { class: "hint", role: "status" });
     this.sides = SIDES.map((label) => choice({ label, options: [], on: () => this.later(current()) }));
     this.zoom = choice({
       label: "Zoom",
-      options: [1, 2, 4].map((times) => [String(times), `${times}:1`]),
+      options: [["0", "fit"], ...[1, 2, 4].map((times) => [String(times), `${times}:1`])],
+      value: window.matchMedia(NARROW).matches ? "0" : "1",
       on: () => this.#drawn(),
+    });
+    this.method = choice({
+      label: "Denoising",
+      options: [],
+      where: "pictures.0.denoise",
+      on: (name) => changeStudy((study) => setDenoising(study, name || null)),
     });
     const draws = button("New noise sample", () => changeStudy(nextSeed), { class: "plain" });
     this.seed = el("span", { class: "aside" });
-    const tools = [...this.sides, this.zoom].map((one) => one.row);
+    const tools = [this.method, ...this.sides, this.zoom].map((one) => one.row);
     section.insertBefore(el("div", { class: "picture-tools" }, ...tools, draws, this.seed), this.body);
-    section.append(this.said);
+    this.what = el("p", { class: "aside", hidden: true });
+    section.append(this.what, this.said);
   }
 
   /** @param {boolean} visible */
@@ -70,6 +94,7 @@ class View {
     // what is under way belongs to an earlier state
     this.#abort?.abort();
     this.#asked = null;
+    this.#markDenoising(null);
     clearTimeout(this.#waiting);
     const here = key === this.#shown;
     attribute(this.section, "aria-busy", here ? null : "true");
@@ -92,19 +117,49 @@ class View {
   }
 
   /**
-   * What can stand on each side: every sensor, with its noise and without.
+   * What can stand on each side: every sensor, with its noise, denoised, and without noise.
    *
    * @param {Study} study
    */
-  #offer({ sensors, seed = 0 }) {
-    const kinds = sensors.flatMap((_, i) => [`${i} noisy`, `${i} still`]);
-    const options = kinds.map((value) => [value, sideName({ sensors }, value)]);
+  #offer(study) {
+    const { sensors, seed = 0 } = study;
+    const method = methodOf(study);
+    const kinds = method ? ["noisy", "denoised", "still"] : ["noisy", "still"];
+    const values = sensors.flatMap((_, i) => kinds.map((kind) => `${i} ${kind}`));
+    const options = values.map((value) => [value, sideName(study, value)]);
+    const wanted = this.#wantedSides(Boolean(method));
     this.sides.forEach(({ select }, side) => {
-      const here = select.value || `${side} noisy`;
-      const held = options.some(([value]) => value === here) ? here : options[0][0];
-      fillChoice(select, options, held);
+      const first = wanted[side].replace(/^\d+/, "0");
+      fillChoice(select, options, values.includes(wanted[side]) ? wanted[side] : first);
     });
+    const known = this.methods.map(({ name }) => name);
+    fillChoice(this.method.select, [NO_METHOD, ...known], method ?? "");
+    this.method.row.hidden = !method && known.length === 0;
+    this.#describe(method);
     say(this.seed, `seed ${seed}`);
+  }
+
+  /**
+   * The values of both sides. With a method they are one sensor before and after it; without it
+   * they become again what they were.
+   *
+   * @param {boolean} denoises
+   */
+  #wantedSides(denoises) {
+    const now = this.sides.map(({ select }, side) => select.value || `${side} noisy`);
+    if (denoises === this.#denoises) return now;
+    this.#denoises = denoises;
+    if (!denoises) return this.#sidesBefore;
+    this.#sidesBefore = now;
+    const [sensor] = now[0].split(" ");
+    return [`${sensor} noisy`, `${sensor} denoised`];
+  }
+
+  /** @param {string | null} method */
+  #describe(method) {
+    const known = this.methods.find(({ name }) => name === method);
+    this.what.hidden = !known;
+    if (known) say(this.what, `Denoising (${known.name}): ${sentence(known.what)} ${ITS_NOISE}`);
   }
 
   /** @param {Study} study */
@@ -114,10 +169,10 @@ class View {
     const { signal } = this.#abort;
     // what was asked for, not what the choices say once it has come
     const [key, labels] = [this.#key(study), this.#labels(study)];
+    const sides = this.sides.map(({ select }) => select.value);
     this.#asked = key;
     try {
-      const asked = this.sides.map(({ select }) => picture(study, select.value, signal));
-      const pictures = await Promise.all(asked);
+      const pictures = await this.#pictures(study, sides, labels, signal);
       this.#shown = key;
       this.#told = [...new Set(pictures.flatMap(summed))].join(" ");
       this.#replace(pictures.map(({ blob }) => URL.createObjectURL(blob)), labels);
@@ -128,7 +183,41 @@ class View {
       say(this.said, error instanceof Refused ? error.message : lost);
     }
     this.#asked = null;
+    this.#markDenoising(null);
     attribute(this.section, "aria-busy", null);
+  }
+
+  /**
+   * The pictures of both sides. One that is not denoised comes first, and stands on both sides
+   * until the other one has come.
+   *
+   * @param {Study} study
+   * @param {string[]} sides
+   * @param {string[]} labels
+   * @param {AbortSignal} signal
+   */
+  async #pictures(study, sides, labels, signal) {
+    const first = sides.map((side) => (isDenoised(side) ? null : picture(study, side, signal)));
+    const come = await Promise.all(first);
+    const at = come.findIndex(Boolean);
+    const missing = come.indexOf(null);
+    if (at >= 0 && missing >= 0) {
+      const address = URL.createObjectURL(/** @type {TakenPicture} */ (come[at]).blob);
+      this.#shown = null;
+      this.#replace([address, address], [labels[at], labels[at]]);
+      this.#markDenoising(SIDES[missing]);
+      say(this.said, "Denoising \u2026");
+    }
+    return Promise.all(come.map((one, i) => one ?? picture(study, sides[i], signal)));
+  }
+
+  /**
+   * Marks the side whose denoised picture is awaited.
+   *
+   * @param {string | null} side
+   */
+  #markDenoising(side) {
+    attribute(this.section, "data-denoising", side && side.toLowerCase());
   }
 
   /**
@@ -150,15 +239,34 @@ class View {
   }
 }
 
+const ITS_NOISE = "The noise variance that it assumes is that of this exposure.";
+
+/** @param {Study} study */
+function methodOf(study) {
+  return study.pictures?.[0]?.denoise ?? null;
+}
+
+/** @param {string} side */
+function isDenoised(side) {
+  return side.endsWith(" denoised");
+}
+
+/** @type {Record<string, (study: Study) => string>} */
+const KINDS = {
+  noisy: () => "noisy",
+  denoised: (study) => `denoised (${methodOf(study)})`,
+  still: () => "without noise",
+};
+
 /**
- * What stands on a side: a sensor, with its noise or without.
+ * What stands on a side: a sensor, with its noise, denoised, or without noise.
  *
- * @param {Pick<Study, "sensors">} study
+ * @param {Study} study
  * @param {string} side
  */
-function sideName({ sensors }, side) {
+function sideName(study, side) {
   const [sensor, kind] = side.split(" ");
-  return `${sensorName(sensors, Number(sensor))}, ${kind === "noisy" ? "noisy" : "without noise"}`;
+  return `${sensorName(study.sensors, Number(sensor))}, ${KINDS[kind](study)}`;
 }
 
 /**
@@ -179,12 +287,21 @@ function sensorName(sensors, i) {
  * @param {TakenPicture} picture
  */
 function summed({ summary }) {
-  const notes = (summary.notes ?? []).map((note) => (/[.!?]$/.test(note) ? note : `${note}.`));
+  const notes = (summary.notes ?? []).map(sentence);
   if (!summary.width_px) return notes;
   const size = `${summary.sensor}: ${summary.width_px} \u00d7 ${summary.height_px} pixels`;
   const over = Object.entries(summary.above_full_well_share ?? {}).filter(([, share]) => share > 0);
   const told = over.map(([name, share]) => `${name} ${brief(100 * share, 2)} %`);
   return [told.length ? `${size}, above full well ${told.join(", ")}.` : `${size}.`, ...notes];
+}
+
+/**
+ * Text with the full stop that it may lack.
+ *
+ * @param {string} text
+ */
+function sentence(text) {
+  return /[.!?]$/.test(text) ? text : `${text}.`;
 }
 
 /** @param {Study} study */
@@ -200,11 +317,13 @@ function nextSeed(study) {
  */
 async function picture(study, side, signal) {
   const [sensor, kind] = side.split(" ");
+  const asked = structuredClone(study);
+  if (!isDenoised(side)) setDenoising(asked, null);
   const reply = await fetch("/api/picture", {
     method: "POST",
     headers: { "Content-Type": "application/json" },
     // no cube is named: it is that of the study's own first picture, with all that it says of it
-    body: JSON.stringify({ study, sensor: Number(sensor), noisy: kind === "noisy", cube: null }),
+    body: JSON.stringify({ study: asked, sensor: Number(sensor), noisy: kind !== "still", cube: null }),
     signal,
   });
   if (reply.ok && reply.headers.get("Content-Type")?.startsWith("image/")) {

@@ -4,7 +4,7 @@ import { choice, el, fillChoice } from "app/dom.js";
 import { changeStudy } from "app/state.js";
 import { asksFor, uploaded } from "app/uploads.js";
 
-/** @import { Choices, State, Study } from "answers" */
+/** @import { Choices, PicturePart, State, Study } from "answers" */
 /** @import { Group } from "app/controls.js" */
 
 const STANDARD = "builtin:checker";
@@ -34,14 +34,35 @@ export function cubeOf(study) {
  * @param {object} [more]
  */
 export function setCube(study, cube, more = {}) {
-  const [before = {}, ...rest] = study.pictures ?? [];
   // how the former cube was to be read says nothing of this one
-  const kept = Object.entries(before).filter(([key]) => !OF_THE_CUBE.includes(key));
-  const picture = { ...Object.fromEntries(kept), cube, ...more };
-  const plain = cube === STANDARD && Object.keys(picture).length === 1;
-  const pictures = plain ? rest : [picture, ...rest];
-  if (pictures.length) study.pictures = pictures;
-  else delete study.pictures;
+  const kept = Object.entries(study.pictures?.[0] ?? {}).filter(([key]) => !OF_THE_CUBE.includes(key));
+  setPicture(study, { ...Object.fromEntries(kept), cube, ...more });
+}
+
+/**
+ * Sets the denoising method of a study's first picture; `null` for none.
+ *
+ * @param {Study} study
+ * @param {string | null} method
+ */
+export function setDenoising(study, method) {
+  const picture = { ...study.pictures?.[0], cube: cubeOf(study) };
+  if (method) picture.denoise = method;
+  else delete picture.denoise;
+  setPicture(study, picture);
+}
+
+/**
+ * Replaces a study's first picture; a study without pictures shows the standard cube.
+ *
+ * @param {Study} study
+ * @param {PicturePart} picture
+ */
+function setPicture(study, picture) {
+  const rest = study.pictures?.slice(1) ?? [];
+  const plain = picture.cube === STANDARD && Object.keys(picture).length === 1;
+  if (plain && rest.length === 0) delete study.pictures;
+  else study.pictures = [picture, ...rest];
 }
 
 /**
