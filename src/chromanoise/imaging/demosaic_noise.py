@@ -101,8 +101,7 @@ def noise_power_spectrum(
     """
     variance = per_channel(bank, variance_e2)
     channels, transfers = raw_transfers(bank, shape)
-    weighted = transfers * (variance[channels] / channels.size)
-    return np.asarray((weighted @ np.swapaxes(transfers.conj(), -1, -2)).real)
+    return power_through(transfers, variance[channels] / channels.size)
 
 
 def raw_transfers(
@@ -124,7 +123,29 @@ def raw_transfers(
     InputError
         If the plane is smaller than a filter.
     """
-    side = 2 * bank.radius + 1
+    tile = channel_tile(bank.mosaic, bank.names)
+    answers = np.stack([_answers(bank, place) for place in np.ndindex(*tile.shape)])
+    return tile.ravel(), transfer_functions(answers, shape)
+
+
+def transfer_functions(
+    answers: Float[Array, "q p k k"], shape: tuple[int, int]
+) -> Complex[Array, "h w p q"]:
+    """Transfer functions of filters that respond to an impulse at q in the channels p. [1]
+
+    Parameters
+    ----------
+    answers
+        Responses in the k x k pixels around the impulse. [1]
+    shape
+        As `raw_transfers`.
+
+    Raises
+    ------
+    InputError
+        If the plane is smaller than a filter.
+    """
+    side = answers.shape[-1]
     if min(shape) < side:
         raise InputError(
             "shape",
@@ -132,12 +153,24 @@ def raw_transfers(
             value=tuple(shape),
             found=f"is {shape[0]} x {shape[1]}",
         )
-    tile = channel_tile(bank.mosaic, bank.names)
-    offsets = np.arange(-bank.radius, bank.radius + 1)
+    offsets = np.arange(side) - side // 2
     rows, columns = (np.exp(-2j * np.pi * np.outer(np.fft.fftfreq(n), offsets)) for n in shape)
-    answers = np.stack([_answers(bank, place) for place in np.ndindex(*tile.shape)])
-    transfers = np.einsum("hi,qcij,wj->hwcq", rows, answers, columns, optimize=True)
-    return tile.ravel(), np.asarray(transfers)
+    return np.asarray(np.einsum("hi,qcij,wj->hwcq", rows, answers, columns, optimize=True))
+
+
+def power_through(
+    transfers: Complex[Array, "h w p q"], variance: Float[Array, " q"]
+) -> Float[Array, "h w p p"]:
+    """Power and co-spectra of white noise in q inputs after their transfer functions. [e-^2]
+
+    Parameters
+    ----------
+    transfers
+        From each input to each channel. [1]
+    variance
+        Of each input. [e-^2]
+    """
+    return np.asarray(((transfers * variance) @ np.swapaxes(transfers.conj(), -1, -2)).real)
 
 
 def flat_field_noise(

@@ -1,0 +1,250 @@
+"""Linear denoising: one symmetric filter per component of the planes, the same everywhere.
+
+The filters follow from the model of `chromanoise.imaging.PicturePrior`: neighbors of a picture are
+correlated, and its noise is white. Their noise has a closed form (`denoising.prediction`).
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import lru_cache, partial
+
+import numpy as np
+
+from chromanoise import _check
+from chromanoise._check import Array
+from chromanoise._linalg import eigh
+from chromanoise._shapes import Float, Float32, Num
+from chromanoise.denoising.method import DenoisingMethod
+from chromanoise.denoising.planes import NoisyPlanes
+from chromanoise.errors import InputError
+from chromanoise.imaging import PicturePrior, lmmse_filters
+from chromanoise.sensor import Mosaic
+
+RADIUS_PX = 12
+"""Radius of the filters. [pixels]"""
+_TERMS = 4  # separable terms of a kernel: the expected squared error is within 1e-5 of the best
+_LEAST_SNR = 1e-9  # below it a kernel is the mean of its window
+_ROUNDING = 1e-12
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class LinearFilter:
+    """A linear method for ``p`` planes: a filter for each of ``p`` combinations of them.
+
+    Attributes
+    ----------
+    to_components
+        From planes to components, per pixel.
+    kernels
+        Weights of the k x k pixels around a pixel, for each component; symmetric. [1]
+    from_components
+        From filtered components to planes.
+
+    Raises
+    ------
+    InputError
+        If a number is not finite, the sizes differ, or a kernel is not symmetric or has an even
+        size.
+    """
+
+    to_components: Float[Array, "p p"]
+    kernels: Float[Array, "p k k"]
+    from_components: Float[Array, "p p"]
+
+    def __post_init__(self) -> None:
+        for name in ("to_components", "kernels", "from_components"):
+            _check.finite(name, "1", getattr(self, name))
+        _check.same_length(
+            "components",
+            to_components=len(self.to_components),
+            kernels=len(self.kernels),
+            from_components=len(self.from_components),
+        )
+        turned = (self.kernels.swapaxes(-1, -2), self.kernels[:, ::-1], self.kernels[:, :, ::-1])
+        apart = max(float(np.abs(self.kernels - other).max()) for other in turned)
+        if self.kernels.shape[-1] % 2 == 0 or apart > _ROUNDING * np.abs(self.kernels).max():
+            raise InputError(
+                "kernels",
+                "must have an odd size, and be equal when rows, or columns, are reversed or both "
+                "exchanged",
+                value=self.kernels.shape,
+                found=f"have shape {self.kernels.shape} and differ by up to {apart:.3g}",
+            )
+        _check.freeze(self, "to_components", "kernels", "from_components")
+
+    @property
+    def matrices(self) -> Float[Array, "p p k k"]:
+        """Weights of the pixels of plane j (second axis) for plane i (first axis). [1]"""
+        return np.einsum(
+            "ac,ckl,cb->abkl", self.from_components, self.kernels, self.to_components, optimize=True
+        )
+
+
+def linear_filters(planes: NoisyPlanes, name: str) -> LinearFilter:
+    """The filters of a linear method, for the noise of the planes at the mean of usual scenes.
+
+    Parameters
+    ----------
+    planes
+        Only their noise and their prior are used.
+    name
+        ``wiener``: one filter for all planes, for the SNR of the component with most signal. It
+        commutes with a color matrix. ``lmmse``: a filter for each of `NoisyPlanes.components`, so
+        color that is weaker than the noise is kept in coarse structure only.
+
+    Raises
+    ------
+    InputError
+        If the name is unknown, or a plane has no noise.
+
+    Notes
+    -----
+    The signal of a component has the covariance rho^r at a distance of r pixels of a plane, with
+    the rho of `PicturePrior`. Each kernel is the linear estimate of least squared error from the
+    pixels of its window among those whose weights sum to 1 (ordinary kriging, as in
+    `chromanoise.imaging.lmmse_filters`). The sum is 1, not the gain of the Wiener filter at
+    frequency 0, because a flat field then keeps its mean whatever its color and brightness.
+    In large windows the result is the Wiener filter S / (S + 1) of the spectrum S of the signal
+    (Wiener, Extrapolation, Interpolation, and Smoothing of Stationary Time Series, 1949).
+
+    Examples
+    --------
+    >>> from chromanoise.denoising import NoisyPlanes
+    >>> planes = NoisyPlanes(
+    ...     values_e=np.zeros((1, 1, 1), np.float32), floor_e2=np.array([25.0]),
+    ...     slope_e=np.ones(1), prnu=np.zeros(1), prior_e2=np.array([[500.0]]),
+    ...     prior_mean_e=np.array([25.0]), names=("W",))
+    >>> float(linear_filters(planes, "wiener").kernels.sum().round(12))
+    1.0
+    """
+    _check.one_of("linear method", name, tuple(_FILTERS))
+    return _FILTERS[name](planes)
+
+
+def filtered(values_e: Num[Array, "h w p"], linear_filter: LinearFilter) -> Float32[Array, "h w p"]:
+    """Planes after a linear filter; beyond the borders the planes are mirrored. [e-]
+
+    Parameters
+    ----------
+    values_e
+        Values of the planes. [e-]
+    linear_filter
+        As many components as planes.
+
+    Raises
+    ------
+    InputError
+        If the number of planes and of components differs.
+
+    Notes
+    -----
+    A kernel is a sum of products of a filter along rows and one along columns, its eigenvectors.
+
+    Examples
+    --------
+    >>> mean = LinearFilter(
+    ...     to_components=np.eye(1), kernels=np.full((1, 3, 3), 1 / 9), from_components=np.eye(1))
+    >>> filtered(np.eye(3, dtype=np.float32)[..., None], mean)[1, 1].round(6)
+    array([0.333333], dtype=float32)
+    """
+    from scipy.ndimage import correlate1d
+
+    height, width, count = values_e.shape
+    _check.same_length("planes", values=count, filter=len(linear_filter.kernels))
+    planes = np.ascontiguousarray(np.moveaxis(values_e, -1, 0))
+    out = np.zeros((count, height, width))
+    for kernel, mix, share in zip(
+        linear_filter.kernels,
+        linear_filter.to_components,
+        linear_filter.from_components.T,
+        strict=True,
+    ):
+        # products of whole arrays: a matrix product may round differently in a strip
+        component = _weighted(planes, mix)
+        smooth = np.zeros((height, width))
+        for weight, taps in _separable(kernel):
+            along = correlate1d(component, taps, axis=0, mode="reflect")
+            smooth += weight * correlate1d(along, taps, axis=1, mode="reflect")
+        for i in np.flatnonzero(share):
+            out[i] += share[i] * smooth
+    return np.ascontiguousarray(np.moveaxis(out, 0, -1), np.float32)
+
+
+def _weighted(planes: Num[Array, "p h w"], weights: Float[Array, " p"]) -> Float[Array, "h w"]:
+    """Sum of the planes with weights, in order of the planes."""
+    total = np.zeros(planes.shape[1:])
+    for i in np.flatnonzero(weights):
+        total += weights[i] * planes[i]
+    return total
+
+
+def _separable(kernel: Float[Array, "k k"]) -> list[tuple[float, Float[Array, " k"]]]:
+    """Weights and taps of the products of which a symmetric kernel is the sum."""
+    weights, taps = eigh("kernels", kernel)
+    least = _ROUNDING * np.abs(weights).max()
+    # even, so that the filter is the same in both directions to the last bit
+    return [
+        (float(weight), 0.5 * (column + column[::-1]))
+        for weight, column in zip(weights, taps.T, strict=True)
+        if abs(weight) > least
+    ]
+
+
+@lru_cache(maxsize=256)
+def _kernel(power_snr: float) -> Float[Array, "k k"]:
+    """The kernel for the variance of a signal over that of white noise; the sum is 1."""
+    prior = PicturePrior(
+        names=("signal",),
+        covariance_e2=np.array([[max(power_snr, _LEAST_SNR)]]),
+        noise_e2=np.ones(1),
+    )
+    bank = lmmse_filters(Mosaic((("signal",),)), prior, side=2 * RADIUS_PX + 1)
+    best = bank.kernels[0, 0, 0]
+    best = (best + best.T) / 2
+    weights, taps = eigh("kernels", (best + best[::-1] + best[:, ::-1] + best[::-1, ::-1]) / 4)
+    largest = np.argsort(-np.abs(weights))[:_TERMS]
+    even = 0.5 * (taps + taps[::-1])[:, largest]
+    kernel = (even * weights[largest]) @ even.T
+    return _check.frozen((kernel + kernel.T) / (2 * kernel.sum()))
+
+
+def _wiener(planes: NoisyPlanes) -> LinearFilter:
+    _, power_snr = planes.components()
+    alone = np.eye(len(power_snr))
+    kernels = np.stack([_kernel(float(power_snr[0]))] * len(power_snr))
+    return LinearFilter(to_components=alone, kernels=kernels, from_components=alone)
+
+
+def _lmmse(planes: NoisyPlanes) -> LinearFilter:
+    (directions, power_snr), unit = planes.components(), planes.noise_unit_e
+    return LinearFilter(
+        to_components=directions.T / unit,
+        kernels=np.stack([_kernel(float(one)) for one in power_snr]),
+        from_components=unit[:, None] * directions,
+    )
+
+
+_FILTERS: Mapping[str, Callable[[NoisyPlanes], LinearFilter]] = {
+    "wiener": _wiener,
+    "lmmse": _lmmse,
+}
+
+
+def _denoised(name: str, planes: NoisyPlanes) -> Float32[Array, "h w p"]:
+    return filtered(planes.values_e, linear_filters(planes, name))
+
+
+WIENER = DenoisingMethod(
+    name="wiener",
+    what="One low-pass filter for all planes, for the SNR of usual scenes.",
+    denoise=partial(_denoised, "wiener"),
+    reach_px=RADIUS_PX,
+    linear=True,
+)
+LMMSE = DenoisingMethod(
+    name="lmmse",
+    what="A filter for each color component: color at coarse scale, luminance at fine scale.",
+    denoise=partial(_denoised, "lmmse"),
+    reach_px=RADIUS_PX,
+    linear=True,
+)
