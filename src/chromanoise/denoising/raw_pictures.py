@@ -8,10 +8,10 @@ import numpy as np
 from chromanoise._check import Array
 from chromanoise._shapes import Bool, Float, Float32
 from chromanoise.denoising.burst import BurstFrame, merged_frames
-from chromanoise.denoising.raw_noise import CodeNoise
 from chromanoise.denoising.method import DenoisingMethod
 from chromanoise.denoising.pictures import place_correlation, planes_of_mosaic
 from chromanoise.denoising.planes import NoisyPlanes, names_of_places, packed, unpacked
+from chromanoise.denoising.raw_noise import CodeNoise
 from chromanoise.denoising.strips import denoised_planes
 from chromanoise.errors import InputError, Setting
 from chromanoise.exposure import OperatingPoint
@@ -74,9 +74,7 @@ def at_brightness(
     return replace(operating_point, level_lux=operating_point.level_lux * scale)
 
 
-def neutral_planes(
-    raw_e: Float32[Array, "h w"], mosaic: Mosaic, noise: CodeNoise
-) -> NoisyPlanes:
+def neutral_planes(raw_e: Float32[Array, "h w"], mosaic: Mosaic, noise: CodeNoise) -> NoisyPlanes:
     """The planes of a raw picture whose sensor is not known, with a prior of gray scenes.
 
     Parameters

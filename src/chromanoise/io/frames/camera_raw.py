@@ -129,9 +129,7 @@ def _of_tags(path: Path) -> tuple[dict[str, Any], StoredPlane | None]:
         return metadata | levels | {"mosaic": mosaic}, _in_place(path, whole[0])
 
 
-def _noise_profile(
-    pages: list[Any], mosaic: Mosaic
-) -> Mapping[str, tuple[float, float]] | None:
+def _noise_profile(pages: list[Any], mosaic: Mosaic) -> Mapping[str, tuple[float, float]] | None:
     """S and O of each channel of the mosaic; ``None`` if the tag is absent or fits no channels.
 
     One pair is of all channels. Several pairs have the order of CFAPlaneColor.
