@@ -42,7 +42,6 @@ from chromanoise.io.frames.dump import DUMP_ENDINGS, DUMP_TYPES, dumped_frame
 from chromanoise.io.frames.stored import StoredPlane
 from chromanoise.noise import NoiseSources, noise_sources
 from chromanoise.sensor import (
-    UNKNOWN_CONVERTER,
     Adc,
     Converter,
     Mosaic,
@@ -458,7 +457,7 @@ def _pixel_of_sensor(point: OperatingPoint, *, timed: bool) -> _Pixel:
 def _pixel_of_part(study: Study) -> _Pixel:
     part, time_ms = study.sensors[0].pixel, study.exposure.time_ms
     source = None if part.file is None else read_pixel_source(file_of(part.file))
-    converter = UNKNOWN_CONVERTER if source is None else converter_of(source)
+    converter = Converter() if source is None else converter_of(source)
     if part.gain_dn_per_e is not None:
         converter = replace(converter, gain_e_per_dn=1 / part.gain_dn_per_e)
     if part.bits is not None:
