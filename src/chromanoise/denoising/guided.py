@@ -1,0 +1,114 @@
+"""`guided`: fast denoising, in which all planes follow the structure that they share locally.
+
+In a square window, the covariance of the planes less that of the noise is the signal's. In units of
+the noise its eigenvectors are the guides: a component that noise explains becomes the window's
+mean, any other one is kept by Wiener's gain. So a plane follows another one only as far as both
+agree in this window, and an edge in the infrared alone is a component without color. Each pixel is
+the weighted mean of the estimates of all windows that hold it.
+
+The windows are of three sizes, weighted by the noise that they leave: of two windows without
+structure the larger one wins, of two with structure the smaller one. Noise of low frequency passes
+all windows, so the same is done at three coarser levels, each of means of 2 x 2 pixels, and the low
+frequencies of a level become those of the coarser one, unless they differ more than noise does.
+
+Sources: He, Sun & Tang, Guided image filtering, IEEE TPAMI 35 (2013) 1397 (windows and their mean);
+Lebrun, Buades & Morel, A nonlocal Bayesian image denoising algorithm, SIAM J. Imaging Sci. 6 (2013)
+1665 (covariance less noise, weights); Baik & Silverstein, J. Multivar. Anal. 97 (2006) 1382 (the
+power of a component from its estimate).
+"""
+
+import numpy as np
+
+from chromanoise._check import Array
+from chromanoise._shapes import Float, Float32
+from chromanoise.denoising.guided_kernels import add_estimates, fuse, halved
+from chromanoise.denoising.method import DenoisingMethod
+from chromanoise.denoising.planes import NoisyPlanes
+
+# Chosen for least mean CIEDE2000 and S-CIELAB over two scenes, two sensors, and 0.1 to 10 lx.
+_RADII = (1, 2, 5)  # 3 x 3 for the finest detail in much light, 11 x 11 for little light
+_LEVELS = 4  # a fifth changes the mean by less than 1 %, and doubles the reach
+_EDGE = np.float32(1.5)  # from 1 to 1.5 of the largest power of noise, a component fades in
+_NARROW, _WIDE = 1.0, 8.0  # difference of two levels that is halved, with and without structure
+
+
+def denoise(planes: NoisyPlanes) -> Float32[Array, "h w p"]:
+    """The planes after local linear estimation in windows, on all levels of a pyramid. [e-]
+
+    Planes without noise come back as they are, and guide the others.
+
+    Parameters
+    ----------
+    planes
+        Noisy values and their noise; the prior is not used.
+
+    Examples
+    --------
+    >>> rng = np.random.default_rng(1)
+    >>> planes = NoisyPlanes(
+    ...     values_e=rng.normal(100.0, 10.0, (64, 64, 3)).astype(np.float32),
+    ...     floor_e2=np.full(3, 100.0), slope_e=np.zeros(3), prnu=np.zeros(3),
+    ...     prior_e2=np.eye(3), prior_mean_e=np.ones(3), names=("R", "G", "B"))
+    >>> bool(denoise(planes).std() < 1.0)
+    True
+    """
+    noise = np.stack([planes.floor_e2, planes.slope_e, planes.prnu**2])
+    values = [np.ascontiguousarray(np.moveaxis(planes.values_e, 2, 0))]
+    shares = [(np.ones(values[0].shape[1]), np.ones(values[0].shape[2]))]
+    for _ in range(_LEVELS - 1):
+        values.append(_halved(values[-1]))
+        shares.append((_share_of_halved(shares[-1][0]), _share_of_halved(shares[-1][1])))
+    coarse, _ = _estimate(values.pop(), noise, shares[-1])
+    while values:
+        fine, active = _estimate(values.pop(), noise, shares[len(values)])
+        own, own_active = _halved(fine), _halved(active[None])[0]
+        fuse(fine, coarse, own, own_active, noise, *shares[len(values) + 1], _NARROW, _WIDE)
+        coarse = fine
+    out = np.ascontiguousarray(np.moveaxis(coarse, 0, 2))
+    noiseless = ~noise.any(axis=0)
+    out[..., noiseless] = planes.values_e[..., noiseless]
+    return out
+
+
+def _reach_px() -> int:
+    """Two windows at the coarsest level; each finer one doubles it and adds a coarse pixel."""
+    reach = 2 * max(_RADII)
+    for _ in range(_LEVELS - 1):
+        reach = 2 * reach + 2
+    return reach
+
+
+def _halved(values: Float32[Array, "p h w"]) -> Float32[Array, "p h2 w2"]:
+    """Means of 2 x 2 pixels."""
+    p, h, w = values.shape
+    out = np.empty((p, -(-h // 2), -(-w // 2)), np.float32)
+    halved(values, out)
+    return out
+
+
+def _share_of_halved(share: Float[Array, " n"]) -> Float[Array, " n2"]:
+    """Variance of means of two, from that of each; the last one of an odd number stays alone."""
+    pairs = len(share) // 2 * 2
+    return np.append(share[:pairs].reshape(-1, 2).sum(axis=1) / 4, share[pairs:])
+
+
+def _estimate(
+    values: Float32[Array, "p h w"],
+    noise: Float[Array, "3 p"],
+    shares: tuple[Float[Array, " h"], Float[Array, " w"]],
+) -> tuple[Float32[Array, "p h w"], Float32[Array, "h w"]]:
+    """The estimate of one level, and the activity in its largest windows."""
+    estimate, (weight, active) = np.zeros_like(values), np.zeros((2, *values.shape[1:]), np.float32)
+    for radius in _RADII:
+        add_estimates(values, noise, *shares, radius, _EDGE, estimate, weight, active)
+    estimate /= weight
+    return estimate, active
+
+
+GUIDED = DenoisingMethod(
+    name="guided",
+    what="Local linear estimates in windows: each plane follows what it shares with the others.",
+    denoise=denoise,
+    reach_px=_reach_px(),
+    grid_px=2**_LEVELS,
+)
