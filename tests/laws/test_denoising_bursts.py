@@ -94,6 +94,16 @@ def test_still_pixels_are_rejected_at_the_stated_rate(p, window, false_alarm, ex
     assert abs(rejected.mean() - false_alarm) < 5 * error + 0.1 * false_alarm
 
 
+def test_the_rate_is_also_that_of_borders_and_of_fixed_patterns():
+    rng, fixed, exposures = stream(5), 64.0, (1.0, 4.0)
+    planes, shape = camera(p=2), (2, 150_000, 2)
+    offsets = 8.0 * rng.normal(size=shape)
+    values = draw_frames(planes, np.full(shape, 50.0), rng, exposures, offsets=offsets, fixed=fixed)
+    found = merged(planes, values, exposures, fixed_e2=np.full(2, fixed), false_alarm=1e-2)
+    rejected = found.used[0, 1::3, 0] < 1  # of 2 x 3 pixels
+    assert abs(rejected.mean() - 1e-2) < 5 * np.sqrt(1e-2 / rejected.size)
+
+
 def test_what_moved_is_that_of_the_first_frame():
     rng = stream(3)
     planes, size = camera(p=2), 60

@@ -115,6 +115,16 @@ def test_strips_have_the_bits_of_the_whole(name):
         assert (denoised_planes(planes, METHODS[name], work=work) == whole).all()
 
 
+def test_components_are_uncorrelated_in_signal_and_noise():
+    planes = replace(planes_of(np.ones((1, 1, 4))), floor_e2=np.array([1.0, 10.0, 100.0, 1000.0]))
+    made = linear_filters(planes, "lmmse")
+    noise = made.to_components @ np.diag(planes.noise_unit_e**2) @ made.to_components.T
+    signal = made.to_components @ planes.prior_e2 @ made.to_components.T
+    assert noise == pytest.approx(np.eye(4), abs=1e-12)
+    assert signal == pytest.approx(np.diag(np.diag(signal)), abs=1e-12)
+    assert made.from_components @ made.to_components == pytest.approx(np.eye(4), abs=1e-12)
+
+
 def test_color_below_the_noise_is_kept_only_in_coarse_structure():
     planes = planes_of(np.ones((1, 1, 2)), light=10.0, likeness=0.99)
     made = linear_filters(planes, "lmmse")
