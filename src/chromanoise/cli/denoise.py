@@ -133,5 +133,12 @@ def _shares(summary: dict[str, Any]) -> list[str]:
     lines = [
         f"{100 * summary[name]:.3g} % {text}" for name, text in named.items() if summary.get(name)
     ]
-    removed = ", ".join(f"{name} {value:.2f}" for name, value in summary["residual"].items())
-    return [*lines, f"removed noise over expected noise: {removed}"]
+    for name, text in (
+        ("measured_noise", "measured noise over expected noise, where the picture is smoothest"),
+        ("residual", "removed noise over expected noise"),
+    ):
+        known = {plane: value for plane, value in summary[name].items() if value is not None}
+        if known:
+            values = ", ".join(f"{plane} {value:.2f}" for plane, value in known.items())
+            lines.append(f"{text}: {values}")
+    return lines

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
         DenoisedRaw,
         at_brightness,
         denoised_raw,
+        measured_noise_ratio,
         neutral_planes,
         residual_ratio,
     )
@@ -56,6 +57,7 @@ __all__ = [
     "denoised_raw",
     "filtered",
     "linear_filters",
+    "measured_noise_ratio",
     "merged_frames",
     "neutral_planes",
     "packed",

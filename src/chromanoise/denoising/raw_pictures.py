@@ -1,5 +1,6 @@
 """Raw pictures of any camera: their planes, and how well the noise fits them."""
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
@@ -25,6 +26,14 @@ _SPREAD = 0.6
 _CHANNELS = 0.9
 """Correlation of two channels: 0.65 to 0.99 for the ColorChecker."""
 _ROWS = 256
+_BLOCK = 16
+"""Rows and columns of a block of a plane in which noise is measured. [pixels]"""
+_TENTH_Z = -1.2816
+"""The value below which a tenth of a standard normal distribution lies."""
+_DIFFERENCE_POWER = 36.0
+"""Sum of the squares of the second difference along rows and columns."""
+_DIFFERENCE_CORRELATION = (1 + 2 * (4 / 6) ** 2 + 2 * (1 / 6) ** 2) ** 2
+"""Sum of the squared autocorrelation of that difference."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -38,7 +47,10 @@ class DenoisedRaw:
     names
         Planes: the places of the mosaic's tile.
     residual
-        Root mean square of picture minus result over its expected value, per plane. [1]
+        Root mean square of picture minus result over the noise of the picture, per plane. [1]
+    measured
+        Noise of the picture where it is smoothest over its expected noise, per plane; NaN where
+        there are no such places. [1]
     frames
         Number of merged frames.
     """
@@ -46,6 +58,7 @@ class DenoisedRaw:
     values_e: Float32[Array, "h w"]
     names: tuple[str, ...]
     residual: Float[Array, " k"]
+    measured: Float[Array, " k"]
     frames: int
 
 
@@ -155,7 +168,7 @@ def denoised_raw(
         planes = neutral_planes(raw_e, mosaic, noise)
     else:
         known = planes_of_mosaic(raw_e, operating_point, mosaic, step_e=0.0)
-        planes = noise.of_planes(known, tuple(tile.ravel()))
+        planes = noise.of_planes(known, tile.ravel().tolist())
     most_e = np.float32(np.inf)
     if noise.saturation_dn is not None:
         most_e = noise.electrons(np.array([[noise.saturation_dn]]))[0, 0]
@@ -176,6 +189,7 @@ def denoised_raw(
         values_e=unpacked(clean, shape, (raw_e.shape[0], raw_e.shape[1])),
         names=planes.names,
         residual=residual_ratio(planes, clean, kept),
+        measured=measured_noise_ratio(planes, kept),
         frames=1 + len(frames),
     )
 
@@ -185,8 +199,8 @@ def residual_ratio(
 ) -> Float[Array, " p"]:
     """Root mean square of what denoising removed over the standard deviation of the noise. [1]
 
-    It is about 1 where the noise is known and all of it was removed, lower where a part stayed, and
-    higher where the picture has more noise than assumed, or detail was removed.
+    It is 1 where all noise was removed, lower where a part stayed, and higher where detail was
+    removed or the picture has more noise than assumed.
 
     Parameters
     ----------
@@ -215,6 +229,57 @@ def residual_ratio(
         sums += np.divide(squares, variance, out=np.zeros_like(squares), where=used).sum((0, 1))
         counts += used.sum((0, 1))
     return np.sqrt(sums / np.maximum(counts, 1))
+
+
+def measured_noise_ratio(
+    planes: NoisyPlanes, omitted: Bool[Array, "h w p"]
+) -> Float[Array, " p"]:
+    """Noise of a picture where it is smoothest over its expected noise. [1]
+
+    It does not depend on any denoising: 1 where the noise is known, lower where the expected noise
+    is too high. Detail in all of the picture raises it.
+
+    Parameters
+    ----------
+    planes
+        Noisy values and their noise.
+    omitted
+        Values that are not used.
+
+    Returns
+    -------
+    ratio
+        Standard deviations, per plane; NaN without a block of 16 x 16 used values.
+
+    Notes
+    -----
+    The mean square of the second difference along rows and columns, 36 times the variance
+    (Immerkaer, Computer Vision and Image Understanding 64 (1996), 300-302), in blocks. Of the
+    blocks, the value below which a tenth lies is compared with that of noise alone, whose mean
+    square has a relative variance of 2 a / n with n values and a the sum of the squared
+    autocorrelation of the difference.
+    """
+    height, width, count = planes.values_e.shape
+    found: list[list[Float[Array, " m"]]] = [[] for _ in range(count)]
+    for top in range(0, height - _BLOCK - 1, _BLOCK):
+        rows = slice(top, top + _BLOCK + 2)
+        used = ~omitted[rows].any(axis=0)
+        for i in range(count):
+            values = planes.values_e[rows, :, i].astype(np.float64)
+            across = values[:, :-2] - 2 * values[:, 1:-1] + values[:, 2:]
+            second = across[:-2] - 2 * across[1:-1] + across[2:]
+            whole = (width - 2) // _BLOCK * _BLOCK
+            squares = (second[:, :whole] ** 2).reshape(_BLOCK, -1, _BLOCK).mean(axis=(0, 2))
+            means = values[1:-1, 1 : 1 + whole].reshape(_BLOCK, -1, _BLOCK).mean(axis=(0, 2))
+            flags = used[1 : 1 + whole, i].reshape(-1, _BLOCK).all(axis=1)
+            variance = planes.variance_e2(np.repeat(means[:, None], count, axis=1))[:, i]
+            flags &= variance > 0
+            found[i].append(squares[flags] / (_DIFFERENCE_POWER * variance[flags]))
+    of_noise = 1 + _TENTH_Z * math.sqrt(2 * _DIFFERENCE_CORRELATION) / _BLOCK
+    blocks = [np.concatenate(each) if each else np.zeros(0) for each in found]
+    return np.array(
+        [math.sqrt(np.quantile(each, 0.1) / of_noise) if each.size else np.nan for each in blocks]
+    )
 
 
 def _mean_above_black(raw_e: Float32[Array, "h w"]) -> float:

@@ -71,7 +71,7 @@ _WITHOUT_SENSOR = (
 )
 _FEWEST_SIGMAS = 5.0
 _MOST_BELOW = 0.01
-_RESIDUALS = (0.7, 1.15)
+_FITTING = (0.8, 1.3)
 _TOP_CODE = 2**16 - 1
 
 
@@ -633,7 +633,7 @@ def denoised_picture(plan: DenoisingPlan, *, work: Work = ALL_CORES) -> Denoised
     )
     del raw_e
     made, outside = (None, 0.0) if codes is None else _rounded(done.values_e, codes, plan)
-    notes = [*plan.notes, *_residual_notes(done, noise)]
+    notes = [*plan.notes, *_misfit_notes(done, noise)]
     picture = None
     if point is not None and plan.maker is not None:
         try:
@@ -649,6 +649,10 @@ def denoised_picture(plan: DenoisingPlan, *, work: Work = ALL_CORES) -> Denoised
         **clipped,
         "outside_codes_share": outside,
         "residual": dict(zip(done.names, done.residual.tolist(), strict=True)),
+        "measured_noise": {
+            name: None if np.isnan(value) else float(value)
+            for name, value in zip(done.names, done.measured, strict=True)
+        },
         "level_lux": None if point is None else point.level_lux,
         "notes": notes,
     }
@@ -721,18 +725,19 @@ def _rounded(
     return np.clip(exact, 0, top).astype(np.uint16), outside
 
 
-def _residual_notes(done: DenoisedRaw, noise: CodeNoise) -> list[str]:
-    low, high = _RESIDUALS
+def _misfit_notes(done: DenoisedRaw, noise: CodeNoise) -> list[str]:
+    """A warning where the picture has less or more noise than expected."""
+    low, high = _FITTING
     odd = {
         name: float(value)
-        for name, value in zip(done.names, done.residual, strict=True)
-        if not low <= value <= high
+        for name, value in zip(done.names, done.measured, strict=True)
+        if value < low or value > high
     }
     if not odd:
         return []
     listed = ", ".join(f"{name} {value:.2f}" for name, value in odd.items())
     return [
-        f"what was removed is {listed} times the expected noise (about 1 is expected): check "
+        f"where the picture is smoothest, its noise is {listed} times the expected noise: check "
         f"gain, read noise and black level ({noise.source})"
     ]
 
