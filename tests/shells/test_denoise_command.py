@@ -145,7 +145,7 @@ def test_noise_is_measured_where_the_picture_is_smoothest(assumed_e, ratio):
 
 
 def test_a_wrong_gain_is_reported(done, tmp_path):
-    np.save(tmp_path / "flat.npy", flat(400))
+    np.save(tmp_path / "flat.npy", flat(400, shape=(200, 240)))
     right, wrong = (
         summary_of(tmp_path / name)
         for name, gain in (("right", "0.5"), ("wrong", "1.5"))
@@ -154,7 +154,7 @@ def test_a_wrong_gain_is_reported(done, tmp_path):
     )  # fmt: skip
     assert not any("smoothest" in note for note in right["notes"])
     assert any("smoothest" in note for note in wrong["notes"])
-    assert all(0.85 < value < 1.15 for value in right["measured_noise"].values())
+    assert all(0.9 < value < 1.1 for value in right["measured_noise"].values())
     assert all(value < 0.75 for value in wrong["measured_noise"].values())
 
 
@@ -195,7 +195,7 @@ def test_electrons_need_neither_gain_nor_black_level():
     )
     assert result.codes is None
     np.testing.assert_array_equal(result.noise.floor_e2, [25.0] * 3)
-    assert result.values_e.std() < 0.5 * values_e.std()
+    assert result.values_e.std() < 0.7 * values_e.std()
 
 
 def test_a_burst_is_merged_before_it_is_denoised(tmp_path):
@@ -205,7 +205,7 @@ def test_a_burst_is_merged_before_it_is_denoised(tmp_path):
     files = [tmp_path / f"{seed}.npy" for seed in range(4)]
     one, four = (cn.denoise(files[:n], method="lmmse", **settings) for n in (1, 4))
     assert (one.summary["frames"], four.summary["frames"]) == (1, 4)
-    assert four.values_e.std() == pytest.approx(one.values_e.std() / 2, rel=0.2)
+    assert four.values_e.std() < 0.75 * one.values_e.std()
     mean = np.mean([np.load(file) for file in files], axis=0)
     assert four.values_e.mean() == pytest.approx(2 * (mean.mean() - 100), rel=1e-3)
 

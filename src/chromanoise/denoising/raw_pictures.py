@@ -28,6 +28,7 @@ _CHANNELS = 0.9
 _ROWS = 256
 _BLOCK = 16
 """Rows and columns of a block of a plane in which noise is measured. [pixels]"""
+_FEWEST_BLOCKS = 20
 _TENTH_Z = -1.2816
 """The value below which a tenth of a standard normal distribution lies."""
 _DIFFERENCE_POWER = 36.0
@@ -231,9 +232,7 @@ def residual_ratio(
     return np.sqrt(sums / np.maximum(counts, 1))
 
 
-def measured_noise_ratio(
-    planes: NoisyPlanes, omitted: Bool[Array, "h w p"]
-) -> Float[Array, " p"]:
+def measured_noise_ratio(planes: NoisyPlanes, omitted: Bool[Array, "h w p"]) -> Float[Array, " p"]:
     """Noise of a picture where it is smoothest over its expected noise. [1]
 
     It does not depend on any denoising: 1 where the noise is known, lower where the expected noise
@@ -249,7 +248,7 @@ def measured_noise_ratio(
     Returns
     -------
     ratio
-        Standard deviations, per plane; NaN without a block of 16 x 16 used values.
+        Standard deviations, per plane; NaN with fewer than 20 blocks of 16 x 16 used values.
 
     Notes
     -----
@@ -278,7 +277,10 @@ def measured_noise_ratio(
     of_noise = 1 + _TENTH_Z * math.sqrt(2 * _DIFFERENCE_CORRELATION) / _BLOCK
     blocks = [np.concatenate(each) if each else np.zeros(0) for each in found]
     return np.array(
-        [math.sqrt(np.quantile(each, 0.1) / of_noise) if each.size else np.nan for each in blocks]
+        [
+            math.sqrt(np.quantile(each, 0.1) / of_noise) if each.size >= _FEWEST_BLOCKS else np.nan
+            for each in blocks
+        ]
     )
 
 
