@@ -262,7 +262,7 @@ def measured_noise_ratio(planes: NoisyPlanes, omitted: Bool[Array, "h w p"]) -> 
     found: list[list[Float[Array, " m"]]] = [[] for _ in range(count)]
     for top in range(0, height - _BLOCK - 1, _BLOCK):
         rows = slice(top, top + _BLOCK + 2)
-        used = ~omitted[rows].any(axis=0)
+        used = np.logical_not(omitted[rows].any(axis=0)).reshape(width, count)
         for i in range(count):
             values = planes.values_e[rows, :, i].astype(np.float64)
             across = values[:, :-2] - 2 * values[:, 1:-1] + values[:, 2:]
