@@ -305,6 +305,7 @@ OTHER = {
     "bits": 9,
     "black_level": 3,
     "frames": 3,
+    "denoise": "guided",
     "formats": ("png",),
     "clip": True,
     "dark_current_e_per_s": 1.0,

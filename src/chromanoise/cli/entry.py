@@ -38,6 +38,7 @@ _COMMANDS = {
     "report": "A study as one self-contained HTML file: charts, tables, equations, sliders.",
     "demo": "All results of the paper on one page: out/demo/index.html.",
     "characterize": "Noise of a camera from its own raw frames, as a pixel file and a report.",
+    "denoise-bench": "Denoising methods compared on scenes, sensors and light levels, with a report.",
     "demo-frames": "Raw frames of a virtual camera with known noise, to try a characterization.",
 }
 

@@ -5,10 +5,22 @@ from typing import TYPE_CHECKING
 from chromanoise._lazy import lazy_names
 
 if TYPE_CHECKING:
+    from chromanoise.denoising.benchmark import (
+        BenchmarkCamera,
+        BenchmarkCell,
+        EdgeSharpness,
+        FlatNoise,
+        Verdict,
+        benchmark_cells,
+        markdown_table,
+        verdict,
+        verdict_sentences,
+    )
+    from chromanoise.denoising.benchmark_scenes import BenchmarkScene, benchmark_scene
     from chromanoise.denoising.burst import Burst, BurstFrame, merged_frames
     from chromanoise.denoising.linear import LMMSE, WIENER, LinearFilter, filtered, linear_filters
     from chromanoise.denoising.method import DenoisingMethod
-    from chromanoise.denoising.methods import DENOISING
+    from chromanoise.denoising.methods import DENOISING, denoising_named
     from chromanoise.denoising.pictures import (
         captured_with,
         denoised_electrons,
@@ -31,20 +43,29 @@ if TYPE_CHECKING:
         neutral_planes,
         residual_ratio,
     )
+    from chromanoise.denoising.stabilization import stabilized, unstabilized
     from chromanoise.denoising.strips import denoised_planes
 
 __all__ = [
     "DENOISING",
     "LMMSE",
     "WIENER",
+    "BenchmarkCamera",
+    "BenchmarkCell",
+    "BenchmarkScene",
     "Burst",
     "BurstFrame",
     "CodeNoise",
     "DenoisedRaw",
     "DenoisingMethod",
+    "EdgeSharpness",
+    "FlatNoise",
     "LinearFilter",
     "NoisyPlanes",
+    "Verdict",
     "at_brightness",
+    "benchmark_cells",
+    "benchmark_scene",
     "captured_with",
     "code_noise",
     "code_noise_of_profile",
@@ -55,8 +76,10 @@ __all__ = [
     "denoised_noise_spectrum",
     "denoised_planes",
     "denoised_raw",
+    "denoising_named",
     "filtered",
     "linear_filters",
+    "markdown_table",
     "measured_noise_ratio",
     "merged_frames",
     "neutral_planes",
@@ -64,6 +87,10 @@ __all__ = [
     "planes_of_electrons",
     "planes_of_mosaic",
     "residual_ratio",
+    "stabilized",
     "unpacked",
+    "unstabilized",
+    "verdict",
+    "verdict_sentences",
 ]
 __getattr__, __dir__ = lazy_names(__name__)

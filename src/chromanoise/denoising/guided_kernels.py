@@ -119,9 +119,8 @@ def _column_sums(values, sums, skipped):
                 sums[a, skipped + x] += values[a, y, x]
             for b in range(a + 1):
                 for x in range(w):
-                    sums[k, skipped + x] += np.float64(values[a, y, x]) * np.float64(
-                        values[b, y, x]
-                    )
+                    u, v = np.float64(values[a, y, x]), np.float64(values[b, y, x])
+                    sums[k, skipped + x] += u * v
                 k += 1
 
 

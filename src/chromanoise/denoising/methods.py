@@ -1,8 +1,26 @@
-"""The denoising methods by name."""
+"""All denoising methods by name: add a method here."""
 
 from collections.abc import Mapping
 
+from chromanoise import _check
+from chromanoise.denoising.baselines import BASELINES
+from chromanoise.denoising.guided import GUIDED
+from chromanoise.denoising.linear import LMMSE, WIENER
 from chromanoise.denoising.method import DenoisingMethod
 
-DENOISING: Mapping[str, DenoisingMethod] = {}
-"""What ``simulate --denoise`` takes."""
+DENOISING: Mapping[str, DenoisingMethod] = {
+    method.name: method for method in (GUIDED, LMMSE, WIENER, *BASELINES)
+}
+"""Denoising methods by the name that users type."""
+
+
+def denoising_named(name: str) -> DenoisingMethod:
+    """The denoising method of a name.
+
+    Raises
+    ------
+    InputError
+        If no method has this name.
+    """
+    _check.one_of("method", name, tuple(DENOISING))
+    return DENOISING[name]

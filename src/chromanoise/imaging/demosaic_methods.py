@@ -45,8 +45,7 @@ def chart_prior(operating_point: OperatingPoint) -> PicturePrior:
     InputError
         As `chart_electrons`.
     """
-    sensor = operating_point.sensor
-    electrons = chart_electrons(operating_point)
+    sensor, electrons = operating_point.sensor, chart_electrons(operating_point)
     share = np.full(len(electrons), 1 / len(electrons))
     noise = mean_noise_covariance(electrons, share, sensor, operating_point.exposure)
     return picture_prior(electrons, sensor.names, noise_e2=np.diagonal(noise))

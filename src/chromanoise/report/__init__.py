@@ -5,6 +5,7 @@ from chromanoise.report.characterization_report import (
     write_characterization,
 )
 from chromanoise.report.demo import demo_page
+from chromanoise.report.denoising_report import write_denoising_report
 from chromanoise.report.study_pictures import Sight, sights_of
 from chromanoise.report.study_report import report_data, study_report
 
@@ -16,4 +17,5 @@ __all__ = [
     "sights_of",
     "study_report",
     "write_characterization",
+    "write_denoising_report",
 ]

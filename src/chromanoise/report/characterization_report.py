@@ -5,15 +5,12 @@ import math
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
-import jinja2
-
 from chromanoise import __version__
 from chromanoise._files import whole_folder
-from chromanoise._palette import CHANNELS, NEUTRALS, palette_css
+from chromanoise._palette import CHANNELS, NEUTRALS
 from chromanoise.characterization import (
     QUANTITIES,
     Characterization,
@@ -87,13 +84,8 @@ def characterization_report(result: Characterization) -> str:
         for name, figure in characterization_figures(result).items()
         for svg in (_inline_svg(figure, name, _CHARTS[name][0]),)
     ]
-    template = resources.files("chromanoise.report").joinpath("characterization.html.j2")
-    environment = jinja2.Environment(
-        autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
-    return environment.from_string(template.read_text("utf-8")).render(
-        version=__version__,
-        style=palette_css(),
+    return filled_template(
+        "characterization.html.j2",
         title=result.camera or result.source,
         facts=_facts(result),
         verdict=result.verdict,
