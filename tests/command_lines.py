@@ -93,6 +93,9 @@ VALUES = {  # by the name of an option or argument; a command's own as "command.
     "frames": ["1", "2"],
     "darks": ["1", "2"],
     "levels": ["2", "3"],
+    "pictures": ["shots/f0a.npy"],
+    "white_level": ["4095", "100"],
+    "denoise.mosaic": ["RG/GB", "none"],
     "characterize.frames": ["shots", "shots/capture.toml"],
     "characterize.resume": ["kept.json"],
     "characterize.matrix": ["ccm.csv"],
@@ -205,6 +208,7 @@ WEIGHTS = {
         "serve": 2,
         "optimize": 2,
         "sensitivity": 6,
+        "denoise": 6,
     },
     **{"reproduce": 1, "demo": 0.2, "demo-frames": 4, "characterize": 5},
 }

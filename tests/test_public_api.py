@@ -25,6 +25,7 @@ NAMES = [
     "Comparison",
     "ComparisonMap",
     "Cube",
+    "DenoisedPicture",
     "Design",
     "Exposure",
     "Grid",
@@ -54,6 +55,7 @@ NAMES = [
     "color",
     "compare",
     "compare_map",
+    "denoise",
     "denoising",
     "design",
     "exposure",
@@ -239,7 +241,7 @@ def test_the_rule_of_documentation_finds_each_lack():
 
 
 @pytest.mark.parametrize(
-    "name", ["analyze", "compare", "compare_map", "matrix", "render", "sensitivity"]
+    "name", ["analyze", "compare", "compare_map", "denoise", "matrix", "render", "sensitivity"]
 )
 def test_help_lists_each_setting_with_the_description_of_the_study(name):
     shown = pydoc.render_doc(getattr(cn, name), renderer=pydoc.plaintext)

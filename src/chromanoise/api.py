@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import nullcontext
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar, Unpack
+from typing import TYPE_CHECKING, Any, Literal, TypeVar, Unpack
 
 import numpy as np
 
@@ -16,7 +16,8 @@ from chromanoise.design import (
     half_widths,
     sensitivity_of,
 )
-from chromanoise.errors import InputError
+from chromanoise.errors import InputError, Setting
+from chromanoise.imaging import Work
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import Illuminant
 from chromanoise.study import (
@@ -25,6 +26,8 @@ from chromanoise.study import (
     Comparison,
     ComparisonMap,
     ComparisonSettings,
+    DenoisedPicture,
+    DenoiseSettings,
     Given,
     MapSettings,
     MatrixResult,
@@ -36,10 +39,15 @@ from chromanoise.study import (
     Study,
     analyze_study,
     compare_study,
+    denoised_picture,
     described_settings,
+    electrons_of_array,
+    frame_of_array,
+    frames_of_pictures,
     in_arguments,
     map_study,
     matrix_study,
+    prepared_denoising,
     read_study,
     render_study,
     sensitivity_study,
@@ -48,6 +56,8 @@ from chromanoise.study import run as run_of
 
 if TYPE_CHECKING:
     from chromanoise.design import Design, DesignDocument, Progress
+    from chromanoise.io.frames import Frame
+    from chromanoise.study import Electrons
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -195,6 +205,105 @@ def compare_map(
     made = partial(map_study, matrices=matrices)
     (result,) = _results("compare_map", made, sensors, settings).maps
     return result
+
+
+@_with_listed_settings
+def denoise(
+    picture: str | Path | Sequence[str | Path] | np.ndarray,
+    *,
+    sensor: str | Path | Sensor | None = None,
+    method: str = "guided",
+    matrix: str = DEFAULT_METHOD,
+    unit: Literal["DN", "e-"] | None = None,
+    shape: tuple[int, int] | None = None,
+    stored: str | None = None,
+    white_level: float | None = None,
+    threads: int | None = None,
+    **settings: Unpack[DenoiseSettings],
+) -> DenoisedPicture:
+    """A raw picture of any camera after denoising with its known noise, and its color.
+
+    Parameters
+    ----------
+    picture
+        A raw file (DNG or camera raw, TIFF, FITS, NPY, PGM, raw dump), several files of one burst,
+        or an array of rows and columns.
+    sensor
+        As `analyze`. Its pixel gives the noise, its channels the color; ``None`` for raw codes
+        alone.
+    method
+        A name of `chromanoise.denoising.DENOISING`.
+    matrix
+        As `analyze`.
+    unit
+        Of an array: ``DN`` for codes, ``e-`` for electrons above black.
+    shape
+        Rows and columns of a raw dump. [px]
+    stored
+        Type of the codes of a raw dump: ``uint8``, ``uint16`` or ``uint16-be``.
+    white_level
+        Code from which on a pixel is saturated; that of the file if ``None``. [DN]
+    threads
+        Number of threads; one per core if ``None``.
+    settings
+        As the options of ``chromanoise denoise``; see the list below.
+
+    Returns
+    -------
+    DenoisedPicture
+        Electrons and codes of each pixel, the color, the noise and a summary.
+
+    Raises
+    ------
+    InputError
+        As `analyze`, or if the picture cannot be read, or its mosaic, black level or noise is not
+        known.
+
+    Notes
+    -----
+    The noise is that of the pixel (Clouet, Vaillant & Alleysson, CIC27 (2019), eq. 7, with the
+    further sources of EMVA 1288), or the NoiseProfile of a DNG.
+
+    Examples
+    --------
+    >>> import chromanoise as cn
+    >>> result = cn.denoise("night.dng", method="guided")                   # doctest: +SKIP
+    >>> result.values_e, result.summary["residual"]                         # doctest: +SKIP
+    """
+    try:
+        frames = _raw_pictures(picture, unit, shape, stored)
+        names, given, rest = _named([] if sensor is None else [sensor], settings, none=True)
+        plan = prepared_denoising(
+            frames,
+            names[0] if names else None,
+            rest,
+            method=method,
+            matrix=matrix,
+            white_level=white_level,
+            given=given,
+        )
+        return denoised_picture(plan, work=Work(threads=threads))
+    except InputError as error:
+        raise in_arguments(error, "denoise") from None
+
+
+def _raw_pictures(
+    picture: Any, unit: str | None, shape: tuple[int, int] | None, stored: str | None
+) -> "tuple[Frame, ...] | tuple[Electrons, ...]":
+    """The picture or pictures that an argument names or holds."""
+    if not isinstance(picture, np.ndarray):
+        if unit is not None:
+            raise InputError("unit", "must be given only for an array", value=unit)
+        files = [picture] if isinstance(picture, str | Path) else list(picture)
+        return frames_of_pictures(files, shape=shape, stored=stored)
+    if unit not in ("DN", "e-"):
+        raise InputError(
+            "unit", "must be 'DN' or 'e-' for an array", value=unit, remedy=Setting("unit")
+        )
+    for name, value in (("shape", shape), ("stored", stored)):
+        if value is not None:
+            raise InputError(name, "must be given only for a raw dump", value=value)
+    return (frame_of_array(picture),) if unit == "DN" else (electrons_of_array(picture),)
 
 
 @_with_listed_settings
@@ -497,7 +606,7 @@ def _folder(folder: str | Path | None) -> Path | None:
 
 
 def _named(
-    sensors: Sequence[str | Path | Sensor], settings: Mapping[str, Any]
+    sensors: Sequence[str | Path | Sensor], settings: Mapping[str, Any], *, none: bool = False
 ) -> tuple[list[str], Given, dict[str, Any]]:
     """Names for the study, the objects that they refer to, and the other settings."""
     for one in sensors:
@@ -511,7 +620,7 @@ def _named(
             )
     own = {one.name: one for one in sensors if isinstance(one, Sensor)}
     names = [one.name if isinstance(one, Sensor) else str(one) for one in sensors]
-    if not names:
+    if not names and not none:
         raise InputError("sensors", "must name at least one sensor", value=0, found="none is given")
     for name in own:
         if names.count(name) > 1:

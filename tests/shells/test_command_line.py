@@ -599,7 +599,10 @@ def test_the_help_shows_the_defaults_of_the_study(run, command, function):
 
 @pytest.mark.parametrize(
     ("command", "function"),
-    [("analyze", "analyze"), ("compare", "compare"), ("matrix", "matrix"), ("simulate", "render")],
+    [
+        *(("analyze", "analyze"), ("compare", "compare"), ("denoise", "denoise")),
+        *(("matrix", "matrix"), ("simulate", "render")),
+    ],
 )
 def test_every_setting_is_an_option_or_a_part_of_one(command, function):
     options = {one.name: one for one in commands.get_command(Context(commands), command).params}

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
         catalog_file_of,
     )
     from chromanoise.catalog.pixel_files import (
+        converter_of,
         idle_answers,
         on_pixel,
         own_sensor_of,
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
         sensor_with_pixel,
     )
     from chromanoise.catalog.sensor_tables import (
+        is_assumed,
         sensor_from_table,
     )
     from chromanoise.catalog.sensors import (
@@ -34,7 +36,9 @@ __all__ = [
     "catalog_entries",
     "catalog_entry",
     "catalog_file_of",
+    "converter_of",
     "idle_answers",
+    "is_assumed",
     "on_pixel",
     "own_sensor_of",
     "read_pixel_source",

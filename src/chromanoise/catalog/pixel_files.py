@@ -232,7 +232,7 @@ def _on_pixel(
     source = read_pixel_source(file_of(file))
     own = {name: getattr(source, name) for name in _OF_SOURCE}
     held = {name: value for name, value in own.items() if value is not None}
-    converter = _converter(source).known
+    converter = converter_of(source).known
     if not held and not converter:
         raise InputError(
             file,
@@ -250,8 +250,19 @@ def _on_pixel(
     return replace(sensor, notes=(*sensor.notes, *_notes(source, of_file, values)))
 
 
-def _converter(source: PixelSource) -> Converter:
-    """The known values of the converter, from the file or from its complete converter."""
+def converter_of(source: PixelSource) -> Converter:
+    """The known values of the converter, from the file or from its complete converter.
+
+    Parameters
+    ----------
+    source
+        Result of `read_pixel_source`.
+
+    Raises
+    ------
+    InputError
+        If a value is out of the range of `Converter`.
+    """
     adc = source.adc if source.bits is None else None
     try:
         if adc is not None:

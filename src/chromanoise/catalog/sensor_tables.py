@@ -181,8 +181,23 @@ def assumed_pixel(name: str, pixel: Pixel, known: Collection[str]) -> tuple[str,
     values = ", ".join(f"{getattr(pixel, field):g} {_ASSUMED[field][1]}" for field in missing)
     words = [_ASSUMED[field][0] for field in missing]
     listed = " and ".join(filter(None, (", ".join(words[:-1]), words[-1])))
-    return (f"{listed} of {name} not given: using {values}",)
+    return (f"{listed} of {name} {_USING}{values}",)
 
+
+def is_assumed(sensor: Sensor, name: str) -> bool:
+    """Whether a value of the sensor's pixel is that of the paper's pixel for want of its own.
+
+    Parameters
+    ----------
+    sensor
+        Of the catalog or a file.
+    name
+        ``pitch_um``, ``full_well_e`` or ``read_noise_e``.
+    """
+    return any(_USING in note and _ASSUMED[name][0] in note for note in sensor.notes)
+
+
+_USING = "not given: using "
 
 _ASSUMED = {
     "pitch_um": ("pixel pitch", "um"),

@@ -21,6 +21,7 @@ from chromanoise.errors import InputError, did_you_mean
 _COMMANDS = {
     "analyze": "Noise of sensors in raw, spectral and color coordinates, side by side.",
     "simulate": "Render a hyperspectral cube through sensors to noisy color pictures.",
+    "denoise": "Denoise raw pictures of any camera with their known noise; color with a sensor.",
     "compare": "Sensors over one or two parameters, as light or read noise: curves, crossovers.",
     "matrix": "A sensor's color matrix: color error, noise, condition; to CSV, JSON, CLF, profile.",
     "sensitivity": "What 1 nm or 1 % of each parameter of a sensor changes; tolerance budget.",

@@ -68,4 +68,24 @@ def _bad_value(error: click.BadParameter) -> InputError | None:
     return None if demand is None else InputError(name, f"must be {demand}", value=quoted[1])
 
 
+def pair(option: str, text: str | None, separator: str, kind: Any) -> Any:
+    """Two numbers with a separator between them; ``None`` for ``None``.
+
+    Raises
+    ------
+    InputError
+        If the text is anything else.
+    """
+    if text is None:
+        return None
+    parts = text.split(separator)
+    try:
+        first, second = (kind(part) for part in parts)
+    except ValueError:
+        raise InputError(
+            option, f"must be two numbers with {separator!r} between them", value=text
+        ) from None
+    return first, second
+
+
 command = partial(click.command, cls=Command)

@@ -79,14 +79,22 @@ def _option(name: str, command: str, value: object = None) -> str:
     """The option of a setting, or the argument."""
     from chromanoise.study import option_of
 
-    if name == "cube" or (name == "sensors" and command != "simulate"):
+    if name == "cube" or (name == "sensors" and command not in ("simulate", "denoise")):
         return {"cube": "CUBE", "sensors": "SENSOR"}[name]
     return option_of(name, value)
 
 
 def _flat(key: str, command: str) -> str | None:
     """The setting for a key of a study in this command; a key without dots is a setting."""
-    from chromanoise.study import ANALYSIS, COMPARISON, MAPS, MATRIX, RENDERING, argument_of
+    from chromanoise.study import (
+        ANALYSIS,
+        COMPARISON,
+        FUNCTIONS,
+        MAPS,
+        MATRIX,
+        RENDERING,
+        argument_of,
+    )
 
     if key.startswith("matrices"):
         return "matrix"
@@ -94,6 +102,7 @@ def _flat(key: str, command: str) -> str | None:
         return "sensors"
     if key == "pictures.0.cube":
         return "cube"
-    names = RENDERING if command == "simulate" else {**ANALYSIS, **COMPARISON, **MAPS, **MATRIX}
+    own = {"simulate": RENDERING, "denoise": FUNCTIONS["denoise"]}
+    names = own.get(command) or {**ANALYSIS, **COMPARISON, **MAPS, **MATRIX}
     alone = "qe_scale" if key == "scale" else key  # for commands that read one file
     return argument_of(key, names) or (None if "." in key else alone)

@@ -21,7 +21,7 @@ from chromanoise.cli.options import (
     with_defaults,
 )
 from chromanoise.cli.output import write_json
-from chromanoise.cli.parsing import command
+from chromanoise.cli.parsing import command, pair
 from chromanoise.cli.progress import progress_of
 from chromanoise.denoising import DENOISING
 from chromanoise.errors import InputError
@@ -201,7 +201,7 @@ def _parsed(settings: dict[str, Any]) -> dict[str, Any]:
     """The options that are text of several values."""
     formats = settings["formats"]
     return {
-        "shape": _pair("--shape", settings["shape"], "x", int),
+        "shape": pair("--shape", settings["shape"], "x", int),
         "wavelengths": _wavelengths(settings["wavelengths"]),
         "formats": None if formats is None else formats.split(","),
     }
@@ -210,26 +210,13 @@ def _parsed(settings: dict[str, Any]) -> dict[str, Any]:
 def _wavelengths(text: str | None) -> tuple[float, float] | str | None:
     """The two ends of an even series, or the name of a file."""
     try:
-        return _pair("--wavelengths", text, ":", float)
+        return pair("--wavelengths", text, ":", float)
     except InputError:
         if text and file_of(text).exists():
             return text
         raise InputError(
             "--wavelengths", "must be FIRST:LAST in nm, or a file that lists them", value=text
         ) from None
-
-
-def _pair(option: str, text: str | None, separator: str, kind: Any) -> Any:
-    if text is None:
-        return None
-    parts = text.split(separator)
-    try:
-        first, second = (kind(part) for part in parts)
-    except ValueError:
-        raise InputError(
-            option, f"must be two numbers with {separator!r} between them", value=text
-        ) from None
-    return first, second
 
 
 def _line(taken: TakenPicture, out: Path) -> str:

@@ -6,7 +6,7 @@ import numpy as np
 
 from chromanoise._check import Array
 from chromanoise._linalg import inv
-from chromanoise._shapes import Float, Float32
+from chromanoise._shapes import Float, Float32, Int
 from chromanoise.denoising.method import DenoisingMethod
 from chromanoise.denoising.planes import NoisyPlanes, names_of_places, packed, unpacked
 from chromanoise.denoising.strips import denoised_planes
@@ -100,12 +100,24 @@ def planes_of_mosaic(
     if step_e is not None:
         noise = replace(noise, step_e=step_e)
     chart = chart_electrons(operating_point)[:, channels]
-    places = np.indices(tile.shape).reshape(2, -1).T
-    apart = np.linalg.norm(places[:, None] - places[None], axis=-1)
     floor = np.full(len(channels), noise.floor_e2())
     names = names_of_places(sensor.names, channels)
     planes = _planes(planes_e, chart, noise, floor, names)
-    return replace(planes, prior_e2=planes.prior_e2 * _NEIGHBORS**apart)
+    return replace(planes, prior_e2=planes.prior_e2 * place_correlation(tile))
+
+
+def place_correlation(tile: Int[Array, "ty tx"]) -> Float[Array, "k k"]:
+    """Correlation of the pixels of a tile over usual scenes, apart from their channels. [1]
+
+    Examples
+    --------
+    >>> place_correlation(np.array([[0, 1]]))
+    array([[1.  , 0.95],
+           [0.95, 1.  ]])
+    """
+    places = np.indices(tile.shape).reshape(2, -1).T
+    apart = np.linalg.norm(places[:, None] - places[None], axis=-1)
+    return np.asarray(_NEIGHBORS**apart)
 
 
 def _planes(

@@ -161,20 +161,52 @@ def mosaic_tiff_rows(
     InputError
         If the file cannot be written, or rows have a wrong shape or are missing at the end.
     """
-    description = {
-        "sensor": sensor_name,
-        "bits": adc.bits,
-        "black_level_dn": adc.black_level_dn,
-        "gain_e_per_dn": adc.gain_e_per_dn,
-        "pattern": mosaic.pattern,
-    }
     return tiff_rows(
         path,
         shape=(height, width),
         dtype="uint16",
         photometric="minisblack",
-        description=json.dumps(description, ensure_ascii=False),
+        description=mosaic_description(
+            sensor_name=sensor_name,
+            bits=adc.bits,
+            black_level_dn=adc.black_level_dn,
+            gain_e_per_dn=adc.gain_e_per_dn,
+            mosaic=mosaic,
+        ),
     )
+
+
+def mosaic_description(
+    *,
+    sensor_name: str,
+    bits: int | None,
+    black_level_dn: float,
+    gain_e_per_dn: float,
+    mosaic: Mosaic,
+) -> str:
+    """The description of a TIFF of raw codes, as JSON.
+
+    Parameters
+    ----------
+    sensor_name
+        Name of the camera.
+    bits
+        Of the codes; ``None`` if not known.
+    black_level_dn
+        Code without light. [DN]
+    gain_e_per_dn
+        Electrons per code. [e-/DN]
+    mosaic
+        Its pattern starts at the first pixel.
+    """
+    description = {
+        "sensor": sensor_name,
+        "bits": bits,
+        "black_level_dn": black_level_dn,
+        "gain_e_per_dn": gain_e_per_dn,
+        "pattern": mosaic.pattern,
+    }
+    return json.dumps(description, ensure_ascii=False)
 
 
 def write_mosaic_tiff(

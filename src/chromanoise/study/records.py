@@ -288,11 +288,28 @@ def refuse_other_pictures(study: Study, folder: Path) -> None:
     InputError
         If the record of the earlier pictures has another study or version, or none.
     """
+    refuse_other_record(folder, {"version": __version__, "study": study_as_json(study)})
+
+
+def refuse_other_record(folder: Path, wanted: Mapping[str, Any]) -> None:
+    """Raise an error if the ``summary.json`` of a folder does not have these entries.
+
+    Parameters
+    ----------
+    folder
+        With or without earlier results.
+    wanted
+        Entries of their summary.
+
+    Raises
+    ------
+    InputError
+        If an entry is missing or another one.
+    """
     file = folder / SUMMARY_FILE
     if not file.exists():
         return
     record = _read(file)
-    wanted = {"version": __version__, "study": study_as_json(study)}
     if not isinstance(record, dict) or any(record.get(key) != wanted[key] for key in wanted):
         raise _other_results(folder)
 

@@ -14,6 +14,7 @@ from chromanoise.study.settings import (
     STARTS,
     AnalysisSettings,
     ComparisonSettings,
+    DenoiseSettings,
     MapSettings,
     MatrixSettings,
     RenderSettings,
@@ -52,7 +53,7 @@ def described_settings(function: str) -> tuple[DescribedSetting, ...]:
     Parameters
     ----------
     function
-        ``analyze``, ``compare``, ``matrix``, ``render`` or ``sensitivity``.
+        A name of `FUNCTIONS`, e.g. ``analyze``.
 
     Examples
     --------
@@ -80,7 +81,7 @@ def default_of(function: str, name: str) -> Any:
     Parameters
     ----------
     function
-        ``analyze``, ``compare``, ``matrix``, ``render`` or ``sensitivity``.
+        A name of `FUNCTIONS`, e.g. ``analyze``.
     name
         The flat name of the setting.
 
@@ -100,6 +101,7 @@ _KINDS = {
     "analyze": AnalysisSettings,
     "compare": ComparisonSettings,
     "compare_map": MapSettings,
+    "denoise": DenoiseSettings,
     "matrix": MatrixSettings,
     "render": RenderSettings,
     "sensitivity": SensitivitySettings,

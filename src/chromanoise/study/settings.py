@@ -144,6 +144,15 @@ class SensitivitySettings(_ReflectanceSettings, total=False):
     """Settings of a sensitivity."""
 
 
+class DenoiseSettings(SharedSettings, total=False):
+    """Settings of a picture of another camera. Its file may give mosaic, bits and black level."""
+
+    mosaic: Annotated[str, "pictures.0.mosaic"]
+    demosaic: Annotated[str, "pictures.0.demosaic"]
+    bits: Annotated[int, "pictures.0.bits", "sensors.*.pixel.bits"]
+    black_level: Annotated[int, "pictures.0.black_level"]
+
+
 class RenderSettings(SharedSettings, total=False):
     """Settings of pictures; ``beyond`` applies to the cube too, ``scale`` only to the cube."""
 
@@ -185,6 +194,7 @@ def settings_keys(kind: type) -> Mapping[str, tuple[str, ...]]:
 SHARED = settings_keys(SharedSettings)
 ANALYSIS = settings_keys(AnalysisSettings)
 COMPARISON = settings_keys(ComparisonSettings)
+_DENOISE = settings_keys(DenoiseSettings)
 MAPS = settings_keys(MapSettings)
 MATRIX = settings_keys(MatrixSettings)
 RENDERING = settings_keys(RenderSettings)
@@ -193,6 +203,7 @@ FUNCTIONS = {
     "analyze": ANALYSIS,
     "compare": COMPARISON,
     "compare_map": MAPS,
+    "denoise": _DENOISE,
     "matrix": MATRIX,
     "render": RENDERING,
     "sensitivity": SENSITIVITY,
@@ -201,6 +212,18 @@ _ARGUMENTS = {
     "analyze": ("matrix",),
     "compare": ("matrices",),
     "compare_map": ("matrices",),
+    "denoise": (
+        "picture",
+        "sensor",
+        "method",
+        "matrix",
+        "unit",
+        "shape",
+        "stored",
+        "white_level",
+        "threads",
+        "folder",
+    ),
     "matrix": ("sensor", "matrix"),
     "render": ("cube", "matrix", "folder"),
     "sensitivity": (
@@ -232,6 +255,7 @@ STARTS: Mapping[str, dict[str, Any]] = {
             }
         ],
     },
+    "denoise": {"outputs": {"analyses": False}, "pictures": [{"mosaic": "sensor"}]},
     "matrix": {"outputs": {"analyses": False, "matrix": True}},
     "render": {"outputs": {"analyses": False}},
     "sensitivity": {"outputs": {"analyses": False}},
@@ -356,6 +380,27 @@ def sensitivity_study(sensor: str, settings: Settings, *, matrix: str = DEFAULT_
     return _study([sensor], settings, "sensitivity", {"matrices": [matrix]})
 
 
+def denoise_study(sensor: str, settings: Settings, *, matrix: str = DEFAULT_METHOD) -> Study:
+    """The study of a picture of another camera: its sensor, its light, its mosaic.
+
+    Parameters
+    ----------
+    sensor
+        Name of the catalog, or file; empty where only the pixel is known.
+    settings
+        By the names of `DenoiseSettings`.
+    matrix
+        Method of the matrix.
+
+    Raises
+    ------
+    InputError
+        If a value cannot be used, or has no effect.
+    """
+    _refuse_unknown(settings, "denoise")
+    return _study([sensor], settings, "denoise", {"matrices": [matrix]})
+
+
 def render_study(
     cube: str, sensors: Sequence[str], settings: Settings, *, matrix: str = DEFAULT_METHOD
 ) -> Study:
@@ -470,7 +515,7 @@ def in_arguments(error: InputError, function: str) -> InputError:
     """
     positional = {
         "matrices": "matrices" if function in ("compare", "compare_map") else "matrix",
-        "sensors": "sensor" if function in ("matrix", "sensitivity") else "sensors",
+        "sensors": "sensor" if "sensor" in _ARGUMENTS[function] else "sensors",
         "pictures": "cube",
     }
     names = FUNCTIONS[function]

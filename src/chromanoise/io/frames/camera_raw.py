@@ -3,6 +3,7 @@
 LibRaw runs in a child process with limits on time and memory, because a damaged file may crash it.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -15,10 +16,11 @@ from chromanoise._shapes import UInt16
 from chromanoise.errors import InputError
 from chromanoise.io.cubes.errors import reading, reading_rows, refuse_absent_library
 from chromanoise.io.cubes.tiff import is_plain, refuse_incomplete
-from chromanoise.io.frames.exif import CFA, exposure_of, mosaic_of, smallest_mosaic
+from chromanoise.io.frames.exif import CFA, CFA_COLORS, exposure_of, mosaic_of, smallest_mosaic
 from chromanoise.io.frames.frame import Frame
 from chromanoise.io.frames.stored import StoredPlane, refuse_shape, refused_picture
 from chromanoise.io.frames.tiff import opened_tiff
+from chromanoise.sensor import Mosaic
 
 _MOST_PIXELS_PER_BYTE = 64  # of the lossless compressions that cameras use; zeros take 1/16 byte
 _LIMIT_S = 20.0
@@ -27,6 +29,7 @@ _HEADER_BYTES = 256 * 2**20
 _BYTES_PER_PIXEL = 8  # codes, their copy for the parent process, and LibRaw's own buffers
 _BLACK, _WHITE, _DNG_VERSION = 50714, 50717, 50706
 _LINEARIZATION, _ACTIVE_AREA = 50712, 50829
+_NOISE_PROFILE, _PLANE_COLORS = 51041, 50710
 _PROBE = 48  # a multiple of the periods 1, 2, 4, 6, 8 and 16 that LibRaw knows
 
 
@@ -121,8 +124,31 @@ def _of_tags(path: Path) -> tuple[dict[str, Any], StoredPlane | None]:
         levels = {
             "black_level_dn": _mean(whole[0], _BLACK),
             "white_level_dn": _mean(whole[0], _WHITE),
+            "noise_profile": _noise_profile([whole[0], first], mosaic),
         }
         return metadata | levels | {"mosaic": mosaic}, _in_place(path, whole[0])
+
+
+def _noise_profile(pages: list[Any], mosaic: Mosaic) -> Mapping[str, tuple[float, float]] | None:
+    """S and O of each channel of the mosaic; ``None`` if the tag is absent or fits no channels.
+
+    One pair is of all channels. Several pairs have the order of CFAPlaneColor.
+    """
+    tag = next((page.tags[_NOISE_PROFILE] for page in pages if _NOISE_PROFILE in page.tags), None)
+    if tag is None:
+        return None
+    numbers = np.atleast_1d(np.asarray(tag.value, dtype=np.float64)).ravel()
+    pairs = [(float(s), float(o)) for s, o in zip(numbers[::2], numbers[1::2], strict=False)]
+    if not len(numbers) or len(numbers) % 2 or not np.isfinite(numbers).all():
+        return None
+    if len(pairs) == 1:
+        return dict.fromkeys(mosaic.names, pairs[0])
+    planes = pages[0].tags.get(_PLANE_COLORS)
+    colors = (0, 1, 2) if planes is None else tuple(bytes(planes.value))
+    if len(colors) != len(pairs) or not all(one < len(CFA_COLORS) for one in colors):
+        return None
+    named = {CFA_COLORS[one]: pair for one, pair in zip(colors, pairs, strict=True)}
+    return named if set(mosaic.names) <= set(named) else None
 
 
 def _in_place(path: Path, page: Any) -> StoredPlane | None:

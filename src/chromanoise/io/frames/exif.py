@@ -7,10 +7,11 @@ from chromanoise.sensor import Mosaic
 
 CFA = 32803
 """PhotometricInterpretation of a mosaic (TIFF/EP, ISO 12234-2)."""
+CFA_COLORS = ("R", "G", "B", "C", "M", "Y", "W")
+"""Channels by their codes in CFAPattern and CFAPlaneColor."""
 _EXIF, _TIME, _ISO = 34665, 33434, 34855
 _ISO_NAMES = ("PhotographicSensitivity", "ISOSpeedRatings", "ISOSpeed")
 _MAKE, _MODEL, _REPEAT, _PATTERN = 271, 272, 33421, 33422
-_COLORS = ("R", "G", "B", "C", "M", "Y", "W")  # codes of CFAPattern
 _MOST_PERIOD = 32
 _LONGEST_S = 1e6
 _LARGEST_ISO = 1e8
@@ -67,9 +68,9 @@ def mosaic_of(page: Any) -> Mosaic | None:
         return None
     if not (0 < rows <= _MOST_PERIOD and 0 < columns <= _MOST_PERIOD):
         return None
-    if len(numbers) != rows * columns or not all(0 <= code < len(_COLORS) for code in numbers):
+    if len(numbers) != rows * columns or not all(0 <= code < len(CFA_COLORS) for code in numbers):
         return None
-    letters = [_COLORS[code] for code in numbers]
+    letters = [CFA_COLORS[code] for code in numbers]
     return smallest_mosaic([letters[r * columns : (r + 1) * columns] for r in range(rows)])
 
 

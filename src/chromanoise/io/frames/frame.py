@@ -1,6 +1,6 @@
 """Raw frames of a camera, and how they belong together: levels of light, each with its darks."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -44,6 +44,9 @@ class Frame:
         Bits of the codes, if the file states them.
     black_level_dn, white_level_dn
         Code without light and largest code, if the file states them. [DN]
+    noise_profile
+        S and O of each channel, if the file states them: variance = S x + O, with x = 0 at black
+        and 1 at the white level (`chromanoise.sensor.noise_profile`). [1]
     """
 
     path: Path
@@ -59,6 +62,7 @@ class Frame:
     bits: int | None = None
     black_level_dn: float | None = None
     white_level_dn: float | None = None
+    noise_profile: Mapping[str, tuple[float, float]] | None = None
 
     @property
     def name(self) -> str:

@@ -1,0 +1,239 @@
+"""The noise of the codes of a raw picture: from a pixel, or from the noise profile of a DNG."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from chromanoise import _check
+from chromanoise._check import Array
+from chromanoise._shapes import Float, Float32, Shaped
+from chromanoise.denoising.planes import NoisyPlanes
+from chromanoise.errors import InputError, Setting
+from chromanoise.noise import NoiseSources
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class CodeNoise:
+    """Scale and noise of the codes of a raw picture, in electrons.
+
+    Attributes
+    ----------
+    names
+        Channels.
+    gain_e_per_dn
+        Electrons per code. [e-/DN]
+    black_level_dn
+        Code without light. [DN]
+    saturation_dn
+        Codes from here on are saturated; ``None`` if that is not known. [DN]
+    floor_e2
+        Variance without light, per channel. [e-^2]
+    slope_e
+        Variance per mean value, per channel. [e-]
+    prnu
+        Standard deviation of the sensitivity over the pixels. [1]
+    fixed_e2
+        Part of ``floor_e2`` that is the same in every frame. [e-^2]
+    source
+        Where the noise comes from.
+
+    Raises
+    ------
+    InputError
+        If a value is not finite or negative, or the white level is not above black.
+    """
+
+    names: tuple[str, ...]
+    gain_e_per_dn: float
+    black_level_dn: float
+    saturation_dn: float | None
+    floor_e2: Float[Array, " p"]
+    slope_e: Float[Array, " p"]
+    prnu: float
+    fixed_e2: float
+    source: str
+
+    def __post_init__(self) -> None:
+        _check.positive("gain_e_per_dn", "e-/DN", self.gain_e_per_dn)
+        _check.not_negative("black_level", "DN", self.black_level_dn)
+        for name in ("floor_e2", "slope_e"):
+            _check.non_negative(name, "", getattr(self, name))
+        _check.same_length(
+            "channels", names=len(self.names), floor=len(self.floor_e2), slope=len(self.slope_e)
+        )
+        if self.saturation_dn is not None and not self.saturation_dn > self.black_level_dn:
+            raise InputError(
+                "white level",
+                f"must be above the black level {self.black_level_dn:g} [DN]",
+                value=self.saturation_dn,
+                remedy=(Setting("black_level"), Setting("white_level")),
+            )
+        _check.freeze(self, "floor_e2", "slope_e")
+
+    def electrons(self, codes: Shaped[Array, "h w"]) -> Float32[Array, "h w"]:
+        """Electrons of codes. [e-]"""
+        values = codes.astype(np.float32)
+        values -= np.float32(self.black_level_dn)
+        values *= np.float32(self.gain_e_per_dn)
+        return values
+
+    def codes(self, values_e: Float32[Array, "h w"]) -> Float32[Array, "h w"]:
+        """Codes of electrons, neither rounded nor clipped. [DN]"""
+        return np.asarray(
+            values_e / np.float32(self.gain_e_per_dn) + np.float32(self.black_level_dn)
+        )
+
+    def of_planes(self, planes: NoisyPlanes, channels: Sequence[int]) -> NoisyPlanes:
+        """The planes with this noise.
+
+        Parameters
+        ----------
+        planes
+            Values and prior.
+        channels
+            Channel of each plane.
+        """
+        at = np.asarray(channels)
+        return replace(
+            planes,
+            floor_e2=self.floor_e2[at],
+            slope_e=self.slope_e[at],
+            prnu=np.full(len(at), self.prnu),
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """The noise as plain data; S and O only where the white level is known."""
+        data: dict[str, Any] = {
+            "source": self.source,
+            "gain_dn_per_e": 1 / self.gain_e_per_dn,
+            "black_level_dn": self.black_level_dn,
+            "white_level_dn": self.saturation_dn,
+            "prnu": self.prnu,
+        }
+        data["channels"] = {
+            name: self._of_channel(floor, slope)
+            for name, floor, slope in zip(
+                self.names, self.floor_e2.tolist(), self.slope_e.tolist(), strict=True
+            )
+        }
+        return data
+
+    def _of_channel(self, floor_e2: float, slope_e: float) -> dict[str, float]:
+        data = {"floor_e2": floor_e2, "slope_e": slope_e, "noise_without_light_e": floor_e2**0.5}
+        if self.saturation_dn is None:
+            return data
+        range_e = (self.saturation_dn - self.black_level_dn) * self.gain_e_per_dn
+        return data | {"S": slope_e / range_e, "O": floor_e2 / range_e**2}
+
+
+def code_noise(
+    sources: NoiseSources,
+    names: Sequence[str],
+    *,
+    black_level_dn: float,
+    saturation_dn: float | None,
+    source: str,
+) -> CodeNoise:
+    """The noise of codes of a pixel.
+
+    Parameters
+    ----------
+    sources
+        Of the pixel; ``step_e`` is the gain of the codes.
+    names
+        Channels.
+    black_level_dn, saturation_dn, source
+        As `CodeNoise`.
+
+    Raises
+    ------
+    InputError
+        As `CodeNoise`.
+
+    Examples
+    --------
+    >>> noise = code_noise(NoiseSources(read_noise_e=3.0, step_e=2.0), ("W",), black_level_dn=64,
+    ...                    saturation_dn=None, source="an example")
+    >>> noise.floor_e2.round(3), noise.electrons(np.array([[164]]))
+    (array([9.333]), array([[200.]], dtype=float32))
+    """
+    ones = np.ones(len(names))
+    return CodeNoise(
+        names=tuple(names),
+        gain_e_per_dn=sources.step_e,
+        black_level_dn=float(black_level_dn),
+        saturation_dn=saturation_dn,
+        floor_e2=sources.floor_e2() * ones,
+        slope_e=ones,
+        prnu=sources.prnu,
+        fixed_e2=sources.dsnu_e**2,
+        source=source,
+    )
+
+
+def code_noise_of_profile(
+    profile: Mapping[str, tuple[float, float]],
+    names: Sequence[str],
+    *,
+    black_level_dn: float,
+    white_level_dn: float,
+    source: str,
+) -> CodeNoise:
+    """The noise of codes with a noise profile, variance = S x + O.
+
+    Parameters
+    ----------
+    profile
+        S and O of each channel, with x = 0 at black and 1 at the white level. [1]
+    names
+        Channels.
+    black_level_dn, white_level_dn
+        Codes of x = 0 and x = 1. [DN]
+    source
+        As `CodeNoise`.
+
+    Raises
+    ------
+    InputError
+        As `CodeNoise`, or if S is not above 0 or O is negative.
+
+    Notes
+    -----
+    DNG 1.4, tag 51041. With R codes from black to white the variance of a code is S R y + O R^2 at
+    y codes above black. Counted electrons have a variance equal to their mean, so S R codes
+    are one electron. Where the channels differ in S (codes multiplied after the converter), one
+    electron is the mean of their S R, and ``slope_e`` differs from 1.
+
+    Examples
+    --------
+    >>> noise = code_noise_of_profile({"W": (0.0025, 0.01)}, ("W",), black_level_dn=55,
+    ...                               white_level_dn=255, source="an example")
+    >>> noise.gain_e_per_dn, noise.floor_e2
+    (2.0, array([1600.]))
+    """
+    pairs = np.array([profile[name] for name in names])
+    for name, (shot, dark) in zip(names, pairs.tolist(), strict=True):
+        _check.positive(f"S of channel {name} of {source}", "1", shot)
+        _check.not_negative(f"O of channel {name} of {source}", "1", dark)
+    range_dn = white_level_dn - black_level_dn
+    if not range_dn > 0:
+        raise InputError(
+            "white level",
+            f"must be above the black level {black_level_dn:g} [DN]",
+            value=white_level_dn,
+            remedy=(Setting("black_level"), Setting("white_level")),
+        )
+    gain = 1 / (pairs[:, 0].mean() * range_dn)
+    return CodeNoise(
+        names=tuple(names),
+        gain_e_per_dn=float(gain),
+        black_level_dn=float(black_level_dn),
+        saturation_dn=float(white_level_dn),
+        floor_e2=pairs[:, 1] * (range_dn * gain) ** 2,
+        slope_e=pairs[:, 0] * range_dn * gain,
+        prnu=0.0,
+        fixed_e2=0.0,
+        source=source,
+    )
