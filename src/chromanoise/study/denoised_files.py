@@ -20,7 +20,6 @@ from chromanoise.analysis.color_matrices import MatrixMaker
 from chromanoise.catalog import converter_of, is_assumed, read_pixel_source
 from chromanoise.catalog.resolve import file_of
 from chromanoise.denoising import (
-    DENOISING,
     CodeNoise,
     DenoisedRaw,
     DenoisingMethod,
@@ -28,6 +27,7 @@ from chromanoise.denoising import (
     code_noise,
     code_noise_of_profile,
     denoised_raw,
+    denoising_named,
 )
 from chromanoise.errors import InputError, Setting, refusal
 from chromanoise.exposure import OperatingPoint
@@ -326,7 +326,7 @@ def prepared_denoising(
     Mosaic and black level are as given, else of the file, else of the sensor or pixel. An exposure
     time that is not given is that of the file.
     """
-    chosen = DENOISING[_check.one_of("method", method, tuple(DENOISING))]
+    chosen = denoising_named(method)
     first = pictures[0]
     facts = first if isinstance(first, Frame) else None
     settings = {name: value for name, value in settings.items() if value is not None}
