@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 
 from chromanoise import _check
+from chromanoise.denoising.aggregate import AGGREGATE
 from chromanoise.denoising.baselines import BASELINES
 from chromanoise.denoising.guided import GUIDED
 from chromanoise.denoising.linear import LMMSE, WIENER
@@ -10,7 +11,7 @@ from chromanoise.denoising.method import DenoisingMethod
 from chromanoise.denoising.patches import PATCHES
 
 DENOISING: Mapping[str, DenoisingMethod] = {
-    method.name: method for method in (GUIDED, PATCHES, LMMSE, WIENER, *BASELINES)
+    method.name: method for method in (GUIDED, PATCHES, AGGREGATE, LMMSE, WIENER, *BASELINES)
 }
 """Denoising methods by the name that users type."""
 

@@ -22,7 +22,6 @@ BENCHMARK_CAMERAS = (
     "onyx-rgb-ircut",
     "model-rgbir",
     "onyx-rgb-ircut:bayer",
-    "onyx-rgbw:rgbw-4x4",
 )
 """Sensors, with all channels at every pixel or, after a colon, behind a mosaic."""
 BENCHMARK_SCENES = (

@@ -1,0 +1,55 @@
+"""`aggregate`: the mean of estimates whose errors differ, weighted by the light of the exposure.
+
+`guided` and `patches` err in different ways, so that their mean errs less than either. In little
+light no two patches can be found alike; there `guided` is averaged with itself in wider windows.
+"""
+
+import math
+
+import numpy as np
+
+from chromanoise._check import Array
+from chromanoise._shapes import Float32
+from chromanoise.denoising import patches
+from chromanoise.denoising.guided import USUAL, WIDE, guided_estimate
+from chromanoise.denoising.method import DenoisingMethod
+from chromanoise.denoising.planes import NoisyPlanes
+
+LEAST_SNR = 15.0
+"""Least power SNR of a pixel, of the component of most signal, for which patches are compared."""
+_PATCHES = np.float32(1 / 3)
+"""Weight of `patches`: more costs flat areas, less costs texture."""
+_HALF = np.float32(0.5)
+
+
+def denoise(planes: NoisyPlanes) -> Float32[Array, "h w p"]:
+    """The mean of two estimates, chosen by the SNR of usual scenes in this exposure. [e-]
+
+    Parameters
+    ----------
+    planes
+        Noisy values and their noise.
+
+    Raises
+    ------
+    InputError
+        As `patches.denoise`.
+    """
+    guided = guided_estimate(planes, USUAL)
+    noisy = (planes.floor_e2 > 0) | (planes.slope_e > 0) | (planes.prnu > 0)
+    if not noisy.all():
+        return guided
+    if planes.components()[1][0] < LEAST_SNR:
+        wide = guided_estimate(planes, WIDE)
+        return _HALF * guided + _HALF * wide
+    return guided + _PATCHES * (patches.denoise(planes) - guided)
+
+
+AGGREGATE = DenoisingMethod(
+    name="aggregate",
+    what="Mean of guided and patches, whose errors differ; in little light, of guided in two sizes "
+    "of windows. The best and the slowest.",
+    denoise=denoise,
+    reach_px=max(USUAL.reach_px, WIDE.reach_px, patches.PATCHES.reach_px or 0),
+    grid_px=math.lcm(2**WIDE.levels, patches.PATCHES.grid_px),
+)
