@@ -34,6 +34,9 @@ from chromanoise.study.denoising_cells import (
 from chromanoise.study.document import PicturePart
 
 
+_MOST_PROCESSES = 64
+
+
 def _levels(_: click.Context, __: click.Parameter, text: str) -> list[float]:
     try:
         return [float(part) for part in text.split(",")]
@@ -102,8 +105,8 @@ def denoise_bench(
     edges, time. The exposure is the paper's: f/1.8 and 11.94 ms, or less where the light would
     saturate it.
     """
-    if processes < 1:
-        raise InputError("--processes", "must be at least 1", value=processes)
+    if not 1 <= processes <= _MOST_PROCESSES:
+        raise InputError("--processes", f"must be 1 to {_MOST_PROCESSES}", value=processes)
     if out is not None:
         refuse_unwritable(out)
     chosen = methods or tuple(DENOISING)
