@@ -1,8 +1,8 @@
-"""The tables of denoising in docs: ``python tools/denoising_findings.py BENCH.json``.
+"""Tables and picture of denoising in docs: ``python tools/denoising_findings.py BENCH.json [PNG]``.
 
 BENCH.json is the result of ``chromanoise denoise-bench --json BENCH.json``. Printed are SNR of Y of
-a flat white before and after denoising, the picture SNR of the paper's two sensors, the sharpness
-of edges, and every cell.
+a flat white before and after denoising, errors of the pictures of the paper's two sensors, and the
+sharpness of edges. PNG shows the two sensors at three light levels, before and after.
 """
 
 import json
@@ -17,11 +17,12 @@ from chromanoise.denoising import DENOISING, denoised_electrons
 from chromanoise.exposure import expected_electrons, white_scene
 from chromanoise.imaging import noisy_electrons
 from chromanoise.noise import noise_sources
-from chromanoise.study.denoising_cells import benchmark_camera
+from chromanoise.study.denoising_cells import benchmark_camera, denoising_benchmark
 
 OPEN, CUT = "onyx-rgbw", "onyx-rgb-ircut"
 METHODS = ("none", "lmmse", "guided", "aggregate")
 SIDE_PX = 256
+CROP_PX = 200
 MARGIN_PX = 32  # windows at the border hold fewer pixels
 
 Cells = dict[tuple[str, str, float, str], dict[str, Any]]
@@ -110,5 +111,36 @@ def _sharpness(edge: dict[str, float | None]) -> str:
     return f"{edge['rise_px']:.2f} ({'–' if mtf50 is None else f'{mtf50:.2f}'})"
 
 
+def draw(path: str) -> None:
+    """The pictures of both sensors at three light levels, before and after denoising."""
+    import matplotlib.pyplot as plt
+
+    shown, levels = ("none", "aggregate"), (10.0, 1.0, 0.1)
+    cells = {
+        (cell.sensor, cell.lux, cell.method): cell
+        for cell in denoising_benchmark(
+            ["builtin:foliage"], [OPEN, CUT], levels, shown, crop_px=CROP_PX
+        )
+    }
+    figure, axes = plt.subplots(
+        len(levels), 4, figsize=(9.6, 7.6), layout="constrained", squeeze=False
+    )
+    for row, lux in enumerate(levels):
+        for column, (name, method) in enumerate((n, m) for n in (CUT, OPEN) for m in shown):
+            cell, axis = cells[name, lux, method], axes[row, column]
+            axis.imshow(cell.srgb, interpolation="nearest")
+            axis.set(xticks=[], yticks=[])
+            if row == 0:
+                axis.set_title(f"{name}\n{'noisy' if method == 'none' else method}", fontsize=10)
+            if column == 0:
+                axis.set_ylabel(f"{lux:g} lx", fontsize=10)
+            axis.set_xlabel(
+                f"Y {cell.snr_y_db:.1f} dB, CIEDE2000 {cell.quality.ciede2000_mean:.1f}", fontsize=8
+            )
+    figure.savefig(path, dpi=110)
+
+
 if __name__ == "__main__":
     main(sys.argv[1])
+    if len(sys.argv) > 2:
+        draw(sys.argv[2])

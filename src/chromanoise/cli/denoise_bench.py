@@ -9,7 +9,7 @@ from typing import Any
 
 import click
 
-from chromanoise import __version__
+from chromanoise import __version__, _check
 from chromanoise._files import refuse_unwritable, renamed
 from chromanoise.cli.cube_options import cube_options, parsed_cube_options
 from chromanoise.cli.options import WHOLE
@@ -40,11 +40,12 @@ _MOST_PROCESSES = 64
 
 def _levels(_: click.Context, __: click.Parameter, text: str) -> list[float]:
     try:
-        return [float(part) for part in text.split(",")]
+        levels = [float(part) for part in text.split(",")]
     except ValueError:
         raise InputError(
             "--levels", "must be illuminances in lx with commas between them", value=text
         ) from None
+    return [_check.positive("--levels", "lx", level) for level in levels]
 
 
 @command()
