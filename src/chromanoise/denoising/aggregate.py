@@ -36,8 +36,7 @@ def denoise(planes: NoisyPlanes) -> Float32[Array, "h w p"]:
         As `patches.denoise`.
     """
     guided = guided_estimate(planes, USUAL)
-    noisy = (planes.floor_e2 > 0) | (planes.slope_e > 0) | (planes.prnu > 0)
-    if not noisy.all():
+    if not planes.has_noise.all():
         return guided
     if planes.components()[1][0] < LEAST_SNR:
         wide = guided_estimate(planes, WIDE)
