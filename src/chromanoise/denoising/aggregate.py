@@ -1,7 +1,8 @@
 """`aggregate`: the mean of estimates whose errors differ, weighted by the light of the exposure.
 
-`guided` and `patches` err in different ways, so that their mean errs less than either. In little
-light no two patches can be found alike; there `guided` is averaged with itself in wider windows.
+`guided` and `patches` err in different ways, so that their mean often errs less than either. In
+little light no two patches can be found alike; there `guided` is averaged with itself in wider
+windows.
 """
 
 import math
