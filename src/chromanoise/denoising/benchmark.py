@@ -165,6 +165,13 @@ class BenchmarkCell:
         return self.scene, self.sensor, self.lux
 
     @property
+    def rise_px(self) -> float | None:
+        """Mean rise distance of the luminance edges; ``None`` without one. [px]"""
+        found = (edge for name, edge in self.edges.items() if name.startswith("luminance"))
+        rises = [edge.rise_px for edge in found if edge is not None]
+        return sum(rises) / len(rises) if rises else None
+
+    @property
     def record(self) -> dict[str, Any]:
         """The cell as JSON data; a number that is not finite is null."""
         quality = _plain(asdict(self.quality))

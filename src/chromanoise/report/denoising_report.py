@@ -5,6 +5,7 @@ from pathlib import Path
 
 from chromanoise._files import whole_folder
 from chromanoise.denoising import DENOISING, BenchmarkCell, verdict_sentences
+from chromanoise.denoising.benchmark import PIXELS_PER_DEGREE
 from chromanoise.errors import InputError
 from chromanoise.imaging import png_bytes
 from chromanoise.report.templates import filled_template
@@ -18,7 +19,7 @@ _COLUMNS = (
     ("SSIM", "", lambda cell: cell.quality.ssim, 3),
     ("SNR of Y", "dB, lost detail counts as noise", lambda cell: cell.snr_y_db, 1),
     ("flats: SNR of Y", "dB", lambda cell: None if cell.flats is None else cell.flats.snr_y_db, 1),
-    ("edge rise", "px, 10 to 90 %", lambda cell: _rise_px(cell), 2),
+    ("edge rise", "px, 10 to 90 %", lambda cell: cell.rise_px, 2),
     ("time", "s", lambda cell: cell.seconds, 2),
 )
 
@@ -29,7 +30,7 @@ def write_denoising_report(cells: Sequence[BenchmarkCell], folder: Path) -> Path
     Parameters
     ----------
     cells
-        Result of `chromanoise.study.denoising_benchmark`.
+        Result of `chromanoise.study.denoising_cells.denoising_benchmark`.
     folder
         Made if it does not exist; files of the same names are replaced, others stay.
 
@@ -54,7 +55,7 @@ def write_denoising_report(cells: Sequence[BenchmarkCell], folder: Path) -> Path
             stem = f"{number:03d}"
             (target / f"{stem}-reference.png").write_bytes(png_bytes(here[0].reference_srgb))
             for cell in here:
-                (target / f"{stem}-{cell.method}.png").write_bytes(png_bytes(cell.srgb))
+                (target / _file(stem, cell)).write_bytes(png_bytes(cell.srgb))
             shown.append(_shown(place, here, stem))
         (target / "index.html").write_text(_page(shown, cells), "utf-8")
     return folder / "index.html"
@@ -68,6 +69,7 @@ def _page(shown: list[dict[str, object]], cells: Sequence[BenchmarkCell]) -> str
         methods=[(name, DENOISING[name].what) for name in used],
         columns=[(name, unit) for name, unit, _, _ in _COLUMNS],
         places=shown,
+        pixels_per_degree=f"{PIXELS_PER_DEGREE:g}",
     )
 
 
@@ -83,23 +85,23 @@ def _shown(
         "height": height,
         "pictures": [
             ("without noise", f"{stem}-reference.png"),
-            *((cell.method, f"{stem}-{cell.method}.png") for cell in cells),
+            *((_name(cell), _file(stem, cell)) for cell in cells),
         ],
         "rows": [
-            (cell.method, [_text(of(cell), digits) for _, _, of, digits in _COLUMNS])
+            (_name(cell), [_text(of(cell), digits) for _, _, of, digits in _COLUMNS])
             for cell in cells
         ],
     }
 
 
-def _rise_px(cell: BenchmarkCell) -> float | None:
-    """Mean rise distance of the luminance edges. [px]"""
-    rises = [
-        edge.rise_px
-        for name, edge in cell.edges.items()
-        if edge is not None and name.startswith("luminance")
-    ]
-    return sum(rises) / len(rises) if rises else None
+def _name(cell: BenchmarkCell) -> str:
+    """The method, and the seed where it is not 0, so that cells of several seeds are apart."""
+    return f"{cell.method}, seed {cell.seed}" if cell.seed else cell.method
+
+
+def _file(stem: str, cell: BenchmarkCell) -> str:
+    """Name of the picture of a cell."""
+    return f"{stem}-{_name(cell).replace(', ', '-').replace(' ', '-')}.png"
 
 
 def _text(value: float | None, digits: int) -> str:
