@@ -1,6 +1,6 @@
 """The benchmark of denoising as a folder: one HTML file and its pictures."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from chromanoise._files import whole_folder
@@ -10,7 +10,7 @@ from chromanoise.errors import InputError
 from chromanoise.imaging import png_bytes
 from chromanoise.report.templates import filled_template
 
-_COLUMNS = (
+_COLUMNS: tuple[tuple[str, str, Callable[[BenchmarkCell], float | None], int], ...] = (
     ("CIEDE2000", "mean", lambda cell: cell.quality.ciede2000_mean, 2),
     ("", "95 %", lambda cell: cell.quality.ciede2000_p95, 2),
     ("S-CIELAB", "mean", lambda cell: cell.quality.scielab_mean, 2),
