@@ -14,6 +14,7 @@ import pytest
 from chromanoise.denoising import benchmark_cells, benchmark_scene, markdown_table, verdict
 from chromanoise.imaging import Work
 from chromanoise.scene import flat_cube
+from chromanoise.sensor import Crosstalk, with_crosstalk
 from chromanoise.study.denoising_cells import benchmark_camera, denoising_benchmark
 from outcomes import refused_input
 
@@ -171,6 +172,38 @@ def test_the_table_holds_every_cell_and_marks_the_lowest(cells):
 def test_a_part_that_a_scene_does_not_have_is_refused(crop_px):
     with refused_input(subject="crop_px", value=crop_px):
         benchmark_scene("builtin:slanted-edges", crop_px=crop_px)
+
+
+@pytest.mark.parametrize("crop_px", [30, 182])
+def test_a_part_that_cuts_patches_to_single_pixels_is_measured(crop_px):
+    (cell,) = denoising_benchmark(
+        ["builtin:checker"], ["onyx-rgbw"], [10.0], ["none"], crop_px=crop_px
+    )
+    assert (cell.flats is None) == (crop_px == 30)  # of 30 px the corners of four patches
+
+
+def test_scenes_have_noise_of_their_own_for_any_seed():
+    scene = benchmark_scene("builtin:checker", crop_px=64)
+    noise = []
+    for name in ("one", "two"):
+        camera = replace(benchmark_camera("onyx-rgbw", level_lux=10.0), name=name)
+        (cell,) = benchmark_cells(scene, camera, ["none"], seed=2**64 - 1)
+        noise.append(cell.srgb.astype(float) - cell.reference_srgb)
+    assert abs(np.corrcoef(*map(np.ravel, noise))[0, 1]) < 0.1
+    for seed in (-1, 2**64):
+        with refused_input(subject="seed", value=seed):
+            benchmark_cells(scene, camera, ["none"], seed=seed)
+
+
+def test_crosstalk_after_counting_is_refused():
+    camera = benchmark_camera("onyx-rgbw", level_lux=10.0)
+    mixing = Crosstalk(
+        matrix=np.full((4, 4), 0.02) + 0.92 * np.eye(4), stage="charge", pixels=(1,) * 4
+    )
+    coupled = with_crosstalk(camera.point.sensor, mixing)
+    camera = replace(camera, point=replace(camera.point, sensor=coupled))
+    with refused_input(requirement="crosstalk after counting"):
+        benchmark_cells(benchmark_scene("builtin:checker", crop_px=64), camera, ["none"])
 
 
 def test_an_unknown_method_is_refused_before_the_computation():

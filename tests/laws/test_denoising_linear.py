@@ -15,6 +15,7 @@ from chromanoise.denoising import (
     denoised_planes,
     filtered,
     linear_filters,
+    packed,
 )
 from chromanoise.imaging import Work
 from chromanoise.rng import stream
@@ -145,3 +146,12 @@ def test_bad_filters_are_refused():
     mean = LinearFilter(to_components=one, kernels=np.ones((1, 1, 1)), from_components=one)
     with refused_input(subject="the number of planes"):
         filtered(np.ones((2, 2, 2)), mean)
+
+
+def test_values_that_are_not_finite_and_mosaics_below_a_tile_are_refused():
+    values = np.ones((3, 4, 2))
+    values[1, 2, 0] = np.nan
+    with refused_input(subject="values_e"):
+        planes_of(values)
+    with refused_input(subject="picture", value=(4, 3)):
+        packed(np.ones((4, 3), np.float32), np.arange(16).reshape(4, 4))

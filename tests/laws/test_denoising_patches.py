@@ -47,9 +47,9 @@ def rms(values):
     return math.sqrt(np.mean(np.square(values, dtype=np.float64)))
 
 
-@pytest.mark.parametrize("tile_rows", [96, 264])
-def test_strips_equal_the_whole(tile_rows):
-    clean = scene(531, 16, 2)
+@pytest.mark.parametrize(("tile_rows", "width"), [(96, 16), (264, 33)])  # of 3 and of 4 levels
+def test_strips_equal_the_whole(tile_rows, width):
+    clean = scene(531, width, 2)
     model = {"floor": 20.0, "slope": 1.0, "prnu": 0.01}
     planes = planes_of(noisy(clean, **model), **model)
     whole = denoise(planes)

@@ -144,6 +144,15 @@ def test_noise_is_measured_where_the_picture_is_smoothest(assumed_e, ratio):
     assert found[0] == pytest.approx(ratio, rel=0.1)
 
 
+def test_a_picture_without_usable_values_has_no_residual():
+    result = cn.denoise(
+        np.full((24, 24), 4095, np.uint16), unit="DN", method="lmmse", mosaic="RG/GB", bits=12,
+        gain_dn_per_e=0.5, read_noise_e=5.0, black_level=100,
+    )  # fmt: skip
+    assert result.summary["saturated_share"] == 1
+    assert set(result.summary["residual"].values()) == {None}
+
+
 def test_a_wrong_gain_is_reported(done, tmp_path):
     np.save(tmp_path / "flat.npy", flat(400, shape=(200, 240)))
     right, wrong = (
@@ -227,6 +236,7 @@ def without(option):
         ([*KNOWN, "--matrix", "lmmse"], {"subject": "matrix"}),
         ([*KNOWN, "--shape", "64x96"], {"subject": "shape"}),
         ([*KNOWN, "--white-level", "90"], {"subject": "white level"}),
+        ([*KNOWN, "--white-level", "inf"], {"subject": "white level"}),
         ([*KNOWN, "--dark-current-e-per-s", "5"], {"subject": "time_ms"}),
         ([*without("--mosaic"), "--mosaic", "RGB"], {"subject": "mosaic"}),
         ([*KNOWN, "--sensor", "onyx-rgbw"], {"setting": "pictures.0.mosaic"}),
@@ -269,3 +279,27 @@ def test_an_array_needs_its_unit_and_a_file_none():
         cn.denoise("a.npy", unit="DN")
     with refused_input(subject="picture", requirement="integer"):
         cn.denoise(flat(100) / 2, unit="DN", method="lmmse")
+    below = flat(100).astype(np.int32)
+    below[3, 5] = -7
+    with refused_input(subject="picture", value=-7):
+        cn.denoise(
+            below, unit="DN", method="lmmse", mosaic="RG/GB", gain_dn_per_e=0.5, read_noise_e=5.0,
+            black_level=100, bits=12,
+        )  # fmt: skip
+
+
+def test_a_folder_is_no_argument():
+    for sensor in (None, "onyx-rgb-ircut"):
+        with refused_input(subject="folder", value=None):
+            cn.denoise(flat(100), unit="DN", sensor=sensor, folder="out")
+
+
+def test_the_name_of_a_sensor_says_nothing_of_its_read_noise(tmp_path):
+    file = tmp_path / "read noise.csv"
+    curves = [f"{nm},{0.5 * (nm < 600)},0.4,{0.3 * (nm > 500)}" for nm in range(400, 1060, 10)]
+    file.write_text("\n".join(["wavelength_nm,R,G,B", *curves]))
+    known = {"mosaic": "RG/GB", "black_level": 100, "bits": 12, "gain_dn_per_e": 0.5}
+    known |= {"time_ms": 10.0, "unit": "DN", "method": "lmmse", "sensor": file}
+    assert cn.denoise(flat(300), read_noise_e=5.0, **known).noise.floor_e2[0] > 25
+    with refused_input(setting="read_noise_e"):
+        cn.denoise(flat(300), **known)

@@ -194,7 +194,9 @@ def is_assumed(sensor: Sensor, name: str) -> bool:
     name
         ``pitch_um``, ``full_well_e`` or ``read_noise_e``.
     """
-    return any(_USING in note and _ASSUMED[name][0] in note for note in sensor.notes)
+    return any(
+        _USING in note and _ASSUMED[name][0] in note.partition(" of ")[0] for note in sensor.notes
+    )
 
 
 _USING = "not given: using "

@@ -1,7 +1,8 @@
 """`aggregate`: the mean of estimates whose errors differ, weighted by the light of the exposure.
 
-`guided` and `patches` err in different ways, so that their mean errs less than either. In little
-light no two patches can be found alike; there `guided` is averaged with itself in wider windows.
+`guided` and `patches` err in different ways, so that their mean often errs less than either. In
+little light no two patches can be found alike; there `guided` is averaged with itself in wider
+windows.
 """
 
 import math
@@ -35,8 +36,7 @@ def denoise(planes: NoisyPlanes) -> Float32[Array, "h w p"]:
         As `patches.denoise`.
     """
     guided = guided_estimate(planes, USUAL)
-    noisy = (planes.floor_e2 > 0) | (planes.slope_e > 0) | (planes.prnu > 0)
-    if not noisy.all():
+    if not planes.has_noise.all():
         return guided
     if planes.components()[1][0] < LEAST_SNR:
         wide = guided_estimate(planes, WIDE)

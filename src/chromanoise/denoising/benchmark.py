@@ -40,7 +40,7 @@ from chromanoise.metrics import (
     picture_quality,
     slanted_edge_response,
 )
-from chromanoise.noise import noise_sources
+from chromanoise.noise import after_counting, noise_sources
 from chromanoise.scene import Cube, Scene
 from chromanoise.scene.cube import reflectance_rows
 from chromanoise.sensor import Mosaic
@@ -50,6 +50,7 @@ PIXELS_PER_DEGREE = 60.0
 """Viewing condition of S-CIELAB: a pixel per minute of arc. [1/deg]"""
 
 _WARM_PX = 64
+_SEED_BITS = 64  # of `noisy_electrons`
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -164,6 +165,13 @@ class BenchmarkCell:
         return self.scene, self.sensor, self.lux
 
     @property
+    def rise_px(self) -> float | None:
+        """Mean rise distance of the luminance edges; ``None`` without one. [px]"""
+        found = (edge for name, edge in self.edges.items() if name.startswith("luminance"))
+        rises = [edge.rise_px for edge in found if edge is not None]
+        return sum(rises) / len(rises) if rises else None
+
+    @property
     def record(self) -> dict[str, Any]:
         """The cell as JSON data; a number that is not finite is null."""
         quality = _plain(asdict(self.quality))
@@ -214,14 +222,16 @@ def benchmark_cells(
     methods
         Names of `DENOISING`.
     seed
-        Of the noise, which also depends on the names of scene and camera and on the light.
+        Of the noise, which also depends on the names of scene and camera and on the light; 0 to
+        2^64 - 1.
     work
         Threads of the methods.
 
     Raises
     ------
     InputError
-        If a method is unknown or refuses the picture, the sensor has PRNU, or the cube is invalid.
+        If a method is unknown or refuses the picture, the sensor has PRNU or crosstalk after
+        counting, the cube is invalid, or the seed is out of range.
 
     Notes
     -----
@@ -229,6 +239,8 @@ def benchmark_cells(
     Reflectances hold their last value where the cube does not cover the grid; invalid ones are 0.
     """
     chosen = [denoising_named(name) for name in methods]
+    if not 0 <= seed < 2**_SEED_BITS:
+        raise InputError("seed", f"must be a whole number from 0 to 2^{_SEED_BITS} - 1", value=seed)
     point = camera.point
     mean_e = electrons_of_cube(scene.cube, point, beyond="hold", bad_pixels="zero")
     noise = noise_sources(point.sensor, point.exposure)
@@ -238,11 +250,17 @@ def benchmark_cells(
             "must have no PRNU in the benchmark, which draws temporal noise only",
             value=noise.prnu,
         )
+    if after_counting(point.sensor.crosstalk) is not None:
+        raise InputError(
+            f"sensor {point.sensor.name}",
+            "must have no crosstalk after counting in the benchmark, whose noise is independent",
+            found="has it",
+        )
     label = f"{scene.name} {camera.name} {point.level_lux!r}"
     noisy_e = noisy_electrons(
         mean_e,
         read_noise_e=float(np.sqrt(noise.floor_e2())),
-        seed=zlib.crc32(label.encode()) << 32 | seed,
+        seed=zlib.crc32(label.encode()) << 32 ^ seed,
     )
     compare = _Comparison(scene, camera, mean_e)
     cells = []

@@ -19,6 +19,7 @@ LEAST_CROP_PX = 24
 """Least side of a scene: 4 x 4 mosaics have planes of a quarter of it. [px]"""
 
 _MARGIN_PX = 8  # of the flat part of a patch of the chart
+_LEAST_FLAT_PX = 16  # of what a part of a cube leaves of a flat region: fewer show no noise
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -34,7 +35,8 @@ class BenchmarkScene:
     edges
         Region of each slanted edge that lies wholly in the part, by kind and direction.
     flats
-        Number of the flat region of each pixel, 0 for none; ``None`` if none is known.
+        Number of the flat region of each pixel, 0 for none; ``None`` if none is known. Regions of
+        which the part holds less than 16 pixels are left out.
     """
 
     name: str
@@ -82,12 +84,13 @@ def benchmark_scene(
     edges = called == "builtin:slanted-edges"
     top, left = (0, 0) if edges else ((height - rows) // 2, (width - columns) // 2)
     part = np.array(row_source(cube.stored).rows(top, top + rows)[:, left : left + columns])
-    flats = None
-    if called in _FLATS:
-        marks = np.zeros((height, width), np.int64)
-        for number, region in enumerate(_FLATS[called], 1):
-            marks[region] = number
-        flats = marks[top : top + rows, left : left + columns]
+    flats = np.zeros((rows, columns), np.int64)
+    for number, region in enumerate(_FLATS.get(called, ()), 1):
+        marks = np.zeros((height, width), bool)
+        marks[region] = True
+        inside = marks[top : top + rows, left : left + columns]
+        if np.count_nonzero(inside) >= _LEAST_FLAT_PX:
+            flats[inside] = number
     return BenchmarkScene(
         name=called,
         cube=replace(cube, stored=part),
@@ -96,7 +99,7 @@ def benchmark_scene(
             for edge in SLANTED_EDGES
             if edges and edge.rows[1] <= rows and edge.columns[1] <= columns
         },
-        flats=flats if flats is not None and flats.any() else None,
+        flats=flats if flats.any() else None,
     )
 
 

@@ -104,7 +104,7 @@ def guided_estimate(planes: NoisyPlanes, windows: Windows) -> Float32[Array, "h 
         fuse(fine, coarse, own, own_active, noise, *shares[len(values) + 1], _NARROW, _WIDE)
         coarse = fine
     out = np.ascontiguousarray(np.moveaxis(coarse, 0, 2))
-    noiseless = ~noise.any(axis=0)
+    noiseless = ~planes.has_noise
     out[..., noiseless] = planes.values_e[..., noiseless]
     return out
 

@@ -66,7 +66,7 @@ def denoise(planes: NoisyPlanes) -> Float32[Array, "h w p"]:
     InputError
         If the noise of a plane is 0 at the mean of usual scenes, but not at others.
     """
-    noisy = (planes.floor_e2 > 0) | (planes.slope_e > 0) | (planes.prnu > 0)
+    noisy = planes.has_noise
     out = np.array(planes.values_e, np.float32)
     if noisy.any() and out.size:
         out[..., noisy] = _estimate(planes if noisy.all() else _chosen(planes, noisy))

@@ -11,7 +11,7 @@ import numpy as np
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._linalg import eigh
-from chromanoise._shapes import Float, Float32
+from chromanoise._shapes import Bool, Float, Float32
 from chromanoise.errors import InputError
 
 
@@ -51,6 +51,8 @@ class NoisyPlanes:
     names: tuple[str, ...]
 
     def __post_init__(self) -> None:
+        if not np.isfinite(self.values_e).all():
+            _check.finite("values_e", "e-", self.values_e)
         for name in ("floor_e2", "slope_e", "prnu", "prior_mean_e"):
             _check.non_negative(name, "", getattr(self, name))
         _check.finite("prior_e2", "e-^2", self.prior_e2)
@@ -89,6 +91,11 @@ class NoisyPlanes:
     def rows(self, start: int, stop: int) -> "NoisyPlanes":
         """The planes of the rows ``start`` to ``stop``."""
         return replace(self, values_e=self.values_e[start:stop])
+
+    @property
+    def has_noise(self) -> Bool[Array, " p"]:
+        """Whether the values of each plane have noise at some mean."""
+        return (self.floor_e2 > 0) | (self.slope_e > 0) | (self.prnu > 0)
 
     @property
     def noise_unit_e(self) -> Float[Array, " p"]:
@@ -130,10 +137,15 @@ def packed(
     Parameters
     ----------
     raw_e
-        One value per pixel. Rows and columns beyond whole tiles are completed by the mirrored
-        pixels of the same place. [e-]
+        One value per pixel, at least one tile of them. Rows and columns beyond whole tiles are
+        completed by the last pixels of the same place of the tile. [e-]
     tile
         Index of the channel at each place (ty tx).
+
+    Raises
+    ------
+    InputError
+        If the mosaic is smaller than its tile.
 
     Examples
     --------
@@ -143,6 +155,13 @@ def packed(
     (array([ 8.,  9., 12., 13.], dtype=float32), (0, 1, 1, 2))
     """
     ty, tx = tile.shape
+    if raw_e.shape[0] < ty or raw_e.shape[1] < tx:
+        raise InputError(
+            "picture",
+            f"must have at least the {ty} x {tx} pixels of the mosaic's tile",
+            value=raw_e.shape,
+            found=f"has {raw_e.shape[0]} x {raw_e.shape[1]}",
+        )
     height, width = (-(-n // t) * t for n, t in zip(raw_e.shape, (ty, tx), strict=True))
     rows, columns = (
         _completed(n, whole, t)

@@ -1,5 +1,6 @@
 """The noise of the codes of a raw picture: from a pixel, or from the noise profile of a DNG."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -63,13 +64,8 @@ class CodeNoise:
         _check.same_length(
             "channels", names=len(self.names), floor=len(self.floor_e2), slope=len(self.slope_e)
         )
-        if self.saturation_dn is not None and not self.saturation_dn > self.black_level_dn:
-            raise InputError(
-                "white level",
-                f"must be above the black level {self.black_level_dn:g} [DN]",
-                value=self.saturation_dn,
-                remedy=(Setting("black_level"), Setting("white_level")),
-            )
+        if self.saturation_dn is not None:
+            _range_dn(self.black_level_dn, self.saturation_dn)
         _check.freeze(self, "floor_e2", "slope_e")
 
     def electrons(self, codes: Shaped[Array, "h w"]) -> Float32[Array, "h w"]:
@@ -124,7 +120,7 @@ class CodeNoise:
         data = {"floor_e2": floor_e2, "slope_e": slope_e, "noise_without_light_e": floor_e2**0.5}
         if self.saturation_dn is None:
             return data
-        range_e = (self.saturation_dn - self.black_level_dn) * self.gain_e_per_dn
+        range_e = _range_dn(self.black_level_dn, self.saturation_dn) * self.gain_e_per_dn
         return data | {"S": slope_e / range_e, "O": floor_e2 / range_e**2}
 
 
@@ -217,14 +213,7 @@ def code_noise_of_profile(
     for name, (shot, dark) in zip(names, pairs.tolist(), strict=True):
         _check.positive(f"S of channel {name} of {source}", "1", shot)
         _check.not_negative(f"O of channel {name} of {source}", "1", dark)
-    range_dn = white_level_dn - black_level_dn
-    if not range_dn > 0:
-        raise InputError(
-            "white level",
-            f"must be above the black level {black_level_dn:g} [DN]",
-            value=white_level_dn,
-            remedy=(Setting("black_level"), Setting("white_level")),
-        )
+    range_dn = _range_dn(black_level_dn, white_level_dn)
     gain = 1 / (pairs[:, 0].mean() * range_dn)
     return CodeNoise(
         names=tuple(names),
@@ -237,3 +226,15 @@ def code_noise_of_profile(
         fixed_e2=0.0,
         source=source,
     )
+
+
+def _range_dn(black_level_dn: float, white_level_dn: float) -> float:
+    """Codes from black to white, above 0. [DN]"""
+    if not black_level_dn < white_level_dn < math.inf:
+        raise InputError(
+            "white level",
+            f"must be finite and above the black level {black_level_dn:g} [DN]",
+            value=white_level_dn,
+            remedy=(Setting("black_level"), Setting("white_level")),
+        )
+    return white_level_dn - black_level_dn

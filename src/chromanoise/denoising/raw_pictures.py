@@ -48,7 +48,8 @@ class DenoisedRaw:
     names
         Planes: the places of the mosaic's tile.
     residual
-        Root mean square of picture minus result over the noise of the picture, per plane. [1]
+        Root mean square of picture minus result over the noise of the picture, per plane; NaN
+        where no value is used. [1]
     measured
         Noise of the picture where it is smoothest over its expected noise, per plane; NaN where
         there are no such places. [1]
@@ -212,6 +213,11 @@ def residual_ratio(
     omitted
         Values that are not used.
 
+    Returns
+    -------
+    ratio
+        Per plane; NaN where no value is used or has noise.
+
     Examples
     --------
     >>> planes = NoisyPlanes(
@@ -229,7 +235,7 @@ def residual_ratio(
         squares = (planes.values_e[rows] - clean_e[rows]).astype(np.float64) ** 2
         sums += np.divide(squares, variance, out=np.zeros_like(squares), where=used).sum((0, 1))
         counts += used.sum((0, 1))
-    return np.sqrt(sums / np.maximum(counts, 1))
+    return np.sqrt(np.divide(sums, counts, out=np.full_like(sums, np.nan), where=counts > 0))
 
 
 def measured_noise_ratio(planes: NoisyPlanes, omitted: Bool[Array, "h w p"]) -> Float[Array, " p"]:

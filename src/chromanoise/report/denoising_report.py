@@ -5,6 +5,7 @@ from pathlib import Path
 
 from chromanoise._files import whole_folder
 from chromanoise.denoising import DENOISING, BenchmarkCell, verdict_sentences
+from chromanoise.denoising.benchmark import PIXELS_PER_DEGREE
 from chromanoise.errors import InputError
 from chromanoise.imaging import png_bytes
 from chromanoise.report.templates import filled_template
@@ -21,7 +22,7 @@ _COLUMNS: tuple[tuple[str, str, Value, int, int], ...] = (  # name, unit, value,
     ("SSIM", "", lambda cell: cell.quality.ssim, 3, 1),
     ("SNR of Y with lost detail", "dB", lambda cell: cell.snr_y_db, 1, 1),
     ("SNR of Y on flats", "dB", lambda cell: _flat_snr_db(cell), 1, 1),
-    ("edge rise", "px", lambda cell: _rise_px(cell), 2, 0),
+    ("edge rise", "px", lambda cell: cell.rise_px, 2, 0),
     ("time", "s", lambda cell: cell.seconds, 3, 0),
 )
 """Best is -1 for the least value, 1 for the largest, and 0 where none is marked."""
@@ -33,7 +34,7 @@ def write_denoising_report(cells: Sequence[BenchmarkCell], folder: Path) -> Path
     Parameters
     ----------
     cells
-        Result of `chromanoise.study.denoising_benchmark`.
+        Result of `chromanoise.study.denoising_cells.denoising_benchmark`.
     folder
         Made if it does not exist; files of the same names are replaced, others stay.
 
@@ -57,8 +58,8 @@ def write_denoising_report(cells: Sequence[BenchmarkCell], folder: Path) -> Path
         for number, (place, here) in enumerate(places.items(), 1):
             stem = f"{number:03d}"
             (target / f"{stem}-reference.png").write_bytes(png_bytes(here[0].reference_srgb))
-            for cell in here:
-                (target / f"{stem}-{cell.method}.png").write_bytes(png_bytes(cell.srgb))
+            for cell, name in zip(here, _names(here), strict=True):
+                (target / _file(stem, name)).write_bytes(png_bytes(cell.srgb))
             shown.append(_shown(place, here, stem))
         (target / "index.html").write_text(_page(shown, cells), "utf-8")
     return folder / "index.html"
@@ -73,6 +74,7 @@ def _page(shown: list[dict[str, object]], cells: Sequence[BenchmarkCell]) -> str
         columns=[(name, unit) for name, unit, _, _, _ in _COLUMNS],
         conditions=_conditions(cells),
         places=shown,
+        pixels_per_degree=f"{PIXELS_PER_DEGREE:g}",
     )
 
 
@@ -101,7 +103,7 @@ def _shown(
         "height": height,
         "pictures": [
             ("without noise", f"{stem}-reference.png"),
-            *((cell.method, f"{stem}-{cell.method}.png") for cell in cells),
+            *((name, _file(stem, name)) for name in _names(cells)),
         ],
         "rows": _rows(cells),
     }
@@ -115,7 +117,7 @@ def _rows(cells: Sequence[BenchmarkCell]) -> list[tuple[str, list[tuple[str, boo
         known = [one * better for one in found if one is not None]
         is_best = [one is not None and better != 0 and one * better == max(known) for one in found]
         texts.append(list(zip([_text(one, digits) for one in found], is_best, strict=True)))
-    return [(cell.method, [column[i] for column in texts]) for i, cell in enumerate(cells)]
+    return [(name, [column[i] for column in texts]) for i, name in enumerate(_names(cells))]
 
 
 def _flat_snr_db(cell: BenchmarkCell) -> float | None:
@@ -128,14 +130,15 @@ def _false_color(cell: BenchmarkCell) -> float | None:
     return None if cell.quality.false_color is None else cell.quality.false_color.near_edges
 
 
-def _rise_px(cell: BenchmarkCell) -> float | None:
-    """Mean rise distance of the luminance edges. [px]"""
-    rises = [
-        edge.rise_px
-        for name, edge in cell.edges.items()
-        if edge is not None and name.startswith("luminance")
-    ]
-    return sum(rises) / len(rises) if rises else None
+def _names(cells: Sequence[BenchmarkCell]) -> list[str]:
+    """The methods, with the seed where there are several."""
+    several = len({cell.seed for cell in cells}) > 1
+    return [f"{cell.method}, seed {cell.seed}" if several else cell.method for cell in cells]
+
+
+def _file(stem: str, name: str) -> str:
+    """Name of the picture of a cell."""
+    return f"{stem}-{name.replace(', ', '-').replace(' ', '-')}.png"
 
 
 def _text(value: float | None, digits: int) -> str:

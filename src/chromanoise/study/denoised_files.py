@@ -14,7 +14,7 @@ import numpy as np
 
 from chromanoise import __version__, _check
 from chromanoise._check import Array
-from chromanoise._shapes import Float32, UInt16
+from chromanoise._shapes import Float, Float32, UInt16
 from chromanoise.analysis import DEFAULT_METHOD
 from chromanoise.analysis.color_matrices import MatrixMaker
 from chromanoise.catalog import converter_of, is_assumed, read_pixel_source
@@ -425,7 +425,12 @@ def _mosaic_of_sensor(point: OperatingPoint, mosaic: Mosaic | None, *, monochrom
 
 
 def _refuse_idle_without_sensor(settings: Settings, matrix: str) -> None:
-    idle = {name: value for name, value in settings.items() if name not in _WITHOUT_SENSOR}
+    known = FUNCTIONS["denoise"]  # other names are refused as unknown
+    idle = {
+        name: value
+        for name, value in settings.items()
+        if name in known and name not in _WITHOUT_SENSOR
+    }
     idle |= {} if matrix == DEFAULT_METHOD else {"matrix": matrix}
     errors = [
         InputError(
@@ -434,7 +439,7 @@ def _refuse_idle_without_sensor(settings: Settings, matrix: str) -> None:
             value=value,
             found="there is none",
             remedy=(Setting("sensor"), Setting(name, omit=True)),
-            setting=FUNCTIONS["denoise"].get(name, ("matrices",))[0].replace("*", "0"),
+            setting=known.get(name, ("matrices",))[0].replace("*", "0"),
         )
         for name, value in idle.items()
     ]
@@ -648,11 +653,8 @@ def denoised_picture(plan: DenoisingPlan, *, work: Work = ALL_CORES) -> Denoised
         "exposures": [_relative_exposure(first, one) for one in plan.pictures],
         **clipped,
         "outside_codes_share": outside,
-        "residual": dict(zip(done.names, done.residual.tolist(), strict=True)),
-        "measured_noise": {
-            name: None if np.isnan(value) else float(value)
-            for name, value in zip(done.names, done.measured, strict=True)
-        },
+        "residual": _by_plane(done.names, done.residual),
+        "measured_noise": _by_plane(done.names, done.measured),
         "level_lux": None if point is None else point.level_lux,
         "notes": notes,
     }
@@ -667,13 +669,24 @@ def denoised_picture(plan: DenoisingPlan, *, work: Work = ALL_CORES) -> Denoised
     )
 
 
+def _by_plane(names: tuple[str, ...], values: Float[Array, " k"]) -> dict[str, float | None]:
+    """A value per plane as plain data; ``None`` where there is none."""
+    return {
+        name: None if np.isnan(value) else value
+        for name, value in zip(names, values.tolist(), strict=True)
+    }
+
+
 def _codes(frame: Frame) -> Array:
     codes = frame.codes()
-    most = int(codes.max())
-    if most > _TOP_CODE or int(codes.min()) < 0:
-        raise InputError(
-            frame.name, f"must hold codes from 0 to {_TOP_CODE}", value=most, found=f"holds {most}"
-        )
+    for code in (int(codes.min()), int(codes.max())):
+        if not 0 <= code <= _TOP_CODE:
+            raise InputError(
+                frame.name,
+                f"must hold codes from 0 to {_TOP_CODE}",
+                value=code,
+                found=f"holds {code}",
+            )
     return codes
 
 

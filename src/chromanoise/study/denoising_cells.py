@@ -7,9 +7,15 @@ from itertools import product
 
 from chromanoise.catalog import sensor_named
 from chromanoise.color import kernel_matrix
-from chromanoise.denoising.benchmark import BenchmarkCamera, BenchmarkCell, benchmark_cells
-from chromanoise.denoising.benchmark_scenes import BenchmarkScene, benchmark_scene
-from chromanoise.denoising.methods import DENOISING, denoising_named
+from chromanoise.denoising import (
+    DENOISING,
+    BenchmarkCamera,
+    BenchmarkCell,
+    BenchmarkScene,
+    benchmark_cells,
+    benchmark_scene,
+    denoising_named,
+)
 from chromanoise.errors import InputError, Setting
 from chromanoise.exposure import Exposure, OperatingPoint, time_to_saturation
 from chromanoise.imaging.render import ALL_CORES, mosaic_of

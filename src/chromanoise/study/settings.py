@@ -222,7 +222,6 @@ _ARGUMENTS = {
         "stored",
         "white_level",
         "threads",
-        "folder",
     ),
     "matrix": ("sensor", "matrix"),
     "render": ("cube", "matrix", "folder"),
