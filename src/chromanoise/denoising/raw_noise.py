@@ -65,7 +65,7 @@ class CodeNoise:
         )
         if self.saturation_dn is not None and not self.saturation_dn > self.black_level_dn:
             raise InputError(
-                "white level",
+                "white_level",
                 f"must be above the black level {self.black_level_dn:g} [DN]",
                 value=self.saturation_dn,
                 remedy=(Setting("black_level"), Setting("white_level")),
@@ -220,7 +220,7 @@ def code_noise_of_profile(
     range_dn = white_level_dn - black_level_dn
     if not range_dn > 0:
         raise InputError(
-            "white level",
+            "white_level",
             f"must be above the black level {black_level_dn:g} [DN]",
             value=white_level_dn,
             remedy=(Setting("black_level"), Setting("white_level")),
