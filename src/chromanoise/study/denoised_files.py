@@ -4,7 +4,6 @@ Nothing is assumed of a camera: black level, mosaic, gain and read noise come fr
 sensor, the pixel or the file, and what is missing is an error.
 """
 
-import math
 import shutil
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -72,7 +71,7 @@ _WITHOUT_SENSOR = (
 )
 _FEWEST_SIGMAS = 5.0
 _MOST_BELOW = 0.01
-_FITTING = (0.8, 1.3)
+_FITTING = (0.8, 1.5)
 _TOP_CODE = 2**16 - 1
 
 
@@ -291,7 +290,12 @@ def frame_of_array(codes: Array, *, name: str = "picture") -> Frame:
     """
     values = _rows_and_columns(codes, name)
     if values.dtype.kind not in "ui":
-        raise InputError(name, "must hold integer codes", value=str(values.dtype))
+        raise InputError(
+            name,
+            "must hold integer codes",
+            value=str(values.dtype),
+            remedy=("round them", "give electrons above black, unit='e-'"),
+        )
     return Frame(path=Path(name), shape=(values.shape[0], values.shape[1]), read=lambda: values)
 
 
@@ -308,6 +312,14 @@ def electrons_of_array(values_e: Array, *, name: str = "picture") -> Electrons:
 
 
 def _rows_and_columns(values: Array, name: str) -> Array:
+    if np.ma.is_masked(values):
+        raise InputError(
+            name,
+            "must not be masked",
+            value=values.shape,
+            found="has masked pixels",
+            remedy="give its data, with the bad pixels replaced",
+        )
     array = np.asarray(values)
     if array.ndim != 2 or not array.size or array.dtype.kind not in "uif":
         raise InputError(
@@ -389,10 +401,10 @@ def prepared_denoising(
     if mosaic is None or missing:
         raise refusal(missing)
     names = mosaic.names if point is None else point.sensor.names
-    if isinstance(first, Electrons):
-        noise, notes = _noise_of_electrons(pixel, names, study, white_level), []
-    else:
+    if isinstance(first, Frame):
         noise, notes = _noise_of_codes(pixel, names, study, first, black, white)
+    else:
+        noise, notes = _noise_of_electrons(pixel, names, study, white_level), []
     channel_tile(mosaic, noise.names)
     return DenoisingPlan(
         pictures=pictures,
@@ -531,7 +543,7 @@ def _levels(
 ) -> tuple[float | None, float | None]:
     """Black and white level; ``None`` where one is not known. [DN]"""
     if white_level is not None:
-        _check.finite("white_level", "DN", white_level)
+        _check.positive("white_level", "DN", white_level)
     own = (None, None) if facts is None else (facts.black_level_dn, facts.white_level_dn)
     blacks = (study.pictures[0].black_level, own[0], pixel.converter.black_level_dn)
     whites = (white_level, own[1], None if bits is None else 2.0**bits - 1)
@@ -796,15 +808,14 @@ def _rounded(
 
 def _misfit_notes(done: DenoisedRaw, noise: CodeNoise) -> list[str]:
     """Warnings where the picture has less or more noise than expected, or none is measured."""
-    found = dict(zip(done.names, done.measured.tolist(), strict=True))
-    if np.isnan(done.measured).any():
-        unknown = ", ".join(name for name, value in found.items() if math.isnan(value))
-        return [
-            f"the noise of {unknown} was not measured: the picture is too small, or has too few "
-            "areas without saturated pixels"
-        ]
     low, high = _FITTING
-    notes: list[str] = []
+    notes = []
+    unknown = [done.names[i] for i in np.flatnonzero(np.isnan(done.measured))]
+    if unknown:
+        notes.append(
+            f"the noise of {', '.join(unknown)} was not measured: the picture is too small, or has "
+            "too few areas without saturated pixels"
+        )
     for flags, text in (
         (
             done.measured < low,
