@@ -31,7 +31,10 @@ def reason(error: Exception) -> str:
     >>> reason(ValueError("Bad magic\n number")), reason(ValueError("not <ast.Name object>"))
     ('Bad magic number', '')
     """
-    text = " ".join(str(getattr(error, "strerror", None) or error).split())
+    text = str(getattr(error, "strerror", None) or error)
+    if error.args and isinstance(error.args[0], bytes):  # as the errors of LibRaw have it
+        text = error.args[0].decode(errors="replace")
+    text = " ".join(text.split())
     bare_key = isinstance(error, KeyError) and " " not in text
     if bare_key or isinstance(error, _OF_THE_PARSER) or _INTERNALS.search(text):
         return ""
@@ -134,7 +137,7 @@ def one_of(name: str, value: str, choices: Sequence[str]) -> str:
     """``value`` if it is one of ``choices``; otherwise the error suggests the nearest choices."""
     if value in choices:
         return value
-    hint = did_you_mean(value, choices, f"known: {', '.join(choices)}")
+    hint = did_you_mean(str(value), choices, f"known: {', '.join(choices)}")
     raise InputError(name, "must be a known name", value=value, remedy=hint)
 
 

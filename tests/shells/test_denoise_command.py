@@ -229,14 +229,17 @@ def without(option):
     [
         (without("--mosaic"), {"subject": "mosaic"}),
         (without("--black-level"), {"subject": "black_level"}),
-        (without("--gain-dn-per-e"), {"subject": "flat.npy", "remedy_setting": "gain_dn_per_e"}),
-        (without("--read-noise-e"), {"subject": "flat.npy", "remedy_setting": "read_noise_e"}),
+        (without("--gain-dn-per-e"), {"subject": "gain_dn_per_e", "remedy_setting": "pixel"}),
+        (without("--read-noise-e"), {"subject": "read_noise_e", "remedy_setting": "pixel"}),
+        ([*KNOWN, "--white-level", "nan"], {"subject": "white_level"}),
+        (["flat.npy", *KNOWN], {"subject": "flat.npy", "found": "is named twice"}),
+        ([*without("--mosaic"), "--mosaic", "GRBG"], {"remedy": ("did you mean GR/BG?",)}),
         ([*without("--black-level"), "--black-level", "250"], {"subject": "black_level"}),
         ([*KNOWN, "--lux", "3"], {"subject": "lux", "value": 3.0}),
         ([*KNOWN, "--matrix", "lmmse"], {"subject": "matrix"}),
         ([*KNOWN, "--shape", "64x96"], {"subject": "shape"}),
-        ([*KNOWN, "--white-level", "90"], {"subject": "white level"}),
-        ([*KNOWN, "--white-level", "inf"], {"subject": "white level"}),
+        ([*KNOWN, "--white-level", "90"], {"subject": "white_level"}),
+        ([*KNOWN, "--white-level", "inf"], {"subject": "white_level"}),
         ([*KNOWN, "--dark-current-e-per-s", "5"], {"subject": "time_ms"}),
         ([*without("--mosaic"), "--mosaic", "RGB"], {"subject": "mosaic"}),
         ([*KNOWN, "--sensor", "onyx-rgbw"], {"setting": "pictures.0.mosaic"}),
@@ -248,6 +251,58 @@ def test_what_is_not_known_or_wrong_is_refused_and_nothing_is_written(run, here,
     np.save("flat.npy", flat(200))
     refused(run("denoise", "flat.npy", *METHOD, *words, "-o", "out"), **fields)
     assert sorted(path.name for path in here.iterdir()) == ["flat.npy"]
+
+
+def test_codes_above_those_of_the_bits_are_refused_with_the_bits_that_they_need(run, here):
+    codes = flat(200)
+    codes[3, 4] = 16383
+    np.save("flat.npy", codes)
+    found = run("denoise", "flat.npy", *KNOWN, "-o", "out")
+    refused(found, "16383", "4095", subject="bits", value=12)
+    assert found.errors[0].remedy[0].values == (14,)
+
+
+def test_all_that_is_missing_is_named_at_once(run, here):
+    np.save("flat.npy", flat(200))
+    found = run("denoise", "flat.npy", "-o", "out")
+    refused(found)
+    names = ["mosaic", "black_level", "gain_dn_per_e", "read_noise_e"]
+    assert [error.subject for error in found.errors] == names
+
+
+@pytest.mark.parametrize(
+    ("given", "missing"), [("gain_dn_per_e", "read_noise_e"), ("read_noise_e", "gain_dn_per_e")]
+)
+def test_half_of_a_noise_does_not_give_way_to_the_noise_profile(simulated, given, missing):
+    with refused_input(subject=missing):
+        cn.denoise(simulated / f"{SENSOR}.dng", **{given: 3.0})
+
+
+def test_the_summary_records_only_settings_that_take_part(simulated):
+    file = simulated / f"{SENSOR}.dng"
+    alone = cn.denoise(file, method="lmmse").summary["settings"]
+    assert not {"lux", "f_number", "sensor", "illuminant"} & {*alone}
+    known = cn.denoise(file, sensor=SENSOR, method="lmmse", time_ms=12.0).summary["settings"]
+    assert (known["sensor"], known["lux"], known["time_ms"]) == (SENSOR, None, 12.0)
+
+
+def test_results_of_denoise_cannot_be_rerun(run, done, here):
+    np.save("flat.npy", flat(200))
+    done("denoise", "flat.npy", *METHOD, *KNOWN, "-o", "out")
+    refused(run("rerun", "out", "-o", "again"), subject="out")
+
+
+def test_a_high_difference_of_neighbors_does_not_say_that_the_noise_is_wrong(tmp_path):
+    texture = 200 + 100 * np.random.default_rng(5).random((200, 240))
+    known = {"mosaic": "RG/GB", "gain_dn_per_e": 0.5, "read_noise_e": 5.0, "black_level": 100}
+    codes = flat(texture * 4, shape=texture.shape)
+    (note,) = (
+        one
+        for one in cn.denoise(codes, unit="DN", method="lmmse", **known).summary["notes"]
+        if "smoothest" in one
+    )
+    assert "detail" in note
+    assert "byte order" in note
 
 
 @pytest.mark.parametrize(
@@ -279,6 +334,8 @@ def test_an_array_needs_its_unit_and_a_file_none():
         cn.denoise("a.npy", unit="DN")
     with refused_input(subject="picture", requirement="integer"):
         cn.denoise(flat(100) / 2, unit="DN", method="lmmse")
+    with refused_input(subject="picture", requirement="masked"):
+        cn.denoise(np.ma.masked_greater(flat(100), 150), unit="DN", method="lmmse")
     below = flat(100).astype(np.int32)
     below[3, 5] = -7
     with refused_input(subject="picture", value=-7):

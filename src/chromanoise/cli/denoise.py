@@ -40,7 +40,8 @@ from chromanoise.study import (
     "--method",
     "denoise",
     type=click.Choice(list(DENOISING)),
-    required=True,
+    default="guided",
+    show_default=True,
     help="Denoising method.",
 )
 @shared_options

@@ -232,7 +232,7 @@ def _range_dn(black_level_dn: float, white_level_dn: float) -> float:
     """Codes from black to white, above 0. [DN]"""
     if not black_level_dn < white_level_dn < math.inf:
         raise InputError(
-            "white level",
+            "white_level",
             f"must be finite and above the black level {black_level_dn:g} [DN]",
             value=white_level_dn,
             remedy=(Setting("black_level"), Setting("white_level")),

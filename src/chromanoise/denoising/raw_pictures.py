@@ -295,9 +295,9 @@ def _mean_above_black(raw_e: Float32[Array, "h w"]) -> float:
     if not mean > 0:
         raise InputError(
             "mean of the picture",
-            "must be above the black level",
+            "must be above the black level, because a picture without light has nothing to keep",
             value=mean,
-            found=f"is {mean:.4g} e- from it",
+            found=f"is {mean:.4g} e- from the black level",
             remedy=Setting("black_level"),
         )
     return mean

@@ -1,5 +1,6 @@
 """Mosaics: the channel of each pixel."""
 
+import math
 from dataclasses import dataclass
 
 from chromanoise import _check
@@ -93,6 +94,15 @@ def mosaic_named(text: str) -> Mosaic:
     if text in _NAMED:
         return _NAMED[text]()
     rows = [row.strip() for row in text.split("/")]
+    side = math.isqrt(len(text))
+    if side > 1 and side**2 == len(text) and set(text) <= set("RGBW"):
+        meant = "/".join(text[i : i + side] for i in range(0, len(text), side))
+        raise InputError(
+            "mosaic",
+            "must have a slash between its rows, e.g. RG/GB",
+            value=text,
+            remedy=f"did you mean {meant}?",
+        )
     if len(rows) == 1 and len(text) > 2 and " " not in text.strip():
         try:
             _check.one_of("mosaic", text, MOSAIC_NAMES)

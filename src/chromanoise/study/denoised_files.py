@@ -55,7 +55,7 @@ from chromanoise.study.assembly import (
     makers_of,
     operating_points_of,
 )
-from chromanoise.study.document import PixelPart, Study
+from chromanoise.study.document import Study
 from chromanoise.study.hashes import digests_of, study_as_json
 from chromanoise.study.records import refuse_other_record
 from chromanoise.study.settings import FUNCTIONS, Settings, denoise_study
@@ -71,7 +71,7 @@ _WITHOUT_SENSOR = (
 )
 _FEWEST_SIGMAS = 5.0
 _MOST_BELOW = 0.01
-_FITTING = (0.8, 1.3)
+_FITTING = (0.8, 1.5)
 _TOP_CODE = 2**16 - 1
 
 
@@ -137,13 +137,31 @@ class DenoisingPlan:
         first = self.pictures[0]
         return first.path.stem if isinstance(first, Frame) else first.name
 
+    def _settings(self) -> dict[str, Any]:
+        """The settings that take part; ``None`` where the file or the picture gives the value."""
+        study = study_as_json(self.study)
+        alone = self.operating_point is None
+        used = {
+            name: _value_at(study, keys[0])
+            for name, keys in FUNCTIONS["denoise"].items()
+            if not alone or name in _WITHOUT_SENSOR
+        }
+        if used["mosaic"] == "sensor":
+            used["mosaic"] = None
+        if alone:
+            return used
+        if not self.is_bright:
+            used["lux"] = None
+        return {"sensor": self.study.sensors[0].name, "matrix": self.study.matrices[0]} | used
+
     def record(self) -> dict[str, Any]:
         """What decides the result, as plain data: version, settings and the bytes of the files."""
         files = [one.path for one in self.pictures if isinstance(one, Frame)]
         existing = [path for path in files if path.is_file()]
         return {
             "version": __version__,
-            "study": study_as_json(self.study),
+            "settings": self._settings(),
+            "bits": self.bits,
             "pictures": [
                 one.name if isinstance(one, Frame) else self.stem for one in self.pictures
             ],
@@ -195,6 +213,13 @@ class DenoisedPicture:
         )
 
 
+def _value_at(data: Any, key: str) -> Any:
+    """The value of a key of a study with one sensor; ``None`` if it has none."""
+    for step in key.replace("*", "0").split("."):
+        data = data[int(step)] if isinstance(data, list) else (data or {}).get(step)
+    return data
+
+
 def frames_of_pictures(
     pictures: Sequence[str | Path],
     *,
@@ -221,6 +246,15 @@ def frames_of_pictures(
     paths = [file_of(str(one)) for one in pictures]
     if not paths:
         raise InputError("pictures", "must name at least one file", value=0, found="none is given")
+    whole = [path.resolve() for path in paths]
+    twice = next((path for i, path in enumerate(paths) if whole[i] in whole[:i]), None)
+    if twice is not None:
+        raise InputError(
+            str(twice),
+            "must be named once, because the frames of a burst have independent noise",
+            value=str(twice),
+            found="is named twice",
+        )
     dumps = [path for path in paths if path.suffix.lower() in DUMP_ENDINGS]
     if not dumps:
         for name, value in (("shape", shape), ("stored", stored)):
@@ -256,7 +290,12 @@ def frame_of_array(codes: Array, *, name: str = "picture") -> Frame:
     """
     values = _rows_and_columns(codes, name)
     if values.dtype.kind not in "ui":
-        raise InputError(name, "must hold integer codes", value=str(values.dtype))
+        raise InputError(
+            name,
+            "must hold integer codes",
+            value=str(values.dtype),
+            remedy=("round them", "give electrons above black, unit='e-'"),
+        )
     return Frame(path=Path(name), shape=(values.shape[0], values.shape[1]), read=lambda: values)
 
 
@@ -273,6 +312,14 @@ def electrons_of_array(values_e: Array, *, name: str = "picture") -> Electrons:
 
 
 def _rows_and_columns(values: Array, name: str) -> Array:
+    if np.ma.is_masked(values):
+        raise InputError(
+            name,
+            "must not be masked",
+            value=values.shape,
+            found="has masked pixels",
+            remedy="give its data, with the bad pixels replaced",
+        )
     array = np.asarray(values)
     if array.ndim != 2 or not array.size or array.dtype.kind not in "uif":
         raise InputError(
@@ -348,17 +395,16 @@ def prepared_denoising(
         pixel = _pixel_of_sensor(point, timed="time_ms" in settings)
     else:
         pixel = _pixel_of_part(study)
-    if mosaic is None:
-        raise InputError(
-            "mosaic",
-            "must be given, because the file does not state it: rows, e.g. RG/GB, or none for a "
-            "monochrome sensor",
-            value=None,
-            remedy=Setting("mosaic"),
-        )
-    names = mosaic.names if point is None else point.sensor.names
     bits = pixel.converter.bits or (facts.bits if facts is not None else None)
-    noise, notes = _noise(pixel, names, study, first, bits, white_level)
+    black, white = _levels(pixel, study, facts, bits, white_level)
+    missing = _missing(pixel, study, first, mosaic, black, white)
+    if mosaic is None or missing:
+        raise refusal(missing)
+    names = mosaic.names if point is None else point.sensor.names
+    if isinstance(first, Frame):
+        noise, notes = _noise_of_codes(pixel, names, study, first, black, white)
+    else:
+        noise, notes = _noise_of_electrons(pixel, names, study, white_level), []
     channel_tile(mosaic, noise.names)
     return DenoisingPlan(
         pictures=pictures,
@@ -493,33 +539,82 @@ def _demand_time(dark_current_e_per_s: float, *, timed: bool) -> None:
         )
 
 
-def _noise(
+def _levels(
+    pixel: _Pixel,
+    study: Study,
+    facts: Frame | None,
+    bits: int | None,
+    white_level: float | None,
+) -> tuple[float | None, float | None]:
+    """Black and white level; ``None`` where one is not known. [DN]"""
+    if white_level is not None:
+        _check.positive("white_level", "DN", white_level)
+    own = (None, None) if facts is None else (facts.black_level_dn, facts.white_level_dn)
+    blacks = (study.pictures[0].black_level, own[0], pixel.converter.black_level_dn)
+    whites = (white_level, own[1], None if bits is None else 2.0**bits - 1)
+    black, white = (
+        next((float(one) for one in levels if one is not None), None) for levels in (blacks, whites)
+    )
+    return black, white
+
+
+def _missing(
+    pixel: _Pixel,
+    study: Study,
+    first: Frame | Electrons,
+    mosaic: Mosaic | None,
+    black: float | None,
+    white: float | None,
+) -> list[InputError]:
+    """An error for each quantity that must be given."""
+    lacking: dict[str, str] = {}
+    if mosaic is None:
+        lacking["mosaic"] = (
+            "the file does not state it: rows, e.g. RG/GB, or none for a monochrome sensor"
+        )
+    unknown = {
+        "gain_dn_per_e": isinstance(first, Frame) and pixel.converter.gain_e_per_dn is None,
+        "read_noise_e": pixel.sources is None,
+    }
+    profile, reason = None, "neither the picture nor a pixel states it"
+    if isinstance(first, Frame):
+        if black is None:
+            lacking["black_level"] = f"neither {first.name} nor the pixel states it"
+        profile, part = first.noise_profile, study.sensors[0].pixel
+        if part.gain_dn_per_e is not None and unknown["read_noise_e"]:
+            profile, reason = None, "the gain K is given, and the noise needs both"
+        if part.read_noise_e is not None and unknown["gain_dn_per_e"]:
+            profile, reason = None, "the read noise is given, and the noise needs both"
+    if profile is None:
+        lacking |= {name: reason for name, absent in unknown.items() if absent}
+    elif white is None and any(unknown.values()):
+        lacking["white_level"] = "the NoiseProfile of the file is relative to it"
+    pixels = (Setting("pixel"),)
+    return [
+        InputError(
+            name,
+            f"must be given, because {text}",
+            value=None,
+            remedy=(Setting(name), *(pixels if name in unknown else ())),
+        )
+        for name, text in lacking.items()
+    ]
+
+
+def _noise_of_codes(
     pixel: _Pixel,
     names: Sequence[str],
     study: Study,
-    first: Frame | Electrons,
-    bits: int | None,
-    white_level: float | None,
+    first: Frame,
+    black: float | None,
+    white: float | None,
 ) -> tuple[CodeNoise, list[str]]:
-    """The noise, and notes on what was not used."""
-    if isinstance(first, Electrons):
-        return _noise_of_electrons(pixel, names, first, study, white_level), []
-    given = study.pictures[0].black_level
-    blacks = (given, first.black_level_dn, pixel.converter.black_level_dn)
-    black = next((one for one in blacks if one is not None), None)
-    if black is None:
-        raise InputError(
-            "black_level",
-            f"must be given, because neither {first.name} nor the pixel states it",
-            value=None,
-            remedy=Setting("black_level"),
-        )
-    notes = []
+    """The noise, and notes on what was not used; nothing that it needs is missing."""
+    assert black is not None
+    notes: list[str] = []
     own = pixel.converter.black_level_dn
     if own is not None and own != black:
         notes.append(f"black level {black:g} DN, not {own} DN of the {pixel.source}")
-    white = white_level if white_level is not None else first.white_level_dn
-    white = white if white is not None or bits is None else 2.0**bits - 1
     if white is None:
         notes.append("the white level is not known, so no pixel counts as saturated")
     gain = pixel.converter.gain_e_per_dn
@@ -527,55 +622,34 @@ def _noise(
         noise = code_noise(
             replace(pixel.sources, step_e=gain),
             names,
-            black_level_dn=float(black),
+            black_level_dn=black,
             saturation_dn=white,
             source=f"{pixel.source}: gain {1 / gain:.4g} DN/e-, "
             f"read noise {pixel.sources.read_noise_e:.4g} e-",
         )
         return noise, notes
-    lacks = "gain K [DN/e-]" if gain is None else "read noise [e-]"
-    if first.noise_profile is None or white is None:
-        raise InputError(
-            first.name,
-            "must have a known noise: gain K and read noise of the pixel, or the NoiseProfile of a "
-            "DNG",
-            value=None,
-            found=f"the {lacks} is not known, and the file states no noise profile",
-            remedy=(Setting("pixel"), Setting("gain_dn_per_e"), Setting("read_noise_e")),
-        )
+    assert first.noise_profile is not None
+    assert white is not None
     for name in names:
         _check.one_of("channel of the sensor", name, tuple(first.noise_profile))
-    if _is_given(study.sensors[0].pixel):
+    if study.sensors[0].pixel.file is not None:
+        lacks = "gain K [DN/e-]" if gain is None else "read noise [e-]"
         notes.append(f"the {lacks} is not known, so the noise of the {pixel.source} is not used")
     noise = code_noise_of_profile(
         first.noise_profile,
         names,
-        black_level_dn=float(black),
-        white_level_dn=float(white),
+        black_level_dn=black,
+        white_level_dn=white,
         source=f"NoiseProfile of {first.name}",
     )
     return noise, notes
 
 
-def _is_given(part: PixelPart) -> bool:
-    return part.file is not None or part.read_noise_e is not None
-
-
 def _noise_of_electrons(
-    pixel: _Pixel,
-    names: Sequence[str],
-    picture: Electrons,
-    study: Study,
-    white_level: float | None,
+    pixel: _Pixel, names: Sequence[str], study: Study, white_level: float | None
 ) -> CodeNoise:
     """The noise of a picture in electrons: nothing is rounded."""
-    if pixel.sources is None:
-        raise InputError(
-            picture.name,
-            "must have a known read noise [e-]",
-            value=None,
-            remedy=(Setting("read_noise_e"), Setting("pixel")),
-        )
+    assert pixel.sources is not None
     for name, value in (
         ("black_level", study.pictures[0].black_level),
         ("white_level", white_level),
@@ -619,7 +693,7 @@ def denoised_picture(plan: DenoisingPlan, *, work: Work = ALL_CORES) -> Denoised
     first, noise, mosaic = plan.pictures[0], plan.noise, plan.mosaic
     codes, clipped = None, {}
     if isinstance(first, Frame):
-        codes = _codes(first)
+        codes = _codes(first, plan.bits)
         raw_e, clipped = noise.electrons(codes), _clipped(codes, noise)
     else:
         raw_e = first.values_e
@@ -628,7 +702,7 @@ def denoised_picture(plan: DenoisingPlan, *, work: Work = ALL_CORES) -> Denoised
         point = at_brightness(point, mosaic, raw_e)
     others = (
         (
-            one.values_e if isinstance(one, Electrons) else noise.electrons(_codes(one)),
+            one.values_e if isinstance(one, Electrons) else noise.electrons(_codes(one, plan.bits)),
             _relative_exposure(first, one),
         )
         for one in plan.pictures[1:]
@@ -637,7 +711,7 @@ def denoised_picture(plan: DenoisingPlan, *, work: Work = ALL_CORES) -> Denoised
         raw_e, mosaic, noise, plan.method, operating_point=point, others=others, work=work
     )
     del raw_e
-    made, outside = (None, 0.0) if codes is None else _rounded(done.values_e, codes, plan)
+    made, outside = (None, 0.0) if codes is None else _rounded(done.values_e, plan)
     notes = [*plan.notes, *_misfit_notes(done, noise)]
     picture = None
     if point is not None and plan.maker is not None:
@@ -677,9 +751,10 @@ def _by_plane(names: tuple[str, ...], values: Float[Array, " k"]) -> dict[str, f
     }
 
 
-def _codes(frame: Frame) -> Array:
+def _codes(frame: Frame, bits: int | None) -> Array:
     codes = frame.codes()
-    for code in (int(codes.min()), int(codes.max())):
+    most = int(codes.max())
+    for code in (int(codes.min()), most):
         if not 0 <= code <= _TOP_CODE:
             raise InputError(
                 frame.name,
@@ -687,6 +762,14 @@ def _codes(frame: Frame) -> Array:
                 value=code,
                 found=f"holds {code}",
             )
+    if bits is not None and most >= 2**bits:
+        raise InputError(
+            "bits",
+            f"must hold the codes of {frame.name}",
+            value=bits,
+            found=f"{bits} bits end at {2**bits - 1}, and the largest code is {most}",
+            remedy=Setting("bits", (most.bit_length(),)),
+        )
     return codes
 
 
@@ -728,31 +811,43 @@ def _clipped(codes: Array, noise: CodeNoise) -> dict[str, float]:
 
 
 def _rounded(
-    values_e: Float32[Array, "h w"], codes: Array, plan: DenoisingPlan
+    values_e: Float32[Array, "h w"], plan: DenoisingPlan
 ) -> tuple[UInt16[Array, "h w"], float]:
     """Codes of the result, and the share of the pixels that were outside their range."""
     top = _TOP_CODE if plan.bits is None else 2**plan.bits - 1
-    top = max(top, int(codes.max()))
     exact = np.rint(plan.noise.codes(values_e))
     outside = np.count_nonzero((exact < 0) | (exact > top)) / exact.size
     return np.clip(exact, 0, top).astype(np.uint16), outside
 
 
 def _misfit_notes(done: DenoisedRaw, noise: CodeNoise) -> list[str]:
-    """A warning where the picture has less or more noise than expected."""
+    """Warnings where the picture has less or more noise than expected, or none is measured."""
     low, high = _FITTING
-    odd = {
-        name: float(value)
-        for name, value in zip(done.names, done.measured, strict=True)
-        if value < low or value > high
-    }
-    if not odd:
-        return []
-    listed = ", ".join(f"{name} {value:.2f}" for name, value in odd.items())
-    return [
-        f"where the picture is smoothest, its noise is {listed} times the expected noise: check "
-        f"gain, read noise and black level ({noise.source})"
-    ]
+    notes = []
+    unknown = [done.names[i] for i in np.flatnonzero(np.isnan(done.measured))]
+    if unknown:
+        notes.append(
+            f"the noise of {', '.join(unknown)} was not measured: the picture is too small, or has "
+            "too few areas without saturated pixels"
+        )
+    for flags, text in (
+        (
+            done.measured < low,
+            "which detail cannot explain: check gain, read noise and black level",
+        ),
+        (
+            done.measured > high,
+            "which fine detail in all of the picture can explain, or a wrong gain, read noise, "
+            "black level, shape, mosaic or byte order",
+        ),
+    ):
+        odd = [f"{done.names[i]} {done.measured[i]:.2f}" for i in np.flatnonzero(flags)]
+        if odd:
+            notes.append(
+                f"where the picture is smoothest, neighboring pixels differ by {', '.join(odd)} "
+                f"times what the expected noise gives, {text} ({noise.source})"
+            )
+    return notes
 
 
 def _developed(

@@ -154,6 +154,14 @@ def recorded_run(path: Path) -> RecordedRun:
         if files of its study have changed or are not found.
     """
     file = path / STUDY_FILE if path.is_dir() else path
+    if (path / SUMMARY_FILE).exists() and not file.exists():
+        raise InputError(
+            str(path),
+            "must hold results of `chromanoise run`",
+            value=str(path),
+            found="holds those of another command, which cannot be rerun",
+            remedy="give that command again",
+        )
     if file.suffix.lower() == ".toml":
         raise InputError(
             str(file),
