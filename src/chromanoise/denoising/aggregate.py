@@ -1,7 +1,7 @@
-"""`aggregate`: the mean of estimates whose errors differ, weighted by the light of the exposure.
+"""`aggregate`: the mean of two estimates, chosen by the SNR of the exposure.
 
-`guided` and `patches` err in different ways, so that their mean errs less than either. In little
-light no two patches can be found alike; there `guided` is averaged with itself in wider windows.
+The errors of `guided` and `patches` differ, so their mean usually has a smaller error. In low light
+noise hides which patches are similar, so `guided` is averaged with itself in wider windows.
 """
 
 import math
@@ -16,9 +16,9 @@ from chromanoise.denoising.method import DenoisingMethod
 from chromanoise.denoising.planes import NoisyPlanes
 
 LEAST_SNR = 15.0
-"""Least power SNR of a pixel, of the component of most signal, for which patches are compared."""
+"""Lowest power SNR of the first component of a pixel at which `patches` is used. [1]"""
 _PATCHES = np.float32(1 / 3)
-"""Weight of `patches`: more costs flat areas, less costs texture."""
+"""Weight of `patches`: more makes flat areas worse, less makes texture worse."""
 _HALF = np.float32(0.5)
 
 
@@ -47,8 +47,8 @@ def denoise(planes: NoisyPlanes) -> Float32[Array, "h w p"]:
 
 AGGREGATE = DenoisingMethod(
     name="aggregate",
-    what="Mean of guided and patches, whose errors differ; in little light, of guided in two sizes "
-    "of windows. The best and the slowest.",
+    what="Mean of guided and patches, whose errors differ; in low light, of guided with two sets of "
+    "window sizes. Beats the baselines most often, and is the slowest.",
     denoise=denoise,
     reach_px=max(USUAL.reach_px, WIDE.reach_px, patches.PATCHES.reach_px or 0),
     grid_px=math.lcm(2**WIDE.levels, patches.PATCHES.grid_px),

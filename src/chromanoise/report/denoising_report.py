@@ -1,4 +1,4 @@
-"""The benchmark of denoising as a folder: one HTML file and its pictures."""
+"""Report of the denoising benchmark: a folder with one HTML file and its pictures."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -11,14 +11,19 @@ from chromanoise.report.templates import filled_template
 
 _COLUMNS = (
     ("CIEDE2000", "mean", lambda cell: cell.quality.ciede2000_mean, 2),
-    ("", "95 %", lambda cell: cell.quality.ciede2000_p95, 2),
+    ("CIEDE2000", "95th percentile", lambda cell: cell.quality.ciede2000_p95, 2),
     ("S-CIELAB", "mean", lambda cell: cell.quality.scielab_mean, 2),
-    ("to true color", "mean CIEDE2000", lambda cell: cell.true_ciede2000_mean, 2),
+    ("CIEDE2000 from true colors", "mean", lambda cell: cell.true_ciede2000_mean, 2),
     ("PSNR", "dB", lambda cell: cell.quality.psnr_db, 2),
     ("SSIM", "", lambda cell: cell.quality.ssim, 3),
-    ("SNR of Y", "dB, lost detail counts as noise", lambda cell: cell.snr_y_db, 1),
-    ("flats: SNR of Y", "dB", lambda cell: None if cell.flats is None else cell.flats.snr_y_db, 1),
-    ("edge rise", "px, 10 to 90 %", lambda cell: _rise_px(cell), 2),
+    ("SNR of Y", "dB, lost detail as noise", lambda cell: cell.snr_y_db, 1),
+    (
+        "SNR of Y, flat regions",
+        "dB",
+        lambda cell: None if cell.flats is None else cell.flats.snr_y_db,
+        1,
+    ),
+    ("rise of luminance edges", "px, 10 to 90 %", lambda cell: _rise_px(cell), 2),
     ("time", "s", lambda cell: cell.seconds, 2),
 )
 
