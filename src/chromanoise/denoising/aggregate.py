@@ -23,7 +23,7 @@ _HALF = np.float32(0.5)
 
 
 def denoise(planes: NoisyPlanes) -> Float32[Array, "h w p"]:
-    """The mean of two estimates, chosen by the SNR of usual scenes in this exposure. [e-]
+    """The mean of two estimates, chosen by the SNR of typical scenes in this exposure. [e-]
 
     Parameters
     ----------
@@ -47,8 +47,8 @@ def denoise(planes: NoisyPlanes) -> Float32[Array, "h w p"]:
 
 AGGREGATE = DenoisingMethod(
     name="aggregate",
-    what="Mean of guided and patches, whose errors differ; in low light, of guided with two sets of "
-    "window sizes. Beats the baselines most often, and is the slowest.",
+    what="Mean of guided and patches, whose errors differ; in low light, of guided with two sets "
+    "of window sizes. Beats the baselines most often, and is the slowest.",
     denoise=denoise,
     reach_px=max(USUAL.reach_px, WIDE.reach_px, patches.PATCHES.reach_px or 0),
     grid_px=math.lcm(2**WIDE.levels, patches.PATCHES.grid_px),

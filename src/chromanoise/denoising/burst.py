@@ -97,9 +97,9 @@ def merged_frames(
     -----
     Values are divided by the relative exposure t, so their temporal variance at a mean m of the
     first frame is (floor - fixed) / t^2 + slope m / t. The weights are its inverse at
-    ``first.prior_mean_e``: weights from the noisy value of a pixel would bias the mean. So floor and
-    slope of the result have closed forms. PRNU and DSNU are the same in all frames, so merging does
-    not reduce them.
+    ``first.prior_mean_e``: weights from the noisy value of a pixel would bias the mean. So floor
+    and slope of the result have closed forms. PRNU and DSNU are the same in all frames, so merging
+    does not reduce them.
 
     A frame is tested against the first: the sum over window and planes of the squared difference
     over its variance has a chi-square distribution where nothing moved. It is rejected at a pixel
@@ -130,7 +130,7 @@ def merged_frames(
     if not (temporal + first.slope_e * first.prior_mean_e > 0).all():
         raise InputError(
             "temporal noise of the planes",
-            "must be above 0 at the mean of usual scenes",
+            "must be above 0 at the mean of typical scenes",
             value=0.0,
             remedy="give a read noise above 0",
         )

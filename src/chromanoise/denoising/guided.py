@@ -52,7 +52,8 @@ class Windows:
     def reach_px(self) -> int:
         """Most rows between a value and the values on which it depends. [pixels]
 
-        Two windows at the coarsest level; each finer level doubles it and adds a coarse pixel."""
+        Two windows at the coarsest level; each finer level doubles it and adds a coarse pixel.
+        """
         reach = 2 * max(self.radii)
         for _ in range(self.levels - 1):
             reach = 2 * reach + 2

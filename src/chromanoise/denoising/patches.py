@@ -31,7 +31,8 @@ from chromanoise.denoising.patch_size import PLACES, SIDE
 from chromanoise.denoising.planes import NoisyPlanes
 
 _RADII = (8, 7, 6, 4)
-"""Search radius for similar patches, per level; less at coarse levels, to bound the reach. [pixels]"""
+"""Search radius for similar patches per level; smaller at coarse levels, to bound the reach.
+[pixels]"""
 _STRIDE = SIDE - 1
 """Step between the groups: patches overlap, so that their borders are not visible. [pixels]"""
 _FEWEST = (40, 50, 60, 80)
@@ -66,7 +67,7 @@ def denoise(planes: NoisyPlanes) -> Float32[Array, "h w p"]:
     Raises
     ------
     InputError
-        If the noise of a plane is 0 at the mean of usual scenes, but not at others.
+        If the noise of a plane is 0 at the mean of typical scenes, but not at others.
     """
     noisy = (planes.floor_e2 > 0) | (planes.slope_e > 0) | (planes.prnu > 0)
     out = np.array(planes.values_e, np.float32)

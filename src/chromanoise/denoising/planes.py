@@ -112,7 +112,7 @@ class NoisyPlanes:
         if not (unit > 0).all():
             raise InputError(
                 "noise of the planes",
-                "must be above 0 at the mean of usual scenes",
+                "must be above 0 at the mean of typical scenes",
                 value=float(unit.min()),
                 remedy="give a read noise above 0",
             )

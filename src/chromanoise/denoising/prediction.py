@@ -33,8 +33,8 @@ def denoised_covariance(
 
     Notes
     -----
-    The sum, over the window and the planes, of the product of two weights and the variance. Through a
-    color matrix C the covariance S is C S C^T (`chromanoise.noise.through`).
+    The sum, over the window and the planes, of the product of two weights and the variance. After
+    a color matrix C the covariance S is C S C^T (`chromanoise.noise.through`).
 
     Examples
     --------

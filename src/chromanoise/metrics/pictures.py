@@ -186,7 +186,8 @@ def false_color(
     radius_px
         Largest distance from an edge. [px]
     edge_per_px
-        Smallest color change of the reference that counts as an edge, as `near_edges`. [Delta E*ab / px]
+        Smallest color change of the reference that counts as an edge, as `near_edges`.
+        [Delta E*ab / px]
 
     Raises
     ------
