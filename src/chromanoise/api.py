@@ -242,7 +242,7 @@ def denoise(
     stored
         Type of the codes of a raw dump: ``uint8``, ``uint16`` or ``uint16-be``.
     white_level
-        Code from which on a pixel is saturated; that of the file if ``None``. [DN]
+        Lowest saturated code; that of the file if ``None``. [DN]
     threads
         Number of threads; one per core if ``None``.
     settings

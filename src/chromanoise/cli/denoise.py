@@ -34,7 +34,7 @@ from chromanoise.study import (
 @click.option(
     "--sensor",
     help="A name of `chromanoise catalog sensors`, or a file: its channels give the color, its "
-    "pixel the noise. Without it only raw codes are written.",
+    "pixel gives the noise. Without it only raw codes are written.",
 )
 @click.option(
     "--method",
@@ -51,7 +51,7 @@ from chromanoise.study import (
     "--mosaic",
     metavar="NAME|ROWS|none",
     help=f"Channel of each pixel from the first one on: {', '.join(MOSAIC_NAMES)}, rows, e.g. "
-    "RG/GB or 'R G/IR B', or none for a monochrome sensor. [default: of the file, else the "
+    "RG/GB or 'R G/IR B', or none for a monochrome sensor. [default: from the file, else the "
     "sensor's own]",
 )
 @click.option(
@@ -60,17 +60,17 @@ from chromanoise.study import (
     help="Demosaicing method of the color. [default: bilinear]",
 )
 @click.option(
-    "--bits", type=WHOLE, help="Bits of the codes, 8 to 16. [default: of the file, else --pixel]"
+    "--bits", type=WHOLE, help="Bits of the codes, 8 to 16. [default: from the file, else --pixel]"
 )
 @click.option(
     "--black-level",
     type=WHOLE,
-    help="Code without light. [default: of the file, else --pixel]",
+    help="Code without light. [default: from the file, else --pixel]",
 )
 @click.option(
     "--white-level",
     type=float,
-    help="Code from which on a pixel is saturated. [default: of the file, else the largest code]",
+    help="Lowest saturated code. [default: from the file, else the largest code]",
 )
 @click.option(
     "--shape", metavar="ROWSxCOLUMNS", help="Rows and columns of a raw dump (.raw, .bin)."
@@ -101,13 +101,14 @@ def denoise(
     out: Path,
     **settings: Any,
 ) -> None:
-    """Denoise raw pictures of any camera with their known noise; several PICTUREs are a burst.
+    """Denoise a raw picture of any camera with its known noise; several PICTUREs form a burst.
 
     PICTURE is a raw file as for `chromanoise characterize`: DNG or camera raw, TIFF, FITS, NPY,
     PGM, or a raw dump. Its noise is that of --pixel or --sensor, if gain and read noise are known,
-    or else the NoiseProfile of a DNG. Nothing else is assumed of the camera. Codes are written as
-    TIFF, and as DNG if PICTURE is an uncompressed one; with a sensor also color as PNG and XYZ.
-    Without --lux the mean of the picture is that of the ColorChecker.
+    or else the NoiseProfile of a DNG. Nothing else is assumed about the camera. The codes are
+    written as TIFF, and as DNG if PICTURE is an uncompressed DNG; with --sensor also the color, as
+    PNG and XYZ. Without --lux the illuminance is estimated: the one at which a ColorChecker would
+    have the mean of the picture.
     """
     refuse_unwritable(out)
     frames = frames_of_pictures(pictures, shape=pair("--shape", shape, "x", int), stored=stored)
@@ -129,14 +130,14 @@ def _shares(summary: dict[str, Any]) -> list[str]:
     named = {
         "code_0_share": "of the pixels have code 0",
         "saturated_share": "of the pixels are saturated and keep their code",
-        "outside_codes_share": "of the results are clipped to the range of the codes",
+        "outside_codes_share": "of the denoised values are clipped to the range of the codes",
     }
     lines = [
         f"{100 * summary[name]:.3g} % {text}" for name, text in named.items() if summary.get(name)
     ]
     for name, text in (
-        ("measured_noise", "measured noise over expected noise, where the picture is smoothest"),
-        ("residual", "removed noise over expected noise"),
+        ("measured_noise", "measured over expected noise where the picture is smoothest"),
+        ("residual", "removed over expected noise"),
     ):
         known = {plane: value for plane, value in summary[name].items() if value is not None}
         if known:

@@ -55,7 +55,7 @@ def _levels(_: click.Context, __: click.Parameter, text: str) -> list[float]:
     "cameras",
     multiple=True,
     metavar="NAME[:MOSAIC]",
-    help="A sensor of the catalog, with all channels at every pixel or behind a mosaic; "
+    help="A sensor of the catalog, with all channels at every pixel or with a mosaic; "
     f"repeatable. [default: {', '.join(BENCHMARK_CAMERAS)}]",
 )
 @click.option(
@@ -71,16 +71,18 @@ def _levels(_: click.Context, __: click.Parameter, text: str) -> list[float]:
     "methods",
     multiple=True,
     type=click.Choice(list(DENOISING)),
-    help="A method; repeatable. [default: all]",
+    help="Denoising method; repeatable. [default: all]",
 )
 @click.option(
     "--demosaic",
     type=click.Choice(list(DEMOSAICING)),
     default="bilinear",
     show_default=True,
-    help="Demosaicing after denoising, for sensors behind a mosaic.",
+    help="Demosaicing method after denoising, for sensors with a mosaic.",
 )
-@click.option("--crop", type=WHOLE, help="Side of the middle part of a scene [px].")
+@click.option(
+    "--crop", type=WHOLE, help="Use only the middle of a scene, a square with this side [px]."
+)
 @cube_options
 @click.option("--seed", type=WHOLE, default=0, show_default=True, help="Seed of the noise.")
 @click.option("--processes", type=WHOLE, default=1, show_default=True, help="Number of processes.")
@@ -104,10 +106,10 @@ def denoise_bench(
     """Compare denoising methods on scenes, sensors and light levels.
 
     CUBE is a built-in scene or a file, as for `chromanoise simulate`; by default all built-in
-    scenes. Each method denoises the same noisy picture, and is compared with the picture without
-    noise: CIEDE2000, S-CIELAB, PSNR, SSIM, false color, noise on flats, sharpness of slanted
-    edges, time. The exposure is the paper's: f/1.8 and 11.94 ms, or less where the light would
-    saturate it.
+    scenes. Each method denoises the same noisy picture, and its result is compared with the
+    noise-free picture: CIEDE2000, S-CIELAB, PSNR, SSIM, false color, noise on flat regions,
+    sharpness of slanted edges, time. The exposure is the paper's, f/1.8 and 11.94 ms; above 10 lx
+    the time is shorter, so that no pixel saturates.
     """
     if not 1 <= processes <= _MOST_PROCESSES:
         raise InputError("--processes", f"must be 1 to {_MOST_PROCESSES}", value=processes)

@@ -72,8 +72,8 @@ from chromanoise.study import (
 @click.option(
     "--denoise",
     type=click.Choice(list(DENOISING)),
-    help="Denoise the electrons with their known noise before they become color; raw codes stay "
-    "as acquired. [default: no denoising]",
+    help="Denoise the electrons with their known noise, before the color matrix; raw codes are "
+    "not denoised. [default: no denoising]",
 )
 @click.option("--raw-only", is_flag=True, help="Write only the raw codes of the mosaic, no color.")
 @click.option(

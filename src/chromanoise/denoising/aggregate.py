@@ -1,8 +1,7 @@
-"""`aggregate`: the mean of estimates whose errors differ, weighted by the light of the exposure.
+"""`aggregate`: the mean of two estimates, chosen by the SNR of the exposure.
 
-`guided` and `patches` err in different ways, so that their mean often errs less than either. In
-little light no two patches can be found alike; there `guided` is averaged with itself in wider
-windows.
+The errors of `guided` and `patches` differ, so their mean usually has a smaller error. In low light
+noise hides which patches are similar, so `guided` is averaged with itself in wider windows.
 """
 
 import math
@@ -17,13 +16,13 @@ from chromanoise.denoising.method import DenoisingMethod
 from chromanoise.denoising.planes import NoisyPlanes
 
 LEAST_SNR = 15.0
-"""Least power SNR of a pixel, of the component of most signal, for which patches are compared."""
+"""Lowest power SNR of the first component of a pixel at which `patches` is used. [1]"""
 _HALF = np.float32(0.5)
 """Weight of each estimate: more for `patches` costs flat areas, more for `guided` texture."""
 
 
 def denoise(planes: NoisyPlanes) -> Float32[Array, "h w p"]:
-    """The mean of two estimates, chosen by the SNR of usual scenes in this exposure. [e-]
+    """The mean of two estimates, chosen by the SNR of typical scenes in this exposure. [e-]
 
     Parameters
     ----------
@@ -46,8 +45,8 @@ def denoise(planes: NoisyPlanes) -> Float32[Array, "h w p"]:
 
 AGGREGATE = DenoisingMethod(
     name="aggregate",
-    what="Mean of guided and patches, whose errors differ; in little light, of guided in two sizes "
-    "of windows. The best and the slowest.",
+    what="Mean of guided and patches, whose errors differ; in low light, of guided with two sets "
+    "of window sizes. Beats the baselines most often, and is the slowest.",
     denoise=denoise,
     reach_px=max(USUAL.reach_px, WIDE.reach_px, patches.PATCHES.reach_px or 0),
     grid_px=math.lcm(2**WIDE.levels, patches.PATCHES.grid_px),

@@ -1,10 +1,10 @@
-"""Denoising methods of other packages, to compare with, fed with the same known noise.
+"""Denoising methods of other packages, for comparison, with the same known noise.
 
 All but `NONE` work on stabilized planes (`chromanoise.denoising.stabilization`), whose noise is
 white with a variance of 1. All but ``bm3d`` first rotate the planes to the components of
-`NoisyPlanes.components`, which leaves the noise as it is and puts color, which noise drowns first,
-into planes of its own. Parameters are those that the packages recommend for a known noise; where
-they leave a choice, it was made by the mean CIEDE2000 on ``builtin:dead-leaves`` and
+`NoisyPlanes.components`, which leaves the noise unchanged and separates luminance from color,
+which has the lower SNR. Parameters are those that the packages recommend for a known noise; where
+they leave a choice, it was made for the lowest mean CIEDE2000 on ``builtin:dead-leaves`` and
 ``builtin:foliage`` at 10 and 0.1 lx through ``onyx-rgbw``.
 
 The packages come with the extra ``denoise``. BM3D is licensed for noncommercial use only.
@@ -166,7 +166,7 @@ def _baseline(name: str, what: str, denoise: Any) -> DenoisingMethod:
 
 NONE = DenoisingMethod(
     name="none",
-    what="The noisy planes as they are.",
+    what="No denoising: the noisy planes, unchanged.",
     denoise=lambda planes: planes.values_e,
     reach_px=0,
     linear=True,
@@ -184,7 +184,7 @@ OPENCV = _baseline(
 BM3D = _baseline("bm3d", "BM3D on each stabilized plane.", _bm3d)
 BM3D_JOINT = _baseline(
     "bm3d-joint",
-    "BM3D on all components of stabilized planes, with the blocks matched on the first.",
+    "BM3D on all components of stabilized planes; blocks are matched on the first component.",
     _bm3d_joint,
 )
 BASELINES = (NONE, NLM, WAVELETS, OPENCV, BM3D, BM3D_JOINT)

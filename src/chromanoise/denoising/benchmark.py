@@ -80,7 +80,7 @@ class BenchmarkCamera:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EdgeSharpness:
-    """Sharpness of a slanted edge of Y, and that of the picture without noise.
+    """Sharpness of a slanted edge in Y, after denoising and in the noise-free picture.
 
     Attributes
     ----------
@@ -121,14 +121,14 @@ class BenchmarkCell:
     Attributes
     ----------
     scene, sensor, lux, method, seed
-        What was measured; ``sensor`` is the name of the camera.
+        Identify the cell; ``sensor`` is the name of the camera.
     quality
-        Relative to the noise-free picture of the camera, all channels at every pixel: errors of
-        demosaicing count.
+        Relative to the noise-free picture of the camera with all channels at every pixel, so it
+        includes errors of demosaicing.
     demosaicked_quality
         Relative to the noise-free picture after demosaicing; ``None`` without a mosaic.
     true_ciede2000_mean
-        Mean CIEDE2000 from the colors of the scene for the observer of the matrix.
+        Mean CIEDE2000 relative to the colors of the scene for the observer of the matrix.
     flats
         Noise on flat regions; ``None`` if the scene has none.
     edges
@@ -161,7 +161,7 @@ class BenchmarkCell:
 
     @property
     def place(self) -> tuple[str, str, float]:
-        """Scene, sensor and light: methods are compared within these."""
+        """Scene, sensor and light level: methods are compared at the same ones."""
         return self.scene, self.sensor, self.lux
 
     @property
@@ -211,7 +211,7 @@ def benchmark_cells(
     seed: int = 0,
     work: Work = ALL_CORES,
 ) -> tuple[BenchmarkCell, ...]:
-    """One cell per method, all of the same noisy picture.
+    """One cell per method, all from the same noisy picture.
 
     Parameters
     ----------
@@ -459,12 +459,12 @@ class Verdict:
 
     @property
     def share(self) -> float:
-        """Share of the places that the method won. [1]"""
+        """Share of the combinations in which the method won. [1]"""
         return self.won / self.places
 
 
 def verdict(cells: Iterable[BenchmarkCell], method: str) -> Verdict:
-    """How often a method is better than every baseline, and its worst place.
+    """How often a method is better than every baseline, and where it is worst.
 
     Parameters
     ----------
@@ -476,7 +476,7 @@ def verdict(cells: Iterable[BenchmarkCell], method: str) -> Verdict:
     Raises
     ------
     InputError
-        If no place has both the method and a baseline.
+        If no combination of scene, sensor and light has both the method and a baseline.
     """
     ratios = {}
     for place, errors in _errors(cells).items():
@@ -503,7 +503,7 @@ def verdict(cells: Iterable[BenchmarkCell], method: str) -> Verdict:
 
 
 def verdict_sentences(cells: Iterable[BenchmarkCell]) -> tuple[str, ...]:
-    """A sentence per own method, where the cells hold one and a baseline.
+    """One sentence per method that is not a baseline; none if the cells hold no baseline.
 
     Parameters
     ----------
@@ -520,16 +520,16 @@ def verdict_sentences(cells: Iterable[BenchmarkCell]) -> tuple[str, ...]:
         found = verdict(cells, name)
         scene, sensor, lux = found.worst
         out.append(
-            f"{name} has the lower mean CIEDE2000 and S-CIELAB than every baseline in {found.won} "
-            f"of {found.places} combinations of scene, sensor and light ({100 * found.share:.0f} "
-            f"%); its largest error is {found.worst_ratio:.2f} times that of the best baseline "
-            f"({scene}, {sensor}, {lux:g} lx)."
+            f"{name} has a lower mean CIEDE2000 and a lower mean S-CIELAB than every baseline in "
+            f"{found.won} of {found.places} combinations of scene, sensor and light level "
+            f"({100 * found.share:.0f} %); in its worst one its error is "
+            f"{found.worst_ratio:.2f} times that of the best baseline ({scene}, {sensor}, {lux:g} lx)."
         )
     return tuple(out)
 
 
 def markdown_table(cells: Iterable[BenchmarkCell]) -> str:
-    """Every cell: a row per scene, sensor and light, a column per method.
+    """Every cell as a table: a row per scene, sensor and light, a column per method.
 
     A cell holds mean CIEDE2000 / mean S-CIELAB; the lowest of each in a row is bold. Over several
     seeds they are averaged.

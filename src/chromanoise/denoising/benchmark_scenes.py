@@ -24,7 +24,7 @@ _LEAST_FLAT_PX = 16  # of what a part of a cube leaves of a flat region: fewer s
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class BenchmarkScene:
-    """A part of a cube, and what is known of its content.
+    """A part of a cube, with its known edges and flat regions.
 
     Attributes
     ----------
@@ -55,8 +55,8 @@ def benchmark_scene(
     scene
         Name of a built-in cube, or a cube.
     crop_px
-        Side of the part, at least 24; the whole cube by default. Of ``builtin:slanted-edges`` it
-        begins at the first pixel, so that it holds whole edges. [px]
+        Side of the part, at least 24; the whole cube by default. For ``builtin:slanted-edges`` the
+        part starts at the first pixel, so that it holds whole edges. [px]
     name
         Name in the tables; that of the cube by default.
 
@@ -104,7 +104,7 @@ def benchmark_scene(
 
 
 def _patches() -> tuple[Region, ...]:
-    """The insides of the patches of the chart."""
+    """The inner parts of the patches of the chart."""
     inside = slice(GAP_PX + _MARGIN_PX, GAP_PX + PATCH_PX - _MARGIN_PX)
     pitch = PATCH_PX + GAP_PX
     starts = [(pitch * i, pitch * j) for i in range(4) for j in range(6)]

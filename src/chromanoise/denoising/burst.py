@@ -1,4 +1,4 @@
-"""Frames of one scene merged by their variance, without those in which something moved."""
+"""Frames of one scene, merged by their variance; pixels where something moved are rejected."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
@@ -18,7 +18,7 @@ _LEAST_E2 = 1e-12  # of planes without read noise, at pixels without light
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class BurstFrame:
-    """A further frame of a burst.
+    """Another frame of a burst.
 
     Attributes
     ----------
@@ -44,7 +44,7 @@ class Burst:
     ----------
     planes
         The merged values, in electrons of the first frame, and their noise where all frames were
-        used. Any denoising method takes them.
+        used. Input of any denoising method.
     used
         Share of the weights that was used at each pixel: 1 where all frames agree. 0 where every
         frame is saturated; the values there are those of the first frame.
@@ -68,24 +68,24 @@ def merged_frames(
 ) -> Burst:
     """The mean of the frames of a burst, weighted by the inverse of their temporal variance.
 
-    One pass over the frames, of which one is in memory at a time: ``others`` may read them.
+    The frames are read in one pass, one in memory at a time: ``others`` may be a generator.
 
     Parameters
     ----------
     first
-        The first frame and its noise. The result shows the scene as it was in this frame.
+        The reference frame and its noise. The result shows the scene as it was in this frame.
     others
         The other frames, with the same pixels; a mosaic as `packed`.
     fixed_e2
         Part of ``first.floor_e2`` that is the same in every frame, DSNU^2; by default 0. [e-^2]
     saturation_e
-        Values of a frame from here on are not used, in its own electrons. By default there is no
+        Values of a frame at or above it are not used, in its own electrons. By default there is no
         saturation. [e-]
     false_alarm
         Probability that a frame is rejected at a pixel although nothing moved. [1]
     window_px
-        Rows and columns, odd, over which the test adds up differences: more detect weaker
-        differences, but reject more of the surroundings. [pixels]
+        Side of the window, odd, over which the test sums the differences: a larger one detects
+        weaker differences, but rejects more of the surroundings. [pixels]
 
     Raises
     ------
@@ -97,9 +97,9 @@ def merged_frames(
     -----
     Values are divided by the relative exposure t, so their temporal variance at a mean m of the
     first frame is (floor - fixed) / t^2 + slope m / t. The weights are its inverse at
-    ``first.prior_mean_e``: weights that follow the noisy value of a pixel would bias the mean. So
-    floor and slope of the result have closed forms. PRNU and DSNU are the same in all frames, and
-    no burst averages them.
+    ``first.prior_mean_e``: weights from the noisy value of a pixel would bias the mean. So floor
+    and slope of the result have closed forms. PRNU and DSNU are the same in all frames, so merging
+    does not reduce them.
 
     A frame is tested against the first: the sum over window and planes of the squared difference
     over its variance has a chi-square distribution where nothing moved. It is rejected at a pixel
@@ -130,7 +130,7 @@ def merged_frames(
     if not (temporal + first.slope_e * first.prior_mean_e > 0).all():
         raise InputError(
             "temporal noise of the planes",
-            "must be above 0 at the mean of usual scenes",
+            "must be above 0 at the mean of typical scenes",
             value=0.0,
             remedy="give a read noise above 0",
         )

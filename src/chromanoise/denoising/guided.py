@@ -1,15 +1,16 @@
-"""`guided`: fast denoising, in which all planes follow the structure that they share locally.
+"""`guided`: fast denoising, guided by the structure that all planes share locally.
 
-In a square window, the covariance of the planes less that of the noise is the signal's. In units of
-the noise its eigenvectors are the guides: a component that noise explains becomes the window's
-mean, any other one is kept by Wiener's gain. So a plane follows another one only as far as both
-agree in this window, and an edge in the infrared alone is a component without color. Each pixel is
-the weighted mean of the estimates of all windows that hold it.
+In a square window, the covariance of the planes minus that of the noise is that of the signal. In
+units of the noise its eigenvectors are the guides: a component within the noise is replaced by the
+mean of the window, any other one is scaled by its Wiener gain. So a plane guides another one only
+as far as the two are correlated in this window, and an edge in the infrared alone is a component
+without color. Each pixel is the weighted mean of the estimates of all windows that contain it.
 
-The windows are of three sizes, weighted by the noise that they leave: of two windows without
-structure the larger one wins, of two with structure the smaller one. Noise of low frequency passes
-all windows, so the same is done at three coarser levels, each of means of 2 x 2 pixels, and the low
-frequencies of a level become those of the coarser one, unless they differ more than noise does.
+The windows have three sizes, weighted by the noise that they leave: without structure the larger
+window has more weight, with structure the smaller one. Low-frequency noise remains after all
+windows, so the same is done at three coarser levels, each of means of 2 x 2 pixels. The low
+frequencies of a level are replaced by those of the coarser one, where their difference is within
+the noise.
 
 Sources: He, Sun & Tang, Guided image filtering, IEEE TPAMI 35 (2013) 1397 (windows and their mean);
 Lebrun, Buades & Morel, A nonlocal Bayesian image denoising algorithm, SIAM J. Imaging Sci. 6 (2013)
@@ -40,7 +41,7 @@ class Windows:
     levels
         Levels of the pyramid.
     edge
-        From 1 to this multiple of the largest power of noise, a component fades in. [1]
+        A component is included gradually from 1 to this multiple of the largest power of noise. [1]
     """
 
     radii: tuple[int, ...]
@@ -49,7 +50,10 @@ class Windows:
 
     @property
     def reach_px(self) -> int:
-        """Two windows at the coarsest level; each finer one doubles it and adds a coarse pixel."""
+        """Most rows between a value and the values on which it depends. [pixels]
+
+        Two windows at the coarsest level; each finer level doubles it and adds a coarse pixel.
+        """
         reach = 2 * max(self.radii)
         for _ in range(self.levels - 1):
             reach = 2 * reach + 2
@@ -61,13 +65,13 @@ class Windows:
 # less than 1 %, and doubles the reach.
 USUAL = Windows(radii=(1, 2, 5), levels=4, edge=1.5)
 WIDE = Windows(radii=(2, 4, 8), levels=5, edge=2.0)
-"""For noise above the signal, where small windows find structure that is none."""
+"""For low light, where small windows mistake noise for structure."""
 
 
 def denoise(planes: NoisyPlanes) -> Float32[Array, "h w p"]:
     """The planes after local linear estimation in windows, on all levels of a pyramid. [e-]
 
-    Planes without noise come back as they are, and guide the others.
+    Planes without noise are returned unchanged, and guide the others.
 
     Parameters
     ----------
@@ -144,7 +148,7 @@ def _estimate(
 
 GUIDED = DenoisingMethod(
     name="guided",
-    what="Local linear estimates in windows: each plane follows what it shares with the others.",
+    what="Local linear estimates in windows, guided by the structure that the planes share.",
     denoise=denoise,
     reach_px=USUAL.reach_px,
     grid_px=2**USUAL.levels,

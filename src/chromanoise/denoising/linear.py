@@ -81,7 +81,7 @@ class LinearFilter:
 
 
 def linear_filters(planes: NoisyPlanes, name: str) -> LinearFilter:
-    """The filters of a linear method, for the noise of the planes at the mean of usual scenes.
+    """The filters of a linear method, for the noise of the planes at the mean of typical scenes.
 
     Parameters
     ----------
@@ -90,7 +90,7 @@ def linear_filters(planes: NoisyPlanes, name: str) -> LinearFilter:
     name
         ``wiener``: one filter for all planes, for the SNR of the component with most signal. It
         commutes with a color matrix. ``lmmse``: a filter for each of `NoisyPlanes.components`, so
-        color that is weaker than the noise is kept in coarse structure only.
+        where color is weaker than the noise only its coarse structure is kept.
 
     Raises
     ------
@@ -236,14 +236,14 @@ def _denoised(name: str, planes: NoisyPlanes) -> Float32[Array, "h w p"]:
 
 WIENER = DenoisingMethod(
     name="wiener",
-    what="One low-pass filter for all planes, for the SNR of usual scenes.",
+    what="One low-pass filter for all planes, designed for the SNR of typical scenes.",
     denoise=partial(_denoised, "wiener"),
     reach_px=RADIUS_PX,
     linear=True,
 )
 LMMSE = DenoisingMethod(
     name="lmmse",
-    what="A filter for each color component: color at coarse scale, luminance at fine scale.",
+    what="A filter for each component: luminance keeps fine detail, color only coarse structure.",
     denoise=partial(_denoised, "lmmse"),
     reach_px=RADIUS_PX,
     linear=True,

@@ -13,25 +13,25 @@ Denoise = Callable[[NoisyPlanes], Float32[Array, "h w p"]]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DenoisingMethod:
-    """A denoising method: its function and what is known of it.
+    """A denoising method: its function and its properties.
 
     Attributes
     ----------
     name
-        What users type.
+        Name on the command line and in studies.
     what
-        One sentence.
+        One or two sentences for users.
     denoise
         The function. It depends on rows and columns only through multiples of ``grid_px``.
     reach_px
-        Most rows between a value and the values on which it depends; ``None`` if it depends on
-        the whole picture, which is then not cut into strips. [pixels]
+        Largest number of rows between a value and the values on which it depends; ``None`` if it
+        depends on the whole picture, which is then not cut into strips. [pixels]
     grid_px
-        Period of the places at which the method works. [pixels]
+        Period of the positions at which the method works, e.g. of its pyramid. [pixels]
     linear
         Whether the result is linear in the values, so that its noise has a closed form.
     baseline
-        Whether the method is another package's, to compare with.
+        Whether the method is for comparison only: none, or one of another package.
     """
 
     name: str

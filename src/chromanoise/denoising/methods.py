@@ -13,11 +13,11 @@ from chromanoise.denoising.patches import PATCHES
 DENOISING: Mapping[str, DenoisingMethod] = {
     method.name: method for method in (GUIDED, PATCHES, AGGREGATE, LMMSE, WIENER, *BASELINES)
 }
-"""Denoising methods by the name that users type."""
+"""Denoising methods by their name on the command line and in studies."""
 
 
 def denoising_named(name: str) -> DenoisingMethod:
-    """The denoising method of a name.
+    """The denoising method with a name.
 
     Raises
     ------

@@ -1,14 +1,15 @@
 """Denoising with groups of similar patches, at several scales: non-local Bayes with known noise.
 
-Patches of all planes that resemble the one at a place are samples of one distribution. The noise's
-covariance is known from the mean, so that of the signal follows, and with it the best linear
-estimate of each patch. Step 1 takes the covariance of the noisy patches: it keeps the eigenvalues
-that noise alone does not reach, less what noise adds to them. Step 2 finds the groups again in the
-result of step 1, whose covariance gives the Wiener filter.
+Similar patches of all planes are treated as samples of one distribution. The covariance of the
+noise is known from the mean, so that of the signal follows, and with it the best linear estimate of
+each patch. Step 1 takes the covariance of the noisy patches: it keeps the eigenvalues above those
+of noise alone, less what noise adds to them. Step 2 groups the patches again in the result of
+step 1, whose covariance gives the Wiener filter.
 
 This is done for means of 1, 2 x 2, 4 x 4, and 8 x 8 pixels, from coarse to fine. Low frequencies of
-the coarser estimate replace those of the finer one, which cannot tell weak large structures from
-noise, unless the two differ by more than noise explains: then the coarser one has blurred an edge.
+the coarser estimate replace those of the finer one, in which weak large structures are hidden by
+noise. Where the two differ by more than the noise, the coarser one has blurred an edge, and the
+finer one is kept.
 
 Notes
 -----
@@ -30,16 +31,18 @@ from chromanoise.denoising.patch_size import PLACES, SIDE
 from chromanoise.denoising.planes import NoisyPlanes
 
 _RADII = (8, 7, 6, 4)
-"""How far similar patches are sought, per level; less at coarse levels, to bound the reach."""
+"""Search radius for similar patches per level; smaller at coarse levels, to bound the reach.
+[pixels]"""
 _STRIDE = SIDE - 1
-"""Distance of the groups: patches overlap, so that their borders are not seen."""
+"""Step between the groups: patches overlap, so that their borders are not visible. [pixels]"""
 _FEWEST = (40, 50, 60, 80)
 """Fewest patches of a group: a covariance needs more than its 16 places. More at coarse levels,
-where few pixels must reveal what noise hides at fine ones."""
+whose few pixels hold the structure that noise hides at fine levels."""
 _LEVELS = len(_RADII)
 
 _FEATURES = 2
-"""Components of most signal that tell similar noisy patches; the others are mostly noise."""
+"""Number of components, of most signal, by which noisy patches are compared; the others are mostly
+noise."""
 _SIMILAR = 0.2
 """Mean squared difference of similar patches after step 1, over the variance of the noise."""
 _NEAR, _FAR = 0.25, 3.0
@@ -52,7 +55,7 @@ _CUBIC = (-0.0703125, 0.8671875, 0.2265625, -0.0234375)
 
 
 def denoise(planes: NoisyPlanes) -> Float32[Array, "h w p"]:
-    """Estimate of the means of noisy planes, of their shape. [e-]
+    """Estimated means of noisy planes. [e-]
 
     Planes without noise are returned as they are, and not used for the others.
 
@@ -64,7 +67,7 @@ def denoise(planes: NoisyPlanes) -> Float32[Array, "h w p"]:
     Raises
     ------
     InputError
-        If the noise of a plane is 0 at the mean of usual scenes, but not at others.
+        If the noise of a plane is 0 at the mean of typical scenes, but not at others.
     """
     noisy = planes.has_noise
     out = np.array(planes.values_e, np.float32)
@@ -248,7 +251,7 @@ def _reach_px() -> int:
 
 PATCHES = DenoisingMethod(
     name="patches",
-    what="non-local Bayes: groups of similar patches of all planes, at four scales",
+    what="Non-local Bayes: groups of similar patches of all planes, at four scales.",
     denoise=denoise,
     reach_px=_reach_px(),
     grid_px=_STRIDE << (_LEVELS - 1),

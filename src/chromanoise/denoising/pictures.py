@@ -1,4 +1,4 @@
-"""From a capture to planes and back: the picture of a camera with denoising."""
+"""Denoising between capture and color: from electrons or raw codes to planes, and back."""
 
 from dataclasses import replace
 
@@ -107,7 +107,7 @@ def planes_of_mosaic(
 
 
 def place_correlation(tile: Int[Array, "ty tx"]) -> Float[Array, "k k"]:
-    """Correlation of the pixels of a tile over usual scenes, apart from their channels. [1]
+    """Correlation of the pixels of a tile over typical scenes, due to their distance alone. [1]
 
     Examples
     --------
@@ -162,7 +162,7 @@ def denoised_electrons(
     Raises
     ------
     InputError
-        As `planes_of_electrons`, or if the method cannot take the picture.
+        As `planes_of_electrons`, or if the method does not accept the picture.
     """
     coupling = after_counting(operating_point.sensor.crosstalk)
     if coupling is None:
@@ -187,7 +187,7 @@ def denoised_mosaic(
     Raises
     ------
     InputError
-        As `planes_of_mosaic`, or if the method cannot take the picture.
+        As `planes_of_mosaic`, or if the method does not accept the picture.
     """
     adc, point = raw.adc, raw.operating_point
     raw_e = (raw.codes.astype(np.float32) - np.float32(adc.black_level_dn)) * np.float32(

@@ -1,6 +1,6 @@
-"""What every denoising method takes: planes of independent noise, and the noise itself.
+"""Input of every denoising method: planes of independent noise, and the noise itself.
 
-A mosaic becomes one plane per place of its tile, so no method knows of mosaics.
+A mosaic becomes one plane per place of its tile, so the methods have no code for mosaics.
 """
 
 from collections.abc import Sequence
@@ -17,7 +17,7 @@ from chromanoise.errors import InputError
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class NoisyPlanes:
-    """Noisy values of every plane at every pixel, and what is known of their noise.
+    """Noisy values of every plane at every pixel, and the model of their noise.
 
     Attributes
     ----------
@@ -30,9 +30,9 @@ class NoisyPlanes:
     prnu
         Standard deviation of the sensitivity over the pixels, per plane. [1]
     prior_e2
-        Covariance of the planes over usual scenes. [e-^2]
+        Covariance of the planes over typical scenes, e.g. the ColorChecker. [e-^2]
     prior_mean_e
-        Mean of the planes over usual scenes. [e-]
+        Mean of the planes over typical scenes. [e-]
     names
         Names of the planes.
 
@@ -99,27 +99,27 @@ class NoisyPlanes:
 
     @property
     def noise_unit_e(self) -> Float[Array, " p"]:
-        """Standard deviation of the noise of each plane at the mean of usual scenes. [e-]"""
+        """Standard deviation of the noise of each plane at the mean of typical scenes. [e-]"""
         return np.sqrt(self.variance_e2(self.prior_mean_e))
 
     def components(self) -> tuple[Float[Array, "p k"], Float[Array, " k"]]:
         """Orthonormal directions in which signal and noise are both uncorrelated, and their SNR.
 
-        Of planes divided by `noise_unit_e`: the noise is white in every orthonormal basis, and this
-        one diagonalizes the covariance of usual scenes. The first direction is the one of most
-        signal, about that of luminance; the last ones hold color that the noise drowns.
+        The planes are divided by `noise_unit_e`, so the noise is white in every orthonormal basis;
+        this basis diagonalizes the covariance of typical scenes. The first direction has most
+        signal and is close to luminance; the last ones hold color below the noise.
 
         Returns
         -------
         directions, power_snr
-            A direction in each column, and the variance of usual scenes along it over that of the
-            noise, falling. [1]
+            A direction in each column, and the variance of typical scenes along it over that of the
+            noise, in descending order. [1]
         """
         unit = self.noise_unit_e
         if not (unit > 0).all():
             raise InputError(
                 "noise of the planes",
-                "must be above 0 at the mean of usual scenes",
+                "must be above 0 at the mean of typical scenes",
                 value=float(unit.min()),
                 remedy="give a read noise above 0",
             )
@@ -137,8 +137,8 @@ def packed(
     Parameters
     ----------
     raw_e
-        One value per pixel, at least one tile of them. Rows and columns beyond whole tiles are
-        completed by the last pixels of the same place of the tile. [e-]
+        One value per pixel, at least one tile of them. An incomplete tile at the border is filled
+        with the last pixels of the same place. [e-]
     tile
         Index of the channel at each place (ty tx).
 
@@ -178,7 +178,7 @@ def packed(
 def unpacked(
     planes: Float32[Array, "ht wt k"], tile_shape: tuple[int, int], shape: tuple[int, int]
 ) -> Float32[Array, "h w"]:
-    """The mosaic of planes that `packed` made.
+    """The mosaic from its planes: the inverse of `packed`.
 
     Parameters
     ----------

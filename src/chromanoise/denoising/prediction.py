@@ -1,6 +1,6 @@
-"""Noise after a linear method in closed form, for a flat field.
+"""Noise of a flat field after a linear method, in closed form.
 
-For planes and, with a demosaicking method after it, for a mosaic.
+For planes and, followed by demosaicing, for a mosaic.
 """
 
 import numpy as np
@@ -33,8 +33,8 @@ def denoised_covariance(
 
     Notes
     -----
-    Sum over the window and the planes of the product of two weights and the variance. Through a
-    color matrix C the covariance S is C S C^T (`chromanoise.noise.through`).
+    The sum, over the window and the planes, of the product of two weights and the variance. After
+    a color matrix C the covariance S is C S C^T (`chromanoise.noise.through`).
 
     Examples
     --------
@@ -86,9 +86,9 @@ def denoised_noise_spectrum(
 
 
 def denoised_bank(linear_filter: LinearFilter, bank: FilterBank) -> FilterBank:
-    """A linear method on the planes of a mosaic, then demosaicking, as one demosaicking method.
+    """A linear method on the planes of a mosaic, then demosaicing, as one demosaicing method.
 
-    Its noise is that of any method: `chromanoise.imaging.demosaicked_covariance`,
+    Its noise follows as for any demosaicing method: `chromanoise.imaging.demosaicked_covariance`,
     `noise_power_spectrum` and `flat_field_noise`.
 
     Parameters
@@ -96,7 +96,7 @@ def denoised_bank(linear_filter: LinearFilter, bank: FilterBank) -> FilterBank:
     linear_filter
         For the planes of `packed`: one per place of the tile, in the order of its rows.
     bank
-        The demosaicking method.
+        The demosaicing method.
 
     Raises
     ------
@@ -105,7 +105,7 @@ def denoised_bank(linear_filter: LinearFilter, bank: FilterBank) -> FilterBank:
 
     Notes
     -----
-    Exact away from the borders, where the planes and the mosaic are mirrored differently. A pixel
+    Exact except near the borders, where the planes and the mosaic are mirrored differently. A pixel
     k rows away in a plane is k tile heights away in the mosaic.
 
     Examples

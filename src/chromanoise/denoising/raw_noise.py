@@ -28,7 +28,7 @@ class CodeNoise:
     black_level_dn
         Code without light. [DN]
     saturation_dn
-        Codes from here on are saturated; ``None`` if that is not known. [DN]
+        Lowest saturated code; ``None`` if it is not known. [DN]
     floor_e2
         Variance without light, per channel. [e-^2]
     slope_e
@@ -132,7 +132,7 @@ def code_noise(
     saturation_dn: float | None,
     source: str,
 ) -> CodeNoise:
-    """The noise of codes of a pixel.
+    """The noise of raw codes, from the noise sources of a pixel.
 
     Parameters
     ----------
@@ -177,7 +177,7 @@ def code_noise_of_profile(
     white_level_dn: float,
     source: str,
 ) -> CodeNoise:
-    """The noise of codes with a noise profile, variance = S x + O.
+    """The noise of raw codes, from a noise profile: variance = S x + O.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Raw pictures of any camera: their planes, and how well the noise fits them."""
+"""Raw pictures of any camera: their planes, and a check of the noise model."""
 
 import math
 from collections.abc import Iterable
@@ -67,7 +67,7 @@ class DenoisedRaw:
 def at_brightness(
     operating_point: OperatingPoint, mosaic: Mosaic, raw_e: Float32[Array, "h w"]
 ) -> OperatingPoint:
-    """The operating point at which the mean of the ColorChecker is that of a picture.
+    """The operating point at which the ColorChecker has the mean of a picture.
 
     Parameters
     ----------
@@ -90,7 +90,7 @@ def at_brightness(
 
 
 def neutral_planes(raw_e: Float32[Array, "h w"], mosaic: Mosaic, noise: CodeNoise) -> NoisyPlanes:
-    """The planes of a raw picture whose sensor is not known, with a prior of gray scenes.
+    """The planes of a raw picture of an unknown sensor, with a prior of nearly gray scenes.
 
     Parameters
     ----------
@@ -201,7 +201,7 @@ def residual_ratio(
 ) -> Float[Array, " p"]:
     """Root mean square of what denoising removed over the standard deviation of the noise. [1]
 
-    It is 1 where all noise was removed, lower where a part stayed, and higher where detail was
+    It is 1 where all noise was removed, lower where some noise remains, and higher where detail was
     removed or the picture has more noise than assumed.
 
     Parameters
@@ -241,8 +241,8 @@ def residual_ratio(
 def measured_noise_ratio(planes: NoisyPlanes, omitted: Bool[Array, "h w p"]) -> Float[Array, " p"]:
     """Noise of a picture where it is smoothest over its expected noise. [1]
 
-    It does not depend on any denoising: 1 where the noise is known, lower where the expected noise
-    is too high. Detail in all of the picture raises it.
+    It does not depend on a denoising method. It is 1 where the expected noise is right, and lower
+    where it is too high. Detail everywhere in the picture raises it.
 
     Parameters
     ----------

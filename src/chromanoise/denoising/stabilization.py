@@ -19,7 +19,7 @@ _SDS, _STEPS = 6.0, 121  # of the Gaussian part: reach and number of nodes
 
 
 def stabilized(planes: NoisyPlanes) -> Float[Array, "h w p"]:
-    """Values of about unit variance at every signal. [1]
+    """Values with a variance of about 1 at every signal. [1]
 
     Parameters
     ----------
@@ -29,7 +29,7 @@ def stabilized(planes: NoisyPlanes) -> Float[Array, "h w p"]:
     Raises
     ------
     InputError
-        If a plane has neither a floor nor shot noise, so that its noise vanishes without signal.
+        If a plane has neither a noise floor nor shot noise.
 
     Notes
     -----
@@ -62,7 +62,7 @@ def stabilized(planes: NoisyPlanes) -> Float[Array, "h w p"]:
 
 
 def unstabilized(stable: Float[Array, "h w p"], planes: NoisyPlanes) -> Float32[Array, "h w p"]:
-    """The mean whose noisy values have this mean after `stabilized`: its unbiased inverse. [e-]
+    """Exact unbiased inverse of `stabilized`: the mean of the values before it. [e-]
 
     Parameters
     ----------
@@ -77,7 +77,7 @@ def unstabilized(stable: Float[Array, "h w p"], planes: NoisyPlanes) -> Float32[
     Poisson-Gaussian noise", IEEE Trans. Image Process. 22 (2013) 91. The expectation is summed up
     to 400 counts, not approximated; above, the asymptotic inverse agrees within 1e-3 e-. The
     algebraic inverse continues below the expectation of no signal, so that residual noise around
-    0 is not clipped, which would brighten the dark.
+    0 is not clipped, which would brighten dark areas.
     """
     out = np.empty(stable.shape, np.float32)
     for i, law in enumerate(_laws(planes)):

@@ -1,4 +1,4 @@
-"""Denoising strip by strip: on several threads, with the same bits for any number of them."""
+"""Denoising in strips of rows on several threads; the result is bit-identical for any number."""
 
 from dataclasses import dataclass, replace
 from typing import Any
@@ -37,7 +37,7 @@ def denoised_planes(
         Of `DENOISING`.
     work
         Threads and rows per strip; an executor is not used, because the planes are in memory here.
-        The result is the same bits for any setting.
+        The result is bit-identical for any setting.
 
     Notes
     -----

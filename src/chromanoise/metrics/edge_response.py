@@ -28,7 +28,7 @@ class EdgeLine:
         nearly horizontal one crosses the middle of the columns; pixel centers are whole numbers.
         [px]
     slope
-        Columns per row, or rows per column; 0 is upright or level. [px/px]
+        Columns per row, or rows per column; 0 is exactly vertical or horizontal. [px/px]
     horizontal
         Whether the edge is nearly horizontal.
     """
@@ -39,7 +39,7 @@ class EdgeLine:
 
     @property
     def angle_deg(self) -> float:
-        """Angle between the edge and the axis of the pixels that it is nearly parallel to. [deg]"""
+        """Angle between the edge and the pixel axis that is nearest to it. [deg]"""
         return float(np.degrees(np.arctan(self.slope)))
 
 
@@ -56,7 +56,7 @@ class EdgeResponse:
     mtf
         Modulation transfer at these frequencies, 1 at frequency 0. [1]
     mtf50_cy_px
-        Lowest frequency at which the MTF is 0.5; ``None`` where it stays above up to 1 cycle/px.
+        Lowest frequency at which the MTF is 0.5; ``None`` if it stays above 0.5 up to 1 cycle/px.
         [cycles/px]
     rise_px
         Distance in which the edge rises from 10 % to 90 % of its step. [px]
@@ -92,8 +92,8 @@ def slanted_edge_response(
         The edge, where it is known, e.g. by `edge_line` of the noise-free reference; ``None`` to
         fit it to the region.
     reach_px
-        Distance from the edge up to which pixels count, less where the region ends before; >= 4.
-        A larger one includes wider flare and more noise. [px]
+        Largest distance from the edge of the pixels that are used, >= 4; smaller where the region
+        ends earlier. A larger one includes wider flare and more noise. [px]
 
     Raises
     ------
@@ -105,8 +105,8 @@ def slanted_edge_response(
     -----
     ISO 12233:2017, annex D: the distance of each pixel from the edge, means in bins of 1/4 pixel
     (the edge spread function), differences, window, Fourier transform. Three steps differ. The
-    distance is perpendicular to the edge. Differences are of adjacent bins, so that they and the
-    width of a bin are divided out by sinc^2(f/4) (the correction printed in the 2014 and 2017
+    distance is perpendicular to the edge. Differences are of adjacent bins, so the differences and
+    the bin width are both corrected by sinc^2(f/4) (the correction printed in the 2014 and 2017
     editions is for other differences). The window is flat up to half the reach and falls as a
     cosine to its end (the edition of 2023 has a Tukey window in place of Hamming's).
 
@@ -183,7 +183,7 @@ def edge_line(region: Float[Array, "h w"]) -> EdgeLine:
     -----
     ISO 12233:2017, annex D: centroids of the differences along each row under a Hamming window, and
     a line through them; the window is then centered on that line. Four passes. Rows in which the
-    window holds less than half of the mean step do not count.
+    window holds less than half of the mean step are not used.
     """
     values = _region(region)
     middle = [side // 2 for side in values.shape]

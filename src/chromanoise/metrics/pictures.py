@@ -31,7 +31,7 @@ def picture_color_difference(
     Parameters
     ----------
     xyz, reference
-        XYZ in the unit of ``white``; also below 0, where noise is larger than the signal.
+        XYZ in the unit of ``white``; may be negative, where noise exceeds the signal.
     white
         XYZ of a perfect white in the same light.
     difference
@@ -66,7 +66,7 @@ def psnr_db(
     Parameters
     ----------
     picture, reference
-        Values from 0 to ``peak``; by custom encoded sRGB (`chromanoise.color.srgb_from_xyz`), not
+        Values from 0 to ``peak``; usually encoded sRGB (`chromanoise.color.srgb_from_xyz`), not
         linear light.
     peak
         Largest possible value.
@@ -98,7 +98,7 @@ def structural_similarity(
     Parameters
     ----------
     picture, reference
-        Values from 0 to ``peak``; by custom the luma of encoded RGB
+        Values from 0 to ``peak``; usually the luma of encoded RGB
         (`chromanoise.color.LUMA_WEIGHTS`).
     peak
         Largest possible value.
@@ -112,7 +112,7 @@ def structural_similarity(
     -----
     Wang, Bovik, Sheikh & Simoncelli, IEEE Trans. Image Process. 13, 600 (2004), eq. 13 and 17:
     Gaussian window of 11 x 11 pixels with a standard deviation of 1.5, K1 = 0.01, K2 = 0.03; the
-    mean is over the places where the window lies inside the picture.
+    mean is over the positions of the window inside the picture.
 
     Examples
     --------
@@ -154,9 +154,9 @@ class FalseColor:
     Attributes
     ----------
     near_edges
-        Mean length of the error of (a*, b*) within the distance from an edge. [CIELAB]
+        Mean length of the error of (a*, b*) within ``radius_px`` of an edge. [CIELAB]
     elsewhere
-        The same over all other pixels: noise and errors of flats; ``None`` where there are none.
+        The same over all other pixels, mostly noise; ``None`` if all pixels are near an edge.
     edge_share
         Share of the pixels that are near an edge. [1]
     """
@@ -176,8 +176,8 @@ def false_color(
 ) -> FalseColor:
     """Mean chromatic error near the edges of the reference.
 
-    It holds the noise of a* and b* as well; a value above that of `FalseColor.elsewhere` shows
-    color that interpolation or filtering has moved across edges.
+    It includes the noise of a* and b*. A value above `FalseColor.elsewhere` shows color that
+    interpolation or filtering has moved across edges.
 
     Parameters
     ----------
@@ -186,7 +186,8 @@ def false_color(
     radius_px
         Largest distance from an edge. [px]
     edge_per_px
-        Least color change of the reference that is an edge, as `near_edges`. [Delta E*ab / px]
+        Smallest color change of the reference that counts as an edge, as `near_edges`.
+        [Delta E*ab / px]
 
     Raises
     ------
@@ -196,7 +197,7 @@ def false_color(
     Notes
     -----
     The error is the chromatic part of the CIE 1976 difference, (da*^2 + db*^2)^(1/2) (CIE 015:2018,
-    eq. 8.21 without dL*). Edges and smooth regions are apart, as for the measures of Lu & Tan, IEEE
+    eq. 8.21 without dL*). Edges and smooth regions are measured separately, as by Lu & Tan, IEEE
     Trans. Image Process. 12, 1194 (2003).
     """
     first, second = same_pictures(xyz, reference)
@@ -230,7 +231,7 @@ def near_edges(
     radius_px
         Largest distance from an edge pixel, >= 0. [px]
     edge_per_px
-        Least length of the gradient of (L*, a*, b*) of an edge pixel. [Delta E*ab / px]
+        Smallest length of the gradient of (L*, a*, b*) at an edge pixel. [Delta E*ab / px]
 
     Raises
     ------
@@ -265,14 +266,14 @@ def near_edges(
 def flat_noise_sd(
     values: Float[Array, "h w q"], regions: Shaped[Array, "h w"]
 ) -> Float[Array, " q"]:
-    """Standard deviation on flat regions, each relative to its own mean, pooled.
+    """Pooled standard deviation over flat regions, each about its own mean.
 
     Parameters
     ----------
     values
         A picture in any coordinates: XYZ, CIELAB, electrons.
     regions
-        Number of the flat region of each pixel, 0 for none; or whether a pixel belongs to the only
+        Number of the flat region of each pixel, 0 for none; or a Boolean mask of a single
         region.
 
     Raises

@@ -1,4 +1,4 @@
-"""All errors of one picture relative to its reference, as the benchmark of denoising needs them."""
+"""All errors of a picture relative to its reference, as the denoising benchmark reports them."""
 
 from dataclasses import dataclass
 
@@ -59,7 +59,7 @@ def picture_quality(
     Parameters
     ----------
     xyz, reference
-        XYZ of CIE 1931 in the unit of ``white``, at least 11 x 11 pixels; also below 0.
+        XYZ of CIE 1931 in the unit of ``white``, at least 11 x 11 pixels; may be negative.
     white
         XYZ of a perfect white in the same light.
     pixels_per_degree
@@ -72,8 +72,8 @@ def picture_quality(
 
     Notes
     -----
-    For PSNR and SSIM both pictures are adapted to D65 and encoded (IEC 61966-2-1), so what a
-    display clips is no error there; the color differences are of unclipped XYZ.
+    For PSNR and SSIM both pictures are adapted to D65 and encoded (IEC 61966-2-1), so values
+    that a display clips count as no error; the color differences are of unclipped XYZ.
     """
     first, second = same_pictures(xyz, reference)
     shown, true = (np.clip(encoded_srgb(one, white), 0.0, 1.0) for one in (first, second))

@@ -38,7 +38,7 @@ GAUSSIANS = (
 As printed in the table of Zhang & Wandell (1996). The standard deviation is s / 2^(1/2). The code
 that the authors distribute has other numbers (0.05, 0.225, 7.0 deg ...). Its first version takes
 them as full widths at half maximum, which agree with these spreads within 7 %; later versions
-(ISETCam) take them as half widths, which blurs twice as far. Here the published table holds."""
+(ISETCam) take them as half widths, which blurs twice as far. Here the published table is used."""
 
 
 def scielab_difference(
@@ -54,7 +54,7 @@ def scielab_difference(
     Parameters
     ----------
     xyz, reference
-        XYZ of CIE 1931 in the unit of ``white``; also below 0.
+        XYZ of CIE 1931 in the unit of ``white``; may be negative.
     white
         XYZ of a perfect white in the same light.
     pixels_per_degree
@@ -70,8 +70,8 @@ def scielab_difference(
 
     Notes
     -----
-    `scielab_filtered` of both pictures, then their color difference. Values are not clipped to
-    0 .. white, as the authors' code does: noise below 0 would otherwise shift the mean.
+    `scielab_filtered` of both pictures, then their color difference. Unlike in the authors' code,
+    values are not clipped to 0 .. white, because clipping noise at 0 would shift the mean.
 
     Examples
     --------
@@ -93,7 +93,7 @@ def scielab_difference(
 def scielab_filtered(
     xyz: Float[Array, "h w 3"], *, pixels_per_degree: float
 ) -> Float[Array, "h w 3"]:
-    """XYZ blurred as by the eye: each opponent plane by its sum of Gaussians.
+    """XYZ after the spatial filters of S-CIELAB: each opponent plane by its sum of Gaussians.
 
     Parameters
     ----------
@@ -111,7 +111,7 @@ def scielab_filtered(
     Notes
     -----
     A pixel is a uniform square, over which each Gaussian is integrated; the weights of a plane are
-    divided by their sum, so a uniform picture stays as it is. The borders are mirrored, which makes
+    divided by their sum, so a uniform picture is unchanged. The borders are mirrored, which makes
     the convolution a product in the discrete cosine transform. The Gaussians are not cut off (the
     authors' code limits them to 1 degree).
     """

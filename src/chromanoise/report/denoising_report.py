@@ -1,4 +1,4 @@
-"""The benchmark of denoising as a folder: one HTML file and its pictures."""
+"""Report of the denoising benchmark: a folder with one HTML file and its pictures."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -14,9 +14,9 @@ Value = Callable[[BenchmarkCell], float | None]
 
 _COLUMNS: tuple[tuple[str, str, Value, int, int], ...] = (  # name, unit, value, digits, best is
     ("CIEDE2000", "mean", lambda cell: cell.quality.ciede2000_mean, 2, -1),
-    ("CIEDE2000", "95 %", lambda cell: cell.quality.ciede2000_p95, 2, -1),
+    ("CIEDE2000", "95th percentile", lambda cell: cell.quality.ciede2000_p95, 2, -1),
     ("S-CIELAB", "mean", lambda cell: cell.quality.scielab_mean, 2, -1),
-    ("to true color", "CIEDE2000", lambda cell: cell.true_ciede2000_mean, 2, -1),
+    ("CIEDE2000", "from true colors", lambda cell: cell.true_ciede2000_mean, 2, -1),
     ("false color at edges", "Delta C", lambda cell: _false_color(cell), 2, -1),
     ("PSNR", "dB", lambda cell: cell.quality.psnr_db, 2, 1),
     ("SSIM", "", lambda cell: cell.quality.ssim, 3, 1),

@@ -63,8 +63,8 @@ def benchmark_camera(name: str, *, level_lux: float, demosaic: str = "bilinear")
     -----
     The paper's exposure and matrix (kernel, eq. 6): f/1.8 and the time at which onyx-rgbw reaches
     99 % of full well on a perfect white at 10 lx, 11.94 ms, for all cameras and levels up to 10 lx.
-    Above, it is the longest time at which nothing saturates, so that 100 lx gives the electrons of
-    10 lx.
+    Above 10 lx it is the longest time at which nothing saturates, so that 100 lx gives as many
+    electrons as 10 lx.
     """
     sensor_name, colon, mosaic = name.partition(":")
     light = equal_energy(DEFAULT_GRID)
@@ -119,7 +119,7 @@ def denoising_benchmark(
     work: Work = ALL_CORES,
     progress: Callable[[int], None] | None = None,
 ) -> tuple[BenchmarkCell, ...]:
-    """All cells of scenes, cameras, light levels, methods and seeds.
+    """All cells of the benchmark: scenes, cameras, light levels, methods and seeds.
 
     Parameters
     ----------
@@ -139,8 +139,8 @@ def denoising_benchmark(
         As `benchmark_camera`.
     work
         Threads of the methods, or an executor, e.g. `concurrent.futures.ProcessPoolExecutor`, to
-        which pictures are sent; a worker then runs a method on one thread. The cells are the same
-        for any setting, except for the seconds.
+        which pictures are sent; each worker runs a method on one thread. The cells are the same
+        for any setting, except for the measured times.
     progress
         Called with the number of cells that were completed.
 

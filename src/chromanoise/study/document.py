@@ -480,8 +480,8 @@ class PicturePart(Part):
     frames: Annotated[int, Field(ge=1, le=MOST_FRAMES)] = Field(1, description="Frames of a burst.")
     denoise: Annotated[str, _known(DENOISING)] | None = Field(
         None,
-        description="Denoising of the electrons, with their known noise, before they become "
-        f"color: one of {', '.join(DENOISING)}; default: none.",
+        description="Denoising of the electrons, with their known noise, before the color "
+        f"matrix: one of {', '.join(DENOISING)}; default: none.",
     )
     formats: (
         Annotated[tuple[Annotated[str, _known(FORMATS)], ...], Field(strict=False, min_length=1)]

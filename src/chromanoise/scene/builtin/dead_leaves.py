@@ -26,7 +26,7 @@ _DISCS, _SPECTRA = 0, 1  # random streams
 def occluding_discs(
     side: int, radius: tuple[float, float], *, seed: int
 ) -> tuple[Integer[Array, "h w"], Float[Array, " discs"]]:
-    """The dead leaves model with discs: the disc seen by each sample, and the radii.
+    """The dead leaves model with discs: the visible disc at each sample, and the radii.
 
     Parameters
     ----------
@@ -77,8 +77,8 @@ def dead_leaves_cube() -> Cube:
 
     Notes
     -----
-    The model: `occluding_discs`. That the infrared of dyed and painted surfaces hardly depends on
-    their visible color: Salamati, Fredembach & Susstrunk, "Material classification using color and
+    The model: `occluding_discs`. The infrared of dyed and painted surfaces hardly depends on their
+    visible color: Salamati, Fredembach & Susstrunk, "Material classification using color and
     NIR images", CIC17 (2009).
     """
     label, radii = occluding_discs(

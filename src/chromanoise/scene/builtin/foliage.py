@@ -1,4 +1,4 @@
-"""Leaves on soil, dyed cotton and skin, whose infrared is not like their visible color."""
+"""Leaves on soil, dyed cotton and skin, whose infrared differs from their visible color."""
 
 from collections.abc import Mapping
 

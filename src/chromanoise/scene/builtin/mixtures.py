@@ -49,7 +49,7 @@ def mixed_cube(
     Returns
     -------
     Cube
-        Its values are float32, rounded to 6 decimals, so that they are the same on all machines.
+        Its values are float32, rounded to 6 decimals, so they are the same on all machines.
     """
     mixed = shares.astype(np.float64) @ reflectances
     np.round(mixed, _DECIMALS, out=mixed)

@@ -30,7 +30,7 @@ def paint_behind(
     reach
         Largest distance of a point of each shape from its center, in samples.
     inside
-        Tells the points inside shape ``k``.
+        Returns whether points are inside shape ``k``.
     first
         The number of the first of these shapes.
 

@@ -114,7 +114,7 @@ SLANTED_EDGES = _edges()
 def slanted_edges_cube() -> Cube:
     """Edges of four kinds in two directions, 256 x 256 pixels, 400-1050 nm.
 
-    `SLANTED_EDGES` tells where they are. A pixel on an edge is the exact mean over its area. The
+    `SLANTED_EDGES` has their positions. A pixel on an edge is the exact mean over its area. The
     pairs of reflectances:
 
     luminance

@@ -239,7 +239,7 @@ class View {
   }
 }
 
-const ITS_NOISE = "The noise variance that it assumes is that of this exposure.";
+const ITS_NOISE = "It uses the noise variance of this exposure.";
 
 /** @param {Study} study */
 function methodOf(study) {
