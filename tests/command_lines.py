@@ -95,7 +95,15 @@ VALUES = {  # by the name of an option or argument; a command's own as "command.
     "levels": ["2", "3"],
     "pictures": ["shots/f0a.npy"],
     "white_level": ["4095", "100"],
+    "denoise": ["guided", "lmmse"],
     "denoise.mosaic": ["RG/GB", "none"],
+    "denoise.method": ["guided", "lmmse"],
+    "denoise-bench.cubes": ["builtin:dead-leaves", "cube.npy"],
+    "denoise-bench.cameras": ["onyx-rgbw", "onyx-rgb-ircut:bayer"],
+    "denoise-bench.methods": ["guided", "lmmse"],
+    "denoise-bench.demosaic": ["bilinear"],
+    "crop": ["24", "32"],
+    "processes": ["1"],
     "characterize.frames": ["shots", "shots/capture.toml"],
     "characterize.resume": ["kept.json"],
     "characterize.matrix": ["ccm.csv"],
@@ -209,6 +217,7 @@ WEIGHTS = {
         "optimize": 2,
         "sensitivity": 6,
         "denoise": 6,
+        "denoise-bench": 1,
     },
     **{"reproduce": 1, "demo": 0.2, "demo-frames": 4, "characterize": 5},
 }
@@ -323,6 +332,10 @@ def random_line(seed, number, files):
         damage(parts, command, options, line, files, rng, one)
     if command == SERVED and not any(p[0] == "--port" for p in parts):
         parts.append(["--port", "-1"])
+    if command == "denoise-bench":  # else all methods of large scenes
+        for short in (["--method", "lmmse"], ["--crop", "24"]):
+            if not any(part[0] == short[0] for part in parts):
+                parts.append(short)
     line.words += [word for part in parts for word in part]
     return line
 
@@ -453,7 +466,7 @@ _INTERNALS = re.compile(
     r"Traceback|Warning\b|\*\* On entry| object at 0x|<class '|<ast|\bErrno\b|np\.float64\(|"
     r"Exception ignored|NoneType|\bnan\b e-"
 )
-_MANY = ("run", "rerun", "report", "serve")  # studies: one sentence per fault
+_MANY = ("denoise", "run", "rerun", "report", "serve")  # studies: one sentence per fault
 
 
 def faults_of(line, outcome):

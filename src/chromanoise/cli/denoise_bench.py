@@ -5,11 +5,13 @@ from concurrent.futures import ProcessPoolExecutor
 from contextlib import ExitStack
 from multiprocessing import get_context
 from pathlib import Path
+from typing import Any
 
 import click
 
-from chromanoise import __version__
-from chromanoise._files import refuse_unwritable
+from chromanoise import __version__, _check
+from chromanoise._files import refuse_unwritable, renamed
+from chromanoise.cli.cube_options import cube_options, parsed_cube_options
 from chromanoise.cli.options import WHOLE
 from chromanoise.cli.output import json_option, json_text, print_lines, write_outputs
 from chromanoise.cli.parsing import command
@@ -33,14 +35,17 @@ from chromanoise.study.denoising_cells import (
 )
 from chromanoise.study.document import PicturePart
 
+_MOST_PROCESSES = 64
+
 
 def _levels(_: click.Context, __: click.Parameter, text: str) -> list[float]:
     try:
-        return [float(part) for part in text.split(",")]
+        levels = [float(part) for part in text.split(",")]
     except ValueError:
         raise InputError(
             "--levels", "must be illuminances in lx with commas between them", value=text
         ) from None
+    return [_check.positive("--levels", "lx", level) for level in levels]
 
 
 @command()
@@ -76,6 +81,7 @@ def _levels(_: click.Context, __: click.Parameter, text: str) -> list[float]:
     help="Demosaicing after denoising, for sensors behind a mosaic.",
 )
 @click.option("--crop", type=WHOLE, help="Side of the middle part of a scene [px].")
+@cube_options
 @click.option("--seed", type=WHOLE, default=0, show_default=True, help="Seed of the noise.")
 @click.option("--processes", type=WHOLE, default=1, show_default=True, help="Number of processes.")
 @click.option(
@@ -93,6 +99,7 @@ def denoise_bench(
     processes: int,
     out: Path | None,
     json_target: str | None,
+    **of_cubes: Any,
 ) -> None:
     """Compare denoising methods on scenes, sensors and light levels.
 
@@ -102,13 +109,13 @@ def denoise_bench(
     edges, time. The exposure is the paper's: f/1.8 and 11.94 ms, or less where the light would
     saturate it.
     """
-    if processes < 1:
-        raise InputError("--processes", "must be at least 1", value=processes)
+    if not 1 <= processes <= _MOST_PROCESSES:
+        raise InputError("--processes", f"must be 1 to {_MOST_PROCESSES}", value=processes)
     if out is not None:
         refuse_unwritable(out)
     chosen = methods or tuple(DENOISING)
     sensors = cameras or BENCHMARK_CAMERAS
-    scenes = [_scene(cube, crop) for cube in cubes or BENCHMARK_SCENES]
+    scenes = [_scene(cube, crop, of_cubes) for cube in cubes or BENCHMARK_SCENES]
     count = len(scenes) * len(sensors) * len(levels) * len(chosen)
     with ExitStack() as stack:
         work = Work()
@@ -135,10 +142,14 @@ def denoise_bench(
         print_lines([*markdown_table(cells).splitlines(), "", *verdict_sentences(cells)])
 
 
-def _scene(cube: str, crop: int | None) -> BenchmarkScene:
-    if cube.startswith("builtin:"):
-        return benchmark_scene(cube, crop_px=crop)
-    return benchmark_scene(cube_of(PicturePart(cube=cube)), crop_px=crop, name=cube)
+def _scene(cube: str, crop: int | None, of_cubes: dict[str, Any]) -> BenchmarkScene:
+    part = PicturePart(cube=cube, **(of_cubes | parsed_cube_options(of_cubes)))
+    stored = cube_of(part)
+    name = cube if cube.startswith("builtin:") else Path(cube).name
+    try:
+        return benchmark_scene(stored, crop_px=crop, name=name)
+    except InputError as error:
+        raise renamed(error, "crop_px", "--crop") from None
 
 
 def _record(cells: Sequence[BenchmarkCell]) -> dict[str, object]:

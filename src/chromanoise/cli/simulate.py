@@ -10,8 +10,8 @@ import click
 
 from chromanoise import __version__
 from chromanoise._files import refuse_unwritable, whole_folder
-from chromanoise.catalog.resolve import file_of
 from chromanoise.cli.copying import print_copy
+from chromanoise.cli.cube_options import cube_options, parsed_cube_options
 from chromanoise.cli.options import (
     WHOLE,
     copy_option,
@@ -21,10 +21,9 @@ from chromanoise.cli.options import (
     with_defaults,
 )
 from chromanoise.cli.output import write_json
-from chromanoise.cli.parsing import command, pair
+from chromanoise.cli.parsing import command
 from chromanoise.cli.progress import progress_of
 from chromanoise.denoising import DENOISING
-from chromanoise.errors import InputError
 from chromanoise.exposure import conditions
 from chromanoise.imaging import DEMOSAICING, Work
 from chromanoise.imaging.capture import any_picture, is_held
@@ -96,17 +95,7 @@ from chromanoise.study import (
     metavar="NAME[,NAME...]",
     help=f"File formats: {', '.join(FORMATS)}. [default: png,xyz, and raw,dng of a mosaic]",
 )
-@click.option("--key", help="Name of the array in a MAT, NPZ, HDF5, NetCDF or Zarr cube.")
-@click.option("--shape", metavar="ROWSxCOLUMNS", help="Shape of a cube stored as a 2-D array.")
-@click.option(
-    "--wavelengths",
-    metavar="FIRST:LAST|FILE",
-    help="Wavelengths of the bands, if the cube does not declare them: evenly spaced [nm], or a "
-    "text file that lists one per band (nm, or the unit in its heading).",
-)
-@click.option(
-    "--scale", "scale", type=float, help="Reflectance per stored unit of the cube, e.g. 0.0001."
-)
+@cube_options
 @click.option(
     "--bad-pixels",
     type=click.Choice(["refuse", "zero"]),
@@ -200,23 +189,9 @@ def _taken(
 def _parsed(settings: dict[str, Any]) -> dict[str, Any]:
     """The options that are text of several values."""
     formats = settings["formats"]
-    return {
-        "shape": pair("--shape", settings["shape"], "x", int),
-        "wavelengths": _wavelengths(settings["wavelengths"]),
-        "formats": None if formats is None else formats.split(","),
+    return parsed_cube_options(settings) | {
+        "formats": None if formats is None else formats.split(",")
     }
-
-
-def _wavelengths(text: str | None) -> tuple[float, float] | str | None:
-    """The two ends of an even series, or the name of a file."""
-    try:
-        return pair("--wavelengths", text, ":", float)
-    except InputError:
-        if text and file_of(text).exists():
-            return text
-        raise InputError(
-            "--wavelengths", "must be FIRST:LAST in nm, or a file that lists them", value=text
-        ) from None
 
 
 def _line(taken: TakenPicture, out: Path) -> str:

@@ -18,9 +18,8 @@ from chromanoise.denoising.planes import NoisyPlanes
 
 LEAST_SNR = 15.0
 """Least power SNR of a pixel, of the component of most signal, for which patches are compared."""
-_PATCHES = np.float32(1 / 3)
-"""Weight of `patches`: more costs flat areas, less costs texture."""
 _HALF = np.float32(0.5)
+"""Weight of each estimate: more for `patches` costs flat areas, more for `guided` texture."""
 
 
 def denoise(planes: NoisyPlanes) -> Float32[Array, "h w p"]:
@@ -42,7 +41,7 @@ def denoise(planes: NoisyPlanes) -> Float32[Array, "h w p"]:
     if planes.components()[1][0] < LEAST_SNR:
         wide = guided_estimate(planes, WIDE)
         return _HALF * guided + _HALF * wide
-    return guided + _PATCHES * (patches.denoise(planes) - guided)
+    return _HALF * guided + _HALF * patches.denoise(planes)
 
 
 AGGREGATE = DenoisingMethod(

@@ -10,18 +10,22 @@ from chromanoise.errors import InputError
 from chromanoise.imaging import png_bytes
 from chromanoise.report.templates import filled_template
 
-_COLUMNS: tuple[tuple[str, str, Callable[[BenchmarkCell], float | None], int], ...] = (
-    ("CIEDE2000", "mean", lambda cell: cell.quality.ciede2000_mean, 2),
-    ("", "95 %", lambda cell: cell.quality.ciede2000_p95, 2),
-    ("S-CIELAB", "mean", lambda cell: cell.quality.scielab_mean, 2),
-    ("to true color", "mean CIEDE2000", lambda cell: cell.true_ciede2000_mean, 2),
-    ("PSNR", "dB", lambda cell: cell.quality.psnr_db, 2),
-    ("SSIM", "", lambda cell: cell.quality.ssim, 3),
-    ("SNR of Y", "dB, lost detail counts as noise", lambda cell: cell.snr_y_db, 1),
-    ("flats: SNR of Y", "dB", lambda cell: None if cell.flats is None else cell.flats.snr_y_db, 1),
-    ("edge rise", "px, 10 to 90 %", lambda cell: cell.rise_px, 2),
-    ("time", "s", lambda cell: cell.seconds, 2),
+Value = Callable[[BenchmarkCell], float | None]
+
+_COLUMNS: tuple[tuple[str, str, Value, int, int], ...] = (  # name, unit, value, digits, best is
+    ("CIEDE2000", "mean", lambda cell: cell.quality.ciede2000_mean, 2, -1),
+    ("CIEDE2000", "95 %", lambda cell: cell.quality.ciede2000_p95, 2, -1),
+    ("S-CIELAB", "mean", lambda cell: cell.quality.scielab_mean, 2, -1),
+    ("to true color", "CIEDE2000", lambda cell: cell.true_ciede2000_mean, 2, -1),
+    ("false color at edges", "Delta C", lambda cell: _false_color(cell), 2, -1),
+    ("PSNR", "dB", lambda cell: cell.quality.psnr_db, 2, 1),
+    ("SSIM", "", lambda cell: cell.quality.ssim, 3, 1),
+    ("SNR of Y with lost detail", "dB", lambda cell: cell.snr_y_db, 1, 1),
+    ("SNR of Y on flats", "dB", lambda cell: _flat_snr_db(cell), 1, 1),
+    ("edge rise", "px", lambda cell: cell.rise_px, 2, 0),
+    ("time", "s", lambda cell: cell.seconds, 3, 0),
 )
+"""Best is -1 for the least value, 1 for the largest, and 0 where none is marked."""
 
 
 def write_denoising_report(cells: Sequence[BenchmarkCell], folder: Path) -> Path:
@@ -66,10 +70,24 @@ def _page(shown: list[dict[str, object]], cells: Sequence[BenchmarkCell]) -> str
     return filled_template(
         "denoising.html.j2",
         verdicts=verdict_sentences(cells),
-        methods=[(name, DENOISING[name].what) for name in used],
-        columns=[(name, unit) for name, unit, _, _ in _COLUMNS],
+        methods=[(name, DENOISING[name].what, DENOISING[name].baseline) for name in used],
+        columns=[(name, unit) for name, unit, _, _, _ in _COLUMNS],
+        conditions=_conditions(cells),
         places=shown,
         pixels_per_degree=f"{PIXELS_PER_DEGREE:g}",
+    )
+
+
+def _conditions(cells: Sequence[BenchmarkCell]) -> str:
+    """Exposure, light and seed in a sentence."""
+    settings = [cell.settings for cell in cells]
+    times = sorted({f"{one['time_ms']:.4g}" for one in settings}, key=float)
+    seeds = sorted({str(cell.seed) for cell in cells}, key=int)
+    first = settings[0]
+    return (
+        f"Illuminant {first['illuminant']}, f/{first['f_number']:g}, {' or '.join(times)} ms, "
+        f"{first['matrix']} matrix, read noise {first['read_noise_e']:g} e-, noise seed "
+        f"{', '.join(seeds)}."
     )
 
 
@@ -87,11 +105,29 @@ def _shown(
             ("without noise", f"{stem}-reference.png"),
             *((_name(cell), _file(stem, cell)) for cell in cells),
         ],
-        "rows": [
-            (_name(cell), [_text(of(cell), digits) for _, _, of, digits in _COLUMNS])
-            for cell in cells
-        ],
+        "rows": _rows(cells),
     }
+
+
+def _rows(cells: Sequence[BenchmarkCell]) -> list[tuple[str, list[tuple[str, bool]]]]:
+    """Per method its name, and of each column the text and whether it is the best."""
+    texts = []
+    for _, _, value, digits, better in _COLUMNS:
+        found = [value(cell) for cell in cells]
+        known = [one * better for one in found if one is not None]
+        is_best = [one is not None and better != 0 and one * better == max(known) for one in found]
+        texts.append(list(zip([_text(one, digits) for one in found], is_best, strict=True)))
+    return [(_name(cell), [column[i] for column in texts]) for i, cell in enumerate(cells)]
+
+
+def _flat_snr_db(cell: BenchmarkCell) -> float | None:
+    """SNR of Y on the flat regions, if the scene has some. [dB]"""
+    return None if cell.flats is None else cell.flats.snr_y_db
+
+
+def _false_color(cell: BenchmarkCell) -> float | None:
+    """Mean error of chroma near edges."""
+    return None if cell.quality.false_color is None else cell.quality.false_color.near_edges
 
 
 def _name(cell: BenchmarkCell) -> str:

@@ -438,7 +438,7 @@ def _refuse_idle_without_sensor(settings: Settings, matrix: str) -> None:
             "must be given only with a sensor, which gives light and color",
             value=value,
             found="there is none",
-            remedy=(Setting("sensor"), f"omit {name}"),
+            remedy=(Setting("sensor"), Setting(name, omit=True)),
             setting=known.get(name, ("matrices",))[0].replace("*", "0"),
         )
         for name, value in idle.items()

@@ -16,11 +16,12 @@ from chromanoise.denoising import (
     benchmark_scene,
     denoising_named,
 )
+from chromanoise.errors import InputError, Setting
 from chromanoise.exposure import Exposure, OperatingPoint, time_to_saturation
-from chromanoise.imaging.render import ALL_CORES
+from chromanoise.imaging.render import ALL_CORES, mosaic_of
 from chromanoise.imaging.work import Work
 from chromanoise.scene import flat_field
-from chromanoise.sensor import mosaic_named
+from chromanoise.sensor import Sensor, mosaic_named
 from chromanoise.spectra import DEFAULT_GRID, equal_energy
 
 BENCHMARK_CAMERAS = (
@@ -65,22 +66,45 @@ def benchmark_camera(name: str, *, level_lux: float, demosaic: str = "bilinear")
     Above, it is the longest time at which nothing saturates, so that 100 lx gives the electrons of
     10 lx.
     """
-    sensor_name, _, mosaic = name.partition(":")
+    sensor_name, colon, mosaic = name.partition(":")
     light = equal_energy(DEFAULT_GRID)
     brightest = flat_field(light, level_lux=max(level_lux, _LEVEL_LUX))
     time_s = time_to_saturation(
         brightest, sensor_named("onyx-rgbw"), f_number=_F_NUMBER, share=_SHARE
     )
-    sensor, exposure = sensor_named(sensor_name), Exposure(time_s=time_s, f_number=_F_NUMBER)
+    sensor, exposure = _complete(sensor_name), Exposure(time_s=time_s, f_number=_F_NUMBER)
+    point = OperatingPoint(sensor=sensor, exposure=exposure, illuminant=light, level_lux=level_lux)
+    own = None if not colon or mosaic == "sensor" else mosaic_named(mosaic)
     return BenchmarkCamera(
         name=name,
-        point=OperatingPoint(
-            sensor=sensor, exposure=exposure, illuminant=light, level_lux=level_lux
-        ),
+        point=point,
         matrix=kernel_matrix(sensor, exposure),
-        mosaic=mosaic_named(mosaic) if mosaic else None,
+        mosaic=mosaic_of(point, own) if colon else None,
         demosaic=demosaic,
     )
+
+
+def _complete(name: str) -> Sensor:
+    """A sensor of the catalog that needs no setting beside its name.
+
+    Raises
+    ------
+    InputError
+        If there is none with this name, or it needs another setting.
+    """
+    try:
+        return sensor_named(name)
+    except InputError as error:
+        needed = [one.name for one in error.remedy if isinstance(one, Setting)]
+        if not needed:
+            raise
+        raise InputError(
+            f"sensor {name}",
+            "must be known by its name alone in the benchmark",
+            value=name,
+            found=f"needs {', '.join(needed)}",
+            remedy=f"take another sensor, e.g. {', '.join(BENCHMARK_CAMERAS[:3])}",
+        ) from None
 
 
 def denoising_benchmark(
