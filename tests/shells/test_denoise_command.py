@@ -108,7 +108,10 @@ def test_s_and_o_of_two_channels_give_the_variance_of_their_codes():
 def test_without_an_illuminance_the_chart_has_the_mean_of_the_picture():
     (point,) = operating_points_of(cn.study_from_data({"sensors": [{"name": SENSOR}]}))
     raw_e = np.random.default_rng(1).random((8, 12), np.float32) * 300
-    scaled = at_brightness(point, mosaic_named("bayer"), raw_e)
+    profile = dict.fromkeys("RGB", (1e-4, 1e-6))
+    levels = {"black_level_dn": 0, "white_level_dn": 1000}
+    noise = code_noise_of_profile(profile, tuple("RGB"), source="a file", **levels)
+    scaled = at_brightness(point, mosaic_named("bayer"), raw_e, noise)
     red, green, blue = chart_electrons(scaled).mean(axis=0)
     assert (red + 2 * green + blue) / 4 == pytest.approx(raw_e.mean(), rel=1e-6)
 
@@ -165,6 +168,24 @@ def test_a_wrong_gain_is_reported(done, tmp_path):
     assert any("smoothest" in note for note in wrong["notes"])
     assert all(0.9 < value < 1.1 for value in right["measured_noise"].values())
     assert all(value < 0.75 for value in wrong["measured_noise"].values())
+
+
+@pytest.mark.parametrize("method", ["lmmse", "guided"])
+@pytest.mark.parametrize("sensor", [None, SENSOR])
+@pytest.mark.parametrize("seed", range(4))
+def test_a_dark_picture_is_denoised_to_about_black(seed, sensor, method):
+    settings = {"mosaic": "RG/GB", "gain_dn_per_e": 0.5, "read_noise_e": 5.0, "time_ms": 12.0}
+    result = cn.denoise(
+        flat(0, seed=seed), unit="DN", method=method, sensor=sensor, black_level=100, **settings
+    )
+    assert np.isfinite(result.values_e).all()
+    assert np.abs(result.values_e).max() < 2.5
+
+
+def test_a_picture_below_black_is_refused():
+    settings = {"mosaic": "RG/GB", "gain_dn_per_e": 0.5, "read_noise_e": 5.0}
+    with refused_input(setting="black_level"):
+        cn.denoise(flat(0) - 2, unit="DN", black_level=100, **settings)
 
 
 def test_saturated_pixels_keep_their_code_and_are_counted(tmp_path):

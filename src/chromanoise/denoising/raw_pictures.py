@@ -29,6 +29,8 @@ _ROWS = 256
 _BLOCK = 16
 """Rows and columns of a block of a plane in which noise is measured. [pixels]"""
 _FEWEST_BLOCKS = 20
+_FURTHEST = 5.0
+"""Standard errors by which the mean of a picture may be below black."""
 _TENTH_Z = -1.2816
 """The value below which a tenth of a standard normal distribution lies."""
 _DIFFERENCE_POWER = 36.0
@@ -65,7 +67,10 @@ class DenoisedRaw:
 
 
 def at_brightness(
-    operating_point: OperatingPoint, mosaic: Mosaic, raw_e: Float32[Array, "h w"]
+    operating_point: OperatingPoint,
+    mosaic: Mosaic,
+    raw_e: Float32[Array, "h w"],
+    noise: CodeNoise,
 ) -> OperatingPoint:
     """The operating point at which the ColorChecker has the mean of a picture.
 
@@ -77,15 +82,18 @@ def at_brightness(
         The channel of each pixel.
     raw_e
         The picture. [e-]
+    noise
+        Of the picture. Its standard error is the least mean that is used.
 
     Raises
     ------
     InputError
-        If the mean of the picture is not above 0, or as `planes_of_mosaic`.
+        If the mean of the picture is further below 0 than noise explains, or as
+        `planes_of_mosaic`.
     """
     channels = channel_tile(mosaic, operating_point.sensor.names).ravel()
     chart = chart_electrons(operating_point)[:, channels].mean()
-    scale = _mean_above_black(raw_e) / float(chart)
+    scale = _mean_above_black(raw_e, noise)[0] / float(chart)
     return replace(operating_point, level_lux=operating_point.level_lux * scale)
 
 
@@ -104,17 +112,18 @@ def neutral_planes(raw_e: Float32[Array, "h w"], mosaic: Mosaic, noise: CodeNois
     Raises
     ------
     InputError
-        If the mean of the picture is not above 0, or the mosaic has other channels than the noise.
+        If the mean of the picture is further below 0 than noise explains, or the mosaic has other
+        channels than the noise.
 
     Notes
     -----
-    The prior mean is that of each plane. Each plane varies by 0.6 of its mean, and two channels
+    The prior mean is that of each plane, at least its standard error in the dark. Each plane varies by 0.6 of its mean, and two channels
     have a correlation of 0.9, about as the ColorChecker. Neighbors are as in `planes_of_mosaic`.
     """
-    _mean_above_black(raw_e)
+    _, error_e = _mean_above_black(raw_e, noise)
     tile = channel_tile(mosaic, noise.names)
     planes_e, channels = packed(raw_e, tile)
-    mean = np.maximum(planes_e.mean(axis=(0, 1), dtype=np.float64), 0.0)
+    mean = np.maximum(planes_e.mean(axis=(0, 1), dtype=np.float64), error_e)
     same = np.equal.outer(channels, channels)
     alike = np.where(same, 1.0, _CHANNELS) * place_correlation(tile)
     zeros = np.zeros(len(channels))
@@ -290,14 +299,22 @@ def measured_noise_ratio(planes: NoisyPlanes, omitted: Bool[Array, "h w p"]) -> 
     )
 
 
-def _mean_above_black(raw_e: Float32[Array, "h w"]) -> float:
+def _mean_above_black(raw_e: Float32[Array, "h w"], noise: CodeNoise) -> tuple[float, float]:
+    """Mean of a picture, at least its standard error in the dark, and that error. [e-]
+
+    Raises
+    ------
+    InputError
+        If the mean is further below 0 than 5 standard errors and half a code.
+    """
     mean = float(raw_e.mean(dtype=np.float64))
-    if not mean > 0:
+    error_e = math.sqrt(float(noise.floor_e2.max()) / raw_e.size)
+    if mean < -_FURTHEST * error_e - noise.gain_e_per_dn / 2 or not max(mean, error_e) > 0:
         raise InputError(
             "mean of the picture",
-            "must be above the black level, because a picture without light has nothing to keep",
+            "must not be below the black level by more than noise explains",
             value=mean,
-            found=f"is {mean:.4g} e- from the black level",
+            found=f"is {mean:.4g} e- from it",
             remedy=Setting("black_level"),
         )
-    return mean
+    return max(mean, error_e), error_e

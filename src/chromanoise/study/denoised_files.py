@@ -699,7 +699,7 @@ def denoised_picture(plan: DenoisingPlan, *, work: Work = ALL_CORES) -> Denoised
         raw_e = first.values_e
     point = plan.operating_point
     if point is not None and not plan.is_bright:
-        point = at_brightness(point, mosaic, raw_e)
+        point = at_brightness(point, mosaic, raw_e, noise)
     others = (
         (
             one.values_e if isinstance(one, Electrons) else noise.electrons(_codes(one, plan.bits)),
