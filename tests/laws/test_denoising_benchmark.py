@@ -64,6 +64,14 @@ def test_flats_and_edges_are_measured_where_the_scene_has_them(cells):
     assert edge.rise_px == pytest.approx(0.86, abs=0.3)
 
 
+def test_a_method_without_error_does_not_beat_a_baseline_without_error(cells):
+    none = {"ciede2000_mean": 0.0, "scielab_mean": 0.0}
+    exact = [replace(cell, quality=replace(cell.quality, **none)) for cell in cells[:1]]
+    both = [replace(exact[0], method=name) for name in ("guided", "nlm")]
+    found = verdict(both, "guided")
+    assert (found.won, found.worst_ratio) == (0, 1.0)
+
+
 def test_a_number_that_is_not_finite_is_null(cells):
     quality = replace(cells[0].quality, psnr_db=inf)
     assert replace(cells[0], quality=quality).record["psnr"] is None

@@ -487,7 +487,7 @@ def verdict(cells: Iterable[BenchmarkCell], method: str) -> Verdict:
         ]
         if method in errors and others:
             best = np.min(others, axis=0)
-            ratios[place] = float(np.max(np.divide(errors[method], best)))
+            ratios[place] = max(map(_ratio, errors[method].tolist(), best.tolist()))
     if not ratios:
         raise InputError(
             "cells", f"must hold the method {method} and a baseline", value=method, found="do not"
@@ -500,6 +500,13 @@ def verdict(cells: Iterable[BenchmarkCell], method: str) -> Verdict:
         worst_ratio=ratios[worst],
         worst=worst,
     )
+
+
+def _ratio(error: float, best: float) -> float:
+    """An error over that of the best baseline; 1 where both are 0."""
+    if best > 0:
+        return error / best
+    return inf if error > 0 else 1.0
 
 
 def verdict_sentences(cells: Iterable[BenchmarkCell]) -> tuple[str, ...]:
@@ -522,8 +529,8 @@ def verdict_sentences(cells: Iterable[BenchmarkCell]) -> tuple[str, ...]:
         out.append(
             f"{name} has a lower mean CIEDE2000 and a lower mean S-CIELAB than every baseline in "
             f"{found.won} of {found.places} combinations of scene, sensor and light level "
-            f"({100 * found.share:.0f} %); in its worst one its error is "
-            f"{found.worst_ratio:.2f} times that of the best baseline ({scene}, {sensor}, {lux:g} lx)."
+            f"({100 * found.share:.0f} %); in its worst one ({scene}, {sensor}, {lux:g} lx) its "
+            f"error is {found.worst_ratio:.2f} times that of the best baseline."
         )
     return tuple(out)
 
