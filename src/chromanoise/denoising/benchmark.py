@@ -505,7 +505,8 @@ def verdict_sentences(cells: Iterable[BenchmarkCell]) -> tuple[str, ...]:
             f"{name} has a lower mean CIEDE2000 and a lower mean S-CIELAB than every baseline in "
             f"{found.won} of {found.places} combinations of scene, sensor and light level "
             f"({100 * found.share:.0f} %); in its worst one its error is "
-            f"{found.worst_ratio:.2f} times that of the best baseline ({scene}, {sensor}, {lux:g} lx)."
+            f"{found.worst_ratio:.2f} times that of the best baseline "
+            f"({scene}, {sensor}, {lux:g} lx)."
         )
     return tuple(out)
 
