@@ -529,8 +529,9 @@ def verdict_sentences(cells: Iterable[BenchmarkCell]) -> tuple[str, ...]:
         out.append(
             f"{name} has a lower mean CIEDE2000 and a lower mean S-CIELAB than every baseline in "
             f"{found.won} of {found.places} combinations of scene, sensor and light level "
-            f"({100 * found.share:.0f} %); in its worst one ({scene}, {sensor}, {lux:g} lx) its "
-            f"error is {found.worst_ratio:.2f} times that of the best baseline."
+            f"({100 * found.share:.0f} %); in its worst one its error is "
+            f"{found.worst_ratio:.2f} times that of the best baseline "
+            f"({scene}, {sensor}, {lux:g} lx)."
         )
     return tuple(out)
 

@@ -117,8 +117,9 @@ def neutral_planes(raw_e: Float32[Array, "h w"], mosaic: Mosaic, noise: CodeNois
 
     Notes
     -----
-    The prior mean is that of each plane, at least its standard error in the dark. Each plane varies by 0.6 of its mean, and two channels
-    have a correlation of 0.9, about as the ColorChecker. Neighbors are as in `planes_of_mosaic`.
+    The prior mean is that of each plane, at least its standard error in the dark. Each plane varies
+    by 0.6 of its mean, and two channels have a correlation of 0.9, about as the ColorChecker.
+    Neighbors are as in `planes_of_mosaic`.
     """
     _, error_e = _mean_above_black(raw_e, noise)
     tile = channel_tile(mosaic, noise.names)
