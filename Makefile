@@ -46,6 +46,7 @@ bench: $(VENV)/.bench
 	$(BIN)/python benchmarks/whole_pixel.py
 	$(BIN)/python benchmarks/separation.py
 	$(BIN)/python benchmarks/design.py
+	$(BIN)/python benchmarks/denoising.py
 	$(BIN)/python benchmarks/imaging.py --write
 	$(BIN)/python benchmarks/startup.py --write
 	$(BIN)/python benchmarks/page.py --write
