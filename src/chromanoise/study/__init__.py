@@ -43,16 +43,11 @@ if TYPE_CHECKING:
     )
     from chromanoise.study.denoised_files import (
         DenoisedPicture,
-        DenoisingPlan,
-        Electrons,
         denoised_picture,
-        electrons_of_array,
-        frame_of_array,
-        frames_of_pictures,
-        prepared_denoising,
         refuse_other_denoised,
         write_denoised,
     )
+    from chromanoise.study.denoising_plan import DenoisingPlan, prepared_denoising
     from chromanoise.study.document import (
         MOST_SENSORS,
         OutputsPart,
@@ -72,6 +67,12 @@ if TYPE_CHECKING:
         TakenPicture,
         prepared_cameras,
         taken_pictures,
+    )
+    from chromanoise.study.raw_inputs import (
+        Electrons,
+        electrons_of_array,
+        frame_of_array,
+        frames_of_pictures,
     )
     from chromanoise.study.reading import (
         beside_file,

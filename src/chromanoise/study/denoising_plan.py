@@ -1,0 +1,480 @@
+"""What a raw picture of another camera is denoised with: its noise, mosaic and sensor.
+
+Nothing is assumed of a camera: black level, mosaic, gain and read noise come from the options, the
+sensor, the pixel or the file, and what is missing is an error.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from chromanoise import __version__, _check
+from chromanoise.analysis import DEFAULT_METHOD
+from chromanoise.analysis.color_matrices import MatrixMaker
+from chromanoise.catalog import converter_of, is_assumed, read_pixel_source
+from chromanoise.catalog.resolve import file_of
+from chromanoise.denoising import (
+    CodeNoise,
+    DenoisingMethod,
+    code_noise,
+    code_noise_of_profile,
+    denoising_named,
+)
+from chromanoise.errors import InputError, Setting, refusal
+from chromanoise.exposure import OperatingPoint
+from chromanoise.imaging.demosaic import channel_tile
+from chromanoise.imaging.render import mosaic_of
+from chromanoise.io.frames import Frame
+from chromanoise.noise import NoiseSources, noise_sources
+from chromanoise.sensor import (
+    Converter,
+    Mosaic,
+    mosaic_named,
+    refuse_summed_readings,
+)
+from chromanoise.study.assembly import (
+    NOTHING_GIVEN,
+    Given,
+    keyed,
+    makers_of,
+    operating_points_of,
+)
+from chromanoise.study.document import Study
+from chromanoise.study.hashes import digests_of, study_as_json
+from chromanoise.study.raw_inputs import Electrons
+from chromanoise.study.settings import FUNCTIONS, Settings, denoise_study
+
+MONOCHROME = "none"
+"""The mosaic of a sensor without color filters."""
+
+_WITHOUT_SENSOR = (
+    *("pixel", "read_noise_e", "gain_dn_per_e", "prnu", "dsnu_e", "row_noise_e"),
+    *("dark_current_e_per_s", "time_ms", "bits", "black_level", "mosaic"),
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class DenoisingPlan:
+    """A picture to be denoised, with all that is known of it; checked.
+
+    Attributes
+    ----------
+    pictures
+        Frames of files, or electrons; several are a burst.
+    study
+        Settings.
+    operating_point
+        Sensor and light; ``None`` if only the pixel is known.
+    maker
+        Color matrix; ``None`` without a sensor.
+    mosaic
+        The channel of each pixel.
+    noise
+        Scale and noise of the codes.
+    bits
+        Bits of the codes, if they are known.
+    is_bright
+        Whether the illuminance is given. Otherwise it is that at which the mean of the ColorChecker
+        is the mean of the picture.
+    method
+        Of `DENOISING`.
+    notes
+        On what was used.
+    """
+
+    pictures: tuple[Frame, ...] | tuple[Electrons, ...]
+    study: Study
+    operating_point: OperatingPoint | None
+    maker: MatrixMaker | None
+    mosaic: Mosaic
+    noise: CodeNoise
+    bits: int | None
+    is_bright: bool
+    method: DenoisingMethod
+    notes: tuple[str, ...]
+
+    @property
+    def stem(self) -> str:
+        """Name of the output files without their endings."""
+        first = self.pictures[0]
+        return first.path.stem if isinstance(first, Frame) else first.name
+
+    def _settings(self) -> dict[str, Any]:
+        """The settings that take part; ``None`` where the file or the picture gives the value."""
+        study = study_as_json(self.study)
+        alone = self.operating_point is None
+        used = {
+            name: _value_at(study, keys[0])
+            for name, keys in FUNCTIONS["denoise"].items()
+            if not alone or name in _WITHOUT_SENSOR
+        }
+        if used["mosaic"] == "sensor":
+            used["mosaic"] = None
+        if alone:
+            return used
+        if not self.is_bright:
+            used["lux"] = None
+        return {"sensor": self.study.sensors[0].name, "matrix": self.study.matrices[0]} | used
+
+    def record(self) -> dict[str, Any]:
+        """What decides the result, as plain data: version, settings and the bytes of the files."""
+        files = [one.path for one in self.pictures if isinstance(one, Frame)]
+        existing = [path for path in files if path.is_file()]
+        return {
+            "version": __version__,
+            "settings": self._settings(),
+            "bits": self.bits,
+            "pictures": [
+                one.name if isinstance(one, Frame) else self.stem for one in self.pictures
+            ],
+            "sha256": digests_of(existing),
+            "method": self.method.name,
+            "noise": self.noise.to_dict(),
+        }
+
+
+def _value_at(data: Any, key: str) -> Any:
+    """The value of a key of a study with one sensor; ``None`` if it has none."""
+    for step in key.replace("*", "0").split("."):
+        data = data[int(step)] if isinstance(data, list) else (data or {}).get(step)
+    return data
+
+
+def prepared_denoising(
+    pictures: tuple[Frame, ...] | tuple[Electrons, ...],
+    sensor: str | None,
+    settings: Settings,
+    *,
+    method: str,
+    matrix: str = DEFAULT_METHOD,
+    white_level: float | None = None,
+    given: Given = NOTHING_GIVEN,
+) -> DenoisingPlan:
+    """What is known of a picture, checked before any computation.
+
+    Parameters
+    ----------
+    pictures
+        Of one scene.
+    sensor
+        Name of the catalog, or file; ``None`` if only the pixel or a noise profile is known.
+    settings
+        By the names of `DenoiseSettings`.
+    method
+        Of `DENOISING`.
+    matrix
+        Of the color.
+    white_level
+        Code from which on pixels are saturated; that of the file, or the largest code of its bits,
+        if ``None``. [DN]
+    given
+        Sensors and illuminants as objects.
+
+    Raises
+    ------
+    InputError
+        If a setting is wrong or without effect, or mosaic, black level or noise are not known.
+
+    Notes
+    -----
+    The noise is that of the pixel where its gain is known: dark electrons, readout, rounding,
+    DSNU, row noise and PRNU, as `noise_sources`. Otherwise it is the noise profile of the file.
+    Mosaic and black level are as given, else of the file, else of the sensor or pixel. An exposure
+    time that is not given is that of the file.
+    """
+    chosen = denoising_named(method)
+    first = pictures[0]
+    facts = first if isinstance(first, Frame) else None
+    settings = {name: value for name, value in settings.items() if value is not None}
+    if sensor is None:
+        _refuse_idle_without_sensor(settings, matrix)
+    if (
+        facts is not None
+        and facts.time_ms is not None
+        and not {"time_ms", "saturate"} & {*settings}
+    ):
+        settings["time_ms"] = facts.time_ms
+    study = denoise_study(sensor or "", settings, matrix=matrix)
+    point, maker, mosaic = None, None, _mosaic(study, facts)
+    if sensor is not None:
+        (point,) = operating_points_of(study, given)
+        ((_, maker),) = makers_of(study).items()
+        with keyed("pictures.0.mosaic", str):
+            mosaic = _mosaic_of_sensor(point, mosaic, monochrome=_part(study) == MONOCHROME)
+        pixel = _pixel_of_sensor(point, timed="time_ms" in settings)
+    else:
+        pixel = _pixel_of_part(study)
+    bits = pixel.converter.bits or (facts.bits if facts is not None else None)
+    black, white = _levels(pixel, study, facts, bits, white_level)
+    missing = _missing(pixel, study, first, mosaic, black, white)
+    if mosaic is None or missing:
+        raise refusal(missing)
+    names = mosaic.names if point is None else point.sensor.names
+    if isinstance(first, Frame):
+        noise, notes = _noise_of_codes(pixel, names, study, first, black, white)
+    else:
+        noise, notes = _noise_of_electrons(pixel, names, study, white_level), []
+    channel_tile(mosaic, noise.names)
+    return DenoisingPlan(
+        pictures=pictures,
+        study=study,
+        operating_point=point,
+        maker=maker,
+        mosaic=mosaic,
+        noise=noise,
+        bits=bits,
+        is_bright="lux" in settings,
+        method=chosen,
+        notes=(*notes, *(() if point is None else point.sensor.notes)),
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Pixel:
+    """What is known of the pixel.
+
+    Attributes
+    ----------
+    sources
+        Its noise, rounding not included; ``None`` if the read noise is not known.
+    converter
+        Its converter.
+    source
+        Where both come from.
+    """
+
+    sources: NoiseSources | None
+    converter: Converter
+    source: str
+
+
+def _part(study: Study) -> str:
+    return study.pictures[0].mosaic or ""
+
+
+def _mosaic(study: Study, facts: Frame | None) -> Mosaic | None:
+    """The mosaic as given, or else as the file states it."""
+    word = _part(study)
+    if word == MONOCHROME:
+        return Mosaic((("gray",),))
+    if word != "sensor":
+        with keyed("pictures.0.mosaic", str):
+            return mosaic_named(word)
+    return None if facts is None else facts.mosaic
+
+
+def _mosaic_of_sensor(point: OperatingPoint, mosaic: Mosaic | None, *, monochrome: bool) -> Mosaic:
+    names = point.sensor.names
+    if monochrome and len(names) > 1:
+        raise InputError(
+            "mosaic",
+            "must not be none for a sensor of several channels",
+            value=MONOCHROME,
+            found=f"{point.sensor.name} has {', '.join(names)}",
+        )
+    if monochrome or (mosaic is None and len(names) == 1):
+        return Mosaic((names,))
+    found = mosaic_of(point, mosaic)
+    channel_tile(found, names)
+    return found
+
+
+def _refuse_idle_without_sensor(settings: Settings, matrix: str) -> None:
+    known = FUNCTIONS["denoise"]  # other names are refused as unknown
+    idle = {
+        name: value
+        for name, value in settings.items()
+        if name in known and name not in _WITHOUT_SENSOR
+    }
+    idle |= {} if matrix == DEFAULT_METHOD else {"matrix": matrix}
+    errors = [
+        InputError(
+            name,
+            "must be given only with a sensor, which gives light and color",
+            value=value,
+            found="there is none",
+            remedy=(Setting("sensor"), Setting(name, omit=True)),
+            setting=known.get(name, ("matrices",))[0].replace("*", "0"),
+        )
+        for name, value in idle.items()
+    ]
+    if errors:
+        raise refusal(errors)
+
+
+def _pixel_of_sensor(point: OperatingPoint, *, timed: bool) -> _Pixel:
+    sensor = point.sensor
+    refuse_summed_readings(sensor)
+    _demand_time(sensor.pixel.dark_current_e_per_s, timed=timed)
+    known = not is_assumed(sensor, "read_noise_e")
+    return _Pixel(
+        sources=noise_sources(sensor, point.exposure) if known else None,
+        converter=sensor.converter,
+        source=f"pixel of {sensor.name}",
+    )
+
+
+def _pixel_of_part(study: Study) -> _Pixel:
+    part, time_ms = study.sensors[0].pixel, study.exposure.time_ms
+    source = None if part.file is None else read_pixel_source(file_of(part.file))
+    converter = Converter() if source is None else converter_of(source)
+    if part.gain_dn_per_e is not None:
+        converter = replace(converter, gain_e_per_dn=1 / part.gain_dn_per_e)
+    if part.bits is not None:
+        converter = replace(converter, bits=part.bits)
+
+    def value(name: str) -> float | None:
+        own: float | None = getattr(part, name)
+        return own if own is not None else getattr(source, name, None)
+
+    where = "pixel as given" if source is None else f"pixel of {source.source}"
+    read_noise_e, dark = value("read_noise_e"), value("dark_current_e_per_s") or 0.0
+    if read_noise_e is None:
+        return _Pixel(sources=None, converter=converter, source=where)
+    _demand_time(dark, timed=time_ms is not None)
+    rest = {name: value(name) or 0.0 for name in ("row_noise_e", "dsnu_e", "prnu")}
+    sources = NoiseSources(read_noise_e=read_noise_e, dark_e=dark * 1e-3 * (time_ms or 0.0), **rest)
+    return _Pixel(sources=sources, converter=converter, source=where)
+
+
+def _demand_time(dark_current_e_per_s: float, *, timed: bool) -> None:
+    if dark_current_e_per_s and not timed:
+        raise InputError(
+            "time_ms",
+            "must be given for a pixel with dark current, because the file does not state it",
+            value=None,
+            found=f"the pixel has {dark_current_e_per_s:g} e-/s",
+            remedy=Setting("time_ms"),
+        )
+
+
+def _levels(
+    pixel: _Pixel,
+    study: Study,
+    facts: Frame | None,
+    bits: int | None,
+    white_level: float | None,
+) -> tuple[float | None, float | None]:
+    """Black and white level; ``None`` where one is not known. [DN]"""
+    if white_level is not None:
+        _check.positive("white_level", "DN", white_level)
+    own = (None, None) if facts is None else (facts.black_level_dn, facts.white_level_dn)
+    blacks = (study.pictures[0].black_level, own[0], pixel.converter.black_level_dn)
+    whites = (white_level, own[1], None if bits is None else 2.0**bits - 1)
+    black, white = (
+        next((float(one) for one in levels if one is not None), None) for levels in (blacks, whites)
+    )
+    return black, white
+
+
+def _missing(
+    pixel: _Pixel,
+    study: Study,
+    first: Frame | Electrons,
+    mosaic: Mosaic | None,
+    black: float | None,
+    white: float | None,
+) -> list[InputError]:
+    """An error for each quantity that must be given."""
+    lacking: dict[str, str] = {}
+    if mosaic is None:
+        lacking["mosaic"] = (
+            "the file does not state it: rows, e.g. RG/GB, or none for a monochrome sensor"
+        )
+    unknown = {
+        "gain_dn_per_e": isinstance(first, Frame) and pixel.converter.gain_e_per_dn is None,
+        "read_noise_e": pixel.sources is None,
+    }
+    profile, reason = None, "neither the picture nor a pixel states it"
+    if isinstance(first, Frame):
+        if black is None:
+            lacking["black_level"] = f"neither {first.name} nor the pixel states it"
+        profile, part = first.noise_profile, study.sensors[0].pixel
+        if part.gain_dn_per_e is not None and unknown["read_noise_e"]:
+            profile, reason = None, "the gain K is given, and the noise needs both"
+        if part.read_noise_e is not None and unknown["gain_dn_per_e"]:
+            profile, reason = None, "the read noise is given, and the noise needs both"
+    if profile is None:
+        lacking |= {name: reason for name, absent in unknown.items() if absent}
+    elif white is None and any(unknown.values()):
+        lacking["white_level"] = "the NoiseProfile of the file is relative to it"
+    pixels = (Setting("pixel"),)
+    return [
+        InputError(
+            name,
+            f"must be given, because {text}",
+            value=None,
+            remedy=(Setting(name), *(pixels if name in unknown else ())),
+        )
+        for name, text in lacking.items()
+    ]
+
+
+def _noise_of_codes(
+    pixel: _Pixel,
+    names: Sequence[str],
+    study: Study,
+    first: Frame,
+    black: float | None,
+    white: float | None,
+) -> tuple[CodeNoise, list[str]]:
+    """The noise, and notes on what was not used; nothing that it needs is missing."""
+    assert black is not None
+    notes: list[str] = []
+    own = pixel.converter.black_level_dn
+    if own is not None and own != black:
+        notes.append(f"black level {black:g} DN, not {own} DN of the {pixel.source}")
+    if white is None:
+        notes.append("the white level is not known, so no pixel counts as saturated")
+    gain = pixel.converter.gain_e_per_dn
+    if gain is not None and pixel.sources is not None:
+        noise = code_noise(
+            replace(pixel.sources, step_e=gain),
+            names,
+            black_level_dn=black,
+            saturation_dn=white,
+            source=f"{pixel.source}: gain {1 / gain:.4g} DN/e-, "
+            f"read noise {pixel.sources.read_noise_e:.4g} e-",
+        )
+        return noise, notes
+    assert first.noise_profile is not None
+    assert white is not None
+    for name in names:
+        _check.one_of("channel of the sensor", name, tuple(first.noise_profile))
+    if study.sensors[0].pixel.file is not None:
+        lacks = "gain K [DN/e-]" if gain is None else "read noise [e-]"
+        notes.append(f"the {lacks} is not known, so the noise of the {pixel.source} is not used")
+    noise = code_noise_of_profile(
+        first.noise_profile,
+        names,
+        black_level_dn=black,
+        white_level_dn=white,
+        source=f"NoiseProfile of {first.name}",
+    )
+    return noise, notes
+
+
+def _noise_of_electrons(
+    pixel: _Pixel, names: Sequence[str], study: Study, white_level: float | None
+) -> CodeNoise:
+    """The noise of a picture in electrons: nothing is rounded."""
+    assert pixel.sources is not None
+    for name, value in (
+        ("black_level", study.pictures[0].black_level),
+        ("white_level", white_level),
+    ):
+        if value is not None:
+            raise InputError(
+                name, "must not be given for a picture in electrons", value=value, remedy="omit it"
+            )
+    noise = code_noise(
+        replace(pixel.sources, step_e=1.0),
+        names,
+        black_level_dn=0.0,
+        saturation_dn=None,
+        source=f"{pixel.source}: read noise {pixel.sources.read_noise_e:.4g} e-",
+    )
+    floor = replace(pixel.sources, step_e=0.0).floor_e2()
+    return replace(noise, floor_e2=np.full(len(names), floor))
