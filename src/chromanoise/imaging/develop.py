@@ -1,6 +1,6 @@
 """Development of raw codes to a color image, and the noise of the result."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -11,17 +11,15 @@ from chromanoise._shapes import Float32, UInt8, UInt16
 from chromanoise.color import ColorMatrix, kernel_matrix
 from chromanoise.errors import InputError
 from chromanoise.exposure import OperatingPoint, expected_electrons
-from chromanoise.imaging.blocks import Scratch, new_rows
+from chromanoise.imaging.blocks import Scratch
 from chromanoise.imaging.demosaic import FilterBank
 from chromanoise.imaging.demosaic_noise import demosaicked_covariance, flat_field_noise
 from chromanoise.imaging.plans import color_matrices, srgb_table
-from chromanoise.imaging.render import ALL_CORES, Picture, RawPicture
-from chromanoise.imaging.work import Work, filled
+from chromanoise.imaging.render import ALL_CORES, Picture, RawPicture, filled_colors
+from chromanoise.imaging.work import Work
 from chromanoise.noise import Measurement, noise_sources, through, with_noise
 from chromanoise.scene import Scene
 from chromanoise.sensor import Adc
-
-_BLOCK_ROWS = 64
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -85,11 +83,7 @@ def developed(
         bank=bank,
         matrices=matrices,
     )
-    xyz = new_rows((height, width, 3), np.float32)
-    srgb = new_rows((height, width, 3), np.uint8)
-    rows = work.tile_rows or _BLOCK_ROWS
-    blocks = [(start, min(start + rows, height)) for start in range(0, height, rows)]
-    filled(_developed_block, plan, blocks, (xyz, srgb), replace(work, executor=None))
+    xyz, srgb = filled_colors(_developed_block, plan, height, width, work)
     return Picture(
         operating_point=operating_point,
         matrix=matrix,

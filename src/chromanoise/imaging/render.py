@@ -1,7 +1,7 @@
 """Rendering of a cube by a sensor: a noisy color image, or the raw codes of a mosaic."""
 
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -321,12 +321,8 @@ def colored(
     matrix = matrix or kernel_matrix(point.sensor, point.exposure, observer=point.observer)
     matrices, white = color_matrices(matrix, point)
     height, width, _ = electrons.values_e.shape
-    xyz = new_rows((height, width, 3), np.float32)
-    srgb = new_rows((height, width, 3), np.uint8)
-    rows = work.tile_rows or _COLORED_ROWS
-    blocks = [(start, min(start + rows, height)) for start in range(0, height, rows)]
     plan = (electrons.values_e, matrices)
-    filled(_colored_block, plan, blocks, (xyz, srgb), replace(work, executor=None))
+    xyz, srgb = filled_colors(_colored_block, plan, height, width, work)
     return Picture(
         operating_point=point,
         matrix=matrix,
@@ -340,6 +336,30 @@ def colored(
         clipped=electrons.clipped,
         notes=electrons.notes,
     )
+
+
+def filled_colors(
+    fill: FillBlock, plan: Any, height: int, width: int, work: Work
+) -> tuple[Float32[Array, "h w 3"], UInt8[Array, "h w 3"]]:
+    """New XYZ and sRGB, filled by blocks of rows on threads of this process.
+
+    Parameters
+    ----------
+    fill
+        (plan, start, stop, scratch, xyz, srgb): fills the rows ``start`` to ``stop``.
+    plan
+        What ``fill`` needs.
+    height, width
+        [pixels]
+    work
+        Threads and rows per block.
+    """
+    xyz = new_rows((height, width, 3), np.float32)
+    srgb = new_rows((height, width, 3), np.uint8)
+    rows = work.tile_rows or _COLORED_ROWS
+    blocks = [(start, min(start + rows, height)) for start in range(0, height, rows)]
+    filled(fill, plan, blocks, (xyz, srgb), replace(work, executor=None))
+    return xyz, srgb
 
 
 def _colored_block(
