@@ -11,7 +11,7 @@ from chromanoise._shapes import Integer
 from chromanoise.errors import InputError
 from chromanoise.scene import Cube
 from chromanoise.scene.builtin import SLANTED_EDGES, builtin_cube
-from chromanoise.scene.builtin.checker import GAP_PX, PATCH_PX
+from chromanoise.scene.builtin.checker import PATCH_PX, patch_corners
 from chromanoise.scene.builtin.slanted_edges import Region
 from chromanoise.scene.rows import row_source
 
@@ -104,13 +104,11 @@ def benchmark_scene(
 
 
 def _patches() -> tuple[Region, ...]:
-    """The inner parts of the patches of the chart."""
-    inside = slice(GAP_PX + _MARGIN_PX, GAP_PX + PATCH_PX - _MARGIN_PX)
-    pitch = PATCH_PX + GAP_PX
-    starts = [(pitch * i, pitch * j) for i in range(4) for j in range(6)]
+    """The insides of the patches of the chart."""
+    inside = PATCH_PX - _MARGIN_PX
     return tuple(
-        (slice(y + inside.start, y + inside.stop), slice(x + inside.start, x + inside.stop))
-        for y, x in starts
+        (slice(top + _MARGIN_PX, top + inside), slice(left + _MARGIN_PX, left + inside))
+        for top, left in patch_corners()
     )
 
 
