@@ -397,7 +397,8 @@ def add_groups(
     noisy, pilot
         Values (h w p), and the estimate of step 1, used if ``second``.
     features
-        What tells which patches are similar (q h w), in standard deviations of the noise.
+        Values (q h w) that are compared to find similar patches, in standard deviations of the
+        noise.
     floor, slope, prnu
         Variance of the noise of each plane: floor + slope m + prnu m^2 at a mean m above 0.
     second
