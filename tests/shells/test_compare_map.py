@@ -9,7 +9,6 @@ import pytest
 import chromanoise as cn
 from chromanoise.charts import shown
 from chromanoise.figures import draw_maps, study_figures
-from chromanoise.page.equations import EQUATIONS
 from chromanoise.report import study_report
 from chromanoise.study import study_from_data
 from outcomes import refused
@@ -80,7 +79,7 @@ def test_the_heat_map_of_one_sensor_has_its_values_and_of_two_their_difference()
 def test_the_report_and_the_figures_of_a_study_have_a_heat_map_per_sweep_of_two():
     of = shown(study_from_data(STUDY))
     assert [name for name in study_figures(of) if name.startswith("map")] == ["map-1"]
-    page = study_report(of, EQUATIONS)
+    page = study_report(of)
     assert len(re.findall(r'<img src="data:image/png;base64,[^"]+" alt="Heat map', page)) == 1
     plain = {"sensors": STUDY["sensors"][:1]}
-    assert "Heat map" not in study_report(shown(study_from_data(plain)), EQUATIONS)
+    assert "Heat map" not in study_report(shown(study_from_data(plain)))

@@ -14,10 +14,10 @@ from hypothesis import strategies as st
 
 from chromanoise.analysis import color_snr_db
 from chromanoise.charts import PARTS, drawing, shown
+from chromanoise.charts.explanations import EXPLANATIONS
 from chromanoise.cli.entry import run as run_command
 from chromanoise.figures import study_figures
 from chromanoise.figures.writing import figure_bytes
-from chromanoise.page.equations import EQUATIONS
 from chromanoise.report import sights_of, study_report
 from chromanoise.report.bundle import shortened
 from chromanoise.report.slides import at_value, slides_of
@@ -134,7 +134,7 @@ def test_verdict_tables_equations_and_study_stand_in_the_page_without_a_script(p
     for analysis in there.analyses:
         assert f"{color_snr_db(analysis)['Y']:.1f}" in cells
     words = " ".join(text for _, text in elements.of("div"))
-    for result in EQUATIONS.values():
+    for result in EXPLANATIONS.values():
         assert result["equation"] in words
         assert result["source"] in words
     (_, toml) = elements.of("pre")[0]
@@ -227,7 +227,7 @@ def test_a_saturated_sensor_has_a_report_that_says_so():
     study = study_from_text(
         '[[sensors]]\nname = "onyx-rgb"\n[exposure]\ntime_ms = 500.0', source="t"
     )
-    page = study_report(shown(study), EQUATIONS)
+    page = study_report(shown(study))
     data = block(page)
     assert "saturated" in data["parts"]["head"]["verdict"][0]
     assert data["parts"]["ellipses"]["sensors"][0]["patches"] == []
@@ -251,7 +251,7 @@ FIGURES = ("sensitivities", "comparison", "budget", "ellipses", "pareto")
 
 
 def test_a_rerun_gives_the_same_bytes_of_the_page_and_of_its_figures(folder, page, there):
-    assert study_report(there, EQUATIONS, sights_of(there)) == page
+    assert study_report(there, sights_of(there)) == page
     figures = study_figures(there)
     assert set(figures) == set(FIGURES)
     for name, ending in (("budget", "pdf"), ("ellipses", "svg")):

@@ -11,7 +11,6 @@ from chromanoise.cli.output import write_json
 from chromanoise.cli.parsing import command
 from chromanoise.figures import CAPTIONS, paper_figures, write_figures
 from chromanoise.imaging import Picture, write_png
-from chromanoise.page.equations import EQUATIONS
 from chromanoise.paper import (
     paper_planes,
     paper_study,
@@ -77,4 +76,4 @@ def _report(pictures: tuple[Picture, Picture]) -> str:
         sensors=tuple(picture.sensor.name for picture in pictures),
         pictures=tuple(picture.srgb for picture in pictures),
     )
-    return study_report(shown(study_from_text(STUDY, source="the demo")), EQUATIONS, [taken])
+    return study_report(shown(study_from_text(STUDY, source="the demo")), [taken])

@@ -9,7 +9,6 @@ from chromanoise.charts import shown
 from chromanoise.cli.output import refuse_inputs
 from chromanoise.cli.parsing import command
 from chromanoise.errors import InputError
-from chromanoise.page.equations import EQUATIONS
 from chromanoise.report import sights_of, study_report
 from chromanoise.study import file_digests, read_study
 
@@ -45,7 +44,7 @@ def report(study: Path, out: Path, changes: tuple[str, ...], figures: Path | Non
     if figures is not None:
         refuse_unwritable(figures)
     charted = shown(parsed)
-    page = study_report(charted, EQUATIONS, sights_of(charted))
+    page = study_report(charted, sights_of(charted))
     if figures is not None:
         from chromanoise.figures import study_figures, write_figures
 

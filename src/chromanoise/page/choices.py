@@ -1,6 +1,7 @@
 """The choices on the page: names, and the ranges of the sliders."""
 
 from collections.abc import Mapping
+from dataclasses import asdict
 from functools import lru_cache
 from typing import Any
 
@@ -12,11 +13,12 @@ from chromanoise.analysis.priors import PRIORS
 from chromanoise.catalog.entries import catalog_entries, catalog_folder
 from chromanoise.catalog.resolve import resolve_illuminant, resolve_sensor
 from chromanoise.charts import DRAWINGS
+from chromanoise.charts.explanations import EXPLANATIONS
+from chromanoise.charts.sections import SECTIONS
 from chromanoise.color import SPACES
 from chromanoise.denoising import DENOISING
 from chromanoise.errors import InputError
 from chromanoise.exposure import EQUAL_TERMS
-from chromanoise.page.equations import EQUATIONS
 from chromanoise.scene import BUILTIN_CUBES
 from chromanoise.spectra import INFRARED_FROM_NM, METRICS
 
@@ -87,7 +89,8 @@ def choices() -> dict[str, Any]:
             dict(zip(("key", "label", "unit", "low", "high", "scale", "step"), one, strict=True))
             for one in _SLIDERS
         ],
-        "equations": {key: dict(equation) for key, equation in EQUATIONS.items()},
+        "equations": {key: dict(equation) for key, equation in EXPLANATIONS.items()},
+        "sections": [asdict(section) for section in SECTIONS],
     }
 
 

@@ -1,6 +1,6 @@
 """A study as one self-contained HTML file: verdict, charts, tables, equations, sliders."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from importlib import resources
 from io import BytesIO
 from itertools import chain
@@ -11,6 +11,8 @@ import jinja2
 from chromanoise import __version__
 from chromanoise.analysis.machine_reading import machine_reading
 from chromanoise.charts import PARTS, Shown, drawing, machine_tables
+from chromanoise.charts.explanations import EXPLANATIONS
+from chromanoise.charts.sections import SECTIONS, Section
 from chromanoise.errors import InputError
 from chromanoise.geometry import unit_circle
 from chromanoise.imaging import png_bytes
@@ -27,73 +29,18 @@ from chromanoise.report.slides import Slide, at_value, slide_as_json, slides_of
 from chromanoise.report.study_pictures import Sight
 from chromanoise.study import provenance, study_as_toml
 
-Equations = Mapping[str, Mapping[str, str]]
-
-_SECTIONS = (  # part, heading, what it shows, equations
-    (
-        "budget",
-        "SNR budget",
-        "From every photon that hits the pixels down to luminance: what each cause costs.",
-        ("budget", "bound"),
-    ),
-    (
-        "vectors",
-        "Why: channels as vectors",
-        "The more two channels point the same way, the more noise their unmixing makes, and the "
-        "larger is the ellipsoid of uncertainty around the light.",
-        ("vectors",),
-    ),
-    (
-        "stages",
-        "SNR from raw to color",
-        "The same light in every kind of SNR: channels as read, unmixed, and as color.",
-        ("raw", "contravariant", "spectral", "color", "lab", "bound", "price"),
-    ),
-    (
-        "levels",
-        "Over the light level",
-        "With the time kept; circles mark where sensors change places.",
-        ("levels", "color"),
-    ),
-    (
-        "ellipses",
-        "What the noise does to colors",
-        "Every patch of the chart: the cross is its true color, the ellipse where noise puts it.",
-        ("ellipses",),
-    ),
-    (
-        "chart",
-        "Color error and noise",
-        "Of every patch: how far its mean color is off, and how far noise moves it.",
-        ("chart",),
-    ),
-    (
-        "pareto",
-        "Color error against noise",
-        "What another matrix could buy: each point is one weight of the noise.",
-        ("pareto",),
-    ),
-    (
-        "sensitivities",
-        "Sensitivities",
-        "What each channel answers to, and the light; the near infrared is shaded.",
-        ("electrons",),
-    ),
-)
-
+_CHARTS = tuple(part for part in PARTS if part != "head")
 _DOTS_PER_IN = 220  # of a heat map, shown at half its size
 _EXACT = 7  # digits of half axes: an outline is whole to a thousandth of its unit
 
 
-def study_report(of: Shown, equations: Equations, sights: Sequence[Sight] = ()) -> str:
+def study_report(of: Shown, sights: Sequence[Sight] = ()) -> str:
     """The report as self-contained HTML, without network access.
 
     Parameters
     ----------
     of
         The study.
-    equations
-        ``title``, ``equation`` and ``source`` of each kind of number.
     sights
         Its pictures, of `chromanoise.report.study_pictures`.
 
@@ -114,7 +61,9 @@ def study_report(of: Shown, equations: Equations, sights: Sequence[Sight] = ()) 
         names=_names(of),
         head=full["head"],
         light=of.study.light,
-        sections=[_section(one, full, equations) for one in _SECTIONS],
+        sections=[
+            _section(one, full) for one in SECTIONS if one.part in full and one.part != "head"
+        ],
         sensors=full["head"]["table"],
         slides=data["slides"],
         sights=[_sight(one) for one in sights],
@@ -219,18 +168,15 @@ def _chart_of(answers: Sequence[dict[str, Any]]) -> dict[str, Any]:
     }
 
 
-def _section(
-    one: tuple[str, str, str, tuple[str, ...]], full: dict[str, Any], equations: Equations
-) -> dict[str, Any]:
-    part, heading, shows, behind = one
-    data = full[part]
+def _section(one: Section, full: dict[str, Any]) -> dict[str, Any]:
+    data = full[one.part]
     return {
-        "part": part,
-        "heading": heading,
-        "shows": shows,
+        "part": one.part,
+        "heading": one.heading,
+        "shows": one.shows,
         "fault": data.get("fault"),
         "table": data.get("table", {"head": [], "rows": []}),
-        "equations": [(name, equations[name]) for name in behind if name in equations],
+        "equations": [(name, EXPLANATIONS[name]) for name in one.explanations],
     }
 
 

@@ -1,10 +1,10 @@
-"""The equations shown by each ``?`` button of the page."""
+"""The equations behind the ``?`` of each chart, on the page and in reports."""
 
 from collections.abc import Mapping
 
 _PAPER = "Clouet, Vaillant & Alleysson, CIC27 (2019)"
 
-EQUATIONS: Mapping[str, Mapping[str, str]] = {
+EXPLANATIONS: Mapping[str, Mapping[str, str]] = {
     key: {"title": title, "equation": equation, "source": source}
     for key, title, equation, source in (
         (

@@ -1,0 +1,99 @@
+"""Charts of a study as sections of page and report: order, headings and captions."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Section:
+    """One chart as a section of the page and of the report.
+
+    Attributes
+    ----------
+    part
+        A name from `chromanoise.charts.DRAWINGS`, or ``picture``.
+    heading
+        Its heading.
+    shows
+        What it shows, in one sentence.
+    explanations
+        Keys of `chromanoise.charts.explanations.EXPLANATIONS`, for its ``?``.
+    """
+
+    part: str
+    heading: str
+    shows: str
+    explanations: tuple[str, ...]
+
+
+SECTIONS: tuple[Section, ...] = (
+    Section(
+        part="picture",
+        heading="The picture",
+        shows="The same scene, light and time through each sensor.",
+        explanations=("color",),
+    ),
+    Section(
+        part="budget",
+        heading="SNR budget",
+        shows="From every photon that hits the pixels down to one color coordinate: what each "
+        "cause costs.",
+        explanations=("budget", "bound", "price"),
+    ),
+    Section(
+        part="vectors",
+        heading="Channels as vectors",
+        shows="The more two channels point the same way, the more noise their unmixing makes, and "
+        "the larger is the ellipsoid of uncertainty around the light.",
+        explanations=("vectors",),
+    ),
+    Section(
+        part="stages",
+        heading="SNR from raw to color",
+        shows="The same light in every kind of SNR: channels as read, unmixed, and as color.",
+        explanations=("raw", "contravariant", "spectral", "color", "lab", "bound", "price"),
+    ),
+    Section(
+        part="levels",
+        heading="Over the light level",
+        shows="With the time kept; circles mark where sensors change places.",
+        explanations=("levels", "color"),
+    ),
+    Section(
+        part="map",
+        heading="Two parameters",
+        shows="One quantity over two parameters that vary together.",
+        explanations=("levels", "color"),
+    ),
+    Section(
+        part="ellipses",
+        heading="Noise ellipses of the chart",
+        shows="Every patch of the chart: the cross is its true color, the ellipse where noise "
+        "puts it.",
+        explanations=("ellipses",),
+    ),
+    Section(
+        part="chart",
+        heading="Color error and noise",
+        shows="Of every patch: how far its mean color is off, and how far noise moves it.",
+        explanations=("chart",),
+    ),
+    Section(
+        part="pareto",
+        heading="Color error against SNR",
+        shows="What another matrix could buy: each point is one weight of the noise.",
+        explanations=("pareto",),
+    ),
+    Section(
+        part="sensitivities",
+        heading="Sensitivities",
+        shows="The quantum efficiency of each channel, and the light; the near infrared is shaded.",
+        explanations=("electrons",),
+    ),
+    Section(
+        part="head",
+        heading="Electrons that each sensor collects",
+        shows="Electrons of a perfect white.",
+        explanations=("electrons",),
+    ),
+)
+"""In the order of the page and of the report."""
