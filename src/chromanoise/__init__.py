@@ -96,7 +96,10 @@ if TYPE_CHECKING:
         study_from_data,
     )
 
-__version__ = "0.1.0"
+try:
+    from chromanoise._version import version as __version__
+except ImportError:  # a source tree that was never built
+    __version__ = "0+unknown"
 
 __all__ = [
     "Analyses",
