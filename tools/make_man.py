@@ -1,6 +1,7 @@
 """The man pages of the command line, docs/man: ``python tools/make_man.py``."""
 
 import tempfile
+import warnings
 from pathlib import Path
 
 import click
@@ -25,7 +26,8 @@ def man_pages() -> dict[str, str]:
         params=list(commands.params),
         commands={name: command for name, command in found.items() if command is not None},
     )
-    with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)  # click-man calls what click 9 moves
         write_man_pages("chromanoise", whole, version="", target_dir=folder, date=" ")
         return {
             path.name: path.read_text(encoding="utf-8") for path in sorted(Path(folder).iterdir())

@@ -97,9 +97,10 @@ if TYPE_CHECKING:
     )
 
 try:
-    from chromanoise._version import version as __version__
-except ImportError:  # a source tree that was never built
-    __version__ = "0+unknown"
+    from chromanoise._version import version as _version
+except ImportError:  # a source tree that was never installed
+    _version = "0+unknown"
+__version__: str = _version
 
 __all__ = [
     "Analyses",
