@@ -1,0 +1,28 @@
+/** In a narrow window: the controls in a sheet at the bottom, the tools behind a button. */
+
+import { attribute, byId } from "app/dom.js";
+
+/** Lets the buttons open and close what they control; Escape closes it, and the focus goes back. */
+export function narrowButtons() {
+  for (const id of ["sheet", "menu"]) opens(byId(id));
+}
+
+/** @param {HTMLElement} button */
+function opens(button) {
+  const place = byId(button.getAttribute("aria-controls") ?? "");
+  const [shown, words] = ["open", [button.textContent ?? "", "Close"]];
+  /** @param {boolean} open */
+  const show = (open) => {
+    place.classList.toggle(shown, open);
+    attribute(button, "aria-expanded", open ? "true" : "false");
+    button.textContent = words[open ? 1 : 0];
+  };
+  button.addEventListener("click", () => show(!place.classList.contains(shown)));
+  for (const node of [button, place]) {
+    node.addEventListener("keydown", ({ key }) => {
+      if (key !== "Escape" || !place.classList.contains(shown)) return;
+      show(false);
+      button.focus();
+    });
+  }
+}
