@@ -160,7 +160,7 @@ export function moreOnClick() {
   button.addEventListener("click", () => {
     const all = reasons.classList.toggle("all");
     attribute(button, "aria-expanded", all ? "true" : "false");
-    say(button, all ? "Less" : "More");
+    say(button, all ? "Fewer reasons" : "All reasons");
   });
 }
 

@@ -55,8 +55,8 @@ const DRAWN = { stages, budget, sensitivities, levels, pareto, map, vectors, ell
 /** The drawn parts. */
 export const PARTS = /** @type {Part[]} */ (Object.keys(DRAWN));
 
-/** Sections as wide as the page. */
-const WIDE = ["head", "picture"];
+/** Sections that need more than one column. */
+const BROAD = ["head", "picture"];
 
 /**
  * A section of the page: heading, caption and the place of its drawing.
@@ -75,7 +75,7 @@ function sectionOf({ part, heading, shows, explanations }) {
   return el(
     "section",
     {
-      class: WIDE.includes(part) ? "panel wide" : "panel",
+      class: BROAD.includes(part) ? "panel broad" : "panel",
       "data-part": part,
       "aria-labelledby": title.id,
       "aria-busy": part === "head" ? null : "true",

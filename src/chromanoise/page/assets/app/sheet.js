@@ -16,6 +16,8 @@ function opens(button) {
     place.classList.toggle(shown, open);
     attribute(button, "aria-expanded", open ? "true" : "false");
     button.textContent = words[open ? 1 : 0];
+    // above the sheet there is room for the verdict and the picture, not for more
+    if (open && window.scrollY < byId("verdict").offsetTop) byId("verdict").scrollIntoView();
   };
   button.addEventListener("click", () => show(!place.classList.contains(shown)));
   for (const node of [button, place]) {
