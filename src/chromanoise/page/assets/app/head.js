@@ -79,10 +79,31 @@ function showSensors(head, ghosts) {
     el("thead", {}, el("tr", {}, ...heads)),
     el("tbody", {}, ...order(head.ranking).map((i) => lists[i])),
   );
-  const list = el("ul", { class: "notes" });
-  lines(list, notes);
   const scroll = el("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": `Table: ${TITLE}` }, table);
-  refill(byId("electrons"), scroll, list);
+  showIn(byId("electrons"), scroll, notes);
+}
+
+const MOST_OPEN = 3;
+
+/**
+ * The table, and its notes, which whoever opens or closes them finds as they were.
+ *
+ * @param {HTMLElement} place
+ * @param {HTMLElement} table
+ * @param {string[]} notes
+ */
+function showIn(place, table, notes) {
+  if (!place.firstChild) {
+    const remarks = el("details", { class: "remarks" }, el("summary"), el("ul", { class: "notes" }));
+    place.append(el("div"), remarks);
+  }
+  const [holder, remarks] = /** @type {any} */ (place.children);
+  const [summary, list] = remarks.children;
+  refill(holder, table);
+  if (list.children.length !== notes.length) remarks.open = notes.length <= MOST_OPEN;
+  remarks.hidden = notes.length === 0;
+  say(summary, notes.length === 1 ? "1 note on the sensors" : `${notes.length} notes on the sensors`);
+  lines(list, notes);
 }
 
 /**

@@ -4,11 +4,18 @@ import { attribute, byId } from "app/dom.js";
 
 /** Lets the buttons open and close what they control; Escape closes it, and the focus goes back. */
 export function narrowButtons() {
-  for (const id of ["sheet", "menu"]) opens(byId(id));
+  opens(byId("menu"));
+  // above the sheet there is room for the verdict and the picture, not for more
+  opens(byId("sheet"), () => {
+    if (window.scrollY < byId("verdict").offsetTop) byId("verdict").scrollIntoView();
+  });
 }
 
-/** @param {HTMLElement} button */
-function opens(button) {
+/**
+ * @param {HTMLElement} button
+ * @param {() => void} [opened]
+ */
+function opens(button, opened = () => {}) {
   const place = byId(button.getAttribute("aria-controls") ?? "");
   const [shown, words] = ["open", [button.textContent ?? "", "Close"]];
   /** @param {boolean} open */
@@ -16,8 +23,7 @@ function opens(button) {
     place.classList.toggle(shown, open);
     attribute(button, "aria-expanded", open ? "true" : "false");
     button.textContent = words[open ? 1 : 0];
-    // above the sheet there is room for the verdict and the picture, not for more
-    if (open && window.scrollY < byId("verdict").offsetTop) byId("verdict").scrollIntoView();
+    if (open) opened();
   };
   button.addEventListener("click", () => show(!place.classList.contains(shown)));
   for (const node of [button, place]) {
