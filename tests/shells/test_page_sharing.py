@@ -332,6 +332,6 @@ def test_a_server_that_stops_is_told_in_one_sentence_until_it_is_back(window, wa
             lost.wait_for(state="hidden")
             until(
                 page,
-                "(f) => document.querySelector('#electrons td[data-key=f_number]').textContent === f",
+                "(f) => document.querySelector('[data-key=f_number]').textContent === f",
                 field,
             )
