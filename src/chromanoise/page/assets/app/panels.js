@@ -101,13 +101,11 @@ export function panels(sections, { seen, tools, resized }) {
   const made = new Map();
   /** @param {Element} target */
   const panelFor = (target) => made.get(/** @type {Part} */ (/** @type {HTMLElement} */ (target).dataset.part));
-  const watcher = new IntersectionObserver(
-    (entries) => {
-      for (const { target, isIntersecting } of entries) /** @type {Panel} */ (panelFor(target)).visible = isIntersecting;
-      seen();
-    },
-    { rootMargin: "120px" },
-  );
+  // without a margin: what nobody sees yet is asked for at rest
+  const watcher = new IntersectionObserver((entries) => {
+    for (const { target, isIntersecting } of entries) /** @type {Panel} */ (panelFor(target)).visible = isIntersecting;
+    seen();
+  });
   const sizes = new ResizeObserver((entries) => {
     for (const { target, contentRect } of entries) measured(/** @type {Panel} */ (panelFor(target)), contentRect.width);
   });
