@@ -135,8 +135,18 @@ export interface Equation {
   source: string;
 }
 
+/** A chart as a section: `shows` is its caption, `explanations` are keys of equations. */
+export interface Section {
+  part: Part | "head" | "picture";
+  heading: string;
+  shows: string;
+  explanations: string[];
+}
+
 export interface Choices {
   version: string;
+  /** In their order. */
+  sections: Section[];
   study?: Study;
   /** Whether `/api/front` has one. */
   front?: boolean;
@@ -189,7 +199,21 @@ export interface Head {
   light: { name: string; level_lux: number; text: string };
   sensors: HeadSensor[];
   table: Table;
-  electrons: Table;
+  ranking: Ranking;
+}
+
+/** The table of the sensors: a column per key, and a row of values and of text per sensor. */
+export interface Ranking {
+  columns: RankingColumn[];
+  rows: { name: string; values: Maybe[]; text: string[]; saturated: string[] }[];
+  notes: string[];
+}
+
+export interface RankingColumn {
+  key: string;
+  head: string;
+  what: string;
+  better: "higher" | "lower" | null;
 }
 
 export interface Curve {

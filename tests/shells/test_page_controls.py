@@ -152,7 +152,7 @@ def test_another_light_is_typed(page):
 
 
 def test_the_terms_of_comparison_change_the_times(page):
-    times = page.locator("#electrons td:nth-child(2)")
+    times = page.locator("#electrons td[data-key=time_ms]")
     assert len(set(times.all_inner_texts())) == 1
     saturation = page.get_by_role("radio", name="saturation")
     question, _ = answer_to(page, saturation.click)

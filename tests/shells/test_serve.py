@@ -181,7 +181,7 @@ def test_all_faults_of_a_study_are_told_each_with_its_key(client):
     [
         ({"sensors": [{"name": "onyx-rgbw"}, {"name": "onix"}]}, "sensors.1.name"),
         ({"light": {"illuminant": "moon"}}, "light.illuminant"),
-        ({"sensors": [{"name": "onyx-rgbw"}] * 9}, "sensors"),
+        ({"sensors": [{"name": "onyx-rgbw"}] * 11}, "sensors"),
         ({"sensors": [{"name": "/etc/passwd"}]}, "sensors.0.name"),
         ({"sensors": [{"name": "../../secret.csv"}]}, "sensors.0.name"),
         ({"sensors": [{"name": "upload:0123456789abcdef"}]}, "sensors.0.name"),
