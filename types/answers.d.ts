@@ -38,6 +38,7 @@ export interface SensorPart {
 export interface LightPart {
   illuminant?: string;
   level_lux?: number;
+  beyond?: string;
   [key: string]: unknown;
 }
 
@@ -85,6 +86,10 @@ export interface Look {
   turn: number[];
   magnification: Maybe;
   open: string[];
+  /** Whether the exposure time is solved for again whenever something changes. */
+  auto_exposure: boolean;
+  /** The step of the guided story, from 1. */
+  story: Maybe;
 }
 
 export interface State {
@@ -142,6 +147,8 @@ export interface Choices {
   front?: boolean;
   sensors: KnownSensor[];
   illuminants: string[];
+  /** Where the tables of illuminants end that need an answer to `light.beyond`. */
+  illuminant_ends_nm: Record<string, number>;
   filters?: string[];
   scenes?: string[];
   denoising: { name: string; what: string }[];

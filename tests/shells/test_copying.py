@@ -212,7 +212,9 @@ COMMANDS = [
 def test_the_command_of_a_study_is_the_one_that_it_was_copied_from(run, line):
     code, out, err = run(*shlex.split(line)[1:], "--copy-as", "toml")
     assert code == 0, err
-    command, _, folder = study_as_command(study_from_text(out, source="copied")).partition(" --out ")
+    command, _, folder = study_as_command(study_from_text(out, source="copied")).partition(
+        " --out "
+    )
     assert command == line
     assert folder.startswith("out/simulate-") == ("simulate" in line)
 
