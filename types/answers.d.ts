@@ -162,6 +162,23 @@ export interface Choices {
   equations?: Record<string, Equation>;
 }
 
+// ---- /api/story -------------------------------------------------------------------------------
+
+/** A step of the guided story: a state of the page, and what it shows. */
+export interface StoryStep {
+  heading: string;
+  /** The panels that show it. */
+  parts: (Part | "picture" | "head")[];
+  sentences: string[];
+  task: string;
+  study: Study;
+  look: Partial<Look>;
+}
+
+export interface Story {
+  steps: StoryStep[];
+}
+
 // ---- /api/answer: the parts -------------------------------------------------------------------
 
 export interface HeadSensor {
