@@ -162,15 +162,15 @@ STEPS: tuple[Step, ...] = (
         heading="Raw looks better",
         parts=("stages",),
         sentences=_raw,
-        task="Try it: drag the light level down to 1 lx. Does the sensor without IR-cut keep its lead in "
-        "raw SNR?",
+        task="Try it: drag the light level down to 1 lx. Does the sensor without IR-cut keep its "
+        "lead in raw SNR?",
     ),
     Step(
         heading="Two channels that look alike",
         parts=("sensitivities", "vectors"),
         sentences=_alike,
-        task="Try it: set the IR-cut edge of onyx-rgbw to 650 nm. Which parts of its curves are gone, and "
-        "are the channels still alike?",
+        task="Try it: set the IR-cut edge of onyx-rgbw to 650 nm. Which parts of its curves are "
+        "gone, and are the channels still alike?",
     ),
     Step(
         heading="Unmixing makes noise",
@@ -183,16 +183,16 @@ STEPS: tuple[Step, ...] = (
         heading="Infrared carries no color",
         parts=("budget",),
         sentences=_infrared,
-        task="Try it: drag the IR-cut edge of onyx-rgbw down to 700 nm. What becomes of its raw SNR, and "
-        "what of its SNR of Y?",
+        task="Try it: drag the IR-cut edge of onyx-rgbw down to 700 nm. What becomes of its "
+        "raw SNR, and what of its SNR of Y?",
         look={"coordinate": "Y"},
     ),
     Step(
         heading="The color picture",
         parts=("picture", "levels"),
         sentences=_picture,
-        task="Try it: drag the light level down to 0.1 lx: whose picture is noisier now? Then remove the "
-        "matrix kernel, so that the picture is made with lmmse: what becomes of its colors?",
+        task="Try it: drag the light level down to 0.1 lx: whose picture is noisier now? Then "
+        "remove the matrix kernel, so that the picture is made with lmmse: what becomes of its colors?",
         study={"matrices": ["kernel", "lmmse"]},
         look={"coordinate": "Y"},
     ),
