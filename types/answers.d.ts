@@ -38,6 +38,7 @@ export interface SensorPart {
 export interface LightPart {
   illuminant?: string;
   level_lux?: number;
+  beyond?: string;
   [key: string]: unknown;
 }
 
@@ -85,6 +86,10 @@ export interface Look {
   turn: number[];
   magnification: Maybe;
   open: string[];
+  /** Whether the exposure time is solved for again whenever something changes. */
+  auto_exposure: boolean;
+  /** The step of the guided story, from 1. */
+  story: Maybe;
 }
 
 export interface State {
@@ -152,6 +157,8 @@ export interface Choices {
   front?: boolean;
   sensors: KnownSensor[];
   illuminants: string[];
+  /** Where the tables of illuminants end that need an answer to `light.beyond`. */
+  illuminant_ends_nm: Record<string, number>;
   filters?: string[];
   scenes?: string[];
   denoising: { name: string; what: string }[];
@@ -163,6 +170,23 @@ export interface Choices {
   sweeps: KnownSweep[];
   quantities: { name: string; what: string }[];
   equations?: Record<string, Equation>;
+}
+
+// ---- /api/story -------------------------------------------------------------------------------
+
+/** A step of the guided story: a state of the page, and what it shows. */
+export interface StoryStep {
+  heading: string;
+  /** The panels that show it. */
+  parts: (Part | "picture" | "head")[];
+  sentences: string[];
+  task: string;
+  study: Study;
+  look: Partial<Look>;
+}
+
+export interface Story {
+  steps: StoryStep[];
 }
 
 // ---- /api/answer: the parts -------------------------------------------------------------------

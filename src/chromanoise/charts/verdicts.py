@@ -68,13 +68,17 @@ def verdict_sentences(
         If ``equal`` is unknown.
     """
     _check.one_of("terms of a comparison", equal, tuple(_TERMS))
-    sentences = [sentence for a in analyses if (sentence := _left_out(a))]
+    left_out = [sentence for a in analyses if (sentence := _left_out(a))]
     able = [a for a in analyses if _left_out(a) is None]
-    sentences += [sentence for a in able if (sentence := _too_noisy(a))]
+    sentences = [*left_out, *(sentence for a in able if (sentence := _too_noisy(a)))]
     machine = machine_sentences(analyses)
+    if left_out and len(able) < 2 and not (machine and reader == "machine"):
+        alone = [_alone(a) for a in able]
+        first = f"{_setting(analyses, equal)} {sentences[0]}"
+        return [first, *left_out[1:], *alone, *sentences[len(left_out) :], *machine]
     if reader == "machine":
-        first = [f"{_setting(analyses, equal)} {_lower(one)}" for one in machine]
-        return [*first, *_for_an_eye(analyses, able, sentences, equal)]
+        told = [f"{_setting(analyses, equal)} {_lower(one)}" for one in machine]
+        return [*told, *_for_an_eye(analyses, able, sentences, equal)]
     return _for_an_eye(analyses, able, [*machine, *sentences], equal)
 
 
@@ -86,7 +90,7 @@ def _for_an_eye(
     analyses: Sequence[Analysis], able: list[Analysis], sentences: list[str], equal: str
 ) -> list[str]:
     if len(able) == 1:
-        sentences.insert(0, _alone(able[0], _setting(analyses, equal)))
+        sentences.insert(0, f"{_setting(analyses, equal)} {_alone(able[0])}")
     if len(able) < 2:
         return sentences
     best_raw = max(able, key=lambda a: compared_raw_snr_db(a, able))
@@ -111,9 +115,9 @@ def _left_out(analysis: Analysis) -> str | None:
     return None
 
 
-def _alone(analysis: Analysis, setting: str) -> str:
+def _alone(analysis: Analysis) -> str:
     return (
-        f"{setting} {analysis.sensor.label} has {_luminance_db(analysis):.1f} dB of "
+        f"{analysis.sensor.label} has {_luminance_db(analysis):.1f} dB of "
         f"luminance SNR for an eye, {_text(_loss_db(analysis))} dB below the best linear "
         f"readout{_largest(analysis)}; {_error(analysis)}."
     )

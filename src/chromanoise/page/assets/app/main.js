@@ -13,6 +13,7 @@ import { picturePanel } from "app/picture.js";
 import { narrowButtons } from "app/sheet.js";
 import { askedLook, snapshots } from "app/snapshots.js";
 import { changeLook, current, readAddress, startFrom, subscribe } from "app/state.js";
+import { guidedStory } from "app/story.js";
 import { themeChoice } from "app/theme.js";
 import { headingTools } from "app/tools.js";
 import { uploads } from "app/upload.js";
@@ -393,6 +394,7 @@ async function start() {
   page.picture = picturePanel(choices);
   listen();
   subscribe(changed);
+  guidedStory(byId("story"), byId("tour"));
   notice("broken", readAddress());
   if (choices.front) import("app/front.js").then(({ showServed }) => showServed());
 }

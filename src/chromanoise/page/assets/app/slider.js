@@ -82,7 +82,7 @@ export function slider({ label, unit, range, where, on, own = null, aside = "" }
      * @param {number | null} [meanwhile]
      * @param {string | null} [words]
      */
-    show: (value, meanwhile = null, words = null) => show(parts, value, meanwhile, { unit, own, words }),
+    show: (value, meanwhile = null, words = null) => show(parts, value, meanwhile, { unit, words }),
     /** @param {boolean} enabled */
     enable: (enabled) => enable(parts, enabled),
   };
@@ -118,9 +118,9 @@ function elements({ label, unit, range, where, own, aside }) {
  * @param {Parts} parts
  * @param {number | null | undefined} value
  * @param {number | null} meanwhile
- * @param {{ unit: string, own: string | null, words: string | null }} texts
+ * @param {{ unit: string, words: string | null }} texts
  */
-function show(parts, value, meanwhile, { unit, own, words }) {
+function show(parts, value, meanwhile, { unit, words }) {
   const { scale, track, field, back } = parts;
   // the same again costs the browser a layout, and there are many sliders
   const key = `${value} ${meanwhile} ${words}`;
@@ -138,7 +138,7 @@ function show(parts, value, meanwhile, { unit, own, words }) {
   const hint = words ?? (meanwhile === null ? "own" : brief(meanwhile));
   attribute(track, "aria-valuetext", `${told === "" ? hint : told} ${unit}`.trim());
   attribute(field, "aria-invalid", null);
-  if (own) attribute(field, "placeholder", hint);
+  attribute(field, "placeholder", told === "" ? hint : null);
   if (back) back.hidden = told === "";
 }
 
