@@ -102,6 +102,8 @@ export interface Range {
   high: number;
   scale?: string;
   step?: number;
+  /** Whether only whole numbers make sense. */
+  whole?: boolean;
 }
 
 /** A slider of the study; a step of a logarithmic one is of log10. */
@@ -111,6 +113,32 @@ export interface Slider extends Range {
   unit: string;
 }
 
+/** One field of a study, from which a control is made. */
+export interface Field extends Partial<Range> {
+  key: string;
+  section: string;
+  /** Title of its drawer; "" for none. */
+  group: string;
+  label: string;
+  what: string;
+  kind: "number" | "choice" | "flag" | "text" | "channels";
+  default: number | string | boolean | number[] | null;
+  /** A key without which it has no effect. */
+  needs: string | null;
+  unit?: string;
+  options?: string[];
+  suggestions?: string[];
+  /** What stands in an empty field. */
+  hint?: string;
+  numeric?: boolean;
+  many?: boolean;
+  /** What a file in place of the value holds, and a table to begin with. */
+  file?: string;
+  example?: string;
+}
+
+export type PixelValues = Record<string, Maybe>;
+
 export interface KnownSensor {
   name: string;
   what: string;
@@ -119,6 +147,7 @@ export interface KnownSensor {
   pitch_um: number;
   full_well_e: number;
   read_noise_e: number;
+  pixel: PixelValues;
 }
 
 export interface KnownSweep {
@@ -142,14 +171,14 @@ export interface Choices {
   front?: boolean;
   sensors: KnownSensor[];
   illuminants: string[];
-  filters?: string[];
   scenes?: string[];
   denoising: { name: string; what: string }[];
   matrices: { name: string; parameter: string | null }[];
   priors: string[];
-  prior?: string;
   coordinates?: string[];
   sliders: Slider[];
+  fields: Field[];
+  hints?: Record<string, string>;
   sweeps: KnownSweep[];
   quantities: { name: string; what: string }[];
   equations?: Record<string, Equation>;
@@ -166,6 +195,7 @@ export interface HeadSensor {
   pitch_um: number;
   full_well_e: number;
   read_noise_e: number;
+  pixel: PixelValues;
   saturated: string[];
   mean_e: Record<string, number>;
   notes?: string[];
