@@ -122,6 +122,7 @@ _REFINED: Mapping[str, Data] = {
     },
     "sensors.pixel.temperature_c": {
         "label": "Temperature",
+        "hint": "as given",
         "low": -40.0,
         "high": 100.0,
         "step": 1.0,
@@ -330,8 +331,8 @@ def _kind(types: set[str], words: Any, refined: Data) -> str:
 def _ranges(key: str, options: list[Data], described: Data, *, whole: bool) -> Data:
     """The description with unit, ends, scale and step of its slider."""
     unit = re.search(r"\[([^\]]+)\]", described["what"])
-    low: float = described.get("low", options[0].get("minimum", 0.0))
-    high: float = described.get("high", options[0].get("maximum", 100.0))
+    ends = {"low": options[0].get("minimum", 0.0), "high": options[0].get("maximum", 100.0)}
+    low, high = ((ends | described)[name] for name in ends)
     logarithmic = key.endswith(_LOGARITHMIC)
     step = 0.05 if logarithmic else 1 if whole else (high - low) / _STEPS
     return {

@@ -13,6 +13,9 @@ import { svg } from "draw/svg.js";
 const FEWEST = 1;
 export const MOST = 10;
 
+/** Drawn, because few fonts have a sign for a copy. */
+const TWO_SHEETS = "M2.5 2.5h8v8h-8z M5.5 10.5v3h8v-8h-3";
+
 /**
  * The group of controls: `node` and `show(state, head)`.
  *
@@ -78,7 +81,7 @@ function sensorCard(choices, i) {
     title: "Move up",
     class: "square",
   });
-  const again = button("\u29c9", () => changeStudy((study) => duplicate(study, i)), {
+  const again = button("", () => changeStudy((study) => duplicate(study, i)), {
     "aria-label": `Duplicate sensor ${i + 1}`,
     title: "Duplicate",
     class: "square",
@@ -88,6 +91,7 @@ function sensorCard(choices, i) {
     title: "Remove",
     class: "square",
   });
+  again.append(svg("svg", { viewBox: "0 0 16 16", width: 16, height: 16, "aria-hidden": "true" }, [svg("path", { d: TWO_SHEETS, class: "sheets" })]));
   pick.row.prepend(swatch);
   pick.row.append(up, again, away);
   const keys = new Set(fields.map(({ key }) => key.split(".")[1]));
@@ -115,8 +119,7 @@ function sensorCard(choices, i) {
   const show = (study, head, color) => {
     const { sensors } = study;
     const known = choices.sensors.find((one) => one.name === sensors[i].name);
-    const names = choices.sensors.map((one) => one.name);
-    fillChoice(pick.select, [...names, ...uploaded("sensor", sensors[i].name)], sensors[i].name);
+    fillChoice(pick.select, namesFor(choices, sensors[i]), sensors[i].name);
     if (drawn !== color) swatch.replaceChildren(mark(i, 8, 8, (drawn = color)));
     say(inner.words, described(sensors[i], known, head?.sensors?.[i]));
     const count = countSet(fields, study, i);
@@ -130,16 +133,28 @@ function sensorCard(choices, i) {
 }
 
 /**
- * A sensor in a few words: its label and its pixel as computed, or as built.
+ * The sensors of the catalog and of files; the one that is chosen has its label before its name.
+ *
+ * @param {Choices} choices
+ * @param {SensorPart} sensor
+ */
+function namesFor(choices, { name, label }) {
+  const known = choices.sensors.map((one) => [one.name, one.name]);
+  const all = [...known, ...uploaded("sensor", name)];
+  return all.map(([own, text]) => [own, label && own === name ? `${label} (${text})` : text]);
+}
+
+/**
+ * A sensor in a few words: its pixel as computed, or as built.
  *
  * @param {SensorPart} sensor
  * @param {KnownSensor | undefined} known
  * @param {HeadSensor | undefined} told
  */
-function described({ label, pixel }, known, told) {
+function described({ pixel }, known, told) {
   const now = told ?? known;
   const values = now ? `${brief(now.pitch_um)} µm, ${brief(now.full_well_e)} e\u207b, ±${brief(now.read_noise_e)} e\u207b` : "Edit";
-  return [label, values, typeof pixel?.file === "string" ? shownName(pixel.file) : ""].filter(Boolean).join(" · ");
+  return typeof pixel?.file === "string" ? `${values}, ${shownName(pixel.file)}` : values;
 }
 
 /**
