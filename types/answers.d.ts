@@ -513,7 +513,7 @@ export interface UploadedStudy extends UploadedPart {
 }
 
 /** What the id of a file stands for. */
-export type FileKind = "sensor" | "light" | "cube" | "crosstalk" | "matrix" | "pixel";
+export type FileKind = "sensor" | "light" | "cube" | "crosstalk" | "matrix" | "pixel" | "pairs";
 
 export interface UploadedFile extends UploadedPart {
   kind: FileKind;

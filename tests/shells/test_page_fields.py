@@ -17,6 +17,7 @@ SAMPLES = {  # values of texts, whose description gives no example
     "light.column": "lamp",
     "sensors.label": "New chip",
     "sensors.pixel.file": "pixel.toml",
+    "sensors.mosaic": "rgbw-4x4",
     "reflectances.chart": "chart.csv",
     "reflectances.patch": 0.18,
     "reflectances.pairs": "pairs.csv",
@@ -24,8 +25,9 @@ SAMPLES = {  # values of texts, whose description gives no example
     "outputs.pipeline.iso_read_noise_e": [5.0],
 }
 BESIDE = {  # what a value needs beside it
-    "outputs.clip": {"outputs": {"budget": False}},
-    "sensors.pixel.binning_mode": {"sensors": {"pixel": {"binning": 4}}},
+    "outputs.clip": {"outputs.budget": False},
+    "sensors.pixel.binning_mode": {"sensors.pixel.binning": 4},
+    "outputs.pipeline.base_iso": {"outputs.pipeline.iso": [1e4]},
 }
 OF_A_FILE = ("sensors.answers.", "sensors.beyond", "sensors.negatives", "sensors.filter_")
 
@@ -35,8 +37,8 @@ def sample(field):
     if field["key"] in SAMPLES:
         return SAMPLES[field["key"]]
     if field["kind"] == "number":
-        middle = (field["low"] + field["high"]) / 2
-        return round(middle) if field["whole"] else middle
+        inside = 0.25 * field["low"] + 0.75 * field["high"]
+        return round(inside) if field["whole"] else inside
     if field["kind"] == "flag":
         return not field["default"]
     if field["kind"] == "channels":
@@ -72,17 +74,11 @@ def test_the_study_accepts_what_a_control_offers(key):
         offered += [field["low"], field["high"]]
     for value in offered:
         data = {"sensors": [{"name": "onyx-rgbw"}], "pictures": [{}]}
-        for path, one in ((field["needs"], None), (key, value)):
-            if path == "outputs.pipeline.run":
-                put(data, path, one is None or one)
-            elif path == key:
-                put(data, path, one)
-        if key == "sensors.pixel.binning_mode":
-            put(data, "sensors.pixel.binning", 4)
-        if key == "outputs.clip":
-            put(data, "outputs.budget", False)
-        study = study_from_data(data, keep_idle=True)
-        at = study.model_dump(by_alias=True)
+        if key.startswith("outputs.pipeline."):
+            put(data, "outputs.pipeline.run", True)
+        for other, one in {**BESIDE.get(key, {}), key: value}.items():
+            put(data, other, one)
+        at = study_from_data(data, keep_idle=True).model_dump(by_alias=True)
         for step in key.split("."):
             at = at[step][0] if step in ("sensors", "pictures") else at[step]
         assert at == (tuple(value) if isinstance(value, list) else value)
@@ -114,7 +110,11 @@ def test_every_control_of_a_sensor_changes_the_study_without_a_fault(window):
     known = page.locator("#hash").inner_text()
     tried = []
     for key, field in FIELDS.items():
-        if field["section"] != "Sensors" or key.startswith(OF_A_FILE) or field.get("file") == "pixel":
+        if (
+            field["section"] != "Sensors"
+            or key.startswith(OF_A_FILE)
+            or field.get("file") == "pixel"
+        ):
             continue
         path = key.replace("sensors.", "sensors.0.") + (".R" if field["kind"] == "channels" else "")
         one = field | ({"kind": "text"} if field["kind"] == "channels" else {})
@@ -187,7 +187,9 @@ def test_a_file_is_chosen_or_typed_beside_its_control_and_taken_away(window, tmp
     use = page.get_by_role("button", name="Use", exact=True)
     question, _ = answer_to(page, use.click)
     assert question["study"]["sensors"][0]["crosstalk"].startswith("upload:")
-    away = page.get_by_role("button", name="Remove the file: Crosstalk to the neighbors of sensor 1")
+    away = page.get_by_role(
+        "button", name="Remove the file: Crosstalk to the neighbors of sensor 1"
+    )
     question, _ = answer_to(page, away.click)
     assert "crosstalk" not in question["study"]["sensors"][0]
 
@@ -201,5 +203,5 @@ def test_one_sensor_alone_has_a_verdict_and_every_drawing(window):
     panel.locator("img").first.wait_for()
     at_rest(page)
     assert page.locator(".panel .body:empty").count() == 0
-    assert page.locator(".panel .fault").count() == 0
+    assert page.locator(".panel .fault:visible").count() == 0
     assert study_of(page) is None or len(study_of(page)["sensors"]) == 1
