@@ -114,7 +114,8 @@ def test_choices_hold_sensors_lights_sliders_and_equations(client):
     names = [sensor["name"] for sensor in data["sensors"]]
     assert {"onyx-rgbw", "onyx-rgb-ircut", "model-rgbir"} <= set(names)
     assert {"E", "A", "G173"} <= set(data["illuminants"])
-    assert {"light.level_lux", "sensors.ircut_nm"} <= {s["key"] for s in data["sliders"]}
+    assert {"light.level_lux", "matrices.weight"} <= {s["key"] for s in data["sliders"]}
+    assert {"sensors.ircut_nm", "observer"} <= {one["key"] for one in data["fields"]}
     assert {"raw", "contravariant", "color", "bound", "price"} <= set(data["equations"])
     assert study_from_data(data["study"], source="the page's own").sensors
 
@@ -181,7 +182,7 @@ def test_all_faults_of_a_study_are_told_each_with_its_key(client):
     [
         ({"sensors": [{"name": "onyx-rgbw"}, {"name": "onix"}]}, "sensors.1.name"),
         ({"light": {"illuminant": "moon"}}, "light.illuminant"),
-        ({"sensors": [{"name": "onyx-rgbw"}] * 9}, "sensors"),
+        ({"sensors": [{"name": "onyx-rgbw"}] * 11}, "sensors"),
         ({"sensors": [{"name": "/etc/passwd"}]}, "sensors.0.name"),
         ({"sensors": [{"name": "../../secret.csv"}]}, "sensors.0.name"),
         ({"sensors": [{"name": "upload:0123456789abcdef"}]}, "sensors.0.name"),
