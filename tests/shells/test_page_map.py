@@ -127,10 +127,10 @@ def test_dropped_crosstalk_is_used_and_taken_away(window, tmp_path):
     away = page.get_by_role(
         "button", name="Remove the file: Crosstalk to the neighbors of sensor 2"
     )
-    assert page.locator(".row-file .file:visible").all_inner_texts() == ["mix.csv"]
+    assert page.locator(".file:visible").all_inner_texts() == ["mix.csv"]
     answer_to(page, away.click)
     assert state_of(page)["study"]["sensors"][1] == {"name": "onyx-rgb-ircut"}
-    assert page.locator(".row-file .file:visible").count() == 0
+    assert page.locator(".file:visible").count() == 0
 
 
 def test_a_file_that_two_readers_accept_is_asked_about_and_one_too_large_is_refused(
