@@ -109,7 +109,7 @@ _REFINED: Mapping[str, Data] = {
     "sensors.pixel.pitch_um": {"label": "Pitch", "low": 0.5, "high": 50.0, "step": 0.01},
     "sensors.pixel.full_well_e": {"label": "Full well", "low": 100.0, "high": 1e6, "step": 0.02},
     "sensors.pixel.binning": {"label": "Binned pixels", "low": 1, "high": 16, "step": 1},
-    "sensors.pixel.binning_mode": {"label": "Binning of", "needs": "sensors.pixel.binning"},
+    "sensors.pixel.binning_mode": {"label": "Binning mode", "needs": "sensors.pixel.binning"},
     "sensors.pixel.read_noise_e": {"label": "Read noise", "low": 0.1, "high": 100.0, "step": 0.01},
     "sensors.pixel.prnu": {"label": "PRNU", "low": 0.0, "high": 0.05, "step": 0.001},
     "sensors.pixel.dsnu_e": {"label": "DSNU", "low": 0.0, "high": 50.0, "step": 0.5},
