@@ -107,6 +107,8 @@ export interface Range {
   high: number;
   scale?: string;
   step?: number;
+  /** Whether only whole numbers make sense. */
+  whole?: boolean;
 }
 
 /** A slider of the study; a step of a logarithmic one is of log10. */
@@ -116,6 +118,32 @@ export interface Slider extends Range {
   unit: string;
 }
 
+/** One field of a study, from which a control is made. */
+export interface Field extends Partial<Range> {
+  key: string;
+  section: string;
+  /** Title of its drawer; "" for none. */
+  group: string;
+  label: string;
+  what: string;
+  kind: "number" | "choice" | "flag" | "text" | "channels";
+  default: number | string | boolean | number[] | null;
+  /** A key without which it has no effect. */
+  needs: string | null;
+  unit?: string;
+  options?: string[];
+  suggestions?: string[];
+  /** What stands in an empty field. */
+  hint?: string;
+  numeric?: boolean;
+  many?: boolean;
+  /** What a file in place of the value holds, and a table to begin with. */
+  file?: string;
+  example?: string;
+}
+
+export type PixelValues = Record<string, Maybe>;
+
 export interface KnownSensor {
   name: string;
   what: string;
@@ -124,6 +152,7 @@ export interface KnownSensor {
   pitch_um: number;
   full_well_e: number;
   read_noise_e: number;
+  pixel: PixelValues;
 }
 
 export interface KnownSweep {
@@ -159,14 +188,14 @@ export interface Choices {
   illuminants: string[];
   /** Where the tables of illuminants end that need an answer to `light.beyond`. */
   illuminant_ends_nm: Record<string, number>;
-  filters?: string[];
   scenes?: string[];
   denoising: { name: string; what: string }[];
   matrices: { name: string; parameter: string | null }[];
   priors: string[];
-  prior?: string;
   coordinates?: string[];
   sliders: Slider[];
+  fields: Field[];
+  hints?: Record<string, string>;
   sweeps: KnownSweep[];
   quantities: { name: string; what: string }[];
   equations?: Record<string, Equation>;
@@ -200,6 +229,7 @@ export interface HeadSensor {
   pitch_um: number;
   full_well_e: number;
   read_noise_e: number;
+  pixel: PixelValues;
   saturated: string[];
   mean_e: Record<string, number>;
   notes?: string[];
@@ -531,7 +561,7 @@ export interface UploadedStudy extends UploadedPart {
 }
 
 /** What the id of a file stands for. */
-export type FileKind = "sensor" | "light" | "cube" | "crosstalk" | "matrix" | "pixel";
+export type FileKind = "sensor" | "light" | "cube" | "crosstalk" | "matrix" | "pixel" | "pairs";
 
 export interface UploadedFile extends UploadedPart {
   kind: FileKind;

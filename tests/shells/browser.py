@@ -122,8 +122,24 @@ def window(browser, address, watch):
 def page(window):
     """A window with `EVERYTHING`, all drawers open."""
     one = window({"study": EVERYTHING, "look": {}})
-    one.evaluate("document.querySelectorAll('details').forEach((node) => (node.open = true))")
+    open_drawers(one)
     return one
+
+
+def open_drawers(page):
+    """Open every drawer; the content of some is made when they are opened."""
+    page.evaluate(
+        """() => {
+            for (;;) {
+                const closed = document.querySelectorAll("details:not([open])");
+                if (closed.length === 0) return;
+                for (const one of closed) {
+                    one.open = true;
+                    one.dispatchEvent(new Event("toggle"));
+                }
+            }
+        }"""
+    )
 
 
 def packed(state):

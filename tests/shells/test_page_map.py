@@ -2,7 +2,16 @@
 
 import re
 
-from shells.browser import FIXTURES, answer_to, at_rest, in_address, moved_by_key, state_of, until
+from shells.browser import (
+    FIXTURES,
+    answer_to,
+    at_rest,
+    in_address,
+    moved_by_key,
+    open_drawers,
+    state_of,
+    until,
+)
 
 address, browser, watch, window, page = FIXTURES
 
@@ -114,11 +123,14 @@ def test_dropped_crosstalk_is_used_and_taken_away(window, tmp_path):
     question, _ = answer_to(page, use.click)
     word = question["study"]["sensors"][1]["crosstalk"]
     assert re.fullmatch("upload:[0-9a-f]{16}[.]csv", word)
-    away = page.get_by_role("button", name="Remove the file: Crosstalk of sensor 2")
-    assert page.locator(".row-file:visible").inner_text().split()[:2] == ["Crosstalk", "mix.csv"]
+    open_drawers(page)
+    away = page.get_by_role(
+        "button", name="Remove the file: Crosstalk to the neighbors of sensor 2"
+    )
+    assert page.locator(".file:visible").all_inner_texts() == ["mix.csv"]
     answer_to(page, away.click)
     assert state_of(page)["study"]["sensors"][1] == {"name": "onyx-rgb-ircut"}
-    assert page.locator(".row-file:visible").count() == 0
+    assert page.locator(".file:visible").count() == 0
 
 
 def test_a_file_that_two_readers_accept_is_asked_about_and_one_too_large_is_refused(

@@ -115,7 +115,8 @@ def test_choices_hold_sensors_lights_sliders_and_equations(client):
     names = [sensor["name"] for sensor in data["sensors"]]
     assert {"onyx-rgbw", "onyx-rgb-ircut", "model-rgbir"} <= set(names)
     assert {"E", "A", "G173"} <= set(data["illuminants"])
-    assert {"light.level_lux", "sensors.ircut_nm"} <= {s["key"] for s in data["sliders"]}
+    assert {"light.level_lux", "matrices.weight"} <= {s["key"] for s in data["sliders"]}
+    assert {"sensors.ircut_nm", "observer"} <= {one["key"] for one in data["fields"]}
     assert {"raw", "contravariant", "color", "bound", "price"} <= set(data["equations"])
     assert study_from_data(data["study"], source="the page's own").sensors
 

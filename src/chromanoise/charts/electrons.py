@@ -1,5 +1,6 @@
 """The head of a page: verdict, light, and settings and electrons of each sensor."""
 
+from dataclasses import asdict
 from typing import Any
 
 from chromanoise.analysis.analysis import Analysis, diagnosis
@@ -40,6 +41,7 @@ def _sensor(analysis: Analysis) -> dict[str, Any]:
         "pitch_um": sensor.pixel.pitch_um,
         "full_well_e": sensor.pixel.full_well_e,
         "read_noise_e": sensor.pixel.read_noise_e,
+        "pixel": asdict(sensor.pixel),
         "saturated": saturated_names(analysis),
         "mean_e": dict(mean),
         "notes": list(diagnosis(analysis)),

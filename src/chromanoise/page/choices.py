@@ -20,32 +20,20 @@ from chromanoise.denoising import DENOISING
 from chromanoise.errors import InputError
 from chromanoise.exposure import EQUAL_TERMS
 from chromanoise.io.spectra import Answers
+from chromanoise.page.fields import SECTION_HINTS, described_fields
 from chromanoise.scene import BUILTIN_CUBES
 from chromanoise.spectra import DEFAULT_GRID, INFRARED_FROM_NM, METRICS
 
 _FORMULAS = ("3200K", "5000K", "6500K", "LED660")  # examples of lamps given by a formula
-_EDGES = ("ircut-650", "ircut-700")  # examples of filters given by a formula
 _SLIDERS = (
     ("light.level_lux", "Light level", "lx", 0.01, 10_000.0, "log", 0.01),
     ("light.infrared", "Infrared in the light", "W/W", 0.0, 5.0, "linear", 0.05),
     ("exposure.time_ms", "Integration time", "ms", 0.1, 1000.0, "log", 0.01),
     ("exposure.saturate", "Share of full well", "1", 0.05, 1.0, "linear", 0.01),
     ("exposure.f_number", "f-number", "f/#", 1.0, 16.0, "log", 0.01),
-    ("sensors.pixel.read_noise_e", "Read noise", "e-", 0.1, 100.0, "log", 0.01),
-    ("sensors.pixel.prnu", "PRNU", "1", 0.0, 0.05, "linear", 0.001),
-    ("sensors.pixel.dsnu_e", "DSNU", "e-", 0.0, 50.0, "linear", 0.5),
-    ("sensors.pixel.row_noise_e", "Row noise", "e-", 0.0, 20.0, "linear", 0.2),
-    ("sensors.pixel.dark_current_e_per_s", "Dark current", "e-/s", 0.0, 1000.0, "linear", 10.0),
-    ("sensors.crosstalk", "Crosstalk to the neighbors", "1", 0.0, 0.5, "linear", 0.01),
-    ("sensors.ircut_nm", "IR-cut edge", "nm", 600.0, 1050.0, "linear", 5.0),
-    ("sensors.shift_nm", "Shift of the filters", "nm", -50.0, 50.0, "linear", 1.0),
     ("matrices.weight", "Weight of the noise in the matrix", "1", 0.001, 1000.0, "log", 0.02),
 )
-_RANGES: Mapping[str, tuple[float, float]] = {  # of a new heat map
-    **{
-        key.rpartition(".")[2].replace("_", "-"): (low, high)
-        for key, _, _, low, high, *_ in _SLIDERS
-    },
+_RANGES: Mapping[str, tuple[float, float]] = {  # of a new heat map, where no control has them
     "lux": (0.01, 10_000.0),
     "dark-current-e-per-s": (1.0, 1000.0),
     "temperature-c": (-20.0, 80.0),
@@ -56,16 +44,25 @@ _RANGES: Mapping[str, tuple[float, float]] = {  # of a new heat map
 
 @lru_cache(maxsize=1)
 def choices() -> dict[str, Any]:
-    """Names of sensors, lights, scenes and matrices, sliders, and the equations behind ``?``.
+    """Names of sensors, lights, scenes and matrices, controls, and the equations behind ``?``.
 
     Steps of logarithmic sliders are of log10.
     """
+    sliders = [
+        dict(zip(("key", "label", "unit", "low", "high", "scale", "step"), one, strict=True))
+        for one in _SLIDERS
+    ]
+    fields = described_fields()
+    ranges: dict[str, tuple[float, float]] = {
+        one["key"].rpartition(".")[2].replace("_", "-"): (one["low"], one["high"])
+        for one in (*sliders, *fields)
+        if "low" in one
+    } | dict(_RANGES)
     return {
         "version": __version__,
         "sensors": _sensors(),
         "illuminants": _illuminants(),
         "illuminant_ends_nm": _ends_nm(),
-        "filters": _filters(),
         "scenes": list(BUILTIN_CUBES),
         "denoising": [
             {"name": one.name, "what": one.what}
@@ -81,16 +78,15 @@ def choices() -> dict[str, Any]:
         "sweeps": [
             {"name": one.name, "what": one.what, "unit": one.unit, "first": low, "last": high}
             for one in SWEEPS.values()
-            for low, high in (_RANGES[one.name],)
+            for low, high in (ranges[one.name],)
         ],
         "quantities": [{"name": one.name, "what": one.what} for one in QUANTITIES.values()],
         "coordinates": ["X", "Y", "Z", "L*", "a*", "b*"],
         "infrared_from_nm": INFRARED_FROM_NM,
         "infrared_light": "LED850",
-        "sliders": [
-            dict(zip(("key", "label", "unit", "low", "high", "scale", "step"), one, strict=True))
-            for one in _SLIDERS
-        ],
+        "sliders": sliders,
+        "fields": fields,
+        "hints": dict(SECTION_HINTS),
         "equations": {key: dict(equation) for key, equation in EXPLANATIONS.items()},
         "sections": [asdict(section) for section in SECTIONS],
     }
@@ -113,15 +109,10 @@ def _sensors() -> list[dict[str, Any]]:
                 "pitch_um": sensor.pixel.pitch_um,
                 "full_well_e": sensor.pixel.full_well_e,
                 "read_noise_e": sensor.pixel.read_noise_e,
+                "pixel": asdict(sensor.pixel),
             }
         )
     return found
-
-
-def _filters() -> list[str]:
-    """Filters with a fixed name, and examples of those with a parameter."""
-    names = [entry.provenance.name for entry in catalog_entries("filters", folder=catalog_folder())]
-    return [*(name for name in names if "<" not in name), *_EDGES]
 
 
 def _illuminants() -> list[str]:

@@ -163,6 +163,56 @@ export function radios({ legend, options, value, on, hidden = false }) {
   return { set, show };
 }
 
+/** @typedef {{ nodes: Node[], show: (...told: any) => void }} Content */
+/** @type {Set<{ node: HTMLDetailsElement, holds: (path: string) => boolean, fill: () => void }>} */
+const drawers = new Set();
+
+/**
+ * A drawer whose content is made when it is opened first, and shown only while it is open.
+ *
+ * @param {string} title
+ * @param {(path: string) => boolean} holds whether a key of the study has its control inside
+ * @param {() => Content} make
+ */
+export function drawer(title, holds, make) {
+  const words = el("span", { text: title });
+  const aside = el("span", { class: "aside" });
+  const node = el("details", { class: "drawer" }, el("summary", {}, words, " ", aside));
+  /** @type {Content | null} */
+  let content = null;
+  /** @type {unknown[] | null} */
+  let told = null;
+  const fill = () => {
+    if (!node.open || !told) return;
+    if (!content) node.append(...(content = make()).nodes);
+    content.show(...told);
+  };
+  node.addEventListener("toggle", fill);
+  drawers.add({ node, holds, fill });
+  /** @param {unknown[]} now */
+  const show = (...now) => {
+    told = now;
+    fill();
+  };
+  return { node, words, aside, show };
+}
+
+/**
+ * Opens the drawers that hold the control of a key.
+ *
+ * @param {string} path
+ */
+export function reveal(path) {
+  // a drawer within another one is added on the way
+  for (const one of drawers) {
+    if (!one.node.isConnected) drawers.delete(one);
+    else if (one.holds(path)) {
+      one.node.open = true;
+      one.fill();
+    }
+  }
+}
+
 /**
  * A switch with its label and a hint that can change: `{row, show(on, enabled, hint)}`.
  *
