@@ -24,10 +24,12 @@ const LOOK = {
   "stroke-opacity": "1",
   "stroke-dasharray": "none",
   "stroke-linejoin": "miter",
-  "shape-rendering": "auto",
   "font-size": "13px",
   "font-weight": "400",
 };
+
+/** What a file alone has no use for. */
+const UNUSED = /^(class|style|id|role|tabindex|aria-.*|visibility)$/;
 
 /** @param {Saved} saved */
 export async function saveSvg(saved) {
@@ -46,7 +48,7 @@ export async function saveCsv(saved) {
 
 /** @param {HTMLImageElement} image */
 export function savePicture(image) {
-  fetched(image.src, `picture-${image.alt}`, "png");
+  fetched(image.src, image.closest(".d-stack") ? `picture-${image.alt}` : image.alt, "png");
 }
 
 /**
@@ -108,10 +110,11 @@ function fetched(address, part, ending) {
  * @param {Saved} saved
  */
 export function svgText(saved) {
-  const holder = html("div", { class: "d-offscreen" });
+  const inner = html("div");
+  const holder = html("div", { class: "d-offscreen" }, [inner]);
   document.body.append(holder);
   try {
-    saved.draw(holder);
+    saved.draw(inner);
     return new XMLSerializer().serializeToString(composed(holder, saved));
   } finally {
     holder.remove();
@@ -142,7 +145,7 @@ function composed(holder, { heading, data, note = () => "" }) {
     },
     [
       svg("title", {}, `${heading}: ${title}`),
-      svg("desc", {}, [title, description, note()].filter(Boolean).join(" ")),
+      svg("desc", {}, [`${title}.`, description, note()].filter(Boolean).join(" ")),
       metadata({ title: heading, description: title, creator: `chromanoise ${version}`, identifier: `study ${hash}` }),
       svg("rect", { width: WIDTH_PX, height, fill: "#ffffff" }),
       ...nodes,
@@ -154,6 +157,7 @@ function composed(holder, { heading, data, note = () => "" }) {
 /** @param {Record<string, string>} told */
 function metadata(told) {
   const about = document.createElementNS(RDF, "rdf:Description");
+  about.setAttributeNS(RDF, "rdf:about", "");
   for (const [name, text] of Object.entries(told)) {
     const node = document.createElementNS(DC, `dc:${name}`);
     node.textContent = text;
@@ -177,7 +181,7 @@ function inlined(node, around) {
   if (look.visibility === "hidden") return [];
   const copy = svg(node.localName);
   for (const { name, value } of node.attributes) {
-    if (name in LOOK || /^(class|style|id|role|tabindex|aria-.*|visibility)$/.test(name)) continue;
+    if (name in LOOK || UNUSED.test(name)) continue;
     copy.setAttribute(name, value);
   }
   if (node.localName === "title" || node.localName === "desc") {

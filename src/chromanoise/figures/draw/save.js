@@ -45,6 +45,15 @@ export function savePictures(heading, element) {
 }
 
 /**
+ * The menu of a chart that is a picture.
+ *
+ * @param {HTMLImageElement} image
+ */
+export function saveImage(image) {
+  return saveMenu(image.alt, () => [["PNG", () => import("draw/export.js").then((to) => to.savePicture(image))]]);
+}
+
+/**
  * @param {string} heading
  * @param {() => Items} items of the moment
  */
