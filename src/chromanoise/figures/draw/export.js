@@ -76,7 +76,7 @@ export async function saveDivided(element) {
  * @param {string} ending
  */
 export function fileName(part, ending) {
-  const words = part.toLowerCase().replace(/[^a-z0-9]+/g, "-").replace(/^-|-$/g, "");
+  const words = part.toLowerCase().replace(/[^a-z0-9]+/g, "-").replace(/^-/, "").slice(0, 60).replace(/-$/, "");
   const hash = document.documentElement.dataset.hash?.slice(0, 8);
   return `${["chromanoise", words, hash].filter(Boolean).join("-")}.${ending}`;
 }
