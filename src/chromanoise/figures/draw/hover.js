@@ -30,6 +30,7 @@ const sources = new WeakMap();
 let open = null;
 /** @type {ReturnType<typeof setTimeout> | undefined} */
 let leaving;
+let toTip = Infinity; // px from the pointer
 /** @type {{ tip: HTMLElement, ring: HTMLElement, said: HTMLElement } | null} */
 let parts = null;
 
@@ -90,6 +91,9 @@ function pointed(element, event) {
   const isTouch = event.pointerType === "touch";
   if (event.type === "pointermove" && isTouch) return undefined; // it scrolls, or will be lifted
   if (event.buttons) return hide(); // something is dragged
+  const before = toTip;
+  toTip = awayFromTip(event);
+  if (open && toTip < Math.min(before, 2 * GAP_PX)) return undefined; // on the way to the words
   const at = figureAt(element, event.target);
   if (at < 0) return leave();
   const figure = figuresOf(element)[at];
@@ -109,6 +113,18 @@ function pointed(element, event) {
   if (nearest) show(element, nearest);
   else leave();
   return undefined;
+}
+
+/**
+ * How far a pointer is from the words.
+ *
+ * @param {PointerEvent} event
+ */
+function awayFromTip({ clientX, clientY }) {
+  const box = parts?.tip.getBoundingClientRect();
+  if (!box) return Infinity;
+  const across = Math.max(box.left - clientX, 0, clientX - box.right);
+  return Math.hypot(across, Math.max(box.top - clientY, 0, clientY - box.bottom));
 }
 
 /**
