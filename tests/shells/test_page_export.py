@@ -196,7 +196,7 @@ def test_every_chart_is_saved_as_svg_png_and_csv(window, of):
         assert name == f"chromanoise-{part}-{short}.svg"
         root = stands_alone(text)
         words = {one.text for one in root.iter(f"{SVG}text")}
-        own = page.locator(f"{panel} svg.d-figure text.d-strong").all_inner_texts()
+        own = page.locator(f"{panel} svg.d-figure text.d-strong").all_text_contents()
         assert set(own[:1]) <= words
         caption = page.locator(f"{panel} .d-caption").inner_text()
         assert caption in root.findtext(f"{SVG}title")
@@ -255,7 +255,9 @@ def test_the_report_is_saved_from_the_page_and_its_charts_from_the_report(
     until(tab, "() => !document.getElementById('back').disabled")
     tab.locator("section[data-part=stages] .d-save > button").click()
     tab.locator("section[data-part=stages] .d-menu button", has_text="CSV").click()
-    until(tab, "() => document.querySelector('[data-part=stages] .d-menu p').textContent.length > 20")
+    until(
+        tab, "() => document.querySelector('[data-part=stages] .d-menu p').textContent.length > 20"
+    )
     tab.close()
     assert wrong == []
 
@@ -288,6 +290,8 @@ def test_the_code_that_saves_is_loaded_when_it_is_used(window):
     page.reload()
     at_rest(page)
     assert not [url for url in loaded if url.endswith("draw/export.js")]
-    rows = list(csv.reader(io.StringIO(saved(page, "section[data-part=levels]", "CSV")[1].decode())))
+    rows = list(
+        csv.reader(io.StringIO(saved(page, "section[data-part=levels]", "CSV")[1].decode()))
+    )
     assert rows[0][0] == "illuminance [lx]"
     assert [url for url in loaded if url.endswith("draw/export.js")]

@@ -11,8 +11,6 @@ const MOST_PIXELS = 120e6;
 /** The chunk pHYs with 11811 pixels per m, and its check sum. */
 const DENSITY = [0, 0, 0, 9, 112, 72, 89, 115, 0, 0, 46, 35, 0, 0, 46, 35, 1, 120, 165, 63, 118];
 const HEAD_BYTES = 33; // of a PNG: signature and IHDR
-const RDF = "http://www.w3.org/1999/02/22-rdf-syntax-ns#";
-const DC = "http://purl.org/dc/elements/1.1/";
 
 /** Properties that a drawing sets, with what holds where none is set. */
 /** @type {Record<string, string>} */
@@ -146,26 +144,12 @@ function composed(holder, { heading, data, note = () => "" }) {
     [
       svg("title", {}, `${heading}: ${title}`),
       svg("desc", {}, [`${title}.`, description, note()].filter(Boolean).join(" ")),
-      metadata({ title: heading, description: title, creator: `chromanoise ${version}`, identifier: `study ${hash}` }),
+      svg("metadata", {}, `chromanoise ${version}, study ${hash}`),
       svg("rect", { width: WIDTH_PX, height, fill: "#ffffff" }),
       ...nodes,
       ...words(holder, box),
     ],
   );
-}
-
-/** @param {Record<string, string>} told */
-function metadata(told) {
-  const about = document.createElementNS(RDF, "rdf:Description");
-  about.setAttributeNS(RDF, "rdf:about", "");
-  for (const [name, text] of Object.entries(told)) {
-    const node = document.createElementNS(DC, `dc:${name}`);
-    node.textContent = text;
-    about.append(node);
-  }
-  const all = document.createElementNS(RDF, "rdf:RDF");
-  all.append(about);
-  return svg("metadata", {}, [all]);
 }
 
 /**
