@@ -666,5 +666,7 @@ export type ReportChanges = Record<string, { whole?: object }>;
 export interface ReportData {
   parts: Record<string, object>;
   slides: ReportSlide[];
+  /** By part, of the study itself, to full precision. */
+  csv: Record<string, string>;
   chart_of: { circle: number[][]; patches: { name: string; srgb: string; truth: number[] }[] };
 }

@@ -88,6 +88,8 @@ def application(
             Route("/api/picture", _replying(_picture), methods=["POST"]),
             Route("/api/upload", _replying(_upload), methods=["POST"]),
             Route("/api/texts", _replying(_texts), methods=["POST"]),
+            Route("/api/csv", _replying(_csv), methods=["POST"]),
+            Route("/api/report", _replying(_report), methods=["POST"]),
         ],
         exception_handlers={HTTPException: _status_reply, Exception: _crash_reply},
     )
@@ -202,6 +204,18 @@ async def _answer(request: Request, server: _Server) -> Response:
 
 async def _texts(request: Request, server: _Server) -> Response:
     return _json(await server.done("texts", await question_of(request, server.bodies)))
+
+
+async def _csv(request: Request, server: _Server) -> Response:
+    text = await server.done("csv", await question_of(request, server.bodies))
+    return Response(text, media_type="text/csv")
+
+
+async def _report(request: Request, server: _Server) -> Response:
+    html = await server.done("report", await question_of(request, server.bodies))
+    # to be kept as a file: not shown under the address of the page
+    headers = {"Content-Disposition": "attachment"}
+    return Response(html, media_type="text/html", headers=headers)
 
 
 async def _picture(request: Request, server: _Server) -> Response:

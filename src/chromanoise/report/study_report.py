@@ -10,7 +10,7 @@ import jinja2
 
 from chromanoise import __version__
 from chromanoise.analysis.machine_reading import machine_reading
-from chromanoise.charts import PARTS, Shown, drawing, machine_tables
+from chromanoise.charts import PARTS, Shown, chart_csv, drawing, machine_tables
 from chromanoise.charts.explanations import EXPLANATIONS
 from chromanoise.charts.sections import SECTIONS, Section
 from chromanoise.errors import InputError
@@ -101,6 +101,8 @@ def report_data(of: Shown, full: dict[str, Any] | None = None) -> dict[str, Any]
     answers = [[_there(of, slide, value, full) for value in slide.values] for slide in slides]
     return {
         "parts": own,
+        # of the study itself, to full precision
+        "csv": {part: chart_csv(part, one) for part, one in full.items() if "fault" not in one},
         "chart_of": shortened(_chart_of([full, *chain.from_iterable(answers)])),
         "slides": [
             slide_as_json(slide, [_packed(one) for one in drawings], own)
