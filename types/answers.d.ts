@@ -129,9 +129,12 @@ export interface KnownSweep {
   last: number;
 }
 
-export interface Equation {
+/** What is behind a `?`; formulas and symbols are MathML. */
+export interface Explanation {
   title: string;
-  equation: string;
+  words: string;
+  formulas: string[];
+  symbols: { symbol: string; meaning: string; unit: string }[];
   source: string;
 }
 
@@ -152,7 +155,6 @@ export interface Choices {
   sliders: Slider[];
   sweeps: KnownSweep[];
   quantities: { name: string; what: string }[];
-  equations?: Record<string, Equation>;
 }
 
 // ---- /api/answer: the parts -------------------------------------------------------------------

@@ -13,7 +13,6 @@ from chromanoise.analysis.priors import PRIORS
 from chromanoise.catalog.entries import catalog_entries, catalog_folder
 from chromanoise.catalog.resolve import resolve_illuminant, resolve_sensor
 from chromanoise.charts import DRAWINGS
-from chromanoise.charts.explanations import EXPLANATIONS
 from chromanoise.charts.sections import SECTIONS
 from chromanoise.color import SPACES
 from chromanoise.denoising import DENOISING
@@ -55,7 +54,7 @@ _RANGES: Mapping[str, tuple[float, float]] = {  # of a new heat map
 
 @lru_cache(maxsize=1)
 def choices() -> dict[str, Any]:
-    """Names of sensors, lights, scenes and matrices, sliders, and the equations behind ``?``.
+    """Names of sensors, lights, scenes and matrices, sliders, and sections.
 
     Steps of logarithmic sliders are of log10.
     """
@@ -89,7 +88,6 @@ def choices() -> dict[str, Any]:
             dict(zip(("key", "label", "unit", "low", "high", "scale", "step"), one, strict=True))
             for one in _SLIDERS
         ],
-        "equations": {key: dict(equation) for key, equation in EXPLANATIONS.items()},
         "sections": [asdict(section) for section in SECTIONS],
     }
 

@@ -82,6 +82,7 @@ def application(
             Route("/", index),
             Route("/assets/{path:path}", asset_reply),
             Route("/api/choices", _replying(_choices)),
+            Route("/api/explanations", _replying(_explanations)),
             Route("/api/front", _replying(_front)),
             Route("/api/answer", _replying(_answer), methods=["POST"]),
             Route("/api/picture", _replying(_picture), methods=["POST"]),
@@ -183,6 +184,10 @@ class _ToldFirst(AsciiJSONResponse):
 
 async def _choices(request: Request, server: _Server) -> Response:
     return _json(await server.done("choices", server.front is not None))
+
+
+async def _explanations(request: Request, server: _Server) -> Response:
+    return _json(await server.done("explanations"))
 
 
 async def _front(request: Request, server: _Server) -> Response:

@@ -4,6 +4,7 @@ import json
 from contextlib import suppress
 from typing import Any
 
+from chromanoise.charts.explanations import EXPLANATIONS, explanation_as_json
 from chromanoise.denoising import DENOISING
 from chromanoise.page.answers import ChartReplies
 from chromanoise.page.choices import choices
@@ -46,6 +47,10 @@ class Services:
         """The JSON of ``/api/choices``; ``has_front`` tells whether ``/api/front`` has one."""
         served = {"study": self._study, "front": has_front}
         return json.dumps(choices() | served, allow_nan=False)
+
+    def explanations(self) -> str:
+        """The JSON of ``/api/explanations``."""
+        return json.dumps({key: explanation_as_json(key) for key in EXPLANATIONS})
 
     def answer(self, body: bytes) -> str:
         """The JSON of ``/api/answer``.
