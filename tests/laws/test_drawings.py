@@ -794,9 +794,11 @@ def test_the_reasons_that_are_told_reach_the_gap(names, illuminant):
         "head", shown(fast_study(*names, light={"illuminant": illuminant, "level_lux": 1.0}))
     )["verdict"]
     ours, theirs = re.search(r"SNR of Y (-?[\d.]+) against (-?[\d.]+) dB", first).groups()
-    costs = re.findall(r"costs (-?[\d.]+) dB, against (-?[\d.]+) dB for", why)
-    reached = sum(float(here) - float(there) for here, there in costs)
-    reached += sum(float(beyond) for beyond in re.findall(r": ([\d.]+) dB", why))
+    numbers = r"([−+]?[\d.]+) dB, against ([−+]?[\d.]+) dB for"
+    found = re.findall(rf"(costs|:) {numbers}", why)
+    levels = [[float(one.replace("−", "-")) for one in pair] for _, *pair in found]
+    signs = [1.0 if word == "costs" else -1.0 for word, *_ in found]
+    reached = sum(sign * (here - there) for sign, (here, there) in zip(signs, levels, strict=True))
     assert reached > abs(float(ours) - float(theirs)) - 0.3 - 0.4  # and rounding
 
 
@@ -814,7 +816,7 @@ def test_what_a_sensor_alone_loses_below_its_raw_channels_is_not_what_they_lack_
     assert "read noise" not in message
     assert "-0.0" not in message
     price = float(re.search(r"SNR for an eye, ([\d.]+) dB below", message)[1])
-    why = re.search(r"(mostly|above all) because of [^;]+ \(([\d.]+) dB\)", message)
+    why = re.search(r"(mostly|above all) because of [^;]+: ([\d.]+) dB", message)
     assert (why is None) <= (price < 1.0)
     if why:
         share = float(why[2]) / price

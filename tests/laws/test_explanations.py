@@ -59,7 +59,7 @@ def test_symbols_and_units_are_those_of_the_nomenclature(key):
         if not symbol.name:
             continue
         sign, unit = known[symbol.name]
-        for letter in letters(symbol.latex):
+        for letter in letters(symbol.latex) - {"i"}:
             assert plain(letter) in plain(sign).replace("^T", "⊤")
         assert unit.startswith(symbol.unit)
 
