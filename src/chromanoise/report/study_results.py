@@ -1,8 +1,9 @@
 """All results of a study for its report: sweeps, maps, every matrix, every output, settings."""
 
 import json
+import re
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from pydantic import BaseModel
@@ -15,7 +16,6 @@ from chromanoise.charts.result_tables import (
     pareto_table,
 )
 from chromanoise.io.table import Table, written
-from chromanoise.io.table_formats import head
 from chromanoise.report.bundle import data_address
 from chromanoise.study import Analyses, Comparison, ComparisonMap, Matrices, Study
 from chromanoise.study.running import result_steps
@@ -69,14 +69,25 @@ def results_of(of: Shown) -> StudyResults:
 
 def table_record(table: Table) -> dict[str, Any]:
     """A table as text: ``title``, ``head``, ``rows``, ``notes``."""
-    heads = [head(column).replace("Delta E", "ΔE") for column in table.columns]
+    heads = [
+        _typeset(f"{one.name} [{one.unit}]" if one.unit else one.name) for one in table.columns
+    ]
     digits = [column.digits for column in table.columns]
     return {
         "title": table.title,
         "head": heads,
-        "rows": [[written(*pair) for pair in zip(row, digits, strict=True)] for row in table.rows],
-        "notes": [note.replace("Delta E", "ΔE") for note in table.notes],
+        "rows": [
+            [_typeset(written(*pair)) for pair in zip(row, digits, strict=True)]
+            for row in table.rows
+        ],
+        "notes": [_typeset(note) for note in table.notes],
     }
+
+
+def _typeset(text: str) -> str:
+    """A text of a terminal with the signs of print: ΔE, e⁻, a true minus before a number."""
+    text = re.sub(r"(^|[ (\[/])e-(?=$|[ )\]/,;:])", r"\1e⁻", text.replace("Delta E", "ΔE"))
+    return re.sub(r"(^|[ (\[])-(?=[\d.])", "\\1\N{MINUS SIGN}", text)
 
 
 def sweep_records(results: StudyResults) -> list[dict[str, Any]]:
@@ -100,40 +111,43 @@ def _pictured(
     with chromanoise_style():
         figure = Figure(figsize=_SIZE_IN, layout="constrained")
         ax = one.plot(figure.add_subplot())
-        title = ax.get_title(loc="left")
+        caption = ax.get_title(loc="left")
         ax.set_title("", loc="left")
+    table = one.to_table()
     return {
-        "title": title,
+        "title": table.title,
+        "caption": caption,
         "source": data_address(figure_bytes(figure, ending), kind),
         "width": round(_DOTS_PER_IN * _SIZE_IN[0]),
         "height": round(_DOTS_PER_IN * _SIZE_IN[1]),
-        "sentences": sentences,
-        "table": table_record(one.to_table()),
+        "sentences": [_typeset(sentence) for sentence in sentences],
+        "table": table_record(table),
     }
 
 
 def matrix_records(results: StudyResults) -> list[dict[str, Any]]:
     """SNR and error of every sensor with every matrix, then the coefficients of each matrix."""
     tables = [color_table(results.analyses), channels_table(results.analyses[0].analyses)]
-    tables += [one.to_table() for one in results.matrices]
+    tables += [replace(one.to_table(), notes=()) for one in results.matrices]  # see the first
     return [table_record(table) for table in tables if table.rows]
 
 
 def output_records(results: StudyResults) -> list[dict[str, Any]]:
-    """The tables of the outputs that the study asks for, by matrix: budgets, merits, pipeline."""
-    many = len(results.analyses) > 1
-    found = []
-    for one in results.analyses:
-        for table in outcome_tables(one):
-            record = table_record(table)
-            named = one.matrix in record["title"] or not many
-            found.append(record | ({} if named else {"title": f"{table.title}, {one.matrix}"}))
-    for one in results.matrices:
-        for result in one.results:
-            if result.pareto is not None:
-                name = result.point.sensor.label
-                found.append(table_record(pareto_table(result.pareto, result.report, name)))
-    return found
+    """The tables of the outputs that the study asks for: ``title`` and ``tables`` per matrix."""
+    groups = [
+        {"title": f"With the {one.matrix} matrix", "tables": list(map(table_record, tables))}
+        for one in results.analyses
+        if (tables := list(outcome_tables(one)))
+    ]
+    curves = [
+        table_record(pareto_table(one.pareto, one.report, one.point.sensor.label))
+        for one in results.matrices[0].results
+        if one.pareto is not None
+    ]
+    return [
+        *groups,
+        *([{"title": "With any weight of the noise", "tables": curves}] if curves else []),
+    ]
 
 
 def setting_rows(study: Study) -> list[list[str]]:
