@@ -40,9 +40,9 @@ def _separations(readings: Sequence[MachineReading]) -> dict[str, Any]:
         "title": "Distance of patches for a machine (probability)",
         "head": ["sensor", "pairs", *_HEADS],
         "rows": rows,
-        "note": "Distance of two patches in units of their noise (Mahalanobis), for an ideal reader of one "
-        "pixel; in parentheses the probability that it names the right one of the two (0.5 is "
-        "chance). Medians of distances and of probabilities are taken separately.",
+        "note": "Distance of two patches in units of their noise (Mahalanobis), for an ideal "
+        "reader of one pixel; in parentheses the probability that it names the right one of the "
+        "two (0.5 is chance). Medians of distances and of probabilities are taken separately.",
     }
 
 

@@ -30,8 +30,8 @@ def machine_sentences(analyses: Sequence[Analysis]) -> list[str]:
     if len(found) == 1:
         label, with_it, without = found[0]
         return [
-            f"A machine that reads the raw values of {label} separates {what} with a median distance of "
-            f"{_text(with_it)}, or {_text(without)} without brightness."
+            f"A machine that reads the raw values of {label} separates {what} with a median "
+            f"distance of {_text(with_it)}, or {_text(without)} without brightness."
         ]
     best = max(found, key=lambda one: one[1])
     rival = max((one for one in found if one is not best), key=lambda one: one[1])

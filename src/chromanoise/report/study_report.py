@@ -1,19 +1,13 @@
 """A study as one self-contained HTML file: verdict, pictures, charts, tables, sliders."""
 
-import re
 from collections.abc import Sequence
-from importlib import resources
 from itertools import chain
 from typing import Any
-
-import jinja2
-from markupsafe import Markup, escape
 
 from chromanoise import __version__
 from chromanoise.analysis.machine_reading import machine_reading
 from chromanoise.charts import PARTS, Shown, drawing, machine_tables
 from chromanoise.charts.explanations import explanation_as_json
-from chromanoise.charts.mathematics import coordinate_latex, mathml
 from chromanoise.charts.sections import SECTIONS, Section
 from chromanoise.errors import InputError
 from chromanoise.geometry import unit_circle
@@ -37,6 +31,7 @@ from chromanoise.report.study_results import (
     setting_rows,
     sweep_records,
 )
+from chromanoise.report.templates import environment
 from chromanoise.study import provenance, study_as_toml
 
 _CHARTS = tuple(part for part in PARTS if part != "head")
@@ -64,38 +59,37 @@ def study_report(of: Shown, sights: Sequence[Sight] = ()) -> str:
     results = results_of(of)
     sweeps, maps, machine = sweep_records(results), map_records(results), _machine(of)
     sections = [_section(one, full) for one in SECTIONS if _has_content(one.part, sights, maps)]
-    template = resources.files("chromanoise.report").joinpath("study.html.j2").read_text("utf-8")
-    environment = jinja2.Environment(
-        autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
-    environment.filters["symbols"] = with_symbols
-    return environment.from_string(template).render(
-        title=of.study.title or _names(of),
-        names=_names(of),
-        head=full["head"],
-        light=of.study.light,
-        sections=sections,
-        contents=_contents(sections, sweeps, machine),
-        sensors=full["head"]["table"],
-        slides=data["slides"],
-        sights=[_sight(one) for one in sights],
-        sweeps=sweeps,
-        maps=maps,
-        machine=machine,
-        machine_explanation=explanation_as_json("machine"),
-        matrices=matrix_records(results),
-        outputs=output_records(results),
-        settings={"head": ["setting", "value", "meaning"], "rows": setting_rows(of.study)},
-        notes=_notes(full["head"]),
-        faults=[data["fault"] for data in full.values() if "fault" in data],
-        provenance=provenance(of.study),
-        toml=study_as_toml(of.study),
-        version=__version__,
-        style=drawing_style(),
-        import_map=modules,
-        script=script,
-        hashes=f"{script_hash(modules)} {script_hash(script)}",
-        data=packed_json(data),
+    return (
+        environment()
+        .get_template("study.html.j2")
+        .render(
+            title=of.study.title or _names(of),
+            names=_names(of),
+            head=full["head"],
+            light=of.study.light,
+            sections=sections,
+            contents=_contents(sections, sweeps, machine),
+            sensors=full["head"]["table"],
+            slides=data["slides"],
+            sights=[_sight(one) for one in sights],
+            sweeps=sweeps,
+            maps=maps,
+            machine=machine,
+            machine_explanation=explanation_as_json("machine"),
+            matrices=matrix_records(results),
+            outputs=output_records(results),
+            settings={"head": ["setting", "value", "meaning"], "rows": setting_rows(of.study)},
+            notes=_notes(full["head"]),
+            faults=[data["fault"] for data in full.values() if "fault" in data],
+            provenance=provenance(of.study),
+            toml=study_as_toml(of.study),
+            version=__version__,
+            style=drawing_style(),
+            import_map=modules,
+            script=script,
+            hashes=f"{script_hash(modules)} {script_hash(script)}",
+            data=packed_json(data),
+        )
     )
 
 
@@ -183,16 +177,6 @@ def _chart_of(answers: Sequence[dict[str, Any]]) -> dict[str, Any]:
         "circle": unit_circle(len(seen[0]["outline"])).tolist() if seen else [],
         "patches": [{key: patch[key] for key in ("name", "srgb", "truth")} for patch in seen],
     }
-
-
-def with_symbols(text: str) -> Markup:
-    """A text in which a contravariant coordinate, M^R, is MathML."""
-    parts = re.split(r"(M\^[^\s\[\],]+)", text)
-    shown = [
-        Markup(mathml(coordinate_latex(part))) if i % 2 else escape(part)
-        for i, part in enumerate(parts)
-    ]
-    return Markup("").join(shown)
 
 
 def _has_content(part: str, sights: Sequence[Sight], maps: Sequence[Any]) -> bool:
