@@ -450,12 +450,12 @@ EXPLANATIONS: Mapping[str, Explanation] = {
         source="CIE 015:2018, eq. 8.21",
     ),
     "pareto": Explanation(
-        title="Color error against SNR",
+        title="Training error against SNR",
         words="A matrix trained on spectra can weigh noise more or less. With little weight, "
         "colors are exact and noisy; with much weight, smooth and pale. The curve holds the best "
         "possible compromises of a sensor: no matrix lies beyond it in the error that is "
-        "minimized. The color error here is the mean over the training spectra (the prior), not "
-        "over the patches of the chart.",
+        "minimized. The training error is the color error averaged over the training spectra (the "
+        "prior), not over the patches of the chart.",
         latex=(
             r"\min_{C} \; \left\langle |C M - x|^2 \right\rangle "
             r"+ w \operatorname{tr}(C D C^{\top})",

@@ -275,7 +275,7 @@ def _remark(merits: Merits) -> str:
 
 
 def pareto_table(curve: ParetoCurve, report: MatrixReport, sensor_name: str) -> Table:
-    """Color error against noise, one row per weight of the noise."""
+    """Training error against noise, one row per weight of the noise."""
     snr = white_snr_db(curve, report)
     rows: list[tuple[Entry, ...]] = []
     for i, weight in enumerate(curve.weight.tolist()):
@@ -290,7 +290,7 @@ def pareto_table(curve: ParetoCurve, report: MatrixReport, sensor_name: str) -> 
             )
         )
     return Table(
-        title=f"Color error against noise of {sensor_name}",
+        title=f"Training error against noise of {sensor_name}",
         columns=(
             Column(name="weight", digits=".4g"),
             Column(name="training error rms", unit="lx", digits=".4g"),

@@ -103,7 +103,10 @@ def print_analyses(analyses: Iterable[Analysis]) -> None:
         channels.add_column(head, justify="left" if left else "right", overflow="fold")
     for head in ("to x deg", "to y deg", "to z deg"):
         channels.add_column(head, justify="right")
-    color = Table(title="Spectrum and color (eq. 4-6)", title_justify="left")
+    color = Table(
+        title="Spectrum and color (eq. 4-6); color errors: mean Delta E*ab over the chart",
+        title_justify="left",
+    )
     for head in (
         "sensor",
         "time ms",
@@ -114,8 +117,8 @@ def print_analyses(analyses: Iterable[Analysis]) -> None:
         "bound dB",
         "color SNR loss dB",
         "condition",
-        "Delta E*ab",
-        "total Delta E*ab",
+        "color error",
+        "total color error",
     ):
         left = head == "sensor"
         color.add_column(head, justify="left" if left else "right", overflow="fold")

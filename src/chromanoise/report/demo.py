@@ -21,7 +21,7 @@ from chromanoise.paper import (
 )
 from chromanoise.paper.study import PRINTED_TIMES_MS, RGB_12, RGBW_12, WELL_SHARE
 from chromanoise.report.bundle import data_address
-from chromanoise.report.templates import environment
+from chromanoise.report.templates import environment, with_paper_symbols
 
 _EXPLAINED = ("electrons", "raw", "contravariant", "spectral", "color", "bound", "budget")
 _GROUPS = {  # of downloads, in their order: heading, and the files by their endings
@@ -52,7 +52,8 @@ def demo_page(
         The files beside the page, which it offers to download.
     """
     made = environment()
-    made.filters["db"] = number_text
+    made.filters["symbols"] = with_paper_symbols
+    made.filters["db"] = lambda value: number_text(value).replace("-", "\N{MINUS SIGN}")
     made.filters["printed"] = as_printed
     made.filters["cause"] = lambda cause: cause_label(cause, "Y")
     return made.get_template("demo.html.j2").render(

@@ -1,6 +1,7 @@
 """HTML of tables and pictures from a template of this package."""
 
 import re
+from collections.abc import Callable, Mapping
 from importlib import resources
 from typing import Any
 
@@ -33,11 +34,41 @@ def with_symbols(text: str) -> Markup:
     >>> with_symbols("a < b")
     Markup('a &lt; b')
     """
-    parts = re.split(r"(M\^[^\s\[\],;]+)", text)
+    return _replaced(text, _COORDINATES)
+
+
+def with_paper_symbols(text: str) -> Markup:
+    """The same, and the other symbols of the paper's tables, as SNR_Y and cos^2 theta."""
+    return _replaced(text, _COORDINATES | _OF_THE_PAPER)
+
+
+def _replaced(text: str, symbols: Mapping[str, Callable[[str], str]]) -> Markup:
+    """A text with MathML in place of what matches a key; values give the LaTeX of a match."""
+    parts = re.split(f"({'|'.join(symbols)})", text)
     return Markup("").join(
-        Markup(mathml(coordinate_latex(part))) if i % 2 else escape(part)
-        for i, part in enumerate(parts)
+        _mathematics(part, symbols) if i % 2 else escape(part) for i, part in enumerate(parts)
     )
+
+
+def _mathematics(part: str, symbols: Mapping[str, Callable[[str], str]]) -> Markup:
+    latex = next(make(part) for pattern, make in symbols.items() if re.fullmatch(pattern, part))
+    return Markup(mathml(latex))
+
+
+def _lowered(word: str) -> str:
+    name, _, index = word.partition("_")
+    return rf"\mathrm{{{name}}}_{{\mathrm{{{index}}}}}"
+
+
+_COORDINATES: dict[str, Callable[[str], str]] = {r"M\^[^\s\[\],;]+": coordinate_latex}
+_OF_THE_PAPER: dict[str, Callable[[str], str]] = {
+    r"\bSNR_\w+": _lowered,
+    r"\b(?:RGBW|RGB|G)_n\b": _lowered,
+    r"theta\(y,\s?g\)": lambda _: r"\theta(y, g)",
+    r"\bY\^(?!\w)": lambda _: r"\hat{Y}",
+    r"cos\^2 theta": lambda _: r"\cos^2 \theta",
+    r"\|y\|\^2": lambda _: "|y|^2",
+}
 
 
 def filled_template(name: str, **values: Any) -> str:
