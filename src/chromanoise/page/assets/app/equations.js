@@ -76,7 +76,7 @@ function formula(text) {
 function emptyDialog() {
   const id = freshId("equations");
   const heading = el("h2", { id, text: "Explanation" });
-  const close = button("Close", () => node.close(), { class: "primary" });
+  const close = button("Close", () => node.close(), { class: "primary", autofocus: true });
   const node = el(
     "dialog",
     { "aria-labelledby": id, class: "equations" },
