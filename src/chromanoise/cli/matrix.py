@@ -7,9 +7,9 @@ from typing import Any
 import click
 
 from chromanoise.analysis import DEFAULT_METHOD, known_matrices
+from chromanoise.charts.result_tables import pareto_table
 from chromanoise.cli import tables
 from chromanoise.cli.copying import print_copy
-from chromanoise.cli.merit_tables import print_pareto
 from chromanoise.cli.options import (
     closed_form_options,
     copy_option,
@@ -107,7 +107,7 @@ def matrix(
     tables.print_conditions(conditions([point]))
     tables.print_matrix(result.matrix, report, point.sensor.label)
     if result.pareto:
-        print_pareto(result.pareto, report, point.sensor.label)
+        tables.print_table(pareto_table(result.pareto, report, point.sensor.label))
 
 
 def _made(result: MatrixResult) -> MadeMatrix:

@@ -82,6 +82,7 @@ def application(
             Route("/", index),
             Route("/assets/{path:path}", asset_reply),
             Route("/api/choices", _replying(_choices)),
+            Route("/api/explanations", _replying(_explanations)),
             Route("/api/front", _replying(_front)),
             Route("/api/story", _replying(_story)),
             Route("/api/answer", _replying(_answer), methods=["POST"]),
@@ -190,6 +191,10 @@ async def _choices(request: Request, server: _Server) -> Response:
 
 async def _story(request: Request, server: _Server) -> Response:
     return _json(await server.done("story"))
+
+
+async def _explanations(request: Request, server: _Server) -> Response:
+    return _json(await server.done("explanations"))
 
 
 async def _front(request: Request, server: _Server) -> Response:

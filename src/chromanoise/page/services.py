@@ -4,6 +4,7 @@ import json
 from contextlib import suppress
 from typing import Any
 
+from chromanoise.charts.explanations import EXPLANATIONS, explanation_as_json
 from chromanoise.denoising import DENOISING
 from chromanoise.page.answers import ChartReplies
 from chromanoise.page.choices import choices
@@ -55,6 +56,10 @@ class Services:
         if self._story is None:
             self._story = json.dumps(story(STUDY), allow_nan=False)
         return self._story
+
+    def explanations(self) -> str:
+        """The JSON of ``/api/explanations``."""
+        return json.dumps({key: explanation_as_json(key) for key in EXPLANATIONS})
 
     def answer(self, body: bytes) -> str:
         """The JSON of ``/api/answer``.

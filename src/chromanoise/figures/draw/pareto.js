@@ -30,7 +30,7 @@ export function draw(element, data, options = {}) {
     return;
   }
   const { x, y, height } = plane(data, ghosts, width);
-  const nodes = axes(x, y, { x: "SNR of Y [dB]", y: "color error, mean ΔE*ab", xRoom: 80 });
+  const nodes = axes(x, y, { x: "SNR of Y [dB]", y: "training error, mean ΔE*ab", xRoom: 80 });
   nodes.push(words(x.to - 4, y.from - 8, "better ↘", "d-quiet d-rim", "end"));
   data.sensors.forEach((sensor, i) => {
     for (const ghost of ghosts) {

@@ -367,7 +367,7 @@ async function start() {
   byId("version").textContent = `chromanoise ${choices.version}`;
   page.showControls = controls(byId("controls"), choices);
   page.tools = headingTools(choices);
-  useEquations(choices.equations ?? {});
+  useEquations();
   copyButtons(byId("copy"));
   uploads(byId("bring"));
   page.ghosts = snapshots(byId("snapshots"), () => {
