@@ -147,4 +147,5 @@ def _mark(crossover: Crossover, curves: Sequence[Curve], ax: Axes) -> None:
             xytext=(-2, 10),
             textcoords="offset points",
             color=QUIET,
+            bbox={"facecolor": "white", "linewidth": 0, "pad": 1},
         )
