@@ -18,69 +18,23 @@ from typing import Any
 import click
 from docutils import nodes
 from sphinx import addnodes
+from public_names import (
+    PACKAGES,
+    all_packages,
+    documentation_of_data,
+    home_of,
+    kind_of,
+    public_names,
+)
 from sphinx.application import Sphinx
-from sphinx.pycode import ModuleAnalyzer
+from sphinx.errors import ExtensionError
 from sphinx.transforms import SphinxTransform
 
-PACKAGES = {  # in the order of the data's way
-    "The stages": ["spectra", "scene", "sensor", "exposure", "noise", "geometry", "color", "metrics"],
-    "Pictures": ["imaging", "denoising", "scene.builtin"],
-    "Files and cameras": [
-        *("io", "io.spectra", "io.cubes", "io.frames", "io.pixels", "characterization", "catalog"),
-    ],
-    "Whole studies": ["analysis", "study", "design", "paper"],
-    "Charts and reports": ["charts", "figures", "report"],
-    "Basics": ["errors", "rng", "units"],
-}
-OF_MODULE = {  # modules without ``__all__``
-    "errors": ["InputError", "Setting", "StudyError", "did_you_mean", "errors_in", "in_study"],
-    "rng": ["stream"],
-    "units": [
-        *("BOLTZMANN_J_PER_K", "LIGHT_M_PER_S", "LUMEN_PER_WATT", "PLANCK_J_S", "UM2_PER_M2"),
-        *("decibel", "from_decibel", "photons_per_joule"),
-    ],
-}
 KINDS = ("functions", "classes", "data")
-DIRECTIVES = {"functions": "autofunction", "classes": "autoclass"}
 OWN = re.compile(r"(?:chromanoise|cn)(?:\.\w+)+")
 
 
 # ---- Python ----
-
-
-def public_names(module: ModuleType) -> list[str]:
-    """The public names of a package or a module."""
-    short = module.__name__.removeprefix("chromanoise.")
-    return sorted(getattr(module, "__all__", None) or OF_MODULE[short])
-
-
-def kind_of(value: object) -> str:
-    """Whether a value is documented as a function, a class or data."""
-    if inspect.isclass(value):
-        return "classes" if type(value) is not type(list[int]) else "data"
-    return "functions" if inspect.isroutine(value) or hasattr(value, "py_func") else "data"
-
-
-def defining_module(module: ModuleType, name: str) -> str:
-    """The module whose source assigns a name that a package exports."""
-    source = Path(str(module.__file__)).read_text(encoding="utf-8")
-    if re.search(rf"^{name}\b[^(\n]*=", source, re.MULTILINE):
-        return module.__name__
-    for path, names in re.findall(
-        r"^ *from (chromanoise[\w.]*) import (\((?:[^)]*)\)|.*)$", source, re.MULTILINE
-    ):
-        if re.search(rf"\b{name}\b", names):
-            return str(path)
-    return module.__name__
-
-
-def documentation_of_data(module: ModuleType, name: str) -> list[str]:
-    """The docstring below or beside the assignment of a constant or a type."""
-    path = defining_module(module, name)
-    found = ModuleAnalyzer.for_module(path).find_attr_docs().get(("", name))
-    if found is None and path != module.__name__:
-        return documentation_of_data(importlib.import_module(path), name)
-    return found or []
 
 
 def heading(text: str, line: str) -> str:
@@ -94,8 +48,8 @@ def data_entry(module: ModuleType, name: str) -> str:
     options = []
     if isinstance(value, int | float | str):
         options.append(f"   :value: {value!r}")
-    text = textwrap.indent("\n".join(documentation_of_data(module, name)), "   ")
-    return "\n".join([f".. py:data:: {module.__name__}.{name}", *options, "", text, ""])
+    text = textwrap.indent(documentation_of_data(module.__name__, name), "   ")
+    return "\n".join([f".. py:data:: {name}", *options, "", text, ""])
 
 
 def page_of_package(module: ModuleType) -> str:
@@ -133,38 +87,6 @@ def page_of_package(module: ModuleType) -> str:
             else:
                 parts.append(f".. autofunction:: {path}.{name}\n")
     return "\n".join(parts)
-
-
-def home_of(value: object, name: str, path: str) -> str | None:
-    """The package that documents a name which ``path`` exports too: the lowest one.
-
-    The root documents no class or constant, and a package none of those of a package in it.
-    """
-    if kind_of(value) == "data" and path != "chromanoise":
-        return None
-    homes = [
-        one
-        for one in all_packages()
-        if one not in ("chromanoise", path)
-        and name in public_names(module := importlib.import_module(one))
-        and getattr(module, name) is value
-    ]
-    if path == "chromanoise":
-        return homes[0] if homes else None
-    return next((one for one in homes if one.startswith(f"{path}.") or order(one) < order(path)), None)
-
-
-def order(path: str) -> int:
-    """The place of a package in the list of all; those within a package come before it."""
-    paths = list(all_packages())
-    return paths.index(path)
-
-
-def all_packages() -> Iterator[str]:
-    """The paths of all public packages, the root first."""
-    yield "chromanoise"
-    for paths in PACKAGES.values():
-        yield from (f"chromanoise.{path}" for path in paths)
 
 
 def api_index() -> str:
@@ -413,10 +335,24 @@ def literal_types(_app: Sphinx, _what: str, _name: str, _obj: object, _options: 
             lines[i] = re.sub(r"^(:vartype [^:]+: )(.*)$", r"\1``\2``", line)
 
 
+def check_inventory(app: Sphinx, error: Exception | None) -> None:
+    """Refuse a site in which a public name has no entry."""
+    if error is not None:
+        return
+    known = app.env.domains["py"].objects  # type: ignore[attr-defined]
+    for path in all_packages():
+        module = importlib.import_module(path)
+        for name in public_names(module):
+            home = home_of(getattr(module, name), name, path) or path
+            if f"{home}.{name}" not in known:
+                raise ExtensionError(f"{path}.{name} is not in the Python reference")
+
+
 def setup(app: Sphinx) -> dict[str, Any]:
     """Write the pages when a build starts; link names in all pages."""
     app.connect("builder-inited", write_pages, priority=100)
     app.connect("autodoc-process-docstring", escape_docstring, priority=100)  # before napoleon
     app.connect("autodoc-process-docstring", literal_types, priority=900)  # after napoleon
+    app.connect("build-finished", check_inventory)
     app.add_transform(LinkedNames)
     return {"version": "1", "parallel_read_safe": True, "parallel_write_safe": True}

@@ -14,6 +14,7 @@ BOLTZMANN_J_PER_K = 1.380649e-23
 LUMEN_PER_WATT = 683.002
 """Maximum luminous efficacy at the peak of y-bar (CIE 018:2019: 683 lm/W at 540 THz in air)."""
 UM2_PER_M2 = 1e12
+"""Square micrometers in a square meter. [um^2/m^2]"""
 
 
 def photons_per_joule(wavelength_nm: Float[Array, " n"]) -> Float[Array, " n"]:

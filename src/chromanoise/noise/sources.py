@@ -35,6 +35,7 @@ from chromanoise.noise.measurement import Measurement
 from chromanoise.sensor import Crosstalk, Sensor, quantization_step_e, white_level_e
 
 NoiseKind = Literal["total", "temporal"]
+"""All noise of one reading over a flat field, or only what changes from frame to frame."""
 
 SHOT, READ, DARK, QUANTIZATION, ROW = (
     "shot noise",

@@ -18,6 +18,7 @@ _COLDEST_C, _HOTTEST_C = -273.15, 300.0
 _MOST_PRNU = 0.2
 
 BinningMode = Literal["charge", "digital"]
+"""Whether binning sums charges before the readout, or codes after it."""
 MOST_BINNING = 10_000
 """Most pixels that are summed."""
 

@@ -23,6 +23,7 @@ Beyond = Literal["refuse", "zero", "hold"]
 """How a curve is extrapolated: refuse with an error, use zero, or hold the last value."""
 
 SMALL_NEGATIVES = Setting("negatives", ("zero",))
+"""The setting that sets small negative values of a file to 0."""
 SMALL_SHARE = 0.01
 """Size of negative values that may be set to 0, over the highest value of their curve."""
 """Sets small negative values, which digitizing or dark readings can cause, to 0."""

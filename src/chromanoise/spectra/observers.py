@@ -24,6 +24,7 @@ OBSERVERS: Mapping[str, str] = {
 """Packaged table of each observer. The names end in the visual field in degrees."""
 
 DEFAULT_OBSERVER = "cie-1931-2"
+"""Name of the observer that every result uses unless another is given."""
 
 
 @cache

@@ -65,6 +65,7 @@ class Given:
 
 
 NOTHING_GIVEN = Given()
+"""No objects in place of names."""
 
 
 def operating_points_of(study: Study, given: Given = NOTHING_GIVEN) -> list[OperatingPoint]:

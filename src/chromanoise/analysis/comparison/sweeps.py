@@ -256,6 +256,7 @@ SWEEPS: Mapping[str, Sweep] = {
         ),
     )
 }
+"""The parameters that a comparison can vary, by name."""
 
 
 def swept_values(sweep: Sweep, first: float, last: float, points: int) -> Float[Array, " k"]:
