@@ -136,12 +136,13 @@ def write_geometry() -> None:
             t = np.radians(angle_deg)
             basis = np.array([[1.0, np.cos(t)], [0.0, np.sin(t)]])
             frame = dual_frame(basis, names=("1", "2"), metric="quanta")
-            for vectors, color, name in ((basis, "C0", "f{}"), (frame.dual, "C3", "f{}*")):
+            arrows = ((basis, "C0", "f{}", "bottom"), (frame.dual, "C3", "f{}*", "top"))
+            for vectors, color, name, place in arrows:
                 for i, (x, y) in enumerate(vectors.T):
                     panel.annotate(
                         "", (x, y), (0, 0), arrowprops={"arrowstyle": "->", "color": color, "lw": 2}
                     )
-                    panel.text(1.12 * x, 1.12 * y, name.format(i + 1), color=color, ha="center")
+                    panel.text(1.15 * x, 1.15 * y, name.format(i + 1), color=color, va=place)
             # equal noise of both readings; as light it is this ellipse
             covariance = 0.15 * frame.dual @ frame.dual.T
             panel.plot(*ellipse_outline(np.zeros(2), covariance, sigmas=1.0).T, color="C7", lw=1)
