@@ -25,6 +25,7 @@ extensions = [
     "sphinx.ext.napoleon",
     "myst_nb",
     "sphinx_copybutton",
+    "sphinx_gallery.gen_gallery",
     "mathml",
     "reference_pages",
 ]
@@ -32,7 +33,7 @@ exclude_patterns = ["_ext", "gallery", "**/.ipynb_checkpoints", "**/GALLERY_HEAD
 nitpicky = True
 nitpick_ignore_regex = [(r"py:.*", r".*")]  # types of other libraries have no pages here
 default_role = "py:obj"
-suppress_warnings = ["config.cache", "toc.empty_glob"]
+suppress_warnings = ["config.cache"]
 
 # Python
 autosummary_generate = False
@@ -57,22 +58,20 @@ nb_ipywidgets_js = {}
 copybutton_exclude = ".linenos, .gp, .go"
 
 # pictures made by the scripts under them
-if sorted((HERE / "gallery").glob("plot_*.py")):
-    extensions.append("sphinx_gallery.gen_gallery")
-    sphinx_gallery_conf = {
-        "examples_dirs": "gallery",
-        "gallery_dirs": "auto_gallery",
-        "abort_on_example_error": True,
-        "download_all_examples": False,
-        "image_scrapers": ("matplotlib",),
-        "matplotlib_animations": False,
-        "remove_config_comments": True,
-        "show_memory": False,
-        "show_signature": False,
-        "min_reported_time": 1e9,
-        "within_subsection_order": "FileNameSortKey",
-        "write_computation_times": False,
-    }
+sphinx_gallery_conf = {
+    "examples_dirs": "gallery",
+    "gallery_dirs": "auto_gallery",
+    "abort_on_example_error": True,
+    "download_all_examples": False,
+    "image_scrapers": ("matplotlib",),
+    "matplotlib_animations": False,
+    "remove_config_comments": True,
+    "show_memory": False,
+    "show_signature": False,
+    "min_reported_time": 1e9,
+    "within_subsection_order": "FileNameSortKey",
+    "write_computation_times": False,
+}
 
 # pages
 html_theme = "furo"

@@ -13,7 +13,9 @@ def mathml(latex: str, *, display: str) -> str:
     try:
         return convert(latex, display=display)
     except Exception as error:
-        raise ExtensionError(f"the formula {latex!r} is not read by latex2mathml: {error}") from error
+        raise ExtensionError(
+            f"the formula {latex!r} is not read by latex2mathml: {error}"
+        ) from error
 
 
 def inline(writer: Any, node: nodes.math) -> None:

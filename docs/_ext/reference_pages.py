@@ -17,7 +17,6 @@ from typing import Any
 
 import click
 from docutils import nodes
-from sphinx import addnodes
 from public_names import (
     PACKAGES,
     all_packages,
@@ -26,6 +25,7 @@ from public_names import (
     kind_of,
     public_names,
 )
+from sphinx import addnodes
 from sphinx.application import Sphinx
 from sphinx.errors import ExtensionError
 from sphinx.transforms import SphinxTransform
@@ -205,13 +205,20 @@ def type_of(schema: dict[str, Any]) -> str:
         "maximum": "<= {}",
     }
     kind = schema.get("type", "any")
+    if "minimum" in schema and schema["minimum"] == schema.get("maximum"):
+        return f"``{schema['minimum']}``"
     if kind == "array":
         items = schema.get("items") or {}
         return f"list of {type_of(items)}" if items else "list"
     if kind == "object":
         values = schema.get("additionalProperties")
         return f"table of {type_of(values)}" if isinstance(values, dict) else "table"
-    words = {"number": "number", "integer": "whole number", "string": "text", "boolean": "true or false"}
+    words = {
+        "number": "number",
+        "integer": "whole number",
+        "string": "text",
+        "boolean": "true or false",
+    }
     bounds = [form.format(schema[key]) for key, form in limits.items() if key in schema]
     return " ".join([words.get(kind, kind), *bounds[:1], *(f"and {one}" for one in bounds[1:])])
 
@@ -229,7 +236,11 @@ def keys_table(properties: dict[str, Any]) -> str:
     rows = []
     for key, schema in properties.items():
         default = schema.get("default")
-        shown = "" if default in (None, "") else f"``{json.dumps(default)}``"
+        shown = (
+            ""
+            if default in (None, "") or isinstance(default, dict)
+            else f"``{json.dumps(default)}``"
+        )
         rows.append(
             f"   * - ``{key}``\n     - {type_of(schema)}\n     - {shown}\n"
             f"     - {escaped(schema.get('description', ''))}"
@@ -244,7 +255,11 @@ def sections_of(schema: dict[str, Any], path: str, defs: dict[str, Any]) -> Iter
     """The section of a table of a study, then those of the tables in it."""
     title = f"``[{path}]``" if path else "Top level"
     yield "\n".join(
-        [heading(title, "-"), escaped(schema.get("description", "")) + "\n", keys_table(schema["properties"])]
+        [
+            heading(title, "-"),
+            escaped(schema.get("description", "")) + "\n",
+            keys_table(schema["properties"]),
+        ]
     )
     for key, value in schema["properties"].items():
         for name in parts_of(value):
@@ -282,7 +297,10 @@ def written(path: Path, text: str) -> None:
 def write_pages(app: Sphinx) -> None:
     """Write all reference pages and remove those of names that are gone."""
     folder = Path(app.srcdir) / "reference"
-    pages = {folder / "api" / f"{path}.rst": page_of_package(importlib.import_module(path)) for path in all_packages()}
+    pages = {
+        folder / "api" / f"{path}.rst": page_of_package(importlib.import_module(path))
+        for path in all_packages()
+    }
     pages[folder / "api" / "index.rst"] = api_index()
     pages |= {folder / "commands" / f"{name}.rst": text for name, text in command_pages().items()}
     pages[folder / "study_keys.rst"] = page_of_keys()
@@ -313,7 +331,9 @@ class LinkedNames(SphinxTransform):
             link.append(literal)
 
 
-def escape_docstring(_app: Sphinx, _what: str, _name: str, _obj: object, _options: object, lines: list[str]) -> None:
+def escape_docstring(
+    _app: Sphinx, _what: str, _name: str, _obj: object, _options: object, lines: list[str]
+) -> None:
     """Stars and bars of a docstring are signs of mathematics, not of reStructuredText."""
     example = literal = False
     for i, line in enumerate(lines):
@@ -328,7 +348,9 @@ def escape_docstring(_app: Sphinx, _what: str, _name: str, _obj: object, _option
         literal = literal or line.endswith("::")
 
 
-def literal_types(_app: Sphinx, _what: str, _name: str, _obj: object, _options: object, lines: list[str]) -> None:
+def literal_types(
+    _app: Sphinx, _what: str, _name: str, _obj: object, _options: object, lines: list[str]
+) -> None:
     """Types with shapes, which napoleon adds to attributes, are code."""
     for i, line in enumerate(lines):
         if line.startswith(":vartype ") and "*" in line:

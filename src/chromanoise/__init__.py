@@ -13,7 +13,7 @@ above it (``pyproject.toml`` lists them in reverse order).
 ``color``             matrices (eq. 6), XYZ with covariance (eq. 5), Lab, Luv, sRGB
 ``metrics``           SNR, its bound, loss and budget; color error, filters, speed, bits
 ``imaging``           a cube through the camera: kernels, mosaic, demosaicing, sampling
-``denoising``         denoising with the known noise: methods, noise of the result, bursts, baselines
+``denoising``         denoising with the known noise: methods, result's noise, bursts, baselines
 ``io``                readers and writers: spectra, cubes, pixels, matrices, tables
 ``characterization``  a camera's noise from its own raw frames
 ``catalog``           built-in sensors, filters, illuminants; the user's own folder

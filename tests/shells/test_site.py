@@ -1,4 +1,4 @@
-"""Every block of the documents runs, every link leads somewhere, every public name is documented."""
+"""Blocks of the documents run, links lead somewhere, public names are documented."""
 
 import importlib
 import importlib.util
@@ -12,14 +12,15 @@ from pathlib import Path
 from typing import NamedTuple
 from urllib.parse import urlsplit
 
-import numpy as np
 import pytest
 
 import chromanoise as cn
 
 ROOT = Path(__file__).parents[2]
 PAGES = sorted(
-    path for path in (ROOT / "docs").rglob("*.md") if not path.is_relative_to(ROOT / "docs/auto_gallery")
+    path
+    for path in (ROOT / "docs").rglob("*.md")
+    if not path.is_relative_to(ROOT / "docs/auto_gallery")
 )
 WITH_ROOT = [*PAGES, ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md"]
 
@@ -93,7 +94,9 @@ def run_page(path, done, capsys):
 RUNNING = [
     path
     for path in PAGES
-    if any(block.kind in ("python", "sh", "toml") for block in blocks(path.read_text(encoding="utf-8")))
+    if any(
+        block.kind in ("python", "sh", "toml") for block in blocks(path.read_text(encoding="utf-8"))
+    )
 ]
 
 
@@ -167,7 +170,9 @@ def test_every_link_leads_to_a_file_and_a_heading(path):
 def test_every_page_is_in_the_contents_of_the_site():
     listed = {ROOT / "docs/index.md"}
     for path in PAGES:
-        for body in re.findall(r"```\{toctree\}\n(.*?)```", path.read_text(encoding="utf-8"), re.DOTALL):
+        for body in re.findall(
+            r"```\{toctree\}\n(.*?)```", path.read_text(encoding="utf-8"), re.DOTALL
+        ):
             for line in body.splitlines():
                 if line and not line.startswith(":"):
                     listed |= {(path.parent / f"{line}.md").resolve()}
