@@ -208,6 +208,11 @@ def matrix_makers(
 def trained_names(names: Sequence[str]) -> list[str]:
     """The names among ``names`` whose matrix is trained on the prior.
 
+    Parameters
+    ----------
+    names
+        Names of methods of color matrices.
+
     Raises
     ------
     InputError

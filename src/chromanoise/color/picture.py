@@ -82,6 +82,11 @@ def srgb_from_xyz(xyz: Float[Array, "*px 3"]) -> Float[Array, "*px 3"]:
 def srgb_from_linear(linear: Float[Array, "*px"]) -> Float[Array, "*px"]:
     """Encoded sRGB of linear values; the line continues below 0, the power law above 1.
 
+    Parameters
+    ----------
+    linear
+        Linear values; 1 is the white. [1]
+
     Notes
     -----
     IEC 61966-2-1:1999. The two pieces differ by 2e-8 at 0.0031308, as in the standard.

@@ -541,6 +541,11 @@ def markdown_table(cells: Iterable[BenchmarkCell]) -> str:
 
     A cell holds mean CIEDE2000 / mean S-CIELAB; the lowest of each in a row is bold. Over several
     seeds they are averaged.
+
+    Parameters
+    ----------
+    cells
+        Results of the benchmark, one per scene, sensor, light and method.
     """
     rows = _errors(cells)
     names = list(dict.fromkeys(name for errors in rows.values() for name in errors))

@@ -215,6 +215,11 @@ def front_from_text(text: str, *, source: str) -> FrontFile:
 def member_csv(member: FrontMember) -> str:
     """The curves of a member, as `read_sensor_csv` reads them.
 
+    Parameters
+    ----------
+    member
+        A member of the front.
+
     Raises
     ------
     InputError

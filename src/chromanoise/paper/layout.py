@@ -17,6 +17,11 @@ class PaperTable:
 def as_printed(value: float | None) -> str:
     """A number of the paper with the digits that the paper gives it.
 
+    Parameters
+    ----------
+    value
+        The number; ``None`` where the paper gives none.
+
     Examples
     --------
     >>> as_printed(25.0), as_printed(39.95), as_printed(None)
@@ -34,7 +39,13 @@ _TITLES = {
 
 
 def paper_tables(result: Reproduction) -> tuple[PaperTable, ...]:
-    """The cells of a reproduction in the layout of the paper."""
+    """The cells of a reproduction in the layout of the paper.
+
+    Parameters
+    ----------
+    result
+        The reproduction.
+    """
     return tuple(_laid_out(number, title, result.cells) for number, title in _TITLES.items())
 
 

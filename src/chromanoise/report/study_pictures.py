@@ -39,6 +39,13 @@ class Sight:
 def sights_of(of: Shown, *, work: Work | None = None) -> tuple[Sight, ...]:
     """The first frame of each cube of a study through every sensor, with the first matrix.
 
+    Parameters
+    ----------
+    of
+        The study with its results.
+    work
+        Threads and memory of the computation; ``None`` for the default.
+
     Raises
     ------
     InputError

@@ -158,6 +158,8 @@ def resin_filter(
 
     Parameters
     ----------
+    grid
+        Wavelengths of the result.
     low_nm, high_nm
         Wavelengths at which the passband rises and falls through half its height. [nm]
     leak_nm
@@ -208,6 +210,8 @@ def ir_cut(
 
     Parameters
     ----------
+    grid
+        Wavelengths of the result.
     edge_nm
         Wavelength of half transmittance. [nm]
     width_nm
@@ -267,6 +271,11 @@ def filter_named(
 def ir_cut_model(name: str) -> tuple[float, float] | None:
     """Edge and width of a model IR-cut by its name; ``None`` for another name. [nm]
 
+    Parameters
+    ----------
+    name
+        Name such as ``ircut-650/20``.
+
     Raises
     ------
     InputError
@@ -283,6 +292,11 @@ def ir_cut_model(name: str) -> tuple[float, float] | None:
 
 def is_filter_name(name: str) -> bool:
     """Whether `filter_named` accepts this name.
+
+    Parameters
+    ----------
+    name
+        Name of a filter.
 
     Examples
     --------

@@ -161,6 +161,15 @@ def means_on_grid(spectra: Spectra, grid: Grid, *, beyond: Beyond = "refuse") ->
     Averaging ensures that a spectral line or a narrow band between two grid points is not lost.
     A cell extends half a step to each side, or less where the table ends. Linear curves keep
     their values.
+
+    Parameters
+    ----------
+    spectra
+        The curves.
+    grid
+        Wavelengths of the result.
+    beyond
+        Values outside the range of the data: refuse, zero or hold.
     """
     sampled = on_grid(spectra, grid, beyond=beyond)
     known, at = spectra.wavelength_nm, grid.wavelength_nm

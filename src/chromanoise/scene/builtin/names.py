@@ -18,6 +18,11 @@ BUILTIN_CUBES = tuple(_MAKERS)
 def builtin_cube(name: str) -> Cube:
     """The cube with the name ``builtin:...``.
 
+    Parameters
+    ----------
+    name
+        Name of the cube, such as ``builtin:checker``.
+
     Raises
     ------
     InputError
