@@ -36,6 +36,11 @@ def photons_per_joule(wavelength_nm: Float[Array, " n"]) -> Float[Array, " n"]:
 def decibel(ratio: Float[Array, "*any"]) -> Float[Array, "*any"]:
     """20 log10 of an amplitude ratio; a ratio of 0 is -inf. [dB]
 
+    Parameters
+    ----------
+    ratio
+        Amplitude ratio, >= 0. [1]
+
     Examples
     --------
     >>> decibel(np.array([1.0, 10.0, 0.0]))
@@ -46,7 +51,12 @@ def decibel(ratio: Float[Array, "*any"]) -> Float[Array, "*any"]:
 
 
 def from_decibel(level_db: Float[Array, "*any"]) -> Float[Array, "*any"]:
-    """Amplitude ratio of a level in dB.
+    """Amplitude ratio of a level in dB. [1]
+
+    Parameters
+    ----------
+    level_db
+        The level. [dB]
 
     Examples
     --------

@@ -9,12 +9,13 @@ import shlex
 import textwrap
 import tomllib
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, is_typeddict
 from urllib.parse import urlsplit
 
 import pytest
 
 import chromanoise as cn
+from documentation import faults_of_class, faults_of_function
 
 ROOT = Path(__file__).parents[2]
 PAGES = sorted(
@@ -192,7 +193,6 @@ def loaded(path):
 
 
 site = loaded(ROOT / "docs/_ext/public_names.py")
-rules = loaded(ROOT / "tests/test_public_api.py")
 
 
 def test_every_package_with_public_names_is_in_the_reference():
@@ -222,3 +222,16 @@ def test_every_public_name_has_a_summary(path):
         if not text or not text.strip():
             bare.append(name)
     assert bare == []
+
+
+@pytest.mark.parametrize("path", list(site.all_packages())[1:])
+def test_every_parameter_unit_and_error_of_a_public_name_is_documented(path):
+    """What comes back is what the summary says, so that a section of its own is not needed."""
+    faults = []
+    for name, value in names_of(path):
+        if inspect.isclass(value) and site.kind_of(value) == "classes" and not is_typeddict(value):
+            found = faults_of_class(name, value)
+            faults += [one for one in found if one != f"{name}: no Raises"]
+        elif site.kind_of(value) == "functions":
+            faults += faults_of_function(name, inspect.unwrap(value), computes=False)
+    assert [one for one in faults if not one.endswith((": no Returns", ": no source"))] == []

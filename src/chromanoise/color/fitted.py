@@ -49,7 +49,7 @@ class ParetoCurve:
         Standard deviation of X, Y and Z together, averaged over the set. [lx]
     delta_e
         Mean CIE 1976 color difference over the set, sensor and observer each balanced on their own
-        white; ``None`` where X, Y or Z of the sensor's white is not above 0.
+        white; ``None`` where X, Y or Z of the sensor's white is not above 0. [1]
     snr_y_db
         Luminance SNR of a perfect white. [dB]
     """

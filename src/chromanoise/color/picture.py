@@ -42,6 +42,11 @@ def adapted_to_d65(xyz: Float[Array, "*px 3"], white: Float[Array, " 3"]) -> Flo
     white
         XYZ of a perfect white under the light of the picture.
 
+    Raises
+    ------
+    InputError
+        If the white is no color that an eye can adapt to.
+
     Examples
     --------
     >>> adapted_to_d65(np.array([1.0, 1.0, 1.0]), np.ones(3)).round(5)

@@ -121,7 +121,7 @@ class BenchmarkCell:
     Attributes
     ----------
     scene, sensor, lux, method, seed
-        Identify the cell; ``sensor`` is the name of the camera.
+        Identify the cell; ``sensor`` is the name of the camera, ``lux`` the illuminance [lx].
     quality
         Relative to the noise-free picture of the camera with all channels at every pixel, so it
         includes errors of demosaicing.

@@ -122,6 +122,11 @@ class NoisyPlanes:
         directions, power_snr
             A direction in each column, and the variance of typical scenes along it over that of the
             noise, in descending order. [1]
+
+        Raises
+        ------
+        InputError
+            If a plane has no noise.
         """
         unit = self.noise_unit_e
         if not (unit > 0).all():

@@ -55,7 +55,7 @@ def equal_exposure(
 ) -> list[Exposure]:
     """All sensors have the same time: the longest at which none exceeds ``share``.
 
-    Parameters, errors as `equal_saturation`.
+    Errors as `equal_saturation`.
 
     Parameters
     ----------
@@ -90,7 +90,7 @@ def equal_light(
     of three channels on three pixels, and three stacked channels on one pixel have 3 times that
     time. It is the longest at which no sensor exceeds ``share`` of full well.
 
-    Parameters, errors as `equal_saturation`.
+    Errors as `equal_saturation`.
 
     Parameters
     ----------

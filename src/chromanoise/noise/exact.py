@@ -233,6 +233,8 @@ def counted_readout(
         Expected electrons of each channel. [e-]
     noise
         The noise sources of the pixel.
+    readout
+        Its limits and step, after the mean dark is subtracted. [e-]
     """
     offset = noise.dark_e - noise.black_error_e
     shifted = Readout(

@@ -7,7 +7,17 @@ from chromanoise.paper.reproduction import Cell, Reproduction
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PaperTable:
-    """One of the paper's tables, laid out: for each row a cell per column, or ``None``."""
+    """One of the paper's tables, laid out.
+
+    Attributes
+    ----------
+    title
+        Number and content of the table.
+    columns
+        Heads of the columns.
+    rows
+        Head of each row, and a cell per column; ``None`` where the paper has none.
+    """
 
     title: str
     columns: tuple[str, ...]

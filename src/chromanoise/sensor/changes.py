@@ -198,7 +198,7 @@ def moved_curve(
     Parameters
     ----------
     wavelength_nm, curve
-        The table.
+        The table. [nm, any unit]
     shift_nm
         Positive toward longer wavelengths. [nm]
     width_share

@@ -94,6 +94,11 @@ def silicon_qe(
     reflectance
         Share of the light that is reflected at the surface.
 
+    Raises
+    ------
+    InputError
+        If a number is out of range, or the grid exceeds the table of the absorption.
+
     Notes
     -----
     Absorption at 300 K: Green & Keevers, Prog. Photovolt. 3 (1995) 189-192; the
@@ -168,6 +173,11 @@ def resin_filter(
         Width of the edges (logistic scale). [nm]
     peak, leak, floor
         Transmittance in the passband, in the NIR, and in the stopband.
+
+    Raises
+    ------
+    InputError
+        If a transmittance is not 0 to 1, an edge is too narrow, or the edges are not in order.
 
     Examples
     --------

@@ -551,6 +551,11 @@ def keyed(
         From a parameter of the library to its key.
     own
         Keys of other values that are used inside, by the subject of their errors.
+
+    Raises
+    ------
+    InputError
+        The error from inside, with the key.
     """
     try:
         yield
