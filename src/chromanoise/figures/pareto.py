@@ -19,6 +19,8 @@ def draw_pareto(data: dict[str, Any], ax: Axes) -> Axes:
     ----------
     data
         The chart ``pareto`` of `chromanoise.charts`.
+    ax
+        Axes of matplotlib to draw on; a new figure if ``None``.
     """
     lines = sensor_lines(sensor["name"] for sensor in data["sensors"])
     many = are_many(lines)

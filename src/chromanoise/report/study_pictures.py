@@ -45,6 +45,13 @@ def sights_of(of: Shown, *, work: Work | None = None) -> tuple[Sight, ...]:
 
     A cube whose pictures are denoised has two sights: before and after.
 
+    Parameters
+    ----------
+    of
+        The study with its results.
+    work
+        Threads and memory of the computation; ``None`` for the default.
+
     Raises
     ------
     InputError

@@ -359,4 +359,5 @@ QUANTITIES: Mapping[str, Quantity] = {
         ),
     )
 }
+"""The quantities by which sensors are compared, by name."""
 SNR_Y = QUANTITIES["snr-y"]
