@@ -307,7 +307,7 @@ def test_slow_drawings_of_a_trained_matrix_never_hold_back_the_numbers(page):
 
 def test_with_a_kernel_all_that_is_seen_comes_in_one_answer(window):
     study = EVERYTHING | {"matrices": ["kernel"]}
-    page = window({"study": study, "look": {}}, viewport={"width": 1280, "height": 4500})
+    page = window({"study": study, "look": {}}, viewport={"width": 1280, "height": 6000})
     track = page.get_by_label("f-number", exact=True)
     track.focus()
     question, _ = answer_to(page, lambda: page.keyboard.press("Shift+ArrowUp"))

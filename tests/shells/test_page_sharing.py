@@ -316,7 +316,7 @@ def test_two_windows_with_different_studies_do_not_mix(window):
 
 
 def test_a_server_that_stops_is_told_in_one_sentence_until_it_is_back(window, watch):
-    watch.forgive("ERR_CONNECTION_REFUSED|ERR_EMPTY_RESPONSE|ERR_CONNECTION_RESET")
+    watch.forgive("ERR_CONNECTION_REFUSED|ERR_EMPTY_RESPONSE|ERR_CONNECTION_RESET|status of 503")
     with served() as (where, process):
         page = window(at=where)
         stopped(process)

@@ -159,6 +159,8 @@ def _replying(
             return _refusing(error)
         except ClientDisconnect:
             return Response(status_code=400)
+        except asyncio.CancelledError:  # of what is being computed when the server ends
+            return _refusing(QuestionError(("", "the server ends; send it again"), status=503))
 
     return replied
 

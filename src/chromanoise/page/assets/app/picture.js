@@ -17,7 +17,7 @@ const BUSY = ".panel[aria-busy]:not([data-part=picture])";
 const SIDES = ["Left", "Right"];
 /** The zoom to begin with: in narrow windows as wide as there is room. */
 const ZOOMS = [
-  ["(max-width: 799px)", "0"],
+  ["(max-width: 899px)", "0"],
   ["(min-width: 2560px)", "2"],
 ];
 const NO_METHOD = ["", "none"];
