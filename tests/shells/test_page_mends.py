@@ -359,7 +359,7 @@ def test_the_page_shows_the_sentence_of_the_server_as_it_is(page):
 
 
 def test_an_answer_that_comes_after_a_newer_one_is_not_shown(window):
-    page = window({"study": {"sensors": PAIR}, "look": {}})
+    page = window({"study": {"sensors": PAIR}, "look": {"auto_exposure": True}})
     numbers = page.locator("#electrons")
     before = numbers.inner_text()
     waiting = held(page, lambda request: request.url.endswith("/api/answer"))
