@@ -38,6 +38,7 @@ export interface SensorPart {
 export interface LightPart {
   illuminant?: string;
   level_lux?: number;
+  beyond?: string;
   [key: string]: unknown;
 }
 
@@ -85,6 +86,10 @@ export interface Look {
   turn: number[];
   magnification: Maybe;
   open: string[];
+  /** Whether the exposure time is solved for again whenever something changes. */
+  auto_exposure: boolean;
+  /** The step of the guided story, from 1. */
+  story: Maybe;
 }
 
 export interface State {
@@ -164,13 +169,25 @@ export interface Equation {
   source: string;
 }
 
+/** A chart as a section: `shows` is its caption, `explanations` are keys of equations. */
+export interface Section {
+  part: Part | "head" | "picture";
+  heading: string;
+  shows: string;
+  explanations: string[];
+}
+
 export interface Choices {
   version: string;
+  /** In their order. */
+  sections: Section[];
   study?: Study;
   /** Whether `/api/front` has one. */
   front?: boolean;
   sensors: KnownSensor[];
   illuminants: string[];
+  /** Where the tables of illuminants end that need an answer to `light.beyond`. */
+  illuminant_ends_nm: Record<string, number>;
   scenes?: string[];
   denoising: { name: string; what: string }[];
   matrices: { name: string; parameter: string | null }[];
@@ -182,6 +199,23 @@ export interface Choices {
   sweeps: KnownSweep[];
   quantities: { name: string; what: string }[];
   equations?: Record<string, Equation>;
+}
+
+// ---- /api/story -------------------------------------------------------------------------------
+
+/** A step of the guided story: a state of the page, and what it shows. */
+export interface StoryStep {
+  heading: string;
+  /** The panels that show it. */
+  parts: (Part | "picture" | "head")[];
+  sentences: string[];
+  task: string;
+  study: Study;
+  look: Partial<Look>;
+}
+
+export interface Story {
+  steps: StoryStep[];
 }
 
 // ---- /api/answer: the parts -------------------------------------------------------------------
@@ -219,7 +253,21 @@ export interface Head {
   light: { name: string; level_lux: number; text: string };
   sensors: HeadSensor[];
   table: Table;
-  electrons: Table;
+  ranking: Ranking;
+}
+
+/** The table of the sensors: a column per key, and a row of values and of text per sensor. */
+export interface Ranking {
+  columns: RankingColumn[];
+  rows: { name: string; values: Maybe[]; text: string[]; saturated: string[] }[];
+  notes: string[];
+}
+
+export interface RankingColumn {
+  key: string;
+  head: string;
+  what: string;
+  better: "higher" | "lower" | null;
 }
 
 export interface Curve {

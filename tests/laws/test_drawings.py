@@ -797,11 +797,22 @@ def test_terms_other_than_one_time_for_all_are_told():
 
 
 def test_the_verdict_tells_of_saturated_sensors_and_of_one_alone():
-    eye, machine, saturated = drawing("head", bright())["verdict"]
-    assert eye.startswith("At 10 lx (illuminant E, 30 ms, f/1.8), onyx-rgb-ircut has")
-    assert "onyx-rgbw" not in machine
-    assert saturated.startswith("onyx-rgbw: ")
+    saturated, eye, machine = drawing("head", bright())["verdict"]
+    assert saturated.startswith("At 10 lx (illuminant E, 30 ms, f/1.8), onyx-rgbw: ")
     assert "saturated" in saturated
+    assert eye.startswith("onyx-rgb-ircut has")
+    assert "onyx-rgbw" not in machine
+
+
+@pytest.mark.parametrize("reader", ["eye", "machine"])
+def test_a_verdict_names_time_and_f_number_whoever_looks_and_whatever_is_saturated(reader):
+    outputs = {"reader": reader}
+    for sensors in (BOTH, BOTH[:1]):
+        for time_ms in (5.0, 100.0):  # below full well, and all channels beyond it
+            exposure = {"time_ms": time_ms, "f_number": 1.4}
+            told = drawing("head", shown(study_of(*sensors, exposure=exposure, outputs=outputs)))
+            where = f"At 10 lx (illuminant E, {time_ms:g} ms, f/1.4), "
+            assert told["verdict"][0].startswith(where)
 
 
 @pytest.mark.parametrize(

@@ -22,7 +22,7 @@ FULL = {
         "light": {"illuminant": "E+0.5xLED850", "level_lux": 20.0},
         "sensors": [{"name": "onyx-rgbw"}, {"name": "onyx-rgb-ircut"}, {"name": "model-rgbir"}],
     },
-    "look": {"open": ["stages", "budget", "vectors"]},
+    "look": {"open": ["stages", "budget", "vectors"], "story": 2},
 }
 
 

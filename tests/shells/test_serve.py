@@ -2,6 +2,7 @@
 
 import json
 import re
+import shlex
 import signal
 import socket
 import subprocess
@@ -327,6 +328,24 @@ def test_a_dropped_sensor_is_previewed_and_answers_under_its_own_name(client):
     assert head["sensors"][0]["name"] == "my sensor"
     assert "upload" not in json.dumps(head)
     assert "tmp" not in json.dumps(head)
+
+
+def test_the_copied_command_names_a_dropped_file_and_runs_twice_where_the_file_lies(
+    client, run, tmp_path, monkeypatch
+):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "my sensor.csv").write_text(SENSOR)
+    used = {"name": uploaded(client, "my%20sensor.csv", SENSOR).json()["id"], "label": "mine"}
+    used["answers"] = {"level": "absolute", "per": "photon"}
+    for matrices in (["kernel"], ["kernel", "lmmse"]):
+        study = BOTH | {"sensors": [used, {"name": "onyx-rgbw"}], "matrices": matrices}
+        command = client.post("/api/texts", json={"study": study}).json()["command"]
+        line, _, text = command.partition(" <<'STUDY'\n")
+        (tmp_path / "stdin").write_text(text.removesuffix("STUDY"))
+        words = ["stdin" if one == "/dev/stdin" else one for one in shlex.split(line)]
+        for _ in range(2):
+            code, _, err = run(*words[1:])
+            assert code == 0, err
 
 
 def test_a_dropped_light_answers_with_infrared_beside_it(client):

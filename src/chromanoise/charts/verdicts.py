@@ -1,17 +1,15 @@
 """Sentences that compare sensors: raw SNR, luminance SNR, their difference and its causes."""
 
-import math
 from collections.abc import Mapping, Sequence
 from typing import Literal
 
-import numpy as np
-
 from chromanoise import _check
-from chromanoise.analysis.analysis import Analysis, color_snr_db, mean_color_error, raw_snr_db
+from chromanoise.analysis.analysis import Analysis, color_snr_db, mean_color_error
 from chromanoise.analysis.budgets import coordinate_budget
 from chromanoise.analysis.total_error import better_matrix, mean_total_error, total_error_of
 from chromanoise.charts.charted_study import saturation_sentence
 from chromanoise.charts.machine_verdict import machine_sentences
+from chromanoise.charts.raw_comparison import compared_raw_name, compared_raw_snr_db
 from chromanoise.exposure import conditions
 from chromanoise.metrics import Budget
 from chromanoise.metrics.budget import CORRELATION, FILTERS, INFRARED, READ_NOISE, REST, WEIGHTS
@@ -70,13 +68,17 @@ def verdict_sentences(
         If ``equal`` is unknown.
     """
     _check.one_of("terms of a comparison", equal, tuple(_TERMS))
-    sentences = [sentence for a in analyses if (sentence := _left_out(a))]
+    left_out = [sentence for a in analyses if (sentence := _left_out(a))]
     able = [a for a in analyses if _left_out(a) is None]
-    sentences += [sentence for a in able if (sentence := _too_noisy(a))]
+    sentences = [*left_out, *(sentence for a in able if (sentence := _too_noisy(a)))]
     machine = machine_sentences(analyses)
+    if left_out and len(able) < 2 and not (machine and reader == "machine"):
+        alone = [_alone(a) for a in able]
+        first = f"{_setting(analyses, equal)} {sentences[0]}"
+        return [first, *left_out[1:], *alone, *sentences[len(left_out) :], *machine]
     if reader == "machine":
-        first = [f"{_setting(analyses, equal)} {_lower(one)}" for one in machine]
-        return [*first, *_for_an_eye(analyses, able, sentences, equal)]
+        told = [f"{_setting(analyses, equal)} {_lower(one)}" for one in machine]
+        return [*told, *_for_an_eye(analyses, able, sentences, equal)]
     return _for_an_eye(analyses, able, [*machine, *sentences], equal)
 
 
@@ -88,10 +90,10 @@ def _for_an_eye(
     analyses: Sequence[Analysis], able: list[Analysis], sentences: list[str], equal: str
 ) -> list[str]:
     if len(able) == 1:
-        sentences.insert(0, _alone(able[0], _setting(analyses, equal)))
+        sentences.insert(0, f"{_setting(analyses, equal)} {_alone(able[0])}")
     if len(able) < 2:
         return sentences
-    best_raw = max(able, key=lambda a: _raw_db(a, able))
+    best_raw = max(able, key=lambda a: compared_raw_snr_db(a, able))
     best_color = max(able, key=_luminance_db)
     if abs(_luminance_db(best_raw) - _luminance_db(best_color)) < _TIE_DB:
         best_color = best_raw  # equal: the leader in raw is named once
@@ -113,9 +115,9 @@ def _left_out(analysis: Analysis) -> str | None:
     return None
 
 
-def _alone(analysis: Analysis, setting: str) -> str:
+def _alone(analysis: Analysis) -> str:
     return (
-        f"{setting} {analysis.sensor.label} has {_luminance_db(analysis):.1f} dB of "
+        f"{analysis.sensor.label} has {_luminance_db(analysis):.1f} dB of "
         f"luminance SNR for an eye, {_text(_loss_db(analysis))} dB below the best linear "
         f"readout{_largest(analysis)}; {_error(analysis)}."
     )
@@ -128,20 +130,20 @@ def _contest(winner: Analysis, rival: Analysis, best_raw: Analysis, able: list[A
         color = (
             "has the same luminance SNR" if same else f"{gap:.1f} dB better in luminance for an eye"
         )
-        if _raw_db(winner, able) - _raw_db(rival, able) < _TIE_DB:
+        if compared_raw_snr_db(winner, able) - compared_raw_snr_db(rival, able) < _TIE_DB:
             color = color if same else f"is {color}"
         return f" {_raw_lead(winner, rival, able)} and {color} ({_pair(winner, rival)})."
-    same = _raw_db(rival, able) - _raw_db(winner, able) < _TIE_DB
+    same = compared_raw_snr_db(rival, able) - compared_raw_snr_db(winner, able) < _TIE_DB
     color = f"{'is ' if same else ''}{gap:.1f} dB worse in luminance for an eye"
     return f" {_raw_lead(rival, winner, able)} but {color} ({_pair(rival, winner)})."
 
 
 def _raw_lead(first: Analysis, second: Analysis, able: Sequence[Analysis]) -> str:
-    raw = _raw_db(first, able) - _raw_db(second, able)
+    raw = compared_raw_snr_db(first, able) - compared_raw_snr_db(second, able)
     lead = f"is {raw:.1f} dB better than {second.sensor.label} in raw"
     if raw < _TIE_DB:
         lead = f"has the same raw SNR as {second.sensor.label}"
-    return f"{first.sensor.label} {lead} ({_measure(able)})"
+    return f"{first.sensor.label} {lead} ({compared_raw_name(able)})"
 
 
 def _pair(first: Analysis, second: Analysis) -> str:
@@ -213,27 +215,6 @@ def _text(decibels: float) -> str:
 
 def _setting(analyses: Sequence[Analysis], equal: str) -> str:
     return f"At {conditions([one.point for one in analyses])},{_TERMS[equal]}"
-
-
-def _shared(able: Sequence[Analysis]) -> list[str]:
-    """Channels that all sensors have, with signal in all of them."""
-    found = [raw_snr_db(analysis) for analysis in able]
-    return [
-        name for name in able[0].sensor.names if all(one.get(name) is not None for one in found)
-    ]
-
-
-def _raw_db(analysis: Analysis, able: Sequence[Analysis]) -> float:
-    shared, snr = _shared(able), raw_snr_db(analysis)
-    if shared:
-        return float(np.mean([snr[name] for name in shared]))
-    best = analysis.optimal_linear_snr_db
-    return math.inf if best is None else best  # not saturated: it is signal without noise
-
-
-def _measure(able: Sequence[Analysis]) -> str:
-    shared = _shared(able)
-    return f"mean of {', '.join(shared)}" if shared else "best linear readout of all channels"
 
 
 def _luminance_db(analysis: Analysis) -> float:

@@ -19,9 +19,10 @@ from chromanoise.color import SPACES
 from chromanoise.denoising import DENOISING
 from chromanoise.errors import InputError
 from chromanoise.exposure import EQUAL_TERMS
+from chromanoise.io.spectra import Answers
 from chromanoise.page.fields import SECTION_HINTS, described_fields
 from chromanoise.scene import BUILTIN_CUBES
-from chromanoise.spectra import INFRARED_FROM_NM, METRICS
+from chromanoise.spectra import DEFAULT_GRID, INFRARED_FROM_NM, METRICS
 
 _FORMULAS = ("3200K", "5000K", "6500K", "LED660")  # examples of lamps given by a formula
 _SLIDERS = (
@@ -61,6 +62,7 @@ def choices() -> dict[str, Any]:
         "version": __version__,
         "sensors": _sensors(),
         "illuminants": _illuminants(),
+        "illuminant_ends_nm": _ends_nm(),
         "scenes": list(BUILTIN_CUBES),
         "denoising": [
             {"name": one.name, "what": one.what}
@@ -114,15 +116,25 @@ def _sensors() -> list[dict[str, Any]]:
 
 
 def _illuminants() -> list[str]:
-    """Illuminants that cover 400-1050 nm and so need no extrapolation."""
+    """Illuminants by name: first those that cover 400-1050 nm, then those that end before."""
+    ends = _ends_nm()
     names = [
         entry.provenance.name for entry in catalog_entries("illuminants", folder=catalog_folder())
     ]
     usable = []
     for name in (*names, *_FORMULAS):
         try:
-            resolve_illuminant(name)
+            resolve_illuminant(name, answers=Answers(beyond="zero" if name in ends else "refuse"))
         except InputError:
             continue
         usable.append(name)
-    return list(dict.fromkeys(usable))
+    return sorted(dict.fromkeys(usable), key=lambda name: name in ends)
+
+
+def _ends_nm() -> dict[str, float]:
+    """The last wavelength of the illuminants whose tables end within 400-1050 nm. [nm]"""
+    entries = catalog_entries("illuminants", folder=catalog_folder())
+    ranges = {entry.provenance.name: entry.provenance.range_nm for entry in entries}
+    return {
+        name: ends[1] for name, ends in ranges.items() if ends and ends[1] < DEFAULT_GRID.stop_nm
+    }

@@ -83,6 +83,7 @@ def application(
             Route("/assets/{path:path}", asset_reply),
             Route("/api/choices", _replying(_choices)),
             Route("/api/front", _replying(_front)),
+            Route("/api/story", _replying(_story)),
             Route("/api/answer", _replying(_answer), methods=["POST"]),
             Route("/api/picture", _replying(_picture), methods=["POST"]),
             Route("/api/upload", _replying(_upload), methods=["POST"]),
@@ -183,6 +184,10 @@ class _ToldFirst(AsciiJSONResponse):
 
 async def _choices(request: Request, server: _Server) -> Response:
     return _json(await server.done("choices", server.front is not None))
+
+
+async def _story(request: Request, server: _Server) -> Response:
+    return _json(await server.done("story"))
 
 
 async def _front(request: Request, server: _Server) -> Response:

@@ -10,6 +10,7 @@ from chromanoise.page.choices import choices
 from chromanoise.page.pictures import PictureReplies
 from chromanoise.page.previews import preview_of
 from chromanoise.page.requests import QuestionError, data_of
+from chromanoise.page.story import story
 from chromanoise.page.studies import Studies, files_of
 from chromanoise.page.uploads import Kept, Upload
 from chromanoise.study import study_from_data
@@ -41,11 +42,18 @@ class Services:
         self._answers = ChartReplies(self._studies)
         self._pictures = PictureReplies(self._studies)
         self._prepared: set[str | None] = set()
+        self._story: str | None = None
 
     def choices(self, has_front: bool = False) -> str:
         """The JSON of ``/api/choices``; ``has_front`` tells whether ``/api/front`` has one."""
         served = {"study": self._study, "front": has_front}
         return json.dumps(choices() | served, allow_nan=False)
+
+    def story(self) -> str:
+        """The JSON of ``/api/story``."""
+        if self._story is None:
+            self._story = json.dumps(story(STUDY), allow_nan=False)
+        return self._story
 
     def answer(self, body: bytes) -> str:
         """The JSON of ``/api/answer``.
@@ -98,6 +106,7 @@ class Services:
         """
         self._answers.answer({"study": STUDY})
         self.choices()
+        self.story()
 
 
 def _denoising_of(body: bytes) -> str | None:

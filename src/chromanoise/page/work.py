@@ -69,6 +69,7 @@ LANES: Mapping[str, Lane] = {
 }
 JOBS: Mapping[str, Job] = {
     "choices": Job(lane="questions", cpu_s=15, limit_s=30.0),
+    "story": Job(lane="questions", cpu_s=15, limit_s=30.0),
     "answer": Job(lane="questions", cpu_s=15, limit_s=30.0),
     "texts": Job(lane="questions", cpu_s=15, limit_s=30.0),
     "picture": Job(lane="pictures", cpu_s=25, limit_s=30.0),

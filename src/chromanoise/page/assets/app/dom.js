@@ -157,8 +157,7 @@ export function radios({ legend, options, value, on, hidden = false }) {
   const set = el("fieldset", { class: "radios" }, title, el("div", { class: "segments" }, ...marks));
   /** @param {string | null} chosen */
   const show = (chosen) => {
-    const input = inputs.get(chosen);
-    if (input && !input.checked) input.checked = true;
+    for (const [own, input] of inputs) if (input.checked !== (own === chosen)) input.checked = own === chosen;
   };
   show(value);
   return { set, show };
@@ -212,6 +211,31 @@ export function reveal(path) {
       one.fill();
     }
   }
+}
+
+/**
+ * A switch with its label and a hint that can change: `{row, show(on, enabled, hint)}`.
+ *
+ * @param {{ label: string, where: string, on: (on: boolean) => unknown }} options
+ */
+export function toggle({ label, where, on }) {
+  const id = freshId("switch");
+  const named = { id, type: "checkbox", role: "switch", "data-where": where, "aria-describedby": `${id}-hint` };
+  /** @type {HTMLInputElement} */
+  const input = el("input", { ...named, on: { change: () => on(input.checked) } });
+  const meant = el("p", { class: "hint", id: `${id}-hint` });
+  const row = el("div", { class: "row row-switch" }, el("label", { class: "switch" }, input, el("span", { text: label })), meant);
+  /**
+   * @param {boolean} isOn
+   * @param {boolean} enabled
+   * @param {string} hint
+   */
+  const show = (isOn, enabled, hint) => {
+    if (input.checked !== isOn) input.checked = isOn;
+    attribute(input, "disabled", !enabled);
+    say(meant, hint);
+  };
+  return { row, show };
 }
 
 /**

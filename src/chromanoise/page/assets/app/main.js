@@ -6,12 +6,14 @@ import { copyButtons } from "app/copy.js";
 import { attribute, brief, byId, say, within } from "app/dom.js";
 import { useEquations } from "app/equations.js";
 import { clearFaults, showFaults } from "app/faults.js";
-import { showHead } from "app/head.js";
+import { moreOnClick, showHead, sortOnClick } from "app/head.js";
 import { isTrained } from "app/matrix.js";
 import { PARTS, panels, showTable } from "app/panels.js";
 import { picturePanel } from "app/picture.js";
+import { narrowButtons } from "app/sheet.js";
 import { askedLook, snapshots } from "app/snapshots.js";
 import { changeLook, current, readAddress, startFrom, subscribe } from "app/state.js";
+import { guidedStory } from "app/story.js";
 import { themeChoice } from "app/theme.js";
 import { headingTools } from "app/tools.js";
 import { uploads } from "app/upload.js";
@@ -177,7 +179,7 @@ function show(part, data, version) {
       return notice("faults", head && "fault" in head ? head.fault : "No verdict available.");
     }
     page.head = head;
-    showHead(head);
+    headAgain();
     return page.showControls(current(), head);
   }
   const panel = panelOf(/** @type {Part} */ (part));
@@ -232,6 +234,11 @@ channel.port1.onmessage = ({ data: number }) => {
   root.dataset.painted = String(Math.max(number, Number(root.dataset.painted ?? 0)));
   if (number % 500 === 0) performance.clearMarks();
 };
+
+/** The head as it is, after an answer or with other pins. */
+function headAgain() {
+  if (page.head) showHead(page.head, page.ghosts.heads());
+}
 
 /** @param {Part} part */
 function redraw(part) {
@@ -352,10 +359,7 @@ async function withMapControls(choices) {
 }
 
 async function start() {
-  const narrow = window.matchMedia("(max-width: 799px)");
-  const drawer = /** @type {HTMLDetailsElement} */ (byId("drawer"));
-  drawer.open = !narrow.matches;
-  narrow.addEventListener("change", () => (drawer.open = !narrow.matches));
+  narrowButtons();
   const choices = await choicesOfServer();
   startFrom(choices.study);
   byId("version").textContent = `chromanoise ${choices.version}`;
@@ -364,7 +368,10 @@ async function start() {
   useEquations(choices.equations ?? {});
   copyButtons(byId("copy"));
   uploads(byId("bring"));
-  page.ghosts = snapshots(byId("snapshots"), () => PARTS.forEach(redraw));
+  page.ghosts = snapshots(byId("snapshots"), () => {
+    headAgain();
+    PARTS.forEach(redraw);
+  });
   const told = {
     answered,
     refused,
@@ -373,7 +380,7 @@ async function start() {
   };
   page.asker = new Asker({ ...told, question, rested }, IN_FLIGHT);
   page.later = new Asker({ ...told, question: laterQuestion, rested: () => page.later.ask() });
-  page.panels = panels({
+  page.panels = panels(choices.sections, {
     tools: page.tools.nodes,
     seen: () => {
       if (panelOf("map").visible && !page.showMap) withMapControls(choices);
@@ -382,9 +389,12 @@ async function start() {
     },
     resized: (panel) => redraw(panel.part),
   });
+  sortOnClick(() => page.head, headAgain);
+  moreOnClick();
   page.picture = picturePanel(choices);
   listen();
   subscribe(changed);
+  guidedStory(byId("story"), byId("tour"));
   notice("broken", readAddress());
   if (choices.front) import("app/front.js").then(({ showServed }) => showServed());
 }
