@@ -132,7 +132,7 @@ def test_a_study_that_the_page_cannot_show_is_named_with_its_file(run, here):
     (here / "s.toml").write_text("".join(f"{sensor}{i}\n" for i in range(9)))
     outcome = run("serve", "s.toml")
     assert outcome[2] == (
-        "chromanoise: s.toml: sensors must have at most 8 entries on the page, but has 9; "
+        "chromanoise: s.toml: sensors must have at most 10 entries on the page, but has 11; "
         "remove some\n"
     )
 

@@ -122,7 +122,7 @@ _REFINED: Mapping[str, Data] = {
     },
     "sensors.pixel.temperature_c": {
         "label": "Temperature",
-        "hint": "as given",
+        "hint": "given",
         "low": -40.0,
         "high": 100.0,
         "step": 1.0,
