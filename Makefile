@@ -12,7 +12,7 @@ export OPENBLAS_NUM_THREADS ?= 1
 # kept bytecode: else every process that a test starts compiles all sources again
 export PYTHONDONTWRITEBYTECODE =
 
-.PHONY: demo test lint lint-python lint-js bench docs evidence reconstruct format clean clean-kernels
+.PHONY: demo test lint lint-python lint-js bench docs docs-pictures linkcheck evidence reconstruct format clean clean-kernels
 
 demo: $(VENV)/.installed
 	$(BIN)/chromanoise demo
@@ -51,10 +51,20 @@ bench: $(VENV)/.bench
 	$(BIN)/python benchmarks/startup.py --write
 	$(BIN)/python benchmarks/page.py --write
 
-docs: $(VENV)/.dev
+# the site: warnings are errors; a second build reads only what changed
+docs: $(VENV)/.docs
+	$(BIN)/python -m sphinx -W --keep-going -q -j 2 -b html -d out/doctrees docs out/site
+	@echo "The site is in out/site/index.html."
+
+# the committed pictures and tables of README and docs
+docs-pictures: $(VENV)/.dev
 	$(BIN)/python tools/make_docs.py
 	$(BIN)/chromanoise catalog --markdown docs/catalog.md
-	$(BIN)/python -m pytest tests/shells/test_docs.py
+	$(BIN)/python -m pytest -n 2 tests/shells/test_docs.py tests/shells/test_site.py
+
+# asks the network whether the links to other sites still work
+linkcheck: $(VENV)/.docs
+	$(BIN)/python -m sphinx -W --keep-going -q -b linkcheck -d out/doctrees docs out/linkcheck
 
 reconstruct: $(VENV)/.dev
 	$(BIN)/python tools/reconstruct_onyx.py
@@ -68,7 +78,8 @@ clean-kernels:
 	find src -name '*.nb[ic]' -delete
 
 clean: clean-kernels
-	rm -rf $(VENV) node_modules out
+	rm -rf $(VENV) node_modules out docs/auto_gallery docs/reference/api docs/reference/commands \
+	    docs/reference/study_keys.rst
 
 $(VENV)/.installed: pyproject.toml
 	$(PYTHON) -c 'import sys; sys.exit(0 if sys.version_info >= (3, 11) else "chromanoise needs Python 3.11 or newer; set PYTHON=python3.12, for example")'
@@ -78,6 +89,10 @@ $(VENV)/.installed: pyproject.toml
 
 $(VENV)/.dev: $(VENV)/.installed
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[dev]"
+	touch $@
+
+$(VENV)/.docs: $(VENV)/.installed pyproject.toml
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[docs]"
 	touch $@
 
 $(VENV)/.bench: $(VENV)/.dev

@@ -3,7 +3,6 @@
 import inspect
 import json
 import pydoc
-import re
 import subprocess
 import sys
 from dataclasses import replace
@@ -11,11 +10,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from pydantic import BaseModel
 
 import chromanoise as cn
 from chromanoise.cli.entry import commands
 from chromanoise.study import described_settings, run_study
+from documentation import faults_of_class, faults_of_function, sections
 from outcomes import refused_input
 
 NAMES = [
@@ -111,92 +110,10 @@ def test_an_unknown_name_is_an_attribute_error():
 
 # ---- documentation ----
 
-SECTIONS = r"^(Parameters|Attributes|Other Parameters|Returns|Raises|Notes|Examples)\n-{3,}\n"
-QUANTITY = re.compile(r"(^|_)(lux|ms|s|nm|um|e|db|lx|s_per_e)$|^(qe|irradiance)$")
-NO_QUANTITY = {"source", "e"}
 COMPUTE_NOTHING = {  # they read, or make a noun of what is given
     *("illuminant_named", "read_cube", "read_curves", "read_study", "sensor_named"),
     "study_from_data",
 }
-SOURCE = re.compile(r"\beq\. \d|\(\d{4}\)|Table \d")
-
-
-def sections(text):
-    """The summary under '', and the text of each section."""
-    parts = re.split(SECTIONS, inspect.cleandoc(text), flags=re.MULTILINE)
-    return {"": parts[0], **dict(zip(parts[1::2], parts[2::2], strict=True))}
-
-
-def entries(text):
-    """The text of each name in a section of parameters."""
-    found = {}
-    for head, body in re.findall(r"^(\S.*)\n((?:(?:    .*)?\n?)*)", text, flags=re.MULTILINE):
-        for name in head.partition(" : ")[0].split(","):
-            found[name.strip().lstrip("*")] = body
-    return found
-
-
-def faults_of_function(name, function, *, computes, text=None):
-    """What the documentation of a function lacks."""
-    text = function.__doc__ if text is None else text
-    if not text:
-        return [f"{name}: no docstring"]
-    message, faults = sections(text), []
-    signature = inspect.signature(function)
-    wanted = [one for one in signature.parameters if one not in ("self", "cls")]
-    documented = entries(message.get("Parameters", "")) | entries(
-        message.get("Other Parameters", "")
-    )
-    faults += [
-        f"{name}: {one} is no documented parameter" for one in wanted if one not in documented
-    ]
-    faults += faults_of_units(name, {one: documented.get(one, "") for one in wanted})
-    returns = signature.return_annotation not in (None, "None", inspect.Signature.empty)
-    if wanted and returns and "Returns" not in message:
-        faults.append(f"{name}: no Returns")
-    if (
-        re.search(r"^ +raise ", inspect.getsource(function), re.MULTILINE)
-        and "Raises" not in message
-    ):
-        faults.append(f"{name}: no Raises")
-    if computes and not SOURCE.search(text):
-        faults.append(f"{name}: no source")
-    return faults
-
-
-def faults_of_units(name, documented):
-    return [
-        f"{name}: no unit of {one}"
-        for one, text in documented.items()
-        if QUANTITY.search(one) and one not in NO_QUANTITY and not re.search(r"\[[^\]]+\]", text)
-    ]
-
-
-def faults_of_class(name, kind):
-    """What the documentation of a class and of its own methods lacks."""
-    if not kind.__doc__:
-        return [f"{name}: no docstring"]
-    values, faults = sections(kind.__doc__), []
-    if issubclass(kind, BaseModel):
-        described = {one: field.description for one, field in kind.model_fields.items()}
-        faults += [f"{name}: {one} is not described" for one, text in described.items() if not text]
-    else:
-        documented = entries(values.get("Attributes", "")) | entries(values.get("Parameters", ""))
-        fields = [one for one in inspect.signature(kind).parameters if not one.startswith("_")]
-        faults += [f"{name}: {one} is not documented" for one in fields if one not in documented]
-        grouped = {one: documented.get(one, "") for one in fields}
-        faults += faults_of_units(name, grouped)
-    checks = vars(kind).get("__post_init__")
-    if checks is not None and "Raises" not in values:
-        faults.append(f"{name}: no Raises")
-    for own, method in vars(kind).items():
-        if own.startswith("_") or own in ("plot", "model_config"):
-            continue
-        function = getattr(method, "fget", None) or getattr(method, "__func__", method)
-        if inspect.isfunction(function):
-            computes = own.endswith("_db")
-            faults += faults_of_function(f"{name}.{own}", function, computes=computes)
-    return faults
 
 
 PUBLIC = [name for name in NAMES if callable(getattr(cn, name))]

@@ -9,9 +9,10 @@ from chromanoise.analysis import compared, crossover_sentence, crossovers, matri
 from chromanoise.analysis.comparison.quantities import QUANTITIES
 from chromanoise.analysis.operating_point import stages_at
 from chromanoise.color import kernel_matrix
-from chromanoise.exposure import OperatingPoint
+from chromanoise.exposure import OperatingPoint, measurement_vectors
 from chromanoise.figures import chromanoise_style, draw_color_errors, draw_comparison
 from chromanoise.figures.style import sensor_lines
+from chromanoise.geometry import dual_frame, ellipse_outline, variance_inflation
 from chromanoise.imaging import write_png
 from chromanoise.metrics import pair_distances
 from chromanoise.noise import through
@@ -24,6 +25,7 @@ PICTURES = Path(__file__).parent.parent / "docs" / "pictures"
 GAP_PX = 16
 LEVELS_LUX = np.geomspace(0.01, 30, 71)
 READER_LUX = np.geomspace(0.05, 10, 61)
+COLORS = {"R": "red", "G": "green", "B": "blue"}
 READERS = {
     "snr-y": "eye: SNR of Y [dB]",
     "separation": "machine: median D_M",
@@ -32,13 +34,15 @@ READERS = {
 
 
 def main() -> None:
-    """Write ``two-sensors.png`` and ``crossover.png`` under ``docs/pictures``."""
+    """Write all pictures of README and docs that are no photographs of the page."""
     PICTURES.mkdir(parents=True, exist_ok=True)
     study = paper_study()
     write_two_sensors(study)
     write_crossover(study)
     write_two_readers(study)
     write_unmixing(study)
+    write_geometry()
+    write_geometry_of_sensors(study)
 
 
 def write_two_sensors(study: PaperStudy) -> None:
@@ -122,6 +126,49 @@ def write_unmixing(study: PaperStudy) -> None:
             panel.set(title=f"{title}: D_M = {distance:.2f}", xlabel=heads[0], ylabel=heads[1])
         panel.legend(frameon=False)
         figure.savefig(PICTURES / "unmixing.png", dpi=110)
+
+
+def write_geometry() -> None:
+    """Two channels at 90, 60 and 30 degrees, their dual basis, and the noise before and after."""
+    with chromanoise_style():
+        figure = Figure(figsize=(9.0, 3.4), layout="constrained")
+        for panel, angle_deg in zip(figure.subplots(1, 3), (90.0, 60.0, 30.0), strict=True):
+            t = np.radians(angle_deg)
+            basis = np.array([[1.0, np.cos(t)], [0.0, np.sin(t)]])
+            frame = dual_frame(basis, names=("1", "2"), metric="quanta")
+            arrows = ((basis, "C0", "f{}", "bottom"), (frame.dual, "C3", "f{}*", "top"))
+            for vectors, color, name, place in arrows:
+                for i, (x, y) in enumerate(vectors.T):
+                    panel.annotate(
+                        "", (x, y), (0, 0), arrowprops={"arrowstyle": "->", "color": color, "lw": 2}
+                    )
+                    panel.text(1.15 * x, 1.15 * y, name.format(i + 1), color=color, va=place)
+            # equal noise of both readings; as light it is this ellipse
+            covariance = 0.15 * frame.dual @ frame.dual.T
+            panel.plot(*ellipse_outline(np.zeros(2), covariance, sigmas=1.0).T, color="C7", lw=1)
+            vif = variance_inflation(frame)[0]
+            panel.set(title=f"{angle_deg:.0f} deg: VIF {vif:.2f}", xlim=(-1.3, 1.5))
+            panel.set(ylim=(-2.0, 2.3), aspect="equal", xticks=[], yticks=[])
+        figure.savefig(PICTURES / "geometry-angle.png", dpi=110)
+
+
+def write_geometry_of_sensors(study: PaperStudy) -> None:
+    """Curves, and VIF of each channel, without and with the IR-cut."""
+    with chromanoise_style():
+        figure = Figure(figsize=(9.0, 5.2), layout="constrained")
+        for row, name in zip(figure.subplots(2, 2), (RGBW_12, RGB_12), strict=True):
+            sensor, exposure = study.columns[name].sensor, study.columns[name].exposure
+            basis = measurement_vectors(sensor, exposure, "quanta")
+            frame = dual_frame(basis, names=sensor.names, metric="quanta")
+            colors = ["0.3" if one == "W" else f"tab:{COLORS[one]}" for one in sensor.names]
+            for curve, color, channel in zip(sensor.qe.T, colors, sensor.names, strict=True):
+                row[0].plot(sensor.grid.wavelength_nm, curve, color=color, label=channel)
+            row[0].set(title=sensor.name, xlabel="wavelength [nm]", ylabel="QE [e-/photon]")
+            row[0].legend(frameon=False)
+            bars = row[1].bar(sensor.names, variance_inflation(frame), color=colors)
+            row[1].bar_label(bars, fmt="%.2f")
+            row[1].set(title="variance inflation by unmixing", ylim=(0, 9), ylabel="VIF")
+        figure.savefig(PICTURES / "geometry-sensors.png", dpi=110)
 
 
 if __name__ == "__main__":

@@ -163,9 +163,12 @@ export interface KnownSweep {
   last: number;
 }
 
-export interface Equation {
+/** What is behind a `?`; formulas and symbols are MathML. */
+export interface Explanation {
   title: string;
-  equation: string;
+  words: string;
+  formulas: string[];
+  symbols: { symbol: string; meaning: string; unit: string }[];
   source: string;
 }
 
@@ -198,7 +201,6 @@ export interface Choices {
   hints?: Record<string, string>;
   sweeps: KnownSweep[];
   quantities: { name: string; what: string }[];
-  equations?: Record<string, Equation>;
 }
 
 // ---- /api/story -------------------------------------------------------------------------------
@@ -666,5 +668,7 @@ export type ReportChanges = Record<string, { whole?: object }>;
 export interface ReportData {
   parts: Record<string, object>;
   slides: ReportSlide[];
+  /** By part, of the study itself, to full precision. */
+  csv: Record<string, string>;
   chart_of: { circle: number[][]; patches: { name: string; srgb: string; truth: number[] }[] };
 }

@@ -265,7 +265,15 @@ class StudyError(InputError):
         self.errors, self.places = tuple(errors), tuple(places)
 
     def sentence(self, *, subject: str | None = None, render: Render = str) -> str:
-        """The messages of all errors, one line each."""
+        """The messages of all errors, one line each.
+
+        Parameters
+        ----------
+        subject
+            Without effect: each error names its own.
+        render
+            Converts a setting to text, where the study is not a file.
+        """
         return "\n".join(self.sentences(render=render))
 
     def sentences(self, *, render: Render = str) -> list[str]:

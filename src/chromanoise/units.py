@@ -14,6 +14,7 @@ BOLTZMANN_J_PER_K = 1.380649e-23
 LUMEN_PER_WATT = 683.002
 """Maximum luminous efficacy at the peak of y-bar (CIE 018:2019: 683 lm/W at 540 THz in air)."""
 UM2_PER_M2 = 1e12
+"""Square micrometers in a square meter. [um^2/m^2]"""
 
 
 def photons_per_joule(wavelength_nm: Float[Array, " n"]) -> Float[Array, " n"]:
@@ -35,6 +36,11 @@ def photons_per_joule(wavelength_nm: Float[Array, " n"]) -> Float[Array, " n"]:
 def decibel(ratio: Float[Array, "*any"]) -> Float[Array, "*any"]:
     """20 log10 of an amplitude ratio; a ratio of 0 is -inf. [dB]
 
+    Parameters
+    ----------
+    ratio
+        Amplitude ratio, >= 0. [1]
+
     Examples
     --------
     >>> decibel(np.array([1.0, 10.0, 0.0]))
@@ -45,7 +51,12 @@ def decibel(ratio: Float[Array, "*any"]) -> Float[Array, "*any"]:
 
 
 def from_decibel(level_db: Float[Array, "*any"]) -> Float[Array, "*any"]:
-    """Amplitude ratio of a level in dB.
+    """Amplitude ratio of a level in dB. [1]
+
+    Parameters
+    ----------
+    level_db
+        The level. [dB]
 
     Examples
     --------

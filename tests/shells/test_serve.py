@@ -16,6 +16,7 @@ import httpx
 import pytest
 
 from chromanoise.charts import PARTS, drawing, shown
+from chromanoise.charts.explanations import EXPLANATIONS
 from chromanoise.page.files import asset
 from chromanoise.page.middleware import JSON_BYTES, UPLOAD_BYTES
 from chromanoise.page.server import listening_socket, page_server
@@ -110,14 +111,24 @@ def test_a_look_changes_the_drawing_that_reads_it(client):
     assert result.json()["parts"]["ellipses"]["plane"] == "xy"
 
 
-def test_choices_hold_sensors_lights_sliders_and_equations(client):
+def test_explanations_have_words_formulas_symbols_and_a_source(client):
+    found = client.get("/api/explanations").json()
+    assert found.keys() == EXPLANATIONS.keys()
+    for one in found.values():
+        assert one["title"]
+        assert one["words"]
+        assert one["source"]
+        shown = [*one["formulas"], *(symbol["symbol"] for symbol in one["symbols"])]
+        assert all(formula.startswith("<math") for formula in shown)
+
+
+def test_choices_hold_sensors_lights_and_sliders(client):
     data = client.get("/api/choices").json()
     names = [sensor["name"] for sensor in data["sensors"]]
     assert {"onyx-rgbw", "onyx-rgb-ircut", "model-rgbir"} <= set(names)
     assert {"E", "A", "G173"} <= set(data["illuminants"])
     assert {"light.level_lux", "matrices.weight"} <= {s["key"] for s in data["sliders"]}
     assert {"sensors.ircut_nm", "observer"} <= {one["key"] for one in data["fields"]}
-    assert {"raw", "contravariant", "color", "bound", "price"} <= set(data["equations"])
     assert study_from_data(data["study"], source="the page's own").sensors
 
 

@@ -269,6 +269,11 @@ def mean_color_error(analysis: Analysis) -> float | None:
     """Mean CIE 1976 difference over the chart, without noise. [Delta E*ab]
 
     ``None`` where X, Y or Z of the sensor's white is not above 0, so that CIELAB is undefined.
+
+    Parameters
+    ----------
+    analysis
+        Results of one sensor.
     """
     error = chart_color_error(
         analysis.sensor,
@@ -288,7 +293,13 @@ def mix_sentence(mix: NearestMix) -> str:
 
 
 def raw_snr_db(analysis: Analysis) -> dict[str, float | None]:
-    """Raw SNR per channel; ``None`` where the channel is saturated or has no signal. [dB]"""
+    """Raw SNR per channel; ``None`` where the channel is saturated or has no signal. [dB]
+
+    Parameters
+    ----------
+    analysis
+        Results of one sensor.
+    """
     hidden = dict(zip(analysis.sensor.names, analysis.saturated.tolist(), strict=True))
     return _unless_hidden(snr_db(analysis.raw), hidden)
 
@@ -313,6 +324,11 @@ def contravariant_snr_db(analysis: Analysis) -> dict[str, float | None]:
 
     Every coordinate is computed from all channels, so one saturated channel makes all of them
     undefined. The coordinate of a channel that is a linear combination of others is undefined too.
+
+    Parameters
+    ----------
+    analysis
+        Results of one sensor.
     """
     lost = bool(analysis.saturated.any())
     hidden = {
@@ -327,6 +343,11 @@ def color_snr_db(analysis: Analysis) -> dict[str, float | None]:
 
     A coordinate that is negative, or far smaller than for the observer, is not a signal:
     it is an error of a color matrix that does not fit this light.
+
+    Parameters
+    ----------
+    analysis
+        Results of one sensor.
     """
     return dict(_color_snr_db(analysis))
 
@@ -340,7 +361,13 @@ def _color_snr_db(analysis: Analysis) -> Mapping[str, float | None]:
 
 
 def diagnosis(analysis: Analysis) -> tuple[str, ...]:
-    """Warnings about these results: saturation, clipping, channels without signal."""
+    """Warnings about these results: saturation, clipping, channels without signal.
+
+    Parameters
+    ----------
+    analysis
+        Results of one sensor.
+    """
     sensor = analysis.sensor
     notes = (
         *sensor.notes,

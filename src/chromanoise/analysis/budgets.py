@@ -50,12 +50,24 @@ def coordinate_budget(
 
 
 def color_budgets(analysis: Analysis) -> tuple[Budget | None, ...]:
-    """SNR budgets of X, Y and Z; ``None`` where a channel is saturated or there is no SNR."""
+    """SNR budgets of X, Y and Z; ``None`` where a channel is saturated or there is no SNR.
+
+    Parameters
+    ----------
+    analysis
+        Results of one sensor.
+    """
     return tuple(coordinate_budget(analysis, name) for name in analysis.color.names)
 
 
 def contravariant_budgets(analysis: Analysis) -> tuple[Budget | None, ...]:
-    """SNR budget of each contravariant coordinate; ``None`` where it has no SNR."""
+    """SNR budget of each contravariant coordinate; ``None`` where it has no SNR.
+
+    Parameters
+    ----------
+    analysis
+        Results of one sensor.
+    """
     names = analysis.sensor.names
     return tuple(coordinate_budget(analysis, f"{_CONTRAVARIANT}{name}") for name in names)
 
@@ -78,7 +90,15 @@ def lab_budgets(analysis: Analysis, *, reflectance: float = GRAY) -> tuple[Budge
 
 
 def missing_lab_budgets(analysis: Analysis, budgets: Sequence[Budget | None]) -> str | None:
-    """The reason why `lab_budgets` lacks a coordinate; ``None`` where none is missing."""
+    """The reason why `lab_budgets` lacks a coordinate; ``None`` where none is missing.
+
+    Parameters
+    ----------
+    analysis
+        Results of one sensor.
+    budgets
+        Budgets of L*, a* and b*; ``None`` where a budget is undefined.
+    """
     name = analysis.sensor.label
     if analysis.saturated.any():
         return f"{name}: a channel is saturated on the white, so L*, a* and b* have no budget"

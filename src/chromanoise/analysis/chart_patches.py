@@ -102,7 +102,13 @@ def chart_noise(analysis: Analysis, *, readout: Readout = UNBOUNDED) -> ChartNoi
 
 
 def chart_as_json(chart: ChartNoise | None) -> list[dict[str, Any]] | None:
-    """One entry per patch; undefined values are ``None``."""
+    """One entry per patch; undefined values are ``None``.
+
+    Parameters
+    ----------
+    chart
+        Color error and noise of each patch; ``None`` gives an empty list.
+    """
     if chart is None:
         return None
     noise = chart.noise

@@ -66,6 +66,7 @@ class Method:
 
 
 DEFAULT_METHOD = "kernel"
+"""Name of the color matrix that every result uses unless another is given."""
 _SAME_EXPOSURE = 1e-12  # relative; a matrix keeps its digits at the exposure for which it was made
 
 METHODS: Mapping[str, Method] = {
@@ -79,6 +80,7 @@ METHODS: Mapping[str, Method] = {
     ),
     "bounded-psi": Method(make=bounded_psi, parameter="limit", bounds=(1e-15, 1e15)),
 }
+"""The methods of a color matrix by name."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -205,6 +207,11 @@ def matrix_makers(
 
 def trained_names(names: Sequence[str]) -> list[str]:
     """The names among ``names`` whose matrix is trained on the prior.
+
+    Parameters
+    ----------
+    names
+        Names of methods of color matrices.
 
     Raises
     ------

@@ -115,7 +115,13 @@ def gray_noise(
 
 
 def gray_noise_as_json(noise: GrayNoise | None) -> dict[str, Any] | None:
-    """Standard deviations and bias per coordinate, chroma, mean color difference."""
+    """Standard deviations and bias per coordinate, chroma, mean color difference.
+
+    Parameters
+    ----------
+    noise
+        Noise of a gray in a color space; ``None`` where it is undefined.
+    """
     if noise is None:
         return None
     found = noise.exact

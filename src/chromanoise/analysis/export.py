@@ -26,7 +26,13 @@ from chromanoise.metrics import Budget
 
 
 def analyses_as_json(analyses: Sequence[Analysis]) -> dict[str, Any]:
-    """Analyses of several sensors as plain data."""
+    """Analyses of several sensors as plain data.
+
+    Parameters
+    ----------
+    analyses
+        Results of each sensor.
+    """
     return {
         "version": __version__,
         "metric": analyses[0].matrix.metric,
@@ -49,7 +55,15 @@ def ranking_of_analyses(analyses: Sequence[Analysis]) -> tuple[Rank, ...]:
 
 
 def comparison_as_json(curves: Sequence[Curve], crossed: Sequence[Crossover]) -> dict[str, Any]:
-    """Curves and crossovers as plain data; undefined values are ``None``."""
+    """Curves and crossovers as plain data; undefined values are ``None``.
+
+    Parameters
+    ----------
+    curves
+        One curve per sensor and matrix.
+    crossed
+        Crossovers of the curves.
+    """
     sweep, quantity = curves[0].sweep, curves[0].quantity
     return {
         "version": __version__,
@@ -77,7 +91,13 @@ def comparison_as_json(curves: Sequence[Curve], crossed: Sequence[Crossover]) ->
 
 
 def budgets_as_json(analysis: Analysis) -> dict[str, Any]:
-    """Budgets of X, Y, Z, contravariant coordinates and L*, a*, b* of a gray, or ``None``."""
+    """Budgets of X, Y, Z, contravariant coordinates and L*, a*, b* of a gray, or ``None``.
+
+    Parameters
+    ----------
+    analysis
+        Results of one sensor.
+    """
     budgets = {
         "budget": color_budgets(analysis),
         "contravariant_budget": contravariant_budgets(analysis),

@@ -23,6 +23,15 @@ _LIGHTEST, _HEAVIEST = 1e-15, 1e15  # limits of double precision
 def noise_weights(first: float, last: float, *, points: int = 13) -> Float[Array, " q"]:
     """Weights of the noise from first to last, equally spaced in their logarithm. [1]
 
+    Parameters
+    ----------
+    first
+        Lowest weight, > 0. [1]
+    last
+        Highest weight. [1]
+    points
+        Number of weights.
+
     Raises
     ------
     InputError
@@ -58,6 +67,8 @@ def pareto_of(
 
     Parameters
     ----------
+    operating_point
+        A sensor in its light, with its exposure.
     weights
         Weights of the noise: 0 is least squares, 1 LMMSE. [1]
     prior
@@ -84,7 +95,15 @@ def pareto_of(
 
 
 def white_snr_db(curve: ParetoCurve, report: MatrixReport) -> tuple[float | None, ...]:
-    """SNR of Y along the curve; ``None`` where a channel is saturated on the white. [dB]"""
+    """SNR of Y along the curve; ``None`` where a channel is saturated on the white. [dB]
+
+    Parameters
+    ----------
+    curve
+        Color error against noise of a matrix.
+    report
+        Report of the matrix at the same operating point.
+    """
     if report.snr_db is None:
         return (None,) * curve.weight.size
     return tuple(defined(float(value)) for value in curve.snr_y_db)
@@ -96,7 +115,19 @@ def matrix_as_json(
     report: MatrixReport,
     curve: ParetoCurve | None = None,
 ) -> dict[str, Any]:
-    """A matrix report and its Pareto curve as plain data; undefined values are ``None``."""
+    """A matrix report and its Pareto curve as plain data; undefined values are ``None``.
+
+    Parameters
+    ----------
+    operating_point
+        A sensor in its light, with its exposure.
+    matrix
+        The color matrix. [lx/e-]
+    report
+        Color error, noise and conditioning of the matrix.
+    curve
+        Color error against noise; ``None`` if it was not asked.
+    """
     data, sensor = asdict(report), operating_point.sensor
     snr = report.snr_db or {}
     return {

@@ -216,6 +216,11 @@ class PipelineNoise:
     def step(self, name: str) -> Measurement:
         """The patches after the step of this name.
 
+        Parameters
+        ----------
+        name
+            Name of the step, as in `steps`.
+
         Raises
         ------
         InputError
@@ -226,7 +231,13 @@ class PipelineNoise:
 
 
 def pipeline_as_json(found: PipelineNoise | None) -> dict[str, Any] | None:
-    """Gains, and mean and covariance of each patch after each step and at each ISO."""
+    """Gains, and mean and covariance of each patch after each step and at each ISO.
+
+    Parameters
+    ----------
+    found
+        Noise after each step; ``None`` where it is undefined.
+    """
     if found is None:
         return None
     settings = found.settings

@@ -35,6 +35,7 @@ In "chart" and "smooth" the near-infrared reflectance correlates with the visibl
 electrons carry information about color; in the "nir" priors they carry none.
 """
 DEFAULT_PRIOR = "chart-nir"
+"""Name of the training set that trained matrices use unless another is given."""
 
 
 @lru_cache(maxsize=16)

@@ -100,14 +100,26 @@ def total_errors(
 
 @lru_cache(maxsize=64)  # table, verdict and JSON use the same one
 def total_error_of(analysis: Analysis) -> TotalError | None:
-    """`total_errors` of an analysis, with its matrix and readout; ``None`` without a color."""
+    """`total_errors` of an analysis, with its matrix and readout; ``None`` without a color.
+
+    Parameters
+    ----------
+    analysis
+        Results of one sensor.
+    """
     if None in color_snr_db(of_white(analysis)).values():
         return None
     return total_errors(analysis.point, analysis.matrix, readout=analysis.readout)
 
 
 def mean_total_error(analysis: Analysis) -> float | None:
-    """Mean of `TotalError.total` over the patches. [Delta E*ab]"""
+    """Mean of `TotalError.total` over the patches. [Delta E*ab]
+
+    Parameters
+    ----------
+    analysis
+        Results of one sensor.
+    """
     error = total_error_of(analysis)
     return None if error is None else float(error.total.mean())
 

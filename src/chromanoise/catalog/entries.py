@@ -92,6 +92,13 @@ def catalog_entries(kind: str | None = None, *, folder: Path | None = None) -> t
 def catalog_entry(name: str, *, folder: Path | None = None) -> Entry:
     """The entry ``name``, or the entry of the family to which the name belongs.
 
+    Parameters
+    ----------
+    name
+        Name of a sensor, light, filter or family.
+    folder
+        The user's own catalog; ``None`` without one.
+
     Raises
     ------
     InputError
@@ -171,6 +178,11 @@ def catalog_file_of(name: str) -> Path | None:
     """The user's table for the name of a sensor or light; None for built-in names.
 
     For a light with an added infrared diode, this is the table of the light.
+
+    Parameters
+    ----------
+    name
+        Name of a sensor or light.
 
     Raises
     ------

@@ -108,6 +108,11 @@ def _source(path: Path, text: str) -> PixelSource:
 def own_sensor_of(path: Path) -> Sensor | None:
     """The sensor in a JSON file of the schema ``chromanoise sensor``; ``None`` for other files.
 
+    Parameters
+    ----------
+    path
+        The file.
+
     Raises
     ------
     InputError
@@ -128,6 +133,13 @@ def idle_answers(words: Sequence[str], answers: Answers) -> tuple[str, ...]:
     """The given answers that none of the sensors needs, as names of fields of `Answers`.
 
     A file that cannot be read counts as needing all; reading it later raises the error.
+
+    Parameters
+    ----------
+    words
+        Names or files of sensors.
+    answers
+        Metadata that files may lack.
 
     Raises
     ------

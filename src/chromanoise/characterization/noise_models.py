@@ -46,6 +46,11 @@ class _Normalized:
 def color_of_plane(name: str) -> str:
     """The color of a plane: its name without the number of the pixel.
 
+    Parameters
+    ----------
+    name
+        Name of the plane, such as ``G1``.
+
     Examples
     --------
     >>> color_of_plane("G2"), color_of_plane("IR"), color_of_plane("2")

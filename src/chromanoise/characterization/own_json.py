@@ -28,7 +28,13 @@ _REMEDY = "give the file as chromanoise characterize wrote it"
 
 
 def is_characterization(data: Any) -> bool:
-    """Whether data of JSON name the schema of a characterization."""
+    """Whether data of JSON name the schema of a characterization.
+
+    Parameters
+    ----------
+    data
+        Data of JSON.
+    """
     return isinstance(data, dict) and data.get("schema") == SCHEMA
 
 

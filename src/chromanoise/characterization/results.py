@@ -34,12 +34,24 @@ class Quantity:
     field: str
 
     def of(self, plane: "PlaneNoise") -> tuple[float | None, float | None]:
-        """The value of a plane and its standard error, ``None`` where it is not known or finite."""
+        """The value of a plane and its standard error, ``None`` where it is not known or finite.
+
+        Parameters
+        ----------
+        plane
+            Measured noise of one plane of the mosaic.
+        """
         value, error = getattr(plane, self.field), getattr(plane, f"{self.field}_se", None)
         return _defined(value), _defined(error)
 
     def shown(self, plane: "PlaneNoise") -> tuple[float | None, float | None]:
-        """As `of`, in `shown_unit`."""
+        """As `of`, in `shown_unit`.
+
+        Parameters
+        ----------
+        plane
+            Measured noise of one plane of the mosaic.
+        """
         scale = 100 if self.field in _IN_PERCENT else 1
         value, error = (None if one is None else scale * one for one in self.of(plane))
         return value, error
@@ -359,6 +371,11 @@ def _plain(value: Any) -> Any:
 
 def plane_names(mosaic: Mosaic | None) -> tuple[str, ...]:
     """Names of the planes, in the order of the pixels of a period; repeated channels are numbered.
+
+    Parameters
+    ----------
+    mosaic
+        Which channel each pixel has.
 
     Examples
     --------

@@ -85,8 +85,9 @@ SECTIONS: tuple[Section, ...] = (
     ),
     Section(
         part="pareto",
-        heading="Color error against SNR",
-        shows="What another matrix could buy: each point is one weight of the noise.",
+        heading="Training error against SNR",
+        shows="What another matrix could buy: each point is one weight of the noise. The training "
+        "error is the color error averaged over the prior, not over the chart.",
         explanations=("pareto",),
     ),
     Section(

@@ -1,35 +1,34 @@
 """Sentences that compare sensors: raw SNR, luminance SNR, their difference and its causes."""
 
 from collections.abc import Mapping, Sequence
+from itertools import chain
 from typing import Literal
 
 from chromanoise import _check
 from chromanoise.analysis.analysis import Analysis, color_snr_db, mean_color_error
 from chromanoise.analysis.budgets import coordinate_budget
 from chromanoise.analysis.total_error import better_matrix, mean_total_error, total_error_of
+from chromanoise.charts.budget import cause_label
 from chromanoise.charts.charted_study import saturation_sentence
 from chromanoise.charts.machine_verdict import machine_sentences
 from chromanoise.charts.raw_comparison import compared_raw_name, compared_raw_snr_db
+from chromanoise.charts.text import decimal, signed
 from chromanoise.exposure import conditions
 from chromanoise.metrics import Budget
-from chromanoise.metrics.budget import CORRELATION, FILTERS, INFRARED, READ_NOISE, REST, WEIGHTS
-from chromanoise.metrics.budget_chain import CROSSTALK
-from chromanoise.noise.sources import DARK, DSNU, PRNU, QUANTIZATION, ROW
+from chromanoise.metrics.budget import CORRELATION, FILTERS, INFRARED, REST, WEIGHTS
+from chromanoise.noise.sources import DARK, DSNU, PRNU
+from chromanoise.spectra import chart_title
 
 _TIE_DB = 0.05  # differences below one decimal
 _WORTH_DB = 0.3  # least loss of a cause that is reported
-_WHY = {
-    READ_NOISE: "read noise",
-    WEIGHTS: "weighting the channels for Y",
-    CORRELATION: "unmixing correlated channels",
-    INFRARED: "infrared noise (minus the infrared that adds to Y)",
-    FILTERS: "light absorbed by filters",
-    DARK: "shot noise of the dark current",
-    QUANTIZATION: "quantization",
-    ROW: "row noise",
-    DSNU: "fixed-pattern noise in the dark (DSNU)",
-    PRNU: "fixed-pattern noise (PRNU)",
-    CROSSTALK: "crosstalk",
+_GLOSSES = {  # of bars of the budget whose label is a word of its own
+    WEIGHTS: "weights that make Y of the channels",
+    CORRELATION: "unmixing channels that look alike",
+    INFRARED: "its noise, without signal",
+    FILTERS: "light that they absorb",
+    DARK: "its shot noise",
+    DSNU: "fixed pattern in the dark",
+    PRNU: "fixed pattern",
 }
 _PHOTONS = "photons"
 _BELOW_THE_BOUND = (WEIGHTS, CORRELATION, INFRARED)  # the bound is that of the noisy channels
@@ -118,7 +117,7 @@ def _left_out(analysis: Analysis) -> str | None:
 def _alone(analysis: Analysis) -> str:
     return (
         f"{analysis.sensor.label} has {_luminance_db(analysis):.1f} dB of "
-        f"luminance SNR for an eye, {_text(_loss_db(analysis))} dB below the best linear "
+        f"luminance SNR for an eye, {decimal(_loss_db(analysis))} dB below the best linear "
         f"readout{_largest(analysis)}; {_error(analysis)}."
     )
 
@@ -156,46 +155,58 @@ def _reasons(winner: Analysis, loser: Analysis) -> list[str]:
     good, bad = (_costs(coordinate_budget(a, "Y")) for a in (winner, loser))
     if gap < _TIE_DB or not (good and bad):
         return []
-    parts: list[str] = []
+    beyond = {cause: loss - good.get(cause, 0.0) for cause, loss in bad.items()}
+    beyond[INFRARED] = beyond.get(INFRARED, 0.0) + beyond.pop(REST)  # infrared costs and leaks
+    parts: list[list[str]] = []
     explained = 0.0
-    for cause in sorted(bad, key=lambda c: good.get(c, 0.0) - bad[c]):
-        own = good.get(cause, 0.0)  # crosstalk may be a cause for one sensor only
-        beyond = bad[cause] - own
-        if beyond < _WORTH_DB or (len(parts) > 1 and explained > gap - _WORTH_DB):
+    for cause in sorted(beyond, key=lambda one: -beyond[one]):
+        if beyond[cause] < _WORTH_DB or (len(parts) > 1 and explained > gap - _WORTH_DB):
             break
-        explained += beyond
-        parts.append(_reason(cause, bad[cause], own, winner.sensor.label))
+        explained += beyond[cause]
+        bars = [one for one in ((cause, REST) if cause == INFRARED else (cause,)) if one in bad]
+        # crosstalk may be a cause for one sensor only
+        told = [(one, bad[one], good.get(one, 0.0)) for one in bars]
+        parts.append(
+            [
+                _reason(one, own, other, winner.sensor.label)
+                for one, own, other in told
+                if one == cause or abs(own - other) >= _TIE_DB
+            ]
+        )
     if not parts:
         return []
     who = f"{loser.sensor.label} has less luminance SNR than {winner.sensor.label}"
-    return [f"Why {who}: {'; '.join(parts)}."]
+    return [f"Why {who}: {'; '.join(chain.from_iterable(parts))}."]
 
 
 def _reason(cause: str, loss_db: float, winner_db: float, winner: str) -> str:
-    beyond = f"{loss_db - winner_db:.1f} dB"
+    """A bar of the budget with its label and number, and the same bar of the winner."""
     if cause == _PHOTONS:
-        return f"fewer photons reach its pixels: {beyond}"
+        levels = f"{decimal(-loss_db)} dB, against {decimal(-winner_db)} dB for {winner}"
+        return f"all photons: {levels}, because fewer reach its pixels"
+    label = _label(cause)
     if min(loss_db, winner_db) < -_TIE_DB:  # a gain is not called a cost
-        return f"{_WHY[cause]}: {beyond} more than for {winner}"
-    return f"{_WHY[cause]} costs {_text(loss_db)} dB, against {_text(winner_db)} dB for {winner}"
+        return f"{label}: {signed(-loss_db)} dB, against {signed(-winner_db)} dB for {winner}"
+    return f"{label} costs {decimal(loss_db)} dB, against {decimal(winner_db)} dB for {winner}"
+
+
+def _label(cause: str) -> str:
+    gloss = _GLOSSES.get(cause)
+    return cause_label(cause, "Y") + (f" ({gloss})" if gloss else "")
 
 
 def _colors(able: Sequence[Analysis]) -> str:
     errors = ", ".join(f"{a.sensor.label} {_delta_e(mean_color_error(a))}" for a in able)
     sums = ", ".join(f"{a.sensor.label} {_delta_e(mean_total_error(a))}" for a in able)
-    return f"Mean color error, Delta E*ab: without noise {errors}; with noise {sums}."
+    over = _patches(able[0])
+    return f"Color error (mean ΔE*ab over {over}): {errors}; total color error, with noise: {sums}."
 
 
 def _costs(budget: Budget | None) -> dict[str, float]:
-    """Loss of each cause, with the loss from missing photons: the sum is minus the SNR.
-
-    Infrared that leaks into luminance is the rest of a budget; here it is offset against its noise.
-    """
+    """Loss of each cause, with the loss from missing photons: the sum is minus the SNR."""
     if budget is None:
         return {}
-    costs = {cost.cause: cost.loss_db for cost in budget.costs}
-    costs[INFRARED] = costs.get(INFRARED, 0.0) + costs.pop(REST)
-    return {_PHOTONS: -budget.photons_db} | costs
+    return {_PHOTONS: -budget.photons_db} | {cost.cause: cost.loss_db for cost in budget.costs}
 
 
 def _largest(analysis: Analysis) -> str:
@@ -206,11 +217,7 @@ def _largest(analysis: Analysis) -> str:
         return ""
     loss_db, cause = max(found)
     how = "mostly" if whole_db / 2 < loss_db <= whole_db + _TIE_DB else "above all"
-    return f", {how} because of {_WHY[cause]} ({loss_db:.1f} dB)"
-
-
-def _text(decibels: float) -> str:
-    return f"{round(decibels, 1) + 0.0:.1f}"  # avoids -0.0
+    return f", {how} because of {_label(cause)}: {decimal(loss_db)} dB"
 
 
 def _setting(analyses: Sequence[Analysis], equal: str) -> str:
@@ -232,8 +239,16 @@ def _loss_db(analysis: Analysis) -> float:
 def _error(analysis: Analysis) -> str:
     error, total = mean_color_error(analysis), mean_total_error(analysis)
     if error is None:
-        return "no mean color error"
-    return f"mean color error {error:.1f} Delta E*ab, {_delta_e(total)} with noise"
+        return "no color error"
+    return (
+        f"color error {error:.1f} (mean ΔE*ab over {_patches(analysis)}), total color error with "
+        f"noise {_delta_e(total)}"
+    )
+
+
+def _patches(analysis: Analysis) -> str:
+    """Over what color errors are averaged."""
+    return f"the patches of {chart_title(analysis.chart)}"
 
 
 def _delta_e(error: float | None) -> str:
@@ -247,7 +262,6 @@ def _too_noisy(analysis: Analysis) -> str | None:
         return None
     name, error = better
     return (
-        f"{analysis.sensor.label}: the noise of colors is {own.noise.mean():.0f} Delta E*ab. The "
-        f"matrix {name} reduces the total color error from {own.total.mean():.0f} to {error:.0f} "
-        "Delta E*ab."
+        f"{analysis.sensor.label}: the color noise is {own.noise.mean():.0f} ΔE*ab. The matrix "
+        f"{name} reduces the total color error from {own.total.mean():.0f} to {error:.0f} ΔE*ab."
     )

@@ -51,3 +51,4 @@ def _sums(xyz: Float[Array, "*px 3"]) -> tuple[Float[Array, "*px 1"], Float[Arra
 
 
 XYY = Space(name="xyY", coordinates=("x", "y", "Y"), from_xyz=xyy, jacobian=_xyy_jacobian)
+"""Chromaticity and luminance: x, y, Y."""

@@ -49,7 +49,7 @@ class ParetoCurve:
         Standard deviation of X, Y and Z together, averaged over the set. [lx]
     delta_e
         Mean CIE 1976 color difference over the set, sensor and observer each balanced on their own
-        white; ``None`` where X, Y or Z of the sensor's white is not above 0.
+        white; ``None`` where X, Y or Z of the sensor's white is not above 0. [1]
     snr_y_db
         Luminance SNR of a perfect white. [dB]
     """
@@ -80,6 +80,16 @@ def kernel(
 
     Parameters
     ----------
+    sensor
+        The sensor.
+    exposure
+        Time and lens.
+    training
+        Spectra that the matrix is trained on, with the responses of sensor and observer.
+    level_lux
+        Illuminance on the scene. [lx]
+    metric
+        Whether spectra are expressed in photons (``quanta``) or in ``energy``.
     observer
         A name from `chromanoise.spectra.OBSERVERS`; other methods take that of the training set.
     """
@@ -97,6 +107,19 @@ def least_squares(
     """The matrix of least color error over the training set, noise ignored: E|C M - XYZ|^2.
 
     Where channels are linearly dependent, the solution with the smallest gains relative to white.
+
+    Parameters
+    ----------
+    sensor
+        The sensor.
+    exposure
+        Time and lens.
+    training
+        Spectra that the matrix is trained on, with the responses of sensor and observer.
+    level_lux
+        Illuminance on the scene. [lx]
+    metric
+        Whether spectra are expressed in photons (``quanta``) or in ``energy``.
 
     Raises
     ------
@@ -117,6 +140,19 @@ def white_preserving(
     metric: Metric = "quanta",
 ) -> ColorMatrix:
     """Least squares among the matrices that are exact on the perfect white.
+
+    Parameters
+    ----------
+    sensor
+        The sensor.
+    exposure
+        Time and lens.
+    training
+        Spectra that the matrix is trained on, with the responses of sensor and observer.
+    level_lux
+        Illuminance on the scene. [lx]
+    metric
+        Whether spectra are expressed in photons (``quanta``) or in ``energy``.
 
     Raises
     ------
@@ -157,10 +193,16 @@ def lmmse(
 
     Parameters
     ----------
+    sensor
+        The sensor.
+    exposure
+        Time and lens.
     training
         The prior, K = E[L L^T] over the set.
     level_lux
         Illuminance on the set; D is the mean covariance of the readings there. [lx]
+    metric
+        Whether spectra are expressed in photons (``quanta``) or in ``energy``.
 
     Raises
     ------
@@ -191,6 +233,12 @@ def lmmse_over_light(
 
     Parameters
     ----------
+    sensor
+        The sensor.
+    exposure
+        Time and lens.
+    training
+        Spectra that the matrix is trained on, with the responses of sensor and observer.
     level_lux
         Illuminances on the set, > 0. [lx]
     weight
@@ -230,6 +278,16 @@ def ridge(
 
     Parameters
     ----------
+    sensor
+        The sensor.
+    exposure
+        Time and lens.
+    training
+        Spectra that the matrix is trained on, with the responses of sensor and observer.
+    level_lux
+        Illuminance on the scene. [lx]
+    metric
+        Whether spectra are expressed in photons (``quanta``) or in ``energy``.
     strength
         Strength s of the penalty s tr(E[M M^T])/p |C|^2, relative to the mean squared electrons;
         0 is least squares. [1]
@@ -260,6 +318,16 @@ def noise_regularized(
 
     Parameters
     ----------
+    sensor
+        The sensor.
+    exposure
+        Time and lens.
+    training
+        Spectra that the matrix is trained on, with the responses of sensor and observer.
+    level_lux
+        Illuminance on the scene. [lx]
+    metric
+        Whether spectra are expressed in photons (``quanta``) or in ``energy``.
     weight
         Weight of tr(C D C^T), D the covariance of the readings averaged over the set: 0 is least
         squares, 1 LMMSE. [1]
@@ -292,8 +360,16 @@ def pareto(
 
     Parameters
     ----------
+    sensor
+        The sensor.
+    exposure
+        Time and lens.
+    training
+        Spectra that the matrix is trained on, with the responses of sensor and observer.
     weights
         Weights of the noise, as in `noise_regularized`. [1, (q,)]
+    level_lux
+        Illuminance on the scene. [lx]
 
     Raises
     ------
@@ -337,6 +413,12 @@ def training_color_error(
 
     Parameters
     ----------
+    sensor
+        The sensor.
+    exposure
+        Time and lens.
+    training
+        Spectra that the matrix is trained on, with the responses of sensor and observer.
     matrix
         A color matrix of that sensor; the true colors are those of its observer.
     level_lux

@@ -157,6 +157,13 @@ def scene_xyz(
 def colored(raw: Measurement, matrix: ColorMatrix) -> Measurement:
     """Color and its covariance C D C^T (eq. 5 with eq. 4). [lx]
 
+    Parameters
+    ----------
+    raw
+        Mean and covariance of the raw channels. [e-]
+    matrix
+        The color matrix. [lx/e-]
+
     Raises
     ------
     InputError

@@ -32,6 +32,16 @@ def bounded_psi(
 
     Parameters
     ----------
+    sensor
+        The sensor.
+    exposure
+        Time and lens.
+    training
+        Spectra that the matrix is trained on, with the responses of sensor and observer.
+    level_lux
+        Illuminance on the scene. [lx]
+    metric
+        Whether spectra are expressed in photons (``quanta``) or in ``energy``.
     limit
         Upper limit of `noise_gain` of the `white_normalized` matrix. [1]
 
@@ -66,6 +76,15 @@ def white_normalized(
 
     Its rows sum to 1 where the matrix preserves the white.
 
+    Parameters
+    ----------
+    matrix
+        The color matrix. [lx/e-]
+    white_e
+        Electrons of the white in each channel. [e-]
+    white_xyz
+        X, Y, Z of the white. [lx]
+
     Raises
     ------
     InputError
@@ -90,6 +109,11 @@ def white_normalized(
 
 def noise_gain(matrix: Float[Array, "c p"]) -> float:
     """Kodak's Psi: the sum of the norms of the rows, noise out for equal unit noise in. [1]
+
+    Parameters
+    ----------
+    matrix
+        White-normalized color matrix (`white_normalized`). [1]
 
     Notes
     -----

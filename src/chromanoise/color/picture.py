@@ -42,6 +42,11 @@ def adapted_to_d65(xyz: Float[Array, "*px 3"], white: Float[Array, " 3"]) -> Flo
     white
         XYZ of a perfect white under the light of the picture.
 
+    Raises
+    ------
+    InputError
+        If the white is no color that an eye can adapt to.
+
     Examples
     --------
     >>> adapted_to_d65(np.array([1.0, 1.0, 1.0]), np.ones(3)).round(5)
@@ -81,6 +86,11 @@ def srgb_from_xyz(xyz: Float[Array, "*px 3"]) -> Float[Array, "*px 3"]:
 
 def srgb_from_linear(linear: Float[Array, "*px"]) -> Float[Array, "*px"]:
     """Encoded sRGB of linear values; the line continues below 0, the power law above 1.
+
+    Parameters
+    ----------
+    linear
+        Linear values; 1 is the white. [1]
 
     Notes
     -----

@@ -44,7 +44,15 @@ _SRGB_TOE, _REC709_TOE = 0.0031308, 0.018
 
 
 def reference_channel(names: Sequence[str], gray_e: Float[Array, " p"]) -> int:
-    """Index of the channel whose gain is 1: the first named G..., else that with most electrons."""
+    """Index of the channel whose gain is 1: the first named G..., else that with most electrons.
+
+    Parameters
+    ----------
+    names
+        Names of the channels.
+    gray_e
+        Electrons of a gray in each channel. [e-]
+    """
     green = [i for i, name in enumerate(names) if name.lower().startswith("g")]
     return green[0] if green else int(np.argmax(gray_e))
 
@@ -85,6 +93,13 @@ def gray_gains(gray_e: Float[Array, " p"], names: Sequence[str]) -> Float[Array,
 
 def checked_gains(gains: Sequence[float], names: Sequence[str]) -> Float[Array, " p"]:
     """Given gains, one above 0 per channel.
+
+    Parameters
+    ----------
+    gains
+        The given gains. [1]
+    names
+        Names of the channels.
 
     Raises
     ------
@@ -154,7 +169,15 @@ def gains_covariance(gray: Measurement, pixels: int) -> Float[Array, "p p"]:
 
 
 def black_subtracted(raw: Measurement, error_e: float) -> Measurement:
-    """The raw after the black level is subtracted with an error: a bias of every channel. [e-]"""
+    """The raw after the black level is subtracted with an error: a bias of every channel. [e-]
+
+    Parameters
+    ----------
+    raw
+        Mean and covariance of the raw channels. [e-]
+    error_e
+        Error of the subtracted black level. [e-]
+    """
     return replace(raw, mean=raw.mean + error_e) if error_e else raw
 
 
@@ -174,12 +197,28 @@ def white_balanced(raw: Measurement, gains: Float[Array, " p"]) -> Measurement:
 def matrix_for_balanced(
     matrix: Float[Array, "c p"], gains: Float[Array, " p"]
 ) -> Float[Array, "c p"]:
-    """The matrix for white-balanced raw that agrees with one for raw: C diag(1/g)."""
+    """The matrix for white-balanced raw that agrees with one for raw: C diag(1/g).
+
+    Parameters
+    ----------
+    matrix
+        Matrix for raw values. [lx/e-]
+    gains
+        White balance gains, one per channel. [1]
+    """
     return np.asarray(matrix / gains)
 
 
 def with_exposure_gain(rgb: Measurement, gain: float) -> Measurement:
-    """Linear RGB times one gain."""
+    """Linear RGB times one gain.
+
+    Parameters
+    ----------
+    rgb
+        Mean and covariance of R, G, B. [1]
+    gain
+        The gain. [1]
+    """
     return through(
         rgb, gain * np.eye(len(rgb.names)), names=rgb.names, kind=rgb.kind, unit=rgb.unit
     )
@@ -212,7 +251,15 @@ def saturation_matrix(saturation: float) -> Float[Array, "3 3"]:
 
 
 def with_saturation(rgb: Measurement, saturation: float) -> Measurement:
-    """Linear RGB through `saturation_matrix`."""
+    """Linear RGB through `saturation_matrix`.
+
+    Parameters
+    ----------
+    rgb
+        Mean and covariance of R, G, B. [1]
+    saturation
+        Scale of the distance of linear R, G, B to their luminance. [1]
+    """
     return through(
         rgb, saturation_matrix(saturation), names=rgb.names, kind=rgb.kind, unit=rgb.unit
     )
@@ -269,7 +316,15 @@ def tone_curve(tone: str | float) -> ToneCurve:
 
 
 def encoded(rgb: Measurement, curve: ToneCurve) -> Measurement:
-    """Encoded RGB to first order: covariance J S J^T with the slopes at the mean."""
+    """Encoded RGB to first order: covariance J S J^T with the slopes at the mean.
+
+    Parameters
+    ----------
+    rgb
+        Mean and covariance of linear R, G, B. [1]
+    curve
+        Tone curve.
+    """
     slope = curve.slope(rgb.mean)
     return Measurement(
         mean=curve.of(rgb.mean),
@@ -309,7 +364,15 @@ def luma_chroma_matrix(standard: LumaStandard = "bt709") -> Float[Array, "3 3"]:
 
 
 def luma_chroma(rgb: Measurement, standard: LumaStandard = "bt709") -> Measurement:
-    """Encoded RGB as Y', Cb, Cr."""
+    """Encoded RGB as Y', Cb, Cr.
+
+    Parameters
+    ----------
+    rgb
+        Mean and covariance of encoded R, G, B. [1]
+    standard
+        Weights of the luma: ``bt709`` or ``bt601``.
+    """
     return through(
         rgb, luma_chroma_matrix(standard), names=LUMA_CHROMA, kind="Y'CbCr", unit=rgb.unit
     )
@@ -340,7 +403,17 @@ def rendering_matrix(
 
 
 def encoded_space(curve: ToneCurve, *, exposure_gain: float, saturation: float) -> Space:
-    """XYZ to encoded RGB as a `Space`: all steps from the color matrix to the tone curve."""
+    """XYZ to encoded RGB as a `Space`: all steps from the color matrix to the tone curve.
+
+    Parameters
+    ----------
+    curve
+        Tone curve.
+    exposure_gain
+        Gain of linear R, G, B. [1]
+    saturation
+        Scale of the distance of linear R, G, B to their luminance. [1]
+    """
     steps = partial(rendering_matrix, exposure_gain=exposure_gain, saturation=saturation)
 
     def from_xyz(xyz: Array, white: Array) -> Array:
@@ -358,6 +431,13 @@ def rendered_lab_space(*, exposure_gain: float, saturation: float) -> Space:
 
     The display undoes the tone curve, so the color is that of linear sRGB after exposure gain and
     saturation, relative to D65.
+
+    Parameters
+    ----------
+    exposure_gain
+        Gain of linear R, G, B. [1]
+    saturation
+        Scale of the distance of linear R, G, B to their luminance. [1]
     """
 
     def rendered(white: Array) -> Array:

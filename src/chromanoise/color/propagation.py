@@ -76,7 +76,7 @@ class ColorNoise:
         Mean of C* minus that of ``noiseless``; positive for a gray, because noise adds chroma.
     delta_e
         Mean CIE 1976 color difference to ``noiseless``. All three are ``None`` in a space where a
-        distance is not a color difference.
+        distance is not a color difference. [1]
     mean_error, sd_error
         Standard error of the mean and of the standard deviation per coordinate, estimated by the
         method; ``None`` for a method that reports none.

@@ -98,6 +98,13 @@ def rooted(raw_mean: Float[Array, "*px p"], *, degree: int = 2) -> Float[Array, 
 def root_jacobian(raw_mean: Float[Array, "*px p"], *, degree: int = 2) -> Float[Array, "*px q p"]:
     """Derivative of each term of `rooted` with respect to each channel. [1]
 
+    Parameters
+    ----------
+    raw_mean
+        Electrons of each channel, the channels last. [e-]
+    degree
+        Degree of the roots.
+
     Raises
     ------
     InputError
@@ -183,6 +190,13 @@ def root_polynomial_color(raw: Measurement, model: RootPolynomial) -> Measuremen
 
     The mean is that of the noiseless raw values. `root_polynomial_bias` gives the bias by noise,
     and `root_first_order_error` the error of the first order.
+
+    Parameters
+    ----------
+    raw
+        Mean and covariance of the raw channels. [e-]
+    model
+        The fitted root polynomial.
 
     Raises
     ------

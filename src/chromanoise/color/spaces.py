@@ -256,24 +256,28 @@ LINEAR_SRGB = Space(
     from_xyz=linear_srgb,
     jacobian=_linear_srgb_jacobian,
 )
+"""Linear sRGB: R, G, B, not clipped."""
 SRGB = Space(
     name="sRGB",
     coordinates=("R'", "G'", "B'"),
     from_xyz=encoded_srgb,
     jacobian=_encoded_srgb_jacobian,
 )
+"""sRGB as it is encoded: R', G', B', not clipped."""
 LAB = Space(
     name="CIELAB",
     coordinates=("L*", "a*", "b*"),
     from_xyz=cielab,
     jacobian=_cielab_jacobian,
 )
+"""CIELAB: L*, a*, b*."""
 LUV = Space(
     name="CIELUV",
     coordinates=("L*", "u*", "v*"),
     from_xyz=cieluv,
     jacobian=_cieluv_jacobian,
 )
+"""CIELUV: L*, u*, v*."""
 
 SPACES: dict[str, Space] = {
     "linear-srgb": LINEAR_SRGB,

@@ -127,6 +127,11 @@ class TrainingResponse:
 def chart_training(illuminant: Illuminant) -> Training:
     """The 24 patches of a ColorChecker, measured from 400 to 1050 nm.
 
+    Parameters
+    ----------
+    illuminant
+        The light.
+
     Raises
     ------
     InputError
@@ -290,6 +295,17 @@ def training_response(
 
     D is the covariance averaged over the set: diag(E[M]) + s_rn^2 for shot noise and read noise,
     as shot noise is linear in light.
+
+    Parameters
+    ----------
+    training
+        Spectra that the matrix is trained on, with the responses of sensor and observer.
+    sensor
+        The sensor.
+    exposure
+        Time and lens.
+    level_lux
+        Illuminance on the scene. [lx]
 
     Raises
     ------

@@ -121,7 +121,7 @@ class BenchmarkCell:
     Attributes
     ----------
     scene, sensor, lux, method, seed
-        Identify the cell; ``sensor`` is the name of the camera.
+        Identify the cell; ``sensor`` is the name of the camera, ``lux`` the illuminance [lx].
     quality
         Relative to the noise-free picture of the camera with all channels at every pixel, so it
         includes errors of demosaicing.
@@ -541,6 +541,11 @@ def markdown_table(cells: Iterable[BenchmarkCell]) -> str:
 
     A cell holds mean CIEDE2000 / mean S-CIELAB; the lowest of each in a row is bold. Over several
     seeds they are averaged.
+
+    Parameters
+    ----------
+    cells
+        Results of the benchmark, one per scene, sensor, light and method.
     """
     rows = _errors(cells)
     names = list(dict.fromkeys(name for errors in rows.values() for name in errors))

@@ -241,6 +241,7 @@ WIENER = DenoisingMethod(
     reach_px=RADIUS_PX,
     linear=True,
 )
+"""The Wiener filter, the same for all planes."""
 LMMSE = DenoisingMethod(
     name="lmmse",
     what="A filter for each component: luminance keeps fine detail, color only coarse structure.",
@@ -248,3 +249,4 @@ LMMSE = DenoisingMethod(
     reach_px=RADIUS_PX,
     linear=True,
 )
+"""Linear minimum mean squared error, one filter for each component of the planes."""

@@ -19,6 +19,11 @@ DENOISING: Mapping[str, DenoisingMethod] = {
 def denoising_named(name: str) -> DenoisingMethod:
     """The denoising method with a name.
 
+    Parameters
+    ----------
+    name
+        Name of a method, such as ``guided``.
+
     Raises
     ------
     InputError

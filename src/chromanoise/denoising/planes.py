@@ -89,7 +89,15 @@ class NoisyPlanes:
         return np.asarray(self.floor_e2 + self.slope_e * light + (self.prnu * light) ** 2)
 
     def rows(self, start: int, stop: int) -> "NoisyPlanes":
-        """The planes of the rows ``start`` to ``stop``."""
+        """The planes of the rows ``start`` to ``stop``.
+
+        Parameters
+        ----------
+        start
+            First row.
+        stop
+            Row after the last.
+        """
         return replace(self, values_e=self.values_e[start:stop])
 
     @property
@@ -114,6 +122,11 @@ class NoisyPlanes:
         directions, power_snr
             A direction in each column, and the variance of typical scenes along it over that of the
             noise, in descending order. [1]
+
+        Raises
+        ------
+        InputError
+            If a plane has no noise.
         """
         unit = self.noise_unit_e
         if not (unit > 0).all():

@@ -69,14 +69,26 @@ class CodeNoise:
         _check.freeze(self, "floor_e2", "slope_e")
 
     def electrons(self, codes: Shaped[Array, "h w"]) -> Float32[Array, "h w"]:
-        """Electrons of codes. [e-]"""
+        """Electrons of codes. [e-]
+
+        Parameters
+        ----------
+        codes
+            Codes of the converter. [DN]
+        """
         values = codes.astype(np.float32)
         values -= np.float32(self.black_level_dn)
         values *= np.float32(self.gain_e_per_dn)
         return values
 
     def codes(self, values_e: Float32[Array, "h w"]) -> Float32[Array, "h w"]:
-        """Codes of electrons, neither rounded nor clipped. [DN]"""
+        """Codes of electrons, neither rounded nor clipped. [DN]
+
+        Parameters
+        ----------
+        values_e
+            Electrons. [e-]
+        """
         return np.asarray(
             values_e / np.float32(self.gain_e_per_dn) + np.float32(self.black_level_dn)
         )

@@ -454,6 +454,15 @@ def with_effort(
 ) -> DesignDocument:
     """The design with another budget or seed of the search; ``None`` keeps that of the document.
 
+    Parameters
+    ----------
+    document
+        The design.
+    budget
+        Number of evaluations; ``None`` keeps that of the document.
+    seed
+        Seed of the search; ``None`` keeps that of the document.
+
     Raises
     ------
     InputError

@@ -116,7 +116,13 @@ class Evaluator:
         return self._over_scenes(self.values_of_scenes(candidates))
 
     def values_of_scenes(self, candidates: Candidates) -> Float[Array, "s m q"]:
-        """`values` of each scene."""
+        """`values` of each scene.
+
+        Parameters
+        ----------
+        candidates
+            The designs.
+        """
         return self._real(_given(self, candidates), self.objectives)
 
     def values_of_choices(

@@ -164,7 +164,13 @@ class Front:
         return next(member for member in self.members if member.knee)
 
     def best(self, objective: str) -> Member:
-        """The member with the best value of an objective."""
+        """The member with the best value of an objective.
+
+        Parameters
+        ----------
+        objective
+            Name of the objective.
+        """
         return next(member for member in self.members if objective in member.extreme_of)
 
 

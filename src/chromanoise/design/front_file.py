@@ -130,7 +130,9 @@ class FrontMember(FrontReference):
 class FrontFile(_Record):
     """The content of ``front.json``."""
 
-    schema_name: Literal["chromanoise front"] = Field(FRONT_SCHEMA, alias="schema")
+    schema_name: Literal["chromanoise front"] = Field(
+        FRONT_SCHEMA, alias="schema", description="Kind of the file."
+    )
     schema_version: int = Field(SCHEMA_VERSION, description="Version of this schema.")
     version: str = Field(__version__, description="Version of chromanoise that wrote the file.")
     objectives: list[FrontObjective] = Field(min_length=1, description="The objectives.")
@@ -214,6 +216,11 @@ def front_from_text(text: str, *, source: str) -> FrontFile:
 
 def member_csv(member: FrontMember) -> str:
     """The curves of a member, as `read_sensor_csv` reads them.
+
+    Parameters
+    ----------
+    member
+        A member of the front.
 
     Raises
     ------

@@ -146,7 +146,13 @@ class Task:
         return None if robust is None else robust.draws
 
     def evaluation(self, draws: ToleranceDraws | None) -> "Evaluation":
-        """Objectives and constraints over the draws; those of the exact parameters if ``None``."""
+        """Objectives and constraints over the draws; those of the exact parameters if ``None``.
+
+        Parameters
+        ----------
+        draws
+            Drawn sensors; ``None`` for the exact parameters.
+        """
         return Evaluation(
             space=self.space,
             evaluator=self.evaluator,

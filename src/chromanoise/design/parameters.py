@@ -101,6 +101,11 @@ class Parameter:
     def refuse_impossible(self, value: float) -> None:
         """Refuse a value that is not physically possible.
 
+        Parameters
+        ----------
+        value
+            Value in the unit of the parameter.
+
         Raises
         ------
         InputError

@@ -126,11 +126,23 @@ class Problem:
         _check.freeze(self, "low", "high")
 
     def costs(self, objectives: Float[Array, "*m q"]) -> Float[Array, "*m q"]:
-        """The objectives with their signs chosen so that lower is better."""
+        """The objectives with their signs chosen so that lower is better.
+
+        Parameters
+        ----------
+        objectives
+            Values of the objectives, a row per candidate.
+        """
         return objectives * np.array([1.0 if side == "lower" else -1.0 for side in self.better])
 
     def misses(self, violation: Float[Array, "m r"]) -> Float[Array, " m"]:
-        """Sum of the broken constraints of each candidate, in their natural sizes; 0 if none is."""
+        """Sum of the broken constraints of each candidate, in their natural sizes; 0 if none is.
+
+        Parameters
+        ----------
+        violation
+            Violation of each constraint, a row per candidate; > 0 is broken.
+        """
         return (np.maximum(violation, 0.0) / np.array(self.constraint_sizes)).sum(axis=1)
 
     @property
@@ -139,7 +151,13 @@ class Problem:
         return np.array([name in self.integer for name in self.names])
 
     def allowed(self, values: Float[Array, "m d"]) -> Float[Array, "m d"]:
-        """The values with integer parameters rounded, within the bounds."""
+        """The values with integer parameters rounded, within the bounds.
+
+        Parameters
+        ----------
+        values
+            Values of the parameters, a row per candidate.
+        """
         rounded = np.where(self.whole, np.round(values), values)
         inner_low = np.where(self.whole, np.ceil(self.low), self.low)
         inner_high = np.where(self.whole, np.floor(self.high), self.high)

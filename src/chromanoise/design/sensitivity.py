@@ -67,7 +67,13 @@ class HalfWidths:
             raise InputError("tolerance_nm", "must be above 0, or tolerance_percent", value=0.0)
 
     def of(self, parameter: Varied) -> float:
-        """The half width for a parameter, in its unit."""
+        """The half width for a parameter, in its unit.
+
+        Parameters
+        ----------
+        parameter
+            The parameter.
+        """
         if parameter.of_use:
             return 0.0
         return self.nm if parameter.unit == NM else self.percent

@@ -70,3 +70,4 @@ width_nm = 8
 objective = "delta_e"
 at_most = "best reference"           # or a number, or the name of a reference; or at_least
 """
+"""The commented design file that ``chromanoise init --design`` writes."""

@@ -51,6 +51,11 @@ class Exposure:
 def refuse_f_number(f_number: float) -> None:
     """Raise an error if no lens in air has this f-number.
 
+    Parameters
+    ----------
+    f_number
+        Aperture of the lens. [1]
+
     Raises
     ------
     InputError
@@ -68,6 +73,15 @@ def refuse_f_number(f_number: float) -> None:
 
 def exposure_factor(exposure: Exposure, pixel: Pixel, step_nm: float) -> float:
     """The factor k of eq. 2: t a^2 delta-lambda / (4 f#^2). [s um2 nm]
+
+    Parameters
+    ----------
+    exposure
+        Time and lens.
+    pixel
+        The pixel.
+    step_nm
+        Step of the wavelengths. [nm]
 
     Examples
     --------
@@ -90,6 +104,10 @@ def measurement_vectors(sensor: Sensor, exposure: Exposure, metric: Metric) -> F
 
     Parameters
     ----------
+    sensor
+        The sensor.
+    exposure
+        Time and lens.
     metric
         The unit in which L is a vector; in ``energy``, f carries lambda / (h c) as well.
         [e- per unit of L]
@@ -100,6 +118,15 @@ def measurement_vectors(sensor: Sensor, exposure: Exposure, metric: Metric) -> F
 
 def expected_electrons(scene: Scene, sensor: Sensor, exposure: Exposure) -> Float[Array, "*px p"]:
     """Expected electrons per channel, M = k QE^T L (eq. 2). [e-]
+
+    Parameters
+    ----------
+    scene
+        Light from the scene.
+    sensor
+        The sensor.
+    exposure
+        Time and lens.
 
     Raises
     ------
@@ -131,6 +158,8 @@ def time_to_saturation(
     ----------
     scene
         Scene; its brightest point determines the time.
+    sensor
+        The sensor.
     f_number, magnification
         As `Exposure`.
     share
@@ -170,7 +199,21 @@ def saturating_exposure(
     share: float = 0.99,
     magnification: float | None = None,
 ) -> Exposure:
-    """The exposure with the time of `time_to_saturation`."""
+    """The exposure with the time of `time_to_saturation`.
+
+    Parameters
+    ----------
+    scene
+        Light from the scene.
+    sensor
+        The sensor.
+    f_number
+        Aperture of the lens. [1]
+    share
+        Share of full well that the most sensitive channel reaches. [1]
+    magnification
+        Magnification of the lens; ``None``: a distant scene. [1]
+    """
     time_s = time_to_saturation(
         scene, sensor, f_number=f_number, share=share, magnification=magnification
     )

@@ -82,12 +82,24 @@ class OperatingPoint:
 
 
 def white_scene(operating_point: OperatingPoint) -> Scene:
-    """A perfect white under this illuminant."""
+    """A perfect white under this illuminant.
+
+    Parameters
+    ----------
+    operating_point
+        A sensor in its light, with its exposure.
+    """
     return flat_field(operating_point.illuminant, level_lux=operating_point.level_lux)
 
 
 def patch_scene(operating_point: OperatingPoint) -> Scene:
-    """The patch that is analyzed, under this illuminant; a perfect white without one."""
+    """The patch that is analyzed, under this illuminant; a perfect white without one.
+
+    Parameters
+    ----------
+    operating_point
+        A sensor in its light, with its exposure.
+    """
     if operating_point.patch is None:
         return white_scene(operating_point)
     return Scene(
@@ -119,6 +131,11 @@ def conditions(points: Sequence[OperatingPoint]) -> str:
 
 def light_and_exposure(points: Sequence[OperatingPoint]) -> str:
     """Illuminant, exposure time, f-number and observer: the operating point without its level.
+
+    Parameters
+    ----------
+    points
+        Operating points of the sensors.
 
     Examples
     --------

@@ -55,7 +55,20 @@ def equal_exposure(
 ) -> list[Exposure]:
     """All sensors have the same time: the longest at which none exceeds ``share``.
 
-    Parameters, errors as `equal_saturation`.
+    Errors as `equal_saturation`.
+
+    Parameters
+    ----------
+    white
+        The light of a perfect white.
+    sensors
+        The sensors.
+    f_number
+        Aperture of the lens. [1]
+    share
+        Share of full well that the most sensitive channel reaches. [1]
+    magnification
+        Magnification of the lens; ``None``: a distant scene. [1]
     """
     own = equal_saturation(
         white, sensors, f_number=f_number, share=share, magnification=magnification
@@ -77,7 +90,20 @@ def equal_light(
     of three channels on three pixels, and three stacked channels on one pixel have 3 times that
     time. It is the longest at which no sensor exceeds ``share`` of full well.
 
-    Parameters, errors as `equal_saturation`.
+    Errors as `equal_saturation`.
+
+    Parameters
+    ----------
+    white
+        The light of a perfect white.
+    sensors
+        The sensors.
+    f_number
+        Aperture of the lens. [1]
+    share
+        Share of full well that the most sensitive channel reaches. [1]
+    magnification
+        Magnification of the lens; ``None``: a distant scene. [1]
     """
     own = equal_saturation(
         white, sensors, f_number=f_number, share=share, magnification=magnification

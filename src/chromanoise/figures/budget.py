@@ -21,6 +21,8 @@ def draw_budget(budget: Budget, sensor: Sensor, ax: Axes, *, top_db: float | Non
         The budget of one coordinate.
     sensor
         The sensor of the budget.
+    ax
+        Axes of matplotlib to draw on; a new figure if ``None``.
     top_db
         Upper end of the scale, where panels share one. [dB]
     """

@@ -18,6 +18,8 @@ def draw_ellipses(data: dict[str, Any], i: int, ax: Axes) -> Axes:
         The chart ``ellipses`` of `chromanoise.charts`.
     i
         Index of the sensor.
+    ax
+        Axes of matplotlib to draw on; a new figure if ``None``.
     """
     sensor = data["sensors"][i]
     for patch in sensor["patches"]:

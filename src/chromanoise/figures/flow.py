@@ -30,6 +30,10 @@ def draw_flow(analysis: Analysis, ax: Axes, *, rows: int = 4) -> Axes:
 
     Parameters
     ----------
+    analysis
+        Results of one sensor.
+    ax
+        Axes of matplotlib to draw on; a new figure if ``None``.
     rows
         Number of rows for channels, so that panels of different sensors have equal height.
     """

@@ -42,7 +42,15 @@ _HAT = r"$\hat{\mathbf{L}}$"
 
 
 def draw_light_above_plane(plane: ChannelPlane, ax: Axes) -> Axes:
-    """The plane of two channels seen edge-on, with the distance of the light from it."""
+    """The plane of two channels seen edge-on, with the distance of the light from it.
+
+    Parameters
+    ----------
+    plane
+        The plane of two channels, and what lies in it.
+    ax
+        Axes of matplotlib to draw on; a new figure if ``None``.
+    """
     tilt = np.radians(plane.light_tilt_deg)
     tip = plane.light_length * np.array([np.cos(tilt), np.sin(tilt)])
     foot = tip * [1.0, 0.0]
@@ -62,7 +70,15 @@ def draw_light_above_plane(plane: ChannelPlane, ax: Axes) -> Axes:
 
 
 def draw_measurement(plane: ChannelPlane, ax: Axes) -> Axes:
-    """Figure 3: raw electrons as orthogonal projections of the light on the channels."""
+    """Figure 3: raw electrons as orthogonal projections of the light on the channels.
+
+    Parameters
+    ----------
+    plane
+        The plane of two channels, and what lies in it.
+    ax
+        Axes of matplotlib to draw on; a new figure if ``None``.
+    """
     _draw_channels(plane, ax)
     _draw_channel_angle(plane, ax)
     _draw_light(plane, ax)
@@ -79,7 +95,15 @@ def draw_measurement(plane: ChannelPlane, ax: Axes) -> Axes:
 
 
 def draw_contravariant(plane: ChannelPlane, ax: Axes) -> Axes:
-    """Figure 4: contravariant coordinates, whose parallelogram closes at the measured light."""
+    """Figure 4: contravariant coordinates, whose parallelogram closes at the measured light.
+
+    Parameters
+    ----------
+    plane
+        The plane of two channels, and what lies in it.
+    ax
+        Axes of matplotlib to draw on; a new figure if ``None``.
+    """
     _draw_channels(plane, ax)
     _draw_channel_angle(plane, ax)
     sides = _outward(plane)
@@ -97,7 +121,15 @@ def draw_contravariant(plane: ChannelPlane, ax: Axes) -> Axes:
 
 
 def draw_color_projection(plane: ChannelPlane, ax: Axes) -> Axes:
-    """Figure 6: a color coordinate as the orthogonal projection of L^ on a color axis."""
+    """Figure 6: a color coordinate as the orthogonal projection of L^ on a color axis.
+
+    Parameters
+    ----------
+    plane
+        The plane of two channels, and what lies in it.
+    ax
+        Axes of matplotlib to draw on; a new figure if ``None``.
+    """
     _draw_channels(plane, ax, beside=[plane.axis.direction])
     _draw_color_axis(plane, ax)
     draw_drop(ax, plane.measured.mean, plane.axis.foot)
@@ -115,7 +147,19 @@ def draw_color_projection(plane: ChannelPlane, ax: Axes) -> Axes:
 def draw_uncertainty(
     plane: ChannelPlane, noise: MagnifiedNoise, ax: Axes, *, title: str = ""
 ) -> Axes:
-    """Figure 9: the uncertainty of the measured light from the noise of two channels."""
+    """Figure 9: the uncertainty of the measured light from the noise of two channels.
+
+    Parameters
+    ----------
+    plane
+        The plane of two channels, and what lies in it.
+    noise
+        Noise of the plane, magnified to be seen.
+    ax
+        Axes of matplotlib to draw on; a new figure if ``None``.
+    title
+        Text above the drawing.
+    """
     _draw_channels(plane, ax)
     _draw_channel_angle(plane, ax)
     _draw_noise(noise, ax)
@@ -142,7 +186,19 @@ def draw_uncertainty(
 def draw_color_uncertainty(
     plane: ChannelPlane, noise: MagnifiedNoise, ax: Axes, *, title: str = ""
 ) -> Axes:
-    """Figure 10: the uncertainty of the measured light, projected on a color axis."""
+    """Figure 10: the uncertainty of the measured light, projected on a color axis.
+
+    Parameters
+    ----------
+    plane
+        The plane of two channels, and what lies in it.
+    noise
+        Noise of the plane, magnified to be seen.
+    ax
+        Axes of matplotlib to draw on; a new figure if ``None``.
+    title
+        Text above the drawing.
+    """
     beside = [plane.axis.direction]
     _draw_channels(plane, ax, beside=beside)
     _draw_color_axis(plane, ax)

@@ -8,7 +8,19 @@ from chromanoise.sensor import Mosaic
 
 
 def draw_mosaic(mosaic: Mosaic, ax: Axes, *, cells: int = 8, title: str = "") -> Axes:
-    """``cells`` x ``cells`` pixels of the mosaic, each with its letter; one block is outlined."""
+    """``cells`` x ``cells`` pixels of the mosaic, each with its letter; one block is outlined.
+
+    Parameters
+    ----------
+    mosaic
+        Which channel each pixel has.
+    ax
+        Axes of matplotlib to draw on; a new figure if ``None``.
+    cells
+        Number of pixels on a side.
+    title
+        Text above the drawing.
+    """
     pattern = mosaic.pattern
     height, width = len(pattern), len(pattern[0])
     for row in range(cells):

@@ -13,7 +13,15 @@ _LOOKS = {
 
 
 def draw_observer(observer: Spectra, ax: Axes) -> Axes:
-    """The color-matching functions x, y, z over wavelength, each with its letter at its peak."""
+    """The color-matching functions x, y, z over wavelength, each with its letter at its peak.
+
+    Parameters
+    ----------
+    observer
+        The observer of the colors.
+    ax
+        Axes of matplotlib to draw on; a new figure if ``None``.
+    """
     wavelength_nm = observer.wavelength_nm
     for name, curve in zip(observer.names, observer.values.T, strict=True):
         color, dashes = _LOOKS[name]

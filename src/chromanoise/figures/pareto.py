@@ -19,6 +19,8 @@ def draw_pareto(data: dict[str, Any], ax: Axes) -> Axes:
     ----------
     data
         The chart ``pareto`` of `chromanoise.charts`.
+    ax
+        Axes of matplotlib to draw on; a new figure if ``None``.
     """
     lines = sensor_lines(sensor["name"] for sensor in data["sensors"])
     many = are_many(lines)
@@ -35,7 +37,7 @@ def draw_pareto(data: dict[str, Any], ax: Axes) -> Axes:
         ax.plot(*where, mark, markerfacecolor=fill, label=name, **line)
     ax.grid(visible=True, alpha=0.25)
     ax.set_ylim(bottom=0)
-    ax.set(xlabel="SNR of Y [dB]", ylabel="color error, mean [ΔE*ab]")
+    ax.set(xlabel="SNR of Y [dB]", ylabel="training error, mean [ΔE*ab]")
     ends = [data["sensors"][0]["points"][k]["text"] for k in (0, -1)]
     along = f"Curves: the weight of the noise from {ends[0]} to {ends[1]} (right)."
     weights_note = along if many else "Numbers: the weight of the noise."

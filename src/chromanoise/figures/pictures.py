@@ -13,6 +13,10 @@ def draw_picture(srgb: UInt8[Array, "h w 3"], ax: Axes, *, title: str = "") -> A
     ----------
     srgb
         Encoded sRGB, 8 bits.
+    ax
+        Axes of matplotlib to draw on; a new figure if ``None``.
+    title
+        Text above the drawing.
     """
     ax.imshow(srgb, interpolation="none")
     ax.set_title(title)

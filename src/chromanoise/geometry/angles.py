@@ -15,6 +15,11 @@ def variance_inflation(frame: Frame) -> Float[Array, " p"]:
 
     phi_i is the angle between channel i and the span of the others. 1 for orthogonal channels.
 
+    Parameters
+    ----------
+    frame
+        The channels and their dual basis.
+
     Examples
     --------
     >>> from chromanoise.geometry import dual_frame
@@ -30,12 +35,26 @@ def variance_inflation(frame: Frame) -> Float[Array, " p"]:
 
 
 def angles_between_deg(frame: Frame) -> Float[Array, "p p"]:
-    """Angle of every pair of channels. [deg]"""
+    """Angle of every pair of channels. [deg]
+
+    Parameters
+    ----------
+    frame
+        The channels and their dual basis.
+    """
     return angles_deg(frame.basis, frame.basis)
 
 
 def angles_to_axes_deg(frame: Frame, axes: Float[Array, "n c"]) -> Float[Array, "p c"]:
-    """Angle of every channel to every color axis, e.g. the columns of H: Table 5's theta. [deg]"""
+    """Angle of every channel to every color axis, e.g. the columns of H: Table 5's theta. [deg]
+
+    Parameters
+    ----------
+    frame
+        The channels and their dual basis.
+    axes
+        Color axes, a column per coordinate.
+    """
     return angles_deg(frame.basis, axes)
 
 
@@ -62,7 +81,13 @@ class NearestMix:
 
 
 def nearest_mix(frame: Frame) -> NearestMix | None:
-    """The channel closest to a linear combination of the others; ``None`` for a single one."""
+    """The channel closest to a linear combination of the others; ``None`` for a single one.
+
+    Parameters
+    ----------
+    frame
+        The channels and their dual basis.
+    """
     if len(frame.names) < 2:
         return None
     return min((_mix(frame, i) for i in range(len(frame.names))), key=lambda mix: mix.angle_deg)

@@ -12,6 +12,13 @@ from chromanoise.noise import Measurement, through
 def contravariant(raw: Measurement, frame: Frame) -> Measurement:
     """Contravariant coordinates G^-1 M with covariance G^-1 D G^-1. [(units of light)^2 per e-]
 
+    Parameters
+    ----------
+    raw
+        Mean and covariance of the raw channels. [e-]
+    frame
+        The channels and their dual basis.
+
     Raises
     ------
     InputError
@@ -38,6 +45,13 @@ def spectral_snr(raw: Measurement, frame: Frame) -> Float[Array, "*px"]:
 
     With mu and D the mean and covariance of the raw channels, its square is
     mu^T G^-1 mu / tr(G^-1 D). 0 in the dark.
+
+    Parameters
+    ----------
+    raw
+        Mean and covariance of the raw channels. [e-]
+    frame
+        The channels and their dual basis.
 
     Raises
     ------

@@ -29,12 +29,26 @@ class PlaneView:
         _check.freeze(self, "axes", "vectors")
 
     def seen(self, light: Float[Array, "*px n"]) -> Float[Array, "*px 2"]:
-        """Orthogonal projection of any spectra into the plane."""
+        """Orthogonal projection of any spectra into the plane.
+
+        Parameters
+        ----------
+        light
+            Spectra, the wavelengths last.
+        """
         return light @ self.axes
 
 
 def plane_view(first: Float[Array, " n"], second: Float[Array, " n"]) -> PlaneView:
-    """The plane of two independent channels, the first drawn to the right, the second upward."""
+    """The plane of two independent channels, the first drawn to the right, the second upward.
+
+    Parameters
+    ----------
+    first
+        Vector of the first channel.
+    second
+        Vector of the second channel.
+    """
     right = first / np.linalg.norm(first)
     rest = second - (second @ right) * right
     rest -= (rest @ right) * right  # repeated, so that the axes are orthogonal to rounding
@@ -49,6 +63,13 @@ def ellipse_half_axes(
 
     Its points are the center plus cos(t) times the first plus sin(t) times the second.
 
+    Parameters
+    ----------
+    covariance
+        Covariance of two coordinates.
+    sigmas
+        Standard deviations from the center. [1]
+
     Examples
     --------
     >>> ellipse_half_axes(np.array([[4.0, 2.0], [2.0, 2.0]]), sigmas=2.0)
@@ -60,6 +81,11 @@ def ellipse_half_axes(
 
 def unit_circle(points: int) -> Float[Array, "points 2"]:
     """Cosine and sine of evenly spaced angles from 0 to 360 deg, both included.
+
+    Parameters
+    ----------
+    points
+        Number of points.
 
     Examples
     --------
@@ -80,6 +106,17 @@ def ellipse_outline(
     points: int = 181,
 ) -> Float[Array, "*px points 2"]:
     """The closed curve at ``sigmas`` standard deviations (Mahalanobis) around ``center``.
+
+    Parameters
+    ----------
+    center
+        The two means.
+    covariance
+        Covariance of two coordinates.
+    sigmas
+        Standard deviations from the center. [1]
+    points
+        Number of points.
 
     Examples
     --------

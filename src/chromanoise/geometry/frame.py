@@ -129,5 +129,13 @@ def _inverted(
 
 
 def reconstructed_light(frame: Frame, mean_e: Float[Array, "*px p"]) -> Float[Array, "*px n"]:
-    """The spectrum reconstructed from the electrons, L^ = F G^-1 M (eq. 4)."""
+    """The spectrum reconstructed from the electrons, L^ = F G^-1 M (eq. 4).
+
+    Parameters
+    ----------
+    frame
+        The channels and their dual basis.
+    mean_e
+        Expected electrons of each channel. [e-]
+    """
     return mean_e @ frame.dual.T

@@ -23,6 +23,11 @@ from chromanoise.spectra import colorchecker
 def chart_electrons(operating_point: OperatingPoint) -> Float[Array, "k p"]:
     """Expected electrons of the patches of the ColorChecker at this operating point. [e-]
 
+    Parameters
+    ----------
+    operating_point
+        A sensor in its light, with its exposure.
+
     Raises
     ------
     InputError
@@ -39,6 +44,11 @@ def chart_electrons(operating_point: OperatingPoint) -> Float[Array, "k p"]:
 
 def chart_prior(operating_point: OperatingPoint) -> PicturePrior:
     """Prior for images with the channel covariance of the ColorChecker at this operating point.
+
+    Parameters
+    ----------
+    operating_point
+        A sensor in its light, with its exposure.
 
     Raises
     ------

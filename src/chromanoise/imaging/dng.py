@@ -279,7 +279,17 @@ def refuse_dng_size(name: str, *, height: int, width: int) -> None:
 
 
 def write_dng(path: Path, codes: UInt16[Array, "h w"], profile: RawProfile) -> None:
-    """Write codes of a mosaic as DNG; `dng_rows` writes an image in parts."""
+    """Write codes of a mosaic as DNG; `dng_rows` writes an image in parts.
+
+    Parameters
+    ----------
+    path
+        The file.
+    codes
+        Codes of the converter. [DN]
+    profile
+        Color and noise of the camera for the tags.
+    """
     with dng_rows(path, height=codes.shape[0], width=codes.shape[1], profile=profile) as put:
         put(0, codes)
 

@@ -265,6 +265,27 @@ def rendered_electrons(
     Parameters, errors
         As `rendered`.
 
+    Parameters
+    ----------
+    cube
+        The cube of reflectances or radiances.
+    operating_point
+        A sensor in its light, with its exposure.
+    seed
+        Seed of the random numbers.
+    frame
+        Which picture of a burst.
+    noisy
+        Whether noise is added.
+    clip
+        Whether values are clipped at black and at full well.
+    beyond
+        Values outside the range of the data: refuse, zero or hold.
+    bad_pixels
+        Values that are no numbers: refuse them, or set them to zero.
+    work
+        Threads and memory of the computation.
+
     Notes
     -----
     The color kernel gives three products of the electrons at a time, so the channels come as
@@ -500,6 +521,19 @@ def electrons_of_cube(
     """Expected electrons of every channel at every pixel (eq. 2), without noise. [e-]
 
     Parameters, errors as `rendered`.
+
+    Parameters
+    ----------
+    cube
+        The cube of reflectances or radiances.
+    operating_point
+        A sensor in its light, with its exposure.
+    beyond
+        Values outside the range of the data: refuse, zero or hold.
+    bad_pixels
+        Values that are no numbers: refuse them, or set them to zero.
+    work
+        Threads and memory of the computation.
     """
     cube = bands_within(cube, operating_point.sensor.grid)
     light = light_of(cube, operating_point, beyond=beyond, bad_pixels=bad_pixels)

@@ -26,7 +26,13 @@ from chromanoise.spectra import DEFAULT_OBSERVER
 
 
 def png_bytes(srgb: UInt8[Array, "h w 3"]) -> bytes:
-    """The image as a PNG file in memory."""
+    """The image as a PNG file in memory.
+
+    Parameters
+    ----------
+    srgb
+        Encoded R, G, B of each pixel, the channels last.
+    """
     from PIL import Image
 
     buffer = io.BytesIO()
@@ -35,7 +41,15 @@ def png_bytes(srgb: UInt8[Array, "h w 3"]) -> bytes:
 
 
 def write_png(path: Path, srgb: UInt8[Array, "h w 3"]) -> None:
-    """8-bit sRGB as PNG."""
+    """8-bit sRGB as PNG.
+
+    Parameters
+    ----------
+    path
+        The file.
+    srgb
+        Encoded R, G, B of each pixel, the channels last.
+    """
     path.write_bytes(png_bytes(srgb))
 
 
@@ -96,7 +110,15 @@ def srgb_tiff_rows(path: Path, *, height: int, width: int) -> AbstractContextMan
 
 
 def write_srgb_tiff(path: Path, srgb: UInt16[Array, "h w 3"]) -> None:
-    """Write a 16-bit sRGB TIFF; `srgb_tiff_rows` writes an image in parts."""
+    """Write a 16-bit sRGB TIFF; `srgb_tiff_rows` writes an image in parts.
+
+    Parameters
+    ----------
+    path
+        The file.
+    srgb
+        Encoded R, G, B of each pixel, the channels last.
+    """
     with srgb_tiff_rows(path, height=srgb.shape[0], width=srgb.shape[1]) as put:
         put(0, srgb)
 
@@ -133,7 +155,17 @@ def xyz_tiff_rows(
 def write_xyz_tiff(
     path: Path, xyz: Float[Array, "h w 3"], *, observer: str = DEFAULT_OBSERVER
 ) -> None:
-    """Write linear XYZ as a float32 TIFF, h x w x 3; parameters as `xyz_tiff_rows`."""
+    """Write linear XYZ as a float32 TIFF, h x w x 3; parameters as `xyz_tiff_rows`.
+
+    Parameters
+    ----------
+    path
+        The file.
+    xyz
+        X, Y, Z of each pixel, the coordinates last. [lx]
+    observer
+        The observer of the colors.
+    """
     height, width = xyz.shape[:2]
     with xyz_tiff_rows(path, height=height, width=width, observer=observer) as put:
         put(0, xyz.astype(np.float32))
@@ -212,7 +244,21 @@ def mosaic_description(
 def write_mosaic_tiff(
     path: Path, codes: UInt16[Array, "h w"], *, sensor_name: str, mosaic: Mosaic, adc: Adc
 ) -> None:
-    """Write codes of a mosaic as a 16-bit gray TIFF; see `mosaic_tiff_rows` for its description."""
+    """Write codes of a mosaic as a 16-bit gray TIFF; see `mosaic_tiff_rows` for its description.
+
+    Parameters
+    ----------
+    path
+        The file.
+    codes
+        Codes of the converter. [DN]
+    sensor_name
+        Name for the description of the file.
+    mosaic
+        Which channel each pixel has.
+    adc
+        Black level, gain and bits for the description.
+    """
     height, width = codes.shape
     with mosaic_tiff_rows(
         path, height=height, width=width, sensor_name=sensor_name, mosaic=mosaic, adc=adc

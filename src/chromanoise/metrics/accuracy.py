@@ -64,6 +64,19 @@ def chart_ciede2000(
 
     Parameters, errors and ``None`` as `chart_color_error`.
 
+    Parameters
+    ----------
+    sensor
+        The sensor.
+    matrix
+        The color matrix. [lx/e-]
+    exposure
+        Time and lens.
+    illuminant
+        The light.
+    chart
+        Reflectances of the patches; those of the ColorChecker if ``None``.
+
     Notes
     -----
     CIE 142-2001 (ISO/CIE 11664-6), by colour-science.
@@ -82,6 +95,19 @@ def chart_lab(
     """L*, a*, b* of each patch for the observer and for the sensor, without noise.
 
     Parameters, errors and ``None`` as `chart_color_error`.
+
+    Parameters
+    ----------
+    sensor
+        The sensor.
+    matrix
+        The color matrix. [lx/e-]
+    exposure
+        Time and lens.
+    illuminant
+        The light.
+    chart
+        Reflectances of the patches; those of the ColorChecker if ``None``.
     """
     scene = _white_and_chart(illuminant, chart)
     truth = light(scene, "energy") @ color_axes(sensor.grid, "energy", matrix.observer)

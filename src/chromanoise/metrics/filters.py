@@ -57,6 +57,13 @@ def principal_angles_deg(
 ) -> Float[Array, " k"]:
     """Principal angles between the spans of sensor and observer, smallest first. [deg]
 
+    Parameters
+    ----------
+    filters
+        Spectral responses of the sensor, a column per channel.
+    eye
+        Curves of the observer, a column per coordinate.
+
     Raises
     ------
     InputError
@@ -87,6 +94,13 @@ def principal_angles_deg(
 
 def vora_value(filters: Float[Array, "n p"], eye: Float[Array, "n c"]) -> float:
     """Mean squared cosine between the spans of sensor and observer: 1 for an exact colorimeter. [1]
+
+    Parameters
+    ----------
+    filters
+        Spectral responses of the sensor, a column per channel.
+    eye
+        Curves of the observer, a column per coordinate.
 
     Raises
     ------
@@ -160,6 +174,17 @@ def readout_error(
 
     Parameters, Raises
         As `best_readout`.
+
+    Parameters
+    ----------
+    filters
+        Spectral responses of the sensor, a column per channel.
+    eye
+        Curves of the observer, a column per coordinate.
+    light_moment
+        Second moment K of the lights. [(unit of light)^2]
+    noise_covariance
+        Mean covariance D of the noise. [e-^2]
 
     Examples
     --------
@@ -248,6 +273,11 @@ def perceptual_weight(jacobian: Float[Array, "m k c"]) -> Float[Array, "c c"]:
 
 def second_moment(lights: Float[Array, "m n"]) -> Float[Array, "n n"]:
     """K = E[l l^T], averaged over samples of light. [(unit of light)^2]
+
+    Parameters
+    ----------
+    lights
+        Samples of light, one per row.
 
     Raises
     ------

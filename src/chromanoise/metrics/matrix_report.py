@@ -70,6 +70,15 @@ def effective_filters(
 
     In lx per unit of light of the matrix's metric; for a matrix without color error it equals H.
 
+    Parameters
+    ----------
+    matrix
+        The color matrix. [lx/e-]
+    sensor
+        The sensor.
+    exposure
+        Time and lens.
+
     Raises
     ------
     InputError

@@ -97,6 +97,11 @@ def sensor_metamerism(sensor: Sensor) -> Metamerism:
 
     Outside 380-780 nm, where neither is defined, the sensor's response is set to 0.
 
+    Parameters
+    ----------
+    sensor
+        The sensor.
+
     Raises
     ------
     InputError

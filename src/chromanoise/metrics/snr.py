@@ -14,6 +14,11 @@ def snr_db(measurement: Measurement) -> dict[str, Float[Array, "*px"]]:
 
     -inf where the mean is zero, inf where there is signal without noise.
 
+    Parameters
+    ----------
+    measurement
+        Mean and covariance.
+
     Examples
     --------
     >>> raw = Measurement(mean=np.array([10_000.0]), covariance=np.array([[10_100.0]]),
@@ -54,6 +59,11 @@ def optimal_linear_snr_db(raw: Measurement) -> Float[Array, "*px"]:
 
     Reached by weights ~ D^-1 mu (Cauchy-Schwarz in noise-whitened space).
 
+    Parameters
+    ----------
+    raw
+        Mean and covariance of the raw channels. [e-]
+
     Examples
     --------
     >>> two = Measurement(mean=np.array([3.0, 4.0]), covariance=np.eye(2),
@@ -74,6 +84,13 @@ def color_snr_loss_db(raw: Measurement, color: Measurement) -> Float[Array, "*px
 
     SNR_Y = bound * cos(psi), psi the angle between the matrix's luminance row and the best
     readout in noise-whitened space.
+
+    Parameters
+    ----------
+    raw
+        Mean and covariance of the raw channels. [e-]
+    color
+        Mean and covariance of X, Y, Z. [lx]
     """
     bound, own = optimal_linear_snr_db(raw), snr_db(color)["Y"]
     endless = np.isposinf(bound) & np.isposinf(own)  # without any noise the loss is 0

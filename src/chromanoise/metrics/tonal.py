@@ -54,6 +54,15 @@ def tonal_range_bits(
 ) -> Float[Array, "*px"]:
     """The tonal range, log2 of `tonal_levels`. [bit]
 
+    Parameters
+    ----------
+    top_e
+        Brightest signal. [e-]
+    read_noise_e
+        Standard deviation of the readout. [e-]
+    step_e
+        Quantization step; 0 without one. [e-]
+
     Raises
     ------
     InputError

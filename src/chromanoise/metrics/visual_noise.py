@@ -129,6 +129,13 @@ def contrast_sensitivity(
 def pixels_per_degree(*, distance_mm: float, pixel_pitch_mm: float) -> float:
     """Pixels of a display or print in one degree of visual angle. [1/deg]
 
+    Parameters
+    ----------
+    distance_mm
+        Viewing distance. [mm]
+    pixel_pitch_mm
+        Pixel pitch of the display. [mm]
+
     Raises
     ------
     InputError

@@ -225,7 +225,17 @@ def sensor_moments(mean_e: Float[Array, "*px p"], noise: NoiseSources, readout: 
 def counted_readout(
     mean_e: Float[Array, "*px p"], noise: NoiseSources, readout: Readout
 ) -> tuple[Float[Array, "*px p"], Readout]:
-    """Electrons of light and dark, and the readout before the mean dark is subtracted. [e-]"""
+    """Electrons of light and dark, and the readout before the mean dark is subtracted. [e-]
+
+    Parameters
+    ----------
+    mean_e
+        Expected electrons of each channel. [e-]
+    noise
+        The noise sources of the pixel.
+    readout
+        Its limits and step, after the mean dark is subtracted. [e-]
+    """
     offset = noise.dark_e - noise.black_error_e
     shifted = Readout(
         black_e=readout.black_e + offset,

@@ -35,6 +35,7 @@ from chromanoise.noise.measurement import Measurement
 from chromanoise.sensor import Crosstalk, Sensor, quantization_step_e, white_level_e
 
 NoiseKind = Literal["total", "temporal"]
+"""All noise of one reading over a flat field, or only what changes from frame to frame."""
 
 SHOT, READ, DARK, QUANTIZATION, ROW = (
     "shot noise",
@@ -120,7 +121,13 @@ class NoiseSources:
         }
 
     def floor_e2(self, kind: NoiseKind = "total") -> float:
-        """Variance without light. [e-^2]"""
+        """Variance without light. [e-^2]
+
+        Parameters
+        ----------
+        kind
+            Total noise of a reading, or temporal noise only.
+        """
         temporal = self.read_noise_e**2 + self.dark_e + self.step_e**2 / 12 + self.row_noise_e**2
         return temporal + (self.dsnu_e**2 if kind == "total" else 0.0)
 
@@ -149,6 +156,11 @@ class NoiseSources:
         """The variance that does not come from counting: all but shot noise and dark electrons.
 
         The quantization is not included either, where it is computed as rounding. [e-^2]
+
+        Parameters
+        ----------
+        mean_e
+            Expected electrons of each channel. [e-]
         """
         constant = self.read_noise_e**2 + self.row_noise_e**2 + self.dsnu_e**2
         return constant + (self.prnu * np.asarray(mean_e)) ** 2 if self.prnu else constant
@@ -209,6 +221,11 @@ def demand_independent_channels(sensor: Sensor) -> None:
     """Check that no crosstalk after counting correlates the channels.
 
     Clipped values and the exact distribution are computed channel by channel.
+
+    Parameters
+    ----------
+    sensor
+        The sensor.
 
     Raises
     ------
@@ -338,14 +355,28 @@ def mean_noise_covariance(
 
 
 def after_counting(crosstalk: Crosstalk | None) -> Float[Array, "p p"] | None:
-    """The matrix of crosstalk that correlates the readings; ``None`` without any. [1]"""
+    """The matrix of crosstalk that correlates the readings; ``None`` without any. [1]
+
+    Parameters
+    ----------
+    crosstalk
+        Crosstalk of the sensor; ``None`` without any.
+    """
     return None if crosstalk is None or crosstalk.stage == "light" else crosstalk.matrix
 
 
 def counted_electrons(
     mean_e: Float[Array, "*px p"], coupling: Float[Array, "p p"] | None
 ) -> Float[Array, "*px p"]:
-    """Expected electrons that the pixels count: X^-1 M with crosstalk X `after_counting`. [e-]"""
+    """Expected electrons that the pixels count: X^-1 M with crosstalk X `after_counting`. [e-]
+
+    Parameters
+    ----------
+    mean_e
+        Expected electrons of each channel. [e-]
+    coupling
+        Matrix of `after_counting`; ``None`` without any.
+    """
     if coupling is None:
         return np.asarray(mean_e, dtype=np.float64)
     return np.maximum(mean_e @ inv("crosstalk", coupling).T, 0.0)  # rounding of a dark channel
@@ -367,12 +398,29 @@ def saturated(
     """True where the expected electrons exceed the white level, so that the SNR is undefined.
 
     Dark electrons of the exposure, where given, fill the well too (`white_level_e`).
+
+    Parameters
+    ----------
+    mean_e
+        Expected electrons of each channel. [e-]
+    sensor
+        The sensor.
+    exposure
+        Time and lens.
     """
     return np.asarray(mean_e) > signal_limit_e(sensor, exposure) * (1 + 1e-12)
 
 
 def signal_limit_e(sensor: Sensor, exposure: Exposure | None = None) -> float:
-    """`white_level_e` at an exposure, whose time determines the dark electrons. [e-]"""
+    """`white_level_e` at an exposure, whose time determines the dark electrons. [e-]
+
+    Parameters
+    ----------
+    sensor
+        The sensor.
+    exposure
+        Time and lens.
+    """
     pixel = sensor.pixel
     dark_e = 0.0 if exposure is None else pixel.dark_electrons_e(time_s=exposure.time_s)
     return white_level_e(sensor, dark_e=dark_e)

@@ -13,7 +13,6 @@ from chromanoise.analysis.priors import PRIORS
 from chromanoise.catalog.entries import catalog_entries, catalog_folder
 from chromanoise.catalog.resolve import resolve_illuminant, resolve_sensor
 from chromanoise.charts import DRAWINGS
-from chromanoise.charts.explanations import EXPLANATIONS
 from chromanoise.charts.sections import SECTIONS
 from chromanoise.color import SPACES
 from chromanoise.denoising import DENOISING
@@ -44,7 +43,7 @@ _RANGES: Mapping[str, tuple[float, float]] = {  # of a new heat map, where no co
 
 @lru_cache(maxsize=1)
 def choices() -> dict[str, Any]:
-    """Names of sensors, lights, scenes and matrices, controls, and the equations behind ``?``.
+    """Names of sensors, lights, scenes and matrices, controls, and sections.
 
     Steps of logarithmic sliders are of log10.
     """
@@ -87,7 +86,6 @@ def choices() -> dict[str, Any]:
         "sliders": sliders,
         "fields": fields,
         "hints": dict(SECTION_HINTS),
-        "equations": {key: dict(equation) for key, equation in EXPLANATIONS.items()},
         "sections": [asdict(section) for section in SECTIONS],
     }
 

@@ -192,7 +192,8 @@ STEPS: tuple[Step, ...] = (
         parts=("picture", "levels"),
         sentences=_picture,
         task="Try it: drag the light level down to 0.1 lx: whose picture is noisier now? Then "
-        "remove the matrix kernel, so that the picture is made with lmmse: what becomes of its colors?",
+        "remove the matrix kernel, so that the picture is made with lmmse: what becomes of its "
+        "colors?",
         study={"matrices": ["kernel", "lmmse"]},
         look={"coordinate": "Y"},
     ),

@@ -11,7 +11,13 @@ from chromanoise.paper.study import PRINTED_TIMES_MS
 
 
 def reproduction_as_json(result: Reproduction) -> dict[str, Any]:
-    """The paper's tables with ours beside them, and what they say."""
+    """The paper's tables with ours beside them, and what they say.
+
+    Parameters
+    ----------
+    result
+        The reproduction.
+    """
     times_s = result.study.times_s
     return {
         "version": __version__,

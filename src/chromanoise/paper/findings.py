@@ -19,7 +19,13 @@ from chromanoise.spectra import INFRARED_FROM_NM
 
 
 def verdict(study: PaperStudy) -> str:
-    """The paper's result in one sentence with its numbers and reasons."""
+    """The paper's result in one sentence with its numbers and reasons.
+
+    Parameters
+    ----------
+    study
+        The study.
+    """
     bare, cut = study.columns[paper.RGBW_12], study.columns[paper.RGB_12]
     shared = cut.sensor.names
     raw_gain = np.mean([_db(raw_snr_db(bare)[c]) - _db(raw_snr_db(cut)[c]) for c in shared])
@@ -39,7 +45,13 @@ def verdict(study: PaperStudy) -> str:
 
 
 def luminance_budget(analysis: Analysis) -> Budget:
-    """From all photons down to SNR_Y, cause by cause."""
+    """From all photons down to SNR_Y, cause by cause.
+
+    Parameters
+    ----------
+    analysis
+        Results of one sensor.
+    """
     budget = color_budget(analysis.scene, analysis.sensor, analysis.exposure, analysis.matrix)
     assert budget is not None  # the paper's white is seen by all of its sensors
     return budget
@@ -50,7 +62,13 @@ def _cost(budget: Budget, cause: str) -> float:
 
 
 def metric_remark(study: PaperStudy) -> str:
-    """Whether printed and computed values can be compared in this metric."""
+    """Whether printed and computed values can be compared in this metric.
+
+    Parameters
+    ----------
+    study
+        The study.
+    """
     if study.metric == "quanta":
         return "Metric quanta, in which the reconstruction was fitted."
     return (
@@ -73,7 +91,13 @@ def nir_share(analysis: Analysis) -> float:
 
 
 def table_5_finding(study: PaperStudy) -> str:
-    """Why Table 5's loss is not an effect of the angle, and what the angle does govern."""
+    """Why Table 5's loss is not an effect of the angle, and what the angle does govern.
+
+    Parameters
+    ----------
+    study
+        The study.
+    """
     bare, cut = study.greens[paper.G_N], study.greens[paper.G]
     columns = (paper.G_N, paper.G)
     snr_y = [paper.PRINTED_GREEN_SNR_Y_DB[c] for c in columns]
@@ -98,6 +122,11 @@ def set_aside_reasons(study: PaperStudy) -> tuple[str, ...]:
     """Why the paper leaves out its two other sensors, one sentence each.
 
     Each stands beside the sensor with the same channels that the paper keeps.
+
+    Parameters
+    ----------
+    study
+        The study.
     """
     rgb, rgbw = study.set_aside["onyx-rgb"], study.set_aside["onyx-rgbw-ircut"]
     kept_rgb, kept_rgbw = study.columns[paper.RGB_59], study.columns[paper.RGBW_12]

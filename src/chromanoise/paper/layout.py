@@ -7,7 +7,17 @@ from chromanoise.paper.reproduction import Cell, Reproduction
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PaperTable:
-    """One of the paper's tables, laid out: for each row a cell per column, or ``None``."""
+    """One of the paper's tables, laid out.
+
+    Attributes
+    ----------
+    title
+        Number and content of the table.
+    columns
+        Heads of the columns.
+    rows
+        Head of each row, and a cell per column; ``None`` where the paper has none.
+    """
 
     title: str
     columns: tuple[str, ...]
@@ -16,6 +26,11 @@ class PaperTable:
 
 def as_printed(value: float | None) -> str:
     """A number of the paper with the digits that the paper gives it.
+
+    Parameters
+    ----------
+    value
+        The number; ``None`` where the paper gives none.
 
     Examples
     --------
@@ -34,7 +49,13 @@ _TITLES = {
 
 
 def paper_tables(result: Reproduction) -> tuple[PaperTable, ...]:
-    """The cells of a reproduction in the layout of the paper."""
+    """The cells of a reproduction in the layout of the paper.
+
+    Parameters
+    ----------
+    result
+        The reproduction.
+    """
     return tuple(_laid_out(number, title, result.cells) for number, title in _TITLES.items())
 
 

@@ -111,7 +111,13 @@ def reproduced(
 
 
 def witnessed_columns(study: PaperStudy) -> dict[str, Analysis]:
-    """The columns of the tables that are checked by Monte Carlo."""
+    """The columns of the tables that are checked by Monte Carlo.
+
+    Parameters
+    ----------
+    study
+        The study.
+    """
     return {**study.columns, **study.greens}
 
 

@@ -70,7 +70,15 @@ class PaperStudy:
 
 
 def paper_study(metric: Metric = "quanta", grid: Grid = DEFAULT_GRID) -> PaperStudy:
-    """Tables 2-5 in closed form, on the reconstruction of the paper's sensors."""
+    """Tables 2-5 in closed form, on the reconstruction of the paper's sensors.
+
+    Parameters
+    ----------
+    metric
+        Whether spectra are expressed in photons (``quanta``) or in ``energy``.
+    grid
+        Wavelengths of the result.
+    """
     scene = flat_field(equal_energy(grid), level_lux=LEVEL_LUX)
     sensors = {
         name: sensor_named(name, grid)

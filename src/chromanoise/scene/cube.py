@@ -119,7 +119,15 @@ def _remedy(value: float, cube: Cube) -> tuple[Remedy, ...]:
 
 
 def bands_within(cube: Cube, grid: Grid) -> Cube:
-    """The cube with only the bands that the grid needs, and one neighbor on each side."""
+    """The cube with only the bands that the grid needs, and one neighbor on each side.
+
+    Parameters
+    ----------
+    cube
+        The cube of reflectances or radiances.
+    grid
+        Wavelengths of the result.
+    """
     first = int(np.searchsorted(cube.wavelength_nm, grid.start_nm, side="right")) - 1
     last = int(np.searchsorted(cube.wavelength_nm, grid.stop_nm, side="left"))
     keep = slice(max(first, 0), last + 1)
@@ -133,7 +141,19 @@ def bands_within(cube: Cube, grid: Grid) -> Cube:
 def flat_cube(
     wavelength_nm: Float[Array, " m"], reflectance: float, *, height: int, width: int
 ) -> Cube:
-    """A cube with equal pixels, for tests and noise measurements."""
+    """A cube with equal pixels, for tests and noise measurements.
+
+    Parameters
+    ----------
+    wavelength_nm
+        Wavelengths of the bands. [nm]
+    reflectance
+        Reflectance at every wavelength. [1]
+    height
+        Number of rows.
+    width
+        Number of columns.
+    """
     wavelength = np.asarray(wavelength_nm, dtype=np.float64)
     stored = np.broadcast_to(np.float64(reflectance), (height, width, wavelength.size))
     return Cube(wavelength_nm=wavelength, stored=stored, source="a flat cube")

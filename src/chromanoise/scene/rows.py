@@ -38,13 +38,34 @@ class RowSource(Protocol):
         """The rows ``start`` to ``stop``, with the strides in which they are stored.
 
         ``into`` is memory that may be used for the result instead of new memory.
+
+        Parameters
+        ----------
+        start
+            First row.
+        stop
+            Row after the last.
+        into
+            Memory to read into; ``None``: new memory.
         """
 
     def scratch_bytes(self, rows: int) -> int:
-        """Size of ``into`` for this number of rows; 0 if it is not used. [bytes]"""
+        """Size of ``into`` for this number of rows; 0 if it is not used. [bytes]
+
+        Parameters
+        ----------
+        rows
+            Number of rows.
+        """
 
     def with_bands(self, keep: slice) -> "RowSource":
-        """The source restricted to some bands; nothing is read."""
+        """The source restricted to some bands; nothing is read.
+
+        Parameters
+        ----------
+        keep
+            The bands to keep.
+        """
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

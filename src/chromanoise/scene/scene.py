@@ -46,12 +46,30 @@ class Scene:
 
 
 def flat_field(illuminant: Illuminant, *, level_lux: float, reflectance: float = 1.0) -> Scene:
-    """One point with the same reflectance at every wavelength: the test scene of the paper."""
+    """One point with the same reflectance at every wavelength: the test scene of the paper.
+
+    Parameters
+    ----------
+    illuminant
+        The light.
+    level_lux
+        Illuminance on the scene. [lx]
+    reflectance
+        Reflectance at every wavelength. [1]
+    """
     flat = np.full(illuminant.grid.n, float(reflectance))
     return Scene(illuminant=illuminant, level_lux=level_lux, reflectance=flat)
 
 
 def light(scene: Scene, metric: Metric) -> Float[Array, "*px n"]:
-    """The vector L of eq. 2, N_lux i(lambda) rho(lambda), in the unit of the metric."""
+    """The vector L of eq. 2, N_lux i(lambda) rho(lambda), in the unit of the metric.
+
+    Parameters
+    ----------
+    scene
+        Light from the scene.
+    metric
+        Whether spectra are expressed in photons (``quanta``) or in ``energy``.
+    """
     photons = scene.level_lux * photon_irradiance(scene.illuminant) * scene.reflectance
     return photons / photons_per_unit(scene.illuminant.grid, metric)

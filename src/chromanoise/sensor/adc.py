@@ -88,6 +88,13 @@ def adc_of(converter: Converter, pixel: Pixel) -> Adc:
     Black level 0. Without the gain, the top code is at the full well; with neither gain nor bits,
     12 bits. Without the bits, the fewest from 8 to 16 with which the codes reach the full well.
 
+    Parameters
+    ----------
+    converter
+        What is known of the converter.
+    pixel
+        The pixel.
+
     Raises
     ------
     InputError
@@ -146,6 +153,13 @@ def code_step_e(converter: Converter, pixel: Pixel) -> float:
 
     Where n readings are summed (`binned`), it is the step of one reading, and so of their sum.
 
+    Parameters
+    ----------
+    converter
+        What is known of the converter.
+    pixel
+        The pixel.
+
     Examples
     --------
     >>> pixel = Pixel(pitch_um=10, full_well_e=4095, read_noise_e=0)
@@ -167,6 +181,13 @@ def quantization_step_e(converter: Converter, pixel: Pixel) -> float:
     It is `code_step_e` of one reading; where n readings are summed (`binned`), the root of n times
     that, because each of them is rounded.
 
+    Parameters
+    ----------
+    converter
+        What is known of the converter.
+    pixel
+        The pixel.
+
     Examples
     --------
     >>> from chromanoise.sensor import binned
@@ -179,6 +200,15 @@ def quantization_step_e(converter: Converter, pixel: Pixel) -> float:
 
 def adc_to_full_well(pixel: Pixel, *, bits: int = 12, black_level_dn: int = 0) -> Adc:
     """The converter whose top code is the pixel's full well.
+
+    Parameters
+    ----------
+    pixel
+        The pixel.
+    bits
+        Bits of a code.
+    black_level_dn
+        Code of no electrons. [DN]
 
     Examples
     --------

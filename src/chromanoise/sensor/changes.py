@@ -28,7 +28,13 @@ _OF_TEMPERATURE = ("temperature_c", "dark_reference_c", "dark_doubling_k")
 
 
 def of_pixel(changes: Mapping[str, Any]) -> dict[str, Any]:
-    """The changes that are fields of `Pixel`."""
+    """The changes that are fields of `Pixel`.
+
+    Parameters
+    ----------
+    changes
+        Values by the names of settings.
+    """
     return {name: value for name, value in changes.items() if name in _OF_PIXEL}
 
 
@@ -192,7 +198,7 @@ def moved_curve(
     Parameters
     ----------
     wavelength_nm, curve
-        The table.
+        The table. [nm, any unit]
     shift_nm
         Positive toward longer wavelengths. [nm]
     width_share
@@ -244,7 +250,13 @@ def with_crosstalk(sensor: Sensor, crosstalk: Crosstalk) -> Sensor:
 
 
 def without_crosstalk(sensor: Sensor) -> Sensor | None:
-    """The sensor before crosstalk was added; ``None`` where the mixing cannot be inverted."""
+    """The sensor before crosstalk was added; ``None`` where the mixing cannot be inverted.
+
+    Parameters
+    ----------
+    sensor
+        The sensor.
+    """
     if sensor.crosstalk is None:
         return sensor
     matrix = sensor.crosstalk.matrix

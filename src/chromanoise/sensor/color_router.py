@@ -29,6 +29,8 @@ def router_shares(
 
     Parameters
     ----------
+    grid
+        Wavelengths of the result.
     collection
         Share of the light of each of ``b`` bands that each channel collects; from short to long
         wavelengths. No band gives more than it has. [1]

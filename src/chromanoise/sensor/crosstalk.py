@@ -84,6 +84,13 @@ class Crosstalk:
 def refuse_other_channels(mosaic: Mosaic, names: Sequence[str]) -> None:
     """Refuse a mosaic that has other channels than the sensor.
 
+    Parameters
+    ----------
+    mosaic
+        Which channel each pixel has.
+    names
+        Names of the channels.
+
     Raises
     ------
     InputError
@@ -108,7 +115,13 @@ def _weights(pixels: Float[Array, " p"], column: int) -> str:
 
 
 def shares_after_counting(crosstalk: Crosstalk | None) -> Float[Array, "ky kx"] | None:
-    """The kernel of crosstalk after counting; a matrix alone does not tell the neighbors. [1]"""
+    """The kernel of crosstalk after counting; a matrix alone does not tell the neighbors. [1]
+
+    Parameters
+    ----------
+    crosstalk
+        Crosstalk of the sensor; ``None`` without any.
+    """
     return None if crosstalk is None or crosstalk.stage == "light" else crosstalk.kernel
 
 

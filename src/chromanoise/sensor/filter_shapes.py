@@ -36,6 +36,8 @@ def gaussian_filter(
 
     Parameters
     ----------
+    grid
+        Wavelengths of the result.
     center_nm
         Wavelength of the peak. [nm]
     width_nm
@@ -82,6 +84,8 @@ def raised_cosine_filter(
 
     Parameters
     ----------
+    grid
+        Wavelengths of the result.
     center_nm
         Wavelength of the peak. [nm]
     fwhm_nm
@@ -112,6 +116,8 @@ def long_pass(grid: Grid, *, cuton_nm: Number, width_nm: Number = 8.0) -> Inexac
 
     Parameters
     ----------
+    grid
+        Wavelengths of the result.
     cuton_nm
         Wavelength of half transmittance. [nm]
     width_nm
@@ -145,6 +151,8 @@ def dual_band_filter(
 
     Parameters
     ----------
+    grid
+        Wavelengths of the result.
     cutoff_nm
         Wavelength at which the visible ends. [nm]
     band_nm, band_width_nm
@@ -190,6 +198,8 @@ def fabry_perot_filter(
 
     Parameters
     ----------
+    grid
+        Wavelengths of the result.
     center_nm
         Wavelength of the peak of ``order``; the others are at ``order * center_nm / k``. [nm]
     reflectance
@@ -263,6 +273,8 @@ def dye_of_bands(
 
     Parameters
     ----------
+    grid
+        Wavelengths of the result.
     band_nm, width_nm
         Center and standard deviation of each band. [nm]
     density

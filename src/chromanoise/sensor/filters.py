@@ -94,6 +94,11 @@ def silicon_qe(
     reflectance
         Share of the light that is reflected at the surface.
 
+    Raises
+    ------
+    InputError
+        If a number is out of range, or the grid exceeds the table of the absorption.
+
     Notes
     -----
     Absorption at 300 K: Green & Keevers, Prog. Photovolt. 3 (1995) 189-192; the
@@ -158,6 +163,8 @@ def resin_filter(
 
     Parameters
     ----------
+    grid
+        Wavelengths of the result.
     low_nm, high_nm
         Wavelengths at which the passband rises and falls through half its height. [nm]
     leak_nm
@@ -166,6 +173,11 @@ def resin_filter(
         Width of the edges (logistic scale). [nm]
     peak, leak, floor
         Transmittance in the passband, in the NIR, and in the stopband.
+
+    Raises
+    ------
+    InputError
+        If a transmittance is not 0 to 1, an edge is too narrow, or the edges are not in order.
 
     Examples
     --------
@@ -208,6 +220,8 @@ def ir_cut(
 
     Parameters
     ----------
+    grid
+        Wavelengths of the result.
     edge_nm
         Wavelength of half transmittance. [nm]
     width_nm
@@ -267,6 +281,11 @@ def filter_named(
 def ir_cut_model(name: str) -> tuple[float, float] | None:
     """Edge and width of a model IR-cut by its name; ``None`` for another name. [nm]
 
+    Parameters
+    ----------
+    name
+        Name such as ``ircut-650/20``.
+
     Raises
     ------
     InputError
@@ -283,6 +302,11 @@ def ir_cut_model(name: str) -> tuple[float, float] | None:
 
 def is_filter_name(name: str) -> bool:
     """Whether `filter_named` accepts this name.
+
+    Parameters
+    ----------
+    name
+        Name of a filter.
 
     Examples
     --------

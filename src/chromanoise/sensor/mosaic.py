@@ -79,6 +79,11 @@ def mosaic_named(text: str) -> Mosaic:
 
     If no row contains a space, each letter is a channel.
 
+    Parameters
+    ----------
+    text
+        Name such as ``bayer``, or a pattern such as ``RG/GB``.
+
     Raises
     ------
     InputError

@@ -77,6 +77,11 @@ def overridden(sensor: Sensor, given: PixelOverrides, *, raw: bool) -> Sensor:
 def refuse_summed_readings(sensor: Sensor) -> None:
     """Refuse raw codes of digital binning: each would be a sum of codes, not a code.
 
+    Parameters
+    ----------
+    sensor
+        The sensor.
+
     Raises
     ------
     InputError

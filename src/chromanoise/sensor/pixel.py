@@ -18,6 +18,7 @@ _COLDEST_C, _HOTTEST_C = -273.15, 300.0
 _MOST_PRNU = 0.2
 
 BinningMode = Literal["charge", "digital"]
+"""Whether binning sums charges before the readout, or codes after it."""
 MOST_BINNING = 10_000
 """Most pixels that are summed."""
 
@@ -156,12 +157,24 @@ EXTRA_NOISE = ("dark_current_e_per_s", "dsnu_e", "prnu", "row_noise_e", "black_e
 
 
 def shot_and_read_only(pixel: Pixel) -> Pixel:
-    """The pixel without dark current, DSNU, PRNU, row noise and black-level error."""
+    """The pixel without dark current, DSNU, PRNU, row noise and black-level error.
+
+    Parameters
+    ----------
+    pixel
+        The pixel.
+    """
     return replace(pixel, **dict.fromkeys(EXTRA_NOISE, 0.0), temperature_c=None)
 
 
 def extra_noise(pixel: Pixel) -> dict[str, float]:
-    """The values of `EXTRA_NOISE` that are not 0, by name."""
+    """The values of `EXTRA_NOISE` that are not 0, by name.
+
+    Parameters
+    ----------
+    pixel
+        The pixel.
+    """
     return {name: value for name in EXTRA_NOISE if (value := getattr(pixel, name))}
 
 

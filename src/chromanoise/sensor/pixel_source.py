@@ -103,6 +103,11 @@ _QUESTIONS = {
 def open_questions(source: PixelSource) -> tuple[str, ...]:
     """One question for each value that the source lacks for a `Pixel`.
 
+    Parameters
+    ----------
+    source
+        The values of a file of a pixel.
+
     Examples
     --------
     >>> open_questions(PixelSource(source="a sheet", pitch_um=3.0, full_well_e=9000.0))

@@ -10,6 +10,11 @@ def code_range_e(sensor: Sensor) -> float:
     """Electrons from black level to top code; inf where bits or gain are not known. [e-]
 
     Where n readings are summed (`chromanoise.sensor.binned`), it is n times that of one reading.
+
+    Parameters
+    ----------
+    sensor
+        The sensor.
     """
     converter = sensor.converter
     if converter.bits is None or converter.gain_e_per_dn is None:
@@ -51,6 +56,14 @@ def white_level_e(sensor: Sensor, *, dark_e: float = 0.0) -> float:
 
 
 def white_level_name(sensor: Sensor, *, dark_e: float = 0.0) -> str:
-    """What limits the signal: ``full well`` or ``top code`` (`white_level_e`)."""
+    """What limits the signal: ``full well`` or ``top code`` (`white_level_e`).
+
+    Parameters
+    ----------
+    sensor
+        The sensor.
+    dark_e
+        Dark electrons. [e-]
+    """
     well_e = sensor.pixel.full_well_e - dark_e
     return "top code" if code_range_e(sensor) < well_e else "full well"

@@ -116,7 +116,13 @@ class Sensor:
 
 
 def pixels_of(sensor: Sensor) -> int:
-    """Number of pixels for one set of channels: p, or 1 if the channels are stacked."""
+    """Number of pixels for one set of channels: p, or 1 if the channels are stacked.
+
+    Parameters
+    ----------
+    sensor
+        The sensor.
+    """
     return 1 if sensor.stacked else len(sensor.names)
 
 
@@ -162,6 +168,17 @@ def with_channels(
     sensor: Sensor, names: Sequence[str], *, name: str, mosaic: Mosaic | None = None
 ) -> Sensor:
     """The sensor with only the channels ``names``, in this order.
+
+    Parameters
+    ----------
+    sensor
+        The sensor.
+    names
+        Names of the channels.
+    name
+        Name of the new sensor.
+    mosaic
+        Which channel each pixel has.
 
     Raises
     ------

@@ -32,6 +32,8 @@ def cauchy_index(grid: Grid, index: Number, dispersion_um2: Number) -> Inexact[A
 
     Parameters
     ----------
+    grid
+        Wavelengths of the result.
     index
         A, the index at long wavelengths. [1]
     dispersion_um2
@@ -64,6 +66,8 @@ def thin_film_stack(
 
     Parameters
     ----------
+    grid
+        Wavelengths of the result.
     thickness_nm
         Of each film, from the side of the light; 0 for a film that is left out. [nm]
     index
@@ -122,6 +126,8 @@ def alternating_stack(
 
     Parameters
     ----------
+    grid
+        Wavelengths of the result.
     thickness_nm
         Of each film, from the side of the light. [nm]
     index_high, dispersion_high_um2, index_low, dispersion_low_um2

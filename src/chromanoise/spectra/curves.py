@@ -23,6 +23,7 @@ Beyond = Literal["refuse", "zero", "hold"]
 """How a curve is extrapolated: refuse with an error, use zero, or hold the last value."""
 
 SMALL_NEGATIVES = Setting("negatives", ("zero",))
+"""The setting that sets small negative values of a file to 0."""
 SMALL_SHARE = 0.01
 """Size of negative values that may be set to 0, over the highest value of their curve."""
 """Sets small negative values, which digitizing or dark readings can cause, to 0."""
@@ -160,6 +161,15 @@ def means_on_grid(spectra: Spectra, grid: Grid, *, beyond: Beyond = "refuse") ->
     Averaging ensures that a spectral line or a narrow band between two grid points is not lost.
     A cell extends half a step to each side, or less where the table ends. Linear curves keep
     their values.
+
+    Parameters
+    ----------
+    spectra
+        The curves.
+    grid
+        Wavelengths of the result.
+    beyond
+        Values outside the range of the data: refuse, zero or hold.
     """
     sampled = on_grid(spectra, grid, beyond=beyond)
     known, at = spectra.wavelength_nm, grid.wavelength_nm

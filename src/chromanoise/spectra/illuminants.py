@@ -81,6 +81,11 @@ class Illuminant:
 def photon_irradiance(illuminant: Illuminant) -> Float[Array, " n"]:
     """The i(lambda) of eq. 1: photon irradiance at one lux. [photons s-1 um-2 nm-1 lx-1]
 
+    Parameters
+    ----------
+    illuminant
+        The light.
+
     Examples
     --------
     >>> visible = photon_irradiance(equal_energy(Grid.uniform(400, 700, 1)))
@@ -95,17 +100,36 @@ def equal_energy(grid: Grid) -> Illuminant:
     """CIE illuminant E, the same power at every wavelength of the grid.
 
     The paper extends it to 1050 nm.
+
+    Parameters
+    ----------
+    grid
+        Wavelengths of the result.
     """
     return _from_formula("E", np.ones_like, grid)
 
 
 def cie_a(grid: Grid) -> Illuminant:
-    """CIE standard illuminant A by its defining equation (CIE 015:2018, eq. 4.1)."""
+    """CIE standard illuminant A by its defining equation (CIE 015:2018, eq. 4.1).
+
+    Parameters
+    ----------
+    grid
+        Wavelengths of the result.
+    """
     return _from_formula("A", partial(_planck, temperature_k=2848.0, c2_m_k=1.435e-2), grid)
 
 
 def black_body(grid: Grid, temperature_k: float) -> Illuminant:
-    """A Planckian radiator at ``temperature_k`` [K]."""
+    """A Planckian radiator at ``temperature_k`` [K].
+
+    Parameters
+    ----------
+    grid
+        Wavelengths of the result.
+    temperature_k
+        Temperature. [K]
+    """
     kelvin = _check.positive("temperature_k", "K", temperature_k)
     c2_m_k = PLANCK_J_S * LIGHT_M_PER_S / BOLTZMANN_J_PER_K
     return _from_formula(
@@ -118,6 +142,8 @@ def led(grid: Grid, peak_nm: float, width_nm: float = 20.0) -> Illuminant:
 
     Parameters
     ----------
+    grid
+        Wavelengths of the result.
     peak_nm, width_nm
         Peak wavelength and the width parameter of Ohno's model. The full width at half maximum
         is 0.92 times the width parameter. [nm]
@@ -141,12 +167,23 @@ def led(grid: Grid, peak_nm: float, width_nm: float = 20.0) -> Illuminant:
 
 
 def halogen(grid: Grid) -> Illuminant:
-    """A halogen lamp, modeled as a black body of 3200 K."""
+    """A halogen lamp, modeled as a black body of 3200 K.
+
+    Parameters
+    ----------
+    grid
+        Wavelengths of the result.
+    """
     return replace(black_body(grid, _HALOGEN_K), name="halogen", notes=(_HALOGEN_NOTE,))
 
 
 def led_white(grid: Grid) -> Illuminant:
     """A white LED of 4167 K, modeled as a blue diode and a phosphor of equal peak height.
+
+    Parameters
+    ----------
+    grid
+        Wavelengths of the result.
 
     Notes
     -----
@@ -181,7 +218,15 @@ def diode_power(
 
 
 def astm_g173(grid: Grid, *, beyond: Beyond = "refuse") -> Illuminant:
-    """Daylight including the near infrared: ASTM G173-03 global tilt, averaged over 5 nm."""
+    """Daylight including the near infrared: ASTM G173-03 global tilt, averaged over 5 nm.
+
+    Parameters
+    ----------
+    grid
+        Wavelengths of the result.
+    beyond
+        Values outside the range of the data: refuse, zero or hold.
+    """
     return illuminant_from(packaged_table("astm_g173_global"), grid, name="G173", beyond=beyond)
 
 
@@ -191,6 +236,15 @@ def cie_illuminant(name: str, grid: Grid, *, beyond: Beyond = "refuse") -> Illum
     Most tables end at 780 nm. On a grid that extends further, ``beyond`` must be ``zero`` or
     ``hold``. Daylight is a packaged table; the others come from colour-science, whose import takes
     a second.
+
+    Parameters
+    ----------
+    name
+        Name such as ``D65``.
+    grid
+        Wavelengths of the result.
+    beyond
+        Values outside the range of the data: refuse, zero or hold.
     """
     daylight = packaged_table("cie_daylight")
     if name in daylight.names:
@@ -216,6 +270,17 @@ def illuminant_from(
     spectrum: Spectra, grid: Grid, *, name: str, beyond: Beyond = "refuse"
 ) -> Illuminant:
     """An illuminant from one curve of relative *power* (not photons) over wavelength.
+
+    Parameters
+    ----------
+    spectrum
+        One curve of relative power.
+    grid
+        Wavelengths of the result.
+    name
+        Name of the illuminant.
+    beyond
+        Values outside the range of the data: refuse, zero or hold.
 
     Raises
     ------

@@ -25,7 +25,9 @@ from chromanoise.spectra.grid import Grid
 from chromanoise.units import UM2_PER_M2, photons_per_joule
 
 Metric = Literal["quanta", "energy"]
+"""Whether spectra are expressed in photons (``quanta``) or in energy (``energy``)."""
 METRICS: tuple[Metric, ...] = get_args(Metric)
+"""The metrics by name."""
 
 
 def photons_per_unit(grid: Grid, metric: Metric) -> Float[Array, " n"]:

@@ -72,6 +72,11 @@ def illuminant_named(
 def is_light_name(name: str) -> bool:
     """Whether `illuminant_named` accepts this name of a light without an added diode.
 
+    Parameters
+    ----------
+    name
+        Name of a light.
+
     Examples
     --------
     >>> [is_light_name(name) for name in ("D65", "5500.5K", "LED850/20", "lamp.dat")]
@@ -118,6 +123,11 @@ def infrared_parts(name: str) -> tuple[str, dict[str, float]] | None:
     """The part of a name before its last diode, and that diode as arguments of `with_infrared`.
 
     Returns None if the name has no added diode.
+
+    Parameters
+    ----------
+    name
+        Name such as ``A+0.5xLED850``.
 
     Raises
     ------

@@ -24,6 +24,7 @@ OBSERVERS: Mapping[str, str] = {
 """Packaged table of each observer. The names end in the visual field in degrees."""
 
 DEFAULT_OBSERVER = "cie-1931-2"
+"""Name of the observer that every result uses unless another is given."""
 
 
 @cache
@@ -80,6 +81,11 @@ def color_matching_functions(grid: Grid, observer: str = DEFAULT_OBSERVER) -> Sp
 def cie_1931(grid: Grid) -> Spectra:
     """The CIE 1931 observer on ``grid``; outside 360-830 nm it is zero, as the CIE defines it.
 
+    Parameters
+    ----------
+    grid
+        Wavelengths of the result.
+
     Examples
     --------
     >>> cie_1931(Grid.uniform(400, 1050, 5)).values[31].round(4)    # 555 nm
@@ -127,6 +133,11 @@ def color_axes(grid: Grid, metric: Metric, observer: str = DEFAULT_OBSERVER) -> 
 
 def observer_notes(observer: str) -> tuple[str, ...]:
     """What to know about the colors of an observer; nothing for CIE 1931.
+
+    Parameters
+    ----------
+    observer
+        The observer of the colors.
 
     Examples
     --------

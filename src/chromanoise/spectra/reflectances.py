@@ -19,6 +19,11 @@ def colorchecker(grid: Grid) -> Spectra:
 
     Dark skin is first, black last; ``SOURCES.toml`` names the source of the measurement.
 
+    Parameters
+    ----------
+    grid
+        Wavelengths of the result.
+
     Examples
     --------
     >>> chart = colorchecker(Grid.uniform(400, 1050, 5))
@@ -29,12 +34,26 @@ def colorchecker(grid: Grid) -> Spectra:
 
 
 def chart_on(grid: Grid, chart: Spectra | None = None) -> Spectra:
-    """The reflectances of a chart; the ColorChecker if ``None``."""
+    """The reflectances of a chart; the ColorChecker if ``None``.
+
+    Parameters
+    ----------
+    grid
+        Wavelengths of the result.
+    chart
+        Reflectances of the patches; those of the ColorChecker if ``None``.
+    """
     return colorchecker(grid) if chart is None else chart
 
 
 def chart_title(chart: Spectra | None) -> str:
-    """The name of a chart: ``the ColorChecker``, or that of its file."""
+    """The name of a chart: ``the ColorChecker``, or that of its file.
+
+    Parameters
+    ----------
+    chart
+        Reflectances of the patches; those of the ColorChecker if ``None``.
+    """
     return "the ColorChecker" if chart is None else Path(chart.source).name
 
 

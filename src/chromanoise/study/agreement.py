@@ -99,7 +99,13 @@ def agreement_of(first: Path, second: Path) -> Agreement:
 
 
 def agreement_text(found: Agreement) -> str:
-    """The agreement in one sentence."""
+    """The agreement in one sentence.
+
+    Parameters
+    ----------
+    found
+        The compared results.
+    """
     parts = []
     if found.place:
         parts.append(f"the original was made with files in {found.place}")

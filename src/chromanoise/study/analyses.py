@@ -133,7 +133,15 @@ def _pipeline(
 
 
 def outcomes_as_json(outcomes: Sequence[Outcome], outputs: OutputsPart) -> dict[str, Any]:
-    """The outcomes as plain data, side by side."""
+    """The outcomes as plain data, side by side.
+
+    Parameters
+    ----------
+    outcomes
+        Results of each sensor.
+    outputs
+        Which results the study asks for.
+    """
     data = analyses_as_json([outcome.analysis for outcome in outcomes])
     for own, outcome in zip(data["sensors"], outcomes, strict=True):
         if outputs.budget:

@@ -65,10 +65,18 @@ class Given:
 
 
 NOTHING_GIVEN = Given()
+"""No objects in place of names."""
 
 
 def operating_points_of(study: Study, given: Given = NOTHING_GIVEN) -> list[OperatingPoint]:
     """Each sensor of the study in its light, with its exposure.
+
+    Parameters
+    ----------
+    study
+        The study.
+    given
+        Objects of Python that the study names.
 
     Raises
     ------
@@ -86,6 +94,13 @@ def operating_points_of(study: Study, given: Given = NOTHING_GIVEN) -> list[Oper
 
 def refuse_idle(study: Study, given: Given = NOTHING_GIVEN) -> None:
     """Refuse repeated sensors, repeated labels and settings that change nothing, all at once.
+
+    Parameters
+    ----------
+    study
+        The study.
+    given
+        Objects of Python that the study names.
 
     Raises
     ------
@@ -536,6 +551,11 @@ def keyed(
         From a parameter of the library to its key.
     own
         Keys of other values that are used inside, by the subject of their errors.
+
+    Raises
+    ------
+    InputError
+        The error from inside, with the key.
     """
     try:
         yield
@@ -548,7 +568,13 @@ def keyed(
 
 
 def unresolved(study: Study) -> list[InputError]:
-    """What a study names and cannot be made, each with its key."""
+    """What a study names and cannot be made, each with its key.
+
+    Parameters
+    ----------
+    study
+        The study.
+    """
     found: list[InputError] = []
 
     def tried(make: Callable[[], Any]) -> Any:
@@ -574,6 +600,11 @@ def unresolved(study: Study) -> list[InputError]:
 
 def makers_of(study: Study) -> Mapping[str, MatrixMaker]:
     """The color matrices of a study, by name.
+
+    Parameters
+    ----------
+    study
+        The study.
 
     Raises
     ------

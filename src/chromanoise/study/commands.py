@@ -136,6 +136,11 @@ def study_as_command(study: Study) -> str:
     otherwise ``chromanoise run`` of the study itself, as a here-document. Results are written into
     a folder named after the study, so that the line runs again, and beside those of other studies.
 
+    Parameters
+    ----------
+    study
+        The study.
+
     Examples
     --------
     >>> from chromanoise.study.reading import study_from_text
@@ -169,6 +174,11 @@ def study_as_python(study: Study) -> str:
     """A script that prints what a run of the study computes: a JSON list, one entry per step.
 
     Pictures are written into the folder in which it is run.
+
+    Parameters
+    ----------
+    study
+        The study.
     """
     title = "".join(c if c.isprintable() else " " for c in study.title).strip()
     head = [f"# {title or 'A study of chromanoise'}", "import json", "", "import chromanoise as cn"]
@@ -191,6 +201,13 @@ def study_as_python(study: Study) -> str:
 
 def option_of(name: str, value: object = None) -> str:
     """The option of a setting, for flags that of its value.
+
+    Parameters
+    ----------
+    name
+        Name of the setting.
+    value
+        Value of the setting.
 
     Examples
     --------

@@ -42,6 +42,7 @@ from chromanoise.sensor import MOSAIC_NAMES, MOST_BINNING, BinningMode
 from chromanoise.spectra import DEFAULT_OBSERVER, METRICS, OBSERVERS, Illuminant
 
 MOST_SENSORS = 1000
+"""Largest number of sensors in a study."""
 _LONGEST_LABEL = 60
 SCHEMA = 1
 """Version of this schema; an incompatible later schema gets another number."""

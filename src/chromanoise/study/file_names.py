@@ -14,6 +14,11 @@ def refuse_shared_file_names(operating_points: Sequence[OperatingPoint]) -> None
 def file_word(name: str) -> str:
     """A name as a file's name or a part of one: it leads into no other folder and hides nothing.
 
+    Parameters
+    ----------
+    name
+        The name.
+
     Examples
     --------
     >>> file_word("../../a b")

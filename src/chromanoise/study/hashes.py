@@ -185,6 +185,11 @@ def study_hash(study: Study, digests: Mapping[str, str] | None = None) -> str:
 def file_digests(study: Study) -> dict[str, str]:
     """SHA-256 of every file that a study names; of a folder or a pair, of all that belongs to it.
 
+    Parameters
+    ----------
+    study
+        The study.
+
     Raises
     ------
     InputError
@@ -291,12 +296,23 @@ def _digest(file: Path) -> str:
 
 
 def study_as_json(study: Study) -> dict[str, Any]:
-    """The study as plain data, with all defaults."""
+    """The study as plain data, with all defaults.
+
+    Parameters
+    ----------
+    study
+        The study.
+    """
     return study.model_dump(mode="json", by_alias=True)
 
 
 def provenance(study: Study) -> dict[str, Any]:
     """The provenance that every output records.
+
+    Parameters
+    ----------
+    study
+        The study.
 
     Raises
     ------

@@ -76,6 +76,17 @@ def prepared_cameras(
 ) -> tuple[Cube, dict[str, list[Camera]]]:
     """The cube, and the cameras of each matrix, of a part of the pictures (from 0).
 
+    Parameters
+    ----------
+    study
+        The study.
+    number
+        Which part, from 0.
+    operating_points
+        Operating points of the sensors.
+    makers
+        Methods of color matrices by name.
+
     Raises
     ------
     InputError

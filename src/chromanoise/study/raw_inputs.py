@@ -95,6 +95,13 @@ def frames_of_pictures(
 def frame_of_array(codes: Array, *, name: str = "picture") -> Frame:
     """A frame of codes in memory. [DN]
 
+    Parameters
+    ----------
+    codes
+        Codes of each pixel. [DN]
+    name
+        Name for messages and results.
+
     Raises
     ------
     InputError
@@ -113,6 +120,13 @@ def frame_of_array(codes: Array, *, name: str = "picture") -> Frame:
 
 def electrons_of_array(values_e: Array, *, name: str = "picture") -> Electrons:
     """A picture of electrons above black. [e-]
+
+    Parameters
+    ----------
+    values_e
+        Electrons of each pixel. [e-]
+    name
+        Name for messages and results.
 
     Raises
     ------

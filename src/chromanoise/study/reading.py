@@ -93,7 +93,13 @@ def document_text(path: Path, kind: str) -> str:
 
 
 def is_relative_to_working_folder(path: Path) -> bool:
-    """Whether file names in a document are relative to the working folder, as in piped text."""
+    """Whether file names in a document are relative to the working folder, as in piped text.
+
+    Parameters
+    ----------
+    path
+        The file.
+    """
     return path.parent == Path() or Path("/dev") in path.absolute().parents
 
 
@@ -134,6 +140,19 @@ def study_from_text(
     r"""The study in TOML text; ``source`` names it in messages.
 
     ``keep_idle`` is that of `study_from_data`, the other parameters are those of `read_study`.
+
+    Parameters
+    ----------
+    text
+        TOML.
+    source
+        Name of the text in messages.
+    changes
+        Changes as KEY=VALUE.
+    change_label
+        Name of the changes in messages.
+    keep_idle
+        Whether settings without effect are kept.
 
     Raises
     ------

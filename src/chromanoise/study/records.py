@@ -129,6 +129,11 @@ def run_study(
 def study_of_output(path: Path) -> Study:
     """The study recorded in an output or in its folder.
 
+    Parameters
+    ----------
+    path
+        An output, or its folder.
+
     Raises
     ------
     InputError

@@ -192,12 +192,18 @@ def settings_keys(kind: type) -> Mapping[str, tuple[str, ...]]:
 
 
 SHARED = settings_keys(SharedSettings)
+"""Keys of a study by the settings that all functions have."""
 ANALYSIS = settings_keys(AnalysisSettings)
+"""Keys of a study by the settings of ``analyze``."""
 COMPARISON = settings_keys(ComparisonSettings)
+"""Keys of a study by the settings of ``compare``."""
 _DENOISE = settings_keys(DenoiseSettings)
 MAPS = settings_keys(MapSettings)
+"""Keys of a study by the settings of ``compare_map``."""
 MATRIX = settings_keys(MatrixSettings)
+"""Keys of a study by the settings of ``matrix``."""
 RENDERING = settings_keys(RenderSettings)
+"""Keys of a study by the settings of ``render``."""
 SENSITIVITY = settings_keys(SensitivitySettings)
 FUNCTIONS = {
     "analyze": ANALYSIS,
@@ -208,6 +214,7 @@ FUNCTIONS = {
     "render": RENDERING,
     "sensitivity": SENSITIVITY,
 }
+"""The settings of each function of ``import chromanoise as cn``."""
 _ARGUMENTS = {
     "analyze": ("matrix",),
     "compare": ("matrices",),

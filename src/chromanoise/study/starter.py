@@ -60,3 +60,4 @@ chart = false                        # every patch of the ColorChecker
 # white_balance = "gray"             # illuminant, D65 ..., or [2.0, 1.0, 1.6]
 # iso = [100, 400, 1600]
 """
+"""The commented study file that ``chromanoise init`` writes."""

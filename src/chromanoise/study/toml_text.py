@@ -9,6 +9,11 @@ from chromanoise.study.document import Study
 def study_as_toml(study: Study) -> str:
     """What differs from the defaults, and the sensors; `study_from_text` gives the study back.
 
+    Parameters
+    ----------
+    study
+        The study.
+
     Examples
     --------
     >>> from chromanoise.study.document import SensorPart

@@ -81,7 +81,13 @@ def crossover_bands(
 
 
 def band_sentence(band: CrossoverBand) -> str:
-    """The band in words."""
+    """The band in words.
+
+    Parameters
+    ----------
+    band
+        Crossovers over all training sets.
+    """
     one = next(iter(band.by_prior.values()))
     start = (
         f"Over {len(band.by_prior)} priors ({', '.join(band.by_prior)}) of the {band.matrix} "
@@ -105,7 +111,13 @@ def band_sentence(band: CrossoverBand) -> str:
 
 
 def bands_as_json(bands: Sequence[CrossoverBand]) -> list[dict[str, Any]]:
-    """Bands as plain data."""
+    """Bands as plain data.
+
+    Parameters
+    ----------
+    bands
+        Crossovers over all training sets, one band per pair of sensors.
+    """
     return [
         {
             "first": band.first,

@@ -265,7 +265,13 @@ def crossover_as_json(crossover: Crossover) -> dict[str, Any]:
 
 
 def crossover_sentence(crossover: Crossover) -> str:
-    """Which sensor is better over which values, and the color errors at the crossovers."""
+    """Which sensor is better over which values, and the color errors at the crossovers.
+
+    Parameters
+    ----------
+    crossover
+        Crossovers of two sensors.
+    """
     (first, second), sweep = crossover.labels, crossover.sweep
     last = sweep.with_unit(value_in_words(crossover.last_at, 4))
     span = f"{value_in_words(crossover.first_at, 4)} to {last}"

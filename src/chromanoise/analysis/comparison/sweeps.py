@@ -67,7 +67,13 @@ class Sweep:
     whole: bool = False
 
     def with_unit(self, text: str) -> str:
-        """A value as text with the unit; without one where the unit is 1."""
+        """A value as text with the unit; without one where the unit is 1.
+
+        Parameters
+        ----------
+        text
+            The value as text.
+        """
         return text if self.unit == "1" else f"{text} {self.unit}"
 
 
@@ -256,6 +262,7 @@ SWEEPS: Mapping[str, Sweep] = {
         ),
     )
 }
+"""The parameters that a comparison can vary, by name."""
 
 
 def swept_values(sweep: Sweep, first: float, last: float, points: int) -> Float[Array, " k"]:

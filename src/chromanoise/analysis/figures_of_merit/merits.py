@@ -117,7 +117,13 @@ def merits_of(
 
 
 def merits_as_json(merits: Merits) -> dict[str, Any]:
-    """Conditions, and per name the value with unit, meaning and source; ``None`` with a reason."""
+    """Conditions, and per name the value with unit, meaning and source; ``None`` with a reason.
+
+    Parameters
+    ----------
+    merits
+        Figures of merit of a sensor in use.
+    """
     return {
         "matrix": merits.matrix,
         "metric": merits.metric,

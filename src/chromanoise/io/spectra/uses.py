@@ -95,6 +95,11 @@ def _with_height(
 def power_of(parsed: ParsedSpectra) -> Spectra:
     """Convert one curve to relative power over wavelength, for `illuminant_from`.
 
+    Parameters
+    ----------
+    parsed
+        The parsed file.
+
     Raises
     ------
     InputError

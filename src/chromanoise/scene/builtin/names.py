@@ -12,10 +12,16 @@ _MAKERS = {
     "builtin:foliage": "foliage_cube",
 }  # by name, because every command lists the cubes and few make one
 BUILTIN_CUBES = tuple(_MAKERS)
+"""The names of all built-in cubes, such as ``builtin:checker``."""
 
 
 def builtin_cube(name: str) -> Cube:
     """The cube with the name ``builtin:...``.
+
+    Parameters
+    ----------
+    name
+        Name of the cube, such as ``builtin:checker``.
 
     Raises
     ------

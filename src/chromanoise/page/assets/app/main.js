@@ -5,6 +5,7 @@ import { controls } from "app/controls.js";
 import { copyButtons } from "app/copy.js";
 import { attribute, brief, byId, say, within } from "app/dom.js";
 import { useEquations } from "app/equations.js";
+import { saving } from "app/export.js";
 import { clearFaults, showFaults } from "app/faults.js";
 import { moreOnClick, showHead, sortOnClick } from "app/head.js";
 import { isTrained } from "app/matrix.js";
@@ -143,6 +144,7 @@ function answered(reply, asked) {
   if (want.includes("head") && version >= page.headVersion) {
     page.answered = asked;
     page.level = study.light?.level_lux ?? null;
+    root.dataset.hash = reply.hash ?? "";
     say(byId("hash"), reply.hash ? `study ${reply.hash.slice(0, 12)}` : "");
   }
   for (const part of want) show(part, reply.parts[/** @type {Part | "head"} */ (part)] ?? null, version);
@@ -365,7 +367,7 @@ async function start() {
   byId("version").textContent = `chromanoise ${choices.version}`;
   page.showControls = controls(byId("controls"), choices);
   page.tools = headingTools(choices);
-  useEquations(choices.equations ?? {});
+  useEquations();
   copyButtons(byId("copy"));
   uploads(byId("bring"));
   page.ghosts = snapshots(byId("snapshots"), () => {
@@ -395,6 +397,8 @@ async function start() {
   listen();
   subscribe(changed);
   guidedStory(byId("story"), byId("tour"));
+  root.dataset.version = choices.version;
+  saving(page.panels.values());
   notice("broken", readAddress());
   if (choices.front) import("app/front.js").then(({ showServed }) => showServed());
 }

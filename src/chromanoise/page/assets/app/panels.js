@@ -28,6 +28,7 @@ import * as vectors from "draw/vectors.js";
  * @property {number} version of the study that it shows
  * @property {number} width
  * @property {object | null} data
+ * @property {DrawnOptions | null} options of the last drawing
  * @property {(data: object | null, options: DrawnOptions) => void} show
  */
 
@@ -177,7 +178,7 @@ function panelOf(part, tool) {
   /** @type {Panel} */
   const panel = {
     ...{ part, title, section, body, table, toggle, fault },
-    ...{ visible: false, version: -1, width: 0, data: null },
+    ...{ visible: false, version: -1, width: 0, data: null, options: null },
     show: (data, options) => show(panel, data, options),
   };
   return panel;
@@ -200,6 +201,7 @@ function flipped(open, part) {
  */
 function show(panel, data, options) {
   panel.data = data;
+  panel.options = options;
   const complaint = faultOf(data) ?? drawn(panel, data, options);
   panel.fault.hidden = complaint === null;
   panel.fault.textContent = complaint ?? "";
@@ -227,6 +229,17 @@ function drawn(panel, data, options) {
   } catch (error) {
     return `This could not be drawn (${error instanceof Error ? error.message : error}); the table has the numbers.`;
   }
+}
+
+/**
+ * What a panel shows, drawn into another element.
+ *
+ * @param {Panel} panel
+ * @param {HTMLElement} element
+ */
+export function drawAgain({ part, section, data, options }, element) {
+  if (section.hasAttribute("aria-busy")) throw new Error("The drawing is being computed; save it then.");
+  DRAWN[part].draw(element, data, { ...options, width: element.clientWidth });
 }
 
 /**

@@ -147,7 +147,7 @@ function show(parts, value, meanwhile, { unit, own, words, origin }) {
   const hint = words ?? (meanwhile === null ? "own" : brief(meanwhile));
   attribute(track, "aria-valuetext", `${told === "" ? hint : told} ${unit}`.trim());
   attribute(field, "aria-invalid", null);
-  attribute(field, "placeholder", told === "" ? hint : null);
+  attribute(field, "placeholder", told === "" || own ? hint : null);
   if (!back) return;
   back.hidden = told === "";
   if (origin !== null) say(back, `${own}: ${brief(origin)}`);

@@ -1,0 +1,380 @@
+"""Sphinx extension: writes the reference pages from the program itself before each build.
+
+The pages are ``docs/reference/api/*.rst`` (one per public package), ``commands/*.rst`` (one per
+command) and ``study_keys.rst``. They are not kept in git. Names in Markdown such as
+`chromanoise.analyze` become links to them.
+"""
+
+import importlib
+import inspect
+import json
+import re
+import textwrap
+from collections.abc import Iterator
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import click
+from docutils import nodes
+from public_names import (
+    PACKAGES,
+    all_packages,
+    documentation_of_data,
+    home_of,
+    kind_of,
+    public_names,
+)
+from sphinx import addnodes
+from sphinx.application import Sphinx
+from sphinx.errors import ExtensionError
+from sphinx.transforms import SphinxTransform
+
+KINDS = ("functions", "classes", "data")
+OWN = re.compile(r"(?:chromanoise|cn)(?:\.\w+)+")
+
+
+# ---- Python ----
+
+
+def heading(text: str, line: str) -> str:
+    """A heading of reStructuredText."""
+    return f"{text}\n{line * len(text)}\n"
+
+
+def data_entry(module: ModuleType, name: str) -> str:
+    """A constant or a type with its docstring, and its value if that is short."""
+    value = getattr(module, name)
+    options = []
+    if isinstance(value, int | float | str):
+        options.append(f"   :value: {value!r}")
+    text = textwrap.indent(documentation_of_data(module.__name__, name), "   ")
+    return "\n".join([f".. py:data:: {name}", *options, "", text, ""])
+
+
+def page_of_package(module: ModuleType) -> str:
+    """The reference page of one package."""
+    path = module.__name__
+    parts = [heading(f"``{path}``", "="), f".. py:module:: {path}\n", inspect.getdoc(module) or ""]
+    named: dict[str, list[str]] = {kind: [] for kind in KINDS}
+    elsewhere = []
+    for name in public_names(module):
+        value = getattr(module, name)
+        if inspect.ismodule(value):
+            elsewhere.append((name, f"{path}.{name}", "package"))
+        elif (home := home_of(value, name, path)) is not None:
+            elsewhere.append((name, f"{home}.{name}", "documented with its package"))
+        else:
+            named[kind_of(value)].append(name)
+    if elsewhere:
+        rows = [
+            f"   * - ``{path}.{name}``\n     - :py:obj:`{target}` ({note})"
+            for name, target, note in elsewhere
+        ]
+        parts += [heading("Packages and shared names", "-"), ".. list-table::\n", *rows, ""]
+    for kind, names in named.items():
+        if not names:
+            continue
+        parts.append(heading(kind.capitalize().replace("Data", "Constants and types"), "-"))
+        if kind != "data":
+            entries = "\n".join(f"   {name}" for name in names)
+            parts.append(f".. autosummary::\n   :nosignatures:\n\n{entries}\n")
+        for name in names:
+            if kind == "data":
+                parts.append(data_entry(module, name))
+            elif kind == "classes":
+                parts.append(f".. autoclass:: {path}.{name}\n   :members:\n")
+            else:
+                parts.append(f".. autofunction:: {path}.{name}\n")
+    return "\n".join(parts)
+
+
+def api_index() -> str:
+    """The first page of the Python reference."""
+    parts = [
+        heading("Python", "="),
+        "Every public name, by package. :doc:`chromanoise` lists what ``import chromanoise as cn``"
+        " gives: most programs need no more.\n",
+        ".. toctree::\n   :hidden:\n\n   chromanoise\n",
+    ]
+    for title, paths in PACKAGES.items():
+        rows = []
+        for path in paths:
+            module = importlib.import_module(f"chromanoise.{path}")
+            summary = (inspect.getdoc(module) or "").partition("\n\n")[0].replace("\n", " ")
+            rows.append(f"* :doc:`chromanoise.{path}`: {summary}")
+        pages = "\n".join(f"   chromanoise.{path}" for path in paths)
+        parts += [
+            heading(title, "-"),
+            "\n".join(rows) + "\n",
+            f".. toctree::\n   :hidden:\n\n{pages}\n",
+        ]
+    return "\n".join(parts)
+
+
+# ---- the command line ----
+
+
+def escaped(text: str) -> str:
+    """Plain help text as reStructuredText: only what is in backticks keeps a meaning."""
+    pieces = re.split(r"`+([^`]+)`+", text)
+    return "".join(
+        f"``{piece}``" if i % 2 else re.sub(r"([*|\\]|_(?=\W|$))", r"\\\1", piece)
+        for i, piece in enumerate(pieces)
+    )
+
+
+def help_paragraphs(text: str) -> str:
+    """The help of a command; a paragraph after a backspace keeps its lines."""
+    shown = []
+    for paragraph in inspect.cleandoc(text).split("\n\n"):
+        if paragraph.startswith("\b"):
+            shown.append("::\n\n" + textwrap.indent(paragraph.strip("\b\n"), "    "))
+        else:
+            shown.append(escaped(" ".join(paragraph.split())))
+    return "\n\n".join(shown)
+
+
+def page_of_command(name: str, command: click.Command) -> str:
+    """The reference page of one command: usage, explanation, every option."""
+    context = click.Context(command, info_name=f"chromanoise {name}")
+    usage = " ".join(command.get_usage(context).removeprefix("Usage: ").split())
+    parts = [
+        heading(f"``chromanoise {name}``", "="),
+        f".. program:: chromanoise {name}\n",
+        f".. code-block:: none\n\n   {usage}\n",
+        help_paragraphs(command.help or ""),
+        "",
+    ]
+    options = [one for one in command.params if isinstance(one, click.Option) and not one.hidden]
+    if options:
+        parts.append(heading("Options", "-"))
+    for one in options:
+        record = one.get_help_record(context)
+        if record is None:
+            continue
+        forms, text = record
+        names = ", ".join(part.strip() for part in re.split(r" / |, ", forms))
+        parts.append(f".. option:: {names}\n\n   {escaped(' '.join(text.split()))}\n")
+    return "\n".join(parts)
+
+
+def command_pages() -> dict[str, str]:
+    """The reference pages of all commands, by file name."""
+    from chromanoise.cli.entry import commands
+
+    context = click.Context(commands)
+    names = commands.list_commands(context)
+    pages = {}
+    rows = []
+    for name in names:
+        command = commands.get_command(context, name)
+        assert command is not None
+        pages[name] = page_of_command(name, command)
+        summary = " ".join(inspect.cleandoc(command.help or "").partition("\n\n")[0].split())
+        rows.append(f"* :doc:`chromanoise {name} <{name}>`: {escaped(summary)}")
+    listed = "\n".join(f"   {name}" for name in names)
+    pages["index"] = "\n".join(
+        [
+            heading("Command line", "="),
+            "``chromanoise COMMAND --help`` prints the same in the terminal.\n",
+            "\n".join(rows),
+            f"\n.. toctree::\n   :hidden:\n\n{listed}\n",
+        ]
+    )
+    return pages
+
+
+# ---- study files ----
+
+
+def type_of(schema: dict[str, Any]) -> str:
+    """The type of a key in words."""
+    if "anyOf" in schema:
+        return " or ".join(type_of(one) for one in schema["anyOf"] if one.get("type") != "null")
+    if "enum" in schema:
+        return ", ".join(f"``{one}``" for one in schema["enum"])
+    if "const" in schema:
+        return f"``{schema['const']}``"
+    if "$ref" in schema:
+        return "table"
+    limits = {
+        "exclusiveMinimum": "> {}",
+        "minimum": ">= {}",
+        "exclusiveMaximum": "< {}",
+        "maximum": "<= {}",
+    }
+    kind = schema.get("type", "any")
+    if "minimum" in schema and schema["minimum"] == schema.get("maximum"):
+        return f"``{schema['minimum']}``"
+    if kind == "array":
+        items = schema.get("items") or {}
+        return f"list of {type_of(items)}" if items else "list"
+    if kind == "object":
+        values = schema.get("additionalProperties")
+        return f"table of {type_of(values)}" if isinstance(values, dict) else "table"
+    words = {
+        "number": "number",
+        "integer": "whole number",
+        "string": "text",
+        "boolean": "true or false",
+    }
+    bounds = [form.format(schema[key]) for key, form in limits.items() if key in schema]
+    return " ".join([words.get(kind, kind), *bounds[:1], *(f"and {one}" for one in bounds[1:])])
+
+
+def parts_of(schema: dict[str, Any]) -> list[str]:
+    """The names of the tables that a key holds."""
+    if "$ref" in schema:
+        return [schema["$ref"].rpartition("/")[2]]
+    inner = [*schema.get("anyOf", []), schema.get("items"), schema.get("additionalProperties")]
+    return [name for one in inner if isinstance(one, dict) for name in parts_of(one)]
+
+
+def keys_table(properties: dict[str, Any]) -> str:
+    """The keys of one table of a study."""
+    rows = []
+    for key, schema in properties.items():
+        default = schema.get("default")
+        shown = (
+            ""
+            if default in (None, "") or isinstance(default, dict)
+            else f"``{json.dumps(default)}``"
+        )
+        rows.append(
+            f"   * - ``{key}``\n     - {type_of(schema)}\n     - {shown}\n"
+            f"     - {escaped(schema.get('description', ''))}"
+        )
+    head = "   * - key\n     - type\n     - default\n     - meaning"
+    return "\n".join(
+        [".. list-table::\n   :header-rows: 1\n   :widths: 20 22 13 45\n", head, *rows, ""]
+    )
+
+
+def sections_of(schema: dict[str, Any], path: str, defs: dict[str, Any]) -> Iterator[str]:
+    """The section of a table of a study, then those of the tables in it."""
+    title = f"``[{path}]``" if path else "Top level"
+    yield "\n".join(
+        [
+            heading(title, "-"),
+            escaped(schema.get("description", "")) + "\n",
+            keys_table(schema["properties"]),
+        ]
+    )
+    for key, value in schema["properties"].items():
+        for name in parts_of(value):
+            yield from sections_of(defs[name], f"{path}.{key}" if path else key, defs)
+
+
+def page_of_keys() -> str:
+    """Every key of a study file."""
+    from chromanoise.study import study_schema
+
+    schema = study_schema()
+    top = {**schema, "description": "Keys outside all tables, and the tables."}
+    return "\n".join(
+        [
+            heading("Keys of a study file", "="),
+            "A study file is TOML. :doc:`chromanoise init <commands/init>` writes one with"
+            " comments, :doc:`chromanoise run <commands/run>` runs it, and ``chromanoise study"
+            " --schema`` prints these keys as JSON Schema for editors. In a list of tables,"
+            " such as the sensors, the heading in the file is ``[[sensors]]``.\n",
+            *sections_of(top, "", schema["$defs"]),
+        ]
+    )
+
+
+# ---- Sphinx ----
+
+
+def written(path: Path, text: str) -> None:
+    """Write a page where it changed, so that Sphinx reads only what is new."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    if not path.exists() or path.read_text(encoding="utf-8") != text:
+        path.write_text(text, encoding="utf-8")
+
+
+def write_pages(app: Sphinx) -> None:
+    """Write all reference pages and remove those of names that are gone."""
+    folder = Path(app.srcdir) / "reference"
+    pages = {
+        folder / "api" / f"{path}.rst": page_of_package(importlib.import_module(path))
+        for path in all_packages()
+    }
+    pages[folder / "api" / "index.rst"] = api_index()
+    pages |= {folder / "commands" / f"{name}.rst": text for name, text in command_pages().items()}
+    pages[folder / "study_keys.rst"] = page_of_keys()
+    for path, text in pages.items():
+        written(path, text)
+    for old in [*folder.glob("api/*.rst"), *folder.glob("commands/*.rst")]:
+        if old not in pages:
+            old.unlink()
+
+
+class LinkedNames(SphinxTransform):
+    """Makes a link of a public name that stands as code in a page."""
+
+    default_priority = 400
+
+    def apply(self, **_: Any) -> None:
+        """Wrap each name of this package in a reference; without target it stays code."""
+        for literal in list(self.document.findall(nodes.literal)):
+            text = literal.astext()
+            name = text.removesuffix("()")
+            if not OWN.fullmatch(name) or isinstance(literal.parent, addnodes.pending_xref):
+                continue
+            target = re.sub(r"^cn\.", "chromanoise.", name)
+            link = addnodes.pending_xref(
+                "", refdomain="py", reftype="obj", reftarget=target, refexplicit=True, refwarn=False
+            )
+            literal.replace_self(link)
+            link.append(literal)
+
+
+def escape_docstring(
+    _app: Sphinx, _what: str, _name: str, _obj: object, _options: object, lines: list[str]
+) -> None:
+    """Stars and bars of a docstring are signs of mathematics, not of reStructuredText."""
+    example = literal = False
+    for i, line in enumerate(lines):
+        example = line.lstrip().startswith(">>>") or (example and bool(line.strip()))
+        literal = literal and (not line.strip() or line.startswith(" "))
+        if not (example or literal):
+            start, text = re.fullmatch(r"(\s*(?:\* |\*+(?=\w+$))?)(.*)", line).groups()  # type: ignore[union-attr]
+            lines[i] = start + "".join(
+                piece if i % 2 else re.sub(r"([*|])", r"\\\1", piece)
+                for i, piece in enumerate(re.split(r"(``.+?``|`.+?`)", text))
+            )
+        literal = literal or line.endswith("::")
+
+
+def literal_types(
+    _app: Sphinx, _what: str, _name: str, _obj: object, _options: object, lines: list[str]
+) -> None:
+    """Types with shapes, which napoleon adds to attributes, are code."""
+    for i, line in enumerate(lines):
+        if line.startswith(":vartype ") and "*" in line:
+            lines[i] = re.sub(r"^(:vartype [^:]+: )(.*)$", r"\1``\2``", line)
+
+
+def check_inventory(app: Sphinx, error: Exception | None) -> None:
+    """Refuse a site in which a public name has no entry."""
+    if error is not None:
+        return
+    known = app.env.domains["py"].objects  # type: ignore[attr-defined]
+    for path in all_packages():
+        module = importlib.import_module(path)
+        for name in public_names(module):
+            home = home_of(getattr(module, name), name, path) or path
+            if f"{home}.{name}" not in known:
+                raise ExtensionError(f"{path}.{name} is not in the Python reference")
+
+
+def setup(app: Sphinx) -> dict[str, Any]:
+    """Write the pages when a build starts; link names in all pages."""
+    app.connect("builder-inited", write_pages, priority=100)
+    app.connect("autodoc-process-docstring", escape_docstring, priority=100)  # before napoleon
+    app.connect("autodoc-process-docstring", literal_types, priority=900)  # after napoleon
+    app.connect("build-finished", check_inventory)
+    app.add_transform(LinkedNames)
+    return {"version": "1", "parallel_read_safe": True, "parallel_write_safe": True}

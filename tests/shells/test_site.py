@@ -1,0 +1,237 @@
+"""Blocks of the documents run, links lead somewhere, public names are documented."""
+
+import importlib
+import importlib.util
+import inspect
+import pkgutil
+import re
+import shlex
+import textwrap
+import tomllib
+from pathlib import Path
+from typing import NamedTuple, is_typeddict
+from urllib.parse import urlsplit
+
+import pytest
+
+import chromanoise as cn
+from documentation import faults_of_class, faults_of_function
+
+ROOT = Path(__file__).parents[2]
+PAGES = sorted(
+    path
+    for path in (ROOT / "docs").rglob("*.md")
+    if not path.is_relative_to(ROOT / "docs/auto_gallery")
+)
+WITH_ROOT = [*PAGES, ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md"]
+
+
+def page_id(path):
+    return path.relative_to(ROOT).as_posix()
+
+
+# ---- blocks ----
+
+
+class Block(NamedTuple):
+    kind: str
+    mark: str
+    text: str
+
+
+def blocks(text):
+    found = re.findall(r"^( *)```(\w*)([^\n]*)\n(.*?)^\1```$", text, flags=re.DOTALL | re.MULTILINE)
+    return [
+        Block(kind, mark.strip(), textwrap.dedent(body))
+        for _, kind, mark, body in found
+        if not mark.startswith("{")  # a directive of the site
+    ]
+
+
+def commands(block):
+    """The commands of a block of the shell, without comments."""
+    lines = block.text.replace("\\\n", "").splitlines()
+    parts = [part for line in lines for part in line.split("&&")]
+    words = [shlex.split(part, comments=True) for part in parts]
+    return [one for one in words if one]
+
+
+def run_python(block, space, capsys):
+    """Run a script; what it prints must be its comments that start a line, if there are any."""
+    promised = re.findall(r"^# (.*)$", block.text, flags=re.MULTILINE)
+    capsys.readouterr()
+    exec(compile(block.text, "<page>", "exec"), space)
+    printed = capsys.readouterr().out.splitlines()
+    assert not promised or printed == promised
+
+
+def run_shell(block, done):
+    for words in commands(block):
+        assert words[0] == "chromanoise", words
+        done(*words[1:])
+
+
+def check_toml(block):
+    data = tomllib.loads(block.text)
+    if "sensors" in data:
+        cn.study_from_data(data)
+
+
+def run_page(path, done, capsys):
+    space = {}
+    for block in blocks(path.read_text(encoding="utf-8")):
+        if block.mark.startswith("file="):
+            Path(block.mark.removeprefix("file=")).write_text(block.text, encoding="utf-8")
+        if block.mark.startswith("no-run: "):
+            continue
+        if block.kind == "python":
+            run_python(block, space, capsys)
+        elif block.kind == "sh":
+            run_shell(block, done)
+        elif block.kind == "toml":
+            check_toml(block)
+
+
+RUNNING = [
+    path
+    for path in PAGES
+    if any(
+        block.kind in ("python", "sh", "toml") for block in blocks(path.read_text(encoding="utf-8"))
+    )
+]
+
+
+LONG = ("denoising.md", "characterize.md")
+
+
+@pytest.mark.parametrize(
+    "path",
+    [pytest.param(p, marks=pytest.mark.evidence) if p.name in LONG else p for p in RUNNING],
+    ids=page_id,
+)
+def test_every_block_of_a_page_runs_and_prints_what_the_page_says(path, here, done, capsys):
+    run_page(path, done, capsys)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "```python\nprint(1)\n# 2\n```\n",
+        "```python\nraise ValueError\n```\n",
+        "```sh\nchromanoise analyze none.csv\n```\n",
+        "```sh\nls\n```\n",
+        "```toml\na = = 1\n```\n",
+    ],
+)
+def test_a_block_that_does_not_do_what_it_says_is_found(text, here, done, capsys):
+    Path("page.md").write_text(text)
+    with pytest.raises((AssertionError, ValueError)):
+        run_page(Path("page.md"), done, capsys)
+
+
+@pytest.mark.parametrize("path", PAGES, ids=page_id)
+def test_a_block_that_is_not_run_says_why(path):
+    for block in blocks(path.read_text(encoding="utf-8")):
+        assert not block.mark or re.fullmatch(r"no-run: \w+( \S+)+|file=\S+", block.mark), block
+
+
+# ---- links ----
+
+
+def slug(heading):
+    """The anchor of a heading, as GitHub and Sphinx name it."""
+    text = re.sub(r"\[([^]]*)\]\([^)]*\)|[`*]", r"\1", heading)
+    return re.sub(r"[^\w\- ]", "", text.strip().lower()).replace(" ", "-")
+
+
+def without_code(text):
+    return re.sub(r"^( *)```.*?^\1```$|`[^`\n]*`", "", text, flags=re.DOTALL | re.MULTILINE)
+
+
+def links(path):
+    return re.findall(r"\]\(([^)\s]+)\)", without_code(path.read_text(encoding="utf-8")))
+
+
+@pytest.mark.parametrize("path", WITH_ROOT, ids=page_id)
+def test_every_link_leads_to_a_file_and_a_heading(path):
+    for link in links(path):
+        if "://" in link:
+            parts = urlsplit(link)
+            assert parts.scheme in ("http", "https"), link
+            assert re.fullmatch(r"[\w.-]+\.\w+|127\.0\.0\.1:\d+", parts.netloc), link
+            continue
+        target, _, anchor = link.partition("#")
+        file = (path.parent / target).resolve() if target else path
+        assert file.exists(), link
+        if anchor:
+            headings = re.findall(r"^#+ (.*)$", file.read_text(encoding="utf-8"), re.MULTILINE)
+            assert anchor in map(slug, headings), link
+
+
+def test_every_page_is_in_the_contents_of_the_site():
+    listed = {ROOT / "docs/index.md"}
+    for path in PAGES:
+        for body in re.findall(
+            r"```\{toctree\}\n(.*?)```", path.read_text(encoding="utf-8"), re.DOTALL
+        ):
+            for line in body.splitlines():
+                if line and not line.startswith(":"):
+                    listed |= {(path.parent / f"{line}.md").resolve()}
+                    if "*" in line:
+                        listed |= set(path.parent.glob(f"{line}.md"))
+    assert set(PAGES) - listed == set()
+
+
+# ---- names ----
+
+
+def loaded(path):
+    spec = importlib.util.spec_from_file_location(path.stem, path)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+site = loaded(ROOT / "docs/_ext/public_names.py")
+
+
+def test_every_package_with_public_names_is_in_the_reference():
+    shells = {"chromanoise.cli", "chromanoise.page"}
+    found = {
+        module.name
+        for module in pkgutil.walk_packages(cn.__path__, "chromanoise.")
+        if module.ispkg and hasattr(importlib.import_module(module.name), "__all__")
+    }
+    assert {name for name in found if "._" not in name} - shells <= set(site.all_packages())
+
+
+def names_of(path):
+    module = importlib.import_module(path)
+    return [(name, getattr(module, name)) for name in site.public_names(module)]
+
+
+@pytest.mark.parametrize("path", list(site.all_packages()))
+def test_every_public_name_has_a_summary(path):
+    bare = []
+    for name, value in names_of(path):
+        text = (
+            site.documentation_of_data(path, name)
+            if site.kind_of(value) == "data" and not inspect.ismodule(value)
+            else value.__doc__
+        )
+        if not text or not text.strip():
+            bare.append(name)
+    assert bare == []
+
+
+@pytest.mark.parametrize("path", list(site.all_packages())[1:])
+def test_every_parameter_unit_and_error_of_a_public_name_is_documented(path):
+    """What comes back is what the summary says, so that a section of its own is not needed."""
+    faults = []
+    for name, value in names_of(path):
+        if inspect.isclass(value) and site.kind_of(value) == "classes" and not is_typeddict(value):
+            found = faults_of_class(name, value)
+            faults += [one for one in found if one != f"{name}: no Raises"]
+        elif site.kind_of(value) == "functions":
+            faults += faults_of_function(name, inspect.unwrap(value), computes=False)
+    assert [one for one in faults if not one.endswith((": no Returns", ": no source"))] == []
