@@ -72,6 +72,15 @@ def test_a_description_tells_unit_range_and_default_of_the_study():
     assert set(SECTION_HINTS) <= {one["section"] for one in FIELDS.values()}
 
 
+def test_a_field_without_a_line_of_its_own_is_described_by_its_schema(monkeypatch):
+    monkeypatch.setattr("chromanoise.page.fields._REFINED", {})
+    plain = {one["key"]: one for one in described_fields()}
+    assert plain.keys() == FIELDS.keys()
+    prnu = plain["sensors.pixel.prnu"]
+    assert (prnu["label"], prnu["kind"], prnu["group"]) == ("Prnu", "number", "Noise")
+    assert (prnu["unit"], prnu["low"], prnu["high"], prnu["step"]) == ("1", 0, 0.2, 0.002)
+
+
 @pytest.mark.parametrize("key", FIELDS)
 def test_the_study_accepts_what_a_control_offers(key):
     field = FIELDS[key]

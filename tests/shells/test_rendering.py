@@ -129,10 +129,10 @@ def test_the_errors_of_a_study_are_data_with_their_places():
 
 def test_a_study_that_the_page_cannot_show_is_named_with_its_file(run, here):
     sensor = "[[sensors]]\nname = 'onyx-rgbw'\npixel.read_noise_e = "
-    (here / "s.toml").write_text("".join(f"{sensor}{i}\n" for i in range(9)))
+    (here / "s.toml").write_text("".join(f"{sensor}{i}\n" for i in range(11)))
     outcome = run("serve", "s.toml")
     assert outcome[2] == (
-        "chromanoise: s.toml: sensors must have at most 8 entries on the page, but has 9; "
+        "chromanoise: s.toml: sensors must have at most 10 entries on the page, but has 11; "
         "remove some\n"
     )
 
