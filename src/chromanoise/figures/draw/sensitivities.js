@@ -1,7 +1,7 @@
 /** Quantum efficiency of every channel over the spectrum, a panel per sensor, all on one scale. */
 
 import { axes, fitting, linear, niceRange, panels, textWidth } from "draw/axes.js";
-import { areMany, caption, channelColor, legend, sameSensor, sensorDashes } from "draw/look.js";
+import { areMany, caption, channelColor, legend, panelName, sameSensor, sensorDashes } from "draw/look.js";
 import { refill } from "draw/refill.js";
 import { figure, figureWidth, known, line, svg, words } from "draw/svg.js";
 
@@ -11,6 +11,7 @@ import { figure, figureWidth, known, line, svg, words } from "draw/svg.js";
 /** @typedef {{ x: number, y: number }} Place */
 
 const TITLES = { x: "wavelength [nm]", y: "quantum efficiency [e⁻/photon]", levelOnly: true };
+const MOST_WIDE = 4; // of more sensors three are side by side where there is room
 const ROOM = { left: 40, right: 18, top: 54, bottom: 44 };
 
 /**
@@ -21,7 +22,7 @@ const ROOM = { left: 40, right: 18, top: 54, bottom: 44 };
 export function draw(element, data, options = {}) {
   const width = figureWidth(element, options);
   const ghosts = options.ghosts ?? [];
-  const grid = panels(data.sensors.length, width, 360);
+  const grid = panels(data.sensors.length, width, data.sensors.length > MOST_WIDE ? 304 : 360);
   const tall = Math.round(Math.min(340, Math.max(210, 0.5 * grid.each)));
   const names = data.sensors.map((sensor) => sensor.name);
   const dashes = areMany(names) ? names.map(() => "") : sensorDashes(names);
@@ -59,7 +60,7 @@ function panel(data, i, { box, dash, ghosts, top }) {
   const x = linear(nm[0], last, box.left + ROOM.left, right);
   const y = linear(0, top, box.top + box.height - ROOM.bottom, box.top + ROOM.top);
   const nodes = [...light(data, x, y), ...infrared(data, x, y)];
-  nodes.push(...axes(x, y, { ...TITLES, yAt: box.left }), ...heading(sensor, box, dash));
+  nodes.push(...axes(x, y, { ...TITLES, yAt: box.left }), ...heading(data, i, box, dash));
   for (const ghost of ghosts) nodes.push(...ghostCurves(ghost, sensor, i, x, y));
   const curves = sensor.channels.map((channel) => curve(nm, channel.qe, x, y));
   nodes.push(svg("path", { d: curves.join(""), class: "d-casing" }));
@@ -71,19 +72,19 @@ function panel(data, i, { box, dash, ghosts, top }) {
 }
 
 /**
- * The sensor's name after a piece of its dash.
+ * The sensor's name after its mark, and at the right a piece of its dash.
  *
- * @param {SensitivitiesSensor} sensor
+ * @param {Sensitivities} data
+ * @param {number} i
  * @param {Box} box
  * @param {string} dash
  */
-function heading(sensor, { left, top, width }, dash) {
-  const piece = { d: `M${left} ${top + 10}h34`, class: "d-curve d-ink-line" };
-  const name = fitting(sensor.name, width - 50, 14);
-  return [
-    svg("path", { ...piece, "stroke-dasharray": dash || null }),
-    words(left + 42, top + 15, name, "d-strong"),
-  ];
+function heading(data, i, { left, top, width }, dash) {
+  const names = data.sensors.map((sensor) => sensor.name);
+  const title = panelName(names, i, { left, top, room: width - (dash ? 64 : 18) });
+  if (!dash) return title;
+  const piece = { d: `M${left + width - 52} ${top + 10}h34`, class: "d-curve d-ink-line" };
+  return [...title, svg("path", { ...piece, "stroke-dasharray": dash })];
 }
 
 /**
@@ -133,7 +134,7 @@ function light(data, x, y) {
   const height = (value) => y.from + (y.to - y.from) * value * LIGHT;
   const outline = data.light.map((value, k) => [x.at(data.wavelength_nm[k]), height(value ?? 0)]);
   const d = `${line([[x.from, y.from], ...outline, [x.to, y.from]])}Z`;
-  return [svg("path", { d, class: "d-light" }), words(x.from + 6, under(y), lightName(data, x), "d-quiet")];
+  return [svg("path", { d, class: "d-light" }), words(x.from + 6, under(y), lightName(data, x), "d-quiet d-rim")];
 }
 
 /**
@@ -168,7 +169,7 @@ function infrared(data, x, y) {
   const area = { x: from, y: y.to, width: span, height: y.from - y.to, class: "d-nir" };
   const nodes = [svg("rect", area)];
   const text = infraredName(data, x);
-  if (text) nodes.push(words(x.to - 6, under(y), text, "d-quiet", "end"));
+  if (text) nodes.push(words(x.to - 6, under(y), text, "d-quiet d-rim", "end"));
   return nodes;
 }
 

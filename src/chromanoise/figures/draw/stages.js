@@ -1,11 +1,11 @@
 /** SNR raw, contravariant and in color: dots on one dB scale, with the numbers beside them. */
 
-import { fitting, linear, niceRange, panels, textWidth } from "draw/axes.js";
-import { caption, channelColor, ghostMark, legend, mark, sameSensor } from "draw/look.js";
+import { fitting, linear, niceRange, panels, textWidth, zeroLine } from "draw/axes.js";
+import { areMany, caption, channelColor, ghostMark, legend, mark, note, sameSensor, sensorLines } from "draw/look.js";
 import { refill } from "draw/refill.js";
 import { figure, figureWidth, html, known, svg, words } from "draw/svg.js";
 
-/** @import { Options, StageKind, StageLine, Stages } from "answers" */
+/** @import { Maybe, Options, StageKind, StageLine, Stages } from "answers" */
 /** @import { Scale } from "draw/axes.js" */
 /** @typedef {StageLine & { ghosts: (number | null | undefined)[][] }} Row */
 /** @typedef {Omit<StageKind, "lines"> & { lines: Row[] }} Filled */
@@ -13,6 +13,8 @@ import { figure, figureWidth, html, known, svg, words } from "draw/svg.js";
 
 const HEAD = 20;
 const ROW = 24;
+const LANE = 12; // from a mark to one that would touch it
+const LEAST_DOTS = 100;
 
 /**
  * @param {HTMLElement} element
@@ -24,7 +26,7 @@ export function draw(element, data, options = {}) {
   const ghosts = options.ghosts ?? [];
   const kinds = data.kinds.map((kind) => withGhosts(kind, data, ghosts));
   const shown = kinds.filter((kind) => kind.lines.length);
-  const plan = layout(data, shown, panels(shown.length, width, 500, 40).each);
+  const plan = layout(data, shown, width);
   const key = legend(
     data.sensors.map((s) => s.name),
     "mark",
@@ -33,7 +35,19 @@ export function draw(element, data, options = {}) {
   const figures = shown.map((kind) => section(kind, plan));
   const boxes = shown.map((kind, k) => html("div", { class: "d-view" }, [heading(kind), figures[k]]));
   const all = html("div", { class: "d-views d-kinds" }, boxes);
-  refill(element, html("div", {}, [caption(data), key, all]));
+  const more = plan.numbers ? [] : [note(`The table has the numbers.${missing(data, shown)}`)];
+  refill(element, html("div", {}, [caption(data), key, all, ...more]));
+}
+
+/**
+ * The sensors that have no mark anywhere.
+ *
+ * @param {Stages} data
+ * @param {Filled[]} kinds
+ */
+function missing(data, kinds) {
+  const empty = data.sensors.filter((_, i) => !kinds.some((kind) => kind.lines.some((row) => known(row.values[i]))));
+  return empty.length ? ` Without any: ${empty.map((sensor) => sensor.name).join(", ")}.` : "";
 }
 
 /**
@@ -61,22 +75,25 @@ function withGhosts(kind, data, ghosts) {
 }
 
 /**
- * Columns of numbers only as wide as their words, the rest for the dots.
+ * Columns of numbers only as wide as their words, the rest for the marks; without numbers where
+ * they would leave no room. Two kinds side by side if there is room for the marks of both.
  *
  * @param {Stages} data
  * @param {Filled[]} kinds
- * @param {number} width
+ * @param {number} whole
  */
-function layout(data, kinds, width) {
+function layout(data, kinds, whole) {
   const all = kinds.flatMap((kind) => kind.lines);
   const left = Math.min(90, Math.max(26, ...all.map((row) => textWidth(row.name, 14) + 6)));
-  const columns = data.sensors.map((_, i) =>
-    Math.max(42, ...all.map((row) => columnWidth(row, i))),
-  );
-  const numbers = columns.reduce((sum, column) => sum + column, 0);
-  const right = Math.max(left, width - numbers - 4);
+  const columns = data.sensors.map((_, i) => Math.max(42, ...all.map((row) => columnWidth(row, i))));
+  const room = columns.reduce((sum, column) => sum + column, 4);
+  const width = panels(kinds.length, whole, Math.max(500, left + room + 240), 40).each;
+  const numbers = width - left - room >= LEAST_DOTS;
+  const dots = numbers ? Math.min(width - room, 900) : width;
   const decibels = kinds.filter((kind) => kind.unit === "dB" && kind.key !== "price");
-  return { width, left, columns, dots: Math.min(right, 900), dB: range(decibels) };
+  const names = data.sensors.map((sensor) => sensor.name);
+  const colors = areMany(names) ? sensorLines(names).map((line) => line.color) : null;
+  return { width, left, columns, numbers, dots, colors, dB: range(decibels) };
 }
 
 /**
@@ -111,13 +128,40 @@ function section(kind, plan) {
   const own = kind.unit !== "dB" || kind.key === "price";
   const [low, high] = own ? range([kind]) : plan.dB;
   const x = linear(low, high, plan.left + 8, plan.dots - 12);
-  const bottom = HEAD + kind.lines.length * ROW;
-  const roomy = x.to - x.from > 64 && kind.lines.some((row) => row.values.some(known));
-  const nodes = roomy ? scale(x, bottom, kind.unit) : [];
-  nodes.push(...columnMarks(plan));
-  kind.lines.forEach((row, k) => nodes.push(...drawnRow(row, HEAD + ROW * (k + 0.5), x, plan, roomy)));
+  const nodes = plan.numbers ? columnMarks(plan) : [];
+  const head = plan.numbers ? HEAD : 4;
+  let bottom = head;
+  for (const row of kind.lines) {
+    const lanes = lanesOf(row.values, x);
+    const tall = Math.max(ROW, 10 + LANE * (1 + Math.max(0, ...lanes)));
+    nodes.push(...drawnRow(row, { top: bottom, tall, lanes }, x, plan));
+    bottom += tall;
+  }
+  const scales = kind.lines.some((row) => row.values.some(known)) ? scale(x, head, bottom, kind.unit) : [];
   const title = `${kind.title}, ${kind.of}`;
-  return figure(plan.width, bottom + (roomy ? 22 : 2), title, kind.description, nodes);
+  return figure(plan.width, bottom + (scales.length ? 22 : 2), title, kind.description, [...scales, ...nodes]);
+}
+
+/**
+ * A lane per value, so that no mark is over another: the first that is free there.
+ *
+ * @param {Maybe[]} values
+ * @param {Scale} x
+ */
+function lanesOf(values, x) {
+  /** @type {number[]} */
+  const lanes = new Array(values.length).fill(0);
+  /** @type {number[]} */
+  const ends = []; // of each lane
+  const order = values.map((_, i) => i).filter((i) => known(values[i]));
+  order.sort((a, b) => /** @type {number} */ (values[a]) - /** @type {number} */ (values[b]));
+  for (const i of order) {
+    const at = x.at(/** @type {number} */ (values[i]));
+    const free = ends.findIndex((end) => end + LANE <= at);
+    lanes[i] = free < 0 ? ends.length : free;
+    ends[lanes[i]] = at;
+  }
+  return lanes;
 }
 
 /**
@@ -129,18 +173,19 @@ function columnMarks(plan) {
   let end = plan.dots;
   return plan.columns.map((column, i) => {
     end += column;
-    return mark(i, end - 10, 11, "var(--ink)", 4);
+    return mark(i, end - 10, 11, plan.colors?.[i] ?? "var(--ink)", 4);
   });
 }
 
 /**
  * @param {Scale} x
+ * @param {number} top
  * @param {number} bottom
  * @param {string} unit
  */
-function scale(x, bottom, unit) {
+function scale(x, top, bottom, unit) {
   const ticks = x.ticks(Math.max(2, Math.floor((x.to - x.from) / 60)));
-  const d = ticks.map((tick) => `M${Math.round(x.at(tick.value))} ${HEAD}V${bottom}`).join("");
+  const d = ticks.map((tick) => `M${Math.round(x.at(tick.value))} ${top}V${bottom}`).join("");
   const marks = ticks.map((tick, k) => {
     const last = k === ticks.length - 1 && x.to - x.from > 220 && unit;
     return words(
@@ -151,27 +196,32 @@ function scale(x, bottom, unit) {
       "middle",
     );
   });
-  return [svg("path", { d, class: "d-grid" }), ...marks];
+  return [svg("path", { d, class: "d-grid" }), ...zeroLine(x, top, bottom), ...marks];
 }
 
 /**
  * @param {Row} row
- * @param {number} y
+ * @param {{ top: number, tall: number, lanes: number[] }} place
  * @param {Scale} x
  * @param {Layout} plan
- * @param {boolean} roomy
  */
-function drawnRow(row, y, x, plan, roomy) {
+function drawnRow(row, { top, tall, lanes }, x, plan) {
+  const y = Math.round(top + tall / 2);
   const color = channelColor(row.name);
+  const r = plan.colors ? 4 : 5;
+  const used = Math.max(0, ...lanes);
+  /** @param {number} i */
+  const height = (i) => y + LANE * (lanes[i] - used / 2);
   const nodes = [words(0, y + 5, fitting(row.name, plan.left, 14), "d-strong")];
-  if (roomy) {
-    nodes.push(svg("path", { d: `M${x.from} ${y}H${x.to}`, class: "d-grid" }));
-    for (const ghost of row.ghosts) {
-      ghost.forEach((v, i) => known(v) && nodes.push(ghostMark(i, x.at(v), y)));
-    }
-    row.values.forEach((v, i) => known(v) && nodes.push(mark(i, x.at(v), y, color)));
+  nodes.push(svg("path", { d: `M${x.from} ${y}H${x.to}`, class: "d-grid" }));
+  for (const ghost of row.ghosts) {
+    ghost.forEach((v, i) => known(v) && nodes.push(ghostMark(i, x.at(v), height(i), r)));
   }
+  row.values.forEach((v, i) => {
+    if (known(v)) nodes.push(mark(i, x.at(v), height(i), plan.colors?.[i] ?? color, r));
+  });
   let end = plan.dots;
+  if (!plan.numbers) return nodes;
   row.values.forEach((v, i) => {
     end += plan.columns[i];
     nodes.push(words(end, y + 5, row.text[i] ?? "", known(v) ? "" : "d-tick", "end"));
