@@ -13,7 +13,7 @@ const KEY =
   "First and last bar: the SNR before and after. Gray: costs. Outlined: gains. All in dB, on one scale.";
 const BAR = 14;
 const LINE = 16;
-const MOST_WIDE = 4; // of more sensors three are side by side where there is room
+const MOST_TALL = 4; // of more sensors the rows are closer
 
 /**
  * @param {HTMLElement} element
@@ -24,9 +24,9 @@ export function draw(element, data, options = {}) {
   const width = figureWidth(element, options);
   const ghosts = options.ghosts ?? [];
   const names = data.sensors.map((sensor) => sensor.name);
-  const grid = panels(names.length, width, names.length > MOST_WIDE ? 304 : 420, 32);
+  const grid = panels(names.length, width, 420, 32);
   const scale = range(data, ghosts);
-  const boxes = data.sensors.map((sensor) => layout(sensor, grid.each, scale));
+  const boxes = data.sensors.map((sensor) => layout(sensor, grid.each, scale, names.length > MOST_TALL ? 20 : 24));
   const tops = rowTops(boxes, grid);
   const nodes = data.sensors.flatMap((sensor, i) => {
     const at = { left: grid.places[i].left, top: tops.rows[grid.places[i].row] };
@@ -62,8 +62,9 @@ function range(data, ghosts) {
  * @param {BudgetSensor} sensor
  * @param {number} width
  * @param {number[]} limits
+ * @param {number} pitch
  */
-function layout(sensor, width, [low, high]) {
+function layout(sensor, width, [low, high], pitch) {
   const steps = sensor.steps ?? [];
   const longest = Math.max(60, ...steps.map((step) => textWidth(step.label)));
   const beside = width - longest - 64 >= 64;
@@ -74,7 +75,7 @@ function layout(sensor, width, [low, high]) {
   let y = 34;
   for (const told of lines) {
     tops.push(y);
-    y += beside ? 24 : LINE * told.length + BAR + 10;
+    y += beside ? pitch : LINE * told.length + BAR + 10;
   }
   const why = steps.length ? [] : wrapped(sensor.why_not ?? "no budget", width - 8);
   const bottom = steps.length ? y : y + why.length * 18;
@@ -180,7 +181,7 @@ function ghostSteps(ghost, sensor, box) {
  * @param {number} y
  */
 function ghostMark(x, y) {
-  return svg("path", { d: `M${tenth(x)} ${y - 1}l-4 -6h8Z`, class: "d-ghost-mark" });
+  return svg("path", { d: `M${tenth(x)} ${y - 1}l-4 -5h8Z`, class: "d-ghost-mark" });
 }
 
 function pinned() {

@@ -10,7 +10,7 @@ import { figure, figureWidth, line, svg, tenth, words } from "draw/svg.js";
 /** @typedef {ReturnType<typeof equalAspect>} Window */
 
 const MOST_WIDE = 4; // of more sensors four are side by side where there is room
-const ROOM = { left: 44, right: 10, top: 44, bottom: 46 };
+const ROOM = { left: 44, right: 16, top: 44, bottom: 46 };
 
 /**
  * @param {HTMLElement} element

@@ -125,10 +125,10 @@ export function mark(i, x, y, color = "var(--ink)", r = 5) {
  * @param {{ left: number, top: number, room: number }} at
  */
 export function panelName(names, i, { left, top, room }) {
-  if (names.length < 2) return [words(left, top + 15, fitting(names[i], room, 14), "d-strong")];
+  if (names.length < 2) return [words(left, top + 15, fitting(names[i], room, 15), "d-strong")];
   return [
     mark(i, left + 7, top + 10, sensorLines(names)[i].color),
-    words(left + 20, top + 15, fitting(names[i], room - 20, 14), "d-strong"),
+    words(left + 20, top + 15, fitting(names[i], room - 20, 15), "d-strong"),
   ];
 }
 

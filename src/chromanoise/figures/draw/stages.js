@@ -87,9 +87,9 @@ function layout(data, kinds, whole) {
   const left = Math.min(90, Math.max(26, ...all.map((row) => textWidth(row.name, 14) + 6)));
   const columns = data.sensors.map((_, i) => Math.max(42, ...all.map((row) => columnWidth(row, i))));
   const room = columns.reduce((sum, column) => sum + column, 4);
-  const width = panels(kinds.length, whole, Math.max(500, left + room + 240), 40).each;
+  const width = panels(kinds.length, whole, Math.max(460, left + room + 240), 40).each;
   const numbers = width - left - room >= LEAST_DOTS;
-  const dots = numbers ? Math.min(width - room, 900) : width;
+  const dots = numbers ? Math.min(width - room, 900) : width - 8;
   const decibels = kinds.filter((kind) => kind.unit === "dB" && kind.key !== "price");
   const names = data.sensors.map((sensor) => sensor.name);
   const colors = areMany(names) ? sensorLines(names).map((line) => line.color) : null;
@@ -212,7 +212,7 @@ function drawnRow(row, { top, tall, lanes }, x, plan) {
   const used = Math.max(0, ...lanes);
   /** @param {number} i */
   const height = (i) => y + LANE * (lanes[i] - used / 2);
-  const nodes = [words(0, y + 5, fitting(row.name, plan.left, 14), "d-strong")];
+  const nodes = [words(1, y + 5, fitting(row.name, plan.left, 14), "d-strong")];
   nodes.push(svg("path", { d: `M${x.from} ${y}H${x.to}`, class: "d-grid" }));
   for (const ghost of row.ghosts) {
     ghost.forEach((v, i) => known(v) && nodes.push(ghostMark(i, x.at(v), height(i), r)));

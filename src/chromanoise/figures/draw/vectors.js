@@ -28,6 +28,7 @@ import { figure, figureWidth, html, line, svg, tenth, words } from "draw/svg.js"
  * @property {HTMLElement} root
  */
 
+const MOST_WIDE = 4; // of more sensors four are side by side where there is room
 const HOME = [30, 20];
 /** @type {Record<string, number[]>} */
 const KEYS = { ArrowLeft: [-5, 0], ArrowRight: [5, 0], ArrowUp: [0, 5], ArrowDown: [0, -5] };
@@ -67,7 +68,7 @@ export function draw(element, data, options = {}) {
  * @param {number} ghosts
  */
 function built(element, data, width, ghosts) {
-  const { each } = panels(data.sensors.length, width, 300);
+  const { each } = panels(data.sensors.length, width, data.sensors.length > MOST_WIDE ? 220 : 300);
   const size = { width: each, height: Math.round(Math.min(420, Math.max(240, 0.8 * each))) };
   const view = /** @type {View} */ ({ element, size, held: false }); // the rest comes with the data
   const names = data.sensors.map((sensor) => sensor.name);
