@@ -401,6 +401,7 @@ export interface Pareto extends Chartable {
   prior: string;
   unit: string;
   matrix?: string | null;
+  logarithmic: boolean;
   sensors: ParetoSensor[];
 }
 

@@ -135,7 +135,7 @@ function absence(sensor, x, y) {
  */
 function equalScale([low, high], from, perUnit) {
   const scale = linear(low, high, from, from + (high - low) * perUnit);
-  const step = niceStep(high - low, Math.max(2, Math.abs(scale.to - from) / 64));
+  const step = niceStep(high - low, Math.max(2, Math.abs(scale.to - from) / 48));
   return { ...scale, ticks: () => linear(low, high, 0, 1).ticks((high - low) / step) };
 }
 

@@ -1,6 +1,6 @@
 /** What a matrix can trade: color error against SNR, along the weight of the noise. */
 
-import { axes, fitting, linear, niceRange, textWidth } from "draw/axes.js";
+import { axes, fitting, linear, logarithmic, niceRange, textWidth } from "draw/axes.js";
 import { areMany, caption, legend, mark, markPath, note, sameSensor, sensorLines, sideNames } from "draw/look.js";
 import { refill } from "draw/refill.js";
 import { figure, figureWidth, known, line, svg, tenth, words } from "draw/svg.js";
@@ -66,12 +66,12 @@ function plane(data, ghosts, width, room) {
     all.map((point) => point.snr_db),
     5,
   );
-  const [low, high] = niceRange(
-    all.map((point) => point.color_error),
-    5,
-  );
+  const errors = all.map((point) => point.color_error);
   const x = linear(left, right, ROOM.left, width - room);
-  const y = linear(low, high, ROOM.top + tall, ROOM.top);
+  const ends = /** @type {[number, number]} */ ([ROOM.top + tall, ROOM.top]);
+  const least = Math.max(1e-3, Math.min(...errors));
+  const wide = data.logarithmic ? [0.8 * least, 1.25 * Math.max(...errors)] : niceRange(errors, 5);
+  const y = (data.logarithmic ? logarithmic : linear)(wide[0], wide[1], ...ends);
   return { x, y, height: ROOM.top + tall + ROOM.bottom };
 }
 
