@@ -4,11 +4,13 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from itertools import cycle
+from textwrap import fill
 from typing import Any
 
 import matplotlib.style
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
+from matplotlib.transforms import ScaledTranslation
 
 from chromanoise import _palette
 from chromanoise.spectra import INFRARED_FROM_NM
@@ -34,6 +36,8 @@ _OTHER_DASHES: tuple[Any, ...] = (
 )
 
 _MOST_DASHED = 3
+_MARKS = "osD^vP"
+_LONG = 40  # letters of a line that has room for large ones
 
 _RC = {
     "font.family": "sans-serif",
@@ -150,6 +154,64 @@ def sensor_lines(names: Iterable[str]) -> dict[str, dict[str, Any]]:
         }
         for i, name in enumerate(distinct)
     }
+
+
+def sensor_mark(i: int, color: Any = INK) -> dict[str, Any]:
+    """The mark of a sensor by its index, as arguments of ``plot``: the same as in the SVG charts.
+
+    Twelve sensors differ: six shapes, full or hollow.
+
+    Parameters
+    ----------
+    i
+        Index of the sensor in the study.
+    color
+        Its color.
+
+    Examples
+    --------
+    >>> [sensor_mark(i)["marker"] for i in (0, 1, 6)]
+    ['o', 's', 'o']
+    """
+    turn, shape = divmod(i, len(_MARKS))
+    fill = color if shape % 2 == turn % 2 else "white"
+    return {"marker": _MARKS[shape % len(_MARKS)], "color": color, "markerfacecolor": fill}
+
+
+def write_sensor(ax: Axes, label: str, i: int, names: Sequence[str], *, letters: int) -> None:
+    """The title of a panel: a sensor's name after its mark.
+
+    Parameters
+    ----------
+    ax
+        The panel.
+    label
+        The name, with what its curves are.
+    i
+        Index of the sensor in the study.
+    names
+        Names of all sensors of the study.
+    letters
+        Length of a line.
+    """
+    size = 10.0 if letters >= _LONG else 8.0
+    many = len(names) > 1
+    title = fill(label, letters, initial_indent="    " * many, subsequent_indent="    " * many)
+    ax.set_title(title, fontsize=size)
+    if not many:
+        return
+    lines = title.count("\n")
+    up = (8.0 + size * (0.36 + 1.2 * lines)) / 72  # beside the first line
+    above = ScaledTranslation(4 / 72, up, ax.get_figure(root=True).dpi_scale_trans)
+    look = sensor_mark(i, sensor_lines(names)[names[i]]["color"])
+    ax.plot([0], [1], transform=ax.transAxes + above, clip_on=False, markersize=6, **look)
+
+
+def mark_zero(ax: Axes, *, axis: str = "y") -> None:
+    """Draw the line of 0 dB where an axis has negative values."""
+    low, high = sorted(ax.get_ylim() if axis == "y" else ax.get_xlim())
+    if low < 0 <= high:
+        (ax.axhline if axis == "y" else ax.axvline)(0, color=INK, linewidth=0.8, zorder=1)
 
 
 def sensor_colors(count: int) -> tuple[str, ...]:
