@@ -46,7 +46,7 @@ def drawn_pareto(shown: Shown, look: Look) -> dict[str, Any]:
 
 
 def _spread_far(sensors: list[dict[str, Any]]) -> bool:
-    """Whether the axis of color error is logarithmic: one far sensor would press all others flat."""
+    """Whether color errors differ so much that their axis is logarithmic."""
     errors = [
         one["color_error"]
         for sensor in sensors

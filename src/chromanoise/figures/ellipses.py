@@ -43,10 +43,8 @@ def draw_ellipses(data: dict[str, Any], i: int, ax: Axes) -> Axes:
     ax.set(xlabel=data["names"][0], ylabel=data["names"][1], title=sensor["name"])
     if sensor["larger"]:
         box = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.0}
-        words = "larger than\nthe panel"
-        ax.text(
-            0.97, 0.97, words, transform=ax.transAxes, ha="right", va="top", fontsize=7, bbox=box
-        )
+        where = {"transform": ax.transAxes, "ha": "right", "va": "top", "fontsize": 7}
+        ax.text(0.97, 0.97, "larger than\nthe panel", bbox=box, **where)
     if sensor["why_not"]:
         ax.text(0.5, 0.5, "saturated", transform=ax.transAxes, ha="center")
     return ax

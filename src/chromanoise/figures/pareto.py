@@ -53,7 +53,7 @@ def draw_pareto(data: dict[str, Any], ax: Axes) -> Axes:
     key = f"{weights_note} Mark: the {data['matrix']} matrix."
     ax.set_title(f"{data['title']}\n{key}", loc="left", fontweight="normal", fontsize=9)
     if many:
-        ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), fontsize=8, frameon=False)
+        ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), fontsize=7, frameon=False)
     else:
         ax.legend(loc="best", fontsize=8)
     return ax

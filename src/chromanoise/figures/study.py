@@ -25,12 +25,12 @@ from chromanoise.figures.style import (
     are_many,
     chromanoise_style,
     sensor_dashes,
-    sensor_label,
     write_sensor,
 )
 
 _WIDE_IN = 6.4
 _LETTERS_PER_IN = 13  # of a title
+_SMALL = 6.5  # of the words of a panel of many
 _WIDEST_IN = 7.2  # of many sensors: A4 and Letter without margins
 _MARK_LETTERS = 6  # before a name, and of the ticks
 
@@ -109,7 +109,7 @@ def _panels(
     """
     width_in = _WIDE_IN
     if are_many(one.sensor.label for one in of.operating_points):
-        columns, width_in, row_in = max(2, columns), _WIDEST_IN, 0.66 * row_in
+        columns, width_in, row_in = max(2, columns), _WIDEST_IN, 0.7 * row_in
     rows = -(-count // columns)
     figure = _framed(0.4 + row_in * rows, width_in)
     axes = list(figure.subplots(rows, columns, squeeze=False).flat)
@@ -126,9 +126,10 @@ def _sensitivities(of: Shown) -> Figure:
     patterns = dict.fromkeys(names, "solid") if are_many(names) else sensor_dashes(names)
     for i, (sensor, ax) in enumerate(zip(sensors, panels, strict=True)):
         draw_sensitivities(sensor, ax, top=highest, dashes=patterns[sensor.label])
-        write_sensor(ax, sensor_label(sensor.label, sensor.origin), i, names, letters=letters)
+        write_sensor(ax, sensor.origin, i, names, letters=letters)
         if are_many(names):
-            ax.set_ylabel("QE [e$^-$/photon]")
+            ax.set_ylabel("QE [e$^-$/photon]", fontsize=7)
+            ax.set_xlabel("wavelength [nm]" if i >= len(names) - 2 else "")
     _entitle(figure, "sensitivities")
     return figure
 
@@ -161,9 +162,14 @@ def _budget(of: Shown) -> Figure | None:
     names = [one.sensor.label for one in of.analyses]
     for (i, sensor, budget), ax in zip(budgets, panels, strict=True):
         draw_budget(budget, sensor, ax, limits_db=limits_db)
-        write_sensor(ax, sensor_label(sensor.label, sensor.origin), i, names, letters=letters - 8)
+        write_sensor(ax, sensor.origin, i, names, letters=letters - 12)
         if are_many(names):
-            ax.tick_params(axis="y", labelsize=7)
+            ax.tick_params(axis="y", labelsize=_SMALL)
+            for text in ax.texts:
+                text.set_fontsize(_SMALL)
+    if are_many(names):
+        for ax in panels[:-2]:
+            ax.set_xlabel("")
     _entitle(figure, "budget", f"Budget of the SNR of Y at {conditions(of.operating_points)}")
     return figure
 
@@ -180,7 +186,7 @@ def _ellipses(of: Shown) -> Figure | None:
         figure.set_figwidth(3.6 * columns)
     for i, ax in zip(shown, panels, strict=True):
         draw_ellipses(data, i, ax)
-        write_sensor(ax, names[i], i, names, letters=letters)
+        write_sensor(ax, "", i, names, letters=letters)
     for k, ax in enumerate(panels):
         if k % columns:
             ax.set_ylabel("")
@@ -191,7 +197,7 @@ def _ellipses(of: Shown) -> Figure | None:
 def _pareto(of: Shown) -> Figure:
     data = drawing("pareto", of)
     many = are_many(sensor["name"] for sensor in data["sensors"])
-    figure = _framed(4.2, _WIDEST_IN if many else _WIDE_IN)
+    figure = _framed(5.0 if many else 4.2, _WIDEST_IN if many else _WIDE_IN)
     draw_pareto(data, figure.add_subplot())
     _entitle(figure, "pareto")
     return figure

@@ -37,7 +37,6 @@ _OTHER_DASHES: tuple[Any, ...] = (
 
 _MOST_DASHED = 3
 _MARKS = "osD^vP"
-_LONG = 40  # letters of a line that has room for large ones
 
 _RC = {
     "font.family": "sans-serif",
@@ -178,15 +177,15 @@ def sensor_mark(i: int, color: Any = INK) -> dict[str, Any]:
     return {"marker": _MARKS[shape % len(_MARKS)], "color": color, "markerfacecolor": fill}
 
 
-def write_sensor(ax: Axes, label: str, i: int, names: Sequence[str], *, letters: int) -> None:
-    """The title of a panel: a sensor's name after its mark.
+def write_sensor(ax: Axes, origin: str, i: int, names: Sequence[str], *, letters: int) -> None:
+    """The title of a panel: a sensor's name after its mark, smaller of many sensors.
 
     Parameters
     ----------
     ax
         The panel.
-    label
-        The name, with what its curves are.
+    origin
+        Origin of the curves, told of up to three sensors.
     i
         Index of the sensor in the study.
     names
@@ -194,15 +193,17 @@ def write_sensor(ax: Axes, label: str, i: int, names: Sequence[str], *, letters:
     letters
         Length of a line.
     """
-    size = 10.0 if letters >= _LONG else 8.0
-    many = len(names) > 1
-    title = fill(label, letters, initial_indent="    " * many, subsequent_indent="    " * many)
-    ax.set_title(title, fontsize=size)
-    if not many:
+    many, before = are_many(names), "    " if len(names) > 1 else ""
+    size, weight = (8.0, "normal") if many else (10.0, "bold")
+    label = names[i] if many else sensor_label(names[i], origin)
+    title = fill(label, letters, initial_indent=before, subsequent_indent=before)
+    ax.set_title(title, fontsize=size, fontweight=weight)
+    if not before:
         return
-    lines = title.count("\n")
-    up = (8.0 + size * (0.36 + 1.2 * lines)) / 72  # beside the first line
-    above = ScaledTranslation(4 / 72, up, ax.get_figure(root=True).dpi_scale_trans)
+    root = ax.get_figure(root=True)
+    assert root is not None  # a panel of a study's figure
+    up = (8.0 + size * (0.36 + 1.2 * title.count("\n"))) / 72  # beside the first line
+    above = ScaledTranslation(4 / 72, up, root.dpi_scale_trans)
     look = sensor_mark(i, sensor_lines(names)[names[i]]["color"])
     ax.plot([0], [1], transform=ax.transAxes + above, clip_on=False, markersize=6, **look)
 
