@@ -322,6 +322,7 @@ export interface EllipsePatch {
 export interface EllipsesSensor {
   name: string;
   why_not: string | null;
+  larger: boolean;
   patches: EllipsePatch[];
 }
 
@@ -329,6 +330,7 @@ export interface Ellipses extends Chartable {
   plane: "ab" | "xy";
   names: string[];
   sigmas: number;
+  window: [number[], number[]];
   sensors: EllipsesSensor[];
 }
 
@@ -399,6 +401,7 @@ export interface Pareto extends Chartable {
   prior: string;
   unit: string;
   matrix?: string | null;
+  logarithmic: boolean;
   sensors: ParetoSensor[];
 }
 
