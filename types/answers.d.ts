@@ -402,6 +402,7 @@ export interface EllipsePatch {
 export interface EllipsesSensor {
   name: string;
   why_not: string | null;
+  larger: boolean;
   patches: EllipsePatch[];
 }
 
@@ -409,6 +410,7 @@ export interface Ellipses extends Chartable {
   plane: "ab" | "xy";
   names: string[];
   sigmas: number;
+  window: [number[], number[]];
   sensors: EllipsesSensor[];
 }
 
@@ -479,6 +481,7 @@ export interface Pareto extends Chartable {
   prior: string;
   unit: string;
   matrix?: string | null;
+  logarithmic: boolean;
   sensors: ParetoSensor[];
 }
 

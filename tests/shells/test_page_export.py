@@ -202,7 +202,7 @@ def test_every_chart_is_saved_as_svg_png_and_csv(window, of):
         assert caption in root.findtext(f"{SVG}title")
         assert short.encode() in text
         assert b'fill="#ffffff"' in text
-        ink = re.findall("[0-9]+", next(iter(words.values())).get("fill"))
+        ink = re.findall("[0-9]+", words[caption].get("fill"))
         assert sum(map(int, ink)) < 3 * 128  # not that of the dark screen
         name, data = saved(page, panel, "CSV")
         assert name == f"chromanoise-{part}-{short}.csv"

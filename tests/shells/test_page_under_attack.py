@@ -160,14 +160,14 @@ def test_a_damaged_file_of_any_format_is_answered_and_never_an_error_of_the_serv
     ],
 )
 def test_a_list_that_is_longer_than_the_page_shows_is_refused_with_its_key(server, change, where):
-    for path in ("answer", "texts", "picture"):
+    for path in ("answer", "texts", "picture", "report"):
         reply = server[0].post(f"/api/{path}", json={"study": STUDY | change})
         assert only_sentence(reply)["where"] == where
 
 
 @pytest.mark.parametrize("matrix", ["ridge=1e308", "ridge=-1", "ridge=nan", "bounded-psi=0"])
 def test_a_parameter_of_a_matrix_that_is_out_of_bounds_is_refused_beside_it(server, matrix):
-    for path in ("answer", "texts", "picture"):
+    for path in ("answer", "texts", "picture", "report"):
         study = STUDY | {"matrices": ["kernel", matrix]}
         reply = server[0].post(f"/api/{path}", json={"study": study})
         assert only_sentence(reply)["where"] == "matrices.1"
@@ -195,7 +195,7 @@ def test_a_list_that_no_question_of_the_page_has_is_refused(server):
     ],
 )
 def test_an_unpaired_surrogate_is_refused_in_one_sentence(server, body):
-    for path in ("answer", "texts", "picture"):
+    for path in ("answer", "texts", "picture", "report"):
         headers = {"Content-Type": "application/json"}
         only_sentence(server[0].post(f"/api/{path}", content=body, headers=headers), 400)
 

@@ -38,12 +38,16 @@ POINTS = 48
 _NAMES = {"ab": ("a*", "b*"), "xy": ("x", "y")}
 _DECIMALS = {"ab": 3, "xy": 6}
 _SHOWN_DECIMALS = {"ab": 1, "xy": 4}
+_MOST_WHOLE, _MOST_LARGER = 3, 4.0
 _NONE = 1e-9  # of the plane's unit: a spread below it is rounding
 
 
 def drawn_ellipses(shown: Shown, look: Look) -> dict[str, Any]:
     """True color, mean, half axes, reach and closed outline, per patch and sensor."""
     sensors = [_sensor(analysis, look.plane) for analysis in shown.analyses]
+    window = _window(sensors)
+    for sensor in sensors:
+        sensor["larger"] = _is_larger(sensor, window)
     across, up = _NAMES[look.plane]
     return {
         "title": f"Noise of {chart_title(shown.operating_points[0].chart)} in {across} and {up}, "
@@ -53,9 +57,40 @@ def drawn_ellipses(shown: Shown, look: Look) -> dict[str, Any]:
         "plane": look.plane,
         "names": [across, up],
         "sigmas": SIGMAS,
+        "window": window.tolist(),
         "sensors": sensors,
         "table": _table(sensors, look.plane),
     }
+
+
+def _window(sensors: list[dict[str, Any]]) -> Float[Array, "2 2"]:
+    """Lowest and highest coordinates of the panels.
+
+    They hold all ellipses of up to three sensors. Of more, they omit what is more than four times
+    as large as the ellipses of the median sensor, or small ellipses would be dots.
+    """
+    boxes = np.array([_box(sensor) for sensor in sensors if sensor["patches"]])
+    if not len(boxes):
+        return np.array([[0.0, 0.0], [1.0, 1.0]])
+    sizes = np.ptp(boxes, axis=1).max(axis=1)
+    usual = float(np.quantile(sizes, 0.5, method="lower"))
+    small = boxes[sizes <= _MOST_LARGER * usual] if len(boxes) > _MOST_WHOLE else boxes
+    return np.stack([small[:, 0].min(axis=0), small[:, 1].max(axis=0)])
+
+
+def _box(sensor: dict[str, Any]) -> Float[Array, "2 2"]:
+    """Lowest and highest coordinates of true colors, centers and ellipses of one sensor."""
+    points = np.array(
+        [(one["truth"], one["center"], *one["outline"]) for one in sensor["patches"]]
+    ).reshape(-1, 2)
+    return np.stack([points.min(axis=0), points.max(axis=0)])
+
+
+def _is_larger(sensor: dict[str, Any], window: Float[Array, "2 2"]) -> bool:
+    if not sensor["patches"]:
+        return False
+    low, high = _box(sensor)
+    return bool((low < window[0]).any() or (high > window[1]).any())
 
 
 def in_plane(

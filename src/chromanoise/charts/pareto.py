@@ -15,6 +15,7 @@ from chromanoise.color import ParetoCurve, training_color_error
 from chromanoise.exposure import OperatingPoint, conditions
 
 LIGHTEST, HEAVIEST, POINTS = 1e-3, 1e3, 13
+_MOST_LINEAR = 25.0  # from the least to the largest color error
 
 
 def drawn_pareto(shown: Shown, look: Look) -> dict[str, Any]:
@@ -41,9 +42,21 @@ def drawn_pareto(shown: Shown, look: Look) -> dict[str, Any]:
         "unit": "Delta E*ab",
         "matrix": shown.study.matrices[0],
         "trained": bool(trained_names(shown.study.matrices[:1])),
+        "logarithmic": _spread_far(sensors),
         "sensors": sensors,
         "table": _table(sensors),
     }
+
+
+def _spread_far(sensors: list[dict[str, Any]]) -> bool:
+    """Whether color errors differ so much that their axis is logarithmic."""
+    errors = [
+        one["color_error"]
+        for sensor in sensors
+        for one in (*sensor["points"], sensor["now"])
+        if _is_drawn(one)
+    ]
+    return bool(errors) and max(errors) > _MOST_LINEAR * min(errors) > 0
 
 
 def _sensor(

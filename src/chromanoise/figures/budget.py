@@ -1,18 +1,33 @@
 """The dB budget of one coordinate as a waterfall chart."""
 
+from collections.abc import Sequence
+
+import numpy as np
 from matplotlib.axes import Axes
 
 from chromanoise.charts import cause_label
 from chromanoise.charts.text import decimal, signed
-from chromanoise.figures.style import INK, QUIET, sensor_label
+from chromanoise.figures.style import INK, QUIET, mark_zero, sensor_label
 from chromanoise.metrics import Budget
 from chromanoise.sensor import Sensor
 
 _HIGH = 0.62  # of a bar, in rows
-_ROOM = 0.14  # of the scale, for the numbers beside the bars
+_ROOM = 0.16  # of the scale, for the numbers beside the bars
 
 
-def draw_budget(budget: Budget, sensor: Sensor, ax: Axes, *, top_db: float | None = None) -> Axes:
+def budget_limits_db(budgets: Sequence[Budget]) -> tuple[float, float]:
+    """The scale that holds all bars of some budgets from 0 dB, and the numbers beside them."""
+    ends = [0.0]
+    for budget in budgets:
+        losses = [cost.loss_db for cost in budget.costs]
+        ends += [budget.snr_db, *(budget.photons_db - np.cumsum([0.0, *losses])).tolist()]
+    low, high = min(ends), max(ends)
+    return low - (0.03 * (high - low) if low < 0 else 0.0), high + _ROOM * (high - low)
+
+
+def draw_budget(
+    budget: Budget, sensor: Sensor, ax: Axes, *, limits_db: tuple[float, float] | None = None
+) -> Axes:
     """Draw one bar per cause; each bar starts at the end of the bar above it.
 
     Parameters
@@ -23,11 +38,11 @@ def draw_budget(budget: Budget, sensor: Sensor, ax: Axes, *, top_db: float | Non
         The sensor of the budget.
     ax
         Axes of matplotlib to draw on; a new figure if ``None``.
-    top_db
-        Upper end of the scale, where panels share one. [dB]
+    limits_db
+        Ends of the scale, where panels share one. [dB]
     """
     at = budget.photons_db
-    _bar(ax, 0, 0.0, at, INK, decimal(at))
+    _bar(ax, 0, min(0.0, at), max(0.0, at), INK, decimal(at))
     for row, cost in enumerate(budget.costs, 1):
         below = at - cost.loss_db
         fill = QUIET if cost.loss_db >= 0 else "none"
@@ -35,7 +50,8 @@ def draw_budget(budget: Budget, sensor: Sensor, ax: Axes, *, top_db: float | Non
         ax.plot([at, at], [row - 1 + _HIGH / 2, row - _HIGH / 2], color=QUIET, linewidth=0.8)
         at = below
     last = len(budget.costs) + 1
-    _bar(ax, last, 0.0, budget.snr_db, INK, decimal(budget.snr_db))
+    end = budget.snr_db
+    _bar(ax, last, min(0.0, end), max(0.0, end), INK, decimal(end))
     names = [
         "all photons",
         *(cause_label(one.cause, budget.coordinate) for one in budget.costs),
@@ -44,12 +60,14 @@ def draw_budget(budget: Budget, sensor: Sensor, ax: Axes, *, top_db: float | Non
     ax.set_yticks(range(len(names)), names)
     ax.tick_params(axis="y", length=0)
     ax.set(
-        xlim=(min(0.0, budget.snr_db, at), (top_db or budget.photons_db) * (1 + _ROOM)),
+        xlim=limits_db or budget_limits_db([budget]),
         ylim=(last + 0.6, -0.6),
         xlabel="SNR [dB]",
         title=sensor_label(sensor.label, sensor.origin),
     )
+    ax.set_axisbelow(True)
     ax.grid(visible=True, axis="x", alpha=0.25)
+    mark_zero(ax, axis="x")
     return ax
 
 

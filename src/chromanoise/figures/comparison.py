@@ -6,6 +6,8 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
+from chromanoise._check import Array
+from chromanoise._shapes import Float
 from chromanoise.analysis import Crossover, Curve
 from chromanoise.charts.text import brief
 from chromanoise.figures.style import (
@@ -13,9 +15,11 @@ from chromanoise.figures.style import (
     QUIET,
     are_many,
     channel_color,
+    mark_zero,
     matrix_dashes,
     sensor_dashes,
     sensor_lines,
+    sensor_mark,
     spread,
 )
 
@@ -43,12 +47,15 @@ def draw_comparison(
         Title, which should name the operating point.
     """
     for curve, style in zip(curves, _styles(curves), strict=True):
-        ax.plot(curve.at, curve.value, label=f"{curve.label}, {curve.matrix}", **style)
+        mark = _mark_of(curve, curves, curve.value, style["color"])
+        ax.plot(curve.at, curve.value, label=f"{curve.label}, {curve.matrix}", **style | mark)
     for crossover in crossovers:
         _mark(crossover, curves, ax)
     quantity = curves[0].quantity
     _frame(curves, ax)
     ax.set_ylabel(f"{quantity.what} [{quantity.unit}]")
+    if quantity.unit == "dB":
+        mark_zero(ax)
     if title:
         ax.set_title(title, loc="left", fontsize=9)
     if are_many(curve.label for curve in curves):
@@ -69,11 +76,24 @@ def draw_color_errors(curves: Sequence[Curve], ax: Axes) -> Axes:
         To draw on.
     """
     for curve, style in zip(curves, _styles(curves), strict=True):
-        ax.plot(curve.at, curve.color_error, **style)
+        mark = _mark_of(curve, curves, curve.color_error, style["color"])
+        ax.plot(curve.at, curve.color_error, **style | mark)
     _frame(curves, ax)
     ax.set_ylabel("mean color error [ΔE*ab]")
     ax.set_ylim(bottom=0)
     return ax
+
+
+def _mark_of(
+    curve: Curve, curves: Sequence[Curve], values: Float[Array, " k"], color: str
+) -> dict[str, Any]:
+    """The mark of a sensor at the end of its curve, where there are several sensors."""
+    sensors = list(dict.fromkeys(one.label for one in curves))
+    known = np.flatnonzero(np.isfinite(values))
+    if len(sensors) < 2 or not len(known):
+        return {}
+    look = sensor_mark(sensors.index(curve.label), color)
+    return look | {"markevery": [int(known[-1])], "markersize": 5}
 
 
 def _styles(curves: Sequence[Curve]) -> list[dict[str, Any]]:
@@ -147,5 +167,5 @@ def _mark(crossover: Crossover, curves: Sequence[Curve], ax: Axes) -> None:
             xytext=(-2, 10),
             textcoords="offset points",
             color=QUIET,
-            bbox={"facecolor": "white", "linewidth": 0, "pad": 1},
+            bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 0.5},
         )

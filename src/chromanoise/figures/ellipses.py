@@ -5,8 +5,11 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Polygon
+from matplotlib.ticker import EngFormatter, MaxNLocator
 
 from chromanoise.figures.style import INK
+
+_THOUSANDS = 1e4
 
 
 def draw_ellipses(data: dict[str, Any], i: int, ax: Axes) -> Axes:
@@ -30,10 +33,20 @@ def draw_ellipses(data: dict[str, Any], i: int, ax: Axes) -> Axes:
         truth, center = patch["truth"], patch["center"]
         ax.plot([truth[0], center[0]], [truth[1], center[1]], color=INK, linewidth=0.7)
         ax.plot(*truth, "+", color=INK, markersize=5)
+    (left, bottom), (right, top) = data["window"]
+    margin = 0.03 * max(right - left, top - bottom)
+    ax.set(xlim=(left - margin, right + margin), ylim=(bottom - margin, top + margin))
     ax.set_aspect("equal", adjustable="box")
-    ax.autoscale_view()
+    for axis in (ax.xaxis, ax.yaxis):
+        axis.set_major_locator(MaxNLocator(3, steps=[1, 2, 5, 10]))
+        if max(map(abs, (left, right, bottom, top))) >= _THOUSANDS:
+            axis.set_major_formatter(EngFormatter(sep=""))
     ax.grid(visible=True, alpha=0.25)
     ax.set(xlabel=data["names"][0], ylabel=data["names"][1], title=sensor["name"])
+    if sensor["larger"]:
+        box = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.0}
+        where = {"transform": ax.transAxes, "ha": "right", "va": "top", "fontsize": 7}
+        ax.text(0.97, 0.97, "larger than\nthe panel", bbox=box, **where)
     if sensor["why_not"]:
         ax.text(0.5, 0.5, "saturated", transform=ax.transAxes, ha="center")
     return ax

@@ -1,13 +1,21 @@
 """Color error against noise, over the weight of the noise in the matrix."""
 
 from collections.abc import Mapping, Sequence
+from textwrap import fill
 from typing import Any
 
 from matplotlib.axes import Axes
 
-from chromanoise.figures.style import INK, QUIET, are_many, sensor_lines
+from chromanoise.figures.style import (
+    INK,
+    QUIET,
+    are_many,
+    mark_zero,
+    sensor_lines,
+    sensor_mark,
+)
 
-_MARKS = "osD^vP"
+_LETTERS = 22  # of a line of the legend beside the axes
 
 
 def draw_pareto(data: dict[str, Any], ax: Axes) -> Axes:
@@ -31,12 +39,15 @@ def draw_pareto(data: dict[str, Any], ax: Axes) -> Axes:
         weights = [] if many else [p["text"] for p in known]
         draw_trade(snr, error, weights, ax, line=line)
         now = sensor["now"]
-        turn, shape = divmod(i, len(_MARKS))
-        mark, fill = _MARKS[shape], line["color"] if shape % 2 == turn % 2 else "white"
+        look = line | sensor_mark(i, line["color"])
         where = ([], []) if None in now.values() else ([now["snr_db"]], [now["color_error"]])
-        ax.plot(*where, mark, markerfacecolor=fill, label=name, **line)
+        ax.plot(*where, label=fill(name, _LETTERS) if many else name, **look)
     ax.grid(visible=True, alpha=0.25)
-    ax.set_ylim(bottom=0)
+    if data["logarithmic"]:
+        ax.set_yscale("log")
+    else:
+        ax.set_ylim(bottom=0)
+    mark_zero(ax, axis="x")
     ax.set(xlabel="SNR of Y [dB]", ylabel="training error, mean [ΔE*ab]")
     ends = [data["sensors"][0]["points"][k]["text"] for k in (0, -1)]
     along = f"Curves: the weight of the noise from {ends[0]} to {ends[1]} (right)."
@@ -44,7 +55,7 @@ def draw_pareto(data: dict[str, Any], ax: Axes) -> Axes:
     key = f"{weights_note} Mark: the {data['matrix']} matrix."
     ax.set_title(f"{data['title']}\n{key}", loc="left", fontweight="normal", fontsize=9)
     if many:
-        ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), fontsize=8, frameon=False)
+        ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), fontsize=7, frameon=False)
     else:
         ax.legend(loc="best", fontsize=8)
     return ax

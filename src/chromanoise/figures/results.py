@@ -5,6 +5,7 @@ from textwrap import fill
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.container import BarContainer
 
 from chromanoise.analysis import Analysis, coordinate_budget
 from chromanoise.charts import cause_label
@@ -13,7 +14,14 @@ from chromanoise.charts.text import UNDEFINED, brief, decimal
 from chromanoise.exposure import OperatingPoint, conditions
 from chromanoise.figures.pareto import draw_trade
 from chromanoise.figures.pictures import draw_picture
-from chromanoise.figures.style import INK, are_many, channel_color, sensor_lines
+from chromanoise.figures.style import (
+    INK,
+    are_many,
+    channel_color,
+    mark_zero,
+    sensor_lines,
+    sensor_mark,
+)
 from chromanoise.imaging.capture import Capture
 from chromanoise.metrics import Budget
 from chromanoise.study import MatrixResult
@@ -43,7 +51,9 @@ def draw_analyses(analyses: Sequence[Analysis], ax: Axes, *, coordinate: str = "
     high = _HEIGHT / len(analyses)
     for i, (analysis, budget) in enumerate(zip(analyses, budgets, strict=True)):
         offset = (i - (len(analyses) - 1) / 2) * high
-        _draw_losses(analysis, budget, ax, shade=i / len(analyses), offset=offset, high=high)
+        bars = _draw_losses(analysis, budget, ax, shade=i / len(analyses), offset=offset, high=high)
+        if bars is not None and not are_many(one.sensor.label for one in analyses):
+            _write_losses(bars, ax)
     ax.axvline(0, color=INK, linewidth=0.8)
     ax.set_yticks(range(len(causes)), [fill(cause_label(c, coordinate), 16) for c in causes])
     ax.set_ylim(len(causes) - 0.4 + _LEGEND_ROW * len(analyses), -0.6)  # the legend is below
@@ -57,7 +67,7 @@ def draw_analyses(analyses: Sequence[Analysis], ax: Axes, *, coordinate: str = "
 
 def _draw_losses(
     analysis: Analysis, budget: Budget | None, ax: Axes, *, shade: float, offset: float, high: float
-) -> None:
+) -> BarContainer | None:
     name = analysis.sensor.label
     if budget is None:
         if saturation_sentence(analysis):
@@ -65,17 +75,22 @@ def _draw_losses(
         else:
             why = f"SNR {UNDEFINED}" if analysis.readout is None else "no budget with clipping"
         ax.plot([], [], " ", label=f"{name}: {why}")
-        return
+        return None
     losses = [cost.loss_db for cost in budget.costs]
     rows = np.arange(len(losses)) + offset
     label = f"{name}: {decimal(budget.snr_db)} dB left of {decimal(budget.photons_db)} dB"
     color = str(0.15 + 0.7 * shade)
     bars = ax.barh(rows, losses, height=0.9 * high, color=color, edgecolor=INK, linewidth=0.6)
     bars.set_label(label)
-    for row, loss in zip(rows, losses, strict=True):
+    return bars
+
+
+def _write_losses(bars: BarContainer, ax: Axes) -> None:
+    for bar in bars:
+        loss = float(bar.get_width())
         ax.annotate(
             decimal(loss),
-            (max(loss, 0.0), row),
+            (max(loss, 0.0), bar.get_y() + bar.get_height() / 2),
             xytext=(3, 0),
             textcoords="offset points",
             va="center_baseline",
@@ -107,7 +122,8 @@ def draw_matrices(results: Sequence[MatrixResult], ax: Axes) -> Axes:
 
 def _draw_curves(results: Sequence[MatrixResult], ax: Axes) -> None:
     lines = sensor_lines(one.point.sensor.label for one in results)
-    for one in results:
+    for i, one in enumerate(results):
+        mark = sensor_mark(i, lines[one.point.sensor.label]["color"])
         assert one.pareto is not None  # called only for results with a curve
         name, curve = one.point.sensor.label, one.pareto
         trades = zip(curve.snr_y_db.tolist(), curve.delta_e, curve.weight.tolist(), strict=True)
@@ -117,12 +133,13 @@ def _draw_curves(results: Sequence[MatrixResult], ax: Axes) -> None:
             [error for _, error, _ in known],
             [] if are_many(lines) else [brief(weight) for _, _, weight in known],
             ax,
-            line=lines[name],
+            line=lines[name] | ({"markevery": [-1]} | mark if len(results) > 1 else {}),
             label=name,
         )
     ax.margins(0.1)
     ax.set(xlabel="SNR of Y [dB]", ylabel="training error, mean [ΔE*ab]")
     ax.set_ylim(bottom=0)
+    mark_zero(ax, axis="x")
     ax.grid(visible=True, alpha=0.25)
     ax.legend(loc="best", fontsize=8, title="numbers: weight of the noise", title_fontsize=8)
 

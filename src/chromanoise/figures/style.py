@@ -4,11 +4,13 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from itertools import cycle
+from textwrap import fill
 from typing import Any
 
 import matplotlib.style
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
+from matplotlib.transforms import ScaledTranslation
 
 from chromanoise import _palette
 from chromanoise.spectra import INFRARED_FROM_NM
@@ -34,6 +36,7 @@ _OTHER_DASHES: tuple[Any, ...] = (
 )
 
 _MOST_DASHED = 3
+_MARKS = "osD^vP"
 
 _RC = {
     "font.family": "sans-serif",
@@ -150,6 +153,66 @@ def sensor_lines(names: Iterable[str]) -> dict[str, dict[str, Any]]:
         }
         for i, name in enumerate(distinct)
     }
+
+
+def sensor_mark(i: int, color: Any = INK) -> dict[str, Any]:
+    """The mark of a sensor by its index, as arguments of ``plot``: the same as in the SVG charts.
+
+    Twelve sensors differ: six shapes, full or hollow.
+
+    Parameters
+    ----------
+    i
+        Index of the sensor in the study.
+    color
+        Its color.
+
+    Examples
+    --------
+    >>> [sensor_mark(i)["marker"] for i in (0, 1, 6)]
+    ['o', 's', 'o']
+    """
+    turn, shape = divmod(i, len(_MARKS))
+    fill = color if shape % 2 == turn % 2 else "white"
+    return {"marker": _MARKS[shape % len(_MARKS)], "color": color, "markerfacecolor": fill}
+
+
+def write_sensor(ax: Axes, origin: str, i: int, names: Sequence[str], *, letters: int) -> None:
+    """The title of a panel: a sensor's name after its mark, smaller of many sensors.
+
+    Parameters
+    ----------
+    ax
+        The panel.
+    origin
+        Origin of the curves, told of up to three sensors.
+    i
+        Index of the sensor in the study.
+    names
+        Names of all sensors of the study.
+    letters
+        Length of a line.
+    """
+    many, before = are_many(names), "    " if len(names) > 1 else ""
+    size, weight = (8.0, "normal") if many else (10.0, "bold")
+    label = names[i] if many else sensor_label(names[i], origin)
+    title = fill(label, letters, initial_indent=before, subsequent_indent=before)
+    ax.set_title(title, fontsize=size, fontweight=weight)
+    if not before:
+        return
+    root = ax.get_figure(root=True)
+    assert root is not None  # a panel of a study's figure
+    up = (8.0 + size * (0.36 + 1.2 * title.count("\n"))) / 72  # beside the first line
+    above = ScaledTranslation(4 / 72, up, root.dpi_scale_trans)
+    look = sensor_mark(i, sensor_lines(names)[names[i]]["color"])
+    ax.plot([0], [1], transform=ax.transAxes + above, clip_on=False, markersize=6, **look)
+
+
+def mark_zero(ax: Axes, *, axis: str = "y") -> None:
+    """Draw the line of 0 dB where an axis has negative values."""
+    low, high = sorted(ax.get_ylim() if axis == "y" else ax.get_xlim())
+    if low < 0 <= high:
+        (ax.axhline if axis == "y" else ax.axvline)(0, color=INK, linewidth=0.8, zorder=1)
 
 
 def sensor_colors(count: int) -> tuple[str, ...]:

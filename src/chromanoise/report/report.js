@@ -25,7 +25,7 @@ import * as vectors from "draw/vectors.js";
 
 /** @type {{ [P in Part]: import("answers").DrawingModule<any> }} */
 const MODULES = { budget, vectors, stages, levels, ellipses, chart, pareto, sensitivities };
-const PAPER_PX = 476; // of one of two columns of A4, where the style of print makes 0.7 of it
+const PAPER_PX = 976; // of A4 and Letter, where the style of print makes 0.7 of it
 /** @type {ReportData} */
 const data = JSON.parse(await unpacked(byId("data").textContent ?? ""));
 /** @type {Map<HTMLElement, Shown>} */

@@ -21,6 +21,7 @@ import { line, svg, tenth, words } from "draw/svg.js";
  * @property {number} [yAt]
  * @property {number} [yTop]
  * @property {boolean} [levelOnly]
+ * @property {"x" | "y"} [zero] the axis whose zero is marked
  */
 /** @typedef {{ members: number[], start: number }} Cluster */
 /** @typedef {ReturnType<typeof panels>} Grid */
@@ -104,10 +105,24 @@ function linearTicks(low, high, room) {
   const ticks = [];
   for (let i = Math.ceil(low / step - 1e-9); i * step <= high + step * 1e-9; i += 1) {
     const value = i * step;
-    const told = value.toFixed(digits);
-    ticks.push({ value, label: Number(told) === 0 ? "0" : told.replace("-", "\u2212") });
+    ticks.push({ value, label: linearLabel(value, digits, Math.max(Math.abs(low), Math.abs(high))) });
   }
   return ticks;
+}
+
+/**
+ * In thousands or millions where the ends of the scale have many digits.
+ *
+ * @param {number} value
+ * @param {number} digits
+ * @param {number} largest
+ */
+function linearLabel(value, digits, largest) {
+  const power = largest >= 1e15 ? null : largest >= 1e7 ? 6 : largest >= 1e4 ? 3 : 0;
+  if (power === null) return value.toExponential(0).replace("-", "\u2212");
+  const told = power ? String(Number((value / 10 ** power).toFixed(2))) : value.toFixed(digits);
+  if (Number(told) === 0) return "0";
+  return told.replace("-", "\u2212") + { 0: "", 3: "k", 6: "M" }[power];
 }
 
 /** @param {number} step */
@@ -162,6 +177,9 @@ export function axes(x, y, titles) {
     across.map((tick) => `M${tenth(x.at(tick.value))} ${tenth(bottom)}V${tenth(down)}`).join("") +
     up.map((tick) => `M${tenth(x.from)} ${tenth(y.at(tick.value))}H${tenth(x.to)}`).join("");
   const nodes = [svg("path", { d: grid, class: "d-grid" })];
+  if (titles.zero === "x") nodes.push(...zeroLine(x, top, bottom));
+  if (titles.zero === "y" && y.low < 0 && y.high >= 0)
+    nodes.push(svg("path", { d: `M${tenth(x.from)} ${tenth(y.at(0))}H${tenth(x.to)}`, class: "d-zero" }));
   nodes.push(
     svg("path", {
       d: line([
@@ -176,6 +194,18 @@ export function axes(x, y, titles) {
   if (titles.y) nodes.push(words(titles.yAt ?? 0, titles.yTop ?? top - 10, titles.y, "d-quiet"));
   if (titles.x) nodes.push(words((x.from + x.to) / 2, bottom + 35, titles.x, "d-quiet", "middle"));
   return nodes;
+}
+
+/**
+ * The upright line of 0 on a scale that has negative values.
+ *
+ * @param {Scale} x
+ * @param {number} top
+ * @param {number} bottom
+ */
+export function zeroLine(x, top, bottom) {
+  if (!(x.low < 0 && x.high >= 0)) return [];
+  return [svg("path", { d: `M${tenth(x.at(0))} ${tenth(top)}V${tenth(bottom)}`, class: "d-zero" })];
 }
 
 /**
@@ -244,14 +274,38 @@ function within(places, order, step, low, high) {
   return places;
 }
 
+/** @type {Map<string, number>} */
+const advances = new Map();
+/** @type {CanvasRenderingContext2D | null} */
+let pen = null;
+
 /**
- * About how wide a text is; the eye forgives what a layout read would cost.
+ * The width of a letter at a size of 1, measured once in the font of the document.
+ *
+ * @param {string} letter
+ */
+function advance(letter) {
+  const told = advances.get(letter);
+  if (told !== undefined) return told;
+  if (!pen) {
+    pen = /** @type {CanvasRenderingContext2D} */ (document.createElement("canvas").getContext("2d"));
+    pen.font = `100px ${getComputedStyle(document.body).fontFamily}`;
+  }
+  const wide = pen.measureText(letter).width / 100;
+  advances.set(letter, wide);
+  return wide;
+}
+
+/**
+ * How wide a text is, without a read of the layout; bold text is about a tenth wider.
  *
  * @param {string} text
  * @param {number} [size]
  */
 export function textWidth(text, size = 13) {
-  return text.length * size * 0.57;
+  let wide = 0;
+  for (const letter of text) wide += advance(letter);
+  return wide * size;
 }
 
 /**
@@ -262,8 +316,15 @@ export function textWidth(text, size = 13) {
  * @param {number} [size]
  */
 export function fitting(text, room, size = 13) {
-  const most = Math.floor(room / (size * 0.57));
-  return text.length <= most ? text : `${text.slice(0, Math.max(1, most - 1))}…`;
+  if (textWidth(text, size) <= room) return text;
+  let wide = textWidth("…", size);
+  let kept = "";
+  for (const letter of text) {
+    wide += advance(letter) * size;
+    if (wide > room && kept) break;
+    kept += letter;
+  }
+  return `${kept}…`;
 }
 
 /**

@@ -1,8 +1,8 @@
 /** Waterfall of each sensor from its raw signal to the color coordinate, on one dB scale. */
 
-import { fitting, linear, niceRange, panels, textWidth, wrapped } from "draw/axes.js";
+import { fitting, linear, niceRange, panels, textWidth, wrapped, zeroLine } from "draw/axes.js";
 import { readable } from "draw/hover.js";
-import { caption, note, sameSensor } from "draw/look.js";
+import { caption, legend, note, panelName, sameSensor } from "draw/look.js";
 import { refill } from "draw/refill.js";
 import { figure, figureWidth, known, svg, tenth, words } from "draw/svg.js";
 
@@ -14,6 +14,7 @@ const KEY =
   "First and last bar: the SNR before and after. Gray: costs. Outlined: gains. All in dB, on one scale.";
 const BAR = 14;
 const LINE = 16;
+const MOST_TALL = 4; // of more sensors the rows are closer
 
 /**
  * @param {HTMLElement} element
@@ -23,23 +24,25 @@ const LINE = 16;
 export function draw(element, data, options = {}) {
   const width = figureWidth(element, options);
   const ghosts = options.ghosts ?? [];
-  const grid = panels(data.sensors.length, width, 420, 32);
+  const names = data.sensors.map((sensor) => sensor.name);
+  const grid = panels(names.length, width, 420, 32);
   const scale = range(data, ghosts);
-  const boxes = data.sensors.map((sensor) => layout(sensor, grid.each, scale));
+  const boxes = data.sensors.map((sensor) => layout(sensor, grid.each, scale, names.length > MOST_TALL ? 20 : 24));
   const tops = rowTops(boxes, grid);
   const nodes = data.sensors.flatMap((sensor, i) => {
     const at = { left: grid.places[i].left, top: tops.rows[grid.places[i].row] };
     return waterfall(
       sensor,
       boxes[i],
-      at,
+      { ...at, title: panelName(names, i, { left: 0, top: 0, room: grid.each }) },
       ghosts.map((ghost) => sameSensor(ghost, sensor, i)),
     );
   });
   const drawn = figure(width, tops.height, data.title, data.description, nodes);
   readable(element, data.table, () => places(data, boxes, grid, tops.rows), true);
   const any = data.sensors.some((sensor) => sensor.steps?.length);
-  refill(element, caption(data), drawn, ...(any ? [note(KEY)] : []));
+  const kept = ghosts.length ? [legend([], "mark", 0, [pinned()])] : [];
+  refill(element, caption(data), ...kept, drawn, ...(any ? [note(KEY)] : []));
 }
 
 /**
@@ -61,11 +64,12 @@ function range(data, ghosts) {
  * @param {BudgetSensor} sensor
  * @param {number} width
  * @param {number[]} limits
+ * @param {number} pitch
  */
-function layout(sensor, width, [low, high]) {
+function layout(sensor, width, [low, high], pitch) {
   const steps = sensor.steps ?? [];
   const longest = Math.max(60, ...steps.map((step) => textWidth(step.label)));
-  const beside = width - longest - 64 >= 110;
+  const beside = width - longest - 64 >= 64;
   const left = beside ? Math.min(longest + 12, 0.5 * width) : 4;
   const x = linear(low, high, left, width - 58);
   const lines = steps.map((step) => (beside ? [step.label] : wrapped(step.label, width - 8)));
@@ -73,7 +77,7 @@ function layout(sensor, width, [low, high]) {
   let y = 34;
   for (const told of lines) {
     tops.push(y);
-    y += beside ? 24 : LINE * told.length + BAR + 10;
+    y += beside ? pitch : LINE * told.length + BAR + 10;
   }
   const why = steps.length ? [] : wrapped(sensor.why_not ?? "no budget", width - 8);
   const bottom = steps.length ? y : y + why.length * 18;
@@ -98,11 +102,11 @@ function rowTops(boxes, grid) {
 /**
  * @param {BudgetSensor} sensor
  * @param {Layout} box
- * @param {{ left: number, top: number }} at
+ * @param {{ left: number, top: number, title: SVGElement[] }} at
  * @param {(BudgetSensor | null)[]} ghosts
  */
 function waterfall(sensor, box, at, ghosts) {
-  const nodes = [words(0, 15, fitting(sensor.name, box.width, 14), "d-strong")];
+  const nodes = [...at.title];
   nodes.push(...box.why.map((text, k) => words(0, 44 + 18 * k, text, "d-quiet")));
   const steps = sensor.steps ?? [];
   if (steps.length) nodes.push(...scale(box));
@@ -117,9 +121,10 @@ function scale({ x, bottom }) {
   const d = ticks.map((tick) => `M${tenth(x.at(tick.value))} 26V${bottom}`).join("");
   const marks = ticks.map((tick, k) => {
     const label = k === ticks.length - 1 ? `${tick.label} dB` : tick.label;
-    return words(x.at(tick.value), bottom + 17, label, "d-tick", "middle");
+    const place = Math.max(x.at(tick.value), textWidth(label, 12) / 2);
+    return words(place, bottom + 17, label, "d-tick", "middle");
   });
-  return [svg("path", { d, class: "d-grid" }), ...marks];
+  return [svg("path", { d, class: "d-grid" }), ...zeroLine(x, 26, bottom), ...marks];
 }
 
 /**
@@ -196,7 +201,20 @@ function ghostSteps(ghost, sensor, box) {
   return (ghost?.steps ?? []).flatMap((step) => {
     const k = steps.findIndex((now) => now.label === step.label);
     if (k < 0 || !known(step.to_db)) return [];
-    const d = `M${tenth(box.x.at(step.to_db))} ${barTop(k, box) - 4}v${BAR + 8}`;
-    return [svg("path", { d, class: "d-ghost", "stroke-width": 3 })];
+    return [ghostMark(box.x.at(step.to_db), barTop(k, box))];
   });
+}
+
+/**
+ * A triangle on a bar, between the rows of numbers.
+ *
+ * @param {number} x
+ * @param {number} y
+ */
+function ghostMark(x, y) {
+  return svg("path", { d: `M${tenth(x)} ${y - 1}l-4 -5h8Z`, class: "d-ghost-mark" });
+}
+
+function pinned() {
+  return { drawn: [ghostMark(18, 12)], name: "pinned: where the step ended" };
 }

@@ -2,9 +2,9 @@
 
 import { textWidth } from "draw/axes.js";
 import { readable } from "draw/hover.js";
-import { caption, legend, note, sameSensor } from "draw/look.js";
+import { caption, isFull, legend, mark, markPath, note, sameSensor, sensorLines } from "draw/look.js";
 import { refill } from "draw/refill.js";
-import { figure, figureWidth, svg, words } from "draw/svg.js";
+import { figure, figureWidth, svg, tenth, words } from "draw/svg.js";
 
 /** @import { Chart, ChartSensor, Options } from "answers" */
 /** @typedef {ReturnType<typeof layout>} Layout */
@@ -35,7 +35,7 @@ export function draw(element, data, options = {}) {
 }
 
 /**
- * Sensors side by side where four digits fit twice, else one under the other.
+ * The sensors of a patch in as many columns as four digits fit.
  *
  * @param {Chart} data
  * @param {number} width
@@ -43,10 +43,12 @@ export function draw(element, data, options = {}) {
 function layout(data, width) {
   const count = Math.max(1, data.sensors.length);
   const each = (width - GAP * (COLUMNS - 1)) / COLUMNS;
-  const beside = each / count >= 58;
+  const fit = Math.max(1, Math.min(count, Math.floor(each / (count > 2 ? 74 : 58))));
+  const rows = Math.ceil(count / fit);
+  const columns = Math.ceil(count / rows);
   const strip = each >= 90 ? 12 : 8;
-  const tall = strip + (beside ? 48 : 42 * count);
-  return { each, beside, strip, tall, count, share: (beside ? each : 42 * count) / count };
+  const high = rows > 1 || columns === 1 ? 42 : 48;
+  return { each, columns, rows, strip, high, tall: strip + high * rows, count };
 }
 
 /**
@@ -91,22 +93,39 @@ function cell(data, patch, k, plan) {
  * @param {Layout} plan
  */
 function half(sensor, k, i, plan) {
-  const { each, beside, strip, share } = plan;
-  const box = beside
-    ? { x: i * share, y: strip, width: share, height: 48 }
-    : { x: 0, y: strip + 42 * i, width: each, height: 42 };
+  const { each, columns, strip, high, count } = plan;
+  const width = each / columns;
+  const box = { x: (i % columns) * width, y: strip + Math.floor(i / columns) * high, width, height: high };
   const patch = sensor.patches[k] ?? {};
   const fill = patch.srgb ?? "var(--paper)";
   const ink = patch.srgb ? legible(patch.srgb) : "var(--ink)";
   const nodes = [svg("rect", { ...box, fill })];
-  const middle = box.x + box.width / 2;
-  const base = box.y + (beside ? 21 : 17);
-  const [error, noise] = patch.text ?? [full(box.width), ""];
+  const beside = count > 2 && width >= 56 ? 12 : 0; // for the mark
+  const middle = box.x + (width + beside) / 2;
+  const base = box.y + (high === 48 ? 21 : 17);
+  const [error, noise] = patch.text ?? [full(width - beside), ""];
+  if (beside) nodes.push(dot(i, box.x + 9, box.y + high / 2, ink, fill));
   nodes.push(
     number(middle, base, error, ink, "d-strong"),
     number(middle, base + 18, noise, ink, "d-cell-noise"),
   );
   return nodes;
+}
+
+/**
+ * The sensor's mark in the ink of its patch.
+ *
+ * @param {number} i
+ * @param {number} x
+ * @param {number} y
+ * @param {string} ink
+ * @param {string} paper
+ */
+function dot(i, x, y, ink, paper) {
+  const node = svg("path", { d: markPath(i, x, y, 3.5), "stroke-width": 1.5 });
+  node.style.setProperty("stroke", ink);
+  node.style.setProperty("fill", isFull(i) ? ink : paper);
+  return node;
 }
 
 /** @param {number} width */
@@ -146,13 +165,15 @@ function legible(srgb) {
  * @param {Chart[]} ghosts
  */
 function key(data, plan, ghosts) {
-  const places = plan.beside ? ["left", "right"] : ["upper", "lower"];
+  const places = plan.columns === 2 ? ["left", "right"] : ["upper", "lower"];
+  const color = sensorLines(data.sensors.map(({ name }) => name)).map((one) => one.color);
   const more = data.sensors.map((sensor, i) => {
-    const place = plan.count === 2 ? places[i] : `${i + 1}`;
+    const place = plan.count === 2 ? `${places[i]}: ` : "";
     const before = ghosts.map((ghost) => sameSensor(ghost, sensor, i)?.means).filter(Boolean);
     const ghost = before.length ? ` (pinned ${before.join("; ")})` : "";
     const means = sensor.means ? `, mean ${sensor.means}` : "";
-    return { drawn: [swatch(i, plan)], name: `${place}: ${sensor.name}${means}${ghost}` };
+    const drawn = [swatch(i, plan), ...(plan.count > 2 ? [mark(i, 45, 8, color[i], 4)] : [])];
+    return { drawn, name: `${place}${sensor.name}${means}${ghost}`, width: plan.count > 2 ? 54 : 36 };
   });
   const how =
     "Strip: the true color. Bold: color error ΔE*ab without noise. n: ΔE*ab of the noise (CIE 1976).";
@@ -165,12 +186,12 @@ function key(data, plan, ghosts) {
  * @param {number} i
  * @param {Layout} plan
  */
-function swatch(i, { count, beside }) {
-  const part = beside ? 34 / count : 14 / count;
-  const d = beside ? `M${1 + i * part} 1h${part}v14h${-part}Z` : `M1 ${1 + i * part}h34v${part}h-34Z`;
+function swatch(i, { columns, rows }) {
+  const [wide, high] = [34 / columns, 14 / rows];
+  const [left, top] = [1 + (i % columns) * wide, 1 + Math.floor(i / columns) * high];
   const group = [
     svg("rect", { x: 1, y: 1, width: 34, height: 14, class: "d-cell" }),
-    svg("path", { d, class: "d-full" }),
+    svg("rect", { x: tenth(left), y: tenth(top), width: tenth(wide), height: tenth(high), class: "d-full" }),
   ];
   return svg("g", {}, group);
 }

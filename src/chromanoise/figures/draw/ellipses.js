@@ -1,17 +1,18 @@
 /** Noise of the chart's patches as ellipses; one unit is as long across as up, at every size. */
 
-import { axes, fitting, linear, niceStep, panels, wrapped } from "draw/axes.js";
+import { axes, linear, niceStep, panels, wrapped } from "draw/axes.js";
 import { readable } from "draw/hover.js";
-import { caption, legend, note, sameSensor } from "draw/look.js";
+import { caption, legend, note, panelName, sameSensor } from "draw/look.js";
 import { refill } from "draw/refill.js";
-import { figure, figureWidth, known, line, svg, tenth, words } from "draw/svg.js";
+import { figure, figureWidth, line, svg, tenth, words } from "draw/svg.js";
 
 /** @import { EllipsePatch, Ellipses, EllipsesSensor, Options } from "answers" */
 /** @import { Scale } from "draw/axes.js" */
 /** @import { Place } from "draw/hover.js" */
 /** @typedef {ReturnType<typeof equalAspect>} Window */
 
-const ROOM = { left: 44, right: 10, top: 44, bottom: 46 };
+const MOST_WIDE = 4; // of more sensors four are side by side where there is room
+const ROOM = { left: 44, right: 16, top: 44, bottom: 46 };
 
 /**
  * @param {HTMLElement} element
@@ -26,7 +27,7 @@ export function draw(element, data, options = {}) {
     refill(element, ...why);
     return;
   }
-  const grid = panels(data.sensors.length, width, 340);
+  const grid = panels(data.sensors.length, width, data.sensors.length > MOST_WIDE ? 220 : 340);
   const view = window2d(data, ghosts, grid.each - ROOM.left - ROOM.right);
   const tall = view.height + ROOM.top + ROOM.bottom;
   /** @type {(() => Place[])[]} */
@@ -51,25 +52,9 @@ export function draw(element, data, options = {}) {
  * @param {number} room
  */
 function window2d(data, ghosts, room) {
-  const low = [Infinity, Infinity];
-  const high = [-Infinity, -Infinity];
-  /** @param {number[] | null | undefined} point */
-  const hold = (point) => {
-    if (!point || !known(point[0]) || !known(point[1])) return;
-    for (const k of [0, 1]) {
-      low[k] = Math.min(low[k], point[k]);
-      high[k] = Math.max(high[k], point[k]);
-    }
-  };
-  for (const answer of [data, ...ghosts]) {
-    for (const sensor of answer.sensors) {
-      for (const patch of sensor.patches) {
-        hold(patch.truth);
-        hold(patch.center);
-        (patch.outline ?? []).forEach(hold);
-      }
-    }
-  }
+  const windows = [data, ...ghosts].map((answer) => answer.window);
+  const low = [0, 1].map((k) => Math.min(...windows.map((window) => window[0][k])));
+  const high = [0, 1].map((k) => Math.max(...windows.map((window) => window[1][k])));
   return equalAspect(low, high, room);
 }
 
@@ -103,18 +88,30 @@ function panel(data, i, { left, top, each, view, ghosts, reads }) {
   reads.push(() => places(data, i, x, y));
   const [xTitle, yTitle] = data.names;
   const nodes = axes(x, y, { x: xTitle, y: yTitle, yAt: left + 22 });
-  nodes.unshift(words(left, top + 15, fitting(sensor.name, each, 14), "d-strong"));
+  const names = data.sensors.map(({ name }) => name);
+  nodes.unshift(...panelName(names, i, { left, top, room: each }));
+  const inside = [];
   for (const ghost of ghosts) {
     const before = sameSensor(ghost, sensor, i)?.patches ?? [];
     const d = before.map((patch) => closed(patch.outline, x, y)).join("");
-    nodes.push(svg("path", { d, class: "d-ghost" }));
+    inside.push(svg("path", { d, class: "d-ghost" }));
   }
-  nodes.push(...patches(sensor.patches, x, y));
+  inside.push(...patches(sensor.patches, x, y));
+  nodes.push(cut(inside, x, y));
+  if (sensor.larger) nodes.push(words(x.to - 6, y.to + 16, "larger than the panel", "d-rim", "end"));
   const absent = sensor.patches.filter((patch) => !patch.outline).length;
   if (!sensor.patches.length) nodes.push(...absence(sensor, x, y));
   if (absent)
-    nodes.push(words(x.to - 6, y.to + 16, `${absent} of ${sensor.patches.length} saturated`, "d-rim", "end"));
+    nodes.push(words(x.to - 6, y.to + (sensor.larger ? 34 : 16), `${absent} of ${sensor.patches.length} saturated`, "d-rim", "end"));
   return nodes;
+}
+
+/**
+ * @param {number} value
+ * @param {Scale} scale
+ */
+function isInside(value, { low, high }) {
+  return value >= low && value <= high;
 }
 
 /**
@@ -129,8 +126,23 @@ function panel(data, i, { left, top, each, view, ghosts, reads }) {
 function places({ sensors }, i, x, y) {
   const first = sensors.slice(0, i).reduce((sum, { patches }) => sum + Math.max(1, patches.length), 0);
   return sensors[i].patches.flatMap(({ center }, k) =>
-    center ? [{ x: x.at(center[0]), y: y.at(center[1]), row: first + k, series: i }] : [],
+    center && isInside(center[0], x) && isInside(center[1], y)
+      ? [{ x: x.at(center[0]), y: y.at(center[1]), row: first + k, series: i }]
+      : [],
   );
+}
+
+/**
+ * What lies within the panel.
+ *
+ * @param {SVGElement[]} nodes
+ * @param {Scale} x
+ * @param {Scale} y
+ */
+function cut(nodes, x, y) {
+  const box = [x.from, y.to, x.to - x.from, y.from - y.to].map(tenth);
+  const [left, top, width, height] = box;
+  return svg("svg", { x: left, y: top, width, height, viewBox: box.join(" ") }, nodes);
 }
 
 /**
@@ -155,7 +167,7 @@ function absence(sensor, x, y) {
  */
 function equalScale([low, high], from, perUnit) {
   const scale = linear(low, high, from, from + (high - low) * perUnit);
-  const step = niceStep(high - low, Math.max(2, Math.abs(scale.to - from) / 64));
+  const step = niceStep(high - low, Math.max(2, Math.abs(scale.to - from) / 48));
   return { ...scale, ticks: () => linear(low, high, 0, 1).ticks((high - low) / step) };
 }
 

@@ -125,7 +125,8 @@ export function svgText(saved) {
  */
 function composed(holder, { heading, data, note = () => "" }) {
   const box = holder.getBoundingClientRect();
-  const nodes = [...holder.querySelectorAll("svg")].map((figure) => {
+  const figures = [...holder.querySelectorAll("svg")].filter((one) => !one.ownerSVGElement);
+  const nodes = figures.map((figure) => {
     const at = figure.getBoundingClientRect();
     const scale = at.width / (figure.viewBox.baseVal.width || at.width);
     const place = `translate(${tenth(at.left - box.left)} ${tenth(at.top - box.top)})`;

@@ -2,13 +2,13 @@
 
 import { axes, fitting, linear, logarithmic, niceRange, spread, textWidth } from "draw/axes.js";
 import { readable } from "draw/hover.js";
-import { areMany, caption, legend, note, sensorDashes, sensorLines } from "draw/look.js";
+import { areMany, caption, legend, mark, note, sensorDashes, sensorLines, sideNames } from "draw/look.js";
 import { refill } from "draw/refill.js";
 import { figure, figureWidth, html, known, line, svg, tenth, words } from "draw/svg.js";
 
 /** @import { Crossover, LevelCurve, Levels, Maybe, Options } from "answers" */
 /** @import { Scale } from "draw/axes.js" */
-/** @typedef {LevelCurve & { dash: string, look: string, color: string | null }} Styled */
+/** @typedef {LevelCurve & { dash: string, look: string, color: string | null, shape: number | null }} Styled */
 /** @typedef {ReturnType<typeof plane>} Plane */
 
 const STROKES = ["d-curve d-ink-line", "d-curve d-quiet-line", "d-curve d-third-line"];
@@ -25,18 +25,20 @@ export function draw(element, data, options = {}) {
   const curves = styled(data);
   const beside = width >= 560;
   const longest = Math.max(...curves.map((curve) => textWidth(curve.name)));
-  const room = beside ? Math.min(longest + 34, 0.32 * width) : 20;
+  const room = beside ? Math.min(longest + 38, 0.36 * width) : 20;
   const scales = plane(data, ghosts, width, room);
   const nodes = axes(scales.x, scales.y, {
     x: "illuminance [lx]",
     y: `${data.quantity} [${data.unit}]`,
     yTop: 14,
     xRoom: 44,
+    zero: "y",
   });
   for (const ghost of ghosts) nodes.push(...ghostCurves(ghost, scales));
   for (const curve of curves) nodes.push(drawn(curve, data.lux, scales, curve.look));
-  nodes.push(...crossovers(data, scales), ...level(data, options.look, scales));
+  nodes.push(...level(data, options.look, scales), ...crossovers(data, scales));
   if (beside) nodes.push(...endNames(curves, data.lux, scales, room));
+  else nodes.push(...curves.flatMap((curve) => ends(curve, data.lux, scales)));
   const told = figure(width, scales.height, data.title, data.description, nodes);
   const key = beside
     ? ghosts.length
@@ -64,8 +66,9 @@ function styled(data) {
   return data.curves.map((curve, i) => {
     const line = lines[sensors.indexOf(keys[i])];
     const m = matrices.indexOf(curve.matrix);
-    if (!many) return { ...curve, dash: line.dash, look: STROKES[m % STROKES.length], color: null };
-    return { ...curve, dash: m ? dashes[m] : line.dash, look: "d-curve", color: line.color };
+    const shape = sensors.length > 1 ? sensors.indexOf(keys[i]) : null;
+    if (!many) return { ...curve, dash: line.dash, look: STROKES[m % STROKES.length], color: null, shape };
+    return { ...curve, dash: m ? dashes[m] : line.dash, look: "d-curve", color: line.color, shape };
   });
 }
 
@@ -161,22 +164,37 @@ function ghostCurves(ghost, scales) {
  */
 function endNames(all, lux, scales, room) {
   const curves = all.filter((curve) => curve.values.some(known));
-  const ends = curves.map((curve) => points(curve.values, lux, scales).findLast((point) => point));
-  const wanted = ends.map((end) => (end ? end[1] : scales.y.from));
-  const places = spread(wanted, GAP, scales.y.to, scales.y.from);
-  const right = scales.x.to;
-  return curves.flatMap((curve, i) => {
-    const early = !ends[i] || ends[i][0] < right - 1;
-    const name = shortened(curve, room - 26);
-    const nodes = [words(right + 24, places[i] + 4, name)];
-    if (ends[i]) {
-      const d = line([ends[i], [right + 6, places[i]], [right + 20, places[i]]]);
-      const colored = { fill: "none", stroke: curve.color, "stroke-dasharray": early ? "2 3" : null };
-      nodes.push(svg("path", { d, ...(curve.color ? colored : { class: early ? "d-now" : "d-thin" }) }));
-      if (early) nodes.push(stop(ends[i], curve.color));
-    }
-    return nodes;
+  const { x, y } = scales;
+  const entries = curves.map((curve) => {
+    const at = lastPoint(curve, lux, scales);
+    const name = shortened(curve, room - 37);
+    return { name, at, color: curve.color, mark: curve.shape, dotted: !at || at[0] < x.to - 1 };
   });
+  const named = sideNames(entries, { right: x.to, top: y.to, bottom: y.from });
+  return [...named, ...curves.flatMap((curve) => ends(curve, lux, scales))];
+}
+
+/**
+ * @param {Styled} curve
+ * @param {number[]} lux
+ * @param {Plane} scales
+ */
+function lastPoint(curve, lux, scales) {
+  return points(curve.values, lux, scales).findLast((point) => point) ?? null;
+}
+
+/**
+ * The sensor's mark where its curve saturates or, of one sensor, a short line.
+ *
+ * @param {Styled} curve
+ * @param {number[]} lux
+ * @param {Plane} scales
+ */
+function ends(curve, lux, scales) {
+  const at = lastPoint(curve, lux, scales);
+  if (!at || at[0] >= scales.x.to - 1) return [];
+  if (curve.shape !== null) return [mark(curve.shape, at[0], at[1], curve.color ?? "var(--ink)", 4)];
+  return [svg("path", { d: `M${tenth(at[0])} ${tenth(at[1] - 6)}v12`, class: "d-curve d-ink-line" })];
 }
 
 /**
@@ -191,22 +209,16 @@ function shortened(curve, room) {
 }
 
 /**
- * @param {number[]} end
- * @param {string | null} color
- */
-function stop([x, y], color) {
-  const look = color ? "d-curve" : "d-curve d-ink-line";
-  return svg("path", { d: `M${tenth(x)} ${tenth(y - 6)}v12`, class: look, stroke: color });
-}
-
-/**
  * @param {Styled[]} curves
  * @param {Levels[]} ghosts
  */
 function narrowLegend(curves, ghosts) {
-  const more = curves.map((curve) => ({
-    name: curve.name,
-    drawn: [svg("path", { d: "M1 8H35", class: curve.look, "stroke-dasharray": curve.dash || null, stroke: curve.color })],
+  const more = curves.map(({ name, look, dash, color, shape }) => ({
+    name,
+    drawn: [
+      svg("path", { d: "M1 8H35", class: look, "stroke-dasharray": dash || null, stroke: color }),
+      ...(shape === null ? [] : [mark(shape, 18, 8, color ?? "var(--ink)", 4)]),
+    ],
   }));
   return legend([], "line", ghosts.length, more);
 }

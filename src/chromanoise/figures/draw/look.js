@@ -1,8 +1,9 @@
 /** One look for all figures: colors of channels, a dash and a mark per sensor, legends. */
 
-import { html, svg, tenth } from "draw/svg.js";
+import { fitting, spread } from "draw/axes.js";
+import { html, line, svg, tenth, words } from "draw/svg.js";
 
-/** @typedef {{ drawn: Node[], name: string }} Entry */
+/** @typedef {{ drawn: Node[], name: string, width?: number }} Entry */
 /** @typedef {{ dash: string, color: string }} Line */
 
 /** @type {Record<string, string>} */
@@ -94,6 +95,15 @@ export function markPath(i, x, y, r = 5) {
 }
 
 /**
+ * Whether a sensor's mark is full.
+ *
+ * @param {number} i
+ */
+export function isFull(i) {
+  return i % 2 === Math.floor(i / 6) % 2;
+}
+
+/**
  * A sensor's mark in a color: full for the first, third ..., hollow for those between; 12 differ.
  *
  * @param {number} i
@@ -103,9 +113,61 @@ export function markPath(i, x, y, r = 5) {
  * @param {number} [r]
  */
 export function mark(i, x, y, color = "var(--ink)", r = 5) {
-  const full = i % 2 === Math.floor(i / 6) % 2;
-  const fill = full ? color : "var(--paper)";
+  const fill = isFull(i) ? color : "var(--paper)";
   return svg("path", { d: markPath(i, x, y, r), fill, stroke: color, "stroke-width": 2 });
+}
+
+/**
+ * The name of a sensor over its panel, after its mark where there are several.
+ *
+ * @param {string[]} names
+ * @param {number} i
+ * @param {{ left: number, top: number, room: number }} at
+ */
+export function panelName(names, i, { left, top, room }) {
+  if (names.length < 2) return [words(left, top + 15, fitting(names[i], room, 15), "d-strong")];
+  return [
+    mark(i, left + 7, top + 10, sensorLines(names)[i].color),
+    words(left + 20, top + 15, fitting(names[i], room - 20, 15), "d-strong"),
+  ];
+}
+
+/**
+ * The same in HTML.
+ *
+ * @param {string[]} names
+ * @param {number} i
+ */
+export function panelHeading(names, i) {
+  const text = html("span", {}, names[i]);
+  if (names.length < 2) return html("p", { class: "d-name" }, [text]);
+  const size = { class: "d-swatch", width: 16, height: 16, viewBox: "0 0 16 16" };
+  const drawn = mark(i, 7, 8, sensorLines(names)[i].color);
+  return html("p", { class: "d-name" }, [svg("svg", { ...size, "aria-hidden": "true" }, [drawn]), text]);
+}
+
+const NAME_GAP = 17;
+
+/**
+ * Names at the right of points, each after its mark, with a line from its point; they keep apart.
+ *
+ * @param {{ name: string, at: number[] | null, color: string | null, mark: number | null, dotted: boolean }[]} entries
+ * @param {{ right: number, top: number, bottom: number }} box
+ */
+export function sideNames(entries, { right, top, bottom }) {
+  const wanted = entries.map(({ at }) => (at ? at[1] : bottom));
+  const places = spread(wanted, NAME_GAP, top, bottom);
+  return entries.flatMap(({ name, at, color, mark: shape, dotted }, i) => {
+    const nodes = [];
+    if (at) {
+      const d = line([at, [right + 6, places[i]], [right + 20, places[i]]]);
+      const colored = { fill: "none", stroke: color, "stroke-dasharray": dotted ? "2 3" : null };
+      nodes.push(svg("path", { d, ...(color ? colored : { class: dotted ? "d-now" : "d-thin" }) }));
+    }
+    if (shape !== null) nodes.push(mark(shape, right + 25, places[i], color ?? "var(--ink)", 4));
+    nodes.push(words(right + (shape === null ? 24 : 35), places[i] + 4, name));
+    return nodes;
+  });
 }
 
 /**
@@ -134,10 +196,10 @@ export function legend(names, how = "line", ghosts = 0, more = []) {
   const items = names.map((name, i) => {
     const drawn = [];
     if (how !== "mark") drawn.push(swatchLine("d-curve", lines[i].dash, lines[i].color));
-    if (how !== "line") drawn.push(mark(i, 18, 8, how === "both" ? lines[i].color : "var(--ink)"));
+    if (how !== "line") drawn.push(mark(i, 18, 8, lines[i].color));
     return item(drawn, name);
   });
-  for (const extra of more) items.push(item(extra.drawn, extra.name));
+  for (const extra of more) items.push(item(extra.drawn, extra.name, extra.width));
   if (ghosts) {
     const drawn = how === "mark" ? ghostMark(0, 18, 8) : swatchLine("d-curve d-ghost", "");
     items.push(item([drawn], "pinned"));
@@ -157,9 +219,10 @@ function swatchLine(look, dash, color = null) {
 /**
  * @param {Node[]} drawn
  * @param {string} name
+ * @param {number} [width]
  */
-function item(drawn, name) {
-  const hidden = { class: "d-swatch", width: 36, height: 16, viewBox: "0 0 36 16" };
+function item(drawn, name, width = 36) {
+  const hidden = { class: "d-swatch", width, height: 16, viewBox: `0 0 ${width} 16` };
   const swatch = svg("svg", { ...hidden, "aria-hidden": "true", focusable: "false" }, drawn);
   return html("span", { class: "d-item" }, [swatch, html("span", {}, name)]);
 }

@@ -1,8 +1,8 @@
 /** What a matrix can trade: color error against SNR, along the weight of the noise. */
 
-import { axes, linear, niceRange, textWidth } from "draw/axes.js";
+import { axes, fitting, linear, logarithmic, niceRange, textWidth } from "draw/axes.js";
 import { readable } from "draw/hover.js";
-import { areMany, caption, legend, mark, markPath, note, sameSensor, sensorLines } from "draw/look.js";
+import { areMany, caption, legend, mark, markPath, note, sameSensor, sensorLines, sideNames } from "draw/look.js";
 import { refill } from "draw/refill.js";
 import { figure, figureWidth, known, line, svg, tenth, words } from "draw/svg.js";
 
@@ -29,8 +29,10 @@ export function draw(element, data, options = {}) {
     refill(element, ...[...new Set(why)].map((sentence) => note(sentence)));
     return;
   }
-  const { x, y, height } = plane(data, ghosts, width);
-  const nodes = axes(x, y, { x: "SNR of Y [dB]", y: "training error, mean ΔE*ab", xRoom: 80 });
+  const named = areMany(names) && width >= 560;
+  const room = named ? Math.min(Math.max(...names.map((name) => textWidth(name))) + 40, 0.36 * width) : ROOM.right;
+  const { x, y, height } = plane(data, ghosts, width, room);
+  const nodes = axes(x, y, { x: "SNR of Y [dB]", y: "training error, mean ΔE*ab", xRoom: 80, zero: "x" });
   nodes.push(words(x.to - 4, y.from - 8, "better ↘", "d-quiet d-rim", "end"));
   data.sensors.forEach((sensor, i) => {
     for (const ghost of ghosts) {
@@ -41,20 +43,23 @@ export function draw(element, data, options = {}) {
     }
     nodes.push(...trade(sensor, lines[i], x, y));
   });
-  nodes.push(...labels(data, lines, x, y));
+  if (named) nodes.push(...beside(data, lines, x, y, room - 37));
+  nodes.push(...labels(data, ghosts, lines, x, y));
   const told = figure(width, height, data.title, data.description, nodes);
   const made = data.matrix ? ` (${data.matrix})` : "";
   const key = `Numbers: the weight of the noise in the matrix. Large mark: the matrix now${made}.`;
   readable(element, data.table, () => places(data, x, y));
-  refill(element, caption(data), legend(names, "both", ghosts.length), told, note(key));
+  const keys = named ? (ghosts.length ? [legend([], "line", ghosts.length)] : []) : [legend(names, "both", ghosts.length)];
+  refill(element, caption(data), ...keys, told, note(key));
 }
 
 /**
  * @param {Pareto} data
  * @param {Pareto[]} ghosts
  * @param {number} width
+ * @param {number} room
  */
-function plane(data, ghosts, width) {
+function plane(data, ghosts, width, room) {
   const all = [data, ...ghosts].flatMap((answer) =>
     answer.sensors.flatMap((sensor) => [...sensor.points, sensor.now].filter(whole)),
   );
@@ -63,12 +68,12 @@ function plane(data, ghosts, width) {
     all.map((point) => point.snr_db),
     5,
   );
-  const [low, high] = niceRange(
-    all.map((point) => point.color_error),
-    5,
-  );
-  const x = linear(left, right, ROOM.left, width - ROOM.right);
-  const y = linear(low, high, ROOM.top + tall, ROOM.top);
+  const errors = all.map((point) => point.color_error);
+  const x = linear(left, right, ROOM.left, width - room);
+  const ends = /** @type {[number, number]} */ ([ROOM.top + tall, ROOM.top]);
+  const least = Math.max(1e-3, Math.min(...errors));
+  const wide = data.logarithmic ? [0.8 * least, 1.25 * Math.max(...errors)] : niceRange(errors, 5);
+  const y = (data.logarithmic ? logarithmic : linear)(wide[0], wide[1], ...ends);
   return { x, y, height: ROOM.top + tall + ROOM.bottom };
 }
 
@@ -130,36 +135,48 @@ function trade(sensor, { dash, color }, x, y) {
 }
 
 /**
- * The matrix now, then as many weights as find room; what would touch is left out. Of many sensors,
- * the mark of the matrix now carries the name of the sensor.
+ * The names of many sensors at the right, with lines from the marks of the matrix now.
  *
  * @param {Pareto} data
  * @param {Line[]} lines
  * @param {Scale} x
  * @param {Scale} y
+ * @param {number} room
  */
-function labels(data, lines, x, y) {
+function beside(data, lines, x, y, room) {
+  const entries = data.sensors.map(({ name, now }, i) => {
+    const at = whole(now) ? [x.at(now.snr_db), y.at(now.color_error)] : null;
+    return { name: fitting(name, room), at, color: lines[i].color, mark: i, dotted: true };
+  });
+  return sideNames(entries, { right: x.to, top: y.to, bottom: y.from });
+}
+
+/**
+ * The matrix now, then as many weights as find room; what would touch is left out.
+ *
+ * @param {Pareto} data
+ * @param {Pareto[]} ghosts
+ * @param {Line[]} lines
+ * @param {Scale} x
+ * @param {Scale} y
+ */
+function labels(data, ghosts, lines, x, y) {
   const many = areMany(data.sensors.map((sensor) => sensor.name));
-  const taken = data.sensors.flatMap((sensor) => along(sensor.points.filter(whole), x, y));
+  const curves = [data, ...ghosts].flatMap((answer) => answer.sensors.map((sensor) => sensor.points.filter(whole)));
+  const taken = curves.flatMap((points) => along(points, x, y));
   const words = { left: x.to - 70, right: x.to, top: y.from - 22, bottom: y.from };
   taken.push(words);
-  const marked = [words];
   /** @type {SVGElement[]} */
   const nodes = [];
   data.sensors.forEach((sensor, i) => {
     if (!whole(sensor.now)) return;
     const at = [x.at(sensor.now.snr_db), y.at(sensor.now.color_error)];
-    const box = { left: at[0] - 10, right: at[0] + 10, top: at[1] - 10, bottom: at[1] + 10 };
-    taken.push(box);
-    marked.push(box);
+    taken.push({ left: at[0] - 10, right: at[0] + 10, top: at[1] - 10, bottom: at[1] + 10 });
     nodes.push(mark(i, at[0], at[1], lines[i].color, 7));
   });
   data.sensors.forEach((sensor) => {
-    if (!whole(sensor.now)) return;
-    const free = placed(sensor.now, many ? sensor.name : "now", "d-strong d-rim", x, y, taken, 13);
-    if (free.length || !many) return nodes.push(...free);
-    nodes.push(...placed(sensor.now, sensor.name, "d-strong d-rim", x, y, marked, 13));
-    taken.push(...marked.slice(-1));
+    if (many || !whole(sensor.now)) return;
+    nodes.push(...placed(sensor.now, "now", "d-strong d-rim", x, y, taken, 13));
   });
   data.sensors.forEach((sensor) => {
     /** @type {number[][]} */
@@ -250,7 +267,7 @@ function placed(point, text, look, x, y, taken, gap = 9) {
   );
   for (const [dx, dy] of corners) {
     const box = { left: px + dx, right: px + dx + wide, top: py + dy - 11, bottom: py + dy + 3 };
-    if (box.left < x.from || box.right > x.to + ROOM.right || box.bottom > y.from || box.top < 18) continue;
+    if (box.left < x.from || box.right > x.to + 18 || box.bottom > y.from || box.top < 18) continue;
     if (taken.some((other) => overlap(box, other))) continue;
     taken.push(box);
     return [words(tenth(box.left), py + dy, text, look)];

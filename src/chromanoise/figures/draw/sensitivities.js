@@ -1,8 +1,8 @@
 /** Quantum efficiency of every channel over the spectrum, a panel per sensor, all on one scale. */
 
-import { axes, fitting, linear, niceRange, panels, textWidth } from "draw/axes.js";
+import { axes, linear, niceRange, panels } from "draw/axes.js";
 import { readable } from "draw/hover.js";
-import { areMany, caption, channelColor, legend, sameSensor, sensorDashes } from "draw/look.js";
+import { areMany, caption, channelColor, legend, panelName, sameSensor, sensorDashes } from "draw/look.js";
 import { refill } from "draw/refill.js";
 import { figure, figureWidth, known, line, svg, words } from "draw/svg.js";
 
@@ -13,6 +13,7 @@ import { figure, figureWidth, known, line, svg, words } from "draw/svg.js";
 /** @typedef {{ x: number, y: number }} At */
 
 const TITLES = { x: "wavelength [nm]", y: "quantum efficiency [e⁻/photon]", levelOnly: true };
+const MOST_WIDE = 4; // of more sensors three are side by side where there is room
 const ROOM = { left: 40, right: 18, top: 54, bottom: 44 };
 
 /**
@@ -23,7 +24,7 @@ const ROOM = { left: 40, right: 18, top: 54, bottom: 44 };
 export function draw(element, data, options = {}) {
   const width = figureWidth(element, options);
   const ghosts = options.ghosts ?? [];
-  const grid = panels(data.sensors.length, width, 360);
+  const grid = panels(data.sensors.length, width, data.sensors.length > MOST_WIDE ? 304 : 360);
   const tall = Math.round(Math.min(340, Math.max(210, 0.5 * grid.each)));
   const names = data.sensors.map((sensor) => sensor.name);
   const dashes = areMany(names) ? names.map(() => "") : sensorDashes(names);
@@ -37,7 +38,7 @@ export function draw(element, data, options = {}) {
   const height = grid.rows * (tall + 12) - 12;
   const drawn = figure(width, height, data.title, data.description, nodes);
   readable(element, data.table, () => reads.flatMap((read) => read()));
-  refill(element, caption(data), ...(ghosts.length ? [legend([], "line", ghosts.length)] : []), drawn);
+  refill(element, caption(data), key(data, ghosts.length), drawn);
 }
 
 /**
@@ -64,8 +65,8 @@ function panel(data, i, { box, dash, ghosts, top, reads }) {
   const x = linear(nm[0], last, box.left + ROOM.left, right);
   const y = linear(0, top, box.top + box.height - ROOM.bottom, box.top + ROOM.top);
   reads.push(() => places(data, i, x, y));
-  const nodes = [...light(data, x, y), ...infrared(data, x, y)];
-  nodes.push(...axes(x, y, { ...TITLES, yAt: box.left }), ...heading(sensor, box, dash));
+  const nodes = [light(data, x, y), infrared(data, x, y)];
+  nodes.push(...axes(x, y, { ...TITLES, yAt: box.left }), ...heading(data, i, box, dash));
   for (const ghost of ghosts) nodes.push(...ghostCurves(ghost, sensor, i, x, y));
   const curves = sensor.channels.map((channel) => curve(nm, channel.qe, x, y));
   nodes.push(svg("path", { d: curves.join(""), class: "d-casing" }));
@@ -95,19 +96,19 @@ function places({ sensors, wavelength_nm: nm }, i, x, y) {
 }
 
 /**
- * The sensor's name after a piece of its dash.
+ * The sensor's name after its mark, and at the right a piece of its dash.
  *
- * @param {SensitivitiesSensor} sensor
+ * @param {Sensitivities} data
+ * @param {number} i
  * @param {Box} box
  * @param {string} dash
  */
-function heading(sensor, { left, top, width }, dash) {
-  const piece = { d: `M${left} ${top + 10}h34`, class: "d-curve d-ink-line" };
-  const name = fitting(sensor.name, width - 50, 14);
-  return [
-    svg("path", { ...piece, "stroke-dasharray": dash || null }),
-    words(left + 42, top + 15, name, "d-strong"),
-  ];
+function heading(data, i, { left, top, width }, dash) {
+  const names = data.sensors.map((sensor) => sensor.name);
+  const title = panelName(names, i, { left, top, room: width - (dash ? 64 : 18) });
+  if (!dash) return title;
+  const piece = { d: `M${left + width - 52} ${top + 10}h34`, class: "d-curve d-ink-line" };
+  return [...title, svg("path", { ...piece, "stroke-dasharray": dash })];
 }
 
 /**
@@ -137,15 +138,6 @@ function ghostCurves(ghost, sensor, i, x, y) {
 const LIGHT = 0.94;
 
 /**
- * Where words stand just under the upper edge of a constant light.
- *
- * @param {Scale} y
- */
-function under(y) {
-  return y.to + (1 - LIGHT) * (y.from - y.to) + 15;
-}
-
-/**
  * The light, relative to its highest value, as a faint area over the full height.
  *
  * @param {Sensitivities} data
@@ -157,27 +149,7 @@ function light(data, x, y) {
   const height = (value) => y.from + (y.to - y.from) * value * LIGHT;
   const outline = data.light.map((value, k) => [x.at(data.wavelength_nm[k]), height(value ?? 0)]);
   const d = `${line([[x.from, y.from], ...outline, [x.to, y.from]])}Z`;
-  return [svg("path", { d, class: "d-light" }), words(x.from + 6, under(y), lightName(data, x), "d-quiet")];
-}
-
-/**
- * The light's name, as much of it as leaves room for the words at the other end.
- *
- * @param {Sensitivities} data
- * @param {Scale} x
- */
-function lightName(data, x) {
-  const room = x.to - x.from - 24 - textWidth(infraredName(data, x) ?? "");
-  return fitting(`light ${data.light_name ?? ""}`.trim(), room);
-}
-
-/**
- * @param {Sensitivities} data
- * @param {Scale} x
- */
-function infraredName(data, x) {
-  const span = x.to - x.at(data.infrared_from_nm);
-  return ["near infrared", "NIR"].find((word) => textWidth(word) + 10 < span);
+  return svg("path", { d, class: "d-light" });
 }
 
 /**
@@ -187,34 +159,22 @@ function infraredName(data, x) {
  */
 function infrared(data, x, y) {
   const from = x.at(data.infrared_from_nm);
-  const span = x.to - from;
-  if (!(span > 0)) return [];
-  const area = { x: from, y: y.to, width: span, height: y.from - y.to, class: "d-nir" };
-  const nodes = [svg("rect", area)];
-  const text = infraredName(data, x);
-  if (text) nodes.push(words(x.to - 6, under(y), text, "d-quiet", "end"));
-  return nodes;
+  const width = Math.max(0, x.to - from);
+  return svg("rect", { x: from, y: y.to, width, height: y.from - y.to, class: "d-nir" });
 }
 
 /**
- * Places along the words that stand in the figure already.
+ * Names of the areas, once for all panels.
  *
  * @param {Sensitivities} data
- * @param {Scale} x
- * @param {Scale} y
+ * @param {number} ghosts
  */
-function wordsThere(data, x, y) {
-  const height = under(y) - 5;
-  /**
-   * @param {number} from
-   * @param {string} text
-   */
-  const along = (from, text) => {
-    const steps = Math.ceil(textWidth(text) / 16);
-    return Array.from({ length: steps + 1 }, (_, i) => ({ x: from + 16 * i, y: height }));
-  };
-  const infrared = infraredName(data, x) ?? "";
-  return [...along(x.from + 6, lightName(data, x)), ...along(x.to - 6 - textWidth(infrared), infrared)];
+function key(data, ghosts) {
+  const entries = [
+    { drawn: [svg("path", { d: "M1 14C12 14 8 3 18 3S24 14 35 14Z", class: "d-light" })], name: `light ${data.light_name ?? ""}` },
+    { drawn: [svg("rect", { x: 1, y: 1, width: 34, height: 14, class: "d-nir" })], name: "near infrared" },
+  ];
+  return legend([], "line", ghosts, entries);
 }
 
 /**
@@ -227,7 +187,8 @@ function wordsThere(data, x, y) {
  */
 function letters(data, channels, x, y) {
   const nm = data.wavelength_nm;
-  const taken = wordsThere(data, x, y);
+  /** @type {At[]} */
+  const taken = [];
   const every = Math.max(1, Math.floor(nm.length / 40));
   return channels.map((channel, c) => {
     let best = { x: 0, y: 0, score: -Infinity };

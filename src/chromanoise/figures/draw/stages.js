@@ -1,12 +1,12 @@
 /** SNR raw, contravariant and in color: dots on one dB scale, with the numbers beside them. */
 
-import { fitting, linear, niceRange, panels, textWidth } from "draw/axes.js";
+import { fitting, linear, niceRange, panels, textWidth, zeroLine } from "draw/axes.js";
 import { readable } from "draw/hover.js";
-import { caption, channelColor, ghostMark, legend, mark, sameSensor } from "draw/look.js";
+import { areMany, caption, channelColor, ghostMark, legend, mark, note, sameSensor, sensorLines } from "draw/look.js";
 import { refill } from "draw/refill.js";
 import { figure, figureWidth, html, known, svg, words } from "draw/svg.js";
 
-/** @import { Options, StageKind, StageLine, Stages } from "answers" */
+/** @import { Maybe, Options, StageKind, StageLine, Stages } from "answers" */
 /** @import { Scale } from "draw/axes.js" */
 /** @typedef {StageLine & { ghosts: (number | null | undefined)[][] }} Row */
 /** @typedef {Omit<StageKind, "lines"> & { lines: Row[] }} Filled */
@@ -14,6 +14,8 @@ import { figure, figureWidth, html, known, svg, words } from "draw/svg.js";
 
 const HEAD = 20;
 const ROW = 24;
+const LANE = 12; // from a mark to one that would touch it
+const LEAST_DOTS = 100;
 
 /**
  * @param {HTMLElement} element
@@ -25,7 +27,7 @@ export function draw(element, data, options = {}) {
   const ghosts = options.ghosts ?? [];
   const kinds = data.kinds.map((kind) => withGhosts(kind, data, ghosts));
   const shown = kinds.filter((kind) => kind.lines.length);
-  const plan = layout(data, shown, panels(shown.length, width, 500, 40).each);
+  const plan = layout(data, shown, width);
   const key = legend(
     data.sensors.map((s) => s.name),
     "mark",
@@ -35,7 +37,19 @@ export function draw(element, data, options = {}) {
   const boxes = shown.map((kind, k) => html("div", { class: "d-view" }, [heading(kind), figures[k]]));
   const all = html("div", { class: "d-views d-kinds" }, boxes);
   readable(element, data.table, () => places(shown, plan), true);
-  refill(element, html("div", {}, [caption(data), key, all]));
+  const more = plan.numbers ? [] : [note(`The table has the numbers.${missing(data, shown)}`)];
+  refill(element, html("div", {}, [caption(data), key, all, ...more]));
+}
+
+/**
+ * The sensors that have no mark anywhere.
+ *
+ * @param {Stages} data
+ * @param {Filled[]} kinds
+ */
+function missing(data, kinds) {
+  const empty = data.sensors.filter((_, i) => !kinds.some((kind) => kind.lines.some((row) => known(row.values[i]))));
+  return empty.length ? ` Without any: ${empty.map((sensor) => sensor.name).join(", ")}.` : "";
 }
 
 /**
@@ -63,22 +77,25 @@ function withGhosts(kind, data, ghosts) {
 }
 
 /**
- * Columns of numbers only as wide as their words, the rest for the dots.
+ * Columns of numbers only as wide as their words, the rest for the marks; without numbers where
+ * they would leave no room. Two kinds side by side if there is room for the marks of both.
  *
  * @param {Stages} data
  * @param {Filled[]} kinds
- * @param {number} width
+ * @param {number} whole
  */
-function layout(data, kinds, width) {
+function layout(data, kinds, whole) {
   const all = kinds.flatMap((kind) => kind.lines);
   const left = Math.min(90, Math.max(26, ...all.map((row) => textWidth(row.name, 14) + 6)));
-  const columns = data.sensors.map((_, i) =>
-    Math.max(42, ...all.map((row) => columnWidth(row, i))),
-  );
-  const numbers = columns.reduce((sum, column) => sum + column, 0);
-  const right = Math.max(left, width - numbers - 4);
+  const columns = data.sensors.map((_, i) => Math.max(42, ...all.map((row) => columnWidth(row, i))));
+  const room = columns.reduce((sum, column) => sum + column, 4);
+  const width = panels(kinds.length, whole, Math.max(460, left + room + 240), 40).each;
+  const numbers = width - left - room >= LEAST_DOTS;
+  const dots = numbers ? Math.min(width - room, 900) : width - 8;
   const decibels = kinds.filter((kind) => kind.unit === "dB" && kind.key !== "price");
-  return { width, left, columns, dots: Math.min(right, 900), dB: range(decibels) };
+  const names = data.sensors.map((sensor) => sensor.name);
+  const colors = areMany(names) ? sensorLines(names).map((line) => line.color) : null;
+  return { width, left, columns, numbers, dots, colors, dB: range(decibels) };
 }
 
 /**
@@ -112,8 +129,36 @@ function heading(kind) {
 function dotScale(kind, plan) {
   const own = kind.unit !== "dB" || kind.key === "price";
   const [low, high] = own ? range([kind]) : plan.dB;
-  const x = linear(low, high, plan.left + 8, plan.dots - 12);
-  return { x, roomy: x.to - x.from > 64 && kind.lines.some((row) => row.values.some(known)) };
+  return linear(low, high, plan.left + 8, plan.dots - 12);
+}
+
+/**
+ * The rows of a kind with their lanes.
+ *
+ * @param {Filled} kind
+ * @param {Layout} plan
+ */
+function rowsOf(kind, plan) {
+  const x = dotScale(kind, plan);
+  const head = plan.numbers ? HEAD : 4;
+  let bottom = head;
+  const rows = kind.lines.map(({ values }) => {
+    const lanes = lanesOf(values, x);
+    const tall = Math.max(ROW, 10 + LANE * (1 + Math.max(0, ...lanes)));
+    bottom += tall;
+    return { top: bottom - tall, tall, lanes };
+  });
+  return { x, head, rows, bottom };
+}
+
+/**
+ * How high a mark stands in its row.
+ *
+ * @param {{ top: number, tall: number, lanes: number[] }} place
+ * @param {number} i
+ */
+function height({ top, tall, lanes }, i) {
+  return Math.round(top + tall / 2) + LANE * (lanes[i] - Math.max(0, ...lanes) / 2);
 }
 
 /**
@@ -125,15 +170,15 @@ function dotScale(kind, plan) {
 function places(kinds, plan) {
   let row = -1;
   return kinds.flatMap((kind, figure) => {
-    const { x, roomy } = dotScale(kind, plan);
+    const { x, rows } = rowsOf(kind, plan);
     return kind.lines.flatMap(({ values, text }, k) => {
       row += 1;
       let end = plan.dots;
       return values.flatMap((value, i) => {
         end += plan.columns[i];
-        const at = roomy && known(value) ? x.at(value) : end - 14;
-        const place = { x: at, y: HEAD + ROW * (k + 0.5), row, cells: [0, 1, 2 + i], series: i, figure };
-        return (text[i] ?? null) === null ? [] : [place];
+        if ((text[i] ?? null) === null || !(known(value) || plan.numbers)) return [];
+        const at = known(value) ? x.at(value) : end - 14;
+        return [{ x: at, y: height(rows[k], i), row, cells: [0, 1, 2 + i], series: i, figure }];
       });
     });
   });
@@ -145,14 +190,35 @@ function places(kinds, plan) {
  * @param {number} k
  */
 function section(kind, plan, k) {
-  const { x, roomy } = dotScale(kind, plan);
-  const bottom = HEAD + kind.lines.length * ROW;
-  const nodes = roomy ? scale(x, bottom, kind.unit) : [];
-  nodes.push(...columnMarks(plan));
-  kind.lines.forEach((row, j) => nodes.push(...drawnRow(row, HEAD + ROW * (j + 0.5), x, plan, roomy)));
+  const { x, head, rows, bottom } = rowsOf(kind, plan);
+  const nodes = plan.numbers ? columnMarks(plan) : [];
+  kind.lines.forEach((row, j) => nodes.push(...drawnRow(row, rows[j], x, plan)));
+  const scales = kind.lines.some((row) => row.values.some(known)) ? scale(x, head, bottom, kind.unit) : [];
   const title = `${kind.title}, ${kind.of}`;
-  const height = bottom + (roomy ? 22 : 2);
-  return figure(plan.width, height, title, kind.description, nodes, k ? { tabindex: null } : {}); // one stop
+  const tall = bottom + (scales.length ? 22 : 2);
+  return figure(plan.width, tall, title, kind.description, [...scales, ...nodes], k ? { tabindex: null } : {}); // one stop
+}
+
+/**
+ * A lane per value, so that no mark is over another: the first that is free there.
+ *
+ * @param {Maybe[]} values
+ * @param {Scale} x
+ */
+function lanesOf(values, x) {
+  /** @type {number[]} */
+  const lanes = new Array(values.length).fill(0);
+  /** @type {number[]} */
+  const ends = []; // of each lane
+  const order = values.map((_, i) => i).filter((i) => known(values[i]));
+  order.sort((a, b) => /** @type {number} */ (values[a]) - /** @type {number} */ (values[b]));
+  for (const i of order) {
+    const at = x.at(/** @type {number} */ (values[i]));
+    const free = ends.findIndex((end) => end + LANE <= at);
+    lanes[i] = free < 0 ? ends.length : free;
+    ends[lanes[i]] = at;
+  }
+  return lanes;
 }
 
 /**
@@ -164,18 +230,19 @@ function columnMarks(plan) {
   let end = plan.dots;
   return plan.columns.map((column, i) => {
     end += column;
-    return mark(i, end - 10, 11, "var(--ink)", 4);
+    return mark(i, end - 10, 11, plan.colors?.[i] ?? "var(--ink)", 4);
   });
 }
 
 /**
  * @param {Scale} x
+ * @param {number} top
  * @param {number} bottom
  * @param {string} unit
  */
-function scale(x, bottom, unit) {
+function scale(x, top, bottom, unit) {
   const ticks = x.ticks(Math.max(2, Math.floor((x.to - x.from) / 60)));
-  const d = ticks.map((tick) => `M${Math.round(x.at(tick.value))} ${HEAD}V${bottom}`).join("");
+  const d = ticks.map((tick) => `M${Math.round(x.at(tick.value))} ${top}V${bottom}`).join("");
   const marks = ticks.map((tick, k) => {
     const last = k === ticks.length - 1 && x.to - x.from > 220 && unit;
     return words(
@@ -186,27 +253,29 @@ function scale(x, bottom, unit) {
       "middle",
     );
   });
-  return [svg("path", { d, class: "d-grid" }), ...marks];
+  return [svg("path", { d, class: "d-grid" }), ...zeroLine(x, top, bottom), ...marks];
 }
 
 /**
  * @param {Row} row
- * @param {number} y
+ * @param {{ top: number, tall: number, lanes: number[] }} place
  * @param {Scale} x
  * @param {Layout} plan
- * @param {boolean} roomy
  */
-function drawnRow(row, y, x, plan, roomy) {
+function drawnRow(row, place, x, plan) {
+  const y = Math.round(place.top + place.tall / 2);
   const color = channelColor(row.name);
-  const nodes = [words(0, y + 5, fitting(row.name, plan.left, 14), "d-strong")];
-  if (roomy) {
-    nodes.push(svg("path", { d: `M${x.from} ${y}H${x.to}`, class: "d-grid" }));
-    for (const ghost of row.ghosts) {
-      ghost.forEach((v, i) => known(v) && nodes.push(ghostMark(i, x.at(v), y)));
-    }
-    row.values.forEach((v, i) => known(v) && nodes.push(mark(i, x.at(v), y, color)));
+  const r = plan.colors ? 4 : 5;
+  const nodes = [words(1, y + 5, fitting(row.name, plan.left, 14), "d-strong")];
+  nodes.push(svg("path", { d: `M${x.from} ${y}H${x.to}`, class: "d-grid" }));
+  for (const ghost of row.ghosts) {
+    ghost.forEach((v, i) => known(v) && nodes.push(ghostMark(i, x.at(v), height(place, i), r)));
   }
+  row.values.forEach((v, i) => {
+    if (known(v)) nodes.push(mark(i, x.at(v), height(place, i), plan.colors?.[i] ?? color, r));
+  });
   let end = plan.dots;
+  if (!plan.numbers) return nodes;
   row.values.forEach((v, i) => {
     end += plan.columns[i];
     nodes.push(words(end, y + 5, row.text[i] ?? "", known(v) ? "" : "d-tick", "end"));

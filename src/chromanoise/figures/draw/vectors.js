@@ -2,7 +2,7 @@
 
 import { panels, textWidth } from "draw/axes.js";
 import { readable } from "draw/hover.js";
-import { caption, channelColor, legend, note, sameSensor } from "draw/look.js";
+import { caption, channelColor, legend, note, panelHeading, sameSensor } from "draw/look.js";
 import { ball, eye, greatCircle, silhouette, tips } from "draw/solid.js";
 import { figure, figureWidth, html, line, svg, tenth, words } from "draw/svg.js";
 
@@ -29,6 +29,7 @@ import { figure, figureWidth, html, line, svg, tenth, words } from "draw/svg.js"
  * @property {HTMLElement} root
  */
 
+const MOST_WIDE = 4; // of more sensors four are side by side where there is room
 const HOME = [30, 20];
 /** @type {Record<string, number[]>} */
 const KEYS = { ArrowLeft: [-5, 0], ArrowRight: [5, 0], ArrowUp: [0, 5], ArrowDown: [0, -5] };
@@ -68,10 +69,11 @@ export function draw(element, data, options = {}) {
  * @param {number} ghosts
  */
 function built(element, data, width, ghosts) {
-  const { each } = panels(data.sensors.length, width, 300);
+  const { each } = panels(data.sensors.length, width, data.sensors.length > MOST_WIDE ? 220 : 300);
   const size = { width: each, height: Math.round(Math.min(420, Math.max(240, 0.8 * each))) };
   const view = /** @type {View} */ ({ element, size, held: false }); // the rest comes with the data
-  view.solids = data.sensors.map((sensor) => solid(sensor, size, view));
+  const names = data.sensors.map((sensor) => sensor.name);
+  view.solids = names.map((_, i) => solid(names, i, size, view));
   view.status = html("p", { class: "d-note", role: "status" });
   view.title = caption(data);
   const boxes = view.solids.map(({ box }) => box);
@@ -81,12 +83,13 @@ function built(element, data, width, ghosts) {
 }
 
 /**
- * @param {VectorsSensor} sensor
+ * @param {string[]} names
+ * @param {number} i
  * @param {Size} size
  * @param {View} view
  */
-function solid(sensor, { width, height }, view) {
-  const root = figure(width, height, `Vectors of ${sensor.name} in the space of color`, "", [], {
+function solid(names, i, { width, height }, view) {
+  const root = figure(width, height, `Vectors of ${names[i]} in the space of color`, "", [], {
     class: "d-figure d-turning",
     tabindex: 0,
     "aria-keyshortcuts": "ArrowLeft ArrowRight ArrowUp ArrowDown Home",
@@ -95,7 +98,7 @@ function solid(sensor, { width, height }, view) {
   const scene = svg("g");
   root.append(scene);
   const told = note("");
-  const box = html("div", { class: "d-view" }, [html("p", { class: "d-name" }, sensor.name), root, told]);
+  const box = html("div", { class: "d-view" }, [panelHeading(names, i), root, told]);
   box.style.setProperty("width", `${width}px`);
   root.addEventListener("keydown", (event) => turnByKey(event, view));
   root.addEventListener("pointerdown", (event) => hold(event, root, view));

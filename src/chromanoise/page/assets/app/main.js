@@ -31,8 +31,8 @@ const IDLE_MS = 300;
 /** Questions of the newest states that are under way at once. */
 const IN_FLIGHT = 2;
 
-/** Of one of two columns of A4, where the style of print makes 0.7 of it. */
-const PAPER_PX = 476;
+/** Of A4 and Letter, where the style of print makes 0.7 of it. */
+const PAPER_PX = 976;
 
 /** Parts that a trained matrix makes so slow that nothing else shall wait for them. */
 const SLOW = new Set(["levels", "pareto", "chart", "vectors"]);
