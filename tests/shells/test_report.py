@@ -169,7 +169,7 @@ SHOWN = {  # each field of a study: a study that has it, and what the report the
     "sensors": ({"sensors": [SENSOR | {"label": "mine"}]}, ["mine", "sensors.0.label"]),
     "matrices": (
         {"matrices": ["kernel", "lmmse", "ridge=0.02"]},
-        ["With the lmmse matrix", "With the ridge=0.02 matrix", "ridge (0.02)"],
+        ["With the lmmse matrix", "With the ridge=0.02 matrix", "ridge 0.02"],
     ),
     "prior": ({"matrices": ["lmmse"], "prior": "smooth-50"}, ["smooth-50"]),
     "reflectances": ({"reflectances": {"patch": 0.4}}, ["reflectances.patch", "0.4"]),

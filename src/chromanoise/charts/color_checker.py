@@ -94,7 +94,8 @@ def _description(patches: list[dict[str, str]], sensors: list[dict[str, Any]]) -
 def _table(patches: list[dict[str, str]], sensors: list[dict[str, Any]]) -> dict[str, Any]:
     head = ["patch"]
     for sensor in sensors:
-        head += [f"{sensor['name']} ΔE*ab", f"{sensor['name']} noise ΔE*ab"]
+        name = sensor["name"]
+        head += [f"{name} color error [ΔE*ab]", f"{name} color noise [ΔE*ab]"]
     rows = []
     for k, patch in enumerate(patches):
         row = [patch["name"]]
