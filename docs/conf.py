@@ -29,7 +29,7 @@ extensions = [
     "mathml",
     "reference_pages",
 ]
-exclude_patterns = ["_ext", "gallery", "**/.ipynb_checkpoints", "**/GALLERY_HEADER.rst"]
+exclude_patterns = ["_ext", "gallery", "auto_gallery/*.ipynb", "**/.ipynb_checkpoints"]
 nitpicky = True
 nitpick_ignore_regex = [(r"py:.*", r".*")]  # types of other libraries have no pages here
 default_role = "py:obj"
