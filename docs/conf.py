@@ -52,6 +52,7 @@ myst_heading_anchors = 4
 myst_fence_as_directive = []
 nb_execution_mode = "cache"
 nb_execution_cache_path = str(HERE.parent / "out" / "notebooks")
+nb_execution_in_temp = True
 nb_execution_timeout = 120
 nb_execution_raise_on_error = True
 nb_ipywidgets_js = {}
