@@ -64,6 +64,7 @@ def opened(browser: Any, address: str, size: dict[str, int]) -> Any:
     page = browser.new_context(viewport=size).new_page()
     page.goto(address)
     drawn = "section.panel[data-part]:not([data-part=picture])[aria-busy]"
+    until(page, "document.documentElement.dataset.painted")
     until(page, f"document.querySelectorAll('{drawn}').length === 0")
     page.wait_for_timeout(1000)
     page.get_by_label("Light level", exact=True).focus()

@@ -7,8 +7,6 @@ from pathlib import Path
 import pytest
 import yaml
 
-import chromanoise
-
 ROOT = Path(__file__).parents[1]
 CITATION = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
@@ -17,8 +15,12 @@ HEADINGS = re.findall(
 )
 
 
-def test_the_citation_has_the_version_the_license_and_the_keywords_of_the_package():
-    assert CITATION["version"] == chromanoise.__version__
+RELEASED = re.compile(r"\[(\d+\.\d+\.\d+)\] - (\d{4}-\d{2}-\d{2}|not yet released)")
+
+
+def test_the_citation_has_version_and_date_of_the_newest_release_and_what_the_package_says():
+    newest = RELEASED.fullmatch(HEADINGS[1])
+    assert (CITATION["version"], str(CITATION["date-released"])) == newest.groups()
     assert CITATION["license"] == PROJECT["license"]
     assert CITATION["keywords"] == PROJECT["keywords"]
     assert CITATION["authors"] == PROJECT["authors"]
@@ -32,15 +34,13 @@ def test_the_citation_names_the_paper():
     ).replace(',"', '"')
 
 
-def test_the_changelog_has_a_section_for_changes_to_come_and_one_for_this_version():
+def test_the_changelog_has_a_section_for_changes_to_come_and_one_for_each_version():
     """Form of https://keepachangelog.com/en/1.1.0/; a release replaces the words by its date."""
     assert HEADINGS[0] == "[Unreleased]"
-    form = re.compile(r"\[(\d+\.\d+\.\d+)\] - (\d{4}-\d{2}-\d{2}|not yet released)")
-    versions = [form.fullmatch(heading) for heading in HEADINGS[1:]]
+    versions = [RELEASED.fullmatch(heading) for heading in HEADINGS[1:]]
     assert all(versions), HEADINGS
     numbers = [tuple(map(int, one[1].split("."))) for one in versions]
     assert numbers == sorted(set(numbers), reverse=True)
-    assert versions[0][1] == chromanoise.__version__
 
 
 def test_the_classifiers_name_every_python_that_the_workflow_tests():
@@ -63,3 +63,20 @@ def test_no_committed_file_names_a_registry_of_packages():
     lock = (ROOT / "package-lock.json").read_text(encoding="utf-8")
     assert '"integrity"' in lock
     assert '"resolved"' not in lock
+
+
+def test_the_conda_recipe_needs_what_the_package_needs():
+    text = (ROOT / "packaging/conda/recipe.yaml").read_text(encoding="utf-8")
+    needs = yaml.safe_load(text)["requirements"]["run"]
+    named = {need.replace(" ", "").replace("matplotlib-base", "matplotlib") for need in needs}
+    assert named == {*PROJECT["dependencies"], f"python{PROJECT['requires-python']}"}
+
+
+def test_a_release_publishes_only_what_was_built_tried_and_signed():
+    text = (ROOT / ".github/workflows/release.yml").read_text(encoding="utf-8")
+    jobs = yaml.safe_load(text)["jobs"]
+    assert (jobs["try"]["needs"], jobs["publish"]["needs"]) == ("build", "try")
+    used = [step.get("uses", "").partition("@")[0] for step in jobs["publish"]["steps"]]
+    signed, published = "actions/attest-build-provenance", "pypa/gh-action-pypi-publish"
+    assert used.index(signed) < used.index(published)
+    assert jobs["publish"]["permissions"]["id-token"] == "write"

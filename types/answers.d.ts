@@ -38,6 +38,7 @@ export interface SensorPart {
 export interface LightPart {
   illuminant?: string;
   level_lux?: number;
+  beyond?: string;
   [key: string]: unknown;
 }
 
@@ -85,6 +86,10 @@ export interface Look {
   turn: number[];
   magnification: Maybe;
   open: string[];
+  /** Whether the exposure time is solved for again whenever something changes. */
+  auto_exposure: boolean;
+  /** The step of the guided story, from 1. */
+  story: Maybe;
 }
 
 export interface State {
@@ -102,6 +107,8 @@ export interface Range {
   high: number;
   scale?: string;
   step?: number;
+  /** Whether only whole numbers make sense. */
+  whole?: boolean;
 }
 
 /** A slider of the study; a step of a logarithmic one is of log10. */
@@ -111,6 +118,32 @@ export interface Slider extends Range {
   unit: string;
 }
 
+/** One field of a study, from which a control is made. */
+export interface Field extends Partial<Range> {
+  key: string;
+  section: string;
+  /** Title of its drawer; "" for none. */
+  group: string;
+  label: string;
+  what: string;
+  kind: "number" | "choice" | "flag" | "text" | "channels";
+  default: number | string | boolean | number[] | null;
+  /** A key without which it has no effect. */
+  needs: string | null;
+  unit?: string;
+  options?: string[];
+  suggestions?: string[];
+  /** What stands in an empty field. */
+  hint?: string;
+  numeric?: boolean;
+  many?: boolean;
+  /** What a file in place of the value holds, and a table to begin with. */
+  file?: string;
+  example?: string;
+}
+
+export type PixelValues = Record<string, Maybe>;
+
 export interface KnownSensor {
   name: string;
   what: string;
@@ -119,6 +152,7 @@ export interface KnownSensor {
   pitch_um: number;
   full_well_e: number;
   read_noise_e: number;
+  pixel: PixelValues;
 }
 
 export interface KnownSweep {
@@ -129,30 +163,61 @@ export interface KnownSweep {
   last: number;
 }
 
-export interface Equation {
+/** What is behind a `?`; formulas and symbols are MathML. */
+export interface Explanation {
   title: string;
-  equation: string;
+  words: string;
+  formulas: string[];
+  symbols: { symbol: string; meaning: string; unit: string }[];
   source: string;
+}
+
+/** A chart as a section: `shows` is its caption, `explanations` are keys of equations. */
+export interface Section {
+  part: Part | "head" | "picture";
+  heading: string;
+  shows: string;
+  explanations: string[];
 }
 
 export interface Choices {
   version: string;
+  /** In their order. */
+  sections: Section[];
   study?: Study;
   /** Whether `/api/front` has one. */
   front?: boolean;
   sensors: KnownSensor[];
   illuminants: string[];
-  filters?: string[];
+  /** Where the tables of illuminants end that need an answer to `light.beyond`. */
+  illuminant_ends_nm: Record<string, number>;
   scenes?: string[];
   denoising: { name: string; what: string }[];
   matrices: { name: string; parameter: string | null }[];
   priors: string[];
-  prior?: string;
   coordinates?: string[];
   sliders: Slider[];
+  fields: Field[];
+  hints?: Record<string, string>;
   sweeps: KnownSweep[];
   quantities: { name: string; what: string }[];
-  equations?: Record<string, Equation>;
+}
+
+// ---- /api/story -------------------------------------------------------------------------------
+
+/** A step of the guided story: a state of the page, and what it shows. */
+export interface StoryStep {
+  heading: string;
+  /** The panels that show it. */
+  parts: (Part | "picture" | "head")[];
+  sentences: string[];
+  task: string;
+  study: Study;
+  look: Partial<Look>;
+}
+
+export interface Story {
+  steps: StoryStep[];
 }
 
 // ---- /api/answer: the parts -------------------------------------------------------------------
@@ -166,6 +231,7 @@ export interface HeadSensor {
   pitch_um: number;
   full_well_e: number;
   read_noise_e: number;
+  pixel: PixelValues;
   saturated: string[];
   mean_e: Record<string, number>;
   notes?: string[];
@@ -189,7 +255,21 @@ export interface Head {
   light: { name: string; level_lux: number; text: string };
   sensors: HeadSensor[];
   table: Table;
-  electrons: Table;
+  ranking: Ranking;
+}
+
+/** The table of the sensors: a column per key, and a row of values and of text per sensor. */
+export interface Ranking {
+  columns: RankingColumn[];
+  rows: { name: string; values: Maybe[]; text: string[]; saturated: string[] }[];
+  notes: string[];
+}
+
+export interface RankingColumn {
+  key: string;
+  head: string;
+  what: string;
+  better: "higher" | "lower" | null;
 }
 
 export interface Curve {
@@ -483,7 +563,7 @@ export interface UploadedStudy extends UploadedPart {
 }
 
 /** What the id of a file stands for. */
-export type FileKind = "sensor" | "light" | "cube" | "crosstalk" | "matrix" | "pixel";
+export type FileKind = "sensor" | "light" | "cube" | "crosstalk" | "matrix" | "pixel" | "pairs";
 
 export interface UploadedFile extends UploadedPart {
   kind: FileKind;
@@ -588,5 +668,7 @@ export type ReportChanges = Record<string, { whole?: object }>;
 export interface ReportData {
   parts: Record<string, object>;
   slides: ReportSlide[];
+  /** By part, of the study itself, to full precision. */
+  csv: Record<string, string>;
   chart_of: { circle: number[][]; patches: { name: string; srgb: string; truth: number[] }[] };
 }

@@ -96,7 +96,11 @@ if TYPE_CHECKING:
         study_from_data,
     )
 
-__version__ = "0.1.0"
+try:
+    from chromanoise._version import version as _version
+except ImportError:  # a source tree that was never installed
+    _version = "0+unknown"
+__version__: str = _version
 
 __all__ = [
     "Analyses",

@@ -713,8 +713,42 @@ def test_the_verdict_of_the_papers_sensors_is_the_papers():
     result = " ".join(drawing("head", usual())["verdict"])
     assert "onyx-rgbw is 4.5 dB better than onyx-rgb-ircut in raw" in result
     assert "6.4 dB worse in luminance" in result
-    assert "unmixing correlated channels" in result
-    assert "Delta E*ab" in result
+    assert "correlation (unmixing channels that look alike) costs" in result
+    assert "ΔE*ab over the patches of the ColorChecker" in result
+
+
+def bars(of):
+    """What the bars of each sensor are called, and their numbers as they are shown."""
+    sensors = drawing("budget", of)["sensors"]
+    return {one["name"]: {step["label"]: step["text"] for step in one["steps"]} for one in sensors}
+
+
+@pytest.mark.parametrize(
+    "second",
+    [
+        {"name": "onyx-rgb-ircut"},
+        {"name": "onyx-rgb", "crosstalk": 0.3, "mosaic": "bayer"},
+        {"name": "onyx-rgb-ircut", "pixel": {"prnu": 0.05, "dsnu_e": 60.0}},
+        {"name": "onyx-rgb-ircut", "pixel": {"pitch_um": 1.0}},
+    ],
+)
+def test_every_number_of_the_verdicts_reasons_is_that_of_the_bar_of_the_same_name(second):
+    sensors = [{"name": "onyx-rgbw"}, second]
+    of = shown(study_from_data({"sensors": sensors, "light": {"level_lux": 10.0}}, source=""))
+    (why,) = (one for one in drawing("head", of)["verdict"] if one.startswith("Why "))
+    names, _, reasons = why.removeprefix("Why ").rstrip(".").partition(": ")
+    loser, _, winner = names.partition(" has less luminance SNR than ")
+    found = 0
+    for reason in reasons.split("; "):
+        label, own, other = re.match(
+            r"([^(:]+?)(?: \(.+?\))?(?: costs|:) (\S+) dB, against (\S+) dB", reason
+        ).groups()
+        sign = "" if re.search(r"^[^(]*:|\): ", reason) else "\N{MINUS SIGN}"
+        for name, number in ((loser, own), (winner, other)):
+            bar = bars(of)[name].get(label, "0.0")
+            assert bar == (number if float(number.replace("−", "-")) == 0 else sign + number)
+            found += 1
+    assert found >= 2
 
 
 @pytest.mark.parametrize("crossed", [0, 1])
@@ -735,7 +769,12 @@ def test_a_pixel_of_a_hundredth_of_the_area_loses_20_db_for_photons_and_the_verd
     small = {"name": "onyx-rgb-ircut", "pixel": {"pitch_um": 1.0}}
     values = {"light": {"level_lux": 10.0}, "sensors": [{"name": "onyx-rgb-ircut"}, small]}
     verdict = drawing("head", shown(study_from_data(values, source="a test")))["verdict"]
-    assert "than onyx-rgb-ircut: fewer photons reach its pixels: 20.0 dB;" in verdict[1]
+    photons = [
+        steps["all photons"] for steps in bars(shown(study_from_data(values, source=""))).values()
+    ]
+    first, second = map(float, photons)
+    assert first - second == pytest.approx(20.0, abs=0.1)
+    assert f"all photons: {photons[1]} dB, against {photons[0]} dB" in verdict[1]
 
 
 @pytest.mark.parametrize(
@@ -755,9 +794,11 @@ def test_the_reasons_that_are_told_reach_the_gap(names, illuminant):
         "head", shown(fast_study(*names, light={"illuminant": illuminant, "level_lux": 1.0}))
     )["verdict"]
     ours, theirs = re.search(r"SNR of Y (-?[\d.]+) against (-?[\d.]+) dB", first).groups()
-    costs = re.findall(r"costs (-?[\d.]+) dB, against (-?[\d.]+) dB for", why)
-    reached = sum(float(here) - float(there) for here, there in costs)
-    reached += sum(float(beyond) for beyond in re.findall(r": ([\d.]+) dB", why))
+    numbers = r"([−+]?[\d.]+) dB, against ([−+]?[\d.]+) dB for"
+    found = re.findall(rf"(costs|:) {numbers}", why)
+    levels = [[float(one.replace("−", "-")) for one in pair] for _, *pair in found]
+    signs = [1.0 if word == "costs" else -1.0 for word, *_ in found]
+    reached = sum(sign * (here - there) for sign, (here, there) in zip(signs, levels, strict=True))
     assert reached > abs(float(ours) - float(theirs)) - 0.3 - 0.4  # and rounding
 
 
@@ -775,7 +816,7 @@ def test_what_a_sensor_alone_loses_below_its_raw_channels_is_not_what_they_lack_
     assert "read noise" not in message
     assert "-0.0" not in message
     price = float(re.search(r"SNR for an eye, ([\d.]+) dB below", message)[1])
-    why = re.search(r"(mostly|above all) because of [^;]+ \(([\d.]+) dB\)", message)
+    why = re.search(r"(mostly|above all) because of [^;]+: ([\d.]+) dB", message)
     assert (why is None) <= (price < 1.0)
     if why:
         share = float(why[2]) / price
@@ -797,11 +838,22 @@ def test_terms_other_than_one_time_for_all_are_told():
 
 
 def test_the_verdict_tells_of_saturated_sensors_and_of_one_alone():
-    eye, machine, saturated = drawing("head", bright())["verdict"]
-    assert eye.startswith("At 10 lx (illuminant E, 30 ms, f/1.8), onyx-rgb-ircut has")
-    assert "onyx-rgbw" not in machine
-    assert saturated.startswith("onyx-rgbw: ")
+    saturated, eye, machine = drawing("head", bright())["verdict"]
+    assert saturated.startswith("At 10 lx (illuminant E, 30 ms, f/1.8), onyx-rgbw: ")
     assert "saturated" in saturated
+    assert eye.startswith("onyx-rgb-ircut has")
+    assert "onyx-rgbw" not in machine
+
+
+@pytest.mark.parametrize("reader", ["eye", "machine"])
+def test_a_verdict_names_time_and_f_number_whoever_looks_and_whatever_is_saturated(reader):
+    outputs = {"reader": reader}
+    for sensors in (BOTH, BOTH[:1]):
+        for time_ms in (5.0, 100.0):  # below full well, and all channels beyond it
+            exposure = {"time_ms": time_ms, "f_number": 1.4}
+            told = drawing("head", shown(study_of(*sensors, exposure=exposure, outputs=outputs)))
+            where = f"At 10 lx (illuminant E, {time_ms:g} ms, f/1.4), "
+            assert told["verdict"][0].startswith(where)
 
 
 @pytest.mark.parametrize(

@@ -122,8 +122,24 @@ def window(browser, address, watch):
 def page(window):
     """A window with `EVERYTHING`, all drawers open."""
     one = window({"study": EVERYTHING, "look": {}})
-    one.evaluate("document.querySelectorAll('details').forEach((node) => (node.open = true))")
+    open_drawers(one)
     return one
+
+
+def open_drawers(page):
+    """Open every drawer; the content of some is made when they are opened."""
+    page.evaluate(
+        """() => {
+            for (;;) {
+                const closed = document.querySelectorAll("details:not([open])");
+                if (closed.length === 0) return;
+                for (const one of closed) {
+                    one.open = true;
+                    one.dispatchEvent(new Event("toggle"));
+                }
+            }
+        }"""
+    )
 
 
 def packed(state):
@@ -164,8 +180,8 @@ def until(page, truth, argument=None):
 
 def at_rest(page):
     """Wait until every drawing has been made of the state that is shown."""
-    until(page, f"() => document.querySelectorAll('{DRAWN}[aria-busy]').length === 0")
     until(page, "() => Number(document.documentElement.dataset.painted) > 0")
+    until(page, f"() => document.querySelectorAll('{DRAWN}[aria-busy]').length === 0")
 
 
 def painted(page):

@@ -1,6 +1,7 @@
 """The commands: what they write is what the library says, and bad input is one sentence."""
 
 import json
+import re
 from functools import partial
 from importlib import import_module
 from pathlib import Path
@@ -278,6 +279,12 @@ def test_demo_writes_one_page_that_needs_nothing_from_elsewhere(run, tmp_path, m
     assert "reconstruction" in page
     outside = [part for part in ('src="http', 'href="http', "url(http", "@import") if part in page]
     assert outside == []
+    offered = set(re.findall(r'href="([^"#]+)" download', page))
+    assert offered == {path.name for path in (tmp_path / "demo").iterdir()} - {"index.html"}
+    anchors = set(re.findall(r'href="#([^"]+)"', page))
+    assert anchors <= set(re.findall(r'id="([^"]+)"', page))
+    words = re.sub(r"<style>.*?</style>|<math.*?</math>|<[^>]*>", " ", page, flags=re.DOTALL)
+    assert not re.search(r"\w\^|\w_\w|\bsqrt\b|\btheta\b", words)  # mathematics is MathML
     names = {path.stem for path in Path(tmp_path / "demo").glob("figure-*.svg")}
     assert len(names) == 10
 

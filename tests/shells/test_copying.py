@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import tifffile
 
-from chromanoise.study import study_as_command, study_from_text
+from chromanoise.study import study_as_command, study_from_data, study_from_text
 from outcomes import refused
 
 GIVEN = ("--lux", 3, "--f-number", 2.8, "--metric", "energy")
@@ -212,7 +212,38 @@ COMMANDS = [
 def test_the_command_of_a_study_is_the_one_that_it_was_copied_from(run, line):
     code, out, err = run(*shlex.split(line)[1:], "--copy-as", "toml")
     assert code == 0, err
-    assert study_as_command(study_from_text(out, source="copied")) == line
+    command, _, folder = study_as_command(study_from_text(out, source="copied")).partition(
+        " --out "
+    )
+    assert command == line
+    assert folder.startswith("out/simulate-") == ("simulate" in line)
+
+
+MINE = {"name": "my cam.csv", "beyond": "zero", "answers": {"scale": "percent"}}
+TWICE = [  # a study of each kind, with a file, labels, pictures and sweeps
+    {"matrices": ["kernel", "lmmse"]},
+    {"sensors": [MINE | {"label": "it's mine"}]},
+    {"sensors": [MINE], "pictures": [{}]},
+    {"sweeps": [{"vary": "lux", "first": 0.1, "last": 10.0, "points": 2}]},
+]
+
+
+def test_copied_commands_run_twice_in_one_folder_and_beside_each_other(
+    run, curves, monkeypatch, tmp_path
+):
+    monkeypatch.chdir(tmp_path)
+    folders = []
+    for part in TWICE:
+        for lux in (3.0, 4.0):
+            data = {"sensors": [{"name": "onyx-rgbw"}], "light": {"level_lux": lux}} | part
+            command = study_as_command(study_from_data(data, source=""))
+            line, _, text = command.partition(" <<'STUDY'\n")
+            (tmp_path / "stdin.toml").write_text(text.removesuffix("STUDY"))
+            words = ["stdin.toml" if one == "/dev/stdin" else one for one in shlex.split(line)]
+            folders += words[words.index("--out") + 1 :][:1] if "--out" in words else []
+            printed = [run(*words[1:]) for _ in range(2)]
+            assert [code for code, _, _ in printed] == [0, 0], printed
+    assert len(set(folders)) == len(folders) == 6
 
 
 @pytest.mark.parametrize(

@@ -37,6 +37,19 @@ def test_a_matrix_in_lux_per_electron_comes_back_to_the_last_digit(exported, end
     assert again["color"]["snr_db"] == made["color"]["snr_db"]
 
 
+@pytest.mark.parametrize("ending", ["csv", "json", "clf", "dcp.json"])
+def test_a_result_exports_the_file_of_the_command(exported, tmp_path, ending):
+    own = tmp_path / f"own.{ending}"
+    assert cn.matrix(SENSOR, lux=10).export(own) == own
+    assert own.read_bytes() == exported(ending).read_bytes()
+
+
+def test_a_matrix_is_not_exported_to_a_file_of_an_unknown_ending(tmp_path):
+    with refused_input(value="own.txt", subject="path"):
+        cn.matrix(SENSOR, lux=10).export(tmp_path / "own.txt")
+    assert not list(tmp_path.iterdir())
+
+
 @pytest.mark.parametrize("ending", ["clf", "dcp.json"])
 def test_a_balanced_matrix_comes_back_to_the_last_digit(exported, ending):
     own = json.loads(exported("json").read_text())["balanced"]

@@ -56,9 +56,11 @@ def test_every_equation_opens_by_keyboard_and_closes_with_the_focus_where_it_was
     for i in range(askers.count()):
         askers.nth(i).focus()
         page.keyboard.press("Enter")
-        dialog = page.get_by_role("dialog", name="Equation and source")
+        dialog = page.get_by_role("dialog", name="Explanation")
         dialog.wait_for()
-        assert dialog.locator(".formula").first.inner_text()
+        dialog.locator(".formula math").first.wait_for()
+        assert dialog.locator(".words").first.inner_text()
+        assert dialog.locator(".symbols dt math").count()
         assert dialog.locator(".source").first.inner_text()
         page.keyboard.press("Escape" if i % 2 else "Enter")
         dialog.wait_for(state="hidden")

@@ -5,7 +5,7 @@ from importlib.resources import files
 
 import pytest
 
-from shells.browser import FIXTURES, answer_to, at_rest, until
+from shells.browser import FIXTURES, answer_to, at_rest, open_drawers, until
 
 address, browser, watch, window, page = FIXTURES
 
@@ -22,7 +22,7 @@ FULL = {
         "light": {"illuminant": "E+0.5xLED850", "level_lux": 20.0},
         "sensors": [{"name": "onyx-rgbw"}, {"name": "onyx-rgb-ircut"}, {"name": "model-rgbir"}],
     },
-    "look": {"open": ["stages", "budget", "vectors"]},
+    "look": {"open": ["stages", "budget", "vectors"], "story": 2},
 }
 
 
@@ -61,8 +61,9 @@ def test_axe_finds_no_fault_in_the_page_nor_in_its_dialogs(window, watch, axe, s
     page.locator("[data-part=picture] img").first.wait_for()
     page.locator("#keep").click()
     page.get_by_label("Name of this pin").wait_for()
-    page.evaluate("document.querySelectorAll('details').forEach((node) => (node.open = true))")
+    open_drawers(page)
     assert faults_of_access(page, axe, rules) == []
+    page.evaluate("document.querySelectorAll('.drawer').forEach((node) => (node.open = false))")
     page.locator("button.equation").first.click()
     assert faults_of_access(page, axe, rules) == []
     page.keyboard.press("Escape")

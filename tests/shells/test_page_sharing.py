@@ -306,7 +306,7 @@ def test_two_windows_with_different_studies_do_not_mix(window):
     seen = []
     for page, level in ((one, 2.0), (two, 200.0)):
         number = page.get_by_label("f-number, as a number").input_value()
-        fields = "[...document.querySelectorAll('#electrons td:nth-child(3)')]"
+        fields = "[...document.querySelectorAll('#electrons td[data-key=f_number]')]"
         until(page, f"(f) => {fields}.every((one) => Number(one.textContent) === f)", float(number))
         page.wait_for_url(lambda _, n=float(number): study_of(page)["exposure"]["f_number"] == n)  # noqa: B023
         assert study_of(page)["light"]["level_lux"] == level
@@ -316,7 +316,7 @@ def test_two_windows_with_different_studies_do_not_mix(window):
 
 
 def test_a_server_that_stops_is_told_in_one_sentence_until_it_is_back(window, watch):
-    watch.forgive("ERR_CONNECTION_REFUSED|ERR_EMPTY_RESPONSE|ERR_CONNECTION_RESET")
+    watch.forgive("ERR_CONNECTION_REFUSED|ERR_EMPTY_RESPONSE|ERR_CONNECTION_RESET|status of 503")
     with served() as (where, process):
         page = window(at=where)
         stopped(process)
@@ -332,6 +332,6 @@ def test_a_server_that_stops_is_told_in_one_sentence_until_it_is_back(window, wa
             lost.wait_for(state="hidden")
             until(
                 page,
-                "(f) => document.querySelector('#electrons td:nth-child(3)').textContent === f",
+                "(f) => document.querySelector('[data-key=f_number]').textContent === f",
                 field,
             )

@@ -155,7 +155,7 @@ def test_a_damaged_file_of_any_format_is_answered_and_never_an_error_of_the_serv
     [
         ({"pictures": [{}] * 100_000}, "pictures"),
         ({"sweeps": [{}] * 65}, "sweeps"),
-        ({"sensors": [{"name": "onyx-rgb"}] * 9}, "sensors"),
+        ({"sensors": [{"name": "onyx-rgb"}] * 11}, "sensors"),
         ({"matrices": ["kernel"] * 5}, "matrices"),
     ],
 )

@@ -15,13 +15,17 @@ from hypothesis import strategies as st
 from chromanoise.analysis import color_snr_db
 from chromanoise.charts import PARTS, drawing, shown
 from chromanoise.charts.explanations import EXPLANATIONS
+from chromanoise.charts.mathematics import mathml
+from chromanoise.charts.sections import SECTIONS
 from chromanoise.cli.entry import run as run_command
 from chromanoise.figures import study_figures
 from chromanoise.figures.writing import figure_bytes
+from chromanoise.io.table import written
 from chromanoise.report import sights_of, study_report
 from chromanoise.report.bundle import shortened
 from chromanoise.report.slides import at_value, slides_of
-from chromanoise.study import study_from_text, study_hash
+from chromanoise.study import Study, study_from_data, study_from_text, study_hash
+from chromanoise.study import run as run_study
 from shells.browser import FIXTURES
 
 TITLE = 'Is "1 < 2" & 3 > 2? </script><script>alert(1)</script><!--'
@@ -89,10 +93,11 @@ def test_the_file_asks_for_nothing_from_elsewhere(page):
     assert len(modules) >= 9  # a drawing each, and what they share
     texts = [page, *(base64.b64decode(one).decode("utf-8") for one in modules)]
     addresses = {one for text in texts for one in re.findall(r"https?://[^\s\"'<;]*", text)}
-    assert addresses <= {"http://www.w3.org/2000/svg"}  # a name, never asked for
+    names = {"http://www.w3.org/2000/svg", "http://www.w3.org/1998/Math/MathML"}
+    assert addresses <= names  # never asked for
     for attrs in (attrs for _, attrs, _ in Elements(page).found):
         for key in {"src", "href", "action", "srcset"} & attrs.keys():
-            assert attrs[key].startswith("data:")
+            assert attrs[key].startswith(("data:", "#h-"))
     assert "@import" not in page
     assert "url(" not in page
     assert "default-src 'none'" in page
@@ -129,16 +134,117 @@ def test_verdict_tables_equations_and_study_stand_in_the_page_without_a_script(p
     assert verdict["class"] == "verdict"
     assert said == drawing("head", there)["verdict"][0]
     captions = [text for _, text in elements.of("caption")]
-    assert len(captions) == len(PARTS)
+    assert len(captions) >= len(PARTS)
     cells = {text for _, text in elements.of("td")}
     for analysis in there.analyses:
         assert f"{color_snr_db(analysis)['Y']:.1f}" in cells
     words = " ".join(text for _, text in elements.of("div"))
-    for result in EXPLANATIONS.values():
-        assert result["equation"] in words
-        assert result["source"] in words
+    for section in SECTIONS:
+        for key in section.explanations:
+            one = EXPLANATIONS[key]
+            assert one.words in words
+            assert one.source in words
+            assert all(mathml(latex, block=True) in page for latex in one.latex)
     (_, toml) = elements.of("pre")[0]
     assert study_from_text(toml, source="the page") == there.study
+
+
+def test_headings_stand_in_the_order_of_the_sections_and_of_the_contents(page):
+    elements = Elements(page)
+    headings = [(attrs["id"].removeprefix("h-"), text) for attrs, text in elements.of("h2")]
+    order = [one.part for one in SECTIONS if one.part not in ("map", "head")]
+    assert [name for name, _ in headings][: len(order)] == order  # the picture first
+    links = [(attrs["href"], text) for attrs, text in elements.of("a")]
+    assert links == [(f"#h-{name}", text) for name, text in headings]
+
+
+SENSOR = {"name": "onyx-rgb-ircut"}
+SHOWN = {  # each field of a study: a study that has it, and what the report then says
+    "title": ({"title": "A title of its own"}, ["A title of its own"]),
+    "metric": ({"metric": "energy"}, ["metric", "energy"]),
+    "observer": ({"observer": "cie-1964-10"}, ["cie-1964-10"]),
+    "seed": ({"seed": 41}, ["41"]),
+    "light": ({"light": {"illuminant": "A", "level_lux": 7.0}}, ["illuminant A", "7 lx"]),
+    "exposure": ({"exposure": {"time_ms": 3.25, "f_number": 4.0}}, ["3.25 ms", "f/4"]),
+    "sensors": ({"sensors": [SENSOR | {"label": "mine"}]}, ["mine", "sensors.0.label"]),
+    "matrices": (
+        {"matrices": ["kernel", "lmmse", "ridge=0.02"]},
+        ["With the lmmse matrix", "With the ridge=0.02 matrix", "ridge (0.02)"],
+    ),
+    "prior": ({"matrices": ["lmmse"], "prior": "smooth-50"}, ["smooth-50"]),
+    "reflectances": ({"reflectances": {"patch": 0.4}}, ["reflectances.patch", "0.4"]),
+    "sweeps": (
+        {
+            "sweeps": [
+                {"vary": "read-noise-e", "first": 1.0, "last": 8.0, "points": 3},
+                {"vary": "prnu", "first": 0.0, "last": 0.02, "points": 3, "quantity": "snr-x"},
+                {
+                    "vary": "lux",
+                    "first": 1.0,
+                    "last": 4.0,
+                    "points": 3,
+                    "second": {"vary": "f-number", "first": 2.0, "last": 8.0, "points": 2},
+                },
+            ]
+        },
+        ["SNR of Y of a white over read noise", "SNR of X of a white over PRNU", "and f-number"],
+    ),
+    "pictures": ({"pictures": [{}]}, ["builtin:checker"]),
+    "outputs": (
+        {
+            "matrices": ["kernel", "lmmse"],
+            "outputs": {
+                "merit": True,
+                "chart": True,
+                "space": "luv",
+                "reader": "machine",
+                "matrix": True,
+                "pareto": {"first": 0.1, "last": 10.0, "points": 3},
+                "pipeline": {"run": True, "iso": [100.0, 400.0]},
+            },
+        },
+        [
+            "Budget of the color of",
+            "Vora value",
+            "ColorChecker seen by",
+            "Noise of an 18 % gray in CIELUV",
+            "Distance of patches for a machine",
+            "Training error against noise",
+            "at each ISO",
+        ],
+    ),
+}
+
+
+@pytest.mark.parametrize("field", SHOWN)
+def test_each_field_of_a_study_is_in_its_report(field):
+    values, said = SHOWN[field]
+    of = shown(study_from_data({"sensors": [SENSOR]} | values, source="a test"))
+    sights = sights_of(of) if field == "pictures" else ()
+    elements = Elements(study_report(of, sights))
+    kinds = ("h1", "h2", "h3", "p", "li", "td", "th", "summary", "dd")
+    texts = "\n".join(text for kind in kinds for _, text in elements.of(kind))
+    for part in said:
+        assert part in texts
+    images = [attrs["src"][:20] for attrs, _ in elements.of("img")]
+    assert len(images) == {"sweeps": 3, "pictures": 1}.get(field, 0)
+
+
+def test_the_fields_of_a_study_are_all_looked_for():
+    assert SHOWN.keys() == Study.model_fields.keys() - {"schema_number"}
+
+
+def test_every_number_of_a_sweep_of_every_matrix_is_in_the_report():
+    sweeps = [{"vary": "lux", "first": 0.1, "last": 10.0, "points": 3}]
+    values = {"sensors": [SENSOR], "matrices": ["kernel", "lmmse"], "sweeps": sweeps}
+    study = study_from_data(values, source="a test")
+    cells = {text for _, text in Elements(study_report(shown(study))).of("td")}
+    results = run_study(study)
+    tables = [*results.sweeps, *results.analyses.values()]
+    for table in (one.to_table() for one in tables):
+        for row in table.rows:
+            for cell, column in zip(row[1:], table.columns[1:], strict=True):
+                assert written(cell, column.digits).replace("-", "\N{MINUS SIGN}") in cells
 
 
 def unpacked(packed, chart):

@@ -2,6 +2,7 @@
 
 import json
 import re
+import shlex
 import signal
 import socket
 import subprocess
@@ -15,6 +16,7 @@ import httpx
 import pytest
 
 from chromanoise.charts import PARTS, drawing, shown
+from chromanoise.charts.explanations import EXPLANATIONS
 from chromanoise.page.files import asset
 from chromanoise.page.middleware import JSON_BYTES, UPLOAD_BYTES
 from chromanoise.page.server import listening_socket, page_server
@@ -109,13 +111,24 @@ def test_a_look_changes_the_drawing_that_reads_it(client):
     assert result.json()["parts"]["ellipses"]["plane"] == "xy"
 
 
-def test_choices_hold_sensors_lights_sliders_and_equations(client):
+def test_explanations_have_words_formulas_symbols_and_a_source(client):
+    found = client.get("/api/explanations").json()
+    assert found.keys() == EXPLANATIONS.keys()
+    for one in found.values():
+        assert one["title"]
+        assert one["words"]
+        assert one["source"]
+        shown = [*one["formulas"], *(symbol["symbol"] for symbol in one["symbols"])]
+        assert all(formula.startswith("<math") for formula in shown)
+
+
+def test_choices_hold_sensors_lights_and_sliders(client):
     data = client.get("/api/choices").json()
     names = [sensor["name"] for sensor in data["sensors"]]
     assert {"onyx-rgbw", "onyx-rgb-ircut", "model-rgbir"} <= set(names)
     assert {"E", "A", "G173"} <= set(data["illuminants"])
-    assert {"light.level_lux", "sensors.ircut_nm"} <= {s["key"] for s in data["sliders"]}
-    assert {"raw", "contravariant", "color", "bound", "price"} <= set(data["equations"])
+    assert {"light.level_lux", "matrices.weight"} <= {s["key"] for s in data["sliders"]}
+    assert {"sensors.ircut_nm", "observer"} <= {one["key"] for one in data["fields"]}
     assert study_from_data(data["study"], source="the page's own").sensors
 
 
@@ -181,7 +194,7 @@ def test_all_faults_of_a_study_are_told_each_with_its_key(client):
     [
         ({"sensors": [{"name": "onyx-rgbw"}, {"name": "onix"}]}, "sensors.1.name"),
         ({"light": {"illuminant": "moon"}}, "light.illuminant"),
-        ({"sensors": [{"name": "onyx-rgbw"}] * 9}, "sensors"),
+        ({"sensors": [{"name": "onyx-rgbw"}] * 11}, "sensors"),
         ({"sensors": [{"name": "/etc/passwd"}]}, "sensors.0.name"),
         ({"sensors": [{"name": "../../secret.csv"}]}, "sensors.0.name"),
         ({"sensors": [{"name": "upload:0123456789abcdef"}]}, "sensors.0.name"),
@@ -326,6 +339,24 @@ def test_a_dropped_sensor_is_previewed_and_answers_under_its_own_name(client):
     assert head["sensors"][0]["name"] == "my sensor"
     assert "upload" not in json.dumps(head)
     assert "tmp" not in json.dumps(head)
+
+
+def test_the_copied_command_names_a_dropped_file_and_runs_twice_where_the_file_lies(
+    client, run, tmp_path, monkeypatch
+):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "my sensor.csv").write_text(SENSOR)
+    used = {"name": uploaded(client, "my%20sensor.csv", SENSOR).json()["id"], "label": "mine"}
+    used["answers"] = {"level": "absolute", "per": "photon"}
+    for matrices in (["kernel"], ["kernel", "lmmse"]):
+        study = BOTH | {"sensors": [used, {"name": "onyx-rgbw"}], "matrices": matrices}
+        command = client.post("/api/texts", json={"study": study}).json()["command"]
+        line, _, text = command.partition(" <<'STUDY'\n")
+        (tmp_path / "stdin").write_text(text.removesuffix("STUDY"))
+        words = ["stdin" if one == "/dev/stdin" else one for one in shlex.split(line)]
+        for _ in range(2):
+            code, _, err = run(*words[1:])
+            assert code == 0, err
 
 
 def test_a_dropped_light_answers_with_infrared_beside_it(client):

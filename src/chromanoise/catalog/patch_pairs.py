@@ -18,7 +18,8 @@ from chromanoise.errors import InputError
 from chromanoise.io.spectra import ASK, Answers
 from chromanoise.spectra import PatchPairs, Spectra, all_pairs
 
-_HEADER = ("first", "second")
+PAIRS_HEADER = ("first", "second")
+"""Of a list of pairs."""
 _MOST_PAIRS = 2_000
 _MOST_BYTES = 2**20
 
@@ -116,7 +117,7 @@ def _listed(word: str) -> list[tuple[int, list[str]]] | None:
             cells = [cell.strip() for cell in row]
             if not any(cells) or cells[0].startswith("#"):
                 continue
-            if not rows and tuple(cell.casefold() for cell in cells) != _HEADER:
+            if not rows and tuple(cell.casefold() for cell in cells) != PAIRS_HEADER:
                 return None
             rows.append((reader.line_num, cells))
     except csv.Error as error:

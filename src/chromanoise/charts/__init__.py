@@ -7,6 +7,7 @@ from chromanoise.charts.budget import cause_label
 from chromanoise.charts.by_name import DRAWINGS, PARTS, drawing
 from chromanoise.charts.charted_study import Look, Shown, shown, shown_at
 from chromanoise.charts.machine_tables import machine_tables
+from chromanoise.charts.numbers import chart_csv, chart_rows
 from chromanoise.charts.verdicts import verdict_sentences
 
 __all__ = [
@@ -15,6 +16,8 @@ __all__ = [
     "Look",
     "Shown",
     "cause_label",
+    "chart_csv",
+    "chart_rows",
     "drawing",
     "machine_tables",
     "shown",

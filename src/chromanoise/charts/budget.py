@@ -40,7 +40,8 @@ def drawn_budget(shown: Shown, look: Look) -> dict[str, Any]:
     sensors = [_sensor(analysis, look.coordinate) for analysis in shown.analyses]
     return {
         "title": (
-            f"Budget of the SNR of {look.coordinate} at {conditions(shown.operating_points)}"
+            f"Budget of the SNR of {coordinate_label(look.coordinate)} at "
+            f"{conditions(shown.operating_points)}"
         ),
         "description": _description(sensors, look.coordinate),
         "coordinate": look.coordinate,
@@ -73,6 +74,18 @@ def cause_label(cause: str, *coordinates: str) -> str:
             return "error of the color matrix"
         return "remainder" if one_channel else f"infrared leaking into {', '.join(coordinates)}"
     return cause
+
+
+def coordinate_label(coordinate: str) -> str:
+    """A coordinate of a budget in words.
+
+    Examples
+    --------
+    >>> coordinate_label("Y"), coordinate_label("M^R")
+    ('Y', 'contravariant R')
+    """
+    letter, power, channel = coordinate.partition("^")
+    return f"contravariant {channel}" if power else letter
 
 
 def _sensor(analysis: Analysis, coordinate: str) -> dict[str, Any]:
@@ -120,7 +133,8 @@ def _why_no_budget(analysis: Analysis, coordinate: str) -> str:
 
 
 def _description(sensors: list[dict[str, Any]], coordinate: str) -> str:
-    parts = [f"What the SNR of {coordinate} loses and gains, from all photons to the end."]
+    name = coordinate_label(coordinate)
+    parts = [f"What the SNR of {name} loses and gains, from all photons to the end."]
     for sensor in sensors:
         steps = ", ".join(f"{step['label']} {step['text']} dB" for step in sensor["steps"])
         parts.append(f"{sensor['name']}: {steps or sensor['why_not']}.")
@@ -136,7 +150,10 @@ def _table(sensors: list[dict[str, Any]], coordinate: str) -> dict[str, Any]:
             change = NONE if step["kind"] in ("start", "end") else signed(step["change_db"], 2)
             level = decimal(step["to_db"], 2)
             rows.append([sensor["name"], step["label"], change, level, step["reading"]])
-    return table(["sensor", "step", "change [dB]", f"SNR of {coordinate} [dB]", "why"], rows)
+    return table(
+        ["sensor", "step", "change [dB]", f"SNR of {coordinate_label(coordinate)} [dB]", "why"],
+        rows,
+    )
 
 
 def _steps(budget: Budget) -> list[dict[str, Any]]:
@@ -148,7 +165,8 @@ def _steps(budget: Budget) -> list[dict[str, Any]]:
         steps.append(_step(label, -cost.loss_db, at, at - cost.loss_db, kind, cost.reading))
         at -= cost.loss_db
     end = budget.snr_db
-    return [*steps, _step(f"SNR of {budget.coordinate}", 0.0, end, end, "end", "what is left")]
+    name = coordinate_label(budget.coordinate)
+    return [*steps, _step(f"SNR of {name}", 0.0, end, end, "end", "what is left")]
 
 
 def _step(

@@ -1,10 +1,12 @@
 """The head of a page: verdict, light, and settings and electrons of each sensor."""
 
+from dataclasses import asdict
 from typing import Any
 
 from chromanoise.analysis.analysis import Analysis, diagnosis
 from chromanoise.charts.charted_study import Look, Shown, saturated_names
-from chromanoise.charts.text import brief, decimal, electrons, table
+from chromanoise.charts.ranking import ranking
+from chromanoise.charts.text import NONE, brief, decimal, electrons, table
 from chromanoise.charts.verdicts import verdict_sentences
 from chromanoise.exposure import level_in_words
 
@@ -23,7 +25,7 @@ def drawn_head(shown: Shown, look: Look) -> dict[str, Any]:
         "light": {"name": first.illuminant.name, **level},
         "sensors": sensors,
         "table": _table(sensors),
-        "electrons": _electrons_table(sensors),
+        "ranking": ranking(shown.analyses),
     }
 
 
@@ -39,6 +41,7 @@ def _sensor(analysis: Analysis) -> dict[str, Any]:
         "pitch_um": sensor.pixel.pitch_um,
         "full_well_e": sensor.pixel.full_well_e,
         "read_noise_e": sensor.pixel.read_noise_e,
+        "pixel": asdict(sensor.pixel),
         "saturated": saturated_names(analysis),
         "mean_e": dict(mean),
         "notes": list(diagnosis(analysis)),
@@ -46,26 +49,19 @@ def _sensor(analysis: Analysis) -> dict[str, Any]:
 
 
 def _table(sensors: list[dict[str, Any]]) -> dict[str, Any]:
-    """Every setting of each sensor, and its electrons."""
-    pixel = ("curves", "pixel [µm]", "full well [e⁻]", "read noise [e⁻]")
-    seen = _electrons_table(sensors)
-    rows = [
-        [
-            *(cells[0], one["origin"], brief(one["pitch_um"]), decimal(one["full_well_e"], 0)),
-            *(brief(one["read_noise_e"]), *cells[1:]),
-        ]
-        for one, cells in zip(sensors, seen["rows"], strict=True)
-    ]
-    return table([seen["head"][0], *pixel, *seen["head"][1:]], rows)
-
-
-def _electrons_table(sensors: list[dict[str, Any]]) -> dict[str, Any]:
-    """Exposure time and electrons of a perfect white, per sensor."""
+    """Every setting of each sensor, and its electrons from a perfect white."""
     channels = list(dict.fromkeys(name for one in sensors for name in one["channels"]))
+    pixel = ("curves", "pixel [µm]", "full well [e⁻]", "read noise [e⁻]")
+    units = [f"{name} [e⁻]" for name in channels]
     rows = []
     for one in sensors:
-        mean = [electrons(one["mean_e"][c]) if c in one["mean_e"] else "–" for c in channels]
+        mean = [electrons(one["mean_e"][c]) if c in one["mean_e"] else NONE for c in channels]
         full = ", ".join(one["saturated"]) or "none"
-        rows.append([one["name"], brief(one["time_ms"], 4), brief(one["f_number"]), *mean, full])
-    units = [f"{name} [e⁻]" for name in channels]
-    return table(["sensor", "time [ms]", "f-number", *units, "saturated"], rows)
+        rows.append(
+            [
+                *(one["name"], one["origin"], brief(one["pitch_um"])),
+                *(decimal(one["full_well_e"], 0), brief(one["read_noise_e"])),
+                *(brief(one["time_ms"], 4), brief(one["f_number"]), *mean, full),
+            ]
+        )
+    return table(["sensor", *pixel, "time [ms]", "f-number", *units, "saturated"], rows)

@@ -1,97 +1,531 @@
-"""The equations behind the ``?`` of each chart, on the page and in reports."""
+"""What is behind the ``?`` of each chart: words, formulas, their symbols and the source."""
 
 from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from chromanoise.charts.mathematics import mathml
 
 _PAPER = "Clouet, Vaillant & Alleysson, CIC27 (2019)"
 
-EXPLANATIONS: Mapping[str, Mapping[str, str]] = {
-    key: {"title": title, "equation": equation, "source": source}
-    for key, title, equation, source in (
-        (
-            "electrons",
-            "Expected electrons",
-            "M = k QE^T L, k = t a² δλ / (4 f#²)",
-            f"{_PAPER}, eq. 1-2",
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Symbol:
+    """One symbol of a formula.
+
+    Attributes
+    ----------
+    latex
+        The symbol.
+    meaning
+        What it stands for.
+    unit
+        Its unit; ``1`` for a number without unit, empty for a name or an index.
+    name
+        Its row in docs/nomenclature.md; empty for one without a row.
+    """
+
+    latex: str
+    meaning: str
+    unit: str = ""
+    name: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Explanation:
+    """What a chart shows, in words and as formulas.
+
+    Attributes
+    ----------
+    title
+        Name of the quantity.
+    words
+        What it is, what a large value means, and why it matters, in plain sentences.
+    latex
+        The formulas.
+    symbols
+        Every symbol of the formulas.
+    source
+        Publication and number of the equation.
+    """
+
+    title: str
+    words: str
+    latex: tuple[str, ...]
+    symbols: tuple[Symbol, ...]
+    source: str
+
+
+_ELECTRONS = Symbol(
+    latex="M_i", meaning="electrons that channel i collects on average", unit="e⁻", name="mean_e"
+)
+_MEAN = Symbol(
+    latex="M", meaning="mean electrons of all channels, a vector", unit="e⁻", name="mean_e"
+)
+_CHANNEL = Symbol(latex="i", meaning="a channel of the sensor, for example R")
+_COORDINATE = Symbol(latex="c", meaning="one of X, Y, Z")
+_LIGHT = Symbol(
+    latex="L",
+    meaning="light from the scene at each wavelength",
+    unit="photons s⁻¹ µm⁻² nm⁻¹",
+    name="light",
+)
+_REBUILT = Symbol(
+    latex=r"\hat{L}",
+    meaning="spectrum rebuilt from the electrons",
+    unit="photons s⁻¹ µm⁻² nm⁻¹",
+    name="light",
+)
+_SNR = Symbol(latex=r"\mathrm{SNR}", meaning="signal-to-noise ratio", unit="dB")
+_RAW = Symbol(
+    latex="D",
+    meaning="covariance of the raw channels; without crosstalk after counting, their variances "
+    "on the diagonal",
+    unit="e⁻²",
+    name="raw.covariance",
+)
+_BASIS = Symbol(
+    latex="F",
+    meaning="measurement vectors, one column per channel",
+    unit="e⁻ per unit of L",
+    name="basis",
+)
+_GRAM = Symbol(latex="G", meaning="products of all pairs of channels", name="inverse_gram")
+_TRANSPOSED = Symbol(latex=r"\top", meaning="transposed: rows and columns change places")
+_MATRIX = Symbol(
+    latex="C", meaning="color matrix, from electrons to X, Y, Z", unit="lx/e⁻", name="matrix"
+)
+_NOISE_OF_COLORS = Symbol(
+    latex=r"\Sigma", meaning="covariance of the color, from noise alone", name="covariance"
+)
+_WAVELENGTH = Symbol(latex=r"\lambda", meaning="wavelength", unit="nm", name="wavelength_nm")
+
+EXPLANATIONS: Mapping[str, Explanation] = {
+    "electrons": Explanation(
+        title="Expected electrons",
+        words="A pixel turns a part of the photons that reach it into electrons: the quantum "
+        "efficiency says which part, at each wavelength. More electrons mean less relative noise. "
+        "More light, a longer time, a larger pixel and a wider aperture all give more of them, "
+        "until the pixel is full.",
+        latex=(
+            r"M_i = k \sum_{\lambda} \mathrm{QE}_i(\lambda) \, L(\lambda)",
+            r"k = \frac{t \, a^2 \, \delta\lambda}{4 f_{\#}^2}",
         ),
-        ("raw", "Raw SNR", "20 log10(M_i / √(M_i + σ_rn²))", f"{_PAPER}, eq. 7"),
-        (
-            "contravariant",
-            "Contravariant SNR",
-            "20 log10(|M^i| / √((G⁻¹ D G⁻¹)_ii)), M^i = (G⁻¹ M)_i, G = F^T F",
-            f"{_PAPER}, eq. 3",
+        symbols=(
+            _ELECTRONS,
+            _CHANNEL,
+            Symbol(
+                latex=r"\mathrm{QE}",
+                meaning="quantum efficiency with all filters",
+                unit="e⁻/photon",
+                name="qe",
+            ),
+            _LIGHT,
+            _WAVELENGTH,
+            Symbol(latex="k", meaning="exposure factor", unit="s µm² nm", name="exposure factor"),
+            Symbol(latex="t", meaning="integration time", unit="s", name="time_s"),
+            Symbol(latex="a", meaning="pixel pitch", unit="µm", name="pitch_um"),
+            Symbol(
+                latex=r"\delta\lambda",
+                meaning="step between wavelengths",
+                unit="nm",
+                name="step_nm",
+            ),
+            Symbol(latex=r"f_{\#}", meaning="f-number of the lens", unit="1", name="f_number"),
         ),
-        (
-            "spectral",
-            "SNR of the rebuilt spectrum",
-            "10 log10(M^T G⁻¹ M / tr(G⁻¹ D)), L^ = F G⁻¹ M",
-            f"{_PAPER}, eq. 4",
+        source=f"{_PAPER}, eq. 1-2",
+    ),
+    "raw": Explanation(
+        title="Raw SNR",
+        words="The signal of one channel divided by its own noise, before any color is made. "
+        "Light arrives in single photons, so even a perfect pixel is noisy; the readout adds some "
+        "noise of its own. A large value means a smooth raw picture. It does not yet mean smooth "
+        "colors, because these mix the channels.",
+        latex=(
+            r"\mathrm{SNR}_i = 20 \, \log_{10} \frac{M_i}{\sqrt{D_{ii}}}",
+            r"D_{ii} = M_i + \sigma_{\mathrm{rn}}^2",
         ),
-        (
-            "color",
-            "Color SNR of X, Y, Z",
-            "20 log10((C M)_c / √((C D C^T)_cc)); kernel: C = H^T F G⁻¹",
-            f"{_PAPER}, eq. 5-6",
+        symbols=(
+            _SNR,
+            _ELECTRONS,
+            _CHANNEL,
+            Symbol(
+                latex="D_{ii}",
+                meaning="variance of channel i; dark current, quantization, DSNU and PRNU add "
+                "theirs where the sensor has them",
+                unit="e⁻²",
+                name="raw.covariance",
+            ),
+            Symbol(
+                latex=r"\sigma_{\mathrm{rn}}",
+                meaning="read noise, a standard deviation",
+                unit="e⁻",
+                name="read_noise_e",
+            ),
         ),
-        (
-            "lab",
-            "Noise of L*, a*, b* of an 18 % gray",
-            "σ of CIELAB averaged over normal noise of X, Y, Z",
-            "CIE 015:2018, eq. 8.3-8.8; Stroud, Approximate Calculation of Multiple Integrals "
-            "(1971), 2.6-2.7",
+        source=f"{_PAPER}, eq. 7",
+    ),
+    "contravariant": Explanation(
+        title="Contravariant SNR",
+        words="Channels overlap: part of what one sees, another sees too. This is the SNR of what "
+        "only one channel tells, after the part that the others share is taken away. Channels "
+        "that look alike leave little of their own, so the value is low although the raw SNR is "
+        "high. It shows why a further channel can make colors noisier.",
+        latex=(
+            r"\mathrm{SNR} = 20 \, \log_{10} \frac{|M^i|}{\sqrt{(G^{-1} D G^{-1})_{ii}}}",
+            r"M^i = (G^{-1} M)_i",
+            r"G = F^{\top} F",
         ),
-        (
-            "bound",
-            "Bound of any linear readout",
-            "SNR² ≤ M^T D⁻¹ M = Σ SNR_i²",
-            "Cauchy-Schwarz in noise-whitened channels",
+        symbols=(
+            _SNR,
+            Symbol(
+                latex="M^i",
+                meaning="contravariant coordinate of channel i",
+                unit="unit of L squared per e⁻",
+                name="contravariant",
+            ),
+            _CHANNEL,
+            _MEAN,
+            _RAW,
+            _BASIS,
+            _GRAM,
+            _TRANSPOSED,
         ),
-        (
-            "price",
-            "Color SNR loss",
-            "best linear SNR minus SNR of Y, in dB",
-            "this library",
+        source=f"{_PAPER}, eq. 3",
+    ),
+    "spectral": Explanation(
+        title="SNR of the rebuilt spectrum",
+        words="From its few channels a camera can rebuild a rough spectrum of the light. This is "
+        "the SNR of that whole spectrum in one number. A low value means that noise covers the "
+        "spectrum, mostly because some channels point the same way.",
+        latex=(
+            r"\mathrm{SNR} = 10 \, \log_{10} "
+            r"\frac{M^{\top} G^{-1} M}{\operatorname{tr}(G^{-1} D)}",
+            r"\hat{L} = F G^{-1} M",
+            r"G = F^{\top} F",
         ),
-        (
-            "budget",
-            "The dB budget",
-            "mean cost of each cause over all orders in which filters come first and the weights "
-            "come before the unmixing",
-            "Shapley, Contributions to the Theory of Games II (1953); Faigle & Kern, Int. J. Game "
-            "Theory 21 (1992) 249-266",
+        symbols=(_SNR, _REBUILT, _MEAN, _RAW, _BASIS, _GRAM, _TRANSPOSED),
+        source=f"{_PAPER}, eq. 4",
+    ),
+    "color": Explanation(
+        title="Color SNR of X, Y, Z",
+        words="A color matrix mixes the channels into X, Y and Z, the colors that an eye sees; Y "
+        "is brightness. Mixing adds the noise of the channels, and large weights of opposite sign "
+        "add much noise but cancel signal. A large value means a smooth color picture. The SNR of "
+        "Y is what the verdict compares.",
+        latex=(
+            r"\mathrm{SNR}_c = 20 \, \log_{10} \frac{(C M)_c}{\sqrt{(C D C^{\top})_{cc}}}",
+            r"C_{\mathrm{kernel}} = H^{\top} F G^{-1}",
+            r"G = F^{\top} F",
         ),
-        (
-            "vectors",
-            "Vectors and the ellipsoid of uncertainty",
-            "cov L^ = F G⁻¹ D G⁻¹ F^T, seen in the span of x, y, z; the share of the norm is "
-            "|projection|² / |vector|²",
-            f"{_PAPER}, eq. 4",
+        symbols=(
+            _SNR,
+            _COORDINATE,
+            _MEAN,
+            _MATRIX,
+            Symbol(
+                latex=r"C_{\mathrm{kernel}}",
+                meaning="the kernel matrix; other matrices are trained on spectra, or given",
+                unit="lx/e⁻",
+            ),
+            Symbol(
+                latex="H",
+                meaning="color axes x, y, z of the observer",
+                unit="lx per unit of L",
+                name="axes",
+            ),
+            _RAW,
+            _BASIS,
+            _GRAM,
+            _TRANSPOSED,
         ),
-        (
-            "ellipses",
-            "Noise ellipses",
-            "2 σ of each ColorChecker patch: mean and covariance of a*b* or xy, averaged over "
-            "normal noise of X, Y, Z",
-            "CIE 015:2018, eq. 7.1 and 8.3-8.8",
+        source=f"{_PAPER}, eq. 5-6",
+    ),
+    "lab": Explanation(
+        title="Noise of L*, a*, b* of an 18 % gray",
+        words="CIELAB measures color about as an eye does: L* is lightness, a* runs from green to "
+        "red, b* from blue to yellow. These are the standard deviations that noise gives to a "
+        "gray. An eye just sees a difference of about 2 between two large areas. A large value of "
+        "L* means grain, one of a* or b* colored speckles.",
+        latex=(
+            r"\sigma_q^2 = \langle q^2 \rangle - \langle q \rangle^2",
+            r"L^* = 116 \, g(Y / Y_{\mathrm{w}}) - 16",
+            r"a^* = 500 \left( g(X / X_{\mathrm{w}}) - g(Y / Y_{\mathrm{w}}) \right)",
+            r"b^* = 200 \left( g(Y / Y_{\mathrm{w}}) - g(Z / Z_{\mathrm{w}}) \right)",
         ),
-        (
-            "levels",
-            "SNR over the light level",
-            "the time is solved at the level of the study and kept; crossovers by Chandrupatla's "
-            "method",
-            f"{_PAPER}, eq. 7",
+        symbols=(
+            Symbol(
+                latex=r"\sigma_q",
+                meaning="standard deviation of q",
+                unit="1",
+            ),
+            Symbol(latex="q", meaning="one of L*, a*, b*", unit="1"),
+            Symbol(latex=r"\langle q \rangle", meaning="average of q over the noise of X, Y, Z"),
+            Symbol(latex="L^*", meaning="lightness", unit="1"),
+            Symbol(latex="a^*", meaning="green to red", unit="1"),
+            Symbol(latex="b^*", meaning="blue to yellow", unit="1"),
+            Symbol(latex="X", meaning="first coordinate of the color", unit="lx"),
+            Symbol(latex="Y", meaning="luminance", unit="lx"),
+            Symbol(latex="Z", meaning="third coordinate of the color", unit="lx"),
+            Symbol(latex=r"X_{\mathrm{w}}", meaning="X of a perfect white; likewise Y and Z"),
+            Symbol(latex="g", meaning="the cube root, with a straight line near black"),
         ),
-        (
-            "chart",
-            "Color error and noise of the chart",
-            "error: ΔE*ab between the color without noise and the true one, each on its own "
-            "white; noise: mean ΔE*ab that noise makes",
-            "CIE 015:2018, eq. 8.21",
+        source="CIE 015:2018, eq. 8.3-8.8; averages: Stroud, Approximate Calculation of Multiple "
+        "Integrals (1971), 2.6-2.7",
+    ),
+    "bound": Explanation(
+        title="Bound of any linear readout",
+        words="The best SNR that any weighted sum of the channels can have, if it need not be a "
+        "color. No color matrix can exceed it. It shows what the sensor has collected; what the "
+        "color is below it is lost by the step from channels to color.",
+        latex=(
+            r"\mathrm{SNR}_{\mathrm{bound}} = 10 \, \log_{10} \left( M^{\top} D^{-1} M \right)",
+            r"M^{\top} D^{-1} M = \sum_i \frac{M_i^2}{D_{ii}}",
         ),
-        (
-            "pareto",
-            "Color error against noise",
-            "least E|C M - XYZ|² + w tr(C D C^T); w = 0 is least squares, 1 LMMSE",
-            "Vora & Herley (ICIP 1998), with shot noise",
+        symbols=(
+            Symbol(
+                latex=r"\mathrm{SNR}_{\mathrm{bound}}",
+                meaning="SNR of the best linear readout; the sum holds for channels whose noise "
+                "is independent",
+                unit="dB",
+                name="optimal_linear_snr_db",
+            ),
+            _MEAN,
+            _ELECTRONS,
+            _CHANNEL,
+            _RAW,
+            _TRANSPOSED,
         ),
-    )
+        source="Cauchy-Schwarz inequality in noise-whitened channels",
+    ),
+    "price": Explanation(
+        title="Color SNR loss",
+        words="How far the brightness of the color picture stays below the best readout of the "
+        "same channels. A large loss means that the sensor collects much light, but that making "
+        "color of it costs most of the advantage.",
+        latex=(r"\Delta = \mathrm{SNR}_{\mathrm{bound}} - \mathrm{SNR}_Y",),
+        symbols=(
+            Symbol(latex=r"\Delta", meaning="color SNR loss", unit="dB", name="color_snr_loss_db"),
+            Symbol(
+                latex=r"\mathrm{SNR}_{\mathrm{bound}}",
+                meaning="SNR of the best linear readout",
+                unit="dB",
+                name="optimal_linear_snr_db",
+            ),
+            Symbol(latex=r"\mathrm{SNR}_Y", meaning="SNR of Y, the luminance", unit="dB"),
+        ),
+        source="this library; follows from the bound of any linear readout",
+    ),
+    "budget": Explanation(
+        title="The dB budget",
+        words="It starts with all photons that hit the pixels and ends with the SNR of one color. "
+        "Each bar is what one cause takes away: light that filters absorb, read noise, the "
+        "weights of the color, channels that look alike, infrared. What a cause costs depends on "
+        "which others are already there, so each bar is the mean over all orders, and the bars "
+        "add up exactly. The longest bar is the one to work on.",
+        latex=(
+            r"\ell_j = \frac{1}{n} \sum_{\pi} \left( S_{\pi}^{-j} - S_{\pi}^{+j} \right)",
+            r"\mathrm{SNR}_c = S_0 - \sum_j \ell_j",
+        ),
+        symbols=(
+            Symbol(
+                latex=r"\ell_j",
+                meaning="loss due to cause j, the length of its bar",
+                unit="dB",
+                name="loss_db",
+            ),
+            Symbol(latex="j", meaning="a cause, for example read noise"),
+            Symbol(
+                latex=r"\pi",
+                meaning="an order of the causes; the filters come first, and the weights of the "
+                "color come before the correlation",
+            ),
+            Symbol(latex="n", meaning="number of such orders", unit="1"),
+            Symbol(
+                latex=r"S_{\pi}^{-j}",
+                meaning="SNR with all causes that come before j in that order",
+                unit="dB",
+            ),
+            Symbol(latex=r"S_{\pi}^{+j}", meaning="the same with j too", unit="dB"),
+            Symbol(
+                latex="S_0",
+                meaning="SNR of counting all photons",
+                unit="dB",
+                name="photons_db",
+            ),
+            Symbol(latex=r"\mathrm{SNR}_c", meaning="SNR of the color coordinate c", unit="dB"),
+        ),
+        source="Shapley, Contributions to the Theory of Games II (1953), 307-317; orders with "
+        "precedence: Faigle & Kern, Int. J. Game Theory 21 (1992) 249-266",
+    ),
+    "vectors": Explanation(
+        title="Vectors and the ellipsoid of uncertainty",
+        words="Each channel is an arrow in the space of all spectra; here one sees the three "
+        "directions that an eye distinguishes. Two arrows that point nearly the same way are hard "
+        "to tell apart, and noise then moves the rebuilt light far along the direction between "
+        "them. The ellipsoid shows where noise puts the light: long and thin is bad.",
+        latex=(
+            r"\Sigma_L = F G^{-1} D G^{-1} F^{\top}",
+            r"G = F^{\top} F",
+            r"s = \frac{|Q^{\top} v|^2}{|v|^2}",
+        ),
+        symbols=(
+            Symbol(
+                latex=r"\Sigma_L",
+                meaning="covariance of the rebuilt light, the shape of the ellipsoid",
+                name="reconstructed.covariance",
+            ),
+            _BASIS,
+            _GRAM,
+            _RAW,
+            _TRANSPOSED,
+            Symbol(
+                latex="s",
+                meaning="share of the norm: how much of a vector lies in the drawn directions",
+                unit="1",
+                name="norm_share",
+            ),
+            Symbol(latex="v", meaning="any of the drawn vectors", name="norm_share"),
+            Symbol(
+                latex="Q",
+                meaning="orthonormal axes that span x, y, z",
+                name="norm_share",
+            ),
+        ),
+        source=f"{_PAPER}, eq. 4",
+    ),
+    "ellipses": Explanation(
+        title="Noise ellipses",
+        words="Each cross is the true color of a patch. The center of its ellipse is the color "
+        "that the camera gives on average, and the ellipse holds about 86 % of the single "
+        "readings. A center far from its cross is a wrong color; a large ellipse is a noisy one.",
+        latex=(r"(q - \bar{q})^{\top} \, \Sigma^{-1} \, (q - \bar{q}) = 2^2",),
+        symbols=(
+            Symbol(latex="q", meaning="a point of the outline: a*, b* or x, y", unit="1"),
+            Symbol(latex=r"\bar{q}", meaning="mean color with noise, the center", unit="1"),
+            _NOISE_OF_COLORS,
+            _TRANSPOSED,
+        ),
+        source="CIE 015:2018, eq. 7.1 and 8.3-8.8; Gaussian noise of X, Y, Z",
+    ),
+    "levels": Explanation(
+        title="SNR over the light level",
+        words="The same camera at other levels of light, with the exposure time kept. Photon noise "
+        "alone gives 10 dB per factor of ten in light, read noise alone 20 dB. Where two curves "
+        "cross, two sensors are equally good; on one side of it one is better, on the other side "
+        "the other.",
+        latex=(
+            r"M(N_{\mathrm{lux}}) = \frac{N_{\mathrm{lux}}}{N_0} \, M(N_0)",
+            r"\mathrm{SNR}_{\mathrm{A}}(N_{\times}) = \mathrm{SNR}_{\mathrm{B}}(N_{\times})",
+        ),
+        symbols=(
+            _MEAN,
+            Symbol(latex=r"N_{\mathrm{lux}}", meaning="light level", unit="lx", name="level_lux"),
+            Symbol(latex="N_0", meaning="light level of the study", unit="lx"),
+            Symbol(latex=r"N_{\times}", meaning="light level of a crossover", unit="lx"),
+            Symbol(latex=r"\mathrm{SNR}_{\mathrm{A}}", meaning="color SNR of a sensor", unit="dB"),
+            Symbol(latex=r"\mathrm{SNR}_{\mathrm{B}}", meaning="that of another", unit="dB"),
+        ),
+        source=f"{_PAPER}, eq. 2 and 7; crossovers: Chandrupatla, Adv. Eng. Softw. 28 (1997) "
+        "145-149",
+    ),
+    "chart": Explanation(
+        title="Color error and noise of the chart",
+        words="Two different faults of each patch. The color error is how far its mean color is "
+        "off, and stays when many pictures are averaged. The noise is how far a single pixel "
+        "strays from that mean. A matrix can often lower one only by raising the other.",
+        latex=(r"\Delta E^*_{ab} = \sqrt{(\Delta L^*)^2 + (\Delta a^*)^2 + (\Delta b^*)^2}",),
+        symbols=(
+            Symbol(
+                latex=r"\Delta E^*_{ab}",
+                meaning="CIE 1976 color difference; of the error: between the color without "
+                "noise and the true one, each on its own white; of the noise: mean over the noise",
+                unit="1",
+                name="color_error",
+            ),
+            Symbol(latex=r"\Delta L^*", meaning="difference of lightness", unit="1"),
+            Symbol(latex=r"\Delta a^*", meaning="difference from green to red", unit="1"),
+            Symbol(latex=r"\Delta b^*", meaning="difference from blue to yellow", unit="1"),
+        ),
+        source="CIE 015:2018, eq. 8.21",
+    ),
+    "pareto": Explanation(
+        title="Training error against SNR",
+        words="A matrix trained on spectra can weigh noise more or less. With little weight, "
+        "colors are exact and noisy; with much weight, smooth and pale. The curve holds the best "
+        "possible compromises of a sensor: no matrix lies beyond it in the error that is "
+        "minimized. The training error is the color error averaged over the training spectra (the "
+        "prior), not over the patches of the chart.",
+        latex=(
+            r"\min_{C} \; \left\langle |C M - x|^2 \right\rangle "
+            r"+ w \operatorname{tr}(C D C^{\top})",
+        ),
+        symbols=(
+            _MATRIX,
+            _MEAN,
+            Symbol(latex="x", meaning="true X, Y, Z of a training spectrum", unit="lx"),
+            Symbol(latex=r"\langle \; \rangle", meaning="average over the training spectra"),
+            Symbol(
+                latex="w",
+                meaning="weight of the noise: 0 is least squares, 1 is LMMSE",
+                unit="1",
+                name="weight",
+            ),
+            _RAW,
+            _TRANSPOSED,
+        ),
+        source="Vora & Herley, ICIP (1998), with shot noise in D",
+    ),
+    "machine": Explanation(
+        title="Distance of two patches for a machine",
+        words="A machine reads the raw values and needs no color. It can tell two patches apart "
+        "if their means differ by more than the noise: the distance counts that difference in "
+        "units of noise. At 2, an ideal reader of one pixel is right in 84 % of the cases. No "
+        "invertible color matrix changes it.",
+        latex=(
+            r"D_{\mathrm{M}}^2 = d^{\top} S^{-1} d",
+            r"P = \Phi(D_{\mathrm{M}} / 2)",
+        ),
+        symbols=(
+            Symbol(
+                latex=r"D_{\mathrm{M}}",
+                meaning="distance in units of the noise (Mahalanobis)",
+                unit="1",
+                name="distance",
+            ),
+            Symbol(latex="d", meaning="difference of the mean raw values", unit="e⁻"),
+            Symbol(latex="S", meaning="mean covariance of the two patches", unit="e⁻²"),
+            Symbol(
+                latex="P",
+                meaning="share of right answers of an ideal reader",
+                unit="1",
+                name="probability",
+            ),
+            Symbol(latex=r"\Phi", meaning="cumulative normal distribution", unit="1"),
+            _TRANSPOSED,
+        ),
+        source="Mahalanobis, Proc. Nat. Inst. Sci. India 2 (1936) 49-55; ICRU Report 54 (1996)",
+    ),
 }
+"""By the keys of `chromanoise.charts.sections.SECTIONS`."""
+
+
+def explanation_as_json(key: str) -> dict[str, Any]:
+    """An explanation with its formulas as MathML, for page and report.
+
+    Parameters
+    ----------
+    key
+        Of `EXPLANATIONS`.
+    """
+    one = EXPLANATIONS[key]
+    return {
+        "title": one.title,
+        "words": one.words,
+        "formulas": [mathml(latex, block=True) for latex in one.latex],
+        "symbols": [
+            {"symbol": mathml(symbol.latex), "meaning": symbol.meaning, "unit": symbol.unit}
+            for symbol in one.symbols
+        ],
+        "source": one.source,
+    }

@@ -37,12 +37,12 @@ def _separations(readings: Sequence[MachineReading]) -> dict[str, Any]:
         worst = [(found.distance[n][at], found.probability[n][at]) for n in READINGS]
         rows.append(["", f"worst: {names[0]} / {names[1]}", *map(_distance, worst)])
     return {
-        "title": "Distance D_M for a machine (probability)",
+        "title": "Distance of patches for a machine (probability)",
         "head": ["sensor", "pairs", *_HEADS],
         "rows": rows,
-        "note": "D_M: distance of two patches in units of their noise, for an ideal reader of one "
-        "pixel; in parentheses the probability that it names the right one of the two (0.5 is "
-        "chance). Medians of distances and of probabilities are taken separately.",
+        "note": "Distance of two patches in units of their noise (Mahalanobis), for an ideal "
+        "reader of one pixel; in parentheses the probability that it names the right one of the "
+        "two (0.5 is chance). Medians of distances and of probabilities are taken separately.",
     }
 
 

@@ -30,8 +30,8 @@ def machine_sentences(analyses: Sequence[Analysis]) -> list[str]:
     if len(found) == 1:
         label, with_it, without = found[0]
         return [
-            f"A machine that reads the raw values of {label} separates {what} with a median D_M of "
-            f"{_text(with_it)}, or {_text(without)} without brightness."
+            f"A machine that reads the raw values of {label} separates {what} with a median "
+            f"distance of {_text(with_it)}, or {_text(without)} without brightness."
         ]
     best = max(found, key=lambda one: one[1])
     rival = max((one for one in found if one is not best), key=lambda one: one[1])
@@ -45,7 +45,7 @@ def _contest(best: _Medians, rival: _Medians, what: str) -> str:
     than = "as well as" if _tied(best[1], rival[1]) else "better than"
     first = (
         f"For a machine that reads raw values, {best[0]} separates {what} {than} {rival[0]}: "
-        f"median D_M {_text(best[1])} against {_text(rival[1])}"
+        f"median distance {_text(best[1])} against {_text(rival[1])}"
     )
     if rival[2] > best[2] and not _tied(best[2], rival[2]):
         return (

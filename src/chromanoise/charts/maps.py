@@ -75,6 +75,10 @@ def drawn_map(shown: Shown, look: Look) -> dict[str, Any]:
         "y": _axis(first.second, first.second_at),
         "colors": _colors(values, scale),
         "cells": _cells(maps),
+        "sensors": [
+            {"name": one.label, "values": [[defined(v) for v in row] for row in one.value.tolist()]}
+            for one in maps
+        ],
         "scale": scale,
         "key": _key(maps, values) if kind == "best" else [],
         "equal": _equal(found.lines[0], first.second_at) if kind == "difference" else [],

@@ -1,5 +1,6 @@
-"""Color error against noise, over the weight of the noise in the matrix."""
+"""Training error against noise, over the weight of the noise in the matrix."""
 
+from pathlib import Path
 from typing import Any
 
 from chromanoise.analysis.analysis import Analysis
@@ -19,7 +20,8 @@ LIGHTEST, HEAVIEST, POINTS = 1e-3, 1e3, 13
 def drawn_pareto(shown: Shown, look: Look) -> dict[str, Any]:
     """The Pareto curve of each sensor, and the point of its current matrix.
 
-    All color errors are means over the training set of the matrices. As in ``chromanoise matrix``,
+    The training error is the color error without noise, averaged over the spectra of the prior; not
+    over the chart. As in ``chromanoise matrix``,
     nothing is clipped.
     """
     weights = noise_weights(LIGHTEST, HEAVIEST, points=POINTS)
@@ -30,7 +32,8 @@ def drawn_pareto(shown: Shown, look: Look) -> dict[str, Any]:
     ]
     return {
         "title": (
-            f"Color error against SNR of Y at {conditions(shown.operating_points)}"
+            f"Training error (mean over {Path(prior).name}) against SNR of Y at "
+            f"{conditions(shown.operating_points)}"
             f"{unclipped_remark(shown)}"
         ),
         "description": _description(sensors),
@@ -69,7 +72,7 @@ def _sensor(
 
 
 def _description(sensors: list[dict[str, Any]]) -> str:
-    parts = ["More weight on the noise raises the SNR and the color error."]
+    parts = ["More weight on the noise raises the SNR and the training error."]
     for sensor in sensors:
         points = [_in_words(one) for one in sensor["points"] if _is_drawn(one)]
         if not points:
@@ -85,7 +88,7 @@ def _is_drawn(point: dict[str, Any]) -> bool:
 
 
 def _in_words(point: dict[str, Any]) -> str:
-    return f"{decimal(point['snr_db'])} dB at a color error of {decimal(point['color_error'])}"
+    return f"{decimal(point['snr_db'])} dB at a training error of {decimal(point['color_error'])}"
 
 
 def _table(sensors: list[dict[str, Any]]) -> dict[str, Any]:
@@ -96,5 +99,5 @@ def _table(sensors: list[dict[str, Any]]) -> dict[str, Any]:
             error, snr = decimal(point["color_error"], 2), decimal(point["snr_db"], 2)
             rows.append([sensor["name"], name, error, snr])
     return table(
-        ["sensor", "weight of the noise", "color error, mean ΔE*ab", "SNR of Y [dB]"], rows
+        ["sensor", "weight of the noise", "training error, mean ΔE*ab", "SNR of Y [dB]"], rows
     )

@@ -33,6 +33,12 @@ SECTIONS: tuple[Section, ...] = (
         explanations=("color",),
     ),
     Section(
+        part="head",
+        heading="Sensors",
+        shows="Ranked by the SNR of Y; the electrons are those of a perfect white.",
+        explanations=("electrons", "color", "price"),
+    ),
+    Section(
         part="budget",
         heading="SNR budget",
         shows="From every photon that hits the pixels down to one color coordinate: what each "
@@ -79,20 +85,15 @@ SECTIONS: tuple[Section, ...] = (
     ),
     Section(
         part="pareto",
-        heading="Color error against SNR",
-        shows="What another matrix could buy: each point is one weight of the noise.",
+        heading="Training error against SNR",
+        shows="What another matrix could buy: each point is one weight of the noise. The training "
+        "error is the color error averaged over the prior, not over the chart.",
         explanations=("pareto",),
     ),
     Section(
         part="sensitivities",
         heading="Sensitivities",
         shows="The quantum efficiency of each channel, and the light; the near infrared is shaded.",
-        explanations=("electrons",),
-    ),
-    Section(
-        part="head",
-        heading="Electrons that each sensor collects",
-        shows="Electrons of a perfect white.",
         explanations=("electrons",),
     ),
 )

@@ -1,37 +1,34 @@
 """Sentences that compare sensors: raw SNR, luminance SNR, their difference and its causes."""
 
-import math
 from collections.abc import Mapping, Sequence
+from itertools import chain
 from typing import Literal
 
-import numpy as np
-
 from chromanoise import _check
-from chromanoise.analysis.analysis import Analysis, color_snr_db, mean_color_error, raw_snr_db
+from chromanoise.analysis.analysis import Analysis, color_snr_db, mean_color_error
 from chromanoise.analysis.budgets import coordinate_budget
 from chromanoise.analysis.total_error import better_matrix, mean_total_error, total_error_of
+from chromanoise.charts.budget import cause_label
 from chromanoise.charts.charted_study import saturation_sentence
 from chromanoise.charts.machine_verdict import machine_sentences
+from chromanoise.charts.raw_comparison import compared_raw_name, compared_raw_snr_db
+from chromanoise.charts.text import decimal, signed
 from chromanoise.exposure import conditions
 from chromanoise.metrics import Budget
-from chromanoise.metrics.budget import CORRELATION, FILTERS, INFRARED, READ_NOISE, REST, WEIGHTS
-from chromanoise.metrics.budget_chain import CROSSTALK
-from chromanoise.noise.sources import DARK, DSNU, PRNU, QUANTIZATION, ROW
+from chromanoise.metrics.budget import CORRELATION, FILTERS, INFRARED, REST, WEIGHTS
+from chromanoise.noise.sources import DARK, DSNU, PRNU
+from chromanoise.spectra import chart_title
 
 _TIE_DB = 0.05  # differences below one decimal
 _WORTH_DB = 0.3  # least loss of a cause that is reported
-_WHY = {
-    READ_NOISE: "read noise",
-    WEIGHTS: "weighting the channels for Y",
-    CORRELATION: "unmixing correlated channels",
-    INFRARED: "infrared noise (minus the infrared that adds to Y)",
-    FILTERS: "light absorbed by filters",
-    DARK: "shot noise of the dark current",
-    QUANTIZATION: "quantization",
-    ROW: "row noise",
-    DSNU: "fixed-pattern noise in the dark (DSNU)",
-    PRNU: "fixed-pattern noise (PRNU)",
-    CROSSTALK: "crosstalk",
+_GLOSSES = {  # of bars of the budget whose label is a word of its own
+    WEIGHTS: "weights that make Y of the channels",
+    CORRELATION: "unmixing channels that look alike",
+    INFRARED: "its noise, without signal",
+    FILTERS: "light that they absorb",
+    DARK: "its shot noise",
+    DSNU: "fixed pattern in the dark",
+    PRNU: "fixed pattern",
 }
 _PHOTONS = "photons"
 _BELOW_THE_BOUND = (WEIGHTS, CORRELATION, INFRARED)  # the bound is that of the noisy channels
@@ -70,13 +67,17 @@ def verdict_sentences(
         If ``equal`` is unknown.
     """
     _check.one_of("terms of a comparison", equal, tuple(_TERMS))
-    sentences = [sentence for a in analyses if (sentence := _left_out(a))]
+    left_out = [sentence for a in analyses if (sentence := _left_out(a))]
     able = [a for a in analyses if _left_out(a) is None]
-    sentences += [sentence for a in able if (sentence := _too_noisy(a))]
+    sentences = [*left_out, *(sentence for a in able if (sentence := _too_noisy(a)))]
     machine = machine_sentences(analyses)
+    if left_out and len(able) < 2 and not (machine and reader == "machine"):
+        alone = [_alone(a) for a in able]
+        first = f"{_setting(analyses, equal)} {sentences[0]}"
+        return [first, *left_out[1:], *alone, *sentences[len(left_out) :], *machine]
     if reader == "machine":
-        first = [f"{_setting(analyses, equal)} {_lower(one)}" for one in machine]
-        return [*first, *_for_an_eye(analyses, able, sentences, equal)]
+        told = [f"{_setting(analyses, equal)} {_lower(one)}" for one in machine]
+        return [*told, *_for_an_eye(analyses, able, sentences, equal)]
     return _for_an_eye(analyses, able, [*machine, *sentences], equal)
 
 
@@ -88,10 +89,10 @@ def _for_an_eye(
     analyses: Sequence[Analysis], able: list[Analysis], sentences: list[str], equal: str
 ) -> list[str]:
     if len(able) == 1:
-        sentences.insert(0, _alone(able[0], _setting(analyses, equal)))
+        sentences.insert(0, f"{_setting(analyses, equal)} {_alone(able[0])}")
     if len(able) < 2:
         return sentences
-    best_raw = max(able, key=lambda a: _raw_db(a, able))
+    best_raw = max(able, key=lambda a: compared_raw_snr_db(a, able))
     best_color = max(able, key=_luminance_db)
     if abs(_luminance_db(best_raw) - _luminance_db(best_color)) < _TIE_DB:
         best_color = best_raw  # equal: the leader in raw is named once
@@ -113,10 +114,10 @@ def _left_out(analysis: Analysis) -> str | None:
     return None
 
 
-def _alone(analysis: Analysis, setting: str) -> str:
+def _alone(analysis: Analysis) -> str:
     return (
-        f"{setting} {analysis.sensor.label} has {_luminance_db(analysis):.1f} dB of "
-        f"luminance SNR for an eye, {_text(_loss_db(analysis))} dB below the best linear "
+        f"{analysis.sensor.label} has {_luminance_db(analysis):.1f} dB of "
+        f"luminance SNR for an eye, {decimal(_loss_db(analysis))} dB below the best linear "
         f"readout{_largest(analysis)}; {_error(analysis)}."
     )
 
@@ -128,20 +129,20 @@ def _contest(winner: Analysis, rival: Analysis, best_raw: Analysis, able: list[A
         color = (
             "has the same luminance SNR" if same else f"{gap:.1f} dB better in luminance for an eye"
         )
-        if _raw_db(winner, able) - _raw_db(rival, able) < _TIE_DB:
+        if compared_raw_snr_db(winner, able) - compared_raw_snr_db(rival, able) < _TIE_DB:
             color = color if same else f"is {color}"
         return f" {_raw_lead(winner, rival, able)} and {color} ({_pair(winner, rival)})."
-    same = _raw_db(rival, able) - _raw_db(winner, able) < _TIE_DB
+    same = compared_raw_snr_db(rival, able) - compared_raw_snr_db(winner, able) < _TIE_DB
     color = f"{'is ' if same else ''}{gap:.1f} dB worse in luminance for an eye"
     return f" {_raw_lead(rival, winner, able)} but {color} ({_pair(rival, winner)})."
 
 
 def _raw_lead(first: Analysis, second: Analysis, able: Sequence[Analysis]) -> str:
-    raw = _raw_db(first, able) - _raw_db(second, able)
+    raw = compared_raw_snr_db(first, able) - compared_raw_snr_db(second, able)
     lead = f"is {raw:.1f} dB better than {second.sensor.label} in raw"
     if raw < _TIE_DB:
         lead = f"has the same raw SNR as {second.sensor.label}"
-    return f"{first.sensor.label} {lead} ({_measure(able)})"
+    return f"{first.sensor.label} {lead} ({compared_raw_name(able)})"
 
 
 def _pair(first: Analysis, second: Analysis) -> str:
@@ -154,46 +155,58 @@ def _reasons(winner: Analysis, loser: Analysis) -> list[str]:
     good, bad = (_costs(coordinate_budget(a, "Y")) for a in (winner, loser))
     if gap < _TIE_DB or not (good and bad):
         return []
-    parts: list[str] = []
+    beyond = {cause: loss - good.get(cause, 0.0) for cause, loss in bad.items()}
+    beyond[INFRARED] = beyond.get(INFRARED, 0.0) + beyond.pop(REST)  # infrared costs and leaks
+    parts: list[list[str]] = []
     explained = 0.0
-    for cause in sorted(bad, key=lambda c: good.get(c, 0.0) - bad[c]):
-        own = good.get(cause, 0.0)  # crosstalk may be a cause for one sensor only
-        beyond = bad[cause] - own
-        if beyond < _WORTH_DB or (len(parts) > 1 and explained > gap - _WORTH_DB):
+    for cause in sorted(beyond, key=lambda one: -beyond[one]):
+        if beyond[cause] < _WORTH_DB or (len(parts) > 1 and explained > gap - _WORTH_DB):
             break
-        explained += beyond
-        parts.append(_reason(cause, bad[cause], own, winner.sensor.label))
+        explained += beyond[cause]
+        bars = [one for one in ((cause, REST) if cause == INFRARED else (cause,)) if one in bad]
+        # crosstalk may be a cause for one sensor only
+        told = [(one, bad[one], good.get(one, 0.0)) for one in bars]
+        parts.append(
+            [
+                _reason(one, own, other, winner.sensor.label)
+                for one, own, other in told
+                if one == cause or abs(own - other) >= _TIE_DB
+            ]
+        )
     if not parts:
         return []
     who = f"{loser.sensor.label} has less luminance SNR than {winner.sensor.label}"
-    return [f"Why {who}: {'; '.join(parts)}."]
+    return [f"Why {who}: {'; '.join(chain.from_iterable(parts))}."]
 
 
 def _reason(cause: str, loss_db: float, winner_db: float, winner: str) -> str:
-    beyond = f"{loss_db - winner_db:.1f} dB"
+    """A bar of the budget with its label and number, and the same bar of the winner."""
     if cause == _PHOTONS:
-        return f"fewer photons reach its pixels: {beyond}"
+        levels = f"{decimal(-loss_db)} dB, against {decimal(-winner_db)} dB for {winner}"
+        return f"all photons: {levels}, because fewer reach its pixels"
+    label = _label(cause)
     if min(loss_db, winner_db) < -_TIE_DB:  # a gain is not called a cost
-        return f"{_WHY[cause]}: {beyond} more than for {winner}"
-    return f"{_WHY[cause]} costs {_text(loss_db)} dB, against {_text(winner_db)} dB for {winner}"
+        return f"{label}: {signed(-loss_db)} dB, against {signed(-winner_db)} dB for {winner}"
+    return f"{label} costs {decimal(loss_db)} dB, against {decimal(winner_db)} dB for {winner}"
+
+
+def _label(cause: str) -> str:
+    gloss = _GLOSSES.get(cause)
+    return cause_label(cause, "Y") + (f" ({gloss})" if gloss else "")
 
 
 def _colors(able: Sequence[Analysis]) -> str:
     errors = ", ".join(f"{a.sensor.label} {_delta_e(mean_color_error(a))}" for a in able)
     sums = ", ".join(f"{a.sensor.label} {_delta_e(mean_total_error(a))}" for a in able)
-    return f"Mean color error, Delta E*ab: without noise {errors}; with noise {sums}."
+    over = _patches(able[0])
+    return f"Color error (mean ΔE*ab over {over}): {errors}; total color error, with noise: {sums}."
 
 
 def _costs(budget: Budget | None) -> dict[str, float]:
-    """Loss of each cause, with the loss from missing photons: the sum is minus the SNR.
-
-    Infrared that leaks into luminance is the rest of a budget; here it is offset against its noise.
-    """
+    """Loss of each cause, with the loss from missing photons: the sum is minus the SNR."""
     if budget is None:
         return {}
-    costs = {cost.cause: cost.loss_db for cost in budget.costs}
-    costs[INFRARED] = costs.get(INFRARED, 0.0) + costs.pop(REST)
-    return {_PHOTONS: -budget.photons_db} | costs
+    return {_PHOTONS: -budget.photons_db} | {cost.cause: cost.loss_db for cost in budget.costs}
 
 
 def _largest(analysis: Analysis) -> str:
@@ -204,36 +217,11 @@ def _largest(analysis: Analysis) -> str:
         return ""
     loss_db, cause = max(found)
     how = "mostly" if whole_db / 2 < loss_db <= whole_db + _TIE_DB else "above all"
-    return f", {how} because of {_WHY[cause]} ({loss_db:.1f} dB)"
-
-
-def _text(decibels: float) -> str:
-    return f"{round(decibels, 1) + 0.0:.1f}"  # avoids -0.0
+    return f", {how} because of {_label(cause)}: {decimal(loss_db)} dB"
 
 
 def _setting(analyses: Sequence[Analysis], equal: str) -> str:
     return f"At {conditions([one.point for one in analyses])},{_TERMS[equal]}"
-
-
-def _shared(able: Sequence[Analysis]) -> list[str]:
-    """Channels that all sensors have, with signal in all of them."""
-    found = [raw_snr_db(analysis) for analysis in able]
-    return [
-        name for name in able[0].sensor.names if all(one.get(name) is not None for one in found)
-    ]
-
-
-def _raw_db(analysis: Analysis, able: Sequence[Analysis]) -> float:
-    shared, snr = _shared(able), raw_snr_db(analysis)
-    if shared:
-        return float(np.mean([snr[name] for name in shared]))
-    best = analysis.optimal_linear_snr_db
-    return math.inf if best is None else best  # not saturated: it is signal without noise
-
-
-def _measure(able: Sequence[Analysis]) -> str:
-    shared = _shared(able)
-    return f"mean of {', '.join(shared)}" if shared else "best linear readout of all channels"
 
 
 def _luminance_db(analysis: Analysis) -> float:
@@ -251,8 +239,16 @@ def _loss_db(analysis: Analysis) -> float:
 def _error(analysis: Analysis) -> str:
     error, total = mean_color_error(analysis), mean_total_error(analysis)
     if error is None:
-        return "no mean color error"
-    return f"mean color error {error:.1f} Delta E*ab, {_delta_e(total)} with noise"
+        return "no color error"
+    return (
+        f"color error {error:.1f} (mean ΔE*ab over {_patches(analysis)}), total color error with "
+        f"noise {_delta_e(total)}"
+    )
+
+
+def _patches(analysis: Analysis) -> str:
+    """Over what color errors are averaged."""
+    return f"the patches of {chart_title(analysis.chart)}"
 
 
 def _delta_e(error: float | None) -> str:
@@ -266,7 +262,6 @@ def _too_noisy(analysis: Analysis) -> str | None:
         return None
     name, error = better
     return (
-        f"{analysis.sensor.label}: the noise of colors is {own.noise.mean():.0f} Delta E*ab. The "
-        f"matrix {name} reduces the total color error from {own.total.mean():.0f} to {error:.0f} "
-        "Delta E*ab."
+        f"{analysis.sensor.label}: the color noise is {own.noise.mean():.0f} ΔE*ab. The matrix "
+        f"{name} reduces the total color error from {own.total.mean():.0f} to {error:.0f} ΔE*ab."
     )

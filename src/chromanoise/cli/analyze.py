@@ -4,12 +4,11 @@ from typing import Any
 
 import click
 
-from chromanoise.analysis import color_budgets, contravariant_budgets
 from chromanoise.analysis.comparison.ranking import MOST_PAIRS_SENSORS
 from chromanoise.charts import verdict_sentences
+from chromanoise.charts.result_tables import outcome_tables
 from chromanoise.cli import tables
 from chromanoise.cli.copying import print_copy
-from chromanoise.cli.merit_tables import print_merits
 from chromanoise.cli.options import (
     closed_form_options,
     copy_option,
@@ -29,7 +28,6 @@ from chromanoise.cli.output import (
     write_outputs,
 )
 from chromanoise.cli.parsing import command
-from chromanoise.cli.pipeline_tables import print_pipeline
 from chromanoise.cli.reader_tables import print_machine_readings
 from chromanoise.cli.running import progress_of_step
 from chromanoise.color import SPACES
@@ -100,23 +98,8 @@ def _print(result: Analyses, *, equal: str) -> None:
     print_lines(verdict_sentences(analyses, equal=equal, reader=outputs.reader))
     if len(analyses) > MOST_PAIRS_SENSORS:
         tables.print_ranking(result.ranking, "Ranking by SNR of Y [dB]")
-    for analysis in analyses if outputs.budget else ():
-        tables.print_budgets(analysis, color_budgets(analysis))
-        tables.print_budgets(analysis, contravariant_budgets(analysis))
-        tables.print_lab_budgets(analysis)
-    for outcome in result.outcomes if outputs.chart else ():
-        tables.print_chart(outcome.analysis, outcome.chart)
-    for outcome in result.outcomes if outputs.pipeline.run else ():
-        print_pipeline(outcome.analysis.sensor.name, outcome.pipeline)
+    for table in outcome_tables(result):
+        tables.print_table(table)
     readings = [one.machine for one in result.outcomes if one.machine is not None]
     if readings:
         print_machine_readings(readings)
-    print_merits(
-        [
-            (point, outcome.merits)
-            for point, outcome in zip(result.points, result.outcomes, strict=True)
-            if outcome.merits is not None
-        ]
-    )
-    if outputs.space is not None:
-        tables.print_gray_noise(analyses, [outcome.grey_noise for outcome in result.outcomes])

@@ -61,9 +61,9 @@ def demo(out: Path) -> None:
             write_png(folder / f"{picture.sensor.name}.png", picture.srgb)
         write_json(reproduction_as_json(result), str(folder / "tables.json"))
         drawn = {name: (folder / f"{name}.svg").read_text(encoding="utf-8") for name in figures}
-        page = demo_page(result, pictures, drawn, CAPTIONS)
-        (folder / "index.html").write_text(page, encoding="utf-8")
         (folder / "report.html").write_text(_report(pictures), encoding="utf-8")
+        page = demo_page(result, pictures, drawn, CAPTIONS, tuple(folder.iterdir()))
+        (folder / "index.html").write_text(page, encoding="utf-8")
     click.echo(f"Open {out / 'index.html'}: the tables, the pictures and figures 1-10.")
     click.echo(f"Open {out / 'report.html'}: both sensors as a report, with sliders.")
 

@@ -14,7 +14,6 @@ from importlib import import_module
 
 import click
 
-from chromanoise import __version__
 from chromanoise.cli import paused_collection
 from chromanoise.errors import InputError, did_you_mean
 
@@ -39,6 +38,7 @@ _COMMANDS = {
     "demo": "All results of the paper on one page: out/demo/index.html.",
     "characterize": "Noise of a camera from its own raw frames, as a pixel file and a report.",
     "denoise-bench": "Denoising methods compared over scenes, sensors and light levels; a report.",
+    "cite": "How to cite chromanoise and the paper; --bibtex.",
     "demo-frames": "Raw frames of a virtual camera with known noise, to try a characterization.",
 }
 
@@ -77,8 +77,23 @@ class _Commands(click.Group):
             formatter.write_dl(list(_COMMANDS.items()))
 
 
+def _print_version(ctx: click.Context, _: click.Parameter, asked: bool) -> None:
+    if asked and not ctx.resilient_parsing:
+        from chromanoise.cli.installed import installation
+
+        click.echo(installation())
+        ctx.exit()
+
+
 @click.command(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"]})
-@click.version_option(__version__, prog_name="chromanoise")
+@click.option(
+    "--version",
+    is_flag=True,
+    is_eager=True,
+    expose_value=False,
+    callback=_print_version,
+    help="Show the version, and which packages are installed.",
+)
 def commands() -> None:
     """From photons to color, with the noise."""
 

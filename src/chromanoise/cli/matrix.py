@@ -1,15 +1,13 @@
 """``chromanoise matrix``."""
 
-from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import click
 
 from chromanoise.analysis import DEFAULT_METHOD, known_matrices
+from chromanoise.charts.result_tables import pareto_table
 from chromanoise.cli import tables
 from chromanoise.cli.copying import print_copy
-from chromanoise.cli.merit_tables import print_pareto
 from chromanoise.cli.options import (
     closed_form_options,
     copy_option,
@@ -29,21 +27,8 @@ from chromanoise.cli.parsing import command
 from chromanoise.cli.running import progress_of_step
 from chromanoise.errors import InputError
 from chromanoise.exposure import conditions
-from chromanoise.io.matrices import (
-    MadeMatrix,
-    matrix_clf,
-    matrix_csv,
-    matrix_json,
-    matrix_profile_json,
-)
-from chromanoise.study import MatrixResult, matrix_study, run
-
-_WRITERS: dict[str, Callable[[MadeMatrix], str]] = {
-    ".dcp.json": matrix_profile_json,
-    ".csv": matrix_csv,
-    ".json": matrix_json,
-    ".clf": matrix_clf,
-}
+from chromanoise.io.matrices import matrix_writer
+from chromanoise.study import matrix_study, run
 
 
 @command()
@@ -93,12 +78,12 @@ def matrix(
         return
     targets = {"--export": export, "--json": json_target, "--table": table}
     refuse_taken_inputs(targets, [sensor], settings)
-    writer = None if export is None else _writer(Path(export))
+    writer = None if export is None else matrix_writer(export, "--export")
     (results,) = run(study, progress=progress_of_step).matrices.values()
     (result,) = results.results
     point, report = result.point, result.report
     write_outputs(
-        (export, lambda: "" if writer is None else writer(_made(result))),
+        (export, lambda: "" if writer is None else writer(result.made)),
         (table, lambda: table_text(result.to_table(), str(table))),
         (json_target, lambda: json_text(result.to_dict())),
     )
@@ -107,25 +92,7 @@ def matrix(
     tables.print_conditions(conditions([point]))
     tables.print_matrix(result.matrix, report, point.sensor.label)
     if result.pareto:
-        print_pareto(result.pareto, report, point.sensor.label)
-
-
-def _made(result: MatrixResult) -> MadeMatrix:
-    """The matrix with the metadata for its file."""
-    point = result.point
-    sensor, lamp = point.sensor, point.illuminant
-    return MadeMatrix(
-        sensor=sensor.name,
-        illuminant=lamp.name,
-        level_lux=point.level_lux,
-        time_s=point.exposure.time_s,
-        f_number=point.exposure.f_number,
-        pitch_um=sensor.pixel.pitch_um,
-        matrix=result.matrix,
-        white_e=result.white_e,
-        white_lux=result.white_lux,
-        notes=(*sensor.notes, *lamp.notes),
-    )
+        tables.print_table(pareto_table(result.pareto, report, point.sensor.label))
 
 
 def _span(text: str | None) -> dict[str, Any]:
@@ -143,12 +110,3 @@ def _span(text: str | None) -> dict[str, Any]:
             "--pareto", "must be FIRST:LAST or FIRST:LAST:POINTS, e.g. 0.001:1000", value=text
         )
     return {"pareto_first": first, "pareto_last": last, **points}
-
-
-def _writer(export: Path) -> Callable[[MadeMatrix], str]:
-    for ending, writer in _WRITERS.items():
-        if export.name.lower().endswith(ending):
-            return writer
-    raise InputError(
-        "--export", f"must end in {', '.join(_WRITERS)}", value=str(export), remedy="rename it"
-    )

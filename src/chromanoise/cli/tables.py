@@ -7,30 +7,24 @@ from rich.table import Table
 
 from chromanoise.analysis import (
     Analysis,
-    ChartNoise,
-    GrayNoise,
     color_snr_db,
     contravariant_snr_db,
     diagnosis,
-    lab_budgets,
     mean_color_error,
     mean_total_error,
-    missing_lab_budgets,
     raw_snr_db,
 )
-from chromanoise.analysis.color_space_noise import GRAY
 from chromanoise.analysis.comparison.bands import CrossoverBand, band_sentence
 from chromanoise.analysis.comparison.curves import Curve
 from chromanoise.analysis.comparison.maps import QuantityMap, best_of, by_matrix
 from chromanoise.analysis.comparison.ranking import MOST_PAIRS_SENSORS, Rank
 from chromanoise.catalog.sensors import RECONSTRUCTION
-from chromanoise.charts import cause_label
 from chromanoise.cli.output import print_lines, terminal
 from chromanoise.color import ColorMatrix
 from chromanoise.io.table import Table as Rows
 from chromanoise.io.table import number_text, written
 from chromanoise.io.table_formats import head as heading
-from chromanoise.metrics import Budget, MatrixReport
+from chromanoise.metrics import MatrixReport
 from chromanoise.paper import (
     Cell,
     PaperTable,
@@ -43,7 +37,6 @@ from chromanoise.paper import (
     verdict,
 )
 from chromanoise.paper.study import PRINTED_TIMES_MS, WELL_SHARE
-from chromanoise.spectra import chart_title
 
 _WIDE = 6  # most channels in one row
 _SHOWN = 6  # number of printed values of a sweep
@@ -73,8 +66,14 @@ def print_reproduction(result: Reproduction) -> None:
 
 
 def print_table(table: Rows, *, width: int | None = None) -> None:
-    """Print a table with its title and its notes, at most ``width`` characters wide."""
+    """Print a table with its title and its notes, at most ``width`` characters wide.
+
+    Of a table without rows only the notes.
+    """
     console = terminal()
+    if not table.rows:
+        print_lines(table.notes)
+        return
     shown = Table(title=table.title, title_justify="left")
     for i, column in enumerate(table.columns):
         shown.add_column(
@@ -104,7 +103,10 @@ def print_analyses(analyses: Iterable[Analysis]) -> None:
         channels.add_column(head, justify="left" if left else "right", overflow="fold")
     for head in ("to x deg", "to y deg", "to z deg"):
         channels.add_column(head, justify="right")
-    color = Table(title="Spectrum and color (eq. 4-6)", title_justify="left")
+    color = Table(
+        title="Spectrum and color (eq. 4-6); color errors: mean Delta E*ab over the chart",
+        title_justify="left",
+    )
     for head in (
         "sensor",
         "time ms",
@@ -115,8 +117,8 @@ def print_analyses(analyses: Iterable[Analysis]) -> None:
         "bound dB",
         "color SNR loss dB",
         "condition",
-        "Delta E*ab",
-        "total Delta E*ab",
+        "color error",
+        "total color error",
     ):
         left = head == "sensor"
         color.add_column(head, justify="left" if left else "right", overflow="fold")
@@ -237,83 +239,6 @@ def _curve_cell(curve: Curve, i: int) -> str:
     return f"{number_text(curve.value[i])} | {number_text(curve.color_error[i], '.1f')}"
 
 
-def print_gray_noise(analyses: Sequence[Analysis], noises: Sequence[GrayNoise | None]) -> None:
-    """Print the exact noise of an 18 % gray, and which approximations hold."""
-    console = terminal()
-    known = [noise for noise in noises if noise]
-    if not known:
-        for analysis in analyses:
-            name = analysis.sensor.label
-            console.print(
-                f"{name}: no noise of a gray, because a channel is saturated, or XYZ of the white "
-                "is not valid",
-                soft_wrap=True,
-            )
-        return
-    space = known[0].exact.measurement.kind
-    table = Table(title=f"Noise of an 18 % gray in {space}", title_justify="left")
-    table.add_column("sensor", overflow="fold")
-    names = known[0].exact.measurement.names if known else ()
-    routes = ("first order", "Gaussian approx.")
-    for head in (*(f"sd {name}" for name in names), "sd C*", "mean Delta E", "bias", *routes):
-        table.add_column(head, justify="right")
-    for analysis, noise in zip(analyses, noises, strict=True):
-        if noise is None:
-            table.add_row(analysis.sensor.label, "saturated, or XYZ of the white is not valid")
-            continue
-        exact = noise.exact
-        sd = exact.sd
-        table.add_row(
-            analysis.sensor.label,
-            *(f"{value:.3g}" for value in sd),
-            number_text(None if exact.chroma_sd is None else float(exact.chroma_sd)),
-            number_text(None if exact.delta_e is None else float(exact.delta_e)),
-            ", ".join(f"{value:+.2g}" for value in exact.bias),
-            *(
-                "holds" if holds else "off by more than 5 %"
-                for holds in (noise.first_order_holds, noise.normal_holds)
-            ),
-        )
-    console.print(table)
-
-
-def print_chart(analysis: Analysis, chart: ChartNoise | None) -> None:
-    """Print color error and noise of every patch."""
-    console = terminal()
-    name = analysis.sensor.label
-    if chart is None:
-        console.print(
-            f"{name}: no chart, because a channel is saturated, or XYZ of the white is not valid.",
-            soft_wrap=True,
-        )
-        return
-    seen = chart_title(analysis.chart).removeprefix("the ")
-    title = f"{seen} seen by {name} with the {analysis.matrix.made_by} matrix"
-    table = Table(title=title, title_justify="left")
-    heads = ("error Delta E*ab", "CIEDE2000", "Y dB", "sd L*", "sd a*", "sd b*", "noise Delta E*ab")
-    for head in ("patch", *heads):
-        table.add_column(head, justify="left" if head == "patch" else "right")
-    sd = chart.noise.sd
-    assert chart.noise.delta_e is not None  # CIELAB has one
-    for i, patch in enumerate(chart.names):
-        numbers = (chart.color_error[i], chart.ciede2000[i], chart.snr_y_db[i], *sd[i])
-        cells = (number_text(float(value), ".1f") for value in (*numbers, chart.noise.delta_e[i]))
-        table.add_row(patch, *cells, end_section=i == len(chart.names) - 1)
-    means = (chart.color_error.mean(), chart.ciede2000.mean())
-    noise = (
-        number_text(float(value), ".1f") for value in (*sd.mean(axis=0), chart.noise.delta_e.mean())
-    )
-    table.add_row("mean", *(number_text(float(m), ".1f") for m in means), "", *noise)
-    console.print(table)
-    failing = int((~chart.first_order_holds).sum())
-    if failing:
-        console.print(
-            f"{name}: the first order is off by more than 5 % on {failing} patches; the "
-            "figures above come from the exact Poisson-Gaussian distribution.",
-            soft_wrap=True,
-        )
-
-
 def print_matrix(matrix: ColorMatrix, report: MatrixReport, sensor_name: str) -> None:
     """Print the matrix in lx/e-, then its color error and noise."""
     console = terminal()
@@ -345,47 +270,6 @@ def _decibels(snr: Mapping[str, float | None]) -> str:
         f"{name} undefined" if value is None else f"{name} {value:.2f} dB"
         for name, value in snr.items()
     )
-
-
-def print_budgets(analysis: Analysis, budgets: Sequence[Budget | None]) -> None:
-    """Print the budget from all photons to each color coordinate: dB per cause."""
-    known = [budget for budget in budgets if budget]
-    if not known:
-        terminal().print(
-            f"{analysis.sensor.label}: no coordinate has an SNR, so there is no budget"
-        )
-        return
-    terminal().print(_budget_table(known, f"Budget of {analysis.sensor.label} [dB]"))
-
-
-def print_lab_budgets(analysis: Analysis) -> None:
-    """Print the budget of one unit of L*, a* and b* of a gray, or why there is none."""
-    console = terminal()
-    budgets = lab_budgets(analysis)
-    known = [budget for budget in budgets if budget]
-    if known:
-        of = f"one unit on a gray of {100 * GRAY:.0f} %, {analysis.sensor.label}"
-        console.print(_budget_table(known, f"Budget of {of} [dB]"))
-    missing = missing_lab_budgets(analysis, budgets)
-    if missing:
-        console.print(missing, soft_wrap=True)
-
-
-def _budget_table(budgets: Sequence[Budget], title: str) -> Table:
-    """One column per coordinate, one row per cause; readings of the second coordinate."""
-    table = Table(title=title, title_justify="left")
-    table.add_column("")
-    for budget in budgets:
-        table.add_column(budget.coordinate, justify="right")
-    read = min(1, len(budgets) - 1)
-    table.add_column(f"reading of {budgets[read].coordinate}", justify="left")
-    table.add_row("all photons", *(f"{budget.photons_db:.2f}" for budget in budgets))
-    for i, cost in enumerate(budgets[0].costs):
-        losses = (f"{round(-budget.costs[i].loss_db, 2) + 0.0:+.2f}" for budget in budgets)
-        label = cause_label(cost.cause, *(budget.coordinate for budget in budgets))
-        table.add_row(label, *losses, budgets[read].costs[i].reading)
-    table.add_row("SNR", *(f"{budget.snr_db:.2f}" for budget in budgets))
-    return table
 
 
 def _add_channels(table: Table, analysis: Analysis) -> None:

@@ -333,7 +333,7 @@ _ENTRIES = (
     Objective(
         name="least_separation",
         short="least separation",
-        what="least distance D_M between two patches in raw values",
+        what="least distance between two patches in raw values",
         unit="1",
         better="higher",
         of=_least_separation,
@@ -342,7 +342,7 @@ _ENTRIES = (
     Objective(
         name="mean_separation",
         short="mean separation",
-        what="mean distance D_M between two patches in raw values",
+        what="mean distance between two patches in raw values",
         unit="1",
         better="higher",
         of=_mean_separation,

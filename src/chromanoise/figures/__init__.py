@@ -37,11 +37,12 @@ from chromanoise.figures.results import draw_analyses, draw_capture, draw_matric
 from chromanoise.figures.sensitivities import draw_sensitivities
 from chromanoise.figures.sensitivity import draw_sensitivity
 from chromanoise.figures.study import map_figures, study_figures
-from chromanoise.figures.style import chromanoise_style
+from chromanoise.figures.style import channel_color, chromanoise_style, sensor_lines
 from chromanoise.figures.writing import write_figures
 
 __all__ = [
     "CAPTIONS",
+    "channel_color",
     "characterization_figures",
     "chromanoise_style",
     "draw_analyses",
@@ -76,6 +77,7 @@ __all__ = [
     "front_figure",
     "map_figures",
     "paper_figures",
+    "sensor_lines",
     "study_figures",
     "write_figures",
 ]

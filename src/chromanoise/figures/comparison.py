@@ -7,6 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from chromanoise.analysis import Crossover, Curve
+from chromanoise.charts.text import brief
 from chromanoise.figures.style import (
     INK,
     QUIET,
@@ -141,9 +142,10 @@ def _mark(crossover: Crossover, curves: Sequence[Curve], ax: Axes) -> None:
         height = float(np.interp(value, curve.at, curve.value))
         ax.plot(value, height, "o", color=INK, markerfacecolor="none", markersize=8)
         ax.annotate(
-            f"{value:.2g} {crossover.sweep.unit}",
+            f"{brief(value, 2 if value < 100 else 3)} {crossover.sweep.unit}",
             (value, height),
             xytext=(-2, 10),
             textcoords="offset points",
             color=QUIET,
+            bbox={"facecolor": "white", "linewidth": 0, "pad": 1},
         )

@@ -37,7 +37,7 @@ def draw_pareto(data: dict[str, Any], ax: Axes) -> Axes:
         ax.plot(*where, mark, markerfacecolor=fill, label=name, **line)
     ax.grid(visible=True, alpha=0.25)
     ax.set_ylim(bottom=0)
-    ax.set(xlabel="SNR of Y [dB]", ylabel="color error, mean [ΔE*ab]")
+    ax.set(xlabel="SNR of Y [dB]", ylabel="training error, mean [ΔE*ab]")
     ends = [data["sensors"][0]["points"][k]["text"] for k in (0, -1)]
     along = f"Curves: the weight of the noise from {ends[0]} to {ends[1]} (right)."
     weights_note = along if many else "Numbers: the weight of the noise."

@@ -98,7 +98,7 @@ def draw_matrices(results: Sequence[MatrixResult], ax: Axes) -> Axes:
     """
     if all(one.pareto is not None for one in results):
         _draw_curves(results, ax)
-        what = "Color error against SNR"
+        what = "Training error against SNR"
     else:
         _draw_entries(results, ax)
         what = f"{results[0].report.made_by} matrix"
@@ -121,7 +121,7 @@ def _draw_curves(results: Sequence[MatrixResult], ax: Axes) -> None:
             label=name,
         )
     ax.margins(0.1)
-    ax.set(xlabel="SNR of Y [dB]", ylabel="mean color error over the training set [ΔE*ab]")
+    ax.set(xlabel="SNR of Y [dB]", ylabel="training error, mean [ΔE*ab]")
     ax.set_ylim(bottom=0)
     ax.grid(visible=True, alpha=0.25)
     ax.legend(loc="best", fontsize=8, title="numbers: weight of the noise", title_fontsize=8)

@@ -7,6 +7,7 @@ perfect white to XYZ with Y = 1 for that white, as in a raw converter after whit
 import csv
 import io
 import json
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 from xml.sax.saxutils import escape, quoteattr
@@ -147,6 +148,40 @@ def matrix_profile_json(made: MadeMatrix) -> str:
         "CameraToXYZ": to_xyz.tolist(),
     }
     return json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def matrix_writer(path: str, subject: str = "path") -> Callable[[MadeMatrix], str]:
+    """The writer of the format that the ending of a name states.
+
+    Parameters
+    ----------
+    path
+        Name of the file: ``.csv``, ``.json``, ``.clf`` or ``.dcp.json``.
+    subject
+        What an error names.
+
+    Raises
+    ------
+    InputError
+        If the name has another ending.
+
+    Examples
+    --------
+    >>> matrix_writer("camera.CLF").__name__
+    'matrix_clf'
+    """
+    for ending, writer in _WRITERS.items():
+        if path.lower().endswith(ending):
+            return writer
+    raise InputError(subject, f"must end in {', '.join(_WRITERS)}", value=path, remedy="rename it")
+
+
+_WRITERS: dict[str, Callable[[MadeMatrix], str]] = {
+    ".dcp.json": matrix_profile_json,
+    ".csv": matrix_csv,
+    ".json": matrix_json,
+    ".clf": matrix_clf,
+}
 
 
 def _facts(made: MadeMatrix) -> dict[str, Any]:

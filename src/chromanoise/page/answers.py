@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from chromanoise.charts import DRAWINGS, PARTS, Look, Shown, drawing, shown
+from chromanoise.charts import DRAWINGS, PARTS, Look, Shown, chart_csv, drawing, shown
 from chromanoise.errors import InputError
 from chromanoise.exposure import OperatingPoint
 from chromanoise.io.given_matrices import is_matrix_file
@@ -71,6 +71,21 @@ class ChartReplies:
             "files": {one.id: one.label for one in used},
         }
         return f'{json.dumps(head)[:-1]}, "parts": {{{parts}}}}}'
+
+    def csv(self, question: Mapping[str, Any]) -> str:
+        """The numbers behind one chart: the reply of ``/api/csv``.
+
+        Raises
+        ------
+        QuestionError
+            With all faults of the question, or why there is no such chart of this study.
+        """
+        part = field(question, "part", str, "")
+        data = json.loads(self.answer({**question, "want": [part]}))["parts"][part]
+        text = "" if "fault" in data else chart_csv(part, data)
+        if not text:
+            raise QuestionError(("part", data.get("fault") or data["why_not"]))
+        return text
 
     def texts(self, question: Mapping[str, Any]) -> dict[str, str]:
         """The JSON of ``/api/texts``: the study as TOML, Python and command line.

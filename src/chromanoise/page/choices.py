@@ -13,38 +13,26 @@ from chromanoise.analysis.priors import PRIORS
 from chromanoise.catalog.entries import catalog_entries, catalog_folder
 from chromanoise.catalog.resolve import resolve_illuminant, resolve_sensor
 from chromanoise.charts import DRAWINGS
-from chromanoise.charts.explanations import EXPLANATIONS
 from chromanoise.charts.sections import SECTIONS
 from chromanoise.color import SPACES
 from chromanoise.denoising import DENOISING
 from chromanoise.errors import InputError
 from chromanoise.exposure import EQUAL_TERMS
+from chromanoise.io.spectra import Answers
+from chromanoise.page.fields import SECTION_HINTS, described_fields
 from chromanoise.scene import BUILTIN_CUBES
-from chromanoise.spectra import INFRARED_FROM_NM, METRICS
+from chromanoise.spectra import DEFAULT_GRID, INFRARED_FROM_NM, METRICS
 
 _FORMULAS = ("3200K", "5000K", "6500K", "LED660")  # examples of lamps given by a formula
-_EDGES = ("ircut-650", "ircut-700")  # examples of filters given by a formula
 _SLIDERS = (
     ("light.level_lux", "Light level", "lx", 0.01, 10_000.0, "log", 0.01),
     ("light.infrared", "Infrared in the light", "W/W", 0.0, 5.0, "linear", 0.05),
     ("exposure.time_ms", "Integration time", "ms", 0.1, 1000.0, "log", 0.01),
     ("exposure.saturate", "Share of full well", "1", 0.05, 1.0, "linear", 0.01),
     ("exposure.f_number", "f-number", "f/#", 1.0, 16.0, "log", 0.01),
-    ("sensors.pixel.read_noise_e", "Read noise", "e-", 0.1, 100.0, "log", 0.01),
-    ("sensors.pixel.prnu", "PRNU", "1", 0.0, 0.05, "linear", 0.001),
-    ("sensors.pixel.dsnu_e", "DSNU", "e-", 0.0, 50.0, "linear", 0.5),
-    ("sensors.pixel.row_noise_e", "Row noise", "e-", 0.0, 20.0, "linear", 0.2),
-    ("sensors.pixel.dark_current_e_per_s", "Dark current", "e-/s", 0.0, 1000.0, "linear", 10.0),
-    ("sensors.crosstalk", "Crosstalk to the neighbors", "1", 0.0, 0.5, "linear", 0.01),
-    ("sensors.ircut_nm", "IR-cut edge", "nm", 600.0, 1050.0, "linear", 5.0),
-    ("sensors.shift_nm", "Shift of the filters", "nm", -50.0, 50.0, "linear", 1.0),
     ("matrices.weight", "Weight of the noise in the matrix", "1", 0.001, 1000.0, "log", 0.02),
 )
-_RANGES: Mapping[str, tuple[float, float]] = {  # of a new heat map
-    **{
-        key.rpartition(".")[2].replace("_", "-"): (low, high)
-        for key, _, _, low, high, *_ in _SLIDERS
-    },
+_RANGES: Mapping[str, tuple[float, float]] = {  # of a new heat map, where no control has them
     "lux": (0.01, 10_000.0),
     "dark-current-e-per-s": (1.0, 1000.0),
     "temperature-c": (-20.0, 80.0),
@@ -55,15 +43,25 @@ _RANGES: Mapping[str, tuple[float, float]] = {  # of a new heat map
 
 @lru_cache(maxsize=1)
 def choices() -> dict[str, Any]:
-    """Names of sensors, lights, scenes and matrices, sliders, and the equations behind ``?``.
+    """Names of sensors, lights, scenes and matrices, controls, and sections.
 
     Steps of logarithmic sliders are of log10.
     """
+    sliders = [
+        dict(zip(("key", "label", "unit", "low", "high", "scale", "step"), one, strict=True))
+        for one in _SLIDERS
+    ]
+    fields = described_fields()
+    ranges: dict[str, tuple[float, float]] = {
+        one["key"].rpartition(".")[2].replace("_", "-"): (one["low"], one["high"])
+        for one in (*sliders, *fields)
+        if "low" in one
+    } | dict(_RANGES)
     return {
         "version": __version__,
         "sensors": _sensors(),
         "illuminants": _illuminants(),
-        "filters": _filters(),
+        "illuminant_ends_nm": _ends_nm(),
         "scenes": list(BUILTIN_CUBES),
         "denoising": [
             {"name": one.name, "what": one.what}
@@ -79,17 +77,15 @@ def choices() -> dict[str, Any]:
         "sweeps": [
             {"name": one.name, "what": one.what, "unit": one.unit, "first": low, "last": high}
             for one in SWEEPS.values()
-            for low, high in (_RANGES[one.name],)
+            for low, high in (ranges[one.name],)
         ],
         "quantities": [{"name": one.name, "what": one.what} for one in QUANTITIES.values()],
         "coordinates": ["X", "Y", "Z", "L*", "a*", "b*"],
         "infrared_from_nm": INFRARED_FROM_NM,
         "infrared_light": "LED850",
-        "sliders": [
-            dict(zip(("key", "label", "unit", "low", "high", "scale", "step"), one, strict=True))
-            for one in _SLIDERS
-        ],
-        "equations": {key: dict(equation) for key, equation in EXPLANATIONS.items()},
+        "sliders": sliders,
+        "fields": fields,
+        "hints": dict(SECTION_HINTS),
         "sections": [asdict(section) for section in SECTIONS],
     }
 
@@ -111,27 +107,32 @@ def _sensors() -> list[dict[str, Any]]:
                 "pitch_um": sensor.pixel.pitch_um,
                 "full_well_e": sensor.pixel.full_well_e,
                 "read_noise_e": sensor.pixel.read_noise_e,
+                "pixel": asdict(sensor.pixel),
             }
         )
     return found
 
 
-def _filters() -> list[str]:
-    """Filters with a fixed name, and examples of those with a parameter."""
-    names = [entry.provenance.name for entry in catalog_entries("filters", folder=catalog_folder())]
-    return [*(name for name in names if "<" not in name), *_EDGES]
-
-
 def _illuminants() -> list[str]:
-    """Illuminants that cover 400-1050 nm and so need no extrapolation."""
+    """Illuminants by name: first those that cover 400-1050 nm, then those that end before."""
+    ends = _ends_nm()
     names = [
         entry.provenance.name for entry in catalog_entries("illuminants", folder=catalog_folder())
     ]
     usable = []
     for name in (*names, *_FORMULAS):
         try:
-            resolve_illuminant(name)
+            resolve_illuminant(name, answers=Answers(beyond="zero" if name in ends else "refuse"))
         except InputError:
             continue
         usable.append(name)
-    return list(dict.fromkeys(usable))
+    return sorted(dict.fromkeys(usable), key=lambda name: name in ends)
+
+
+def _ends_nm() -> dict[str, float]:
+    """The last wavelength of the illuminants whose tables end within 400-1050 nm. [nm]"""
+    entries = catalog_entries("illuminants", folder=catalog_folder())
+    ranges = {entry.provenance.name: entry.provenance.range_nm for entry in entries}
+    return {
+        name: ends[1] for name, ends in ranges.items() if ends and ends[1] < DEFAULT_GRID.stop_nm
+    }

@@ -9,7 +9,13 @@ from chromanoise.io.spectra import ParsedSpectra, read_curves
 from chromanoise.io.spectra.defects import defects_of_a_light
 from chromanoise.page.fronts import front_preview, is_front
 from chromanoise.page.pictures import cube_of_upload
-from chromanoise.page.recognition import crosstalk_preview, matrix_preview, pixel_preview
+from chromanoise.page.recognition import (
+    crosstalk_preview,
+    is_pairs,
+    matrix_preview,
+    pairs_preview,
+    pixel_preview,
+)
 from chromanoise.page.requests import QuestionError, page_sentence
 from chromanoise.page.studies import served_data
 from chromanoise.page.uploads import Upload, in_words
@@ -106,6 +112,8 @@ def _table(upload: Upload) -> Data:
     """A file of numbers: what each reader takes it for; ``others`` if more than one reads it."""
     if is_front(upload):
         return front_preview(upload)
+    if is_pairs(upload):
+        return pairs_preview(upload)
     _refuse_large_table(upload)
     found: list[Data] = []
     errors: list[InputError] = []

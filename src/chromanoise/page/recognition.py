@@ -1,9 +1,10 @@
-"""Preview of a file for a sensor or a study: crosstalk, a color matrix, the values of a pixel."""
+"""Preview of a file for a sensor or a study: crosstalk, a color matrix, a pixel, pairs."""
 
 from dataclasses import fields
 from typing import Any
 
 from chromanoise import _check
+from chromanoise.catalog.patch_pairs import PAIRS_HEADER, resolve_pairs
 from chromanoise.catalog.pixel_files import read_pixel_source
 from chromanoise.errors import InputError
 from chromanoise.io.crosstalk import crosstalk_table
@@ -38,6 +39,25 @@ def crosstalk_preview(upload: Upload) -> Data:
             value=table.values.shape,
         )
     return {"kind": "crosstalk", "preview": [line]}
+
+
+def is_pairs(upload: Upload) -> bool:
+    """Whether the file is a list of pairs of patches, which its header tells."""
+    with upload.path.open("rb") as file:
+        start = file.readline(200).decode("utf-8-sig", errors="replace")
+    return tuple(word.strip().lower() for word in start.split(",")) == PAIRS_HEADER
+
+
+def pairs_preview(upload: Upload) -> Data:
+    """What a list of pairs of patches holds.
+
+    Raises
+    ------
+    InputError
+        If a line does not name two known patches.
+    """
+    count = len(resolve_pairs(str(upload.path)).indices)
+    return {"kind": "pairs", "preview": [f"Pairs of patches for a machine: {count}."]}
 
 
 def matrix_preview(upload: Upload) -> Data:

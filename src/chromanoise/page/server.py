@@ -82,11 +82,15 @@ def application(
             Route("/", index),
             Route("/assets/{path:path}", asset_reply),
             Route("/api/choices", _replying(_choices)),
+            Route("/api/explanations", _replying(_explanations)),
             Route("/api/front", _replying(_front)),
+            Route("/api/story", _replying(_story)),
             Route("/api/answer", _replying(_answer), methods=["POST"]),
             Route("/api/picture", _replying(_picture), methods=["POST"]),
             Route("/api/upload", _replying(_upload), methods=["POST"]),
             Route("/api/texts", _replying(_texts), methods=["POST"]),
+            Route("/api/csv", _replying(_csv), methods=["POST"]),
+            Route("/api/report", _replying(_report), methods=["POST"]),
         ],
         exception_handlers={HTTPException: _status_reply, Exception: _crash_reply},
     )
@@ -155,6 +159,8 @@ def _replying(
             return _refusing(error)
         except ClientDisconnect:
             return Response(status_code=400)
+        except asyncio.CancelledError:  # of what is being computed when the server ends
+            return _refusing(QuestionError(("", "the server ends; send it again"), status=503))
 
     return replied
 
@@ -185,6 +191,14 @@ async def _choices(request: Request, server: _Server) -> Response:
     return _json(await server.done("choices", server.front is not None))
 
 
+async def _story(request: Request, server: _Server) -> Response:
+    return _json(await server.done("story"))
+
+
+async def _explanations(request: Request, server: _Server) -> Response:
+    return _json(await server.done("explanations"))
+
+
 async def _front(request: Request, server: _Server) -> Response:
     if server.front is None:
         raise HTTPException(404)
@@ -197,6 +211,18 @@ async def _answer(request: Request, server: _Server) -> Response:
 
 async def _texts(request: Request, server: _Server) -> Response:
     return _json(await server.done("texts", await question_of(request, server.bodies)))
+
+
+async def _csv(request: Request, server: _Server) -> Response:
+    text = await server.done("csv", await question_of(request, server.bodies))
+    return Response(text, media_type="text/csv")
+
+
+async def _report(request: Request, server: _Server) -> Response:
+    html = await server.done("report", await question_of(request, server.bodies))
+    # to be kept as a file: not shown under the address of the page
+    headers = {"Content-Disposition": "attachment"}
+    return Response(html, media_type="text/html", headers=headers)
 
 
 async def _picture(request: Request, server: _Server) -> Response:

@@ -4,12 +4,15 @@ import json
 from contextlib import suppress
 from typing import Any
 
+from chromanoise.charts.explanations import EXPLANATIONS, explanation_as_json
 from chromanoise.denoising import DENOISING
 from chromanoise.page.answers import ChartReplies
 from chromanoise.page.choices import choices
 from chromanoise.page.pictures import PictureReplies
 from chromanoise.page.previews import preview_of
+from chromanoise.page.reports import report_reply
 from chromanoise.page.requests import QuestionError, data_of
+from chromanoise.page.story import story
 from chromanoise.page.studies import Studies, files_of
 from chromanoise.page.uploads import Kept, Upload
 from chromanoise.study import study_from_data
@@ -41,11 +44,22 @@ class Services:
         self._answers = ChartReplies(self._studies)
         self._pictures = PictureReplies(self._studies)
         self._prepared: set[str | None] = set()
+        self._story: str | None = None
 
     def choices(self, has_front: bool = False) -> str:
         """The JSON of ``/api/choices``; ``has_front`` tells whether ``/api/front`` has one."""
         served = {"study": self._study, "front": has_front}
         return json.dumps(choices() | served, allow_nan=False)
+
+    def story(self) -> str:
+        """The JSON of ``/api/story``."""
+        if self._story is None:
+            self._story = json.dumps(story(STUDY), allow_nan=False)
+        return self._story
+
+    def explanations(self) -> str:
+        """The JSON of ``/api/explanations``."""
+        return json.dumps({key: explanation_as_json(key) for key in EXPLANATIONS})
 
     def answer(self, body: bytes) -> str:
         """The JSON of ``/api/answer``.
@@ -56,6 +70,14 @@ class Services:
             With all faults of the question; also for the other methods.
         """
         return self._answers.answer(data_of(body))
+
+    def csv(self, body: bytes) -> str:
+        """The CSV of ``/api/csv``."""
+        return self._answers.csv(data_of(body))
+
+    def report(self, body: bytes) -> str:
+        """The HTML of ``/api/report``."""
+        return report_reply(self._studies, data_of(body))
 
     def texts(self, body: bytes) -> str:
         """The JSON of ``/api/texts``."""
@@ -82,9 +104,14 @@ class Services:
             One of its methods, and the arguments. The first picture after an installation compiles
             kernels for half a minute, and the first one of each denoising method its own.
         """
-        if name != "picture":
+        if name == "picture":
+            methods = (None, *_denoising_of(*given)[:1])
+        elif name == "report":
+            denoising = _denoising_of(*given)
+            methods = (None, *denoising) if denoising else ()
+        else:
             return
-        for method in (None, _denoising_of(*given)):
+        for method in methods:
             if method in self._prepared:
                 continue
             with suppress(QuestionError):  # of the page's own study: not a fault of the one asked
@@ -98,11 +125,13 @@ class Services:
         """
         self._answers.answer({"study": STUDY})
         self.choices()
+        self.story()
 
 
-def _denoising_of(body: bytes) -> str | None:
-    """The denoising method of a question for a picture, where it names a known one."""
+def _denoising_of(body: bytes) -> tuple[str | None, ...]:
+    """The known denoising method of each picture of the study in a question; `None` for none."""
     with suppress(QuestionError, LookupError, TypeError):  # reported by the question itself
-        method = data_of(body)["study"]["pictures"][0]["denoise"]
-        return method if isinstance(method, str) and method in DENOISING else None
-    return None
+        parts = data_of(body)["study"]["pictures"]
+        methods = [part.get("denoise") for part in parts if isinstance(part, dict)]
+        return tuple(one for one in methods if one is None or one in DENOISING)
+    return ()

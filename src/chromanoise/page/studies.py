@@ -37,7 +37,7 @@ Stamps = tuple[tuple[str, tuple[int, int] | None], ...]
 
 T = TypeVar("T")
 
-MOST_SENSORS = 8
+MOST_SENSORS = 10
 MOST_MATRICES = 4
 _MOST = {
     "sensors": MOST_SENSORS,

@@ -1,14 +1,13 @@
-"""The page of ``chromanoise demo``: the paper's tables, verdict, pictures and figures."""
+"""The page of ``chromanoise demo``: verdict, pictures, tables, equations, figures, downloads."""
 
-import base64
-from collections.abc import Mapping
-from importlib import resources
-
-import jinja2
+from collections.abc import Mapping, Sequence
+from pathlib import Path
 
 from chromanoise import __version__
 from chromanoise._palette import channel_color
 from chromanoise.catalog.sensors import RECONSTRUCTION
+from chromanoise.charts import cause_label
+from chromanoise.charts.explanations import explanation_as_json
 from chromanoise.imaging import Picture, png_bytes
 from chromanoise.io.table import number_text
 from chromanoise.paper import (
@@ -21,6 +20,15 @@ from chromanoise.paper import (
     verdict,
 )
 from chromanoise.paper.study import PRINTED_TIMES_MS, RGB_12, RGBW_12, WELL_SHARE
+from chromanoise.report.bundle import data_address
+from chromanoise.report.templates import environment, with_paper_symbols
+
+_EXPLAINED = ("electrons", "raw", "contravariant", "spectral", "color", "bound", "budget")
+_GROUPS = {  # of downloads, in their order: heading, and the files by their endings
+    "Pages": (".html",),
+    "Tables as data": (".json", ".csv"),
+    "Figures and pictures": (".svg", ".pdf", ".png"),
+}
 
 
 def demo_page(
@@ -28,6 +36,7 @@ def demo_page(
     pictures: tuple[Picture, Picture],
     figures: Mapping[str, str],
     captions: Mapping[str, str],
+    files: Sequence[Path] = (),
 ) -> str:
     """The page as self-contained HTML, without network access.
 
@@ -39,14 +48,15 @@ def demo_page(
         The same scene through both sensors.
     figures, captions
         SVG text and one sentence per figure, by the figure's name.
+    files
+        The files beside the page, which it offers to download.
     """
-    template = resources.files("chromanoise.report").joinpath("demo.html.j2").read_text("utf-8")
-    environment = jinja2.Environment(
-        autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
-    environment.filters["db"] = number_text
-    environment.filters["printed"] = as_printed
-    return environment.from_string(template).render(
+    made = environment()
+    made.filters["symbols"] = with_paper_symbols
+    made.filters["db"] = lambda value: number_text(value).replace("-", "\N{MINUS SIGN}")
+    made.filters["printed"] = as_printed
+    made.filters["cause"] = lambda cause: cause_label(cause, "Y")
+    return made.get_template("demo.html.j2").render(
         version=__version__,
         mark=channel_color("B"),
         result=result,
@@ -63,9 +73,17 @@ def demo_page(
         budgets=[
             (column, luminance_budget(result.study.columns[column])) for column in (RGBW_12, RGB_12)
         ],
-        pictures=[(picture, _data_uri(png_bytes(picture.srgb))) for picture in pictures],
+        explanations=[(name, explanation_as_json(name)) for name in _EXPLAINED],
+        downloads=_downloads(files),
+        pictures=[
+            (picture, data_address(png_bytes(picture.srgb), "image/png")) for picture in pictures
+        ],
         figures=[
-            (name, _data_uri(svg.encode(), "image/svg+xml"), f"{_numbered(name)} {captions[name]}")
+            (
+                name,
+                data_address(svg.encode(), "image/svg+xml"),
+                f"{_numbered(name)} {captions[name]}",
+            )
             for name, svg in figures.items()
         ],
     )
@@ -76,5 +94,25 @@ def _numbered(name: str) -> str:
     return f"Figure {int(name.split('-')[1])}."
 
 
-def _data_uri(content: bytes, kind: str = "image/png") -> str:
-    return f"data:{kind};base64,{base64.b64encode(content).decode('ascii')}"
+def _downloads(files: Sequence[Path]) -> list[tuple[str, list[tuple[str, list[tuple[str, str]]]]]]:
+    """Files by group and name: under each name its address and size in each format."""
+    groups = []
+    for heading, endings in _GROUPS.items():
+        named: dict[str, list[tuple[str, str]]] = {}
+        for file in sorted(files):
+            if file.suffix in endings:
+                named.setdefault(file.stem, []).append((file.name, _size(file.stat().st_size)))
+        if named:
+            groups.append((heading, list(named.items())))
+    return groups
+
+
+def _size(count: int) -> str:
+    """A number of bytes.
+
+    Examples
+    --------
+    >>> _size(20), _size(20480), _size(2_500_000)
+    ('1 kB', '20 kB', '2.5 MB')
+    """
+    return f"{count / 1e6:.1f} MB" if count >= 1e6 else f"{max(1, round(count / 1e3))} kB"

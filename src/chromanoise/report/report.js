@@ -6,6 +6,7 @@ import * as ellipses from "draw/ellipses.js";
 import * as levels from "draw/levels.js";
 import * as pareto from "draw/pareto.js";
 import * as picture from "draw/picture.js";
+import { saveChart, saveImage, savePictures } from "draw/save.js";
 import * as sensitivities from "draw/sensitivities.js";
 import * as stages from "draw/stages.js";
 import { html } from "draw/svg.js";
@@ -32,6 +33,8 @@ const shown = new Map(); // what stands in each section, drawn or not yet
 /** @type {number | null} */
 let width = null;
 let asked = 0;
+/** @type {number[] | undefined} */
+let turn;
 
 /**
  * An element that the template has.
@@ -191,8 +194,36 @@ function divide(sight) {
     const place = html("div", { class: "divided" });
     sight.append(place);
     picture.draw(place, { left: left.src, right: right.src, labels: [left.alt, right.alt] });
+    place.append(savePictures(`${left.alt} and ${right.alt}`, place));
   }
   if (others.length) sight.classList.add("can-divide");
+}
+
+/**
+ * The menu of a chart; its CSV is of the study itself, to full precision.
+ *
+ * @param {HTMLElement} section
+ */
+function savable(section) {
+  const { part } = section.dataset;
+  const heading = section.querySelector("h2");
+  const shownNow = () => /** @type {Shown} */ (shown.get(section)).data;
+  if (!part || !heading || !(part in data.csv)) return;
+  const menu = saveChart({
+    ...{ part, heading: heading.textContent ?? "" },
+    draw: (element) => MODULES[/** @type {Part} */ (part)].draw(element, shownNow(), { width: element.clientWidth, look: { turn } }),
+    data: () => /** @type {{ title: string }} */ (/** @type {unknown} */ (shownNow())),
+    csv: async () => {
+      if (isChanged()) throw new Error("The CSV holds the study as it is: go back to the study first.");
+      return data.csv[part];
+    },
+    note: () => (isChanged() ? (byId("changed").textContent ?? "") : ""),
+  });
+  heading.after(menu);
+}
+
+function isChanged() {
+  return !(/** @type {HTMLButtonElement} */ (byId("back")).disabled);
 }
 
 /**
@@ -222,7 +253,12 @@ document.addEventListener("click", (event) => {
   const button = target instanceof Element ? target.closest("button.equation") : null;
   if (button) open(/** @type {HTMLElement} */ (button));
 });
+document.addEventListener("turn", (event) => (turn = /** @type {CustomEvent} */ (event).detail.turn));
 all(".sight").forEach(divide);
+all("section[data-part]").forEach(savable);
+for (const image of document.images) {
+  if (image.closest(".map")) image.after(saveImage(image));
+}
 byId("sliders").hidden = false;
 sliders.forEach((slider) => (slider.value = String(data.slides[Number(slider.dataset.slide)].own)));
 show(answer({}));

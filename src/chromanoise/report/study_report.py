@@ -1,17 +1,13 @@
-"""A study as one self-contained HTML file: verdict, charts, tables, equations, sliders."""
+"""A study as one self-contained HTML file: verdict, pictures, charts, tables, sliders."""
 
 from collections.abc import Sequence
-from importlib import resources
-from io import BytesIO
 from itertools import chain
 from typing import Any
 
-import jinja2
-
 from chromanoise import __version__
 from chromanoise.analysis.machine_reading import machine_reading
-from chromanoise.charts import PARTS, Shown, drawing, machine_tables
-from chromanoise.charts.explanations import EXPLANATIONS
+from chromanoise.charts import PARTS, Shown, chart_csv, drawing, machine_tables
+from chromanoise.charts.explanations import explanation_as_json
 from chromanoise.charts.sections import SECTIONS, Section
 from chromanoise.errors import InputError
 from chromanoise.geometry import unit_circle
@@ -27,10 +23,18 @@ from chromanoise.report.bundle import (
 )
 from chromanoise.report.slides import Slide, at_value, slide_as_json, slides_of
 from chromanoise.report.study_pictures import Sight
+from chromanoise.report.study_results import (
+    map_records,
+    matrix_records,
+    output_records,
+    results_of,
+    setting_rows,
+    sweep_records,
+)
+from chromanoise.report.templates import environment
 from chromanoise.study import provenance, study_as_toml
 
 _CHARTS = tuple(part for part in PARTS if part != "head")
-_DOTS_PER_IN = 220  # of a heat map, shown at half its size
 _EXACT = 7  # digits of half axes: an outline is whole to a thousandth of its unit
 
 
@@ -52,33 +56,40 @@ def study_report(of: Shown, sights: Sequence[Sight] = ()) -> str:
     full = _parts(of)
     data = report_data(of, full)
     script, modules = report_script(), import_map()
-    template = resources.files("chromanoise.report").joinpath("study.html.j2").read_text("utf-8")
-    environment = jinja2.Environment(
-        autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
-    return environment.from_string(template).render(
-        title=of.study.title or _names(of),
-        names=_names(of),
-        head=full["head"],
-        light=of.study.light,
-        sections=[
-            _section(one, full) for one in SECTIONS if one.part in full and one.part != "head"
-        ],
-        sensors=full["head"]["table"],
-        slides=data["slides"],
-        sights=[_sight(one) for one in sights],
-        maps=_maps(of),
-        machine=_machine(of),
-        notes=_notes(full["head"]),
-        faults=[data["fault"] for data in full.values() if "fault" in data],
-        provenance=provenance(of.study),
-        toml=study_as_toml(of.study),
-        version=__version__,
-        style=drawing_style(),
-        import_map=modules,
-        script=script,
-        hashes=f"{script_hash(modules)} {script_hash(script)}",
-        data=packed_json(data),
+    results = results_of(of)
+    sweeps, maps, machine = sweep_records(results), map_records(results), _machine(of)
+    sections = [_section(one, full) for one in SECTIONS if _has_content(one.part, sights, maps)]
+    return (
+        environment()
+        .get_template("study.html.j2")
+        .render(
+            title=of.study.title or _names(of),
+            names=_names(of),
+            head=full["head"],
+            light=of.study.light,
+            sections=sections,
+            contents=_contents(sections, sweeps, machine),
+            sensors=full["head"]["table"],
+            slides=data["slides"],
+            sights=[_sight(one) for one in sights],
+            sweeps=sweeps,
+            maps=maps,
+            machine=machine,
+            machine_explanation=explanation_as_json("machine"),
+            matrices=matrix_records(results),
+            outputs=output_records(results),
+            settings={"head": ["setting", "value", "meaning"], "rows": setting_rows(of.study)},
+            notes=_notes(full["head"]),
+            faults=[data["fault"] for data in full.values() if "fault" in data],
+            provenance=provenance(of.study),
+            toml=study_as_toml(of.study),
+            version=__version__,
+            style=drawing_style(),
+            import_map=modules,
+            script=script,
+            hashes=f"{script_hash(modules)} {script_hash(script)}",
+            data=packed_json(data),
+        )
     )
 
 
@@ -101,6 +112,8 @@ def report_data(of: Shown, full: dict[str, Any] | None = None) -> dict[str, Any]
     answers = [[_there(of, slide, value, full) for value in slide.values] for slide in slides]
     return {
         "parts": own,
+        # of the study itself, to full precision
+        "csv": {part: chart_csv(part, one) for part, one in full.items() if "fault" not in one},
         "chart_of": shortened(_chart_of([full, *chain.from_iterable(answers)])),
         "slides": [
             slide_as_json(slide, [_packed(one) for one in drawings], own)
@@ -168,15 +181,35 @@ def _chart_of(answers: Sequence[dict[str, Any]]) -> dict[str, Any]:
     }
 
 
+def _has_content(part: str, sights: Sequence[Sight], maps: Sequence[Any]) -> bool:
+    return {"picture": bool(sights), "map": bool(maps)}.get(part, True)
+
+
+def _contents(
+    sections: Sequence[dict[str, Any]], sweeps: Sequence[Any], machine: Sequence[Any]
+) -> list[tuple[str, str]]:
+    """The anchor and the heading of each section, in their order."""
+    found = []
+    for section in sections:
+        if section["part"] == "head":
+            continue
+        found.append((section["part"], section["heading"]))
+        if section["part"] == "levels" and sweeps:
+            found.append(("sweeps", "Sweeps"))
+    found += [("matrices", "Every sensor and matrix"), ("outputs", "Further results")]
+    found += [("machine", "For a machine")] if machine else []
+    return [*found, ("sensors", "Sensors in use"), ("made", "How this was made")]
+
+
 def _section(one: Section, full: dict[str, Any]) -> dict[str, Any]:
-    data = full[one.part]
+    data = full.get(one.part, {})
     return {
         "part": one.part,
         "heading": one.heading,
         "shows": one.shows,
         "fault": data.get("fault"),
         "table": data.get("table", {"head": [], "rows": []}),
-        "equations": [(name, EXPLANATIONS[name]) for name in one.explanations],
+        "equations": [(name, explanation_as_json(name)) for name in one.explanations],
     }
 
 
@@ -184,7 +217,12 @@ def _sight(sight: Sight) -> dict[str, Any]:
     sources = [data_address(png_bytes(picture), "image/png") for picture in sight.pictures]
     sizes = [picture.shape[:2] for picture in sight.pictures]
     shown = zip(sight.sensors, sources, sizes, strict=False)
-    return {"cube": sight.cube, "matrix": sight.matrix, "pictures": list(shown)}
+    return {
+        "cube": sight.cube,
+        "matrix": sight.matrix,
+        "denoised": sight.denoised,
+        "pictures": list(shown),
+    }
 
 
 def _machine(of: Shown) -> list[dict[str, Any]]:
@@ -192,23 +230,6 @@ def _machine(of: Shown) -> list[dict[str, Any]]:
     if of.study.outputs.reader != "machine":
         return []
     return machine_tables([machine_reading(analysis) for analysis in of.analyses])
-
-
-def _maps(of: Shown) -> list[dict[str, Any]]:
-    """The heat map of each sweep of two parameters as a picture."""
-    if all(part.second is None for part in of.study.sweeps):
-        return []
-    from chromanoise.figures import map_figures  # matplotlib is slow to import
-
-    shown = []
-    for figure in map_figures(of).values():
-        buffer = BytesIO()
-        figure.savefig(buffer, format="png", dpi=_DOTS_PER_IN, metadata={"Software": None})
-        what = ", ".join(text for ax in figure.axes for text in (ax.get_title(loc="left"),) if text)
-        width, height = (round(_DOTS_PER_IN * side / 2) for side in figure.get_size_inches())
-        source = data_address(buffer.getvalue(), "image/png")
-        shown.append({"what": what, "source": source, "width": width, "height": height})
-    return shown
 
 
 def _notes(head: dict[str, Any]) -> list[str]:

@@ -1,5 +1,6 @@
 """Convert a study to a Python call, a script or a command line."""
 
+import hashlib
 import json
 import shlex
 from collections.abc import Mapping, Sequence
@@ -55,6 +56,7 @@ OTHER_NAMES: Mapping[str, str] = {
 
 
 _WIDEST = 80
+_DIGITS = 8  # of the digest in the name of a folder
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -131,7 +133,8 @@ def study_as_command(study: Study) -> str:
     r"""A shell line that computes the same numbers.
 
     One of ``analyze``, ``compare``, ``matrix`` and ``simulate`` where one computes all of it;
-    otherwise ``chromanoise run`` of the study itself, as a here-document.
+    otherwise ``chromanoise run`` of the study itself, as a here-document. Results are written into
+    a folder named after the study, so that the line runs again, and beside those of other studies.
 
     Parameters
     ----------
@@ -147,14 +150,24 @@ def study_as_command(study: Study) -> str:
     """
     call = call_of(study)
     if call is None:
+        text = study_as_toml(study)
+        folder = _folder("study", text)
         # no line of this TOML is the bare word that ends the document
-        return f"chromanoise run /dev/stdin --out out/study <<'STUDY'\n{study_as_toml(study)}STUDY"
+        return f"chromanoise run /dev/stdin --out {folder} <<'STUDY'\n{text}STUDY"
     names = [f"./{name}" if name.startswith("-") else name for name in call.names]
     command = {"render": "simulate", "compare_map": "compare"}.get(call.function, call.function)
     if command == "simulate":
         names = [names[0], *(word for name in call.names[1:] for word in ("--sensor", name))]
     matrix = [] if call.matrix == (DEFAULT_METHOD,) else ["--matrix", ",".join(call.matrix)]
-    return shlex.join(["chromanoise", command, *names, *_options(call.settings), *matrix])
+    line = ["chromanoise", command, *names, *_options(call.settings), *matrix]
+    if command == "simulate":
+        line += ["--out", _folder(command, study_as_toml(study))]
+    return shlex.join(line)
+
+
+def _folder(name: str, text: str) -> str:
+    """The folder of the results of a study: another one for another study."""
+    return f"out/{name}-{hashlib.sha256(text.encode()).hexdigest()[:_DIGITS]}"
 
 
 def study_as_python(study: Study) -> str:

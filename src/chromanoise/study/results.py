@@ -6,10 +6,12 @@ pandas data frame, LaTeX and a figure.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from chromanoise import __version__, _check
 from chromanoise._check import Array
+from chromanoise._files import write_whole
 from chromanoise._shapes import Float
 from chromanoise.analysis import (
     Analysis,
@@ -46,6 +48,7 @@ from chromanoise.analysis.tables import (
 from chromanoise.color import ColorMatrix, ParetoCurve
 from chromanoise.errors import InputError, Setting
 from chromanoise.exposure import OperatingPoint, conditions
+from chromanoise.io.matrices import MadeMatrix, matrix_writer
 from chromanoise.io.result import Result, axes_of, figures
 from chromanoise.io.table import Column, Table, number_text
 from chromanoise.metrics import MatrixReport
@@ -153,6 +156,48 @@ class MatrixResult(Result):
     def white_lux(self) -> float:
         """Y of a perfect white by this matrix. [lx]"""
         return float(self.matrix.matrix[1] @ self.white_e)
+
+    @property
+    def made(self) -> MadeMatrix:
+        """The matrix with the conditions for which it was made, as files store it."""
+        point = self.point
+        sensor, lamp = point.sensor, point.illuminant
+        return MadeMatrix(
+            sensor=sensor.name,
+            illuminant=lamp.name,
+            level_lux=point.level_lux,
+            time_s=point.exposure.time_s,
+            f_number=point.exposure.f_number,
+            pitch_um=sensor.pixel.pitch_um,
+            matrix=self.matrix,
+            white_e=self.white_e,
+            white_lux=self.white_lux,
+            notes=(*sensor.notes, *lamp.notes),
+        )
+
+    def export(self, path: str | Path) -> Path:
+        """Write the matrix for other programs, as ``chromanoise matrix --export``.
+
+        Parameters
+        ----------
+        path
+            File that ends in ``.csv``, ``.json``, ``.clf`` (Common LUT Format 3 of the Academy,
+            S-2014-006) or ``.dcp.json`` (names of camera profiles).
+
+        Returns
+        -------
+        Path
+            The file.
+
+        Raises
+        ------
+        InputError
+            If the file has another ending or cannot be written, or the sensor does not have the
+            three channels that the format demands.
+        """
+        path = Path(path)
+        write_whole(path, matrix_writer(path.name)(self.made).encode())
+        return path
 
     def to_dict(self) -> dict[str, Any]:
         """As ``chromanoise matrix --json``."""

@@ -160,9 +160,7 @@ def run_plan(study: Study, *, given: Given = NOTHING_GIVEN, work: "Work | None" 
     refuse_shared_file_names(points)
     makers = makers_of(study)
     steps = (
-        *_analyses(study, points, makers, balance_light_of(study, given)),
-        *_matrices(study, points, makers),
-        *_sweeps(study, points, makers),
+        *result_steps(study, points, makers, given=given),
         *_pictures(study, points, makers, work),
     )
     if not steps:
@@ -170,6 +168,30 @@ def run_plan(study: Study, *, given: Given = NOTHING_GIVEN, work: "Work | None" 
             "the study", "must ask for analyses, matrices, sweeps or pictures", found="has none"
         )
     return RunPlan(points=tuple(points), steps=steps)
+
+
+def result_steps(
+    study: Study, points: Points, makers: Makers, *, given: Given = NOTHING_GIVEN
+) -> tuple[Step, ...]:
+    """All steps of a study but its pictures: analyses, matrices, sweeps.
+
+    Parameters
+    ----------
+    study, given
+        As `run`.
+    points, makers
+        Its operating points and color matrices.
+
+    Raises
+    ------
+    InputError
+        If a name is unknown or a file cannot be read.
+    """
+    return (
+        *_analyses(study, points, makers, balance_light_of(study, given)),
+        *_matrices(study, points, makers),
+        *_sweeps(study, points, makers),
+    )
 
 
 def _analyses(

@@ -284,7 +284,7 @@ def _separation(name: str, reading: str) -> Quantity:
     terms = ", without brightness" if reading.endswith("brightness") else ""
     return Quantity(
         name=name,
-        what=f"median D_M of patches {where}{terms}",
+        what=f"median distance of patches {where}{terms}",
         unit="1",
         more_is_better=True,
         of=partial(median_distance, reading=reading),

@@ -1,6 +1,7 @@
 /** Waterfall of each sensor from its raw signal to the color coordinate, on one dB scale. */
 
 import { fitting, linear, niceRange, panels, textWidth, wrapped } from "draw/axes.js";
+import { readable } from "draw/hover.js";
 import { caption, note, sameSensor } from "draw/look.js";
 import { refill } from "draw/refill.js";
 import { figure, figureWidth, known, svg, tenth, words } from "draw/svg.js";
@@ -36,6 +37,7 @@ export function draw(element, data, options = {}) {
     );
   });
   const drawn = figure(width, tops.height, data.title, data.description, nodes);
+  readable(element, data.table, () => places(data, boxes, grid, tops.rows), true);
   const any = data.sensors.some((sensor) => sensor.steps?.length);
   refill(element, caption(data), drawn, ...(any ? [note(KEY)] : []));
 }
@@ -130,24 +132,53 @@ function barTop(k, box) {
 
 /**
  * @param {BudgetStep} step
+ * @param {Layout} box
+ */
+function span(step, { x }) {
+  const whole = step.kind === "start" || step.kind === "end";
+  return { whole, from: whole ? x.at(Math.max(0, x.low)) : x.at(step.from_db), to: x.at(step.to_db) };
+}
+
+/**
+ * Where each step of the table stands.
+ *
+ * @param {Budget} data
+ * @param {Layout[]} boxes
+ * @param {Grid} grid
+ * @param {number[]} rows
+ */
+function places(data, boxes, grid, rows) {
+  let row = 0;
+  return data.sensors.flatMap(({ steps = [] }, i) => {
+    const [left, top] = [grid.places[i].left, rows[grid.places[i].row]];
+    const first = row;
+    row += Math.max(1, steps.length);
+    return steps.map((step, k) => {
+      const { from, to } = span(step, boxes[i]);
+      const area = { width: Math.max(2, Math.abs(to - from)), height: BAR };
+      const y = top + barTop(k, boxes[i]) + BAR / 2;
+      return { x: left + (from + to) / 2, y, ...area, row: first + k, series: i };
+    });
+  });
+}
+
+/**
+ * @param {BudgetStep} step
  * @param {number} k
  * @param {Layout} box
  * @param {BudgetStep | undefined} next
  */
 function bar(step, k, box, next) {
-  const { x } = box;
-  const whole = step.kind === "start" || step.kind === "end";
-  const from = whole ? x.at(Math.max(0, x.low)) : x.at(step.from_db);
-  const to = x.at(step.to_db);
+  const { whole, from, to } = span(step, box);
   const y = barTop(k, box);
   const look = whole ? "d-full" : step.kind === "gain" ? "d-gain" : "d-cost";
   const wide = Math.max(1.5, Math.abs(to - from));
   const area = { x: tenth(Math.min(from, to)), y, width: tenth(wide), height: BAR, class: look };
-  const nodes = [svg("rect", area, step.reading ? [svg("title", {}, step.reading)] : [])];
+  const nodes = [svg("rect", area)];
   if (next) nodes.push(svg("path", { d: `M${tenth(to)} ${y + BAR}V${barTop(k + 1, box)}`, class: "d-thin" }));
   const beyond = Math.max(from, to) + 7;
   nodes.push(words(beyond, y + BAR - 2, step.text, whole ? "d-strong d-rim" : "d-rim"));
-  const label = box.beside ? [fitting(step.label, x.from - 8)] : box.lines[k];
+  const label = box.beside ? [fitting(step.label, box.x.from - 8)] : box.lines[k];
   const base = box.beside ? y + BAR - 2 : box.tops[k] + 12;
   nodes.push(...label.map((text, j) => words(0, base + LINE * j, text, whole ? "d-strong d-rim" : "d-rim")));
   return nodes;

@@ -1,6 +1,7 @@
 /** The chart's 24 patches, each split by sensor, with color error and noise as numbers. */
 
 import { textWidth } from "draw/axes.js";
+import { readable } from "draw/hover.js";
 import { caption, legend, note, sameSensor } from "draw/look.js";
 import { refill } from "draw/refill.js";
 import { figure, figureWidth, svg, words } from "draw/svg.js";
@@ -28,6 +29,7 @@ export function draw(element, data, options = {}) {
     refill(element, ...why.map((sentence) => note(sentence)));
     return;
   }
+  readable(element, data.table, () => data.patches.map((_, k) => placeOf(k, plan)));
   const drawn = figure(width, height, data.title, data.description, nodes);
   refill(element, caption(data), ...key(data, plan, ghosts), drawn);
 }
@@ -48,18 +50,34 @@ function layout(data, width) {
 }
 
 /**
+ * @param {number} k
+ * @param {Layout} plan
+ */
+function corner(k, { each, tall }) {
+  return { left: (k % COLUMNS) * (each + GAP), top: Math.floor(k / COLUMNS) * (tall + GAP) };
+}
+
+/**
+ * Where a patch of the table stands.
+ *
+ * @param {number} k
+ * @param {Layout} plan
+ */
+function placeOf(k, plan) {
+  const { left, top } = corner(k, plan);
+  const area = { width: plan.each, height: plan.tall };
+  return { x: left + plan.each / 2, y: top + plan.tall / 2, ...area, row: k, series: Math.floor(k / COLUMNS) };
+}
+
+/**
  * @param {Chart} data
  * @param {Chart["patches"][number]} patch
  * @param {number} k
  * @param {Layout} plan
  */
 function cell(data, patch, k, plan) {
-  const left = (k % COLUMNS) * (plan.each + GAP);
-  const top = Math.floor(k / COLUMNS) * (plan.tall + GAP);
-  const nodes = [
-    svg("title", {}, patch.name),
-    svg("rect", { width: plan.each, height: plan.strip, fill: patch.srgb }),
-  ];
+  const { left, top } = corner(k, plan);
+  const nodes = [svg("rect", { width: plan.each, height: plan.strip, fill: patch.srgb })];
   data.sensors.forEach((sensor, i) => nodes.push(...half(sensor, k, i, plan)));
   const edge = { width: plan.each, height: plan.tall, class: "d-cell" };
   nodes.push(svg("rect", edge));

@@ -1,12 +1,14 @@
 /** Noise of the chart's patches as ellipses; one unit is as long across as up, at every size. */
 
 import { axes, fitting, linear, niceStep, panels, wrapped } from "draw/axes.js";
+import { readable } from "draw/hover.js";
 import { caption, legend, note, sameSensor } from "draw/look.js";
 import { refill } from "draw/refill.js";
 import { figure, figureWidth, known, line, svg, tenth, words } from "draw/svg.js";
 
 /** @import { EllipsePatch, Ellipses, EllipsesSensor, Options } from "answers" */
 /** @import { Scale } from "draw/axes.js" */
+/** @import { Place } from "draw/hover.js" */
 /** @typedef {ReturnType<typeof equalAspect>} Window */
 
 const ROOM = { left: 44, right: 10, top: 44, bottom: 46 };
@@ -27,14 +29,17 @@ export function draw(element, data, options = {}) {
   const grid = panels(data.sensors.length, width, 340);
   const view = window2d(data, ghosts, grid.each - ROOM.left - ROOM.right);
   const tall = view.height + ROOM.top + ROOM.bottom;
+  /** @type {(() => Place[])[]} */
+  const reads = [];
   const nodes = grid.places.flatMap((place, i) =>
-    panel(data, i, { left: place.left, top: place.row * (tall + 8), each: grid.each, view, ghosts }),
+    panel(data, i, { left: place.left, top: place.row * (tall + 8), each: grid.each, view, ghosts, reads }),
   );
   const height = grid.rows * (tall + 8) - 8;
   const drawn = figure(width, height, data.title, data.description, nodes);
   const ellipse = `Ellipse: ${data.sigmas} standard deviations of the noise.`;
   const key = `Cross: the true color. Line: from it to the color that is measured. ${ellipse}`;
   const kept = ghosts.length ? [legend([], "line", ghosts.length)] : [];
+  readable(element, data.table, () => reads.flatMap((read) => read()));
   refill(element, caption(data), ...kept, drawn, note(key));
 }
 
@@ -89,12 +94,13 @@ function equalAspect(low, high, room) {
 /**
  * @param {Ellipses} data
  * @param {number} i
- * @param {{ left: number, top: number, each: number, view: Window, ghosts: Ellipses[] }} box
+ * @param {{ left: number, top: number, each: number, view: Window, ghosts: Ellipses[], reads: (() => Place[])[] }} box
  */
-function panel(data, i, { left, top, each, view, ghosts }) {
+function panel(data, i, { left, top, each, view, ghosts, reads }) {
   const sensor = data.sensors[i];
   const x = equalScale(view.x, left + ROOM.left, view.scale);
   const y = equalScale(view.y, top + ROOM.top + view.height, -view.scale);
+  reads.push(() => places(data, i, x, y));
   const [xTitle, yTitle] = data.names;
   const nodes = axes(x, y, { x: xTitle, y: yTitle, yAt: left + 22 });
   nodes.unshift(words(left, top + 15, fitting(sensor.name, each, 14), "d-strong"));
@@ -109,6 +115,22 @@ function panel(data, i, { left, top, each, view, ghosts }) {
   if (absent)
     nodes.push(words(x.to - 6, y.to + 16, `${absent} of ${sensor.patches.length} saturated`, "d-rim", "end"));
   return nodes;
+}
+
+/**
+ * Where each patch of the table stands: the middle of its ellipse.
+ *
+ * @param {Ellipses} data
+ * @param {number} i
+ * @param {Scale} x
+ * @param {Scale} y
+ * @returns {Place[]}
+ */
+function places({ sensors }, i, x, y) {
+  const first = sensors.slice(0, i).reduce((sum, { patches }) => sum + Math.max(1, patches.length), 0);
+  return sensors[i].patches.flatMap(({ center }, k) =>
+    center ? [{ x: x.at(center[0]), y: y.at(center[1]), row: first + k, series: i }] : [],
+  );
 }
 
 /**

@@ -1,6 +1,7 @@
 /** SNR against the level of the light: curves, their crossovers, and where the study stands. */
 
 import { axes, fitting, linear, logarithmic, niceRange, spread, textWidth } from "draw/axes.js";
+import { readable } from "draw/hover.js";
 import { areMany, caption, legend, note, sensorDashes, sensorLines } from "draw/look.js";
 import { refill } from "draw/refill.js";
 import { figure, figureWidth, html, known, line, svg, tenth, words } from "draw/svg.js";
@@ -42,6 +43,7 @@ export function draw(element, data, options = {}) {
       ? [legend([], "line", ghosts.length)]
       : []
     : [narrowLegend(curves, ghosts)];
+  readable(element, data.table, () => places(data, scales));
   refill(element, caption(data), ...key, told, ...sentences(data));
 }
 
@@ -105,6 +107,20 @@ function plane(data, ghosts, width, room) {
  */
 function points(values, lux, { x, y }) {
   return values.map((value, k) => (known(value) && inside(lux[k], x) ? [x.at(lux[k]), y.at(value)] : null));
+}
+
+/**
+ * Where each value of the table stands.
+ *
+ * @param {Levels} data
+ * @param {Plane} plane
+ */
+function places({ curves, lux }, plane) {
+  return curves.flatMap((curve, i) =>
+    points(curve.values, lux, plane).flatMap((at, k) =>
+      at ? [{ x: at[0], y: at[1], row: k, cells: [0, i + 1], series: i }] : [],
+    ),
+  );
 }
 
 /**

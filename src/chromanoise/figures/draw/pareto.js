@@ -1,6 +1,7 @@
 /** What a matrix can trade: color error against SNR, along the weight of the noise. */
 
 import { axes, linear, niceRange, textWidth } from "draw/axes.js";
+import { readable } from "draw/hover.js";
 import { areMany, caption, legend, mark, markPath, note, sameSensor, sensorLines } from "draw/look.js";
 import { refill } from "draw/refill.js";
 import { figure, figureWidth, known, line, svg, tenth, words } from "draw/svg.js";
@@ -29,7 +30,7 @@ export function draw(element, data, options = {}) {
     return;
   }
   const { x, y, height } = plane(data, ghosts, width);
-  const nodes = axes(x, y, { x: "SNR of Y [dB]", y: "color error, mean ΔE*ab", xRoom: 80 });
+  const nodes = axes(x, y, { x: "SNR of Y [dB]", y: "training error, mean ΔE*ab", xRoom: 80 });
   nodes.push(words(x.to - 4, y.from - 8, "better ↘", "d-quiet d-rim", "end"));
   data.sensors.forEach((sensor, i) => {
     for (const ghost of ghosts) {
@@ -44,6 +45,7 @@ export function draw(element, data, options = {}) {
   const told = figure(width, height, data.title, data.description, nodes);
   const made = data.matrix ? ` (${data.matrix})` : "";
   const key = `Numbers: the weight of the noise in the matrix. Large mark: the matrix now${made}.`;
+  readable(element, data.table, () => places(data, x, y));
   refill(element, caption(data), legend(names, "both", ghosts.length), told, note(key));
 }
 
@@ -86,6 +88,23 @@ function whole(point) {
  */
 function curve(points, x, y) {
   return line(points.map((p) => (whole(p) ? [x.at(p.snr_db), y.at(p.color_error)] : null)));
+}
+
+/**
+ * Where each point of the table stands: the weights, then the matrix now.
+ *
+ * @param {Pareto} data
+ * @param {Scale} x
+ * @param {Scale} y
+ */
+function places({ sensors }, x, y) {
+  let row = -1;
+  return sensors.flatMap(({ points, now }, series) =>
+    [...points, now].flatMap((point) => {
+      row += 1;
+      return whole(point) ? [{ x: x.at(point.snr_db), y: y.at(point.color_error), row, series }] : [];
+    }),
+  );
 }
 
 /**

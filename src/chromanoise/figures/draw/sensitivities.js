@@ -1,6 +1,7 @@
 /** Quantum efficiency of every channel over the spectrum, a panel per sensor, all on one scale. */
 
 import { axes, fitting, linear, niceRange, panels, textWidth } from "draw/axes.js";
+import { readable } from "draw/hover.js";
 import { areMany, caption, channelColor, legend, sameSensor, sensorDashes } from "draw/look.js";
 import { refill } from "draw/refill.js";
 import { figure, figureWidth, known, line, svg, words } from "draw/svg.js";
@@ -8,7 +9,8 @@ import { figure, figureWidth, known, line, svg, words } from "draw/svg.js";
 /** @import { Curve, Maybe, Options, Sensitivities, SensitivitiesSensor } from "answers" */
 /** @import { Scale } from "draw/axes.js" */
 /** @typedef {{ left: number, top: number, width: number, height: number }} Box */
-/** @typedef {{ x: number, y: number }} Place */
+/** @import { Place } from "draw/hover.js" */
+/** @typedef {{ x: number, y: number }} At */
 
 const TITLES = { x: "wavelength [nm]", y: "quantum efficiency [e⁻/photon]", levelOnly: true };
 const ROOM = { left: 40, right: 18, top: 54, bottom: 44 };
@@ -26,12 +28,15 @@ export function draw(element, data, options = {}) {
   const names = data.sensors.map((sensor) => sensor.name);
   const dashes = areMany(names) ? names.map(() => "") : sensorDashes(names);
   const top = highest(data, ghosts);
+  /** @type {(() => Place[])[]} */
+  const reads = [];
   const nodes = grid.places.flatMap((place, i) => {
     const box = { left: place.left, top: place.row * (tall + 12), width: grid.each, height: tall };
-    return panel(data, i, { box, dash: dashes[i], ghosts, top });
+    return panel(data, i, { box, dash: dashes[i], ghosts, top, reads });
   });
   const height = grid.rows * (tall + 12) - 12;
   const drawn = figure(width, height, data.title, data.description, nodes);
+  readable(element, data.table, () => reads.flatMap((read) => read()));
   refill(element, caption(data), ...(ghosts.length ? [legend([], "line", ghosts.length)] : []), drawn);
 }
 
@@ -49,15 +54,16 @@ function highest(data, ghosts) {
 /**
  * @param {Sensitivities} data
  * @param {number} i
- * @param {{ box: Box, dash: string, ghosts: Sensitivities[], top: number }} plan
+ * @param {{ box: Box, dash: string, ghosts: Sensitivities[], top: number, reads: (() => Place[])[] }} plan
  */
-function panel(data, i, { box, dash, ghosts, top }) {
+function panel(data, i, { box, dash, ghosts, top, reads }) {
   const sensor = data.sensors[i];
   const nm = data.wavelength_nm;
   const last = nm[nm.length - 1];
   const right = box.left + box.width - ROOM.right;
   const x = linear(nm[0], last, box.left + ROOM.left, right);
   const y = linear(0, top, box.top + box.height - ROOM.bottom, box.top + ROOM.top);
+  reads.push(() => places(data, i, x, y));
   const nodes = [...light(data, x, y), ...infrared(data, x, y)];
   nodes.push(...axes(x, y, { ...TITLES, yAt: box.left }), ...heading(sensor, box, dash));
   for (const ghost of ghosts) nodes.push(...ghostCurves(ghost, sensor, i, x, y));
@@ -68,6 +74,24 @@ function panel(data, i, { box, dash, ghosts, top }) {
     nodes.push(svg("path", { ...drawn, "stroke-dasharray": dash || null }));
   });
   return [...nodes, ...letters(data, sensor.channels, x, y)];
+}
+
+/**
+ * Where each value of the table stands.
+ *
+ * @param {Sensitivities} data
+ * @param {number} i
+ * @param {Scale} x
+ * @param {Scale} y
+ * @returns {Place[]}
+ */
+function places({ sensors, wavelength_nm: nm }, i, x, y) {
+  const first = 2 + sensors.slice(0, i).reduce((sum, sensor) => sum + sensor.channels.length, 0);
+  return sensors[i].channels.flatMap(({ qe }, c) =>
+    qe.flatMap((value, k) =>
+      known(value) ? [{ x: x.at(nm[k]), y: y.at(value), row: k, cells: [0, first + c], series: first + c }] : [],
+    ),
+  );
 }
 
 /**
@@ -223,12 +247,12 @@ function letters(data, channels, x, y) {
 }
 
 /**
- * @param {Place} place
+ * @param {At} place
  * @param {Curve[]} channels
  * @param {number} own
  * @param {number} k
  * @param {Scale} y
- * @param {Place[]} taken
+ * @param {At[]} taken
  */
 function freedom(place, channels, own, k, y, taken) {
   let apart = 24;

@@ -1,6 +1,7 @@
 /** SNR raw, contravariant and in color: dots on one dB scale, with the numbers beside them. */
 
 import { fitting, linear, niceRange, panels, textWidth } from "draw/axes.js";
+import { readable } from "draw/hover.js";
 import { caption, channelColor, ghostMark, legend, mark, sameSensor } from "draw/look.js";
 import { refill } from "draw/refill.js";
 import { figure, figureWidth, html, known, svg, words } from "draw/svg.js";
@@ -30,9 +31,10 @@ export function draw(element, data, options = {}) {
     "mark",
     ghosts.length,
   );
-  const figures = shown.map((kind) => section(kind, plan));
+  const figures = shown.map((kind, k) => section(kind, plan, k));
   const boxes = shown.map((kind, k) => html("div", { class: "d-view" }, [heading(kind), figures[k]]));
   const all = html("div", { class: "d-views d-kinds" }, boxes);
+  readable(element, data.table, () => places(shown, plan), true);
   refill(element, html("div", {}, [caption(data), key, all]));
 }
 
@@ -107,17 +109,50 @@ function heading(kind) {
  * @param {Filled} kind
  * @param {Layout} plan
  */
-function section(kind, plan) {
+function dotScale(kind, plan) {
   const own = kind.unit !== "dB" || kind.key === "price";
   const [low, high] = own ? range([kind]) : plan.dB;
   const x = linear(low, high, plan.left + 8, plan.dots - 12);
+  return { x, roomy: x.to - x.from > 64 && kind.lines.some((row) => row.values.some(known)) };
+}
+
+/**
+ * Where each value of the table stands: its mark, or its number where there is none.
+ *
+ * @param {Filled[]} kinds
+ * @param {Layout} plan
+ */
+function places(kinds, plan) {
+  let row = -1;
+  return kinds.flatMap((kind, figure) => {
+    const { x, roomy } = dotScale(kind, plan);
+    return kind.lines.flatMap(({ values, text }, k) => {
+      row += 1;
+      let end = plan.dots;
+      return values.flatMap((value, i) => {
+        end += plan.columns[i];
+        const at = roomy && known(value) ? x.at(value) : end - 14;
+        const place = { x: at, y: HEAD + ROW * (k + 0.5), row, cells: [0, 1, 2 + i], series: i, figure };
+        return (text[i] ?? null) === null ? [] : [place];
+      });
+    });
+  });
+}
+
+/**
+ * @param {Filled} kind
+ * @param {Layout} plan
+ * @param {number} k
+ */
+function section(kind, plan, k) {
+  const { x, roomy } = dotScale(kind, plan);
   const bottom = HEAD + kind.lines.length * ROW;
-  const roomy = x.to - x.from > 64 && kind.lines.some((row) => row.values.some(known));
   const nodes = roomy ? scale(x, bottom, kind.unit) : [];
   nodes.push(...columnMarks(plan));
-  kind.lines.forEach((row, k) => nodes.push(...drawnRow(row, HEAD + ROW * (k + 0.5), x, plan, roomy)));
+  kind.lines.forEach((row, j) => nodes.push(...drawnRow(row, HEAD + ROW * (j + 0.5), x, plan, roomy)));
   const title = `${kind.title}, ${kind.of}`;
-  return figure(plan.width, bottom + (roomy ? 22 : 2), title, kind.description, nodes);
+  const height = bottom + (roomy ? 22 : 2);
+  return figure(plan.width, height, title, kind.description, nodes, k ? { tabindex: null } : {}); // one stop
 }
 
 /**

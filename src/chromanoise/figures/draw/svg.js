@@ -73,6 +73,7 @@ export function figure(width, height, title, description, content, attributes = 
   const named = {
     class: "d-figure",
     role: "img",
+    tabindex: 0, // to read its values
     width,
     height,
     viewBox: `0 0 ${width} ${height}`,

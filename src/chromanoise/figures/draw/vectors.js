@@ -1,6 +1,7 @@
 /** Channels, light and its uncertainty in the space of color: a solid that can be turned. */
 
 import { panels, textWidth } from "draw/axes.js";
+import { readable } from "draw/hover.js";
 import { caption, channelColor, legend, note, sameSensor } from "draw/look.js";
 import { ball, eye, greatCircle, silhouette, tips } from "draw/solid.js";
 import { figure, figureWidth, html, line, svg, tenth, words } from "draw/svg.js";
@@ -31,7 +32,7 @@ import { figure, figureWidth, html, line, svg, tenth, words } from "draw/svg.js"
 const HOME = [30, 20];
 /** @type {Record<string, number[]>} */
 const KEYS = { ArrowLeft: [-5, 0], ArrowRight: [5, 0], ArrowUp: [0, 5], ArrowDown: [0, -5] };
-const HELP = "Drag or arrow keys turn, Home turns back.";
+const HELP = "Drag or arrow keys turn, Home turns back, Enter reads the vectors.";
 /** @type {WeakMap<Element, View>} */
 const views = new WeakMap();
 
@@ -183,6 +184,7 @@ function paint(view) {
     size.height / 2 - (up - middle[1]) * scale,
   ];
   const at = { look, place, size, axes: view.around.axes };
+  readable(view.element, data.table, () => places(data, at));
   data.sensors.forEach((sensor, i) => {
     const { scene, description, told } = view.solids[i];
     const before = ghosts.map((ghost) => sameSensor(ghost, sensor, i)).filter((one) => one !== null);
@@ -192,6 +194,32 @@ function paint(view) {
   });
   say(view.title, data.title);
   say(view.status, `Turned ${turn[0]}° about, ${turn[1]}° up. ${HELP}`.replace("-", "\u2212"));
+}
+
+/**
+ * Where the tip of each vector of the table stands, in the solid of each sensor.
+ *
+ * @param {Vectors} data
+ * @param {Sight} at
+ */
+function places(data, { look, place, axes }) {
+  /**
+   * @param {number[]} point
+   * @param {number} row
+   * @param {number} figure
+   */
+  const placed = (point, row, figure) => {
+    const [x, y] = place(look(point));
+    return { x, y, row, figure };
+  };
+  let row = axes.length + 1;
+  return data.sensors.flatMap(({ channels, light, ellipsoid }, i) => {
+    const tipsOf = ellipsoid ? ellipsoid.half_axes.map((half) => half.map((v, k) => v + ellipsoid.center[k])) : [];
+    const own = [...channels.map((channel) => channel.at), ...(light ? [light.at] : []), ...tipsOf];
+    const shared = axes.map((axis, k) => placed(axis.at, k, i));
+    const scene = data.scene ? [placed(data.scene.at, axes.length, i)] : [];
+    return [...own.map((point) => placed(point, row++, i)), ...scene, ...shared];
+  });
 }
 
 /**

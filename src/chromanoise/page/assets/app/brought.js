@@ -4,6 +4,7 @@ import { button, choice, el, fillChoice, within } from "app/dom.js";
 import { complain } from "app/faults.js";
 import { lampless } from "app/light.js";
 import { matricesOf, MOST_MATRICES } from "app/matrix.js";
+import { setAt } from "app/paths.js";
 import { setCube } from "app/scene.js";
 import { exchange } from "app/sensors.js";
 import { changeStudy, current, replaceStudy } from "app/state.js";
@@ -23,6 +24,7 @@ const KINDS = {
   crosstalk: "crosstalk of a sensor",
   matrix: "a color matrix",
   pixel: "the values of a pixel",
+  pairs: "pairs of patches for a machine",
 };
 
 /**
@@ -142,6 +144,7 @@ function uses(answer, answers, done, unanswered) {
   if (answer.kind === "study") {
     return [button("Open this study", () => (replaceStudy(answer.study), done()), { class: "wide primary" })];
   }
+  if (answer.kind === "pairs") return [use("Use for a machine", (study) => setAt(study, "reflectances.pairs", answer.id))];
   if (answer.kind === "matrix") return matrixUses(answer.id, use);
   if (answer.kind === "crosstalk" || answer.kind === "pixel") {
     const { kind, id } = answer;

@@ -157,11 +157,85 @@ export function radios({ legend, options, value, on, hidden = false }) {
   const set = el("fieldset", { class: "radios" }, title, el("div", { class: "segments" }, ...marks));
   /** @param {string | null} chosen */
   const show = (chosen) => {
-    const input = inputs.get(chosen);
-    if (input && !input.checked) input.checked = true;
+    for (const [own, input] of inputs) if (input.checked !== (own === chosen)) input.checked = own === chosen;
   };
   show(value);
   return { set, show };
+}
+
+/** @typedef {{ nodes: Node[], show: (...told: any) => void }} Content */
+/** @type {Set<{ node: HTMLDetailsElement, holds: (path: string) => boolean, fill: () => void }>} */
+const drawers = new Set();
+
+/**
+ * A drawer whose content is made when it is opened first, and shown only while it is open.
+ *
+ * @param {string} title
+ * @param {(path: string) => boolean} holds whether a key of the study has its control inside
+ * @param {() => Content} make
+ */
+export function drawer(title, holds, make) {
+  const words = el("span", { text: title });
+  const aside = el("span", { class: "aside" });
+  const node = el("details", { class: "drawer" }, el("summary", {}, words, " ", aside));
+  /** @type {Content | null} */
+  let content = null;
+  /** @type {unknown[] | null} */
+  let told = null;
+  const fill = () => {
+    if (!node.open || !told) return;
+    if (!content) node.append(...(content = make()).nodes);
+    content.show(...told);
+  };
+  node.addEventListener("toggle", fill);
+  drawers.add({ node, holds, fill });
+  /** @param {unknown[]} now */
+  const show = (...now) => {
+    told = now;
+    fill();
+  };
+  return { node, words, aside, show };
+}
+
+/**
+ * Opens the drawers that hold the control of a key.
+ *
+ * @param {string} path
+ */
+export function reveal(path) {
+  // a drawer within another one is added on the way
+  for (const one of drawers) {
+    if (!one.node.isConnected) drawers.delete(one);
+    else if (one.holds(path)) {
+      one.node.open = true;
+      one.fill();
+    }
+  }
+}
+
+/**
+ * A switch with its label and a hint that can change: `{row, show(on, enabled, hint)}`.
+ *
+ * @param {{ label: string, where: string, on: (on: boolean) => unknown }} options
+ */
+export function toggle({ label, where, on }) {
+  const id = freshId("switch");
+  const named = { id, type: "checkbox", role: "switch", "data-where": where, "aria-describedby": `${id}-hint` };
+  /** @type {HTMLInputElement} */
+  const input = el("input", { ...named, on: { change: () => on(input.checked) } });
+  const meant = el("p", { class: "hint", id: `${id}-hint` });
+  const row = el("div", { class: "row row-switch" }, el("label", { class: "switch" }, input, el("span", { text: label })), meant);
+  /**
+   * @param {boolean} isOn
+   * @param {boolean} enabled
+   * @param {string} hint
+   */
+  const show = (isOn, enabled, hint) => {
+    if (input.checked !== isOn) input.checked = isOn;
+    attribute(input, "disabled", !enabled);
+    say(meant, hint);
+  };
+  return { row, show };
 }
 
 /**

@@ -1,21 +1,18 @@
-/** What stands behind each `?`: the equation and where it comes from, in a dialog. */
+/** What is behind each `?`: words, formulas, their symbols and the source, in a dialog. */
 
+import { understood } from "app/ask.js";
 import { button, el, freshId, within } from "app/dom.js";
 
-/** @import { Equation } from "answers" */
+/** @import { Explanation } from "answers" */
 
-/** @type {Record<string, Equation>} */
-let known = {};
+const PATIENCE_MS = 20_000;
+/** @type {Record<string, Explanation> | null} */
+let known = null;
 /** @type {HTMLDialogElement | null} */
 let dialog = null;
 
-/**
- * Takes the equations of the server, and listens for every `?` of the page.
- *
- * @param {Record<string, Equation>} equations
- */
-export function useEquations(equations) {
-  known = equations;
+/** Listens for every `?` of the page; the first one asks the server for all explanations. */
+export function useEquations() {
   document.addEventListener("click", (event) => {
     const { target } = event;
     const asked = target instanceof Element ? target.closest("button.equation") : null;
@@ -24,36 +21,62 @@ export function useEquations(equations) {
 }
 
 /**
- * Opens the dialog with some of the equations.
+ * Opens the dialog with some of the explanations.
  *
  * @param {string[]} names
  * @param {HTMLElement} opener
  */
-function showEquations(names, opener) {
+async function showEquations(names, opener) {
   dialog ??= emptyDialog();
-  const entries = names.filter((name) => known[name]).map(entry);
-  const none = el("p", { text: "No equation available." });
-  within(dialog, ".entries").replaceChildren(...(entries.length ? entries : [none]));
+  const entries = within(dialog, ".entries");
+  if (!known) entries.replaceChildren(el("p", { text: "Loading …" }));
   dialog.addEventListener("close", () => opener.isConnected && opener.focus(), { once: true });
   dialog.showModal();
+  const found = await explanations();
+  const nodes = names.flatMap((name) => (found?.[name] ? [entry(found[name])] : []));
+  const none = found ? "No explanation available." : "The server does not answer; close this and try again.";
+  entries.replaceChildren(...(nodes.length ? nodes : [el("p", { text: none })]));
 }
 
-/** @param {string} name */
-function entry(name) {
-  const { title, equation, source } = known[name];
+/** All explanations; null where the server does not answer. */
+async function explanations() {
+  const signal = AbortSignal.timeout(PATIENCE_MS);
+  known ??= await fetch("/api/explanations", { signal })
+    .then(understood)
+    .catch(() => null);
+  return known;
+}
+
+/** @param {Explanation} one */
+function entry({ title, words, formulas, symbols, source }) {
+  const meanings = symbols.flatMap(({ symbol, meaning, unit }) => [
+    el("dt", {}, formula(symbol)),
+    el("dd", { text: unit && unit !== "1" ? `${meaning} [${unit}]` : meaning }),
+  ]);
   return el(
     "section",
     {},
     el("h3", { text: title }),
-    el("p", { class: "formula", text: equation }),
+    el("p", { class: "words", text: words }),
+    ...formulas.map((one) => el("div", { class: "formula" }, formula(one))),
+    el("dl", { class: "symbols" }, ...meanings),
     el("p", { class: "source", text: source }),
   );
 }
 
+/**
+ * MathML of the server as elements.
+ *
+ * @param {string} text
+ */
+function formula(text) {
+  return document.importNode(new DOMParser().parseFromString(text, "application/xml").documentElement, true);
+}
+
 function emptyDialog() {
   const id = freshId("equations");
-  const heading = el("h2", { id, text: "Equation and source" });
-  const close = button("Close", () => node.close(), { class: "primary" });
+  const heading = el("h2", { id, text: "Explanation" });
+  const close = button("Close", () => node.close(), { class: "primary", autofocus: true });
   const node = el(
     "dialog",
     { "aria-labelledby": id, class: "equations" },

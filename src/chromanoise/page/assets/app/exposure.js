@@ -1,10 +1,10 @@
 /** Controls of the exposure: on which terms sensors are compared, how long, how wide. */
 
-import { el, radios, say, within } from "app/dom.js";
+import { brief, el, radios, say, toggle, within } from "app/dom.js";
 import { described } from "app/light.js";
 import { saidAt, setAt, valueAt } from "app/paths.js";
 import { slider } from "app/slider.js";
-import { changeStudy } from "app/state.js";
+import { beforeSliding, changeState, changeStudy } from "app/state.js";
 
 /** @import { Choices, Head, State, Study } from "answers" */
 /** @import { Group } from "app/controls.js" */
@@ -47,33 +47,91 @@ export function exposureControls(choices) {
     on: (equal) => changeStudy((study) => setTerms(study, equal)),
   });
   const meant = el("p", { class: "hint" });
+  /** @type {number | null} the one time of all sensors that was computed last */
+  let solved = null;
+  /** @type {Head | null} */
+  let lastHead = null;
+  let solvedFor = "";
+  const auto = toggle({
+    label: "Auto exposure",
+    where: "exposure.auto",
+    on: (on) =>
+      changeState(({ study, look }) => {
+        look.auto_exposure = on;
+        setAt(study, "exposure.time_ms", on ? null : solved);
+      }),
+  });
   const time = bound("exposure.time_ms", {
-    own: "Auto",
-    on: (value) => changeStudy((study) => setTime(study, value), value === null ? "step" : "slide"),
+    on: (value) => changeState((state) => setTime(state, value), "slide"),
+  });
+  beforeSliding((state) => {
+    if (!timeStays(state) || solved === null || solvedFor !== sensorsAndLamp(state.study)) return;
+    if (valueAt(state.study, "exposure.time_ms") === null) setAt(state.study, "exposure.time_ms", solved);
   });
   const share = bound("exposure.saturate");
   const aperture = bound("exposure.f_number");
   const noise = readNoise(choices);
-  const rows = [time.row, share.row, aperture.row, noise.row];
+  const rows = [auto.row, time.row, share.row, aperture.row, noise.row];
   const kind = el("div", { class: "row" }, terms.set, meant);
   within(kind, "fieldset").dataset.where = "exposure.equal";
   /**
    * @param {State} state
    * @param {Head | null} head
    */
-  const show = ({ study }, head) => {
+  const show = (state, head) => {
+    const { study } = state;
+    if (head !== lastHead) {
+      const [value, differ] = together(head, "time_ms");
+      solved = differ ? null : value;
+      solvedFor = sensorsAndLamp(study);
+      lastHead = head;
+    }
     const equal = saidAt(study, "exposure.equal");
     const own = valueAt(study, "exposure.time_ms");
     terms.show(equal);
     say(meant, MEANT[equal] ?? "");
     time.show(own, ...together(head, "time_ms"));
     share.show(saidAt(study, "exposure.saturate"));
-    // a time that is given leaves nothing to solve
-    share.enable(own === null);
+    const shared = equal === "exposure";
+    const solves = !shared || (own === null && !timeStays(state));
+    auto.show(solves, shared, autoHint(solves, shared, study));
+    // a time that stays leaves nothing to solve
+    share.enable(solves);
     aperture.show(saidAt(study, "exposure.f_number"));
     noise.show(sharedNoise(study), ...together(head, "read_noise_e"));
   };
   return { node: el("div", {}, kind, ...rows), show };
+}
+
+/**
+ * Whether sliders shall not change the exposure time.
+ *
+ * @param {State} state
+ */
+function timeStays({ study, look }) {
+  return saidAt(study, "exposure.equal") === "exposure" && !look.auto_exposure;
+}
+
+/**
+ * What must be the same for an exposure time that was computed to be that of a study.
+ *
+ * @param {Study} study
+ */
+function sensorsAndLamp({ sensors, light }) {
+  return JSON.stringify([sensors, light?.illuminant, light?.beyond]);
+}
+
+/**
+ * @param {boolean} solves
+ * @param {boolean} shared
+ * @param {Study} study
+ */
+function autoHint(solves, shared, study) {
+  if (!shared) return "Always on here: each sensor has its own time, which follows from the terms above.";
+  const full = `${brief(100 * saidAt(study, "exposure.saturate"))} % of full well`;
+  if (solves) return `The time follows every change, so that the fullest channel of all sensors is at ${full}.`;
+  if (valueAt(study, "exposure.time_ms") !== null) return "The time stays when light, f-number or sensors change.";
+  return `The time below fills the fullest channel to ${full}. It stays once you move a slider.`;
 }
 
 /**
@@ -99,12 +157,12 @@ function setTerms(study, equal) {
 }
 
 /**
- * @param {Study} study
+ * @param {State} state
  * @param {number | null} value
  */
-function setTime(study, value) {
-  setAt(study, "exposure.time_ms", value);
-  if (value !== null && study.exposure) study.exposure.equal = "exposure";
+function setTime({ study, look }, value) {
+  study.exposure = { ...study.exposure, equal: "exposure", time_ms: value ?? undefined };
+  look.auto_exposure = false;
 }
 
 /** @param {Choices} choices */

@@ -1,6 +1,6 @@
 /** Sentences about what is wrong, each beside the thing that it is about. */
 
-import { attribute, el, freshId, say } from "app/dom.js";
+import { attribute, el, freshId, reveal, say } from "app/dom.js";
 
 /** @import { Fault } from "answers" */
 
@@ -60,11 +60,10 @@ export function clearFaults() {
 function rowOf(where) {
   const path = where.replaceAll(/\[(\d+)\]/g, ".$1");
   if (path === "") return null;
+  // a sentence in a closed drawer would not be seen
+  reveal(path);
   const nodes = /** @type {HTMLElement[]} */ ([...document.querySelectorAll("[data-where]")]);
   const begins = nodes.filter((node) => `${path}.`.startsWith(`${node.dataset.where}.`));
   begins.sort((a, b) => (b.dataset.where ?? "").length - (a.dataset.where ?? "").length);
-  const row = begins[0]?.closest(".row") ?? null;
-  // a sentence in a closed drawer would not be seen
-  row?.closest("details")?.setAttribute("open", "");
-  return row;
+  return begins[0]?.closest(".row") ?? null;
 }

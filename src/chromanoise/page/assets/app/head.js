@@ -1,12 +1,23 @@
-/** The verdict, and what each sensor collects. */
+/** The verdict, and the table of the sensors. */
 
-import { byId, el, say } from "app/dom.js";
-import { tableOf } from "app/panels.js";
+import { attribute, byId, el, say } from "app/dom.js";
+import { mark, sameSensor, sensorLines } from "draw/look.js";
 import { refill } from "draw/refill.js";
+import { svg } from "draw/svg.js";
 
-/** @import { Head } from "answers" */
+/** @import { Head, Maybe, Ranking } from "answers" */
+/** @typedef {Ranking["rows"][number]} Row */
 
 const REST_MS = 500;
+const TITLE = "Sensors";
+/** The column of the names, which is sorted by the alphabet. */
+const NAME = "name";
+/** Columns with one number for each state; an earlier one stands under it. */
+const COMPARED = new Set(["raw_db", "luminance_db", "loss_db", "color_error", "total_error", "time_ms"]);
+
+/** How the table is sorted: by which column, and whether from its low end; none: as in the study. */
+/** @type {{ key: string, up: boolean } | null} */
+let sorting = null;
 /** @type {number | undefined} */
 let telling;
 
@@ -14,14 +25,17 @@ let telling;
  * Shows the verdict large, and tells it to those who listen once it has come to rest.
  *
  * @param {Head} head
+ * @param {Head[]} ghosts
  */
-export function showHead(head) {
+export function showHead(head, ghosts) {
   const [first = "", ...more] = head.verdict;
   say(byId("verdict"), first);
   lines(byId("reasons"), more);
+  const button = byId("more");
+  if (button.hidden !== (more.length === 0)) button.hidden = more.length === 0;
   clearTimeout(telling);
   telling = setTimeout(() => tell(head), REST_MS);
-  showSensors(head);
+  showSensors(head, ghosts);
 }
 
 /** @param {Head} head */
@@ -30,15 +44,145 @@ function tell({ verdict, sensors, light }) {
   document.title = `${sensors.map((sensor) => sensor.name).join(", ")} at ${light.text} – chromanoise`;
 }
 
-/** @param {Head} head */
-function showSensors(head) {
-  const table = tableOf(head.electrons, "Electrons that each sensor collects");
-  const last = [...table.querySelectorAll("td:last-child")];
-  head.sensors.forEach(({ saturated }, i) => last[i].classList.toggle("saturated", saturated.length > 0));
-  const notes = head.sensors.flatMap(({ name, notes: own }) => (own ?? []).map((note) => `${name}: ${note}`));
-  const list = el("ul", { class: "notes" });
+/**
+ * The table of the sensors, with the numbers of pinned states under those of this one.
+ *
+ * @param {Head} head
+ * @param {Head[]} ghosts
+ */
+function showSensors(head, ghosts) {
+  const { columns, rows, notes } = head.ranking;
+  const colors = sensorLines(rows.map(({ name }) => name));
+  const before = ghosts.map(({ ranking }) => ({ ...ranking, sensors: ranking.rows }));
+  const lists = rows.map((row, i) => {
+    const earlier = before.map((ghost) => ({ ghost, row: sameSensor(ghost, row, i) }));
+    const cells = columns.map(({ key }, k) => {
+      const was = COMPARED.has(key) ? earlier.flatMap(({ ghost, row: old }) => textOf(ghost, old, key) ?? []) : [];
+      return cell(key, row.text[k], was.some((text) => text !== row.text[k]) ? was.join(", ") : null);
+    });
+    const full = row.saturated.length > 0;
+    const last = el("td", { "data-key": "saturated", class: full ? "saturated" : null, text: row.saturated.join(", ") || "none" });
+    const swatch = svg("svg", { width: 16, height: 16, class: "d-swatch", "aria-hidden": "true" }, [
+      mark(i, 8, 8, colors[i].color),
+    ]);
+    return el("tr", {}, el("th", { scope: "row" }, swatch, row.name), ...cells, last);
+  });
+  const heads = [
+    sortable(NAME, "sensor", "name of the sensor"),
+    ...columns.map(({ key, head: text, what }) => sortable(key, text, what)),
+    el("th", { scope: "col", text: "saturated" }),
+  ];
+  const table = el(
+    "table",
+    { class: "ranking" },
+    el("caption", { class: "unseen", text: TITLE }),
+    el("thead", {}, el("tr", {}, ...heads)),
+    el("tbody", {}, ...order(head.ranking).map((i) => lists[i])),
+  );
+  const scroll = el("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": `Table: ${TITLE}` }, table);
+  showIn(byId("electrons"), scroll, notes);
+}
+
+const MOST_OPEN = 3;
+
+/**
+ * The table, and its notes, which whoever opens or closes them finds as they were.
+ *
+ * @param {HTMLElement} place
+ * @param {HTMLElement} table
+ * @param {string[]} notes
+ */
+function showIn(place, table, notes) {
+  if (!place.firstChild) {
+    const remarks = el("details", { class: "remarks" }, el("summary"), el("ul", { class: "notes" }));
+    place.append(el("div"), remarks);
+  }
+  const [holder, remarks] = /** @type {any} */ (place.children);
+  const [summary, list] = remarks.children;
+  refill(holder, table);
+  if (list.children.length !== notes.length) remarks.open = notes.length <= MOST_OPEN;
+  remarks.hidden = notes.length === 0;
+  say(summary, notes.length === 1 ? "1 note on the sensors" : `${notes.length} notes on the sensors`);
   lines(list, notes);
-  refill(byId("electrons"), table, list);
+}
+
+/**
+ * @param {string} key
+ * @param {string} text
+ * @param {string | null} was
+ */
+function cell(key, text, was) {
+  return el("td", { "data-key": key, text }, was === null ? null : el("small", { text: ` (was ${was})` }));
+}
+
+/**
+ * @param {Ranking} ghost
+ * @param {Row | null} row
+ * @param {string} key
+ */
+function textOf(ghost, row, key) {
+  return row?.text[ghost.columns.findIndex((column) => column.key === key)] ?? null;
+}
+
+/**
+ * The head of a column, which sorts by it.
+ *
+ * @param {string} key
+ * @param {string} text
+ * @param {string} what
+ */
+function sortable(key, text, what) {
+  const sorted = sorting?.key === key ? (sorting.up ? "ascending" : "descending") : "none";
+  const button = el("button", { type: "button", class: "sort", "data-sort": key, title: what, text });
+  return el("th", { scope: "col", "aria-sort": sorted }, button);
+}
+
+/**
+ * The places of the rows: as in the study, or sorted; what has no value comes last.
+ *
+ * @param {Ranking} ranking
+ */
+function order({ columns, rows }) {
+  const places = rows.map((_, i) => i);
+  if (!sorting) return places;
+  const { key, up } = sorting;
+  const k = columns.findIndex((column) => column.key === key);
+  if (k < 0 && key !== NAME) return places;
+  const way = up ? 1 : -1;
+  if (key === NAME) return places.sort((a, b) => way * rows[a].name.localeCompare(rows[b].name));
+  /** @param {Maybe} value */
+  const last = (value) => (value === null ? Infinity : way * value);
+  return places.sort((a, b) => last(rows[a].values[k]) - last(rows[b].values[k]) || a - b);
+}
+
+/**
+ * Sorts by the column of a pressed head: better values first, then the other way, then as in the
+ * study. `shown()` is called when that changed.
+ *
+ * @param {() => Head | null} head
+ * @param {() => void} shown
+ */
+export function sortOnClick(head, shown) {
+  byId("electrons").addEventListener("click", ({ target }) => {
+    const button = target instanceof Element ? target.closest("button.sort") : null;
+    const key = button instanceof HTMLElement ? button.dataset.sort : undefined;
+    if (key === undefined) return;
+    const better = head()?.ranking.columns.find((column) => column.key === key)?.better;
+    const first = better !== "higher";
+    if (sorting?.key !== key) sorting = { key, up: first };
+    else sorting = sorting.up === first ? { key, up: !first } : null;
+    shown();
+  });
+}
+
+/** The reasons after the first two are shown on demand. */
+export function moreOnClick() {
+  const [button, reasons] = [byId("more"), byId("reasons")];
+  button.addEventListener("click", () => {
+    const all = reasons.classList.toggle("all");
+    attribute(button, "aria-expanded", all ? "true" : "false");
+    say(button, all ? "Fewer reasons" : "All reasons");
+  });
 }
 
 /**

@@ -1,22 +1,16 @@
 /** A quantity over two parameters: a cell per pair of values, a color scale, and a value to read. */
 
 import { axes, linear, logarithmic, wrapped } from "draw/axes.js";
+import { readable } from "draw/hover.js";
 import { caption, note } from "draw/look.js";
 import { refill } from "draw/refill.js";
-import { figure, figureWidth, html, line, svg, tenth, words } from "draw/svg.js";
+import { figure, figureWidth, line, svg, tenth, words } from "draw/svg.js";
 
 /** @import { DrawnMap, MapAxis, Options, SweepMap } from "answers" */
 /** @import { Scale } from "draw/axes.js" */
 /** @typedef {ReturnType<typeof layout>} Layout */
-/** @typedef {{ data: DrawnMap, plan: Layout, at: number[] }} View what is read: column and row */
 
 const ROOM = { left: 46, right: 14, top: 76, bottom: 44 };
-const HELP = "Point at a cell, or move with the arrow keys.";
-/** @type {Record<string, number[]>} */
-const STEPS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowDown: [0, -1], ArrowUp: [0, 1] };
-
-/** @type {WeakMap<Element, View>} */
-const views = new WeakMap();
 
 /**
  * @param {HTMLElement} element
@@ -25,7 +19,6 @@ const views = new WeakMap();
  */
 export function draw(element, data, options = {}) {
   if (data.why_not !== null) {
-    views.delete(element);
     refill(element, note(data.why_not));
     return;
   }
@@ -34,15 +27,9 @@ export function draw(element, data, options = {}) {
   plan.title.forEach((text, i) => nodes.push(words((plan.left + plan.right) / 2, plan.bottom + 35 + 16 * i, text, "d-quiet", "middle")));
   nodes.push(...scaleOf(data, plan), svg("path", { d: area(plan), class: "d-undefined" }), ...cells(data, plan));
   for (const points of data.equal) nodes.push(...equal(points, plan));
-  nodes.push(svg("rect", { class: "d-cursor", visibility: "hidden" }));
-  const help = { class: "d-figure d-map", tabindex: 0, "aria-keyshortcuts": "ArrowLeft ArrowRight ArrowUp ArrowDown" };
-  const root = figure(plan.width, plan.height, data.title, `${data.description} ${HELP}`, nodes, help);
-  const read = html("p", { class: "d-note d-read", role: "status" }, HELP);
-  refill(element, caption(data), root, read, ...notes(data));
-  const before = views.get(element);
-  views.set(element, { data, plan, at: before?.at ?? [0, 0] });
-  if (!before) listen(element);
-  else if (element.contains(document.activeElement)) show(element);
+  const root = figure(plan.width, plan.height, data.title, data.description, nodes, { class: "d-figure d-map" });
+  readable(element, data.table, () => places(data, plan));
+  refill(element, caption(data), root, ...notes(data));
 }
 
 /**
@@ -166,70 +153,19 @@ function notes({ equal: lines, colors, note: more }) {
   return told.length ? [note(told.join(" "))] : [];
 }
 
-/** @param {HTMLElement} element */
-function listen(element) {
-  element.addEventListener("pointermove", (event) => pointed(element, event));
-  element.addEventListener("pointerdown", (event) => pointed(element, event));
-  element.addEventListener("focusin", () => show(element));
-  element.addEventListener("focusout", () => hide(element));
-  element.addEventListener("pointerleave", () => element.contains(document.activeElement) || hide(element));
-  element.addEventListener("keydown", (event) => moved(element, event));
-}
-
 /**
- * @param {HTMLElement} element
- * @param {PointerEvent} event
- */
-function pointed(element, event) {
-  const view = views.get(element);
-  const root = element.querySelector(".d-map");
-  if (!view || !root) return;
-  const { left, right, top, bottom, cell, width } = view.plan;
-  const box = root.getBoundingClientRect();
-  const scale = width / box.width;
-  const [x, y] = [(event.clientX - box.left) * scale, (event.clientY - box.top) * scale];
-  if (x < left || x >= right || y <= top || y > bottom) return;
-  view.at = [Math.floor((x - left) / cell.width), Math.floor((bottom - y) / cell.height)];
-  show(element);
-}
-
-/**
- * @param {HTMLElement} element
- * @param {KeyboardEvent} event
- */
-function moved(element, event) {
-  const view = views.get(element);
-  const step = STEPS[event.key];
-  if (!view || !step || event.ctrlKey || event.altKey || event.metaKey) return;
-  event.preventDefault();
-  view.at = view.at.map((value, i) => value + step[i]);
-  show(element);
-}
-
-/**
- * Marks the cell that is read, and says its values.
+ * The cells of the table, whose rows rise with y; keys go over them as they are seen.
  *
- * @param {HTMLElement} element
+ * @param {DrawnMap} data
+ * @param {Layout} plan
  */
-function show(element) {
-  const view = views.get(element);
-  const cursor = element.querySelector(".d-cursor");
-  const read = element.querySelector(".d-read");
-  if (!view || !cursor || !read) return;
-  const { data, plan } = view;
-  const [k, j] = [data.x, data.y].map((axis, i) => Math.max(0, Math.min(axis.values.length - 1, view.at[i])));
-  view.at = [k, j];
-  const { left, top, width, height } = place(plan, k, j);
-  const box = { x: left, y: top, width, height };
-  for (const [name, value] of Object.entries(box)) cursor.setAttribute(name, String(tenth(value)));
-  cursor.setAttribute("visibility", "visible");
-  const told = `${data.x.text[k]}, ${data.y.text[j]}: ${data.cells[j][k]}`;
-  if (read.textContent !== told) read.textContent = told;
-}
-
-/** @param {HTMLElement} element */
-function hide(element) {
-  element.querySelector(".d-cursor")?.setAttribute("visibility", "hidden");
-  const read = element.querySelector(".d-read");
-  if (read) read.textContent = HELP;
+function places({ x, y }, plan) {
+  const rows = y.values.map((_, j) =>
+    x.values.map((_, k) => {
+      const { left, top, width, height } = place(plan, k, j);
+      const row = j * x.values.length + k;
+      return { x: left + width / 2, y: top + height / 2, width, height, row, series: y.values.length - j };
+    }),
+  );
+  return rows.reverse().flat();
 }

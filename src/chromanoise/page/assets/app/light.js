@@ -1,9 +1,9 @@
 /** Controls of the light: which, how much, and how much infrared is in it. */
 
-import { choice, el, fillChoice } from "app/dom.js";
+import { choice, el, fillChoice, radios, say } from "app/dom.js";
 import { rangeOf, saidAt } from "app/paths.js";
 import { shownUnit, slider } from "app/slider.js";
-import { changeStudy } from "app/state.js";
+import { changeStudy, current } from "app/state.js";
 import { uploaded } from "app/uploads.js";
 
 /** @import { Choices, LightPart, Slider, State } from "answers" */
@@ -14,6 +14,13 @@ import { uploaded } from "app/uploads.js";
 const WITH_INFRARED = /^(.+)\+([0-9.]+(?:e[-+]?\d+)?)x(LED\d+)$/i;
 const DIODES = ["LED850", "LED940"];
 const OTHER = "other…";
+
+/** How a light continues whose table ends early, with what that means for the sensors. */
+/** @type {Record<string, string>} */
+const CONTINUED = {
+  zero: "No light beyond. A sensor that sees infrared gains nothing from this light, less than under the real one.",
+  hold: "The last value goes on. A guess: the real light may hold more infrared or less.",
+};
 
 /**
  * A light's name in parts: `E+0.5xLED850` is E with a ratio of 0.5 of a diode of 850 nm.
@@ -56,15 +63,31 @@ export function lightControls(choices) {
   /**
    * @param {Partial<LightParts>} part
    * @param {How} how
+   * @param {{ beyond?: string }} [more]
    */
-  const change = (part, how) =>
+  const change = (part, how, more = {}) =>
     changeStudy((study) => {
       const now = lightParts(saidAt(study, "light.illuminant"));
       const next = { ...now, diode, ...part };
       const own = next.base === now.base ? study.light : lampless(study.light);
-      study.light = { ...own, illuminant: lightName(next) };
+      study.light = { ...own, illuminant: lightName(next), ...more };
     }, how);
-  const base = baseChoice(choices, (name) => change({ base: name }, "step"));
+  /** @type {string | null} a light that waits until it is said how it continues */
+  let waiting = null;
+  let lastBase = "";
+  /** @param {string} name */
+  const choose = (name) => {
+    const beyond = answered(current().study.light);
+    waiting = name in choices.illuminant_ends_nm && !beyond ? name : null;
+    if (waiting) showContinuation(name, null);
+    else change({ base: name }, "step", name in choices.illuminant_ends_nm ? { beyond } : {});
+  };
+  const base = baseChoice(choices, choose);
+  const { row: continuation, show: showContinuation } = continuationChoice(choices, (beyond) => {
+    const name = waiting ?? lastBase;
+    waiting = null;
+    change({ base: name }, "step", { beyond });
+  });
   const ratio = slider({
     label: "Infrared in the light",
     unit: "W/W",
@@ -85,17 +108,57 @@ export function lightControls(choices) {
     ...described(choices, "light.level_lux"),
     on: (value) => changeStudy((study) => (study.light = { ...study.light, level_lux: value ?? undefined }), "slide"),
   });
-  const node = el("div", {}, level.row, base.row, ratio.row, lamp.row);
+  const node = el("div", {}, level.row, base.row, continuation, ratio.row, lamp.row);
   /** @param {State} state */
   const show = ({ study }) => {
     const now = lightParts(saidAt(study, "light.illuminant"));
     diode = now.diode ?? diode;
-    base.show(now.base);
+    if (now.base !== lastBase) waiting = null;
+    lastBase = now.base;
+    base.show(waiting ?? now.base);
+    showContinuation(waiting ?? now.base, waiting ? null : answered(study.light));
     ratio.show(now.ratio);
     fillChoice(lamp.select, DIODES, diode);
     level.show(saidAt(study, "light.level_lux"));
   };
   return { node, show };
+}
+
+/**
+ * How a light is said to continue, if it is.
+ *
+ * @param {LightPart} [light]
+ */
+function answered(light) {
+  const beyond = light?.beyond;
+  return beyond && beyond in CONTINUED ? beyond : undefined;
+}
+
+/**
+ * The question how a light continues whose table ends early; without effect on other lights.
+ *
+ * @param {Choices} choices
+ * @param {(beyond: string) => void} on
+ */
+function continuationChoice(choices, on) {
+  const options = Object.keys(CONTINUED).map((name) => [name, name]);
+  const { set, show: check } = radios({ legend: "Beyond its end", options, value: "", on });
+  set.dataset.where = "light.beyond";
+  const meant = el("p", { class: "hint", role: "status" });
+  const row = el("div", { class: "row", hidden: true }, set, meant);
+  /**
+   * @param {string} name
+   * @param {string | null | undefined} beyond
+   */
+  const show = (name, beyond) => {
+    const end = choices.illuminant_ends_nm[name];
+    row.hidden = end === undefined;
+    if (row.hidden) return say(meant, "");
+    check(beyond ?? null);
+    const asked = `Not used yet: choose zero (no light) or hold (the last value).`;
+    return say(meant, `${name} ends at ${end} nm. ${beyond ? CONTINUED[beyond] : asked}`);
+  };
+  return { row, show };
 }
 
 /** @param {Choices} choices */
@@ -144,8 +207,14 @@ function baseChoice(choices, on) {
     typed.focus();
   };
   /** @param {string} name */
+  const optionOf = (name) => {
+    const end = choices.illuminant_ends_nm[name];
+    return end === undefined ? name : `${name} (ends at ${end} nm)`;
+  };
+  /** @param {string} name */
   const show = (name) => {
-    const options = [...choices.illuminants, ...uploaded("light", name), [OTHER, OTHER]];
+    const known = choices.illuminants.map((one) => [one, optionOf(one)]);
+    const options = [...known, ...uploaded("light", name), [OTHER, OTHER]];
     fillChoice(pick.select, options, name);
     if (document.activeElement !== typed) typed.hidden = true;
   };

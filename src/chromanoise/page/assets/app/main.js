@@ -5,13 +5,16 @@ import { controls } from "app/controls.js";
 import { copyButtons } from "app/copy.js";
 import { attribute, brief, byId, say, within } from "app/dom.js";
 import { useEquations } from "app/equations.js";
+import { saving } from "app/export.js";
 import { clearFaults, showFaults } from "app/faults.js";
-import { showHead } from "app/head.js";
+import { moreOnClick, showHead, sortOnClick } from "app/head.js";
 import { isTrained } from "app/matrix.js";
 import { PARTS, panels, showTable } from "app/panels.js";
 import { picturePanel } from "app/picture.js";
+import { narrowButtons } from "app/sheet.js";
 import { askedLook, snapshots } from "app/snapshots.js";
 import { changeLook, current, readAddress, startFrom, subscribe } from "app/state.js";
+import { guidedStory } from "app/story.js";
 import { themeChoice } from "app/theme.js";
 import { headingTools } from "app/tools.js";
 import { uploads } from "app/upload.js";
@@ -141,6 +144,7 @@ function answered(reply, asked) {
   if (want.includes("head") && version >= page.headVersion) {
     page.answered = asked;
     page.level = study.light?.level_lux ?? null;
+    root.dataset.hash = reply.hash ?? "";
     say(byId("hash"), reply.hash ? `study ${reply.hash.slice(0, 12)}` : "");
   }
   for (const part of want) show(part, reply.parts[/** @type {Part | "head"} */ (part)] ?? null, version);
@@ -177,7 +181,7 @@ function show(part, data, version) {
       return notice("faults", head && "fault" in head ? head.fault : "No verdict available.");
     }
     page.head = head;
-    showHead(head);
+    headAgain();
     return page.showControls(current(), head);
   }
   const panel = panelOf(/** @type {Part} */ (part));
@@ -232,6 +236,11 @@ channel.port1.onmessage = ({ data: number }) => {
   root.dataset.painted = String(Math.max(number, Number(root.dataset.painted ?? 0)));
   if (number % 500 === 0) performance.clearMarks();
 };
+
+/** The head as it is, after an answer or with other pins. */
+function headAgain() {
+  if (page.head) showHead(page.head, page.ghosts.heads());
+}
 
 /** @param {Part} part */
 function redraw(part) {
@@ -352,19 +361,19 @@ async function withMapControls(choices) {
 }
 
 async function start() {
-  const narrow = window.matchMedia("(max-width: 799px)");
-  const drawer = /** @type {HTMLDetailsElement} */ (byId("drawer"));
-  drawer.open = !narrow.matches;
-  narrow.addEventListener("change", () => (drawer.open = !narrow.matches));
+  narrowButtons();
   const choices = await choicesOfServer();
   startFrom(choices.study);
   byId("version").textContent = `chromanoise ${choices.version}`;
   page.showControls = controls(byId("controls"), choices);
   page.tools = headingTools(choices);
-  useEquations(choices.equations ?? {});
+  useEquations();
   copyButtons(byId("copy"));
   uploads(byId("bring"));
-  page.ghosts = snapshots(byId("snapshots"), () => PARTS.forEach(redraw));
+  page.ghosts = snapshots(byId("snapshots"), () => {
+    headAgain();
+    PARTS.forEach(redraw);
+  });
   const told = {
     answered,
     refused,
@@ -373,7 +382,7 @@ async function start() {
   };
   page.asker = new Asker({ ...told, question, rested }, IN_FLIGHT);
   page.later = new Asker({ ...told, question: laterQuestion, rested: () => page.later.ask() });
-  page.panels = panels({
+  page.panels = panels(choices.sections, {
     tools: page.tools.nodes,
     seen: () => {
       if (panelOf("map").visible && !page.showMap) withMapControls(choices);
@@ -382,9 +391,14 @@ async function start() {
     },
     resized: (panel) => redraw(panel.part),
   });
+  sortOnClick(() => page.head, headAgain);
+  moreOnClick();
   page.picture = picturePanel(choices);
   listen();
   subscribe(changed);
+  guidedStory(byId("story"), byId("tour"));
+  root.dataset.version = choices.version;
+  saving(page.panels.values());
   notice("broken", readAddress());
   if (choices.front) import("app/front.js").then(({ showServed }) => showServed());
 }

@@ -55,12 +55,6 @@ export function matrixControls(choices) {
   const list = el("div");
   const add = button("Add a matrix", () => changeStudy((study) => added(study, choices)), { class: "wide" });
   const said = el("p", { class: "hint" });
-  const prior = choice({
-    label: "Prior of trained matrices",
-    options: choices.priors,
-    where: "prior",
-    on: (name) => changeStudy((study) => (study.prior = name)),
-  });
   /** @type {ReturnType<typeof matrixCard>[]} */
   let cards = [];
   /** @param {State} state */
@@ -73,9 +67,8 @@ export function matrixControls(choices) {
     names.forEach((_, i) => cards[i].show(names));
     attribute(add, "disabled", names.length >= MOST_MATRICES);
     say(said, names.length > 1 ? "'Over the light level' shows all matrices; the other charts use the first." : "");
-    fillChoice(prior.select, choices.priors, study.prior ?? choices.prior ?? "chart-nir");
   };
-  return { node: el("div", {}, list, add, said, prior.row), show };
+  return { node: el("div", {}, list, add, said), show };
 }
 
 /**

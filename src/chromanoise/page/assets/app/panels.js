@@ -1,6 +1,6 @@
-/** The parts of the answer as panels: a heading, its equations, its drawing, its table. */
+/** The charts as panels: a heading, its equations, a caption, its drawing, its table. */
 
-import { attribute, button, el, freshId, within } from "app/dom.js";
+import { attribute, button, byId, el, freshId, within } from "app/dom.js";
 import { changeLook } from "app/state.js";
 import * as budget from "draw/budget.js";
 import * as chart from "draw/chart.js";
@@ -13,7 +13,7 @@ import * as sensitivities from "draw/sensitivities.js";
 import * as stages from "draw/stages.js";
 import * as vectors from "draw/vectors.js";
 
-/** @import { DrawingModule, Look, Options, Part, SweepMap, Table } from "answers" */
+/** @import { DrawingModule, Look, Options, Part, Section, SweepMap, Table } from "answers" */
 /** @typedef {Options<any> & { look: Look & { level_lux?: number, level?: string } }} DrawnOptions */
 /**
  * @typedef {object} Panel
@@ -28,6 +28,7 @@ import * as vectors from "draw/vectors.js";
  * @property {number} version of the study that it shows
  * @property {number} width
  * @property {object | null} data
+ * @property {DrawnOptions | null} options of the last drawing
  * @property {(data: object | null, options: DrawnOptions) => void} show
  */
 
@@ -52,43 +53,60 @@ const map = {
 /** @type {{ [P in Part]: DrawingModule<any> }} */
 const DRAWN = { stages, budget, sensitivities, levels, pareto, map, vectors, ellipses, chart };
 
-/** Which equations stand behind the `?` of a heading. */
-/** @type {Record<Part, string>} */
-const EQUATIONS = {
-  stages: "raw contravariant spectral color lab bound price",
-  budget: "budget bound price",
-  sensitivities: "electrons",
-  levels: "levels color",
-  map: "levels color",
-  vectors: "vectors",
-  ellipses: "ellipses",
-  chart: "chart",
-  pareto: "pareto",
-};
-
-/** The drawn parts, in the order in which the page has them. */
+/** The drawn parts. */
 export const PARTS = /** @type {Part[]} */ (Object.keys(DRAWN));
 
+/** Sections that need more than one column. */
+const BROAD = ["head", "picture"];
+
 /**
- * Makes panels of the sections of the page.
+ * A section of the page: heading, caption and the place of its drawing.
+ *
+ * @param {Section} section
+ */
+function sectionOf({ part, heading, shows, explanations }) {
+  const title = el("h2", { id: `h-${part}`, text: heading });
+  const why = el("button", {
+    type: "button",
+    text: "?",
+    class: "equation",
+    "data-equation": explanations.join(" "),
+    "aria-label": `Equation and source: ${heading}`,
+  });
+  return el(
+    "section",
+    {
+      class: BROAD.includes(part) ? "panel broad" : "panel",
+      "data-part": part,
+      "aria-labelledby": title.id,
+      "aria-busy": part === "head" ? null : "true",
+    },
+    el("div", { class: "head" }, title, el("div", { class: "tools" }, why)),
+    el("p", { class: "shows", text: shows }),
+    el("div", { class: "body", id: part === "head" ? "electrons" : null }),
+  );
+}
+
+/**
+ * Makes panels of the sections of the server, in their order.
  *
  * `seen()` is called when one becomes visible, `tools` gives the controls of a heading by part.
  * Gives a map from part to panel with `part`, `visible`, `version`, `show(data, options)`.
  *
+ * @param {Section[]} sections
  * @param {{ seen: () => void, tools: Record<string, HTMLElement>, resized: (panel: Panel) => void }} options
  */
-export function panels({ seen, tools, resized }) {
+export function panels(sections, { seen, tools, resized }) {
+  byId("panels").append(...sections.map(sectionOf));
   /** @type {Map<Part, Panel>} */
   const made = new Map();
   /** @param {Element} target */
   const panelFor = (target) => made.get(/** @type {Part} */ (/** @type {HTMLElement} */ (target).dataset.part));
-  const watcher = new IntersectionObserver(
-    (entries) => {
-      for (const { target, isIntersecting } of entries) /** @type {Panel} */ (panelFor(target)).visible = isIntersecting;
-      seen();
-    },
-    { rootMargin: "120px" },
-  );
+  // without a margin: what nobody sees yet is asked for at rest
+  const watcher = new IntersectionObserver((entries) => {
+    for (const { target, isIntersecting } of entries) /** @type {Panel} */ (panelFor(target)).visible = isIntersecting;
+    seen();
+  });
   const sizes = new ResizeObserver((entries) => {
     for (const { target, contentRect } of entries) measured(/** @type {Panel} */ (panelFor(target)), contentRect.width);
   });
@@ -151,21 +169,16 @@ function panelOf(part, tool) {
     "aria-label": `Table: ${title}`,
     class: "toggle",
   });
-  const why = el("button", {
-    type: "button",
-    text: "?",
-    class: "equation",
-    "data-equation": EQUATIONS[part],
-    "aria-label": `Equation and source: ${title}`,
-  });
-  within(section, ".head").append(el("div", { class: "tools" }, tool, why, toggle));
+  const controls = within(section, ".head .tools");
+  if (tool) controls.prepend(tool);
+  controls.append(toggle);
   section.append(table);
   const fault = el("p", { class: "fault", role: "alert", hidden: true });
   section.insertBefore(fault, body);
   /** @type {Panel} */
   const panel = {
     ...{ part, title, section, body, table, toggle, fault },
-    ...{ visible: false, version: -1, width: 0, data: null },
+    ...{ visible: false, version: -1, width: 0, data: null, options: null },
     show: (data, options) => show(panel, data, options),
   };
   return panel;
@@ -188,6 +201,7 @@ function flipped(open, part) {
  */
 function show(panel, data, options) {
   panel.data = data;
+  panel.options = options;
   const complaint = faultOf(data) ?? drawn(panel, data, options);
   panel.fault.hidden = complaint === null;
   panel.fault.textContent = complaint ?? "";
@@ -215,6 +229,17 @@ function drawn(panel, data, options) {
   } catch (error) {
     return `This could not be drawn (${error instanceof Error ? error.message : error}); the table has the numbers.`;
   }
+}
+
+/**
+ * What a panel shows, drawn into another element.
+ *
+ * @param {Panel} panel
+ * @param {HTMLElement} element
+ */
+export function drawAgain({ part, section, data, options }, element) {
+  if (section.hasAttribute("aria-busy")) throw new Error("The drawing is being computed; save it then.");
+  DRAWN[part].draw(element, data, { ...options, width: element.clientWidth });
 }
 
 /**

@@ -17,21 +17,24 @@ export function valueAt(study, path) {
 }
 
 /**
- * Writes a value, making the tables on the way; `null` takes the key away.
+ * Writes a value, making the tables on the way; `null` takes the key away, and tables left empty.
  *
  * @param {object} study
  * @param {string} path
  * @param {unknown} value
  */
 export function setAt(study, path, value) {
-  const keys = path.split(".");
-  const last = keys.pop() ?? "";
-  /** @type {any} */
-  let table = study;
-  for (const key of keys) table = table[key] ??= {};
-  if (value === null) delete table[last];
-  else table[last] = value;
+  const table = /** @type {Record<string, any>} */ (study);
+  const [key, ...rest] = path.split(".");
+  if (rest.length && (value !== null || table[key])) {
+    setAt((table[key] ??= /^\d+$/.test(rest[0]) ? [] : {}), rest.join("."), value);
+    if (isEmpty(table[key]) && !Array.isArray(table)) delete table[key];
+  } else if (value === null) delete table[key];
+  else table[key] = value;
 }
+
+/** @param {object} table */
+const isEmpty = (table) => (Array.isArray(table) ? table.every(isEmpty) : Object.keys(table).length === 0);
 
 /** What a study says where it says nothing. */
 /** @type {Record<string, string | number>} */
@@ -86,5 +89,6 @@ const RANGES = {
  * @returns {Omit<Slider, "key"> | null}
  */
 export function rangeOf(choices, key) {
-  return choices.sliders?.find((one) => one.key === key) ?? RANGES[key] ?? null;
+  const field = choices.fields.find((one) => one.key === key);
+  return choices.sliders?.find((one) => one.key === key) ?? /** @type {Slider | undefined} */ (field) ?? RANGES[key] ?? null;
 }

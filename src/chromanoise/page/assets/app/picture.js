@@ -15,8 +15,11 @@ const REST_MS = 350;
 const UNSEEN_REST_MS = 4000;
 const BUSY = ".panel[aria-busy]:not([data-part=picture])";
 const SIDES = ["Left", "Right"];
-/** Where a picture at 1:1 is wider than the window, and a touch moves the divider. */
-const NARROW = "(max-width: 799px)";
+/** The zoom to begin with: in narrow windows as wide as there is room. */
+const ZOOMS = [
+  ["(max-width: 899px)", "0"],
+  ["(min-width: 2560px)", "2"],
+];
 const NO_METHOD = ["", "none"];
 
 /**
@@ -63,7 +66,7 @@ class View {
     this.zoom = choice({
       label: "Zoom",
       options: [["0", "fit"], ...[1, 2, 4].map((times) => [String(times), `${times}:1`])],
-      value: window.matchMedia(NARROW).matches ? "0" : "1",
+      value: ZOOMS.find(([media]) => window.matchMedia(media).matches)?.[1] ?? "1",
       on: () => this.#drawn(),
     });
     this.method = choice({

@@ -1,10 +1,10 @@
 /** Control of the reader: an eye, which sees colors, or a machine, which reads raw values. */
 
 import { el, radios, say, within } from "app/dom.js";
-import { saidAt } from "app/paths.js";
+import { saidAt, setAt } from "app/paths.js";
 import { changeStudy } from "app/state.js";
 
-/** @import { State, Study } from "answers" */
+/** @import { State } from "answers" */
 /** @import { Group } from "app/controls.js" */
 
 /** @type {Record<string, string>} */
@@ -26,7 +26,7 @@ export function readerControls() {
       ["machine", "a machine"],
     ],
     value: "eye",
-    on: (chosen) => changeStudy((study) => setReader(study, chosen)),
+    on: (chosen) => changeStudy((study) => setAt(study, "outputs.reader", chosen === "eye" ? null : chosen)),
   });
   const meant = el("p", { class: "hint" });
   const node = el("div", { class: "row" }, reader.set, meant);
@@ -38,16 +38,4 @@ export function readerControls() {
     say(meant, MEANT[chosen] ?? "");
   };
   return { node, show };
-}
-
-/**
- * @param {Study} study
- * @param {string} reader
- */
-function setReader(study, reader) {
-  const outputs = { ...study.outputs };
-  if (reader === "eye") delete outputs.reader;
-  else outputs.reader = reader;
-  if (Object.keys(outputs).length) study.outputs = outputs;
-  else delete study.outputs;
 }

@@ -1,27 +1,20 @@
-/** Controls of the sensors: two or more, each with its pixel and its filters. */
+/** Controls of the sensors: one or more, each with all that a study says of it. */
 
-import { attribute, brief, button, choice, el, fillChoice, freshId, say } from "app/dom.js";
-import { setAt, valueAt } from "app/paths.js";
-import { shownUnit, slider } from "app/slider.js";
+import { attribute, brief, button, choice, drawer, el, fillChoice, say } from "app/dom.js";
+import { countSet, fieldGroups } from "app/fields.js";
 import { changeStudy } from "app/state.js";
-import { asksFor, shownName, uploaded } from "app/uploads.js";
+import { shownName, uploaded } from "app/uploads.js";
+import { mark, sensorLines } from "draw/look.js";
+import { svg } from "draw/svg.js";
 
-/** @import { Choices, Head, HeadSensor, KnownSensor, SensorPart, Slider, State, Study } from "answers" */
+/** @import { Choices, Head, HeadSensor, KnownSensor, SensorPart, State, Study } from "answers" */
 /** @import { Group } from "app/controls.js" */
 
-const FEWEST = 2;
-export const MOST = 6;
+const FEWEST = 1;
+export const MOST = 10;
 
-/** What a file of relative curves must be told. */
-const PEAK = {
-  key: "sensors.answers.peak_qe",
-  label: "Highest QE, of relative curves",
-  unit: "1",
-  low: 0.05,
-  high: 1,
-  scale: "linear",
-  step: 0.01,
-};
+/** Drawn, because few fonts have a sign for a copy. */
+const TWO_SHEETS = "M2.5 2.5h8v8h-8z M5.5 10.5v3h8v-8h-3";
 
 /**
  * The group of controls: `node` and `show(state, head)`.
@@ -34,18 +27,20 @@ export function sensorControls(choices) {
   const add = button("Add a sensor", () => addSensor(choices), { class: "wide" });
   const said = el("p", { class: "hint" });
   /** @type {ReturnType<typeof sensorCard>[]} */
-  let cards = [];
+  const cards = [];
   /**
    * @param {State} state
    * @param {Head | null} head
    */
   const show = ({ study }, head) => {
     const { sensors } = study;
-    if (cards.length !== sensors.length) {
-      cards = sensors.map((_, i) => sensorCard(choices, i));
-      list.replaceChildren(...cards.map((card) => card.node));
+    while (cards.length > sensors.length) cards.pop()?.node.remove();
+    while (cards.length < sensors.length) {
+      cards.push(sensorCard(choices, cards.length));
+      list.append(cards[cards.length - 1].node);
     }
-    sensors.forEach((sensor, i) => cards[i].show(sensor, head?.sensors?.[i], sensors.length));
+    const lines = sensorLines(sensors.map(({ name }) => name));
+    cards.forEach((card, i) => card.show(study, head, lines[i].color));
     attribute(add, "disabled", sensors.length >= MOST);
     say(said, add.disabled ? `Limit: ${MOST} sensors.` : "");
   };
@@ -72,7 +67,8 @@ export function addSensor(choices, name = null, more = {}) {
  * @param {number} i
  */
 function sensorCard(choices, i) {
-  const legend = el("legend", { text: `Sensor ${i + 1}` });
+  const fields = choices.fields.filter(({ section }) => section === "Sensors");
+  const swatch = svg("svg", { class: "mark", viewBox: "0 0 16 16", width: 16, height: 16, "aria-hidden": "true" });
   const pick = choice({
     label: `Sensor ${i + 1}`,
     hidden: true,
@@ -80,10 +76,14 @@ function sensorCard(choices, i) {
     where: `sensors.${i}`,
     on: (name) => changeStudy((study) => exchange(study, i, name)),
   });
-  const what = el("p", { class: "hint" });
   const up = button("\u2191", () => changeStudy((study) => swap(study, i)), {
     "aria-label": `Move sensor ${i + 1} up`,
     title: "Move up",
+    class: "square",
+  });
+  const again = button("", () => changeStudy((study) => duplicate(study, i)), {
+    "aria-label": `Duplicate sensor ${i + 1}`,
+    title: "Duplicate",
     class: "square",
   });
   const away = button("\u00d7", () => remove(i, node), {
@@ -91,50 +91,70 @@ function sensorCard(choices, i) {
     title: "Remove",
     class: "square",
   });
-  pick.row.append(up, away);
-  const front = filterChoice(choices, i);
-  const inner = innerSliders(choices, i);
-  const peak = sensorSlider(PEAK, i);
-  const files = [fileRow("Pixel", "pixel.file", i), fileRow("Crosstalk", "crosstalk", i)];
-  const drawer = el(
-    "details",
-    { class: "drawer" },
-    el("summary", { text: "Pixel and filters" }),
-    front.row,
-    ...inner.map((one) => one.row),
-  );
-  const node = el("fieldset", { class: "card" }, legend, pick.row, what, ...files.map((one) => one.row), drawer);
+  again.append(svg("svg", { viewBox: "0 0 16 16", width: 16, height: 16, "aria-hidden": "true" }, [svg("path", { d: TWO_SHEETS, class: "sheets" })]));
+  pick.row.prepend(swatch);
+  pick.row.append(up, again, away);
+  const keys = new Set(fields.map(({ key }) => key.split(".")[1]));
+  const inner = drawer("", (path) => path.startsWith(`sensors.${i}.`) && keys.has(path.split(".")[2]), () => {
+    const what = el("p", { class: "hint" });
+    const groups = fieldGroups(choices, "Sensors", i);
+    /**
+     * @param {Study} study
+     * @param {Head | null} head
+     */
+    const show = (study, head) => {
+      say(what, choices.sensors.find((one) => one.name === study.sensors[i].name)?.what ?? "");
+      groups.show(study, head);
+    };
+    return { nodes: [what, ...groups.nodes], show };
+  });
+  const legend = el("legend", { class: "unseen", text: `Sensor ${i + 1}` });
+  const node = el("fieldset", { class: "card" }, legend, pick.row, inner.node);
+  let drawn = "";
   /**
-   * @param {SensorPart} sensor
-   * @param {HeadSensor | undefined} told
-   * @param {number} count
+   * @param {Study} study
+   * @param {Head | null} head
+   * @param {string} color
    */
-  const show = (sensor, told, count) => {
-    const known = choices.sensors.find((one) => one.name === sensor.name);
-    const names = choices.sensors.map((one) => one.name);
-    fillChoice(pick.select, [...names, ...uploaded("sensor", sensor.name)], sensor.name);
-    say(what, known ? described(known, told) : "");
-    front.show(sensor);
-    for (const one of files) one.show(sensor);
-    for (const one of inner) one.show(sensor, told);
-    peak.show(sensor, told);
-    const asked = asksForPeak(sensor);
-    if (asked !== peak.row.isConnected) asked ? drawer.append(peak.row) : peak.row.remove();
+  const show = (study, head, color) => {
+    const { sensors } = study;
+    const known = choices.sensors.find((one) => one.name === sensors[i].name);
+    fillChoice(pick.select, namesFor(choices, sensors[i]), sensors[i].name);
+    if (drawn !== color) swatch.replaceChildren(mark(i, 8, 8, (drawn = color)));
+    say(inner.words, described(sensors[i], known, head?.sensors?.[i]));
+    const count = countSet(fields, study, i);
+    say(inner.aside, count ? `${count} set` : "");
+    inner.show(study, head);
     attribute(up, "disabled", i === 0);
-    attribute(away, "disabled", count <= FEWEST);
+    attribute(again, "disabled", sensors.length >= MOST);
+    attribute(away, "disabled", sensors.length <= FEWEST);
   };
   return { node, show };
 }
 
 /**
- * What a sensor is; its pixel as computed, if that is known already.
+ * The sensors of the catalog and of files; the one that is chosen has its label before its name.
  *
- * @param {KnownSensor} known
+ * @param {Choices} choices
+ * @param {SensorPart} sensor
+ */
+function namesFor(choices, { name, label }) {
+  const known = choices.sensors.map((one) => [one.name, one.name]);
+  const all = [...known, ...uploaded("sensor", name)];
+  return all.map(([own, text]) => [own, label && own === name ? `${label} (${text})` : text]);
+}
+
+/**
+ * A sensor in a few words: its pixel as computed, or as built.
+ *
+ * @param {SensorPart} sensor
+ * @param {KnownSensor | undefined} known
  * @param {HeadSensor | undefined} told
  */
-function described(known, told) {
-  if (told?.name !== known.name || told.pitch_um === undefined) return known.what;
-  return `${known.what}; ${brief(told.pitch_um)} µm, ${brief(told.full_well_e)} e\u207b full well`;
+function described({ pixel }, known, told) {
+  const now = told ?? known;
+  const values = now ? `${brief(now.pitch_um)} µm, ${brief(now.full_well_e)} e\u207b, ±${brief(now.read_noise_e)} e\u207b` : "Edit";
+  return typeof pixel?.file === "string" ? `${values}, ${shownName(pixel.file)}` : values;
 }
 
 /**
@@ -147,6 +167,18 @@ function remove(i, node) {
   const list = /** @type {HTMLElement} */ (node.parentElement);
   changeStudy((study) => study.sensors.splice(i, 1));
   list.children[Math.min(i, list.children.length - 1)]?.querySelector("select")?.focus();
+}
+
+/**
+ * Puts a copy behind a sensor; the label stays with the first, because labels differ.
+ *
+ * @param {Study} study
+ * @param {number} i
+ */
+function duplicate({ sensors }, i) {
+  const copy = structuredClone(sensors[i]);
+  delete copy.label;
+  sensors.splice(i + 1, 0, copy);
 }
 
 /**
@@ -171,122 +203,4 @@ export function exchange(study, i, name, more = {}) {
 function swap(study, i) {
   const { sensors } = study;
   [sensors[i - 1], sensors[i]] = [sensors[i], sensors[i - 1]];
-}
-
-/**
- * Sliders of everything that the server says a sensor has.
- *
- * @param {Choices} choices
- * @param {number} i
- */
-function innerSliders(choices, i) {
-  const own = choices.sliders.filter((one) => one.key.startsWith("sensors."));
-  return own.map((range) => sensorSlider(range, i));
-}
-
-/**
- * @param {Slider} range
- * @param {number} i
- */
-function sensorSlider(range, i) {
-  const path = range.key.slice("sensors.".length);
-  const control = slider({
-    label: range.label,
-    unit: shownUnit(range),
-    range,
-    where: `sensors.${i}.${path}`,
-    own: path === "shift_nm" ? "none" : "as built",
-    on: (value) =>
-      changeStudy((study) => setAt(study.sensors[i], path, value), value === null ? "step" : "slide"),
-  });
-  /**
-   * @param {SensorPart} sensor
-   * @param {HeadSensor | undefined} told
-   */
-  const show = (sensor, told) => {
-    const value = valueAt(sensor, path);
-    control.row.hidden = typeof value === "string"; // a file, with a row of its own
-    if (control.row.hidden) return;
-    if (path === "pixel.read_noise_e") control.show(value, told?.read_noise_e ?? null);
-    else control.show(value, untouched(path, range), path === "shift_nm" ? null : "own");
-  };
-  return { row: control.row, show };
-}
-
-/**
- * A file in place of numbers, with a button that takes it away; hidden where there is none.
- *
- * @param {string} label
- * @param {string} path
- * @param {number} i
- */
-function fileRow(label, path, i) {
-  const name = el("span", { class: "file" });
-  const away = button("\u00d7", () => changeStudy((study) => setAt(study.sensors[i], path, null)), {
-    title: "Remove",
-    class: "square",
-    "aria-label": `Remove the file: ${label} of sensor ${i + 1}`,
-  });
-  const row = el("div", { class: "row row-file", hidden: true }, el("span", { class: "label", text: label }), name, away);
-  /** @param {SensorPart} sensor */
-  const show = (sensor) => {
-    const word = valueAt(sensor, path);
-    row.hidden = typeof word !== "string";
-    attribute(away, "data-where", row.hidden ? null : `sensors.${i}.${path}`);
-    say(name, row.hidden ? "" : shownName(word));
-  };
-  return { row, show };
-}
-
-/**
- * Curves that are relative in their file, or were said to be, need their highest QE.
- *
- * @param {SensorPart} sensor
- */
-function asksForPeak({ name, answers }) {
-  const said = answers?.peak_qe !== undefined || answers?.level === "relative";
-  return said || asksFor("sensor", name, "answers.peak_qe");
-}
-
-/**
- * What stands in front of the sensor: a word, with those of the catalog offered.
- *
- * @param {Choices} choices
- * @param {number} i
- */
-function filterChoice(choices, i) {
-  const id = freshId("filter");
-  const offered = el("datalist", { id: `${id}-known` }, ...(choices.filters ?? []).map((value) => el("option", { value })));
-  /** @type {HTMLInputElement} */
-  const typed = el("input", {
-    id,
-    type: "text",
-    list: offered.id,
-    "data-where": `sensors.${i}.filter`,
-    placeholder: "none; e.g. ircut-650",
-    autocomplete: "off",
-    spellcheck: "false",
-    class: "word",
-    on: { change: () => changeStudy((study) => setAt(study.sensors[i], "filter", typed.value.trim() || null)) },
-  });
-  const named = el("label", { for: id, class: "label", text: "Filter before it" });
-  const row = el("div", { class: "row" }, named, typed, offered);
-  let shown = "";
-  // an answer that comes while somebody types must not take the letters away
-  /** @param {SensorPart} sensor */
-  const show = ({ filter }) => {
-    if (shown !== (filter ?? "")) typed.value = shown = filter ?? "";
-  };
-  return { row, show };
-}
-
-/**
- * Where a slider stands that changes nothing: no noise and no shift, and an edge at its upper end.
- *
- * @param {string} path
- * @param {{ low: number, high: number }} range
- */
-function untouched(path, range) {
-  if (path === "shift_nm") return 0;
-  return path === "ircut_nm" ? range.high : range.low;
 }

@@ -1,6 +1,6 @@
 /** One number: a labelled native slider, a field to type it in, its unit, and a word beside. */
 
-import { attribute, brief, el, freshId } from "app/dom.js";
+import { attribute, brief, el, freshId, say } from "app/dom.js";
 import { complain } from "app/faults.js";
 
 /** @import { Range } from "answers" */
@@ -26,17 +26,19 @@ const PLACES = 240;
  *
  * @param {{ unit?: string }} slider
  */
-export function shownUnit({ unit }) {
-  if (unit === "1" || unit === "f/#") return "";
-  return (unit ?? "").replace("e-", "e\u207b");
+export function shownUnit({ unit = "" }) {
+  return UNITS[unit] ?? unit.replace("e-", "e\u207b");
 }
+
+/** @type {Record<string, string>} */
+const UNITS = { 1: "", "f/#": "", um: "\u00b5m", C: "\u00b0C" };
 
 /**
  * How a slider's places become values: `{places, valueAt(place), placeOf(value)}`.
  *
  * @param {Range} range
  */
-export function scaleOf({ low, high, scale, step }) {
+export function scaleOf({ low, high, scale, step, whole }) {
   if (scale !== "log") {
     const places = Math.max(1, Math.round((high - low) / (step || (high - low) / PLACES)));
     const width = (high - low) / places;
@@ -48,7 +50,9 @@ export function scaleOf({ low, high, scale, step }) {
   // a step of a log scale is a share of a decade
   const places = step ? Math.max(1, Math.round(span / Math.LN10 / step)) : PLACES;
   /** @param {number} place */
-  const valueAt = (place) => Number((low * Math.exp((span * place) / places)).toPrecision(3));
+  const exact = (place) => Number((low * Math.exp((span * place) / places)).toPrecision(3));
+  /** @param {number} place */
+  const valueAt = (place) => (whole ? Math.round(exact(place)) : exact(place));
   /** @param {number} value */
   const placeOf = (value) => (places * Math.log(value / low)) / span;
   return { places, valueAt, placeOf };
@@ -69,6 +73,9 @@ export function slider({ label, unit, range, where, on, own = null, aside = "" }
   const typed = () => readField(parts, on);
   track.addEventListener("input", () => on(scale.valueAt(Number(track.value))));
   track.addEventListener("keydown", (event) => strides(event, parts, on));
+  for (const node of [track, field]) {
+    node.addEventListener("wheel", (event) => wheels(event, parts, on), { passive: false });
+  }
   field.addEventListener("change", typed);
   field.addEventListener("keydown", (event) => stepsInField(event, parts, on));
   back?.addEventListener("click", () => {
@@ -81,8 +88,10 @@ export function slider({ label, unit, range, where, on, own = null, aside = "" }
      * @param {number | null | undefined} value
      * @param {number | null} [meanwhile]
      * @param {string | null} [words]
+     * @param {number | null} [origin] what `own` gives, if that is known
      */
-    show: (value, meanwhile = null, words = null) => show(parts, value, meanwhile, { unit, own, words }),
+    show: (value, meanwhile = null, words = null, origin = null) =>
+      show(parts, value, meanwhile, { unit, own, words, origin }),
     /** @param {boolean} enabled */
     enable: (enabled) => enable(parts, enabled),
   };
@@ -118,12 +127,12 @@ function elements({ label, unit, range, where, own, aside }) {
  * @param {Parts} parts
  * @param {number | null | undefined} value
  * @param {number | null} meanwhile
- * @param {{ unit: string, own: string | null, words: string | null }} texts
+ * @param {{ unit: string, own: string | null, words: string | null, origin: number | null }} texts
  */
-function show(parts, value, meanwhile, { unit, own, words }) {
+function show(parts, value, meanwhile, { unit, own, words, origin }) {
   const { scale, track, field, back } = parts;
   // the same again costs the browser a layout, and there are many sliders
-  const key = `${value} ${meanwhile} ${words}`;
+  const key = `${value} ${meanwhile} ${words} ${origin}`;
   const untouched = parts.shown === key && !field.hasAttribute("aria-invalid");
   if (untouched && track.value === parts.place && field.value === parts.told) return;
   const known = value ?? meanwhile;
@@ -138,8 +147,10 @@ function show(parts, value, meanwhile, { unit, own, words }) {
   const hint = words ?? (meanwhile === null ? "own" : brief(meanwhile));
   attribute(track, "aria-valuetext", `${told === "" ? hint : told} ${unit}`.trim());
   attribute(field, "aria-invalid", null);
-  if (own) attribute(field, "placeholder", hint);
-  if (back) back.hidden = told === "";
+  attribute(field, "placeholder", told === "" || own ? hint : null);
+  if (!back) return;
+  back.hidden = told === "";
+  if (origin !== null) say(back, `${own}: ${brief(origin)}`);
 }
 
 /**
@@ -164,6 +175,20 @@ function strides(event, { scale, track }, on) {
   const place = Number(track.value) + 10 * way;
   track.value = String(Math.min(Math.max(place, 0), scale.places));
   on(scale.valueAt(Number(track.value)));
+}
+
+/**
+ * The wheel moves what has the focus; over all else it scrolls.
+ *
+ * @param {WheelEvent} event
+ * @param {Parts} parts
+ * @param {Take} on
+ */
+function wheels(event, { scale, track }, on) {
+  if (document.activeElement !== event.currentTarget || !event.deltaY || track.disabled) return;
+  event.preventDefault();
+  const place = Number(track.value) - Math.sign(event.deltaY) * (event.shiftKey ? 10 : 1);
+  on(scale.valueAt(Math.min(Math.max(place, 0), scale.places)));
 }
 
 /** @type {Record<string, number>} */

@@ -6,12 +6,12 @@ import { PARTS } from "app/panels.js";
 import { current } from "app/state.js";
 import { shownName } from "app/uploads.js";
 
-/** @import { AskedLook, Look, Part, Parts, Study } from "answers" */
-/** @typedef {{ study: Study, name: string, parts: Parts, turn: number }} Ghost */
+/** @import { AskedLook, Head, Look, Part, Parts, Study } from "answers" */
+/** @typedef {{ study: Study, name: string, parts: Parts & { head?: Head }, turn: number }} Ghost */
 
 const MOST = 3;
 /** A map has no place for an earlier one. */
-const PINNED = PARTS.filter((part) => part !== "map");
+const PINNED = ["head", ...PARTS.filter((part) => part !== "map")];
 
 /**
  * Of a look, what the server needs to know.
@@ -25,8 +25,8 @@ export function askedLook({ coordinate, plane, magnification }) {
 
 /**
  * The row of ghosts in `place`; `changed()` is called when what stands behind the drawings changed.
- * Gives `ghosts(part, data)`, the earlier data that can stand behind these, and `look()`, to be
- * called when that changed.
+ * Gives `ghosts(part, data)`, the earlier data that can stand behind these, `heads()`, the earlier
+ * verdicts and tables, and `look()`, to be called when that changed.
  *
  * @param {HTMLElement} place
  * @param {() => void} changed
@@ -70,7 +70,8 @@ export function snapshots(place, changed) {
    * @param {object | null} data
    */
   const ghosts = (part, data) => kept.map((ghost) => ghost.parts[part]).filter((old) => comparable(old, data));
-  return { ghosts, look };
+  const heads = () => kept.flatMap(({ parts: { head } }) => (head?.ranking ? [head] : []));
+  return { ghosts, heads, look };
 }
 
 /** What two drawings must share to stand on the same axes. */

@@ -22,6 +22,8 @@ const LOOK = {
   turn: [30, 20],
   magnification: null,
   open: [],
+  auto_exposure: false,
+  story: null,
 };
 
 /** How long after a step of a slider the next step starts a new entry of the history. */
@@ -35,6 +37,8 @@ let state = { study: structuredClone(STUDY), look: structuredClone(LOOK) };
 /** @type {number | undefined} */
 let writing;
 let lastSlide = -Infinity;
+/** @type {(state: State) => unknown} */
+let keep = () => {};
 /** @type {Set<(state: State, what: What) => void>} */
 const listeners = new Set();
 
@@ -51,15 +55,35 @@ export function subscribe(listener) {
 }
 
 /**
+ * What is to be written into a study before a slider changes it.
+ *
+ * @param {(state: State) => unknown} edit
+ */
+export function beforeSliding(edit) {
+  keep = edit;
+}
+
+/**
  * Changes the study: `edit` works on a copy. `how` is "step", or "slide" while a slider moves.
  *
  * @param {(study: Study) => unknown} edit
  * @param {How} [how]
  */
 export function changeStudy(edit, how = "step") {
-  const study = structuredClone(state.study);
-  edit(study);
-  enter({ ...state, study }, how, "study");
+  changeState(({ study }) => edit(study), how);
+}
+
+/**
+ * Changes the study and how it is looked at; as `changeStudy`.
+ *
+ * @param {(state: State) => unknown} edit
+ * @param {How} [how]
+ */
+export function changeState(edit, how = "step") {
+  const next = structuredClone(state);
+  if (how === "slide") keep(next);
+  edit(next);
+  enter(next, how, "study");
 }
 
 /**
@@ -78,8 +102,16 @@ export function changeLook(edit) {
  *
  * @param {Study} study
  */
-export function replaceStudy(study) {
-  enter({ ...state, study: structuredClone(study) }, "step", "all");
+export const replaceStudy = (study) => showState(study, {});
+
+/**
+ * Shows another study, with some of its look, as an entry of the history.
+ *
+ * @param {Study} study
+ * @param {Partial<Look>} look
+ */
+export function showState(study, look) {
+  enter(structuredClone({ study, look: { ...state.look, ...look } }), "step", "all");
 }
 
 /** Reads the address; gives the sentence about a link that cannot be read, or null. */
@@ -169,4 +201,6 @@ const FITS = {
   turn: (value) => Array.isArray(value) && value.length === 2 && value.every(isNumber),
   magnification: isNumber,
   open: (value) => Array.isArray(value) && value.every(isText),
+  auto_exposure: (value) => typeof value === "boolean",
+  story: (value) => Number.isInteger(value) && Number(value) > 0,
 };

@@ -4,7 +4,7 @@ import { Refused, understood } from "app/ask.js";
 import { el } from "app/dom.js";
 
 const LARGEST = 12e6;
-const UNHEARD = "The server does not answer, so the file was not read; try again.";
+export const UNHEARD = "The server does not answer, so the file was not read; try again.";
 
 /**
  * Puts the field for files into its place and lets files be dropped anywhere.

@@ -6,7 +6,7 @@ const ID = /upload:[0-9a-f]{16}(?:\.[a-z0-9]+)?/g;
 /** @type {Record<FileKind, Map<string, string[]>>} */
 const brought = {
   ...{ sensor: new Map(), light: new Map(), cube: new Map() },
-  ...{ crosstalk: new Map(), matrix: new Map(), pixel: new Map() },
+  ...{ crosstalk: new Map(), matrix: new Map(), pixel: new Map(), pairs: new Map() },
 };
 /** @type {Map<string, string>} */
 const labels = new Map();

@@ -1,0 +1,26 @@
+"""
+Where the SNR of luminance is lost
+==================================
+
+The budget starts with the SNR of all photons that hit the pixels. Each cause takes its decibels,
+and what remains is the SNR of Y. Without IR-cut the filters cost less, but the color target and
+the infrared cost more.
+"""
+
+import matplotlib.pyplot as plt
+
+import chromanoise as cn
+
+pair = cn.analyze("onyx-rgbw", "onyx-rgb-ircut", lux=10, time_ms=12)
+budgets = [cn.analysis.coordinate_budget(one, "Y") for one in pair.analyses]
+
+with cn.figures.chromanoise_style():
+    figure, axes = plt.subplots(2, 1, figsize=(7.2, 5.6), sharex=True, layout="constrained")
+    for analysis, budget, ax in zip(pair.analyses, budgets, axes, strict=True):
+        top_db = max(one.photons_db for one in budgets)
+        cn.figures.draw_budget(budget, analysis.sensor, ax, top_db=top_db)
+    axes[0].set_xlabel("")
+
+for budget in budgets:
+    lost_db = sum(cost.loss_db for cost in budget.costs)
+    assert abs(budget.photons_db - lost_db - budget.snr_db) < 1e-9

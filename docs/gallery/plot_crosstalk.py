@@ -1,0 +1,33 @@
+"""
+Crosstalk
+=========
+
+Light that ends in a neighboring pixel mixes the channels. The matrix unmixes them again, and this
+costs SNR: 4 to 5 dB at 30 %. The color error stays, because the matrix is made for the channels as
+they are.
+"""
+
+import matplotlib.pyplot as plt
+
+import chromanoise as cn
+
+swept = cn.compare(
+    "onyx-rgbw",
+    "onyx-rgb-ircut",
+    vary="crosstalk",
+    first=0,
+    last=0.3,
+    points=31,
+    time_ms=12,
+    lux=8,
+)
+
+with cn.figures.chromanoise_style():
+    figure, (above, below) = plt.subplots(
+        2, 1, figsize=(7.2, 5.6), sharex=True, height_ratios=(3, 2), layout="constrained"
+    )
+    swept.plot(above).set_xlabel("")
+    cn.figures.draw_color_errors(swept.curves, below)
+
+for curve in swept.curves:
+    assert curve.value[0] > curve.value[-1] + 4

@@ -1,0 +1,171 @@
+"""The numbers behind each chart as the rows of a CSV file, to full precision."""
+
+import csv
+import io
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from chromanoise import _check
+
+Row = list[Any]
+
+
+def chart_rows(part: str, record: Mapping[str, Any]) -> list[Row]:
+    """The numbers behind a chart: first a row of headings with units, then the rows.
+
+    Parameters
+    ----------
+    part
+        A name from `chromanoise.charts.DRAWINGS`.
+    record
+        Of that chart, from `chromanoise.charts.drawing`.
+
+    Returns
+    -------
+    list
+        Rows of text and numbers, ``None`` where a value is undefined; empty if the chart is.
+
+    Raises
+    ------
+    InputError
+        If there is no such chart.
+    """
+    return _ROWS[_check.one_of("part", part, tuple(_ROWS))](record)
+
+
+def chart_csv(part: str, record: Mapping[str, Any]) -> str:
+    """`chart_rows` as CSV (RFC 4180, lines end in LF); an undefined value is an empty cell.
+
+    Raises
+    ------
+    InputError
+        If there is no such chart.
+    """
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows(chart_rows(part, record))
+    return text.getvalue()
+
+
+def _head(record: Mapping[str, Any]) -> list[Row]:
+    rows = [
+        [one["name"], name, mean_e, one["full_well_e"], one["time_ms"], one["f_number"]]
+        for one in record["sensors"]
+        for name, mean_e in one["mean_e"].items()
+    ]
+    head = ["sensor", "channel", "electrons of a white [e-]", "full well [e-]"]
+    return [[*head, "integration time [ms]", "f-number"], *rows]
+
+
+def _stages(record: Mapping[str, Any]) -> list[Row]:
+    names = [one["name"] for one in record["sensors"]]
+    rows = [
+        [kind["title"], kind["unit"], line["name"], *line["values"]]
+        for kind in record["kinds"]
+        for line in kind["lines"]
+    ]
+    return [["kind", "unit", "channel or coordinate", *names], *rows]
+
+
+def _budget(record: Mapping[str, Any]) -> list[Row]:
+    rows = [
+        [one["name"], step["label"], step["change_db"], step["from_db"], step["to_db"]]
+        for one in record["sensors"]
+        for step in one["steps"]
+    ]
+    snr = f"SNR of {record['coordinate']}"
+    return [["sensor", "step", "change [dB]", f"{snr} before [dB]", f"{snr} [dB]"], *rows]
+
+
+def _sensitivities(record: Mapping[str, Any]) -> list[Row]:
+    curves = [(one["name"], curve) for one in record["sensors"] for curve in one["channels"]]
+    head = ["wavelength [nm]", f"light {record['light_name']}, relative"]
+    columns = [record["wavelength_nm"], record["light"], *(curve["qe"] for _, curve in curves)]
+    names = [f"{name} {curve['name']} [e-/photon]" for name, curve in curves]
+    return [[*head, *names], *map(list, zip(*columns, strict=True))]
+
+
+def _levels(record: Mapping[str, Any]) -> list[Row]:
+    unit, curves = record["unit"], record["curves"]
+    head = ["illuminance [lx]", *(f"{one['name']} [{unit}]" for one in curves)]
+    columns = zip(record["lux"], *(one["values"] for one in curves), strict=True)
+    return [head, *map(list, columns)]
+
+
+def _pareto(record: Mapping[str, Any]) -> list[Row]:
+    rows = [
+        [one["name"], point.get("weight", "now"), point["color_error"], point["snr_db"]]
+        for one in record["sensors"]
+        for point in (*one["points"], one["now"])
+    ]
+    head = ["sensor", "weight of the noise", "color error, mean Delta E*ab", "SNR of Y [dB]"]
+    return [head, *rows]
+
+
+def _map(record: Mapping[str, Any]) -> list[Row]:
+    if record["why_not"] is not None:
+        return []
+    x, y, sensors, unit = record["x"], record["y"], record["sensors"], record["unit"]
+    rows = [
+        [across, up, *(one["values"][j][k] for one in sensors)]
+        for j, up in enumerate(y["values"])
+        for k, across in enumerate(x["values"])
+    ]
+    return [[x["what"], y["what"], *(f"{one['name']} [{unit}]" for one in sensors)], *rows]
+
+
+def _vectors(record: Mapping[str, Any]) -> list[Row]:
+    rows = [["color axes", axis["name"], *axis["at"], None] for axis in record["axes"]]
+    rows.append(["scene", "true light", *record["scene"]["at"], record["scene"]["norm_share"]])
+    for one in record["sensors"]:
+        light = [{"name": "light", **one["light"]}] if one["light"] else []
+        rows += [
+            [one["name"], arrow["name"], *arrow["at"], arrow["norm_share"]]
+            for arrow in (*one["channels"], *light)
+        ]
+        # as long as they are, not as long as they are drawn
+        for k, axis in enumerate((one["ellipsoid"] or {}).get("half_axes", ()), 1):
+            what = f"half axis {k} of {record['sigmas']:g} sigma"
+            lengths = [value / one["magnification"] for value in axis]
+            rows.append([one["name"], what, *lengths, None])
+    return [["sensor", "vector", "first", "second", "third", "share of squared norm"], *rows]
+
+
+def _ellipses(record: Mapping[str, Any]) -> list[Row]:
+    across, up = record["names"]
+    rows = [
+        [
+            *(one["name"], patch["name"], *patch["truth"], *patch["center"]),
+            *(value for half in patch["half_axes"] for value in half),
+            patch["reach"],
+        ]
+        for one in record["sensors"]
+        for patch in one["patches"]
+    ]
+    head = ["sensor", "patch"]
+    for what in ("true", "measured", "conjugate half axis 1", "conjugate half axis 2"):
+        head += [f"{what} {across}", f"{what} {up}"]
+    return [[*head, f"reach of {record['sigmas']:g} sigma"], *rows]
+
+
+def _chart(record: Mapping[str, Any]) -> list[Row]:
+    head, columns = ["patch"], [[patch["name"] for patch in record["patches"]]]
+    for one in record["sensors"]:
+        for what, key in (("color error", "delta_e"), ("noise", "noise")):
+            head.append(f"{one['name']} {what} [Delta E*ab]")
+            values = [patch[key] for patch in one["patches"]]
+            columns.append(values or [None] * len(record["patches"]))
+    return [head, *map(list, zip(*columns, strict=True))]
+
+
+_ROWS: Mapping[str, Callable[[Mapping[str, Any]], list[Row]]] = {
+    "head": _head,
+    "stages": _stages,
+    "budget": _budget,
+    "sensitivities": _sensitivities,
+    "levels": _levels,
+    "pareto": _pareto,
+    "map": _map,
+    "vectors": _vectors,
+    "ellipses": _ellipses,
+    "chart": _chart,
+}

@@ -1,0 +1,243 @@
+"""The guided story of the page: five studies, each with a few sentences and a question."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from chromanoise.analysis.analysis import (
+    Analysis,
+    color_snr_db,
+    contravariant_snr_db,
+    mean_color_error,
+    raw_snr_db,
+)
+from chromanoise.analysis.budgets import coordinate_budget
+from chromanoise.charts import Shown, drawing, shown
+from chromanoise.charts.text import brief, decimal, electrons, listed
+from chromanoise.metrics.budget import INFRARED, Cost
+from chromanoise.spectra import INFRARED_FROM_NM
+from chromanoise.study import study_from_data
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Step:
+    """One step of the story.
+
+    Attributes
+    ----------
+    heading
+        Of a few words.
+    parts
+        The charts that show it, from `chromanoise.charts.sections.SECTIONS`; the page scrolls to
+        the first.
+    sentences
+        What they show, with the numbers of the study of the step.
+    task
+        A question, or something to try.
+    study
+        Changes to the default study of the page, as plain data.
+    look
+        Options of the charts, as the page has them.
+    """
+
+    heading: str
+    parts: tuple[str, ...]
+    sentences: Callable[[Shown], Sequence[str]]
+    task: str
+    study: Mapping[str, Any] = field(default_factory=dict)
+    look: Mapping[str, Any] = field(default_factory=dict)
+
+
+def story(study: Mapping[str, Any]) -> dict[str, Any]:
+    """The steps as plain data: the fields of `Step`, with the text and the whole study of each.
+
+    Parameters
+    ----------
+    study
+        The default study of the page as plain data: a sensor without IR-cut, then one with it.
+    """
+    told = []
+    for step in STEPS:
+        data = dict(study) | dict(step.study)
+        sentences = step.sentences(shown(study_from_data(data, source="")))
+        own = {"heading": step.heading, "parts": list(step.parts), "task": step.task}
+        told.append(own | {"sentences": list(sentences), "study": data, "look": dict(step.look)})
+    return {"steps": told}
+
+
+def _raw(of: Shown) -> list[str]:
+    bare, cut = of.analyses
+    name = _shared(bare, cut)[0]
+    more, less = (electrons(_mean_e(a)[name]) for a in (bare, cut))
+    better, worse = (decimal(raw_snr_db(a)[name]) for a in (bare, cut))
+    return [
+        "Two sensors look at the same white paper, in the same light, for the same time. "
+        f"{cut.sensor.label} has a filter in front that stops infrared light, an IR-cut. "
+        f"{bare.sensor.label} has none, and a fourth channel W without a color filter.",
+        f"Without the IR-cut more light arrives: channel {name} of {bare.sensor.label} collects "
+        f"{more} electrons, against {less}.",
+        "The more electrons, the smaller the noise beside the signal. The signal-to-noise ratio "
+        f"(SNR) of {name}, as it is read from the sensor (raw), is {better} dB, against {worse} "
+        "dB: the sensor without IR-cut looks better.",
+    ]
+
+
+def _alike(of: Shown) -> list[str]:
+    bare, cut = of.analyses
+    mix = bare.mix
+    assert mix is not None  # four channels that depend on each other in part
+    parts = " + ".join(f"{decimal(weight, 2)} {name}" for name, weight in mix.weights.items())
+    vif = dict(zip(bare.sensor.names, bare.vif.tolist(), strict=True))
+    return [
+        f"Beyond {brief(INFRARED_FROM_NM)} nm, in the infrared, the curves of "
+        f"{bare.sensor.label} nearly lie on each other: there its channels see the same.",
+        "Think of each channel as an arrow: the more alike two channels are, the smaller the angle "
+        f"between their arrows. The smallest angle of {bare.sensor.label} is {_closest(bare)}, "
+        f"that of {cut.sensor.label} {_closest(cut)}.",
+        f"{mix.channel} is nearly a mix of the others: {parts} is an arrow only "
+        f"{decimal(mix.angle_deg, 0)}° away. The variance inflation factor (VIF) says what that "
+        f"costs: whoever wants to know {mix.channel} apart from the others gets "
+        f"{decimal(vif[mix.channel])} times the noise variance, and behind the IR-cut at most "
+        f"{decimal(float(cut.vif.max()))} times.",
+    ]
+
+
+def _unmixed(of: Shown) -> list[str]:
+    bare, cut = of.analyses
+    names = _shared(bare, cut)
+    name = min(names, key=lambda one: _unmixed_db(bare, one) - _unmixed_db(cut, one))
+    (raw, after), (raw_cut, after_cut) = (
+        (decimal(raw_snr_db(a)[name]), decimal(contravariant_snr_db(a)[name])) for a in (bare, cut)
+    )
+    return [
+        "Each channel sees a mixture of colors. To know the color of the light, what the channels "
+        "have in common must be subtracted: they are unmixed.",
+        "Subtraction takes away signal, but never noise: the noise of both readings stays in the "
+        f"difference. In {bare.sensor.label} the SNR of {name} falls from {raw} dB (raw) to "
+        f"{after} dB (unmixed, contravariant); in {cut.sensor.label} it falls from {raw_cut} dB to "
+        f"{after_cut} dB.",
+        f"The sensor with the better raw SNR now has the worse SNR in {listed(names)}.",
+    ]
+
+
+def _infrared(of: Shown) -> list[str]:
+    bare, cut = of.analyses
+    cost, cost_cut = (infrared_cost(a) for a in (bare, cut))
+    return [
+        f"Our eyes see next to nothing beyond {brief(INFRARED_FROM_NM)} nm, but silicon does. In "
+        f"{bare.sensor.label} {cost.reading}, in {cut.sensor.label} "
+        f"{cost_cut.reading.partition(' of ')[0]}.",
+        "These electrons carry no color, but they have noise. The chart follows the SNR from all "
+        "photons (top) to the luminance Y, the brightness that an eye sees (bottom): in "
+        f"{bare.sensor.label} the infrared costs {decimal(cost.loss_db)} dB of it.",
+        "So the same electrons that made the raw SNR better make the color worse.",
+    ]
+
+
+def _picture(of: Shown) -> list[str]:
+    bare, cut = of.analyses
+    luminance, luminance_cut = (decimal(color_snr_db(a)["Y"]) for a in (bare, cut))
+    levels = drawing("levels", of)
+    crossings = {one["matrix"]: one["lux"] for one in levels["crossovers"]}
+    lux = crossings["lmmse"]
+    errors = [decimal(mean_color_error(a), 0) for a in _at_level(of, "lmmse", lux)]
+    assert crossings["kernel"] is None  # a test asserts it
+    return [
+        f"In the color picture {bare.sensor.label} is the noisier one: the SNR of Y is {luminance} "
+        f"dB, against {luminance_cut} dB for {cut.sensor.label}. More signal made a worse picture.",
+        "Is that different in the dark? With this color matrix (kernel), which takes no account of "
+        f"the noise, it is not, from {brief(levels['lux'][0])} lx up to where the first sensor is "
+        "full.",
+        "Another matrix (lmmse) is computed anew for each level and gives up color where the noise "
+        f"is strong. With it, {bare.sensor.label} wins below {brief(lux, 2)} lx. But there the "
+        f"colors are {errors[0]} and {errors[1]} ΔE wrong on average (about 2 is just visible): "
+        "the picture is nearly gray.",
+    ]
+
+
+STEPS: tuple[Step, ...] = (
+    Step(
+        heading="Raw looks better",
+        parts=("stages",),
+        sentences=_raw,
+        task="Try it: drag the light level down to 1 lx. Does the sensor without IR-cut keep its "
+        "lead in raw SNR?",
+    ),
+    Step(
+        heading="Two channels that look alike",
+        parts=("sensitivities", "vectors"),
+        sentences=_alike,
+        task="Try it: set the IR-cut edge of onyx-rgbw to 650 nm. Which parts of its curves are "
+        "gone, and are the channels still alike?",
+    ),
+    Step(
+        heading="Unmixing makes noise",
+        parts=("stages",),
+        sentences=_unmixed,
+        task="Think of two scales, each exact to 1 g, that show 1000 g and 999 g. How well do you "
+        "know the difference?",
+    ),
+    Step(
+        heading="Infrared carries no color",
+        parts=("budget",),
+        sentences=_infrared,
+        task="Try it: drag the IR-cut edge of onyx-rgbw down to 700 nm. What becomes of its "
+        "raw SNR, and what of its SNR of Y?",
+        look={"coordinate": "Y"},
+    ),
+    Step(
+        heading="The color picture",
+        parts=("picture", "levels"),
+        sentences=_picture,
+        task="Try it: drag the light level down to 0.1 lx: whose picture is noisier now? Then "
+        "remove the matrix kernel, so that the picture is made with lmmse: what becomes of its "
+        "colors?",
+        study={"matrices": ["kernel", "lmmse"]},
+        look={"coordinate": "Y"},
+    ),
+)
+"""The steps, in their order."""
+
+
+def infrared_cost(analysis: Analysis) -> Cost:
+    """What infrared costs of the SNR of Y, as the chart of the budget has it."""
+    budget = coordinate_budget(analysis, "Y")
+    assert budget is not None  # no sensor of the story is saturated
+    return next(cost for cost in budget.costs if cost.cause == INFRARED)
+
+
+def _shared(bare: Analysis, cut: Analysis) -> list[str]:
+    return [name for name in bare.sensor.names if name in cut.sensor.names]
+
+
+def _mean_e(analysis: Analysis) -> dict[str, float]:
+    return dict(zip(analysis.sensor.names, analysis.raw.mean.tolist(), strict=True))
+
+
+def _unmixed_db(analysis: Analysis, name: str) -> float:
+    found = contravariant_snr_db(analysis)[name]
+    assert found is not None  # as `infrared_loss_db`
+    return found
+
+
+def _closest(analysis: Analysis) -> str:
+    """The smallest angle between two channels, and their names."""
+    angles = analysis.between_deg + 360.0 * np.eye(len(analysis.sensor.names))
+    i, j = divmod(int(angles.argmin()), len(angles))
+    first, second = (analysis.sensor.names[k] for k in (i, j))
+    return f"{decimal(float(angles[i, j]), 0)}° ({first} and {second})"
+
+
+def _at_level(of: Shown, matrix: str, level_lux: float) -> tuple[Analysis, ...]:
+    """The analyses with another matrix at another level, with the time kept."""
+    time_ms = 1e3 * of.analyses[0].exposure.time_s
+    study = of.study.model_copy(
+        update={
+            "matrices": (matrix,),
+            "light": of.study.light.model_copy(update={"level_lux": level_lux}),
+            "exposure": of.study.exposure.model_copy(update={"time_ms": time_ms}),
+        }
+    )
+    return shown(study).analyses

@@ -1,0 +1,298 @@
+"""What is read at the pointer, and what is saved: charts, pictures, the report."""
+
+import csv
+import io
+import re
+import struct
+import xml.etree.ElementTree as ElementTree
+
+import httpx
+import pytest
+
+from chromanoise.charts import Look, chart_csv, drawing, shown
+from chromanoise.cli.entry import run as run_command
+from chromanoise.page.services import STUDY
+from chromanoise.study import study_from_data
+from shells.browser import FIXTURES, at_rest, until
+from shells.test_page_looks import RULES, axe, faults_of_access
+from shells.test_serve import FILE, SENSOR, sentence_of
+
+address, browser, watch, window, page = FIXTURES
+__all__ = ["axe"]
+
+SVG = "{http://www.w3.org/2000/svg}"
+SWEEP = {
+    **{"vary": "lux", "first": 1.0, "last": 100.0, "points": 4},
+    "second": {"vary": "f-number", "first": 1.4, "last": 8.0, "points": 3},
+}
+CHARTS = ("stages", "budget", "sensitivities", "levels", "pareto", "vectors", "ellipses", "chart")
+
+
+@pytest.fixture(scope="module")
+def client(address):
+    with httpx.Client(base_url=address, timeout=120) as asking:
+        yield asking
+
+
+@pytest.fixture(scope="module")
+def of():
+    return shown(study_from_data(STUDY, source="a test"))
+
+
+@pytest.fixture(scope="module")
+def report(client):
+    """The report of the default study, as the page gives it."""
+    reply = client.post("/api/report", json={"study": STUDY})
+    assert reply.headers["content-type"].startswith("text/html")
+    assert reply.headers["content-disposition"] == "attachment"
+    return reply.content
+
+
+def reported(folder, text, monkeypatch):
+    """The file that the command writes in a folder with this study."""
+    monkeypatch.chdir(folder)
+    (folder / "study.toml").write_text(text, encoding="utf-8")
+    with pytest.raises(SystemExit) as stop:
+        run_command(["report", "study.toml", "-o", "report.html"])
+    assert stop.value.code == 0
+    return (folder / "report.html").read_bytes()
+
+
+def test_a_csv_has_the_digits_of_the_library_in_the_view_of_the_page(client, of):
+    look = {"coordinate": "Z", "plane": "xy", "theme": "dark"}
+    for part in ("budget", "ellipses"):
+        reply = client.post("/api/csv", json={"study": STUDY, "look": look, "part": part})
+        assert reply.headers["content-type"].startswith("text/csv")
+        record = drawing(part, of, Look(coordinate="Z", plane="xy"))
+        assert reply.text == chart_csv(part, record)
+
+
+@pytest.mark.parametrize(
+    ("question", "status"),
+    [({"part": "pie"}, 400), ({"part": 3}, 400), ({"part": "map"}, 200), ({"study": []}, 400)],
+)
+def test_a_csv_of_nothing_is_one_sentence(client, question, status):
+    sentence_of(client.post("/api/csv", json={"study": STUDY, "part": "head"} | question), status)
+
+
+def test_the_report_of_the_page_is_that_of_the_command(client, report, tmp_path, monkeypatch):
+    text = client.post("/api/texts", json={"study": STUDY}).json()["toml"]
+    assert report == reported(tmp_path, text, monkeypatch)
+
+
+def test_a_report_names_dropped_files_as_their_person_does(client, tmp_path, monkeypatch):
+    dropped = {"X-Filename": "my curves.csv"} | FILE
+    upload = client.post("/api/upload", content=SENSOR, headers=dropped).json()["id"]
+    study = {"sensors": [{"name": upload}], "pictures": [{"cube": "builtin:checker"}]}
+    text = client.post("/api/texts", json={"study": study}).json()["toml"]
+    (tmp_path / "my curves.csv").write_text(SENSOR)
+    page = client.post("/api/report", json={"study": study}).content
+    assert page == reported(tmp_path, text, monkeypatch)
+    assert b"my curves.csv" in page
+    assert upload.split(":")[1].encode() not in page
+
+
+def test_a_report_of_a_wrong_study_is_a_sentence_with_its_key(client):
+    reply = client.post("/api/report", json={"study": {"sensors": [{"name": "no-such-sensor"}]}})
+    assert sentence_of(reply, 200)
+    assert reply.json()["faults"][0]["where"] == "sensors.0.name"
+
+
+def read_by_key(page, part, *keys):
+    """The words beside the mark that keys reach, a pair of heading and value each."""
+    figure = page.locator(f"section[data-part={part}] svg.d-figure").first
+    figure.focus()
+    for key in keys:
+        page.keyboard.press(key)
+    return told(page)
+
+
+def told(page):
+    page.locator(".d-tip").wait_for()
+    return page.locator(".d-tip").inner_text().splitlines()
+
+
+def as_told(table, row, columns=None):
+    """A row of a table in the words of `told`."""
+    columns = range(len(table["head"])) if columns is None else columns
+    return [f"{table['head'][i]}: {table['rows'][row][i]}" for i in columns]
+
+
+def test_values_are_read_by_key_pointer_and_touch_as_the_table_has_them(window, of):
+    page = window({"study": STUDY, "look": {}})
+    levels, stages, budget = (drawing(part, of)["table"] for part in ("levels", "stages", "budget"))
+    keys = ("Home", "ArrowRight", "ArrowRight", "ArrowDown")
+    assert read_by_key(page, "levels", *keys) == as_told(levels, 2, (0, 2))
+    assert page.locator(".d-unseen").inner_text() == ", ".join(as_told(levels, 2, (0, 2)))
+    page.keyboard.press("Escape")
+    assert not page.locator(".d-tip").is_visible()
+    found = read_by_key(page, "stages", "Home", "ArrowDown", "ArrowRight")
+    assert found == as_told(stages, 1, (0, 1, 3))
+    assert read_by_key(page, "budget", "Home", "ArrowDown") == as_told(budget, 1)
+    assert read_by_key(page, "vectors", "Enter")[0] == "sensor: onyx-rgbw"
+    assert page.evaluate("document.activeElement.matches('.d-turning')")
+    ring = page.locator(".d-ring").bounding_box()
+    page.mouse.move(ring["x"] + 8, ring["y"] + 8)
+    tip = page.locator(".d-tip").bounding_box()
+    page.mouse.move(tip["x"] + 5, tip["y"] + 5, steps=4)  # onto the words, which stay
+    page.wait_for_timeout(400)
+    assert page.locator(".d-tip").is_visible()
+    page.mouse.move(2, 2)
+    page.locator(".d-tip").wait_for(state="hidden")
+
+
+def test_a_touch_reads_a_value_within_the_window(window, of):
+    page = window(
+        {"study": STUDY, "look": {}}, viewport={"width": 390, "height": 844}, has_touch=True
+    )
+    chart = page.locator("section[data-part=chart] svg.d-figure")
+    chart.scroll_into_view_if_needed()
+    box = chart.bounding_box()
+    page.touchscreen.tap(box["x"] + box["width"] - 20, box["y"] + 20)  # the sixth patch
+    assert told(page) == as_told(drawing("chart", of)["table"], 5)
+    tip = page.locator(".d-tip").bounding_box()
+    assert tip["x"] >= 0
+    assert tip["x"] + tip["width"] <= 390
+    assert page.evaluate("document.documentElement.scrollWidth") <= 390
+    page.touchscreen.tap(5, 5)
+    page.locator(".d-tip").wait_for(state="hidden")
+
+
+def saved(page, within, item):
+    """The name and the bytes of what an item of a menu saves."""
+    page.locator(f"{within} .d-save > button").first.click()
+    with page.expect_download() as caught:
+        page.locator(f"{within} .d-menu button", has_text=item).first.click()
+    page.locator(f"{within} .d-menu").first.wait_for(state="hidden")
+    with open(caught.value.path(), "rb") as file:  # noqa: PTH123
+        return caught.value.suggested_filename, file.read()
+
+
+def size_of(png):
+    assert png[:8] == b"\x89PNG\r\n\x1a\n"
+    assert png[37:41] == b"pHYs"
+    return struct.unpack(">II", png[16:24])
+
+
+def stands_alone(text):
+    """An SVG: its root, without classes, variables, styles and references."""
+    root = ElementTree.fromstring(text)
+    assert root.tag == f"{SVG}svg"
+    assert not re.search(rb"var\(|url\(|href|class=|style=|<script|@import", text)
+    assert len(root.findtext(f"{SVG}title")) > 10
+    return root
+
+
+def test_every_chart_is_saved_as_svg_png_and_csv(window, of):
+    study = STUDY | {"sweeps": [SWEEP]}
+    page = window({"study": study, "look": {}}, color_scheme="dark")
+    page.locator("section[data-part=map]").scroll_into_view_if_needed()
+    page.locator(".d-map").wait_for()
+    at_rest(page)
+    short = page.evaluate("document.documentElement.dataset.hash").encode()[:8].decode()
+    for part in (*CHARTS, "map"):
+        panel = f"section[data-part={part}]"
+        name, text = saved(page, panel, "SVG")
+        assert name == f"chromanoise-{part}-{short}.svg"
+        root = stands_alone(text)
+        words = {one.text: one for one in root.iter(f"{SVG}text")}
+        own = page.locator(f"{panel} svg.d-figure text.d-strong").all_text_contents()
+        assert set(own[:1]) <= words.keys()
+        caption = page.locator(f"{panel} .d-caption").inner_text()
+        assert caption in root.findtext(f"{SVG}title")
+        assert short.encode() in text
+        assert b'fill="#ffffff"' in text
+        ink = re.findall("[0-9]+", next(iter(words.values())).get("fill"))
+        assert sum(map(int, ink)) < 3 * 128  # not that of the dark screen
+        name, data = saved(page, panel, "CSV")
+        assert name == f"chromanoise-{part}-{short}.csv"
+        if part != "map":
+            assert data.decode() == chart_csv(part, drawing(part, of))
+        if part in ("stages", "map"):
+            name, png = saved(page, panel, "PNG")
+            assert size_of(png) == tuple(
+                round(int(root.get(side)) * 300 / 96) for side in ("width", "height")
+            )
+    assert data.decode().count("\n") == 1 + 4 * 3
+
+
+def test_pictures_and_their_divided_view_are_saved(window):
+    page = window({"study": STUDY, "look": {}})
+    page.locator("section[data-part=picture]").scroll_into_view_if_needed()
+    image = page.locator("section[data-part=picture] img")
+    image.nth(1).wait_for()
+    until(page, "() => document.querySelector('.d-stack img').naturalWidth > 0")
+    size = tuple(image.first.evaluate("(one) => [one.naturalWidth, one.naturalHeight]"))
+    for item in ("onyx-rgbw, noisy", "as divided"):
+        name, png = saved(page, "section[data-part=picture]", item)
+        assert name.startswith("chromanoise-picture-")
+        assert struct.unpack(">II", png[16:24]) == size
+
+
+def test_the_report_is_saved_from_the_page_and_its_charts_from_the_report(
+    window, browser, report, of, tmp_path
+):
+    page = window({"study": STUDY, "look": {}})
+    with page.expect_download() as caught:
+        page.get_by_role("button", name="Save report").click()
+    path = tmp_path / "report.html"
+    caught.value.save_as(path)
+    assert re.fullmatch("chromanoise-report-[0-9a-f]{8}[.]html", caught.value.suggested_filename)
+    assert path.read_bytes() == report
+    tab = browser({"viewport": {"width": 1280, "height": 900}}).new_page()
+    wrong = []
+    tab.on("console", lambda one: wrong.append(one.text))
+    tab.goto(path.as_uri())
+    tab.locator("section[data-part=levels] svg.d-figure").wait_for()
+    for part in CHARTS:
+        stands_alone(saved(tab, f"section[data-part={part}]", "SVG")[1])
+        _, data = saved(tab, f"section[data-part={part}]", "CSV")
+        assert data.decode() == chart_csv(part, drawing(part, of))
+    size_of(saved(tab, "section[data-part=levels]", "PNG")[1])
+    table = drawing("levels", of)["table"]
+    assert read_by_key(tab, "levels", "Home", "ArrowRight") == as_told(table, 1, (0, 1))
+    tab.locator("#slide-0").focus()
+    tab.keyboard.press("ArrowLeft")
+    until(tab, "() => !document.getElementById('back').disabled")
+    tab.locator("section[data-part=stages] .d-save > button").click()
+    tab.locator("section[data-part=stages] .d-menu button", has_text="CSV").click()
+    until(
+        tab, "() => document.querySelector('[data-part=stages] .d-menu p').textContent.length > 20"
+    )
+    tab.close()
+    assert wrong == []
+
+
+def test_a_report_that_cannot_be_is_a_sentence(window):
+    page = window({"study": STUDY, "look": {}})
+    fault = {"faults": [{"where": "", "sentence": "No report today."}]}
+    page.route("**/api/report", lambda route: route.fulfill(json=fault))
+    page.get_by_role("button", name="Save report").click()
+    until(page, "() => document.getElementById('copied').textContent === 'No report today.'")
+
+
+def test_axe_finds_no_fault_in_an_open_menu_and_beside_a_mark(window, axe):
+    page = window({"study": STUDY, "look": {}})
+    read_by_key(page, "levels", "ArrowRight")
+    assert faults_of_access(page, axe, RULES) == []
+    opener = page.locator("section[data-part=levels] .d-save > button")
+    opener.focus()
+    page.keyboard.press("Enter")
+    assert faults_of_access(page, axe, RULES) == []
+    page.keyboard.press("Escape")
+    assert opener.get_attribute("aria-expanded") == "false"
+    assert opener.evaluate("(node) => node === document.activeElement")
+
+
+def test_the_code_that_saves_is_loaded_when_it_is_used(window):
+    page = window({"study": STUDY, "look": {}}, wait=False)
+    loaded = []
+    page.on("request", lambda one: loaded.append(one.url))
+    page.reload()
+    at_rest(page)
+    assert not [url for url in loaded if url.endswith("draw/export.js")]
+    rows = list(
+        csv.reader(io.StringIO(saved(page, "section[data-part=levels]", "CSV")[1].decode()))
+    )
+    assert rows[0][0] == "illuminance [lx]"
+    assert [url for url in loaded if url.endswith("draw/export.js")]

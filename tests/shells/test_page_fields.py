@@ -1,0 +1,208 @@
+"""The controls that are made from the schema of a study: each key has one, with an effect."""
+
+import re
+
+import pytest
+
+from chromanoise.page.fields import ELSEWHERE, SECTION_HINTS, described_fields
+from chromanoise.study import study_from_data
+from chromanoise.study.document import PixelPart, SensorPart, Study
+from shells.browser import FIXTURES, answer_to, at_rest, open_drawers, state_of, study_of
+
+address, browser, watch, window, page = FIXTURES
+
+FIELDS = {one["key"]: one for one in described_fields()}
+SAMPLES = {  # values of texts, whose description gives no example
+    "title": "two chips",
+    "light.column": "lamp",
+    "sensors.label": "New chip",
+    "sensors.pixel.file": "pixel.toml",
+    "sensors.mosaic": "rgbw-4x4",
+    "reflectances.chart": "chart.csv",
+    "reflectances.patch": 0.18,
+    "reflectances.pairs": "pairs.csv",
+    "outputs.pipeline.iso": [100.0, 400.0],
+    "outputs.pipeline.iso_read_noise_e": [5.0],
+}
+BESIDE = {  # what a value needs beside it
+    "outputs.clip": {"outputs.budget": False},
+    "sensors.pixel.binning_mode": {"sensors.pixel.binning": 4},
+    "outputs.pipeline.base_iso": {"outputs.pipeline.iso": [1e4]},
+}
+OF_A_FILE = (
+    "sensors.answers.",
+    "sensors.pixel.file",
+    "sensors.beyond",
+    "sensors.negatives",
+    "sensors.filter_",
+)
+
+
+def sample(field):
+    """A value that differs from the default."""
+    if field["key"] in SAMPLES:
+        return SAMPLES[field["key"]]
+    if field["kind"] == "number":
+        inside = 0.25 * field["low"] + 0.75 * field["high"]
+        return round(inside) if field["whole"] else inside
+    if field["kind"] == "flag":
+        return not field["default"]
+    if field["kind"] == "channels":
+        return {"R": field["suggestions"][0]}
+    words = field.get("options") or field["suggestions"]
+    return next(word for word in words if word != field["default"])
+
+
+def test_every_field_of_a_sensor_and_its_pixel_has_a_control_or_a_reason_to_have_none():
+    keys = {f"sensors.{name}" for name in SensorPart.model_fields} - {"sensors.pixel"}
+    keys |= {f"sensors.pixel.{name}" for name in PixelPart.model_fields}
+    parts = {key.rpartition(".")[0] for key in (*FIELDS, *ELSEWHERE)}
+    assert keys - set(FIELDS) - set(ELSEWHERE) - parts == set()
+    names = {field.alias or name for name, field in Study.model_fields.items()}
+    assert names == {key.partition(".")[0] for key in (*FIELDS, *ELSEWHERE)}
+    assert not set(FIELDS) & set(ELSEWHERE)
+
+
+def test_a_description_tells_unit_range_and_default_of_the_study():
+    prnu = FIELDS["sensors.pixel.prnu"]
+    assert (prnu["unit"], prnu["low"], prnu["scale"]) == ("1", 0.0, "linear")
+    assert FIELDS["sensors.pixel.pitch_um"]["unit"] == "um"
+    assert FIELDS["observer"]["default"] == "cie-1931-2"
+    assert FIELDS["sensors.pixel.bits"]["whole"]
+    assert set(SECTION_HINTS) <= {one["section"] for one in FIELDS.values()}
+
+
+@pytest.mark.parametrize("key", FIELDS)
+def test_the_study_accepts_what_a_control_offers(key):
+    field = FIELDS[key]
+    offered = [sample(field), *field.get("options", ())]
+    if field["kind"] == "number":
+        offered += [field["low"], field["high"]]
+    for value in offered:
+        data = {"sensors": [{"name": "onyx-rgbw"}], "pictures": [{}]}
+        if key.startswith("outputs.pipeline."):
+            put(data, "outputs.pipeline.run", True)
+        for other, one in {**BESIDE.get(key, {}), key: value}.items():
+            put(data, other, one)
+        at = study_from_data(data, keep_idle=True).model_dump(by_alias=True)
+        for step in key.split("."):
+            at = at[step][0] if step in ("sensors", "pictures") else at[step]
+        assert at == (tuple(value) if isinstance(value, list) else value)
+
+
+def put(data, key, value):
+    *path, last = key.split(".")
+    for step in path:
+        data = data[step][0] if step in ("sensors", "pictures") else data.setdefault(step, {})
+    data[last] = value
+
+
+def written(page, control, field):
+    """Give a control the sample of its field, as a hand would."""
+    value = sample(field)
+    if field["kind"] == "number":
+        number = control.locator("xpath=..").locator("input.field")
+        number.fill(str(value))
+        return number.press("Enter")
+    if field["kind"] in ("choice", "flag"):
+        return control.select_option(str(value).lower() if field["kind"] == "flag" else value)
+    control.fill(str(value))
+    return control.press("Enter")
+
+
+def test_every_control_of_a_sensor_changes_the_study_without_a_fault(window):
+    study = {"sensors": [{"name": "onyx-rgbw"}, {"name": "onyx-rgb-ircut"}]}
+    page = window({"study": study}, viewport={"width": 1280, "height": 400})  # few charts in sight
+    open_drawers(page)
+    known = page.locator("#hash").inner_text()
+    tried = []
+    for key, field in FIELDS.items():
+        if field["section"] != "Sensors" or key.startswith(OF_A_FILE):
+            continue
+        path = key.replace("sensors.", "sensors.0.") + (".R" if field["kind"] == "channels" else "")
+        one = field | ({"kind": "text"} if field["kind"] == "channels" else {})
+        control = page.locator(f"[data-where='{path}']").first
+        question, _ = answer_to(page, lambda c=control, f=one: written(page, c, f))
+        assert page.locator("#controls .fault").count() == 0, path
+        assert page.locator("#faults").is_hidden(), path
+        at = question["study"]
+        for step in path.split("."):
+            at = at[int(step)] if step.isdigit() else at[step]
+        assert at is not None, path
+        assert page.locator("#hash").inner_text() != known, path
+        known = page.locator("#hash").inner_text()
+        tried.append(key)
+    assert len(tried) >= 20
+    away = page.get_by_role("button", name="none: Crosstalk to the neighbors").first
+    question, _ = answer_to(page, away.click)
+    assert not {"crosstalk", "crosstalk_stage", "mosaic"} & set(question["study"]["sensors"][0])
+
+
+def test_a_value_of_the_pixel_goes_back_to_the_sensors_own(window):
+    page = window({"study": {"sensors": [{"name": "onyx-rgbw"}]}})
+    open_drawers(page)
+    field = page.get_by_label("Pitch in µm")
+    assert field.get_attribute("placeholder") == "10"
+    field.fill("3.5")
+    answer_to(page, lambda: field.press("Enter"))
+    own = page.get_by_role("button", name="as built: Pitch")
+    assert own.inner_text() == "as built: 10"
+    question, parts = answer_to(page, own.click)
+    assert question["study"]["sensors"] == [{"name": "onyx-rgbw"}]
+    assert parts["head"]["sensors"][0]["pitch_um"] == 10.0
+
+
+def test_the_wheel_moves_the_slider_that_has_the_focus_and_no_other(window):
+    page = window({"study": {"sensors": [{"name": "onyx-rgbw"}]}})
+    track = page.get_by_label("f-number", exact=True)
+    before = state_of(page)
+    track.hover()
+    page.mouse.wheel(0, -1)
+    assert state_of(page) == before
+    track.focus()
+    question, _ = answer_to(page, lambda: page.mouse.wheel(0, -100))
+    assert question["study"]["exposure"]["f_number"] > 1.8
+
+
+def test_a_file_is_chosen_or_typed_beside_its_control_and_taken_away(window, tmp_path):
+    page = window({"study": {"sensors": [{"name": "onyx-rgb-ircut"}]}})
+    open_drawers(page)
+    pixel, light = tmp_path / "own.toml", tmp_path / "kernel.csv"
+    pixel.write_text('schema = "chromanoise pixel"\nschema_version = 1\nread_noise_e = 2.4\n')
+    light.write_text("0, 0.05, 0\n0.05, 0.8, 0.05\n0, 0.05, 0\n")
+    choose = page.get_by_role("button", name="Choose a file: File of the pixel of sensor 1")
+
+    def chosen(path):
+        with page.expect_file_chooser() as opened:
+            choose.click()
+        opened.value.set_files(path)
+
+    chosen(light)
+    wrong = page.locator(".row", has=choose).locator(".fault")
+    wrong.wait_for()
+    assert "not as pixel" in wrong.inner_text()
+    question, parts = answer_to(page, lambda: chosen(pixel))
+    assert re.fullmatch("upload:.*[.]toml", question["study"]["sensors"][0]["pixel"]["file"])
+    assert parts["head"]["sensors"][0]["read_noise_e"] == 2.4
+    assert wrong.count() == 0
+    assert page.get_by_label("Read noise in e⁻").first.get_attribute("placeholder") == "2.4"
+    page.get_by_role("button", name="Type a table").click()
+    use = page.get_by_role("button", name="Use", exact=True)
+    question, _ = answer_to(page, use.click)
+    assert question["study"]["sensors"][0]["crosstalk"].startswith("upload:")
+    away = page.get_by_role("button", name="Remove the file: Crosstalk to the neighbors")
+    question, _ = answer_to(page, away.click)
+    assert "crosstalk" not in question["study"]["sensors"][0]
+
+
+def test_one_sensor_alone_has_a_verdict_and_every_drawing(window):
+    page = window({"study": {"sensors": [{"name": "onyx-rgbw"}]}})
+    assert "onyx-rgbw has" in page.locator("#verdict").inner_text()
+    assert page.get_by_role("button", name="Remove sensor 1").is_disabled()
+    panel = page.locator("[data-part=picture]")
+    panel.scroll_into_view_if_needed()
+    panel.locator("img").first.wait_for()
+    at_rest(page)
+    assert page.locator(".panel .body:empty").count() == 0
+    assert page.locator(".panel .fault:visible").count() == 0
+    assert study_of(page) is None or len(study_of(page)["sensors"]) == 1

@@ -1,0 +1,180 @@
+"""What stands where on the page: first screen, order of the panels, the sheet, the ranking."""
+
+import pytest
+
+from chromanoise.charts import drawing, shown
+from chromanoise.charts.sections import SECTIONS
+from chromanoise.study import study_from_data
+from shells.browser import FIXTURES, answer_to, at_rest, until
+from shells.test_page_looks import axe, faults_of_access
+
+__all__ = ["axe"]
+
+address, browser, watch, window, page = FIXTURES
+
+MANY = [
+    *("onyx-rgbw", "onyx-rgb-ircut", "onyx-rgb", "onyx-rgbw-ircut", "model-rgbir"),
+    *("model-rgb-ircut", "model-cmy", "mt9v024-rgb", "mt9v024-mono", "gsense4040bsi"),
+]
+PHONE = {"viewport": {"width": 390, "height": 844}, "has_touch": True}
+
+
+def study_with(names):
+    return {"sensors": [{"name": name} for name in names], "light": {"level_lux": 10.0}}
+
+
+def box(page, selector):
+    """Left, top, right and bottom of the first match in the window."""
+    return page.locator(selector).first.evaluate(
+        "(n) => { const b = n.getBoundingClientRect(); return [b.left, b.top, b.right, b.bottom]; }"
+    )
+
+
+def test_the_first_screen_has_the_verdict_both_pictures_and_the_sliders_of_the_exposure(window):
+    page = window(viewport={"width": 1280, "height": 800})
+    until(page, "() => document.querySelector('[data-part=picture] img')?.naturalWidth > 0")
+    page.wait_for_timeout(100)
+    for what in ("#verdict", "#reasons", ".d-stack", ".d-captions"):
+        left, top, right, bottom = box(page, what)
+        assert 0 <= left < right <= 1280, what
+        assert 0 <= top < bottom <= 800, what
+    for label in ("Light level", "Integration time", "f-number"):
+        place = page.get_by_label(label, exact=True).bounding_box()
+        assert place["y"] + place["height"] <= 800, label
+    verdict = page.locator("#verdict").evaluate(
+        "(n) => n.getBoundingClientRect().height / parseFloat(getComputedStyle(n).lineHeight)"
+    )
+    assert verdict <= 2
+    assert page.evaluate("scrollY") == 0
+
+
+def test_the_panels_have_order_headings_and_captions_of_the_sections(window):
+    page = window()
+    told = page.locator("main > section.panel").evaluate_all(
+        """(all) => all.map((one) => [one.dataset.part,
+            one.querySelector("h2").textContent, one.querySelector(".shows").textContent,
+            one.querySelector("button.equation").dataset.equation.split(" "),
+            document.getElementById(one.getAttribute("aria-labelledby")) ===
+                one.querySelector("h2")])"""
+    )
+    expected = [
+        [one.part, one.heading, one.shows, list(one.explanations), True] for one in SECTIONS
+    ]
+    assert told == expected
+
+
+def test_the_first_two_reasons_are_shown_and_a_button_shows_all(window):
+    page = window()
+    reasons = page.locator("#reasons li")
+    assert reasons.count() == 3
+    assert [one.is_visible() for one in reasons.all()] == [True, True, False]
+    more = page.locator("#more")
+    more.press("Enter")
+    assert all(one.is_visible() for one in reasons.all())
+    assert more.get_attribute("aria-expanded") == "true"
+    more.press("Enter")
+    assert not reasons.last.is_visible()
+
+
+def test_the_table_of_the_sensors_has_the_ranking_and_is_sorted_by_keyboard(window):
+    page = window({"study": study_with(MANY), "look": {}})
+    ranking = drawing("head", shown(study_from_data(study_with(MANY), source="")))["ranking"]
+    names = page.locator("#electrons tbody th")
+    assert names.all_inner_texts() == MANY
+    assert page.locator("#electrons tbody td[data-key=rank]").all_inner_texts() == [
+        row["text"][0] for row in ranking["rows"]
+    ]
+    head = page.locator("button.sort[data-sort=luminance_db]")
+    heads = page.locator("#electrons thead th")
+
+    def sorts():
+        return [one for one in heads.evaluate_all("(a) => a.map((n) => n.ariaSort)") if one]
+
+    assert set(sorts()) == {"none"}
+    head.focus()
+    page.keyboard.press("Enter")
+    values = {row["name"]: row["values"][2] for row in ranking["rows"]}
+    best_first = sorted(MANY, key=lambda name: -values[name])
+    assert names.all_inner_texts() == best_first
+    assert sorted(set(sorts())) == ["descending", "none"]
+    assert page.evaluate("document.activeElement.dataset.sort") == "luminance_db"
+    page.keyboard.press("Enter")
+    assert names.all_inner_texts() == best_first[::-1]
+    page.keyboard.press("Enter")
+    assert names.all_inner_texts() == MANY
+
+
+def test_a_pinned_number_stands_beside_the_number_and_not_over_it(window):
+    page = window()
+    cell = page.locator("#electrons td[data-key=luminance_db]").first
+    before = cell.inner_text()
+    page.locator("#keep").click()
+    page.get_by_label("Name of this pin").wait_for()
+    assert cell.inner_text() == before
+    field = page.get_by_label("f-number, as a number")
+    field.fill("5.6")
+    answer_to(page, lambda: field.press("Enter"))
+    time = page.locator("#electrons td[data-key=time_ms]").first
+    until(page, "() => document.querySelector('#electrons small')")
+    assert time.locator("small").inner_text().strip() == "(was 11.94)"
+    top, under = time.evaluate(
+        """(n) => [n.firstChild, n.querySelector("small")].map((one) => {
+            const range = document.createRange();
+            range.selectNode(one);
+            const box = range.getBoundingClientRect();
+            return [box.top, box.bottom];
+        })"""
+    )
+    assert top[1] <= under[0] + 4
+    assert (
+        page.evaluate("[...document.querySelectorAll('#electrons s, #electrons del')].length") == 0
+    )
+
+
+def test_on_a_phone_a_sheet_holds_the_controls_and_leaves_verdict_and_picture_in_sight(window, axe):
+    page = window(**PHONE)
+    until(page, "() => document.querySelector('[data-part=picture] img')?.naturalWidth > 0")
+    assert page.locator("#controls").is_hidden()
+    assert box(page, "#verdict")[1] < box(page, ".d-stack")[1] < 844
+    button = page.locator("#sheet")
+    button.tap()
+    sheet = box(page, "#study")
+    assert sheet[3] - sheet[1] <= 0.45 * 844
+    assert button.get_attribute("aria-expanded") == "true"
+    for seen in ("#verdict", ".d-captions"):
+        _, top, _, bottom = box(page, seen)
+        assert 0 <= top < bottom <= sheet[1], seen
+    verdict = page.locator("#verdict").inner_text()
+    track = page.get_by_label("Light level", exact=True)
+    track.focus()
+    answer_to(page, lambda: page.keyboard.press("Shift+ArrowUp"))
+    assert page.locator("#verdict").inner_text() != verdict
+    assert faults_of_access(page, axe) == []
+    small = page.evaluate(
+        """[...document.querySelectorAll("button, select, input:not([type=file]), summary")]
+            .filter((n) => n.checkVisibility() && !n.closest(".d-stack"))
+            .map((n) => [n.outerHTML.slice(0, 80), n.getBoundingClientRect()])
+            .filter(([, box]) => Math.min(box.width, box.height) < 23.9)
+            .map(([text]) => text)"""
+    )
+    assert small == []
+    page.keyboard.press("Escape")
+    assert page.locator("#study").is_hidden()
+    assert page.evaluate("document.activeElement.id") == "sheet"
+    page.locator("#menu").tap()
+    assert page.get_by_role("button", name="Copy as Link").is_visible()
+    assert faults_of_access(page, axe) == []
+    for width in (320, 360, 390):
+        page.set_viewport_size({"width": width, "height": 740})
+        page.wait_for_timeout(300)
+        assert page.evaluate("document.documentElement.scrollWidth") <= width
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_axe_finds_no_fault_in_a_wide_window_with_ten_sensors(window, axe, scheme):
+    size = {"width": 2560, "height": 1440}
+    page = window({"study": study_with(MANY), "look": {}}, color_scheme=scheme, viewport=size)
+    page.evaluate("document.querySelectorAll('details').forEach((node) => (node.open = true))")
+    at_rest(page)
+    assert faults_of_access(page, axe) == []
+    assert page.evaluate("document.documentElement.scrollWidth") <= 2560
