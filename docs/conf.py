@@ -29,7 +29,7 @@ extensions = [
     "mathml",
     "reference_pages",
 ]
-exclude_patterns = ["_ext", "gallery", "**/.ipynb_checkpoints", "**/GALLERY_HEADER.rst"]
+exclude_patterns = ["_ext", "gallery", "auto_gallery/*.ipynb", "**/.ipynb_checkpoints"]
 nitpicky = True
 nitpick_ignore_regex = [(r"py:.*", r".*")]  # types of other libraries have no pages here
 default_role = "py:obj"
@@ -52,6 +52,7 @@ myst_heading_anchors = 4
 myst_fence_as_directive = []
 nb_execution_mode = "cache"
 nb_execution_cache_path = str(HERE.parent / "out" / "notebooks")
+nb_execution_in_temp = True
 nb_execution_timeout = 120
 nb_execution_raise_on_error = True
 nb_ipywidgets_js = {}

@@ -370,11 +370,23 @@ def check_inventory(app: Sphinx, error: Exception | None) -> None:
                 raise ExtensionError(f"{path}.{name} is not in the Python reference")
 
 
+def level_captions(
+    _app: Sphinx, _page: str, _template: str, context: dict[str, Any], _tree: object
+) -> None:
+    """Captions of the navigation are headings, which need a level (WAI-ARIA)."""
+    tree = context.get("furo_navigation_tree")
+    if tree:
+        context["furo_navigation_tree"] = tree.replace(
+            'role="heading"', 'role="heading" aria-level="2"'
+        )
+
+
 def setup(app: Sphinx) -> dict[str, Any]:
     """Write the pages when a build starts; link names in all pages."""
     app.connect("builder-inited", write_pages, priority=100)
     app.connect("autodoc-process-docstring", escape_docstring, priority=100)  # before napoleon
     app.connect("autodoc-process-docstring", literal_types, priority=900)  # after napoleon
     app.connect("build-finished", check_inventory)
+    app.connect("html-page-context", level_captions, priority=900)  # after the theme
     app.add_transform(LinkedNames)
     return {"version": "1", "parallel_read_safe": True, "parallel_write_safe": True}

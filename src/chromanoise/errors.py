@@ -340,7 +340,13 @@ def _short(key: str) -> str:
 
 
 def errors_in(error: InputError) -> tuple[InputError, ...]:
-    """The single errors in an error."""
+    """The single errors in an error.
+
+    Parameters
+    ----------
+    error
+        One error, or that of a study.
+    """
     return error.errors if isinstance(error, StudyError) else (error,)
 
 
