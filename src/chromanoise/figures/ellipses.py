@@ -43,7 +43,12 @@ def draw_ellipses(data: dict[str, Any], i: int, ax: Axes) -> Axes:
     ax.set(xlabel=data["names"][0], ylabel=data["names"][1], title=sensor["name"])
     if sensor["larger"]:
         box = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.0}
-        where = {"transform": ax.transAxes, "ha": "right", "va": "top", "fontsize": 7}
+        where: dict[str, Any] = {
+            "transform": ax.transAxes,
+            "ha": "right",
+            "va": "top",
+            "fontsize": 7,
+        }
         ax.text(0.97, 0.97, "larger than\nthe panel", bbox=box, **where)
     if sensor["why_not"]:
         ax.text(0.5, 0.5, "saturated", transform=ax.transAxes, ha="center")
