@@ -132,7 +132,7 @@ def test_a_block_that_does_not_do_what_it_says_is_found(text, here, done, capsys
 @pytest.mark.parametrize("path", PAGES, ids=page_id)
 def test_a_block_that_is_not_run_says_why(path):
     for block in blocks(path.read_text(encoding="utf-8")):
-        assert not block.mark or re.fullmatch(r"no-run: \w+( \S+)+|file=\S+", block.mark), block
+        assert not block.mark or re.fullmatch(r"no-run: \w.*|file=\S+", block.mark), block
 
 
 # ---- links ----
