@@ -17,8 +17,8 @@ budgets = [cn.analysis.coordinate_budget(one, "Y") for one in pair.analyses]
 with cn.figures.chromanoise_style():
     figure, axes = plt.subplots(2, 1, figsize=(7.2, 5.6), sharex=True, layout="constrained")
     for analysis, budget, ax in zip(pair.analyses, budgets, axes, strict=True):
-        top_db = max(one.photons_db for one in budgets)
-        cn.figures.draw_budget(budget, analysis.sensor, ax, top_db=top_db)
+        limits_db = (0, max(one.photons_db for one in budgets))
+        cn.figures.draw_budget(budget, analysis.sensor, ax, limits_db=limits_db)
     axes[0].set_xlabel("")
 
 for budget in budgets:

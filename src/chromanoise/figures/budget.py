@@ -37,9 +37,9 @@ def draw_budget(
     sensor
         The sensor of the budget.
     ax
-        Axes of matplotlib to draw on; a new figure if ``None``.
+        Axes of matplotlib to draw on.
     limits_db
-        Ends of the scale, where panels share one. [dB]
+        Ends of the scale, where panels share one; ``None`` for those of this budget. [dB]
     """
     at = budget.photons_db
     _bar(ax, 0, min(0.0, at), max(0.0, at), INK, decimal(at))

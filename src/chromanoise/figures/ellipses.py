@@ -22,7 +22,7 @@ def draw_ellipses(data: dict[str, Any], i: int, ax: Axes) -> Axes:
     i
         Index of the sensor.
     ax
-        Axes of matplotlib to draw on; a new figure if ``None``.
+        Axes of matplotlib to draw on.
     """
     sensor = data["sensors"][i]
     for patch in sensor["patches"]:

@@ -33,7 +33,7 @@ def draw_flow(analysis: Analysis, ax: Axes, *, rows: int = 4) -> Axes:
     analysis
         Results of one sensor.
     ax
-        Axes of matplotlib to draw on; a new figure if ``None``.
+        Axes of matplotlib to draw on.
     rows
         Number of rows for channels, so that panels of different sensors have equal height.
     """

@@ -49,7 +49,7 @@ def draw_light_above_plane(plane: ChannelPlane, ax: Axes) -> Axes:
     plane
         The plane of two channels, and what lies in it.
     ax
-        Axes of matplotlib to draw on; a new figure if ``None``.
+        Axes of matplotlib to draw on.
     """
     tilt = np.radians(plane.light_tilt_deg)
     tip = plane.light_length * np.array([np.cos(tilt), np.sin(tilt)])
@@ -77,7 +77,7 @@ def draw_measurement(plane: ChannelPlane, ax: Axes) -> Axes:
     plane
         The plane of two channels, and what lies in it.
     ax
-        Axes of matplotlib to draw on; a new figure if ``None``.
+        Axes of matplotlib to draw on.
     """
     _draw_channels(plane, ax)
     _draw_channel_angle(plane, ax)
@@ -102,7 +102,7 @@ def draw_contravariant(plane: ChannelPlane, ax: Axes) -> Axes:
     plane
         The plane of two channels, and what lies in it.
     ax
-        Axes of matplotlib to draw on; a new figure if ``None``.
+        Axes of matplotlib to draw on.
     """
     _draw_channels(plane, ax)
     _draw_channel_angle(plane, ax)
@@ -128,7 +128,7 @@ def draw_color_projection(plane: ChannelPlane, ax: Axes) -> Axes:
     plane
         The plane of two channels, and what lies in it.
     ax
-        Axes of matplotlib to draw on; a new figure if ``None``.
+        Axes of matplotlib to draw on.
     """
     _draw_channels(plane, ax, beside=[plane.axis.direction])
     _draw_color_axis(plane, ax)
@@ -156,7 +156,7 @@ def draw_uncertainty(
     noise
         Noise of the plane, magnified to be seen.
     ax
-        Axes of matplotlib to draw on; a new figure if ``None``.
+        Axes of matplotlib to draw on.
     title
         Text above the drawing.
     """
@@ -195,7 +195,7 @@ def draw_color_uncertainty(
     noise
         Noise of the plane, magnified to be seen.
     ax
-        Axes of matplotlib to draw on; a new figure if ``None``.
+        Axes of matplotlib to draw on.
     title
         Text above the drawing.
     """

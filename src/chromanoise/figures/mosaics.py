@@ -15,7 +15,7 @@ def draw_mosaic(mosaic: Mosaic, ax: Axes, *, cells: int = 8, title: str = "") ->
     mosaic
         Which channel each pixel has.
     ax
-        Axes of matplotlib to draw on; a new figure if ``None``.
+        Axes of matplotlib to draw on.
     cells
         Number of pixels on a side.
     title

@@ -20,7 +20,7 @@ def draw_observer(observer: Spectra, ax: Axes) -> Axes:
     observer
         The observer of the colors.
     ax
-        Axes of matplotlib to draw on; a new figure if ``None``.
+        Axes of matplotlib to draw on.
     """
     wavelength_nm = observer.wavelength_nm
     for name, curve in zip(observer.names, observer.values.T, strict=True):

@@ -28,7 +28,7 @@ def draw_pareto(data: dict[str, Any], ax: Axes) -> Axes:
     data
         The chart ``pareto`` of `chromanoise.charts`.
     ax
-        Axes of matplotlib to draw on; a new figure if ``None``.
+        Axes of matplotlib to draw on.
     """
     lines = sensor_lines(sensor["name"] for sensor in data["sensors"])
     many = are_many(lines)

@@ -14,7 +14,7 @@ def draw_picture(srgb: UInt8[Array, "h w 3"], ax: Axes, *, title: str = "") -> A
     srgb
         Encoded sRGB, 8 bits.
     ax
-        Axes of matplotlib to draw on; a new figure if ``None``.
+        Axes of matplotlib to draw on.
     title
         Text above the drawing.
     """

@@ -26,7 +26,7 @@ def draw_sensitivities(
     sensor
         The sensor; all its curves have one dash pattern.
     ax
-        Axes of matplotlib to draw on; a new figure if ``None``.
+        Axes of matplotlib to draw on.
     top
         Upper end of the scale, where panels share one. [e-/photon]
     dashes
