@@ -2,8 +2,8 @@
 Noise of each patch
 ===================
 
-Standard deviation of color of the 24 patches of the ColorChecker at 10 lx, as root mean square in
-CIELAB. Dark patches are noisy relative to their color; the sensor behind the IR-cut has the lower
+Color noise of the 24 patches of the ColorChecker at 10 lx: the mean distance in CIELAB by which
+noise moves the color. Dark patches are noisy relative to their color; the sensor behind the IR-cut has the lower
 noise on every patch.
 """
 

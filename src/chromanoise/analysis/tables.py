@@ -40,7 +40,7 @@ def analyses_as_table(analyses: Sequence[Analysis]) -> Table:
         *(Column(name=f"SNR {axis}", unit="dB", digits=".1f") for axis in axes),
         Column(name="bound", unit="dB", digits=".1f"),
         Column(name="color SNR loss", unit="dB", digits=".1f"),
-        Column(name="condition", digits=".4g"),
+        Column(name="condition of channels", digits=".4g"),
         Column(name="color error", unit="Delta E*ab", digits=".2f"),
         Column(name="total color error", unit="Delta E*ab", digits=".2f"),
     )
@@ -112,7 +112,7 @@ def matrix_as_table(matrix: ColorMatrix, report: MatrixReport, sensor_name: str)
     notes = [
         f"mean color error without noise {written(report.color_error_mean, '.4g') or 'not defined'}"
         f" Delta E*ab over {report.chart}",
-        f"condition {written(defined(report.condition), '.4g') or 'not defined'}",
+        f"condition of the matrix {written(defined(report.condition), '.4g') or 'not defined'}",
     ]
     for name, snr in (report.snr_db or {}).items():
         notes.append(f"SNR {name} of {report.patch} {written(snr, '.2f') or 'not defined'} dB")

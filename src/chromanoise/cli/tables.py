@@ -116,7 +116,7 @@ def print_analyses(analyses: Iterable[Analysis]) -> None:
         "Z dB",
         "bound dB",
         "color SNR loss dB",
-        "condition",
+        "condition of channels",
         "color error",
         "total color error",
     ):
