@@ -53,7 +53,7 @@ def _head(record: Mapping[str, Any]) -> list[Row]:
         for name, mean_e in one["mean_e"].items()
     ]
     head = ["sensor", "channel", "electrons of a white [e-]", "full well [e-]"]
-    return [[*head, "integration time [ms]", "f-number"], *rows]
+    return [[*head, "exposure time [ms]", "f-number"], *rows]
 
 
 def _stages(record: Mapping[str, Any]) -> list[Row]:
