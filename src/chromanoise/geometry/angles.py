@@ -14,8 +14,6 @@ def variance_inflation(frame: Frame) -> Float[Array, " p"]:
     """VIF_i = |f_i|^2 (G^-1)_ii = 1 / sin^2 phi_i; inf for a linearly dependent channel.
 
     phi_i is the angle between channel i and the span of the others. 1 for orthogonal channels.
-    Unmixing multiplies the variance of a channel by it where the raw covariance is proportional to
-    the Gram matrix; where the noise of the channels is independent, the factor is at least VIF^2.
 
     Parameters
     ----------
