@@ -846,7 +846,7 @@ def test_the_verdict_tells_of_saturated_sensors_and_of_one_alone():
 
 
 @pytest.mark.parametrize("reader", ["eye", "machine"])
-def test_a_verdict_names_time_and_f_number_whoever_looks_and_whatever_is_saturated(reader):
+def test_a_verdict_names_time_and_f_number_for_each_reader_and_with_saturated_sensors(reader):
     outputs = {"reader": reader}
     for sensors in (BOTH, BOTH[:1]):
         for time_ms in (5.0, 100.0):  # below full well, and all channels beyond it

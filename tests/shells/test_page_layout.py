@@ -104,7 +104,7 @@ def test_the_table_of_the_sensors_has_the_ranking_and_is_sorted_by_keyboard(wind
     assert names.all_inner_texts() == MANY
 
 
-def test_a_pinned_number_stands_beside_the_number_and_not_over_it(window):
+def test_a_pinned_number_is_beside_the_number_and_not_over_it(window):
     page = window()
     cell = page.locator("#electrons td[data-key=luminance_db]").first
     before = cell.inner_text()

@@ -58,7 +58,7 @@ def test_the_channels_without_ir_cut_are_nearly_equal_in_the_infrared_that_is_na
     assert f"beyond {ALIKE_FROM_NM:.0f} nm" in text_of(2)
 
 
-def test_what_the_tasks_say_of_an_ir_cut_before_the_rgbw_sensor_is_true():
+def test_the_tasks_are_right_about_an_ir_cut_in_front_of_the_rgbw_sensor():
     bare, cut650, cut700 = (
         cn.analyze("onyx-rgbw", lux=10, time_ms=11.94, **change).analyses[0]
         for change in ({}, {"ircut_nm": 650}, {"ircut_nm": 700})
@@ -101,7 +101,7 @@ def comes_to(page, number):
     )
 
 
-def test_the_story_goes_to_its_end_is_left_by_a_slider_and_come_back_to(window):
+def test_the_tour_has_an_end_is_left_by_a_slider_and_can_be_resumed(window):
     page = window()
     own = study_of(page)
     page.get_by_role("button", name="Tour in 5 steps").focus()
@@ -136,7 +136,7 @@ def test_the_story_goes_to_its_end_is_left_by_a_slider_and_come_back_to(window):
     assert study_of(page) == (own or STUDY)
 
 
-def test_a_link_opens_the_story_at_its_step(window):
+def test_a_link_opens_the_tour_at_its_step(window):
     page = window({"study": STEPS[2]["study"], "look": {"story": 3}})
     comes_to(page, 3)
     assert page.locator("#story .story-left").inner_text() == ""
@@ -148,7 +148,7 @@ def test_a_link_opens_the_story_at_its_step(window):
     )
 
 
-def test_sliders_keep_the_exposure_time_and_the_switch_gives_it_free(window):
+def test_sliders_keep_the_exposure_time_unless_auto_exposure_is_on(window):
     page = window()
     switch = page.get_by_role("switch", name="Auto exposure")
     share = page.locator("[data-where='exposure.saturate']")
@@ -203,7 +203,7 @@ def test_a_light_that_ends_early_asks_how_it_continues_and_is_answered_at_once(w
     assert asked.is_hidden()
 
 
-def test_every_light_of_the_page_is_one_that_needs_no_answer_or_one_that_ends_early():
+def test_every_light_of_the_page_covers_all_wavelengths_or_is_known_to_end_early():
     data = choices()
     ends = data["illuminant_ends_nm"]
     assert ends["D65"] == 780.0

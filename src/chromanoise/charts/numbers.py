@@ -36,6 +36,13 @@ def chart_rows(part: str, record: Mapping[str, Any]) -> list[Row]:
 def chart_csv(part: str, record: Mapping[str, Any]) -> str:
     """`chart_rows` as CSV (RFC 4180, lines end in LF); an undefined value is an empty cell.
 
+    Parameters
+    ----------
+    part
+        A name from `chromanoise.charts.DRAWINGS`.
+    record
+        Of that chart, from `chromanoise.charts.drawing`.
+
     Raises
     ------
     InputError
