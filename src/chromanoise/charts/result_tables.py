@@ -234,7 +234,7 @@ def gray_table(analyses: Sequence[Analysis], noises: Sequence[GrayNoise | None])
 def merits_table(point: OperatingPoint, merits: Merits) -> Table:
     """All figures of merit of one sensor with their sources, and why values are missing."""
     return Table(
-        title=f"Merits of {merits.sensor} at {conditions([point])}, {merits.matrix}",
+        title=f"Figures of merit of {merits.sensor} at {conditions([point])}, {merits.matrix}",
         columns=(
             Column(name="figure of merit"),
             Column(name="value", digits=".4g"),
