@@ -104,7 +104,7 @@ def _pareto(record: Mapping[str, Any]) -> list[Row]:
         for one in record["sensors"]
         for point in (*one["points"], one["now"])
     ]
-    head = ["sensor", "weight of the noise", "color error, mean Delta E*ab", "SNR of Y [dB]"]
+    head = ["sensor", "weight of the noise", "training error, mean Delta E*ab", "SNR of Y [dB]"]
     return [head, *rows]
 
 
@@ -157,7 +157,7 @@ def _ellipses(record: Mapping[str, Any]) -> list[Row]:
 def _chart(record: Mapping[str, Any]) -> list[Row]:
     head, columns = ["patch"], [[patch["name"] for patch in record["patches"]]]
     for one in record["sensors"]:
-        for what, key in (("color error", "delta_e"), ("noise", "noise")):
+        for what, key in (("color error", "delta_e"), ("color noise", "noise")):
             head.append(f"{one['name']} {what} [Delta E*ab]")
             values = [patch[key] for patch in one["patches"]]
             columns.append(values or [None] * len(record["patches"]))
