@@ -321,10 +321,12 @@ EXPLANATIONS: Mapping[str, Explanation] = {
     "budget": Explanation(
         title="The dB budget",
         words="The budget starts with all photons that hit the pixels and ends with the SNR of one "
-        "color. Each bar is what one cause costs or gives back: light that filters absorb, read "
-        "noise, the weights of the color, channels with similar curves, infrared. What a cause "
-        "costs depends on the causes before it, so each bar is the mean over all orders. The bars "
-        "add up exactly. The longest bars show where most SNR is lost.",
+        "color; each bar is what one cause costs or gives back. Filters absorb light, and the "
+        "readout adds noise. The color target is the cost of the weights that give the color "
+        "instead of the lowest noise; correlation is the cost of subtracting channels with similar "
+        "curves. Infrared electrons add noise without signal; some SNR comes back where the matrix "
+        "counts them as luminance (infrared leaking into Y). What a cause costs depends on the "
+        "causes before it, so each bar is the mean over all orders, and the bars add up exactly.",
         latex=(
             r"\ell_j = \frac{1}{n} \sum_{\pi} \left( S_{\pi}^{-j} - S_{\pi}^{+j} \right)",
             r"\mathrm{SNR}_c = S_0 - \sum_j \ell_j",
