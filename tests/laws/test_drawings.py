@@ -832,7 +832,7 @@ def test_terms_other_than_one_time_for_all_are_told():
     assert one.startswith("At 10 lx (illuminant E, 11.94 ms, f/1.8), onyx")
     assert "ms (onyx-rgbw), " in alike  # the times differ
     assert "), with each sensor exposed to the same share of full well, onyx" in alike
-    assert "), with the same photons for each channel set, onyx" in photons
+    assert "), with the same photons on all channels of each sensor together, onyx" in photons
     with pytest.raises(InputError, match="terms of a comparison"):
         verdict_sentences(usual().analyses, equal="time")
 

@@ -20,7 +20,7 @@ const TERMS = [
 const MEANT = {
   exposure: "One exposure time for all sensors.",
   saturation: "Each sensor has its own exposure time, which gives the same share of full well.",
-  light: "Every channel set (one pixel per channel) gets the same photons.",
+  light: "All channels of a sensor together (one pixel each) get the same photons: fewer channels, longer time.",
 };
 
 /**
