@@ -117,7 +117,7 @@ def matrix_as_table(matrix: ColorMatrix, report: MatrixReport, sensor_name: str)
     for name, snr in (report.snr_db or {}).items():
         notes.append(f"SNR {name} of {report.patch} {written(snr, '.2f') or 'not defined'} dB")
     return Table(
-        title=f"{report.made_by} of {sensor_name}",
+        title=f"Color matrix of {sensor_name}: {report.made_by}",
         columns=(Column(name="coordinate"), *columns),
         rows=tuple((name, *row) for name, row in rows),
         notes=tuple(notes),
@@ -155,7 +155,7 @@ def matrices_as_table(
         notes += [f"{sensor}: {note}" for note in table.notes]
     names = ", ".join(name for name, _, _ in matrices)
     return Table(
-        title=f"{matrices[0][2].made_by} of {names}",
+        title=f"Color matrix of {names}: {matrices[0][2].made_by}",
         columns=(
             Column(name="sensor"),
             Column(name="coordinate"),

@@ -402,7 +402,7 @@ class ComparisonMap(Result):
     def plot(self, ax: Any = None) -> Any:
         """Draw a heat map with the first matrix.
 
-        Of one sensor the quantity; of two their difference, with the line where they change places;
+        Of one sensor the quantity; of two their difference, with the line where they are equal;
         of more the best sensor.
         """
         title = f"{self.maps[0].quantity.what}, from {conditions(self.points)}"
