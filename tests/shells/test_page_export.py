@@ -11,7 +11,11 @@ import pytest
 
 from chromanoise.charts import Look, chart_csv, drawing, shown
 from chromanoise.cli.entry import run as run_command
+from chromanoise.page.reports import report_reply
+from chromanoise.page.requests import QuestionError
 from chromanoise.page.services import STUDY
+from chromanoise.page.studies import Studies
+from chromanoise.page.uploads import Kept, Upload, Uploads
 from chromanoise.study import study_from_data
 from shells.browser import FIXTURES, at_rest, until
 from shells.test_page_looks import RULES, axe, faults_of_access
@@ -296,3 +300,49 @@ def test_the_code_that_saves_is_loaded_when_it_is_used(window):
     )
     assert rows[0][0] == "illuminance [lx]"
     assert [url for url in loaded if url.endswith("draw/export.js")]
+
+
+def folder_of(tmp_path, monkeypatch, files):
+    """An empty folder for a report, and the study files of a served folder beside it."""
+    served, empty = tmp_path / "served" / "here", tmp_path / "empty"
+    served.mkdir(parents=True)
+    empty.mkdir()
+    for name, text in files.items():
+        (served / name).write_text(text)
+    monkeypatch.chdir(served)
+    return empty
+
+
+def test_no_file_of_a_study_is_written_by_its_report(tmp_path, monkeypatch):
+    pixel = 'schema = "chromanoise pixel"\nschema_version = 1\nread_noise_e = 2.4\n'
+    files = {"study.toml": pixel, "../a.csv": SENSOR}
+    empty = folder_of(tmp_path, monkeypatch, files)
+    sensors = [{"name": "onyx-rgbw", "pixel": {"file": "study.toml"}}, {"name": "../a.csv"}]
+    studies = Studies(Kept(), files=frozenset(files))
+    html = report_reply(studies, {"study": {"sensors": sensors}}, empty)
+    assert "../a.csv" in html
+    assert (tmp_path / "served" / "here" / "study.toml").read_text() == pixel
+    assert {one.name for one in tmp_path.iterdir()} == {"served", "empty"}
+
+
+def test_two_files_of_one_name_are_refused(tmp_path, monkeypatch):
+    empty = folder_of(tmp_path, monkeypatch, {"a.csv": SENSOR})
+    other = tmp_path / "0123.csv"
+    other.write_text(SENSOR.replace("0.4", "0.5"))
+    kept, dropped = Kept(), f"upload:{'0' * 16}.csv"
+    kept.hold((Upload(id=dropped, label="a.csv", path=other, kind="table", size_bytes=1),))
+    studies = Studies(kept, files=frozenset({"a.csv"}))
+    question = {"study": {"sensors": [{"name": "a.csv"}, {"name": dropped}]}}
+    with pytest.raises(QuestionError, match=r"a\.csv must name one file"):
+        report_reply(studies, question, empty)
+
+
+def test_the_folder_of_a_job_goes_even_after_all_others():
+    uploads = Uploads()
+    with uploads.empty_folder() as folder:
+        (folder / "d").mkdir()
+        (folder / "d" / "a.csv").write_text("1")
+    assert not folder.exists()
+    with uploads.empty_folder() as folder:
+        uploads.close()  # the server ends
+    assert not folder.exists()
