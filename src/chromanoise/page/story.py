@@ -98,9 +98,9 @@ def _alike(of: Shown) -> list[str]:
         f"that of {cut.sensor.label} {_closest(cut)}.",
         f"{mix.channel} is nearly a mix of the others: {parts} is an arrow only "
         f"{decimal(mix.angle_deg, 0)}° away. The variance inflation factor (VIF) says what that "
-        f"costs: whoever wants to know {mix.channel} apart from the others gets "
-        f"{decimal(vif[mix.channel])} times the noise variance, and behind the IR-cut at most "
-        f"{decimal(float(cut.vif.max()))} times.",
+        f"costs: in what only {mix.channel} sees, its own noise counts "
+        f"{decimal(vif[mix.channel])} times, and behind the IR-cut that of no channel more than "
+        f"{decimal(float(cut.vif.max()))} times. The noise of the other channels is added.",
     ]
 
 
