@@ -346,3 +346,39 @@ def test_the_folder_of_a_job_goes_even_after_all_others():
     with uploads.empty_folder() as folder:
         uploads.close()  # the server ends
     assert not folder.exists()
+
+
+def test_a_label_is_words_at_the_pointer_in_saved_files_and_in_the_report(
+    window, browser, tmp_path
+):
+    label = '=<img src=x onerror=alert(1)> & "q" $x_\''
+    study = STUDY | {"sensors": [{"name": "onyx-rgb", "label": label}, {"name": "onyx-rgbw"}]}
+    sweeps = [SWEEP | {"second": None}, SWEEP]
+    page = window({"study": study | {"sweeps": sweeps}, "look": {"open": ["stages"]}})
+    assert f"sensor: {label}" in read_by_key(page, "budget", "Home")
+    page.keyboard.press("Escape")
+    panel = "section[data-part=budget]"
+    root = stands_alone(saved(page, panel, "SVG")[1])
+    assert label in {one.text for one in root.iter(f"{SVG}text")}
+    size_of(saved(page, panel, "PNG")[1])
+    _, *rows = csv.reader(io.StringIO(saved(page, panel, "CSV")[1].decode()))
+    assert rows[0][0] == f"'{label}"
+    with page.expect_download() as caught:
+        page.get_by_role("button", name="Save report").click()
+    caught.value.save_as(tmp_path / "report.html")
+    html = (tmp_path / "report.html").read_text(encoding="utf-8")
+    short = re.search('data-hash="([0-9a-f]{8})', html).group(1)
+    assert caught.value.suggested_filename == f"chromanoise-report-{short}.html"
+    tab = browser({"viewport": {"width": 1280, "height": 900}}).new_page()
+    wrong = []
+    tab.on("console", lambda one: wrong.append(one.text))
+    tab.on("dialog", lambda one: (wrong.append(one.message), one.dismiss()))
+    tab.goto((tmp_path / "report.html").as_uri())
+    tab.locator("section[data-part=levels] svg.d-figure").wait_for()
+    for part, ending in (("sweeps", "SVG"), ("map", "PNG")):
+        name, data = saved(tab, f"section:has(> #h-{part})", ending)
+        assert name.endswith(ending.lower())
+        assert data.startswith(b"\x89PNG" if ending == "PNG" else b"<?xml")
+    assert page.locator("[onerror]").count() == tab.locator("[onerror]").count() == 0
+    tab.close()
+    assert wrong == []
