@@ -220,6 +220,15 @@ def test_every_chart_is_saved_as_svg_png_and_csv(window, of):
     assert data.decode().count("\n") == 1 + 4 * 3
 
 
+def test_a_channel_whose_name_has_a_control_character_is_saved(client, window):
+    curves = SENSOR.replace(",R,", ",R\x01\x1b[1m,", 1)
+    dropped = {"X-Filename": "odd.csv"} | FILE
+    upload = client.post("/api/upload", content=curves, headers=dropped).json()["id"]
+    page = window({"study": STUDY | {"sensors": [{"name": upload}]}, "look": {}})
+    root = stands_alone(saved(page, "section[data-part=stages]", "SVG")[1])
+    assert any("R\ufffd\ufffd[1m" in (one.text or "") for one in root.iter(f"{SVG}text"))
+
+
 def test_pictures_and_their_divided_view_are_saved(window):
     page = window({"study": STUDY, "look": {}})
     page.locator("section[data-part=picture]").scroll_into_view_if_needed()

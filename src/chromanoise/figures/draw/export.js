@@ -27,6 +27,9 @@ const LOOK = {
   "font-weight": "400",
 };
 
+/** Characters that XML does not allow, and a name in a file of curves may have. */
+const NOT_XML = /[^\P{Cc}\t\n\r]|[\ufffe\uffff]/gu;
+
 /** What a file alone has no use for. */
 const UNUSED = /^(class|style|id|role|tabindex|aria-.*|visibility)$/;
 
@@ -117,7 +120,7 @@ export function svgText(saved) {
   document.body.append(holder);
   try {
     saved.draw(inner);
-    return new XMLSerializer().serializeToString(composed(holder, saved));
+    return new XMLSerializer().serializeToString(composed(holder, saved)).replace(NOT_XML, "\ufffd");
   } finally {
     holder.remove();
   }
