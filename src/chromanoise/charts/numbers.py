@@ -39,6 +39,13 @@ def chart_csv(part: str, record: Mapping[str, Any]) -> str:
 
     Text that a spreadsheet would interpret as a formula is prefixed with an apostrophe.
 
+    Parameters
+    ----------
+    part
+        Name of a chart, from `chromanoise.charts.DRAWINGS`.
+    record
+        Its data, as `chromanoise.charts.drawing` gives it.
+
     Raises
     ------
     InputError
