@@ -175,7 +175,7 @@ def test_an_answer_that_turns_nothing_is_not_told_aloud_again(page):
     page.evaluate(
         """() => {
             window.told = 0;
-            const node = document.querySelector("[data-part=vectors] .d-note[role=status]");
+            const node = document.querySelector("[data-part=vectors] .d-views ~ [role=status]");
             const told = new MutationObserver(() => (window.told += 1));
             told.observe(node, { childList: true, subtree: true });
         }"""
