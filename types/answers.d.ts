@@ -184,9 +184,9 @@ export interface Choices {
   version: string;
   /** In their order. */
   sections: Section[];
-  study?: Study;
+  study: Study;
   /** Whether `/api/front` has one. */
-  front?: boolean;
+  front: boolean;
   sensors: KnownSensor[];
   illuminants: string[];
   /** Where the tables of illuminants end that need an answer to `light.beyond`. */

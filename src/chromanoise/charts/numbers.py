@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from chromanoise import _check
+from chromanoise.io.table_formats import formula_free
 
 Row = list[Any]
 
@@ -36,6 +37,8 @@ def chart_rows(part: str, record: Mapping[str, Any]) -> list[Row]:
 def chart_csv(part: str, record: Mapping[str, Any]) -> str:
     """`chart_rows` as CSV (RFC 4180, lines end in LF); an undefined value is an empty cell.
 
+    Text that a spreadsheet would interpret as a formula is prefixed with an apostrophe.
+
     Parameters
     ----------
     part
@@ -49,7 +52,9 @@ def chart_csv(part: str, record: Mapping[str, Any]) -> str:
         If there is no such chart.
     """
     text = io.StringIO()
-    csv.writer(text, lineterminator="\n").writerows(chart_rows(part, record))
+    writer = csv.writer(text, lineterminator="\n")
+    for row in chart_rows(part, record):
+        writer.writerow([formula_free(cell) if isinstance(cell, str) else cell for cell in row])
     return text.getvalue()
 
 

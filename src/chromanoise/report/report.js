@@ -257,7 +257,7 @@ document.addEventListener("turn", (event) => (turn = /** @type {CustomEvent} */ 
 all(".sight").forEach(divide);
 all("section[data-part]").forEach(savable);
 for (const image of document.images) {
-  if (image.closest(".map")) image.after(saveImage(image));
+  if (image.closest(".sweep")) image.after(saveImage(image));
 }
 byId("sliders").hidden = false;
 sliders.forEach((slider) => (slider.value = String(data.slides[Number(slider.dataset.slide)].own)));
