@@ -96,7 +96,7 @@ def test_the_story_goes_to_its_end_is_left_by_a_slider_and_come_back_to(window):
         parts = marked.evaluate_all("all => all.map((one) => one.dataset.part)")
         assert set(parts) == set(STEPS[number - 1]["parts"])
         assert f"Step {number} " in marked.first.inner_text()
-    assert page.get_by_role("button", name="Next").count() == 0
+    assert page.get_by_role("button", name="Next").is_disabled()
     page.go_back()
     comes_to(page, 4)
     level = page.locator("[data-where='light.level_lux']")

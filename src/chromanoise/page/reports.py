@@ -14,10 +14,9 @@ from chromanoise.page.requests import QuestionError, field, page_sentence
 from chromanoise.page.studies import Studies, labeled, spoken
 from chromanoise.page.uploads import Upload
 from chromanoise.report import sights_of, study_report
-from chromanoise.study import Study, read_study, study_as_toml
+from chromanoise.study import Study
 from chromanoise.study.hashes import file_words, files_of_word
 
-_STUDY = "study.toml"
 _DEEP = 8  # folders above the working folder, for names that begin with ``..``
 
 
@@ -37,10 +36,10 @@ def report_reply(studies: Studies, question: Mapping[str, Any]) -> str:
         With all faults of the study.
     """
     study, used = studies.read(field(question, "study", dict, {}))
-    studies.operating_points(study, used)  # its faults have the keys of the page's controls
+    points = studies.operating_points(study, used)  # faults have the keys of the page's controls
     with _beside_files(study, used):
         try:
-            of = shown(read_study(_STUDY))
+            of = shown(labeled(study, used), operating_points=points)
             return study_report(of, sights_of(of, work=Work(threads=1)))
         except InputError as error:
             sentence = spoken(page_sentence(error), used)
@@ -49,7 +48,7 @@ def report_reply(studies: Studies, question: Mapping[str, Any]) -> str:
 
 @contextmanager
 def _beside_files(study: Study, used: list[Upload]) -> Iterator[None]:
-    """Work in a folder with the study and its files, each under the name that the study gives."""
+    """Work in a folder with the files of a study, each under the name that the study gives."""
     files = [file for one in file_words(study) for file in files_of_word(one)]
     uploads = {one.path: Path(one.label) for one in used}
     with tempfile.TemporaryDirectory(prefix="chromanoise-") as top:
@@ -59,7 +58,6 @@ def _beside_files(study: Study, used: list[Upload]) -> Iterator[None]:
             name = uploads.get(file, file)
             if not name.is_absolute():
                 _linked(folder / name, file.absolute())
-        (folder / _STUDY).write_text(study_as_toml(labeled(study, used)), encoding="utf-8")
         with chdir(folder):
             yield
 

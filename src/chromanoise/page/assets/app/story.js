@@ -118,9 +118,10 @@ function storyParts(section, { go, leave }) {
     back.hidden = !isLeft;
     say(back, `Back to step ${number}`);
     previous.hidden = number === 1;
-    next.hidden = number === count;
+    next.hidden = false;
+    next.disabled = number === count;
     next.classList.toggle("primary", !isLeft);
-    if (focus instanceof HTMLElement && focus.hidden) (next.hidden ? previous : next).focus();
+    if (focus === next ? next.disabled : focus instanceof HTMLElement && focus.hidden) (next.disabled ? previous : next).focus();
   };
   /** @param {string} sentence */
   const lost = (sentence) => {
