@@ -136,7 +136,7 @@ def test_sliders_keep_the_exposure_time_and_the_switch_gives_it_free(window):
     level.focus()
     question, parts = answer_to(page, lambda: page.keyboard.press("Shift+ArrowDown"))
     first = question["study"]["exposure"]["time_ms"]
-    assert first == pytest.approx(11.941189, abs=1e-6)
+    assert first == 11.94
     assert all(one["time_ms"] == pytest.approx(first) for one in parts["head"]["sensors"])
     assert "11.94 ms, f/1.8" in parts["head"]["verdict"][0]
     page.locator("[data-where='exposure.f_number']").focus()
@@ -152,7 +152,7 @@ def test_sliders_keep_the_exposure_time_and_the_switch_gives_it_free(window):
     assert "time_ms" not in question["study"]["exposure"]
     assert max(parts["head"]["sensors"][0]["mean_e"].values()) == pytest.approx(9900)
     question, _ = answer_to(page, switch.click)
-    assert question["study"]["exposure"]["time_ms"] == solved
+    assert solved * 0.999 < question["study"]["exposure"]["time_ms"] <= solved
     answer_to(page, page.get_by_role("radio", name="saturation").click)
     assert switch.is_checked()
     assert switch.is_disabled()
