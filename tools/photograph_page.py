@@ -26,6 +26,7 @@ TALL = {"width": 1280, "height": 1640}
 PHONE = {"width": 390, "height": 844}
 SENSORS = ("onyx-rgbw", "onyx-rgb-ircut", "onyx-rgb")
 _PATIENCE_MS = 60_000
+_MOST_BYTES = 150_000
 _MAP_MS = 2000  # a map is computed after all other charts
 _DRAWN = "section.panel[data-part]:not([data-part=picture])[aria-busy]"
 _REST = f"""() => new Promise((done) => {{
@@ -200,9 +201,12 @@ FILES: Mapping[str, Callable[[Any, Path], bytes]] = {
 
 
 def save(picture: bytes, path: Path) -> None:
-    """With 256 colors: flat drawings lose nothing that the eye sees, and the file stays small."""
+    """With 256 colors, or fewer where the file would be larger than `_MOST_BYTES`."""
     image = Image.open(BytesIO(picture)).convert("RGB")
-    image.quantize(256, dither=Image.Dither.NONE).save(path, optimize=True)
+    for colors in (256, 128, 64, 32):
+        image.quantize(colors, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE).save(path, optimize=True)
+        if path.stat().st_size < _MOST_BYTES:
+            return
 
 
 def main() -> None:

@@ -296,3 +296,12 @@ def test_the_code_that_saves_is_loaded_when_it_is_used(window):
     )
     assert rows[0][0] == "illuminance [lx]"
     assert [url for url in loaded if url.endswith("draw/export.js")]
+
+
+def test_a_report_shows_a_repeated_sensor_as_the_page_does(window):
+    study = {"sensors": [{"name": "onyx-rgbw"}, {"name": "onyx-rgbw"}]}
+    page = window({"study": study, "look": {}})
+    with page.expect_response(lambda reply: reply.url.endswith("/api/report")) as caught:
+        page.locator("#report").click()
+    assert caught.value.headers["content-type"].startswith("text/html")
+    assert "onyx-rgbw (2)" in caught.value.text()

@@ -74,6 +74,7 @@ export function guidedStory(section, start) {
     await go(1);
     parts.heading.focus({ preventScroll: true });
   });
+  section.addEventListener("keydown", ({ key }) => key === "Escape" && leave());
   new ResizeObserver(() => {
     document.documentElement.style.setProperty("--story-height", `${section.offsetHeight}px`);
   }).observe(section);
