@@ -11,6 +11,7 @@ import sys
 import tempfile
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from importlib import import_module
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -101,9 +102,7 @@ def _explain(page: Any) -> None:
 
 def _front(page: Any) -> None:
     sys.path.insert(0, str(ROOT / "tests"))
-    from fronts import front_of_ir_cuts
-
-    content = front_of_ir_cuts().as_json().encode()
+    content = import_module("fronts").front_of_ir_cuts().as_json().encode()
     page.set_input_files(
         "#file", {"name": "front.json", "mimeType": "application/json", "buffer": content}
     )
@@ -204,7 +203,9 @@ def save(picture: bytes, path: Path) -> None:
     """With 256 colors, or fewer where the file would be larger than `_MOST_BYTES`."""
     image = Image.open(BytesIO(picture)).convert("RGB")
     for colors in (256, 128, 64, 32):
-        image.quantize(colors, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE).save(path, optimize=True)
+        image.quantize(colors, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE).save(
+            path, optimize=True
+        )
         if path.stat().st_size < _MOST_BYTES:
             return
 

@@ -88,7 +88,7 @@ export interface Look {
   open: string[];
   /** Whether the exposure time is solved for again whenever something changes. */
   auto_exposure: boolean;
-  /** The step of the guided story, from 1. */
+  /** The step of the tour, from 1. */
   story: Maybe;
 }
 
@@ -205,7 +205,7 @@ export interface Choices {
 
 // ---- /api/story -------------------------------------------------------------------------------
 
-/** A step of the guided story: a state of the page, and what it shows. */
+/** A step of the tour: a state of the page, and what it shows. */
 export interface StoryStep {
   heading: string;
   /** The panels that show it. */

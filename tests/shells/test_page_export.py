@@ -71,7 +71,7 @@ def test_a_csv_has_the_digits_of_the_library_in_the_view_of_the_page(client, of)
     ("question", "status"),
     [({"part": "pie"}, 400), ({"part": 3}, 400), ({"part": "map"}, 200), ({"study": []}, 400)],
 )
-def test_a_csv_of_nothing_is_one_sentence(client, question, status):
+def test_a_csv_of_a_chart_without_numbers_is_refused_in_one_sentence(client, question, status):
     sentence_of(client.post("/api/csv", json={"study": STUDY, "part": "head"} | question), status)
 
 
@@ -80,7 +80,7 @@ def test_the_report_of_the_page_is_that_of_the_command(client, report, tmp_path,
     assert report == reported(tmp_path, text, monkeypatch)
 
 
-def test_a_report_names_dropped_files_as_their_person_does(client, tmp_path, monkeypatch):
+def test_a_report_gives_dropped_files_their_own_names(client, tmp_path, monkeypatch):
     dropped = {"X-Filename": "my curves.csv"} | FILE
     upload = client.post("/api/upload", content=SENSOR, headers=dropped).json()["id"]
     study = {"sensors": [{"name": upload}], "pictures": [{"cube": "builtin:checker"}]}
@@ -92,7 +92,7 @@ def test_a_report_names_dropped_files_as_their_person_does(client, tmp_path, mon
     assert upload.split(":")[1].encode() not in page
 
 
-def test_a_report_of_a_wrong_study_is_a_sentence_with_its_key(client):
+def test_a_report_of_a_wrong_study_is_refused_with_the_key(client):
     reply = client.post("/api/report", json={"study": {"sensors": [{"name": "no-such-sensor"}]}})
     assert sentence_of(reply, 200)
     assert reply.json()["faults"][0]["where"] == "sensors.0.name"
@@ -263,7 +263,7 @@ def test_the_report_is_saved_from_the_page_and_its_charts_from_the_report(
     assert wrong == []
 
 
-def test_a_report_that_cannot_be_is_a_sentence(window):
+def test_a_report_that_cannot_be_made_is_refused_in_one_sentence(window):
     page = window({"study": STUDY, "look": {}})
     fault = {"faults": [{"where": "", "sentence": "No report today."}]}
     page.route("**/api/report", lambda route: route.fulfill(json=fault))

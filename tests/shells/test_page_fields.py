@@ -53,7 +53,7 @@ def sample(field):
     return next(word for word in words if word != field["default"])
 
 
-def test_every_field_of_a_sensor_and_its_pixel_has_a_control_or_a_reason_to_have_none():
+def test_every_field_of_a_sensor_and_its_pixel_has_a_control_or_a_reason_for_none():
     keys = {f"sensors.{name}" for name in SensorPart.model_fields} - {"sensors.pixel"}
     keys |= {f"sensors.pixel.{name}" for name in PixelPart.model_fields}
     parts = {key.rpartition(".")[0] for key in (*FIELDS, *ELSEWHERE)}
@@ -63,7 +63,7 @@ def test_every_field_of_a_sensor_and_its_pixel_has_a_control_or_a_reason_to_have
     assert not set(FIELDS) & set(ELSEWHERE)
 
 
-def test_a_description_tells_unit_range_and_default_of_the_study():
+def test_a_description_has_unit_range_and_default_of_the_study():
     prnu = FIELDS["sensors.pixel.prnu"]
     assert (prnu["unit"], prnu["low"], prnu["scale"]) == ("1", 0.0, "linear")
     assert FIELDS["sensors.pixel.pitch_um"]["unit"] == "um"
@@ -82,7 +82,7 @@ def test_a_field_without_a_line_of_its_own_is_described_by_its_schema(monkeypatc
 
 
 @pytest.mark.parametrize("key", FIELDS)
-def test_the_study_accepts_what_a_control_offers(key):
+def test_the_study_accepts_every_value_that_a_control_offers(key):
     field = FIELDS[key]
     offered = [sample(field), *field.get("options", ())]
     if field["kind"] == "number":

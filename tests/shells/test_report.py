@@ -149,7 +149,7 @@ def test_verdict_tables_equations_and_study_stand_in_the_page_without_a_script(p
     assert study_from_text(toml, source="the page") == there.study
 
 
-def test_headings_stand_in_the_order_of_the_sections_and_of_the_contents(page):
+def test_headings_are_in_the_order_of_the_sections_and_of_the_contents(page):
     elements = Elements(page)
     headings = [(attrs["id"].removeprefix("h-"), text) for attrs, text in elements.of("h2")]
     order = [one.part for one in SECTIONS if one.part not in ("map", "head")]

@@ -36,6 +36,13 @@ def chart_rows(part: str, record: Mapping[str, Any]) -> list[Row]:
 def chart_csv(part: str, record: Mapping[str, Any]) -> str:
     """`chart_rows` as CSV (RFC 4180, lines end in LF); an undefined value is an empty cell.
 
+    Parameters
+    ----------
+    part
+        A name from `chromanoise.charts.DRAWINGS`.
+    record
+        Of that chart, from `chromanoise.charts.drawing`.
+
     Raises
     ------
     InputError
@@ -53,7 +60,7 @@ def _head(record: Mapping[str, Any]) -> list[Row]:
         for name, mean_e in one["mean_e"].items()
     ]
     head = ["sensor", "channel", "electrons of a white [e-]", "full well [e-]"]
-    return [[*head, "integration time [ms]", "f-number"], *rows]
+    return [[*head, "exposure time [ms]", "f-number"], *rows]
 
 
 def _stages(record: Mapping[str, Any]) -> list[Row]:
@@ -97,7 +104,7 @@ def _pareto(record: Mapping[str, Any]) -> list[Row]:
         for one in record["sensors"]
         for point in (*one["points"], one["now"])
     ]
-    head = ["sensor", "weight of the noise", "color error, mean Delta E*ab", "SNR of Y [dB]"]
+    head = ["sensor", "weight of the noise", "training error, mean Delta E*ab", "SNR of Y [dB]"]
     return [head, *rows]
 
 
@@ -150,7 +157,7 @@ def _ellipses(record: Mapping[str, Any]) -> list[Row]:
 def _chart(record: Mapping[str, Any]) -> list[Row]:
     head, columns = ["patch"], [[patch["name"] for patch in record["patches"]]]
     for one in record["sensors"]:
-        for what, key in (("color error", "delta_e"), ("noise", "noise")):
+        for what, key in (("color error", "delta_e"), ("color noise", "noise")):
             head.append(f"{one['name']} {what} [Delta E*ab]")
             values = [patch[key] for patch in one["patches"]]
             columns.append(values or [None] * len(record["patches"]))

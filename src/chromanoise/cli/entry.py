@@ -24,7 +24,7 @@ _COMMANDS = {
     "compare": "Sensors over one or two parameters, as light or read noise: curves, crossovers.",
     "matrix": "A sensor's color matrix: color error, noise, condition; to CSV, JSON, CLF, profile.",
     "sensitivity": "What 1 nm or 1 % of each parameter of a sensor changes; tolerance budget.",
-    "optimize": "Search filters, IR-cut, exposure and matrix of a sensor for the best trades.",
+    "optimize": "Search filters, IR-cut, exposure and matrix of a sensor for the best trade-offs.",
     "init": "A commented study or design file to start from.",
     "run": "Run a study file: analyses, sweeps, pictures, with provenance.",
     "rerun": "Run the study of an output once more and compare the results.",
@@ -38,7 +38,7 @@ _COMMANDS = {
     "demo": "All results of the paper on one page: out/demo/index.html.",
     "characterize": "Noise of a camera from its own raw frames, as a pixel file and a report.",
     "denoise-bench": "Denoising methods compared over scenes, sensors and light levels; a report.",
-    "cite": "How to cite chromanoise and the paper; --bibtex.",
+    "cite": "How to cite chromanoise and the paper; --bibtex for BibTeX.",
     "demo-frames": "Raw frames of a virtual camera with known noise, to try a characterization.",
 }
 

@@ -160,7 +160,9 @@ def _replying(
         except ClientDisconnect:
             return Response(status_code=400)
         except asyncio.CancelledError:  # of what is being computed when the server ends
-            return _refusing(QuestionError(("", "the server ends; send it again"), status=503))
+            return _refusing(
+                QuestionError(("", "the server is stopping; send the request again"), status=503)
+            )
 
     return replied
 

@@ -214,7 +214,7 @@ function savable(section) {
     draw: (element) => MODULES[/** @type {Part} */ (part)].draw(element, shownNow(), { width: element.clientWidth, look: { turn } }),
     data: () => /** @type {{ title: string }} */ (/** @type {unknown} */ (shownNow())),
     csv: async () => {
-      if (isChanged()) throw new Error("The CSV holds the study as it is: go back to the study first.");
+      if (isChanged()) throw new Error("The CSV contains the values of the study itself: move the sliders back to the study first.");
       return data.csv[part];
     },
     note: () => (isChanged() ? (byId("changed").textContent ?? "") : ""),

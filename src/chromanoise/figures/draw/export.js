@@ -270,6 +270,6 @@ function sheet(width, height) {
  */
 function blobOf(canvas) {
   return new Promise((done, failed) => {
-    canvas.toBlob((blob) => (blob ? done(blob) : failed(new Error("This browser makes no PNG of this size."))), "image/png");
+    canvas.toBlob((blob) => (blob ? done(blob) : failed(new Error("This browser cannot make a PNG of this size."))), "image/png");
   });
 }
