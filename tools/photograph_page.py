@@ -1,8 +1,17 @@
-"""Photographs of the page for docs/pictures: light, dark, on a phone, and a heat map.
+"""Photographs of the page, of reports and of the demo for docs/pictures.
 
-Needs a chromium, and playwright of the dev extra: ``python tools/photograph_page.py``.
+Needs a chromium, and playwright of the dev extra: ``python tools/photograph_page.py [NAME ...]``;
+without names it takes all pictures.
 """
 
+import base64
+import json
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from importlib import import_module
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -11,10 +20,14 @@ from PIL import Image
 
 from served_page import chromium_path, served
 
-PICTURES = Path(__file__).parents[1] / "docs" / "pictures"
-WIDE = {"width": 1280, "height": 1640}
-PHONE = {"width": 360, "height": 1480}
-SHOTS = (("page-light", WIDE, "light"), ("page-dark", WIDE, "dark"), ("page-phone", PHONE, "light"))
+ROOT = Path(__file__).parents[1]
+PICTURES = ROOT / "docs" / "pictures"
+WIDE = {"width": 1280, "height": 800}
+TALL = {"width": 1280, "height": 1640}
+PHONE = {"width": 390, "height": 844}
+SENSORS = ("onyx-rgbw", "onyx-rgb-ircut", "onyx-rgb")
+_PATIENCE_MS = 60_000
+_MOST_BYTES = 150_000
 _MAP_MS = 2000  # a map is computed after all other charts
 _DRAWN = "section.panel[data-part]:not([data-part=picture])[aria-busy]"
 _REST = f"""() => new Promise((done) => {{
@@ -22,24 +35,48 @@ _REST = f"""() => new Promise((done) => {{
         && document.querySelectorAll("{_DRAWN}").length === 0 ? done() : setTimeout(look, 20);
     look();
 }})"""
+_PICTURE = """() => new Promise((done) => {
+    const panel = document.querySelector("[data-part=picture]");
+    const look = () => panel.querySelector("img") && !panel.hasAttribute("aria-busy")
+        ? done() : setTimeout(look, 20);
+    look();
+})"""
 
 
-def photograph(browser: Any, address: str, size: dict[str, int], scheme: str) -> bytes:
-    """The page as PNG, once everything in it is drawn."""
-    context = browser.new_context(viewport=size, color_scheme=scheme, reduced_motion="reduce")
-    page = context.new_page()
-    page.goto(address)
-    page.evaluate(_REST)
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Shot:
+    """One photograph of the page: a state, what is done there, and what is taken."""
+
+    state: Mapping[str, Any] | None = None
+    act: Callable[[Any], object] = lambda page: None
+    size: Mapping[str, int] | None = None
+    scheme: str = "light"
+    part: str | None = None
+
+
+def _with(count: int, **study: object) -> dict[str, Any]:
+    sensors = [
+        {"name": SENSORS[i % 3]} | ({"shift_nm": 5.0 * (i // 3)} if i > 2 else {})
+        for i in range(count)
+    ]
+    return {"study": {"sensors": sensors} | study, "look": {}}
+
+
+def _open_card(page: Any) -> None:
     page.evaluate("document.querySelector('.card details').open = true")
-    picture: bytes = page.screenshot()
-    context.close()
-    return picture
 
 
-def photograph_of_map(browser: Any, address: str) -> bytes:
-    """The heat map of the temperature of the light and its level as PNG."""
-    page = browser.new_page(viewport=WIDE, color_scheme="light", reduced_motion="reduce")
-    page.goto(address)
+def _hover(page: Any) -> None:
+    figure = page.locator("section[data-part=levels] svg.d-figure")
+    figure.scroll_into_view_if_needed()
+    box = figure.bounding_box()
+    for share in (0.3, 0.35, 0.4, 0.45, 0.5):
+        page.mouse.move(box["x"] + 0.55 * box["width"], box["y"] + share * box["height"])
+        if page.locator(".d-tip:visible").count():
+            return
+
+
+def _map(page: Any) -> None:
     panel = page.locator("section[data-part=map]")
     panel.scroll_into_view_if_needed()
     panel.get_by_label("Across", exact=True).select_option("kelvin")
@@ -50,27 +87,141 @@ def photograph_of_map(browser: Any, address: str) -> bytes:
     page.evaluate("document.activeElement.blur()")
     page.locator(".d-map").wait_for()
     page.wait_for_timeout(_MAP_MS)
+
+
+def _tour(page: Any) -> None:
+    page.locator("#tour").click()
+    page.locator("#story:not([hidden])").wait_for()
+    page.wait_for_timeout(2 * _MAP_MS)
+
+
+def _explain(page: Any) -> None:
+    page.locator("section[data-part=budget] [data-equation]").first.click()
+    page.locator("dialog[open] math").first.wait_for()
+
+
+def _front(page: Any) -> None:
+    sys.path.insert(0, str(ROOT / "tests"))
+    content = import_module("fronts").front_of_ir_cuts().as_json().encode()
+    page.set_input_files(
+        "#file", {"name": "front.json", "mimeType": "application/json", "buffer": content}
+    )
+    page.locator("section[data-part=front] .d-figure").first.wait_for()
+
+
+SHOTS: Mapping[str, Shot] = {
+    "page-light": Shot(act=_open_card, size=TALL),
+    "page-dark": Shot(act=_open_card, size=TALL, scheme="dark"),
+    "page-phone": Shot(size=PHONE),
+    "page-phone-sheet": Shot(size=PHONE, act=lambda page: page.locator("#sheet").click()),
+    "page-tour": Shot(act=_tour),
+    "page-explanation": Shot(act=_explain),
+    "page-map": Shot(size=TALL, act=_map, part="map"),
+    "page-hover": Shot(act=_hover),
+    "page-ten-sensors": Shot(state=_with(10), size=TALL),
+    "page-reader": Shot(state=_with(2, outputs={"reader": "machine"})),
+    "page-front": Shot(size=TALL, act=_front, part="front"),
+    "page-denoising": Shot(
+        state=_with(2, light={"level_lux": 3.0}, pictures=[{"denoise": "guided"}]), part="picture"
+    ),
+}
+"""The screens of the page, by the name of the picture."""
+
+
+def photograph(browser: Any, address: str, shot: Shot) -> bytes:
+    """The page as PNG, once everything in it is drawn."""
+    context = browser.new_context(
+        viewport=dict(shot.size or WIDE), color_scheme=shot.scheme, reduced_motion="reduce"
+    )
+    context.set_default_timeout(_PATIENCE_MS)
+    page = context.new_page()
+    state = "" if shot.state is None else _packed(shot.state)
+    page.goto(address + (f"#{state}" if state else ""))
     page.evaluate(_REST)
-    picture: bytes = panel.screenshot()
+    page.evaluate(_PICTURE)
+    shot.act(page)
+    page.evaluate(_REST)
+    taken = page if shot.part is None else page.locator(f"section[data-part={shot.part}]")
+    picture: bytes = taken.screenshot()
+    context.close()
+    return picture
+
+
+def photograph_file(browser: Any, path: Path, heading: str | None = None) -> bytes:
+    """A written HTML file as PNG, from its top or from one of its headings on."""
+    page = browser.new_page(viewport=WIDE, color_scheme="light")
+    page.goto(path.as_uri())
+    page.wait_for_timeout(_MAP_MS)
+    if heading is not None:
+        page.get_by_role("heading", name=heading).first.evaluate("(one) => one.scrollIntoView()")
+    picture: bytes = page.screenshot()
     page.close()
     return picture
 
 
+def _packed(state: Mapping[str, Any]) -> str:
+    return base64.urlsafe_b64encode(json.dumps(state).encode()).decode().rstrip("=")
+
+
+def _chromanoise(*arguments: str, folder: Path) -> None:
+    command = "from chromanoise.cli import main; main()"
+    subprocess.run([sys.executable, "-c", command, *arguments], cwd=folder, check=True)
+
+
+def _report(browser: Any, folder: Path) -> bytes:
+    (folder / "study.toml").write_text(
+        '[[sensors]]\nname = "onyx-rgbw"\n[[sensors]]\nname = "onyx-rgb-ircut"\n', encoding="utf-8"
+    )
+    _chromanoise("report", "study.toml", "-o", "report.html", folder=folder)
+    return photograph_file(browser, folder / "report.html")
+
+
+def _report_with_sweeps(browser: Any, folder: Path) -> bytes:
+    (folder / "swept.toml").write_text(
+        '[[sensors]]\nname = "onyx-rgbw"\n[[sensors]]\nname = "onyx-rgb-ircut"\n'
+        '[[sweeps]]\nvary = "read-noise-e"\nfirst = 1.0\nlast = 30.0\npoints = 9\n',
+        encoding="utf-8",
+    )
+    _chromanoise("report", "swept.toml", "-o", "swept.html", folder=folder)
+    return photograph_file(browser, folder / "swept.html", "Sweep")
+
+
+def _demo(browser: Any, folder: Path) -> bytes:
+    _chromanoise("demo", folder=folder)
+    return photograph_file(browser, folder / "out" / "demo" / "index.html")
+
+
+FILES: Mapping[str, Callable[[Any, Path], bytes]] = {
+    "report": _report,
+    "report-sweeps": _report_with_sweeps,
+    "demo": _demo,
+}
+"""The screens of written files, by the name of the picture."""
+
+
 def save(picture: bytes, path: Path) -> None:
-    """With 256 colors: flat drawings lose nothing that the eye sees, and the file stays small."""
+    """With 256 colors, or fewer where the file would be larger than `_MOST_BYTES`."""
     image = Image.open(BytesIO(picture)).convert("RGB")
-    image.quantize(256, dither=Image.Dither.NONE).save(path, optimize=True)
+    for colors in (256, 128, 64, 32):
+        image.quantize(colors, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE).save(
+            path, optimize=True
+        )
+        if path.stat().st_size < _MOST_BYTES:
+            return
 
 
 def main() -> None:
-    """Write all photographs."""
+    """Write the photographs."""
     from playwright.sync_api import sync_playwright
 
-    with served() as (address, _), sync_playwright() as started:
+    names = sys.argv[1:] or [*SHOTS, *FILES]
+    with sync_playwright() as started, tempfile.TemporaryDirectory() as folder:
         browser = started.chromium.launch(executable_path=chromium_path(), args=["--no-sandbox"])
-        for name, size, scheme in SHOTS:
-            save(photograph(browser, address, size, scheme), PICTURES / f"{name}.png")
-        save(photograph_of_map(browser, address), PICTURES / "page-map.png")
+        with served() as (address, _):
+            for name in (one for one in names if one in SHOTS):
+                save(photograph(browser, address, SHOTS[name]), PICTURES / f"{name}.png")
+        for name in (one for one in names if one in FILES):
+            save(FILES[name](browser, Path(folder)), PICTURES / f"{name}.png")
         browser.close()
 
 

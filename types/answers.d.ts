@@ -543,6 +543,7 @@ export interface Answer {
 
 export interface PictureSummary {
   sensor?: string;
+  label?: string;
   width_px?: number;
   height_px?: number;
   above_full_well_share?: Record<string, number>;

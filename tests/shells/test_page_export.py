@@ -391,3 +391,12 @@ def test_a_label_is_words_at_the_pointer_in_saved_files_and_in_the_report(
     assert page.locator("[onerror]").count() == tab.locator("[onerror]").count() == 0
     tab.close()
     assert wrong == []
+
+
+def test_a_report_shows_a_repeated_sensor_as_the_page_does(window):
+    study = {"sensors": [{"name": "onyx-rgbw"}, {"name": "onyx-rgbw"}]}
+    page = window({"study": study, "look": {}})
+    with page.expect_download() as caught:
+        page.get_by_role("button", name="Save report").click()
+    with open(caught.value.path(), "rb") as file:  # noqa: PTH123
+        assert b"onyx-rgbw (2)" in file.read()

@@ -177,3 +177,21 @@ def test_axe_finds_no_fault_in_a_wide_window_with_ten_sensors(window, axe, schem
     at_rest(page)
     assert faults_of_access(page, axe) == []
     assert page.evaluate("document.documentElement.scrollWidth") <= 2560
+
+
+@pytest.mark.parametrize("width", [360, 390, 480])
+def test_a_tap_in_the_middle_of_each_button_of_a_phone_s_header_reaches_it(window, width):
+    page = window(viewport={"width": width, "height": 844})
+    for name in ("#tour", "#menu", "#more"):
+        page.locator(name).click(trial=True, timeout=3000)
+    page.locator("#tour").click()
+    page.locator("#sheet").click()
+    page.locator("#study .track").first.click(trial=True, timeout=3000)
+
+
+def test_one_sensor_stands_beside_itself_without_noise(window):
+    page = window({"study": {"sensors": [{"name": "onyx-rgbw"}]}, "look": {}})
+    panel = page.locator("[data-part=picture]")
+    panel.locator("img").nth(1).wait_for()
+    assert panel.get_by_label("Left", exact=True).input_value() == "0 noisy"
+    assert panel.get_by_label("Right", exact=True).input_value() == "0 still"

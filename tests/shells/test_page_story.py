@@ -118,7 +118,7 @@ def test_the_tour_has_an_end_is_left_by_a_slider_and_can_be_resumed(window):
         parts = marked.evaluate_all("all => all.map((one) => one.dataset.part)")
         assert set(parts) == set(STEPS[number - 1]["parts"])
         assert f"Step {number} " in marked.first.inner_text()
-    assert page.get_by_role("button", name="Next").count() == 0
+    assert page.get_by_role("button", name="Next").is_disabled()
     page.go_back()
     comes_to(page, 4)
     level = page.locator("[data-where='light.level_lux']")
@@ -158,7 +158,7 @@ def test_sliders_keep_the_exposure_time_unless_auto_exposure_is_on(window):
     level.focus()
     question, parts = answer_to(page, lambda: page.keyboard.press("Shift+ArrowDown"))
     first = question["study"]["exposure"]["time_ms"]
-    assert first == pytest.approx(11.941189, abs=1e-6)
+    assert first == 11.94
     assert all(one["time_ms"] == pytest.approx(first) for one in parts["head"]["sensors"])
     assert "11.94 ms, f/1.8" in parts["head"]["verdict"][0]
     page.locator("[data-where='exposure.f_number']").focus()
@@ -174,7 +174,7 @@ def test_sliders_keep_the_exposure_time_unless_auto_exposure_is_on(window):
     assert "time_ms" not in question["study"]["exposure"]
     assert max(parts["head"]["sensors"][0]["mean_e"].values()) == pytest.approx(9900)
     question, _ = answer_to(page, switch.click)
-    assert question["study"]["exposure"]["time_ms"] == solved
+    assert solved * 0.999 < question["study"]["exposure"]["time_ms"] <= solved
     answer_to(page, page.get_by_role("radio", name="saturation").click)
     assert switch.is_checked()
     assert switch.is_disabled()

@@ -71,7 +71,11 @@ def _columns(analyses: Sequence[Analysis]) -> list[_Column]:
             "color_error", "color error [ΔE]", f"{error}, without noise", "lower", mean_color_error
         ),
         _Column(
-            "total_error", "with noise [ΔE]", f"{error}, with noise", "lower", mean_total_error
+            "total_error",
+            "total color error [ΔE]",
+            f"{error}, with noise",
+            "lower",
+            mean_total_error,
         ),
         _Column("time_ms", "time [ms]", "exposure time", None, _time_ms, _four_digits),
         _Column("f_number", "f-number", "f-number", None, lambda one: one.exposure.f_number, brief),

@@ -80,9 +80,8 @@ _PLACES: Mapping[str, tuple[str, str]] = {  # by the beginning of a key: section
     "outputs.pipeline": ("Run", "Pipeline"),
 }
 SECTION_HINTS: Mapping[str, str] = {
-    "Sensors": "Pixel, crosstalk and filters belong to one sensor. Light, exposure, matrices, "
-    "observer and pipeline are the same for all sensors of a study.",
-    "Run": "For a run of the study and its report; the charts here do not show these outputs.",
+    "Sensors": "Each sensor has its own pixel, crosstalk and filters; all else is shared.",
+    "Run": "For the command line and the report; not shown in these charts.",
 }
 """Hints of sections."""
 

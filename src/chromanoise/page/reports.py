@@ -13,10 +13,8 @@ from chromanoise.page.requests import QuestionError, field, page_sentence
 from chromanoise.page.studies import Studies, labeled, spoken
 from chromanoise.page.uploads import Upload
 from chromanoise.report import sights_of, study_report
-from chromanoise.study import Study, study_as_toml
-from chromanoise.study.assembly import unresolved
+from chromanoise.study import Study
 from chromanoise.study.hashes import file_words, files_of_word
-from chromanoise.study.reading import document_from_text
 
 
 def report_reply(studies: Studies, question: Mapping[str, Any], folder: Path) -> str:
@@ -37,11 +35,10 @@ def report_reply(studies: Studies, question: Mapping[str, Any], folder: Path) ->
         With all faults of the study.
     """
     study, used = studies.read(field(question, "study", dict, {}))
-    studies.operating_points(study, used)  # its faults have the keys of the page's controls
+    points = studies.operating_points(study, used)  # faults have the keys of the page's controls
     try:
         with _beside_files(study, used, folder):
-            text = study_as_toml(labeled(study, used))
-            of = shown(document_from_text(Study, text, source="the study", unfit=unresolved))
+            of = shown(labeled(study, used), operating_points=points)
             return study_report(of, sights_of(of, work=Work(threads=1)))
     except InputError as error:
         sentence = spoken(page_sentence(error), used)

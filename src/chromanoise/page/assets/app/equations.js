@@ -40,6 +40,7 @@ async function showEquations(names, opener) {
   const nodes = names.flatMap((name) => (found?.[name] ? [entry(found[name])] : []));
   const none = found ? "No explanation available." : "The server does not answer; close this and try again.";
   entries.replaceChildren(...(nodes.length ? nodes : [el("p", { text: none })]));
+  dialog.scrollTop = 0; // the focus is on the button at the end
 }
 
 /** All explanations; null where the server does not answer. */

@@ -58,7 +58,7 @@ export function exposureControls(choices) {
     on: (on) =>
       changeState(({ study, look }) => {
         look.auto_exposure = on;
-        setAt(study, "exposure.time_ms", on ? null : solved);
+        setAt(study, "exposure.time_ms", on || solved === null ? null : shortTime(solved));
       }),
   });
   const time = bound("exposure.time_ms", {
@@ -66,7 +66,7 @@ export function exposureControls(choices) {
   });
   beforeSliding((state) => {
     if (!timeStays(state) || solved === null || solvedFor !== sensorsAndLamp(state.study)) return;
-    if (valueAt(state.study, "exposure.time_ms") === null) setAt(state.study, "exposure.time_ms", solved);
+    if (valueAt(state.study, "exposure.time_ms") === null) setAt(state.study, "exposure.time_ms", shortTime(solved));
   });
   const share = bound("exposure.saturate");
   const aperture = bound("exposure.f_number");
@@ -113,6 +113,16 @@ function timeStays({ study, look }) {
 }
 
 /**
+ * A computed time with four digits; rounded down, so that no channel exceeds its share.
+ *
+ * @param {number} time_ms
+ */
+function shortTime(time_ms) {
+  const digits = 10 ** (3 - Math.floor(Math.log10(time_ms)));
+  return Number((Math.floor(time_ms * digits) / digits).toPrecision(4));
+}
+
+/**
  * What must be the same for an exposure time that was computed to be that of a study.
  *
  * @param {Study} study
@@ -129,9 +139,9 @@ function sensorsAndLamp({ sensors, light }) {
 function autoHint(solves, shared, study) {
   if (!shared) return "Always on with this comparison: each sensor has its own exposure time.";
   const full = `${brief(100 * saidAt(study, "exposure.saturate"))} % of full well`;
-  if (solves) return `The time follows every change, so that the fullest channel of all sensors is at ${full}.`;
-  if (valueAt(study, "exposure.time_ms") !== null) return "The time stays when light, f-number or sensors change.";
-  return `The time below fills the fullest channel to ${full}. It stays once you move a slider.`;
+  if (solves) return `The time follows every change: fullest channel at ${full}. At the same exposure the picture stays the same.`;
+  if (valueAt(study, "exposure.time_ms") !== null) return "Fixed time.";
+  return `Fullest channel at ${full}.`;
 }
 
 /**

@@ -130,7 +130,7 @@ class View {
     const kinds = method ? ["noisy", "denoised", "still"] : ["noisy", "still"];
     const values = sensors.flatMap((_, i) => kinds.map((kind) => `${i} ${kind}`));
     const options = values.map((value) => [value, sideName(study, value)]);
-    const wanted = this.#wantedSides(Boolean(method));
+    const wanted = this.#wantedSides(Boolean(method), sensors.length);
     this.sides.forEach(({ select }, side) => {
       const first = wanted[side].replace(/^\d+/, "0");
       fillChoice(select, options, values.includes(wanted[side]) ? wanted[side] : first);
@@ -147,9 +147,11 @@ class View {
    * they become again what they were.
    *
    * @param {boolean} denoises
+   * @param {number} count of sensors
    */
-  #wantedSides(denoises) {
-    const now = this.sides.map(({ select }, side) => select.value || `${side} noisy`);
+  #wantedSides(denoises, count) {
+    const second = count > 1 ? "1 noisy" : "0 still";
+    const now = this.sides.map(({ select }, side) => select.value || (side ? second : "0 noisy"));
     if (denoises === this.#denoises) return now;
     this.#denoises = denoises;
     if (!denoises) return this.#sidesBefore;
@@ -177,7 +179,7 @@ class View {
     try {
       const pictures = await this.#pictures(study, sides, labels, signal);
       this.#shown = key;
-      this.#told = [...new Set(pictures.flatMap(summed))].join(" ");
+      this.#told = summed(pictures.map(({ summary }) => summary));
       this.#replace(pictures.map(({ blob }) => URL.createObjectURL(blob)), labels);
       say(this.said, this.#told);
     } catch (error) {
@@ -273,38 +275,42 @@ function sideName(study, side) {
 }
 
 /**
- * The sensor as people know it; one that stands there twice gets a number, as in a run.
+ * The label of a sensor, or its name, which gets a number where it stands there twice, as in a run.
  *
  * @param {SensorPart[]} sensors
  * @param {number} i
  */
 function sensorName(sensors, i) {
-  const { name } = sensors[i];
+  const { name, label } = sensors[i];
+  if (label) return label;
   const before = sensors.slice(0, i).filter((other) => other.name === name).length;
   return before ? `${shownName(name)} (${before + 1})` : shownName(name);
 }
 
 /**
- * What the server tells of a picture: its size, what does not fit into the pixel, its notes.
+ * What the server tells of pictures, each once: their size, what does not fit into the pixel, the
+ * notes. Notes on a sensor stand with the sensors.
  *
- * @param {TakenPicture} picture
+ * @param {PictureSummary[]} summaries
  */
-function summed({ summary }) {
-  const notes = (summary.notes ?? []).map(sentence);
-  if (!summary.width_px) return notes;
-  const size = `${summary.sensor}: ${summary.width_px} \u00d7 ${summary.height_px} pixels`;
-  const over = Object.entries(summary.above_full_well_share ?? {}).filter(([, share]) => share > 0);
-  const told = over.map(([name, share]) => `${name} ${brief(100 * share, 2)} %`);
-  return [told.length ? `${size}, above full well ${told.join(", ")}.` : `${size}.`, ...notes];
+function summed(summaries) {
+  const sizes = summaries.flatMap(({ width_px, height_px }) => (width_px ? [`${width_px} \u00d7 ${height_px} pixels.`] : []));
+  const over = summaries.flatMap(({ sensor, label = sensor, above_full_well_share: shares = {} }) => {
+    const told = Object.entries(shares).flatMap(([name, share]) => (share > 0 ? [`${name} ${brief(100 * share, 2)} %`] : []));
+    return told.length ? [`${label}, above full well: ${told.join(", ")}.`] : [];
+  });
+  const notes = summaries.flatMap((one) => one.notes ?? []).map(sentence);
+  return [...new Set([...sizes, ...over, ...notes])].join(" ");
 }
 
 /**
- * Text with the full stop that it may lack.
+ * Text with the capital letter and the full stop that it may lack.
  *
  * @param {string} text
  */
 function sentence(text) {
-  return /[.!?]$/.test(text) ? text : `${text}.`;
+  const begun = text.charAt(0).toUpperCase() + text.slice(1);
+  return /[.!?]$/.test(begun) ? begun : `${begun}.`;
 }
 
 /** @param {Study} study */

@@ -74,6 +74,7 @@ export function guidedStory(section, start) {
     await go(1);
     parts.heading.focus({ preventScroll: true });
   });
+  section.addEventListener("keydown", ({ key }) => key === "Escape" && leave());
   new ResizeObserver(() => {
     document.documentElement.style.setProperty("--story-height", `${section.offsetHeight}px`);
   }).observe(section);
@@ -118,8 +119,9 @@ function storyParts(section, { go, leave }) {
     back.hidden = !isLeft;
     say(back, `Restore step ${number}`);
     previous.hidden = number === 1;
-    next.hidden = number === count;
-    if (focus instanceof HTMLElement && focus.hidden) (next.hidden ? previous : next).focus();
+    next.hidden = false;
+    next.disabled = number === count;
+    if (focus === next ? next.disabled : focus instanceof HTMLElement && focus.hidden) (next.disabled ? previous : next).focus();
   };
   /** @param {string} sentence */
   const lost = (sentence) => {
