@@ -80,3 +80,10 @@ def test_cos_squared_of_50_7_and_18_1_degrees_are_40_1_and_90_3_percent():
 def test_the_condition_of_a_pair_is_the_cotangent_of_half_its_angle(angle_deg, condition):
     # singular values sqrt(1 +- cos t)
     assert pair(angle_deg, gains=(1e-6, 1.0)).condition == pytest.approx(condition, rel=1e-7)
+
+
+@pytest.mark.parametrize(("angle_deg", "factor"), [(90, 1.0), (30, 4.0), (10, 33.1634)])
+def test_the_own_noise_of_a_channel_is_multiplied_by_its_vif(angle_deg, factor):
+    only_a = raw_of(np.full(2, 1e4), np.diag([1e4, 0.0]), names=("a", "b"))
+    sd = np.sqrt(contravariant(only_a, pair(angle_deg)).covariance[0, 0])
+    assert sd / 100 == pytest.approx(factor, rel=1e-5)

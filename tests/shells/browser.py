@@ -84,7 +84,7 @@ def watch():
     """What the windows of this test complain of; at its end it has to be nothing."""
     one = Watch()
     yield one
-    assert one.unforgiven() == []
+    assert one.unforgiven() == [], one.unforgiven()
     assert one.outside == []
 
 

@@ -104,7 +104,7 @@ def test_the_noisy_picture_stands_on_both_sides_until_the_denoised_one_has_come(
     assert labels(panel) == ["onyx-rgbw, noisy", "onyx-rgbw, denoised (guided)"]
     assert panel.get_attribute("data-denoising") is None
     pictures = [one.post_data_json["study"].get("pictures") for one in asked]
-    assert pictures == [None, [{"cube": "builtin:checker", "denoise": "guided"}]]
+    assert pictures == [STUDY["pictures"], [STUDY["pictures"][0] | {"denoise": "guided"}]]
     assert DENOISING["guided"].what in panel.inner_text()
 
 
@@ -130,11 +130,11 @@ def test_the_method_is_in_the_address_and_none_gives_back_both_sensors(window):
     panel.scroll_into_view_if_needed()
     panel.get_by_label("Denoising").select_option("guided")
     page.wait_for_url(lambda _: (study_of(page) or {}).get("pictures"))
-    assert study_of(page)["pictures"] == [{"cube": "builtin:checker", "denoise": "guided"}]
+    assert study_of(page)["pictures"] == [STUDY["pictures"][0] | {"denoise": "guided"}]
     page.reload()
     panel.get_by_label("Denoising").wait_for()
     until(page, "() => document.querySelector('.picture-tools select').value === 'guided'")
     assert sides(panel) == ["0 noisy", "0 denoised"]
     panel.get_by_label("Denoising").select_option("")
-    page.wait_for_url(lambda _: "pictures" not in study_of(page))
+    page.wait_for_url(lambda _: study_of(page)["pictures"] == STUDY["pictures"])
     assert sides(panel) == ["0 noisy", "1 noisy"]

@@ -114,10 +114,9 @@ def test_a_pinned_number_stands_beside_the_number_and_not_over_it(window):
     field = page.get_by_label("f-number, as a number")
     field.fill("5.6")
     answer_to(page, lambda: field.press("Enter"))
-    time = page.locator("#electrons td[data-key=time_ms]").first
     until(page, "() => document.querySelector('#electrons small')")
-    assert time.locator("small").inner_text().strip() == "(was 11.94)"
-    top, under = time.evaluate(
+    assert cell.locator("small").inner_text().strip() == f"(was {before})"
+    top, under = cell.evaluate(
         """(n) => [n.firstChild, n.querySelector("small")].map((one) => {
             const range = document.createRange();
             range.selectNode(one);

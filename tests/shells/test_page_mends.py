@@ -145,7 +145,7 @@ def test_the_notes_of_a_picture_are_told_and_faults_with_status_200_are_sentence
     panel = page.locator("[data-part=picture]")
     panel.scroll_into_view_if_needed()
     panel.locator("img").first.wait_for()
-    said = panel.get_by_role("status")
+    said = page.locator(SAID)
 
     def noted(route):
         reply = route.fetch()
@@ -168,14 +168,14 @@ def test_the_notes_of_a_picture_are_told_and_faults_with_status_200_are_sentence
     assert said.inner_text() == "The cube was moved away."
 
 
-SAID = "[data-part=picture] [role=status]"
+SAID = "[data-part=picture] .hint[role=status]"
 
 
 def test_an_answer_that_turns_nothing_is_not_told_aloud_again(page):
     page.evaluate(
         """() => {
             window.told = 0;
-            const node = document.querySelector("[data-part=vectors] [role=status]");
+            const node = document.querySelector("[data-part=vectors] .d-views ~ [role=status]");
             const told = new MutationObserver(() => (window.told += 1));
             told.observe(node, { childList: true, subtree: true });
         }"""

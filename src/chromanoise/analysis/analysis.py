@@ -454,7 +454,7 @@ def _frame_notes(analysis: Analysis) -> list[str]:
         worst = float(analysis.vif[sensor.names.index(mix.channel)])
         return [
             f"nearly singular (condition {frame.condition:.4g}): {mix_sentence(mix)}, which "
-            f"multiplies the variance of its coordinate by {worst:.4g}"
+            f"multiplies its own noise in its coordinate by {worst:.4g} (VIF)"
         ]
     return []
 

@@ -36,6 +36,13 @@ def chart_rows(part: str, record: Mapping[str, Any]) -> list[Row]:
 def chart_csv(part: str, record: Mapping[str, Any]) -> str:
     """`chart_rows` as CSV (RFC 4180, lines end in LF); an undefined value is an empty cell.
 
+    Parameters
+    ----------
+    part
+        Name of a chart, from `chromanoise.charts.DRAWINGS`.
+    record
+        Its data, as `chromanoise.charts.drawing` gives it.
+
     Raises
     ------
     InputError

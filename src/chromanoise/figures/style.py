@@ -77,7 +77,13 @@ def chromanoise_style() -> Iterator[None]:
 
 
 def channel_color(name: str) -> str:
-    """The color of a channel by its name; the text color for a name outside the palette."""
+    """The color of a channel by its name; the text color for a name outside the palette.
+
+    Parameters
+    ----------
+    name
+        Of the channel, as ``R``.
+    """
     return _palette.channel_color(name) or INK
 
 

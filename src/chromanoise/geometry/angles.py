@@ -20,6 +20,14 @@ def variance_inflation(frame: Frame) -> Float[Array, " p"]:
     frame
         The channels and their dual basis.
 
+    Notes
+    -----
+    The weight of the channel's own reading in its contravariant coordinate is VIF_i / |f_i|^2, so
+    the standard deviation of its own noise is multiplied by VIF_i there, and the noise of the
+    other channels is added. The whole variance is multiplied by VIF_i only where the covariance
+    of the noise is proportional to G, as in a regression; independent noise of the channels gives
+    more: for two channels at an angle t (1 + cos^2 t) / sin^4 t.
+
     Examples
     --------
     >>> from chromanoise.geometry import dual_frame

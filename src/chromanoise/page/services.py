@@ -22,8 +22,9 @@ STUDY: dict[str, Any] = {
     "exposure": {"equal": "exposure", "f_number": 1.8},
     "sensors": [{"name": "onyx-rgbw"}, {"name": "onyx-rgb-ircut"}],
     "matrices": ["kernel"],
+    "pictures": [{"cube": "builtin:checker", "clip": True}],
 }
-"""The default study: the paper's comparison."""
+"""The default study: the paper's comparison, with a picture that full wells clip."""
 
 
 class Services:

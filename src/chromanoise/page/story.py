@@ -16,9 +16,11 @@ from chromanoise.analysis.analysis import (
 from chromanoise.analysis.budgets import coordinate_budget
 from chromanoise.charts import Shown, drawing, shown
 from chromanoise.charts.text import brief, decimal, electrons, listed
-from chromanoise.metrics.budget import INFRARED, Cost
+from chromanoise.metrics.budget import CORRELATION, INFRARED, Cost
 from chromanoise.spectra import INFRARED_FROM_NM
 from chromanoise.study import study_from_data
+
+_CUT_NM = 700.0  # of the task of the step about infrared
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -98,9 +100,9 @@ def _alike(of: Shown) -> list[str]:
         f"that of {cut.sensor.label} {_closest(cut)}.",
         f"{mix.channel} is nearly a mix of the others: {parts} is an arrow only "
         f"{decimal(mix.angle_deg, 0)}° away. The variance inflation factor (VIF) says what that "
-        f"costs: whoever wants to know {mix.channel} apart from the others gets "
-        f"{decimal(vif[mix.channel])} times the noise variance, and behind the IR-cut at most "
-        f"{decimal(float(cut.vif.max()))} times.",
+        f"costs: in what only {mix.channel} sees, its own noise counts "
+        f"{decimal(vif[mix.channel])} times, and behind the IR-cut that of no channel more than "
+        f"{decimal(float(cut.vif.max()))} times. The noise of the other channels is added.",
     ]
 
 
@@ -124,7 +126,10 @@ def _unmixed(of: Shown) -> list[str]:
 
 def _infrared(of: Shown) -> list[str]:
     bare, cut = of.analyses
-    cost, cost_cut = (infrared_cost(a) for a in (bare, cut))
+    cost, cost_cut = (_cost(a, INFRARED) for a in (bare, cut))
+    mended = _with_cut(of)
+    mix = mended.mix
+    assert mix is not None  # as in `_alike`
     return [
         f"Our eyes see next to nothing beyond {brief(INFRARED_FROM_NM)} nm, but silicon does. In "
         f"{bare.sensor.label} {cost.reading}, in {cut.sensor.label} "
@@ -133,6 +138,11 @@ def _infrared(of: Shown) -> list[str]:
         "photons (top) to the luminance Y, the brightness that an eye sees (bottom): in "
         f"{bare.sensor.label} the infrared costs {decimal(cost.loss_db)} dB of it.",
         "So the same electrons that made the raw SNR better make the color worse.",
+        f"The infrared is not all of it. With an IR-cut at {brief(_CUT_NM)} nm in front of it, "
+        f"{bare.sensor.label} would have {decimal(_luminance_db(mended))} dB of SNR of Y, still "
+        f"less than the {decimal(_luminance_db(cut))} dB of {cut.sensor.label}: its channel "
+        f"{mix.channel} is then nearly the sum of the others (only {decimal(mix.angle_deg, 0)}° "
+        f"away), and correlation costs {decimal(_cost(mended, CORRELATION).loss_db)} dB.",
     ]
 
 
@@ -183,8 +193,8 @@ STEPS: tuple[Step, ...] = (
         heading="Infrared carries no color",
         parts=("budget",),
         sentences=_infrared,
-        task="Try it: drag the IR-cut edge of onyx-rgbw down to 700 nm. What becomes of its "
-        "raw SNR, and what of its SNR of Y?",
+        task=f"Try it: set the IR-cut edge of onyx-rgbw to {_CUT_NM:.0f} nm. Which bars of the "
+        "budget become shorter, and which longer?",
         look={"coordinate": "Y"},
     ),
     Step(
@@ -201,11 +211,26 @@ STEPS: tuple[Step, ...] = (
 """The steps, in their order."""
 
 
-def infrared_cost(analysis: Analysis) -> Cost:
-    """What infrared costs of the SNR of Y, as the chart of the budget has it."""
+def _cost(analysis: Analysis, cause: str) -> Cost:
+    """What a cause costs of the SNR of Y, as the chart of the budget has it."""
     budget = coordinate_budget(analysis, "Y")
     assert budget is not None  # no sensor of the story is saturated
-    return next(cost for cost in budget.costs if cost.cause == INFRARED)
+    return next(cost for cost in budget.costs if cost.cause == cause)
+
+
+def _luminance_db(analysis: Analysis) -> float:
+    found = color_snr_db(analysis)["Y"]
+    assert found is not None  # as `_cost`
+    return found
+
+
+def _with_cut(of: Shown) -> Analysis:
+    """The first sensor behind an added IR-cut, with the time kept."""
+    study = of.study
+    cut = study.sensors[0].model_copy(update={"ircut_nm": _CUT_NM})
+    time_ms = 1e3 * of.analyses[0].exposure.time_s
+    exposure = study.exposure.model_copy(update={"time_ms": time_ms})
+    return shown(study.model_copy(update={"sensors": (cut,), "exposure": exposure})).analyses[0]
 
 
 def _shared(bare: Analysis, cut: Analysis) -> list[str]:
@@ -218,7 +243,7 @@ def _mean_e(analysis: Analysis) -> dict[str, float]:
 
 def _unmixed_db(analysis: Analysis, name: str) -> float:
     found = contravariant_snr_db(analysis)[name]
-    assert found is not None  # as `infrared_loss_db`
+    assert found is not None  # as `_cost`
     return found
 
 

@@ -92,9 +92,9 @@ function storyParts(section, { go, leave }) {
   const told = el("div", { class: "story-text", tabindex: "0", role: "group", "aria-labelledby": "h-story" });
   const announced = el("p", { class: "unseen", role: "status" });
   const left = el("p", { class: "story-left", role: "status" });
-  const back = button("", () => go(0), { class: "primary" });
+  const back = button("", () => go(0));
   const previous = button("Previous", () => go(-1));
-  const next = button("Next", () => go(1));
+  const next = button("Next", () => go(1), { class: "primary" });
   const away = button("Leave tour", leave, { title: "Shows what was shown before, unless you changed something" });
   const buttons = el("div", { class: "tools" }, back, previous, next, away);
   section.replaceChildren(el("div", { class: "story-head" }, heading, left, buttons), told, announced);
@@ -114,12 +114,11 @@ function storyParts(section, { go, leave }) {
       told.scrollTop = 0;
     }
     const focus = document.activeElement;
-    say(left, isLeft ? `You have left step ${number}.` : "");
+    say(left, isLeft ? "You changed something: the numbers in the text are those of the step." : "");
     back.hidden = !isLeft;
-    say(back, `Back to step ${number}`);
+    say(back, `Restore step ${number}`);
     previous.hidden = number === 1;
     next.hidden = number === count;
-    next.classList.toggle("primary", !isLeft);
     if (focus instanceof HTMLElement && focus.hidden) (next.hidden ? previous : next).focus();
   };
   /** @param {string} sentence */
