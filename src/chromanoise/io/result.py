@@ -112,8 +112,9 @@ def panels_of(axes: Any, count: int, *, columns: int) -> Sequence[Any]:
             )
         return given
     rows, columns = -(-count // columns), min(count, columns)
+    width_in = 10.0 if columns == 1 else 5.2
     figure, grid = import_module("matplotlib.pyplot").subplots(
-        rows, columns, figsize=(5.2 * columns, 4.4 * rows), layout="constrained", squeeze=False
+        rows, columns, figsize=(width_in * columns, 4.4 * rows), layout="constrained", squeeze=False
     )
     for spare in grid.flat[count:]:
         figure.delaxes(spare)
