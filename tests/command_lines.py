@@ -26,7 +26,7 @@ import numpy as np
 if __name__ == "__main__":  # run as a script, it finds its neighbors and the sources beside it
     sys.path[:0] = [str(Path(__file__).parent), str(Path(__file__).parents[1] / "src")]
 
-from chromanoise.cli.entry import _COMMANDS, commands, run
+from chromanoise.cli.entry import COMMANDS, commands, run
 from chromanoise.design import DESIGN_STARTER
 from chromanoise.study import STARTER
 from damage import mutated, random_edits
@@ -376,7 +376,7 @@ def damage(parts, command, options, line, files, rng, one):
     elif kind == "double":
         parts.append(list(parts[place]))
     elif kind == "foreign":
-        other = one(list(_COMMANDS))
+        other = one(list(COMMANDS))
         parts.append(option_words(other, one(options_of(other) or options), one))
     elif kind == "swap":
         parts[0], parts[place] = parts[place], parts[0]
@@ -510,7 +510,7 @@ def _json_faults(text):
 
 def prepared_files():
     """The input files and a result of ``run``; everything is imported and compiled after it."""
-    for name in _COMMANDS:
+    for name in COMMANDS:
         import_module(f"chromanoise.cli.{name.replace('-', '_')}")
     files = input_files()
     with tempfile.TemporaryDirectory() as base:

@@ -60,9 +60,7 @@ def faults_of_units(name, documented):
     return [
         f"{name}: no unit of {one}"
         for one, text in documented.items()
-        if QUANTITY.search(one)
-        and one not in NO_QUANTITY
-        and not re.search(r"\[[^\]]+\]|^ *As ", text)
+        if QUANTITY.search(one) and one not in NO_QUANTITY and not UNIT.search(text)
     ]
 
 

@@ -72,7 +72,7 @@ def test_the_conda_recipe_needs_what_the_package_needs():
     assert named == {*PROJECT["dependencies"], f"python{PROJECT['requires-python']}"}
 
 
-def test_a_release_publishes_only_what_was_built_tried_and_signed():
+def test_a_release_publishes_only_files_that_were_built_tested_and_signed():
     text = (ROOT / ".github/workflows/release.yml").read_text(encoding="utf-8")
     jobs = yaml.safe_load(text)["jobs"]
     assert (jobs["try"]["needs"], jobs["publish"]["needs"]) == ("build", "try")

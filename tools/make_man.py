@@ -13,13 +13,13 @@ def man_pages() -> dict[str, str]:
     """Text of each page by file name; without date and version, so that only commands change it."""
     from click_man.core import write_man_pages
 
-    from chromanoise.cli.entry import _COMMANDS, commands
+    from chromanoise.cli.entry import COMMANDS, commands
 
     context = click.Context(commands, info_name="chromanoise")
-    found = {name: commands.get_command(context, name) for name in _COMMANDS}
+    found = {name: commands.get_command(context, name) for name in COMMANDS}
     for name, command in found.items():
         if command is not None:
-            command.short_help = _COMMANDS[name]  # whole, where click cuts it
+            command.short_help = COMMANDS[name]  # whole, where click cuts it
     whole = click.Group(
         "chromanoise",
         help=commands.help,

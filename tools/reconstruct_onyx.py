@@ -2,7 +2,7 @@
 
 Clouet, Vaillant & Alleysson (CIC27, 2019) show the Teledyne e2v Onyx only as a picture. This
 tool looks for smooth, data-sheet-like curves that return the 23 SNRs of Tables 2-4, both angles
-of Table 5 and both integration times, and writes them where chromanoise reads them:
+of Table 5 and both exposure times, and writes them where chromanoise reads them:
 
     python tools/reconstruct_onyx.py                  into the package
     python tools/reconstruct_onyx.py --out FOLDER     elsewhere

@@ -88,7 +88,7 @@ export interface Look {
   open: string[];
   /** Whether the exposure time is solved for again whenever something changes. */
   auto_exposure: boolean;
-  /** The step of the guided story, from 1. */
+  /** The step of the tour, from 1. */
   story: Maybe;
 }
 
@@ -184,9 +184,9 @@ export interface Choices {
   version: string;
   /** In their order. */
   sections: Section[];
-  study?: Study;
+  study: Study;
   /** Whether `/api/front` has one. */
-  front?: boolean;
+  front: boolean;
   sensors: KnownSensor[];
   illuminants: string[];
   /** Where the tables of illuminants end that need an answer to `light.beyond`. */
@@ -205,7 +205,7 @@ export interface Choices {
 
 // ---- /api/story -------------------------------------------------------------------------------
 
-/** A step of the guided story: a state of the page, and what it shows. */
+/** A step of the tour: a state of the page, and what it shows. */
 export interface StoryStep {
   heading: string;
   /** The panels that show it. */

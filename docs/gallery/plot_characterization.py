@@ -2,9 +2,9 @@
 Does the camera follow the linear model?
 ========================================
 
-Two virtual cameras, one of which loses 10 % of its gain from dark to full well. Its frames show it:
-the measured variance leaves the prediction by many standard errors, and the response leaves the
-straight line. Open marks were not used for the fit of the gain.
+Two virtual cameras. The gain of the second one falls by 10 % from dark to full well, and its frames
+show it: the measured variance differs from the prediction by many standard errors, and the
+response deviates from the straight line. Open marks were not used for the fit of the gain.
 """
 
 from pathlib import Path

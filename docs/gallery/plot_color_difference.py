@@ -3,8 +3,8 @@ Where a picture is wrong: CIEDE2000 and S-CIELAB
 ================================================
 
 Both maps compare a noisy picture with the picture of the same camera without noise. CIEDE2000
-counts each pixel alone. S-CIELAB first blurs as an eye does at 60 pixels per degree, so that fine
-noise counts less.
+compares each pixel alone. S-CIELAB first blurs as an eye does at 60 pixels per degree, so that
+fine noise has less effect.
 """
 
 import matplotlib.pyplot as plt

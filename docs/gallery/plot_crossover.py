@@ -2,9 +2,9 @@
 Which sensor is better at which light
 =====================================
 
-SNR of luminance and color error over the light, with the kernel matrix and with an LMMSE matrix
-made for each level. With the kernel matrix the curves do not cross. With LMMSE the sensor without
-IR-cut is better below 0.26 lx, where the pictures of both have lost their color.
+SNR of luminance and color error over the light level, with the kernel matrix and with an LMMSE
+matrix computed for each level. With the kernel matrix the curves do not cross. With LMMSE the
+sensor without IR-cut is better below 0.26 lx, where the pictures of both have little color.
 """
 
 import matplotlib.pyplot as plt

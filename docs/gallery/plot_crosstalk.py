@@ -3,8 +3,8 @@ Crosstalk
 =========
 
 Light that ends in a neighboring pixel mixes the channels. The matrix unmixes them again, and this
-costs SNR: 4 to 5 dB at 30 %. The color error stays, because the matrix is made for the channels as
-they are.
+costs SNR: 4 to 5 dB at 30 %. The color error does not change, because the matrix is computed for
+the channels with crosstalk.
 """
 
 import matplotlib.pyplot as plt

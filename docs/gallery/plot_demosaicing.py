@@ -3,8 +3,8 @@ Mosaic and noise after demosaicing
 ==================================
 
 Behind a Bayer mosaic each pixel has one channel (left: its codes as gray), and demosaicing
-estimates the other two. A linear method correlates the noise of neighboring pixels. The number is
-the noise of Y on the gray patch, relative to white.
+estimates the other two. A linear method correlates the noise of neighboring pixels. The number in
+the other titles is the noise of Y on the gray patch, relative to white.
 """
 
 import matplotlib.pyplot as plt

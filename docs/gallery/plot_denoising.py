@@ -2,9 +2,9 @@
 Denoising with the known noise
 ==============================
 
-Foliage at 3 lx, by RGBW without IR-cut (above) and RGB behind it (below), as captured and denoised
-by ``guided``. The method needs no tuning, because the noise of each pixel is known from the sensor
-and the exposure. Leaves differ in the infrared, so the sensor without IR-cut gains more.
+Foliage at 3 lx with RGBW without IR-cut (above) and RGB behind an IR-cut (below), as captured and
+denoised by ``guided``. The method needs no tuning, because the noise of each pixel is known from
+the sensor and the exposure. The picture without IR-cut has more noise and gains more.
 """
 
 import matplotlib.pyplot as plt

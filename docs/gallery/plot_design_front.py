@@ -3,8 +3,8 @@ A front of better sensors
 =========================
 
 The search varies three Gaussian filters and the edge of an IR-cut. Each dot is a sensor that no
-other found sensor equals or exceeds in both SNR and color error. The references are the two
-sensors of the paper; their silicon is that of the white channel of RGBW.
+other candidate equals or exceeds in both SNR and color error. The references are the two sensors
+of the paper; their silicon is that of the white channel of RGBW.
 """
 
 from pathlib import Path

@@ -3,8 +3,8 @@ Where should the IR-cut have its edge?
 ======================================
 
 SNR of luminance and color error over the edge of an IR-cut in front of two sensors, with an LMMSE
-matrix for each edge. The best SNR (dot) is at 617 nm. Infrared light enters
-every channel: with the edge beyond 700 nm both sensors get worse.
+matrix for each edge. The best SNR (dot) is at 617 nm. Infrared light enters every channel: with an
+edge beyond 700 nm both sensors get worse.
 """
 
 import matplotlib.pyplot as plt

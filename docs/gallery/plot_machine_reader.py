@@ -2,9 +2,9 @@
 An eye and a machine prefer different sensors
 =============================================
 
-For an eye the noise of luminance counts. For a machine that reads raw values only the distance of
-two patches counts, in units of their noise. The eye prefers the sensor with IR-cut (left), the
-machine the one without (right).
+For an eye, the noise of luminance matters. For a machine that reads raw values, only the distance
+of two patches in units of their noise matters. The sensor with IR-cut is better for the eye (left
+panel), the sensor without it is better for the machine (right panel).
 """
 
 import matplotlib.pyplot as plt

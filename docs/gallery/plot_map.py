@@ -2,8 +2,9 @@
 A map of two parameters
 =======================
 
-The SNR of luminance over the light and the edge of an IR-cut in front of RGBW. Light raises the SNR
-by tens of decibels. The best edge, near 740 nm with the kernel matrix, does not depend on it.
+The SNR of luminance over the light and the edge of an IR-cut in front of RGBW. More light raises
+the SNR by tens of decibels. The best edge, near 740 nm with the kernel matrix, does not depend on
+the light level.
 """
 
 import matplotlib.pyplot as plt

@@ -2,8 +2,8 @@
 Noise of the ColorChecker in a* and b*
 ======================================
 
-Each ellipse holds the colors that one patch takes from pixel to pixel (two standard deviations).
-A line leads from the true color, marked by a cross, to the mean color of the camera. Both sensors
+Each ellipse shows how the color of a patch varies from pixel to pixel (two standard deviations). A
+line leads from the true color, marked by a cross, to the mean color of the camera. Both sensors
 have the same light and time.
 """
 

@@ -1,10 +1,10 @@
 """
-Color error against noise
-=========================
+Training error against SNR
+==========================
 
-A color matrix can be exact or quiet. Along each curve the weight of the noise in the matrix grows:
-from least squares (the least color error) over LMMSE (weight 1, large mark) to a nearly gray
-picture. Where the color is usable, the sensor behind its IR-cut is better in both.
+A color matrix can give exact colors or low noise. Along each curve the weight of the noise in the
+matrix grows: from least squares (the smallest error) over LMMSE (weight 1, large mark) to a nearly
+gray picture. Where the color is usable, the sensor behind the IR-cut is better in both.
 """
 
 import matplotlib.pyplot as plt

@@ -2,9 +2,8 @@
 Noise of each patch
 ===================
 
-Standard deviation of color of the 24 patches of the ColorChecker at 10 lx, as root mean square in
-CIELAB. Dark patches are noisy relative to their color; the sensor behind the IR-cut has the lower
-noise on every patch.
+Color noise of the 24 patches of the ColorChecker at 10 lx: the mean difference ΔE*ab of a pixel
+from the mean color of its patch. The sensor behind the IR-cut has the lower noise on every patch.
 """
 
 import matplotlib.pyplot as plt
@@ -26,7 +25,9 @@ with cn.figures.chromanoise_style():
         ax.annotate(name, (noise[name][0], 0), (6, 5), textcoords="offset points")
     ax.hlines(patches, *noise.values(), color="gray", linewidth=0.8, zorder=0)
     ax.set(
-        xscale="log", xlabel="noise of a patch [ΔE*ab]", title="ColorChecker at 10 lx, 12 ms, f/1.8"
+        xscale="log",
+        xlabel="color noise of a patch [ΔE*ab]",
+        title="ColorChecker at 10 lx, 12 ms, f/1.8",
     )
     ax.set_xticks([4, 6, 10, 20, 40], ["4", "6", "10", "20", "40"])
     ax.minorticks_off()

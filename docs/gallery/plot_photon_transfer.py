@@ -3,7 +3,8 @@ Photon transfer of a camera
 ===========================
 
 The variance of the codes over their mean, from 32 frames of a virtual camera. The slope of each
-line is the gain of a plane: all four are within 4 standard errors of the true 0.3 DN/e-.
+line is the gain of a plane (a position of the mosaic): all four are within 4 standard errors of
+the true 0.3 DN/e-.
 """
 
 from pathlib import Path

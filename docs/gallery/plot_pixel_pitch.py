@@ -3,8 +3,8 @@ Smaller pixels
 ==============
 
 A pixel of half the pitch gets a quarter of the light. Full well shrinks with the area; read noise
-does not. At 10 lx shot noise prevails: about 6 dB per halving. In the dark read noise prevails:
-up to 12 dB per halving.
+does not. At 10 lx shot noise prevails, and each halving of the pitch costs about 6 dB. In low
+light read noise prevails, and it costs up to 12 dB.
 """
 
 import matplotlib.pyplot as plt

@@ -2,9 +2,10 @@
 Noise in the plane of two channels
 ==================================
 
-Two channels are two vectors in the space of spectra. Each measures the light up to its noise (gray
-stripe), and the light lies where the stripes cross. The closer the vectors, the longer the ellipse:
-between red and blue behind the IR-cut (above) and between the closest pair of RGBW (below).
+Two channels are two vectors in the space of spectra. Each measures the light along its direction,
+up to its noise (gray stripe); the light is where the stripes cross. The smaller the angle of the
+vectors, the longer the ellipse: between red and blue behind the IR-cut (above) and between the
+closest pair of RGBW (below).
 """
 
 import matplotlib.pyplot as plt

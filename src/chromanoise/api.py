@@ -356,7 +356,7 @@ def optimize(
     scheduler: str | None = None,
     progress: "Callable[[Progress], None] | None" = None,
 ) -> "Design":
-    """Search filters, IR-cut, silicon, exposure and matrix for the best trades of objectives.
+    """Search filters, IR-cut, silicon, exposure and matrix for the best trade-offs of objectives.
 
     Parameters
     ----------

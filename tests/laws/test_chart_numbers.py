@@ -91,6 +91,15 @@ def test_what_is_undefined_is_an_empty_cell_and_names_keep_their_commas(of):
     assert "" in [row[3] for row in rows]
 
 
+@pytest.mark.parametrize("label", ["=1+1", "+1", "-1", "@SUM(A1)"])
+def test_a_label_is_no_formula_in_a_spreadsheet(label):
+    study = {"sensors": [{"name": "onyx-rgbw", "label": label}]}
+    record = drawing("budget", shown(study_from_data(study, source="a test")))
+    _, *rows = csv.reader(io.StringIO(chart_csv("budget", record)))
+    assert {row[0] for row in rows} == {f"'{label}"}
+    assert min(float(row[2]) for row in rows if row[2]) < 0  # a number stays one
+
+
 def test_a_study_without_a_map_has_no_numbers_of_one():
     of = shown(study_from_data({"sensors": [{"name": "onyx-rgbw"}]}, source="a test"))
     assert chart_rows("map", drawing("map", of)) == []

@@ -832,7 +832,7 @@ def test_terms_other_than_one_time_for_all_are_told():
     assert one.startswith("At 10 lx (illuminant E, 11.94 ms, f/1.8), onyx")
     assert "ms (onyx-rgbw), " in alike  # the times differ
     assert "), with each sensor exposed to the same share of full well, onyx" in alike
-    assert "), with the same photons for each channel set, onyx" in photons
+    assert "), with the same photons on all channels of each sensor together, onyx" in photons
     with pytest.raises(InputError, match="terms of a comparison"):
         verdict_sentences(usual().analyses, equal="time")
 
@@ -846,7 +846,7 @@ def test_the_verdict_tells_of_saturated_sensors_and_of_one_alone():
 
 
 @pytest.mark.parametrize("reader", ["eye", "machine"])
-def test_a_verdict_names_time_and_f_number_whoever_looks_and_whatever_is_saturated(reader):
+def test_a_verdict_names_time_and_f_number_for_each_reader_and_with_saturated_sensors(reader):
     outputs = {"reader": reader}
     for sensors in (BOTH, BOTH[:1]):
         for time_ms in (5.0, 100.0):  # below full well, and all channels beyond it

@@ -61,7 +61,7 @@ def test_a_saturated_sensor_has_no_rank_and_says_which_channels():
 
 
 @pytest.mark.parametrize("count", [2, 4])
-def test_a_note_of_several_sensors_stands_once_with_their_names(count):
+def test_a_note_on_several_sensors_is_shown_once_with_their_names(count):
     names = ["onyx-rgbw", "onyx-rgb-ircut", "onyx-rgb", "onyx-rgbw-ircut"][:count]
     ranking, _ = ranking_of(names)
     notes = ranking["notes"]

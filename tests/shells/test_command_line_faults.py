@@ -56,7 +56,7 @@ def test_many_random_command_lines_give_results_or_sentences():
 
 
 def test_random_command_lines_know_a_valid_value_of_every_option():
-    for name in main._COMMANDS:
+    for name in main.COMMANDS:
         for param in command_lines.options_of(name):
             if isinstance(param, click.Argument) or not param.is_flag:
                 assert command_lines.valid_values(name, param), f"{name} {param.name}"

@@ -12,7 +12,7 @@ SCRIPTS = sorted(FOLDER.glob("plot_*.py"))
 
 
 @pytest.mark.parametrize("path", SCRIPTS, ids=lambda path: path.stem)
-def test_a_script_draws_one_figure_with_words_on_it(path, tmp_path, monkeypatch):
+def test_a_script_draws_one_figure_with_text_on_it(path, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     plt.switch_backend("agg")
     plt.close("all")

@@ -109,7 +109,7 @@ def test_no_words_of_a_report_overlap_on_screen_telephone_and_paper(ten, browser
     page.close()
 
 
-def test_the_bars_of_a_budget_below_0_db_stand_within_its_axes():
+def test_the_bars_of_a_budget_below_0_db_are_within_its_axes():
     (analysis,) = charted(1, DARK).analyses
     budget = coordinate_budget(analysis, "Y")
     ax = draw_budget(budget, analysis.sensor, Figure().add_subplot())
@@ -121,7 +121,7 @@ def test_the_bars_of_a_budget_below_0_db_stand_within_its_axes():
     assert (low, high) == budget_limits_db([budget])
 
 
-def test_the_panels_of_ellipses_hold_all_of_few_sensors_and_the_usual_ones_of_many():
+def test_the_panels_of_ellipses_contain_all_of_few_sensors_and_the_typical_ones_of_many():
     infrared = '[light]\nilluminant = "E+0.5xLED850"\n'
     few, many = (drawing("ellipses", charted(count, infrared)) for count in (2, 8))
     assert not any(sensor["larger"] for sensor in few["sensors"])

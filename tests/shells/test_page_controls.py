@@ -83,7 +83,7 @@ def test_every_slider_moves_the_number_beside_it_the_question_the_drawings_and_t
 
 
 def test_a_number_can_be_typed_stepped_and_given_back(page):
-    field = page.get_by_label("Integration time in ms")
+    field = page.get_by_label("Exposure time in ms")
     field.fill("3,5")
     question, _ = answer_to(page, lambda: field.press("Enter"))
     assert question["study"]["exposure"]["time_ms"] == 3.5

@@ -11,7 +11,11 @@ import pytest
 
 from chromanoise.charts import Look, chart_csv, drawing, shown
 from chromanoise.cli.entry import run as run_command
+from chromanoise.page.reports import report_reply
+from chromanoise.page.requests import QuestionError
 from chromanoise.page.services import STUDY
+from chromanoise.page.studies import Studies
+from chromanoise.page.uploads import Kept, Upload, Uploads
 from chromanoise.study import study_from_data
 from shells.browser import FIXTURES, at_rest, until
 from shells.test_page_looks import RULES, axe, faults_of_access
@@ -71,7 +75,7 @@ def test_a_csv_has_the_digits_of_the_library_in_the_view_of_the_page(client, of)
     ("question", "status"),
     [({"part": "pie"}, 400), ({"part": 3}, 400), ({"part": "map"}, 200), ({"study": []}, 400)],
 )
-def test_a_csv_of_nothing_is_one_sentence(client, question, status):
+def test_a_csv_of_a_chart_without_numbers_is_refused_in_one_sentence(client, question, status):
     sentence_of(client.post("/api/csv", json={"study": STUDY, "part": "head"} | question), status)
 
 
@@ -80,7 +84,7 @@ def test_the_report_of_the_page_is_that_of_the_command(client, report, tmp_path,
     assert report == reported(tmp_path, text, monkeypatch)
 
 
-def test_a_report_names_dropped_files_as_their_person_does(client, tmp_path, monkeypatch):
+def test_a_report_gives_dropped_files_their_own_names(client, tmp_path, monkeypatch):
     dropped = {"X-Filename": "my curves.csv"} | FILE
     upload = client.post("/api/upload", content=SENSOR, headers=dropped).json()["id"]
     study = {"sensors": [{"name": upload}], "pictures": [{"cube": "builtin:checker"}]}
@@ -92,7 +96,7 @@ def test_a_report_names_dropped_files_as_their_person_does(client, tmp_path, mon
     assert upload.split(":")[1].encode() not in page
 
 
-def test_a_report_of_a_wrong_study_is_a_sentence_with_its_key(client):
+def test_a_report_of_a_wrong_study_is_refused_with_the_key(client):
     reply = client.post("/api/report", json={"study": {"sensors": [{"name": "no-such-sensor"}]}})
     assert sentence_of(reply, 200)
     assert reply.json()["faults"][0]["where"] == "sensors.0.name"
@@ -216,6 +220,15 @@ def test_every_chart_is_saved_as_svg_png_and_csv(window, of):
     assert data.decode().count("\n") == 1 + 4 * 3
 
 
+def test_a_channel_whose_name_has_a_control_character_is_saved(client, window):
+    curves = SENSOR.replace(",R,", ",R\x01\x1b[1m,", 1)
+    dropped = {"X-Filename": "odd.csv"} | FILE
+    upload = client.post("/api/upload", content=curves, headers=dropped).json()["id"]
+    page = window({"study": STUDY | {"sensors": [{"name": upload}]}, "look": {}})
+    root = stands_alone(saved(page, "section[data-part=stages]", "SVG")[1])
+    assert any("R\ufffd\ufffd[1m" in (one.text or "") for one in root.iter(f"{SVG}text"))
+
+
 def test_pictures_and_their_divided_view_are_saved(window):
     page = window({"study": STUDY, "look": {}})
     page.locator("section[data-part=picture]").scroll_into_view_if_needed()
@@ -263,7 +276,7 @@ def test_the_report_is_saved_from_the_page_and_its_charts_from_the_report(
     assert wrong == []
 
 
-def test_a_report_that_cannot_be_is_a_sentence(window):
+def test_a_report_that_cannot_be_made_is_refused_in_one_sentence(window):
     page = window({"study": STUDY, "look": {}})
     fault = {"faults": [{"where": "", "sentence": "No report today."}]}
     page.route("**/api/report", lambda route: route.fulfill(json=fault))
@@ -296,3 +309,85 @@ def test_the_code_that_saves_is_loaded_when_it_is_used(window):
     )
     assert rows[0][0] == "illuminance [lx]"
     assert [url for url in loaded if url.endswith("draw/export.js")]
+
+
+def folder_of(tmp_path, monkeypatch, files):
+    """An empty folder for a report, and the study files of a served folder beside it."""
+    served, empty = tmp_path / "served" / "here", tmp_path / "empty"
+    served.mkdir(parents=True)
+    empty.mkdir()
+    for name, text in files.items():
+        (served / name).write_text(text)
+    monkeypatch.chdir(served)
+    return empty
+
+
+def test_no_file_of_a_study_is_written_by_its_report(tmp_path, monkeypatch):
+    pixel = 'schema = "chromanoise pixel"\nschema_version = 1\nread_noise_e = 2.4\n'
+    files = {"study.toml": pixel, "../a.csv": SENSOR}
+    empty = folder_of(tmp_path, monkeypatch, files)
+    sensors = [{"name": "onyx-rgbw", "pixel": {"file": "study.toml"}}, {"name": "../a.csv"}]
+    studies = Studies(Kept(), files=frozenset(files))
+    html = report_reply(studies, {"study": {"sensors": sensors}}, empty)
+    assert "../a.csv" in html
+    assert (tmp_path / "served" / "here" / "study.toml").read_text() == pixel
+    assert {one.name for one in tmp_path.iterdir()} == {"served", "empty"}
+
+
+def test_two_files_of_one_name_are_refused(tmp_path, monkeypatch):
+    empty = folder_of(tmp_path, monkeypatch, {"a.csv": SENSOR})
+    other = tmp_path / "0123.csv"
+    other.write_text(SENSOR.replace("0.4", "0.5"))
+    kept, dropped = Kept(), f"upload:{'0' * 16}.csv"
+    kept.hold((Upload(id=dropped, label="a.csv", path=other, kind="table", size_bytes=1),))
+    studies = Studies(kept, files=frozenset({"a.csv"}))
+    question = {"study": {"sensors": [{"name": "a.csv"}, {"name": dropped}]}}
+    with pytest.raises(QuestionError, match=r"a\.csv must name one file"):
+        report_reply(studies, question, empty)
+
+
+def test_the_folder_of_a_job_goes_even_after_all_others():
+    uploads = Uploads()
+    with uploads.empty_folder() as folder:
+        (folder / "d").mkdir()
+        (folder / "d" / "a.csv").write_text("1")
+    assert not folder.exists()
+    with uploads.empty_folder() as folder:
+        uploads.close()  # the server ends
+    assert not folder.exists()
+
+
+def test_a_label_is_words_at_the_pointer_in_saved_files_and_in_the_report(
+    window, browser, tmp_path
+):
+    label = '=<img src=x onerror=alert(1)> & "q" $x_\''
+    study = STUDY | {"sensors": [{"name": "onyx-rgb", "label": label}, {"name": "onyx-rgbw"}]}
+    sweeps = [SWEEP | {"second": None}, SWEEP]
+    page = window({"study": study | {"sweeps": sweeps}, "look": {"open": ["stages"]}})
+    assert f"sensor: {label}" in read_by_key(page, "budget", "Home")
+    page.keyboard.press("Escape")
+    panel = "section[data-part=budget]"
+    root = stands_alone(saved(page, panel, "SVG")[1])
+    assert label in {one.text for one in root.iter(f"{SVG}text")}
+    size_of(saved(page, panel, "PNG")[1])
+    _, *rows = csv.reader(io.StringIO(saved(page, panel, "CSV")[1].decode()))
+    assert rows[0][0] == f"'{label}"
+    with page.expect_download() as caught:
+        page.get_by_role("button", name="Save report").click()
+    caught.value.save_as(tmp_path / "report.html")
+    html = (tmp_path / "report.html").read_text(encoding="utf-8")
+    short = re.search('data-hash="([0-9a-f]{8})', html).group(1)
+    assert caught.value.suggested_filename == f"chromanoise-report-{short}.html"
+    tab = browser({"viewport": {"width": 1280, "height": 900}}).new_page()
+    wrong = []
+    tab.on("console", lambda one: wrong.append(one.text))
+    tab.on("dialog", lambda one: (wrong.append(one.message), one.dismiss()))
+    tab.goto((tmp_path / "report.html").as_uri())
+    tab.locator("section[data-part=levels] svg.d-figure").wait_for()
+    for part, ending in (("sweeps", "SVG"), ("map", "PNG")):
+        name, data = saved(tab, f"section:has(> #h-{part})", ending)
+        assert name.endswith(ending.lower())
+        assert data.startswith(b"\x89PNG" if ending == "PNG" else b"<?xml")
+    assert page.locator("[onerror]").count() == tab.locator("[onerror]").count() == 0
+    tab.close()
+    assert wrong == []

@@ -1,11 +1,14 @@
 """The controls that are made from the schema of a study: each key has one, with an effect."""
 
+import json
 import re
 
 import pytest
 
 from chromanoise.page.fields import ELSEWHERE, SECTION_HINTS, described_fields
-from chromanoise.study import study_from_data
+from chromanoise.page.files import asset
+from chromanoise.page.studies import MOST_SENSORS
+from chromanoise.study import study_as_json, study_from_data
 from chromanoise.study.document import PixelPart, SensorPart, Study
 from shells.browser import FIXTURES, answer_to, at_rest, open_drawers, state_of, study_of
 
@@ -53,7 +56,7 @@ def sample(field):
     return next(word for word in words if word != field["default"])
 
 
-def test_every_field_of_a_sensor_and_its_pixel_has_a_control_or_a_reason_to_have_none():
+def test_every_field_of_a_sensor_and_its_pixel_has_a_control_or_a_reason_for_none():
     keys = {f"sensors.{name}" for name in SensorPart.model_fields} - {"sensors.pixel"}
     keys |= {f"sensors.pixel.{name}" for name in PixelPart.model_fields}
     parts = {key.rpartition(".")[0] for key in (*FIELDS, *ELSEWHERE)}
@@ -63,7 +66,7 @@ def test_every_field_of_a_sensor_and_its_pixel_has_a_control_or_a_reason_to_have
     assert not set(FIELDS) & set(ELSEWHERE)
 
 
-def test_a_description_tells_unit_range_and_default_of_the_study():
+def test_a_description_has_unit_range_and_default_of_the_study():
     prnu = FIELDS["sensors.pixel.prnu"]
     assert (prnu["unit"], prnu["low"], prnu["scale"]) == ("1", 0.0, "linear")
     assert FIELDS["sensors.pixel.pitch_um"]["unit"] == "um"
@@ -82,7 +85,7 @@ def test_a_field_without_a_line_of_its_own_is_described_by_its_schema(monkeypatc
 
 
 @pytest.mark.parametrize("key", FIELDS)
-def test_the_study_accepts_what_a_control_offers(key):
+def test_the_study_accepts_every_value_that_a_control_offers(key):
     field = FIELDS[key]
     offered = [sample(field), *field.get("options", ())]
     if field["kind"] == "number":
@@ -117,6 +120,18 @@ def written(page, control, field):
         return control.select_option(str(value).lower() if field["kind"] == "flag" else value)
     control.fill(str(value))
     return control.press("Enter")
+
+
+def test_the_script_of_the_page_has_the_defaults_and_limits_of_the_library():
+    paths, sensors = (asset(f"app/{name}.js").decode() for name in ("paths", "sensors"))
+    unsaid = re.search(r"UNSAID = \{(.*?)\}", paths, re.DOTALL).group(1)
+    defaults = study_as_json(study_from_data({"sensors": [{"name": "onyx-rgb"}]}, source=""))
+    found = re.findall(r'"(\w+)\.(\w+)": (.+),', unsaid)
+    assert len(found) >= 6
+    assert {(part, key): json.loads(value) for part, key, value in found} == {
+        (part, key): defaults[part][key] for part, key, _ in found
+    }
+    assert int(re.search(r"MOST = (\d+)", sensors).group(1)) == MOST_SENSORS
 
 
 def test_every_control_of_a_sensor_changes_the_study_without_a_fault(window):

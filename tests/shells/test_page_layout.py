@@ -38,7 +38,7 @@ def test_the_first_screen_has_the_verdict_both_pictures_and_the_sliders_of_the_e
         left, top, right, bottom = box(page, what)
         assert 0 <= left < right <= 1280, what
         assert 0 <= top < bottom <= 800, what
-    for label in ("Light level", "Integration time", "f-number"):
+    for label in ("Light level", "Exposure time", "f-number"):
         place = page.get_by_label(label, exact=True).bounding_box()
         assert place["y"] + place["height"] <= 800, label
     verdict = page.locator("#verdict").evaluate(
@@ -104,7 +104,7 @@ def test_the_table_of_the_sensors_has_the_ranking_and_is_sorted_by_keyboard(wind
     assert names.all_inner_texts() == MANY
 
 
-def test_a_pinned_number_stands_beside_the_number_and_not_over_it(window):
+def test_a_pinned_number_is_beside_the_number_and_not_over_it(window):
     page = window()
     cell = page.locator("#electrons td[data-key=luminance_db]").first
     before = cell.inner_text()

@@ -227,7 +227,7 @@ def test_on_paper_there_are_no_controls_but_all_drawings_and_the_tables_that_are
 
 def test_saturated_channels_say_so_in_words(window):
     page = window()
-    field = page.get_by_label("Integration time in ms")
+    field = page.get_by_label("Exposure time in ms")
     field.fill("1000")
     answer_to(page, lambda: field.press("Enter"))
     row = page.locator("#electrons tbody tr").first

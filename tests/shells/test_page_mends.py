@@ -233,7 +233,7 @@ def test_another_sensor_in_its_place_keeps_the_pixel_the_filter_the_edge_and_the
 def test_the_highest_qe_is_asked_only_of_a_file_of_relative_curves(page, watch):
     watch.forgive("status of 400")
     card = page.locator("fieldset.card").first
-    label = card.get_by_label("Highest QE, of relative curves", exact=True)
+    label = card.get_by_label("Peak QE of relative curves", exact=True)
     assert label.is_hidden()
     report = brought(page, "mine.csv", "nm,R,G,B\n" + CURVES)
     exchange = report.get_by_role("button", name="Replace sensor 1")
@@ -247,7 +247,7 @@ def test_the_highest_qe_is_asked_only_of_a_file_of_relative_curves(page, watch):
     result.wait_for()
     assert "highest QE" in result.inner_text()
     assert "--" not in result.inner_text()
-    field = card.get_by_label("Highest QE, of relative curves, as a number")
+    field = card.get_by_label("Peak QE of relative curves, as a number")
     field.fill("0.6")
     question, _ = answer_to(page, lambda: field.press("Enter"))
     assert question["study"]["sensors"][0]["answers"]["peak_qe"] == 0.6
@@ -326,7 +326,7 @@ def test_a_trade_of_saturated_sensors_is_sentences_and_no_empty_frame(window):
 
 
 def test_a_filter_is_written_before_its_sensor_and_its_fault_stands_beside_it(page):
-    field = page.get_by_label("Filter before it").first
+    field = page.get_by_label("Filter on the sensor").first
     before = page.locator("#electrons").inner_text()
 
     def put(word):

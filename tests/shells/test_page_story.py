@@ -1,13 +1,14 @@
-"""The guided story, the exposure time that stays, and lights that end early."""
+"""The tour, the exposure time that is kept, and lights whose tables end early."""
 
+import numpy as np
 import pytest
 
 import chromanoise as cn
-from chromanoise.analysis.analysis import contravariant_snr_db, raw_snr_db
+from chromanoise.analysis.analysis import color_snr_db, contravariant_snr_db, raw_snr_db
 from chromanoise.charts import shown
 from chromanoise.page.choices import choices
 from chromanoise.page.services import STUDY
-from chromanoise.page.story import story
+from chromanoise.page.story import ALIKE_FROM_NM, story
 from chromanoise.paper.findings import nir_share
 from chromanoise.study import study_from_data
 from shells.browser import FIXTURES, answer_to, state_of, study_of, until
@@ -50,6 +51,27 @@ def test_the_white_channel_is_nearly_a_mix_of_the_others():
     assert "0.70 R + 0.46 G + 0.52 B" in text_of(2)
 
 
+def test_the_channels_without_ir_cut_are_nearly_equal_in_the_infrared_that_is_named():
+    bare, _ = analyses_of(2)
+    seen = bare.sensor.qe[bare.sensor.grid.wavelength_nm >= ALIKE_FROM_NM]
+    assert (seen.max(axis=1) < 1.2 * seen.min(axis=1)).all()
+    assert f"beyond {ALIKE_FROM_NM:.0f} nm" in text_of(2)
+
+
+def test_the_tasks_are_right_about_an_ir_cut_in_front_of_the_rgbw_sensor():
+    bare, cut650, cut700 = (
+        cn.analyze("onyx-rgbw", lux=10, time_ms=11.94, **change).analyses[0]
+        for change in ({}, {"ircut_nm": 650}, {"ircut_nm": 700})
+    )
+    rgb = np.triu_indices(3, 1)
+    assert (cut650.between_deg[rgb] > bare.between_deg[rgb] + 10).all()
+    assert cut650.mix.channel == "W"
+    assert cut650.mix.angle_deg < bare.mix.angle_deg / 2
+    for name in SHARED:
+        assert raw_snr_db(cut700)[name] < raw_snr_db(bare)[name] - 2
+    assert color_snr_db(cut700)["Y"] > color_snr_db(bare)["Y"] + 1
+
+
 def test_more_than_half_of_the_electrons_are_infrared_and_none_behind_the_cut():
     bare, cut = analyses_of(4)
     assert nir_share(bare) == pytest.approx(0.55, abs=0.005)
@@ -57,7 +79,7 @@ def test_more_than_half_of_the_electrons_are_infrared_and_none_behind_the_cut():
     assert "55 % of the electrons come from beyond 700 nm, in onyx-rgb-ircut 0 %" in text_of(4)
 
 
-def test_the_color_picture_is_noisier_without_the_cut_but_for_lmmse_in_the_dark():
+def test_the_color_picture_is_noisier_without_the_cut_except_for_lmmse_in_low_light():
     def y_db(lux, matrix):
         found = cn.analyze(
             "onyx-rgbw", "onyx-rgb-ircut", lux=lux, time_ms=11.94, matrix=matrix
@@ -79,7 +101,7 @@ def comes_to(page, number):
     )
 
 
-def test_the_story_goes_to_its_end_is_left_by_a_slider_and_come_back_to(window):
+def test_the_tour_has_an_end_is_left_by_a_slider_and_can_be_resumed(window):
     page = window()
     own = study_of(page)
     page.get_by_role("button", name="Tour in 5 steps").focus()
@@ -114,7 +136,7 @@ def test_the_story_goes_to_its_end_is_left_by_a_slider_and_come_back_to(window):
     assert study_of(page) == (own or STUDY)
 
 
-def test_a_link_opens_the_story_at_its_step(window):
+def test_a_link_opens_the_tour_at_its_step(window):
     page = window({"study": STEPS[2]["study"], "look": {"story": 3}})
     comes_to(page, 3)
     assert page.locator("#story .story-left").inner_text() == ""
@@ -126,7 +148,7 @@ def test_a_link_opens_the_story_at_its_step(window):
     )
 
 
-def test_sliders_keep_the_exposure_time_and_the_switch_gives_it_free(window):
+def test_sliders_keep_the_exposure_time_unless_auto_exposure_is_on(window):
     page = window()
     switch = page.get_by_role("switch", name="Auto exposure")
     share = page.locator("[data-where='exposure.saturate']")
@@ -181,7 +203,7 @@ def test_a_light_that_ends_early_asks_how_it_continues_and_is_answered_at_once(w
     assert asked.is_hidden()
 
 
-def test_every_light_of_the_page_is_one_that_needs_no_answer_or_one_that_ends_early():
+def test_every_light_of_the_page_covers_all_wavelengths_or_is_known_to_end_early():
     data = choices()
     ends = data["illuminant_ends_nm"]
     assert ends["D65"] == 780.0

@@ -1,5 +1,6 @@
 """What ``analyze --pipeline`` prints, writes and refuses is what the library says."""
 
+import csv
 import json
 
 import pytest
@@ -7,7 +8,7 @@ import pytest
 import chromanoise as cn
 from chromanoise.analysis import PipelineSettings, pipeline_as_json, pipeline_noise
 from chromanoise.spectra import DEFAULT_GRID, black_body
-from outcomes import refused
+from outcomes import refused, refused_input
 
 OPTIONS = (
     "--saturation",
@@ -125,3 +126,22 @@ def test_settings_without_the_pipeline_are_refused(run):
         remedy_setting="run",
         value="linear",
     )
+
+
+def test_the_table_has_a_row_per_sensor_iso_and_patch_with_the_digits_of_the_json(done, here):
+    out, _ = done(*WORDS, "--table", "noise.csv", "--json", "-")
+    head, *rows = csv.reader((here / "noise.csv").read_text().splitlines())
+    found = pipeline_of(out)
+    assert len(rows) == 24 * len(found["iso"]) == 48
+    assert head[:3] == ["sensor", "ISO", "patch"]
+    assert head[3] == "raw R [e-]"
+    lab = found["iso"][1]["steps"][-1]
+    orange = next(one for one in lab["patches"] if one["patch"] == "orange")
+    (row,) = [one for one in rows if float(one[1]) == 800 and one[2] == "orange"]
+    sd = [orange["covariance"][k][k] ** 0.5 for k in range(3)]
+    assert [float(one) for one in row[-3:]] == pytest.approx(sd, rel=1e-12)
+
+
+def test_without_a_pipeline_there_is_no_table_of_it():
+    with refused_input(subject="analyses"):
+        cn.analyze("model-rgb-ircut").pipeline_table()

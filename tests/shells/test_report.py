@@ -1,6 +1,7 @@
 """The report that travels: one file, the library's digits, answers behind its sliders."""
 
 import base64
+import csv
 import gzip
 import json
 import re
@@ -109,6 +110,30 @@ def test_the_file_is_under_a_megabyte_beside_its_pictures(page):
     assert len(page.encode("utf-8")) - pictures < 1_000_000
 
 
+CHANNELS = (
+    r"\text{<img/src=x/onerror=alert(1)>}",
+    "</mtext><script>alert(1)</script>",
+    r"\frac{$&",
+)
+LABEL = "<img src=x onerror=alert(1)> $x_ & \"q\" 'q'"
+
+
+def test_names_of_channels_and_sensors_are_words_and_never_markup(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    rows = [[400 + 50 * i, *(0.1 + 0.05 * ((i + k) % 5) for k in range(3))] for i in range(14)]
+    with (tmp_path / "curves.csv").open("w", newline="", encoding="utf-8") as file:
+        csv.writer(file).writerows([["wavelength [nm]", *CHANNELS], *rows])
+    answers = {"level": "absolute", "per": "photon"}
+    sensor = {"name": "curves.csv", "label": LABEL, "answers": answers}
+    sweep = {"vary": "lux", "first": 1.0, "last": 10.0, "points": 2}
+    study = study_from_data({"sensors": [sensor], "sweeps": [sweep]}, source="a test")
+    found = Elements(study_report(shown(study)))
+    assert [attrs for attrs, _ in found.of("img") if "onerror" in attrs] == []
+    assert len(found.of("script")) == 3
+    assert {text for _, text in found.of("mtext")} >= set(CHANNELS)
+    assert LABEL in {text for _, text in found.of("h1")}
+
+
 def test_a_title_is_words_and_never_markup(page):
     elements = Elements(page)
     ((_, heading),) = elements.of("h1")
@@ -149,7 +174,7 @@ def test_verdict_tables_equations_and_study_stand_in_the_page_without_a_script(p
     assert study_from_text(toml, source="the page") == there.study
 
 
-def test_headings_stand_in_the_order_of_the_sections_and_of_the_contents(page):
+def test_headings_are_in_the_order_of_the_sections_and_of_the_contents(page):
     elements = Elements(page)
     headings = [(attrs["id"].removeprefix("h-"), text) for attrs, text in elements.of("h2")]
     order = [one.part for one in SECTIONS if one.part not in ("map", "head")]

@@ -236,3 +236,13 @@ def test_the_record_names_what_determines_the_last_digits(made, tmp_path):
     if record["blas_kernel"] is None or platform.machine() != "x86_64":
         pytest.skip("the BLAS of this numpy does not report its kernel")
     assert record_of(tmp_path, OPENBLAS_CORETYPE="Nehalem")["blas_kernel"] == "Nehalem"
+
+
+def test_a_result_with_another_number_is_reported_with_exit_code_1(run, made):
+    path = made / "analysis-kernel.json"
+    record = json.loads(path.read_text())
+    sensor = record["result"]["sensors"][0]
+    sensor["bound_db"] *= 1.001
+    path.write_text(json.dumps(record))
+    code, _, err = run("rerun", made / "study.json", "-o", "again")
+    assert (code, "bound_db" in err.splitlines()[-1]) == (1, True)

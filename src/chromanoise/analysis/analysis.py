@@ -453,8 +453,8 @@ def _frame_notes(analysis: Analysis) -> list[str]:
     if mix and mix.angle_deg < _NEAR_MIX_DEG:
         worst = float(analysis.vif[sensor.names.index(mix.channel)])
         return [
-            f"nearly singular (condition {frame.condition:.4g}): {mix_sentence(mix)}, which "
-            f"multiplies its own noise in its coordinate by {worst:.4g} (VIF)"
+            f"nearly singular (condition {frame.condition:.4g}): {mix_sentence(mix)}, so its VIF "
+            f"is {worst:.4g}"
         ]
     return []
 

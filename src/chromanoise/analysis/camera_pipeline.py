@@ -385,8 +385,8 @@ def _method_notes(camera: _Camera, at: Stages, steps: Sequence[PipelineStep]) ->
         failing = int((error > FIRST_ORDER_TOLERANCE).any(axis=-1).sum())
         if failing:
             notes.append(
-                f"the first order of {space.name} is off by more than 5 % on {failing} patches; "
-                "the numbers here do not use it"
+                f"the first order of {space.name} is off by more than 5 % on {failing} of "
+                f"{len(error)} patches; the numbers here do not use it"
             )
     return notes
 

@@ -1,6 +1,8 @@
 """Results as tables: a title, columns with units and digits, rows of numbers and text."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+
+import numpy as np
 
 from chromanoise import _check
 from chromanoise.analysis.analysis import (
@@ -10,6 +12,7 @@ from chromanoise.analysis.analysis import (
 )
 from chromanoise.analysis.comparison.curves import Curve
 from chromanoise.analysis.comparison.maps import QuantityMap, best_of, by_matrix
+from chromanoise.analysis.pipeline_results import GainStep, PipelineNoise
 from chromanoise.analysis.total_error import mean_total_error
 from chromanoise.analysis.undefined import defined
 from chromanoise.color import ColorMatrix
@@ -37,7 +40,7 @@ def analyses_as_table(analyses: Sequence[Analysis]) -> Table:
         *(Column(name=f"SNR {axis}", unit="dB", digits=".1f") for axis in axes),
         Column(name="bound", unit="dB", digits=".1f"),
         Column(name="color SNR loss", unit="dB", digits=".1f"),
-        Column(name="condition", digits=".4g"),
+        Column(name="condition of channels", digits=".4g"),
         Column(name="color error", unit="Delta E*ab", digits=".2f"),
         Column(name="total color error", unit="Delta E*ab", digits=".2f"),
     )
@@ -49,6 +52,59 @@ def analyses_as_table(analyses: Sequence[Analysis]) -> Table:
     )
 
 
+def pipeline_as_table(found: Mapping[str, PipelineNoise | None]) -> Table:
+    """Standard deviations of each patch at each ISO: one row per sensor, ISO and patch.
+
+    Raw channels (e-) are columns where all sensors have the same; encoded sRGB and Y'CbCr are in
+    1/255, CIELAB is that of the picture, relative to D65.
+
+    Parameters
+    ----------
+    found
+        Noise of the pipeline by sensor; ``None`` where it has no color.
+
+    Raises
+    ------
+    InputError
+        If no sensor has a pipeline.
+    """
+    able = {name: one for name, one in found.items() if one is not None}
+    if not able:
+        raise InputError(
+            "analyses", "must hold at least one with a pipeline for its table", value=tuple(found)
+        )
+    any_of = next(iter(able.values()))
+    raw = any_of.channels if len({one.channels for one in able.values()}) == 1 else ()
+    encoded, video, lab = (step.measurement.names for step in any_of.steps[-3:])
+    return Table(
+        title="Pipeline, standard deviations",
+        columns=(
+            Column(name="sensor"),
+            Column(name="ISO", digits=".4g"),
+            Column(name="patch"),
+            *(Column(name=f"raw {name}", unit="e-", digits=".2f") for name in raw),
+            *(Column(name=name, unit="1/255", digits=".2f") for name in (*encoded, *video)),
+            *(Column(name=name, digits=".2f") for name in lab),
+        ),
+        rows=tuple(
+            (name, one.iso, patch, *values)
+            for name, noise in able.items()
+            for one in noise.iso
+            for patch, values in zip(noise.patches, _sds(one, bool(raw)), strict=True)
+        ),
+    )
+
+
+def _sds(one: GainStep, with_raw: bool) -> list[list[float]]:
+    """The numbers of each patch, in the order of the columns."""
+    first = [one.steps[0]] if with_raw else []
+    steps = [(step, 1.0) for step in first]
+    steps += [(step, 255.0) for step in one.steps[-3:-1]] + [(one.steps[-1], 1.0)]
+    blocks = [factor * np.sqrt(step.measurement.variance) for step, factor in steps]
+    rows: list[list[float]] = np.hstack(blocks).tolist()
+    return rows
+
+
 def matrix_as_table(matrix: ColorMatrix, report: MatrixReport, sensor_name: str) -> Table:
     """A color matrix, one row per coordinate; color error, condition and SNR are in the notes."""
     columns = [Column(name=name, unit="lx/e-", digits=".6g") for name in matrix.channels]
@@ -56,12 +112,12 @@ def matrix_as_table(matrix: ColorMatrix, report: MatrixReport, sensor_name: str)
     notes = [
         f"mean color error without noise {written(report.color_error_mean, '.4g') or 'not defined'}"
         f" Delta E*ab over {report.chart}",
-        f"condition {written(defined(report.condition), '.4g') or 'not defined'}",
+        f"condition of the matrix {written(defined(report.condition), '.4g') or 'not defined'}",
     ]
     for name, snr in (report.snr_db or {}).items():
         notes.append(f"SNR {name} of {report.patch} {written(snr, '.2f') or 'not defined'} dB")
     return Table(
-        title=f"{report.made_by} of {sensor_name}",
+        title=f"Color matrix of {sensor_name}: {report.made_by}",
         columns=(Column(name="coordinate"), *columns),
         rows=tuple((name, *row) for name, row in rows),
         notes=tuple(notes),
@@ -99,7 +155,7 @@ def matrices_as_table(
         notes += [f"{sensor}: {note}" for note in table.notes]
     names = ", ".join(name for name, _, _ in matrices)
     return Table(
-        title=f"{matrices[0][2].made_by} of {names}",
+        title=f"Color matrix of {names}: {matrices[0][2].made_by}",
         columns=(
             Column(name="sensor"),
             Column(name="coordinate"),

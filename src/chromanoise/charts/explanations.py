@@ -72,7 +72,7 @@ _LIGHT = Symbol(
 )
 _REBUILT = Symbol(
     latex=r"\hat{L}",
-    meaning="spectrum rebuilt from the electrons",
+    meaning="spectrum reconstructed from the electrons",
     unit="photons s⁻¹ µm⁻² nm⁻¹",
     name="light",
 )
@@ -103,10 +103,10 @@ _WAVELENGTH = Symbol(latex=r"\lambda", meaning="wavelength", unit="nm", name="wa
 EXPLANATIONS: Mapping[str, Explanation] = {
     "electrons": Explanation(
         title="Expected electrons",
-        words="A pixel turns a part of the photons that reach it into electrons: the quantum "
-        "efficiency says which part, at each wavelength. More electrons mean less relative noise. "
-        "More light, a longer time, a larger pixel and a wider aperture all give more of them, "
-        "until the pixel is full.",
+        words="A pixel turns a part of the photons that reach it into electrons. The quantum "
+        "efficiency is that part, at each wavelength. More electrons mean less noise relative to "
+        "the signal. More light, a longer exposure time, a larger pixel and a wider aperture all "
+        "give more electrons, until the pixel is full.",
         latex=(
             r"M_i = k \sum_{\lambda} \mathrm{QE}_i(\lambda) \, L(\lambda)",
             r"k = \frac{t \, a^2 \, \delta\lambda}{4 f_{\#}^2}",
@@ -123,7 +123,7 @@ EXPLANATIONS: Mapping[str, Explanation] = {
             _LIGHT,
             _WAVELENGTH,
             Symbol(latex="k", meaning="exposure factor", unit="s µm² nm", name="exposure factor"),
-            Symbol(latex="t", meaning="integration time", unit="s", name="time_s"),
+            Symbol(latex="t", meaning="exposure time", unit="s", name="time_s"),
             Symbol(latex="a", meaning="pixel pitch", unit="µm", name="pitch_um"),
             Symbol(
                 latex=r"\delta\lambda",
@@ -137,10 +137,10 @@ EXPLANATIONS: Mapping[str, Explanation] = {
     ),
     "raw": Explanation(
         title="Raw SNR",
-        words="The signal of one channel divided by its own noise, before any color is made. "
-        "Light arrives in single photons, so even a perfect pixel is noisy; the readout adds some "
-        "noise of its own. A large value means a smooth raw picture. It does not yet mean smooth "
-        "colors, because these mix the channels.",
+        words="The signal of one channel divided by its noise, before any color is computed. "
+        "Photons arrive at random, so even a perfect pixel is noisy; the readout adds some noise. "
+        "A large value means a smooth raw picture. It does not yet mean smooth colors, because "
+        "each color is computed from several channels.",
         latex=(
             r"\mathrm{SNR}_i = 20 \, \log_{10} \frac{M_i}{\sqrt{D_{ii}}}",
             r"D_{ii} = M_i + \sigma_{\mathrm{rn}}^2",
@@ -151,8 +151,8 @@ EXPLANATIONS: Mapping[str, Explanation] = {
             _CHANNEL,
             Symbol(
                 latex="D_{ii}",
-                meaning="variance of channel i; dark current, quantization, DSNU and PRNU add "
-                "theirs where the sensor has them",
+                meaning="variance of channel i; dark current, quantization, DSNU and PRNU are "
+                "added where the sensor has them",
                 unit="e⁻²",
                 name="raw.covariance",
             ),
@@ -167,10 +167,10 @@ EXPLANATIONS: Mapping[str, Explanation] = {
     ),
     "contravariant": Explanation(
         title="Contravariant SNR",
-        words="Channels overlap: part of what one sees, another sees too. This is the SNR of what "
-        "only one channel tells, after the part that the others share is taken away. Channels "
-        "that look alike leave little of their own, so the value is low although the raw SNR is "
-        "high. It shows why a further channel can make colors noisier.",
+        words="The curves of the channels overlap: several channels see the same light. Unmixing "
+        "subtracts what the channels have in common, and this is the SNR of each channel after "
+        "it. Channels with similar curves keep little signal, so the value is low although the "
+        "raw SNR is high. It shows why an additional channel can make colors noisier.",
         latex=(
             r"\mathrm{SNR} = 20 \, \log_{10} \frac{|M^i|}{\sqrt{(G^{-1} D G^{-1})_{ii}}}",
             r"M^i = (G^{-1} M)_i",
@@ -194,10 +194,10 @@ EXPLANATIONS: Mapping[str, Explanation] = {
         source=f"{_PAPER}, eq. 3",
     ),
     "spectral": Explanation(
-        title="SNR of the rebuilt spectrum",
-        words="From its few channels a camera can rebuild a rough spectrum of the light. This is "
-        "the SNR of that whole spectrum in one number. A low value means that noise covers the "
-        "spectrum, mostly because some channels point the same way.",
+        title="SNR of the reconstructed spectrum",
+        words="From its few channels a camera can reconstruct a rough spectrum of the light. This "
+        "is the SNR of that whole spectrum in one number. A low value means that noise hides the "
+        "spectrum, mostly because some channels have similar curves.",
         latex=(
             r"\mathrm{SNR} = 10 \, \log_{10} "
             r"\frac{M^{\top} G^{-1} M}{\operatorname{tr}(G^{-1} D)}",
@@ -209,10 +209,10 @@ EXPLANATIONS: Mapping[str, Explanation] = {
     ),
     "color": Explanation(
         title="Color SNR of X, Y, Z",
-        words="A color matrix mixes the channels into X, Y and Z, the colors that an eye sees; Y "
-        "is brightness. Mixing adds the noise of the channels, and large weights of opposite sign "
-        "add much noise but cancel signal. A large value means a smooth color picture. The SNR of "
-        "Y is what the verdict compares.",
+        words="A color matrix computes X, Y and Z from the channels: three numbers that describe "
+        "a color as an eye sees it; Y is its brightness (luminance). The noise of all channels "
+        "adds up in each of them, and large weights of opposite sign cancel signal but not noise. "
+        "A large value means a smooth color picture. The verdict compares the SNR of Y.",
         latex=(
             r"\mathrm{SNR}_c = 20 \, \log_{10} \frac{(C M)_c}{\sqrt{(C D C^{\top})_{cc}}}",
             r"C_{\mathrm{kernel}} = H^{\top} F G^{-1}",
@@ -243,10 +243,11 @@ EXPLANATIONS: Mapping[str, Explanation] = {
     ),
     "lab": Explanation(
         title="Noise of L*, a*, b* of an 18 % gray",
-        words="CIELAB measures color about as an eye does: L* is lightness, a* runs from green to "
-        "red, b* from blue to yellow. These are the standard deviations that noise gives to a "
-        "gray. An eye just sees a difference of about 2 between two large areas. A large value of "
-        "L* means grain, one of a* or b* colored speckles.",
+        words="In CIELAB equal distances look about equally large to an eye: L* is lightness, a* "
+        "runs from green to red, b* from blue to yellow. The chart shows the standard deviations "
+        "of a gray that reflects 18 % of the light. An eye just sees a difference of about 2 "
+        "between two large areas. A large value for L* means grain; for a* or b* it means colored "
+        "speckles.",
         latex=(
             r"\sigma_q^2 = \langle q^2 \rangle - \langle q \rangle^2",
             r"L^* = 116 \, g(Y / Y_{\mathrm{w}}) - 16",
@@ -275,9 +276,10 @@ EXPLANATIONS: Mapping[str, Explanation] = {
     ),
     "bound": Explanation(
         title="Bound of any linear readout",
-        words="The best SNR that any weighted sum of the channels can have, if it need not be a "
-        "color. No color matrix can exceed it. It shows what the sensor has collected; what the "
-        "color is below it is lost by the step from channels to color.",
+        words="The best SNR that any weighted sum of the channels can have, even if that sum is "
+        "not a color. No color matrix can exceed it. It shows how much signal the sensor has "
+        "collected; the difference to the SNR of a color is lost in the step from channels to "
+        "color.",
         latex=(
             r"\mathrm{SNR}_{\mathrm{bound}} = 10 \, \log_{10} \left( M^{\top} D^{-1} M \right)",
             r"M^{\top} D^{-1} M = \sum_i \frac{M_i^2}{D_{ii}}",
@@ -300,9 +302,9 @@ EXPLANATIONS: Mapping[str, Explanation] = {
     ),
     "price": Explanation(
         title="Color SNR loss",
-        words="How far the brightness of the color picture stays below the best readout of the "
-        "same channels. A large loss means that the sensor collects much light, but that making "
-        "color of it costs most of the advantage.",
+        words="How far the SNR of the luminance Y is below that of the best readout of the same "
+        "channels. A large loss means that the sensor collects much light, but that computing a "
+        "color costs most of the advantage.",
         latex=(r"\Delta = \mathrm{SNR}_{\mathrm{bound}} - \mathrm{SNR}_Y",),
         symbols=(
             Symbol(latex=r"\Delta", meaning="color SNR loss", unit="dB", name="color_snr_loss_db"),
@@ -318,11 +320,13 @@ EXPLANATIONS: Mapping[str, Explanation] = {
     ),
     "budget": Explanation(
         title="The dB budget",
-        words="It starts with all photons that hit the pixels and ends with the SNR of one color. "
-        "Each bar is what one cause takes away: light that filters absorb, read noise, the "
-        "weights of the color, channels that look alike, infrared. What a cause costs depends on "
-        "which others are already there, so each bar is the mean over all orders, and the bars "
-        "add up exactly. The longest bar is the one to work on.",
+        words="The budget starts with all photons that hit the pixels and ends with the SNR of one "
+        "color; each bar is what one cause costs or gives back. Filters absorb light, and the "
+        "readout adds noise. The color target is the cost of the weights that give the color "
+        "instead of the lowest noise; correlation is the cost of subtracting channels with similar "
+        "curves. Infrared electrons add noise without signal; some SNR comes back where the matrix "
+        "counts them as luminance (infrared leaking into Y). What a cause costs depends on the "
+        "causes before it, so each bar is the mean over all orders, and the bars add up exactly.",
         latex=(
             r"\ell_j = \frac{1}{n} \sum_{\pi} \left( S_{\pi}^{-j} - S_{\pi}^{+j} \right)",
             r"\mathrm{SNR}_c = S_0 - \sum_j \ell_j",
@@ -360,10 +364,10 @@ EXPLANATIONS: Mapping[str, Explanation] = {
     ),
     "vectors": Explanation(
         title="Vectors and the ellipsoid of uncertainty",
-        words="Each channel is an arrow in the space of all spectra; here one sees the three "
+        words="Each channel is an arrow in the space of all spectra; the chart shows the three "
         "directions that an eye distinguishes. Two arrows that point nearly the same way are hard "
-        "to tell apart, and noise then moves the rebuilt light far along the direction between "
-        "them. The ellipsoid shows where noise puts the light: long and thin is bad.",
+        "to tell apart: noise then moves the reconstructed light far along their difference. The "
+        "ellipsoid shows how far noise moves the light: long and thin is bad.",
         latex=(
             r"\Sigma_L = F G^{-1} D G^{-1} F^{\top}",
             r"G = F^{\top} F",
@@ -372,7 +376,7 @@ EXPLANATIONS: Mapping[str, Explanation] = {
         symbols=(
             Symbol(
                 latex=r"\Sigma_L",
-                meaning="covariance of the rebuilt light, the shape of the ellipsoid",
+                meaning="covariance of the reconstructed light, the shape of the ellipsoid",
                 name="reconstructed.covariance",
             ),
             _BASIS,
@@ -397,7 +401,7 @@ EXPLANATIONS: Mapping[str, Explanation] = {
     "ellipses": Explanation(
         title="Noise ellipses",
         words="Each cross is the true color of a patch. The center of its ellipse is the color "
-        "that the camera gives on average, and the ellipse holds about 86 % of the single "
+        "that the camera gives on average, and the ellipse contains about 86 % of the single "
         "readings. A center far from its cross is a wrong color; a large ellipse is a noisy one.",
         latex=(r"(q - \bar{q})^{\top} \, \Sigma^{-1} \, (q - \bar{q}) = 2^2",),
         symbols=(
@@ -410,17 +414,22 @@ EXPLANATIONS: Mapping[str, Explanation] = {
     ),
     "levels": Explanation(
         title="SNR over the light level",
-        words="The same camera at other levels of light, with the exposure time kept. Photon noise "
-        "alone gives 10 dB per factor of ten in light, read noise alone 20 dB. Where two curves "
-        "cross, two sensors are equally good; on one side of it one is better, on the other side "
-        "the other.",
+        words="The same camera at other light levels, with the same exposure time. Ten times the "
+        "light raises the SNR by 10 dB where photon noise prevails, and by 20 dB where read noise "
+        "prevails. Where two curves cross, the two sensors are equally good; below that light "
+        "level one of them is better, above it the other.",
         latex=(
             r"M(N_{\mathrm{lux}}) = \frac{N_{\mathrm{lux}}}{N_0} \, M(N_0)",
             r"\mathrm{SNR}_{\mathrm{A}}(N_{\times}) = \mathrm{SNR}_{\mathrm{B}}(N_{\times})",
         ),
         symbols=(
             _MEAN,
-            Symbol(latex=r"N_{\mathrm{lux}}", meaning="light level", unit="lx", name="level_lux"),
+            Symbol(
+                latex=r"N_{\mathrm{lux}}",
+                meaning="light level (illuminance on the scene)",
+                unit="lx",
+                name="level_lux",
+            ),
             Symbol(latex="N_0", meaning="light level of the study", unit="lx"),
             Symbol(latex=r"N_{\times}", meaning="light level of a crossover", unit="lx"),
             Symbol(latex=r"\mathrm{SNR}_{\mathrm{A}}", meaning="color SNR of a sensor", unit="dB"),
@@ -432,8 +441,9 @@ EXPLANATIONS: Mapping[str, Explanation] = {
     "chart": Explanation(
         title="Color error and noise of the chart",
         words="Two different faults of each patch. The color error is how far its mean color is "
-        "off, and stays when many pictures are averaged. The noise is how far a single pixel "
-        "strays from that mean. A matrix can often lower one only by raising the other.",
+        "from the true one; averaging many pictures does not remove it. The color noise is how "
+        "far a single pixel is from that mean. A matrix can often lower one only by raising the "
+        "other.",
         latex=(r"\Delta E^*_{ab} = \sqrt{(\Delta L^*)^2 + (\Delta a^*)^2 + (\Delta b^*)^2}",),
         symbols=(
             Symbol(
@@ -451,11 +461,11 @@ EXPLANATIONS: Mapping[str, Explanation] = {
     ),
     "pareto": Explanation(
         title="Training error against SNR",
-        words="A matrix trained on spectra can weigh noise more or less. With little weight, "
-        "colors are exact and noisy; with much weight, smooth and pale. The curve holds the best "
-        "possible compromises of a sensor: no matrix lies beyond it in the error that is "
-        "minimized. The training error is the color error averaged over the training spectra (the "
-        "prior), not over the patches of the chart.",
+        words="A matrix trained on spectra can give noise more or less weight. With little weight, "
+        "colors are exact and noisy; with much weight, smooth and pale. The curve shows the best "
+        "compromises of a sensor: no matrix is better in both the noise and the squared error of "
+        "X, Y, Z that the training minimizes. The training error is the color error averaged over "
+        "the training spectra (the prior), not over the patches of the chart.",
         latex=(
             r"\min_{C} \; \left\langle |C M - x|^2 \right\rangle "
             r"+ w \operatorname{tr}(C D C^{\top})",
@@ -479,9 +489,9 @@ EXPLANATIONS: Mapping[str, Explanation] = {
     "machine": Explanation(
         title="Distance of two patches for a machine",
         words="A machine reads the raw values and needs no color. It can tell two patches apart "
-        "if their means differ by more than the noise: the distance counts that difference in "
-        "units of noise. At 2, an ideal reader of one pixel is right in 84 % of the cases. No "
-        "invertible color matrix changes it.",
+        "if their means differ by more than the noise: the distance is that difference in units "
+        "of the noise. At a distance of 2, an ideal reader of one pixel is right in 84 % of the "
+        "cases. An invertible color matrix does not change the distance.",
         latex=(
             r"D_{\mathrm{M}}^2 = d^{\top} S^{-1} d",
             r"P = \Phi(D_{\mathrm{M}} / 2)",

@@ -1,6 +1,7 @@
 """Formulas in LaTeX as MathML, for the page, reports and the demo."""
 
 from functools import lru_cache
+from html import escape
 
 
 @lru_cache(maxsize=512)
@@ -10,7 +11,7 @@ def mathml(latex: str, *, block: bool = False) -> str:
     Parameters
     ----------
     latex
-        The formula, without dollar signs.
+        The formula, without dollar signs; no text of a user, which could hold markup.
     block
         Whether it stands in a line of its own.
 
@@ -24,15 +25,19 @@ def mathml(latex: str, *, block: bool = False) -> str:
     return convert(latex, display="block" if block else "inline")
 
 
-def coordinate_latex(coordinate: str) -> str:
-    r"""The symbol of a coordinate of a budget or of a row of a table.
+def coordinate_mathml(coordinate: str) -> str:
+    """A contravariant coordinate as one MathML element; the name of its channel is plain text.
+
+    Parameters
+    ----------
+    coordinate
+        ``M^`` and the name of a channel, which a file may give.
 
     Examples
     --------
-    >>> coordinate_latex("M^R"), coordinate_latex("L*"), coordinate_latex("Y")
-    ('M^{\\mathrm{R}}', 'L^*', 'Y')
+    >>> coordinate_mathml("M^<b>").partition("<msup>")[2].partition("</msup>")[0]
+    '<mi>M</mi><mtext>&lt;b&gt;</mtext>'
     """
-    letter, power, channel = coordinate.partition("^")
-    if power:
-        return rf"{letter}^{{\mathrm{{{channel}}}}}"
-    return f"{letter[:-1]}^*" if letter.endswith("*") else letter
+    letter, _, channel = coordinate.partition("^")
+    raised = f"<msup><mi>{escape(letter)}</mi><mtext>{escape(channel)}</mtext></msup>"
+    return f'<math xmlns="http://www.w3.org/1998/Math/MathML" display="inline">{raised}</math>'

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from chromanoise import _check
+from chromanoise.io.table_formats import formula_free
 
 Row = list[Any]
 
@@ -36,12 +37,14 @@ def chart_rows(part: str, record: Mapping[str, Any]) -> list[Row]:
 def chart_csv(part: str, record: Mapping[str, Any]) -> str:
     """`chart_rows` as CSV (RFC 4180, lines end in LF); an undefined value is an empty cell.
 
+    Text that a spreadsheet would interpret as a formula is prefixed with an apostrophe.
+
     Parameters
     ----------
     part
-        Name of a chart, from `chromanoise.charts.DRAWINGS`.
+        A name from `chromanoise.charts.DRAWINGS`.
     record
-        Its data, as `chromanoise.charts.drawing` gives it.
+        Of that chart, from `chromanoise.charts.drawing`.
 
     Raises
     ------
@@ -49,7 +52,9 @@ def chart_csv(part: str, record: Mapping[str, Any]) -> str:
         If there is no such chart.
     """
     text = io.StringIO()
-    csv.writer(text, lineterminator="\n").writerows(chart_rows(part, record))
+    writer = csv.writer(text, lineterminator="\n")
+    for row in chart_rows(part, record):
+        writer.writerow([formula_free(cell) if isinstance(cell, str) else cell for cell in row])
     return text.getvalue()
 
 
@@ -60,7 +65,7 @@ def _head(record: Mapping[str, Any]) -> list[Row]:
         for name, mean_e in one["mean_e"].items()
     ]
     head = ["sensor", "channel", "electrons of a white [e-]", "full well [e-]"]
-    return [[*head, "integration time [ms]", "f-number"], *rows]
+    return [[*head, "exposure time [ms]", "f-number"], *rows]
 
 
 def _stages(record: Mapping[str, Any]) -> list[Row]:
@@ -104,7 +109,7 @@ def _pareto(record: Mapping[str, Any]) -> list[Row]:
         for one in record["sensors"]
         for point in (*one["points"], one["now"])
     ]
-    head = ["sensor", "weight of the noise", "color error, mean Delta E*ab", "SNR of Y [dB]"]
+    head = ["sensor", "weight of the noise", "training error, mean Delta E*ab", "SNR of Y [dB]"]
     return [head, *rows]
 
 
@@ -157,7 +162,7 @@ def _ellipses(record: Mapping[str, Any]) -> list[Row]:
 def _chart(record: Mapping[str, Any]) -> list[Row]:
     head, columns = ["patch"], [[patch["name"] for patch in record["patches"]]]
     for one in record["sensors"]:
-        for what, key in (("color error", "delta_e"), ("noise", "noise")):
+        for what, key in (("color error", "delta_e"), ("color noise", "noise")):
             head.append(f"{one['name']} {what} [Delta E*ab]")
             values = [patch[key] for patch in one["patches"]]
             columns.append(values or [None] * len(record["patches"]))

@@ -73,7 +73,7 @@ def _columns(analyses: Sequence[Analysis]) -> list[_Column]:
         _Column(
             "total_error", "with noise [ΔE]", f"{error}, with noise", "lower", mean_total_error
         ),
-        _Column("time_ms", "time [ms]", "integration time", None, _time_ms, _four_digits),
+        _Column("time_ms", "time [ms]", "exposure time", None, _time_ms, _four_digits),
         _Column("f_number", "f-number", "f-number", None, lambda one: one.exposure.f_number, brief),
         *map(_channel, dict.fromkeys(name for one in analyses for name in one.sensor.names)),
     ]

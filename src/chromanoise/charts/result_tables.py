@@ -166,7 +166,7 @@ def patches_table(analysis: Analysis, chart: ChartNoise | None) -> Table:
         *(Column(name=f"sd {axis}", digits=".1f") for axis in ("L*", "a*", "b*")),
         Column(name="color noise", unit=_DELTA_E, digits=".1f"),
     )
-    title = f"{seen} seen by {name} with the {analysis.matrix.made_by} matrix"
+    title = f"{seen} seen by {name}, matrix: {analysis.matrix.made_by}"
     if chart is None:
         note = f"{name}: no chart, {_NO_COLOR}."
         return Table(title=title, columns=columns, rows=(), notes=(note,))
@@ -182,8 +182,8 @@ def patches_table(analysis: Analysis, chart: ChartNoise | None) -> Table:
     rows.append(("mean", *means, *map(float, sd.mean(axis=0)), float(noise.mean())))
     failing = int((~chart.first_order_holds).sum())
     note = (
-        f"{name}: the first order is off by more than 5 % on {failing} patches; the figures above "
-        "come from the exact Poisson-Gaussian distribution."
+        f"{name}: the first order is off by more than 5 % on {failing} of {len(noise)} patches; "
+        "the numbers above come from the exact Poisson-Gaussian distribution."
     )
     return Table(title=title, columns=columns, rows=tuple(rows), notes=(note,) if failing else ())
 
@@ -234,7 +234,7 @@ def gray_table(analyses: Sequence[Analysis], noises: Sequence[GrayNoise | None])
 def merits_table(point: OperatingPoint, merits: Merits) -> Table:
     """All figures of merit of one sensor with their sources, and why values are missing."""
     return Table(
-        title=f"Merits of {merits.sensor} at {conditions([point])}, {merits.matrix}",
+        title=f"Figures of merit of {merits.sensor} at {conditions([point])}, {merits.matrix}",
         columns=(
             Column(name="figure of merit"),
             Column(name="value", digits=".4g"),

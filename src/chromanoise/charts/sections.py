@@ -35,7 +35,7 @@ SECTIONS: tuple[Section, ...] = (
     Section(
         part="head",
         heading="Sensors",
-        shows="Ranked by the SNR of Y; the electrons are those of a perfect white.",
+        shows="The rank follows the SNR of Y; the electrons are those of a perfect white.",
         explanations=("electrons", "color", "price"),
     ),
     Section(
@@ -48,46 +48,47 @@ SECTIONS: tuple[Section, ...] = (
     Section(
         part="vectors",
         heading="Channels as vectors",
-        shows="The more two channels point the same way, the more noise their unmixing makes, and "
-        "the larger is the ellipsoid of uncertainty around the light.",
+        shows="The smaller the angle between two channels, the noisier their unmixing, and the "
+        "larger the ellipsoid of uncertainty around the light.",
         explanations=("vectors",),
     ),
     Section(
         part="stages",
         heading="SNR from raw to color",
-        shows="The same light in every kind of SNR: channels as read, unmixed, and as color.",
+        shows="The SNR of the same light at each stage: channels as read, unmixed, and as color.",
         explanations=("raw", "contravariant", "spectral", "color", "lab", "bound", "price"),
     ),
     Section(
         part="levels",
         heading="Over the light level",
-        shows="With the time kept; circles mark where sensors change places.",
+        shows="With the same exposure time; circles mark where two sensors are equally good.",
         explanations=("levels", "color"),
     ),
     Section(
         part="map",
         heading="Two parameters",
-        shows="One quantity over two parameters that vary together.",
+        shows="One quantity for every combination of two parameters.",
         explanations=("levels", "color"),
     ),
     Section(
         part="ellipses",
         heading="Noise ellipses of the chart",
-        shows="Every patch of the chart: the cross is its true color, the ellipse where noise "
-        "puts it.",
+        shows="For every patch of the chart: the cross is its true color, the ellipse shows how "
+        "far noise moves it.",
         explanations=("ellipses",),
     ),
     Section(
         part="chart",
         heading="Color error and noise",
-        shows="Of every patch: how far its mean color is off, and how far noise moves it.",
+        shows="For every patch: how far its mean color is off, and how far noise moves it.",
         explanations=("chart",),
     ),
     Section(
         part="pareto",
         heading="Training error against SNR",
-        shows="What another matrix could buy: each point is one weight of the noise. The training "
-        "error is the color error averaged over the prior, not over the chart.",
+        shows="What other matrices achieve: each point is a matrix with another weight of the "
+        "noise. The training error is the color error averaged over the prior, not over the "
+        "chart.",
         explanations=("pareto",),
     ),
     Section(

@@ -20,9 +20,9 @@ from chromanoise.exposure import conditions
 _KINDS = (  # key, title, unit, what it is of
     ("raw", "raw SNR", "dB", "per channel, as read"),
     ("contravariant", "contravariant SNR", "dB", "per channel, unmixed"),
-    ("spectral", "spectral SNR", "dB", "of the whole rebuilt spectrum"),
+    ("spectral", "spectral SNR", "dB", "of the whole reconstructed spectrum"),
     ("color", "color SNR", "dB", "per coordinate"),
-    ("bound", "bound", "dB", "SNR of the best linear readout of Y"),
+    ("bound", "bound", "dB", "SNR of the best linear readout"),
     ("price", "color SNR loss", "dB", "best linear SNR minus SNR of Y"),
     ("lab", "noise in CIELAB", "", f"standard deviation of an {brief(100 * GRAY)} % gray"),
 )

@@ -58,7 +58,7 @@ def half_axes(covariance: Float[Array, "3 3"]) -> Float[Array, "3 3"]:
     covariance
         Symmetric matrix; the half axes have the square root of its unit.
     """
-    variance, directions = eigh("covariance of the rebuilt light", covariance)
+    variance, directions = eigh("covariance of the reconstructed light", covariance)
     return (directions * np.sqrt(np.maximum(variance, 0.0))).T[::-1]
 
 

@@ -35,7 +35,7 @@ _BELOW_THE_BOUND = (WEIGHTS, CORRELATION, INFRARED)  # the bound is that of the 
 _TERMS: Mapping[str, str] = {
     "exposure": "",
     "saturation": " with each sensor exposed to the same share of full well,",
-    "light": " with the same photons for each channel set,",
+    "light": " with the same photons on all channels of each sensor together,",
 }
 
 

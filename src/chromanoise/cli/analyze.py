@@ -32,6 +32,7 @@ from chromanoise.cli.reader_tables import print_machine_readings
 from chromanoise.cli.running import progress_of_step
 from chromanoise.color import SPACES
 from chromanoise.exposure import conditions
+from chromanoise.io.table import Table
 from chromanoise.study import Analyses, analyze_study, run
 
 
@@ -84,11 +85,16 @@ def analyze(
     refuse_taken_inputs({"--json": json_target, "--table": table}, sensors, settings)
     (result,) = run(study, progress=progress_of_step).analyses.values()
     write_outputs(
-        (table, lambda: table_text(result.to_table(), str(table))),
+        (table, lambda: table_text(_table(result), str(table))),
         (json_target, lambda: json_text(result.to_dict())),
     )
     if json_target != "-":
         _print(result, equal=study.exposure.equal)
+
+
+def _table(result: Analyses) -> Table:
+    """Of the sensors; with a pipeline of each patch at each ISO."""
+    return result.pipeline_table() if result.outputs.pipeline.run else result.to_table()
 
 
 def _print(result: Analyses, *, equal: str) -> None:

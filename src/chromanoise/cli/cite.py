@@ -82,7 +82,7 @@ def as_bibtex(reference: Reference) -> str:
 
 
 @command()
-@click.option("--bibtex", is_flag=True, help="As entries of BibTeX.")
+@click.option("--bibtex", is_flag=True, help="Print BibTeX entries.")
 def cite(bibtex: bool) -> None:
     """Print how to cite chromanoise and the paper whose equations it computes.
 

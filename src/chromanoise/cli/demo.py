@@ -38,6 +38,7 @@ cube = "builtin:checker"
 
 @command()
 @click.option(
+    "-o",
     "--out",
     type=click.Path(path_type=Path),
     default=Path("out/demo"),

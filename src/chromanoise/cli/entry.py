@@ -17,14 +17,14 @@ import click
 from chromanoise.cli import paused_collection
 from chromanoise.errors import InputError, did_you_mean
 
-_COMMANDS = {
+COMMANDS = {
     "analyze": "Noise of sensors in raw, spectral and color coordinates, side by side.",
     "simulate": "Render a hyperspectral cube through sensors to noisy color pictures.",
     "denoise": "Denoise raw pictures of any camera with their known noise; color with a sensor.",
     "compare": "Sensors over one or two parameters, as light or read noise: curves, crossovers.",
     "matrix": "A sensor's color matrix: color error, noise, condition; to CSV, JSON, CLF, profile.",
     "sensitivity": "What 1 nm or 1 % of each parameter of a sensor changes; tolerance budget.",
-    "optimize": "Search filters, IR-cut, exposure and matrix of a sensor for the best trades.",
+    "optimize": "Search filters, IR-cut, exposure and matrix of a sensor for the best trade-offs.",
     "init": "A commented study or design file to start from.",
     "run": "Run a study file: analyses, sweeps, pictures, with provenance.",
     "rerun": "Run the study of an output once more and compare the results.",
@@ -38,19 +38,20 @@ _COMMANDS = {
     "demo": "All results of the paper on one page: out/demo/index.html.",
     "characterize": "Noise of a camera from its own raw frames, as a pixel file and a report.",
     "denoise-bench": "Denoising methods compared over scenes, sensors and light levels; a report.",
-    "cite": "How to cite chromanoise and the paper; --bibtex.",
+    "cite": "How to cite chromanoise and the paper; --bibtex for BibTeX.",
     "demo-frames": "Raw frames of a virtual camera with known noise, to try a characterization.",
 }
+"""Each command with its line of help."""
 
 
 class _Commands(click.Group):
     """Subcommands that are imported only when they are called."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
-        return list(_COMMANDS)
+        return list(COMMANDS)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        if cmd_name not in _COMMANDS:
+        if cmd_name not in COMMANDS:
             return None
         name = cmd_name.replace("-", "_")
         path = f"chromanoise.cli.{name}"
@@ -66,15 +67,15 @@ class _Commands(click.Group):
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        if args and args[0] not in _COMMANDS and not args[0].startswith("-"):
-            known = f"known: {', '.join(_COMMANDS)}"
-            hint = did_you_mean(args[0], list(_COMMANDS), known, most=2, cutoff=0.5)
+        if args and args[0] not in COMMANDS and not args[0].startswith("-"):
+            known = f"known: {', '.join(COMMANDS)}"
+            hint = did_you_mean(args[0], list(COMMANDS), known, most=2, cutoff=0.5)
             raise click.UsageError(f"unknown command {args[0]!r}; {hint}")
         return super().resolve_command(ctx, args)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         with formatter.section("Commands"):
-            formatter.write_dl(list(_COMMANDS.items()))
+            formatter.write_dl(list(COMMANDS.items()))
 
 
 def _print_version(ctx: click.Context, _: click.Parameter, asked: bool) -> None:

@@ -33,7 +33,7 @@ from chromanoise.spectra import METRICS, Metric
     help="Unit in which spectra are vectors.",
 )
 @click.option("--clip", is_flag=True, help="Clip each draw between 0 and full well.")
-@click.option("--out", type=click.Path(path_type=Path), help="Folder for the ten figures.")
+@click.option("-o", "--out", type=click.Path(path_type=Path), help="Folder for the ten figures.")
 @click.option("--json", "json_target", metavar="FILE|-", help="Write JSON; - for standard output.")
 def reproduce(
     draws: int, seed: int, metric: Metric, clip: bool, out: Path | None, json_target: str | None

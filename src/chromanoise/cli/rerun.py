@@ -23,7 +23,7 @@ def rerun(output: Path, out: Path, threads: int | None) -> None:
     after the project was moved, but needs the same version of chromanoise. Results are
     byte-identical if numpy, scipy, the BLAS kernel and the processor type are also the same;
     otherwise analyses agree to a relative 1e-9. The last line reports the agreement, or where the
-    largest difference is.
+    largest difference is; the exit code is 1 if the results do not agree.
     """
     recorded = recorded_run(output)
     if os.path.realpath(out) == os.path.realpath(recorded.folder):
@@ -31,4 +31,7 @@ def rerun(output: Path, out: Path, threads: int | None) -> None:
             "--out", "must be another folder than that of OUTPUT", value=str(out), remedy="name one"
         )
     print_run(recorded.study, out, threads, recorded.place)
-    click.echo(agreement_text(agreement_of(recorded.folder, out)), err=True)
+    found = agreement_of(recorded.folder, out)
+    click.echo(agreement_text(found), err=True)
+    if not found.agrees:
+        click.get_current_context().exit(1)

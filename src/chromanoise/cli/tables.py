@@ -116,7 +116,7 @@ def print_analyses(analyses: Iterable[Analysis]) -> None:
         "Z dB",
         "bound dB",
         "color SNR loss dB",
-        "condition",
+        "condition of channels",
         "color error",
         "total color error",
     ):
@@ -242,7 +242,7 @@ def _curve_cell(curve: Curve, i: int) -> str:
 def print_matrix(matrix: ColorMatrix, report: MatrixReport, sensor_name: str) -> None:
     """Print the matrix in lx/e-, then its color error and noise."""
     console = terminal()
-    table = Table(title=f"{report.made_by} of {sensor_name} [lx/e-]", title_justify="left")
+    table = Table(title=f"{sensor_name}, {report.made_by} [lx/e-]", title_justify="left")
     table.add_column("")
     heads, rows, numbers = matrix.channels, matrix.coordinates, matrix.matrix
     if len(heads) > _WIDE:  # transposed, so that no column is cut

@@ -17,12 +17,12 @@ FASTEST_F_NUMBER = 0.5
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Exposure:
-    """Integration time, f-number and magnification of an exposure.
+    """Exposure time, f-number and magnification of an exposure.
 
     Attributes
     ----------
     time_s
-        Integration time t_i. [s]
+        Exposure time t_i. [s]
     f_number
         f_# of the lens.
     magnification

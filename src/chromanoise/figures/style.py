@@ -82,7 +82,7 @@ def channel_color(name: str) -> str:
     Parameters
     ----------
     name
-        Of the channel, as ``R``.
+        Name of the channel.
     """
     return _palette.channel_color(name) or INK
 

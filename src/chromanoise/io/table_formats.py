@@ -85,6 +85,24 @@ def table_writer(path: Path) -> Callable[[Table], str]:
     return writers[ending]
 
 
+def formula_free(text: str) -> str:
+    """Text that a spreadsheet does not read as a formula (OWASP, CSV injection).
+
+    Parameters
+    ----------
+    text
+        If it begins like a formula, even after spaces, it gets an apostrophe.
+
+    Examples
+    --------
+    >>> formula_free("=1+1"), formula_free("my sensor")
+    ("'=1+1", 'my sensor')
+    """
+    plain = text.replace("\r\n", "\n").replace("\r", "\n")  # csv would leave a lone \r unquoted
+    guarded = plain.startswith(_FORMULA) or plain.lstrip().startswith(_FORMULA)
+    return f"'{plain}" if guarded else plain
+
+
 def table_csv(table: Table) -> str:
     """A row of headings, ``name [unit]``, then the rows with all digits, as RFC 4180 with LF.
 
@@ -92,10 +110,10 @@ def table_csv(table: Table) -> str:
     """
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow([_harmless(head(column)) for column in table.columns])
+    writer.writerow([formula_free(head(column)) for column in table.columns])
     for row in table.rows:
         writer.writerow(
-            [_harmless(cell) if isinstance(cell, str) else written(cell, "") for cell in row]
+            [formula_free(cell) if isinstance(cell, str) else written(cell, "") for cell in row]
         )
     return text.getvalue()
 
@@ -214,13 +232,6 @@ def head(column: Column) -> str:
     ('time [ms]', 'sensor')
     """
     return f"{column.name} [{column.unit}]" if column.unit else column.name
-
-
-def _harmless(text: str) -> str:
-    """Text that cannot act as a formula (OWASP, CSV injection), even after leading spaces."""
-    plain = text.replace("\r\n", "\n").replace("\r", "\n")  # csv would leave a lone \r unquoted
-    guarded = plain.startswith(_FORMULA) or plain.lstrip().startswith(_FORMULA)
-    return f"'{plain}" if guarded else plain
 
 
 def _numeric(table: Table, i: int) -> bool:

@@ -366,7 +366,7 @@ def shared_readings(
     part = {name: float(100 * each.mean() / variance.mean()) for name, each in sources.items()}
     more = {name: f"{part[name]:.1f} % of the mean noise variance" for name in MORE_NOISE}
     unmixed = (
-        f"unmixing multiplies the own noise of {frame.names[worst]} by {vif[worst]:.1f} (VIF), "
+        f"unmixing multiplies {frame.names[worst]}'s own noise by {vif[worst]:.1f} (VIF), "
         f"condition {frame.condition:.1f}"
     )
     if chain.crosstalk is not None and chain.before_crosstalk is not None:

@@ -27,7 +27,7 @@ _FORMULAS = ("3200K", "5000K", "6500K", "LED660")  # examples of lamps given by 
 _SLIDERS = (
     ("light.level_lux", "Light level", "lx", 0.01, 10_000.0, "log", 0.01),
     ("light.infrared", "Infrared in the light", "W/W", 0.0, 5.0, "linear", 0.05),
-    ("exposure.time_ms", "Integration time", "ms", 0.1, 1000.0, "log", 0.01),
+    ("exposure.time_ms", "Exposure time", "ms", 0.1, 1000.0, "log", 0.01),
     ("exposure.saturate", "Share of full well", "1", 0.05, 1.0, "linear", 0.01),
     ("exposure.f_number", "f-number", "f/#", 1.0, 16.0, "log", 0.01),
     ("matrices.weight", "Weight of the noise in the matrix", "1", 0.001, 1000.0, "log", 0.02),

@@ -160,7 +160,9 @@ def _replying(
         except ClientDisconnect:
             return Response(status_code=400)
         except asyncio.CancelledError:  # of what is being computed when the server ends
-            return _refusing(QuestionError(("", "the server ends; send it again"), status=503))
+            return _refusing(
+                QuestionError(("", "the server is stopping; send the request again"), status=503)
+            )
 
     return replied
 
@@ -219,7 +221,9 @@ async def _csv(request: Request, server: _Server) -> Response:
 
 
 async def _report(request: Request, server: _Server) -> Response:
-    html = await server.done("report", await question_of(request, server.bodies))
+    question = await question_of(request, server.bodies)
+    with server.uploads.empty_folder() as folder:
+        html = await server.done("report", question, folder)
     # to be kept as a file: not shown under the address of the page
     headers = {"Content-Disposition": "attachment"}
     return Response(html, media_type="text/html", headers=headers)

@@ -2,6 +2,7 @@
 
 import json
 from contextlib import suppress
+from pathlib import Path
 from typing import Any
 
 from chromanoise.charts.explanations import EXPLANATIONS, explanation_as_json
@@ -76,9 +77,9 @@ class Services:
         """The CSV of ``/api/csv``."""
         return self._answers.csv(data_of(body))
 
-    def report(self, body: bytes) -> str:
-        """The HTML of ``/api/report``."""
-        return report_reply(self._studies, data_of(body))
+    def report(self, body: bytes, folder: Path) -> str:
+        """The HTML of ``/api/report``; ``folder`` is empty, for the files of the study."""
+        return report_reply(self._studies, data_of(body), folder)
 
     def texts(self, body: bytes) -> str:
         """The JSON of ``/api/texts``."""
@@ -106,9 +107,9 @@ class Services:
             kernels for half a minute, and the first one of each denoising method its own.
         """
         if name == "picture":
-            methods = (None, *_denoising_of(*given)[:1])
+            methods = (None, *_denoising_of(given[0])[:1])
         elif name == "report":
-            denoising = _denoising_of(*given)
+            denoising = _denoising_of(given[0])
             methods = (None, *denoising) if denoising else ()
         else:
             return

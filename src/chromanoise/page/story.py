@@ -1,4 +1,4 @@
-"""The guided story of the page: five studies, each with a few sentences and a question."""
+"""The tour of the page: five studies, each with a few sentences and a question."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -25,7 +25,7 @@ _CUT_NM = 700.0  # of the task of the step about infrared
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Step:
-    """One step of the story.
+    """One step of the tour.
 
     Attributes
     ----------
@@ -75,14 +75,14 @@ def _raw(of: Shown) -> list[str]:
     more, less = (electrons(_mean_e(a)[name]) for a in (bare, cut))
     better, worse = (decimal(raw_snr_db(a)[name]) for a in (bare, cut))
     return [
-        "Two sensors look at the same white paper, in the same light, for the same time. "
-        f"{cut.sensor.label} has a filter in front that stops infrared light, an IR-cut. "
-        f"{bare.sensor.label} has none, and a fourth channel W without a color filter.",
-        f"Without the IR-cut more light arrives: channel {name} of {bare.sensor.label} collects "
-        f"{more} electrons, against {less}.",
-        "The more electrons, the smaller the noise beside the signal. The signal-to-noise ratio "
-        f"(SNR) of {name}, as it is read from the sensor (raw), is {better} dB, against {worse} "
-        "dB: the sensor without IR-cut looks better.",
+        "Two sensors see the same white surface, in the same light, for the same time. "
+        f"{cut.sensor.label} has a filter in front that blocks infrared light, an IR-cut. "
+        f"{bare.sensor.label} has no IR-cut, and it has a fourth channel W without a color filter.",
+        f"Without the IR-cut more light reaches the pixels: channel {name} of {bare.sensor.label} "
+        f"collects {more} electrons, against {less} in {cut.sensor.label}.",
+        "More electrons mean less noise relative to the signal. The signal-to-noise ratio (SNR) "
+        f"of {name}, as it is read from the sensor (raw), is {better} dB, against {worse} dB: the "
+        "sensor without IR-cut looks better.",
     ]
 
 
@@ -93,16 +93,16 @@ def _alike(of: Shown) -> list[str]:
     parts = " + ".join(f"{decimal(weight, 2)} {name}" for name, weight in mix.weights.items())
     vif = dict(zip(bare.sensor.names, bare.vif.tolist(), strict=True))
     return [
-        f"Beyond {brief(INFRARED_FROM_NM)} nm, in the infrared, the curves of "
-        f"{bare.sensor.label} nearly lie on each other: there its channels see the same.",
+        f"In the infrared, beyond {brief(ALIKE_FROM_NM)} nm, the curves of {bare.sensor.label} "
+        "are nearly equal: there all its channels see the same light.",
         "Think of each channel as an arrow: the more alike two channels are, the smaller the angle "
         f"between their arrows. The smallest angle of {bare.sensor.label} is {_closest(bare)}, "
-        f"that of {cut.sensor.label} {_closest(cut)}.",
-        f"{mix.channel} is nearly a mix of the others: {parts} is an arrow only "
-        f"{decimal(mix.angle_deg, 0)}° away. The variance inflation factor (VIF) says what that "
-        f"costs: in what only {mix.channel} sees, its own noise counts "
-        f"{decimal(vif[mix.channel])} times, and behind the IR-cut that of no channel more than "
-        f"{decimal(float(cut.vif.max()))} times. The noise of the other channels is added.",
+        f"that of {cut.sensor.label} is {_closest(cut)}.",
+        f"{mix.channel} is nearly a mix of the others: the angle between {mix.channel} and {parts} "
+        f"is only {decimal(mix.angle_deg, 0)}°. The variance inflation factor (VIF) measures this: "
+        "it is 1 for a channel that shares nothing with the others, and it grows as they become "
+        f"more alike. For {mix.channel} it is {decimal(vif[mix.channel])}; behind the IR-cut no "
+        f"channel has more than {decimal(float(cut.vif.max()))}.",
     ]
 
 
@@ -114,10 +114,10 @@ def _unmixed(of: Shown) -> list[str]:
         (decimal(raw_snr_db(a)[name]), decimal(contravariant_snr_db(a)[name])) for a in (bare, cut)
     )
     return [
-        "Each channel sees a mixture of colors. To know the color of the light, what the channels "
-        "have in common must be subtracted: they are unmixed.",
-        "Subtraction takes away signal, but never noise: the noise of both readings stays in the "
-        f"difference. In {bare.sensor.label} the SNR of {name} falls from {raw} dB (raw) to "
+        "Each channel sees a mixture of colors. To find the color of the light, the camera must "
+        "subtract what the channels have in common. This is called unmixing.",
+        "A subtraction removes signal, but the noise of both readings remains in the difference. "
+        f"In {bare.sensor.label} the SNR of {name} falls from {raw} dB (raw) to "
         f"{after} dB (unmixed, contravariant); in {cut.sensor.label} it falls from {raw_cut} dB to "
         f"{after_cut} dB.",
         f"The sensor with the better raw SNR now has the worse SNR in {listed(names)}.",
@@ -131,15 +131,16 @@ def _infrared(of: Shown) -> list[str]:
     mix = mended.mix
     assert mix is not None  # as in `_alike`
     return [
-        f"Our eyes see next to nothing beyond {brief(INFRARED_FROM_NM)} nm, but silicon does. In "
+        f"Our eyes see almost nothing beyond {brief(INFRARED_FROM_NM)} nm, but silicon does. In "
         f"{bare.sensor.label} {cost.reading}, in {cut.sensor.label} "
         f"{cost_cut.reading.partition(' of ')[0]}.",
-        "These electrons carry no color, but they have noise. The chart follows the SNR from all "
-        "photons (top) to the luminance Y, the brightness that an eye sees (bottom): in "
-        f"{bare.sensor.label} the infrared costs {decimal(cost.loss_db)} dB of it.",
-        "So the same electrons that made the raw SNR better make the color worse.",
-        f"The infrared is not all of it. With an IR-cut at {brief(_CUT_NM)} nm in front of it, "
-        f"{bare.sensor.label} would have {decimal(_luminance_db(mended))} dB of SNR of Y, still "
+        "These electrons carry no color, but they add noise. The chart starts with the SNR of all "
+        "photons (top) and ends with that of the luminance Y, the brightness that an eye sees "
+        f"(bottom). Each bar is a cause. In {bare.sensor.label} the infrared costs "
+        f"{decimal(cost.loss_db)} dB.",
+        "So the same electrons that raise the raw SNR lower the SNR of the color.",
+        f"Infrared is not the only cause. With an IR-cut at {brief(_CUT_NM)} nm in front of "
+        f"{bare.sensor.label}, its SNR of Y would be {decimal(_luminance_db(mended))} dB, still "
         f"less than the {decimal(_luminance_db(cut))} dB of {cut.sensor.label}: its channel "
         f"{mix.channel} is then nearly the sum of the others (only {decimal(mix.angle_deg, 0)}° "
         f"away), and correlation costs {decimal(_cost(mended, CORRELATION).loss_db)} dB.",
@@ -155,15 +156,16 @@ def _picture(of: Shown) -> list[str]:
     errors = [decimal(mean_color_error(a), 0) for a in _at_level(of, "lmmse", lux)]
     assert crossings["kernel"] is None  # a test asserts it
     return [
-        f"In the color picture {bare.sensor.label} is the noisier one: the SNR of Y is {luminance} "
-        f"dB, against {luminance_cut} dB for {cut.sensor.label}. More signal made a worse picture.",
-        "Is that different in the dark? With this color matrix (kernel), which takes no account of "
-        f"the noise, it is not, from {brief(levels['lux'][0])} lx up to where the first sensor is "
-        "full.",
-        "Another matrix (lmmse) is computed anew for each level and gives up color where the noise "
-        f"is strong. With it, {bare.sensor.label} wins below {brief(lux, 2)} lx. But there the "
-        f"colors are {errors[0]} and {errors[1]} ΔE wrong on average (about 2 is just visible): "
-        "the picture is nearly gray.",
+        f"The color picture of {bare.sensor.label} is noisier: the SNR of Y is {luminance} dB, "
+        f"against {luminance_cut} dB for {cut.sensor.label}. The sensor that collects more light "
+        "gives the worse picture.",
+        "Is this different in low light? Not with this color matrix (kernel), which is computed "
+        f"without regard to the noise: {cut.sensor.label} is better from {brief(levels['lux'][0])} "
+        "lx up to the light level at which the first sensor is full.",
+        "Another matrix (lmmse) is computed for each light level and gives up color where the "
+        f"noise is strong. With it, {bare.sensor.label} is better below {brief(lux, 2)} lx. But "
+        f"there the mean color errors are {errors[0]} and {errors[1]} ΔE (an eye just sees 2): the "
+        "pictures are nearly gray.",
     ]
 
 
@@ -179,15 +181,15 @@ STEPS: tuple[Step, ...] = (
         heading="Two channels that look alike",
         parts=("sensitivities", "vectors"),
         sentences=_alike,
-        task="Try it: set the IR-cut edge of onyx-rgbw to 650 nm. Which parts of its curves are "
-        "gone, and are the channels still alike?",
+        task="Try it: set the IR-cut edge of onyx-rgbw to 650 nm. R, G and B then differ more. But "
+        "what about W? (Without the infrared, W is even closer to the sum of R, G and B.)",
     ),
     Step(
         heading="Unmixing makes noise",
         parts=("stages",),
         sentences=_unmixed,
-        task="Think of two scales, each exact to 1 g, that show 1000 g and 999 g. How well do you "
-        "know the difference?",
+        task="Think of two scales that are accurate to 1 g each. One shows 1000 g, the other 999 "
+        "g. How well do you know the difference?",
     ),
     Step(
         heading="Infrared carries no color",
@@ -201,20 +203,22 @@ STEPS: tuple[Step, ...] = (
         heading="The color picture",
         parts=("picture", "levels"),
         sentences=_picture,
-        task="Try it: drag the light level down to 0.1 lx: whose picture is noisier now? Then "
-        "remove the matrix kernel, so that the picture is made with lmmse: what becomes of its "
-        "colors?",
+        task="Try it: drag the light level down to 0.1 lx. Which picture is noisier now? Then "
+        "remove the matrix kernel, so that lmmse makes the pictures. How do their colors change?",
         study={"matrices": ["kernel", "lmmse"]},
         look={"coordinate": "Y"},
     ),
 )
 """The steps, in their order."""
 
+ALIKE_FROM_NM = 800.0
+"""From here on the quantum efficiencies of a sensor without IR-cut differ by less than a fifth."""
+
 
 def _cost(analysis: Analysis, cause: str) -> Cost:
     """What a cause costs of the SNR of Y, as the chart of the budget has it."""
     budget = coordinate_budget(analysis, "Y")
-    assert budget is not None  # no sensor of the story is saturated
+    assert budget is not None  # no sensor of the tour is saturated
     return next(cost for cost in budget.costs if cost.cause == cause)
 
 

@@ -6,6 +6,8 @@ import shutil
 import tempfile
 import threading
 from collections import OrderedDict
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -127,6 +129,13 @@ class Uploads(Kept):
             path.write_bytes(content)
             self._kept[one.id] = one
         return one
+
+    @contextmanager
+    def empty_folder(self) -> Iterator[Path]:
+        """A folder for one job, removed with all that is in it, however the job ends."""
+        made = tempfile.TemporaryDirectory(dir=self._folder, ignore_cleanup_errors=True)
+        with made as name:
+            yield Path(name)
 
     def close(self) -> None:
         """Remove all of it."""

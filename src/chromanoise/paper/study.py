@@ -1,4 +1,4 @@
-"""The paper's own study: its sensors, its two integration times, and what it printed.
+"""The paper's own study: its sensors, its two exposure times, and the printed values.
 
 Clouet, Vaillant & Alleysson, "Physical noise propagation in color image construction: a
 geometrical interpretation", CIC27 (2019), Tables 1-5.
@@ -50,7 +50,7 @@ class PaperStudy:
     scene
         A perfect white under 10 lx of equal energy to 1050 nm.
     times_s
-        The integration time of each sensor, solved from the saturation rule. [s]
+        The exposure time of each sensor, solved from the saturation rule. [s]
     columns
         The three columns of Tables 2-4.
     greens

@@ -214,7 +214,7 @@ function savable(section) {
     draw: (element) => MODULES[/** @type {Part} */ (part)].draw(element, shownNow(), { width: element.clientWidth, look: { turn } }),
     data: () => /** @type {{ title: string }} */ (/** @type {unknown} */ (shownNow())),
     csv: async () => {
-      if (isChanged()) throw new Error("The CSV holds the study as it is: go back to the study first.");
+      if (isChanged()) throw new Error("The CSV contains the values of the study itself: move the sliders back to the study first.");
       return data.csv[part];
     },
     note: () => (isChanged() ? (byId("changed").textContent ?? "") : ""),
@@ -257,7 +257,7 @@ document.addEventListener("turn", (event) => (turn = /** @type {CustomEvent} */ 
 all(".sight").forEach(divide);
 all("section[data-part]").forEach(savable);
 for (const image of document.images) {
-  if (image.closest(".map")) image.after(saveImage(image));
+  if (image.closest(".sweep")) image.after(saveImage(image));
 }
 byId("sliders").hidden = false;
 sliders.forEach((slider) => (slider.value = String(data.slides[Number(slider.dataset.slide)].own)));

@@ -10,7 +10,7 @@ from markupsafe import Markup, escape
 
 from chromanoise import __version__
 from chromanoise._palette import palette_css
-from chromanoise.charts.mathematics import coordinate_latex, mathml
+from chromanoise.charts.mathematics import coordinate_mathml, mathml
 
 
 def environment() -> jinja2.Environment:
@@ -43,31 +43,31 @@ def with_paper_symbols(text: str) -> Markup:
 
 
 def _replaced(text: str, symbols: Mapping[str, Callable[[str], str]]) -> Markup:
-    """A text with MathML in place of what matches a key; values give the LaTeX of a match."""
+    """A text with MathML in place of what matches a key; values give the MathML of a match."""
     parts = re.split(f"({'|'.join(symbols)})", text)
     return Markup("").join(
-        _mathematics(part, symbols) if i % 2 else escape(part) for i, part in enumerate(parts)
+        Markup(_mathematics(part, symbols)) if i % 2 else escape(part)
+        for i, part in enumerate(parts)
     )
 
 
-def _mathematics(part: str, symbols: Mapping[str, Callable[[str], str]]) -> Markup:
-    latex = next(make(part) for pattern, make in symbols.items() if re.fullmatch(pattern, part))
-    return Markup(mathml(latex))
+def _mathematics(part: str, symbols: Mapping[str, Callable[[str], str]]) -> str:
+    return next(make(part) for pattern, make in symbols.items() if re.fullmatch(pattern, part))
 
 
 def _lowered(word: str) -> str:
     name, _, index = word.partition("_")
-    return rf"\mathrm{{{name}}}_{{\mathrm{{{index}}}}}"
+    return mathml(rf"\mathrm{{{name}}}_{{\mathrm{{{index}}}}}")
 
 
-_COORDINATES: dict[str, Callable[[str], str]] = {r"M\^[^\s\[\],;]+": coordinate_latex}
+_COORDINATES: dict[str, Callable[[str], str]] = {r"M\^[^\s\[\],;]+": coordinate_mathml}
 _OF_THE_PAPER: dict[str, Callable[[str], str]] = {
     r"\bSNR_\w+": _lowered,
     r"\b(?:RGBW|RGB|G)_n\b": _lowered,
-    r"theta\(y,\s?g\)": lambda _: r"\theta(y, g)",
-    r"\bY\^(?!\w)": lambda _: r"\hat{Y}",
-    r"cos\^2 theta": lambda _: r"\cos^2 \theta",
-    r"\|y\|\^2": lambda _: "|y|^2",
+    r"theta\(y,\s?g\)": lambda _: mathml(r"\theta(y, g)"),
+    r"\bY\^(?!\w)": lambda _: mathml(r"\hat{Y}"),
+    r"cos\^2 theta": lambda _: mathml(r"\cos^2 \theta"),
+    r"\|y\|\^2": lambda _: mathml("|y|^2"),
 }
 
 

@@ -47,6 +47,11 @@ class Agreement:
     where: str
     incomparable: tuple[str, ...]
 
+    @property
+    def agrees(self) -> bool:
+        """Whether all numbers agree to the rounding of other processors and libraries."""
+        return not self.incomparable and self.largest <= _ROUNDING
+
 
 def agreement_of(first: Path, second: Path) -> Agreement:
     """Agreement of the files of a complete second run with those of the same names in the first.

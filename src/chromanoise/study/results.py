@@ -44,6 +44,7 @@ from chromanoise.analysis.tables import (
     curves_as_table,
     maps_as_table,
     matrices_as_table,
+    pipeline_as_table,
 )
 from chromanoise.color import ColorMatrix, ParetoCurve
 from chromanoise.errors import InputError, Setting
@@ -111,6 +112,16 @@ class Analyses(Result):
     def to_table(self) -> Table:
         """One row per sensor."""
         return analyses_as_table(self.analyses)
+
+    def pipeline_table(self) -> Table:
+        """One row per sensor, ISO and patch: standard deviations after the camera's pipeline.
+
+        Raises
+        ------
+        InputError
+            If the pipeline was not requested, or no sensor has a color.
+        """
+        return pipeline_as_table({one.analysis.sensor.label: one.pipeline for one in self.outcomes})
 
     def plot(self, ax: Any = None, kind: str = "losses") -> Any:
         """Draw the SNR losses from all photons to Y of each sensor [dB], or another chart.
@@ -416,7 +427,7 @@ class ComparisonMap(Result):
     def plot(self, ax: Any = None) -> Any:
         """Draw a heat map with the first matrix.
 
-        Of one sensor the quantity; of two their difference, with the line where they change places;
+        Of one sensor the quantity; of two their difference, with the line where they are equal;
         of more the best sensor.
         """
         title = f"{self.maps[0].quantity.what}, from {conditions(self.points)}"

@@ -18,7 +18,7 @@ from chromanoise.spectra import Metric
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CrossoverBand:
-    """Where two sensors change places, over all priors of one trained matrix.
+    """Where two sensors are equally good, over all priors of one trained matrix.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Crossovers: values of a parameter at which two sensors change places, and their sentences."""
+"""Crossovers: values of a parameter at which two sensors are equally good, and their sentences."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -24,7 +24,7 @@ _CROSSING_TOLERANCE = 1e-9  # of the logarithm of the value, or of the span of a
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Crossover:
-    """Where two sensors with the same matrix change places.
+    """Where two sensors with the same matrix are equally good.
 
     Attributes
     ----------

@@ -180,7 +180,7 @@ SWEEPS: Mapping[str, Sweep] = {
         ),
         Sweep(
             name="time-ms",
-            what="integration time",
+            what="exposure time",
             unit="ms",
             logarithmic=True,
             lowest=1e-9,

@@ -1,5 +1,6 @@
 /** Charts and pictures as files: SVG that stands alone, PNG of it, CSV; loaded when first used. */
 
+import { kindOf } from "draw/save.js";
 import { html, svg, tenth } from "draw/svg.js";
 
 /** @import { Saved } from "draw/save.js" */
@@ -26,12 +27,15 @@ const LOOK = {
   "font-weight": "400",
 };
 
+/** Characters that XML does not allow, and a name in a file of curves may have. */
+const NOT_XML = /[^\P{Cc}\t\n\r]|[\ufffe\uffff]/gu;
+
 /** What a file alone has no use for. */
 const UNUSED = /^(class|style|id|role|tabindex|aria-.*|visibility)$/;
 
 /** @param {Saved} saved */
 export async function saveSvg(saved) {
-  download(new Blob([svgText(saved)], { type: "image/svg+xml" }), `${saved.part}`, "svg");
+  download(new Blob([svgText(saved)], { type: "image/svg+xml" }), saved.part, "svg");
 }
 
 /** @param {Saved} saved */
@@ -46,7 +50,7 @@ export async function saveCsv(saved) {
 
 /** @param {HTMLImageElement} image */
 export function savePicture(image) {
-  fetched(image.src, image.closest(".d-stack") ? `picture-${image.alt}` : image.alt, "png");
+  fetched(image.src, image.closest(".d-stack") ? `picture-${image.alt}` : image.alt, kindOf(image));
 }
 
 /**
@@ -72,10 +76,11 @@ export async function saveDivided(element) {
  *
  * @param {string} part
  * @param {string} ending
+ * @param {string} [study] its hash; that of what is shown where it is missing
  */
-export function fileName(part, ending) {
+function fileName(part, ending, study = document.documentElement.dataset.hash) {
   const words = part.toLowerCase().replace(/[^a-z0-9]+/g, "-").replace(/^-/, "").slice(0, 60).replace(/-$/, "");
-  const hash = document.documentElement.dataset.hash?.slice(0, 8);
+  const hash = study?.slice(0, 8);
   return `${["chromanoise", words, hash].filter(Boolean).join("-")}.${ending}`;
 }
 
@@ -83,10 +88,11 @@ export function fileName(part, ending) {
  * @param {Blob} blob
  * @param {string} part
  * @param {string} ending
+ * @param {string} [study]
  */
-export function download(blob, part, ending) {
+export function download(blob, part, ending, study) {
   const address = URL.createObjectURL(blob);
-  fetched(address, part, ending);
+  fetched(address, part, ending, study);
   setTimeout(() => URL.revokeObjectURL(address), 60_000);
 }
 
@@ -94,9 +100,10 @@ export function download(blob, part, ending) {
  * @param {string} address
  * @param {string} part
  * @param {string} ending
+ * @param {string} [study]
  */
-function fetched(address, part, ending) {
-  const link = html("a", { href: address, download: fileName(part, ending) });
+function fetched(address, part, ending, study) {
+  const link = html("a", { href: address, download: fileName(part, ending, study) });
   document.body.append(link);
   link.click();
   link.remove();
@@ -113,7 +120,7 @@ export function svgText(saved) {
   document.body.append(holder);
   try {
     saved.draw(inner);
-    return new XMLSerializer().serializeToString(composed(holder, saved));
+    return new XMLSerializer().serializeToString(composed(holder, saved)).replace(NOT_XML, "\ufffd");
   } finally {
     holder.remove();
   }
@@ -270,6 +277,6 @@ function sheet(width, height) {
  */
 function blobOf(canvas) {
   return new Promise((done, failed) => {
-    canvas.toBlob((blob) => (blob ? done(blob) : failed(new Error("This browser makes no PNG of this size."))), "image/png");
+    canvas.toBlob((blob) => (blob ? done(blob) : failed(new Error("This browser cannot make a PNG of this size."))), "image/png");
   });
 }

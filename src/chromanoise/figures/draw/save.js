@@ -50,7 +50,17 @@ export function savePictures(heading, element) {
  * @param {HTMLImageElement} image
  */
 export function saveImage(image) {
-  return saveMenu(image.alt, () => [["PNG", () => import("draw/export.js").then((to) => to.savePicture(image))]]);
+  const kind = kindOf(image).toUpperCase();
+  return saveMenu(image.alt, () => [[kind, () => import("draw/export.js").then((to) => to.savePicture(image))]]);
+}
+
+/**
+ * The ending of a file with what an image shows.
+ *
+ * @param {HTMLImageElement} image
+ */
+export function kindOf({ src }) {
+  return src.startsWith("data:image/svg") ? "svg" : "png";
 }
 
 /**

@@ -49,7 +49,7 @@ export function draw(element, data, options = {}) {
  */
 function missing(data, kinds) {
   const empty = data.sensors.filter((_, i) => !kinds.some((kind) => kind.lines.some((row) => known(row.values[i]))));
-  return empty.length ? ` Without any: ${empty.map((sensor) => sensor.name).join(", ")}.` : "";
+  return empty.length ? ` Without values: ${empty.map((sensor) => sensor.name).join(", ")}.` : "";
 }
 
 /**

@@ -33,7 +33,7 @@ const MOST_WIDE = 4; // of more sensors four are side by side where there is roo
 const HOME = [30, 20];
 /** @type {Record<string, number[]>} */
 const KEYS = { ArrowLeft: [-5, 0], ArrowRight: [5, 0], ArrowUp: [0, 5], ArrowDown: [0, -5] };
-const HELP = "Drag or arrow keys turn, Home turns back, Enter reads the vectors.";
+const HELP = "Drag or press the arrow keys to turn; Home turns back; Enter reads the vectors.";
 /** @type {WeakMap<Element, View>} */
 const views = new WeakMap();
 

@@ -54,13 +54,25 @@ async function copy(kind, name, said) {
 let fading;
 
 /**
+ * A sentence beside the buttons, for some seconds.
+ *
  * @param {HTMLElement} said
  * @param {string} sentence
  */
-function tell(said, sentence) {
-  said.textContent = sentence;
-  clearTimeout(fading);
+export function tell(said, sentence) {
+  keepTelling(said, sentence);
   fading = setTimeout(() => (said.textContent = ""), 6000);
+}
+
+/**
+ * A sentence that stays until the next one.
+ *
+ * @param {HTMLElement} said
+ * @param {string} sentence
+ */
+export function keepTelling(said, sentence) {
+  clearTimeout(fading);
+  said.textContent = sentence;
 }
 
 /**

@@ -164,8 +164,8 @@ export function radios({ legend, options, value, on, hidden = false }) {
 }
 
 /** @typedef {{ nodes: Node[], show: (...told: any) => void }} Content */
-/** @type {Set<{ node: HTMLDetailsElement, holds: (path: string) => boolean, fill: () => void }>} */
-const drawers = new Set();
+/** @type {WeakMap<Element, { holds: (path: string) => boolean, fill: () => void }>} */
+const drawers = new WeakMap();
 
 /**
  * A drawer whose content is made when it is opened first, and shown only while it is open.
@@ -188,7 +188,7 @@ export function drawer(title, holds, make) {
     content.show(...told);
   };
   node.addEventListener("toggle", fill);
-  drawers.add({ node, holds, fill });
+  drawers.set(node, { holds, fill });
   /** @param {unknown[]} now */
   const show = (...now) => {
     told = now;
@@ -203,13 +203,12 @@ export function drawer(title, holds, make) {
  * @param {string} path
  */
 export function reveal(path) {
-  // a drawer within another one is added on the way
-  for (const one of drawers) {
-    if (!one.node.isConnected) drawers.delete(one);
-    else if (one.holds(path)) {
-      one.node.open = true;
-      one.fill();
-    }
+  // this list is live: it gets the drawers that are made when another one is opened
+  for (const node of document.getElementsByClassName("drawer")) {
+    const one = drawers.get(node);
+    if (!one?.holds(path)) continue;
+    attribute(node, "open", true);
+    one.fill();
   }
 }
 

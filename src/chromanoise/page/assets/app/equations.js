@@ -10,6 +10,8 @@ const PATIENCE_MS = 20_000;
 let known = null;
 /** @type {HTMLDialogElement | null} */
 let dialog = null;
+/** How often. */
+let opened = 0;
 
 /** Listens for every `?` of the page; the first one asks the server for all explanations. */
 export function useEquations() {
@@ -29,10 +31,12 @@ export function useEquations() {
 async function showEquations(names, opener) {
   dialog ??= emptyDialog();
   const entries = within(dialog, ".entries");
+  const mine = (opened += 1);
   if (!known) entries.replaceChildren(el("p", { text: "Loading …" }));
   dialog.addEventListener("close", () => opener.isConnected && opener.focus(), { once: true });
   dialog.showModal();
   const found = await explanations();
+  if (mine !== opened) return; // another one was opened meanwhile
   const nodes = names.flatMap((name) => (found?.[name] ? [entry(found[name])] : []));
   const none = found ? "No explanation available." : "The server does not answer; close this and try again.";
   entries.replaceChildren(...(nodes.length ? nodes : [el("p", { text: none })]));

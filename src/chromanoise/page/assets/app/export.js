@@ -1,7 +1,8 @@
 /** What is saved as files: each chart, the pictures, and the report of the study. */
 
 import { understood } from "app/ask.js";
-import { attribute, button, byId, say, within } from "app/dom.js";
+import { keepTelling, tell } from "app/copy.js";
+import { attribute, button, byId, within } from "app/dom.js";
 import { drawAgain } from "app/panels.js";
 import { askedLook } from "app/snapshots.js";
 import { current } from "app/state.js";
@@ -32,17 +33,23 @@ export function saving(panels) {
   byId("copy").append(report);
 }
 
+/** Of a report, with the hash of its study. */
+const HEAD_BYTES = 500;
+
 /** @param {HTMLButtonElement} report */
 async function saveReport(report) {
+  if (report.hasAttribute("aria-disabled")) return;
   const said = byId("copied");
   attribute(report, "aria-disabled", "true");
-  say(said, "Writing the report \u2026");
+  keepTelling(said, "Writing the report \u2026");
   try {
     const [file, { download }] = await Promise.all([fileOf("/api/report", {}), import("draw/export.js")]);
-    download(file, "report", "html");
-    say(said, "Report saved");
+    // the page may show another study by now
+    const hash = /data-hash="(\w+)"/.exec(await file.slice(0, HEAD_BYTES).text())?.[1];
+    download(file, "report", "html", hash);
+    tell(said, "Report saved");
   } catch (error) {
-    say(said, error instanceof TypeError ? "The server does not answer, so nothing was saved." : /** @type {Error} */ (error).message);
+    tell(said, error instanceof TypeError ? "The server does not answer, so nothing was saved." : /** @type {Error} */ (error).message);
   }
   attribute(report, "aria-disabled", null);
 }

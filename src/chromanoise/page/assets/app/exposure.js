@@ -18,9 +18,9 @@ const TERMS = [
 
 /** @type {Record<string, string>} */
 const MEANT = {
-  exposure: "One integration time for all sensors.",
-  saturation: "Every sensor has its own time, to the same share of full well.",
-  light: "Every channel set (one pixel per channel) gets the same photons.",
+  exposure: "One exposure time for all sensors.",
+  saturation: "Each sensor has its own exposure time, which gives the same share of full well.",
+  light: "All channels of a sensor together (one pixel each) get the same photons: fewer channels, longer time.",
 };
 
 /**
@@ -127,7 +127,7 @@ function sensorsAndLamp({ sensors, light }) {
  * @param {Study} study
  */
 function autoHint(solves, shared, study) {
-  if (!shared) return "Always on here: each sensor has its own time, which follows from the terms above.";
+  if (!shared) return "Always on with this comparison: each sensor has its own exposure time.";
   const full = `${brief(100 * saidAt(study, "exposure.saturate"))} % of full well`;
   if (solves) return `The time follows every change, so that the fullest channel of all sensors is at ${full}.`;
   if (valueAt(study, "exposure.time_ms") !== null) return "The time stays when light, f-number or sensors change.";

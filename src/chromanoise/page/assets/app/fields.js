@@ -333,6 +333,7 @@ function typedFile({ example = "", file }, of, take) {
 async function bring(field, row, file, write) {
   try {
     const reply = await understood(await sent(file.name, file));
+    if (!row.isConnected) return; // its sensor was removed meanwhile
     /** @type {UploadedFile[]} */
     const ways = [reply, ...(reply.others ?? [])];
     const fits = ways.find(({ kind }) => kind === field.file || (field.file === "spectrum" && SPECTRA.has(kind)));

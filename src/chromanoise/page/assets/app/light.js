@@ -18,8 +18,8 @@ const OTHER = "other…";
 /** How a light continues whose table ends early, with what that means for the sensors. */
 /** @type {Record<string, string>} */
 const CONTINUED = {
-  zero: "No light beyond. A sensor that sees infrared gains nothing from this light, less than under the real one.",
-  hold: "The last value goes on. A guess: the real light may hold more infrared or less.",
+  zero: "No light beyond. A sensor that sees infrared collects less than in the real light.",
+  hold: "The last value continues. This is a guess: the real light may have more or less infrared.",
 };
 
 /**
@@ -142,7 +142,7 @@ function answered(light) {
  */
 function continuationChoice(choices, on) {
   const options = Object.keys(CONTINUED).map((name) => [name, name]);
-  const { set, show: check } = radios({ legend: "Beyond its end", options, value: "", on });
+  const { set, show: check } = radios({ legend: "Beyond the end of its table", options, value: "", on });
   set.dataset.where = "light.beyond";
   const meant = el("p", { class: "hint", role: "status" });
   const row = el("div", { class: "row", hidden: true }, set, meant);
@@ -155,7 +155,7 @@ function continuationChoice(choices, on) {
     row.hidden = end === undefined;
     if (row.hidden) return say(meant, "");
     check(beyond ?? null);
-    const asked = `Not used yet: choose zero (no light) or hold (the last value).`;
+    const asked = `This light is not used yet: choose zero (no light) or hold (the last value).`;
     return say(meant, `${name} ends at ${end} nm. ${beyond ? CONTINUED[beyond] : asked}`);
   };
   return { row, show };

@@ -238,7 +238,7 @@ function drawn(panel, data, options) {
  * @param {HTMLElement} element
  */
 export function drawAgain({ part, section, data, options }, element) {
-  if (section.hasAttribute("aria-busy")) throw new Error("The drawing is being computed; save it then.");
+  if (section.hasAttribute("aria-busy")) throw new Error("The chart is still being computed; save it afterwards.");
   DRAWN[part].draw(element, data, { ...options, width: element.clientWidth });
 }
 

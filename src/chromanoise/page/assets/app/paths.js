@@ -58,31 +58,8 @@ export function saidAt(study, path) {
   return valueAt(study, path) ?? UNSAID[path] ?? null;
 }
 
-/** @type {Record<string, Omit<Slider, "key">>} */
-const RANGES = {
-  "light.level_lux": { label: "Light level", unit: "lx", low: 0.01, high: 1e5, scale: "log" },
-  "exposure.time_ms": { label: "Time", unit: "ms", low: 0.01, high: 1000, scale: "log" },
-  "exposure.saturate": {
-    label: "Share of full well",
-    unit: "",
-    low: 0.05,
-    high: 1,
-    scale: "linear",
-    step: 0.01,
-  },
-  "exposure.f_number": { label: "f-number", unit: "", low: 0.95, high: 22, scale: "log" },
-  "sensors.pixel.read_noise_e": {
-    label: "Read noise",
-    unit: "e\u207b",
-    low: 0,
-    high: 20,
-    scale: "linear",
-    step: 0.1,
-  },
-};
-
 /**
- * A slider's range: as the server tells, else one that serves.
+ * A slider's range, as the server tells.
  *
  * @param {Choices} choices
  * @param {string} key
@@ -90,5 +67,5 @@ const RANGES = {
  */
 export function rangeOf(choices, key) {
   const field = choices.fields.find((one) => one.key === key);
-  return choices.sliders?.find((one) => one.key === key) ?? /** @type {Slider | undefined} */ (field) ?? RANGES[key] ?? null;
+  return choices.sliders?.find((one) => one.key === key) ?? /** @type {Slider | undefined} */ (field) ?? null;
 }

@@ -1,18 +1,10 @@
 /** What is shown: a study, and how it is looked at. The address of the page always holds both. */
 
-import { decoded, encoded, isRecord } from "app/address.js";
+import { decoded, encoded } from "app/address.js";
 
 /** @import { Look, State, Study } from "answers" */
 /** @typedef {"step" | "slide" | "look"} How */
 /** @typedef {"study" | "look" | "all"} What */
-
-/** @type {Study} */
-const STUDY = {
-  light: { illuminant: "E", level_lux: 10 },
-  exposure: { equal: "exposure", f_number: 1.8 },
-  sensors: [{ name: "onyx-rgbw" }, { name: "onyx-rgb-ircut" }],
-  matrices: ["kernel"],
-};
 
 /** @type {Look} */
 const LOOK = {
@@ -30,10 +22,11 @@ const LOOK = {
 const GESTURE_MS = 1000;
 const WRITE_MS = 250;
 
+/** Without sensors until the server has told its study. */
 /** @type {{ study: Study, look: Partial<Look> }} */
-let first = { study: STUDY, look: LOOK };
+let first = { study: { sensors: [] }, look: LOOK };
 /** @type {State} */
-let state = { study: structuredClone(STUDY), look: structuredClone(LOOK) };
+let state = { study: { sensors: [] }, look: structuredClone(LOOK) };
 /** @type {number | undefined} */
 let writing;
 let lastSlide = -Infinity;
@@ -132,10 +125,10 @@ export function readAddress() {
 /**
  * The study to start from where the address has none.
  *
- * @param {unknown} study
+ * @param {Study} study
  */
 export function startFrom(study) {
-  if (isRecord(study)) first = { study: /** @type {any} */ (study), look: LOOK };
+  first = { study, look: LOOK };
 }
 
 /** The whole address of the state now. */

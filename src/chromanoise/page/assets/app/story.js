@@ -1,4 +1,4 @@
-/** The guided story: each step is a state of the page, with a few sentences about what it shows. */
+/** The tour: each step is a state of the page, with a few sentences about what it shows. */
 
 import { understood } from "app/ask.js";
 import { button, el, say } from "app/dom.js";
@@ -11,7 +11,7 @@ const SETTLING_MS = [600, 1400, 2600];
 const LOST = "The tour cannot be loaded; is chromanoise serve still running?";
 
 /**
- * Shows the step that the state names, in `section`; `start` is the button that begins the story.
+ * Shows the step that the state names, in `section`; `start` is the button that starts the tour.
  *
  * @param {HTMLElement} section
  * @param {HTMLElement} start
@@ -19,7 +19,7 @@ const LOST = "The tour cannot be loaded; is chromanoise serve still running?";
 export function guidedStory(section, start) {
   /** @type {StoryStep[]} */
   let steps = [];
-  /** @type {Study | null} what was shown before the story began */
+  /** @type {Study | null} what was shown before the tour began */
   let before = null;
   /** @type {number | null} the step that is shown */
   let shown = null;
@@ -95,7 +95,7 @@ function storyParts(section, { go, leave }) {
   const back = button("", () => go(0));
   const previous = button("Previous", () => go(-1));
   const next = button("Next", () => go(1), { class: "primary" });
-  const away = button("Leave tour", leave, { title: "Shows what was shown before, unless you changed something" });
+  const away = button("Leave tour", leave, { title: "Returns to the study before the tour, or keeps the study that you changed" });
   const buttons = el("div", { class: "tools" }, back, previous, next, away);
   section.replaceChildren(el("div", { class: "story-head" }, heading, left, buttons), told, announced);
   /**
