@@ -365,3 +365,29 @@ def test_codes_without_color_are_gray_up_to_the_top_code(ax):
     (image,) = ax.images
     np.testing.assert_array_equal(image.get_array(), shot.raw.codes)
     assert image.get_clim() == (0, shot.raw.adc.top_code)
+
+
+def test_the_other_charts_of_an_analysis_have_a_panel_per_sensor():
+    pair = analyze("onyx-rgbw", "onyx-rgb-ircut")
+    panels = Figure().subplots(1, 2)
+    assert pair.plot(panels, kind="ellipses") == list(panels)
+    assert [len(ax.patches) for ax in panels] == [24, 24]
+    panels = Figure().subplots(2, 1)
+    pair.plot(panels, kind="budget")
+    for analysis, ax in zip(pair.analyses, panels, strict=True):
+        last = ax.patches[-1]
+        assert last.get_width() == pytest.approx(color_snr_db(analysis)["Y"])
+
+
+def test_an_unknown_chart_or_too_few_axes_are_refused():
+    pair = analyze("onyx-rgbw", "onyx-rgb-ircut")
+    with pytest.raises(InputError, match="did you mean ellipses"):
+        pair.plot(kind="ellipse")
+    with pytest.raises(InputError, match="must be 2 axes"):
+        pair.plot(Figure().subplots(), kind="flow")
+
+
+def test_all_pictures_are_drawn_side_by_side():
+    taken = render("builtin:checker", "onyx-rgbw", "onyx-rgb-ircut")
+    for capture, ax in zip(taken.captures, taken.plot(Figure().subplots(1, 2)), strict=True):
+        np.testing.assert_array_equal(ax.images[0].get_array(), capture.picture.srgb)

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass, fields, is_dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -321,7 +322,7 @@ class Characterization(Result):
 
     def _title(self) -> str:
         iso = "" if self.iso is None else f", ISO {self.iso:g}"
-        return f"Noise of {self.camera or self.source}{iso} (EMVA 1288)"
+        return f"Noise of {self.camera or Path(self.source).name}{iso} (EMVA 1288)"
 
     def _holds(self) -> str:
         return f"the linear model {'holds' if self.verdict.holds else 'does not hold'}"

@@ -1,5 +1,6 @@
 """Noise ellipses of each ColorChecker patch at two standard deviations."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -44,22 +45,35 @@ _NONE = 1e-9  # of the plane's unit: a spread below it is rounding
 
 def drawn_ellipses(shown: Shown, look: Look) -> dict[str, Any]:
     """True color, mean, half axes, reach and closed outline, per patch and sensor."""
-    sensors = [_sensor(analysis, look.plane) for analysis in shown.analyses]
+    return ellipses_of(shown.analyses, look.plane)
+
+
+def ellipses_of(analyses: Sequence[Analysis], plane: str) -> dict[str, Any]:
+    """The chart ``ellipses`` of some analyses under one light.
+
+    Parameters
+    ----------
+    analyses
+        One per sensor.
+    plane
+        ``ab`` or ``xy``.
+    """
+    points = [one.point for one in analyses]
+    sensors = [_sensor(analysis, plane) for analysis in analyses]
     window = _window(sensors)
     for sensor in sensors:
         sensor["larger"] = _is_larger(sensor, window)
-    across, up = _NAMES[look.plane]
+    across, up = _NAMES[plane]
     return {
-        "title": f"Noise of {chart_title(shown.operating_points[0].chart)} in {across} and {up}, "
-        f"{SIGMAS:g} standard deviations, "
-        f"at {conditions(shown.operating_points)}",
-        "description": _description(sensors, look.plane),
-        "plane": look.plane,
+        "title": f"Noise of {chart_title(points[0].chart)} in {across} and {up}, "
+        f"{SIGMAS:g} standard deviations, at {conditions(points)}",
+        "description": _description(sensors, plane),
+        "plane": plane,
         "names": [across, up],
         "sigmas": SIGMAS,
         "window": window.tolist(),
         "sensors": sensors,
-        "table": _table(sensors, look.plane),
+        "table": _table(sensors, plane),
     }
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from textwrap import fill
+from typing import Literal
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -10,8 +11,12 @@ from matplotlib.container import BarContainer
 from chromanoise.analysis import Analysis, coordinate_budget
 from chromanoise.charts import cause_label
 from chromanoise.charts.charted_study import saturation_sentence
+from chromanoise.charts.ellipses import ellipses_of
 from chromanoise.charts.text import UNDEFINED, brief, decimal
 from chromanoise.exposure import OperatingPoint, conditions
+from chromanoise.figures.budget import budget_limits_db, draw_budget
+from chromanoise.figures.ellipses import draw_ellipses
+from chromanoise.figures.flow import draw_flow
 from chromanoise.figures.pareto import draw_trade
 from chromanoise.figures.pictures import draw_picture
 from chromanoise.figures.style import (
@@ -25,6 +30,9 @@ from chromanoise.figures.style import (
 from chromanoise.imaging.capture import Capture
 from chromanoise.metrics import Budget
 from chromanoise.study import MatrixResult
+
+Panels = Literal["budget", "ellipses", "flow"]
+"""A chart with a panel per sensor."""
 
 _WIDE = 62  # characters of a title line that fit the axes of a default figure
 _LEGEND_ROW = 0.45  # of a line of the legend, in rows of bars
@@ -63,6 +71,35 @@ def draw_analyses(analyses: Sequence[Analysis], ax: Axes, *, coordinate: str = "
     ax.grid(visible=True, axis="x", alpha=0.25)
     ax.legend(loc="lower right", fontsize=8)
     return _titled(ax, f"Losses from all photons to {coordinate}", [one.point for one in analyses])
+
+
+def draw_panels(analyses: Sequence[Analysis], kind: Panels, axes: Sequence[Axes]) -> Sequence[Axes]:
+    """Draw one chart of each sensor on axes of its own, on equal scales.
+
+    Parameters
+    ----------
+    analyses
+        Analyses under one light.
+    kind
+        ``budget`` of the SNR of Y, noise ``ellipses`` of the patches in a* and b*, or ``flow``
+        from the scene to the color.
+    axes
+        To draw on, one per sensor.
+    """
+    budgets = [coordinate_budget(one, "Y") for one in analyses]
+    known = [one for one in budgets if one is not None]
+    data = ellipses_of(analyses, "ab") if kind == "ellipses" else {}
+    for i, (analysis, budget, ax) in enumerate(zip(analyses, budgets, axes, strict=True)):
+        if kind == "ellipses":
+            draw_ellipses(data, i, ax)
+        elif kind == "flow":
+            draw_flow(analysis, ax)
+        elif budget is not None:
+            draw_budget(budget, analysis.sensor, ax, limits_db=budget_limits_db(known))
+        else:
+            ax.set_title(f"{analysis.sensor.label}: no budget")
+            ax.set_axis_off()
+    return axes
 
 
 def _draw_losses(

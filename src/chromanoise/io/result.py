@@ -6,6 +6,7 @@ from importlib import import_module
 from typing import Any
 
 from chromanoise import _notebook
+from chromanoise.errors import InputError
 from chromanoise.io.table import Table, written
 from chromanoise.io.table_formats import head, table_latex
 
@@ -90,3 +91,31 @@ def axes_of(ax: Any) -> Any:
     if ax is not None:
         return ax
     return import_module("matplotlib.pyplot").subplots(layout="constrained")[1]
+
+
+def panels_of(axes: Any, count: int, *, columns: int) -> Sequence[Any]:
+    """The axes given, or as many of a new figure, in rows of ``columns``.
+
+    Raises
+    ------
+    InputError
+        If the number of axes given is another.
+    """
+    if axes is not None:
+        given = list(getattr(axes, "flat", axes if isinstance(axes, Sequence) else [axes]))
+        if len(given) != count:
+            raise InputError(
+                "ax",
+                f"must be {count} axes, one per panel",
+                value=len(given),
+                found=f"is {len(given)}",
+            )
+        return given
+    rows, columns = -(-count // columns), min(count, columns)
+    width_in = 10.0 if columns == 1 else 5.2
+    figure, grid = import_module("matplotlib.pyplot").subplots(
+        rows, columns, figsize=(width_in * columns, 4.4 * rows), layout="constrained", squeeze=False
+    )
+    for spare in grid.flat[count:]:
+        figure.delaxes(spare)
+    return list(grid.flat[:count])

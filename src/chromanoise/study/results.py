@@ -50,7 +50,7 @@ from chromanoise.color import ColorMatrix, ParetoCurve
 from chromanoise.errors import InputError, Setting
 from chromanoise.exposure import OperatingPoint, conditions
 from chromanoise.io.matrices import MadeMatrix, matrix_writer
-from chromanoise.io.result import Result, axes_of, figures
+from chromanoise.io.result import Result, axes_of, figures, panels_of
 from chromanoise.io.table import Column, Table, number_text
 from chromanoise.metrics import MatrixReport
 from chromanoise.study.analyses import Outcome, outcomes_as_json
@@ -123,9 +123,34 @@ class Analyses(Result):
         """
         return pipeline_as_table({one.analysis.sensor.label: one.pipeline for one in self.outcomes})
 
-    def plot(self, ax: Any = None) -> Any:
-        """Draw the SNR losses from all photons to Y of each sensor. [dB]"""
-        return figures().draw_analyses(self.analyses, axes_of(ax))
+    def plot(self, ax: Any = None, kind: str = "losses") -> Any:
+        """Draw the SNR losses from all photons to Y of each sensor [dB], or another chart.
+
+        Parameters
+        ----------
+        ax
+            Axes of matplotlib, for all but ``losses`` one per sensor; ``None`` for those of a new
+            figure.
+        kind
+            ``losses`` of all sensors on one axes; with a panel per sensor ``budget`` (waterfall of
+            the SNR of Y), ``ellipses`` (noise of the patches in a* and b*) or ``flow`` (SNR from
+            stage to stage).
+
+        Returns
+        -------
+        Axes, or a list of one per sensor
+
+        Raises
+        ------
+        InputError
+            If there is no such chart, or the number of axes is another.
+        """
+        _check.one_of("kind", kind, ("losses", "budget", "ellipses", "flow"))
+        if kind == "losses":
+            return figures().draw_analyses(self.analyses, axes_of(ax))
+        columns = 3 if kind == "ellipses" else 1
+        axes = panels_of(ax, len(self.analyses), columns=columns)
+        return figures().draw_panels(self.analyses, kind, axes)
 
     def __repr__(self) -> str:
         """Sensors, SNR of Y and the operating point."""
@@ -473,12 +498,21 @@ class Pictures(Result):
         return Table(title=f"Pictures of {self.cube}", columns=columns, rows=tuple(rows))
 
     def plot(self, ax: Any = None) -> Any:
-        """Draw the first picture.
+        """Draw all pictures, side by side.
+
+        Parameters
+        ----------
+        ax
+            Axes of matplotlib, one per picture; ``None`` for those of a new figure.
+
+        Returns
+        -------
+        Axes, or a list of one per picture if there are several
 
         Raises
         ------
         InputError
-            If the pictures are in a folder.
+            If the pictures are in a folder, or the number of axes is another.
         """
         if not self.captures:
             raise InputError(
@@ -487,7 +521,10 @@ class Pictures(Result):
                 found=None,
                 remedy="omit it, or open the files",
             )
-        return figures().draw_capture(self.captures[0], axes_of(ax))
+        if len(self.captures) == 1 and not isinstance(ax, (list, tuple)):
+            return figures().draw_capture(self.captures[0], axes_of(ax))
+        axes = panels_of(ax, len(self.captures), columns=3)
+        return [figures().draw_capture(*one) for one in zip(self.captures, axes, strict=True)]
 
     def __repr__(self) -> str:
         """Number of pictures, cube and operating point."""

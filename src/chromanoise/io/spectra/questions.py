@@ -85,7 +85,7 @@ def questions_of(parsed: ParsedSpectra, words: str, answers: Answers) -> ParsedS
     own = tuple(sensor_questions(parsed, answers)) if use == "sensor" else ()
     questions = (
         *(_quantity(parsed, words) if own else ()),
-        *_scale(parsed, answers),
+        *scale_questions(parsed, answers),
         *own,
         *(light_questions(parsed) if use == "light" else ()),
         *_negatives(parsed, answers),
@@ -155,7 +155,8 @@ def _quantity(parsed: ParsedSpectra, words: str) -> Iterator[Question]:
         )
 
 
-def _scale(parsed: ParsedSpectra, answers: Answers) -> Iterator[Question]:
+def scale_questions(parsed: ParsedSpectra, answers: Answers) -> Iterator[Question]:
+    """Whether values are fractions or percent, where neither file nor user declares it."""
     if answers.scale or parsed.quantity in ("power", "response"):
         return
     highest = float(judged(parsed.curves).values.max()) / parsed.factor

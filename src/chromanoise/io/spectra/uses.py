@@ -9,7 +9,12 @@ import numpy as np
 from chromanoise.errors import InputError
 from chromanoise.io.spectra.defects import defects_of_a_light, looks_normalized
 from chromanoise.io.spectra.parsed import Answers, ParsedSpectra, Question
-from chromanoise.io.spectra.questions import UndeclaredError, light_questions, sensor_questions
+from chromanoise.io.spectra.questions import (
+    UndeclaredError,
+    light_questions,
+    scale_questions,
+    sensor_questions,
+)
 from chromanoise.spectra.curves import Spectra
 from chromanoise.units import photons_per_joule
 
@@ -58,7 +63,8 @@ def qe_of(parsed: ParsedSpectra, answers: Answers) -> Spectra:
             value=parsed.quantity,
             found=f"holds {parsed.quantity}",
         )
-    _refuse_open(parsed, sensor_questions(parsed, answers))
+    asked = tuple(sensor_questions(parsed, answers))
+    _refuse_open(parsed, (*scale_questions(parsed, answers), *asked) if asked else ())
     curves, notes = parsed.curves, _said(parsed)
     if parsed.per == "energy":
         per_photon = 1.0 / photons_per_joule(curves.wavelength_nm)[:, None] / _ELEMENTARY_CHARGE_C
