@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
 
@@ -20,7 +21,7 @@ def compared_raw_snr_db(analysis: Analysis, analyses: Sequence[Analysis]) -> flo
     analyses
         Those of all compared sensors.
     """
-    shared, snr = _shared(analyses), raw_snr_db(analysis)
+    shared, snr = _shared(tuple(analyses)), raw_snr_db(analysis)
     if shared:
         return float(np.mean([snr[name] for name in shared]))
     best = analysis.optimal_linear_snr_db
@@ -35,13 +36,14 @@ def compared_raw_name(analyses: Sequence[Analysis]) -> str:
     analyses
         Those of all compared sensors.
     """
-    shared = _shared(analyses)
+    shared = _shared(tuple(analyses))
     return f"mean of {', '.join(shared)}" if shared else "best linear readout of all channels"
 
 
-def _shared(analyses: Sequence[Analysis]) -> list[str]:
+@lru_cache(maxsize=16)  # verdict and ranking ask for each sensor
+def _shared(analyses: tuple[Analysis, ...]) -> tuple[str, ...]:
     """Channels that all sensors have, with signal in all of them."""
     found = [raw_snr_db(analysis) for analysis in analyses]
-    return [
+    return tuple(
         name for name in analyses[0].sensor.names if all(one.get(name) is not None for one in found)
-    ]
+    )

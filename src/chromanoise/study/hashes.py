@@ -2,7 +2,7 @@
 
 import hashlib
 import json
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -64,79 +64,74 @@ def with_file_words(study: StudyKind, replaced: Callable[[FileWord], str]) -> St
     >>> other.name, other.filter, other.pixel.file
     ('sensor-a.csv', 'filter-b.csv', None)
     """
-
-    def word(where: str, kind: Kind, was: str | None) -> str | None:
-        return None if was is None else replaced(FileWord(where=where, kind=kind, word=was))
-
-    light = {"illuminant": word("light.illuminant", "light", study.light.illuminant)}
-    sensors = []
-    for i, part in enumerate(study.sensors):
-        file = word(f"sensors.{i}.pixel.file", "pixel", part.pixel.file)
-        words: dict[str, Any] = {
-            "name": word(f"sensors.{i}.name", "sensor", part.name),
-            "filter": word(f"sensors.{i}.filter", "filter", part.filter),
-            "pixel": part.pixel.model_copy(update={"file": file}),
-        }
-        if part.channel_filters is not None:
-            words["channel_filters"] = {
-                channel: word(f"sensors.{i}.channel_filters.{channel}", "filter", was)
-                for channel, was in part.channel_filters.items()
-            }
-        if isinstance(part.crosstalk, str):
-            words["crosstalk"] = word(f"sensors.{i}.crosstalk", "crosstalk", part.crosstalk)
-        sensors.append(part.model_copy(update=words))
-    pictures = []
-    for i, picture in enumerate(study.pictures):
-        words = {"cube": word(f"pictures.{i}.cube", "cube", picture.cube)}
-        if isinstance(picture.wavelengths, str):
-            where = f"pictures.{i}.wavelengths"
-            words["wavelengths"] = word(where, "wavelengths", picture.wavelengths)
-        pictures.append(picture.model_copy(update=words))
-    matrices = [
-        word(f"matrices.{i}", "matrix", name) if is_matrix_file(name) else name
-        for i, name in enumerate(study.matrices)
-    ]
-    own = study.reflectances
-    named = {
-        "reflectances.chart": own.chart,
-        "reflectances.patch": own.patch,
-        "reflectances.pairs": own.pairs,
-        "prior": study.prior,
-    }
-    renamed = {
-        key: word(key, "reflectance", was)
-        if isinstance(was, str) and (key in _FILES_ONLY or is_reflectance_file(was))
-        else was
-        for key, was in named.items()
-    }
-    prior = renamed.pop("prior")
-    reflectances = {key.rpartition(".")[2]: value for key, value in renamed.items()}
-    parts: dict[str, Any] = {
-        "sensors": tuple(sensors),
-        "matrices": tuple(matrices),
-        "pictures": tuple(pictures),
-        "prior": prior,
-        "reflectances": own.model_copy(update=reflectances),
-    }
-    outputs, balance = study.outputs, study.outputs.pipeline.white_balance
-    if isinstance(balance, str) and balance not in BALANCE_WORDS:
-        changed = word("outputs.pipeline.white_balance", "light", balance)
-        pipeline = outputs.pipeline.model_copy(update={"white_balance": changed})
-        outputs = outputs.model_copy(update={"pipeline": pipeline})
-    parts |= {"light": study.light.model_copy(update=light), "outputs": outputs}
-    return study.model_copy(update=parts)
+    changes = {}
+    for path, one in _file_words(study):
+        word = replaced(one)
+        if word != one.word:
+            changes[path] = word
+    for path, word in changes.items():
+        study = _with(study, path, word)
+    return study
 
 
 def file_words(study: Study) -> list[FileWord]:
     """All words of a study that may name a file, in the order of the study."""
-    found: list[FileWord] = []
+    return [one for _, one in _file_words(study)]
 
-    def listed(one: FileWord) -> str:
-        found.append(one)
-        return one.word
 
-    with_file_words(study, listed)
-    return found
+_Path = tuple[str | int, ...]
+
+
+def _file_words(study: Study) -> Iterator[tuple[_Path, FileWord]]:
+    """Each word with its path in the study."""
+    for path, kind, word in _words(study):
+        if word is not None:
+            yield path, FileWord(where=".".join(map(str, path)), kind=kind, word=word)
+
+
+def _words(study: Study) -> Iterator[tuple[_Path, Kind, str | None]]:
+    yield ("light", "illuminant"), "light", study.light.illuminant
+    for i, part in enumerate(study.sensors):
+        own = ("sensors", i)
+        yield (*own, "pixel", "file"), "pixel", part.pixel.file
+        yield (*own, "name"), "sensor", part.name
+        yield (*own, "filter"), "filter", part.filter
+        for channel, word in (part.channel_filters or {}).items():
+            yield (*own, "channel_filters", channel), "filter", word
+        if isinstance(part.crosstalk, str):
+            yield (*own, "crosstalk"), "crosstalk", part.crosstalk
+    for i, picture in enumerate(study.pictures):
+        yield ("pictures", i, "cube"), "cube", picture.cube
+        if isinstance(picture.wavelengths, str):
+            yield ("pictures", i, "wavelengths"), "wavelengths", picture.wavelengths
+    for i, name in enumerate(study.matrices):
+        if is_matrix_file(name):
+            yield ("matrices", i), "matrix", name
+    for key in ("chart", "patch", "pairs"):
+        word = getattr(study.reflectances, key)
+        if _names_reflectances(f"reflectances.{key}", word):
+            yield ("reflectances", key), "reflectance", word
+    if _names_reflectances("prior", study.prior):
+        yield ("prior",), "reflectance", study.prior
+    balance = study.outputs.pipeline.white_balance
+    if isinstance(balance, str) and balance not in BALANCE_WORDS:
+        yield ("outputs", "pipeline", "white_balance"), "light", balance
+
+
+def _names_reflectances(where: str, word: object) -> bool:
+    return isinstance(word, str) and (where in _FILES_ONLY or is_reflectance_file(word))
+
+
+def _with(node: Any, path: _Path, value: str) -> Any:
+    """A part of a study with another value at a path within it."""
+    if not path:
+        return value
+    key, rest = path[0], path[1:]
+    if isinstance(key, int):
+        return (*node[:key], _with(node[key], rest, value), *node[key + 1 :])
+    if isinstance(node, Mapping):
+        return {**node, key: _with(node[key], rest, value)}
+    return node.model_copy(update={key: _with(getattr(node, key), rest, value)})
 
 
 def files_of_word(one: FileWord) -> tuple[Path, ...]:
