@@ -212,6 +212,8 @@ export interface StoryStep {
   parts: (Part | "picture" | "head")[];
   sentences: string[];
   task: string;
+  /** Key of the control that the task names, or empty. */
+  control: string;
   study: Study;
   look: Partial<Look>;
 }

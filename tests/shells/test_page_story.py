@@ -118,6 +118,10 @@ def test_the_tour_has_an_end_is_left_by_a_slider_and_can_be_resumed(window):
         parts = marked.evaluate_all("all => all.map((one) => one.dataset.part)")
         assert set(parts) == set(STEPS[number - 1]["parts"])
         assert f"Step {number} " in marked.first.inner_text()
+        control = STEPS[number - 1]["control"]
+        shown = page.locator(".story-control:visible [data-where]")
+        keys = shown.evaluate_all("all => all.map((one) => one.dataset.where)")
+        assert set(keys) == ({control} if control else set())
     assert page.get_by_role("button", name="Next").is_disabled()
     page.go_back()
     comes_to(page, 4)

@@ -64,6 +64,19 @@ _MEAN = Symbol(
 )
 _CHANNEL = Symbol(latex="i", meaning="a channel of the sensor, for example R")
 _COORDINATE = Symbol(latex="c", meaning="one of X, Y, Z")
+_VARIANCE = Symbol(
+    latex="D_{ii}",
+    meaning="variance of channel i; dark current, quantization, DSNU and PRNU are "
+    "added where the sensor has them",
+    unit="e⁻²",
+    name="raw.covariance",
+)
+_READ_NOISE = Symbol(
+    latex=r"\sigma_{\mathrm{rn}}",
+    meaning="read noise, a standard deviation",
+    unit="e⁻",
+    name="read_noise_e",
+)
 _LIGHT = Symbol(
     latex="L",
     meaning="light from the scene at each wavelength",
@@ -135,6 +148,17 @@ EXPLANATIONS: Mapping[str, Explanation] = {
         ),
         source=f"{_PAPER}, eq. 1-2",
     ),
+    "picture": Explanation(
+        title="The picture",
+        words="Each pixel of the scene gives each channel a number of electrons on average. What a "
+        "single exposure counts is drawn at random around it, with photon noise and read noise; "
+        "counts above a full well are cut off if the picture is clipped. The color matrix turns "
+        "the counts into colors, and the picture is scaled so that white is white. So a sensor "
+        "that collects more light does not look brighter; only its noise differs.",
+        latex=(r"D_{ii} = M_i + \sigma_{\mathrm{rn}}^2",),
+        symbols=(_ELECTRONS, _CHANNEL, _VARIANCE, _READ_NOISE),
+        source=f"{_PAPER}, eq. 7 and figure 8",
+    ),
     "raw": Explanation(
         title="Raw SNR",
         words="The signal of one channel divided by its noise, before any color is computed. "
@@ -149,19 +173,8 @@ EXPLANATIONS: Mapping[str, Explanation] = {
             _SNR,
             _ELECTRONS,
             _CHANNEL,
-            Symbol(
-                latex="D_{ii}",
-                meaning="variance of channel i; dark current, quantization, DSNU and PRNU are "
-                "added where the sensor has them",
-                unit="e⁻²",
-                name="raw.covariance",
-            ),
-            Symbol(
-                latex=r"\sigma_{\mathrm{rn}}",
-                meaning="read noise, a standard deviation",
-                unit="e⁻",
-                name="read_noise_e",
-            ),
+            _VARIANCE,
+            _READ_NOISE,
         ),
         source=f"{_PAPER}, eq. 7",
     ),
@@ -437,6 +450,20 @@ EXPLANATIONS: Mapping[str, Explanation] = {
         ),
         source=f"{_PAPER}, eq. 2 and 7; crossovers: Chandrupatla, Adv. Eng. Softw. 28 (1997) "
         "145-149",
+    ),
+    "map": Explanation(
+        title="Two parameters",
+        words="One quantity on a grid of two parameters, with the exposure time of the study kept "
+        "unless it is a parameter itself. For two sensors the color is the difference between "
+        "them, and the line is where they are equal. For more sensors the color names the best "
+        "one. Gray means that there is no value, as where a channel is saturated.",
+        latex=(r"\Delta = \mathrm{SNR}_{\mathrm{A}} - \mathrm{SNR}_{\mathrm{B}}",),
+        symbols=(
+            Symbol(latex=r"\Delta", meaning="difference that the color shows", unit="dB"),
+            Symbol(latex=r"\mathrm{SNR}_{\mathrm{A}}", meaning="color SNR of a sensor", unit="dB"),
+            Symbol(latex=r"\mathrm{SNR}_{\mathrm{B}}", meaning="that of another", unit="dB"),
+        ),
+        source="this library",
     ),
     "chart": Explanation(
         title="Color error and noise of the chart",

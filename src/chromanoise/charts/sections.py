@@ -30,7 +30,7 @@ SECTIONS: tuple[Section, ...] = (
         part="picture",
         heading="The picture",
         shows="The same scene, light and time through each sensor.",
-        explanations=("color",),
+        explanations=("picture", "color"),
     ),
     Section(
         part="head",
@@ -68,7 +68,7 @@ SECTIONS: tuple[Section, ...] = (
         part="map",
         heading="Two parameters",
         shows="One quantity for every combination of two parameters.",
-        explanations=("levels", "color"),
+        explanations=("map", "color"),
     ),
     Section(
         part="ellipses",

@@ -38,6 +38,8 @@ class Step:
         What they show, with the numbers of the study of the step.
     task
         A question, or something to try.
+    control
+        Key of the control that the task names; the page opens and marks it. Empty for none.
     study
         Changes to the default study of the page, as plain data.
     look
@@ -48,6 +50,7 @@ class Step:
     parts: tuple[str, ...]
     sentences: Callable[[Shown], Sequence[str]]
     task: str
+    control: str = ""
     study: Mapping[str, Any] = field(default_factory=dict)
     look: Mapping[str, Any] = field(default_factory=dict)
 
@@ -65,7 +68,8 @@ def story(study: Mapping[str, Any]) -> dict[str, Any]:
         data = dict(study) | dict(step.study)
         sentences = step.sentences(shown(study_from_data(data, source="")))
         own = {"heading": step.heading, "parts": list(step.parts), "task": step.task}
-        told.append(own | {"sentences": list(sentences), "study": data, "look": dict(step.look)})
+        own |= {"sentences": list(sentences), "control": step.control}
+        told.append(own | {"study": data, "look": dict(step.look)})
     return {"steps": told}
 
 
@@ -176,6 +180,7 @@ STEPS: tuple[Step, ...] = (
         sentences=_raw,
         task="Try it: drag the light level down to 1 lx. Does the sensor without IR-cut keep its "
         "lead in raw SNR?",
+        control="light.level_lux",
     ),
     Step(
         heading="Two channels that look alike",
@@ -183,6 +188,7 @@ STEPS: tuple[Step, ...] = (
         sentences=_alike,
         task="Try it: set the IR-cut edge of onyx-rgbw to 650 nm. R, G and B then differ more. But "
         "what about W? (Without the infrared, W is even closer to the sum of R, G and B.)",
+        control="sensors.0.ircut_nm",
     ),
     Step(
         heading="Unmixing makes noise",
@@ -197,6 +203,7 @@ STEPS: tuple[Step, ...] = (
         sentences=_infrared,
         task=f"Try it: set the IR-cut edge of onyx-rgbw to {_CUT_NM:.0f} nm. Which bars of the "
         "budget become shorter, and which longer?",
+        control="sensors.0.ircut_nm",
         look={"coordinate": "Y"},
     ),
     Step(
@@ -205,6 +212,7 @@ STEPS: tuple[Step, ...] = (
         sentences=_picture,
         task="Try it: drag the light level down to 0.1 lx. Which picture is noisier now? Then "
         "remove the matrix kernel, so that lmmse makes the pictures. How do their colors change?",
+        control="light.level_lux",
         study={"matrices": ["kernel", "lmmse"]},
         look={"coordinate": "Y"},
     ),

@@ -1,7 +1,7 @@
 /** The tour: each step is a state of the page, with a few sentences about what it shows. */
 
 import { understood } from "app/ask.js";
-import { button, el, say } from "app/dom.js";
+import { button, el, reveal, say } from "app/dom.js";
 import { current, showState, subscribe } from "app/state.js";
 
 /** @import { State, Story, StoryStep, Study } from "answers" */
@@ -137,10 +137,11 @@ const panelOf = (part) => document.querySelector(`#panels > [data-part="${part}"
 function unpoint() {
   for (const note of document.querySelectorAll(".story-note")) note.remove();
   for (const panel of document.querySelectorAll(".story-here")) panel.classList.remove("story-here");
+  for (const control of document.querySelectorAll(".story-control")) control.classList.remove("story-control");
 }
 
 /**
- * Marks the panels of a step, and scrolls to the first.
+ * Marks the panels of a step and the control of its task, and scrolls to the first panel.
  *
  * @param {StoryStep} step
  * @param {number} number
@@ -151,6 +152,12 @@ function point(step, number) {
   for (const panel of found) {
     panel.classList.add("story-here");
     panel.querySelector(".head")?.after(el("p", { class: "story-note", text: `\u25b6 Step ${number} is about this chart.` }));
+  }
+  if (step.control) {
+    reveal(step.control);
+    const control = document.querySelector(`#controls [data-where="${step.control}"]`)?.closest(".row");
+    control?.classList.add("story-control");
+    control?.scrollIntoView({ block: "nearest" });
   }
   if (found.length) scrollTo(found[0]);
 }
