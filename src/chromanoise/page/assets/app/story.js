@@ -157,7 +157,7 @@ function point(step, number) {
     reveal(step.control);
     const control = document.querySelector(`#controls [data-where="${step.control}"]`)?.closest(".row");
     control?.classList.add("story-control");
-    control?.scrollIntoView({ block: "nearest" });
+    control?.scrollIntoView({ block: "center" });
   }
   if (found.length) scrollTo(found[0]);
 }
