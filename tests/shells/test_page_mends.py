@@ -158,7 +158,7 @@ def test_the_notes_of_a_picture_are_told_and_faults_with_status_200_are_sentence
     page.route("**/api/picture", noted)
     panel.get_by_label("Left").select_option("1 noisy")
     until(
-        page, "(s) => document.querySelector(s).textContent.includes('held beyond 700 nm.')", SAID
+        page, "(s) => document.querySelector(s).textContent.includes('Held beyond 700 nm.')", SAID
     )
     page.unroute("**/api/picture")
     fault = {"faults": [{"where": "cube", "sentence": "The cube was moved away."}]}
