@@ -76,8 +76,8 @@ def verdict_sentences(
         first = f"{_setting(analyses, equal)} {sentences[0]}"
         return [first, *left_out[1:], *alone, *sentences[len(left_out) :], *machine]
     if reader == "machine":
-        told = [f"{_setting(analyses, equal)} {_lower(one)}" for one in machine]
-        return [*told, *_for_an_eye(analyses, able, sentences, equal)]
+        opening = [f"{_setting(analyses, equal)} {_lower(one)}" for one in machine]
+        return [*opening, *_for_an_eye(analyses, able, sentences, equal)]
     return _for_an_eye(analyses, able, [*machine, *sentences], equal)
 
 
@@ -165,11 +165,11 @@ def _reasons(winner: Analysis, loser: Analysis) -> list[str]:
         explained += beyond[cause]
         bars = [one for one in ((cause, REST) if cause == INFRARED else (cause,)) if one in bad]
         # crosstalk may be a cause for one sensor only
-        told = [(one, bad[one], good.get(one, 0.0)) for one in bars]
+        costs_db = [(one, bad[one], good.get(one, 0.0)) for one in bars]
         parts.append(
             [
                 _reason(one, own, other, winner.sensor.label)
-                for one, own, other in told
+                for one, own, other in costs_db
                 if one == cause or abs(own - other) >= _TIE_DB
             ]
         )

@@ -63,14 +63,14 @@ def story(study: Mapping[str, Any]) -> dict[str, Any]:
     study
         The default study of the page as plain data: a sensor without IR-cut, then one with it.
     """
-    told = []
+    steps = []
     for step in STEPS:
         data = dict(study) | dict(step.study)
         sentences = step.sentences(shown(study_from_data(data, source="")))
         own = {"heading": step.heading, "parts": list(step.parts), "task": step.task}
         own |= {"sentences": list(sentences), "control": step.control}
-        told.append(own | {"study": data, "look": dict(step.look)})
-    return {"steps": told}
+        steps.append(own | {"study": data, "look": dict(step.look)})
+    return {"steps": steps}
 
 
 def _raw(of: Shown) -> list[str]:

@@ -120,9 +120,9 @@ function linearTicks(low, high, room) {
 function linearLabel(value, digits, largest) {
   const power = largest >= 1e15 ? null : largest >= 1e7 ? 6 : largest >= 1e4 ? 3 : 0;
   if (power === null) return value.toExponential(0).replace("-", "\u2212");
-  const told = power ? String(Number((value / 10 ** power).toFixed(2))) : value.toFixed(digits);
-  if (Number(told) === 0) return "0";
-  return told.replace("-", "\u2212") + { 0: "", 3: "k", 6: "M" }[power];
+  const text = power ? String(Number((value / 10 ** power).toFixed(2))) : value.toFixed(digits);
+  if (Number(text) === 0) return "0";
+  return text.replace("-", "\u2212") + { 0: "", 3: "k", 6: "M" }[power];
 }
 
 /** @param {number} step */
@@ -285,8 +285,8 @@ let pen = null;
  * @param {string} letter
  */
 function advance(letter) {
-  const told = advances.get(letter);
-  if (told !== undefined) return told;
+  const known = advances.get(letter);
+  if (known !== undefined) return known;
   if (!pen) {
     pen = /** @type {CanvasRenderingContext2D} */ (document.createElement("canvas").getContext("2d"));
     pen.font = `100px ${getComputedStyle(document.body).fontFamily}`;

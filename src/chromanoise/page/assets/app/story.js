@@ -90,7 +90,7 @@ export function guidedStory(section, start) {
  */
 function storyParts(section, { go, leave }) {
   const heading = el("h2", { id: "h-story", tabindex: "-1" });
-  const told = el("div", { class: "story-text", tabindex: "0", role: "group", "aria-labelledby": "h-story" });
+  const text = el("div", { class: "story-text", tabindex: "0", role: "group", "aria-labelledby": "h-story" });
   const announced = el("p", { class: "unseen", role: "status" });
   const left = el("p", { class: "story-left", role: "status" });
   const back = button("", () => go(0));
@@ -98,7 +98,7 @@ function storyParts(section, { go, leave }) {
   const next = button("Next", () => go(1), { class: "primary" });
   const away = button("Leave tour", leave, { title: "Returns to the study before the tour, or keeps the study that you changed" });
   const buttons = el("div", { class: "tools" }, back, previous, next, away);
-  section.replaceChildren(el("div", { class: "story-head" }, heading, left, buttons), told, announced);
+  section.replaceChildren(el("div", { class: "story-head" }, heading, left, buttons), text, announced);
   /**
    * @param {StoryStep} step
    * @param {number} number
@@ -111,8 +111,8 @@ function storyParts(section, { go, leave }) {
       say(heading, title);
       say(announced, title);
       const task = el("p", { class: "story-task", text: step.task });
-      told.replaceChildren(...step.sentences.map((text) => el("p", { text })), task);
-      told.scrollTop = 0;
+      text.replaceChildren(...step.sentences.map((sentence) => el("p", { text: sentence })), task);
+      text.scrollTop = 0;
     }
     const focus = document.activeElement;
     say(left, isLeft ? "You changed something: the numbers in the text are those of the step." : "");
