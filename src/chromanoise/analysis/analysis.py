@@ -71,7 +71,8 @@ class Analysis:
         The measurement at each stage, with its covariance: total noise, as one reading over a flat
         field shows it.
     temporal_raw
-        The raw measurement without fixed-pattern noise (DSNU, PRNU), as from frame to frame.
+        The raw measurement without fixed-pattern noise (DSNU, PRNU, the pattern of crosstalk), as
+        from frame to frame.
     matrix
         The color matrix, by default the kernel matrix; it holds metric, frame and observer.
     saturated
@@ -305,13 +306,13 @@ def raw_snr_db(analysis: Analysis) -> dict[str, float | None]:
 
 
 def temporal_raw_snr_db(analysis: Analysis) -> dict[str, float | None]:
-    """As `raw_snr_db`, without fixed-pattern noise (DSNU, PRNU). [dB]"""
+    """As `raw_snr_db`, without fixed-pattern noise (DSNU, PRNU, crosstalk). [dB]"""
     hidden = dict(zip(analysis.sensor.names, analysis.saturated.tolist(), strict=True))
     return _unless_hidden(snr_db(analysis.temporal_raw), hidden)
 
 
 def temporal_color_snr_db(analysis: Analysis) -> dict[str, float | None]:
-    """As `color_snr_db`, without fixed-pattern noise (DSNU, PRNU). [dB]"""
+    """As `color_snr_db`, without fixed-pattern noise (DSNU, PRNU, crosstalk). [dB]"""
     lost = bool(analysis.saturated.any())
     color = colored(analysis.temporal_raw, analysis.matrix)
     decibels = signal_snr_db(color, analysis.truth_xyz)
