@@ -80,7 +80,8 @@ class Measurement:
             return _notebook.shown(f"{text}: {', '.join(self.names)} of {self.mean.shape[:-1]}")
         unit, sd = self.unit, np.sqrt(self.variance)
         own = np.sqrt(np.diagonal(self.covariance))
-        shared = self.covariance / np.where(own > 0, own, 1.0) / np.where(own > 0, own, 1.0)[:, None]
+        own = np.where(own > 0, own, 1.0)
+        shared = self.covariance / own / own[:, None]
         rows = [
             [name, f"{mean:.5g}", f"{deviation:.4g}", *(f"{one:.2f}" for one in row)]
             for name, mean, deviation, row in zip(self.names, self.mean, sd, shared, strict=True)

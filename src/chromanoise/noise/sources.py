@@ -120,9 +120,7 @@ def crosstalk_pattern(crosstalk: Crosstalk | None) -> CrosstalkPattern | None:
         if unmixing is None:
             return None
         shares = shares @ unmixing
-    return CrosstalkPattern(
-        shares=shares, channel=crosstalk.places.tile.ravel(), counted=counted
-    )
+    return CrosstalkPattern(shares=shares, channel=crosstalk.places.tile.ravel(), counted=counted)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -517,8 +515,7 @@ def _coupled(
     coupling: Float[Array, "p p"] | None,
     after_e2: Float[Array, "*px p"] | float,
 ) -> Float[Array, "*px p p"]:
-    """Covariance of the readings for the variance of the counting pixels, `after_counting_e2` of
-    it included."""
+    """Covariance of the readings; their variance without mixing contains `after_counting_e2`."""
     if coupling is None:
         return _diagonal(variance_e2)
     after = _diagonal(np.broadcast_to(after_e2, variance_e2.shape))

@@ -267,22 +267,36 @@ def crosstalk_of_kernel(
             value=float(kernel.sum()),
             found=f"distributes {kernel.sum():.4g} of it",
         )
+    places = places_of_mosaic(kernel, mosaic, names)
+    return Crosstalk(
+        matrix=places.channel_means(places.shares),
+        pixels=tuple(np.bincount(places.tile.ravel()).tolist()),
+        kernel=kernel,
+        places=places,
+    )
+
+
+def places_of_mosaic(kernel: Float[Array, "ky kx"], mosaic: Mosaic, names: Sequence[str]) -> Places:
+    """What each place of a mosaic receives by a kernel.
+
+    Parameters
+    ----------
+    kernel, mosaic, names
+        As `crosstalk_of_kernel`.
+
+    Raises
+    ------
+    InputError
+        If mosaic and sensor have different channels.
+    """
     refuse_other_channels(mosaic, names)
     tile = np.array([[names.index(name) for name in row] for row in mosaic.pattern])
     height, width = tile.shape
-    mixed = np.zeros((len(names), len(names)))
     shares, squares = np.zeros((2, *tile.shape, len(names)))
     middle_y, middle_x = (size // 2 for size in kernel.shape)
     for y, x in np.ndindex(tile.shape):
         for (dy, dx), share in np.ndenumerate(kernel):
             source = tile[(y - dy + middle_y) % height, (x - dx + middle_x) % width]
-            mixed[tile[y, x], source] += share
             shares[y, x, source] += share
             squares[y, x, source] += share**2
-    pixels = np.bincount(tile.ravel(), minlength=len(names))
-    return Crosstalk(
-        matrix=mixed / pixels[:, None],
-        pixels=tuple(pixels.tolist()),
-        kernel=kernel,
-        places=Places(tile=tile, shares=shares, squares=squares),
-    )
+    return Places(tile=tile, shares=shares, squares=squares)

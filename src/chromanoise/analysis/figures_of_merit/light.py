@@ -230,7 +230,7 @@ def _mosaic_noise(analysis: Analysis, viewing: Viewing) -> float | None:
     ).total
 
 
-def _plane_spectrum(bank: FilterBank, variance_e2: Float[Array, " p"]) -> Float[Array, "h w p p"]:
+def _plane_spectrum(bank: FilterBank, variance_e2: Array) -> Float[Array, "h w p p"]:
     return noise_power_spectrum(bank, variance_e2, (_PLANE, _PLANE))
 
 
