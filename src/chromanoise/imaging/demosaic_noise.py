@@ -55,7 +55,7 @@ def demosaicked_covariance(
            [  0. ,  50. ,   0. ],
            [  0. ,   0. ,  12.5]])
     """
-    variance = channels_around(per_place(bank, variance_e2), bank.radius)
+    variance = around_places(bank, per_place(bank, variance_e2))
     return np.asarray(
         np.einsum("abcij,abdij,abij->abcd", bank.kernels, bank.kernels, variance, optimize=True)
     )
@@ -256,6 +256,20 @@ def _answers(bank: FilterBank, place: tuple[int, int]) -> Float[Array, "p k k"]:
         there = (place[0] + i - radius) % ty, (place[1] + j - radius) % tx
         out[:, i, j] = bank.kernels[there][:, 2 * radius - i, 2 * radius - j]
     return out
+
+
+def around_places(bank: FilterBank, values: Float[Array, "ty tx"]) -> Float[Array, "ty tx k k"]:
+    """Values of the places of a tile, in the window of the filters around each place.
+
+    Parameters
+    ----------
+    bank
+        The demosaicing method.
+    values
+        Of each place.
+    """
+    places = np.arange(values.size).reshape(values.shape)
+    return values.ravel()[channels_around(places, bank.radius)]
 
 
 def per_place(bank: FilterBank, variance_e2: Array) -> Float[Array, "ty tx"]:

@@ -12,8 +12,9 @@ from chromanoise.color import ColorMatrix, kernel_matrix
 from chromanoise.errors import InputError
 from chromanoise.exposure import OperatingPoint, expected_electrons
 from chromanoise.imaging.blocks import Scratch
-from chromanoise.imaging.demosaic import FilterBank, channels_around
+from chromanoise.imaging.demosaic import FilterBank
 from chromanoise.imaging.demosaic_noise import (
+    around_places,
     demosaicked_covariance,
     flat_field_means,
     flat_field_noise,
@@ -175,7 +176,7 @@ def developed_color(
         operating_point.exposure,
         rounding_e2=rounding_e2,
     )
-    means = channels_around(flat_field_means(bank, raw.mean, sensor), bank.radius)
+    means = around_places(bank, flat_field_means(bank, raw.mean, sensor))
     seen = np.einsum("abcij,abij->abc", bank.kernels, means)
     if noise_sources(sensor, operating_point.exposure).pattern is None:
         seen = np.broadcast_to(raw.mean, seen.shape)  # without rounding
