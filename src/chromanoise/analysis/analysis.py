@@ -38,7 +38,13 @@ from chromanoise.metrics import (
     snr_db,
 )
 from chromanoise.metrics.snr import LEAST_COLOR
-from chromanoise.noise import Measurement, Readout
+from chromanoise.noise import (
+    Measurement,
+    Readout,
+    after_counting,
+    counted_electrons,
+    noise_sources,
+)
 from chromanoise.scene import Scene
 from chromanoise.sensor import Sensor, code_range_e, white_level_name
 from chromanoise.spectra import (
@@ -377,7 +383,8 @@ def diagnosis(analysis: Analysis) -> tuple[str, ...]:
         *reflectance_notes(analysis.point),
         *analysis.matrix.notes,
     )
-    return (*notes, *_channel_notes(analysis), *_color_notes(analysis), *_frame_notes(analysis))
+    channels = (*_channel_notes(analysis), *_crosstalk_notes(analysis))
+    return (*notes, *channels, *_color_notes(analysis), *_frame_notes(analysis))
 
 
 def reflectance_notes(operating_point: OperatingPoint) -> tuple[str, ...]:
@@ -426,6 +433,38 @@ def _channel_notes(analysis: Analysis) -> list[str]:
             )
         if expected == 0:
             notes.append(f"channel {name} sees none of this light")
+    return notes
+
+
+def _crosstalk_notes(analysis: Analysis) -> list[str]:
+    """The pattern between places of a mosaic, and what one of its pixels has less of noise."""
+    crosstalk, raw = analysis.sensor.crosstalk, analysis.raw
+    if crosstalk is None or (crosstalk.deviations is None and raw.reading_variance is None):
+        return []
+    notes, noise = [], noise_sources(analysis.sensor, analysis.exposure)
+    if crosstalk.deviations is not None and noise.pattern is None:
+        notes.append(
+            "crosstalk makes a fixed pattern, because pixels of one channel have different "
+            "neighbors; it is not in the noise, because this crosstalk cannot be inverted"
+        )
+    counted = counted_electrons(analysis.expected_e, after_counting(crosstalk))
+    pattern = np.sqrt(noise.pattern_e2(counted))
+    for name, mean, sd in zip(raw.names, analysis.expected_e, pattern, strict=True):
+        if sd > _WORTH_TELLING * mean:
+            notes.append(
+                f"pixels of {name} have different neighbors: crosstalk makes a fixed pattern of "
+                f"{100 * sd / mean:.2g} % of its mean, which only the temporal noise leaves out"
+            )
+    if raw.reading_variance is not None:
+        every = np.diagonal(raw.covariance)
+        less = 1 - raw.reading_variance / np.where(every > 0, every, 1.0)
+        most = int(np.argmax(less))
+        if less[most] > _WORTH_TELLING:
+            notes.append(
+                "raw SNR is that of one pixel of the mosaic, color that of areas of many pixels: "
+                "crosstalk after counting averages the noise of neighbors, so that one pixel of "
+                f"{raw.names[most]} has {100 * less[most]:.2g} % less noise variance than X D X^T"
+            )
     return notes
 
 
