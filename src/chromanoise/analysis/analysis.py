@@ -461,9 +461,9 @@ def _crosstalk_notes(analysis: Analysis) -> list[str]:
         most = int(np.argmax(less))
         if less[most] > _WORTH_TELLING:
             notes.append(
-                "raw SNR is that of one pixel of the mosaic, color that of areas of many pixels: "
-                "crosstalk after counting averages the noise of neighbors, so that one pixel of "
-                f"{raw.names[most]} has {100 * less[most]:.2g} % less noise variance than X D X^T"
+                "raw SNR is that of one pixel of the mosaic, color that of a pixel with all "
+                "channels: crosstalk after counting averages the noise of neighbors, so that one "
+                f"pixel of {raw.names[most]} has {100 * less[most]:.2g} % less noise variance"
             )
     return notes
 
