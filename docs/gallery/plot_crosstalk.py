@@ -3,8 +3,9 @@ Crosstalk
 =========
 
 Light that ends in a neighboring pixel mixes the channels. The matrix unmixes them again, and this
-costs SNR: 4 to 5 dB at 30 %. The color error does not change, because the matrix is computed for
-the channels with crosstalk.
+costs SNR: 5 dB at 30 % in a Bayer mosaic. It costs 11 dB in the sparse mosaic of onyx-rgbw, whose
+white pixels have different neighbors, so that crosstalk also makes a fixed pattern. The color error
+does not change, because the matrix is computed for the channels with crosstalk.
 """
 
 import matplotlib.pyplot as plt

@@ -29,19 +29,24 @@ def sensor_of(name):
 
 
 def mixing_of(sensor, share):
-    """Each pixel keeps 1 - c and gets c/4 of each of its four neighbors."""
+    """Each pixel keeps 1 - c and gets c/4 of each of its four neighbors; means of the channels."""
+    whose, shares = places_of(sensor, share)
+    return np.array([shares[whose == i].mean(axis=0) for i in range(len(sensor.names))])
+
+
+def places_of(sensor, share):
     tile = np.array(sensor.mosaic.pattern)
     height, width = tile.shape
-    mixing = np.zeros((len(sensor.names),) * 2)
+    whose, shares = [], []
     for (y, x), own in np.ndenumerate(tile):
         around = [tile[(y + dy) % height, (x + dx) % width] for dy, dx in
                   ((0, 1), (0, -1), (1, 0), (-1, 0))]  # fmt: skip
-        i = sensor.names.index(own)
-        weight = 1 / (tile == own).sum()
-        mixing[i, i] += (1 - share) * weight
+        whose.append(sensor.names.index(own))
+        shares.append(np.zeros(len(sensor.names)))
+        shares[-1][whose[-1]] += 1 - share
         for other in around:
-            mixing[i, sensor.names.index(other)] += share / 4 * weight
-    return mixing
+            shares[-1][sensor.names.index(other)] += share / 4
+    return np.array(whose), np.array(shares)
 
 
 def electrons(sensor, lux):
@@ -66,7 +71,9 @@ def losses(name, lux, source):
     if source == "crosstalk 10 %":
         mixing = mixing_of(sensor, 0.1)
         mixed, noisy_rows = mixing @ mean, rows @ np.linalg.inv(mixing)
-        noisy = mixed + READ_E**2
+        whose, shares = places_of(sensor, 0.1)
+        pattern = [(shares[whose == i] @ mean).var() for i in range(len(mean))]
+        noisy = mixed + READ_E**2 + pattern
     else:
         noisy = variance + added_e2(mean, source)
     raw = 20 * np.log10(mean / mixed) + 10 * np.log10(noisy / variance)

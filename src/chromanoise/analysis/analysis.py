@@ -38,7 +38,13 @@ from chromanoise.metrics import (
     snr_db,
 )
 from chromanoise.metrics.snr import LEAST_COLOR
-from chromanoise.noise import Measurement, Readout
+from chromanoise.noise import (
+    Measurement,
+    Readout,
+    after_counting,
+    counted_electrons,
+    noise_sources,
+)
 from chromanoise.scene import Scene
 from chromanoise.sensor import Sensor, code_range_e, white_level_name
 from chromanoise.spectra import (
@@ -71,7 +77,8 @@ class Analysis:
         The measurement at each stage, with its covariance: total noise, as one reading over a flat
         field shows it.
     temporal_raw
-        The raw measurement without fixed-pattern noise (DSNU, PRNU), as from frame to frame.
+        The raw measurement without fixed-pattern noise (DSNU, PRNU, the pattern of crosstalk), as
+        from frame to frame.
     matrix
         The color matrix, by default the kernel matrix; it holds metric, frame and observer.
     saturated
@@ -305,13 +312,13 @@ def raw_snr_db(analysis: Analysis) -> dict[str, float | None]:
 
 
 def temporal_raw_snr_db(analysis: Analysis) -> dict[str, float | None]:
-    """As `raw_snr_db`, without fixed-pattern noise (DSNU, PRNU). [dB]"""
+    """As `raw_snr_db`, without fixed-pattern noise (DSNU, PRNU, crosstalk). [dB]"""
     hidden = dict(zip(analysis.sensor.names, analysis.saturated.tolist(), strict=True))
     return _unless_hidden(snr_db(analysis.temporal_raw), hidden)
 
 
 def temporal_color_snr_db(analysis: Analysis) -> dict[str, float | None]:
-    """As `color_snr_db`, without fixed-pattern noise (DSNU, PRNU). [dB]"""
+    """As `color_snr_db`, without fixed-pattern noise (DSNU, PRNU, crosstalk). [dB]"""
     lost = bool(analysis.saturated.any())
     color = colored(analysis.temporal_raw, analysis.matrix)
     decibels = signal_snr_db(color, analysis.truth_xyz)
@@ -376,7 +383,8 @@ def diagnosis(analysis: Analysis) -> tuple[str, ...]:
         *reflectance_notes(analysis.point),
         *analysis.matrix.notes,
     )
-    return (*notes, *_channel_notes(analysis), *_color_notes(analysis), *_frame_notes(analysis))
+    channels = (*_channel_notes(analysis), *_crosstalk_notes(analysis))
+    return (*notes, *channels, *_color_notes(analysis), *_frame_notes(analysis))
 
 
 def reflectance_notes(operating_point: OperatingPoint) -> tuple[str, ...]:
@@ -425,6 +433,38 @@ def _channel_notes(analysis: Analysis) -> list[str]:
             )
         if expected == 0:
             notes.append(f"channel {name} sees none of this light")
+    return notes
+
+
+def _crosstalk_notes(analysis: Analysis) -> list[str]:
+    """The pattern between places of a mosaic, and what one of its pixels has less of noise."""
+    crosstalk, raw = analysis.sensor.crosstalk, analysis.raw
+    if crosstalk is None or (crosstalk.deviations is None and raw.reading_variance is None):
+        return []
+    notes, noise = [], noise_sources(analysis.sensor, analysis.exposure)
+    if crosstalk.deviations is not None and noise.pattern is None:
+        notes.append(
+            "crosstalk makes a fixed pattern, because pixels of one channel have different "
+            "neighbors; it is not in the noise, because this crosstalk cannot be inverted"
+        )
+    counted = counted_electrons(analysis.expected_e, after_counting(crosstalk))
+    pattern = np.sqrt(noise.pattern_e2(counted))
+    for name, mean, sd in zip(raw.names, analysis.expected_e, pattern, strict=True):
+        if sd > _WORTH_TELLING * mean:
+            notes.append(
+                f"pixels of {name} have different neighbors: crosstalk makes a fixed pattern of "
+                f"{100 * sd / mean:.2g} % of its mean, which only the temporal noise leaves out"
+            )
+    if raw.reading_variance is not None:
+        every = np.diagonal(raw.covariance)
+        less = 1 - raw.reading_variance / np.where(every > 0, every, 1.0)
+        most = int(np.argmax(less))
+        if less[most] > _WORTH_TELLING:
+            notes.append(
+                "raw SNR is that of one pixel of the mosaic, color that of a pixel with all "
+                "channels: crosstalk after counting averages the noise of neighbors, so that one "
+                f"pixel of {raw.names[most]} has {100 * less[most]:.2g} % less noise variance"
+            )
     return notes
 
 

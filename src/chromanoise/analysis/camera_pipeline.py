@@ -53,6 +53,8 @@ from chromanoise.exposure import OperatingPoint
 from chromanoise.noise import (
     Measurement,
     Readout,
+    after_counting,
+    counted_electrons,
     demand_independent_channels,
     noise_sources,
     signal_limit_e,
@@ -284,12 +286,15 @@ def _dark_noise_e(point: OperatingPoint) -> Float[Array, " p"]:
 
 
 def _noise_profile(point: OperatingPoint, white_e: float) -> Float[Array, "p 2"]:
-    """S and O of each channel on a gray, whose variance is linear in the light without PRNU."""
+    """S and O of each channel on a gray: PRNU and pattern left out, the variance is linear."""
     sensor = replace(point.sensor, pixel=replace(point.sensor.pixel, prnu=0.0))
     gray = electrons_at(point, reflectance=GRAY)
     dark, lit = (
         with_noise(mean, sensor, point.exposure).variance for mean in (np.zeros_like(gray), gray)
     )
+    coupling = after_counting(sensor.crosstalk)
+    noise = noise_sources(sensor, point.exposure)
+    lit = lit - noise.pattern_e2(counted_electrons(gray, coupling))
     slope = (lit - dark) / np.where(gray > 0, gray, 1.0)
     return np.stack([slope / white_e, dark / white_e**2], axis=-1)
 

@@ -17,9 +17,9 @@ from chromanoise.metrics import (
     exact_contrast_detection_probability,
 )
 from chromanoise.noise import (
+    channel_distribution,
     few_electrons,
     noise_sources,
-    reading_distribution,
     saturated,
     signal_limit_e,
     with_noise,
@@ -107,7 +107,7 @@ def _channel_probabilities(point: OperatingPoint, times: float) -> Float[Array, 
         return found
     noise = noise_sources(point.sensor, point.exposure)
     for i in np.flatnonzero(seen & few_electrons(mean, noise).all(axis=0)):
-        readings = reading_distribution(mean[:, i], noise)
+        readings = channel_distribution(mean, int(i), noise)
         found[i] = exact_contrast_detection_probability(readings, mean[:, i], tolerance=TOLERANCE)
     return found
 

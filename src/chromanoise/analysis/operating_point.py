@@ -73,10 +73,10 @@ class Stages:
 
     @property
     def temporal_raw(self) -> Measurement:
-        """The electrons after readout without fixed-pattern noise (DSNU, PRNU)."""
+        """The electrons after readout without fixed-pattern noise (DSNU, PRNU, crosstalk)."""
         sensor, exposure = self.point.sensor, self.point.exposure
         noise = noise_sources(sensor, exposure)
-        if not noise.dsnu_e and not noise.prnu:
+        if noise == noise.temporal:
             return self.raw
         if self.readout is None:
             return with_noise(self.expected_e, sensor, exposure, kind="temporal")

@@ -29,9 +29,9 @@ from chromanoise.metrics import (
 from chromanoise.noise import (
     Measurement,
     Readout,
+    channel_distribution,
     few_electrons,
     noise_sources,
-    reading_distribution,
 )
 from chromanoise.spectra import PatchPairs, all_pairs, chart_on, chart_title
 
@@ -210,8 +210,8 @@ def _raw_probabilities(at: Stages, pairs: PatchPairs) -> Float[Array, " m"]:
     if exact.any():
         own, place = np.unique(pairs.indices[exact], return_inverse=True)
         channels = [
-            reading_distribution(mean, noise, at.readout or Readout())
-            for mean in at.expected_e[own].T
+            channel_distribution(at.expected_e[own], i, noise, at.readout or Readout())
+            for i in range(len(at.raw.names))
         ]
         found[exact] = exact_separation_probability(channels, place.reshape(-1, 2))
     return found

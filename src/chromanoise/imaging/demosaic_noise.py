@@ -16,11 +16,12 @@ from chromanoise.errors import InputError
 from chromanoise.exposure import Exposure
 from chromanoise.imaging.demosaic import FilterBank, channel_tile, channels_around
 from chromanoise.noise import after_counting, counted_electrons, noise_sources, with_noise
+from chromanoise.noise.sources import crosstalk_pattern
 from chromanoise.sensor import Sensor, shares_after_counting
 
 
 def demosaicked_covariance(
-    bank: FilterBank, variance_e2: Float[Array, " p"]
+    bank: FilterBank, variance_e2: Float[Array, " p"] | Float[Array, "ty tx"]
 ) -> Float[Array, "ty tx p p"]:
     """Covariance of the channels of one pixel, at each position in the tile. [e-^2]
 
@@ -29,13 +30,13 @@ def demosaicked_covariance(
     bank
         The demosaicing method.
     variance_e2
-        Variance of a raw pixel of each channel, independent of the others; eq. 7 for a flat
-        field. [e-^2]
+        Variance of a raw pixel of each channel, or of each place of the tile, independent of the
+        others; eq. 7 for a flat field. [e-^2]
 
     Raises
     ------
     InputError
-        If a variance is negative or not finite, or there is not one per channel.
+        If a variance is negative or not finite, or there is not one per channel or place.
 
     Notes
     -----
@@ -54,17 +55,16 @@ def demosaicked_covariance(
            [  0. ,  50. ,   0. ],
            [  0. ,   0. ,  12.5]])
     """
-    variance = per_channel(bank, variance_e2)
-    around = channels_around(channel_tile(bank.mosaic, bank.names), bank.radius)
+    variance = around_places(bank, per_place(bank, variance_e2))
     return np.asarray(
-        np.einsum(
-            "abcij,abdij,abij->abcd", bank.kernels, bank.kernels, variance[around], optimize=True
-        )
+        np.einsum("abcij,abdij,abij->abcd", bank.kernels, bank.kernels, variance, optimize=True)
     )
 
 
 def noise_power_spectrum(
-    bank: FilterBank, variance_e2: Float[Array, " p"], shape: tuple[int, int]
+    bank: FilterBank,
+    variance_e2: Float[Array, " p"] | Float[Array, "ty tx"],
+    shape: tuple[int, int],
 ) -> Float[Array, "h w p p"]:
     """Noise power and co-spectra of the channels, averaged over the positions in the tile. [e-^2]
 
@@ -99,9 +99,9 @@ def noise_power_spectrum(
     >>> noise_power_spectrum(alone, np.array([9.0]), (1, 3)).ravel()
     array([9., 9., 9.])
     """
-    variance = per_channel(bank, variance_e2)
-    channels, transfers = raw_transfers(bank, shape)
-    return power_through(transfers, variance[channels] / channels.size)
+    variance = per_place(bank, variance_e2).ravel()
+    _, transfers = raw_transfers(bank, shape)
+    return power_through(transfers, variance / variance.size)
 
 
 def raw_transfers(
@@ -173,8 +173,30 @@ def power_through(
     return np.asarray(((transfers * variance) @ np.swapaxes(transfers.conj(), -1, -2)).real)
 
 
+def flat_field_means(
+    bank: FilterBank, mean_e: Float[Array, " p"], sensor: Sensor
+) -> Float[Array, "ty tx"]:
+    """Expected electrons of a flat field at each place of the tile, with crosstalk. [e-]
+
+    Parameters
+    ----------
+    bank
+        The demosaicing method.
+    mean_e
+        Expected electrons per channel. [e-]
+    sensor
+        The sensor, whose crosstalk may bring other light to some places of a channel.
+    """
+    tile, crosstalk = channel_tile(bank.mosaic, bank.names), sensor.crosstalk
+    pattern = crosstalk_pattern(crosstalk)
+    if pattern is None or not np.array_equal(pattern.channel, tile.ravel()):
+        return np.asarray(mean_e)[tile]
+    seen = counted_electrons(mean_e, after_counting(crosstalk))
+    return np.asarray(mean_e)[tile] + (pattern.shares @ seen).reshape(tile.shape)
+
+
 def flat_field_noise(
-    of: Callable[[FilterBank, Float[Array, " p"]], Array],
+    of: Callable[[FilterBank, Array], Array],
     bank: FilterBank,
     mean_e: Float[Array, " p"],
     sensor: Sensor,
@@ -185,7 +207,8 @@ def flat_field_noise(
     """`demosaicked_covariance` or `noise_power_spectrum` of a flat field. [e-^2]
 
     With crosstalk after counting between neighbors, the filters act on the counts through the
-    kernel of the crosstalk, and on what the readout adds without it.
+    kernel of the crosstalk, and on what the readout adds without it. The pattern of crosstalk is
+    not part of it: it is in the means, `flat_field_means`.
 
     Parameters
     ----------
@@ -200,11 +223,12 @@ def flat_field_noise(
     rounding_e2
         Variance of a further rounding of each raw pixel. [e-^2]
     """
-    variance = with_noise(mean_e, sensor, exposure).variance + rounding_e2
-    shares = shares_after_counting(sensor.crosstalk)
+    own, shares = noise_sources(sensor, exposure), shares_after_counting(sensor.crosstalk)
+    noise, coupling = replace(own, pattern=None), after_counting(sensor.crosstalk)
+    if shares is None and own.pattern is None:
+        return of(bank, with_noise(mean_e, sensor, exposure).variance + rounding_e2)
     if shares is None:
-        return of(bank, variance)
-    noise, coupling = noise_sources(sensor, exposure), after_counting(sensor.crosstalk)
+        return of(bank, noise.variance_e2(flat_field_means(bank, mean_e, sensor)) + rounding_e2)
     readout = noise.readout.floor_e2()
     counted = noise.variance_e2(counted_electrons(mean_e, coupling)) - readout
     return np.asarray(
@@ -232,6 +256,40 @@ def _answers(bank: FilterBank, place: tuple[int, int]) -> Float[Array, "p k k"]:
         there = (place[0] + i - radius) % ty, (place[1] + j - radius) % tx
         out[:, i, j] = bank.kernels[there][:, 2 * radius - i, 2 * radius - j]
     return out
+
+
+def around_places(bank: FilterBank, values: Float[Array, "ty tx"]) -> Float[Array, "ty tx k k"]:
+    """Values of the places of a tile, in the window of the filters around each place.
+
+    Parameters
+    ----------
+    bank
+        The demosaicing method.
+    values
+        Of each place.
+    """
+    places = np.arange(values.size).reshape(values.shape)
+    return values.ravel()[channels_around(places, bank.radius)]
+
+
+def per_place(bank: FilterBank, variance_e2: Array) -> Float[Array, "ty tx"]:
+    """Variances of the raw pixels of a tile, >= 0, from one per channel or per place. [e-^2]
+
+    Raises
+    ------
+    InputError
+        As `per_channel`, or if the tile has another shape.
+    """
+    tile = channel_tile(bank.mosaic, bank.names)
+    if np.ndim(variance_e2) < 2:
+        return per_channel(bank, variance_e2)[tile]
+    if np.shape(variance_e2) != tile.shape:
+        raise InputError(
+            "variance_e2",
+            f"must have the shape of the tile, {tile.shape}",
+            value=np.shape(variance_e2),
+        )
+    return _check.non_negative("variance_e2", "e-^2", variance_e2)
 
 
 def per_channel(bank: FilterBank, variance_e2: Array) -> Float[Array, " p"]:

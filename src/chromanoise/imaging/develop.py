@@ -13,7 +13,12 @@ from chromanoise.errors import InputError
 from chromanoise.exposure import OperatingPoint, expected_electrons
 from chromanoise.imaging.blocks import Scratch
 from chromanoise.imaging.demosaic import FilterBank
-from chromanoise.imaging.demosaic_noise import demosaicked_covariance, flat_field_noise
+from chromanoise.imaging.demosaic_noise import (
+    around_places,
+    demosaicked_covariance,
+    flat_field_means,
+    flat_field_noise,
+)
 from chromanoise.imaging.plans import color_matrices, srgb_table
 from chromanoise.imaging.render import ALL_CORES, Picture, RawPicture, filled_colors
 from chromanoise.imaging.work import Work
@@ -147,9 +152,10 @@ def developed_color(
 
     Notes
     -----
-    C K D K^T C^T with the diagonal D of `with_noise` and K the filters. Nothing is clipped at black
-    or full well. Row noise, which correlates neighbors, counts as independent. Crosstalk after
-    counting is that of its kernel (`flat_field_noise`).
+    C K D K^T C^T with the diagonal D of `with_noise` and K the filters. The pattern of crosstalk is
+    in the means of the places, not in D. Nothing is clipped at black or full well. Row noise, which
+    correlates neighbors, counts as independent. Crosstalk after counting is that of its kernel
+    (`flat_field_noise`).
     """
     sensor = operating_point.sensor
     _check.same_names("development", sensor=sensor.names, filters=bank.names)
@@ -170,11 +176,15 @@ def developed_color(
         operating_point.exposure,
         rounding_e2=rounding_e2,
     )
+    means = around_places(bank, flat_field_means(bank, raw.mean, sensor))
+    seen = np.einsum("abcij,abij->abc", bank.kernels, means)
+    if noise_sources(sensor, operating_point.exposure).pattern is None:
+        seen = np.broadcast_to(raw.mean, seen.shape)  # without rounding
     return tuple(
         tuple(
             through(
                 Measurement(
-                    mean=raw.mean,
+                    mean=mean,
                     covariance=covariance,
                     names=raw.names,
                     kind="demosaicked",
@@ -186,7 +196,7 @@ def developed_color(
                 unit="lx",
                 metric=matrix.metric,
             )
-            for covariance in row
+            for mean, covariance in zip(*row, strict=True)
         )
-        for row in covariances
+        for row in zip(seen, covariances, strict=True)
     )

@@ -7,7 +7,7 @@ import numpy as np
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise._shapes import Float, Float32, UInt8, UInt16
+from chromanoise._shapes import Float, Float32, Int, UInt8, UInt16
 from chromanoise.color import ColorMatrix, kernel_matrix
 from chromanoise.errors import InputError, Setting
 from chromanoise.exposure import Exposure, OperatingPoint
@@ -41,6 +41,7 @@ from chromanoise.sensor import (
     Mosaic,
     Sensor,
     adc_of,
+    places_of_mosaic,
     refuse_summed_readings,
     shares_after_counting,
     without_crosstalk,
@@ -51,6 +52,7 @@ ALL_CORES = Work()
 """Default work: one thread per core."""
 
 _COLORED_ROWS = 64
+_SHARE_DIGITS = 9  # by which kinds of places are told apart
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -469,7 +471,8 @@ def acquired(
         The converter; if ``None``, that of the sensor, by default 12 bits, top code at full well,
         black level 0.
     cube, operating_point, seed, frame, noisy, beyond, bad_pixels, work
-        As `rendered`. The noise of a pixel is that of its channel in `rendered`.
+        As `rendered`. The noise of a pixel is that of its channel in `rendered`, except at further
+        places of a channel at which crosstalk before counting brings other light.
 
     Raises
     ------
@@ -482,10 +485,13 @@ def acquired(
     adc = adc or adc_of(sensor.converter, sensor.pixel)
     cube = bands_within(cube, sensor.grid)
     shares = shares_after_counting(sensor.crosstalk)
-    counting = operating_point if shares is None else _of_counts(operating_point)
+    if shares is None:
+        counting, places, owner = _at_places(operating_point, mosaic)
+    else:
+        counting, places, owner = _of_counts(operating_point), mosaic, np.arange(len(sensor.names))
     light = light_of(cube, counting, beyond=beyond, bad_pixels=bad_pixels)
     draw = draw_of(operating_point, seed=seed, frame=frame, noisy=noisy)
-    plan = raw_plan(light, draw, operating_point, mosaic, adc)
+    plan = raw_plan(light, draw, counting, places, adc)
     height, width, _ = light.source.shape
     fill: FillBlock = raw_block
     part: Part = plan_for_rows
@@ -495,8 +501,10 @@ def acquired(
     kinds = (((height, width), np.uint16),)
     blocks = row_blocks(light.source, work)
     (codes,), counts = made(fill, plan, part, blocks, kinds, work)
-    own = _pixels_of_channels(plan.tile, height, width, light.channels)
-    total, above, bad = np.concatenate(counts).sum(axis=0)
+    member = owner == np.arange(len(sensor.names))[:, None]
+    own = member @ _pixels_of_channels(plan.tile, height, width, light.channels)
+    sums = np.concatenate(counts).sum(axis=0)
+    total, above = sums[:2] @ member.T
     return RawPicture(
         operating_point=operating_point,
         seed=seed,
@@ -506,7 +514,7 @@ def acquired(
         codes=codes,
         mean_e=total / np.maximum(own, 1),
         above_full_well=above / np.maximum(own, 1),
-        notes=_notes(operating_point, light, int(bad[0])),
+        notes=_notes(operating_point, light, int(sums[2, 0])),
     )
 
 
@@ -573,6 +581,41 @@ def _of_counts(operating_point: OperatingPoint) -> OperatingPoint:
     pure = without_crosstalk(operating_point.sensor)
     assert pure is not None  # a singular one is refused by `with_crosstalk`
     return replace(operating_point, sensor=pure)
+
+
+def _at_places(
+    operating_point: OperatingPoint, mosaic: Mosaic
+) -> tuple[OperatingPoint, Mosaic, Int[Array, " q"]]:
+    """The operating point, the mosaic, and the channel that each of their channels is part of.
+
+    Where crosstalk before counting brings other light to some places of a channel, they have
+    channels of their own, behind those of the sensor.
+    """
+    sensor = operating_point.sensor
+    names, crosstalk, pure = sensor.names, sensor.crosstalk, without_crosstalk(sensor)
+    same = operating_point, mosaic, np.arange(len(names))
+    if crosstalk is None or crosstalk.kernel is None or pure is None:
+        return same
+    if set(mosaic.names) != set(names):
+        return same
+    places = places_of_mosaic(crosstalk.kernel, mosaic, names)
+    away = places.deviations(crosstalk.matrix)
+    if not away.any():
+        return same
+    flat, channel = away.reshape(-1, len(names)), places.tile.ravel()
+    kinds = np.column_stack([channel, np.round(flat, _SHARE_DIGITS)])
+    _, first, kind = np.unique(kinds, axis=0, return_index=True, return_inverse=True)
+    owner = channel[first]  # of each kind of place, sorted by channel
+    own = np.unique(owner, return_index=True)[1]
+    order = np.concatenate([own, np.setdiff1d(np.arange(len(owner)), own)])
+    qe = (sensor.qe[:, owner] + pure.qe @ flat[first].T)[:, order]
+    more = tuple(f"{names[owner[i]]} at place {first[i]}" for i in order[len(names) :])
+    apart = replace(
+        sensor, qe=np.clip(qe, 0.0, 1.0), names=(*names, *more), mosaic=None, crosstalk=None
+    )
+    tile = np.argsort(order)[kind.reshape(places.tile.shape)]
+    pattern = tuple(tuple(apart.names[i] for i in row) for row in tile)
+    return replace(operating_point, sensor=apart), Mosaic(pattern), owner[order]
 
 
 def _pixels_of_channels(tile: Array, height: int, width: int, channels: int) -> Float[Array, " p"]:

@@ -16,8 +16,9 @@ correlation  channels weighted one by one                    channels unmixed: t
 infrared     electrons from the infrared count as signal     they are noise without signal
 ============ =============================================== ==================================
 
-Dark current, quantization, row noise, DSNU, PRNU and crosstalk are causes only where the sensor has
-them.
+Dark current, quantization, row noise, DSNU, PRNU, crosstalk and the pattern of crosstalk are causes
+only where the sensor has them. The pattern, of a mosaic in which one channel has different
+neighbors, exists only while the cause crosstalk is on.
 
 For L*, a* and b*, where the signal is a change of the color, see `chromanoise.metrics.lab_budget`.
 """

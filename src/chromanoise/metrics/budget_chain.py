@@ -7,7 +7,7 @@ b*.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -19,7 +19,7 @@ from chromanoise.exposure import Exposure, exposure_factor
 from chromanoise.geometry import Frame, variance_inflation
 from chromanoise.metrics.shapley import Switches, allowed_sets, shapley_values
 from chromanoise.noise import NoiseSources, after_counting, counted_electrons
-from chromanoise.noise.sources import DARK, DSNU, PRNU, QUANTIZATION, READ, ROW
+from chromanoise.noise.sources import DARK, DSNU, PATTERN, PRNU, QUANTIZATION, READ, ROW
 from chromanoise.scene import Scene
 from chromanoise.sensor import Crosstalk, Sensor, pixels_of
 from chromanoise.spectra import INFRARED_FROM_NM
@@ -30,7 +30,7 @@ CORRELATION, INFRARED, REST = "correlation", "infrared", "rest"
 CROSSTALK = "crosstalk"
 CAUSES = (FILTERS, READ_NOISE, WEIGHTS, CORRELATION, INFRARED)
 """The causes of every budget; `causes_of` adds those of the sensor's own noise sources."""
-MORE_NOISE = (DARK, QUANTIZATION, ROW, DSNU, PRNU)
+MORE_NOISE = (DARK, QUANTIZATION, ROW, DSNU, PRNU, PATTERN)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -168,8 +168,10 @@ def causes_of(chain: Chain, *, infrared: bool = True) -> tuple[str, ...]:
     infrared
         Whether the budget separates the infrared.
     """
-    values = chain.noise.by_source(np.ones(1))
-    more = tuple(name for name in MORE_NOISE if values[name].any())
+    values = replace(chain.noise, pattern=None).by_source(np.ones(1))
+    own = {name for name in MORE_NOISE if values[name].any()}
+    own |= set() if chain.noise.pattern is None else {PATTERN}
+    more = tuple(name for name in MORE_NOISE if name in own)
     mixed = (CROSSTALK,) if chain.before_crosstalk is not None else ()
     end = CAUSES[2:] if infrared else CAUSES[2:-1]
     return (*CAUSES[:2], *more, *mixed, *end)
@@ -246,8 +248,10 @@ def chain_snrs_db(chain: Chain, sets: Sequence[Switches]) -> Float[Array, " s"]:
         seen = channels.with_infrared if infrared else channels.without_infrared
         own = channels.row if unmixed else channels.single_row
         row = own if weights else None
-        coupling = after_counting(chain.crosstalk) if before is None else None
-        result[rows] = _snrs_db(seen, row, coupling, chain.noise, [sets[i] for i in rows])
+        coupling, noise = None, replace(chain.noise, pattern=None)
+        if before is None:
+            coupling, noise = after_counting(chain.crosstalk), chain.noise
+        result[rows] = _snrs_db(seen, row, coupling, noise, [sets[i] for i in rows])
     return result
 
 
@@ -289,7 +293,7 @@ def _coupled_snrs_db(
     """The same with crosstalk after counting, which correlates the readings. [dB]"""
     counted = counted_electrons(seen.noise_e, coupling)
     inside = counted + _added_e2(noise, counted, sets, (DARK, DSNU, PRNU))
-    after = _added_e2(noise, counted, sets, (READ_NOISE, QUANTIZATION, ROW))
+    after = _added_e2(noise, counted, sets, (READ_NOISE, QUANTIZATION, ROW, PATTERN))
     if row is None:
         covariance = congruence(coupling, _diagonal(inside)) + _diagonal(after)
         rows = pinv("noise with crosstalk", covariance) @ seen.sought_e
@@ -356,7 +360,8 @@ def shared_readings(
     """
     vif = variance_inflation(frame)
     worst = int(np.argmax(vif))
-    sources = chain.noise.by_source(all_e)
+    counted = counted_electrons(all_e, after_counting(chain.crosstalk))
+    sources = {**chain.noise.by_source(all_e), PATTERN: chain.noise.pattern_e2(counted)}
     variance = sum(sources.values(), 0.0 * all_e)
     whitened = np.sqrt(np.where(variance > 0, variance, 1.0))  # avoids 0 / 0
     channels = chain.channels

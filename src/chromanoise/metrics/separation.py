@@ -191,7 +191,12 @@ def gaussian_pair_probabilities(
         If a mean covariance is singular.
     """
     one, other = (
-        replace(patches, mean=patches.mean[..., i, :], covariance=patches.covariance[..., i, :, :])
+        replace(
+            patches,
+            mean=patches.mean[..., i, :],
+            covariance=patches.covariance[..., i, :, :],
+            reading_variance=None,
+        )
         for i in pairs.T
     )
     return gaussian_separation_probability(one, other)

@@ -316,13 +316,18 @@ def _light(
 
     Its noise is the sum of the variances of all rows, times ``shares``.
     """
+    per_light = counted_electrons(per_light, coupling)
+    pattern = noise.pattern_e2(per_light) @ (np.asarray(shares) @ rows**2)
+    if noise.pattern is not None and noise.pattern.counted:
+        pattern = pattern * (1 + noise.prnu**2)
     if coupling is not None:
-        per_light, rows, noise = _before_coupling(per_light, rows, shares, noise, coupling)
+        rows, noise = _before_coupling(rows, shares, noise, coupling)
     signal, weights = rows[0], np.asarray(shares) @ rows**2
     q = _check.positive("snr", "1", snr)
     floor = noise.floor_e2() * weights.sum()
     seen = per_light @ signal
-    gain = seen**2 - (q * noise.prnu) ** 2 * (per_light**2 @ weights)
+    fixed = noise.prnu**2 * (per_light**2 @ weights) + pattern
+    gain = seen**2 - q**2 * fixed
     shot = q**2 * (per_light @ weights)
     reached = shot + np.sqrt(shot**2 + 4.0 * np.maximum(gain, 0.0) * q**2 * floor)
     visible = (seen > 0) & (gain > 0)  # a negative color is not a signal
@@ -330,21 +335,20 @@ def _light(
 
 
 def _before_coupling(
-    per_light: Array,
     rows: Float[Array, "k p"],
     shares: tuple[float, ...],
     noise: NoiseSources,
     coupling: Float[Array, "p p"],
-) -> tuple[Array, Array, NoiseSources]:
-    """Counts, rows and noise before crosstalk X that follows counting: r (X n) = (r X) n.
+) -> tuple[Array, NoiseSources]:
+    """Rows and noise before crosstalk X that follows counting: r (X n) = (r X) n.
 
     What the readout adds is not coupled: it is scaled to the weights of the rows r X.
     """
-    counted, mixed = counted_electrons(per_light, coupling), rows @ coupling
+    mixed = rows @ coupling
     readout = noise.readout.floor_e2()
     of_rows, of_mixed = (np.asarray(shares) @ (each**2).sum(axis=1) for each in (rows, mixed))
     read_noise_e = float(np.sqrt(readout * of_rows / of_mixed))
-    return counted, mixed, replace(noise, read_noise_e=read_noise_e, step_e=0.0, row_noise_e=0.0)
+    return mixed, replace(noise, read_noise_e=read_noise_e, step_e=0.0, row_noise_e=0.0)
 
 
 def _gray_electrons_per_lux(

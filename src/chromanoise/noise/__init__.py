@@ -7,7 +7,12 @@ it uses, and is imported on first use.
 from typing import TYPE_CHECKING
 
 from chromanoise._lazy import lazy_names
-from chromanoise.noise.distribution import ReadingDistribution, few_electrons, reading_distribution
+from chromanoise.noise.distribution import (
+    ReadingDistribution,
+    channel_distribution,
+    few_electrons,
+    reading_distribution,
+)
 from chromanoise.noise.exact import (
     Moments,
     Readout,
@@ -52,6 +57,7 @@ __all__ = [
     "ReadingDistribution",
     "Readout",
     "after_counting",
+    "channel_distribution",
     "clipped_at_well",
     "clipped_measurement",
     "clipping_readout",

@@ -1,7 +1,7 @@
 """The whole distribution of one reading, for few electrons, where a Gaussian is not enough."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -134,6 +134,38 @@ def reading_distribution(
         probability=np.clip(table / table.sum(axis=1, keepdims=True), 0.0, 1.0),
         width_e=width,
     )
+
+
+def channel_distribution(
+    mean_e: Float[Array, "k p"],
+    channel: int,
+    noise: NoiseSources,
+    readout: Readout | None = None,
+) -> ReadingDistribution:
+    """`reading_distribution` of one channel at ``k`` lights.
+
+    With a pattern of crosstalk it is the mean of the distributions at the places of the channel.
+
+    Parameters
+    ----------
+    mean_e
+        Expected electrons of the light; one column per channel. [e-]
+    channel
+        Its index.
+    noise, readout
+        As `reading_distribution`.
+
+    Raises
+    ------
+    InputError
+        As `reading_distribution`.
+    """
+    if noise.pattern is None:
+        return reading_distribution(mean_e[:, channel], noise, readout)
+    means = noise.pattern.means_e(mean_e, channel)
+    every = reading_distribution(means.ravel(), replace(noise, pattern=None), readout)
+    at_places = every.probability.reshape(*means.shape, -1)
+    return replace(every, probability=at_places.mean(axis=1))
 
 
 def _reach(counted: Float[Array, " k"], added: Float[Array, " k"]) -> tuple[float, float]:

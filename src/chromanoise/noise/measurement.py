@@ -31,6 +31,9 @@ class Measurement:
     metric
         Metric of the space of spectra, where the coordinates depend on it; ``None`` for raw
         electrons.
+    reading_variance
+        Variance of one reading of each coordinate, where it is not the diagonal of the covariance:
+        one pixel of a mosaic with crosstalk after counting (`chromanoise.noise.with_noise`).
 
     Raises
     ------
@@ -44,6 +47,7 @@ class Measurement:
     kind: str
     unit: str
     metric: Metric | None = None
+    reading_variance: Float[Array, "*px p"] | None = None
 
     def __post_init__(self) -> None:
         mean = _check.finite(f"{self.kind} mean", self.unit, self.mean)
@@ -60,10 +64,14 @@ class Measurement:
         _check.non_negative(f"{self.kind} variance", f"{self.unit}^2", diagonal)
         object.__setattr__(self, "mean", _check.frozen(mean))
         object.__setattr__(self, "covariance", _check.frozen(covariance))
+        if self.reading_variance is not None:
+            _check.freeze(self, "reading_variance")
 
     @property
     def variance(self) -> Float[Array, "*px p"]:
-        """The diagonal of the covariance."""
+        """The variance of one reading: the diagonal of the covariance, unless one is given."""
+        if self.reading_variance is not None:
+            return self.reading_variance
         return np.diagonal(self.covariance, axis1=-2, axis2=-1)
 
     def _repr_html_(self) -> str:
@@ -71,7 +79,9 @@ class Measurement:
         if self.mean.ndim > 1:
             return _notebook.shown(f"{text}: {', '.join(self.names)} of {self.mean.shape[:-1]}")
         unit, sd = self.unit, np.sqrt(self.variance)
-        shared = self.covariance / np.where(sd > 0, sd, 1.0) / np.where(sd > 0, sd, 1.0)[:, None]
+        own = np.sqrt(np.diagonal(self.covariance))
+        own = np.where(own > 0, own, 1.0)
+        shared = self.covariance / own / own[:, None]
         rows = [
             [name, f"{mean:.5g}", f"{deviation:.4g}", *(f"{one:.2f}" for one in row)]
             for name, mean, deviation, row in zip(self.names, self.mean, sd, shared, strict=True)

@@ -6,7 +6,7 @@ from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._shapes import Bool, Float
 from chromanoise.errors import InputError
-from chromanoise.noise.sources import NoiseSources
+from chromanoise.noise.sources import CrosstalkPattern, NoiseSources
 from chromanoise.sensor import Pixel
 
 _MOST_E = 1e15  # above it double precision does not resolve single electrons
@@ -21,7 +21,8 @@ def sample_electrons(
 ) -> Float[Array, "*px p"]:
     """One noisy acquisition of every entry, unclipped: may be below 0 or above full well. [e-]
 
-    Each entry is another pixel, with its own PRNU, DSNU and row.
+    Each entry is another pixel, with its own PRNU, DSNU and row. Where crosstalk before counting
+    makes a pattern, it lies at a random place of the mosaic; crosstalk after counting is not drawn.
 
     Parameters
     ----------
@@ -52,6 +53,8 @@ def sample_electrons(
     if noise is None or not noise.beyond_shot_and_read:
         shot = rng.poisson(mean_e).astype(np.float64)
         return shot + pixel.read_noise_e * rng.standard_normal(shot.shape)
+    if noise.pattern is not None:
+        mean_e = _at_places(mean_e, noise.pattern, rng)
     gain = 1.0 + noise.prnu * rng.standard_normal(mean_e.shape)
     electrons = rng.poisson(mean_e * np.maximum(gain, 0.0) + noise.dark_e).astype(np.float64)
     for sd in (noise.read_noise_e, noise.row_noise_e, noise.dsnu_e):
@@ -59,6 +62,18 @@ def sample_electrons(
     if noise.step_e:
         electrons = noise.step_e * np.floor(electrons / noise.step_e + 0.5)
     return electrons - noise.dark_e + noise.black_error_e
+
+
+def _at_places(
+    mean_e: Float[Array, "*px p"], pattern: CrosstalkPattern, rng: "np.random.Generator"
+) -> Float[Array, "*px p"]:
+    """Expected electrons at a place of each channel, all equally probable. [e-]"""
+    found = np.empty_like(mean_e)
+    for i in range(mean_e.shape[-1]):
+        means = pattern.means_e(mean_e, i)
+        place = rng.integers(0, means.shape[-1], (*mean_e.shape[:-1], 1))
+        found[..., i] = np.take_along_axis(means, place, axis=-1)[..., 0]
+    return found
 
 
 def clipped_at_well(

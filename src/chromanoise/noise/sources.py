@@ -1,16 +1,20 @@
 """The noise sources of a pixel in closed form (eq. 7 and EMVA 1288): add a source here.
 
-============  ======================  ========  ==========================================
-source        variance [e-^2]         kind      from
-============  ======================  ========  ==========================================
-shot          M                       temporal  the light
-read          s_r^2                   temporal  `Pixel.read_noise_e`
-dark current  I(T) t                  temporal  `Pixel.dark_electrons_e`
-quantization  q^2 / 12                temporal  the step q of the converter, 1/K
-row           row^2                   temporal  `Pixel.row_noise_e`
-DSNU          DSNU^2                  spatial   `Pixel.dsnu_e`
-PRNU          (PRNU M)^2              spatial   `Pixel.prnu`
-============  ======================  ========  ==========================================
+=================  ======================  ========  =====================================
+source             variance [e-^2]         kind      from
+=================  ======================  ========  =====================================
+shot               M                       temporal  the light
+read               s_r^2                   temporal  `Pixel.read_noise_e`
+dark current       I(T) t                  temporal  `Pixel.dark_electrons_e`
+quantization       q^2 / 12                temporal  the step q of the converter, 1/K
+row                row^2                   temporal  `Pixel.row_noise_e`
+DSNU               DSNU^2                  spatial   `Pixel.dsnu_e`
+PRNU               (PRNU M)^2              spatial   `Pixel.prnu`
+crosstalk pattern  mean of (M_k - M)^2     spatial   `Crosstalk.places`: M_k of each place k
+=================  ======================  ========  =====================================
+
+The pattern of crosstalk is that between the places of a mosaic at which one channel has different
+neighbors. Before counting, PRNU acts on each M_k: its variance is PRNU^2 times the mean of M_k^2.
 
 Temporal noise differs from frame to frame. Spatial noise is a fixed pattern: the same in every
 frame, so that the mean of a burst keeps it. One reading over a flat field shows both.
@@ -21,6 +25,7 @@ are all variances here.
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Literal
 
 import numpy as np
@@ -28,7 +33,7 @@ import numpy as np
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._linalg import congruence, inv
-from chromanoise._shapes import Bool, Float
+from chromanoise._shapes import Bool, Float, Int
 from chromanoise.errors import InputError, Setting
 from chromanoise.exposure import Exposure
 from chromanoise.noise.measurement import Measurement
@@ -44,8 +49,78 @@ SHOT, READ, DARK, QUANTIZATION, ROW = (
     "quantization",
     "row noise",
 )
-DSNU, PRNU = "DSNU", "PRNU"
-_SPATIAL = (DSNU, PRNU)
+DSNU, PRNU, PATTERN = "DSNU", "PRNU", "crosstalk pattern"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class CrosstalkPattern:
+    """Means of the places of a mosaic minus those of their channels: the same in every frame.
+
+    Attributes
+    ----------
+    shares
+        Electrons of each place above the mean of its channel, per electron of each channel: read
+        electrons before counting, counted electrons after it. [1]
+    channel
+        Channel of each place.
+    counted
+        Whether the places count different light; otherwise equal counts are mixed differently.
+    """
+
+    shares: Float[Array, "k p"]
+    channel: Int[Array, " k"]
+    counted: bool
+
+    def __post_init__(self) -> None:
+        _check.freeze(self, "shares", "channel")
+
+    def variance_e2(self, mean_e: Float[Array, "*px p"]) -> Float[Array, "*px p"]:
+        """Mean over the places of each channel of the squared deviation. [e-^2]
+
+        Parameters
+        ----------
+        mean_e
+            Expected electrons of all channels. [e-]
+        """
+        member = self.channel[:, None] == np.arange(self.shares.shape[1])
+        return (mean_e @ self.shares.T) ** 2 @ (member / member.sum(axis=0))
+
+    def means_e(self, mean_e: Float[Array, "*px p"], channel: int) -> Float[Array, "*px n"]:
+        """Expected electrons at each place of one channel. [e-]
+
+        Parameters
+        ----------
+        mean_e
+            Expected electrons of all channels. [e-]
+        channel
+            Index of the channel.
+        """
+        mean, own = np.asarray(mean_e), self.shares[self.channel == channel]
+        return np.maximum(mean[..., channel, None] + mean @ own.T, 0.0)  # rounding in the dark
+
+
+@lru_cache(maxsize=64)  # of crosstalk that many analyses share
+def crosstalk_pattern(crosstalk: Crosstalk | None) -> CrosstalkPattern | None:
+    """The pattern between the places of a mosaic; ``None`` where all of a channel are equal.
+
+    Also without a mosaic, and where crosstalk before counting cannot be inverted, so that the
+    light of the neighbors is unknown.
+
+    Parameters
+    ----------
+    crosstalk
+        Crosstalk of the sensor; ``None`` without any.
+    """
+    away = None if crosstalk is None else crosstalk.deviations
+    if crosstalk is None or crosstalk.places is None or away is None:
+        return None
+    counted, shares = crosstalk.stage == "light", away.reshape(-1, away.shape[-1])
+    if counted:
+        unmixing = crosstalk.inverse
+        if unmixing is None:
+            return None
+        shares = shares @ unmixing
+    return CrosstalkPattern(shares=shares, channel=crosstalk.places.tile.ravel(), counted=counted)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -68,6 +143,8 @@ class NoiseSources:
         Standard deviation of the sensitivity over the pixels. [1]
     black_error_e
         Bias of every reading. [e-]
+    pattern
+        The pattern of crosstalk over the places of a mosaic; ``None`` without any.
 
     Raises
     ------
@@ -92,6 +169,7 @@ class NoiseSources:
     dsnu_e: float = 0.0
     prnu: float = 0.0
     black_error_e: float = 0.0
+    pattern: CrosstalkPattern | None = None
 
     def __post_init__(self) -> None:
         for name in ("read_noise_e", "dark_e", "step_e", "row_noise_e", "dsnu_e"):
@@ -117,8 +195,40 @@ class NoiseSources:
         return {
             SHOT: mean,
             **{name: np.full_like(mean, value) for name, value in constant.items()},
-            PRNU: (self.prnu * mean) ** 2,
+            PRNU: self._prnu_e2(mean),
+            PATTERN: self.pattern_e2(mean),
         }
+
+    def pattern_e2(self, mean_e: Float[Array, "*px p"]) -> Float[Array, "*px p"]:
+        """Variance of the pattern of crosstalk; of all channels together, if there is any. [e-^2]
+
+        Parameters
+        ----------
+        mean_e
+            As `by_source`.
+        """
+        mean = np.asarray(mean_e, dtype=np.float64)
+        return np.zeros_like(mean) if self.pattern is None else self.pattern.variance_e2(mean)
+
+    def _prnu_e2(self, mean: Float[Array, "*px p"]) -> Float[Array, "*px p"]:
+        """PRNU^2 times the mean over the places of the squared electrons."""
+        own = (self.prnu * mean) ** 2
+        if self.pattern is None or not self.pattern.counted:
+            return own
+        return own + self.prnu**2 * self.pattern_e2(mean)
+
+    def after_counting_e2(
+        self, counted_e: Float[Array, "*px p"], kind: NoiseKind = "total"
+    ) -> Float[Array, "*px p"] | float:
+        """The part of `variance_e2` that crosstalk after counting does not mix: readout, pattern.
+
+        Parameters
+        ----------
+        counted_e, kind
+            As `variance_e2`. [e-]
+        """
+        floor = self.readout.floor_e2()
+        return floor if kind == "temporal" else floor + self.pattern_e2(counted_e)
 
     def floor_e2(self, kind: NoiseKind = "total") -> float:
         """Variance without light. [e-^2]
@@ -141,7 +251,7 @@ class NoiseSources:
         mean_e
             Expected electrons of the light, >= 0. [e-]
         kind
-            ``total``, or ``temporal`` without DSNU and PRNU.
+            ``total``, or ``temporal`` without DSNU, PRNU and the pattern of crosstalk.
 
         Raises
         ------
@@ -150,7 +260,12 @@ class NoiseSources:
         """
         mean = _check.non_negative("mean_e", "e-", mean_e)
         variance = mean + self.floor_e2(kind)
-        return variance + (self.prnu * mean) ** 2 if kind == "total" and self.prnu else variance
+        return variance + self._fixed_e2(mean) if kind == "total" else variance
+
+    def _fixed_e2(self, mean: Float[Array, "*px p"]) -> Float[Array, "*px p"] | float:
+        """The fixed pattern that grows with the light: PRNU and crosstalk between places."""
+        own = self._prnu_e2(mean) if self.prnu else 0.0
+        return own if self.pattern is None else own + self.pattern_e2(mean)
 
     def added_variance_e2(self, mean_e: Float[Array, "*px p"]) -> Float[Array, "*px p"] | float:
         """The variance that does not come from counting: all but shot noise and dark electrons.
@@ -163,12 +278,12 @@ class NoiseSources:
             Expected electrons of each channel. [e-]
         """
         constant = self.read_noise_e**2 + self.row_noise_e**2 + self.dsnu_e**2
-        return constant + (self.prnu * np.asarray(mean_e)) ** 2 if self.prnu else constant
+        return constant + self._fixed_e2(np.asarray(mean_e))
 
     @property
     def temporal(self) -> "NoiseSources":
-        """The sources without DSNU and PRNU, which are the same in every frame."""
-        return replace(self, dsnu_e=0.0, prnu=0.0)
+        """The sources without DSNU, PRNU and the pattern, which are the same in every frame."""
+        return replace(self, dsnu_e=0.0, prnu=0.0, pattern=None)
 
     @property
     def readout(self) -> "NoiseSources":
@@ -178,9 +293,8 @@ class NoiseSources:
     @property
     def beyond_shot_and_read(self) -> bool:
         """Whether there is any source besides shot noise and read noise."""
-        return any(
-            (self.dark_e, self.step_e, self.row_noise_e, self.dsnu_e, self.prnu, self.black_error_e)
-        )
+        more = (self.dark_e, self.step_e, self.row_noise_e, self.dsnu_e, self.prnu)
+        return self.pattern is not None or any((*more, self.black_error_e))
 
 
 def noise_sources(sensor: Sensor, exposure: Exposure | None = None) -> NoiseSources:
@@ -214,6 +328,7 @@ def noise_sources(sensor: Sensor, exposure: Exposure | None = None) -> NoiseSour
         dsnu_e=pixel.dsnu_e,
         prnu=pixel.prnu,
         black_error_e=pixel.black_error_e,
+        pattern=crosstalk_pattern(sensor.crosstalk),
     )
 
 
@@ -288,7 +403,7 @@ def with_noise(
     sensor, exposure
         As `noise_sources`.
     kind
-        ``total``, or ``temporal`` without DSNU and PRNU.
+        ``total``, or ``temporal`` without DSNU, PRNU and the pattern of crosstalk.
 
     Raises
     ------
@@ -298,16 +413,24 @@ def with_noise(
     Notes
     -----
     With crosstalk X after counting, ``mean_e`` is X M and the covariance X D(M) X^T + R, with the
-    variances R that are added at the readout: read noise, quantization, row noise.
+    variances R that X does not mix: read noise, quantization, row noise, the pattern of crosstalk.
+    This is the noise of a pixel that has all channels, and in a mosaic that of areas of many
+    pixels. One pixel of a mosaic collects from several neighbors whose noise is independent, so
+    that less of it is left: ``reading_variance`` is S D + R, S the squared shares.
     """
     noise, coupling = noise_sources(sensor, exposure), after_counting(sensor.crosstalk)
-    variance = noise.variance_e2(counted_electrons(mean_e, coupling), kind)
+    counted = counted_electrons(mean_e, coupling)
+    variance, after = noise.variance_e2(counted, kind), noise.after_counting_e2(counted, kind)
+    reading = None
+    if coupling is not None and sensor.crosstalk is not None and sensor.crosstalk.places:
+        reading = (variance - after) @ sensor.crosstalk.squares.T + after
     return Measurement(
         mean=mean_e,
-        covariance=_coupled(variance, coupling, noise),
+        covariance=_coupled(variance, coupling, after),
         names=sensor.names,
         kind="raw",
         unit="e-",
+        reading_variance=reading,
     )
 
 
@@ -351,7 +474,12 @@ def mean_noise_covariance(
     mean, square = share @ counted, share @ counted**2
     factor = np.asarray(light)[..., None]
     variance = factor * mean + noise.floor_e2() + (noise.prnu * factor) ** 2 * square
-    return _coupled(variance, coupling, noise)
+    after: Float[Array, "*few p"] | float = noise.readout.floor_e2()
+    if noise.pattern is not None:
+        pattern = factor**2 * (share @ noise.pattern_e2(counted))
+        variance = variance + pattern * (1 + noise.prnu**2 * noise.pattern.counted)
+        after = after + pattern
+    return _coupled(variance, coupling, after)
 
 
 def after_counting(crosstalk: Crosstalk | None) -> Float[Array, "p p"] | None:
@@ -383,13 +511,15 @@ def counted_electrons(
 
 
 def _coupled(
-    variance_e2: Float[Array, "*px p"], coupling: Float[Array, "p p"] | None, noise: NoiseSources
+    variance_e2: Float[Array, "*px p"],
+    coupling: Float[Array, "p p"] | None,
+    after_e2: Float[Array, "*px p"] | float,
 ) -> Float[Array, "*px p p"]:
-    """Covariance of the readings for the variance of the counting pixels, readout included."""
+    """Covariance of the readings; their variance without mixing contains `after_counting_e2`."""
     if coupling is None:
         return _diagonal(variance_e2)
-    readout = noise.readout.floor_e2()
-    return congruence(coupling, _diagonal(variance_e2 - readout)) + readout * np.eye(len(coupling))
+    after = _diagonal(np.broadcast_to(after_e2, variance_e2.shape))
+    return congruence(coupling, _diagonal(variance_e2) - after) + after
 
 
 def saturated(

@@ -26,6 +26,7 @@ from chromanoise.sensor.crosstalk import (
     Crosstalk,
     crosstalk_of_kernel,
     crosstalk_of_share,
+    places_of_mosaic,
     refuse_other_channels,
     shares_after_counting,
 )
@@ -179,6 +180,7 @@ __all__ = [
     "pixel_from_noise_profile",
     "pixel_from_photon_transfer",
     "pixels_of",
+    "places_of_mosaic",
     "quantization_step_e",
     "raised_cosine_filter",
     "read_noise_sum",

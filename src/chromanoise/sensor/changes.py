@@ -8,7 +8,6 @@ import numpy as np
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise._linalg import inv, svd
 from chromanoise._shapes import Float
 from chromanoise.errors import InputError, Setting
 from chromanoise.sensor.adc import Converter, refuse_coarse_codes
@@ -18,7 +17,6 @@ from chromanoise.sensor.pixel import BinningMode, Pixel, binned, of_the_sum
 from chromanoise.sensor.sensor import Sensor
 
 MOST_SHIFT_NM = 200.0
-_LEAST_SINGULAR = 1e-10
 LOWEST_EDGE_NM, HIGHEST_EDGE_NM = 450.0, 2000.0
 
 
@@ -259,9 +257,8 @@ def without_crosstalk(sensor: Sensor) -> Sensor | None:
     """
     if sensor.crosstalk is None:
         return sensor
-    matrix = sensor.crosstalk.matrix
-    singular = svd("crosstalk", matrix, compute_uv=False)
-    if singular[-1] < _LEAST_SINGULAR * singular[0]:
+    unmixing = sensor.crosstalk.inverse
+    if unmixing is None:
         return None
-    pure = sensor.qe @ inv("crosstalk", matrix).T
+    pure = sensor.qe @ unmixing.T
     return replace(sensor, qe=np.clip(pure, 0.0, 1.0), crosstalk=None)

@@ -14,14 +14,56 @@ import numpy as np
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise._shapes import Float
+from chromanoise._linalg import inv, svd
+from chromanoise._shapes import Float, Int
 from chromanoise.errors import InputError, Setting
 from chromanoise.sensor.mosaic import Mosaic
 
 Stage = Literal["light", "charge"]
 
 _ROUNDING = 1e-9
+_SAME_SHARE = 1e-12  # two shares that differ by less are one
+_LEAST_SINGULAR = 1e-10  # of the largest: below, a mixing cannot be undone
 _EQUAL = "name the mosaic if the channels have different numbers of pixels"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Places:
+    """What each place of a mosaic receives: the pixels of one period with their neighbors.
+
+    Attributes
+    ----------
+    tile
+        Channel of each place.
+    shares
+        Share of each channel that the place receives, from all its neighbors together. [1]
+    squares
+        Sum of the squares of the shares of the single neighbors. [1]
+    """
+
+    tile: Int[Array, "ty tx"]
+    shares: Float[Array, "ty tx p"]
+    squares: Float[Array, "ty tx p"]
+
+    def __post_init__(self) -> None:
+        _check.freeze(self, "tile", "shares", "squares")
+
+    def channel_means(self, values: Float[Array, "ty tx p"]) -> Float[Array, "p p"]:
+        """Means of the values over the places of each channel (rows)."""
+        total = np.zeros((values.shape[-1], values.shape[-1]))
+        np.add.at(total, self.tile, values)
+        return total / np.bincount(self.tile.ravel())[:, None]
+
+    def deviations(self, mean_shares: Float[Array, "p p"]) -> Float[Array, "ty tx p"]:
+        """Shares of each place minus those of its channel; 0 below rounding. [1]
+
+        Parameters
+        ----------
+        mean_shares
+            A row of shares per channel. [1]
+        """
+        away = self.shares - mean_shares[self.tile]
+        return np.where(np.abs(away) > _SAME_SHARE, away, 0.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -40,6 +82,9 @@ class Crosstalk:
     kernel
         Shares of one pixel that end around it, from which the matrix was made; ``None`` where
         only the matrix is known. [1]
+    places
+        What each place of the mosaic receives by the kernel; the matrix is its mean over the
+        places of each channel. ``None`` where only the matrix is known.
 
     Raises
     ------
@@ -52,6 +97,7 @@ class Crosstalk:
     pixels: tuple[int, ...]
     stage: Stage = "light"
     kernel: Float[Array, "ky kx"] | None = None
+    places: Places | None = None
 
     def __post_init__(self) -> None:
         _check.one_of("stage of the crosstalk", self.stage, get_args(Stage))
@@ -79,6 +125,33 @@ class Crosstalk:
         object.__setattr__(self, "matrix", _check.frozen(matrix))
         if self.kernel is not None:
             object.__setattr__(self, "kernel", _check.frozen(self.kernel))
+
+    @property
+    def inverse(self) -> Float[Array, "p p"] | None:
+        """X^-1; ``None`` where X is singular. [1]"""
+        singular = svd("crosstalk", self.matrix, compute_uv=False)
+        if singular[-1] < _LEAST_SINGULAR * singular[0]:
+            return None
+        return inv("crosstalk", self.matrix)
+
+    @property
+    def squares(self) -> Float[Array, "p p"]:
+        """Squared shares: what independent noise of each channel adds to that of a reading. [1]
+
+        Of the single neighbors, averaged over the places of each channel (rows); X squared where
+        only the matrix is known.
+        """
+        if self.places is None:
+            return self.matrix**2
+        return self.places.channel_means(self.places.squares)
+
+    @property
+    def deviations(self) -> Float[Array, "ty tx p"] | None:
+        """Shares of each place minus those of its channel; ``None`` where all are equal. [1]"""
+        if self.places is None:
+            return None
+        away = self.places.deviations(self.matrix)
+        return away if away.any() else None
 
 
 def refuse_other_channels(mosaic: Mosaic, names: Sequence[str]) -> None:
@@ -194,15 +267,36 @@ def crosstalk_of_kernel(
             value=float(kernel.sum()),
             found=f"distributes {kernel.sum():.4g} of it",
         )
+    places = places_of_mosaic(kernel, mosaic, names)
+    return Crosstalk(
+        matrix=places.channel_means(places.shares),
+        pixels=tuple(np.bincount(places.tile.ravel()).tolist()),
+        kernel=kernel,
+        places=places,
+    )
+
+
+def places_of_mosaic(kernel: Float[Array, "ky kx"], mosaic: Mosaic, names: Sequence[str]) -> Places:
+    """What each place of a mosaic receives by a kernel.
+
+    Parameters
+    ----------
+    kernel, mosaic, names
+        As `crosstalk_of_kernel`.
+
+    Raises
+    ------
+    InputError
+        If mosaic and sensor have different channels.
+    """
     refuse_other_channels(mosaic, names)
     tile = np.array([[names.index(name) for name in row] for row in mosaic.pattern])
     height, width = tile.shape
-    mixed = np.zeros((len(names), len(names)))
+    shares, squares = np.zeros((2, *tile.shape, len(names)))
     middle_y, middle_x = (size // 2 for size in kernel.shape)
     for y, x in np.ndindex(tile.shape):
         for (dy, dx), share in np.ndenumerate(kernel):
             source = tile[(y - dy + middle_y) % height, (x - dx + middle_x) % width]
-            mixed[tile[y, x], source] += share
-    pixels = np.bincount(tile.ravel(), minlength=len(names))
-    counts = tuple(pixels.tolist())
-    return Crosstalk(matrix=mixed / pixels[:, None], pixels=counts, kernel=kernel)
+            shares[y, x, source] += share
+            squares[y, x, source] += share**2
+    return Places(tile=tile, shares=shares, squares=squares)

@@ -161,9 +161,9 @@ def level_merits(analysis: Analysis) -> tuple[Merit, ...]:
 def _shot_noise_per_electron(sensor: Sensor, white_e: Float[Array, " p"]) -> Float[Array, " p"]:
     """Variance of the light's shot noise over the mean reading; 1 for counts. [e-]"""
     coupling = after_counting(sensor.crosstalk)
-    if coupling is None:
+    if coupling is None or sensor.crosstalk is None:
         return np.ones_like(white_e)
-    shot = coupling**2 @ counted_electrons(white_e, coupling)
+    shot = sensor.crosstalk.squares @ counted_electrons(white_e, coupling)
     return np.where(white_e > 0, shot / np.where(white_e > 0, white_e, 1.0), 1.0)
 
 
@@ -230,7 +230,7 @@ def _mosaic_noise(analysis: Analysis, viewing: Viewing) -> float | None:
     ).total
 
 
-def _plane_spectrum(bank: FilterBank, variance_e2: Float[Array, " p"]) -> Float[Array, "h w p p"]:
+def _plane_spectrum(bank: FilterBank, variance_e2: Array) -> Float[Array, "h w p p"]:
     return noise_power_spectrum(bank, variance_e2, (_PLANE, _PLANE))
 
 
