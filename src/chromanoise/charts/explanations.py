@@ -66,8 +66,8 @@ _CHANNEL = Symbol(latex="i", meaning="a channel of the sensor, for example R")
 _COORDINATE = Symbol(latex="c", meaning="one of X, Y, Z")
 _VARIANCE = Symbol(
     latex="D_{ii}",
-    meaning="variance of channel i; dark current, quantization, DSNU and PRNU are "
-    "added where the sensor has them",
+    meaning="variance of channel i; dark current, quantization, DSNU, PRNU and the pattern of "
+    "crosstalk are added where the sensor has them",
     unit="e⁻²",
     name="raw.covariance",
 )

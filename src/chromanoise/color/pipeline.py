@@ -191,7 +191,9 @@ def white_balanced(raw: Measurement, gains: Float[Array, " p"]) -> Measurement:
     gains
         As from `gray_gains` or `checked_gains`.
     """
-    return through(raw, np.diag(gains), names=raw.names, kind="white-balanced raw", unit=raw.unit)
+    own = raw.reading_variance
+    found = through(raw, np.diag(gains), names=raw.names, kind="white-balanced raw", unit=raw.unit)
+    return found if own is None else replace(found, reading_variance=own * gains**2)
 
 
 def matrix_for_balanced(

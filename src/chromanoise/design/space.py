@@ -549,6 +549,12 @@ class DesignSpace:
             notes.append(f"shares of the pixels: {', '.join(of)}")
         if self.crosstalk is not None and self.mosaic is None:
             notes.append("crosstalk between channels in proportion to their shares of the pixels")
+        mixing = self._crosstalk_of(row, shares)
+        if mixing is not None and mixing.deviations is not None:
+            notes.append(
+                "pixels of one channel have different neighbors; the objectives of the search "
+                "leave out the fixed pattern that crosstalk makes"
+            )
         return tuple(notes)
 
     # checks

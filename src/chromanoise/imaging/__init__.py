@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from chromanoise.imaging.demosaic_methods import DEMOSAICING, chart_electrons, chart_prior
     from chromanoise.imaging.demosaic_noise import (
         demosaicked_covariance,
+        flat_field_means,
         flat_field_noise,
         noise_power_spectrum,
     )
@@ -96,6 +97,7 @@ __all__ = [
     "dng_rows",
     "draw_rendering",
     "electrons_of_cube",
+    "flat_field_means",
     "flat_field_noise",
     "gradient_corrected_filters",
     "information_spectrum",

@@ -65,7 +65,10 @@ class Measurement:
         object.__setattr__(self, "mean", _check.frozen(mean))
         object.__setattr__(self, "covariance", _check.frozen(covariance))
         if self.reading_variance is not None:
-            _check.freeze(self, "reading_variance")
+            own = _check.non_negative(
+                f"{self.kind} reading variance", f"{self.unit}^2", self.reading_variance
+            )
+            object.__setattr__(self, "reading_variance", _check.frozen(own))
 
     @property
     def variance(self) -> Float[Array, "*px p"]:
