@@ -135,10 +135,9 @@ def _moments(
     normal = _nets(mean_e.size, points) @ turn.T
     counted, readout = counted_readout(mean_e, source.noise, source.readout)
     added = np.broadcast_to(np.sqrt(source.noise.added_variance_e2(mean_e)), mean_e.shape)
-    offset = source.noise.dark_e - source.noise.black_error_e
     for i, (mean, sd) in enumerate(zip(counted.tolist(), added.tolist(), strict=True)):
         electrons = poisson_gaussian_ppf(normal[..., i], mean, read_noise_e=sd)
-        normal[..., i] = read_values(electrons, readout) - offset
+        normal[..., i] = read_values(electrons, readout)
     means, covariances = [], []
     for read in normal:
         away = of(read @ source.matrix.T)

@@ -9,19 +9,17 @@ from typing import TYPE_CHECKING
 from chromanoise._lazy import lazy_names
 from chromanoise.noise.distribution import ReadingDistribution, few_electrons, reading_distribution
 from chromanoise.noise.exact import (
-    Moments,
-    Readout,
     clipped_measurement,
     clipping_readout,
     counted_readout,
     raw_measurement,
-    read_moments,
     sensor_moments,
 )
 from chromanoise.noise.expectation import Expectation, expectation
 from chromanoise.noise.measurement import Measurement, through
 from chromanoise.noise.montecarlo import Estimate, monte_carlo
 from chromanoise.noise.quantiles import poisson_gaussian_ppf, read_values
+from chromanoise.noise.readout import Moments, Readout, read_moments
 from chromanoise.noise.sampling import clipped_at_well, sample_electrons
 from chromanoise.noise.sources import (
     NoiseKind,

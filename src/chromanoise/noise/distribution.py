@@ -1,7 +1,7 @@
 """The whole distribution of one reading, for few electrons, where a Gaussian is not enough."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -10,8 +10,9 @@ from chromanoise._check import Array
 from chromanoise._shapes import Bool, Float
 from chromanoise.errors import InputError
 from chromanoise.noise.counts import count_law, count_window
-from chromanoise.noise.exact import Readout, counted_readout
+from chromanoise.noise.exact import counted_readout
 from chromanoise.noise.gaussian import FARTHEST
+from chromanoise.noise.readout import Readout
 from chromanoise.noise.sources import NoiseSources
 
 MOST_COUNTED_E = 2000.0
@@ -122,15 +123,16 @@ def reading_distribution(
     if step and (high - low) ** 2 / step > _MOST_ENTRIES:
         step, added = 0.0, np.sqrt(added**2 + step**2 / 12)
     if step:
-        values, table = _rounded(counted, added, step)
+        values, table = _rounded(counted, added, replace(bounds, step_e=step))
     elif added.max() < _LEAST_NOISE_E:
-        values, table = _rounded(counted, np.zeros_like(added), 1.0)
+        values, table = _rounded(counted, np.zeros_like(added), Readout(step_e=1.0))
     else:
         values, table = _continuous(counted, np.maximum(added, _LEAST_SD_E))
+    values = values if step else values + bounds.offset_e
     width = 0.0 if step or added.max() < _LEAST_NOISE_E else float(values[1] - values[0])
     values, table = _clipped(values, table, bounds)
     return ReadingDistribution(
-        values_e=values - noise.dark_e + noise.black_error_e,
+        values_e=values,
         probability=np.clip(table / table.sum(axis=1, keepdims=True), 0.0, 1.0),
         width_e=width,
     )
@@ -162,21 +164,22 @@ def _continuous(
 
 
 def _rounded(
-    counted: Float[Array, " k"], added: Float[Array, " k"], step: float
+    counted: Float[Array, " k"], added: Float[Array, " k"], bounds: Readout
 ) -> tuple[Float[Array, " x"], Float[Array, "k x"]]:
     from scipy.special import ndtr
 
+    step, offset = bounds.step_e, bounds.offset_e
     low, high = _reach(counted, added)
-    first, last = math.floor(low / step), math.ceil(high / step)
+    first, last = math.floor((low + offset) / step), math.ceil((high + offset) / step) + 1
     codes = np.arange(first, last + 1)
     table = np.zeros((counted.size, codes.size))
     for row, mean, sd in zip(table, counted, added, strict=True):
         counts, shares = count_law(float(mean))
         if sd < _LEAST_NOISE_E:
-            at = np.floor(counts / step + 0.5).astype(np.int64) - first
+            at = np.floor((counts + offset) / step + 0.5).astype(np.int64) - first
             np.add.at(row, at, shares)
             continue
-        edges = (codes[:, None] - 0.5) * step - counts
+        edges = (codes[:, None] - 0.5) * step - (counts + offset)
         below, above = ndtr(edges / sd), ndtr(-edges / sd)
         between = np.where(edges[:-1] > 0, above[:-1] - above[1:], below[1:] - below[:-1])
         row[:-1] = between @ shares

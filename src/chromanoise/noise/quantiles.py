@@ -12,8 +12,8 @@ from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._shapes import Float
 from chromanoise.noise.counts import count_law
-from chromanoise.noise.exact import Readout
 from chromanoise.noise.gaussian import FARTHEST
+from chromanoise.noise.readout import Readout
 
 _MANY_E = 300.0  # standard deviation above which four cumulants give the distribution to 1e-7 of it
 _SMOOTH_E = 1.0  # read noise that smooths single electrons to a ripple of exp(-2 pi^2) = 3e-9
@@ -68,22 +68,23 @@ def poisson_gaussian_ppf(
 
 
 def read_values(electrons: Float[Array, "*n"], readout: Readout) -> Float[Array, "*n"]:
-    """Electrons after readout: rounded to the nearest step, then clipped to the bounds. [e-]
+    """Values of counted electrons: offset added, rounded to the nearest step, then clipped. [e-]
 
     Parameters
     ----------
     electrons
         Poisson electrons and read noise. [e-]
     readout
-        Bounds and step.
+        Bounds, step and offset.
 
     Examples
     --------
     >>> read_values(np.array([-3.0, 4.9, 99.0]), Readout(black_e=0.0, full_well_e=10.0, step_e=2.0))
     array([ 0.,  4., 10.])
     """
-    step = readout.step_e
-    coded = step * np.floor(electrons / step + 0.5) if step else electrons
+    step, offset = readout.step_e, readout.offset_e
+    values = electrons + offset if offset else electrons
+    coded = step * np.floor(values / step + 0.5) if step else values
     return np.clip(coded, readout.black_e, readout.full_well_e)
 
 
