@@ -95,7 +95,7 @@ def _cornish_fisher(z: Float[Array, "*n"], mean: float, noise: float) -> Float[A
     return np.asarray(mean + sd * (z + bent))
 
 
-@lru_cache(maxsize=32)  # reused while color spaces and matrices change
+@lru_cache(maxsize=128)  # reused while color spaces and matrices change
 def _table(mean: float, noise: float) -> tuple[Float[Array, " t"], Float[Array, " t"]]:
     """Standard normal quantiles in ascending order, and the values read there. [1, e-]"""
     electrons = _places(mean, noise)

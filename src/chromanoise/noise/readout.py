@@ -119,8 +119,8 @@ def read_moments(
     -----
     A sum over counts of the moments of the censored normal distribution; the omitted probability is
     below 1e-17. Where the probability of clipping is below this, no sum is needed: the moments are
-    M + offset and M + s^2, plus step^2 / 12 where s is at least 1.5 steps (Widrow & Kollar, *Quantization
-    Noise* (2008), section 4). Where every value is clipped, the variance is 0.
+    M + offset and M + s^2, plus step^2 / 12 where s is at least 1.5 steps (Widrow & Kollar,
+    *Quantization Noise* (2008), section 4). Where every value is clipped, the variance is 0.
 
     Examples
     --------
