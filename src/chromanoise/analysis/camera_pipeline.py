@@ -292,7 +292,9 @@ def _gain_step(camera: _Camera, i: int, base: tuple[PipelineStep, ...], method: 
 def _dark_noise_e(point: OperatingPoint) -> Float[Array, " p"]:
     """Temporal noise of each channel without light. [e-]"""
     dark = np.zeros(len(point.sensor.names))
-    return np.sqrt(with_noise(dark, point.sensor, point.exposure, kind="temporal").variance)
+    return np.sqrt(
+        with_noise(dark, point.sensor, point.exposure, kind="temporal", linear=True).variance
+    )
 
 
 def _noise_profile(point: OperatingPoint, white_e: float) -> Float[Array, "p 2"]:
@@ -300,7 +302,8 @@ def _noise_profile(point: OperatingPoint, white_e: float) -> Float[Array, "p 2"]
     sensor = replace(point.sensor, pixel=replace(point.sensor.pixel, prnu=0.0))
     gray = electrons_at(point, reflectance=GRAY)
     dark, lit = (
-        with_noise(mean, sensor, point.exposure).variance for mean in (np.zeros_like(gray), gray)
+        with_noise(mean, sensor, point.exposure, linear=True).variance
+        for mean in (np.zeros_like(gray), gray)
     )
     slope = (lit - dark) / np.where(gray > 0, gray, 1.0)
     return np.stack([slope / white_e, dark / white_e**2], axis=-1)

@@ -111,15 +111,16 @@ def exact(color: NoisyColor, space: Space, *, points: int = 2**16) -> SpaceMomen
 def normal_fails(source: ElectronSource) -> Bool[Array, "*px"]:
     """Where a normal distribution of the readings is not enough for the noise of a color.
 
-    True with few electrons in a channel (`chromanoise.noise.few_electrons`), or with clipped
-    readings.
+    True with few electrons in a channel (`chromanoise.noise.few_electrons`), with a step of the
+    converter that exceeds the noise, or with clipped readings.
 
     Parameters
     ----------
     source
         Channels, noise and readout.
     """
-    found = few_electrons(source.mean_e, source.noise).any(axis=-1)
+    few, noise = few_electrons(source.mean_e, source.noise), source.noise
+    found = (few | noise.rounding_is_coarse(source.mean_e)).any(axis=-1)
     if not math.isinf(source.readout.black_e) or not math.isinf(source.readout.full_well_e):
         read = sensor_moments(source.mean_e, source.noise, source.readout)
         found |= (read.black_share + read.full_share > _CLIPPED).any(axis=-1)

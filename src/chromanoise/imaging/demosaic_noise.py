@@ -179,8 +179,6 @@ def flat_field_noise(
     mean_e: Float[Array, " p"],
     sensor: Sensor,
     exposure: Exposure,
-    *,
-    rounding_e2: float = 0.0,
 ) -> Array:
     """`demosaicked_covariance` or `noise_power_spectrum` of a flat field. [e-^2]
 
@@ -197,10 +195,8 @@ def flat_field_noise(
         Expected electrons per channel. [e-]
     sensor, exposure
         As `chromanoise.noise.with_noise`.
-    rounding_e2
-        Variance of a further rounding of each raw pixel. [e-^2]
     """
-    variance = with_noise(mean_e, sensor, exposure).variance + rounding_e2
+    variance = with_noise(mean_e, sensor, exposure).variance
     shares = shares_after_counting(sensor.crosstalk)
     if shares is None:
         return of(bank, variance)
@@ -208,8 +204,7 @@ def flat_field_noise(
     readout = noise.readout.floor_e2()
     counted = noise.variance_e2(counted_electrons(mean_e, coupling)) - readout
     return np.asarray(
-        of(_on_counts(bank, shares), counted)
-        + of(bank, np.full_like(counted, readout + rounding_e2))
+        of(_on_counts(bank, shares), counted) + of(bank, np.full_like(counted, readout))
     )
 
 

@@ -55,8 +55,8 @@ class ReadingDistribution:
 def few_electrons(mean_e: Float[Array, "*k"], noise: NoiseSources) -> Bool[Array, "*k"]:
     """Whether one reading needs its whole distribution: a Gaussian is not enough.
 
-    True up to 1000 electrons of light and dark, with at most 100 electrons of noise that is not
-    counted.
+    True up to 1000 electrons of light and dark, and up to `MOST_COUNTED_E` where the step of the
+    converter exceeds the noise, with at most 100 electrons of noise that is not counted.
 
     Parameters
     ----------
@@ -70,8 +70,11 @@ def few_electrons(mean_e: Float[Array, "*k"], noise: NoiseSources) -> Bool[Array
     >>> few_electrons(np.array([10.0, 2000.0]), NoiseSources(read_noise_e=2.0))
     array([ True, False])
     """
-    added = noise.added_variance_e2(mean_e)
-    return np.asarray((mean_e + noise.dark_e <= _FEW_E) & (added <= _MOST_NOISE_E**2))
+    added, counted = noise.added_variance_e2(mean_e), mean_e + noise.dark_e
+    few = np.asarray(counted <= _FEW_E)
+    if noise.step_e and not few.all():
+        few = few | (noise.rounding_is_coarse(mean_e) & (counted <= MOST_COUNTED_E))
+    return np.asarray(few & (added <= _MOST_NOISE_E**2))
 
 
 def reading_distribution(

@@ -14,6 +14,7 @@ from chromanoise._shapes import Float
 from chromanoise.noise.counts import count_law
 from chromanoise.noise.gaussian import FARTHEST
 from chromanoise.noise.readout import Readout
+from chromanoise.noise.sources import NoiseSources
 
 _MANY_E = 300.0  # standard deviation above which four cumulants give the distribution to 1e-7 of it
 _SMOOTH_E = 1.0  # read noise that smooths single electrons to a ripple of exp(-2 pi^2) = 3e-9
@@ -86,6 +87,30 @@ def read_values(electrons: Float[Array, "*n"], readout: Readout) -> Float[Array,
     values = electrons + offset if offset else electrons
     coded = step * np.floor(values / step + 0.5) if step else values
     return np.clip(coded, readout.black_e, readout.full_well_e)
+
+
+def code_count(mean_e: float, noise: NoiseSources) -> int:
+    """Number of codes between the quantiles 0.05 % and 99.95 % of a reading.
+
+    Parameters
+    ----------
+    mean_e
+        Expected electrons of the light. [e-]
+    noise
+        Of one reading, or of a sum of readings, of which it is the number of codes of one.
+
+    Examples
+    --------
+    Fifty steps of the noise are 3.29 of them to either side.
+
+    >>> code_count(0.0, NoiseSources(read_noise_e=50.0, step_e=5.0))
+    67
+    """
+    light, readout, sd = noise.of_one_reading(np.array([mean_e]))
+    counted = float(light[0] + noise.dark_e / noise.readings)
+    ends = poisson_gaussian_ppf(np.array([-3.2905, 3.2905]), counted, read_noise_e=float(sd[0]))
+    first, last = read_values(ends, readout) / readout.step_e
+    return round(last - first) + 1
 
 
 def _cornish_fisher(z: Float[Array, "*n"], mean: float, noise: float) -> Float[Array, "*n"]:

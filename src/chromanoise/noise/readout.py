@@ -10,12 +10,15 @@ import numpy as np
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise._shapes import Float, Int
+from chromanoise._shapes import Bool, Float, Int
 from chromanoise.errors import InputError
 from chromanoise.noise.counts import count_window, over_counts, over_counts_each
 from chromanoise.noise.gaussian import FARTHEST, coded_moments, held_moments
 
 _WIDE = 1.5  # read noise per step above which rounding adds step^2 / 12: exp(-2 pi^2 1.5^2) = 5e-20
+_NEGLECTED = 1e-6  # of variance and mean: less than 1e-5 dB of an SNR
+_MOST_ORDER = 10**9
+_MOST_SUMMED_E = 1e8  # with more electrons a sum over counts takes seconds
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -191,3 +194,82 @@ def _summed(
     for i in range(levels.size):
         found[:, of == i] = _summed(mean[of == i], noise[of == i], readout)
     return found
+
+
+def additive_rounding_fails(
+    mean_e: Float[Array, "*px p"],
+    *,
+    counted_e: Float[Array, "*px p"],
+    read_noise_e: Float[Array, "*px p"],
+    step_e: float,
+) -> Bool[Array, "*px p"]:
+    """Where step^2 / 12 of variance, and no bias, are not what rounding adds.
+
+    True where the neglected terms exceed a millionth of the variance, or of the mean.
+
+    Parameters
+    ----------
+    mean_e
+        Expected electrons of the light. [e-]
+    counted_e
+        Expected electrons that are counted, dark ones included. [e-]
+    read_noise_e
+        Standard deviation of the readout. [e-]
+    step_e
+        Electrons per code; 0 for no rounding. [e-]
+
+    Notes
+    -----
+    The k-th neglected term has the size |phi(2 pi k / step)| of the characteristic function of the
+    unrounded reading, exp(-M (1 - cos u) - s^2 u^2 / 2): about exp(-2 pi^2 sigma^2 / step^2) for
+    k = 1 and a coarse step. The others that count are near whole multiples of the step, where
+    single electrons are not smoothed. Widrow & Kollar, *Quantization Noise* (2008), chapters 4, 5.
+
+    Examples
+    --------
+    A step of 31 e- with 3.5 e- of noise, and one of 2 e-.
+
+    >>> light, sd = np.array([3.0]), np.array([3.0])
+    >>> [bool(additive_rounding_fails(light, counted_e=light, read_noise_e=sd, step_e=q)[0])
+    ...  for q in (31.0, 2.0)]
+    [True, False]
+    """
+    failing = np.zeros(np.shape(counted_e), dtype=bool)
+    if not step_e:
+        return failing
+    variance = counted_e + read_noise_e**2
+    shift, spread = np.zeros_like(variance), np.zeros_like(variance)
+    orders = {1, *(round(j * step_e + d) for j in range(1, 5) for d in (-0.5, 0.0, 0.5))}
+    for k in sorted(k for k in orders if 0 < k < _MOST_ORDER):
+        u = 2 * np.pi * k / step_e
+        size = np.exp(-counted_e * (1 - np.cos(u)) - 0.5 * (read_noise_e * u) ** 2)
+        together = np.hypot(counted_e * np.sin(u), counted_e * (np.cos(u) - 1))
+        shift += size * 2 / u
+        spread += size * (2 / u) * (2 / u + 2 * (together + u * read_noise_e**2))
+    moved = shift > _NEGLECTED * np.maximum(mean_e, 1e-3 * np.sqrt(variance))
+    failing = moved | (spread > _NEGLECTED * (variance + step_e**2 / 12))
+    return np.asarray(failing & (counted_e < _MOST_SUMMED_E))
+
+
+def largest_code_share(
+    mean_e: Float[Array, " m"], *, read_noise_e: Float[Array, " m"], readout: Readout
+) -> Float[Array, " m"]:
+    """Share of the readings that are the most frequent code, at steps far above the noise. [1]
+
+    Parameters
+    ----------
+    mean_e, read_noise_e, readout
+        As `read_moments`; the step is above 0.
+    """
+    from scipy.special import ndtr
+
+    step, offset = readout.step_e, readout.offset_e
+    middle = np.floor((mean_e + offset) / step + 0.5)
+    sd = np.maximum(read_noise_e, 1e-9 * step)
+
+    def given_counts(count: Float[Array, " w"], row: Int[Array, " w"]) -> Float[Array, "5 w"]:
+        codes = middle[row] + np.array([[-1.5], [-0.5], [0.5], [1.5]])
+        below = ndtr((codes * step - (count + offset)) / sd[row])
+        return np.concatenate([np.zeros((2, count.size)), np.diff(below, axis=0)])
+
+    return over_counts_each(mean_e, given_counts)[2:].max(axis=0)
