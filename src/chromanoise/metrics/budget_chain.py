@@ -280,8 +280,8 @@ def chain_snrs_db(chain: Chain, sets: Sequence[Switches]) -> Float[Array, " s"]:
         before = None if mixed else chain.before_crosstalk
         channels = before or chain.channels
         seen = channels.with_infrared if infrared else channels.without_infrared
-        own = channels.row if unmixed else channels.single_row
-        row = own if weights else None
+        weighted = channels.row if unmixed else channels.single_row
+        row = weighted if weights else None
         coupling = after_counting(chain.crosstalk) if before is None else None
         own = [sets[i] for i in rows]
         result[rows] = _snrs_db(seen, row, coupling, chain.noise, own, rounded=rounded)

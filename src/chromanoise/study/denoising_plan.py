@@ -334,8 +334,13 @@ def _pixel_of_part(study: Study) -> _Pixel:
     if read_noise_e is None:
         return _Pixel(sources=None, converter=converter, source=where)
     _demand_time(dark, timed=time_ms is not None)
-    rest = {name: value(name) or 0.0 for name in ("row_noise_e", "dsnu_e", "prnu")}
-    sources = NoiseSources(read_noise_e=read_noise_e, dark_e=dark * 1e-3 * (time_ms or 0.0), **rest)
+    sources = NoiseSources(
+        read_noise_e=read_noise_e,
+        dark_e=dark * 1e-3 * (time_ms or 0.0),
+        row_noise_e=value("row_noise_e") or 0.0,
+        dsnu_e=value("dsnu_e") or 0.0,
+        prnu=value("prnu") or 0.0,
+    )
     return _Pixel(sources=sources, converter=converter, source=where)
 
 
