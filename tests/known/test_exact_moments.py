@@ -5,8 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from chromanoise.noise import monte_carlo
-from chromanoise.noise.exact import Readout, read_moments
+from chromanoise.noise import Readout, monte_carlo, read_moments
 from chromanoise.noise.expectation import expectation
 from chromanoise.noise.gaussian import coded_moments
 from strategies import pixel_with

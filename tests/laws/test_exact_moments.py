@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from chromanoise.errors import InputError
-from chromanoise.noise import with_noise
-from chromanoise.noise.exact import Readout, clipped_measurement, read_moments
+from chromanoise.noise import Readout, read_moments, with_noise
+from chromanoise.noise.exact import clipped_measurement
 from chromanoise.noise.expectation import expectation
 from outcomes import refused_input
 from strategies import pixel_with, white_channel

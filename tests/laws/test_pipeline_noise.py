@@ -39,10 +39,10 @@ from chromanoise.color import (
     with_exposure_gain,
     with_saturation,
 )
-from chromanoise.exposure import Exposure
+from chromanoise.exposure import Exposure, expected_electrons
 from chromanoise.noise import Measurement, noise_sources, sample_electrons, through
 from chromanoise.rng import stream
-from chromanoise.scene import flat_field
+from chromanoise.scene import Scene, flat_field
 from chromanoise.sensor import (
     Adc,
     Crosstalk,
@@ -54,7 +54,7 @@ from chromanoise.sensor import (
     with_crosstalk,
     with_pixel,
 )
-from chromanoise.spectra import DEFAULT_GRID, black_body, equal_energy
+from chromanoise.spectra import DEFAULT_GRID, black_body, colorchecker, equal_energy
 from outcomes import refused_input
 from strategies import raw_of
 
@@ -187,6 +187,70 @@ def test_the_cubature_agrees_with_the_exact_distribution_of_the_electrons():
     for rough, good in zip(pipeline_noise(analysis).steps, fine.steps, strict=True):
         sd, trusted = (np.sqrt(one.measurement.variance) for one in (rough, good))
         assert sd == pytest.approx(trusted, rel=0.02), rough.name
+
+
+def drawn_steps(analysis, gain, patch, draws=400_000):
+    """sRGB, Y'CbCr and Lab of plain draws of one patch."""
+    sensor, time_s = analysis.sensor, analysis.exposure.time_s / gain
+    pixel, converter = sensor.pixel, sensor.converter
+    chart = expected_electrons(
+        Scene(
+            illuminant=analysis.scene.illuminant,
+            level_lux=analysis.scene.level_lux,
+            reflectance=colorchecker(sensor.grid).values.T,
+        ),
+        sensor,
+        replace(analysis.exposure, time_s=time_s),
+    )
+    rng, dark_e = np.random.default_rng(17), pixel.dark_current_e_per_s * time_s
+    read = rng.poisson(chart[patch] + dark_e, (draws, 3)) - dark_e
+    read = read + pixel.read_noise_e * rng.standard_normal(read.shape)
+    if converter.gain_e_per_dn:
+        step = converter.gain_e_per_dn / gain
+        read = step * np.floor(read / step + 0.5)
+    white = analysis.matrix.matrix @ analysis.expected_e
+    xyz = gain * read @ analysis.matrix.matrix.T / white[1]
+    rgb = xyz @ linear_srgb(np.eye(3), white / white[1])
+    toe = rgb <= 0.0031308  # IEC 61966-2-1, its linear part also below 0
+    code = np.where(toe, 12.92 * rgb, 1.055 * np.where(toe, 1.0, rgb) ** (1 / 2.4) - 0.055)
+    lab = rendered_lab_space(exposure_gain=1.0, saturation=1.0)
+    return {
+        "sRGB": code,
+        "Y'CbCr": code @ luma_chroma_matrix("bt709").T,
+        "Lab": lab.from_xyz(xyz, white / white[1]),
+    }
+
+
+FEW = {"read_noise_e": 0.7, "dark_current_e_per_s": 90.0, "full_well_e": 3000.0}
+
+
+@pytest.mark.parametrize("converter", [{}, {"bits": 12, "gain_e_per_dn": 12.0}])
+def test_every_step_of_few_electrons_has_the_moments_of_plain_draws(converter):
+    analysis = seen(level_lux=3.0, time_s=0.008, pixel=tuple((FEW | converter).items()))
+    result = found(analysis, iso=(800.0,)).iso[0]
+    steps = {one.name: one.measurement for one in result.steps}
+    for patch in (18, 23):
+        for name, values in drawn_steps(analysis, 8.0, patch).items():
+            root, sd = len(values) ** 0.5, values.std(axis=0)
+            mean, variance = steps[name].mean[patch], steps[name].variance[patch]
+            squares = (values - values.mean(axis=0)) ** 2
+            own = 1e-3 * sd  # of the quasi-Monte Carlo nets
+            z = np.abs(values.mean(axis=0) - mean) / np.hypot(sd / root, own)
+            z_variance = np.abs(squares.mean(axis=0) - variance) / np.hypot(
+                squares.std(axis=0) / root, 2 * own * sd
+            )
+            assert max(z.max(), z_variance.max()) < 5, (patch, name)
+
+
+def test_a_note_says_where_correlated_readings_of_few_electrons_are_taken_as_normal():
+    sensor = seen(pixel=tuple(FEW.items())).sensor
+    sensor = with_crosstalk(
+        sensor, Crosstalk(matrix=0.85 * np.eye(3) + 0.05, stage="charge", pixels=(1, 1, 1))
+    )
+    analysis = analyzed(flat_field(LAMP, level_lux=3.0), sensor, Exposure(time_s=0.008))
+    (note,) = [one for one in found(analysis, iso=(100.0, 800.0)).notes if "few electrons" in one]
+    assert "at ISO 800" in note
+    assert not [one for one in found(seen()).notes if "few electrons" in one]
 
 
 def test_a_white_is_1_before_the_tone_curve_and_lab_100_0_0():

@@ -574,18 +574,18 @@ FLAWED = NoiseSources(
 
 
 def read_by_hand(mean, noise, readout, draws, seed, *, shape=()):
-    """A well holds light and dark electrons; then the mean dark is taken off, then black."""
+    """A well holds light and dark electrons; the mean dark is subtracted, then codes are made."""
     rng, shape = np.random.default_rng(seed), (draws, *shape)
     sensitivity = 1 + noise.prnu * rng.standard_normal(shape)
     electrons = rng.poisson(mean * sensitivity + noise.dark_e).astype(float)
     for sd in (noise.read_noise_e, noise.row_noise_e, noise.dsnu_e):
         electrons += sd * rng.standard_normal(shape)
-    if noise.step_e:
-        electrons = noise.step_e * np.round(electrons / noise.step_e)
     subtracted = noise.dark_e - noise.black_error_e
-    read = np.minimum(electrons, readout.full_well_e) - subtracted
-    clipped = (read < readout.black_e).mean(), (electrons > readout.full_well_e).mean()
-    return np.maximum(read, readout.black_e), clipped
+    read, most = electrons - subtracted, readout.full_well_e - subtracted
+    if noise.step_e:
+        read = noise.step_e * np.round(read / noise.step_e)
+    clipped = (read < readout.black_e).mean(), (read > most).mean()
+    return np.clip(read, readout.black_e, most), clipped
 
 
 @pytest.mark.parametrize("black_error_e", [0.0, -15.0])

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import integrate, stats
 
-from chromanoise.noise.exact import Readout, read_moments
+from chromanoise.noise import Readout, read_moments
 from chromanoise.noise.expectation import expectation
 
 

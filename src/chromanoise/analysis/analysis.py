@@ -42,11 +42,12 @@ from chromanoise.noise import (
     Measurement,
     Readout,
     after_counting,
+    code_count,
     counted_electrons,
     noise_sources,
 )
 from chromanoise.scene import Scene
-from chromanoise.sensor import Sensor, code_range_e, white_level_name
+from chromanoise.sensor import Sensor, code_range_e, code_step_e, white_level_name
 from chromanoise.spectra import (
     DEFAULT_OBSERVER,
     Metric,
@@ -83,6 +84,8 @@ class Analysis:
         The color matrix, by default the kernel matrix; it holds metric, frame and observer.
     saturated
         One per channel. Where it is true, every SNR that uses the channel is undefined.
+    one_code
+        The same, where practically every reading of the channel is the same code.
     expected_e
         Expected electrons per channel, before clipping. [e-]
     truth_xyz
@@ -118,6 +121,7 @@ class Analysis:
     temporal_raw: Measurement
     matrix: ColorMatrix
     saturated: Bool[Array, " p"]
+    one_code: Bool[Array, " p"]
     expected_e: Float[Array, " p"]
     truth_xyz: Float[Array, " 3"]
     black_share: Float[Array, " p"]
@@ -134,6 +138,11 @@ class Analysis:
     pairs: PatchPairs | None = None
 
     @property
+    def without_snr(self) -> Bool[Array, " p"]:
+        """Channels whose SNR is undefined: saturated, or with one code."""
+        return np.asarray(self.saturated | self.one_code)
+
+    @property
     def point(self) -> OperatingPoint:
         """Sensor, exposure, lamp and illuminance, without the patch."""
         return OperatingPoint(
@@ -148,6 +157,7 @@ class Analysis:
         )
 
     def __post_init__(self) -> None:
+        _check.freeze(self, "one_code")
         _check.freeze(self, "saturated", "expected_e", "truth_xyz", "black_share", "full_share")
         _check.freeze(self, "vif", "between_deg", "to_axes_deg")
 
@@ -228,6 +238,7 @@ def analyzed(
         temporal_raw=at.temporal_raw,
         matrix=matrix,
         saturated=at.saturated,
+        one_code=at.one_code,
         expected_e=at.expected_e,
         truth_xyz=at.truth_xyz,
         black_share=clipping.black_share if clipping else none,
@@ -258,7 +269,7 @@ def of_white(analysis: Analysis) -> Analysis:
 
 
 def _spectral_snr_db(at: Stages) -> float | None:
-    if at.saturated.any():
+    if at.without_snr.any():
         return None
     return defined(float(decibel(spectral_snr(at.raw, at.matrix.frame))))
 
@@ -307,19 +318,19 @@ def raw_snr_db(analysis: Analysis) -> dict[str, float | None]:
     analysis
         Results of one sensor.
     """
-    hidden = dict(zip(analysis.sensor.names, analysis.saturated.tolist(), strict=True))
+    hidden = dict(zip(analysis.sensor.names, analysis.without_snr.tolist(), strict=True))
     return _unless_hidden(snr_db(analysis.raw), hidden)
 
 
 def temporal_raw_snr_db(analysis: Analysis) -> dict[str, float | None]:
     """As `raw_snr_db`, without fixed-pattern noise (DSNU, PRNU, crosstalk). [dB]"""
-    hidden = dict(zip(analysis.sensor.names, analysis.saturated.tolist(), strict=True))
+    hidden = dict(zip(analysis.sensor.names, analysis.without_snr.tolist(), strict=True))
     return _unless_hidden(snr_db(analysis.temporal_raw), hidden)
 
 
 def temporal_color_snr_db(analysis: Analysis) -> dict[str, float | None]:
     """As `color_snr_db`, without fixed-pattern noise (DSNU, PRNU, crosstalk). [dB]"""
-    lost = bool(analysis.saturated.any())
+    lost = bool(analysis.without_snr.any())
     color = colored(analysis.temporal_raw, analysis.matrix)
     decibels = signal_snr_db(color, analysis.truth_xyz)
     named = {name: np.asarray(decibels[i]) for i, name in enumerate(color.names)}
@@ -337,7 +348,7 @@ def contravariant_snr_db(analysis: Analysis) -> dict[str, float | None]:
     analysis
         Results of one sensor.
     """
-    lost = bool(analysis.saturated.any())
+    lost = bool(analysis.without_snr.any())
     hidden = {
         name: lost or not math.isfinite(vif)
         for name, vif in zip(analysis.sensor.names, analysis.vif, strict=True)
@@ -361,7 +372,7 @@ def color_snr_db(analysis: Analysis) -> dict[str, float | None]:
 
 @lru_cache(maxsize=64)  # called for every check of a white
 def _color_snr_db(analysis: Analysis) -> Mapping[str, float | None]:
-    lost = bool(analysis.saturated.any())
+    lost = bool(analysis.without_snr.any())
     decibels = signal_snr_db(analysis.color, analysis.truth_xyz)
     named = {name: np.asarray(decibels[i]) for i, name in enumerate(analysis.color.names)}
     return _unless_hidden(named, dict.fromkeys(named, lost))
@@ -383,8 +394,14 @@ def diagnosis(analysis: Analysis) -> tuple[str, ...]:
         *reflectance_notes(analysis.point),
         *analysis.matrix.notes,
     )
-    channels = (*_channel_notes(analysis), *_crosstalk_notes(analysis))
-    return (*notes, *channels, *_color_notes(analysis), *_frame_notes(analysis))
+    return (
+        *notes,
+        *_channel_notes(analysis),
+        *_crosstalk_notes(analysis),
+        *_converter_notes(analysis),
+        *_color_notes(analysis),
+        *_frame_notes(analysis),
+    )
 
 
 def reflectance_notes(operating_point: OperatingPoint) -> tuple[str, ...]:
@@ -468,8 +485,58 @@ def _crosstalk_notes(analysis: Analysis) -> list[str]:
     return notes
 
 
+def _converter_notes(analysis: Analysis) -> list[str]:
+    """Channels whose noise is below the step of the converter, and what rounding makes of them."""
+    sensor, mean = analysis.sensor, analysis.expected_e
+    noise = noise_sources(sensor, analysis.exposure)
+    step_e = code_step_e(sensor.converter, sensor.pixel)
+    if not step_e:
+        return []
+    unrounded = replace(noise, step_e=0.0)
+    sd_e = np.sqrt(unrounded.variance_e2(mean) / noise.readings)
+    low = (sd_e < step_e) & (mean > 0) & ~analysis.saturated
+    if not low.any():
+        return []
+    names = [name for name, one in zip(sensor.names, low, strict=True) if one]
+    noisy = f"{_range(sd_e[low])} e- of {', '.join(names)}"
+    head = f"the step of {step_e:.3g} e- exceeds the noise of {noisy}: "
+    remedy = "take more bits or a higher gain"
+    if after_counting(sensor.crosstalk) is not None:
+        return [
+            f"{head}rounding may bias the readings; crosstalk after counting correlates them, so "
+            f"the numbers here add step^2 / 12 to the variance; {remedy}"
+        ]
+    notes, stuck = (
+        [],
+        [name for name, one in zip(sensor.names, analysis.one_code & low, strict=True) if one],
+    )
+    if stuck:
+        notes.append(
+            f"{head}practically every reading of {', '.join(stuck)} is the same code, so the SNR "
+            f"of {', '.join(stuck)} and of every color is undefined; {remedy}"
+        )
+    rest = low & ~analysis.one_code
+    if rest.any():
+        alone = replace(noise, pattern=None)
+        codes = [code_count(float(m), alone) for m, one in zip(mean, rest, strict=True) if one]
+        bias = (noise.rounded(mean)[0] / np.where(mean > 0, mean, 1.0))[rest]
+        notes.append(
+            f"{'' if stuck else head}99.9 % of the readings of "
+            f"{', '.join(n for n, one in zip(sensor.names, rest, strict=True) if one)} take "
+            f"{_range(np.array(codes))} codes; their mean (rounding moves it by "
+            f"{_range(100 * bias)} %) and noise are those of the rounded readings; {remedy}"
+        )
+    return notes
+
+
+def _range(values: Array) -> str:
+    """The least and the largest value, or one where they are written alike."""
+    least, most = f"{values.min():.3g}", f"{values.max():.3g}"
+    return least if least == most else f"{least} to {most}"
+
+
 def _color_notes(analysis: Analysis) -> list[str]:
-    if analysis.saturated.any():
+    if analysis.without_snr.any():
         return []
     white = bool((analysis.scene.reflectance == 1).all())
     patch = "a perfect white" if white else "this patch"

@@ -30,7 +30,7 @@ def coordinate_budget(
     reflectance
         Of the gray, for L*, a* and b*. [1]
     """
-    if analysis.saturated.any() or analysis.readout is not None:
+    if analysis.without_snr.any() or analysis.readout is not None:
         return None
     light, sensor, exposure = analysis.scene, analysis.sensor, analysis.exposure
     snr = color_snr_db(analysis)
@@ -102,6 +102,8 @@ def missing_lab_budgets(analysis: Analysis, budgets: Sequence[Budget | None]) ->
     name = analysis.sensor.label
     if analysis.saturated.any():
         return f"{name}: a channel is saturated on the white, so L*, a* and b* have no budget"
+    if analysis.one_code.any():
+        return f"{name}: a channel gives one code on the white, so L*, a* and b* have no budget"
     found = zip(LAB.coordinates, budgets, strict=True)
     missing = [coordinate for coordinate, budget in found if budget is None]
     if not missing:

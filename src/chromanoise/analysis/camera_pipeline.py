@@ -32,12 +32,14 @@ from chromanoise.color import (
     cubature,
     encoded_space,
     exact,
+    exact_where_needed,
     first_order,
     gains_covariance,
     gray_gains,
     linear_srgb,
     luma_chroma,
     matrix_for_balanced,
+    normal_fails,
     propagate,
     relative_sd_error,
     rendered_lab_space,
@@ -56,6 +58,7 @@ from chromanoise.noise import (
     after_counting,
     counted_electrons,
     demand_independent_channels,
+    few_electrons,
     noise_sources,
     signal_limit_e,
     through,
@@ -65,6 +68,7 @@ from chromanoise.sensor import code_step_e, with_analog_gain
 from chromanoise.spectra import Illuminant, colorchecker
 from chromanoise.units import decibel
 
+_LARGE_GAIN_ERROR = 0.1  # relative standard deviation
 _NOTED_SHARE = 1e-3
 """Share of readings above 1 from which a note names the patch."""
 
@@ -74,7 +78,7 @@ def pipeline_noise(
     settings: PipelineSettings | None = None,
     *,
     readout: Readout | None = None,
-    method: Method = cubature,
+    method: Method | None = None,
 ) -> PipelineNoise | None:
     """Mean and covariance of each ColorChecker patch after each step of the pipeline.
 
@@ -90,7 +94,9 @@ def pipeline_noise(
     readout
         Clipping and rounding of the raw values; ``None`` for none.
     method
-        For the tone curve and CIELAB: `cubature`, `first_order` or `exact`.
+        For the tone curve and CIELAB: `cubature`, `first_order` or `exact`; ``None`` for the exact
+        distribution where a normal one is not enough (`exact_where_needed`), unless crosstalk
+        after counting correlates the readings.
 
     Raises
     ------
@@ -114,11 +120,14 @@ def pipeline_noise(
         )
     if getattr(method, "func", method) is exact:  # also where `partial` sets its points
         demand_independent_channels(analysis.sensor)
+    correlated = after_counting(analysis.sensor.crosstalk) is not None
+    method = method or (cubature if correlated else exact_where_needed)
     camera = _camera(analysis, chosen, readout)
     at = _chart_at(camera, analysis.point)
     steps = _steps(camera, at, method)
     _refuse_clipped_means(camera, steps)
     isos = tuple(_gain_step(camera, i, steps, method) for i in range(len(chosen.iso)))
+    balance = _balance_noise(camera)
     return PipelineNoise(
         settings=chosen,
         patches=camera.patches,
@@ -126,10 +135,12 @@ def pipeline_noise(
         gains=camera.gains,
         steps=steps,
         iso=isos,
-        white_balance_noise=_balance_noise(camera),
+        white_balance_noise=balance,
         notes=(
             *_clipping_notes(camera, steps),
-            *_method_notes(camera, at, steps),
+            *_method_notes(camera, at, steps, method),
+            *_balance_notes(camera, balance),
+            *(_correlated_notes(camera, steps, isos) if correlated else ()),
             *_full_notes(isos),
         ),
     )
@@ -282,7 +293,9 @@ def _gain_step(camera: _Camera, i: int, base: tuple[PipelineStep, ...], method: 
 def _dark_noise_e(point: OperatingPoint) -> Float[Array, " p"]:
     """Temporal noise of each channel without light. [e-]"""
     dark = np.zeros(len(point.sensor.names))
-    return np.sqrt(with_noise(dark, point.sensor, point.exposure, kind="temporal").variance)
+    return np.sqrt(
+        with_noise(dark, point.sensor, point.exposure, kind="temporal", linear=True).variance
+    )
 
 
 def _noise_profile(point: OperatingPoint, white_e: float) -> Float[Array, "p 2"]:
@@ -290,7 +303,8 @@ def _noise_profile(point: OperatingPoint, white_e: float) -> Float[Array, "p 2"]
     sensor = replace(point.sensor, pixel=replace(point.sensor.pixel, prnu=0.0))
     gray = electrons_at(point, reflectance=GRAY)
     dark, lit = (
-        with_noise(mean, sensor, point.exposure).variance for mean in (np.zeros_like(gray), gray)
+        with_noise(mean, sensor, point.exposure, linear=True).variance
+        for mean in (np.zeros_like(gray), gray)
     )
     coupling = after_counting(sensor.crosstalk)
     noise = noise_sources(sensor, point.exposure)
@@ -380,20 +394,67 @@ def _clipping_notes(camera: _Camera, steps: Sequence[PipelineStep]) -> list[str]
     ]
 
 
-def _method_notes(camera: _Camera, at: Stages, steps: Sequence[PipelineStep]) -> list[str]:
+def _method_notes(
+    camera: _Camera, at: Stages, steps: Sequence[PipelineStep], method: Method
+) -> list[str]:
     """Where the Jacobian of the tone curve or of CIELAB is off by more than 5 %."""
     color = _noisy(camera, at, _named_step(steps, "XYZ"), camera.for_balanced)
+    assert color.source is not None
+    by_electrons = normal_fails(color.source) if method is exact_where_needed else None
     notes = []
     for space, name in zip(camera.spaces, (steps[-3].name, "Lab"), strict=True):
         rough = propagate(color, space, first_order).measurement
         error = np.abs(relative_sd_error(rough, _named_step(steps, name)))
-        failing = int((error > FIRST_ORDER_TOLERANCE).any(axis=-1).sum())
-        if failing:
+        failing = (error > FIRST_ORDER_TOLERANCE).any(axis=-1)
+        used = "do not use it"
+        if by_electrons is not None and by_electrons[failing].all():
+            used = "are those of the exact distribution of the electrons"
+        if failing.any():
             notes.append(
-                f"the first order of {space.name} is off by more than 5 % on {failing} of "
-                f"{len(error)} patches; the numbers here do not use it"
+                f"the first order of {space.name} is off by more than 5 % on {failing.sum()} of "
+                f"{len(error)} patches; the numbers here {used}"
             )
     return notes
+
+
+def _balance_notes(camera: _Camera, balance: WhiteBalanceNoise | None) -> list[str]:
+    """Where the errors of the gains are too large for the delta method."""
+    if balance is None:
+        return []
+    relative = np.sqrt(np.diagonal(balance.gains_covariance)) / camera.gains
+    worst = int(relative.argmax())
+    if not relative[worst] > _LARGE_GAIN_ERROR:
+        return []
+    return [
+        f"{balance.pixels} gray pixels know the gain of {camera.analysis.sensor.names[worst]} to "
+        f"{100 * relative[worst]:.0f} % only; the noise of the gains is that of small errors"
+    ]
+
+
+def _correlated_notes(
+    camera: _Camera, steps: Sequence[PipelineStep], isos: Sequence[GainStep]
+) -> list[str]:
+    """Where readings of few electrons are taken as normal, because they are correlated."""
+    point = camera.analysis.point
+    noise = noise_sources(point.sensor, point.exposure)
+    settings = [("", steps, noise.read_noise_e)]
+    settings += [
+        (f" at ISO {one.iso:g}", one.steps, one.read_noise_e)
+        for one in isos
+        if one.steps is not steps
+    ]
+    found = []
+    for where, own, read in settings:
+        light = np.maximum(_named_step(own, "raw").mean - noise.black_error_e, 0.0)
+        few = few_electrons(light, replace(noise, read_noise_e=read)).any(axis=-1).sum()
+        if few:
+            found.append(f"{few} of {len(camera.patches)} patches{where}")
+    if not found:
+        return []
+    return [
+        f"few electrons on {', '.join(found)}: crosstalk after counting correlates the channels, "
+        "so the noise after the tone curve and in CIELAB is that of normal readings"
+    ]
 
 
 def _full_notes(isos: Sequence[GainStep]) -> list[str]:

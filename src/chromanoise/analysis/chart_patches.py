@@ -95,7 +95,9 @@ def chart_noise(analysis: Analysis, *, readout: Readout = UNBOUNDED) -> ChartNoi
         names=chart.names,
         color_error=errors,
         ciede2000=newer,
-        snr_y_db=signal_snr_db(at.color, at.truth_xyz)[:, 1],
+        snr_y_db=np.where(
+            at.one_code.any(axis=-1), np.nan, signal_snr_db(at.color, at.truth_xyz)[:, 1]
+        ),
         noise=noise,
         first_order_holds=(error <= FIRST_ORDER_TOLERANCE).all(axis=-1),
     )

@@ -17,6 +17,7 @@ from chromanoise.metrics import (
     exact_contrast_detection_probability,
 )
 from chromanoise.noise import (
+    after_counting,
     channel_distribution,
     few_electrons,
     noise_sources,
@@ -97,16 +98,18 @@ def _channel_probabilities(point: OperatingPoint, times: float) -> Float[Array, 
     mean = times * _grays(point)
     sd = np.sqrt(with_noise(mean, point.sensor, point.exposure).variance)
     found = np.zeros(mean.shape[1])
-    seen = mean[1] > 0
-    (bright, dark), (bright_sd, dark_sd) = mean[:, seen], sd[:, seen]
-    found[seen] = contrast_detection_probability(
-        bright, dark, bright_sd=bright_sd, dark_sd=dark_sd, tolerance=TOLERANCE
-    )
-    crosstalk = point.sensor.crosstalk
-    if crosstalk is not None and crosstalk.stage == "charge":
-        return found
     noise = noise_sources(point.sensor, point.exposure)
-    for i in np.flatnonzero(seen & few_electrons(mean, noise).all(axis=0)):
+    few = few_electrons(mean, noise).all(axis=0)
+    if after_counting(point.sensor.crosstalk) is not None:
+        few = np.zeros_like(few)
+    seen = mean[1] > 0
+    many = seen & ~few
+    if many.any():
+        (bright, dark), (bright_sd, dark_sd) = mean[:, many], sd[:, many]
+        found[many] = contrast_detection_probability(
+            bright, dark, bright_sd=bright_sd, dark_sd=dark_sd, tolerance=TOLERANCE
+        )
+    for i in np.flatnonzero(seen & few):
         readings = channel_distribution(mean, int(i), noise)
         found[i] = exact_contrast_detection_probability(readings, mean[:, i], tolerance=TOLERANCE)
     return found

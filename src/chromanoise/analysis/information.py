@@ -302,8 +302,8 @@ def _clipping(
     held = held_moments(
         seen.ravel(),
         read_noise_e=np.sqrt(np.where(variance > 0, variance, _NO_NOISE_E2)).ravel(),
-        black_e=bounds.black_e - sources.dark_e,
-        full_well_e=bounds.full_well_e - sources.dark_e,
+        black_e=bounds.black_e - sources.black_error_e,
+        full_well_e=bounds.full_well_e - sources.black_error_e,
     )
     reading, spread, black, full = held.reshape(4, *seen.shape)
     free = 1.0 - black - full

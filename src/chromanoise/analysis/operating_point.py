@@ -21,6 +21,7 @@ from chromanoise.noise import (
     Readout,
     demand_independent_channels,
     noise_sources,
+    one_code,
     raw_measurement,
     saturated,
     sensor_moments,
@@ -72,6 +73,16 @@ class Stages:
         return saturated(self.expected_e, self.point.sensor, self.point.exposure)
 
     @property
+    def one_code(self) -> Bool[Array, "*px p"]:
+        """True where practically every reading of a channel is the same code of the converter."""
+        return one_code(self.expected_e, self.point.sensor, self.point.exposure)
+
+    @property
+    def without_snr(self) -> Bool[Array, "*px"]:
+        """True where no SNR of a color is defined: a channel is saturated, or gives one code."""
+        return np.asarray((self.saturated | self.one_code).any(axis=-1))
+
+    @property
     def temporal_raw(self) -> Measurement:
         """The electrons after readout without fixed-pattern noise (DSNU, PRNU, crosstalk)."""
         sensor, exposure = self.point.sensor, self.point.exposure
@@ -114,16 +125,16 @@ class Stages:
 
     @property
     def color_snr_db(self) -> Float[Array, "*px c"]:
-        """SNR of each color coordinate; NaN where a channel is saturated or has no signal. [dB]"""
-        full = self.saturated.any(axis=-1, keepdims=True)
+        """SNR of each color coordinate; NaN where it is undefined or has no signal. [dB]"""
+        full = self.without_snr[..., None]
         if full.all():
             return np.full((*full.shape[:-1], len(self.matrix.coordinates)), np.nan)
         return np.where(full, np.nan, signal_snr_db(self.color, self.truth_xyz))
 
     @property
     def optimal_linear_snr_db(self) -> Float[Array, "*px"]:
-        """SNR of the best linear readout; NaN where a channel is saturated. [dB]"""
-        full = self.saturated.any(axis=-1)
+        """SNR of the best linear readout; NaN where it is undefined. [dB]"""
+        full = self.without_snr
         if full.all():
             return np.full(full.shape, np.nan)
         return np.where(full, np.nan, optimal_linear_snr_db(self.raw))

@@ -16,7 +16,7 @@ from chromanoise.color.differences import (
     cie1976_difference,
     ciede2000_difference,
 )
-from chromanoise.color.exact_moments import exact
+from chromanoise.color.exact_moments import exact, exact_where_needed, normal_fails
 from chromanoise.color.fitted import (
     ParetoCurve,
     kernel,
@@ -137,6 +137,7 @@ __all__ = [
     "encoded_space",
     "encoded_srgb",
     "exact",
+    "exact_where_needed",
     "first_order",
     "gains_covariance",
     "gaussian_cubature",
@@ -157,6 +158,7 @@ __all__ = [
     "noise_gain",
     "noise_regularized",
     "noisy_color",
+    "normal_fails",
     "pareto",
     "propagate",
     "reference_channel",

@@ -7,6 +7,7 @@ and the average over all channels uses randomized quasi-Monte Carlo nets.
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -14,17 +15,25 @@ import numpy as np
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._linalg import qr
-from chromanoise._shapes import Float
+from chromanoise._shapes import Bool, Float
+from chromanoise.color.cubatures import cubature
 from chromanoise.color.noisy_colors import ElectronSource, NoisyColor
 from chromanoise.color.propagation import SpaceMoments
 from chromanoise.color.spaces import Space
 from chromanoise.errors import InputError
-from chromanoise.noise import counted_readout, poisson_gaussian_ppf, read_values, sensor_moments
+from chromanoise.noise import (
+    counted_readout,
+    few_electrons,
+    poisson_gaussian_ppf,
+    read_values,
+    sensor_moments,
+)
 from chromanoise.rng import stream
 
 _NETS = 8  # each scrambled independently, to estimate the error
 _SEED = 20191
 _MOST_VALUES = 2**22  # points x channels of one net: some 250 MB for the eight
+_CLIPPED = 1e-6  # share of readings, from which clipping is noticed in a color
 
 
 def exact(color: NoisyColor, space: Space, *, points: int = 2**16) -> SpaceMoments:
@@ -99,6 +108,64 @@ def exact(color: NoisyColor, space: Space, *, points: int = 2**16) -> SpaceMomen
     )
 
 
+def normal_fails(source: ElectronSource) -> Bool[Array, "*px"]:
+    """Where a normal distribution of the readings is not enough for the noise of a color.
+
+    True with few electrons in a channel (`chromanoise.noise.few_electrons`), with a step of the
+    converter that exceeds the noise, or with clipped readings.
+
+    Parameters
+    ----------
+    source
+        Channels, noise and readout.
+    """
+    few, noise = few_electrons(source.mean_e, source.noise), source.noise
+    found = (few | noise.rounding_is_coarse(source.mean_e)).any(axis=-1)
+    if not math.isinf(source.readout.black_e) or not math.isinf(source.readout.full_well_e):
+        read = sensor_moments(source.mean_e, source.noise, source.readout)
+        found |= (read.black_share + read.full_share > _CLIPPED).any(axis=-1)
+    return np.asarray(found)
+
+
+def exact_where_needed(color: NoisyColor, space: Space, *, points: int = 2**12) -> SpaceMoments:
+    """`exact` where `normal_fails`, and the cubature of a normal distribution elsewhere.
+
+    Parameters
+    ----------
+    color, space, points
+        As `exact`.
+
+    Raises
+    ------
+    InputError
+        As `exact`.
+    """
+    source, found = _source(color), cubature(color, space)
+    for at in np.argwhere(normal_fails(source)):
+        one = tuple(at.tolist())
+        few = replace(
+            color,
+            xyz=replace(color.xyz, mean=color.xyz.mean[one], covariance=color.xyz.covariance[one]),
+            source=replace(source, mean_e=source.mean_e[one]),
+        )
+        better = exact(few, space, points=points)
+        found = replace(
+            found,
+            **{
+                name: _with(getattr(found, name), one, value)
+                for name in ("bias", "covariance", "chroma_sd", "chroma_bias", "delta_e")
+                if (value := getattr(better, name)) is not None
+            },
+        )
+    return found
+
+
+def _with(values: Array, at: tuple[int, ...], value: Array) -> Array:
+    changed = np.array(values)
+    changed[at] = value
+    return changed
+
+
 def _source(color: NoisyColor) -> ElectronSource:
     if color.source is None:
         raise InputError(
@@ -135,10 +202,9 @@ def _moments(
     normal = _nets(mean_e.size, points) @ turn.T
     counted, readout = counted_readout(mean_e, source.noise, source.readout)
     added = np.broadcast_to(np.sqrt(source.noise.added_variance_e2(mean_e)), mean_e.shape)
-    offset = source.noise.dark_e - source.noise.black_error_e
     for i, (mean, sd) in enumerate(zip(counted.tolist(), added.tolist(), strict=True)):
         electrons = poisson_gaussian_ppf(normal[..., i], mean, read_noise_e=sd)
-        normal[..., i] = read_values(electrons, readout) - offset
+        normal[..., i] = read_values(electrons, readout)
     means, covariances = [], []
     for read in normal:
         away = of(read @ source.matrix.T)

@@ -201,8 +201,6 @@ def flat_field_noise(
     mean_e: Float[Array, " p"],
     sensor: Sensor,
     exposure: Exposure,
-    *,
-    rounding_e2: float = 0.0,
 ) -> Array:
     """`demosaicked_covariance` or `noise_power_spectrum` of a flat field. [e-^2]
 
@@ -220,20 +218,17 @@ def flat_field_noise(
         Expected electrons per channel. [e-]
     sensor, exposure
         As `chromanoise.noise.with_noise`.
-    rounding_e2
-        Variance of a further rounding of each raw pixel. [e-^2]
     """
     own, shares = noise_sources(sensor, exposure), shares_after_counting(sensor.crosstalk)
     noise, coupling = replace(own, pattern=None), after_counting(sensor.crosstalk)
     if shares is None and own.pattern is None:
-        return of(bank, with_noise(mean_e, sensor, exposure).variance + rounding_e2)
+        return of(bank, with_noise(mean_e, sensor, exposure).variance)
     if shares is None:
-        return of(bank, noise.variance_e2(flat_field_means(bank, mean_e, sensor)) + rounding_e2)
+        return of(bank, noise.rounded(flat_field_means(bank, mean_e, sensor))[1])
     readout = noise.readout.floor_e2()
     counted = noise.variance_e2(counted_electrons(mean_e, coupling)) - readout
     return np.asarray(
-        of(_on_counts(bank, shares), counted)
-        + of(bank, np.full_like(counted, readout + rounding_e2))
+        of(_on_counts(bank, shares), counted) + of(bank, np.full_like(counted, readout))
     )
 
 

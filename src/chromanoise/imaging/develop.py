@@ -1,6 +1,6 @@
 """Development of raw codes to a color image, and the noise of the result."""
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -22,9 +22,9 @@ from chromanoise.imaging.demosaic_noise import (
 from chromanoise.imaging.plans import color_matrices, srgb_table
 from chromanoise.imaging.render import ALL_CORES, Picture, RawPicture, filled_colors
 from chromanoise.imaging.work import Work
-from chromanoise.noise import Measurement, noise_sources, through, with_noise
+from chromanoise.noise import Measurement, through, with_noise
 from chromanoise.scene import Scene
-from chromanoise.sensor import Adc
+from chromanoise.sensor import Adc, Converter
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -142,8 +142,7 @@ def developed_color(
     operating_point, bank, matrix
         As used to develop the image.
     adc
-        Converter of the codes. Its rounding adds gain^2 / 12 to the variance of each raw pixel, in
-        place of that of the sensor's own converter.
+        Converter of the codes, in place of the sensor's own.
 
     Raises
     ------
@@ -157,24 +156,22 @@ def developed_color(
     correlates neighbors, counts as independent. Crosstalk after counting is that of its kernel
     (`flat_field_noise`).
     """
-    sensor = operating_point.sensor
+    sensor = replace(operating_point.sensor, converter=Converter(**asdict(adc)))
     _check.same_names("development", sensor=sensor.names, filters=bank.names)
     point = operating_point
     matrix = matrix or kernel_matrix(point.sensor, point.exposure, observer=point.observer)
+    mean_e = expected_electrons(scene, sensor, operating_point.exposure)
     raw = with_noise(
-        expected_electrons(scene, sensor, operating_point.exposure),
+        mean_e,
         sensor,
         operating_point.exposure,
     )
-    own_step_e = noise_sources(sensor, operating_point.exposure).step_e
-    rounding_e2 = (adc.gain_e_per_dn**2 - own_step_e**2) / 12
     covariances = flat_field_noise(
         demosaicked_covariance,
         bank,
-        raw.mean,
+        mean_e,
         sensor,
         operating_point.exposure,
-        rounding_e2=rounding_e2,
     )
     means = around_places(bank, flat_field_means(bank, raw.mean, sensor))
     seen = np.einsum("abcij,abij->abc", bank.kernels, means)

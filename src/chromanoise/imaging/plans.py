@@ -89,8 +89,9 @@ def demand_well(operating_point: OperatingPoint, draw: Draw) -> None:
 
 
 def _most_e(operating_point: OperatingPoint, draw: Draw) -> float:
-    """Full well minus dark electrons."""
-    return operating_point.sensor.pixel.full_well_e - float(draw.dark_e)
+    """Full well minus dark electrons, read with the error of the black level."""
+    offset = float(draw.black_error_e) - float(draw.dark_e)
+    return operating_point.sensor.pixel.full_well_e + offset
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -52,14 +52,14 @@ class Converter(NamedTuple):
     """Converter from electrons to codes."""
 
     most_e: np.float32
-    """Full well minus dark electrons."""
+    """Full well minus dark electrons, plus the error of the black level."""
     dn_per_e: np.float32
     black_dn: np.float32
     top_dn: np.float32
 
 
 class Well(NamedTuple):
-    """Full well minus dark electrons, and whether electrons are clipped to 0 and to it."""
+    """Full well as `Converter`, and whether electrons are clipped to 0 and to it."""
 
     most_e: np.float32
     held: bool

@@ -30,6 +30,7 @@ CORRELATION, INFRARED, REST = "correlation", "infrared", "rest"
 CROSSTALK = "crosstalk"
 CAUSES = (FILTERS, READ_NOISE, WEIGHTS, CORRELATION, INFRARED)
 """The causes of every budget; `causes_of` adds those of the sensor's own noise sources."""
+_SLOPE_STEP = 1e-3
 MORE_NOISE = (DARK, QUANTIZATION, ROW, DSNU, PRNU, PATTERN)
 
 
@@ -100,11 +101,15 @@ class Seen:
         Electrons whose shot noise counts. [e-]
     sought_e
         The signal for which the best linear readout is optimized. [e-]
+    is_change
+        Whether signals are a change of the electrons, of which coarse rounding shows its slope;
+        otherwise they are electrons, of which it shows the rounded mean.
     """
 
     signal_e: Float[Array, " p"]
     noise_e: Float[Array, " p"]
     sought_e: Float[Array, " p"]
+    is_change: bool = False
 
     def __post_init__(self) -> None:
         _check.freeze(self, "signal_e", "noise_e", "sought_e")
@@ -156,6 +161,36 @@ class Chain:
     before_crosstalk: Channels | None
     noise: NoiseSources
     crosstalk: Crosstalk | None = None
+
+
+def rounded_share(seen: Seen, noise: NoiseSources) -> Float[Array, " p"]:
+    """Share of the signal of each channel that is left after rounding; 1 for a fine step. [1]
+
+    Parameters
+    ----------
+    seen
+        Electrons of the signal and of the noise.
+    noise
+        The noise sources of each pixel.
+    """
+    mean = seen.noise_e
+    if not noise.rounding_is_coarse(mean).any():
+        return np.ones_like(mean)
+    if not seen.is_change:
+        return 1 + noise.rounded(mean)[0] / np.where(mean > 0, mean, 1.0)
+    step = _SLOPE_STEP * np.sqrt(1 + mean)
+    below, above = np.maximum(mean - step, 0.0), mean + step
+    return 1 + (noise.rounded(above)[0] - noise.rounded(below)[0]) / (above - below)
+
+
+def _is_rounded(chain: Chain) -> bool:
+    """Whether rounding depends on the other noise: the step of a channel exceeds its noise."""
+    if after_counting(chain.crosstalk) is not None:
+        return False
+    seen = [chain.channels.with_infrared, chain.channels.without_infrared]
+    if chain.before_crosstalk is not None:
+        seen += [chain.before_crosstalk.with_infrared, chain.before_crosstalk.without_infrared]
+    return any(chain.noise.rounding_is_coarse(one.noise_e).any() for one in seen)
 
 
 def causes_of(chain: Chain, *, infrared: bool = True) -> tuple[str, ...]:
@@ -238,6 +273,7 @@ def chain_snrs_db(chain: Chain, sets: Sequence[Switches]) -> Float[Array, " s"]:
     """SNR of the readout for each set of causes. [dB]"""
     result = np.full(len(sets), chain.photons_db)
     groups: dict[tuple[bool, ...], list[int]] = {}
+    rounded = _is_rounded(chain)
     for i, on in enumerate(sets):
         if FILTERS in on:
             key = tuple(cause in on for cause in (CROSSTALK, INFRARED, WEIGHTS, CORRELATION))
@@ -246,12 +282,13 @@ def chain_snrs_db(chain: Chain, sets: Sequence[Switches]) -> Float[Array, " s"]:
         before = None if mixed else chain.before_crosstalk
         channels = before or chain.channels
         seen = channels.with_infrared if infrared else channels.without_infrared
-        own = channels.row if unmixed else channels.single_row
-        row = own if weights else None
+        weighted = channels.row if unmixed else channels.single_row
+        row = weighted if weights else None
         coupling, noise = None, replace(chain.noise, pattern=None)
         if before is None:
             coupling, noise = after_counting(chain.crosstalk), chain.noise
-        result[rows] = _snrs_db(seen, row, coupling, noise, [sets[i] for i in rows])
+        own = [sets[i] for i in rows]
+        result[rows] = _snrs_db(seen, row, coupling, noise, own, rounded=rounded)
     return result
 
 
@@ -273,13 +310,21 @@ def _snrs_db(
     coupling: Float[Array, "p p"] | None,
     noise: NoiseSources,
     sets: Sequence[Switches],
+    *,
+    rounded: bool,
 ) -> Float[Array, " s"]:
     """SNR of a row, or of the best linear readout where it is ``None``. [dB]"""
     if coupling is not None:
         return _coupled_snrs_db(seen, row, coupling, noise, sets)
     variance = seen.noise_e + _added_e2(noise, seen.noise_e, sets)
-    rows = seen.sought_e / np.where(variance > 0, variance, 1.0) if row is None else row[None]
-    signal = np.abs(rows @ seen.signal_e)
+    signal_e, sought_e = seen.signal_e, seen.sought_e
+    if rounded:  # after all other noise: `chain_budget`
+        on = np.array([QUANTIZATION in each for each in sets])[:, None]
+        share = np.where(on, rounded_share(seen, noise), 1.0)
+        variance = np.where(on, noise.rounded(seen.noise_e)[1], variance)
+        signal_e, sought_e = share * signal_e, share * sought_e
+    rows = sought_e / np.where(variance > 0, variance, 1.0) if row is None else row[None]
+    signal = np.abs((rows * signal_e).sum(axis=1))
     return np.asarray(decibel(signal / np.sqrt((rows**2 * variance).sum(axis=1))))
 
 
@@ -330,6 +375,9 @@ def chain_budget(
         As `Budget`. [dB]
     """
     order = (*((FILTERS, later) for later in causes[1:]), (WEIGHTS, CORRELATION))
+    if _is_rounded(chain):  # what a coarse step loses depends on the noise that is rounded
+        before = (name for name in (READ_NOISE, *MORE_NOISE) if name != QUANTIZATION)
+        order += tuple((name, QUANTIZATION) for name in before if name in causes)
     sets = allowed_sets(causes, order)
     worth = dict(zip(sets, chain_snrs_db(chain, sets).tolist(), strict=True))
     shares = shapley_values(worth.__getitem__, causes, order)
@@ -370,6 +418,13 @@ def shared_readings(
     infrared = 1 - visible_e.sum() / all_e.sum()
     part = {name: float(100 * each.mean() / variance.mean()) for name, each in sources.items()}
     more = {name: f"{part[name]:.1f} % of the mean noise variance" for name in MORE_NOISE}
+    if _is_rounded(chain):
+        before_e2 = float((variance - sources[QUANTIZATION]).mean())
+        after_e2 = float(chain.noise.rounded(all_e)[1].mean())
+        more[QUANTIZATION] = (
+            f"the step of {chain.noise.step_e:.3g} e- changes the noise from {before_e2**0.5:.3g} "
+            f"to {after_e2**0.5:.3g} e-, after all other noise"
+        )
     unmixed = (
         f"unmixing multiplies {frame.names[worst]}'s own noise by {vif[worst]:.1f} (VIF), "
         f"condition {frame.condition:.1f}"

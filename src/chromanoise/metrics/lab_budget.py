@@ -54,10 +54,11 @@ from chromanoise.metrics.budget_chain import (
     counting_snr_db,
     noise_causes,
     photons_on_pixels,
+    rounded_share,
     shared_readings,
     without_infrared,
 )
-from chromanoise.noise import noise_sources, with_noise
+from chromanoise.noise import after_counting, noise_sources, with_noise
 from chromanoise.scene import Scene, flat_field, light
 from chromanoise.sensor import Sensor, without_crosstalk
 from chromanoise.spectra import INFRARED_FROM_NM, color_axes
@@ -159,7 +160,9 @@ def lab_budget(
     if not _followed(chain):
         return None
     row = chain.channels.row
-    gain = float(row @ chain.channels.with_infrared.signal_e)
+    seen = chain.channels.with_infrared
+    share = rounded_share(seen, chain.noise) if after_counting(chain.crosstalk) is None else 1.0
+    gain = float(row @ (share * seen.signal_e))
     noise = with_noise(point.all_e, sensor, exposure).covariance
     return chain_budget(
         chain,
@@ -243,8 +246,8 @@ def _channels(
     axes = color_axes(sensor.grid, frame.metric, point.observer)
     one_by_one = [weights_one_by_one(axis, frame) for axis in axes.T]
     return Channels(
-        without_infrared=Seen(signal_e=cut, noise_e=visible_e, sought_e=cut),
-        with_infrared=Seen(signal_e=whole, noise_e=noise_e, sought_e=whole),
+        without_infrared=Seen(signal_e=cut, noise_e=visible_e, sought_e=cut, is_change=True),
+        with_infrared=Seen(signal_e=whole, noise_e=noise_e, sought_e=whole, is_change=True),
         row=_sum_of(point.slope[i, :, None] * rows),
         single_row=_sum_of(point.slope[i, :, None] * np.stack(one_by_one)),
     )

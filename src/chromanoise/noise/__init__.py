@@ -14,19 +14,17 @@ from chromanoise.noise.distribution import (
     reading_distribution,
 )
 from chromanoise.noise.exact import (
-    Moments,
-    Readout,
     clipped_measurement,
     clipping_readout,
     counted_readout,
     raw_measurement,
-    read_moments,
     sensor_moments,
 )
 from chromanoise.noise.expectation import Expectation, expectation
 from chromanoise.noise.measurement import Measurement, through
 from chromanoise.noise.montecarlo import Estimate, monte_carlo
-from chromanoise.noise.quantiles import poisson_gaussian_ppf, read_values
+from chromanoise.noise.quantiles import code_count, poisson_gaussian_ppf, read_values
+from chromanoise.noise.readout import Moments, Readout, read_moments
 from chromanoise.noise.sampling import clipped_at_well, sample_electrons
 from chromanoise.noise.sources import (
     NoiseKind,
@@ -36,6 +34,7 @@ from chromanoise.noise.sources import (
     demand_independent_channels,
     mean_noise_covariance,
     noise_sources,
+    one_code,
     raw_covariance,
     saturated,
     signal_limit_e,
@@ -61,6 +60,7 @@ __all__ = [
     "clipped_at_well",
     "clipped_measurement",
     "clipping_readout",
+    "code_count",
     "counted_electrons",
     "counted_readout",
     "demand_independent_channels",
@@ -69,6 +69,7 @@ __all__ = [
     "mean_noise_covariance",
     "monte_carlo",
     "noise_sources",
+    "one_code",
     "poisson_gaussian_ppf",
     "raw_covariance",
     "raw_measurement",

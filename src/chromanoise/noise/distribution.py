@@ -10,8 +10,9 @@ from chromanoise._check import Array
 from chromanoise._shapes import Bool, Float
 from chromanoise.errors import InputError
 from chromanoise.noise.counts import count_law, count_window
-from chromanoise.noise.exact import Readout, counted_readout
+from chromanoise.noise.exact import counted_readout
 from chromanoise.noise.gaussian import FARTHEST
+from chromanoise.noise.readout import Readout
 from chromanoise.noise.sources import NoiseSources
 
 MOST_COUNTED_E = 2000.0
@@ -54,8 +55,8 @@ class ReadingDistribution:
 def few_electrons(mean_e: Float[Array, "*k"], noise: NoiseSources) -> Bool[Array, "*k"]:
     """Whether one reading needs its whole distribution: a Gaussian is not enough.
 
-    True up to 1000 electrons of light and dark, with at most 100 electrons of noise that is not
-    counted.
+    True up to 1000 electrons of light and dark, and up to `MOST_COUNTED_E` where the step of the
+    converter exceeds the noise, with at most 100 electrons of noise that is not counted.
 
     Parameters
     ----------
@@ -69,8 +70,11 @@ def few_electrons(mean_e: Float[Array, "*k"], noise: NoiseSources) -> Bool[Array
     >>> few_electrons(np.array([10.0, 2000.0]), NoiseSources(read_noise_e=2.0))
     array([ True, False])
     """
-    added = noise.added_variance_e2(mean_e)
-    return np.asarray((mean_e + noise.dark_e <= _FEW_E) & (added <= _MOST_NOISE_E**2))
+    added, counted = noise.added_variance_e2(mean_e), mean_e + noise.dark_e
+    few = np.asarray(counted <= _FEW_E)
+    if noise.step_e and not few.all():
+        few = few | (noise.rounding_is_coarse(mean_e) & (counted <= MOST_COUNTED_E))
+    return np.asarray(few & (added <= _MOST_NOISE_E**2))
 
 
 def reading_distribution(
@@ -122,15 +126,16 @@ def reading_distribution(
     if step and (high - low) ** 2 / step > _MOST_ENTRIES:
         step, added = 0.0, np.sqrt(added**2 + step**2 / 12)
     if step:
-        values, table = _rounded(counted, added, step)
+        values, table = _rounded(counted, added, replace(bounds, step_e=step))
     elif added.max() < _LEAST_NOISE_E:
-        values, table = _rounded(counted, np.zeros_like(added), 1.0)
+        values, table = _rounded(counted, np.zeros_like(added), Readout(step_e=1.0))
     else:
         values, table = _continuous(counted, np.maximum(added, _LEAST_SD_E))
+    values = values if step else values + bounds.offset_e
     width = 0.0 if step or added.max() < _LEAST_NOISE_E else float(values[1] - values[0])
     values, table = _clipped(values, table, bounds)
     return ReadingDistribution(
-        values_e=values - noise.dark_e + noise.black_error_e,
+        values_e=values,
         probability=np.clip(table / table.sum(axis=1, keepdims=True), 0.0, 1.0),
         width_e=width,
     )
@@ -194,21 +199,22 @@ def _continuous(
 
 
 def _rounded(
-    counted: Float[Array, " k"], added: Float[Array, " k"], step: float
+    counted: Float[Array, " k"], added: Float[Array, " k"], bounds: Readout
 ) -> tuple[Float[Array, " x"], Float[Array, "k x"]]:
     from scipy.special import ndtr
 
+    step, offset = bounds.step_e, bounds.offset_e
     low, high = _reach(counted, added)
-    first, last = math.floor(low / step), math.ceil(high / step)
+    first, last = math.floor((low + offset) / step), math.ceil((high + offset) / step) + 1
     codes = np.arange(first, last + 1)
     table = np.zeros((counted.size, codes.size))
     for row, mean, sd in zip(table, counted, added, strict=True):
         counts, shares = count_law(float(mean))
         if sd < _LEAST_NOISE_E:
-            at = np.floor(counts / step + 0.5).astype(np.int64) - first
+            at = np.floor((counts + offset) / step + 0.5).astype(np.int64) - first
             np.add.at(row, at, shares)
             continue
-        edges = (codes[:, None] - 0.5) * step - counts
+        edges = (codes[:, None] - 0.5) * step - (counts + offset)
         below, above = ndtr(edges / sd), ndtr(-edges / sd)
         between = np.where(edges[:-1] > 0, above[:-1] - above[1:], below[1:] - below[:-1])
         row[:-1] = between @ shares

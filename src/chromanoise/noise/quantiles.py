@@ -12,8 +12,9 @@ from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._shapes import Float
 from chromanoise.noise.counts import count_law
-from chromanoise.noise.exact import Readout
 from chromanoise.noise.gaussian import FARTHEST
+from chromanoise.noise.readout import Readout
+from chromanoise.noise.sources import NoiseSources
 
 _MANY_E = 300.0  # standard deviation above which four cumulants give the distribution to 1e-7 of it
 _SMOOTH_E = 1.0  # read noise that smooths single electrons to a ripple of exp(-2 pi^2) = 3e-9
@@ -68,23 +69,48 @@ def poisson_gaussian_ppf(
 
 
 def read_values(electrons: Float[Array, "*n"], readout: Readout) -> Float[Array, "*n"]:
-    """Electrons after readout: rounded to the nearest step, then clipped to the bounds. [e-]
+    """Values of counted electrons: offset added, rounded to the nearest step, then clipped. [e-]
 
     Parameters
     ----------
     electrons
         Poisson electrons and read noise. [e-]
     readout
-        Bounds and step.
+        Bounds, step and offset.
 
     Examples
     --------
     >>> read_values(np.array([-3.0, 4.9, 99.0]), Readout(black_e=0.0, full_well_e=10.0, step_e=2.0))
     array([ 0.,  4., 10.])
     """
-    step = readout.step_e
-    coded = step * np.floor(electrons / step + 0.5) if step else electrons
+    step, offset = readout.step_e, readout.offset_e
+    values = electrons + offset if offset else electrons
+    coded = step * np.floor(values / step + 0.5) if step else values
     return np.clip(coded, readout.black_e, readout.full_well_e)
+
+
+def code_count(mean_e: float, noise: NoiseSources) -> int:
+    """Number of codes between the quantiles 0.05 % and 99.95 % of a reading.
+
+    Parameters
+    ----------
+    mean_e
+        Expected electrons of the light. [e-]
+    noise
+        Of one reading, or of a sum of readings, of which it is the number of codes of one.
+
+    Examples
+    --------
+    Fifty steps of the noise are 3.29 of them to either side.
+
+    >>> code_count(0.0, NoiseSources(read_noise_e=50.0, step_e=5.0))
+    67
+    """
+    light, readout, sd = noise.of_one_reading(np.array([mean_e]))
+    counted = float(light[0] + noise.dark_e / noise.readings)
+    ends = poisson_gaussian_ppf(np.array([-3.2905, 3.2905]), counted, read_noise_e=float(sd[0]))
+    first, last = read_values(ends, readout) / readout.step_e
+    return round(last - first) + 1
 
 
 def _cornish_fisher(z: Float[Array, "*n"], mean: float, noise: float) -> Float[Array, "*n"]:
@@ -94,7 +120,7 @@ def _cornish_fisher(z: Float[Array, "*n"], mean: float, noise: float) -> Float[A
     return np.asarray(mean + sd * (z + bent))
 
 
-@lru_cache(maxsize=32)  # reused while color spaces and matrices change
+@lru_cache(maxsize=128)  # reused while color spaces and matrices change
 def _table(mean: float, noise: float) -> tuple[Float[Array, " t"], Float[Array, " t"]]:
     """Standard normal quantiles in ascending order, and the values read there. [1, e-]"""
     electrons = _places(mean, noise)

@@ -59,9 +59,10 @@ def sample_electrons(
     electrons = rng.poisson(mean_e * np.maximum(gain, 0.0) + noise.dark_e).astype(np.float64)
     for sd in (noise.read_noise_e, noise.row_noise_e, noise.dsnu_e):
         electrons += sd * rng.standard_normal(mean_e.shape)
+    electrons += noise.black_error_e - noise.dark_e
     if noise.step_e:
         electrons = noise.step_e * np.floor(electrons / noise.step_e + 0.5)
-    return electrons - noise.dark_e + noise.black_error_e
+    return electrons
 
 
 def _at_places(

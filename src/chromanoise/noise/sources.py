@@ -37,6 +37,12 @@ from chromanoise._shapes import Bool, Float, Int
 from chromanoise.errors import InputError, Setting
 from chromanoise.exposure import Exposure
 from chromanoise.noise.measurement import Measurement
+from chromanoise.noise.readout import (
+    Readout,
+    additive_rounding_fails,
+    largest_code_share,
+    read_moments,
+)
 from chromanoise.sensor import Crosstalk, Sensor, quantization_step_e, white_level_e
 
 NoiseKind = Literal["total", "temporal"]
@@ -123,6 +129,11 @@ def crosstalk_pattern(crosstalk: Crosstalk | None) -> CrosstalkPattern | None:
     return CrosstalkPattern(shares=shares, channel=crosstalk.places.tile.ravel(), counted=counted)
 
 
+_ONE_CODE = 0.999  # share of the readings
+_STEPS_OF_ONE_CODE = 5.0  # below as many standard deviations per step no code has that share
+_WEAK = 1e-3  # a channel with less of the electrons of the strongest one decides no color
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NoiseSources:
     """The variance of one reading, source by source, at one exposure.
@@ -145,6 +156,8 @@ class NoiseSources:
         Bias of every reading. [e-]
     pattern
         The pattern of crosstalk over the places of a mosaic; ``None`` without any.
+    readings
+        Readings that are summed (`chromanoise.sensor.binned`); all values are those of the sum.
 
     Raises
     ------
@@ -170,6 +183,7 @@ class NoiseSources:
     prnu: float = 0.0
     black_error_e: float = 0.0
     pattern: CrosstalkPattern | None = None
+    readings: int = 1
 
     def __post_init__(self) -> None:
         for name in ("read_noise_e", "dark_e", "step_e", "row_noise_e", "dsnu_e"):
@@ -246,6 +260,8 @@ class NoiseSources:
     ) -> Float[Array, "*px p"]:
         """Variance of one reading across a flat field, or only its temporal part. [e-^2]
 
+        That of the linear model, with step^2 / 12 for rounding; see `rounded`.
+
         Parameters
         ----------
         mean_e
@@ -279,6 +295,95 @@ class NoiseSources:
         """
         constant = self.read_noise_e**2 + self.row_noise_e**2 + self.dsnu_e**2
         return constant + self._fixed_e2(np.asarray(mean_e))
+
+    def rounding_is_coarse(self, mean_e: Float[Array, "*px p"]) -> Bool[Array, "*px p"]:
+        """Where step^2 / 12 is not what rounding adds, because the step exceeds the noise.
+
+        Parameters
+        ----------
+        mean_e
+            Expected electrons of the light, >= 0. [e-]
+        """
+        mean = np.asarray(mean_e, dtype=np.float64)
+        if not self.step_e:
+            return np.zeros(mean.shape, dtype=bool)
+        light, readout, sd = self.of_one_reading(mean)
+        return additive_rounding_fails(
+            light, counted_e=light + self.dark_e / self.readings, read_noise_e=sd,
+            step_e=readout.step_e,
+        )  # fmt: skip
+
+    def rounded(
+        self, mean_e: Float[Array, "*px p"], kind: NoiseKind = "total"
+    ) -> tuple[Float[Array, "*px p"], Float[Array, "*px p"]]:
+        """Bias and variance of one reading, rounding included. [e-, e-^2]
+
+        The bias is that of rounding alone; the error of the black level is not part of it. Where
+        `rounding_is_coarse` both are exact; elsewhere they are 0 and `variance_e2`.
+
+        Parameters
+        ----------
+        mean_e, kind
+            As `variance_e2`.
+
+        Examples
+        --------
+        With 100 e- per code nearly all readings are 0, whose variance is far below 100^2 / 12.
+
+        >>> bias, variance = NoiseSources(read_noise_e=10.0, step_e=100.0).rounded(np.array([20.0]))
+        >>> bias.round(2), variance.round(1)
+        (array([-19.58]), array([41.7]))
+        """
+        variance = np.array(self.variance_e2(mean_e, kind))
+        mean, bias = np.asarray(mean_e, dtype=np.float64), np.zeros_like(variance)
+        own = self if kind == "total" else self.temporal
+        coarse = own.rounding_is_coarse(mean)
+        if coarse.any():
+            light, readout, sd = own.of_one_reading(mean)  # a pattern depends on all channels
+            counted = (light + own.dark_e / own.readings)[coarse]
+            read = read_moments(counted, read_noise_e=sd[coarse], readout=readout)
+            bias[coarse] = own.readings * read.mean - mean[coarse] - own.black_error_e
+            variance[coarse] = own.readings * read.variance
+        return bias, variance
+
+    def gives_one_code(self, mean_e: Float[Array, "*px p"]) -> Bool[Array, "*px p"]:
+        """Where more than 99.9 % of the readings are one code, so that their noise is not seen.
+
+        Parameters
+        ----------
+        mean_e
+            Expected electrons of the light, >= 0. [e-]
+        """
+        mean = np.asarray(mean_e, dtype=np.float64)
+        found = np.zeros(mean.shape, dtype=bool)
+        if not self.step_e:
+            return found
+        light, readout, sd = self.of_one_reading(mean)
+        counted = light + self.dark_e / self.readings
+        near = counted + sd**2 < (readout.step_e / _STEPS_OF_ONE_CODE) ** 2
+        if near.any():
+            found[near] = (
+                largest_code_share(counted[near], read_noise_e=sd[near], readout=readout)
+                > _ONE_CODE
+            )
+        return found
+
+    def of_one_reading(
+        self, mean_e: Float[Array, "*px p"]
+    ) -> tuple[Float[Array, "*px p"], Readout, Float[Array, "*px p"]]:
+        """Light, codes and added noise of each of the readings that are summed. [e-]
+
+        Parameters
+        ----------
+        mean_e
+            Expected electrons of the light. [e-]
+        """
+        n = self.readings
+        sd = np.sqrt(np.broadcast_to(self.added_variance_e2(mean_e) / n, mean_e.shape))
+        readout = Readout(
+            step_e=self.step_e / np.sqrt(n), offset_e=(self.black_error_e - self.dark_e) / n
+        )
+        return mean_e / n, readout, sd
 
     @property
     def temporal(self) -> "NoiseSources":
@@ -329,6 +434,7 @@ def noise_sources(sensor: Sensor, exposure: Exposure | None = None) -> NoiseSour
         prnu=pixel.prnu,
         black_error_e=pixel.black_error_e,
         pattern=crosstalk_pattern(sensor.crosstalk),
+        readings=int(pixel.summed_readings),
     )
 
 
@@ -393,8 +499,12 @@ def with_noise(
     exposure: Exposure | None = None,
     *,
     kind: NoiseKind = "total",
+    linear: bool = False,
 ) -> Measurement:
     """The raw measurement: expected electrons and covariance, without clipping as in the paper.
+
+    Where the step of the converter exceeds the noise, the mean has the bias of rounding, and mean
+    and variance are exact (`NoiseSources.rounded`).
 
     Parameters
     ----------
@@ -404,6 +514,9 @@ def with_noise(
         As `noise_sources`.
     kind
         ``total``, or ``temporal`` without DSNU, PRNU and the pattern of crosstalk.
+    linear
+        Whether rounding adds step^2 / 12 also where the step exceeds the noise, for values that
+        are defined by this model: dynamic ranges and noise profiles.
 
     Raises
     ------
@@ -419,9 +532,13 @@ def with_noise(
     that less of it is left: ``reading_variance`` is S D + R, S the squared shares.
     """
     noise, coupling = noise_sources(sensor, exposure), after_counting(sensor.crosstalk)
-    counted = counted_electrons(mean_e, coupling)
-    variance, after = noise.variance_e2(counted, kind), noise.after_counting_e2(counted, kind)
-    reading = None
+    counted, reading = counted_electrons(mean_e, coupling), None
+    if linear or coupling is not None:
+        variance = noise.variance_e2(counted, kind)
+    else:
+        bias, variance = noise.rounded(mean_e, kind)
+        mean_e = mean_e + bias if bias.any() else mean_e
+    after = noise.after_counting_e2(counted, kind)
     if coupling is not None and sensor.crosstalk is not None and sensor.crosstalk.places:
         reading = (variance - after) @ sensor.crosstalk.squares.T + after
     return Measurement(
@@ -539,6 +656,29 @@ def saturated(
         Time and lens.
     """
     return np.asarray(mean_e) > signal_limit_e(sensor, exposure) * (1 + 1e-12)
+
+
+def one_code(
+    mean_e: Float[Array, "*px p"], sensor: Sensor, exposure: Exposure | None = None
+) -> Bool[Array, "*px p"]:
+    """True where practically every reading is the same code, so that the SNR is undefined.
+
+    Channels with less than a thousandth of the electrons of the strongest one are not: the code
+    of no light is right for them.
+
+    Parameters
+    ----------
+    mean_e
+        Expected electrons of each channel. [e-]
+    sensor, exposure
+        As `noise_sources`.
+    """
+    mean = np.asarray(mean_e, dtype=np.float64)
+    noise = noise_sources(sensor, exposure)
+    if not noise.step_e:
+        return np.zeros(mean.shape, dtype=bool)
+    lit = (mean > 0) & (mean >= _WEAK * mean.max(axis=-1, keepdims=True))
+    return noise.gives_one_code(mean) & lit
 
 
 def signal_limit_e(sensor: Sensor, exposure: Exposure | None = None) -> float:

@@ -71,12 +71,12 @@ def analysis_of(
         If the matrix cannot be made.
     """
     sensor = operating_point.sensor
-    clipping = clipping_readout(sensor, operating_point.exposure)
+    clipping = clipping_readout(sensor, operating_point.exposure) if outputs.clip else None
     analysis = analyzed(
         patch_scene(operating_point),
         sensor,
         operating_point.exposure,
-        readout=clipping if outputs.clip else None,
+        readout=clipping,
         matrix=maker(operating_point),
     )
     point = operating_point

@@ -127,7 +127,7 @@ def level_merits(analysis: Analysis) -> tuple[Merit, ...]:
     """From black to the white of this exposure, or to the white level if that is lower."""
     sensor, exposure, white_e = analysis.sensor, analysis.exposure, white_electrons(analysis)
     top_e = np.clip(white_e, 0.0, max(signal_limit_e(sensor, exposure), 0.0))
-    dark = with_noise(np.zeros_like(white_e), sensor, exposure, kind="temporal")
+    dark = with_noise(np.zeros_like(white_e), sensor, exposure, kind="temporal", linear=True)
     dark_noise_e, shot = np.sqrt(dark.variance), _shot_noise_per_electron(sensor, white_e)
     step_e = code_step_e(sensor.converter, sensor.pixel)
 
