@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from chromanoise.analysis import analyzed, diagnosis, raw_snr_db
 from chromanoise.analysis.analysis import temporal_raw_snr_db
 from chromanoise.analysis.budgets import color_budgets, contravariant_budgets, lab_budgets
+from chromanoise.analysis.camera_pipeline import pipeline_noise
 from chromanoise.catalog import sensor_named
 from chromanoise.color import kernel_matrix
 from chromanoise.exposure import Exposure, OperatingPoint, expected_electrons
@@ -194,6 +195,16 @@ def test_a_matrix_alone_or_one_that_cannot_be_inverted_has_no_known_pattern():
     assert any("pattern" in note for note in diagnosis(lost))
 
 
+@pytest.mark.parametrize("mosaic", ["bayer", "rgbw-2x2"])
+@pytest.mark.parametrize("stage", STAGES)
+def test_equal_neighborhoods_have_the_covariance_of_their_mean(mosaic, stage):
+    sensor = crossed(mosaic, stage, cross(0.15), **NOISE)
+    of_means = replace(sensor, crosstalk=replace(sensor.crosstalk, places=None))
+    np.testing.assert_array_equal(read(sensor).covariance, read(of_means).covariance)
+    less = read(of_means).variance - read(sensor).variance
+    assert (less > 0).all() if stage == "charge" else not less.any()
+
+
 # draws by plain numpy
 
 
@@ -333,8 +344,16 @@ def test_the_budget_has_the_pattern_as_a_cause_and_adds_up(share, stage, prnu):
         for budget in filter(None, budgets):
             costs = {cost.cause: cost.loss_db for cost in budget.costs}
             assert (CAUSE in costs) == known
-            assert budget.photons_db - sum(costs.values()) == pytest.approx(budget.snr_db, abs=1e-9)
+            lost = sum(costs.values())
+            assert budget.photons_db - lost == pytest.approx(budget.snr_db, abs=1e-12)
             assert costs.get(CAUSE, 1.0) > 0
+
+
+def test_the_noise_profile_of_a_raw_file_leaves_the_pattern_out():
+    """Its variance is linear in the light; before counting the slope is that of electrons."""
+    at = analyzed(WHITE, crossed("rgbw-4x4", "light", cross(0.2), **NOISE), EXPOSURE)
+    step = pipeline_noise(at).iso[0]
+    assert step.noise_profile[:, 0] * step.white_level_e == pytest.approx(np.ones(4), rel=1e-9)
 
 
 def test_a_burst_does_not_average_the_pattern():

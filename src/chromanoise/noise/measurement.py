@@ -32,7 +32,7 @@ class Measurement:
         Metric of the space of spectra, where the coordinates depend on it; ``None`` for raw
         electrons.
     reading_variance
-        Variance of one reading of each coordinate, where it is not the diagonal of the covariance:
+        Variance of one reading in ``unit`` squared, where it is not the diagonal of the covariance:
         one pixel of a mosaic with crosstalk after counting (`chromanoise.noise.with_noise`).
 
     Raises
