@@ -50,13 +50,13 @@ def bells(rng, m, p):
 def scene_of(rng, matrix="kernel", p=3, **changes):
     """Any light, observer, exposure and pixel, all noise sources included."""
     pixel = Pixel(
-        pitch_um=rng.uniform(2, 10), full_well_e=1e6, read_noise_e=rng.uniform(0.5, 10),
+        pitch_um=rng.uniform(2, 10), full_well_e=1e6, read_noise_e=rng.uniform(18, 30),
         prnu=rng.uniform(0, 0.02), dsnu_e=rng.uniform(0, 5), row_noise_e=rng.uniform(0, 2),
         dark_current_e_per_s=rng.uniform(0, 90), black_error_e=rng.choice([0.0, 1.5]),
     )  # fmt: skip
     sensor = Sensor(
         name="own", grid=GRID, qe=np.full((GRID.n, p), 0.5), pixel=pixel,
-        names=tuple(f"c{i}" for i in range(p)), converter=Converter(bits=12),
+        names=tuple(f"c{i}" for i in range(p)), converter=Converter(bits=16),  # 15 e- per code
     )  # fmt: skip
     lamp = illuminant_named(str(rng.choice(["E", "D65", "A"])), GRID, beyond="zero")
     point = OperatingPoint(
@@ -105,7 +105,11 @@ def test_a_batch_gives_the_values_of_the_library(matrix, p):
 def test_what_a_candidate_brings_replaces_what_the_scene_has():
     rng = np.random.default_rng(1)
     scene, qe = scene_of(rng, "lmmse"), bells(rng, 3, 3)
-    time_s, read_noise_e, prnu = np.array([0.001, 0.01, 0.02]), np.array([1.0, 4, 9]), rng.random(3)
+    time_s, read_noise_e, prnu = (
+        np.array([0.001, 0.01, 0.02]),
+        np.array([20.0, 25, 31]),
+        rng.random(3),
+    )
     weight = np.array([0.0, 1.0, 7.0])
     own = Candidates(
         qe=qe, time_s=time_s, read_noise_e=read_noise_e, prnu=prnu / 10, noise_weight=weight

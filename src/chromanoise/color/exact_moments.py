@@ -127,7 +127,7 @@ def normal_fails(source: ElectronSource) -> Bool[Array, "*px"]:
     return np.asarray(found)
 
 
-def exact_where_needed(color: NoisyColor, space: Space, *, points: int = 2**12) -> SpaceMoments:
+def exact_where_needed(color: NoisyColor, space: Space, *, points: int = 2**11) -> SpaceMoments:
     """`exact` where `normal_fails`, and the cubature of a normal distribution elsewhere.
 
     Parameters

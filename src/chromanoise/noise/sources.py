@@ -332,7 +332,7 @@ class NoiseSources:
 
         >>> bias, variance = NoiseSources(read_noise_e=10.0, step_e=100.0).rounded(np.array([20.0]))
         >>> bias.round(2), variance.round(1)
-        (array([-19.58]), array([41.7]))
+        (array([-19.68]), array([32.4]))
         """
         variance = np.array(self.variance_e2(mean_e, kind))
         mean, bias = np.asarray(mean_e, dtype=np.float64), np.zeros_like(variance)
