@@ -10,6 +10,7 @@ import chromanoise as cn
 from chromanoise.characterization import (
     VirtualCamera,
     characterized,
+    emva_sheet,
     light_sample,
     photon_transfer_frames,
     plane_names,
@@ -125,9 +126,9 @@ def test_a_fixed_pattern_is_found_without_the_temporal_noise():
         for _ in range(2)
     ]
     (plane,) = light_sample(frames, (1, 1)).planes
-    total = fixed_pattern(sum(one.codes().astype(int) for one in frames))
+    total = fixed_pattern(sum(one.codes().astype(int) for one in frames), 2)
     for filtered in (False, True):
-        one = spatial_variance(total, plane, frames=2, high_pass=filtered)
+        one = spatial_variance(total, plane, high_pass=filtered)
         assert one.variance_dn2 == pytest.approx(pattern.var(), abs=4 * one.se_dn2)
         assert one.se_dn2 < 3.0
 
@@ -136,11 +137,10 @@ def test_the_high_pass_takes_shading_away_and_keeps_the_pattern():
     y, _ = np.indices((200, 200))
     pattern = np.random.default_rng(5).standard_normal((200, 200))
     shaded = 500_000 * (1 - 0.3 * (y / 199 - 0.5) ** 2) + 5000 * pattern
-    total = fixed_pattern(shaded.round().astype(int))
+    total = fixed_pattern(shaded.round().astype(int), 1000)
     (plane,) = light_sample([frame(np.zeros((200, 200), int))] * 2, (1, 1)).planes
     plain, filtered = (
-        spatial_variance(total, plane, frames=1000, high_pass=one).variance_dn2
-        for one in (False, True)
+        spatial_variance(total, plane, high_pass=one).variance_dn2 for one in (False, True)
     )
     assert plain > 100
     assert filtered == pytest.approx(25.0, rel=0.03)
@@ -151,10 +151,10 @@ def test_hot_pixels_are_counted_and_normal_ones_are_not(sigma):
     rng = np.random.default_rng(6)
     dark = [(100 + sigma * rng.standard_normal((300, 300))).round().astype(int) for _ in range(2)]
     (plane,) = light_sample([frame(one) for one in dark], (1, 1)).planes
-    assert hot_pixels(fixed_pattern(sum(dark)), plane, frames=2) == 0
+    assert hot_pixels(fixed_pattern(sum(dark), 2), plane) == 0
     for one in dark:
         one[3, 4] = one[200, 7] = 100 + 30 * max(sigma, 1)
-    assert hot_pixels(fixed_pattern(sum(dark)), plane, frames=2) == 2
+    assert hot_pixels(fixed_pattern(sum(dark), 2), plane) == 2
 
 
 @pytest.mark.parametrize("shape", [(40, 3000), (3000, 40)])
@@ -194,6 +194,16 @@ def test_an_ideal_camera_follows_the_linear_model(found):
     assert found.verdict.sentences == ()
     assert found.verdict.chi2_per_level < 3.0
     assert found.planes[0].linearity_error_percent < 0.5
+
+
+def test_the_table_and_the_data_sheet_have_one_dynamic_range(found):
+    (plane,) = found.planes
+    (row,) = [line for line in emva_sheet(found, plane).splitlines() if line.startswith("DR = ")]
+    assert float(row.split()[2]) == plane.dynamic_range_db
+    least = np.sqrt(plane.dark_noise_e**2 + 1 / (12 * plane.gain_dn_per_e**2)) + 0.5
+    top = max(plane.levels, key=lambda one: one.variance_dn2)
+    assert plane.saturation_capacity_e == pytest.approx(plane.qe * top.photons_per_pixel, rel=1e-12)
+    assert 10 ** (plane.dynamic_range_db / 20) * least == pytest.approx(plane.saturation_capacity_e)
 
 
 def test_frames_are_not_modified_and_the_result_is_the_same_again(tmp_path):

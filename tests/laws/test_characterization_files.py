@@ -222,7 +222,7 @@ def test_the_reference_code_of_the_standard_reads_the_xml(file):
     data = routines.xml_to_dict(str(path))
     assert data["sensitivity"]["k"]["value"] == 0.5
     assert data["sensitivity"]["sigma_d"]["value"] == 5.0
-    assert data["sensitivity"]["u_e_sat"]["value"] == plane.full_well_e
+    assert data["sensitivity"]["u_e_sat"]["value"] == plane.saturation_capacity_e
     assert data["sensitivity"]["qe"]["value"] == pytest.approx(61.0, rel=EXACT)
     assert data["spatial"]["prnu1288"]["value"] == pytest.approx(0.61, rel=EXACT)
     assert data["spatial"]["dsnu1288"]["value"] == plane.dsnu_e

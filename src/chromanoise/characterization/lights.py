@@ -40,7 +40,7 @@ def refuse_unusable(frames: FrameSet) -> None:
     InputError
         If there is one.
     """
-    if not any(level.flats for level in frames.levels):
+    if not any(level.flats and not level.spatial for level in frames.levels):
         raise InputError(frames.source, "must have frames with light", found="has dark frames only")
     refuse_mixed(frames.source, [f for one in frames.levels for f in (*one.flats, *one.darks)])
     refuse_few(frames.source, frames.levels, ("flats", "darks"))
@@ -142,15 +142,20 @@ def lit_levels(frames: FrameSet, lights: Mapping[Key, LightSample]) -> list[Fram
     def light(level: FrameLevel) -> float:
         return sum(plane.mean_dn for plane in lights[key_of(level.flats)].planes)
 
-    return sorted((level for level in frames.levels if level.flats), key=light)
+    levels = (level for level in frames.levels if level.flats and not level.spatial)
+    return sorted(levels, key=light)
 
 
-def _darks(frames: FrameSet, lights: Mapping[Key, LightSample]) -> dict[Key, FrameLevel]:
-    """Each set of darks once, with a level that has it."""
+def darks_of(frames: FrameSet) -> dict[Key, FrameLevel]:
+    """Each set of darks of the photon transfer once, with a level that has it.
+
+    Those of spatial series are used only where there are no others.
+    """
+    levels = [level for level in frames.levels if level.darks]
+    temporal = [level for level in levels if not level.spatial]
     found: dict[Key, FrameLevel] = {}
-    for level in frames.levels:
-        if level.darks and key_of(level.darks) in lights:
-            found.setdefault(key_of(level.darks), level)
+    for level in temporal or levels:
+        found.setdefault(key_of(level.darks), level)
     return found
 
 
@@ -168,7 +173,7 @@ def transfer_table(
     frames: FrameSet, lights: Mapping[Key, LightSample], plane: int, source: str
 ) -> PhotonTransfer:
     """Means and variances of one plane: the lit levels from dark to bright, then the darks."""
-    lit, darks = lit_levels(frames, lights), _darks(frames, lights)
+    lit, darks = lit_levels(frames, lights), darks_of(frames)
     samples = [lights[key_of(level.flats)].planes[plane] for level in lit]
     samples += [lights[key].planes[plane] for key in darks]
     dark = np.array([False] * len(lit) + [True] * len(darks))
@@ -190,8 +195,7 @@ def transfer_table(
 
 def dark_samples(frames: FrameSet, own: Mapping[Key, PlaneSample]) -> list[PlaneSample]:
     """The statistics of each set of darks, once."""
-    keys = dict.fromkeys(key_of(level.darks) for level in frames.levels if level.darks)
-    return [own[key] for key in keys if key in own]
+    return [own[key] for key in darks_of(frames)]
 
 
 DarkOf = Callable[[FrameLevel], tuple[float, float]]
@@ -203,18 +207,13 @@ def dark_of_levels(frames: FrameSet, own: Mapping[Key, PlaneSample]) -> DarkOf:
 
     Without darks, those of the darkest level.
     """
-    groups = {
-        key_of(level.darks): level
-        for level in frames.levels
-        if level.darks and key_of(level.darks) in own
-    }
-
+    groups = darks_of(frames)
     darkest = min(own.values(), key=lambda one: one.mean_dn)
 
     def found(level: FrameLevel) -> tuple[float, float]:
         if not groups:
             return darkest.mean_dn, darkest.variance_dn2
-        keys = [key_of(level.darks)] if key_of(level.darks) in own and level.darks else []
+        keys = [key_of(level.darks)] if level.darks else []
         if not keys and level.time_ms is not None:
             keys = [
                 key

@@ -42,6 +42,8 @@ class FixedPattern:
 
     Attributes
     ----------
+    frames
+        Number of frames in the sum. [1]
     shape
         Rows and columns. [px]
     values, counts
@@ -51,6 +53,7 @@ class FixedPattern:
         without the borders; ``None`` below 64 pixels. [DN^2], [px]
     """
 
+    frames: int
     shape: tuple[int, int]
     values: Integer[Array, "n"]
     counts: Integer[Array, "n"]
@@ -64,21 +67,25 @@ class FixedPattern:
         return float(self.counts @ away**2) / (pixels - 1)
 
 
-def fixed_pattern(total: Integer[Array, "h w"]) -> FixedPattern:
+def fixed_pattern(total: Integer[Array, "h w"], frames: int) -> FixedPattern:
     """What is needed of a sum of frames.
 
     Parameters
     ----------
     total
         Sum of the frames of one light, one plane. [DN]
+    frames
+        Their number. [1]
     """
     values, counts = value_counts(total)
     high_passed = high_passed_variance(total) if min(total.shape) >= LEAST_SIDE else None
-    return FixedPattern(shape=total.shape, values=values, counts=counts, high_passed=high_passed)
+    return FixedPattern(
+        frames=frames, shape=total.shape, values=values, counts=counts, high_passed=high_passed
+    )
 
 
 def spatial_variance(
-    pattern: FixedPattern, sample: PlaneSample, *, frames: int, high_pass: bool
+    pattern: FixedPattern, sample: PlaneSample, *, high_pass: bool
 ) -> SpatialVariance:
     """The variance between pixels that is the same in every frame.
 
@@ -88,8 +95,6 @@ def spatial_variance(
         Of the sum of frames of one light.
     sample
         Temporal statistics of the frames of this light.
-    frames
-        Number of frames in the sum. [1]
     high_pass
         Whether the frame minus its smoothed copy is used, so that uneven light and shading are not
         counted. The variance of white noise is kept by a factor. Not done below 64 pixels.
@@ -99,7 +104,7 @@ def spatial_variance(
     EMVA 1288, release 4.0: s^2 = s^2 measured - sigma^2 / L for L frames; the filter is that of its
     section on PRNU.
     """
-    measured, (rows, columns) = pattern.variance, pattern.shape
+    frames, measured, (rows, columns) = pattern.frames, pattern.variance, pattern.shape
     filtered = high_pass and pattern.high_passed is not None
     if high_pass and pattern.high_passed is not None:
         measured, (rows, columns) = pattern.high_passed
@@ -121,12 +126,12 @@ def spatial_variance(
     )
 
 
-def hot_pixels(pattern: FixedPattern, sample: PlaneSample, *, frames: int) -> int:
+def hot_pixels(pattern: FixedPattern, sample: PlaneSample) -> int:
     """Number of pixels far above the others in a sum of dark frames.
 
     Parameters
     ----------
-    pattern, sample, frames
+    pattern, sample
         As `spatial_variance`. The spread of the others is that of the median absolute deviation,
         and at least that of the temporal noise: averages of few codes may all be equal.
     """
@@ -134,7 +139,7 @@ def hot_pixels(pattern: FixedPattern, sample: PlaneSample, *, frames: int) -> in
     away = values - _median(values, counts)
     order = np.argsort(np.abs(away))
     spread = _TO_SIGMA * _median(np.abs(away)[order], counts[order])
-    least = math.sqrt(max(sample.variance_dn2, 1 / 12) * frames)
+    least = math.sqrt(max(sample.variance_dn2, 1 / 12) * pattern.frames)
     return int(counts[away > _HOT_SIGMA * max(spread, least)].sum())
 
 

@@ -133,6 +133,9 @@ class FrameLevel:
         Exposure time. [ms]
     photons_per_pixel
         Mean number of photons on a pixel during the exposure. [1]
+    spatial
+        Whether the frames measure the fixed patterns only: they are no level of the photon
+        transfer, and their light may have another calibration.
     """
 
     name: str
@@ -140,6 +143,7 @@ class FrameLevel:
     darks: tuple[Frame, ...] = ()
     time_ms: float | None = None
     photons_per_pixel: float | None = None
+    spatial: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
