@@ -19,6 +19,7 @@ from chromanoise.characterization import (
     variance_through_file,
 )
 from chromanoise.characterization.spatial import fixed_pattern, hot_pixels, spatial_variance
+from chromanoise.characterization.statistics import scaled_sample
 from chromanoise.io.frames import Frame, FrameLevel, FrameSet, read_frame_set
 from chromanoise.io.given_matrices import GivenMatrix
 from chromanoise.sensor import Mosaic, bayer
@@ -163,6 +164,119 @@ def test_white_noise_of_long_frames_has_no_correlation_of_neighbors(shape):
     (plane,) = light_sample(pair, (1, 1)).planes
     assert abs(plane.correlation_right) < 5 / np.sqrt(shape[0] * shape[1])
     assert abs(plane.correlation_down) < 5 / np.sqrt(shape[0] * shape[1])
+
+
+# ---- light that changes from frame to frame ----
+
+
+def lit(signal, pattern, *, black=200.0, dark=0.0, seed=0):
+    """Codes of a light with a fixed pattern and temporal noise in the dark. [DN]"""
+    noise_dn = dark * np.random.default_rng(seed).standard_normal(pattern.shape)
+    return frame((black + signal * pattern + noise_dn).round().astype(np.int32), f"f{seed}")
+
+
+def test_a_pattern_that_grows_with_the_light_has_no_temporal_variance():
+    y, x = np.indices((64, 80))
+    pattern = 1 - 0.4 * (y / 63 - 0.5) ** 2 - 0.2 * (x / 79 - 0.5) ** 2
+    frames, tile = [lit(20_000.0 * light, pattern) for light in (1.0, 1.1, 0.95)], (2, 2)
+    plain = light_sample(frames, tile)
+    scaled = scaled_sample(frames, tile, plain, [(200.0, 0.0)] * 4)
+    for before, one in zip(plain.planes, scaled.planes, strict=True):
+        assert before.variance_dn2 > 500
+        assert one.variance_dn2 == pytest.approx(1 / 12, rel=0.1)
+        assert one.frame_means_dn == before.frame_means_dn
+        assert max(abs(one.correlation_right), abs(one.correlation_down)) < 0.15
+    assert np.abs(scaled.covariance_dn2).max() < 0.1
+
+
+@pytest.mark.parametrize("lights", [(1.0, 1.6), (1.6, 1.0, 1.3)], ids=str)
+def test_scaled_frames_have_the_shot_noise_of_their_mean_and_the_noise_in_the_dark_once(lights):
+    """By draws: the temporal variance is dark + K times the mean signal, for any two lights."""
+    rng, gain, dark_dn = np.random.default_rng(8), 0.5, 30.0
+    pattern = 1 + 0.05 * rng.standard_normal((500, 600))
+
+    def drawn(light):
+        electrons = rng.poisson(2000 * light * pattern) + dark_dn / gain * rng.standard_normal(
+            pattern.shape
+        )
+        return frame((300 + gain * electrons).round().astype(np.int32))
+
+    frames = [drawn(light) for light in lights]
+    plain = light_sample(frames, (1, 1))
+    (one,) = scaled_sample(frames, (1, 1), plain, [(300.0, dark_dn**2 + 1 / 12)]).planes
+    signal = gain * 2000 * np.mean(lights)
+    error = one.variance_dn2 * np.sqrt(2 / (one.samples - 1))
+    assert abs(one.variance_dn2 - gain * signal - dark_dn**2 - 1 / 12) < 4 * error
+    assert plain.planes[0].variance_dn2 > gain * signal + dark_dn**2 + 20 * error
+
+
+def flickering(camera, change, *, seed, levels=6):
+    """Frames of a lamp whose light scatters by the share ``change`` from flat to flat."""
+    (truth,), rng, levels_ = camera.planes(), np.random.default_rng(seed), []
+    for i in range(levels):
+        photons = 1.1 * truth.full_well_e / truth.qe * (i + 1) / levels
+        factors = 1 + change * rng.standard_normal(2)
+        flats = [
+            camera.frame(photons_per_pixel=photons * f, time_ms=1.0, number=4 * i + k)
+            for k, f in enumerate(factors)
+        ]
+        darks = [camera.frame(dark=True, time_ms=1.0, number=4 * i + k) for k in (2, 3)]
+        levels_.append(level(f"level {i}", *flats, darks=darks))
+    return frame_set(*levels_)
+
+
+def errors_of_shaded_cameras(cameras, change, shading):
+    """(found - true) / stated error of K and PRNU."""
+    z = {"gain_dn_per_e": [], "prnu": []}
+    for seed in range(cameras):
+        camera = VirtualCamera(
+            shape=(96, 120), gain_dn_per_e=0.15, read_noise_e=4.0, full_well_e=1e5, bits=14,
+            black_level_dn=200, prnu=0.01, dsnu_e=5.0, shading=shading, seed=seed,
+        )  # fmt: skip
+        (plane,) = characterized(flickering(camera, change, seed=seed)).planes
+        for name, found in z.items():
+            true = getattr(camera.planes()[0], name)
+            found.append((getattr(plane, name) - true) / getattr(plane, f"{name}_se"))
+    return z
+
+
+@pytest.mark.parametrize(("change", "shading"), [(0.03, 0.3), (0.0, 0.6)])
+def test_gain_and_prnu_are_right_under_shading_and_a_lamp_that_flickers(change, shading):
+    for name, z in errors_of_shaded_cameras(8, change, shading).items():
+        assert abs(np.mean(z)) * 8**0.5 < 4, name
+        assert np.abs(z).max() < 4, name
+
+
+@pytest.mark.evidence
+@pytest.mark.parametrize(("change", "shading"), [(0.03, 0.3), (0.01, 0.6), (0.0, 0.2), (0.0, 0.6)])
+def test_stated_errors_are_right_under_shading_and_a_lamp_that_flickers(change, shading):
+    for name, z in errors_of_shaded_cameras(400, change, shading).items():
+        print(name, np.mean(z), np.std(z))
+        assert abs(np.mean(z)) * 400**0.5 < 5, name
+        assert 0.9 < np.std(z) < 1.1, name
+
+
+def test_without_a_dark_the_frames_are_not_scaled_and_the_verdict_says_so():
+    frames = flickering(replace(CAMERA, shading=0.3), 0.03, seed=1, levels=14)
+    dark = replace(frames, levels=tuple(replace(one, darks=()) for one in frames.levels))
+    known, unknown = (characterized(one).verdict.sentences for one in (frames, dark))
+    assert any("scaled to one mean before" in one for one in known)
+    assert any("is not known" in one for one in unknown)
+
+
+def test_an_offset_that_wanders_is_no_change_of_the_light():
+    rng, levels_ = np.random.default_rng(3), []
+    for i, signal in enumerate((1e-4, 400.0, 800.0, 1200.0, 1600.0)):
+
+        def codes(light, offset):
+            mean = 100 + offset + 0.5 * rng.poisson(2 * light, (100, 120))
+            return (mean + 3 * rng.standard_normal(mean.shape)).round().astype(np.int32)
+
+        flats, darks = ([codes(one, off) for off in (-0.3, 0.3)] for one in (signal, 0.0))
+        levels_.append(level(f"level {i}", *flats, darks=darks))
+    found = characterized(frame_set(*levels_))
+    assert found.planes[0].levels[0].drift_z > 5  # of the pixels alone
+    assert not any("light changed" in one for one in found.verdict.sentences)
 
 
 # ---- a whole camera ----

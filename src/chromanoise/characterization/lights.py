@@ -5,11 +5,12 @@ import os
 from collections.abc import Callable, Generator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
+from dataclasses import dataclass
 from typing import TypeVar
 
 import numpy as np
 
-from chromanoise.characterization.statistics import LightSample, PlaneSample
+from chromanoise.characterization.statistics import LightSample, PlaneSample, scaled_sample
 from chromanoise.errors import InputError
 from chromanoise.io.frames.consistency import refuse_few, refuse_mixed
 from chromanoise.io.frames.frame import Frame, FrameLevel, FrameSet
@@ -17,6 +18,7 @@ from chromanoise.sensor import PhotonTransfer
 from chromanoise.sensor.photon_transfer_table import SAME_TIME
 
 _MOST_BYTES = 400_000_000  # of frames that threads keep in memory
+_SURE_Z = 5.0  # standard errors beyond which a change is no chance
 _MOST_APART = 0.2  # of the mean, by which flats of one level may differ
 
 Sampler = Callable[[Sequence[Frame], tuple[int, int]], LightSample]
@@ -134,6 +136,117 @@ def _refuse_apart(group: Sequence[Frame], light: LightSample) -> None:
                 found=f"has a mean of {means[high]:.6g} DN, and the other has {means[low]:.6g} DN",
                 remedy="state in capture.toml which frames belong together",
             )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LightChange:
+    """A change of the light between the flats of one level, by more than chance explains.
+
+    Attributes
+    ----------
+    share
+        Largest minus smallest mean, above dark, over the largest. [1]
+    low, high
+        The frames.
+    above_black
+        Whether the mean without light is known; otherwise ``share`` is that of the codes.
+    """
+
+    share: float
+    low: Frame
+    high: Frame
+    above_black: bool
+
+
+def light_changes(frames: FrameSet, lights: Mapping[Key, LightSample]) -> dict[Key, LightChange]:
+    """The levels between whose flats the light changed significantly, by the names of the flats.
+
+    Parameters
+    ----------
+    frames, lights
+        All frames, and their statistics.
+
+    Notes
+    -----
+    A mean also moves with the offset of the camera. How far is taken from the scatter of the means
+    of its darks. Both the change and the signal above dark must exceed their errors by 5 times.
+    """
+    base_of, owns = bases(frames, lights), _of_planes(lights)
+    offsets = [_offset_variance(dark_samples(frames, own)) for own in owns]
+    found = {}
+    for level in frames.levels:
+        if not level.flats:
+            continue
+        samples = lights[key_of(level.flats)].planes
+        i = max(range(len(samples)), key=lambda plane: samples[plane].mean_dn)
+        means, base = samples[i].frame_means_dn, base_of(level)
+        error = math.sqrt(2 * (len(means) * samples[i].mean_variance_dn2 + offsets[i]))
+        low, high = int(np.argmin(means)), int(np.argmax(means))
+        black = 0.0 if base is None else base[i][0]
+        if min(means[high] - means[low], samples[i].mean_dn - black) > _SURE_Z * error:
+            found[key_of(level.flats)] = LightChange(
+                share=(means[high] - means[low]) / (means[high] - black),
+                low=level.flats[low],
+                high=level.flats[high],
+                above_black=base is not None,
+            )
+    return found
+
+
+def _of_planes(lights: Mapping[Key, LightSample]) -> list[dict[Key, PlaneSample]]:
+    """The statistics of each plane."""
+    count = len(next(iter(lights.values())).planes)
+    return [{key: light.planes[i] for key, light in lights.items()} for i in range(count)]
+
+
+def _offset_variance(darks: Sequence[PlaneSample]) -> float:
+    """Variance of the mean of a dark from frame to frame, beyond that of its pixels. [DN^2]"""
+    counts = np.array([len(one.frame_means_dn) for one in darks])
+    found = np.array([np.var(one.frame_means_dn, ddof=1) for one in darks])
+    chance = counts * np.array([one.mean_variance_dn2 for one in darks])
+    return max(float((counts - 1) @ (found - chance)) / max(int((counts - 1).sum()), 1), 0.0)
+
+
+Bases = Callable[[FrameLevel], list[tuple[float, float]] | None]
+"""Mean and variance of each plane of a level without light, if known. [DN], [DN^2]"""
+
+
+def bases(frames: FrameSet, lights: Mapping[Key, LightSample]) -> Bases:
+    """Mean and variance of each plane without light, of any level; ``None`` without darks.
+
+    Parameters
+    ----------
+    frames, lights
+        All frames, and their statistics.
+    """
+    if not darks_of(frames):
+        return lambda _level: None
+    each = [dark_of_levels(frames, own) for own in _of_planes(lights)]
+    return lambda level: [dark_of(level) for dark_of in each]
+
+
+def at_one_light(
+    frames: FrameSet, lights: Mapping[Key, LightSample], tile: tuple[int, int]
+) -> dict[Key, LightSample]:
+    """The statistics with those flats scaled to one light between which the light changed.
+
+    Parameters
+    ----------
+    frames, lights
+        All frames, and their statistics.
+    tile
+        Rows and columns of the period of the mosaic.
+    """
+    found, base_of = dict(lights), bases(frames, lights)
+    changed = light_changes(frames, lights)
+    for level in frames.levels:
+        key, base = key_of(level.flats), base_of(level)
+        if key not in changed or base is None:
+            continue
+        lowest = [min(plane.frame_means_dn) for plane in lights[key].planes]
+        if all(mean > black for mean, (black, _) in zip(lowest, base, strict=True)):
+            found[key] = scaled_sample(level.flats, tile, lights[key], base)
+    return found
 
 
 def lit_levels(frames: FrameSet, lights: Mapping[Key, LightSample]) -> list[FrameLevel]:

@@ -8,6 +8,7 @@ import numpy as np
 from chromanoise.characterization.lights import (
     Key,
     Sampler,
+    at_one_light,
     dark_samples,
     in_threads,
     key_of,
@@ -75,7 +76,7 @@ def characterized(
     """
     refuse_unusable(frames)
     tile = (1, 1) if frames.mosaic is None else _tile(frames.mosaic)
-    lights = lights_of(frames, tile, sampled, progress)
+    lights = at_one_light(frames, lights_of(frames, tile, sampled, progress), tile)
     names = plane_names(frames.mosaic)
     tables = [
         transfer_table(frames, lights, i, f"{frames.source}, {name}")
@@ -89,8 +90,8 @@ def characterized(
     unfiltered = []
     for i, (name, fit, middle) in enumerate(zip(names, fits, middles, strict=True)):
         own = {key: light.planes[i] for key, light in lights.items()}
-        flat = _spatial(patterns, own, middle.flats, i, high_pass=True)
         darks = _darks_of(frames, middle)
+        flat = _spatial(patterns, own, middle.flats, i, high_pass=True, darks=darks)
         dark = dark_filtered = dark_alone = hot = None
         if darks:
             steady = {key_of(darks): _with_rows_of_all_darks(frames, own, darks)}
@@ -108,7 +109,6 @@ def characterized(
                 own,
                 fit,
                 name=name,
-                middle=middle,
                 flat=flat,
                 dark=dark,
                 dark_alone=dark_alone,
@@ -252,9 +252,15 @@ def _spatial(
     plane: int,
     *,
     high_pass: bool,
+    darks: Sequence[Frame] = (),
 ) -> SpatialVariance:
     key = key_of(group)
-    return spatial_variance(patterns[key, plane], own[key], high_pass=high_pass)
+    return spatial_variance(
+        patterns[key, plane],
+        own[key],
+        high_pass=high_pass,
+        dark=own[key_of(darks)] if darks else None,
+    )
 
 
 def _with_rows_of_all_darks(

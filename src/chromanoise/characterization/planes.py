@@ -59,7 +59,6 @@ def plane_noise(
     fit: TransferFit,
     *,
     name: str,
-    middle: FrameLevel,
     flat: SpatialVariance,
     dark: SpatialVariance | None,
     dark_alone: SpatialVariance | None,
@@ -78,8 +77,6 @@ def plane_noise(
         The photon transfer, whose rows are the levels ``lit``, then the darks.
     name
         Of the plane.
-    middle
-        The level at which PRNU is measured.
     flat, dark, dark_filtered
         Spatial variances of its flats, and of the darks without and with the high-pass filter.
     dark_alone
@@ -93,11 +90,10 @@ def plane_noise(
     hidden = hidden_by_rounding(frames, own)
     if dark is not None and dark_filtered is not None:
         dsnu = _Value() if hidden else _root(dark.variance_dn2, dark.se_dn2, gain, relative)
-        above = own[key_of(middle.flats)].mean_dn - dark_of(middle)[0]
         prnu = _root(
             flat.variance_dn2 - dark_filtered.variance_dn2,
             math.hypot(flat.se_dn2, dark_filtered.se_dn2),
-            above,
+            flat.signal_dn(dark_filtered),
             0.0,
         )
     row, column = (

@@ -7,7 +7,7 @@ import numpy as np
 
 from chromanoise._check import Array
 from chromanoise._shapes import Float
-from chromanoise.characterization.lights import Key, key_of
+from chromanoise.characterization.lights import Key, key_of, light_changes
 from chromanoise.characterization.results import ModelVerdict, PlaneNoise
 from chromanoise.characterization.statistics import BAND_PIXELS, LightSample
 from chromanoise.io.frames.frame import FrameLevel, FrameSet
@@ -143,22 +143,15 @@ def _lights(
 ) -> Iterator[str]:
     """Light that drifts, flats that clip, and darks that end at code 0."""
     seen: set[Key] = set()
-    drifts: list[tuple[float, str, str]] = []
+    every = light_changes(frames, lights).values()
+    changes = [change for change in every if change.share > _LEAST_DRIFT]
     for level in frames.levels:
         for group in (level.flats, level.darks):
             key = key_of(group)
             if key not in lights or key in seen:
                 continue
             seen.add(key)
-            sample = max(lights[key].planes, key=lambda one: one.mean_dn)
-            means = sample.frame_means_dn
-            low, high = int(np.argmin(means)), int(np.argmax(means))
-            black = planes[0].black_level_dn or 0.0
-            above = max(abs(means[high] - black), 1e-12)
-            change = (means[high] - means[low]) / above
             bright = group is level.flats
-            if bright and sample.drift_z > _SURE_Z and change > _LEAST_DRIFT:
-                drifts.append((change, group[low].name, group[high].name))
             at_zero = [
                 one.bottom_share
                 for one in lights[key].planes
@@ -170,11 +163,17 @@ def _lights(
                     f"{100 * clipped:.2g} % of the pixels of {group[0].name} have code "
                     "0: the black level is clipped, so the measured dark noise is too low"
                 )
-    if drifts:
-        change, low_name, high_name = max(drifts)
+    if changes:
+        worst = max(changes, key=lambda one: one.share)
+        done = (
+            "their codes above dark were scaled to one mean before the variance was computed"
+            if worst.above_black
+            else "their fixed patterns add to the variance, because the code without light, with "
+            "which they could be scaled to one mean, is not known"
+        )
         yield (
-            f"the light changed between frames of {len(drifts)} levels, by up to "
-            f"{100 * change:.2g} % ({low_name} and {high_name}); the variance is corrected for it"
+            f"the light changed between frames of {len(changes)} levels, by up to "
+            f"{100 * worst.share:.2g} % ({worst.low.name} and {worst.high.name}); {done}"
         )
     pixels = _pixels(lights)
     for plane in planes:
