@@ -5,11 +5,13 @@ import os
 from collections.abc import Callable, Generator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeVar
 
 import numpy as np
 
+from chromanoise._check import Array
+from chromanoise._shapes import Integer
 from chromanoise.characterization.statistics import LightSample, PlaneSample, scaled_sample
 from chromanoise.errors import InputError
 from chromanoise.io.frames.consistency import refuse_few, refuse_mixed
@@ -19,6 +21,8 @@ from chromanoise.sensor.photon_transfer_table import SAME_TIME
 
 _MOST_BYTES = 400_000_000  # of frames that threads keep in memory
 _SURE_Z = 5.0  # standard errors beyond which a change is no chance
+_LEAST_CLIPPED = 1e-3  # share of the pixels that changes a variance by as much
+_FEWEST_STEPS = 8  # codes between the lowest and highest, from which a step is concluded
 _MOST_APART = 0.2  # of the mean, by which flats of one level may differ
 
 Sampler = Callable[[Sequence[Frame], tuple[int, int]], LightSample]
@@ -65,7 +69,6 @@ def lights_of(
     with closing(_sampled(groups, tile, sampled)) as samples:
         for (key, group), light in zip(groups.items(), samples, strict=True):
             _refuse_apart(group, light)
-            _refuse_codes_beyond_bits(group, light)
             lights[key] = light
             done += len(group)
             progress(done, whole)
@@ -111,16 +114,157 @@ def _refuse_bright_darks(frames: FrameSet, lights: Mapping[Key, LightSample]) ->
                 )
 
 
-def _refuse_codes_beyond_bits(group: Sequence[Frame], light: LightSample) -> None:
-    bits, top = group[0].bits, max(plane.top_dn for plane in light.planes)
-    if bits is not None and top > 2**bits - 1:
-        raise InputError(
-            group[0].name,
-            f"must have codes of at most {2**bits - 1} for {bits} bits",
-            value=top,
-            found=f"has a code of {top}",
-            remedy="correct bits in capture.toml",
+def code_step(lights: Mapping[Key, LightSample]) -> tuple[int, int]:
+    """The step between codes, and the offset of its multiples: 1 and 0 but for shifted codes. [DN]
+
+    Parameters
+    ----------
+    lights
+        Of all frames.
+    """
+    planes = [plane for light in lights.values() for plane in light.planes]
+    lowest = min(plane.bottom_dn for plane in planes)
+    step = math.gcd(*(one.step_dn for one in planes), *(one.bottom_dn - lowest for one in planes))
+    if step < 2 or max(one.top_dn - one.bottom_dn for one in planes) < _FEWEST_STEPS * step:
+        return 1, 0
+    return step, lowest % step
+
+
+def in_true_codes(
+    frames: FrameSet, lights: Mapping[Key, LightSample]
+) -> tuple[FrameSet, dict[Key, LightSample]]:
+    """Frames and statistics in the codes of the converter, where stored codes are multiples.
+
+    A converter of 12 bits whose codes are stored in the upper bits of 16 has the step 16.
+
+    Parameters
+    ----------
+    frames, lights
+        All frames, and their statistics as stored.
+
+    Raises
+    ------
+    InputError
+        If a frame has a code above the largest one of its bits.
+    """
+    step, offset = code_step(lights)
+    bits = _true_bits(frames, lights, step)
+    if step == 1:
+        return frames, dict(lights)
+
+    def shifted(group: tuple[Frame, ...]) -> tuple[Frame, ...]:
+        return tuple(
+            replace(
+                one,
+                read=_Shifted(frame=one, step_dn=step, offset_dn=offset),
+                bits=bits,
+                black_level_dn=None
+                if one.black_level_dn is None
+                else (one.black_level_dn - offset) / step,
+            )
+            for one in group
         )
+
+    levels = tuple(
+        replace(one, flats=shifted(one.flats), darks=shifted(one.darks)) for one in frames.levels
+    )
+    start = f"{offset} + " if offset else ""
+    note = f"all codes are {start}multiples of {step}: DN here are these multiples"
+    note += "" if bits is None else f", codes of {bits} bits"
+    return (
+        replace(frames, levels=levels, notes=(*frames.notes, note)),
+        {key: light.in_steps(step, offset) for key, light in lights.items()},
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Shifted:
+    """Reads the codes of a frame as (code - offset) / step."""
+
+    frame: Frame
+    step_dn: int
+    offset_dn: int
+
+    def __call__(self) -> Integer[Array, "h w"]:
+        codes = self.frame.codes()
+        return (codes - codes.dtype.type(self.offset_dn)) // codes.dtype.type(self.step_dn)
+
+
+def _true_bits(frames: FrameSet, lights: Mapping[Key, LightSample], step_dn: int) -> int | None:
+    """Bits of the codes in steps; ``None`` if no frame states its bits.
+
+    Stated bits are those of the stored codes, unless these are too large for them.
+    """
+    groups = {
+        key_of(group): group
+        for level in frames.levels
+        for group in (level.flats, level.darks)
+        if group
+    }
+    bits = next((group[0].bits for group in groups.values() if group[0].bits), None)
+    if bits is None:
+        return None
+    tops = {key: max(plane.top_dn for plane in lights[key].planes) for key in groups}
+    largest = 2**bits - 1
+    stored = max(tops.values()) <= largest
+    for key, top in tops.items():
+        if not stored and top // step_dn > largest:
+            raise InputError(
+                groups[key][0].name,
+                f"must have codes of at most {largest} for {bits} bits",
+                value=top,
+                found=f"has a code of {top}",
+                remedy="correct bits in capture.toml",
+            )
+    return (largest // step_dn).bit_length() if stored else bits
+
+
+def unclipped(frames: FrameSet, lights: Mapping[Key, LightSample]) -> FrameSet:
+    """The frames without flats that are clipped at code 0, and without darks if any is.
+
+    A dark that is clipped has too small a variance and too large a mean.
+
+    Parameters
+    ----------
+    frames, lights
+        All frames, and their statistics.
+
+    Raises
+    ------
+    InputError
+        If all flats are clipped.
+    """
+    dark = any(clipped_share(lights[key_of(one.darks)]) for one in frames.levels if one.darks)
+    kept = [
+        replace(one, darks=()) if dark else one
+        for one in frames.levels
+        if not (one.flats and clipped_share(lights[key_of(one.flats)]))
+    ]
+    levels = tuple(one for one in kept if one.flats or one.darks)
+    if not any(one.flats and not one.spatial for one in levels):
+        raise InputError(
+            frames.source,
+            "must have frames with light that are not clipped at code 0",
+            found="has none",
+            remedy="take frames with more light, or with a black level that is not subtracted",
+        )
+    return replace(frames, levels=levels)
+
+
+def clipped_share(light: LightSample) -> float:
+    """Share of the pixels of a plane that are clipped at code 0; 0 if few are. [1]
+
+    Parameters
+    ----------
+    light
+        Statistics of frames of one light.
+    """
+    shares = [
+        plane.bottom_share
+        for plane in light.planes
+        if plane.bottom_dn == 0 and plane.variance_dn2 > 0
+    ]
+    return max((share for share in shares if share > _LEAST_CLIPPED), default=0.0)
 
 
 def _refuse_apart(group: Sequence[Frame], light: LightSample) -> None:
@@ -212,7 +356,9 @@ Bases = Callable[[FrameLevel], list[tuple[float, float]] | None]
 
 
 def bases(frames: FrameSet, lights: Mapping[Key, LightSample]) -> Bases:
-    """Mean and variance of each plane without light, of any level; ``None`` without darks.
+    """Mean and variance of each plane without light, of any level; ``None`` if not known.
+
+    Without darks, the mean is the black level that the frames state, and the variance 0.
 
     Parameters
     ----------
@@ -220,7 +366,9 @@ def bases(frames: FrameSet, lights: Mapping[Key, LightSample]) -> Bases:
         All frames, and their statistics.
     """
     if not darks_of(frames):
-        return lambda _level: None
+        black = frames.black_level_dn
+        known = None if black is None else [(black, 0.0)] * len(_of_planes(lights))
+        return lambda _level: known
     each = [dark_of_levels(frames, own) for own in _of_planes(lights)]
     return lambda level: [dark_of(level) for dark_of in each]
 

@@ -10,12 +10,15 @@ from chromanoise.characterization.lights import (
     Sampler,
     at_one_light,
     dark_samples,
+    darks_of,
     in_threads,
+    in_true_codes,
     key_of,
     lights_of,
     lit_levels,
     refuse_unusable,
     transfer_table,
+    unclipped,
 )
 from chromanoise.characterization.planes import hidden_by_rounding, plane_noise
 from chromanoise.characterization.results import Characterization, plane_names
@@ -76,13 +79,16 @@ def characterized(
     """
     refuse_unusable(frames)
     tile = (1, 1) if frames.mosaic is None else _tile(frames.mosaic)
-    lights = at_one_light(frames, lights_of(frames, tile, sampled, progress), tile)
+    given, lights = in_true_codes(frames, lights_of(frames, tile, sampled, progress))
+    frames = unclipped(given, lights)
+    lights = at_one_light(frames, lights, tile)
     names = plane_names(frames.mosaic)
+    black = None if darks_of(frames) else frames.black_level_dn
     tables = [
         transfer_table(frames, lights, i, f"{frames.source}, {name}")
         for i, name in enumerate(names)
     ]
-    fits = [_fit(table) for table in tables]
+    fits = [_fit(table, black) for table in tables]
     lit, planes = lit_levels(frames, lights), []
     spatial = [level for level in frames.levels if level.flats and level.spatial]
     middles = [_middle(lit, spatial or lit, lights, i, fit) for i, fit in enumerate(fits)]
@@ -129,27 +135,29 @@ def characterized(
         planes=tuple(planes),
         correlation=covariance / np.outer(sd, sd),
         covariance_dn2=np.array([lights[key_of(level.flats)].covariance_dn2 for level in lit]),
-        verdict=model_verdict(frames, lights, planes, covariance / np.outer(sd, sd)),
+        verdict=model_verdict(given, frames, lights, planes, covariance / np.outer(sd, sd)),
         notes=(
             *frames.notes,
+            *_black_notes(frames),
             *_hidden_notes(frames, lights, names),
             *_shading_notes(unfiltered),
         ),
     )
 
 
-def _fit(table: PhotonTransfer) -> TransferFit:
+def _fit(table: PhotonTransfer, black_dn: float | None) -> TransferFit:
     """The photon transfer; without QE, and with a note, where the photons cannot be right.
 
     Frames that were denoised give a QE above 1; the verdict names them.
     """
     try:
-        return photon_transfer_fit(table)
+        return photon_transfer_fit(table, black_dn=black_dn)
     except InputError as error:
         if table.photons is None or "photons" not in error.where:
             raise
         note = f"{table.source}: no QE: it {error.found}, which is not possible"
-        return photon_transfer_fit(replace(table, photons=None, notes=(*table.notes, note)))
+        known = replace(table, photons=None, notes=(*table.notes, note))
+        return photon_transfer_fit(known, black_dn=black_dn)
 
 
 def named_mosaic(mosaic: Mosaic) -> Mosaic:
@@ -176,6 +184,18 @@ def _hidden_notes(
         f"{', '.join(hidden)}: the dark noise is below 0.49 DN, so rounding hides DSNU, row noise, "
         "column noise and dark current"
     ]
+
+
+def _black_notes(frames: FrameSet) -> list[str]:
+    if darks_of(frames):
+        return []
+    black = frames.black_level_dn
+    if black is None:
+        return [
+            "the black level is not known: take darks, or state black_level_dn in capture.toml "
+            "(0 if the camera subtracts it)"
+        ]
+    return [f"no darks are used: the black level of {black:g} DN is as stated"]
 
 
 def _shading_notes(names: Sequence[str]) -> list[str]:

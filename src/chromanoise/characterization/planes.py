@@ -85,7 +85,7 @@ def plane_noise(
         Number of hot pixels.
     """
     gain, relative = fit.gain_dn_per_e, fit.gain_se / fit.gain_dn_per_e
-    dark_of = dark_of_levels(frames, own)
+    dark_of = _dark_of(frames, own, fit)
     prnu = dsnu = _Value()
     hidden = hidden_by_rounding(frames, own)
     if dark is not None and dark_filtered is not None:
@@ -138,6 +138,14 @@ def plane_noise(
         levels=levels,
         fit=fit,
     )
+
+
+def _dark_of(frames: FrameSet, own: Mapping[Key, PlaneSample], fit: TransferFit) -> DarkOf:
+    """As `dark_of_levels`; without darks, the stated black level and the noise of the fit."""
+    if darks_of(frames) or fit.black_dn is None:
+        return dark_of_levels(frames, own)
+    base = fit.black_dn, (fit.gain_dn_per_e * (fit.read_noise_e or 0.0)) ** 2 + ROUNDING_DN2
+    return lambda _level: base
 
 
 def threshold_e(gain_dn_per_e: float, dark_noise_e: float | None) -> float | None:

@@ -11,7 +11,7 @@ scales both frames to one light.
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
@@ -20,6 +20,7 @@ from chromanoise._check import Array
 from chromanoise._shapes import Float, Integer
 from chromanoise.errors import InputError
 from chromanoise.imaging.frame_sums import (
+    SIGNAL_BINS,
     PairSums,
     ScaledPairSums,
     add_plane,
@@ -29,6 +30,8 @@ from chromanoise.imaging.frame_sums import (
 from chromanoise.io.frames.frame import Frame
 
 _BLOCK_PIXELS = 1 << 19
+_SURE_Z = 5.0  # standard errors beyond which a difference is no chance
+_FEW_PIXELS = 1 << 10  # of which most codes have a greatest common divisor of 1
 _MOST_OPEN = 32  # files from which rows are read in turn
 BAND_PIXELS = 1 << 17
 """Pixels of a plane from which correlations are computed: their error is 0.003."""
@@ -59,6 +62,9 @@ class PlaneSample:
         The largest and the smallest code in the middle rows of the first frame. [DN]
     top_share, bottom_share
         Share of the pixels in these rows that have them. [1]
+    step_dn
+        Greatest common divisor of the differences of the codes in these rows; 0 if all are equal.
+        [DN]
     correlation_right, correlation_down
         Of the rest, between neighbors in a row, and in a column. [1]
     """
@@ -77,6 +83,7 @@ class PlaneSample:
     top_dn: int
     bottom_dn: int
     bottom_share: float
+    step_dn: int
     correlation_right: float
     correlation_down: float
 
@@ -91,6 +98,28 @@ class PlaneSample:
         spread = max(self.frame_means_dn) - min(self.frame_means_dn)
         error = math.sqrt(2 * len(self.frame_means_dn) * self.mean_variance_dn2)
         return spread / error if error else (math.inf if spread else 0.0)
+
+    def in_steps(self, step_dn: int, offset_dn: int) -> "PlaneSample":
+        """The statistics of the codes (code - offset) / step.
+
+        Parameters
+        ----------
+        step_dn, offset_dn
+            Of the codes. [DN]
+        """
+        values = {
+            field.name: getattr(self, field.name) / step_dn**2
+            for field in fields(self)
+            if field.name.endswith("_dn2")
+        }
+        return replace(
+            self,
+            **values,
+            frame_means_dn=tuple((mean - offset_dn) / step_dn for mean in self.frame_means_dn),
+            top_dn=(self.top_dn - offset_dn) // step_dn,
+            bottom_dn=(self.bottom_dn - offset_dn) // step_dn,
+            step_dn=self.step_dn // step_dn,
+        )
 
 
 def mean_shared(samples: Sequence[PlaneSample], which: str) -> tuple[float, float]:
@@ -129,6 +158,19 @@ class LightSample:
 
     def __post_init__(self) -> None:
         _check.freeze(self, "covariance_dn2")
+
+    def in_steps(self, step_dn: int, offset_dn: int) -> "LightSample":
+        """As `PlaneSample.in_steps`.
+
+        Parameters
+        ----------
+        step_dn, offset_dn
+            Of the codes. [DN]
+        """
+        return LightSample(
+            planes=tuple(plane.in_steps(step_dn, offset_dn) for plane in self.planes),
+            covariance_dn2=self.covariance_dn2 / step_dn**2,
+        )
 
 
 def light_sample(frames: Sequence[Frame], tile: tuple[int, int]) -> LightSample:
@@ -194,6 +236,9 @@ def scaled_sample(
     mean m of all frames, for c^2 = 2 m p q / (p + q). The temporal noise in the dark is multiplied
     by (g^2 + h^2) / 2; its excess, for two frames (p - q)^2 / (2 p q) times the dark variance, is
     subtracted. What is left is (g - h)^2 / 2, i.e. the same small factor, times DSNU^2.
+
+    Pixels at saturation do not follow the light. Where the mean difference depends on the signal
+    by more than chance, its variance over the signal is subtracted too.
     """
     shape, means = (
         _whole_cells(frames[0], tile),
@@ -204,7 +249,8 @@ def scaled_sample(
     level = np.sqrt(2 * both * one * other / (one + other))
     factors = np.stack([level / one, level / other])  # of plane and pair
     by_pair = np.moveaxis(factors, 2, 0).reshape(len(frames) - 1, 2, *tile)
-    sums = [ScaledPairSums(shape, tile, own) for own in by_pair]
+    top = max(plane.top_dn for plane in sample.planes)
+    sums = [ScaledPairSums(shape, tile, own, top) for own in by_pair]
     first, second = _added(frames, tile, sums)
     (g, h), index = factors[:, :, 0], (slice(None), None, None)
     found = _sample(
@@ -214,15 +260,30 @@ def scaled_sample(
         first,
     )
     excess = (0.5 * (factors**2).sum(axis=0) - 1).mean(axis=1)
-    planes = [
-        replace(
-            plane,
-            rest_dn2=max(plane.rest_dn2 - share * dark_dn2, 0.0),
-            variance_dn2=max(plane.variance_dn2 - share * dark_dn2, 0.0),
+    planes = []
+    for i, (plane, (_, dark_dn2)) in enumerate(zip(found.planes, darks, strict=True)):
+        y, x = divmod(i, tile[1])
+        less = float(excess[i]) * dark_dn2 + _unlike_light(sums, (y, x), plane.variance_dn2)
+        variance = max(plane.variance_dn2 - less, 0.0)
+        planes.append(
+            replace(plane, variance_dn2=variance, rest_dn2=max(plane.rest_dn2 - less, 0.0))
         )
-        for plane, share, (_, dark_dn2) in zip(found.planes, excess.tolist(), darks, strict=True)
-    ]
     return replace(found, planes=tuple(planes))
+
+
+def _unlike_light(
+    sums: Sequence[ScaledPairSums], place: tuple[int, int], variance_dn2: float
+) -> float:
+    """Variance of a plane by which differences depend on the signal; 0 if by chance. [DN^2]"""
+    within, free = 0.0, 0
+    for one in sums:
+        counts, total = one.counts[place], one.sums[place]
+        filled = counts > 0
+        within += one.squares[place] - float((total[filled] ** 2 / counts[filled]).sum())
+        free += int(counts.sum()) - int(filled.sum())
+    of_bins = within / (2 * free)
+    chance = of_bins * math.sqrt(2 * SIGNAL_BINS / free)
+    return variance_dn2 - of_bins if variance_dn2 - of_bins > _SURE_Z * chance else 0.0
 
 
 def _added(
@@ -371,6 +432,13 @@ class _Band:
     covariance: Array
 
 
+def _step(codes: Integer[Array, "m n"], bottom: int) -> int:
+    """Greatest common divisor of the codes minus the smallest."""
+    away = np.ravel(codes).astype(np.int64) - bottom
+    few = int(np.gcd.reduce(away[:_FEW_PIXELS]))
+    return few if few == 1 else int(np.gcd.reduce(away))
+
+
 def _band_rows(shape: tuple[int, int], tile: tuple[int, int]) -> slice:
     """Rows in the middle of a frame with enough pixels for correlations."""
     height, width = shape
@@ -446,6 +514,7 @@ def _sample(
                 top_dn=top,
                 bottom_dn=bottom,
                 bottom_share=np.count_nonzero(plane == bottom) / plane.size,
+                step_dn=_step(plane, bottom),
                 correlation_right=float(band.right[i]),
                 correlation_down=float(band.down[i]),
             )

@@ -93,6 +93,10 @@ class PairSums:
             self.columns[:, half::2] += part
 
 
+SIGNAL_BINS = 256
+"""Steps of the signal by which `ScaledPairSums` sorts pixels."""
+
+
 class ScaledPairSums(PairSums):
     """`PairSums` of the difference g a - h b, with its own factors g and h for each plane.
 
@@ -100,15 +104,24 @@ class ScaledPairSums(PairSums):
     ----------
     factors
         g and h: (2, ty, tx). [1]
+    counts, sums
+        Number of pixels and sum of their differences, by the mean of the two codes in
+        `SIGNAL_BINS` equal steps from 0 to ``top``, and beyond: (ty, tx, bins). [1], [DN]
     """
 
-    __slots__ = ("factors",)
+    __slots__ = ("counts", "factors", "sums", "top")
 
     def __init__(
-        self, shape: tuple[int, int], tile: tuple[int, int], factors: Float[Array, "2 ty tx"]
+        self,
+        shape: tuple[int, int],
+        tile: tuple[int, int],
+        factors: Float[Array, "2 ty tx"],
+        top: int,
     ) -> None:
         super().__init__(shape, tile)
-        self.factors = factors
+        self.factors, self.top = factors, max(top, 1)
+        self.counts: Array = np.zeros((*tile, SIGNAL_BINS + 1), np.int64)
+        self.sums: Array = np.zeros((*tile, SIGNAL_BINS + 1))
         self.squares = np.zeros(self.squares.shape)
         self.columns, self.rows = np.zeros(self.columns.shape), np.zeros(self.rows.shape)
 
@@ -117,8 +130,18 @@ class ScaledPairSums(PairSums):
         height, width = self.totals.shape
         for y in range(height):
             for x in range(width):
-                (g, h), one = self.factors[:, y, x], a[y::height, x::width]
-                difference = g * one - h * b[y::height, x::width]
+                (g, h), one, other = (
+                    self.factors[:, y, x],
+                    a[y::height, x::width],
+                    b[y::height, x::width],
+                )
+                difference = g * one - h * other
+                both = one.astype(np.int64) + other
+                bins = np.clip(both * SIGNAL_BINS // (2 * self.top), 0, SIGNAL_BINS).ravel()
+                self.counts[y, x] += np.bincount(bins, minlength=SIGNAL_BINS + 1)
+                self.sums[y, x] += np.bincount(
+                    bins, weights=difference.ravel(), minlength=SIGNAL_BINS + 1
+                )
                 self.totals[y, x] += int(one.sum(dtype=np.int64))
                 self.squares[y, x] += np.vdot(difference, difference)
                 self.columns[y, x::width] += difference.sum(axis=0)

@@ -166,3 +166,9 @@ class FrameSet:
     levels: tuple[FrameLevel, ...]
     mosaic: Mosaic | None = None
     notes: tuple[str, ...] = ()
+
+    @property
+    def black_level_dn(self) -> float | None:
+        """Code without light, if all frames with light state the same one. [DN]"""
+        stated = {frame.black_level_dn for level in self.levels for frame in level.flats}
+        return stated.pop() if len(stated) == 1 else None
