@@ -312,11 +312,12 @@ def light_changes(frames: FrameSet, lights: Mapping[Key, LightSample]) -> dict[K
 
     Notes
     -----
-    A mean also moves with the offset of the camera. How far is taken from the scatter of the means
-    of its darks. Both the change and the signal above dark must exceed their errors by 5 times.
+    A mean also moves with the offset of the camera, and with its row and column noise. How far is
+    taken from the darks, because shading adds to these noises where the light changes. Both the
+    change and the signal above dark must exceed their errors by 5 times.
     """
     base_of, owns = bases(frames, lights), _of_planes(lights)
-    offsets = [_offset_variance(dark_samples(frames, own)) for own in owns]
+    offsets = [_offset_variance(frames, own) for own in owns]
     found = {}
     for level in frames.levels:
         if not level.flats:
@@ -324,7 +325,7 @@ def light_changes(frames: FrameSet, lights: Mapping[Key, LightSample]) -> dict[K
         samples = lights[key_of(level.flats)].planes
         i = max(range(len(samples)), key=lambda plane: samples[plane].mean_dn)
         means, base = samples[i].frame_means_dn, base_of(level)
-        error = math.sqrt(2 * (len(means) * samples[i].mean_variance_dn2 + offsets[i]))
+        error = math.sqrt(2 * (samples[i].rest_dn2 / samples[i].pixels + offsets[i]))
         low, high = int(np.argmin(means)), int(np.argmax(means))
         black = 0.0 if base is None else base[i][0]
         if min(means[high] - means[low], samples[i].mean_dn - black) > _SURE_Z * error:
@@ -343,12 +344,16 @@ def _of_planes(lights: Mapping[Key, LightSample]) -> list[dict[Key, PlaneSample]
     return [{key: light.planes[i] for key, light in lights.items()} for i in range(count)]
 
 
-def _offset_variance(darks: Sequence[PlaneSample]) -> float:
-    """Variance of the mean of a dark from frame to frame, beyond that of its pixels. [DN^2]"""
+def _offset_variance(frames: FrameSet, own: Mapping[Key, PlaneSample]) -> float:
+    """Variance of the mean of a frame without light; without darks, of the darkest. [DN^2]"""
+    darks = dark_samples(frames, own)
+    if not darks:
+        darkest = min(own.values(), key=lambda one: one.mean_dn)
+        return len(darkest.frame_means_dn) * darkest.mean_variance_dn2
     counts = np.array([len(one.frame_means_dn) for one in darks])
     found = np.array([np.var(one.frame_means_dn, ddof=1) for one in darks])
     chance = counts * np.array([one.mean_variance_dn2 for one in darks])
-    return max(float((counts - 1) @ (found - chance)) / max(int((counts - 1).sum()), 1), 0.0)
+    return max(*(float((counts - 1) @ one) / int((counts - 1).sum()) for one in (found, chance)))
 
 
 Bases = Callable[[FrameLevel], list[tuple[float, float]] | None]

@@ -20,7 +20,6 @@ from chromanoise._check import Array
 from chromanoise._shapes import Float, Integer
 from chromanoise.errors import InputError
 from chromanoise.imaging.frame_sums import (
-    SIGNAL_BINS,
     PairSums,
     ScaledPairSums,
     add_plane,
@@ -275,14 +274,15 @@ def _unlike_light(
     sums: Sequence[ScaledPairSums], place: tuple[int, int], variance_dn2: float
 ) -> float:
     """Variance of a plane by which differences depend on the signal; 0 if by chance. [DN^2]"""
-    within, free = 0.0, 0
+    within, groups, free = 0.0, 0, 0
     for one in sums:
         counts, total = one.counts[place], one.sums[place]
         filled = counts > 0
         within += one.squares[place] - float((total[filled] ** 2 / counts[filled]).sum())
+        groups += int(filled.sum())
         free += int(counts.sum()) - int(filled.sum())
-    of_bins = within / (2 * free)
-    chance = of_bins * math.sqrt(2 * SIGNAL_BINS / free)
+    of_bins = within / (2 * max(free, 1))
+    chance = of_bins * math.sqrt(2 * groups) / max(free, 1)
     return variance_dn2 - of_bins if variance_dn2 - of_bins > _SURE_Z * chance else 0.0
 
 
