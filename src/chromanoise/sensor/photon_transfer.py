@@ -348,6 +348,15 @@ def _read_noise(
         variance = float(weights @ dark_dn2)
         error2, common = weights**2 @ error2s, -(fit.dark_lever[0] * weights) @ error2s
     dark = variance - ROUNDING_DN2
+    highest = variance + _CURVED_Z * float(np.sqrt(error2))
+    if levels.darks is None and variance < LEAST_DARK_DN2 < highest:
+        limit = float(np.sqrt(highest - ROUNDING_DN2)) / gain
+        notes.append(
+            f"{source}: the variance at the black level is {variance:.3g} +- {np.sqrt(error2):.2g} "
+            f"DN^2, extrapolated from the lit rows, so the read noise of {limit:.3g} e- is an "
+            "upper limit"
+        )
+        return limit, None
     if variance < LEAST_DARK_DN2:
         limit = float(np.sqrt(LEAST_DARK_DN2 - ROUNDING_DN2)) / gain
         notes.append(
