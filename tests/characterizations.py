@@ -69,10 +69,14 @@ def plane_of(
         "black_level_dn": black_dn,
         "black_level_dn_se": 0.01,
         "saturation_dn": fit.saturation_dn,
-        "saturation_capacity_e": fit.full_well_e,
+        "saturation_capacity_e": fit.saturation_capacity_e,
         "full_well_e": fit.full_well_e,
         "full_well_e_se": 12.0,
-        "dynamic_range_db": 20 * np.log10(fit.full_well_e / (fit.read_noise_e + 0.5)).item(),
+        "dynamic_range_db": 20
+        * np.log10(
+            fit.saturation_capacity_e
+            / (np.hypot(fit.read_noise_e, 12**-0.5 / fit.gain_dn_per_e) + 0.5)
+        ).item(),
         "qe": QE,
         "qe_se": 0.004,
         "linearity_error_percent": 0.12,
@@ -80,6 +84,7 @@ def plane_of(
         "dark_current_e_per_s_se": 0.2,
         "dsnu_e": 1.1,
         "dsnu_e_se": 0.02,
+        "dsnu_of_own_frames_e": 1.15,
         "prnu": 0.0061,
         "prnu_se": 0.0001,
         "row_noise_e": 0.0,

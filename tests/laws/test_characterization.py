@@ -10,6 +10,7 @@ import chromanoise as cn
 from chromanoise.characterization import (
     VirtualCamera,
     characterized,
+    emva_sheet,
     light_sample,
     photon_transfer_frames,
     plane_names,
@@ -18,6 +19,7 @@ from chromanoise.characterization import (
     variance_through_file,
 )
 from chromanoise.characterization.spatial import fixed_pattern, hot_pixels, spatial_variance
+from chromanoise.characterization.statistics import scaled_sample
 from chromanoise.io.frames import Frame, FrameLevel, FrameSet, read_frame_set
 from chromanoise.io.given_matrices import GivenMatrix
 from chromanoise.sensor import Mosaic, bayer
@@ -125,9 +127,9 @@ def test_a_fixed_pattern_is_found_without_the_temporal_noise():
         for _ in range(2)
     ]
     (plane,) = light_sample(frames, (1, 1)).planes
-    total = fixed_pattern(sum(one.codes().astype(int) for one in frames))
+    total = fixed_pattern(sum(one.codes().astype(int) for one in frames), 2)
     for filtered in (False, True):
-        one = spatial_variance(total, plane, frames=2, high_pass=filtered)
+        one = spatial_variance(total, plane, high_pass=filtered)
         assert one.variance_dn2 == pytest.approx(pattern.var(), abs=4 * one.se_dn2)
         assert one.se_dn2 < 3.0
 
@@ -136,11 +138,10 @@ def test_the_high_pass_takes_shading_away_and_keeps_the_pattern():
     y, _ = np.indices((200, 200))
     pattern = np.random.default_rng(5).standard_normal((200, 200))
     shaded = 500_000 * (1 - 0.3 * (y / 199 - 0.5) ** 2) + 5000 * pattern
-    total = fixed_pattern(shaded.round().astype(int))
+    total = fixed_pattern(shaded.round().astype(int), 1000)
     (plane,) = light_sample([frame(np.zeros((200, 200), int))] * 2, (1, 1)).planes
     plain, filtered = (
-        spatial_variance(total, plane, frames=1000, high_pass=one).variance_dn2
-        for one in (False, True)
+        spatial_variance(total, plane, high_pass=one).variance_dn2 for one in (False, True)
     )
     assert plain > 100
     assert filtered == pytest.approx(25.0, rel=0.03)
@@ -151,10 +152,10 @@ def test_hot_pixels_are_counted_and_normal_ones_are_not(sigma):
     rng = np.random.default_rng(6)
     dark = [(100 + sigma * rng.standard_normal((300, 300))).round().astype(int) for _ in range(2)]
     (plane,) = light_sample([frame(one) for one in dark], (1, 1)).planes
-    assert hot_pixels(fixed_pattern(sum(dark)), plane, frames=2) == 0
+    assert hot_pixels(fixed_pattern(sum(dark), 2), plane) == 0
     for one in dark:
         one[3, 4] = one[200, 7] = 100 + 30 * max(sigma, 1)
-    assert hot_pixels(fixed_pattern(sum(dark)), plane, frames=2) == 2
+    assert hot_pixels(fixed_pattern(sum(dark), 2), plane) == 2
 
 
 @pytest.mark.parametrize("shape", [(40, 3000), (3000, 40)])
@@ -163,6 +164,201 @@ def test_white_noise_of_long_frames_has_no_correlation_of_neighbors(shape):
     (plane,) = light_sample(pair, (1, 1)).planes
     assert abs(plane.correlation_right) < 5 / np.sqrt(shape[0] * shape[1])
     assert abs(plane.correlation_down) < 5 / np.sqrt(shape[0] * shape[1])
+
+
+# ---- light that changes from frame to frame ----
+
+
+def lit(signal, pattern, *, black=200.0, dark=0.0, seed=0):
+    """Codes of a light with a fixed pattern and temporal noise in the dark. [DN]"""
+    noise_dn = dark * np.random.default_rng(seed).standard_normal(pattern.shape)
+    return frame((black + signal * pattern + noise_dn).round().astype(np.int32), f"f{seed}")
+
+
+def test_a_pattern_that_grows_with_the_light_has_no_temporal_variance():
+    y, x = np.indices((64, 80))
+    pattern = 1 - 0.4 * (y / 63 - 0.5) ** 2 - 0.2 * (x / 79 - 0.5) ** 2
+    frames, tile = [lit(20_000.0 * light, pattern) for light in (1.0, 1.1, 0.95)], (2, 2)
+    plain = light_sample(frames, tile)
+    scaled = scaled_sample(frames, tile, plain, [(200.0, 0.0)] * 4)
+    for before, one in zip(plain.planes, scaled.planes, strict=True):
+        assert before.variance_dn2 > 500
+        assert one.variance_dn2 == pytest.approx(1 / 12, rel=0.1)
+        assert one.frame_means_dn == before.frame_means_dn
+        assert max(abs(one.correlation_right), abs(one.correlation_down)) < 0.15
+    assert np.abs(scaled.covariance_dn2).max() < 0.1
+
+
+@pytest.mark.parametrize("lights", [(1.0, 1.6), (1.6, 1.0, 1.3)], ids=str)
+def test_scaled_frames_have_the_shot_noise_of_their_mean_and_the_noise_in_the_dark_once(lights):
+    """By draws: the temporal variance is dark + K times the mean signal, for any two lights."""
+    rng, gain, dark_dn = np.random.default_rng(8), 0.5, 30.0
+    pattern = 1 + 0.05 * rng.standard_normal((500, 600))
+
+    def drawn(light):
+        electrons = rng.poisson(2000 * light * pattern) + dark_dn / gain * rng.standard_normal(
+            pattern.shape
+        )
+        return frame((300 + gain * electrons).round().astype(np.int32))
+
+    frames = [drawn(light) for light in lights]
+    plain = light_sample(frames, (1, 1))
+    (one,) = scaled_sample(frames, (1, 1), plain, [(300.0, dark_dn**2 + 1 / 12)]).planes
+    signal = gain * 2000 * np.mean(lights)
+    error = one.variance_dn2 * np.sqrt(2 / (one.samples - 1))
+    assert abs(one.variance_dn2 - gain * signal - dark_dn**2 - 1 / 12) < 4 * error
+    assert plain.planes[0].variance_dn2 > gain * signal + dark_dn**2 + 20 * error
+
+
+def flickering(camera, change, *, seed, levels=6):
+    """Frames of a lamp whose light scatters by the share ``change`` from flat to flat."""
+    (truth,), rng, levels_ = camera.planes(), np.random.default_rng(seed), []
+    for i in range(levels):
+        photons = 1.1 * truth.full_well_e / truth.qe * (i + 1) / levels
+        factors = 1 + change * rng.standard_normal(2)
+        flats = [
+            camera.frame(photons_per_pixel=photons * f, time_ms=1.0, number=4 * i + k)
+            for k, f in enumerate(factors)
+        ]
+        darks = [camera.frame(dark=True, time_ms=1.0, number=4 * i + k) for k in (2, 3)]
+        levels_.append(level(f"level {i}", *flats, darks=darks))
+    return frame_set(*levels_)
+
+
+def errors_of_shaded_cameras(cameras, change, shading):
+    """(found - true) / stated error of K and PRNU."""
+    z = {"gain_dn_per_e": [], "prnu": []}
+    for seed in range(cameras):
+        camera = VirtualCamera(
+            shape=(96, 120), gain_dn_per_e=0.15, read_noise_e=4.0, full_well_e=1e5, bits=14,
+            black_level_dn=200, prnu=0.01, dsnu_e=5.0, shading=shading, seed=seed,
+        )  # fmt: skip
+        (plane,) = characterized(flickering(camera, change, seed=seed)).planes
+        for name, found in z.items():
+            true = getattr(camera.planes()[0], name)
+            found.append((getattr(plane, name) - true) / getattr(plane, f"{name}_se"))
+    return z
+
+
+@pytest.mark.parametrize(("change", "shading"), [(0.03, 0.3), (0.0, 0.6)])
+def test_gain_and_prnu_are_right_under_shading_and_a_lamp_that_flickers(change, shading):
+    for name, z in errors_of_shaded_cameras(8, change, shading).items():
+        assert abs(np.mean(z)) * 8**0.5 < 4, name
+        assert np.abs(z).max() < 4, name
+
+
+@pytest.mark.evidence
+@pytest.mark.parametrize(("change", "shading"), [(0.03, 0.3), (0.01, 0.6), (0.0, 0.2)])
+def test_stated_errors_are_right_under_shading_and_a_lamp_that_flickers(change, shading):
+    for name, z in errors_of_shaded_cameras(400, change, shading).items():
+        print(name, np.mean(z), np.std(z))
+        assert abs(np.mean(z)) * 400**0.5 < 5, name
+        assert 0.9 < np.std(z) < 1.1, name
+
+
+def test_without_a_dark_the_frames_are_not_scaled_and_the_verdict_says_so():
+    frames = flickering(replace(CAMERA, shading=0.3), 0.03, seed=1, levels=14)
+    dark = replace(frames, levels=tuple(replace(one, darks=()) for one in frames.levels))
+    known, unknown = (characterized(one).verdict.sentences for one in (frames, dark))
+    assert any("scaled to one mean before" in one for one in known)
+    assert any("is not known" in one for one in unknown)
+
+
+def test_an_offset_that_wanders_is_no_change_of_the_light():
+    rng, levels_ = np.random.default_rng(3), []
+    for i, signal in enumerate((1e-4, 400.0, 800.0, 1200.0, 1600.0)):
+
+        def codes(light, offset):
+            mean = 100 + offset + 0.5 * rng.poisson(2 * light, (100, 120))
+            return (mean + 3 * rng.standard_normal(mean.shape)).round().astype(np.int32)
+
+        flats, darks = ([codes(one, off) for off in (-0.3, 0.3)] for one in (signal, 0.0))
+        levels_.append(level(f"level {i}", *flats, darks=darks))
+    found = characterized(frame_set(*levels_))
+    assert found.planes[0].levels[0].drift_z > 5  # of the pixels alone
+    assert not any("light changed" in one for one in found.verdict.sentences)
+
+
+# ---- black level and stored codes ----
+
+SUBTRACTED = VirtualCamera(  # clips at code 0, as cameras that subtract their black level
+    shape=(160, 200), gain_dn_per_e=0.8, read_noise_e=5.0, full_well_e=4500.0, bits=12,
+    black_level_dn=0, prnu=0.01, qe=0.6, seed=5,
+)  # fmt: skip
+
+
+def stated(folder, *lines):
+    """The folder with further lines in its ``capture.toml``."""
+    path = folder / "capture.toml"
+    path.write_text("\n".join([*lines, path.read_text()]))
+    return folder
+
+
+def test_read_noise_behind_a_clipped_black_level_is_that_of_the_flats(tmp_path):
+    folder = frames_of(tmp_path / "f", SUBTRACTED, levels=24)
+    result = cn.characterize(folder)
+    (plane,) = result.planes
+    assert not result.verdict.holds
+    assert plane.dark_noise_e is plane.black_level_dn is plane.dsnu_e is None
+    (plane,) = cn.characterize(stated(folder, "black_level_dn = 0")).planes
+    assert plane.black_level_dn == 0.0
+    assert abs(plane.dark_noise_e - 5.0) < 4 * plane.dark_noise_e_se
+    assert plane.dark_noise_e_se < 2.0
+    for name, true in (("gain_dn_per_e", 0.8), ("qe", 0.6), ("full_well_e", 4500.0)):
+        assert abs(getattr(plane, name) - true) < 4 * getattr(plane, f"{name}_se"), name
+    assert plane.linearity_error_percent < 0.5
+
+
+@pytest.mark.parametrize("by", ["list", "file"])
+def test_flats_alone_give_the_read_noise_above_a_stated_black_level(tmp_path, by):
+    folder = frames_of(tmp_path / "f", levels=24)
+    if by == "list":
+        stated(folder, "black_level_dn = 100")
+    frames = read_frame_set([folder])
+    levels = [replace(one, darks=()) for one in frames.levels]
+    if by == "file":
+        levels = [
+            replace(one, flats=tuple(replace(f, black_level_dn=100.0) for f in one.flats))
+            for one in levels
+        ]
+    (plane,) = characterized(replace(frames, levels=tuple(levels))).planes
+    assert plane.black_level_dn == 100.0
+    assert abs(plane.dark_noise_e - 17**0.5) < 4 * plane.dark_noise_e_se
+    assert abs(plane.qe - 0.6) < 4 * plane.qe_se
+    assert abs(plane.full_well_e - 4500) < 4 * plane.full_well_e_se
+
+
+def test_the_list_overrides_the_black_level_of_a_file_with_a_note(tmp_path):
+    folder = stated(frames_of(tmp_path / "f", levels=3), "black_level_dn = 0")
+    assert read_frame_set([folder]).black_level_dn == 0.0
+    with refused_input(where="black_level_dn", value=-1):
+        read_frame_set([stated(frames_of(tmp_path / "g", levels=3), "black_level_dn = -1")])
+
+
+@pytest.mark.parametrize(
+    ("step", "offset", "bits"), [(16, 0, 16), (16, 0, 12), (16, 0, None), (4, 3, 14)], ids=str
+)
+def test_codes_stored_as_multiples_give_the_values_of_the_codes(tmp_path, step, offset, bits):
+    """A converter of 12 bits in 16: its step is no noise of 14.8 e-, but one code."""
+    folder = frames_of(tmp_path / "f", replace(CAMERA, mosaic="RG/GB"), levels=8)
+    plain = cn.characterize(folder)
+    for path in folder.glob("*.npy"):
+        np.save(path, np.load(path) * np.uint16(step) + np.uint16(offset))
+    text = (folder / "capture.toml").read_text()
+    line = "" if bits is None else f"bits = {bits}\nblack_level_dn = {100 * step + offset}"
+    (folder / "capture.toml").write_text(text.replace("bits = 12", line))
+    shifted = cn.characterize(folder)
+    assert shifted.bits == (None if bits is None else 12)
+    assert len(shifted.notes) == len(plain.notes) + 1
+    for one, other in zip(plain.planes, shifted.planes, strict=True):
+        for name in ("gain_dn_per_e", "dark_noise_e", "black_level_dn", "dsnu_e", "prnu", "qe",
+                     "full_well_e", "row_noise_e", "dark_noise_e_se"):  # fmt: skip
+            assert getattr(other, name) == pytest.approx(getattr(one, name), rel=1e-9), name
+    assert shifted.covariance_dn2 == pytest.approx(plain.covariance_dn2, rel=1e-9, abs=1e-9)
+
+
+def test_codes_without_a_common_step_are_as_stored(found):
+    assert not any("multiples" in note for note in found.notes)
 
 
 # ---- a whole camera ----
@@ -194,6 +390,16 @@ def test_an_ideal_camera_follows_the_linear_model(found):
     assert found.verdict.sentences == ()
     assert found.verdict.chi2_per_level < 3.0
     assert found.planes[0].linearity_error_percent < 0.5
+
+
+def test_the_table_and_the_data_sheet_have_one_dynamic_range(found):
+    (plane,) = found.planes
+    (row,) = [line for line in emva_sheet(found, plane).splitlines() if line.startswith("DR = ")]
+    assert float(row.split()[2]) == plane.dynamic_range_db
+    least = np.sqrt(plane.dark_noise_e**2 + 1 / (12 * plane.gain_dn_per_e**2)) + 0.5
+    top = max(plane.levels, key=lambda one: one.variance_dn2)
+    assert plane.saturation_capacity_e == pytest.approx(plane.qe * top.photons_per_pixel, rel=1e-12)
+    assert 10 ** (plane.dynamic_range_db / 20) * least == pytest.approx(plane.saturation_capacity_e)
 
 
 def test_frames_are_not_modified_and_the_result_is_the_same_again(tmp_path):

@@ -20,6 +20,7 @@ from chromanoise.characterization import (
     libcamera_json,
     noise_profile_json,
     noise_profile_line,
+    noise_profiles_json,
     photon_transfer_csv,
     pixel_of,
     pixel_toml,
@@ -222,7 +223,7 @@ def test_the_reference_code_of_the_standard_reads_the_xml(file):
     data = routines.xml_to_dict(str(path))
     assert data["sensitivity"]["k"]["value"] == 0.5
     assert data["sensitivity"]["sigma_d"]["value"] == 5.0
-    assert data["sensitivity"]["u_e_sat"]["value"] == plane.full_well_e
+    assert data["sensitivity"]["u_e_sat"]["value"] == plane.saturation_capacity_e
     assert data["sensitivity"]["qe"]["value"] == pytest.approx(61.0, rel=EXACT)
     assert data["spatial"]["prnu1288"]["value"] == pytest.approx(0.61, rel=EXACT)
     assert data["spatial"]["dsnu1288"]["value"] == plane.dsnu_e
@@ -409,6 +410,47 @@ def test_the_profile_of_darktable_is_read_and_gives_the_read_noise(file):
     # rounding is part of the noise of the codes: sigma^2 + 1 / (12 K^2)
     pixel = pixel_from_darktable(noise, full_well_e=(dng["WhiteLevel"] - 55) / 0.5)
     assert pixel.read_noise_e == pytest.approx(math.sqrt(25 + 4 / 12), rel=1e-12)
+
+
+def at_several_iso(*isos):
+    """One camera, whose gain is in proportion to the ISO."""
+    return [
+        color(
+            iso=float(iso),
+            planes=tuple(
+                plane_of(name, gain=0.5 * iso / 100, light=light)
+                for name, light in (("R", 0.9), ("G1", 1.0), ("G2", 1.0), ("B", 0.85))
+            ),
+        )
+        for iso in isos
+    ]
+
+
+def test_a_profile_of_several_iso_settings_has_each_of_them(file):
+    results = at_several_iso(400, 100, 200)
+    held = darktable_json(results)
+    path = file(json.dumps(held), "noiseprofiles.json")
+    for one in results:
+        single = darktable_json(one)["noiseprofiles"][0]["models"][0]["profiles"]
+        profile = read_darktable_noise(path, maker="Acme", model="Model One", iso=one.iso)
+        assert profile.a.tolist() == single[0]["a"]
+    dng = noise_profiles_json(results)["profiles"]
+    assert [one["iso"] for one in dng] == [100.0, 200.0, 400.0]
+    assert dng[1] == {"iso": 200.0, **noise_profile_json(results[2])}
+    with refused_input(subject="results", where="other"):
+        darktable_json([results[0], replace(results[1], camera="Beta Two", source="other")])
+    with refused_input(subject="iso", value=[100.0, 100.0]):
+        noise_profiles_json([results[1], results[1]])
+
+
+def test_libcamera_has_one_slope_for_all_gains_of_shot_noise():
+    """Shot noise alone: sd^2 = gain K 2^(16 - bits) mean, so that the slope at gain 1 is common."""
+    results = at_several_iso(100, 400)
+    one, both = (
+        libcamera_json(some)["algorithms"][1]["rpi.noise"]["reference_slope"]
+        for some in (results[0], results)
+    )
+    assert both == pytest.approx(one, rel=0.02)
 
 
 def test_white_noise_has_a_quarter_of_its_variance_in_the_diagonal_band_of_darktable():

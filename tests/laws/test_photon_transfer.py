@@ -264,6 +264,27 @@ def timed(dark_mean, dark_variance, *, dark_ms=(1.0, 2.0, 3.0), lit_ms=(1.0, 2.0
     )
 
 
+@pytest.mark.parametrize("seed", range(20))
+def test_without_a_dark_the_upper_limit_of_the_read_noise_includes_the_error_of_the_line(seed):
+    """Read noise of 3 e-, i.e. 0.9 DN, below the shot noise of all rows."""
+    rng, n = np.random.default_rng(seed), 4000
+    x = np.linspace(100.0, 2000.0, 12)
+    true = 0.81 + 1 / 12 + 0.3 * x
+    drawn = true * (1 + np.sqrt(2 / (n - 1)) * rng.standard_normal(x.size))
+    table = PhotonTransfer(
+        mean_dn=x,
+        variance_dn2=np.maximum(drawn, 0.1),
+        dark=x < 0,
+        samples=np.full(x.size, float(n)),
+    )
+    fit = photon_transfer_fit(table, black_dn=0.0)
+    if fit.read_noise_se is None:
+        assert fit.read_noise_e > 3.0
+    else:
+        variance_se = 2 * fit.read_noise_e * fit.read_noise_se
+        assert abs(fit.read_noise_e**2 - 9.0) < 4 * variance_se
+
+
 def test_a_dark_variance_extrapolated_below_0_is_replaced_by_that_of_the_shortest_time():
     # a line over 1, 2, 9 DN^2 at 1, 2, 3 ms is -4 DN^2 at 0 ms
     fit = photon_transfer_fit(timed(64 + np.arange(3.0), np.array([1.0, 2.0, 9.0])))

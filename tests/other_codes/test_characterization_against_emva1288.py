@@ -4,12 +4,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from PIL import Image
 
+import chromanoise as cn
 from chromanoise.characterization import VirtualCamera, characterized, photon_transfer_frames
 from chromanoise.io.frames import read_frame_set
 
 NEEDS = "needs the package emva1288"
 data = pytest.importorskip("emva1288.process.data", reason=NEEDS)
+loader = pytest.importorskip("emva1288.process.loader", reason=NEEDS)
+parser = pytest.importorskip("emva1288.process.parser", reason=NEEDS)
 results = pytest.importorskip("emva1288.process.results", reason=NEEDS)
 routines = pytest.importorskip("emva1288.process.routines", reason=NEEDS)
 
@@ -86,7 +90,19 @@ def test_spatial_results_are_those_of_the_reference_evaluation(frames):
     (plane,) = characterized(frames).planes
     other = theirs(frames, plane)
     assert plane.dsnu_e == pytest.approx(other.DSNU1288, rel=1e-3)
+    assert plane.dsnu_of_own_frames_e == pytest.approx(other.DSNU1288, rel=1e-3)
     assert plane.prnu == pytest.approx(other.PRNU1288 / 100, abs=1.5 * plane.prnu_se)
+
+
+def test_row_noise_of_all_darks_is_subtracted_and_both_values_of_dsnu_are_stated(tmp_path):
+    camera = replace(CAMERA, dsnu_e=3.0, row_noise_e=6.0)
+    photon_transfer_frames(camera, folder=tmp_path / "f", levels=20)
+    frames = read_frame_set([tmp_path / "f"])
+    (plane,) = characterized(frames).planes
+    other = theirs(frames, plane)
+    true = camera.planes()[0].dsnu_of_pixels_e
+    assert plane.dsnu_of_own_frames_e == pytest.approx(other.DSNU1288, rel=0.01)
+    assert abs(plane.dsnu_e - true) < 4 * plane.dsnu_e_se
 
 
 def test_shading_changes_prnu_of_release_3_and_not_of_release_4(tmp_path):
@@ -96,3 +112,79 @@ def test_shading_changes_prnu_of_release_3_and_not_of_release_4(tmp_path):
     (plane,) = characterized(frames).planes
     assert 3 * CAMERA.prnu < theirs(frames, plane).PRNU1288 / 100
     assert plane.prnu == pytest.approx(CAMERA.prnu, abs=4 * plane.prnu_se)
+
+
+# ---- a descriptor with a spatial series ----
+
+SERIES = {  # camera, photons of the spatial series as stated over the true ones, its time [ms]
+    "of a level": (CAMERA, 1.0, 50.0),
+    "of another calibration of the light": (replace(CAMERA, dsnu_e=3.0), 0.1, 20.0),
+    "with row noise": (replace(CAMERA, dsnu_e=3.0, row_noise_e=5.0, column_noise_e=2.0), 0.5, 30.0),
+}
+
+
+@pytest.fixture(scope="module", params=SERIES)
+def described(request, tmp_path_factory):
+    """A descriptor as of a laboratory: pairs at 20 levels, and 50 flats and darks at one light."""
+    camera, stated, time_ms = SERIES[request.param]
+    folder, lines, photons = tmp_path_factory.mktemp("emva"), [], 1.1 * 9000.0 / 0.5
+
+    def put(line, count, **light):
+        lines.append(line)
+        for _ in range(count):
+            name = f"{len(lines)}.png"
+            codes = camera.frame(number=len(lines), **light)
+            Image.fromarray(codes).save(folder / name, compress_level=0)
+            lines.append(f"i {name}")
+
+    for share in np.linspace(0.05, 1.0, 20):
+        time = 100.0 * share
+        light = round(photons * share, 3)
+        put(f"b {1e6 * time:.1f} {light:.3f}", 2, photons_per_pixel=light, time_ms=time)
+        put(f"d {1e6 * time:.1f}", 2, dark=True, time_ms=time)
+    half = 0.45 * photons
+    put(f"b {1e6 * time_ms:.1f} {stated * half:.3f}", 50, photons_per_pixel=half, time_ms=time_ms)
+    put(f"d {1e6 * time_ms:.1f}", 50, dark=True, time_ms=time_ms)
+    path = folder / "descriptor.txt"
+    path.write_text("\n".join(["v 4.0", f"n 12 {CAMERA.shape[1]} {CAMERA.shape[0]}", *lines]))
+    return camera, path
+
+
+@pytest.fixture
+def both(described):
+    """Our results and those of the reference code, of the same descriptor."""
+    camera, path = described
+    images = parser.ParseEmvaDescriptorFile(str(path)).images
+    other = results.Results1288(data.Data1288(loader.LoadImageData(images).data).data)
+    return camera, cn.characterize(path).planes[0], other
+
+
+@pytest.mark.filterwarnings("ignore::ResourceWarning")  # of theirs
+def test_a_spatial_series_gives_the_fixed_patterns_and_is_no_level_of_the_photon_transfer(both):
+    camera, plane, other = both
+    assert len(plane.levels) == 20
+    assert plane.linearity_error_percent == pytest.approx(
+        max(-other.LE_min, other.LE_max), rel=1e-6
+    )
+    # sums of squares over n and over degrees of freedom: 1 / rows where rows share noise
+    share = (camera.row_noise_e / camera.planes()[0].dark_noise_e) ** 2
+    assert plane.gain_dn_per_e == pytest.approx(other.K, rel=2e-4)
+    assert plane.dark_noise_e == pytest.approx(other.sigma_d, rel=2e-4 + 2 * share / 100)
+    assert plane.dsnu_e == pytest.approx(other.DSNU1288, rel=1e-3)
+    assert plane.dsnu_of_own_frames_e == plane.dsnu_e
+    assert plane.prnu == pytest.approx(other.PRNU1288 / 100, abs=1.5 * plane.prnu_se)
+    truth = camera.planes()[0]
+    for name, true in (
+        ("gain_dn_per_e", truth.gain_dn_per_e),
+        ("dark_noise_e", truth.dark_noise_e),
+        ("dsnu_e", truth.dsnu_of_pixels_e),
+        ("prnu", truth.prnu_of_pixels),
+    ):
+        assert abs(getattr(plane, name) - true) < 4 * getattr(plane, f"{name}_se"), name
+
+
+@pytest.mark.filterwarnings("ignore::ResourceWarning")  # of theirs
+def test_saturation_capacity_and_dynamic_range_are_those_of_the_reference_evaluation(both):
+    _, plane, other = both
+    assert plane.saturation_capacity_e == pytest.approx(other.u_e_sat, rel=2e-4)
+    assert plane.dynamic_range_db == pytest.approx(other.DR_dB(), abs=0.03)  # sigma_d: see above

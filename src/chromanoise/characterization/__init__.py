@@ -25,6 +25,7 @@ if TYPE_CHECKING:
         libcamera_json,
         noise_profile_json,
         noise_profile_line,
+        noise_profiles_json,
     )
     from chromanoise.characterization.own_json import (
         characterization_from_json,
@@ -84,6 +85,7 @@ __all__ = [
     "light_sample",
     "noise_profile_json",
     "noise_profile_line",
+    "noise_profiles_json",
     "photon_transfer_csv",
     "photon_transfer_frames",
     "pixel_of",

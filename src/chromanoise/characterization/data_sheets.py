@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from decimal import Decimal
 from xml.etree import ElementTree
 
+from chromanoise.characterization.planes import dynamic_range_db, threshold_e
 from chromanoise.characterization.results import Characterization, LevelNoise, PlaneNoise
 from chromanoise.sensor.noise_profile import ROUNDING_DN2
 
@@ -40,9 +41,9 @@ def emva_sheet(result: Characterization, plane: PlaneNoise) -> str:
     -----
     EMVA Standard 1288, Release 4.0 Linear (2021), chapters 2 and 10: u_e.min = sqrt(sigma_d^2 +
     1 / (12 K^2)) + 1/2, SNR_max = sqrt(u_e.sat), DR = u_e.sat / u_e.min, photons = electrons / QE;
-    u_e.sat is the saturation capacity, at the largest variance. The full well, of a level above
-    saturation, is an addition. `chromanoise.io.pixels.read_emva_sheet` reads it; ``#`` starts a
-    comment. Values that are not known are left out; ratios have the unit 1.
+    u_e.sat = QE u_p.sat is the saturation capacity, at the largest variance. The full well, of a
+    level above saturation, is an addition. `chromanoise.io.pixels.read_emva_sheet` reads it; ``#``
+    starts a comment. Values that are not known are left out; ratios have the unit 1.
     """
     lines = [f"# {STANDARD}", *_heading(result, plane)]
     for row in _rows(result, plane):
@@ -148,7 +149,7 @@ def _heading(result: Characterization, plane: PlaneNoise) -> list[str]:
 def _rows(result: Characterization, plane: PlaneNoise) -> list[_Row]:
     """The values of the summary sheet that are known."""
     gain, dark, well = plane.gain_dn_per_e, plane.dark_noise_e, plane.saturation_capacity_e
-    least = None if dark is None else math.sqrt(dark**2 + ROUNDING_DN2 / gain**2) + 0.5
+    least = threshold_e(gain, dark)
     values: dict[str, tuple[float | None, float | None]] = {
         "QE": (plane.qe, plane.qe_se),
         "K": (gain, plane.gain_dn_per_e_se),
@@ -160,7 +161,7 @@ def _rows(result: Characterization, plane: PlaneNoise) -> list[_Row]:
         "u_p_sat": (_photons(well, plane.qe), None),
         "u_p_min": (_photons(least, plane.qe), None),
         "SNR_max_dB": (10 * math.log10(well) if well and well > 0 else None, None),
-        "DR_dB": (20 * math.log10(well / least) if well and well > 0 and least else None, None),
+        "DR_dB": (dynamic_range_db(well, least), None),
         "DSNU1288": (plane.dsnu_e, plane.dsnu_e_se),
         "PRNU1288": (plane.prnu, plane.prnu_se),
         "LE": (plane.linearity_error_percent, None),

@@ -5,11 +5,14 @@ import os
 from collections.abc import Callable, Generator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
+from dataclasses import dataclass, replace
 from typing import TypeVar
 
 import numpy as np
 
-from chromanoise.characterization.statistics import LightSample, PlaneSample
+from chromanoise._check import Array
+from chromanoise._shapes import Integer
+from chromanoise.characterization.statistics import LightSample, PlaneSample, scaled_sample
 from chromanoise.errors import InputError
 from chromanoise.io.frames.consistency import refuse_few, refuse_mixed
 from chromanoise.io.frames.frame import Frame, FrameLevel, FrameSet
@@ -17,6 +20,9 @@ from chromanoise.sensor import PhotonTransfer
 from chromanoise.sensor.photon_transfer_table import SAME_TIME
 
 _MOST_BYTES = 400_000_000  # of frames that threads keep in memory
+_SURE_Z = 5.0  # standard errors beyond which a change is no chance
+_LEAST_CLIPPED = 1e-3  # share of the pixels that changes a variance by as much
+_FEWEST_STEPS = 8  # codes between the lowest and highest, from which a step is concluded
 _MOST_APART = 0.2  # of the mean, by which flats of one level may differ
 
 Sampler = Callable[[Sequence[Frame], tuple[int, int]], LightSample]
@@ -40,7 +46,7 @@ def refuse_unusable(frames: FrameSet) -> None:
     InputError
         If there is one.
     """
-    if not any(level.flats for level in frames.levels):
+    if not any(level.flats and not level.spatial for level in frames.levels):
         raise InputError(frames.source, "must have frames with light", found="has dark frames only")
     refuse_mixed(frames.source, [f for one in frames.levels for f in (*one.flats, *one.darks)])
     refuse_few(frames.source, frames.levels, ("flats", "darks"))
@@ -63,7 +69,6 @@ def lights_of(
     with closing(_sampled(groups, tile, sampled)) as samples:
         for (key, group), light in zip(groups.items(), samples, strict=True):
             _refuse_apart(group, light)
-            _refuse_codes_beyond_bits(group, light)
             lights[key] = light
             done += len(group)
             progress(done, whole)
@@ -109,16 +114,157 @@ def _refuse_bright_darks(frames: FrameSet, lights: Mapping[Key, LightSample]) ->
                 )
 
 
-def _refuse_codes_beyond_bits(group: Sequence[Frame], light: LightSample) -> None:
-    bits, top = group[0].bits, max(plane.top_dn for plane in light.planes)
-    if bits is not None and top > 2**bits - 1:
-        raise InputError(
-            group[0].name,
-            f"must have codes of at most {2**bits - 1} for {bits} bits",
-            value=top,
-            found=f"has a code of {top}",
-            remedy="correct bits in capture.toml",
+def code_step(lights: Mapping[Key, LightSample]) -> tuple[int, int]:
+    """The step between codes, and the offset of its multiples: 1 and 0 but for shifted codes. [DN]
+
+    Parameters
+    ----------
+    lights
+        Of all frames.
+    """
+    planes = [plane for light in lights.values() for plane in light.planes]
+    lowest = min(plane.bottom_dn for plane in planes)
+    step = math.gcd(*(one.step_dn for one in planes), *(one.bottom_dn - lowest for one in planes))
+    if step < 2 or max(one.top_dn - one.bottom_dn for one in planes) < _FEWEST_STEPS * step:
+        return 1, 0
+    return step, lowest % step
+
+
+def in_true_codes(
+    frames: FrameSet, lights: Mapping[Key, LightSample]
+) -> tuple[FrameSet, dict[Key, LightSample]]:
+    """Frames and statistics in the codes of the converter, where stored codes are multiples.
+
+    A converter of 12 bits whose codes are stored in the upper bits of 16 has the step 16.
+
+    Parameters
+    ----------
+    frames, lights
+        All frames, and their statistics as stored.
+
+    Raises
+    ------
+    InputError
+        If a frame has a code above the largest one of its bits.
+    """
+    step, offset = code_step(lights)
+    bits = _true_bits(frames, lights, step)
+    if step == 1:
+        return frames, dict(lights)
+
+    def shifted(group: tuple[Frame, ...]) -> tuple[Frame, ...]:
+        return tuple(
+            replace(
+                one,
+                read=_Shifted(frame=one, step_dn=step, offset_dn=offset),
+                bits=bits,
+                black_level_dn=None
+                if one.black_level_dn is None
+                else (one.black_level_dn - offset) / step,
+            )
+            for one in group
         )
+
+    levels = tuple(
+        replace(one, flats=shifted(one.flats), darks=shifted(one.darks)) for one in frames.levels
+    )
+    start = f"{offset} + " if offset else ""
+    note = f"all codes are {start}multiples of {step}: DN here are these multiples"
+    note += "" if bits is None else f", codes of {bits} bits"
+    return (
+        replace(frames, levels=levels, notes=(*frames.notes, note)),
+        {key: light.in_steps(step, offset) for key, light in lights.items()},
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Shifted:
+    """Reads the codes of a frame as (code - offset) / step."""
+
+    frame: Frame
+    step_dn: int
+    offset_dn: int
+
+    def __call__(self) -> Integer[Array, "h w"]:
+        codes = self.frame.codes()
+        return (codes - codes.dtype.type(self.offset_dn)) // codes.dtype.type(self.step_dn)
+
+
+def _true_bits(frames: FrameSet, lights: Mapping[Key, LightSample], step_dn: int) -> int | None:
+    """Bits of the codes in steps; ``None`` if no frame states its bits.
+
+    Stated bits are those of the stored codes, unless these are too large for them.
+    """
+    groups = {
+        key_of(group): group
+        for level in frames.levels
+        for group in (level.flats, level.darks)
+        if group
+    }
+    bits = next((group[0].bits for group in groups.values() if group[0].bits), None)
+    if bits is None:
+        return None
+    tops = {key: max(plane.top_dn for plane in lights[key].planes) for key in groups}
+    largest = 2**bits - 1
+    stored = max(tops.values()) <= largest
+    for key, top in tops.items():
+        if not stored and top // step_dn > largest:
+            raise InputError(
+                groups[key][0].name,
+                f"must have codes of at most {largest} for {bits} bits",
+                value=top,
+                found=f"has a code of {top}",
+                remedy="correct bits in capture.toml",
+            )
+    return (largest // step_dn).bit_length() if stored else bits
+
+
+def unclipped(frames: FrameSet, lights: Mapping[Key, LightSample]) -> FrameSet:
+    """The frames without flats that are clipped at code 0, and without darks if any is.
+
+    A dark that is clipped has too small a variance and too large a mean.
+
+    Parameters
+    ----------
+    frames, lights
+        All frames, and their statistics.
+
+    Raises
+    ------
+    InputError
+        If all flats are clipped.
+    """
+    dark = any(clipped_share(lights[key_of(one.darks)]) for one in frames.levels if one.darks)
+    kept = [
+        replace(one, darks=()) if dark else one
+        for one in frames.levels
+        if not (one.flats and clipped_share(lights[key_of(one.flats)]))
+    ]
+    levels = tuple(one for one in kept if one.flats or one.darks)
+    if not any(one.flats and not one.spatial for one in levels):
+        raise InputError(
+            frames.source,
+            "must have frames with light that are not clipped at code 0",
+            found="has none",
+            remedy="take frames with more light, or with a black level that is not subtracted",
+        )
+    return replace(frames, levels=levels)
+
+
+def clipped_share(light: LightSample) -> float:
+    """Share of the pixels of a plane that are clipped at code 0; 0 if few are. [1]
+
+    Parameters
+    ----------
+    light
+        Statistics of frames of one light.
+    """
+    shares = [
+        plane.bottom_share
+        for plane in light.planes
+        if plane.bottom_dn == 0 and plane.variance_dn2 > 0
+    ]
+    return max((share for share in shares if share > _LEAST_CLIPPED), default=0.0)
 
 
 def _refuse_apart(group: Sequence[Frame], light: LightSample) -> None:
@@ -136,21 +282,146 @@ def _refuse_apart(group: Sequence[Frame], light: LightSample) -> None:
             )
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LightChange:
+    """A change of the light between the flats of one level, by more than chance explains.
+
+    Attributes
+    ----------
+    share
+        Largest minus smallest mean, above dark, over the largest. [1]
+    low, high
+        The frames.
+    above_black
+        Whether the mean without light is known; otherwise ``share`` is that of the codes.
+    """
+
+    share: float
+    low: Frame
+    high: Frame
+    above_black: bool
+
+
+def light_changes(frames: FrameSet, lights: Mapping[Key, LightSample]) -> dict[Key, LightChange]:
+    """The levels between whose flats the light changed significantly, by the names of the flats.
+
+    Parameters
+    ----------
+    frames, lights
+        All frames, and their statistics.
+
+    Notes
+    -----
+    A mean also moves with the offset of the camera, and with its row and column noise. How far is
+    taken from the darks, because shading adds to these noises where the light changes. Both the
+    change and the signal above dark must exceed their errors by 5 times.
+    """
+    base_of, owns = bases(frames, lights), _of_planes(lights)
+    offsets = [_offset_variance(frames, own) for own in owns]
+    found = {}
+    for level in frames.levels:
+        if not level.flats:
+            continue
+        samples = lights[key_of(level.flats)].planes
+        i = max(range(len(samples)), key=lambda plane: samples[plane].mean_dn)
+        means, base = samples[i].frame_means_dn, base_of(level)
+        error = math.sqrt(2 * (samples[i].rest_dn2 / samples[i].pixels + offsets[i]))
+        low, high = int(np.argmin(means)), int(np.argmax(means))
+        black = 0.0 if base is None else base[i][0]
+        if min(means[high] - means[low], samples[i].mean_dn - black) > _SURE_Z * error:
+            found[key_of(level.flats)] = LightChange(
+                share=(means[high] - means[low]) / (means[high] - black),
+                low=level.flats[low],
+                high=level.flats[high],
+                above_black=base is not None,
+            )
+    return found
+
+
+def _of_planes(lights: Mapping[Key, LightSample]) -> list[dict[Key, PlaneSample]]:
+    """The statistics of each plane."""
+    count = len(next(iter(lights.values())).planes)
+    return [{key: light.planes[i] for key, light in lights.items()} for i in range(count)]
+
+
+def _offset_variance(frames: FrameSet, own: Mapping[Key, PlaneSample]) -> float:
+    """Variance of the mean of a frame without light; without darks, of the darkest. [DN^2]"""
+    darks = dark_samples(frames, own)
+    if not darks:
+        darkest = min(own.values(), key=lambda one: one.mean_dn)
+        return len(darkest.frame_means_dn) * darkest.mean_variance_dn2
+    counts = np.array([len(one.frame_means_dn) for one in darks])
+    found = np.array([np.var(one.frame_means_dn, ddof=1) for one in darks])
+    chance = counts * np.array([one.mean_variance_dn2 for one in darks])
+    return max(*(float((counts - 1) @ one) / int((counts - 1).sum()) for one in (found, chance)))
+
+
+Bases = Callable[[FrameLevel], list[tuple[float, float]] | None]
+"""Mean and variance of each plane of a level without light, if known. [DN], [DN^2]"""
+
+
+def bases(frames: FrameSet, lights: Mapping[Key, LightSample]) -> Bases:
+    """Mean and variance of each plane without light, of any level; ``None`` if not known.
+
+    Without darks, the mean is the black level that the frames state, and the variance 0.
+
+    Parameters
+    ----------
+    frames, lights
+        All frames, and their statistics.
+    """
+    if not darks_of(frames):
+        black = frames.black_level_dn
+        known = None if black is None else [(black, 0.0)] * len(_of_planes(lights))
+        return lambda _level: known
+    each = [dark_of_levels(frames, own) for own in _of_planes(lights)]
+    return lambda level: [dark_of(level) for dark_of in each]
+
+
+def at_one_light(
+    frames: FrameSet, lights: Mapping[Key, LightSample], tile: tuple[int, int]
+) -> dict[Key, LightSample]:
+    """The statistics with those flats scaled to one light between which the light changed.
+
+    Parameters
+    ----------
+    frames, lights
+        All frames, and their statistics.
+    tile
+        Rows and columns of the period of the mosaic.
+    """
+    found, base_of = dict(lights), bases(frames, lights)
+    changed = light_changes(frames, lights)
+    for level in frames.levels:
+        key, base = key_of(level.flats), base_of(level)
+        if key not in changed or base is None:
+            continue
+        lowest = [min(plane.frame_means_dn) for plane in lights[key].planes]
+        if all(mean > black for mean, (black, _) in zip(lowest, base, strict=True)):
+            found[key] = scaled_sample(level.flats, tile, lights[key], base)
+    return found
+
+
 def lit_levels(frames: FrameSet, lights: Mapping[Key, LightSample]) -> list[FrameLevel]:
     """The levels with flats, from dark to bright, all planes together."""
 
     def light(level: FrameLevel) -> float:
         return sum(plane.mean_dn for plane in lights[key_of(level.flats)].planes)
 
-    return sorted((level for level in frames.levels if level.flats), key=light)
+    levels = (level for level in frames.levels if level.flats and not level.spatial)
+    return sorted(levels, key=light)
 
 
-def _darks(frames: FrameSet, lights: Mapping[Key, LightSample]) -> dict[Key, FrameLevel]:
-    """Each set of darks once, with a level that has it."""
+def darks_of(frames: FrameSet) -> dict[Key, FrameLevel]:
+    """Each set of darks of the photon transfer once, with a level that has it.
+
+    Those of spatial series are used only where there are no others.
+    """
+    levels = [level for level in frames.levels if level.darks]
+    temporal = [level for level in levels if not level.spatial]
     found: dict[Key, FrameLevel] = {}
-    for level in frames.levels:
-        if level.darks and key_of(level.darks) in lights:
-            found.setdefault(key_of(level.darks), level)
+    for level in temporal or levels:
+        found.setdefault(key_of(level.darks), level)
     return found
 
 
@@ -168,7 +439,7 @@ def transfer_table(
     frames: FrameSet, lights: Mapping[Key, LightSample], plane: int, source: str
 ) -> PhotonTransfer:
     """Means and variances of one plane: the lit levels from dark to bright, then the darks."""
-    lit, darks = lit_levels(frames, lights), _darks(frames, lights)
+    lit, darks = lit_levels(frames, lights), darks_of(frames)
     samples = [lights[key_of(level.flats)].planes[plane] for level in lit]
     samples += [lights[key].planes[plane] for key in darks]
     dark = np.array([False] * len(lit) + [True] * len(darks))
@@ -190,8 +461,7 @@ def transfer_table(
 
 def dark_samples(frames: FrameSet, own: Mapping[Key, PlaneSample]) -> list[PlaneSample]:
     """The statistics of each set of darks, once."""
-    keys = dict.fromkeys(key_of(level.darks) for level in frames.levels if level.darks)
-    return [own[key] for key in keys if key in own]
+    return [own[key] for key in darks_of(frames)]
 
 
 DarkOf = Callable[[FrameLevel], tuple[float, float]]
@@ -203,18 +473,13 @@ def dark_of_levels(frames: FrameSet, own: Mapping[Key, PlaneSample]) -> DarkOf:
 
     Without darks, those of the darkest level.
     """
-    groups = {
-        key_of(level.darks): level
-        for level in frames.levels
-        if level.darks and key_of(level.darks) in own
-    }
-
+    groups = darks_of(frames)
     darkest = min(own.values(), key=lambda one: one.mean_dn)
 
     def found(level: FrameLevel) -> tuple[float, float]:
         if not groups:
             return darkest.mean_dn, darkest.variance_dn2
-        keys = [key_of(level.darks)] if key_of(level.darks) in own and level.darks else []
+        keys = [key_of(level.darks)] if level.darks else []
         if not keys and level.time_ms is not None:
             keys = [
                 key

@@ -8,13 +8,17 @@ import numpy as np
 from chromanoise.characterization.lights import (
     Key,
     Sampler,
+    at_one_light,
     dark_samples,
+    darks_of,
     in_threads,
+    in_true_codes,
     key_of,
     lights_of,
     lit_levels,
     refuse_unusable,
     transfer_table,
+    unclipped,
 )
 from chromanoise.characterization.planes import hidden_by_rounding, plane_noise
 from chromanoise.characterization.results import Characterization, plane_names
@@ -39,6 +43,7 @@ from chromanoise.io.frames.frame import Frame, FrameLevel, FrameSet
 from chromanoise.sensor import Mosaic, PhotonTransfer, TransferFit, photon_transfer_fit
 
 _MOST_AVERAGED = 16  # frames of a level from which fixed patterns are computed
+_MOST_SPATIAL = 1 << 15  # the same for a spatial series: sums have 32 bits
 _HALF = 0.5  # of saturation, at which PRNU is measured
 
 
@@ -70,34 +75,38 @@ def characterized(
     -----
     EMVA 1288, release 4.0 Linear: K, dark noise, QE, saturation and linearity from the temporal
     variances (chapter 6), DSNU and PRNU from averaged frames (chapter 8); PRNU with its high-pass
-    filter, at the level nearest to half of saturation.
+    filter, at the spatial series, or else the level, nearest to half of saturation.
     """
     refuse_unusable(frames)
     tile = (1, 1) if frames.mosaic is None else _tile(frames.mosaic)
-    lights = lights_of(frames, tile, sampled, progress)
+    given, lights = in_true_codes(frames, lights_of(frames, tile, sampled, progress))
+    frames = unclipped(given, lights)
+    lights = at_one_light(frames, lights, tile)
     names = plane_names(frames.mosaic)
+    black = None if darks_of(frames) else frames.black_level_dn
     tables = [
         transfer_table(frames, lights, i, f"{frames.source}, {name}")
         for i, name in enumerate(names)
     ]
-    fits = [_fit(table) for table in tables]
+    fits = [_fit(table, black) for table in tables]
     lit, planes = lit_levels(frames, lights), []
-    middles = [_middle(lit, lights, i, fit) for i, fit in enumerate(fits)]
+    spatial = [level for level in frames.levels if level.flats and level.spatial]
+    middles = [_middle(lit, spatial or lit, lights, i, fit) for i, fit in enumerate(fits)]
     patterns = _patterns(frames, middles, tile)
     unfiltered = []
     for i, (name, fit, middle) in enumerate(zip(names, fits, middles, strict=True)):
         own = {key: light.planes[i] for key, light in lights.items()}
-        flat = _spatial(patterns, own, middle.flats, i, high_pass=True)
         darks = _darks_of(frames, middle)
-        dark = dark_filtered = hot = None
+        flat = _spatial(patterns, own, middle.flats, i, high_pass=True, darks=darks)
+        dark = dark_filtered = dark_alone = hot = None
         if darks:
             steady = {key_of(darks): _with_rows_of_all_darks(frames, own, darks)}
             dark, dark_filtered = (
                 _spatial(patterns, steady, darks, i, high_pass=filtered)
                 for filtered in (False, True)
             )
-            pattern, of_dark = patterns[key_of(darks), i], own[key_of(darks)]
-            hot = hot_pixels(pattern, of_dark, frames=_averaged_count(darks))
+            dark_alone = _spatial(patterns, own, darks, i, high_pass=False)
+            hot = hot_pixels(patterns[key_of(darks), i], own[key_of(darks)])
         unfiltered += [] if flat.filtered else [name]
         planes.append(
             plane_noise(
@@ -106,9 +115,9 @@ def characterized(
                 own,
                 fit,
                 name=name,
-                middle=middle,
                 flat=flat,
                 dark=dark,
+                dark_alone=dark_alone,
                 dark_filtered=dark_filtered,
                 hot=hot,
             )
@@ -126,27 +135,29 @@ def characterized(
         planes=tuple(planes),
         correlation=covariance / np.outer(sd, sd),
         covariance_dn2=np.array([lights[key_of(level.flats)].covariance_dn2 for level in lit]),
-        verdict=model_verdict(frames, lights, planes, covariance / np.outer(sd, sd)),
+        verdict=model_verdict(given, frames, lights, planes, covariance / np.outer(sd, sd)),
         notes=(
             *frames.notes,
+            *_black_notes(frames),
             *_hidden_notes(frames, lights, names),
             *_shading_notes(unfiltered),
         ),
     )
 
 
-def _fit(table: PhotonTransfer) -> TransferFit:
+def _fit(table: PhotonTransfer, black_dn: float | None) -> TransferFit:
     """The photon transfer; without QE, and with a note, where the photons cannot be right.
 
     Frames that were denoised give a QE above 1; the verdict names them.
     """
     try:
-        return photon_transfer_fit(table)
+        return photon_transfer_fit(table, black_dn=black_dn)
     except InputError as error:
         if table.photons is None or "photons" not in error.where:
             raise
         note = f"{table.source}: no QE: it {error.found}, which is not possible"
-        return photon_transfer_fit(replace(table, photons=None, notes=(*table.notes, note)))
+        known = replace(table, photons=None, notes=(*table.notes, note))
+        return photon_transfer_fit(known, black_dn=black_dn)
 
 
 def named_mosaic(mosaic: Mosaic) -> Mosaic:
@@ -175,6 +186,18 @@ def _hidden_notes(
     ]
 
 
+def _black_notes(frames: FrameSet) -> list[str]:
+    if darks_of(frames):
+        return []
+    black = frames.black_level_dn
+    if black is None:
+        return [
+            "the black level is not known: take darks, or state black_level_dn in capture.toml "
+            "(0 if the camera subtracts it)"
+        ]
+    return [f"no darks are used: the black level of {black:g} DN is as stated"]
+
+
 def _shading_notes(names: Sequence[str]) -> list[str]:
     if not names:
         return []
@@ -191,21 +214,27 @@ Patterns = Mapping[tuple[Key, int], FixedPattern]
 
 
 def _middle(
-    lit: Sequence[FrameLevel], lights: Mapping[Key, LightSample], plane: int, fit: TransferFit
+    lit: Sequence[FrameLevel],
+    among: Sequence[FrameLevel],
+    lights: Mapping[Key, LightSample],
+    plane: int,
+    fit: TransferFit,
 ) -> FrameLevel:
-    """The level nearest to half of the saturation of a plane."""
-    means = [lights[key_of(level.flats)].planes[plane].mean_dn for level in lit]
+    """Of some levels that nearest to half of the saturation of a plane."""
+
+    def mean(level: FrameLevel) -> float:
+        return lights[key_of(level.flats)].planes[plane].mean_dn
+
+    means = [mean(level) for level in lit]
     black = fit.black_dn if fit.black_dn is not None else min(means)
     end = max(means) if fit.saturation_dn is None else fit.saturation_dn
-    return min(
-        zip(lit, means, strict=True),
-        key=lambda one: abs(one[1] - black - _HALF * (end - black)),
-    )[0]
+    return min(among, key=lambda one: abs(mean(one) - black - _HALF * (end - black)))
 
 
 def _darks_of(frames: FrameSet, middle: FrameLevel) -> tuple[Frame, ...]:
-    """The darks of a level, or the first ones; empty if there are none."""
-    return middle.darks or next((one.darks for one in frames.levels if one.darks), ())
+    """The darks of a level; else those of a spatial series, or the first ones, if there are any."""
+    others = sorted(frames.levels, key=lambda one: not one.spatial)
+    return middle.darks or next((one.darks for one in others if one.darks), ())
 
 
 def _patterns(
@@ -217,10 +246,18 @@ def _patterns(
         for group in (middle.flats, _darks_of(frames, middle)):
             if group:
                 wanted.setdefault(key_of(group), (group, set()))[1].add(i)
+    series = {
+        key_of(group)
+        for level in frames.levels
+        if level.spatial
+        for group in (level.flats, level.darks)
+    }
 
     def of_planes(group: tuple[Frame, ...]) -> dict[tuple[Key, int], FixedPattern]:
-        key, totals = key_of(group), summed(group[: _averaged_count(group)], tile)
-        return {(key, i): fixed_pattern(totals[i]) for i in wanted[key][1]}
+        key = key_of(group)
+        averaged = group[: _MOST_SPATIAL if key in series else _MOST_AVERAGED]
+        totals = summed(averaged, tile)
+        return {(key, i): fixed_pattern(totals[i], len(averaged)) for i in wanted[key][1]}
 
     found: dict[tuple[Key, int], FixedPattern] = {}
     for patterns in in_threads(of_planes, [group for group, _ in wanted.values()]):
@@ -235,10 +272,14 @@ def _spatial(
     plane: int,
     *,
     high_pass: bool,
+    darks: Sequence[Frame] = (),
 ) -> SpatialVariance:
     key = key_of(group)
     return spatial_variance(
-        patterns[key, plane], own[key], frames=_averaged_count(group), high_pass=high_pass
+        patterns[key, plane],
+        own[key],
+        high_pass=high_pass,
+        dark=own[key_of(darks)] if darks else None,
     )
 
 
@@ -247,8 +288,11 @@ def _with_rows_of_all_darks(
 ) -> PlaneSample:
     """The statistics of darks, with the row and column noise of all darks.
 
-    One pair of frames has few rows and columns, and this noise does not depend on the time.
+    One pair of frames has few rows and columns, and this noise does not depend on the time. A
+    spatial series has many frames, whose own temporal noise the standard subtracts.
     """
+    if any(level.spatial and level.darks == group for level in frames.levels):
+        return own[key_of(group)]
     (row, row_se), (column, column_se) = (
         mean_shared(dark_samples(frames, own), which) for which in ("row", "column")
     )
@@ -259,7 +303,3 @@ def _with_rows_of_all_darks(
         column_dn2=column,
         column_se_dn2=column_se,
     )
-
-
-def _averaged_count(group: Sequence[Frame]) -> int:
-    return min(len(group), _MOST_AVERAGED)

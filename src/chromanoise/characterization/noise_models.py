@@ -128,15 +128,64 @@ def noise_profile_line(result: Characterization, *, white_level_dn: float | None
     return f"NoiseProfile: {numbers}\n{levels}"
 
 
-def darktable_json(
-    result: Characterization, *, maker: str | None = None, model: str | None = None
-) -> dict[str, Any]:
-    """A file ``noiseprofiles.json`` of darktable with one profile: ``a`` and ``b`` of R, G and B.
+def noise_profiles_json(results: Sequence[Characterization]) -> dict[str, Any]:
+    """The noise profiles of DNG of one camera at several ISO settings.
 
     Parameters
     ----------
-    result
-        A characterization.
+    results
+        One characterization per ISO setting.
+
+    Returns
+    -------
+    dict
+        ``profiles``, by increasing ISO: ``iso``, and the keys of `noise_profile_json`. A DNG holds
+        the profile of its own ISO.
+
+    Raises
+    ------
+    InputError
+        If the cameras differ, an ISO is missing or repeated, or as `noise_profile_json`.
+    """
+    return {"profiles": [{"iso": iso, **noise_profile_json(one)} for iso, one in _by_iso(results)]}
+
+
+def _by_iso(results: Sequence[Characterization]) -> list[tuple[float, Characterization]]:
+    """The results of one camera with their ISO settings, in increasing order."""
+    if not results:
+        raise InputError("results", "must hold at least one characterization", value=0)
+    for name in ("camera", "bits", "mosaic"):
+        other = next((o for o in results if getattr(o, name) != getattr(results[0], name)), None)
+        if other is not None:
+            raise InputError(
+                "results",
+                f"must be of one camera, but the {name} differs",
+                value=(str(getattr(results[0], name)), str(getattr(other, name))),
+                where=other.source,
+            )
+    found = [(one.iso, one) for one in results if one.iso is not None]
+    if len({iso for iso, _ in found}) < len(results):
+        raise InputError(
+            "iso",
+            "must be known and different in each of several noise profiles",
+            value=[one.iso for one in results],
+            remedy=_STATED.format("iso = 100"),
+        )
+    return sorted(found, key=lambda pair: pair[0])
+
+
+def darktable_json(
+    results: Characterization | Sequence[Characterization],
+    *,
+    maker: str | None = None,
+    model: str | None = None,
+) -> dict[str, Any]:
+    """A file ``noiseprofiles.json`` of darktable: ``a`` and ``b`` of R, G and B for each ISO.
+
+    Parameters
+    ----------
+    results
+        A characterization, or one per ISO setting of one camera.
     maker, model
         As in the files of the camera; if ``None``, the first word and the rest of
         ``result.camera``.
@@ -144,8 +193,8 @@ def darktable_json(
     Raises
     ------
     InputError
-        If the camera, its ISO or one of the planes R, G and B is missing, or as
-        `noise_profile_json`.
+        If the camera, an ISO or one of the planes R, G and B is missing, cameras differ, an ISO is
+        repeated, or as `noise_profile_json`.
 
     Notes
     -----
@@ -156,14 +205,19 @@ def darktable_json(
     demosaicing, which lowers the noise further, and white balance, which scales red and blue, are
     left out, because they are not properties of the sensor. b / a does not depend on them.
     """
-    maker, model = _maker_and_model(result, maker, model)
-    if result.iso is None:
-        raise InputError(
-            "iso",
-            "must be known for a darktable profile",
-            found="is not",
-            remedy=_STATED.format("iso = 100"),
-        )
+    every = [results] if isinstance(results, Characterization) else list(results)
+    first = next(iter(every), None)
+    if first is not None:
+        maker, model = _maker_and_model(first, maker, model)
+    ordered = _by_iso(every)
+    profiles = [_darktable_profile(one, iso, f"{model} iso {iso:g}") for iso, one in ordered]
+    sources = ", ".join(one.source for _, one in ordered)
+    comment = f"chromanoise, from raw frames of {sources}; not demosaiced, no white balance"
+    own = {"comment": comment, "model": model, "profiles": profiles}
+    return {"version": 0, "noiseprofiles": [{"maker": maker, "models": [own]}]}
+
+
+def _darktable_profile(result: Characterization, iso: float, name: str) -> dict[str, Any]:
     colors = _normalized(result, None).of_colors()
     missing = [color for color in _RGB if color not in colors]
     if missing:
@@ -173,27 +227,27 @@ def darktable_json(
             value=tuple(colors),
             found=f"has {', '.join(colors)}",
         )
-    iso = int(result.iso) if float(result.iso).is_integer() else result.iso
-    profile = {
-        "name": f"{model} iso {iso:g}",
-        "iso": iso,
+    return {
+        "name": name,
+        "iso": int(iso) if float(iso).is_integer() else iso,
         "a": [_HAAR * colors[color][0] for color in _RGB],
         "b": [_HAAR * colors[color][1] for color in _RGB],
     }
-    comment = f"chromanoise, from raw frames of {result.source}; not demosaiced, no white balance"
-    own = {"comment": comment, "model": model, "profiles": [profile]}
-    return {"version": 0, "noiseprofiles": [{"maker": maker, "models": [own]}]}
 
 
-def libcamera_json(result: Characterization, *, analog_gain: float = 1.0) -> dict[str, Any]:
+def libcamera_json(
+    results: Characterization | Sequence[Characterization], *, analog_gain: float = 1.0
+) -> dict[str, Any]:
     """The sections ``rpi.black_level`` and ``rpi.noise`` of a camera tuning file of libcamera.
 
     Parameters
     ----------
-    result
-        A characterization.
+    results
+        A characterization, or one per ISO setting of one camera: all their levels are fitted
+        together, as the images of all gains are by the tuning tool.
     analog_gain
-        Analog gain of the frames, by which the sections refer to gain 1. [1]
+        Analog gain of the frames, of several results that of the lowest ISO, by which the sections
+        refer to gain 1. At another ISO it is in proportion to the ISO. [1]
 
     Returns
     -------
@@ -204,8 +258,8 @@ def libcamera_json(result: Characterization, *, analog_gain: float = 1.0) -> dic
     Raises
     ------
     InputError
-        If the bits or a black level is not known, or fewer than 2 levels of different mean were
-        fitted.
+        If the bits or a black level is not known, fewer than 2 levels of different mean were
+        fitted, or the cameras of several results differ or one has no ISO of its own.
 
     Notes
     -----
@@ -220,21 +274,28 @@ def libcamera_json(result: Characterization, *, analog_gain: float = 1.0) -> dic
     the fit.
     """
     gain = _check.positive("analog_gain", "1", analog_gain)
-    scale = 2.0 ** (_TOP_16 - _bits(result)) / gain
-    constant, slope = _straight_noise(result, scale)
+    every = [results] if isinstance(results, Characterization) else list(results)
+    if len(every) == 1:
+        gains = [(gain, every[0])]
+    else:
+        ordered = _by_iso(every)
+        gains = [(gain * iso / ordered[0][0], one) for iso, one in ordered]
+    scale = 2.0 ** (_TOP_16 - _bits(gains[0][1]))
+    constant, slope = _straight_noise([(scale / own, one) for own, one in gains])
     return {
         "version": 2.0,
         "algorithms": [
-            {"rpi.black_level": _black_levels(result, 2.0 ** (_TOP_16 - _bits(result)))},
+            {"rpi.black_level": _black_levels(gains[0][1], scale)},
             {"rpi.noise": {"reference_constant": constant, "reference_slope": slope}},
         ],
     }
 
 
-def _straight_noise(result: Characterization, scale: float) -> tuple[float, float]:
-    """Constant and slope of the standard deviation over the root of the mean."""
+def _straight_noise(scaled: Sequence[tuple[float, Characterization]]) -> tuple[float, float]:
+    """Constant and slope of the standard deviation over the root of the mean, each scaled."""
     points = [
         (scale * _signal_dn(plane, level.mean_dn, level.dark_mean_dn), scale**2 * variance)
+        for scale, result in scaled
         for plane in result.planes
         for level in plane.levels
         for variance in (level.variance_dn2,)
@@ -244,7 +305,7 @@ def _straight_noise(result: Characterization, scale: float) -> tuple[float, floa
     root, sd = lit[:, 0], lit[:, 1]
     if np.unique(root).size < 2:
         raise InputError(
-            result.source,
+            scaled[0][1].source,
             "must have at least 2 fitted levels of different mean for a libcamera noise model",
             value=int(np.unique(root).size),
             found=f"has {np.unique(root).size}",

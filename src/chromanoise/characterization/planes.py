@@ -6,17 +6,25 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from chromanoise.characterization.lights import DarkOf, Key, dark_of_levels, dark_samples, key_of
+from chromanoise.characterization.lights import (
+    DarkOf,
+    Key,
+    dark_of_levels,
+    dark_samples,
+    darks_of,
+    key_of,
+)
 from chromanoise.characterization.linearity import linearity
 from chromanoise.characterization.results import LevelNoise, PlaneNoise
 from chromanoise.characterization.spatial import SpatialVariance
 from chromanoise.characterization.statistics import PlaneSample, mean_shared
 from chromanoise.io.frames.frame import FrameLevel, FrameSet
 from chromanoise.sensor import TransferFit
+from chromanoise.sensor.noise_profile import ROUNDING_DN2
 from chromanoise.sensor.photon_transfer_table import LEAST_DARK_DN2
 
 _PLATEAU = 0.1  # of the largest variance above dark, below which a level is saturated
-_DYNAMIC_RANGE_E = 0.5  # added to the dark noise: EMVA 1288, eq. of the absolute threshold
+_LEAST_SIGNAL_E = 0.5  # added to the dark noise: EMVA 1288, eq. of the absolute threshold
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -51,9 +59,9 @@ def plane_noise(
     fit: TransferFit,
     *,
     name: str,
-    middle: FrameLevel,
     flat: SpatialVariance,
     dark: SpatialVariance | None,
+    dark_alone: SpatialVariance | None,
     dark_filtered: SpatialVariance | None,
     hot: int | None,
 ) -> PlaneNoise:
@@ -69,24 +77,23 @@ def plane_noise(
         The photon transfer, whose rows are the levels ``lit``, then the darks.
     name
         Of the plane.
-    middle
-        The level at which PRNU is measured.
     flat, dark, dark_filtered
         Spatial variances of its flats, and of the darks without and with the high-pass filter.
+    dark_alone
+        That of the darks with their own temporal noise subtracted, without that of other darks.
     hot
         Number of hot pixels.
     """
     gain, relative = fit.gain_dn_per_e, fit.gain_se / fit.gain_dn_per_e
-    dark_of = dark_of_levels(frames, own)
+    dark_of = _dark_of(frames, own, fit)
     prnu = dsnu = _Value()
     hidden = hidden_by_rounding(frames, own)
     if dark is not None and dark_filtered is not None:
         dsnu = _Value() if hidden else _root(dark.variance_dn2, dark.se_dn2, gain, relative)
-        above = own[key_of(middle.flats)].mean_dn - dark_of(middle)[0]
         prnu = _root(
             flat.variance_dn2 - dark_filtered.variance_dn2,
             math.hypot(flat.se_dn2, dark_filtered.se_dn2),
-            above,
+            flat.signal_dn(dark_filtered),
             0.0,
         )
     row, column = (
@@ -94,9 +101,8 @@ def plane_noise(
         for which in ("row", "column")
     )
     black = _black_level(own, frames, fit, 0.0 if dsnu.value is None else dsnu.value * gain)
-    full, capacity = _full_well(lit, own, fit, dark_of)
-    has_darks = any(level.darks for level in frames.levels)
-    levels = _levels(lit, own, fit, dark_of, dark=has_darks)
+    full = _full_well(lit, own, fit, dark_of)
+    levels = _levels(lit, own, fit, dark_of, dark=bool(darks_of(frames)))
     noise = fit.read_noise_e
     return PlaneNoise(
         name=name,
@@ -107,10 +113,10 @@ def plane_noise(
         black_level_dn=fit.black_dn,
         black_level_dn_se=black,
         saturation_dn=fit.saturation_dn,
-        saturation_capacity_e=capacity,
+        saturation_capacity_e=fit.saturation_capacity_e,
         full_well_e=full.value,
         full_well_e_se=full.se,
-        dynamic_range_db=dynamic_range_db(full.value, noise),
+        dynamic_range_db=dynamic_range_db(fit.saturation_capacity_e, threshold_e(gain, noise)),
         qe=fit.qe,
         qe_se=fit.qe_se,
         linearity_error_percent=_linearity_error(lit, own, fit, dark_of),
@@ -118,6 +124,9 @@ def plane_noise(
         dark_current_e_per_s_se=None if hidden else fit.dark_current_se,
         dsnu_e=dsnu.value,
         dsnu_e_se=dsnu.se,
+        dsnu_of_own_frames_e=None
+        if dark_alone is None or dsnu.value is None
+        else math.sqrt(max(dark_alone.variance_dn2, 0.0)) / gain,
         prnu=prnu.value,
         prnu_se=prnu.se,
         row_noise_e=row.value,
@@ -131,21 +140,46 @@ def plane_noise(
     )
 
 
-def dynamic_range_db(full_well_e: float | None, dark_noise_e: float | None) -> float | None:
-    """20 log10 of the full well over the dark noise plus 0.5 e-; ``None`` if one is unknown. [dB]
+def _dark_of(frames: FrameSet, own: Mapping[Key, PlaneSample], fit: TransferFit) -> DarkOf:
+    """As `dark_of_levels`; without darks, the stated black level and the noise of the fit."""
+    if darks_of(frames) or fit.black_dn is None:
+        return dark_of_levels(frames, own)
+    base = fit.black_dn, (fit.gain_dn_per_e * (fit.read_noise_e or 0.0)) ** 2 + ROUNDING_DN2
+    return lambda _level: base
+
+
+def threshold_e(gain_dn_per_e: float, dark_noise_e: float | None) -> float | None:
+    """The absolute sensitivity threshold; ``None`` without dark noise. [e-]
 
     Parameters
     ----------
-    full_well_e, dark_noise_e
+    gain_dn_per_e
+        The gain K. [DN/e-]
+    dark_noise_e
+        Temporal dark noise, rounding not included. [e-]
+
+    Notes
+    -----
+    EMVA Standard 1288, release 4.0 Linear: sqrt(sigma_d^2 + 1 / (12 K^2)) + 1/2.
+    """
+    if dark_noise_e is None:
+        return None
+    return math.sqrt(dark_noise_e**2 + ROUNDING_DN2 / gain_dn_per_e**2) + _LEAST_SIGNAL_E
+
+
+def dynamic_range_db(capacity_e: float | None, least_e: float | None) -> float | None:
+    """20 log10 of the saturation capacity over `threshold_e`; ``None`` if one is unknown. [dB]
+
+    Parameters
+    ----------
+    capacity_e, least_e
         Of a plane. [e-]
 
     Notes
     -----
-    EMVA Standard 1288, release 4.0 Linear: over the absolute sensitivity threshold.
+    EMVA Standard 1288, release 4.0 Linear: mu_e.sat / mu_e.min.
     """
-    if full_well_e is None or dark_noise_e is None:
-        return None
-    return 20 * math.log10(full_well_e / (dark_noise_e + _DYNAMIC_RANGE_E))
+    return 20 * math.log10(capacity_e / least_e) if capacity_e and least_e else None
 
 
 def hidden_by_rounding(frames: FrameSet, own: Mapping[Key, PlaneSample]) -> bool:
@@ -171,9 +205,7 @@ def _black_level(
     own: Mapping[Key, PlaneSample], frames: FrameSet, fit: TransferFit, dsnu_dn: float
 ) -> float | None:
     """Standard error of the mean code without light at exposure time 0. [DN]"""
-    groups = {
-        key_of(level.darks): level.time_ms for level in frames.levels if key_of(level.darks) in own
-    }
+    groups = {key: level.time_ms for key, level in darks_of(frames).items()}
     if fit.black_dn is None or not groups:
         return None
     variances = np.array([own[key].mean_variance_dn2 for key in groups])
@@ -196,14 +228,14 @@ def _full_well(
     own: Mapping[Key, PlaneSample],
     fit: TransferFit,
     dark_of: DarkOf,
-) -> tuple[_Value, float | None]:
-    """Electrons at which codes saturate, and EMVA's saturation capacity. [e-]
+) -> _Value:
+    """Electrons at which codes saturate. [e-]
 
     Above saturation the variance collapses and the mean stays constant: that mean is used. Without
     such a level, it is the mean at the largest variance, known to within the next level.
     """
     if fit.full_well_e is None or fit.saturation_dn is None:
-        return _Value(), None
+        return _Value()
     gain, relative = fit.gain_dn_per_e, fit.gain_se / fit.gain_dn_per_e
     samples = [own[key_of(level.flats)] for level in lit]
     shot = [one.variance_dn2 - dark_of(level)[1] for level, one in zip(lit, samples, strict=True)]
@@ -217,11 +249,11 @@ def _full_well(
         brightest = max(flat, key=lambda i: samples[i].mean_dn)
         black = dark_of(lit[0])[0] if fit.black_dn is None else fit.black_dn
         value = (samples[brightest].mean_dn - black) / gain  # dark electrons fill the well too
-        return _Value(value=value, se=value * relative), fit.full_well_e
+        return _Value(value=value, se=value * relative)
     k = int(np.argmin([abs(one.mean_dn - fit.saturation_dn) for one in samples]))
     spacing = (at[min(k + 1, len(at) - 1)] - at[max(k - 1, 0)]) / gain
     value = fit.full_well_e
-    return _Value(value=value, se=math.hypot(value * relative, spacing / math.sqrt(12))), value
+    return _Value(value=value, se=math.hypot(value * relative, spacing / math.sqrt(12)))
 
 
 def _linearity_error(

@@ -8,7 +8,7 @@ import numpy as np
 
 from chromanoise.characterization.kept_statistics import resumed
 from chromanoise.characterization.measure import characterized
-from chromanoise.characterization.planes import dynamic_range_db
+from chromanoise.characterization.planes import dynamic_range_db, threshold_e
 from chromanoise.characterization.results import (
     Characterization,
     LevelNoise,
@@ -159,10 +159,12 @@ def characterized_table(table: PhotonTransfer) -> Characterization:
         black_level_dn=fit.black_dn,
         black_level_dn_se=None,
         saturation_dn=fit.saturation_dn,
-        saturation_capacity_e=fit.full_well_e,
+        saturation_capacity_e=fit.saturation_capacity_e,
         full_well_e=fit.full_well_e,
         full_well_e_se=None,
-        dynamic_range_db=dynamic_range_db(fit.full_well_e, fit.read_noise_e),
+        dynamic_range_db=dynamic_range_db(
+            fit.saturation_capacity_e, threshold_e(fit.gain_dn_per_e, fit.read_noise_e)
+        ),
         qe=fit.qe,
         qe_se=fit.qe_se,
         linearity_error_percent=None,
@@ -170,6 +172,7 @@ def characterized_table(table: PhotonTransfer) -> Characterization:
         dark_current_e_per_s_se=fit.dark_current_se,
         dsnu_e=None,
         dsnu_e_se=None,
+        dsnu_of_own_frames_e=None,
         prnu=fit.prnu,
         prnu_se=fit.prnu_se,
         row_noise_e=None,

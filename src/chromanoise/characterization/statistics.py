@@ -1,14 +1,17 @@
 """Temporal statistics of frames of one light: variance, row and column noise, correlation.
 
 All come from differences of consecutive frames, in which fixed patterns cancel. The mean of each
-difference is subtracted, so that a change of the light adds no variance (EMVA 1288, release 4.0,
-section 6.5, with two frames). Row and column noise follow from the analysis of variance of the
-difference: rows, columns, rest.
+difference is subtracted (EMVA 1288, release 4.0, section 6.5, with two frames). Row and column
+noise follow from the analysis of variance of the difference: rows, columns, rest.
+
+Where the light changes from one frame to the next, shading and PRNU do not cancel: a change by the
+share d adds d^2 / 2 times the variance of the pattern of the light. `scaled_sample` therefore
+scales both frames to one light.
 """
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
@@ -16,10 +19,18 @@ from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._shapes import Float, Integer
 from chromanoise.errors import InputError
-from chromanoise.imaging.frame_sums import PairSums, add_plane, difference_rests, product_sum
+from chromanoise.imaging.frame_sums import (
+    PairSums,
+    ScaledPairSums,
+    add_plane,
+    difference_rests,
+    product_sum,
+)
 from chromanoise.io.frames.frame import Frame
 
 _BLOCK_PIXELS = 1 << 19
+_SURE_Z = 5.0  # standard errors beyond which a difference is no chance
+_FEW_PIXELS = 1 << 10  # of which most codes have a greatest common divisor of 1
 _MOST_OPEN = 32  # files from which rows are read in turn
 BAND_PIXELS = 1 << 17
 """Pixels of a plane from which correlations are computed: their error is 0.003."""
@@ -50,6 +61,9 @@ class PlaneSample:
         The largest and the smallest code in the middle rows of the first frame. [DN]
     top_share, bottom_share
         Share of the pixels in these rows that have them. [1]
+    step_dn
+        Greatest common divisor of the differences of the codes in these rows; 0 if all are equal.
+        [DN]
     correlation_right, correlation_down
         Of the rest, between neighbors in a row, and in a column. [1]
     """
@@ -68,6 +82,7 @@ class PlaneSample:
     top_dn: int
     bottom_dn: int
     bottom_share: float
+    step_dn: int
     correlation_right: float
     correlation_down: float
 
@@ -82,6 +97,28 @@ class PlaneSample:
         spread = max(self.frame_means_dn) - min(self.frame_means_dn)
         error = math.sqrt(2 * len(self.frame_means_dn) * self.mean_variance_dn2)
         return spread / error if error else (math.inf if spread else 0.0)
+
+    def in_steps(self, step_dn: int, offset_dn: int) -> "PlaneSample":
+        """The statistics of the codes (code - offset) / step.
+
+        Parameters
+        ----------
+        step_dn, offset_dn
+            Of the codes. [DN]
+        """
+        values = {
+            field.name: getattr(self, field.name) / step_dn**2
+            for field in fields(self)
+            if field.name.endswith("_dn2")
+        }
+        return replace(
+            self,
+            **values,
+            frame_means_dn=tuple((mean - offset_dn) / step_dn for mean in self.frame_means_dn),
+            top_dn=(self.top_dn - offset_dn) // step_dn,
+            bottom_dn=(self.bottom_dn - offset_dn) // step_dn,
+            step_dn=self.step_dn // step_dn,
+        )
 
 
 def mean_shared(samples: Sequence[PlaneSample], which: str) -> tuple[float, float]:
@@ -121,6 +158,19 @@ class LightSample:
     def __post_init__(self) -> None:
         _check.freeze(self, "covariance_dn2")
 
+    def in_steps(self, step_dn: int, offset_dn: int) -> "LightSample":
+        """As `PlaneSample.in_steps`.
+
+        Parameters
+        ----------
+        step_dn, offset_dn
+            Of the codes. [DN]
+        """
+        return LightSample(
+            planes=tuple(plane.in_steps(step_dn, offset_dn) for plane in self.planes),
+            covariance_dn2=self.covariance_dn2 / step_dn**2,
+        )
+
 
 def light_sample(frames: Sequence[Frame], tile: tuple[int, int]) -> LightSample:
     """Statistics of two or more frames with the same light.
@@ -151,8 +201,98 @@ def light_sample(frames: Sequence[Frame], tile: tuple[int, int]) -> LightSample:
             found="is the only one",
         )
     shape = _whole_cells(frames[0], tile)
-    sums, middle = [PairSums(shape, tile) for _ in frames[1:]], _band_rows(shape, tile)
-    parts: tuple[list[Array], list[Array]] = ([], [])  # rows in the middle of the first two frames
+    sums = [PairSums(shape, tile) for _ in frames[1:]]
+    first, second = _added(frames, tile, sums)
+    pairs = [_pair(one, tile) for one in sums]
+    means = [pair.mean_dn for pair in pairs]
+    means.append(means[-1] - pairs[-1].difference_dn)
+    return _sample(pairs, np.array(means), _band(difference_rests(first, second)), first)
+
+
+def scaled_sample(
+    frames: Sequence[Frame],
+    tile: tuple[int, int],
+    sample: LightSample,
+    darks: Sequence[tuple[float, float]],
+) -> LightSample:
+    """The statistics of frames whose light changes from one to the next, scaled to one light.
+
+    Parameters
+    ----------
+    frames, tile
+        As `light_sample`. The frames are read again.
+    sample
+        What `light_sample` found of them.
+    darks
+        Mean and variance of each plane without light; the variance is 0 where it is not known.
+        [DN], [DN^2]
+
+    Notes
+    -----
+    Two frames with the signals p and q above dark are multiplied by g = c / p and h = c / q, above
+    dark. Fixed patterns of the light cancel in the difference. Half of its variance has the shot
+    noise K (g^2 p + h^2 q) / 2 = K c^2 (1 / p + 1 / q) / 2, which is K m, as of one light with the
+    mean m of all frames, for c^2 = 2 m p q / (p + q). The temporal noise in the dark is multiplied
+    by (g^2 + h^2) / 2; its excess, for two frames (p - q)^2 / (2 p q) times the dark variance, is
+    subtracted. What is left is (g - h)^2 / 2, i.e. the same small factor, times DSNU^2.
+
+    Pixels at saturation do not follow the light. Where the mean difference depends on the signal
+    by more than chance, its variance over the signal is subtracted too.
+    """
+    shape, means = (
+        _whole_cells(frames[0], tile),
+        np.array([p.frame_means_dn for p in sample.planes]),
+    )
+    signal = means - np.array([mean for mean, _ in darks])[:, None]  # of each plane and frame
+    one, other, both = signal[:, :-1], signal[:, 1:], signal.mean(axis=1, keepdims=True)
+    level = np.sqrt(2 * both * one * other / (one + other))
+    factors = np.stack([level / one, level / other])  # of plane and pair
+    by_pair = np.moveaxis(factors, 2, 0).reshape(len(frames) - 1, 2, *tile)
+    top = max(plane.top_dn for plane in sample.planes)
+    sums = [ScaledPairSums(shape, tile, own, top) for own in by_pair]
+    first, second = _added(frames, tile, sums)
+    (g, h), index = factors[:, :, 0], (slice(None), None, None)
+    found = _sample(
+        [_pair(one, tile) for one in sums],
+        means.T,
+        _band(_centered(g[index] * first - h[index] * second)),
+        first,
+    )
+    excess = (0.5 * (factors**2).sum(axis=0) - 1).mean(axis=1)
+    planes = []
+    for i, (plane, (_, dark_dn2)) in enumerate(zip(found.planes, darks, strict=True)):
+        y, x = divmod(i, tile[1])
+        less = float(excess[i]) * dark_dn2 + _unlike_light(sums, (y, x), plane.variance_dn2)
+        variance = max(plane.variance_dn2 - less, 0.0)
+        planes.append(
+            replace(plane, variance_dn2=variance, rest_dn2=max(plane.rest_dn2 - less, 0.0))
+        )
+    return replace(found, planes=tuple(planes))
+
+
+def _unlike_light(
+    sums: Sequence[ScaledPairSums], place: tuple[int, int], variance_dn2: float
+) -> float:
+    """Variance of a plane by which differences depend on the signal; 0 if by chance. [DN^2]"""
+    within, groups, free = 0.0, 0, 0
+    for one in sums:
+        counts, total = one.counts[place], one.sums[place]
+        filled = counts > 0
+        within += one.squares[place] - float((total[filled] ** 2 / counts[filled]).sum())
+        groups += int(filled.sum())
+        free += int(counts.sum()) - int(filled.sum())
+    of_bins = within / (2 * max(free, 1))
+    chance = of_bins * math.sqrt(2 * groups) / max(free, 1)
+    return variance_dn2 - of_bins if variance_dn2 - of_bins > _SURE_Z * chance else 0.0
+
+
+def _added(
+    frames: Sequence[Frame], tile: tuple[int, int], sums: Sequence[PairSums]
+) -> tuple[Integer[Array, "p m n"], Integer[Array, "p m n"]]:
+    """Add each two consecutive frames to their sums; rows in the middle of the first two frames."""
+    shape = _whole_cells(frames[0], tile)
+    middle = _band_rows(shape, tile)
+    parts: tuple[list[Array], list[Array]] = ([], [])
     for start, blocks in _blocks(frames, shape, tile):
         before = next(blocks)
         inside = slice(max(middle.start - start, 0), max(middle.stop - start, 0))
@@ -162,11 +302,8 @@ def light_sample(frames: Sequence[Frame], tile: tuple[int, int]) -> LightSample:
             if pair is sums[0]:
                 parts[1].append(block[inside].copy())
             before = block
-    pairs = [_pair(one, tile) for one in sums]
-    means = [pair.mean_dn for pair in pairs]
-    means.append(means[-1] - pairs[-1].difference_dn)
     first, second = (np.stack(planes_of(np.concatenate(part), tile)) for part in parts)
-    return _sample(pairs, np.array(means), _band(first, second), first)
+    return first, second
 
 
 def independent_pairs(frames: int) -> float:
@@ -267,7 +404,7 @@ def _pair(sums: PairSums, tile: tuple[int, int]) -> _Pair:
         for x in range(tile[1]):
             by_column = sums.columns[y, x :: tile[1]]
             by_row = sums.rows[y :: tile[0], x]
-            whole, square = int(by_column.sum()), int(sums.squares[y, x])
+            whole, square = by_column.sum().item(), sums.squares[y, x].item()
             mean = whole / n
             of_rows = columns * float(((by_row / columns - mean) ** 2).sum())
             of_columns = rows * float(((by_column / rows - mean) ** 2).sum())
@@ -295,6 +432,13 @@ class _Band:
     covariance: Array
 
 
+def _step(codes: Integer[Array, "m n"], bottom: int) -> int:
+    """Greatest common divisor of the codes minus the smallest."""
+    away = np.ravel(codes).astype(np.int64) - bottom
+    few = int(np.gcd.reduce(away[:_FEW_PIXELS]))
+    return few if few == 1 else int(np.gcd.reduce(away))
+
+
 def _band_rows(shape: tuple[int, int], tile: tuple[int, int]) -> slice:
     """Rows in the middle of a frame with enough pixels for correlations."""
     height, width = shape
@@ -303,8 +447,13 @@ def _band_rows(shape: tuple[int, int], tile: tuple[int, int]) -> slice:
     return slice(start, start + rows * tile[0])
 
 
-def _band(a: Integer[Array, "p m n"], b: Integer[Array, "p m n"]) -> _Band:
-    rests = difference_rests(a, b)
+def _centered(values: Float[Array, "p m n"]) -> Float[Array, "p m n"]:
+    """The values without the means of their rows and columns, in float32."""
+    values = values - values.mean(axis=1, keepdims=True)
+    return np.asarray(values - values.mean(axis=2, keepdims=True), np.float32)
+
+
+def _band(rests: Float[Array, "p m n"]) -> _Band:
     planes, rows, columns = rests.shape
     products = np.empty((planes, planes))
     for i in range(planes):
@@ -365,6 +514,7 @@ def _sample(
                 top_dn=top,
                 bottom_dn=bottom,
                 bottom_share=np.count_nonzero(plane == bottom) / plane.size,
+                step_dn=_step(plane, bottom),
                 correlation_right=float(band.right[i]),
                 correlation_down=float(band.down[i]),
             )

@@ -11,6 +11,7 @@ from chromanoise.errors import InputError, Setting
 from chromanoise.sensor import CameraNoise, ReadNoiseTable
 
 _BEYOND = 1.25  # factor of the gain by which the table goes beyond the settings measured
+_LEAST_SHARE = 1e-3  # of the read noise: what a noise of 0 counts as in a table of logarithms
 
 
 def camera_noise(results: Characterization | Sequence[Characterization]) -> CameraNoise:
@@ -20,8 +21,9 @@ def camera_noise(results: Characterization | Sequence[Characterization]) -> Came
     ----------
     results
         One characterization, or one per ISO setting. The first one gives gain, black levels, dark
-        current, DSNU, PRNU and row noise; with several, the read noise at other settings is
-        interpolated between their means over the planes.
+        current and PRNU; with several, read noise, row noise and DSNU at other settings are
+        interpolated between their means over the planes, and the full well is the largest, because
+        at a high ISO the top code is reached first.
 
     Returns
     -------
@@ -58,12 +60,26 @@ def camera_noise(results: Characterization | Sequence[Characterization]) -> Came
     cameras_by_gain = sorted(cameras, key=lambda one: float(one.gain_dn_per_e.mean()))
     gains = [float(one.gain_dn_per_e.mean()) for one in cameras_by_gain]
     noise_dn = [float((one.read_noise_e * one.gain_dn_per_e).mean()) for one in cameras_by_gain]
-    # single planes at the end settings have gains a little beyond the means
-    law = ReadNoiseTable(
-        gain_dn_per_e=np.array([gains[0] / _BEYOND, *gains, gains[-1] * _BEYOND]),
-        read_noise_dn=np.array([noise_dn[0], *noise_dn, noise_dn[-1]]),
+
+    def table(values_dn: Sequence[float]) -> ReadNoiseTable | None:
+        if not any(values_dn):
+            return None
+        least = [_LEAST_SHARE * one for one in noise_dn]
+        values = np.maximum(values_dn, least)
+        return ReadNoiseTable(  # single planes at the ends have gains a little beyond the means
+            gain_dn_per_e=np.array([gains[0] / _BEYOND, *gains, gains[-1] * _BEYOND]),
+            read_noise_dn=np.array([values[0], *values, values[-1]]),
+        )
+
+    pairs = list(zip(cameras_by_gain, gains, strict=True))
+    wells = [one.full_well_e for one in cameras if one.full_well_e is not None]
+    return replace(
+        cameras[0],
+        full_well_e=max(wells, default=None),
+        read_noise_law=table(noise_dn),
+        row_noise_law=table([one.row_noise_e * gain for one, gain in pairs]),
+        dsnu_law=table([one.dsnu_e * gain for one, gain in pairs]),
     )
-    return replace(cameras[0], read_noise_law=law)
 
 
 def _camera(result: Characterization) -> CameraNoise:

@@ -7,7 +7,7 @@ import numpy as np
 
 from chromanoise._check import Array
 from chromanoise._shapes import Float
-from chromanoise.characterization.lights import Key, key_of
+from chromanoise.characterization.lights import Key, clipped_share, key_of, light_changes
 from chromanoise.characterization.results import ModelVerdict, PlaneNoise
 from chromanoise.characterization.statistics import BAND_PIXELS, LightSample
 from chromanoise.io.frames.frame import FrameLevel, FrameSet
@@ -22,6 +22,7 @@ _LEAST_DEVIATION = 0.02  # of the variance
 
 
 def model_verdict(
+    given: FrameSet,
     frames: FrameSet,
     lights: Mapping[Key, LightSample],
     planes: Sequence[PlaneNoise],
@@ -31,8 +32,8 @@ def model_verdict(
 
     Parameters
     ----------
-    frames, lights
-        The frames, and their statistics by the names of the frames.
+    given, frames, lights
+        All frames, those that were evaluated, and their statistics by the names of the frames.
     planes
         Results of the planes.
     correlation
@@ -47,6 +48,7 @@ def model_verdict(
         *_deviating(frames, planes, z),
         *_neighbors(frames, lights, planes),
         *_channels(planes, correlation, _pixels(lights)),
+        *_clipped_at_0(given, lights),
         *_lights(frames, lights, planes),
     ]
     return ModelVerdict(
@@ -138,43 +140,38 @@ def _channels(
                 )
 
 
+def _clipped_at_0(frames: FrameSet, lights: Mapping[Key, LightSample]) -> Iterator[str]:
+    """Darks and flats that end at code 0."""
+    for kind, lost in (("darks", "no darks are used"), ("flats", "these levels are not used")):
+        groups = [group for level in frames.levels if (group := getattr(level, kind))]
+        shares = {key_of(group): clipped_share(lights[key_of(group)]) for group in groups}
+        clipped = [group for group in groups if shares[key_of(group)]]
+        if clipped:
+            worst = max(clipped, key=lambda group: shares[key_of(group)])
+            yield (
+                f"up to {100 * shares[key_of(worst)]:.2g} % of the pixels of "
+                f"{len({key_of(group) for group in clipped})} sets of {kind} have code 0 "
+                f"({worst[0].name}): their noise is clipped, so {lost}"
+            )
+
+
 def _lights(
     frames: FrameSet, lights: Mapping[Key, LightSample], planes: Sequence[PlaneNoise]
 ) -> Iterator[str]:
-    """Light that drifts, flats that clip, and darks that end at code 0."""
-    seen: set[Key] = set()
-    drifts: list[tuple[float, str, str]] = []
-    for level in frames.levels:
-        for group in (level.flats, level.darks):
-            key = key_of(group)
-            if key not in lights or key in seen:
-                continue
-            seen.add(key)
-            sample = max(lights[key].planes, key=lambda one: one.mean_dn)
-            means = sample.frame_means_dn
-            low, high = int(np.argmin(means)), int(np.argmax(means))
-            black = planes[0].black_level_dn or 0.0
-            above = max(abs(means[high] - black), 1e-12)
-            change = (means[high] - means[low]) / above
-            bright = group is level.flats
-            if bright and sample.drift_z > _SURE_Z and change > _LEAST_DRIFT:
-                drifts.append((change, group[low].name, group[high].name))
-            at_zero = [
-                one.bottom_share
-                for one in lights[key].planes
-                if one.bottom_dn == 0 and one.variance_dn2 > 0
-            ]
-            clipped = max(at_zero, default=0.0)
-            if not bright and clipped > _LEAST_CLIPPED:
-                yield (
-                    f"{100 * clipped:.2g} % of the pixels of {group[0].name} have code "
-                    "0: the black level is clipped, so the measured dark noise is too low"
-                )
-    if drifts:
-        change, low_name, high_name = max(drifts)
+    """Light that drifts, and flats that clip."""
+    every = light_changes(frames, lights).values()
+    changes = [change for change in every if change.share > _LEAST_DRIFT]
+    if changes:
+        worst = max(changes, key=lambda one: one.share)
+        done = (
+            "their codes above dark were scaled to one mean before the variance was computed"
+            if worst.above_black
+            else "their fixed patterns add to the variance, because the code without light, with "
+            "which they could be scaled to one mean, is not known"
+        )
         yield (
-            f"the light changed between frames of {len(drifts)} levels, by up to "
-            f"{100 * change:.2g} % ({low_name} and {high_name}); the variance is corrected for it"
+            f"the light changed between frames of {len(changes)} levels, by up to "
+            f"{100 * worst.share:.2g} % ({worst.low.name} and {worst.high.name}); {done}"
         )
     pixels = _pixels(lights)
     for plane in planes:

@@ -61,7 +61,7 @@ class PlaneTruth:
     saturation_dn, full_well_e
         Largest mean code, set by the full well or the largest code, and its electrons. [DN], [e-]
     dynamic_range_db
-        20 log10 of full well over the dark noise plus 0.5 e-. [dB]
+        20 log10 of the full well over the absolute sensitivity threshold (`PlaneNoise`). [dB]
     qe
         Electrons per photon, mean over the plane's pixels. [e-/photon]
     dark_current_e_per_s
@@ -297,7 +297,8 @@ class VirtualCamera:
             black_level_dn=self.black_level_dn + gain * float(offsets_e.mean()),
             saturation_dn=saturation_dn,
             full_well_e=full_well_e,
-            dynamic_range_db=20 * math.log10(full_well_e / (dark_noise_e + 0.5)),
+            dynamic_range_db=20
+            * math.log10(full_well_e / (math.sqrt(dark_noise_e**2 + 1 / (12 * gain**2)) + 0.5)),
             qe=float(qe.mean()),
             dark_current_e_per_s=self.dark_current_e_per_s,
             dsnu_e=self.dsnu_e,

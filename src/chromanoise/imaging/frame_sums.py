@@ -48,9 +48,10 @@ class PairSums:
     __slots__ = ("columns", "rows", "squares", "totals")
 
     def __init__(self, shape: tuple[int, int], tile: tuple[int, int]) -> None:
-        self.totals, self.squares = (np.zeros(tile, np.int64) for _ in range(2))
-        self.columns = np.zeros((tile[0], shape[1]), np.int64)
-        self.rows = np.zeros((shape[0], tile[1]), np.int64)
+        self.totals = np.zeros(tile, np.int64)
+        self.squares: Array = np.zeros(tile, np.int64)
+        self.columns: Array = np.zeros((tile[0], shape[1]), np.int64)
+        self.rows: Array = np.zeros((shape[0], tile[1]), np.int64)
 
     def add(self, a: Integer[Array, "n w"], b: Integer[Array, "n w"], first_row: int) -> None:
         """Add the rows from ``first_row`` on.
@@ -90,6 +91,63 @@ class PairSums:
         )
         for half, part in enumerate(of_columns):
             self.columns[:, half::2] += part
+
+
+SIGNAL_BINS = 2048
+"""Steps of the signal by which `ScaledPairSums` sorts pixels: below the shot noise of 10^6 e-."""
+
+
+class ScaledPairSums(PairSums):
+    """`PairSums` of the difference g a - h b, with its own factors g and h for each plane.
+
+    Attributes
+    ----------
+    factors
+        g and h: (2, ty, tx). [1]
+    counts, sums
+        Number of pixels and sum of their differences, by the mean of the two codes in
+        `SIGNAL_BINS` equal steps from 0 to ``top``, and beyond: (ty, tx, bins). [1], [DN]
+    """
+
+    __slots__ = ("counts", "factors", "sums", "top")
+
+    def __init__(
+        self,
+        shape: tuple[int, int],
+        tile: tuple[int, int],
+        factors: Float[Array, "2 ty tx"],
+        top: int,
+    ) -> None:
+        super().__init__(shape, tile)
+        self.factors, self.top = factors, max(top, 1)
+        self.counts: Array = np.zeros((*tile, SIGNAL_BINS + 1), np.int64)
+        self.sums: Array = np.zeros((*tile, SIGNAL_BINS + 1))
+        self.squares = np.zeros(self.squares.shape)
+        self.columns, self.rows = np.zeros(self.columns.shape), np.zeros(self.rows.shape)
+
+    def add(self, a: Integer[Array, "n w"], b: Integer[Array, "n w"], first_row: int) -> None:
+        """As `PairSums.add`; ``first_row`` is that of a whole period of the tile."""
+        height, width = self.totals.shape
+        for y in range(height):
+            for x in range(width):
+                (g, h), one, other = (
+                    self.factors[:, y, x],
+                    a[y::height, x::width],
+                    b[y::height, x::width],
+                )
+                difference = g * one - h * other
+                both = one.astype(np.int64) + other
+                bins = np.clip(both * SIGNAL_BINS // (2 * self.top), 0, SIGNAL_BINS).ravel()
+                self.counts[y, x] += np.bincount(bins, minlength=SIGNAL_BINS + 1)
+                self.sums[y, x] += np.bincount(
+                    bins, weights=difference.ravel(), minlength=SIGNAL_BINS + 1
+                )
+                self.totals[y, x] += int(one.sum(dtype=np.int64))
+                self.squares[y, x] += np.vdot(difference, difference)
+                self.columns[y, x::width] += difference.sum(axis=0)
+                self.rows[first_row + y : first_row + a.shape[0] : height, x] = difference.sum(
+                    axis=1
+                )
 
 
 def add_plane(rows: Integer[Array, "n w"], first: int, step: int, total: Array) -> None:

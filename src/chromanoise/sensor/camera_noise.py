@@ -25,6 +25,7 @@ from chromanoise.sensor.read_noise import (
     MOST_E,
     LogLinearNoise,
     ReadNoiseLaw,
+    ReadNoiseTable,
     above_zero,
     tukey_lambda_variance,
 )
@@ -70,9 +71,9 @@ class CameraNoise:
     tail_lambda
         Shapes of the Tukey lambda distribution of the read noise, one of which is used per item;
         empty for normal read noise. The variance is ``read_noise_e`` squared for every shape. [1]
-    read_noise_law, row_noise_law
+    read_noise_law, row_noise_law, dsnu_law
         Noise in DN as a function of the gain. Without the first, a camera has only its own ISO;
-        without the second, the row noise in electrons is the same at each gain.
+        without the others, row noise and DSNU in electrons are the same at each gain.
     gain_range_dn_per_e
         Lowest and highest gain drawn for an item; ``None`` if items use that at ``iso``. [DN/e-]
     black_offsets_dn
@@ -115,7 +116,8 @@ class CameraNoise:
     row_noise_e: float = 0.0
     tail_lambda: tuple[float, ...] = ()
     read_noise_law: ReadNoiseLaw | None = None
-    row_noise_law: LogLinearNoise | None = None
+    row_noise_law: LogLinearNoise | ReadNoiseTable | None = None
+    dsnu_law: ReadNoiseTable | None = None
     gain_range_dn_per_e: tuple[float, float] | None = None
     black_offsets_dn: Float[Array, "n p"] | None = None
 
@@ -286,6 +288,9 @@ class CameraNoise:
         if self.row_noise_law is not None:
             row_dn = self.row_noise_law.noise_dn(gain, score=row_score)
             row_e = float(np.mean(row_dn / gain))
+        dsnu_e = self.dsnu_e
+        if self.dsnu_law is not None:
+            dsnu_e = float(np.mean(self.dsnu_law.noise_dn(gain) / gain))
         ratio = float(gain[0] / self.gain_dn_per_e[0])
         return replace(
             self,
@@ -293,6 +298,7 @@ class CameraNoise:
             gain_dn_per_e=gain,
             read_noise_e=read_dn / gain,
             row_noise_e=row_e,
+            dsnu_e=dsnu_e,
             tail_lambda=shapes[:1],
             gain_range_dn_per_e=None,
         )

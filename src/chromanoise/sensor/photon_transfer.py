@@ -112,6 +112,8 @@ def photon_transfer_fit(table: PhotonTransfer, *, black_dn: float | None = None)
     photons = None if table.photons is None else table.photons[lit[low]]
     qe, qe_se = _quantum_efficiency(levels.of(low), photons, gain, gain_se, source, notes)
     prnu, prnu_se = _prnu(curves)
+    known = full is not None and levels.black_known
+    well = float(levels.x[full]) / gain if known else None
     if full is None:
         notes.append(
             f"{source}: the variance of the brightest rows does not fall by more than its error, "
@@ -140,9 +142,10 @@ def photon_transfer_fit(table: PhotonTransfer, *, black_dn: float | None = None)
         qe_se=qe_se,
         black_dn=_black_dn(levels, black_dn),
         saturation_dn=saturation,
-        full_well_e=None
-        if full is None or not levels.black_known
-        else float(levels.x[full]) / gain,
+        full_well_e=well,
+        saturation_capacity_e=well
+        if table.photons is None or well is None or qe is None
+        else qe * float(table.photons[lit][full]),
         fitted=fitted,
         residual_z=residual_z,
         chi2_per_row=chi2,
@@ -345,6 +348,15 @@ def _read_noise(
         variance = float(weights @ dark_dn2)
         error2, common = weights**2 @ error2s, -(fit.dark_lever[0] * weights) @ error2s
     dark = variance - ROUNDING_DN2
+    highest = variance + _CURVED_Z * float(np.sqrt(error2))
+    if levels.darks is None and variance < LEAST_DARK_DN2 < highest:
+        limit = float(np.sqrt(highest - ROUNDING_DN2)) / gain
+        notes.append(
+            f"{source}: the variance at the black level is {variance:.3g} +- {np.sqrt(error2):.2g} "
+            f"DN^2, extrapolated from the lit rows, so the read noise of {limit:.3g} e- is an "
+            "upper limit"
+        )
+        return limit, None
     if variance < LEAST_DARK_DN2:
         limit = float(np.sqrt(LEAST_DARK_DN2 - ROUNDING_DN2)) / gain
         notes.append(

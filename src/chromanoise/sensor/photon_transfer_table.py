@@ -193,6 +193,9 @@ class TransferFit:
     saturation_dn, full_well_e
         Mean code at the largest variance, if the variance falls above it, and its electrons.
         [DN], [e-]
+    saturation_capacity_e
+        mu_e.sat of EMVA 1288: QE times the photons of that row, where codes begin to be clipped;
+        without photons ``full_well_e``. [e-]
     fitted
         Which rows the line was fitted to; dark rows define its origin.
     residual_z
@@ -222,6 +225,7 @@ class TransferFit:
     black_dn: float | None
     saturation_dn: float | None
     full_well_e: float | None
+    saturation_capacity_e: float | None
     fitted: Bool[Array, " m"]
     residual_z: Float[Array, " m"]
     chi2_per_row: float

@@ -210,7 +210,7 @@ def read_noise_sum(
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ReadNoiseTable:
-    """Measured read noise against gain, interpolated linearly in ln(noise) and ln(K).
+    """Measured noise of readout against gain, interpolated linearly in ln(noise) and ln(K).
 
     Attributes
     ----------

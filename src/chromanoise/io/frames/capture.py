@@ -28,7 +28,7 @@ from chromanoise.sensor import Mosaic, mosaic_named
 
 CAPTURE = "capture.toml"
 """Name of the file in a folder of frames."""
-_TOP = ("camera", "iso", "mosaic", "bits", "darks", "levels")
+_TOP = ("camera", "iso", "mosaic", "bits", "black_level_dn", "darks", "levels")
 _LEVEL = ("name", "flats", "darks", "time_ms", "photons_per_pixel", "iso")
 _LARGEST_BYTES = 2**20
 _MOST_BITS = 32
@@ -38,6 +38,7 @@ _MOST_PHOTONS = 1e15
 _LONGEST_NAME = 1000
 _LONGEST_CAMERA = 200
 _LEAST_ISO, _MOST_ISO = 1e-3, 1e9
+_MOST_BLACK_DN = 1e9
 _PART = re.compile(r"(.+?)((?:\[[^\[\]]{1,100}\]){1,2})")
 
 _FramesOfFile = dict[Path, tuple[Frame, ...]]
@@ -50,11 +51,12 @@ def read_capture(path: Path) -> FrameSet:
     ----------
     path
         The file. Keys: ``mosaic`` (``RG/GB``; absent for the mosaic stated in the files), ``bits``,
-        ``camera`` (maker and model), ``iso``, ``darks`` (used at every level without darks of its
-        own) and ``[[levels]]`` with ``flats``, ``darks``, ``time_ms`` [ms], ``photons_per_pixel``
-        [1], ``iso`` and ``name``. Frames are names
-        relative to the file; ``*``, ``?`` and ``[abc]`` are patterns, sorted by name.
-        ``stack.tif[3]`` is one frame of a stack, ``a.npz[flat]`` one array.
+        ``camera`` (maker and model), ``iso``, ``black_level_dn`` (code without light; 0 if the
+        camera subtracts it), ``darks`` (used at every level without darks of its own) and
+        ``[[levels]]`` with ``flats``, ``darks``, ``time_ms`` [ms], ``photons_per_pixel`` [1],
+        ``iso`` and ``name``. Frames are names relative to the file; ``*``, ``?`` and ``[abc]`` are
+        patterns, sorted by name. ``stack.tif[3]`` is one frame of a stack, ``a.npz[flat]`` one
+        array.
 
     Raises
     ------
@@ -83,6 +85,7 @@ def read_capture(path: Path) -> FrameSet:
     refuse_few(str(path), levels)
     stated = {"bits": _bits(path, table), "camera": _camera(path, table)}
     levels = [_with(path, level, stated) for level in levels]
+    levels, black_remarks = _with_black(path, table, levels)
     used = [frame for level in levels for frame in (*level.flats, *level.darks)]
     refuse_mixed(str(path), used)
     mosaic, remarks = _mosaic(path, table, used)
@@ -90,7 +93,12 @@ def read_capture(path: Path) -> FrameSet:
     lit = sum(bool(level.flats) for level in levels)
     count = len({frame.name for level in levels for frame in level.darks})
     note = f"{lit} levels with {flats} flats, and {count} darks, by {path.name}"
-    return FrameSet(source=str(path), levels=tuple(levels), mosaic=mosaic, notes=(note, *remarks))
+    return FrameSet(
+        source=str(path),
+        levels=tuple(levels),
+        mosaic=mosaic,
+        notes=(note, *remarks, *black_remarks),
+    )
 
 
 def _table(path: Path) -> dict[str, Any]:
@@ -180,7 +188,7 @@ def _number(
     if not 0 <= number <= most:
         raise InputError(
             str(path), f"must be a number from 0 to {most:g} [{unit}]", value=value,
-            where=f"{at}, {key}",
+            where=f"{at}, {key}" if at else key,
         )  # fmt: skip
     return number
 
@@ -342,6 +350,29 @@ def _with(path: Path, level: FrameLevel, stated: Mapping[str, Any]) -> FrameLeve
         flats=tuple(replace(frame, **known) for frame in level.flats),
         darks=tuple(replace(frame, **known) for frame in level.darks),
     )
+
+
+def _with_black(
+    path: Path, table: Mapping[str, Any], levels: list[FrameLevel]
+) -> tuple[list[FrameLevel], tuple[str, ...]]:
+    """The levels with the black level of the list, and a note if a file states another one."""
+    black = _number(path, table, "black_level_dn", "DN", _MOST_BLACK_DN, "")
+    if black is None:
+        return levels, ()
+    frames = [frame for level in levels for frame in (*level.flats, *level.darks)]
+    other = next((one for one in frames if one.black_level_dn not in (None, black)), None)
+    found = [
+        replace(
+            level,
+            flats=tuple(replace(frame, black_level_dn=black) for frame in level.flats),
+            darks=tuple(replace(frame, black_level_dn=black) for frame in level.darks),
+        )
+        for level in levels
+    ]
+    if other is None:
+        return found, ()
+    note = f"black level of {black:g} DN by {path.name}; {other.name} states "
+    return found, (f"{note}{other.black_level_dn:g} DN",)
 
 
 def _same(one: Any, other: Any) -> bool:

@@ -34,6 +34,11 @@ class _Series:
         """Whether it has more than the two frames of a temporal measurement."""
         return len(self.files) > 2
 
+    @property
+    def lit(self) -> bool:
+        """Whether it has light."""
+        return self.photons is not None
+
 
 def is_descriptor(path: Path) -> bool:
     """Whether the first lines of a text file are those of a descriptor."""
@@ -50,8 +55,9 @@ def is_descriptor(path: Path) -> bool:
 def read_descriptor(path: Path) -> FrameSet:
     """The frames of an EMVA 1288 descriptor; times are in ns, names relative to its folder.
 
-    Two frames per line ``b`` or ``d`` are a temporal measurement, more a spatial one; darks are
-    those with the same exposure time, and of the same kind if there are any.
+    Two frames per line ``b`` or ``d`` are a temporal measurement, more a spatial one, from which
+    only fixed patterns are measured (`FrameLevel`), unless all series with light, or all darks, are
+    spatial. Darks are those with the same exposure time, and of the same kind if there are any.
 
     Raises
     ------
@@ -70,6 +76,9 @@ def read_descriptor(path: Path) -> FrameSet:
     for one in series:
         if one.photons is None:
             dark_at.setdefault(one.time_ms, []).append(one)
+    both = {
+        kind: len({one.spatial for one in series if one.lit is kind}) > 1 for kind in (True, False)
+    }
     levels, used = [], set()
     for one in series:
         if one.photons is None:
@@ -78,14 +87,21 @@ def read_descriptor(path: Path) -> FrameSet:
         darks = [dark for dark in same if dark.spatial == one.spatial] or same
         used |= {dark.line for dark in darks[:1]}
         dark = frames_of[darks[0].line] if darks else ()
-        levels.append(_level(one, frames_of[one.line], dark))
+        levels.append(_level(one, frames_of[one.line], dark, spatial=one.spatial and both[True]))
     alone = [one for one in series if one.photons is None and one.line not in used]
-    levels += [_level(one, (), frames_of[one.line]) for one in alone]
+    levels += [
+        _level(one, (), frames_of[one.line], spatial=one.spatial and both[False]) for one in alone
+    ]
     frames = [frame for own in frames_of.values() for frame in own]
     refuse_mixed(str(path), frames)
-    lit = len(series) - sum(one.photons is None for one in series)
+    spatial = sum(level.spatial for level in levels)
+    lit = sum(bool(level.flats) and not level.spatial for level in levels)
     without = sum(bool(level.flats) and not level.darks for level in levels)
     notes = [f"{lit} levels of light and {len(alone)} of darks only, by the descriptor {path.name}"]
+    if spatial:
+        notes.append(
+            f"{spatial} series of more than 2 frames for fixed patterns, not for photon transfer"
+        )
     if without:
         notes.append(f"{without} levels have no darks of their exposure time")
     return FrameSet(
@@ -186,7 +202,9 @@ def _number(path: Path, line: int, word: str) -> float:
     return value
 
 
-def _level(one: _Series, flats: tuple[Frame, ...], darks: tuple[Frame, ...]) -> FrameLevel:
+def _level(
+    one: _Series, flats: tuple[Frame, ...], darks: tuple[Frame, ...], *, spatial: bool
+) -> FrameLevel:
     light = "dark" if one.photons is None else f"{one.photons:g} photons"
     return FrameLevel(
         name=f"{one.time_ms:g} ms, {light}, {len(one.files)} frames",
@@ -194,6 +212,7 @@ def _level(one: _Series, flats: tuple[Frame, ...], darks: tuple[Frame, ...]) -> 
         darks=darks,
         time_ms=one.time_ms,
         photons_per_pixel=one.photons,
+        spatial=spatial,
     )
 
 

@@ -133,6 +133,9 @@ class FrameLevel:
         Exposure time. [ms]
     photons_per_pixel
         Mean number of photons on a pixel during the exposure. [1]
+    spatial
+        Whether the frames measure the fixed patterns only: they are no level of the photon
+        transfer, and their light may have another calibration.
     """
 
     name: str
@@ -140,6 +143,7 @@ class FrameLevel:
     darks: tuple[Frame, ...] = ()
     time_ms: float | None = None
     photons_per_pixel: float | None = None
+    spatial: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -162,3 +166,9 @@ class FrameSet:
     levels: tuple[FrameLevel, ...]
     mosaic: Mosaic | None = None
     notes: tuple[str, ...] = ()
+
+    @property
+    def black_level_dn(self) -> float | None:
+        """Code without light, if all frames with light state the same one. [DN]"""
+        stated = {frame.black_level_dn for level in self.levels for frame in level.flats}
+        return stated.pop() if len(stated) == 1 else None
