@@ -174,9 +174,10 @@ def _wavelength_unit(
     if declared or answer:
         return declared or answer or "nm", ()
     listed = is_wavelength_heading(found.heading) or found.format.endswith(DIGITIZED)
-    if not listed and not all(map(_is_ordered, known)):
-        raise _unit_wanted(found, span)
     fitting = unit_that_fits(low, high)
+    points = fitting == "nm" and len(found.columns) == 1  # clicked in any order
+    if not listed and not points and not all(map(_is_ordered, known)):
+        raise _unit_wanted(found, span)
     numbered = all(bool((at == np.round(at)).all()) for at in known)  # rows 1, 2, 3
     if fitting is None or (fitting == "um" and numbered):
         raise _unit_wanted(found, span)

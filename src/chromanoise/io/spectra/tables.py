@@ -20,6 +20,9 @@ from chromanoise.io.spectra.parsed import Column, Found, Row
 _POINT = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD][+-]?\d{1,4})?\s*%?", re.ASCII)
 _COMMA = re.compile(r"[+-]?(\d+(,\d+)?|,\d+)([eEdD][+-]?\d{1,4})?\s*%?", re.ASCII)
 _MISSING = ("", "-", "--", "na", "n/a", "#n/a", "null", "none")
+_NUMERAL = re.compile(r"[-+]?[.,]?\d|[-+]?(?:nan|inf)", re.IGNORECASE)
+_COUNTS_ROWS = re.compile(r"(?i)(?:pixels?|index|points?|frame|row|column|no\.?|nr\.?|#)")
+_OTHER_AXIS = re.compile(r"(?i)(?:wave ?numbers?|raman ?shifts?|frequency|(?:photon )?energy)")
 _UNIT = re.compile(r"(.*?)[\s_]*(?:\[([^\[\]]*)\]|\(([^()]*)\))")
 DIGITIZED = "digitized curves"
 _LARGEST = 1e30
@@ -81,9 +84,12 @@ def table_of(
     """
     if sum(len(row.cells) for row in rows) > _MOST_CELLS:
         raise InputError(source, f"must have at most {_MOST_CELLS} cells for a table of spectra")
-    rows, turned = as_columns(with_plain_wavelengths(rows))
+    rows, twice = with_plain_wavelengths(rows)
+    rows, unused = _with_wavelengths_first(rows, decimal == ",")
+    rows, turned = as_columns(rows)
     first = _first_row_of_numbers(rows, decimal == ",")
     body = [row for row in rows[first:] if any(row.cells)]
+    body, after = _without_words_after(body, decimal == ",", where)
     if len(body) < 2:
         raise InputError(
             source,
@@ -105,7 +111,8 @@ def table_of(
         keys.pop("unit", None)
     found = {
         "source": source, "format": form, "words": words, "keys": keys,
-        "delimiter": delimiter, "decimal": decimal, "defects": ragged, "notes": turned,
+        "delimiter": delimiter, "decimal": decimal, "defects": ragged,
+        "notes": (*twice, *unused, *turned, *after),
     }  # fmt: skip
     if _in_pairs(heads, numbers):
         return _digitized(found, heads, numbers)
@@ -128,6 +135,71 @@ def _continues(row: Row, following: Row, comma: bool) -> bool:
     """Whether a row begins with a number as close to that of the following row as wavelengths."""
     first, other = (number_in(one.cells[0], decimal_comma=comma) for one in (row, following))
     return sum(map(bool, row.cells)) > 1 and 0.5 * other < first < 2 * other
+
+
+def _with_wavelengths_first(
+    rows: Sequence[Row], comma: bool
+) -> tuple[Sequence[Row], tuple[str, ...]]:
+    """Rows without the columns that are not curves, if then the wavelengths are first; and a note.
+
+    Such are columns of words, row numbers and other axes, such as wavenumbers. They are recognized
+    only beside a column with the heading of wavelengths.
+    """
+    for i, row in enumerate(rows):
+        k = next((k for k, cell in enumerate(row.cells) if is_wavelength_heading(cell)), None)
+        below = [
+            other.cells
+            for other in rows[i + 1 :]
+            if k is not None
+            and len(other.cells) > k
+            and is_number(other.cells[k], decimal_comma=comma)
+        ]
+        if k is None or len(row.cells) < 2 or len(below) < 2:
+            continue
+        drop = [
+            j
+            for j, name in enumerate(row.cells)
+            if j != k and _is_no_curve(name, [cells[j : j + 1] for cells in below], comma)
+        ]
+        if any(j not in drop for j in range(k)) or len(drop) == len(row.cells) - 1 or not drop:
+            return rows, ()
+        kept = [
+            Row(number=one.number, cells=tuple(c for j, c in enumerate(one.cells) if j not in drop))
+            for one in rows
+        ]
+        names = ", ".join(repr(row.cells[j][:40]) for j in drop if row.cells[j])
+        note = f"columns that are not curves are not used: {names}"
+        return [one for one in kept if any(one.cells)], (note,) if names else ()
+    return rows, ()
+
+
+def _is_no_curve(name: str, cells: Sequence[tuple[str, ...]], comma: bool) -> bool:
+    bare = name_and_unit(name)[0]
+    if _COUNTS_ROWS.fullmatch(bare) or _OTHER_AXIS.fullmatch(bare):
+        return True
+    return not any(is_number(text, decimal_comma=comma) for one in cells for text in one)
+
+
+def _without_words_after(
+    body: list[Row], comma: bool, where: str
+) -> tuple[list[Row], tuple[str, ...]]:
+    """The rows up to the text that follows the last number, and a note on that text."""
+    end = len(body)
+    for i in range(len(body) - 1, -1, -1):
+        cells = [cell for cell in body[i].cells if cell]
+        if not cells or _NUMERAL.match(cells[0]) or cells[0].lower() in _MISSING:
+            if len(cells) > 1 and all(is_number(c, decimal_comma=comma) for c in cells[:2]):
+                break
+        else:
+            end = i
+    if end == len(body) or any(_NUMERAL.match(row.cells[0]) for row in body[end:]):
+        return body, ()
+    first = body[end]
+    text = next(cell for cell in first.cells if cell)
+    count = len(body) - end
+    what = f"1 {where}" if count == 1 else f"{count} {where}s"
+    note = f"{what} of text after the numbers not used, from {where} {first.number}: {text[:40]!r}"
+    return body[:end], (note,)
 
 
 def _with_row_of_units(heads: list[tuple[str, ...]]) -> list[tuple[str, ...]]:
@@ -228,17 +300,30 @@ def _in_pairs(heads: list[tuple[str, ...]], numbers: np.ndarray) -> bool:
         return True
     if pairs < 2 or (last[:1] == ("wavelength_nm",) and "wavelength_nm" not in last[1:]):
         return False
-    if len(heads) and all(heads[-1][::2]) and not any(heads[-1][1::2]):
+    whole = len(heads) > 0 and len(heads[-1]) >= 2 * pairs - 1
+    if whole and all(heads[-1][::2]) and not any(heads[-1][1::2]):
+        return True
+    if whole and all(map(is_wavelength_heading, heads[-1][::2])):
         return True
     at, values = numbers[:, ::2], numbers[:, 1::2]
     known = np.isfinite(at).any(axis=0) & np.isfinite(values).any(axis=0)
+    if np.isfinite(at).all() and len({bool(_is_monotone(one)) for one in at.T}) == 2:
+        return False  # the wavelengths of all curves, followed by values
     return bool(
         known.all() and np.nanmin(at) >= 150 and np.nanmax(at) <= 5000 and np.nanmax(values) <= 110
     )
 
 
+def _is_monotone(at: np.ndarray) -> bool:
+    steps = np.diff(at)
+    return bool((steps > 0).all() or (steps < 0).all())
+
+
 def _digitized(found: dict, heads: list[tuple[str, ...]], numbers: np.ndarray) -> Found:
     names = [head for head in heads if {c.lower() for c in head} - {"x", "y", ""}]
+    axes = [cell for cell in names[-1][::2] if is_wavelength_heading(cell)] if names else []
+    if axes:  # each curve has two headings, and its name may be above them
+        names = [_names_of_pairs(names[-2:], numbers.shape[1])]
     columns = []
     for k in range(numbers.shape[1] // 2):
         heading = names[-1][2 * k] if names and 2 * k < len(names[-1]) else ""
@@ -256,8 +341,23 @@ def _digitized(found: dict, heads: list[tuple[str, ...]], numbers: np.ndarray) -
     note = "each curve has its own list of wavelengths, as digitizers write"
     form = f"{found['format']}, {DIGITIZED}"
     return Found(
-        **{**found, "format": form, "notes": (note,)}, columns=tuple(columns), named=bool(names)
+        **{**found, "format": form, "notes": (note, *found["notes"])},
+        columns=tuple(columns),
+        heading=axes[0] if len(set(axes)) == 1 else "",
+        named=bool(names),
     )
+
+
+def _names_of_pairs(heads: list[tuple[str, ...]], width: int) -> tuple[str, ...]:
+    """One name per pair of columns, at the place of its wavelengths."""
+    above, last = [(*row, *("",) * width)[:width] for row in [("",), *heads][-2:]]
+    names = [above[k] or above[k + 1] for k in range(0, width, 2)]
+    own = last[1::2]
+    if not all(names) or len(set(names)) < len(names):
+        names = list(own)
+    elif all("%" in text for text in own):
+        names = [f"{name} [%]" for name in names]
+    return tuple(cell for name in names for cell in (name, ""))
 
 
 def _head(heads: list[tuple[str, ...]], comment: tuple[str, ...], width: int) -> tuple[str, ...]:
@@ -289,6 +389,11 @@ def _shared(
             found=f"has {numbers.shape[1]}",
         )
     names = [name_and_unit(text) if unit is None else (text, unit) for text in head[1:]]
+    stems = [name for name, _ in names]
+    names = [
+        (text, own) if stems.count(stem) > 1 and text and head.count(text) == 1 else (stem, own)
+        for text, (stem, own) in zip(head[1:], names, strict=True)
+    ]
     columns, missing = [], []
     for k, (name, unit) in enumerate(names):
         known = np.isfinite(numbers[:, k + 1])
