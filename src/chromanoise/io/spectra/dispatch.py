@@ -17,6 +17,7 @@ from chromanoise.io.spectra.envi_library import envi_library, read_envi_library
 from chromanoise.io.spectra.fits import read_fits
 from chromanoise.io.spectra.interpretation import meaning_of
 from chromanoise.io.spectra.isetcam import is_matlab, read_isetcam
+from chromanoise.io.spectra.jcamp import is_jcamp, read_jcamp
 from chromanoise.io.spectra.json_forms import read_json
 from chromanoise.io.spectra.kinds import kind_of, kind_of_zip
 from chromanoise.io.spectra.parsed import ASK, Answers, Found, ParsedSpectra
@@ -111,6 +112,8 @@ def _of_text(text: str, source: str) -> Found:
         return read_json(text, source)
     if start == "<":
         return read_tm27(text, source)
+    if is_jcamp(text):
+        return read_jcamp(text, source)
     if is_cgats(text):
         return read_cgats(text, source)
     return read_delimited(text, source)
