@@ -15,7 +15,10 @@ from chromanoise.spectra.curves import SMALL_NEGATIVES
 
 _GRID_NM = (400.0, 1050.0)
 _PER = Setting("per", ("energy", "photon"))
-_READING = r"(?i)(?<![a-z])(dark|background|reference|ref)(?![a-z])"
+_READING = (
+    r"(?i)(?:.*: )?(?:dark|background|ref|reference)"
+    r"(?: (?:spectrum|scan|reading|signal|counts|intensity|\d+))?"
+)
 _MENTIONED = r"(?i)\b(qe|quantum efficiency|responsivity|sensitivity|reflect\w*|transmi\w*|A/W)\b"
 
 
@@ -98,7 +101,7 @@ def questions_of(parsed: ParsedSpectra, words: str, answers: Answers) -> ParsedS
 def sensor_questions(parsed: ParsedSpectra, answers: Answers) -> Iterator[Question]:
     """Questions about a sensor: which curves, per photon or per energy, and their scale."""
     names = parsed.curves.names
-    reading = next((name for name in names if re.search(_READING, name)), None)
+    reading = next((name for name in names if re.fullmatch(_READING, name)), None)
     if reading is not None and len(names) > 1 and not answers.columns:
         yield Question(
             about="columns",
