@@ -97,8 +97,11 @@ def table_of(
             value=len(body),
             found=f"has {len(body)} in {len(rows)} {where}s",
         )
-    heads = _with_row_of_units([_bare(row.cells) for row in rows[:first]])
-    width = _width(body, rows[:first], head)
+    above = list(rows[:first])
+    while delimiter == "blanks" and above and _is_sentence(above[-1], body):
+        above.pop()
+    heads = _with_row_of_units([_bare(row.cells) for row in above])
+    width = _width(body, above, head)
     names = _head(heads, head, width)
     _refuse_wavelengths_elsewhere(names, source)
     numbers, ragged = _numbers(body, names, decimal, source, where)
@@ -213,6 +216,12 @@ def _bare(cells: tuple[str, ...]) -> tuple[str, ...]:
     """The rows without the empty cells at the end that spreadsheets write."""
     last = max((i for i, cell in enumerate(cells) if cell), default=-1)
     return cells[: last + 1]
+
+
+def _is_sentence(row: Row, body: list[Row]) -> bool:
+    """Whether a line between blanks has more words than columns, and is no heading."""
+    longest = max(len(_bare(other.cells)) for other in body)
+    return len(_bare(row.cells)) > longest and not is_wavelength_heading(row.cells[0])
 
 
 def _width(body: list[Row], heads: Sequence[Row], head: tuple[str, ...]) -> int:
