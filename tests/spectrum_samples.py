@@ -226,23 +226,34 @@ def _jaz(s):
 
 
 def _avasoft_7(s):
-    lines = ["a comment", "Integration time: 175 ms", "Average: 20 scans", *s.facts(": "),
-             "Wave   ;Dark     ;Ref      ;Sample   ;Transmittance",
-             "[nm]   ;[counts] ;[counts] ;[counts] ;[% transmittance] ",
-             *s.rows(lambda w, v, k: (w, Decimal("-8.9"), Decimal(7000), v, 100 * v), ";")]
+    lines = [
+        "a comment",
+        "Integration time: 175 ms",
+        "Average: 20 scans",
+        *s.facts(": "),
+        "Wave   ;Dark     ;Ref      ;Sample   ;Transmittance",
+        "[nm]   ;[counts] ;[counts] ;[counts] ;[% transmittance] ",
+        *s.rows(lambda w, v, k: (w, Decimal("-8.9"), Decimal(7000), v, 100 * v), ";"),
+    ]
     return "a.ttt", lines, {"columns": ("Transmittance",)}  # fmt: skip
 
 
 def _avasoft_sample(s):
-    lines = ["", "Integration time [ms]:  84.900", "Averaging Nr. [scans]: 10", *s.facts(": "),
-             "Wave   ;Sample   ;Dark     ;Reference;Reflectance",
-             "[nm]   ;[counts] ;[counts] ;[counts] ;[%]", "",
-             *s.rows(lambda w, v, k: (w, v, Decimal("0.1"), Decimal("0.9"), 100 * v), ";")]
+    lines = [
+        "",
+        "Integration time [ms]:  84.900",
+        "Averaging Nr. [scans]: 10",
+        *s.facts(": "),
+        "Wave   ;Sample   ;Dark     ;Reference;Reflectance",
+        "[nm]   ;[counts] ;[counts] ;[counts] ;[%]",
+        "",
+        *s.rows(lambda w, v, k: (w, v, Decimal("0.1"), Decimal("0.9"), 100 * v), ";"),
+    ]
     return "a.TXT", lines, {"columns": ("Sample",)}  # fmt: skip
 
 
 def _sekonic(s):
-    at = {w: v for w, v in s.points()}
+    at = dict(s.points())
     coarse = [f"Spectral Data {w}[nm]{s.sign}{s.text(at[w] / 2)}" for w in list(at)[::5]]
     lines = [f"Date Saved{s.sign}15/03/2021 3:44", f"Title{s.sign}a", *s.facts(s.sign),
              f"Tcp [K]{s.sign}3262", f"CRI Ra{s.sign}87{s.text(Decimal('.5'))}", *coarse,
@@ -266,16 +277,26 @@ def _uprtek(s):
 
 def _wasatch(s):
     head = ("Pixel", "Wavelength", "Wavenumber", "Processed", "Raw", "Dark", "Reference")
-    lines = [f"ENLIGHTEN Version{s.sign}4.0.14", *s.facts(s.sign), f"Laser Enable{s.sign}False",
-             "", s.sign.join(head),
-             *s.rows(lambda w, v, k: (k, w, 9 * w, v, 900 * v, Decimal(9), Decimal(900)), s.sign)]
+    lines = [
+        f"ENLIGHTEN Version{s.sign}4.0.14",
+        *s.facts(s.sign),
+        f"Laser Enable{s.sign}False",
+        "",
+        s.sign.join(head),
+        *s.rows(lambda w, v, k: (k, w, 9 * w, v, 900 * v, Decimal(9), Decimal(900)), s.sign),
+    ]
     return "a.csv", lines, {"columns": ("Processed",)}  # fmt: skip
 
 
 def _bwtek(s):
     head = "Pixel;Wavelength;Wavenumber;Raman Shift;Dark;Raw data #1;%TR #1;Absorbance #1;"
-    lines = ["File Version;BWSpec4.02_15", "Date;2015-01-01", *s.facts(";"), head,
-             *s.rows(lambda w, v, k: (k, w, 9 * w, "", Decimal(9), 900 * v, 100 * v, v, ""), ";")]
+    lines = [
+        "File Version;BWSpec4.02_15",
+        "Date;2015-01-01",
+        *s.facts(";"),
+        head,
+        *s.rows(lambda w, v, k: (k, w, 9 * w, "", Decimal(9), 900 * v, 100 * v, v, ""), ";"),
+    ]
     return "a.txt", lines, {"columns": ("%TR #1",)}  # fmt: skip
 
 
@@ -322,9 +343,16 @@ def _perkin_elmer(s):
 
 
 def _svc(s):
-    lines = ["/*** Spectra Vista SIG Data ***/", "name= a.sig", "integration= 100, 30, 10",
-             *s.facts("= "), "units= Radiance, Radiance", "temp= 1,2,3,4", "data= ",
-             *s.rows(lambda w, v, k: (w, Decimal(1000 + k), 1000 * v, 100 * v), "  ")]
+    lines = [
+        "/*** Spectra Vista SIG Data ***/",
+        "name= a.sig",
+        "integration= 100, 30, 10",
+        *s.facts("= "),
+        "units= Radiance, Radiance",
+        "temp= 1,2,3,4",
+        "data= ",
+        *s.rows(lambda w, v, k: (w, Decimal(1000 + k), 1000 * v, 100 * v), "  "),
+    ]
     return "a.sig", lines, {"columns": ("column 4",), **_PERCENT}  # fmt: skip
 
 
@@ -410,7 +438,7 @@ def _binary(maker, name, content, **changes) -> Written:
 
 
 def _thorlabs_workbooks() -> Iterator[Written]:
-    """Words in columns A and B beside the table, which begins in column C; sometimes more sheets."""
+    """Words in columns A and B beside the table, which begins in column C."""
     from openpyxl import Workbook
 
     for k in range(12):
@@ -447,9 +475,7 @@ def _psychtoolbox() -> Iterator[Written]:
             ("srf_wall", values[:, None]),
         ):  # fmt: skip
             file = io.BytesIO()
-            savemat(
-                file, {f"S_{name.partition('_')[2]}": sampling, name: curve}, format=version
-            )
+            savemat(file, {f"S_{name.partition('_')[2]}": sampling, name: curve}, format=version)
             yield _binary("psychtoolbox", "a.mat", file.getvalue())
 
 
@@ -498,7 +524,9 @@ def _isofit() -> Iterator[Written]:
             )  # fmt: skip
 
 
-def jcamp_block(title, lines, count, *, form="(X++(Y..Y))", units="NANOMETERS", **more) -> list[str]:
+def jcamp_block(
+    title, lines, count, *, form="(X++(Y..Y))", units="NANOMETERS", **more
+) -> list[str]:
     label = "XYPOINTS" if form == "(XY..XY)" else "XYDATA"
     facts = {"XUNITS": units, "YUNITS": "TRANSMITTANCE", "XFACTOR": "1", **more}
     return [
@@ -544,7 +572,7 @@ def asdf_lines(numbers, start, step, form, per_line=8) -> list[str]:
 def _jcamp() -> Iterator[Written]:
     whole = [int(10000 * value) for _, value in _POINTS]
     first, last = _POINTS[0][0], _POINTS[-1][0]
-    flat = [5000, 5000, 5000, 5000, 5000, 5010, 5020, 5030, 5040] + whole[9:]
+    flat = [5000, 5000, 5000, 5000, 5000, 5010, 5020, 5030, 5040, *whole[9:]]
     steps = {"YFACTOR": "0.0001", "FIRSTX": first, "LASTX": last}
     for numbers in (whole, flat):
         values = tuple(number / 10000 for number in numbers)
@@ -554,9 +582,7 @@ def _jcamp() -> Iterator[Written]:
             yield _binary("jcamp", "a.jdx", "\n".join(block).encode(), values=values)
         points = [f"{at}, {number}" for (at, _), number in zip(_POINTS, numbers, strict=True)]
         for rows in (points, [f"{row};" for row in points], ["; ".join(points)]):
-            block = jcamp_block(
-                "sample", rows, len(whole), form="(XY..XY)", YFACTOR="0.0001"
-            )
+            block = jcamp_block("sample", rows, len(whole), form="(XY..XY)", YFACTOR="0.0001")
             yield _binary("jcamp", "a.dx", "\r\n".join(block).encode(), values=values)
         for comma in (False, True):  # as SpectraSuite exports sample, dark and reference
             blocks = []
@@ -564,7 +590,9 @@ def _jcamp() -> Iterator[Written]:
                 rows = [f"{at}.00, {number / 10000:.6f}" for (at, _), number in
                         zip(_POINTS, (factor * n for n in numbers), strict=True)]  # fmt: skip
                 rows = [r.replace(".", ",") if comma else r for r in rows]
-                blocks += jcamp_block(f"EXPORT: {title} SPECTRUM", rows, len(whole), form="(XY..XY)")
+                blocks += jcamp_block(
+                    f"EXPORT: {title} SPECTRUM", rows, len(whole), form="(XY..XY)"
+                )
             link = ["##TITLE= EXPORT", "##DATA TYPE= LINK", "##BLOCKS= 3", *blocks, "##END= $$all"]
             yield _binary(
                 "spectrasuite jcamp", "a.jdx", "\n".join(link).encode(), values=values,

@@ -1,5 +1,7 @@
 """Files of instruments: each is read as its true curve, or refused in one sentence."""
 
+import itertools
+
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -97,7 +99,7 @@ def test_points_clicked_in_any_order_are_the_sorted_curve(tmp_path, points):
     read = read_curves(saved(tmp_path, text, "a.csv"))
     assert read.wavelength_unit == "nm"
     assert read.curves.values[:, 0].tolist() == [value for _, value in ROWS]
-    falls = [b[0] < a[0] for a, b in zip(points, points[1:], strict=False)]
+    falls = [b[0] < a[0] for a, b in itertools.pairwise(points)]
     assert any("sorted" in note for note in read.notes) == (any(falls) and not all(falls))
 
 
@@ -185,7 +187,9 @@ def test_the_pages_of_ntuples_are_curves(tmp_path):
     read = read_curves(saved(tmp_path, text))
     assert read.curves.names == ("cell, T=1", "cell, T=2")
     assert read.curves.wavelength_nm.tolist() == [400, 500, 600, 700]
-    assert read.curves.values.T == pytest.approx(np.array([[10, 20, 30, 40], [11, 21, 31, 41]]) / 100)
+    assert (
+        pytest.approx(np.array([[10, 20, 30, 40], [11, 21, 31, 41]]) / 100) == read.curves.values.T
+    )
 
 
 EQUAL = {"FIRSTX": "400", "LASTX": "440"}
@@ -229,7 +233,7 @@ def test_raw_counts_of_asd_are_two_curves_and_never_divided(tmp_path):
 
 
 @pytest.mark.parametrize("content", [
-    asd_bytes(b"as7", 2, 2, VALUES), asd_bytes(b"as7", 4, 2, VALUES), asd_bytes(b"as7", 8, 2, VALUES),
+    *(asd_bytes(b"as7", kind, 2, VALUES) for kind in (2, 4, 8)),
     asd_bytes(b"as7", 77, 2, VALUES), asd_bytes(b"as7", 1, 2, VALUES)[:-1],
     asd_bytes(b"as7", 1, 2, VALUES)[:300], asd_bytes(b"as7", 1, 2, VALUES, VALUES)[:-1],
     asd_bytes(b"as7", 1, 2, VALUES, step_nm=float("nan")), asd_bytes(b"as7", 1, 2, VALUES[:1]),

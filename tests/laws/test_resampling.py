@@ -204,7 +204,5 @@ def test_averaging_over_the_cells_of_the_grid_keeps_the_power_of_each_line(drawn
 @pytest.mark.parametrize("step_nm", [1.0, 5.0])
 def test_a_smooth_lamp_has_no_note_on_lines(step_nm):
     at = np.arange(350.0, 1101.0, step_nm)
-    lamp = illuminant_from(
-        curve(at, np.exp(-(((at - 560) / 25) ** 2))), DEFAULT_GRID, name="L"
-    )
+    lamp = illuminant_from(curve(at, np.exp(-(((at - 560) / 25) ** 2))), DEFAULT_GRID, name="L")
     assert lamp.notes == ()

@@ -231,7 +231,7 @@ def _of_gdal(path: Path, text: str) -> dict[tuple[str, int | None], str]:
     for item in xml_root(text.strip().rstrip("\0"), str(path)).iter("Item"):
         sample = item.get("sample", "")
         band = int(sample) if re.fullmatch(r"\d{1,6}", sample) else None
-        name = (item.get("role") or item.get("name", "")).lower().replace(" ", "_")
+        name = (item.get("role") or item.get("name") or "").lower().replace(" ", "_")
         found.setdefault((name, band), (item.text or "").strip())
     return found
 
@@ -247,7 +247,9 @@ def _gdal_wavelengths(
         listed = _numbers(name, cells)
         if listed is None:
             continue
-        keys = [(key, band) for key in ("wavelength_units", "wavelength_unit") for band in (0, None)]
+        keys = [
+            (key, band) for key in ("wavelength_units", "wavelength_unit") for band in (0, None)
+        ]
         unit = next((facts[key] for key in keys if key in facts), "")
         return lambda: nanometers(
             path, name, listed[1], unit, unit_key="wavelength_units in GDAL_METADATA"

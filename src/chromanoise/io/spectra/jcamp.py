@@ -6,6 +6,7 @@ the number of points and the check values of a file with its declarations.
 """
 
 import re
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
@@ -81,7 +82,8 @@ def read_jcamp(text: str, source: str) -> Found:
             remedy="export each block to its own file",
         )
     titles = [table.title for table in tables]
-    names = [t if titles.count(t) == 1 else f"{t} ({k})" for k, t in enumerate(titles, 1)]
+    counts = Counter(titles)
+    names = [t if counts[t] == 1 else f"{t} ({k})" for k, t in enumerate(titles, 1)]
     several = (f"its {len(tables)} blocks are separate curves",) if len(tables) > 1 else ()
     return Found(
         source=source,
@@ -94,7 +96,9 @@ def read_jcamp(text: str, source: str) -> Found:
 
 
 def _tables(text: str, source: str) -> Iterator[_Table]:
-    title, facts, shared = "", {}, {}
+    title = ""
+    facts: dict[str, str] = {}
+    shared: dict[str, str] = {}
     table: _Table | None = None
     for number, raw in enumerate(re.split(r"\r\n|\r|\n", text), 1):
         line = raw.partition("$$")[0]
@@ -178,9 +182,7 @@ def _number(table: _Table, label: str, where: str, source: str, default: str = "
     text = table.facts.get(label, default)
     value = number_in(text, decimal_comma="," in text)
     if value != value:
-        raise InputError(
-            source, "must be a finite number", value=text, where=f"{label} of {where}"
-        )
+        raise InputError(source, "must be a finite number", value=text, where=f"{label} of {where}")
     return value
 
 
@@ -209,9 +211,7 @@ def _pairs(table: _Table, where: str, source: str) -> tuple[Array, Array]:
             numbers.append(value)
     _refuse_other_count(table, (len(numbers) + 1) // 2, where, source)
     if len(numbers) % 2:
-        raise InputError(
-            source, "must hold pairs of numbers", value=len(numbers), where=where
-        )
+        raise InputError(source, "must hold pairs of numbers", value=len(numbers), where=where)
     points = np.array(numbers).reshape(-1, 2)
     factors = [_number(table, label, where, source, "1") for label in ("XFACTOR", "YFACTOR")]
     return points[:, 0] * factors[0], points[:, 1] * factors[1]
@@ -273,8 +273,8 @@ def _ordinates(text: str, number: int, source: str) -> tuple[list[float], bool]:
 
     Examples
     --------
-    >>> _ordinates(" 1 2 3", 1, "s")[0], _ordinates("+1+2-3", 1, "s")[0], _ordinates("ABc", 1, "s")[0]
-    ([1.0, 2.0, 3.0], [1.0, 2.0, -3.0], [1.0, 2.0, -3.0])
+    >>> _ordinates(" 1 2 -3", 1, "s")[0], _ordinates("+1+2-3", 1, "s")[0]
+    ([1.0, 2.0, -3.0], [1.0, 2.0, -3.0])
     >>> _ordinates("A0J%Tj2", 1, "s")  # 10, +1, 0 twice, -12
     ([10.0, 11.0, 11.0, 11.0, -1.0], True)
     """

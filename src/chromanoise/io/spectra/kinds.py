@@ -72,4 +72,3 @@ def kind_of_zip(names: list[str]) -> tuple[str, str] | None:
     if any(name.startswith("word/") for name in names):
         return "a Word document", "save its table as CSV"
     return "a ZIP archive", "unpack it first"
-

@@ -63,9 +63,7 @@ def with_plain_wavelengths(rows: Sequence[Row]) -> tuple[Sequence[Row], tuple[st
     return [*rows[: first - bool(above)], heading, *plain], notes
 
 
-def _finest(
-    rows: list[Row], at: Sequence[float | None]
-) -> tuple[list[Row], tuple[str, ...]]:
+def _finest(rows: list[Row], at: Sequence[float | None]) -> tuple[list[Row], tuple[str, ...]]:
     """The rows of the list with the most wavelengths, if the first wavelength comes again."""
     starts = [i for i, one in enumerate(at) if one is not None and one == at[0]]
     parts = [range(i, j) for i, j in pairwise([*starts, len(rows)])]

@@ -98,7 +98,8 @@ def table_of(
             found=f"has {len(body)} in {len(rows)} {where}s",
         )
     above = list(rows[:first])
-    while delimiter == "blanks" and above and _is_sentence(above[-1], body):
+    longest = max(len(_bare(row.cells)) for row in body)
+    while delimiter == "blanks" and above and _is_sentence(above[-1], longest):
         above.pop()
     heads = _with_row_of_units([_bare(row.cells) for row in above])
     width = _width(body, above, head)
@@ -150,15 +151,9 @@ def _with_wavelengths_first(
     """
     for i, row in enumerate(rows):
         k = next((k for k, cell in enumerate(row.cells) if is_wavelength_heading(cell)), None)
-        below = [
-            other.cells
-            for other in rows[i + 1 :]
-            if k is not None
-            and len(other.cells) > k
-            and is_number(other.cells[k], decimal_comma=comma)
-        ]
-        if k is None or len(row.cells) < 2 or len(below) < 2:
+        if k is None or len(row.cells) < 2 or not _numbers_below(rows[i + 1 : i + 5], k, comma):
             continue
+        below = _numbers_below(rows[i + 1 :], k, comma)
         drop = [
             j
             for j, name in enumerate(row.cells)
@@ -174,6 +169,16 @@ def _with_wavelengths_first(
         note = f"columns that are not curves are not used: {names}"
         return [one for one in kept if any(one.cells)], (note,) if names else ()
     return rows, ()
+
+
+def _numbers_below(rows: Sequence[Row], k: int, comma: bool) -> list[tuple[str, ...]]:
+    """The rows with a number in column ``k``; none if fewer than two have one."""
+    found = [
+        row.cells
+        for row in rows
+        if len(row.cells) > k and is_number(row.cells[k], decimal_comma=comma)
+    ]
+    return found if len(found) > 1 else []
 
 
 def _is_no_curve(name: str, cells: Sequence[tuple[str, ...]], comma: bool) -> bool:
@@ -218,9 +223,8 @@ def _bare(cells: tuple[str, ...]) -> tuple[str, ...]:
     return cells[: last + 1]
 
 
-def _is_sentence(row: Row, body: list[Row]) -> bool:
-    """Whether a line between blanks has more words than columns, and is no heading."""
-    longest = max(len(_bare(other.cells)) for other in body)
+def _is_sentence(row: Row, longest: int) -> bool:
+    """Whether a line between blanks has more words than any row has numbers, and no heading."""
     return len(_bare(row.cells)) > longest and not is_wavelength_heading(row.cells[0])
 
 
@@ -398,9 +402,9 @@ def _shared(
             found=f"has {numbers.shape[1]}",
         )
     names = [name_and_unit(text) if unit is None else (text, unit) for text in head[1:]]
-    stems = [name for name, _ in names]
+    stems, texts = Counter(name for name, _ in names), Counter(head[1:])
     names = [
-        (text, own) if stems.count(stem) > 1 and text and head.count(text) == 1 else (stem, own)
+        (text, own) if text and stems[stem] > 1 == texts[text] else (stem, own)
         for text, (stem, own) in zip(head[1:], names, strict=True)
     ]
     columns, missing = [], []
