@@ -1,10 +1,10 @@
 """Files of instruments: each is read as its true curve, or refused in one sentence."""
 
-import itertools
+from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
 from chromanoise.catalog.resolve import resolve_filter, resolve_illuminant
@@ -95,12 +95,47 @@ def test_row_numbers_other_axes_and_words_are_no_curves_and_noted(tmp_path):
 @settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.permutations(ROWS))
 def test_points_clicked_in_any_order_are_the_sorted_curve(tmp_path, points):
+    steps = [b[0] - a[0] for a, b in pairwise(points)]
+    falls, rises = (sum(sign * step > 0 for step in steps) for sign in (-1, 1))
+    assume(min(falls, rises) not in (1, 2))  # two or three whole lists are several curves
     text = "\n".join(f"{at + 0.5}, {value}" for at, value in points)
     read = read_curves(saved(tmp_path, text, "a.csv"))
     assert read.wavelength_unit == "nm"
     assert read.curves.values[:, 0].tolist() == [value for _, value in ROWS]
-    falls = [b[0] < a[0] for a, b in itertools.pairwise(points)]
-    assert any("sorted" in note for note in read.notes) == (any(falls) and not all(falls))
+    assert any("sorted" in note for note in read.notes) == (falls > 0 and rises > 0)
+
+
+@pytest.mark.parametrize("falls", [False, True])
+@pytest.mark.parametrize("shift", [0, 3])
+def test_whole_lists_of_wavelengths_that_follow_each_other_are_curves_and_not_averaged(
+    tmp_path, shift, falls
+):
+    rows = ROWS[::-1] if falls else ROWS
+    first, second = ([f"{at + k * shift},{v + k}" for at, v in rows] for k in (0, 1))
+    read = read_curves(saved(tmp_path, "\n".join(["nm,T", *first, *second]), "a.csv"))
+    assert read.curves.names == ("T (1)", "T (2)")
+    assert read.merged == 0
+    at = read.curves.wavelength_nm == 700 if shift == 0 else read.curves.wavelength_nm == 703
+    assert read.curves.values[at, 1] == pytest.approx([ROWS[6][1] + 1], rel=1e-12)
+    assert any("listed 2 times" in note for note in read.notes)
+
+
+def test_overlapping_spectrometers_of_one_curve_stay_one_curve(tmp_path):
+    visible = [(at, at / 2000) for at in range(350, 1001, 10)]
+    infrared = [(at, at / 2000) for at in range(955, 2500, 10)]
+    text = "\n".join(["nm,R", *(f"{at},{value}" for at, value in visible + infrared)])
+    read = read_curves(saved(tmp_path, text, "a.csv"))
+    assert read.curves.names == ("R",)
+    assert read.curves.values[:, 0] == pytest.approx(read.curves.wavelength_nm / 2000, rel=1e-12)
+
+
+@pytest.mark.parametrize("heading", ["Absorbance", "A [absorbance]", "Optical density"])
+def test_absorbances_are_never_taken_for_transmittances(tmp_path, heading):
+    path = saved(tmp_path, "\n".join([f"nm,{heading}", *TABLE]), "a.csv")
+    refused_text(path, value=heading)
+    both = saved(tmp_path, "\n".join([f"nm,{heading},T", *(f"{r},0.5" for r in TABLE)]), "b.csv")
+    assert len(read_curves(both).curves.names) == 2
+    assert read_curves(both, answers=Answers(columns=("T",))).curves.names == ("T",)
 
 
 def test_wavelengths_in_pairs_keep_the_unit_of_their_headings(tmp_path):
@@ -109,6 +144,25 @@ def test_wavelengths_in_pairs_keep_the_unit_of_their_headings(tmp_path):
     read = read_curves(saved(tmp_path, text, "a.csv"))
     assert (read.wavelength_unit, read.curves.names) == ("um", ("R", "G"))
     assert read.curves.wavelength_nm.tolist() == [at for at, _ in ROWS]
+
+
+@pytest.mark.parametrize(("heading", "printed"), [
+    ("Wavelength (nm)", lambda nm: nm), ("Wavelength (µm)", lambda nm: nm / 1000),
+    ("Wavelength (Å)", lambda nm: 10 * nm), ("Wavenumber (cm-1)", lambda nm: 1e7 / nm),
+    ("wavenumber [1/cm]", lambda nm: 1e7 / nm),
+])  # fmt: skip
+def test_every_unit_of_wavelengths_gives_the_same_curve(tmp_path, heading, printed):
+    rows = [f"{printed(at)!r}\t{value}" for at, value in ROWS]
+    read = read_curves(saved(tmp_path, "\n".join([f"{heading}\tT", *rows]), "a.txt"))
+    assert read.curves.wavelength_nm == pytest.approx([at for at, _ in ROWS], rel=1e-12)
+    assert read.curves.values[:, 0].tolist() == [value for _, value in ROWS]
+
+
+@pytest.mark.parametrize("unit", ["eV", "THz"])
+def test_energies_and_frequencies_are_refused(tmp_path, unit):
+    rows = [f"{1239.841984 / at:.6f}\t{value}" for at, value in ROWS]
+    path = saved(tmp_path, "\n".join([f"Energy ({unit})\tT", *rows]), "a.txt")
+    refused_text(path, value=unit)
 
 
 # JCAMP-DX
@@ -202,7 +256,7 @@ EQUAL = {"FIRSTX": "400", "LASTX": "440"}
     (["400 1 2 x 4 5"], {}, {"where": "line 11"}), (["400 T 2 3 4 5"], {}, {"where": "line 11"}),
     (["400 J 2 3 4 5"], {}, {"where": "line 11"}), (["word 1 2"], {}, {"where": "line 11"}),
     (["400 1 2 3 4 5"], {"LASTX": "high"}, {"value": "high"}),
-    (["400 1 2 3 4 5"], {"YUNITS": "ABSORBANCE"}, {"value": "ABSORBANCE"}),
+    (["400 1 2 3 4 5"], {"YUNITS": "ABSORBANCE"}, {"value": "a [ABSORBANCE]"}),
     (["400 1 2 3 4 5"], {"XUNITS": "HZ"}, {"value": "HZ"}),
     (["400 1 2 3 4 5"], {"XUNITS": "ARBITRARY UNITS"}, {"value": "ARBITRARY UNITS"}),
     (["400 1 2 3 4 5"], {"form": "(XY..XY)"}, {}), (["400, 1"], {"form": "(XYA)"}, {}),

@@ -49,6 +49,7 @@ _PERCENT = r"%|(?<![a-z])(percent|pct)(?![a-z])|[\[(]\s*0\s*(\.\.|-|to)\s*100(\.
 _DEVIATION = (
     r"(?i)(?<![a-z])(standard[ _]deviation|std|stdev|s\.?d\.?|sigma|uncertainty|errors?)(?![a-z])"
 )
+_ABSORBANCE = r"(?i)absorban|optical.density|\blog ?\(? ?1 ?/ ?[rt]\b"
 _MOST_UM, _LEAST_NM = 20.0, 100.0
 _SENSITIVE_NM = (400.0, 1050.0)
 _MOSTLY = 0.5  # of the steps, ascending minus descending
@@ -63,9 +64,10 @@ def meaning_of(found: Found, answers: Answers) -> ParsedSpectra:
     ------
     InputError
         If the unit of the wavelengths is unknown, a curve has fewer than two points, or the
-        numbers contradict the metadata of the file.
+        numbers contradict the metadata of the file, or the curves are absorbances.
     """
     columns, deviations = _chosen(found, answers)
+    _refuse_absorbances(found, columns)
     unit, unit_note = _wavelength_unit(found, answers, columns)
     quantity = _quantity(found, answers, columns)
     points = [sorted_points(column, unit, found.source) for column in columns]
@@ -136,6 +138,17 @@ def _chosen(found: Found, answers: Answers) -> tuple[list[Column], list[Column]]
     if answers.columns:
         curves = [curves[names.index(name)] for name in dict.fromkeys(answers.columns)]
     return curves, spread
+
+
+def _refuse_absorbances(found: Found, columns: list[Column]) -> None:
+    heads = [f"{c.name} [{c.unit}]" if c.unit else c.name for c in columns]
+    if all(re.search(_ABSORBANCE, head) for head in heads):
+        raise InputError(
+            found.source,
+            "must hold transmittances, reflectances or light, not absorbances",
+            value=heads[0],
+            remedy="convert each absorbance A to a transmittance, 10^-A",
+        )
 
 
 def _wavelength_unit(

@@ -39,7 +39,6 @@ _DIFFERENCES = frozenset("%JKLMNOPQRjklmnopqr")
 _REPEATS = frozenset("STUVWXYZs")
 _COMMA = re.compile(r"(?:[+-]?\d+,\d+,\s+[+-]?\d+(?:,\d+)?\s*)+")
 _MOST_POINTS = 1_000_000
-_ABSORBANCE = re.compile(r"(?i)absorban|\blog\b|optical density")
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,8 +62,8 @@ def read_jcamp(text: str, source: str) -> Found:
     Raises
     ------
     InputError
-        If a block has no table of a curve, its numbers contradict its declarations, or it holds
-        absorbances or an axis other than wavelengths; the message names the line or the block.
+        If a block has no table of a curve, its numbers contradict its declarations, or its axis
+        has no wavelengths; the message names the line or the block.
     """
     tables = list(_tables(text, source))
     if not tables:
@@ -159,15 +158,6 @@ def _unit(table: _Table, source: str) -> Unit:
 
 def _column(table: _Table, name: str, source: str) -> Column:
     where = f"block {name[:60]!r}"
-    yunits = table.facts.get("YUNITS", "")
-    if _ABSORBANCE.search(yunits):
-        raise InputError(
-            source,
-            "must hold transmittances, reflectances or light, not absorbances",
-            value=yunits,
-            where=where,
-            remedy="export it as transmittance",
-        )
     if _EQUAL_STEPS.match(table.form):
         at, values = _equal_steps(table, where, source)
     elif _PAIRS.match(table.form):
@@ -175,7 +165,8 @@ def _column(table: _Table, name: str, source: str) -> Column:
     else:
         raise InputError(source, "must be (X++(Y..Y)) or (XY..XY)", value=table.form, where=where)
     known = np.isfinite(values)
-    return Column(name=name, unit=yunits, wavelength=at[known], values=values[known])
+    unit = table.facts.get("YUNITS", "")
+    return Column(name=name, unit=unit, wavelength=at[known], values=values[known])
 
 
 def _number(table: _Table, label: str, where: str, source: str, default: str = "") -> float:

@@ -3,6 +3,7 @@
 import re
 from collections import Counter
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 
@@ -28,6 +29,7 @@ DIGITIZED = "digitized curves"
 _LARGEST = 1e30
 _LONGEST_CELL = 400
 _MOST_CELLS = 2_000_000
+_FEWEST_IN_LIST, _MOST_OF_RANGE = 5, 0.8
 _NAN = float("nan")
 
 
@@ -408,19 +410,41 @@ def _shared(
         for text, (stem, own) in zip(head[1:], names, strict=True)
     ]
     columns, missing = [], []
-    for k, (name, unit) in enumerate(names):
-        known = np.isfinite(numbers[:, k + 1])
-        name = name or f"column {k + 2}"
-        missing += missing_notes(name, numbers[:, 0], known, "empty cells")
-        columns.append(
-            Column(name=name, unit=unit, wavelength=numbers[known, 0], values=numbers[known, k + 1])
-        )
+    sweeps = _sweeps(numbers[:, 0])
+    for k, (stem, unit) in enumerate(names):
+        for i, rows in enumerate(sweeps, 1):
+            at, values = numbers[rows, 0], numbers[rows, k + 1]
+            known = np.isfinite(values)
+            name = stem or f"column {k + 2}"
+            name = f"{name} ({i})" if len(sweeps) > 1 else name
+            missing += missing_notes(name, at, known, "empty cells")
+            columns.append(Column(name=name, unit=unit, wavelength=at[known], values=values[known]))
+    listed = f"its wavelengths are listed {len(sweeps)} times: each list is a curve of its own"
     return Found(
-        **{**found, "defects": (*found["defects"], *missing)},
+        **{
+            **found,
+            "defects": (*found["defects"], *missing),
+            "notes": (*found["notes"], *((listed,) if len(sweeps) > 1 else ())),
+        },
         columns=tuple(columns),
         heading=head[0],
         named=any(name for name, _ in names) or len(names) == 1,
     )
+
+
+def _sweeps(at: Array) -> list[slice]:
+    """The rows of each list of wavelengths, where whole lists follow each other.
+
+    A list is whole if it has 5 wavelengths or more in one direction and covers most of the range.
+    Overlapping spectrometers and single repeated wavelengths make no further list.
+    """
+    steps = np.diff(at)
+    falls = bool(np.median(np.sign(steps)) < 0) if steps.size else False
+    starts = [0, *(np.flatnonzero(steps > 0 if falls else steps < 0) + 1).tolist(), at.size]
+    rows = [slice(i, j) for i, j in pairwise(starts)]
+    span = _MOST_OF_RANGE * float(np.ptp(at))
+    whole = all(i.stop - i.start >= _FEWEST_IN_LIST and np.ptp(at[i]) >= span for i in rows)
+    return rows if whole else [slice(0, at.size)]
 
 
 def missing_notes(name: str, wavelength: Array, known: Array, what: str) -> list[str]:
