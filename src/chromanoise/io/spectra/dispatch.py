@@ -37,10 +37,10 @@ def read_curves(path: Path | str, *, answers: Answers = ASK) -> ParsedSpectra:
     r"""Read the curves of a file, and report how the file was parsed.
 
     Supported are delimited text with the usual separators, digitized curves, JCAMP-DX ``.jdx``,
-    ISETCam and Psychtoolbox ``.mat``, ASD ``.asd``, cameras of Jiang et al. ``.mat``, JSON of this library, of rawtoaces, of DCamProf (ssf-data) or
-    in plain lists, CGATS and Argyll ``.sp``, IES TM-27 ``.spdx``, ENVI spectral libraries ``.sli``
-    with ``.hdr``, FITS tables, and ``.xlsx``. The content of the file selects the reader, not its
-    name.
+    ISETCam and Psychtoolbox ``.mat``, ASD ``.asd``, cameras of Jiang et al. ``.mat``, JSON of this
+    library, of rawtoaces, of DCamProf (ssf-data) or in plain lists, CGATS and Argyll ``.sp``, IES
+    TM-27 ``.spdx``, ENVI spectral libraries ``.sli`` with ``.hdr``, FITS tables, and ``.xlsx``. The
+    content of the file selects the reader, not its name.
 
     Parameters
     ----------
