@@ -20,6 +20,7 @@ from hypothesis import strategies as st
 from chromanoise.errors import InputError
 from chromanoise.io.cubes import read_cube
 from chromanoise.scene import Cube
+from chromanoise.scene.rows import row_source
 from outcomes import refused_input
 
 REAL = Path(__file__).resolve().parents[2].parent / "shared" / "data" / "cubes"
@@ -757,9 +758,23 @@ def test_a_matlab_7_3_file_that_is_cut_is_refused(tmp_path):
         read_cube(tmp_path / "cut.mat")
 
 
-def test_matlab_4_is_refused_with_its_cure(tmp_path):
+def test_a_matlab_4_array_is_the_same_cube_as_that_of_matlab_5(tmp_path):
+    pixels = np.arange(12.0).reshape(4, 3) / 12
+    cubes = []
+    for version in ("4", "5"):
+        scipy.io.savemat(tmp_path / f"{version}.mat", {"V": pixels}, format=version)
+        path = tmp_path / f"{version}.mat"
+        cubes.append(read_cube(path, key="V", shape=(2, 2), wavelengths=(400, 800)))
+    first, second = (row_source(cube.stored).rows(0, 2) for cube in cubes)
+    assert first.tolist() == second.tolist()
+    assert sorted(first.ravel()) == sorted(pixels.ravel())
+
+
+def test_a_matlab_4_array_longer_than_its_file_is_refused(tmp_path):
     scipy.io.savemat(tmp_path / "a.mat", {"V": np.ones((4, 3))}, format="4")
-    with pytest.raises(InputError, match=r"not a MATLAB file of version 5; save it with -v7"):
+    content = (tmp_path / "a.mat").read_bytes()
+    (tmp_path / "a.mat").write_bytes(content[:-1])
+    with refused_input(subject=str(tmp_path / "a.mat"), requirement="damaged"):
         read_cube(tmp_path / "a.mat", key="V")
 
 

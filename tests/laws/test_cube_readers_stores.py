@@ -853,3 +853,85 @@ def test_an_altered_hdf5_file_gives_a_cube_or_one_sentence(folder, changes, pack
         path = write_redfish(folder / "a.h5", numbers(), **options)
     path.write_bytes(edited(path.read_bytes(), changes))
     assert_cube_or_sentence(path)
+
+
+# wavelengths, units and scale in the tag of GDAL
+
+
+VNIR_NM, SWIR_NM = np.linspace(418.25, 993.5, 8), np.linspace(902.125, 2445.5, 9)
+
+
+def gdal_tag(bands, **texts):
+    """The tag 42112 as GDAL writes it, one item per band and text; a text of one string for all."""
+    roles = {"scale", "offset", "description"}
+    items = "".join(
+        f'<Item name="{name.upper() if name in roles else name}" sample="{band}"'
+        + (f' role="{name}"' if name in roles else "")
+        + f">{text if isinstance(text, str) else text[band]}</Item>"
+        for band in range(bands)
+        for name, text in texts.items()
+    )
+    return f"<GDALMetadata>{items}</GDALMetadata>"
+
+
+def gdal_tiff(path, pixels, xml):
+    tag = (42112, "s", 0, xml, True)
+    tifffile.imwrite(
+        path, pixels, planarconfig="separate", photometric="minisblack", extratags=[tag],
+        metadata=None,
+    )  # fmt: skip
+    return path
+
+
+def counted(bands):
+    return np.arange(bands * 6, dtype="i2").reshape(bands, 2, 3)
+
+
+@pytest.mark.parametrize("unit", ["nm", "Nanometers", "Micrometers", None])
+def test_bands_of_two_spectrometers_are_sorted_by_the_wavelengths_of_gdal(tmp_path, unit):
+    at = np.concatenate([VNIR_NM, SWIR_NM])
+    listed = [f"{one / 1000 if unit == 'Micrometers' else one:.12g}" for one in at]
+    if unit is None:
+        texts = {"description": [f"band {k + 1} ({w} nm)" for k, w in enumerate(listed)]}
+    else:
+        texts = {"wavelength": listed, "wavelength_units": unit}
+    xml = gdal_tag(at.size, **texts, scale="0.0001", offset="0")
+    cube = read_cube(gdal_tiff(tmp_path / "a.tif", counted(at.size), xml))
+    order = np.argsort(at)
+    assert cube.wavelength_nm == pytest.approx(at[order], rel=1e-9)
+    assert cube.scale == 1e-4
+    rows = row_source(cube.stored)
+    assert rows.rows(0, 2).tolist() == counted(at.size)[order].transpose(1, 2, 0).tolist()
+    few = rows.with_bands(slice(6, 10))
+    assert few.rows(1, 2).tolist() == rows.rows(1, 2)[:, :, 6:10].tolist()
+    assert any("2 overlapping spectrometers" in note for note in cube.notes)
+
+
+@pytest.mark.parametrize(("texts", "where"), [
+    ({"scale": "1e-4", "offset": "0.1"}, "tag GDAL_METADATA"),
+    ({"scale": ["1e-4"] * 7 + ["1e-3"], "offset": "0"}, "tag GDAL_METADATA"),
+    ({"scale": "-1"}, "scale in tag GDAL_METADATA"),
+    ({"scale": "high"}, "scale in tag GDAL_METADATA"),
+])  # fmt: skip
+def test_a_scale_of_gdal_that_is_not_one_number_is_refused(tmp_path, texts, where):
+    listed = [f"{one:g}" for one in VNIR_NM]
+    xml = gdal_tag(8, wavelength=listed, wavelength_units="nm", **texts)
+    path = gdal_tiff(tmp_path / "a.tif", counted(8), xml)
+    with refused_input(subject=str(path), where=where, setting="scale"):
+        read_cube(path)
+
+
+@pytest.mark.parametrize("order", [[3, 1, 0, 2, 7, 5, 6, 4], [0, 1, 2, 3, 4, 5, 6, 6]])
+def test_bands_in_any_other_order_are_refused(tmp_path, order):
+    listed = [f"{VNIR_NM[k]:g}" for k in order]
+    xml = gdal_tag(8, wavelength=listed, wavelength_units="nm", scale="0.01")
+    path = gdal_tiff(tmp_path / "a.tif", counted(8), xml)
+    with refused_input(subject=str(path), setting="wavelengths"):
+        read_cube(path)
+
+
+def test_a_tag_of_gdal_that_declares_entities_is_refused(tmp_path):
+    xml = "<!DOCTYPE a [<!ENTITY b 'c'>]>" + gdal_tag(8, wavelength="&b;")
+    path = gdal_tiff(tmp_path / "a.tif", counted(8), xml)
+    with refused_input(subject=str(path), requirement="document type"):
+        read_cube(path)

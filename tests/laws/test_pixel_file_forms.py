@@ -109,3 +109,43 @@ def test_a_known_name_before_a_number_and_a_unit_needs_a_sign_between(file):
     with refused_input(subject=str(path), where="line 2", value="read noise 2.5 e-"):
         read_emva_sheet(path)
     assert read_emva_sheet(file("Camera K 12 of 2020\nsigma_d = 2 e-\n")).bits is None
+
+
+EMVA_XML = """<?xml version="1.0" ?>
+<results>
+  <sensitivity>
+    <K><short>System gain</short><symbol>K</symbol><unit>$DN/e^-$</unit><value>0.25</value></K>
+    <inverse_K><unit>$e^-/DN$</unit><value>4.0</value></inverse_K>
+    <QE><symbol>$\\eta$</symbol><unit>\\%</unit><value>61.5</value></QE>
+    <sigma_y_dark><unit>DN</unit><value>1.0408</value></sigma_y_dark>
+    <sigma_d><unit>$e^-$</unit><value>4.0</value></sigma_d>
+    <u_p_sat><unit>$p$</unit><value>20000</value></u_p_sat>
+    <u_e_sat><unit>$e^-$</unit><value>12300</value></u_e_sat>
+    <SNR_max><unit>None</unit><value>110.9</value></SNR_max>
+    <DR><value>2650</value></DR>
+  </sensitivity>
+  <dark_current>
+    <u_I_var><unit>$e^-/s$</unit><value>4.5</value></u_I_var>
+    <u_I_mean><unit>$e^-/s$</unit><value>MEAN</value></u_I_mean>
+    <u_I_mean_DN><unit>$DN/s$</unit><value>0.9</value></u_I_mean_DN>
+  </dark_current>
+  <spatial>
+    <DSNU1288><unit>$e^-$</unit><value>1.5</value></DSNU1288>
+    <PRNU1288><unit>\\%</unit><value>0.5</value></PRNU1288>
+  </spatial>
+</results>
+"""
+
+
+@pytest.mark.parametrize(("mean", "current"), [("3.6", 3.6), ("nan", 4.5), ("None", 4.5)])
+def test_results_of_the_reference_code_are_read_with_their_latex_units(file, mean, current):
+    result = read_emva_sheet(file(EMVA_XML.replace("MEAN", mean)))
+    assert (result.gain_e_per_dn, result.read_noise_e, result.full_well_e) == (4.0, 4.0, 12300)
+    assert (result.qe, result.dsnu_e, result.prnu) == (0.615, 1.5, 0.005)
+    assert result.dark_current_e_per_s == current
+    assert any("u_I_var" in note for note in result.notes) == (mean == "3.6")
+
+
+@pytest.mark.parametrize("unit", ["$e^-/s$", "e^-/s", r"$e^{-}/s$", "e-/s", "e⁻/s"])
+def test_a_unit_means_the_same_in_latex(unit):
+    assert pixel_from_emva({"mu_I": (3.0, unit)}).dark_current_e_per_s == 3.0

@@ -16,6 +16,7 @@ from chromanoise.spectra import (
     illuminant_from,
     illuminant_named,
     interpolation_matrix,
+    means_on_grid,
     on_grid,
     read_spectra_csv,
 )
@@ -166,3 +167,42 @@ def test_a_table_survives_the_way_through_a_file(tmp_path_factory, at, data):
     back = read_spectra_csv(path, quantity="QE", unit="e-/photon")
     assert (back.wavelength_nm == at).all()
     assert list(back.values[:, 0]) == values
+
+
+AT_NM = np.arange(350.0, 1101.0)
+lines = st.lists(
+    st.tuples(st.integers(85, 205).map(lambda k: 5 * k), st.floats(10.0, 1000.0)),
+    min_size=1, max_size=6, unique_by=lambda line: line[0],
+)  # fmt: skip
+
+
+@given(lines)
+def test_the_share_of_power_in_narrow_lines_is_that_of_lines_on_a_level(drawn):
+    # triangles of 1 nm on a level of 1, 5 nm or more apart: areas by hand
+    at_nm, heights = (np.array(each) for each in zip(*drawn, strict=True))
+    power = 1 + (heights * (AT_NM[:, None] == at_nm)).sum(axis=1)
+    lamp = illuminant_from(curve(AT_NM, power), DEFAULT_GRID, name="L")
+    share = heights.sum() / (heights.sum() + 650)
+    noted = [note for note in lamp.notes if "narrower" in note]
+    if share > 0.035:
+        assert float(noted[0].partition(" %")[0].rpartition(" ")[2]) == pytest.approx(
+            100 * share, rel=0.06
+        )
+    elif share < 0.025:
+        assert noted == []
+
+
+@given(lines)
+def test_averaging_over_the_cells_of_the_grid_keeps_the_power_of_each_line(drawn):
+    at_nm, heights = (np.array(each) for each in zip(*drawn, strict=True))
+    power = 1 + (heights * (AT_NM[:, None] == at_nm)).sum(axis=1)
+    seen = means_on_grid(curve(AT_NM, power), DEFAULT_GRID).values[:, 0]
+    # the cells cover 397.5 to 1052.5 nm; a triangle of 2 nm at its foot has its height as area
+    assert 5 * seen.sum() == pytest.approx(655 + heights.sum(), rel=1e-12)
+
+
+@pytest.mark.parametrize("step_nm", [1.0, 5.0])
+def test_a_smooth_lamp_has_no_note_on_lines(step_nm):
+    at = np.arange(350.0, 1101.0, step_nm)
+    lamp = illuminant_from(curve(at, np.exp(-(((at - 560) / 25) ** 2))), DEFAULT_GRID, name="L")
+    assert lamp.notes == ()

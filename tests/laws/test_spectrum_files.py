@@ -117,7 +117,7 @@ def test_a_file_of_two_byte_characters_is_read_by_its_mark(file):
         ("nm,A\n400,0.1\n410,high\n", {"where": "line 3, column 'A'", "value": "high"}),
         ("nm,A\n400,0.1\n410,inf\n", {"where": "line 3, column 'A'", "value": "inf"}),
         ("nm,A\n400,0.1\n410,1e999\n", {"where": "line 3, column 'A'", "value": "1e999"}),
-        ("nm,A\n400,0.1\n410,0.2\nthe end\n", {"where": "line 4, column 'nm'", "value": "the end"}),
+        ("nm,A\n400,0.1\nthe end\n410,0.2\n", {"where": "line 3, column 'nm'", "value": "the end"}),
         ("nm,A\n400,0.1\n,0.2\n", {"where": "line 3"}),
         ("nm;A\n400;0,1\n410;0.2\n", {"value": (2, 3)}),
         ("nm,A,A\n400,1,2\n410,1,2\n", {"value": "A"}),

@@ -376,7 +376,14 @@ KINDS = {
     ".npy": b"\x93NUMPY\x01\0" + bytes(40),
     ".npz": npz(),
     "ELF": b"\x7fELF\x02\x01" + bytes(40),
-    "MATLAB 4": matlab_4(),
+    "AvaSoft 8": b"AVS84" + bytes(400),
+    "AvaSoft 7": struct.pack("<f", 70.0) + bytes(400),
+    "AvaSoft 6": struct.pack("<f", 60.0) + bytes(400),
+    "OPUS": b"\n\n\xfe\xfe" + bytes(400),
+    "WiRE": b"WDF1" + bytes(400),
+    "OMNIC": b"Spectral Data File\r\n" + bytes(400),
+    ".spc": b"\0K\0\x80" + bytes(400),
+    ".ProcSpec": archive("ps_1.xml"),
 }
 
 

@@ -26,7 +26,7 @@ from attack_page import _tree, attacked, memory_bytes
 from attack_questions import FILES, damaged
 from chromanoise import _sandbox
 from chromanoise.errors import InputError
-from chromanoise.io.mat5 import mat_array
+from chromanoise.io.matlab import mat_array
 from chromanoise.page import processes, requests, work, worker
 from chromanoise.page.requests import Bodies, QuestionError
 from chromanoise.page.services import Services

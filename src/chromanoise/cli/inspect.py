@@ -34,7 +34,8 @@ _MOST_NAMES = 12
 def inspect(file: Path, json_target: str | None, **options: Any) -> None:
     """Show how a FILE of spectra is parsed, what looks wrong, and what it does not declare.
 
-    CSV and other delimited text, digitized curves, ISETCam and camera database .mat, rawtoaces,
+    CSV and other delimited text, as spectrometers export it, digitized curves, JCAMP-DX .jdx,
+    ASD .asd, ISETCam, Psychtoolbox and camera database .mat, rawtoaces,
     DCamProf (ssf-data) and plain .json, CGATS and Argyll .sp, IES TM-27 .spdx, ENVI libraries
     .sli with .hdr, tables of .fits, .xlsx, and the .csv and .json that convert writes.
     """

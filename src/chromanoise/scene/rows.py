@@ -113,6 +113,51 @@ class ArrayRows:
         return replace(self, array=self.array[:, :, keep])
 
 
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ReorderedRows:
+    """The bands of a source in another order.
+
+    Attributes
+    ----------
+    source
+        The source.
+    order
+        The stored band of each band.
+    """
+
+    source: RowSource
+    order: tuple[int, ...]
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """Rows, columns, bands."""
+        return (*self.source.shape[:2], len(self.order))
+
+    @property
+    def dtype(self) -> np.dtype:
+        """Type of the result of ``rows``, in the byte order of this machine."""
+        return self.source.dtype
+
+    @property
+    def chunk_rows(self) -> int:
+        """Number of rows that are stored, and therefore decoded, together."""
+        return self.source.chunk_rows
+
+    def rows(
+        self, start: int, stop: int, *, into: UInt8[Array, " bytes"] | None = None
+    ) -> Shaped[Array, "rows w m"]:
+        """The rows ``start`` to ``stop``, copied in the order of the bands."""
+        return self.source.rows(start, stop, into=into)[:, :, list(self.order)]
+
+    def scratch_bytes(self, rows: int) -> int:
+        """Size of ``into`` for this number of rows; 0 if it is not used. [bytes]"""
+        return self.source.scratch_bytes(rows)
+
+    def with_bands(self, keep: slice) -> "ReorderedRows":
+        """The source restricted to some bands; nothing is read."""
+        return replace(self, order=self.order[keep])
+
+
 def row_source(stored: Array | RowSource) -> RowSource:
     """The source of rows of ``stored``; a memory map is read through its file, not its pages.
 

@@ -36,12 +36,14 @@ from chromanoise.units import (
     photons_per_joule,
 )
 
+_windows = np.lib.stride_tricks.sliding_window_view
 Power = Callable[[Float[Array, " m"]], Float[Array, " m"]]
 
 _HALOGEN_K = 3200.0
 _HALOGEN_NOTE = "halogen: a black body of 3200 K, without the emissivity of tungsten"
 _WHITE_NOTE = "led-white: a model of a blue diode and a phosphor, 4167 K, not a lamp"
 _OBSERVER_START_NM = 360.0
+_NOTED_IN_LINES = 0.03  # the absorption of the air alone gives sunlight 0.02
 _DARKEST_LM_PER_W = 1e-3  # a source below this has practically no visible light
 
 
@@ -304,9 +306,58 @@ def illuminant_from(
     resampled = means_on_grid(spectrum, grid, beyond=beyond)
     ends = {} if beyond == "hold" else {"left": 0.0, "right": 0.0}
     lux = _lux_of(lambda at: np.interp(at, known, power, **ends), name)
-    return Illuminant(
-        name=name, grid=grid, irradiance=resampled.values[:, 0] / lux, notes=resampled.notes
+    narrow = share_in_narrow_lines(spectrum, grid)
+    step = f"{grid.step_nm:g} nm"
+    lines = (
+        (
+            f"{spectrum.source}: {100 * narrow:.2g} % of its power is in lines narrower than "
+            f"{step}, which are averaged over {step}; their power is kept",
+        )
+        if narrow > _NOTED_IN_LINES
+        else ()
     )
+    return Illuminant(
+        name=name,
+        grid=grid,
+        irradiance=resampled.values[:, 0] / lux,
+        notes=(*resampled.notes, *lines),
+    )
+
+
+def share_in_narrow_lines(spectrum: Spectra, grid: Grid) -> float:
+    """The share of a curve's power on a grid that is in lines narrower than the grid's step.
+
+    It is what exceeds the morphological opening of the curve by an interval of one step: the
+    curve minus the highest value that stays below it over a whole step (white top-hat; Serra,
+    Image Analysis and Mathematical Morphology, 1982). It is 0 for a table as coarse as the grid.
+
+    Parameters
+    ----------
+    spectrum
+        One curve, not negative.
+    grid
+        The wavelengths to which it is resampled.
+
+    Examples
+    --------
+    >>> at = np.arange(400.0, 1051.0)
+    >>> lamp = Spectra(wavelength_nm=at, values=1.0 + 130.0 * (at[:, None] == 546), names=("lamp",),
+    ...                quantity="power", unit="1", source="a lamp")
+    >>> round(share_in_narrow_lines(lamp, Grid.uniform(400, 1050, 5)), 3)  # 130 of 650 + 130
+    0.167
+    """
+    known, power = spectrum.wavelength_nm, spectrum.values[:, 0]
+    usual = float(np.median(np.diff(known)))
+    if usual >= grid.step_nm:
+        return 0.0
+    low, high = grid.wavelength_nm[[0, -1]]
+    per_step = min(max(10, round(grid.step_nm / usual)), 100)
+    count = round((high - low) / grid.step_nm) * per_step + 1
+    fine = np.interp(np.linspace(low, high, count), known, power)
+    lowest = _windows(np.pad(fine, per_step, mode="edge"), per_step + 1).min(axis=1)
+    opened = _windows(lowest, per_step + 1).max(axis=1)
+    total = float(fine.sum())
+    return float((fine - opened).sum()) / total if total > 0 else 0.0
 
 
 def _planck(

@@ -15,7 +15,7 @@ from chromanoise.io.cubes.errors import reading
 from chromanoise.io.cubes.npz import npz_array, npz_arrays
 from chromanoise.io.cubes.picture import picture
 from chromanoise.io.cubes.raw_cube import Found, Notes, by
-from chromanoise.io.mat5 import mat_array, mat_arrays
+from chromanoise.io.matlab import mat_array, mat_arrays
 from chromanoise.io.spectra.wavelength_lists import (
     SPECTRAL_NAMES,
     Listed,

@@ -17,9 +17,10 @@ from chromanoise.errors import (
 )
 from chromanoise.io.cubes.raw_cube import Found, Notes
 from chromanoise.io.cubes.wavelength_file import read_wavelengths
-from chromanoise.scene.rows import RowSource, with_bands
+from chromanoise.scene.rows import ReorderedRows, RowSource, row_source, with_bands
 
 _SHORTEST_NM, _LONGEST_NM = 100.0, 20000.0
+_MOST_SPECTROMETERS, _FEWEST_BANDS = 4, 3
 _RADIANCE = re.compile(r"radiance|(?<![a-z])rdn(?![a-z])", re.I)
 _REFLECTANCE = re.compile(r"reflectance|(?<![a-z])rfl(?![a-z])", re.I)
 _TWO_OR_ALL = "first and last in nm where they are evenly spaced, or a file that lists all"
@@ -120,8 +121,20 @@ def _spread(ends: tuple[float, float], bands: int) -> tuple[Float[Array, " m"], 
 def rising(
     path: Path | str, pixels: Shaped[Array, "h w m"] | RowSource, wavelength: Float[Array, " m"]
 ) -> tuple[Shaped[Array, "h w m"] | RowSource, Float[Array, " m"], Notes]:
-    """Bands in increasing order; decreasing order is reversed, any other raises an error."""
+    """Bands in increasing order, with a note: decreasing or overlapping spectrometers are sorted.
+
+    Any other order, or a repeated wavelength, raises an error.
+    """
     _refuse_not_light(path, wavelength)
+    order = np.argsort(wavelength, kind="stable")
+    starts = np.flatnonzero(np.diff(wavelength) <= 0) + 1
+    spans = np.diff([0, *starts, wavelength.size])
+    distinct = bool((np.diff(wavelength[order]) > 0).all())
+    if distinct and 2 <= spans.size <= _MOST_SPECTROMETERS and spans.min() >= _FEWEST_BANDS:
+        joints = ", ".join(f"{wavelength[i - 1]:g} to {wavelength[i]:g} nm" for i in starts)
+        sorted_bands = ReorderedRows(source=row_source(pixels), order=tuple(order.tolist()))
+        note = f"bands of {spans.size} overlapping spectrometers sorted by wavelength (at {joints})"
+        return sorted_bands, wavelength[order], (note,)
     if wavelength[-1] >= wavelength[0]:
         _refuse_disorder(path, wavelength, np.diff(wavelength) <= 0)
         return pixels, wavelength, ()

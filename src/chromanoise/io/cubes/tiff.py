@@ -12,7 +12,7 @@ import numpy as np
 
 from chromanoise._check import Array
 from chromanoise._shapes import Float, Shaped
-from chromanoise.errors import InputError
+from chromanoise.errors import InputError, Setting
 from chromanoise.io.cubes.bounds import refuse_not_numbers
 from chromanoise.io.cubes.errors import reading
 from chromanoise.io.cubes.raw_cube import Found, Notes, by, refuse_other_shape
@@ -23,6 +23,7 @@ from chromanoise.io.spectra.wavelength_lists import (
     SPECTRAL_NAMES,
     nanometers,
 )
+from chromanoise.io.xml_text import xml_root
 from chromanoise.scene.file_rows import FileRows, PlaneRows
 from chromanoise.scene.rows import RowSource
 
@@ -30,8 +31,11 @@ ENDINGS = (".tif", ".tiff")
 _LISTED = re.compile(
     r"\bwavelengths?(?:_nm)?\s{0,4}[=:]\s{0,4}[\[{(]([^\]})]{1,100000})[\]})]", re.I
 )
+_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?")
 _MOST_PAGES = 20_000
 _UNCOMPRESSED = 1
+_GDAL_METADATA = 42112
+_LARGEST_METADATA = 4 * 2**20
 
 logging.getLogger("tifffile").addHandler(logging.NullHandler())  # errors are raised here
 
@@ -53,11 +57,14 @@ def tiff_cube(path: Path, shape: tuple[int, int] | None) -> Found:
         _refuse_unlike(path, pages)
         texts = [str(getattr(page, "description", "")) for page in pages]
         pixels, notes = _pixels(path, pages)
+        tag = pages[0].tags.get(_GDAL_METADATA)
+        facts = _of_gdal(path, str(tag.value)) if tag is not None else {}
     refuse_other_shape(path, pixels, shape)
     bands = pixels.shape[2]
     return Found(
         pixels=pixels,
-        wavelengths=_wavelengths(path, texts, bands),
+        wavelengths=_wavelengths(path, texts, bands) or _gdal_wavelengths(path, facts, bands),
+        scale=lambda: _gdal_scale(path, facts),
         description=" ".join(texts)[:100_000],
         notes=notes,
     )
@@ -208,6 +215,78 @@ def _wavelengths(
         return None
     found = np.array([float(m[1]) * NM_PER[m[2].lower()] for m in named if m is not None])
     return lambda: (found, ("wavelengths taken from the descriptions of the pages",))
+
+
+def _of_gdal(path: Path, text: str) -> dict[tuple[str, int | None], str]:
+    """The items of GDAL's tag by name or role, and by band; the band of all is None.
+
+    Notes
+    -----
+    GDAL, "GTiff -- GeoTIFF File Format", metadata: XML with ``<Item name sample role>``, where
+    ``sample`` counts bands from 0, and the roles are description, scale, offset and unittype.
+    """
+    if len(text) > _LARGEST_METADATA:
+        return {}
+    found: dict[tuple[str, int | None], str] = {}
+    for item in xml_root(text.strip().rstrip("\0"), str(path)).iter("Item"):
+        sample = item.get("sample", "")
+        band = int(sample) if re.fullmatch(r"\d{1,6}", sample) else None
+        name = (item.get("role") or item.get("name") or "").lower().replace(" ", "_")
+        found.setdefault((name, band), (item.text or "").strip())
+    return found
+
+
+def _gdal_wavelengths(
+    path: Path, facts: dict[tuple[str, int | None], str], bands: int
+) -> Callable[[], tuple[Float[Array, " m"], Notes]] | None:
+    """The wavelengths of GDAL's tag: one per band, one list, or those in the descriptions."""
+    for name in dict.fromkeys(name for name, _ in facts if name in SPECTRAL_NAMES):
+        cells = [facts.get((name, band), "") for band in range(bands)]
+        if not all(cells):
+            cells = re.findall(r"[^\s,;{}\[\]]+", facts.get((name, None), ""))
+        listed = _numbers(name, cells)
+        if listed is None:
+            continue
+        keys = [
+            (key, band) for key in ("wavelength_units", "wavelength_unit") for band in (0, None)
+        ]
+        unit = next((facts[key] for key in keys if key in facts), "")
+        return lambda: nanometers(
+            path, name, listed[1], unit, unit_key="wavelength_units in GDAL_METADATA"
+        )
+    texts = [facts.get(("description", band), "") for band in range(bands)]
+    named = [NAMED_WAVELENGTH.search(text[:10_000]) for text in texts]
+    if None in named:
+        return None
+    found = np.array([float(m[1]) * NM_PER[m[2].lower()] for m in named if m is not None])
+    return lambda: (found, ("wavelengths taken from the descriptions of the bands",))
+
+
+def _gdal_scale(path: Path, facts: dict[tuple[str, int | None], str]) -> float | None:
+    """Reflectance per stored unit of GDAL's tag; None if it is 1 or not declared."""
+    offsets = [text for (name, _), text in facts.items() if name == "offset"]
+    scales = [text for (name, _), text in facts.items() if name == "scale"]
+    numbers = [float(text) if _NUMBER.fullmatch(text) else math.nan for text in scales]
+    shifts = [float(text) if _NUMBER.fullmatch(text) else math.nan for text in offsets]
+    if any(shift != 0 for shift in shifts) or len(set(numbers)) > 1:
+        raise InputError(
+            str(path),
+            "must have one scale for all bands, and no offsets",
+            value=(sorted(set(scales)), sorted(set(offsets))),
+            where="tag GDAL_METADATA",
+            remedy=("apply them and save the cube again", Setting("scale")),
+        )
+    if not numbers or numbers[0] == 1:
+        return None
+    if not (numbers[0] > 0 and math.isfinite(1 / numbers[0])):
+        raise InputError(
+            str(path),
+            "must be > 0",
+            value=scales[0],
+            where="scale in tag GDAL_METADATA",
+            remedy=("correct it", Setting("scale")),
+        )
+    return numbers[0]
 
 
 def _listed(text: str) -> tuple[str, Array] | None:

@@ -41,7 +41,8 @@ _NAMES = {
     "snr_max": "snrmax snrmaxdb maximumsnr maximumsignaltonoiseratio signaltonoiseratio",
     "dsnu": "dsnu dsnu1288 su1288dark",
     "prnu": "prnu prnu1288",
-    "dark_current": "mui muimean muc ui uimean darkcurrent muivar uivar",
+    "dark_current": "mui muimean muc ui uimean darkcurrent",
+    "dark_current_of_variance": "muivar uivar",
     "pitch": "pixelpitch pixelsize pitch",
     "bits": "bits bitdepth adcbits adc",
     "black": "blacklevel offset blackoffset muydark uydark",
@@ -82,6 +83,7 @@ _ALLOWED = {
     "dsnu": "e- DN",
     "prnu": "% 1",
     "dark_current": "e-/s DN/s",
+    "dark_current_of_variance": "e-/s DN/s",
     "pitch": "um",
     "bits": "bit",
     "black": "DN",
@@ -188,6 +190,9 @@ def pixel_from_emva(
                 where=value.where,
                 remedy="keep one of the two",
             )
+    of_variance = found.pop("dark_current_of_variance", None)
+    if of_variance is not None and found.setdefault("dark_current", of_variance) != of_variance:
+        unused.append(of_variance.name)  # the standard prefers the mean
     if not found:
         names = [name[:40] for name in unused[:5]]
         raise InputError(
@@ -276,6 +281,11 @@ def _xml_rows(text: str, path: Path) -> list[tuple[str, float, str, str]]:
         if not known or entry.find("value") is None:
             continue
         unit, word = (entry.findtext(tag, "").strip() for tag in ("unit", "value"))
+        unit = _bare_unit("" if unit == "None" else unit)
+        if word.lower() in ("nan", "none"):
+            continue  # not measured
+        if not unit and _key(entry.tag) in ("snr_max", "dynamic_range"):
+            unit = "1"
         number = _decimal(word)
         if number is None:
             raise InputError(str(path), "must be a finite number", value=word[:60], where=entry.tag)
@@ -311,11 +321,22 @@ def _plain(name: str) -> str:
     return re.sub(r"[^a-z0-9]", "", plain)
 
 
+def _bare_unit(unit: str) -> str:
+    r"""A unit without the marks of LaTeX, as the reference code of the standard writes it.
+
+    Examples
+    --------
+    >>> _bare_unit("$e^-/s$"), _bare_unit(r"\%"), _bare_unit("DN/e-")
+    ('e-/s', '%', 'DN/e-')
+    """
+    return re.sub(r"[$\\^{}]", "", unit).strip()
+
+
 def _valued(key: str, name: str, number: float, unit: str, where: str) -> _Value:
     allowed = _ALLOWED[key].split()
     if key == "bits" and not unit.strip():
         unit = "bit"
-    known = _UNIT_OF.get(unit.strip().lower())
+    known = _UNIT_OF.get(_bare_unit(unit).lower())
     if known not in allowed:
         had = f"has the unit {unit[:20]!r}" if unit.strip() else "has no unit"
         raise InputError(name, f"must be in {' or '.join(allowed)}", value=unit, found=had)

@@ -13,7 +13,7 @@ from chromanoise.errors import InputError
 from chromanoise.io.spectra.parsed import Level, Per, Quantity, Scale, Unit
 
 _KEY = re.compile(r"\s*([A-Za-z][A-Za-z _-]{0,40}?)\s*[:=]\s*(\S.*)")
-_OF_WAVELENGTHS = r"(?:wave(?:length)?s?|lambda|x(?:[ _]axis)?)"
+_OF_WAVELENGTHS = r"(?:wave(?:length)?s?|lambda|x(?:[ _]?axis)?)"
 _KEYS = {
     "quantity": r"quantity",
     "unit": r"(?:y[ _]?)?units?",
@@ -208,9 +208,11 @@ def is_wavelength_heading(cell: str) -> bool:
 
     Examples
     --------
-    >>> [is_wavelength_heading(c) for c in ("Wavelength in nm", "wl", "wavelength error 1 nm")]
-    [True, True, False]
+    >>> [is_wavelength_heading(c) for c in ("Wavelength in nm", "wl", "1/cm", "error 1 nm", "5 nm")]
+    [True, True, True, False, False]
     """
+    if re.search(r"\d", _WORD.sub("", cell.lower())):
+        return False
     words = [w for w in _WORD.findall(cell.lower()) if w not in ("in", "vac", "vacuum", "air")]
     names = {"wavelength", "wave", "lambda", "λ", "wl", "wvl", "center", "centre", "band", "a"}
     known = [w for w in words if w in names or w.rstrip("s") in names or w.rstrip("s") in UNITS]
@@ -224,12 +226,17 @@ def is_row_of_units(cells: Iterable[str]) -> bool:
     --------
     >>> is_row_of_units(["nm", "%", "%"]), is_row_of_units(["ANGSTROM", "FLAM"])
     (True, True)
+    >>> is_row_of_units(["[nm]", "[counts]", "[% transmittance]"])
+    True
     >>> is_row_of_units(["nm", "R", "G"]), is_row_of_units(["wavelength", "%"])
     (False, False)
     """
-    first, *rest = [cell.strip().strip("[]()").strip() for cell in cells] or [""]
+    whole = [cell.strip() for cell in cells]
+    first, *rest = [cell.strip("[]()").strip() for cell in whole] or [""]
     known = first.lower() in UNITS or first.lower().rstrip("s") in UNITS
-    return known and bool(rest) and all(map(_OF_VALUES.fullmatch, rest)) and any(rest)
+    bracketed = all(cell[:1] + cell[-1:] in ("[]", "()") for cell in whole)
+    units = bracketed or all(map(_OF_VALUES.fullmatch, rest))
+    return known and bool(rest) and units and any(rest)
 
 
 def with_units(names: Iterable[str], units: Iterable[str]) -> tuple[str, ...]:

@@ -98,7 +98,8 @@ def _said(facts: Mapping[str, str], keys: Mapping[str, str]) -> dict[str, Any]:
 def _delimiter(lines: list[tuple[int, str]]) -> str:
     """The delimiter with which most lines are rows of two or more numbers; in a tie, the first.
 
-    If no line is such a row, the first one or two cells of each line are ignored as words.
+    If no line is such a row, the first one or two cells of each line are ignored as words, and
+    then all words of lines with two numbers or more.
     """
 
     def rows_of_numbers(name: str, words: int) -> int:
@@ -106,8 +107,15 @@ def _delimiter(lines: list[tuple[int, str]]) -> str:
         cells = (split_line(line, name) for _, line in lines)
         return sum(_is_row(row, words, decimal_comma=comma) for row in cells)
 
-    words = next((n for n in (0, 1, 2) if any(rows_of_numbers(s, n) for s in DELIMITERS)), 0)
-    return max(DELIMITERS, key=lambda name: rows_of_numbers(name, words))
+    def rows_with_numbers(name: str) -> int:
+        comma = name != "comma"
+        cells = (split_line(line, name) for _, line in lines)
+        return sum(sum(is_number(c, decimal_comma=comma) for c in row) > 1 for row in cells)
+
+    for words in (0, 1, 2):
+        if any(rows_of_numbers(name, words) for name in DELIMITERS):
+            return max(DELIMITERS, key=lambda name: rows_of_numbers(name, words))
+    return max(DELIMITERS, key=rows_with_numbers)
 
 
 def _is_row(cells: list[str], words: int, *, decimal_comma: bool) -> bool:
@@ -183,12 +191,12 @@ def _with_ecsv_units(rows: list[Row], comments: list[str]) -> list[Row]:
 
 
 def decimal_sign(rows: list[Row], delimiter: str, source: str) -> str:
-    """The decimal mark of the cells; two different marks in one file raise an error."""
+    """The decimal mark of rows of several cells; two different marks raise an error."""
     if delimiter == "comma":
         return "."
     with_comma = with_point = 0
     for row in rows:
-        for cell in row.cells:
+        for cell in row.cells if sum(map(bool, row.cells)) > 1 else ():
             if not with_comma and "," in cell and is_number(cell, decimal_comma=True):
                 with_comma = row.number
             elif not with_point and "." in cell and is_number(cell, decimal_comma=False):

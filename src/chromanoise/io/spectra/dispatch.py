@@ -11,12 +11,16 @@ from pathlib import Path
 
 from chromanoise._inputs import regular_file
 from chromanoise.errors import InputError
+from chromanoise.io.matlab import is_matlab
+from chromanoise.io.spectra.asd import is_asd, read_asd
 from chromanoise.io.spectra.cgats import is_cgats, read_cgats
 from chromanoise.io.spectra.delimited import read_delimited
+from chromanoise.io.spectra.envi import envi_pair
 from chromanoise.io.spectra.envi_library import envi_library, read_envi_library
 from chromanoise.io.spectra.fits import read_fits
 from chromanoise.io.spectra.interpretation import meaning_of
-from chromanoise.io.spectra.isetcam import is_matlab, read_isetcam
+from chromanoise.io.spectra.isetcam import read_isetcam
+from chromanoise.io.spectra.jcamp import is_jcamp, read_jcamp
 from chromanoise.io.spectra.json_forms import read_json
 from chromanoise.io.spectra.kinds import kind_of, kind_of_zip
 from chromanoise.io.spectra.parsed import ASK, Answers, Found, ParsedSpectra
@@ -24,6 +28,7 @@ from chromanoise.io.spectra.tm27 import read_tm27
 from chromanoise.io.spectra.workbook import read_workbook
 
 _LARGEST_BYTES = 4 * 2**20
+_LARGEST_LIBRARY_BYTES = 32 * 2**20
 _MOST_HIGH = 0.1
 _CONTROL = re.compile(rb"[\x00-\x08\x0e-\x1f]")
 
@@ -31,16 +36,16 @@ _CONTROL = re.compile(rb"[\x00-\x08\x0e-\x1f]")
 def read_curves(path: Path | str, *, answers: Answers = ASK) -> ParsedSpectra:
     r"""Read the curves of a file, and report how the file was parsed.
 
-    Supported are delimited text with the usual separators, digitized curves, ISETCam ``.mat``,
-    cameras of Jiang et al. ``.mat``, JSON of this library, of rawtoaces, of DCamProf (ssf-data) or
-    in plain lists, CGATS and Argyll ``.sp``, IES TM-27 ``.spdx``, ENVI spectral libraries ``.sli``
-    with ``.hdr``, FITS tables, and ``.xlsx``. The content of the file selects the reader, not its
-    name.
+    Supported are delimited text with the usual separators, digitized curves, JCAMP-DX ``.jdx``,
+    ISETCam and Psychtoolbox ``.mat``, ASD ``.asd``, cameras of Jiang et al. ``.mat``, JSON of this
+    library, of rawtoaces, of DCamProf (ssf-data) or in plain lists, CGATS and Argyll ``.sp``, IES
+    TM-27 ``.spdx``, ENVI spectral libraries ``.sli`` with ``.hdr``, FITS tables, and ``.xlsx``. The
+    content of the file selects the reader, not its name.
 
     Parameters
     ----------
     path
-        The file, of 4 MiB at most.
+        The file, of 4 MiB at most, or 32 MiB for a library with an ENVI header.
     answers
         Metadata that the file lacks.
 
@@ -70,16 +75,17 @@ def read_curves(path: Path | str, *, answers: Answers = ASK) -> ParsedSpectra:
 
 
 def _content(path: Path) -> bytes:
-    _refuse_large(path)
+    library = regular_file(path).st_size > _LARGEST_BYTES and envi_pair(path) is not None
+    _refuse_large(path, _LARGEST_LIBRARY_BYTES if library else _LARGEST_BYTES)
     return path.read_bytes()
 
 
-def _refuse_large(path: Path) -> None:
+def _refuse_large(path: Path, largest: int) -> None:
     size = regular_file(path).st_size
-    if size > _LARGEST_BYTES:
+    if size > largest:
         raise InputError(
             str(path),
-            f"must be at most {_LARGEST_BYTES // 2**20} MiB for a table of spectra",
+            f"must be at most {largest // 2**20} MiB for a table of spectra",
             value=size,
             found=f"is {size / 2**20:.0f} MiB",
             remedy="remove what is not a curve",
@@ -89,11 +95,13 @@ def _refuse_large(path: Path) -> None:
 def _found(path: Path, content: bytes) -> Found:
     if is_matlab(content):
         return read_isetcam(path)
+    if is_asd(content):
+        return read_asd(path, content)
     if content.startswith(b"SIMPLE  ="):
         return read_fits(path, content)
     library = envi_library(path, content)
     if library is not None:
-        _refuse_large(library[1])
+        _refuse_large(library[1], _LARGEST_LIBRARY_BYTES)
         return read_envi_library(*library)
     _refuse_kind(path, kind_of(content))
     if content.startswith(b"PK\x03\x04"):
@@ -111,6 +119,8 @@ def _of_text(text: str, source: str) -> Found:
         return read_json(text, source)
     if start == "<":
         return read_tm27(text, source)
+    if is_jcamp(text):
+        return read_jcamp(text, source)
     if is_cgats(text):
         return read_cgats(text, source)
     return read_delimited(text, source)

@@ -43,15 +43,21 @@ def envi_library(path: Path, content: bytes) -> tuple[EnviHeader, Path] | None:
 def _library(header_file: Path, data: Path) -> tuple[EnviHeader, Path]:
     header = read_envi_header(header_file)
     kind = header.fields.get("file type", "")
-    if kind.lower() != _LIBRARY:
+    if kind.lower() != _LIBRARY and not _is_line_of_spectra(header):
         raise InputError(
             str(header_file),
-            "must be ENVI Spectral Library",
+            "must be ENVI Spectral Library, or have one sample or one line",
             value=kind,
             where="key 'file type'",
             remedy="name a file of spectra, not a cube",
         )
     return header, data
+
+
+def _is_line_of_spectra(header: EnviHeader) -> bool:
+    """Whether a cube is a list of spectra, as isofit stores its libraries."""
+    sides = (header.whole("samples", default=0), header.whole("lines", default=0))
+    return 1 in sides and header.whole("bands", default=0) > 1
 
 
 def read_envi_library(header: EnviHeader, data: Path) -> Found:
@@ -61,6 +67,8 @@ def read_envi_library(header: EnviHeader, data: Path) -> Found:
     ------
     InputError
         If the header lacks a key or contradicts the data.
+
+    A cube of one sample or one line is a library as well, with its bands as wavelengths.
 
     Notes
     -----
@@ -76,6 +84,8 @@ def read_envi_library(header: EnviHeader, data: Path) -> Found:
             remedy="apply them and save the library again",
         )
     pixels, notes = envi_pixels(header, data)
+    if _is_line_of_spectra(header):
+        pixels = pixels.reshape(-1, pixels.shape[2])[:, :, None]
     if pixels.shape[2] != 1:
         raise InputError(
             header.source,
@@ -149,7 +159,7 @@ def _wavelengths(header: EnviHeader, count: int) -> tuple[Array, str]:
     if numbers.size != count:
         raise InputError(
             header.source,
-            f"must list {count} numbers, as many as 'samples'",
+            f"must list {count} numbers, one per wavelength of the data",
             value=numbers.size,
             found=f"lists {numbers.size}",
             where="key 'wavelength'",

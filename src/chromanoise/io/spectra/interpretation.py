@@ -49,6 +49,7 @@ _PERCENT = r"%|(?<![a-z])(percent|pct)(?![a-z])|[\[(]\s*0\s*(\.\.|-|to)\s*100(\.
 _DEVIATION = (
     r"(?i)(?<![a-z])(standard[ _]deviation|std|stdev|s\.?d\.?|sigma|uncertainty|errors?)(?![a-z])"
 )
+_ABSORBANCE = r"(?i)absorban|optical.density|\blog ?\(? ?1 ?/ ?[rt]\b"
 _MOST_UM, _LEAST_NM = 20.0, 100.0
 _SENSITIVE_NM = (400.0, 1050.0)
 _MOSTLY = 0.5  # of the steps, ascending minus descending
@@ -63,9 +64,10 @@ def meaning_of(found: Found, answers: Answers) -> ParsedSpectra:
     ------
     InputError
         If the unit of the wavelengths is unknown, a curve has fewer than two points, or the
-        numbers contradict the metadata of the file.
+        numbers contradict the metadata of the file, or the curves are absorbances.
     """
     columns, deviations = _chosen(found, answers)
+    _refuse_absorbances(found, columns)
     unit, unit_note = _wavelength_unit(found, answers, columns)
     quantity = _quantity(found, answers, columns)
     points = [sorted_points(column, unit, found.source) for column in columns]
@@ -138,6 +140,17 @@ def _chosen(found: Found, answers: Answers) -> tuple[list[Column], list[Column]]
     return curves, spread
 
 
+def _refuse_absorbances(found: Found, columns: list[Column]) -> None:
+    heads = [f"{c.name} [{c.unit}]" if c.unit else c.name for c in columns]
+    if all(re.search(_ABSORBANCE, head) for head in heads):
+        raise InputError(
+            found.source,
+            "must hold transmittances, reflectances or light, not absorbances",
+            value=heads[0],
+            remedy="convert each absorbance A to a transmittance, 10^-A",
+        )
+
+
 def _wavelength_unit(
     found: Found, answers: Answers, columns: list[Column]
 ) -> tuple[Unit, tuple[str, ...]]:
@@ -174,9 +187,10 @@ def _wavelength_unit(
     if declared or answer:
         return declared or answer or "nm", ()
     listed = is_wavelength_heading(found.heading) or found.format.endswith(DIGITIZED)
-    if not listed and not all(map(_is_ordered, known)):
-        raise _unit_wanted(found, span)
     fitting = unit_that_fits(low, high)
+    points = fitting == "nm" and len(found.columns) == 1  # clicked in any order
+    if not listed and not points and not all(map(_is_ordered, known)):
+        raise _unit_wanted(found, span)
     numbered = all(bool((at == np.round(at)).all()) for at in known)  # rows 1, 2, 3
     if fitting is None or (fitting == "um" and numbered):
         raise _unit_wanted(found, span)

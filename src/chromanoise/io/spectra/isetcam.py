@@ -1,4 +1,4 @@
-"""MATLAB files: ISETCam's ``wavelength``, ``data``, ``filterNames``, or ``r, g, b`` of a camera."""
+"""MATLAB files of ISETCam (``wavelength``, ``data``), of Psychtoolbox and of camera databases."""
 
 import math
 from collections.abc import Mapping
@@ -8,22 +8,18 @@ import numpy as np
 
 from chromanoise._check import Array
 from chromanoise.errors import InputError
-from chromanoise.io.mat5 import mat_array, mat_arrays, mat_texts
-from chromanoise.io.spectra.parsed import Column, Found
+from chromanoise.io.matlab import mat_array, mat_arrays, mat_texts
+from chromanoise.io.spectra.parsed import Column, Found, Quantity
 from chromanoise.io.spectra.tables import missing_notes
 
 _LARGEST_BYTES = 32 * 2**20
 _WAVELENGTHS = ("wavelength", "wavelength_nm", "wave")
 _WORDS = ("comment", "units", "type", "name")
 _MOST_CURVES = 2000
+_OF_PSYCHTOOLBOX: dict[str, Quantity | None] = {
+    "T": None, "spd": "power", "sur": "reflectance", "srf": "reflectance"
+}  # fmt: skip
 _JIANG_NM = np.arange(400.0, 721.0, 10.0)
-
-
-def is_matlab(content: bytes) -> bool:
-    """Whether these are the first bytes of a MATLAB file of version 5."""
-    return content.startswith(b"MATLAB 5.0") or (
-        len(content) >= 128 and content[124:128] in (b"\x00\x01IM", b"\x01\x00MI")
-    )
 
 
 def read_isetcam(path: Path) -> Found:
@@ -33,17 +29,21 @@ def read_isetcam(path: Path) -> Found:
     ------
     InputError
         If it lacks ``wavelength`` or ``data``, or these do not fit each other, and it is not a
-        camera of the database of Jiang et al. either.
+        file of Psychtoolbox or a camera of the database of Jiang et al. either.
     """
     arrays = mat_arrays(path)
     if all(name in arrays for name in "rgb") and not any(w in arrays for w in _WAVELENGTHS):
         return _camera_of_jiang(path, arrays)
     at_name = next((name for name in _WAVELENGTHS if name in arrays), None)
+    sampled = [name for name in arrays if name.partition("_")[0] in _OF_PSYCHTOOLBOX]
+    if at_name is None and sampled and f"S_{sampled[0].partition('_')[2]}" in arrays:
+        return _of_psychtoolbox(path, arrays, sampled)
     if at_name is None or "data" not in arrays:
         held = ", ".join(list(arrays)[:20]) or "no arrays"
         raise InputError(
             str(path),
-            "must have the arrays wavelength and data, as ISETCam writes them",
+            "must have the arrays wavelength and data, as ISETCam writes them, or S_name and "
+            "T_name, spd_name or sur_name, as Psychtoolbox writes them",
             value=tuple(arrays),
             found=f"has {held}",
         )
@@ -89,6 +89,63 @@ def _keys(words: Mapping[str, tuple[str, ...]]) -> dict[str, str]:
     """``type`` is the quantity and ``units`` the unit; ``comment`` and ``name`` are free text."""
     fields = {"quantity": "type", "unit": "units"}
     return {key: " ".join(words[field]) for key, field in fields.items() if field in words}
+
+
+def _of_psychtoolbox(path: Path, arrays: dict, sampled: list[str]) -> Found:
+    """The curves of one array, whose wavelengths are ``S_name = [start, step, count]`` in nm.
+
+    Notes
+    -----
+    Psychtoolbox, PsychColorimetricData: arrays ``T_`` have one curve per row, and ``spd_``,
+    ``sur_`` and ``srf_`` (powers and reflectances) one per column.
+    """
+    if len(sampled) > 1:
+        raise InputError(
+            str(path),
+            "must have one array of curves",
+            value=tuple(sampled),
+            found=f"has {', '.join(sampled[:8])}",
+            remedy="save one of them with its S_ array",
+        )
+    kind, _, rest = sampled[0].partition("_")
+    sampling = _real(path, f"S_{rest}", arrays[f"S_{rest}"]).ravel()
+    if sampling.size != 3 or sampling[0] <= 0 or sampling[1] <= 0 or sampling[2] < 2:
+        raise InputError(
+            str(path),
+            "must be the first wavelength, the step and the number of wavelengths",
+            value=tuple(sampling.tolist()[:5]),
+            where=f"array 'S_{rest}'",
+        )
+    data = _real(path, sampled[0], arrays[sampled[0]])
+    if kind == "T":
+        data = data.T
+    if data.shape[0] != sampling[2] or data.shape[1] > _MOST_CURVES:
+        raise InputError(
+            str(path),
+            f"must have {sampling[2]:g} wavelengths, as S_{rest} declares",
+            value=data.shape[0],
+            where=f"array {sampled[0]!r}",
+        )
+    quantity = _OF_PSYCHTOOLBOX[kind]
+    at = sampling[0] + sampling[1] * np.arange(data.shape[0])
+    count = data.shape[1]
+    return Found(
+        source=str(path),
+        format="Psychtoolbox MAT",
+        columns=tuple(
+            Column(
+                name=rest if count == 1 else str(k + 1),
+                unit="",
+                wavelength=at[known],
+                values=data[known, k],
+            )
+            for k in range(count)
+            for known in (np.isfinite(data[:, k]),)
+        ),
+        wavelength_unit="nm",
+        quantity=quantity,
+        per="energy" if quantity == "power" else None,
+    )
 
 
 def _camera_of_jiang(path: Path, arrays: dict) -> Found:

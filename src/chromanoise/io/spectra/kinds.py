@@ -1,8 +1,7 @@
 """Recognize files that are not spectra by their first bytes."""
 
-import struct
-
 _EXPORT = "export the curves as CSV"
+_AVASOFT = "export it as ASCII in AvaSoft"
 _KINDS: tuple[tuple[bytes, str, str], ...] = (
     (b"\x89PNG\r\n\x1a\n", "a PNG picture", "digitize its curves, and save them as CSV"),
     (b"\xff\xd8\xff", "a JPEG picture", "digitize its curves, and save them as CSV"),
@@ -23,11 +22,16 @@ _KINDS: tuple[tuple[bytes, str, str], ...] = (
     (b"\x93NUMPY", "a NumPy array (.npy)", "write wavelengths and values with numpy.savetxt"),
     (b"PAR1", "a Parquet file", _EXPORT),
     (b"\x80\x04\x95", "a Python pickle", _EXPORT),
+    (b"AVS8", "a binary file of AvaSoft 8 (Avantes)", _AVASOFT),
+    (b"\0\0\x8cB", "a binary file of AvaSoft 7 (Avantes)", _AVASOFT),
+    (b"\0\0pB", "a binary file of AvaSoft 6 (Avantes)", _AVASOFT),
+    (b"\n\n\xfe\xfe", "a Bruker OPUS file", "export it as a data point table"),
+    (b"WDF1", "a Renishaw WiRE file", _EXPORT),
+    (b"Spectral Data File", "a Thermo OMNIC file (.spa)", _EXPORT),
     (b"\x7fELF", "a program (ELF)", "name a file of curves"),
     (b"MZ", "a program (.exe)", "name a file of curves"),
 )
 _HTML = (b"<!doctype html", b"<html")
-_MATLAB_4 = (0, 10, 20, 30, 40, 50, 1000, 1010, 1020, 1030, 1040, 1050)
 _START = 512
 
 
@@ -42,10 +46,10 @@ def kind_of(content: bytes) -> tuple[str, str] | None:
     for start, name, remedy in _KINDS:
         if content.startswith(start):
             return name, remedy
+    if content[1:2] == b"K" and content[3:4] == b"\x80":
+        return "a Thermo Galactic file (.spc)", _EXPORT
     if content[:_START].lstrip().lower().startswith(_HTML):
         return "an HTML page", "download the file that it links to, or save its table as CSV"
-    if len(content) > 20 and _is_matlab_4(content):
-        return "a MATLAB 4 file", "save it with -v7"
     return None
 
 
@@ -61,21 +65,10 @@ def kind_of_zip(names: list[str]) -> tuple[str, str] | None:
         return None
     if names and all(name.endswith(".npy") for name in names):
         return "NumPy arrays (.npz)", "write wavelengths and values with numpy.savetxt"
+    if any(name.startswith("ps_") and name.endswith(".xml") for name in names):
+        return "an Ocean Optics file (.ProcSpec)", "save it as tab-delimited text in SpectraSuite"
     if "content.xml" in names:
         return "an OpenDocument file (.ods)", "save it as .xlsx or CSV"
     if any(name.startswith("word/") for name in names):
         return "a Word document", "save its table as CSV"
     return "a ZIP archive", "unpack it first"
-
-
-def _is_matlab_4(content: bytes) -> bool:
-    """Whether the header of MATLAB 4 is valid: type, two sizes, a flag and a name length.
-
-    MathWorks, "MAT-File Format", level 4.
-    """
-    order = "<" if int.from_bytes(content[:4], "little") <= _MATLAB_4[-1] else ">"
-    kind, rows, columns, imaginary, length = struct.unpack_from(f"{order}5i", content)
-    if kind not in _MATLAB_4 or imaginary > 1 or not 1 < length < 65:
-        return False
-    name = content[20 : 20 + length]
-    return rows > 0 and columns > 0 and name.endswith(b"\0") and name[:-1].isalnum()

@@ -33,28 +33,48 @@ def as_columns(rows: Sequence[Row]) -> tuple[Sequence[Row], tuple[str, ...]]:
     return rows, ()
 
 
-def with_plain_wavelengths(rows: Sequence[Row]) -> Sequence[Row]:
+def with_plain_wavelengths(rows: Sequence[Row]) -> tuple[Sequence[Row], tuple[str, ...]]:
     """Rows such as ``380nm, 0.1`` or ``Spectral Data 380[nm], 0.1`` under a heading with the unit.
+
+    If the same wavelengths are listed again in other steps, those of the smaller steps are kept,
+    and a note says so.
 
     Examples
     --------
     >>> rows = [Row(number=n, cells=(f"{w}nm", "0.5")) for n, w in ((1, 400), (2, 410))]
-    >>> [row.cells for row in with_plain_wavelengths(rows)]
+    >>> [row.cells for row in with_plain_wavelengths(rows)[0]]
     [('wavelength [nm]', 'column 2'), ('400', '0.5'), ('410', '0.5')]
     """
     at = [_IN_NM.fullmatch(row.cells[0]) if row.cells else None for row in rows]
     first = next((i for i, match in enumerate(at) if match), None)
     if first is None or sum(map(bool, at)) < 2:
-        return rows
+        return rows, ()
     plain = [
         Row(number=row.number, cells=(match[1], *row.cells[1:])) if match else row
         for row, match in zip(rows[first:], at[first:], strict=True)
     ]
+    plain, notes = _finest(plain, [float(match[1]) if match else None for match in at[first:]])
     width = len(rows[first].cells)
     above = rows[first - 1].cells if first and len(rows[first - 1].cells) == width else ()
+    if above and not (is_wavelength_heading(above[0]) or not above[0]):
+        above = ()  # another fact in two cells, such as an integration time
     names = above[1:] or tuple(f"column {k}" for k in range(2, width + 1))
     heading = Row(number=rows[first].number, cells=("wavelength [nm]", *names))
-    return [*rows[: first - bool(above)], heading, *plain]
+    return [*rows[: first - bool(above)], heading, *plain], notes
+
+
+def _finest(rows: list[Row], at: Sequence[float | None]) -> tuple[list[Row], tuple[str, ...]]:
+    """The rows of the list with the most wavelengths, if the first wavelength comes again."""
+    starts = [i for i, one in enumerate(at) if one is not None and one == at[0]]
+    parts = [range(i, j) for i, j in pairwise([*starts, len(rows)])]
+    counts = [sum(at[i] is not None for i in part) for part in parts]
+    if len(parts) < 2 or len(set(counts)) < len(counts):
+        return rows, ()
+    best = counts.index(max(counts))
+    kept = [rows[i] for i in parts[best] if at[i] is not None]
+    after = [rows[i] for i in parts[-1] if at[i] is None]
+    note = f"its spectrum is given {len(parts)} times: the one of {max(counts)} wavelengths is used"
+    return [*kept, *after], (note,)
 
 
 def _wavelength(cell: str) -> str:

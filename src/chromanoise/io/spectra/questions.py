@@ -15,6 +15,10 @@ from chromanoise.spectra.curves import SMALL_NEGATIVES
 
 _GRID_NM = (400.0, 1050.0)
 _PER = Setting("per", ("energy", "photon"))
+_READING = (
+    r"(?i)(?:.*: )?(?:dark|background|ref|reference)"
+    r"(?: (?:spectrum|scan|reading|signal|counts|intensity|\d+))?"
+)
 _MENTIONED = r"(?i)\b(qe|quantum efficiency|responsivity|sensitivity|reflect\w*|transmi\w*|A/W)\b"
 
 
@@ -95,7 +99,16 @@ def questions_of(parsed: ParsedSpectra, words: str, answers: Answers) -> ParsedS
 
 
 def sensor_questions(parsed: ParsedSpectra, answers: Answers) -> Iterator[Question]:
-    """Questions about a sensor: per photon or per energy, and the scale of the curves."""
+    """Questions about a sensor: which curves, per photon or per energy, and their scale."""
+    names = parsed.curves.names
+    reading = next((name for name in names if re.fullmatch(_READING, name)), None)
+    if reading is not None and len(names) > 1 and not answers.columns:
+        yield Question(
+            about="columns",
+            asks=f"it holds {', '.join(names[:8])}, and {reading!r} looks like a reading that "
+            "others are corrected with: which are the curves?",
+            settings=(Setting("columns"),),
+        )
     if parsed.per is None and not _documented(parsed):
         yield Question(
             about="per",

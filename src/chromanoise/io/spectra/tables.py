@@ -3,6 +3,7 @@
 import re
 from collections import Counter
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 
@@ -20,11 +21,15 @@ from chromanoise.io.spectra.parsed import Column, Found, Row
 _POINT = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD][+-]?\d{1,4})?\s*%?", re.ASCII)
 _COMMA = re.compile(r"[+-]?(\d+(,\d+)?|,\d+)([eEdD][+-]?\d{1,4})?\s*%?", re.ASCII)
 _MISSING = ("", "-", "--", "na", "n/a", "#n/a", "null", "none")
+_NUMERAL = re.compile(r"[-+]?[.,]?\d|[-+]?(?:nan|inf)", re.IGNORECASE)
+_COUNTS_ROWS = re.compile(r"(?i)(?:pixels?|index|points?|frame|row|column|no\.?|nr\.?|#)")
+_OTHER_AXIS = re.compile(r"(?i)(?:wave ?numbers?|raman ?shifts?|frequency|(?:photon )?energy)")
 _UNIT = re.compile(r"(.*?)[\s_]*(?:\[([^\[\]]*)\]|\(([^()]*)\))")
 DIGITIZED = "digitized curves"
 _LARGEST = 1e30
 _LONGEST_CELL = 400
 _MOST_CELLS = 2_000_000
+_FEWEST_IN_LIST, _MOST_OF_RANGE = 5, 0.8
 _NAN = float("nan")
 
 
@@ -81,9 +86,12 @@ def table_of(
     """
     if sum(len(row.cells) for row in rows) > _MOST_CELLS:
         raise InputError(source, f"must have at most {_MOST_CELLS} cells for a table of spectra")
-    rows, turned = as_columns(with_plain_wavelengths(rows))
+    rows, twice = with_plain_wavelengths(rows)
+    rows, unused = _with_wavelengths_first(rows, decimal == ",")
+    rows, turned = as_columns(rows)
     first = _first_row_of_numbers(rows, decimal == ",")
     body = [row for row in rows[first:] if any(row.cells)]
+    body, after = _without_words_after(body, decimal == ",", where)
     if len(body) < 2:
         raise InputError(
             source,
@@ -91,8 +99,12 @@ def table_of(
             value=len(body),
             found=f"has {len(body)} in {len(rows)} {where}s",
         )
-    heads = _with_row_of_units([_bare(row.cells) for row in rows[:first]])
-    width = _width(body, rows[:first], head)
+    above = list(rows[:first])
+    longest = max(len(_bare(row.cells)) for row in body)
+    while delimiter == "blanks" and above and _is_sentence(above[-1], longest):
+        above.pop()
+    heads = _with_row_of_units([_bare(row.cells) for row in above])
+    width = _width(body, above, head)
     names = _head(heads, head, width)
     _refuse_wavelengths_elsewhere(names, source)
     numbers, ragged = _numbers(body, names, decimal, source, where)
@@ -105,7 +117,8 @@ def table_of(
         keys.pop("unit", None)
     found = {
         "source": source, "format": form, "words": words, "keys": keys,
-        "delimiter": delimiter, "decimal": decimal, "defects": ragged, "notes": turned,
+        "delimiter": delimiter, "decimal": decimal, "defects": ragged,
+        "notes": (*twice, *unused, *turned, *after),
     }  # fmt: skip
     if _in_pairs(heads, numbers):
         return _digitized(found, heads, numbers)
@@ -130,6 +143,75 @@ def _continues(row: Row, following: Row, comma: bool) -> bool:
     return sum(map(bool, row.cells)) > 1 and 0.5 * other < first < 2 * other
 
 
+def _with_wavelengths_first(
+    rows: Sequence[Row], comma: bool
+) -> tuple[Sequence[Row], tuple[str, ...]]:
+    """Rows without the columns that are not curves, if then the wavelengths are first; and a note.
+
+    Such are columns of words, row numbers and other axes, such as wavenumbers. They are recognized
+    only beside a column with the heading of wavelengths.
+    """
+    for i, row in enumerate(rows):
+        k = next((k for k, cell in enumerate(row.cells) if is_wavelength_heading(cell)), None)
+        if k is None or len(row.cells) < 2 or not _numbers_below(rows[i + 1 : i + 5], k, comma):
+            continue
+        below = _numbers_below(rows[i + 1 :], k, comma)
+        drop = [
+            j
+            for j, name in enumerate(row.cells)
+            if j != k and _is_no_curve(name, [cells[j : j + 1] for cells in below], comma)
+        ]
+        if any(j not in drop for j in range(k)) or len(drop) == len(row.cells) - 1 or not drop:
+            return rows, ()
+        kept = [
+            Row(number=one.number, cells=tuple(c for j, c in enumerate(one.cells) if j not in drop))
+            for one in rows
+        ]
+        names = ", ".join(repr(row.cells[j][:40]) for j in drop if row.cells[j])
+        note = f"columns that are not curves are not used: {names}"
+        return [one for one in kept if any(one.cells)], (note,) if names else ()
+    return rows, ()
+
+
+def _numbers_below(rows: Sequence[Row], k: int, comma: bool) -> list[tuple[str, ...]]:
+    """The rows with a number in column ``k``; none if fewer than two have one."""
+    found = [
+        row.cells
+        for row in rows
+        if len(row.cells) > k and is_number(row.cells[k], decimal_comma=comma)
+    ]
+    return found if len(found) > 1 else []
+
+
+def _is_no_curve(name: str, cells: Sequence[tuple[str, ...]], comma: bool) -> bool:
+    bare = name_and_unit(name)[0]
+    if _COUNTS_ROWS.fullmatch(bare) or _OTHER_AXIS.fullmatch(bare):
+        return True
+    return not any(is_number(text, decimal_comma=comma) for one in cells for text in one)
+
+
+def _without_words_after(
+    body: list[Row], comma: bool, where: str
+) -> tuple[list[Row], tuple[str, ...]]:
+    """The rows up to the text that follows the last number, and a note on that text."""
+    end = len(body)
+    for i in range(len(body) - 1, -1, -1):
+        cells = [cell for cell in body[i].cells if cell]
+        if not cells or _NUMERAL.match(cells[0]) or cells[0].lower() in _MISSING:
+            if len(cells) > 1 and all(is_number(c, decimal_comma=comma) for c in cells[:2]):
+                break
+        else:
+            end = i
+    if end == len(body) or any(_NUMERAL.match(row.cells[0]) for row in body[end:]):
+        return body, ()
+    first = body[end]
+    text = next(cell for cell in first.cells if cell)
+    count = len(body) - end
+    what = f"1 {where}" if count == 1 else f"{count} {where}s"
+    note = f"{what} of text after the numbers not used, from {where} {first.number}: {text[:40]!r}"
+    return body[:end], (note,)
+
+
 def _with_row_of_units(heads: list[tuple[str, ...]]) -> list[tuple[str, ...]]:
     """Append a row of units to the names above it."""
     if len(heads) > 1 and len(heads[-1]) == len(heads[-2]) and is_row_of_units(heads[-1]):
@@ -141,6 +223,11 @@ def _bare(cells: tuple[str, ...]) -> tuple[str, ...]:
     """The rows without the empty cells at the end that spreadsheets write."""
     last = max((i for i, cell in enumerate(cells) if cell), default=-1)
     return cells[: last + 1]
+
+
+def _is_sentence(row: Row, longest: int) -> bool:
+    """Whether a line between blanks has more words than any row has numbers, and no heading."""
+    return len(_bare(row.cells)) > longest and not is_wavelength_heading(row.cells[0])
 
 
 def _width(body: list[Row], heads: Sequence[Row], head: tuple[str, ...]) -> int:
@@ -228,17 +315,30 @@ def _in_pairs(heads: list[tuple[str, ...]], numbers: np.ndarray) -> bool:
         return True
     if pairs < 2 or (last[:1] == ("wavelength_nm",) and "wavelength_nm" not in last[1:]):
         return False
-    if len(heads) and all(heads[-1][::2]) and not any(heads[-1][1::2]):
+    whole = len(heads) > 0 and len(heads[-1]) >= 2 * pairs - 1
+    if whole and all(heads[-1][::2]) and not any(heads[-1][1::2]):
+        return True
+    if whole and all(map(is_wavelength_heading, heads[-1][::2])):
         return True
     at, values = numbers[:, ::2], numbers[:, 1::2]
     known = np.isfinite(at).any(axis=0) & np.isfinite(values).any(axis=0)
+    if np.isfinite(at).all() and len({bool(_is_monotone(one)) for one in at.T}) == 2:
+        return False  # the wavelengths of all curves, followed by values
     return bool(
         known.all() and np.nanmin(at) >= 150 and np.nanmax(at) <= 5000 and np.nanmax(values) <= 110
     )
 
 
+def _is_monotone(at: np.ndarray) -> bool:
+    steps = np.diff(at)
+    return bool((steps > 0).all() or (steps < 0).all())
+
+
 def _digitized(found: dict, heads: list[tuple[str, ...]], numbers: np.ndarray) -> Found:
     names = [head for head in heads if {c.lower() for c in head} - {"x", "y", ""}]
+    axes = [cell for cell in names[-1][::2] if is_wavelength_heading(cell)] if names else []
+    if axes:  # each curve has two headings, and its name may be above them
+        names = [_names_of_pairs(names[-2:], numbers.shape[1])]
     columns = []
     for k in range(numbers.shape[1] // 2):
         heading = names[-1][2 * k] if names and 2 * k < len(names[-1]) else ""
@@ -256,8 +356,23 @@ def _digitized(found: dict, heads: list[tuple[str, ...]], numbers: np.ndarray) -
     note = "each curve has its own list of wavelengths, as digitizers write"
     form = f"{found['format']}, {DIGITIZED}"
     return Found(
-        **{**found, "format": form, "notes": (note,)}, columns=tuple(columns), named=bool(names)
+        **{**found, "format": form, "notes": (note, *found["notes"])},
+        columns=tuple(columns),
+        heading=axes[0] if len(set(axes)) == 1 else "",
+        named=bool(names),
     )
+
+
+def _names_of_pairs(heads: list[tuple[str, ...]], width: int) -> tuple[str, ...]:
+    """One name per pair of columns, at the place of its wavelengths."""
+    above, last = [(*row, *("",) * width)[:width] for row in [("",), *heads][-2:]]
+    names = [above[k] or above[k + 1] for k in range(0, width, 2)]
+    own = last[1::2]
+    if not all(names) or len(set(names)) < len(names):
+        names = list(own)
+    elif all("%" in text for text in own):
+        names = [f"{name} [%]" for name in names]
+    return tuple(cell for name in names for cell in (name, ""))
 
 
 def _head(heads: list[tuple[str, ...]], comment: tuple[str, ...], width: int) -> tuple[str, ...]:
@@ -289,20 +404,47 @@ def _shared(
             found=f"has {numbers.shape[1]}",
         )
     names = [name_and_unit(text) if unit is None else (text, unit) for text in head[1:]]
+    stems, texts = Counter(name for name, _ in names), Counter(head[1:])
+    names = [
+        (text, own) if text and stems[stem] > 1 == texts[text] else (stem, own)
+        for text, (stem, own) in zip(head[1:], names, strict=True)
+    ]
     columns, missing = [], []
-    for k, (name, unit) in enumerate(names):
-        known = np.isfinite(numbers[:, k + 1])
-        name = name or f"column {k + 2}"
-        missing += missing_notes(name, numbers[:, 0], known, "empty cells")
-        columns.append(
-            Column(name=name, unit=unit, wavelength=numbers[known, 0], values=numbers[known, k + 1])
-        )
+    sweeps = _sweeps(numbers[:, 0])
+    for k, (stem, unit) in enumerate(names):
+        for i, rows in enumerate(sweeps, 1):
+            at, values = numbers[rows, 0], numbers[rows, k + 1]
+            known = np.isfinite(values)
+            name = stem or f"column {k + 2}"
+            name = f"{name} ({i})" if len(sweeps) > 1 else name
+            missing += missing_notes(name, at, known, "empty cells")
+            columns.append(Column(name=name, unit=unit, wavelength=at[known], values=values[known]))
+    listed = f"its wavelengths are listed {len(sweeps)} times: each list is a curve of its own"
     return Found(
-        **{**found, "defects": (*found["defects"], *missing)},
+        **{
+            **found,
+            "defects": (*found["defects"], *missing),
+            "notes": (*found["notes"], *((listed,) if len(sweeps) > 1 else ())),
+        },
         columns=tuple(columns),
         heading=head[0],
         named=any(name for name, _ in names) or len(names) == 1,
     )
+
+
+def _sweeps(at: Array) -> list[slice]:
+    """The rows of each list of wavelengths, where whole lists follow each other.
+
+    A list is whole if it has 5 wavelengths or more in one direction and covers most of the range.
+    Overlapping spectrometers and single repeated wavelengths make no further list.
+    """
+    steps = np.diff(at)
+    falls = bool(np.median(np.sign(steps)) < 0) if steps.size else False
+    starts = [0, *(np.flatnonzero(steps > 0 if falls else steps < 0) + 1).tolist(), at.size]
+    rows = [slice(i, j) for i, j in pairwise(starts)]
+    span = _MOST_OF_RANGE * float(np.ptp(at))
+    whole = all(i.stop - i.start >= _FEWEST_IN_LIST and np.ptp(at[i]) >= span for i in rows)
+    return rows if whole else [slice(0, at.size)]
 
 
 def missing_notes(name: str, wavelength: Array, known: Array, what: str) -> list[str]:

@@ -7,14 +7,14 @@ from typing import Any
 
 from chromanoise.errors import InputError
 from chromanoise.io.spectra.parsed import Found, Row
-from chromanoise.io.spectra.tables import table_of
+from chromanoise.io.spectra.tables import is_number, table_of
 
 _LARGEST_BYTES = 16 * 2**20  # these take some seconds to read
 _MOST_ROWS, _MOST_COLUMNS = 20_000, 1_000
 
 
 def read_workbook(path: Path) -> Found:
-    """Read the curves of the first sheet that is not empty.
+    """Read the curves of the first sheet that has two rows with numbers in two columns.
 
     Raises
     ------
@@ -31,10 +31,15 @@ def read_workbook(path: Path) -> Found:
     filled = [(title, rows) for title, rows in sheets.items() if rows]
     if not filled:
         raise InputError(str(path), "has only empty sheets")
-    title, rows = filled[0]
+    title, rows = next(((t, r) for t, r in filled if _has_numbers(r)), filled[0])
     comments = tuple(r.cells[0] for r in rows if len([c for c in r.cells if c]) == 1)
     form = f"XLSX, sheet {title}" + (f" of {len(filled)}" if len(filled) > 1 else "")
     return table_of(source=str(path), form=form, rows=rows, comments=comments, where="row")
+
+
+def _has_numbers(rows: list[Row]) -> bool:
+    numbers = [[c for c in row.cells if is_number(c, decimal_comma=False)] for row in rows]
+    return sum(len(one) > 1 for one in numbers) > 1
 
 
 def _openpyxl(path: Path) -> Any:

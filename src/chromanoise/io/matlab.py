@@ -1,6 +1,6 @@
-"""Arrays of real numbers and text in MATLAB files of version 5 (``save -v7`` and before).
+"""Arrays of real numbers and text in MATLAB files of versions 4 and 5 (``save -v7`` and before).
 
-The format is documented in MathWorks, "MAT-File Format" (level 5). SciPy's reader (1.17) is not
+The formats are documented in MathWorks, "MAT-File Format". SciPy's reader (1.17) is not
 used because it crashes the process on some damaged files instead of raising an error
 (scipy/scipy, pull request 25349).
 """
@@ -24,6 +24,8 @@ _OPENING_BYTES = 8192  # enough for every part before the numbers
 _MATRIX, _COMPRESSED = 14, 15
 _FLAGS, _DIMENSIONS, _NAMES = 6, (5, 6), (1, 16)  # 6 and 16: written by other programs
 _CELL, _CHARS, _OPAQUE = 1, 4, 17
+_OF_LEVEL_4 = ("f8", "f4", "i4", "i2", "u2", "u1")
+_TEXT_OF_LEVEL_4 = 1
 _MOST_AXES = 64
 _MOST_WORDS = 10_000
 _MOST_PADDING = 2**16
@@ -57,6 +59,26 @@ class _Opening:
     length: int
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Variable4:
+    """A variable of version 4: its numbers begin at ``start``, and text is stored as numbers."""
+
+    name: str
+    shape: tuple[int, int]
+    stored: np.dtype
+    text: bool
+    start: int
+
+
+def is_matlab(content: bytes) -> bool:
+    """Whether these are the first bytes of a MATLAB file of version 4 or 5."""
+    return (
+        content.startswith(b"MATLAB 5.0")
+        or content[124:128] in (b"\x00\x01IM", b"\x01\x00MI")
+        or _header_4(content) is not None
+    )
+
+
 def mat_arrays(path: Path) -> dict[str, tuple[tuple[int, ...], np.dtype]]:
     """Shape and type of every variable, without reading numbers; cells and structs are objects.
 
@@ -66,11 +88,16 @@ def mat_arrays(path: Path) -> dict[str, tuple[tuple[int, ...], np.dtype]]:
         If the file has another MATLAB version, or is damaged.
     """
     arrays: dict[str, tuple[tuple[int, ...], np.dtype]] = {}
-    for _, opening in _variables(path):
-        if opening.name in arrays:
-            raise _damage(path, f"the array {opening.name!r} appears twice")
-        if opening.name:  # MATLAB's own workspaces have none
-            arrays[opening.name] = opening.shape, opening.dtype
+    known: Iterator[tuple[str, tuple[int, ...], np.dtype]] = (
+        ((v.name, v.shape, np.dtype("U") if v.text else v.stored) for v in _variables_4(path))
+        if _is_of_level_4(path)
+        else ((opening.name, opening.shape, opening.dtype) for _, opening in _variables(path))
+    )
+    for name, shape, dtype in known:
+        if name in arrays:
+            raise _damage(path, f"the array {name!r} appears twice")
+        if name:  # MATLAB's own workspaces have none
+            arrays[name] = shape, dtype
     return arrays
 
 
@@ -89,6 +116,8 @@ def mat_array(path: Path, name: str, *, largest_bytes: int | None = None) -> Sha
     InputError
         If the numbers do not fit the declared shape, or need more than ``largest_bytes``.
     """
+    if _is_of_level_4(path):
+        return _array_4(path, next(v for v in _variables_4(path) if v.name == name))
     element, opening = next((e, o) for e, o in _variables(path) if o.name == name)
     with path.open("rb") as file:
         first = _first_bytes(path, file, element)
@@ -112,6 +141,10 @@ def mat_texts(path: Path, name: str, *, largest_bytes: int | None = None) -> tup
     InputError
         If the variable is damaged, or needs more than ``largest_bytes``.
     """
+    if _is_of_level_4(path):
+        found = next(v for v in _variables_4(path) if v.name == name)
+        rows = _array_4(path, found)[:_MOST_WORDS] if found.text else ()
+        return tuple("".join(map(chr, row.astype(np.uint8))).rstrip() for row in rows)
     element, opening = next((e, o) for e, o in _variables(path) if o.name == name)
     body, order = _body(path, element, largest_bytes), element.order
     if _class(body, order) != _CELL:
@@ -126,6 +159,66 @@ def mat_texts(path: Path, name: str, *, largest_bytes: int | None = None) -> tup
         texts += (_rows_of_text(path, inner, order)[:1] if inner else ()) or ("",)
         at += 8 + count
     return tuple(texts)
+
+
+def _header_4(content: bytes) -> tuple[int, int, int, int, str] | None:
+    """Type, rows, columns, length of the name and byte order of a header of version 4, if it is.
+
+    The type has four decimal digits: byte order, 0, form of the numbers, and full, text or sparse.
+    """
+    if len(content) < 20:
+        return None
+    for order, machine in (("<", 0), (">", 1)):
+        kind, rows, columns, imaginary, length = struct.unpack_from(f"{order}5i", content)
+        digits = divmod(kind, 10)[0] % 10, kind % 10
+        plain = kind // 100 == 10 * machine and digits[0] < len(_OF_LEVEL_4) and digits[1] < 3
+        name = content[20 : 20 + max(length, 0)]
+        named = 1 < length < 65 and name.endswith(b"\0") and name[:-1].replace(b"_", b"a").isalnum()
+        if plain and named and rows >= 0 and columns >= 0 and imaginary in (0, 1):
+            return kind, rows, columns, length, order
+    return None
+
+
+def _is_of_level_4(path: Path) -> bool:
+    with path.open("rb") as file:
+        return _header_4(file.read(20 + 64)) is not None
+
+
+def _variables_4(path: Path) -> Iterator[_Variable4]:
+    size = path.stat().st_size
+    with path.open("rb") as file:
+        at = 0
+        while at < size:
+            file.seek(at)
+            content = file.read(20 + 64)
+            header = _header_4(content)
+            if header is None:
+                raise _damage(path, f"byte {at} begins no array within the file's {size} bytes")
+            kind, rows, columns, length, order = header
+            stored = np.dtype(order + _OF_LEVEL_4[kind // 10 % 10])
+            imaginary = struct.unpack_from(f"{order}i", content, 12)[0]
+            name = content[20 : 20 + length - 1].decode("ascii")
+            count = rows * columns * stored.itemsize * (1 + imaginary)
+            if at + 20 + length + count > size:
+                raise _damage(path, f"the array {name!r} is longer than the file")
+            if imaginary or kind % 10 > _TEXT_OF_LEVEL_4:  # complex or sparse
+                stored = np.dtype("O")
+            yield _Variable4(
+                name=name,
+                shape=(rows, columns),
+                stored=stored,
+                text=kind % 10 == _TEXT_OF_LEVEL_4,
+                start=at + 20 + length,
+            )
+            at += 20 + length + count
+
+
+def _array_4(path: Path, found: _Variable4) -> Shaped[Array, "..."]:
+    if found.stored.hasobject:
+        raise _damage(path, f"the array {found.name!r} is complex or sparse, which is not read")
+    count = math.prod(found.shape)
+    numbers = np.fromfile(path, dtype=found.stored, count=count, offset=found.start)
+    return numbers.reshape(found.shape, order="F")
 
 
 def _class(body: bytes, order: str) -> int:
