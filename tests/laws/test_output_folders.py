@@ -10,7 +10,7 @@ import pytest
 
 import chromanoise
 from chromanoise import _files
-from chromanoise._files import claimed_folder, refuse_unwritable, whole_folder
+from chromanoise._files import OWN_FILES, claimed_folder, refuse_unwritable, whole_folder
 from chromanoise.errors import InputError
 from outcomes import refused_input
 
@@ -29,12 +29,18 @@ def tree(folder):
     return {
         str(path.relative_to(folder)): path.read_text()
         for path in folder.rglob("*")
-        if path.is_file()
+        if path.is_file() and path.name != OWN_FILES
     }
 
 
+def earlier(folder, files=OLD):
+    """A folder with files of an earlier run, those of REPLACED, and of others."""
+    written(folder, {name: text for name, text in files.items() if name in REPLACED})
+    put(folder, {name: text for name, text in files.items() if name not in REPLACED})
+
+
 def written(folder, files=NEW):
-    with whole_folder(folder) as scratch:
+    with whole_folder(folder, "test") as scratch:
         put(scratch, files)
 
 
@@ -49,13 +55,13 @@ def stopped(during, *and_then):
 
 def fails_in(folder, *and_then):
     with pytest.raises(KeyboardInterrupt):
-        stopped(whole_folder(folder), *and_then)
+        stopped(whole_folder(folder, "test"), *and_then)
 
 
 @pytest.fixture
 def out(tmp_path):
     folder = tmp_path / "out" / "o"
-    put(folder, OLD)
+    earlier(folder)
     return folder
 
 
@@ -120,7 +126,7 @@ def test_a_folder_with_files_of_others_stays_the_working_folder_of_other_process
 @pytest.mark.parametrize("old", [{}, REPLACED, OLD], ids=["empty", "of a run", "of others too"])
 def test_owner_and_group_of_a_folder_and_of_those_in_it_stay(tmp_path, old):
     folder = tmp_path / "o"
-    put(folder, old)
+    earlier(folder, old)
     folder.mkdir(exist_ok=True)
     folders = [folder, *(path for path in folder.rglob("*") if path.is_dir())]
     for path in folders:
@@ -168,7 +174,7 @@ def fails(*_, **__):
 @pytest.mark.parametrize("lacks", ["exchange", "locks"])
 @pytest.mark.parametrize("old", [REPLACED, OLD], ids=["of a run", "of others too"])
 def test_a_file_system_that_lacks_something_gets_the_same_files(tmp_path, monkeypatch, old, lacks):
-    put(tmp_path / "o", old)
+    earlier(tmp_path / "o", old)
     if lacks == "exchange":
         monkeypatch.setattr(_files, "_exchanged", lambda *_: False)
     else:
@@ -209,7 +215,7 @@ def test_a_folder_that_cannot_be_renamed_gets_its_files(out, monkeypatch, what):
 
 
 def test_a_folder_that_another_run_writes_is_refused_with_its_process(tmp_path, out, monkeypatch):
-    with whole_folder(out) as scratch:
+    with whole_folder(out, "test") as scratch:
         put(scratch, NEW)
         for second in (refuse_unwritable, written):
             with refused_input(value=os.getpid()):
@@ -220,19 +226,19 @@ def test_a_folder_that_another_run_writes_is_refused_with_its_process(tmp_path, 
         monkeypatch.chdir(tmp_path)
     assert tree(out.parent) == {f"o/{name}": text for name, text in (OLD | NEW).items()}
     monkeypatch.chdir(out)
-    with whole_folder(Path()), monkeypatch.context() as elsewhere:
+    with whole_folder(Path(), "test"), monkeypatch.context() as elsewhere:
         elsewhere.chdir(tmp_path)
         with refused_input(value=os.getpid()):
             written(out)
 
 
 def test_a_claim_covers_several_results_each_whole(out):
-    with claimed_folder(out) as scratch_folder:
-        with scratch_folder() as scratch:
+    with claimed_folder(out, "test") as claimed:
+        with claimed.scratch() as scratch:
             put(scratch, {"one.json": "1"})
         with pytest.raises(KeyboardInterrupt):
-            stopped(scratch_folder())
-        with scratch_folder() as scratch:
+            stopped(claimed.scratch())
+        with claimed.scratch() as scratch:
             put(scratch, {"three.json": "3", "three.png": "3"})
         (out / "mine.txt").unlink()
     expected = OLD | {"one.json": "1", "three.json": "3", "three.png": "3"}
@@ -250,6 +256,11 @@ SEEN = {"open", "os.link", "os.mkdir", "os.remove", "os.rename", "os.rmdir", "os
         "os.truncate", "os.utime", "os.chmod", "ctypes.dlsym", "shutil.rmtree"}
 left, armed = 0, False
 
+def put(folder, files):
+    for name, text in files.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text(text)
+
 def stop(event, _):
     global left
     if armed and event in SEEN:
@@ -261,18 +272,17 @@ sys.addaudithook(stop)
 number = 0
 while True:
     folder = Path(sys.argv[1]) / f"{number:03d}" / "out" / "o"
-    for name, text in OLD.items():
-        (folder / name).parent.mkdir(parents=True, exist_ok=True)
-        (folder / name).write_text(text)
+    with whole_folder(folder, "test") as scratch:
+        put(scratch, OWN)
+    put(folder, OLD)
     folder.parent.parent.mkdir(parents=True, exist_ok=True)
     (folder.parent.parent / "notes.txt").write_text("notes")
     child = os.fork()
     if child == 0:
         left, armed = number, True
         try:
-            with whole_folder(folder) as scratch:
-                for name, text in NEW.items():
-                    (scratch / name).write_text(text)
+            with whole_folder(folder, "test") as scratch:
+                put(scratch, NEW)
         finally:
             armed = False
             os._exit(0 if left >= 0 else 1)
@@ -289,7 +299,8 @@ print(number)
 def test_a_stop_at_any_operation_leaves_old_or_new_files_and_no_summary_of_half_of_them(
     tmp_path, old, end
 ):
-    script = f"OLD = {old!r}\nNEW = {NEW!r}\n{STOPPED.replace('END', end)}"
+    own = {name: text for name, text in old.items() if name in REPLACED}
+    script = f"OLD = {old!r}\nOWN = {own!r}\nNEW = {NEW!r}\n{STOPPED.replace('END', end)}"
     done = subprocess.run(
         [sys.executable, "-c", script, tmp_path],
         env={**os.environ, "PYTHONPATH": str(Path(chromanoise.__file__).parents[1])},
@@ -316,5 +327,5 @@ def test_a_stop_at_any_operation_leaves_old_or_new_files_and_no_summary_of_half_
 
 @pytest.mark.skipif(not Path("/proc/self").exists(), reason="needs /proc")
 def test_a_file_system_without_new_files_is_refused_at_once():
-    with pytest.raises((InputError, OSError)), whole_folder(Path("/proc/no-such-folder")):
+    with pytest.raises((InputError, OSError)), whole_folder(Path("/proc/no-such-folder"), "test"):
         raise AssertionError("a folder was made")

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from pydantic import BaseModel
 
 import chromanoise
+from chromanoise._files import OWN_FILES
 from chromanoise.catalog import sensor_with_pixel
 from chromanoise.errors import InputError, errors_in
 from chromanoise.study import (
@@ -71,7 +72,7 @@ def small(changes=()):
 
 
 def files_of(folder):
-    return {p.name: p.read_bytes() for p in sorted(folder.iterdir())}
+    return {p.name: p.read_bytes() for p in sorted(folder.iterdir()) if p.name != OWN_FILES}
 
 
 # ---- texts ----

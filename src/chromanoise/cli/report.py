@@ -49,7 +49,7 @@ def report(study: Path, out: Path, changes: tuple[str, ...], figures: Path | Non
         from chromanoise.figures import study_figures, write_figures
 
         drawn = study_figures(charted)
-        with whole_folder(figures) as folder:
+        with whole_folder(figures, "report") as folder:
             written = write_figures(drawn, folder, endings=("svg", "pdf"))
         for file in written:
             click.echo(figures / file.name)

@@ -58,7 +58,7 @@ def reproduce(
 
         first, second = (p.srgb for p in paper_pictures(result.study, seed=seed))
         planes = paper_planes(result.study, seed=seed)
-        with whole_folder(out) as folder:
+        with whole_folder(out, "reproduce") as folder:
             write_json(reproduction_as_json(result), str(folder / "tables.json"))
             write_figures(paper_figures(result.study, planes, (first, second)), folder)
         click.echo(f"figures 1-10 and tables.json are in {out}", err=json_target == "-")

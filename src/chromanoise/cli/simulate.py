@@ -161,7 +161,7 @@ def _taken(
     summaries: list[dict[str, Any]] = []
     lines: list[tuple[str, list[str]]] = []
     with ExitStack() as stack:
-        folder = stack.enter_context(whole_folder(out))
+        folder = stack.enter_context(whole_folder(out, "simulate"))
         if scheduler:
             executor = stack.enter_context(cluster(scheduler, workers=work.threads))
             work = replace(work, executor=executor, same_machine=scheduler == "local")

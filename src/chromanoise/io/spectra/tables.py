@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from chromanoise._check import Array
+from chromanoise._csv_cells import text_of_cell
 from chromanoise.errors import InputError
 from chromanoise.io.spectra.declared import (
     declared_keys,
@@ -91,7 +92,8 @@ def table_of(
             value=len(body),
             found=f"has {len(body)} in {len(rows)} {where}s",
         )
-    heads = _with_row_of_units([_bare(row.cells) for row in rows[:first]])
+    above = [tuple(map(text_of_cell, _bare(row.cells))) for row in rows[:first]]
+    heads = _with_row_of_units(above)
     width = _width(body, rows[:first], head)
     names = _head(heads, head, width)
     _refuse_wavelengths_elsewhere(names, source)
