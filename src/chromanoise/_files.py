@@ -26,7 +26,7 @@ import shutil
 import stat
 import sys
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from fnmatch import fnmatch
@@ -40,6 +40,8 @@ if sys.platform != "win32":
 
 _SUMMARIES = (".json", ".html")  # files that describe the other files
 _LOCK_ATTEMPTS, _LOCK_PAUSE_S = 5, 0.02
+_EMPTY = hashlib.sha256().hexdigest()
+_ELSEWHERE = ("choose another folder", "move it away")
 _LOCK_START = b'{"process": '
 _OPEN_ATTEMPTS = 100
 _AT_FDCWD, _RENAME_EXCHANGE = -100, 2  # of linux/fcntl.h and linux/fs.h
@@ -186,13 +188,15 @@ class ClaimedFolder:
         with _write_errors(self.folder):
             _list_own(self._goal, own)
 
-    def refuse_taken(self, names: Iterable[str]) -> None:
+    def refuse_taken(self, names: Iterable[str], *, remedy: Sequence[str] = _ELSEWHERE) -> None:
         """Raise an error before a long computation if its results would replace another's file.
 
         Parameters
         ----------
         names
             Of files that may be written, relative to the folder.
+        remedy
+            What to do.
 
         Raises
         ------
@@ -210,12 +214,10 @@ class ClaimedFolder:
                         str(self.folder / parent),
                         "must be a folder",
                         found="is a file",
-                        remedy=("choose another folder", "move it away"),
+                        remedy=remedy,
                     )
             if path.is_dir() and not path.is_symlink():
-                raise InputError(
-                    shown, "must be a file", found="is a folder", remedy="move it away"
-                )
+                raise InputError(shown, "must be a file", found="is a folder", remedy=remedy)
             if os.path.lexists(path) and not self._is_own(name, own):
                 entry = own.get(name)
                 ours = entry is not None and entry.command == self.command
@@ -223,62 +225,55 @@ class ClaimedFolder:
                     shown,
                     "must not be replaced",
                     found="was changed after it was written" if ours else "is not of this command",
-                    remedy=("choose another folder", "move it away"),
+                    remedy=remedy,
                 )
 
     def _is_own(self, name: str, own: Mapping[str, _Own]) -> bool:
         """Whether this command wrote the file, and nobody changed it since."""
         entry = own.get(name)
-        return (
-            entry is not None
-            and entry.command == self.command
-            and _sha256(self._goal / name) in entry.sha256
-        )
+        if entry is None or entry.command != self.command:
+            return False
+        return _sha256(self._goal / name) in (*entry.sha256, _EMPTY)  # empty after a power failure
 
     def _appear(self, outdated: str) -> None:
         """Move the files of the scratch folder to the goal."""
         scratch, goal = self._scratch, self._goal
         made = [path.relative_to(scratch) for path in scratch.rglob("*") if not path.is_dir()]
-        files = sorted(made, key=lambda name: (name.suffix in _SUMMARIES, name))
-        names = [name.as_posix() for name in files]
-        self.refuse_taken(names)
-        own = {
-            name: one for name, one in _own_files(goal, self.folder).items() if name not in names
+        files = sorted(made, key=lambda file: (file.suffix in _SUMMARIES, file))
+        new = {
+            file.as_posix(): _Own(self.command, (str(_sha256(scratch / file)),)) for file in files
         }
-        old = [
-            name
-            for name in own
-            if fnmatch(name, outdated) and self._is_own(name, own) and name not in names
-        ]
-        rest = {name: one for name, one in own.items() if not fnmatch(name, outdated)}
-        new = {name: _Own(self.command, (str(_sha256(scratch / name)),)) for name in names}
-        self._added.update(name for name in names if not os.path.lexists(goal / name))
-        parents = {goal / parent for name in files for parent in name.parents}
+        self.refuse_taken(new)
+        own = _own_files(goal, self.folder)
+        left = [name for name in own if fnmatch(name, outdated) and name not in new]
+        old = [name for name in left if self._is_own(name, own)]
+        then = {name: one for name, one in own.items() if name not in left} | new
+        self._added.update(name for name in new if not os.path.lexists(goal / name))
+        parents = {goal / parent for file in files for parent in file.parents}
         self._folders.update(parent for parent in parents if not parent.exists())
-        for name in names:
+        for name in new:
             _keep_mode(goal / name, scratch / name)
         if scratch.parent != goal and not (goal.exists() and len(files) == 1) and not old:
-            _list_own(scratch, rest | new, like=goal)
+            _list_own(scratch, then, like=goal)
             if _swapped_in(scratch, goal, self._journal):
                 return
-        for name in files:
-            (goal / name).parent.mkdir(parents=True, exist_ok=True)
-        before = _own_files(goal, self.folder)
+        for file in files:
+            (goal / file).parent.mkdir(parents=True, exist_ok=True)
         either = {
-            name: replace(one, sha256=(*one.sha256, *before[name].sha256))
-            for name, one in new.items()
-            if name in before
+            name: replace(new[name], sha256=(*new[name].sha256, *own[name].sha256))
+            for name in new
+            if name in own
         }
         _list_own(scratch, own | new | either, like=goal)
         (scratch / OWN_FILES).replace(goal / OWN_FILES)
-        for name in files if len(files) > 1 else ():
-            if name.suffix in _SUMMARIES:
-                (goal / name).unlink(missing_ok=True)
-        for name in files:
-            (scratch / name).replace(goal / name)
-        for other in old:
-            (goal / other).unlink(missing_ok=True)
-        _list_own(scratch, rest | new, like=goal)
+        for file in files if len(files) > 1 else ():
+            if file.suffix in _SUMMARIES:
+                (goal / file).unlink(missing_ok=True)
+        for file in files:
+            (scratch / file).replace(goal / file)
+        for name in old:
+            (goal / name).unlink(missing_ok=True)
+        _list_own(scratch, then, like=goal)
         (scratch / OWN_FILES).replace(goal / OWN_FILES)
 
     def _take_back(self) -> None:
@@ -443,7 +438,7 @@ def _own_files(goal: Path, folder: Path) -> dict[str, _Own]:
             str(folder / OWN_FILES),
             "must be the list of files that a run wrote",
             found="is another file, or was changed",
-            remedy=("choose another folder", "move it away"),
+            remedy=_ELSEWHERE,
         ) from None
 
 
@@ -576,7 +571,7 @@ def _held_file(path: Path, folder: Path) -> IO[str] | None:
             str(path),
             "must be the lock file of a run",
             found="is another file",
-            remedy=("choose another folder", "move it away"),
+            remedy=_ELSEWHERE,
         )
     missed = 0
     while True:
