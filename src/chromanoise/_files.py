@@ -240,6 +240,8 @@ class ClaimedFolder:
         scratch, goal = self._scratch, self._goal
         made = [path.relative_to(scratch) for path in scratch.rglob("*") if not path.is_dir()]
         files = sorted(made, key=lambda file: (file.suffix in _SUMMARIES, file))
+        if not files:
+            return
         new = {
             file.as_posix(): _Own(self.command, (str(_sha256(scratch / file)),)) for file in files
         }

@@ -14,9 +14,11 @@ import click
 import numpy as np
 import pytest
 
+import chromanoise as cn
 from chromanoise._files import OWN_FILES
 from chromanoise.cli import entry
 from chromanoise.design import DESIGN_STARTER
+from outcomes import refused_input
 from processes import command, wait_for
 
 STUDY = """\
@@ -380,6 +382,21 @@ def test_a_search_without_a_result_leaves_its_checkpoint_and_a_corrected_design_
     code, _, err = run("optimize", "design.toml", "--budget", 32, "-o", "o")
     assert code == 0, err
     assert Path("o/notes.txt").read_text() == "mine"
+
+
+def test_a_picture_of_python_replaces_only_pictures_of_python():
+    Path("o").mkdir()
+    before = filled("o", ["notes.txt", "sub/picture-1-model-rgb-kernel.png"])
+    for _ in range(2):
+        cn.render("cube.npz", "model-rgb", time_ms=12, folder="o")
+    after = state("o")
+    assert {key: after[key] for key in before} == before
+    (picture,) = Path("o").glob("*.png")
+    picture.write_bytes(b"mine")
+    before = state("o")
+    with refused_input(subject=str(picture), found="was changed"):
+        cn.render("cube.npz", "model-rgb", time_ms=12, folder="o")
+    assert state("o") == before
 
 
 # ---- modes ----
