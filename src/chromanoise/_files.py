@@ -173,15 +173,23 @@ class ClaimedFolder:
         finally:
             _clear(self._goal, self._journal)
 
-    def keep(self, name: str) -> None:
+    def keep(self, name: str, *, adopted: bool = False) -> None:
         """Prepare for a file that `write_kept` writes, and that stays if the run fails.
+
+        Parameters
+        ----------
+        name
+            Of the file.
+        adopted
+            Whether the user asked to continue a file of this name, whoever put it there.
 
         Raises
         ------
         InputError
             As `refuse_taken`.
         """
-        self.refuse_taken([name])
+        if not adopted:
+            self.refuse_taken([name])
         now = _sha256(self._goal / name)
         own = _own_files(self._goal, self.folder)
         own[name] = _Own(self.command, () if now is None else (now,))
@@ -431,6 +439,8 @@ def _own_files(goal: Path, folder: Path) -> dict[str, _Own]:
         if not stat.S_ISREG(facts.st_mode) or facts.st_size > _MOST_BYTES:
             raise ValueError
         files = json.loads(path.read_bytes())["files"]
+        if any(Path(name).is_absolute() or ".." in Path(name).parts for name in files):
+            raise ValueError
         return {
             str(name): _Own(str(one["command"]), tuple(map(str, one["sha256"])))
             for name, one in files.items()

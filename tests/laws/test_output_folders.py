@@ -1,16 +1,25 @@
 """Outputs appear whole or not at all, whatever stops a run; other files are never changed."""
 
+import hashlib
+import json
 import os
 import shutil
 import subprocess
 import sys
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
 
 import chromanoise
 from chromanoise import _files
-from chromanoise._files import OWN_FILES, claimed_folder, refuse_unwritable, whole_folder
+from chromanoise._files import (
+    OWN_FILES,
+    claimed_folder,
+    refuse_unwritable,
+    whole_folder,
+    write_kept,
+)
 from chromanoise.errors import InputError
 from outcomes import refused_input
 
@@ -244,6 +253,100 @@ def test_a_claim_covers_several_results_each_whole(out):
     expected = OLD | {"one.json": "1", "three.json": "3", "three.png": "3"}
     del expected["mine.txt"]
     assert tree(out.parent) == {f"o/{name}": text for name, text in expected.items()}
+
+
+LIST = {"command": "test", "sha256": [hashlib.sha256(b"theirs").hexdigest()]}
+NO_LISTS = {
+    "no JSON": "theirs",
+    "other JSON": "[1]",
+    "deep": "[" * 100_000,
+    "no hashes": '{"files": {"a.png": {}}}',
+    "outside": json.dumps({"files": {"sensors/../../notes.json": LIST}}),
+    "absolute": json.dumps({"files": {"/notes.json": LIST}}),
+    "huge number": '{"files": {"a.png": {"command": "test", "sha256": 1e400}}}',
+}
+
+
+@pytest.mark.parametrize("text", NO_LISTS.values(), ids=NO_LISTS)
+def test_a_list_that_no_run_wrote_is_refused_and_nothing_changes(out, text):
+    (out.parent / "notes.json").write_text("theirs")
+    (out / "sensors").mkdir()
+    (out / OWN_FILES).write_text(text)
+    before = tree(out.parent)
+    with (
+        refused_input(subject=str(out / OWN_FILES)),
+        claimed_folder(out, "test") as claimed,
+        claimed.scratch(outdated="sensors/*.json") as scratch,
+    ):
+        put(scratch, NEW)
+    assert tree(out.parent) == before
+    assert (out / OWN_FILES).read_text() == text
+
+
+def test_an_error_takes_back_what_the_run_added_but_not_what_the_user_then_changed(out):
+    before = tree(out)
+    listed = (out / OWN_FILES).read_bytes()
+    with pytest.raises(ValueError, match="a bug"), claimed_folder(out, "test") as claimed:
+        with claimed.scratch() as scratch:
+            put(scratch, {"one.json": "1", "sub/two.json": "2", "sub/three.json": "3"})
+        (out / "sub/two.json").write_text("mine")
+        raise ValueError("a bug")
+    assert tree(out) == before | {"sub/two.json": "mine"}
+    (out / "sub/two.json").unlink()
+    (out / "sub").rmdir()
+    with pytest.raises(ValueError, match="a bug"), claimed_folder(out, "test") as claimed:
+        with claimed.scratch() as scratch:
+            put(scratch, {"one.json": "1", "sub/two.json": "2"})
+        raise ValueError("a bug")
+    assert tree(out) == before
+    assert not (out / "sub").exists()
+    assert json.loads((out / OWN_FILES).read_bytes()) == json.loads(listed)
+
+
+@pytest.mark.parametrize(
+    ("error", "stays"),
+    [(OSError(28, "full"), True), (MemoryError(), True), (KeyboardInterrupt(), True),
+     (InputError("x", "must be y"), False), (RuntimeError(), False)],
+)  # fmt: skip
+def test_complete_sets_stay_if_the_user_or_the_machine_ends_the_run(tmp_path, error, stays):
+    with pytest.raises(type(error)), claimed_folder(tmp_path / "a" / "o", "test") as claimed:
+        with claimed.scratch() as scratch:
+            put(scratch, {"one.json": "1"})
+        raise error
+    assert tree(tmp_path) == ({"a/o/one.json": "1"} if stays else {})
+    assert (tmp_path / "a").exists() == stays
+
+
+def test_a_kept_file_is_known_at_every_moment_of_its_replacement(tmp_path, monkeypatch):
+    folder = tmp_path / "o"
+    with claimed_folder(folder, "test") as claimed:
+        with claimed.scratch() as scratch:
+            put(scratch, {"a.json": "1"})
+        claimed.keep("kept")
+    replace = Path.replace
+    for stop_at in range(4):
+        done = 0
+
+        def stopped(path, target, stop_at=stop_at):
+            nonlocal done
+            done += 1
+            if done > stop_at:
+                raise KeyboardInterrupt
+            return replace(path, target)
+
+        with monkeypatch.context() as stopping:
+            stopping.setattr(Path, "replace", stopped)
+            with suppress(KeyboardInterrupt):
+                write_kept(folder / "kept", b"%d" % stop_at)
+        with claimed_folder(folder, "test") as claimed:
+            claimed.keep("kept")
+    (folder / "kept").write_text("theirs")
+    with (
+        refused_input(subject=str(folder / "kept"), found="was changed"),
+        claimed_folder(folder, "test") as claimed,
+    ):
+        claimed.keep("kept")
+    assert (folder / "kept").read_text() == "theirs"
 
 
 # every operation on files ends the run once: the n-th in the folder n

@@ -256,6 +256,35 @@ def test_a_member_of_an_earlier_front_goes_only_if_nobody_changed_it(ended):
     assert (Path("o") / "sensors/mine.json").read_bytes() == knee
 
 
+def test_a_search_of_which_only_record_and_checkpoint_were_copied_is_resumed(ended):
+    assert ended("optimize", "out", "o")[0] == 0
+    Path("copy").mkdir()
+    for name in ("design.json", "search.npz"):
+        (Path("copy") / name).write_bytes((Path("o") / name).read_bytes())
+    code, err = ended("optimize", "out", "copy")
+    assert (code, "search.npz" in err) == (2, True)
+    code, err = ended("optimize", "out", "copy", "--resume")
+    assert code == 0, err
+    assert (Path("copy") / "front.csv").read_bytes() == (Path("o") / "front.csv").read_bytes()
+
+
+@pytest.mark.evidence
+def test_the_default_report_replaces_no_file_that_the_user_did_not_name(run):
+    Path("report.html").write_text("of somebody else")
+    before = state(".")
+    assert run("report", "study.toml")[0] == 2
+    assert state(".") == before
+    Path("report.html").rename("mine.html")
+    for _ in range(2):
+        assert run("report", "study.toml")[0] == 0
+    page = Path("report.html").read_bytes()
+    Path("report.html").write_bytes(page + b"mine")
+    assert run("report", "study.toml")[0] == 2
+    assert Path("report.html").read_bytes() == page + b"mine"
+    assert run("report", "study.toml", "-o", "report.html")[0] == 0
+    assert Path("report.html").read_bytes() == page
+
+
 def test_a_command_leaves_the_outputs_of_another_one(ended):
     assert ended("characterize", "out", "o")[0] == 0
     before = state("o")

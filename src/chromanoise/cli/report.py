@@ -22,7 +22,7 @@ from chromanoise.study import Study, file_digests, read_study
     type=click.Path(path_type=Path),
     default=Path("report.html"),
     show_default=True,
-    help="Output file; without this option no file of anybody else is replaced.",
+    help="Output file. A report.html of somebody else is replaced only if it is named.",
 )
 @click.option(
     "--set",

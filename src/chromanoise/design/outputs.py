@@ -76,7 +76,7 @@ def optimized(
             with claimed.scratch() as scratch:
                 text = f"{json.dumps(record, indent=1)}\n"
                 (scratch / RECORD).write_text(text, encoding="utf-8")
-        claimed.keep(CHECKPOINT)
+        claimed.keep(CHECKPOINT, adopted=resume)
         found = searched(
             task,
             checkpoint=folder / CHECKPOINT,
