@@ -484,7 +484,7 @@ def test_a_picture_that_somebody_changed_is_refused_and_stays(whole, tmp_path):
     picture = next((tmp_path / "o").glob("picture-1-*.png"))
     picture.write_bytes(picture.read_bytes() + b"changed")
     before = files_of(tmp_path / "o")
-    with refused_input(subject=str(picture), found="was changed"):
+    with refused_input(subject=str(picture), found="was changed after it was written"):
         run_study(small(), tmp_path / "o")
     assert files_of(tmp_path / "o") == before
 
@@ -499,7 +499,7 @@ def test_a_step_without_a_result_stays_and_is_done_again_once_it_is_moved(result
     else:
         data["result"] = result
     step.write_text(json.dumps(data))
-    with refused_input(subject=str(step), found="was changed"):
+    with refused_input(subject=str(step), found="was changed after it was written"):
         run_study(small(), tmp_path / "o")
     assert json.loads(step.read_bytes()) == data
     step.rename(tmp_path / "mine.json")
