@@ -659,7 +659,7 @@ def _clear_elsewhere(place: Path, goal: Path, folder: Path) -> None:
     """Clean up after a run whose lock and scratch folder are in the other possible place."""
     path = _lock_file(goal if place != goal else goal.parent, goal)
     with suppress(OSError):
-        journal = _held_file(path, folder) if path.exists() else None
+        journal = _held_file(path, folder) if path.exists() and _is_lock(path) else None
         if journal is not None:
             with journal:
                 _clear(goal, journal)
@@ -667,8 +667,9 @@ def _clear_elsewhere(place: Path, goal: Path, folder: Path) -> None:
 
 
 def _refuse_held(path: Path, folder: Path) -> None:
-    with suppress(OSError), path.open() as journal:
-        _lock(journal, folder)
+    if _is_lock(path):  # opening a pipe may wait forever
+        with suppress(OSError), path.open() as journal:
+            _lock(journal, folder)
 
 
 def _note(journal: IO[str], entry: dict[str, Any]) -> None:

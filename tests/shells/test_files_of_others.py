@@ -299,13 +299,20 @@ def test_a_command_leaves_the_outputs_of_another_one(ended):
 
 
 def test_a_lock_file_of_another_program_is_refused_and_stays(ended):
-    for kind in ("a file", "a link", "a folder"):
-        lock = Path(".o.chromanoise-lock")
-        taken(lock, kind)
+    lock = Path(".o.chromanoise-lock")
+    for number, kind in enumerate((*KINDS, "a pipe")):
+        taken(lock, kind) if kind in KINDS else os.mkfifo(lock)
         before = state(".")
         assert ended("demo-frames", "out", "o")[0] == 2, kind
         assert state(".") == before
-        lock.rename(f"lock-{KINDS.index(kind)}")
+        lock.rename(f"lock-{number}")
+    Path("o").mkdir()
+    taken(Path("o/.o.chromanoise-lock"), "a file")  # where a lock is if the folder cannot be moved
+    Path("o/notes.txt").write_text("mine")
+    before = state("o")
+    code, err = ended("simulate", "out", "o")
+    assert code == 0, err
+    assert {key: one for key, one in state("o").items() if key in before} == before
 
 
 @pytest.mark.parametrize(
