@@ -212,7 +212,11 @@ class ClaimedFolder:
             If a file exists that this command did not write or that was changed since, or if a
             folder is in the place of a file, or a file in that of a folder.
         """
-        own = _own_files(self._goal, self.folder)
+        self._refuse(names, self._before, remedy)
+
+    def _refuse(
+        self, names: Iterable[str], own: Mapping[str, _Own], remedy: Sequence[str] = _ELSEWHERE
+    ) -> None:
         for name in names:
             path, shown = self._goal / name, str(self.folder / name)
             for parent in path.relative_to(self._goal).parents:
@@ -253,8 +257,8 @@ class ClaimedFolder:
         new = {
             file.as_posix(): _Own(self.command, (str(_sha256(scratch / file)),)) for file in files
         }
-        self.refuse_taken(new)
         own = _own_files(goal, self.folder)
+        self._refuse(new, own)
         left = [name for name in own if fnmatch(name, outdated) and name not in new]
         old = [name for name in left if self._is_own(name, own)]
         then = {name: one for name, one in own.items() if name not in left} | new
