@@ -302,9 +302,9 @@ class ClaimedFolder:
                 for name, one in (dict(self._before) | now).items()
                 if name in self._before or os.path.lexists(self._goal / name)
             }
-            if rest:
+            if rest and rest != now:
                 _list_own(self._goal, rest)
-            else:
+            elif not rest:
                 (self._goal / OWN_FILES).unlink(missing_ok=True)
         for folder in sorted(self._folders, reverse=True):  # a folder comes before its parent
             with suppress(OSError):  # another program may have added files
