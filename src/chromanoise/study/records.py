@@ -67,6 +67,8 @@ def run_study(
 ) -> list[Path]:
     """Run all steps of a study; a stopped run continues with the missing results.
 
+    After an error the folder is as it was, as of `chromanoise._files.claimed_folder`.
+
     Parameters
     ----------
     study
@@ -91,8 +93,8 @@ def run_study(
     Raises
     ------
     InputError
-        If something cannot be computed, the folder cannot be written or holds another study, or a
-        file changes while it is read.
+        If something cannot be computed, the folder cannot be written or holds another study, a file
+        changes while it is read, or a result in the folder was changed.
     """
     refuse_unwritable(folder)
     results = folder.absolute()
