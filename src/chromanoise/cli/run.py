@@ -30,8 +30,8 @@ def run(study: Path, out: Path | None, changes: tuple[str, ...], threads: int | 
     """Run all of STUDY, a TOML file as `chromanoise init` writes it.
 
     A stopped run continues with the missing results; a run that is refused leaves the folder as it
-    was. Every result records version, study, seed and
-    hash; `chromanoise rerun` runs the study of a result again and compares the results.
+    was. Every result records version, study, seed and hash; `chromanoise rerun` runs the study of a
+    result again and compares the results.
     """
     print_run(
         read_study(study, changes, change_label="--set"), out or Path("out") / study.stem, threads
