@@ -44,6 +44,7 @@ _EMPTY = hashlib.sha256().hexdigest()
 _ELSEWHERE = ("choose another folder", "move it away")
 _LOCK_START = b'{"process": '
 _OPEN_ATTEMPTS = 100
+_NEW_FILE = os.O_CREAT | os.O_EXCL | os.O_WRONLY | getattr(os, "O_BINARY", 0)
 _AT_FDCWD, _RENAME_EXCHANGE = -100, 2  # of linux/fcntl.h and linux/fs.h
 OWN_FILES = ".chromanoise-files"
 """The list of the files that runs wrote into a folder."""
@@ -164,7 +165,8 @@ class ClaimedFolder:
             As `refuse_taken`, for the files that were written.
         """
         with _write_errors(self.folder):
-            self._scratch.mkdir()
+            mode = stat.S_IMODE(self._goal.stat().st_mode) | 0o700 if self._goal.exists() else 0o777
+            self._scratch.mkdir(mode)
         try:
             with _named_as(self.folder, self._scratch):
                 yield self._scratch
@@ -413,7 +415,8 @@ def _prepared(path: Path, content: bytes) -> Iterator[Callable[[], object]]:
             if goal.exists() and not os.access(goal, os.W_OK):
                 raise OSError(errno.EACCES, os.strerror(errno.EACCES))
             scratch = goal.with_name(f".{goal.name[:40]}-{secrets.token_hex(4)}")
-            with scratch.open("xb") as part:  # with the mode that the umask leaves
+            mode = stat.S_IMODE(goal.stat().st_mode) if goal.exists() else 0o666  # but the umask
+            with os.fdopen(os.open(scratch, _NEW_FILE, mode), "wb") as part:
                 part.write(content)
             _keep_mode(goal, scratch)
         yield lambda: scratch.replace(goal)

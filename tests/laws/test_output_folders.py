@@ -284,6 +284,23 @@ def test_a_list_that_no_run_wrote_is_refused_and_nothing_changes(out, text):
     assert (out / OWN_FILES).read_text() == text
 
 
+def test_what_replaces_a_private_file_is_private_while_it_is_written(tmp_path, monkeypatch):
+    (tmp_path / "o").mkdir(mode=0o700)
+    with whole_folder(tmp_path / "o", "test") as scratch:
+        assert scratch.stat().st_mode & 0o777 == 0o700
+    seen, keep = [], _files._keep_mode
+
+    def kept(old, new):
+        seen.append(new.stat().st_mode & 0o777)
+        keep(old, new)
+
+    monkeypatch.setattr(_files, "_keep_mode", kept)
+    (tmp_path / "a.json").touch(mode=0o600)
+    _files.write_whole(tmp_path / "a.json", b"new")
+    assert seen == [0o600]
+    assert (tmp_path / "a.json").read_bytes() == b"new"
+
+
 def ended_by(error, folder, files, *and_then):
     with claimed_folder(folder, "test") as claimed:
         with claimed.scratch() as scratch:
