@@ -38,7 +38,7 @@ import numpy as np
 from jaxtyping import Float
 
 from chromanoise._check import Array
-from chromanoise._files import whole_folder
+from chromanoise._files import write_all_whole
 from chromanoise.spectra import tables
 from onyx_reconstruction.curves import RGB, WAVELENGTH_NM, Curves, curves_of, ir_cut, rgbw_qe
 from onyx_reconstruction.fit import STARTS, Fit, fitted, misfits_db, polished, start
@@ -106,9 +106,8 @@ def _figures(prediction: Prediction) -> Iterator[tuple[str, float, float]]:
 def write_tables(curves: Curves, folder: Path) -> None:
     """``onyx_reconstruction.csv`` and ``onyx_ir_cut.csv``, both or none."""
     qe, cut = csv_text((*RGB, "W"), rgbw_qe(curves)), csv_text(("IR-cut",), ir_cut(curves)[:, None])
-    with whole_folder(folder) as scratch:
-        (scratch / "onyx_reconstruction.csv").write_text(qe, encoding="utf-8", newline="\n")
-        (scratch / "onyx_ir_cut.csv").write_text(cut, encoding="utf-8", newline="\n")
+    contents = {"onyx_reconstruction.csv": qe, "onyx_ir_cut.csv": cut}
+    write_all_whole({folder / name: text.encode() for name, text in contents.items()})
 
 
 def csv_text(names: tuple[str, ...], values: Float[Array, "n k"]) -> str:

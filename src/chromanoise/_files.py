@@ -1,4 +1,11 @@
-"""Atomic output: a file or folder appears complete or not at all.
+"""Atomic output: a file or folder appears complete or not at all, and nobody's file is lost.
+
+An output folder holds the list ``.chromanoise-files``: the name of each file that a run wrote, the
+command, and the SHA-256 of its content. A run replaces or removes a file only if the list shows
+that the same command wrote it and that nobody changed it since; it refuses the folder otherwise.
+The list is a file of its own, because some commands write no record that could hold it, and because
+equal runs shall have equal records. Its name has no suffix, so that no reader takes it for data.
+While files are moved in, the list holds the hashes of the old and of the new content.
 
 A run writes into a scratch folder ``.NAME-xxxxxxxx`` next to the output folder ``NAME`` and holds a
 lock on ``.NAME.chromanoise-lock``, which the system releases when the process ends. The first line
@@ -10,16 +17,19 @@ run was killed, by the next one.
 
 import ctypes
 import errno
+import hashlib
 import json
 import os
 import re
 import secrets
 import shutil
+import stat
 import sys
-import tempfile
 import time
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager, suppress
+from dataclasses import dataclass, field, replace
+from fnmatch import fnmatch
 from pathlib import Path
 from typing import IO, Any
 
@@ -30,33 +40,51 @@ if sys.platform != "win32":
 
 _SUMMARIES = (".json", ".html")  # files that describe the other files
 _LOCK_ATTEMPTS, _LOCK_PAUSE_S = 5, 0.02
+_EMPTY = hashlib.sha256().hexdigest()
+_ELSEWHERE = ("choose another folder", "move it away")
+_LOCK_START = b'{"process": '
 _OPEN_ATTEMPTS = 100
+_NEW_FILE = os.O_CREAT | os.O_EXCL | os.O_WRONLY | getattr(os, "O_BINARY", 0)
 _AT_FDCWD, _RENAME_EXCHANGE = -100, 2  # of linux/fcntl.h and linux/fs.h
+OWN_FILES = ".chromanoise-files"
+"""The list of the files that runs wrote into a folder."""
+_MOST_BYTES = 64 << 20  # of that list
 
 
 @contextmanager
-def whole_folder(folder: Path) -> Iterator[Path]:
+def whole_folder(folder: Path, command: str) -> Iterator[Path]:
     """A scratch folder whose files move to ``folder`` once all are written; on failure none does.
 
-    Files of the same name are replaced; other files in ``folder`` stay.
+    Parameters
+    ----------
+    folder
+        Its files that the same command wrote are replaced; other files stay.
+    command
+        That which writes.
 
     Raises
     ------
     InputError
-        As `claimed_folder`, or if ``folder`` contains a folder with the name of an output file.
+        As `claimed_folder`, or as `ClaimedFolder.scratch`.
     """
-    with claimed_folder(folder) as scratch_folder, scratch_folder() as scratch:
+    with claimed_folder(folder, command) as claimed, claimed.scratch() as scratch:
         yield scratch
 
 
 @contextmanager
-def claimed_folder(folder: Path) -> Iterator[Callable[[], AbstractContextManager[Path]]]:
-    """Keep other runs out of ``folder``, and yield a function that makes a `whole_folder` of it.
+def claimed_folder(folder: Path, command: str) -> Iterator["ClaimedFolder"]:
+    """Keep other runs out of a folder while one or more sets of files are written into it.
 
-    If ``folder`` is missing or empty, one rename makes it appear. If the run replaces all files in
-    it and owner and group stay the same, it is exchanged in one step, where the system supports it.
-    Otherwise the files are moved in one by one: old JSON and HTML files of the same names are
-    removed first and the new ones moved last, so that no summary describes an incomplete set.
+    After an error the folder is as it was before, but for the files of `ClaimedFolder.keep`. Sets
+    that are complete stay if the user stopped the run, or if the error is of the machine: a full
+    disk, too little memory.
+
+    Parameters
+    ----------
+    folder
+        Made if it does not exist.
+    command
+        That which writes.
 
     Raises
     ------
@@ -66,28 +94,223 @@ def claimed_folder(folder: Path) -> Iterator[Callable[[], AbstractContextManager
     refuse_unwritable(folder)
     goal = Path(os.path.realpath(folder))
     place = _place(goal)
-    missing = [parent for parent in (place, *place.parents) if not parent.exists()]
+    missing = [parent for parent in (goal, *goal.parents) if not parent.exists()]
     scratch = place / f".{goal.name}-{secrets.token_hex(4)}"
-
-    @contextmanager
-    def scratch_folder() -> Iterator[Path]:
-        with _write_errors(folder):
-            scratch.mkdir()
-        try:
-            with _named_as(folder, scratch):
-                yield scratch
-            with _write_errors(folder):
-                _appear(scratch, goal, journal)
-        finally:
-            _clear(goal, journal)
-
     try:
         with _locked(place, goal, folder, scratch) as journal:
-            yield scratch_folder
+            own = _own_files(goal, folder)
+            claimed = ClaimedFolder(folder, command, goal, scratch, journal, own)
+            try:
+                yield claimed
+            except Exception as error:
+                machine = OSError | MemoryError
+                if not isinstance(error, machine) and not isinstance(error.__cause__, machine):
+                    claimed._take_back()
+                raise
     finally:
         with suppress(OSError):  # not empty: another program may have added files
             for parent in missing:
-                parent.rmdir()
+                if parent.exists():
+                    parent.rmdir()
+
+
+@dataclass(frozen=True, slots=True)
+class _Own:
+    """A file that a run wrote: the command, and the SHA-256 of each content that it may have."""
+
+    command: str
+    sha256: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ClaimedFolder:
+    """A folder into which only this run writes, of `claimed_folder`.
+
+    Attributes
+    ----------
+    folder
+        As it was given.
+    command
+        That which writes.
+    """
+
+    folder: Path
+    command: str
+    _goal: Path
+    _scratch: Path
+    _journal: IO[str]
+    _before: Mapping[str, _Own]
+    _added: set[str] = field(default_factory=set)
+    _folders: set[Path] = field(default_factory=set)
+
+    @contextmanager
+    def scratch(self, *, outdated: str = "") -> Iterator[Path]:
+        """A scratch folder whose files move to the folder once all are written.
+
+        If the folder is missing or empty, one rename makes it appear. If the run replaces all files
+        in it and owner and group stay the same, it is exchanged in one step, where the system
+        supports it. Otherwise the files are moved in one by one: old JSON and HTML files of the
+        same names are removed first and the new ones moved last, so that no summary describes an
+        incomplete set.
+
+        Parameters
+        ----------
+        outdated
+            Files of this pattern that an earlier run of the command wrote and that are not written
+            again are removed, but for those that somebody changed.
+
+        Raises
+        ------
+        InputError
+            As `refuse_taken`, for the files that were written.
+        """
+        with _write_errors(self.folder):
+            mode = stat.S_IMODE(self._goal.stat().st_mode) | 0o700 if self._goal.exists() else 0o777
+            self._scratch.mkdir(mode)
+        try:
+            with _named_as(self.folder, self._scratch):
+                yield self._scratch
+            with _write_errors(self.folder):
+                self._appear(outdated)
+        finally:
+            _clear(self._goal, self._journal)
+
+    def keep(self, name: str, *, adopted: bool = False) -> None:
+        """Prepare for a file that `write_kept` writes, and that stays if the run fails.
+
+        Parameters
+        ----------
+        name
+            Of the file.
+        adopted
+            Whether the user asked to continue a file of this name, whoever put it there.
+
+        Raises
+        ------
+        InputError
+            As `refuse_taken`.
+        """
+        if not adopted:
+            self.refuse_taken([name])
+        now = _sha256(self._goal / name)
+        own = _own_files(self._goal, self.folder)
+        own[name] = _Own(self.command, () if now is None else (now,))
+        with _write_errors(self.folder):
+            _list_own(self._goal, own)
+
+    def refuse_taken(self, names: Iterable[str], *, remedy: Sequence[str] = _ELSEWHERE) -> None:
+        """Raise an error before a long computation if its results would replace another's file.
+
+        Parameters
+        ----------
+        names
+            Of files that may be written, relative to the folder.
+        remedy
+            What to do.
+
+        Raises
+        ------
+        InputError
+            If a file exists that this command did not write or that was changed since, or if a
+            folder is in the place of a file, or a file in that of a folder.
+        """
+        self._refuse(names, self._before, remedy)
+
+    def _refuse(
+        self, names: Iterable[str], own: Mapping[str, _Own], remedy: Sequence[str] = _ELSEWHERE
+    ) -> None:
+        for name in names:
+            path, shown = self._goal / name, str(self.folder / name)
+            for parent in path.relative_to(self._goal).parents:
+                there = self._goal / parent
+                if os.path.lexists(there) and not there.is_dir():
+                    raise InputError(
+                        str(self.folder / parent),
+                        "must be a folder",
+                        found="is a file",
+                        remedy=remedy,
+                    )
+            if path.is_dir() and not path.is_symlink():
+                raise InputError(shown, "must be a file", found="is a folder", remedy=remedy)
+            if os.path.lexists(path) and not self._is_own(name, own):
+                entry = own.get(name)
+                ours = entry is not None and entry.command == self.command
+                raise InputError(
+                    shown,
+                    "must not be replaced",
+                    found="was changed after it was written" if ours else "is not of this command",
+                    remedy=remedy,
+                )
+
+    def _is_own(self, name: str, own: Mapping[str, _Own]) -> bool:
+        """Whether this command wrote the file, and nobody changed it since."""
+        entry = own.get(name)
+        if entry is None or entry.command != self.command:
+            return False
+        return _sha256(self._goal / name) in (*entry.sha256, _EMPTY)  # empty after a power failure
+
+    def _appear(self, outdated: str) -> None:
+        """Move the files of the scratch folder to the goal."""
+        scratch, goal = self._scratch, self._goal
+        made = [path.relative_to(scratch) for path in scratch.rglob("*") if not path.is_dir()]
+        files = sorted(made, key=lambda file: (file.suffix in _SUMMARIES, file))
+        if not files:
+            return
+        new = {
+            file.as_posix(): _Own(self.command, (str(_sha256(scratch / file)),)) for file in files
+        }
+        own = _own_files(goal, self.folder)
+        self._refuse(new, own)
+        left = [name for name in own if fnmatch(name, outdated) and name not in new]
+        old = [name for name in left if self._is_own(name, own)]
+        then = {name: one for name, one in own.items() if name not in left} | new
+        self._added.update(name for name in new if not os.path.lexists(goal / name))
+        parents = {goal / parent for file in files for parent in file.parents}
+        self._folders.update(parent for parent in parents if not parent.exists())
+        for name in new:
+            _keep_mode(goal / name, scratch / name)
+        if scratch.parent != goal and not (goal.exists() and len(files) == 1) and not old:
+            _list_own(scratch, then, like=goal)
+            if _swapped_in(scratch, goal, self._journal):
+                return
+        for file in files:
+            (goal / file).parent.mkdir(parents=True, exist_ok=True)
+        either = {
+            name: replace(new[name], sha256=(*new[name].sha256, *own[name].sha256))
+            for name in new
+            if name in own
+        }
+        _list_own(scratch, own | new | either, like=goal)
+        (scratch / OWN_FILES).replace(goal / OWN_FILES)
+        for file in files if len(files) > 1 else ():
+            if file.suffix in _SUMMARIES:
+                (goal / file).unlink(missing_ok=True)
+        for file in files:
+            (scratch / file).replace(goal / file)
+        for name in old:
+            (goal / name).unlink(missing_ok=True)
+        _list_own(scratch, then, like=goal)
+        (scratch / OWN_FILES).replace(goal / OWN_FILES)
+
+    def _take_back(self) -> None:
+        """Remove the files that this run added; those of `keep` stay."""
+        with suppress(OSError, InputError):
+            now = _own_files(self._goal, self.folder)
+            for name in self._added:
+                if self._is_own(name, now):
+                    (self._goal / name).unlink()
+            rest = {
+                name: one
+                for name, one in (dict(self._before) | now).items()
+                if name in self._before or os.path.lexists(self._goal / name)
+            }
+            if rest and rest != now:
+                _list_own(self._goal, rest)
+            elif not rest:
+                (self._goal / OWN_FILES).unlink(missing_ok=True)
+        for folder in sorted(self._folders, reverse=True):  # a folder comes before its parent
+            with suppress(OSError):  # another program may have added files
+                folder.rmdir()
 
 
 def refuse_unwritable(folder: Path) -> None:
@@ -139,6 +362,26 @@ def write_whole(path: Path, content: bytes) -> None:
     write_all_whole({path: content})
 
 
+def write_kept(path: Path, content: bytes) -> None:
+    """As `write_whole`, for a file of `ClaimedFolder.keep`: the list of files learns its content.
+
+    Raises
+    ------
+    InputError
+        As `write_whole`.
+    """
+    goal = Path(os.path.realpath(path.parent))
+    own, new = _own_files(goal, path.parent), hashlib.sha256(content).hexdigest()
+    entry = own.get(path.name)
+    if entry is None:
+        write_whole(path, content)
+        return
+    with _write_errors(path):
+        _list_own(goal, own | {path.name: replace(entry, sha256=(*entry.sha256, new))})
+        write_whole(path, content)
+        _list_own(goal, own | {path.name: replace(entry, sha256=(new,))})
+
+
 def write_all_whole(contents: Mapping[Path, bytes]) -> None:
     """Write several files as `write_whole`; none is replaced before all temporary files are made.
 
@@ -169,15 +412,71 @@ def _prepared(path: Path, content: bytes) -> Iterator[Callable[[], object]]:
             if goal.is_symlink():  # links in a loop have no target
                 raise OSError(errno.ELOOP, os.strerror(errno.ELOOP))
             goal.parent.mkdir(parents=True, exist_ok=True)
-            handle, name = tempfile.mkstemp(prefix=f".{goal.name}-", dir=goal.parent)
-            scratch = Path(name)
-            with os.fdopen(handle, "wb") as part:
+            if goal.exists() and not os.access(goal, os.W_OK):
+                raise OSError(errno.EACCES, os.strerror(errno.EACCES))
+            scratch = goal.with_name(f".{goal.name[:40]}-{secrets.token_hex(4)}")
+            mode = stat.S_IMODE(goal.stat().st_mode) if goal.exists() else 0o666  # but the umask
+            with os.fdopen(os.open(scratch, _NEW_FILE, mode), "wb") as part:
                 part.write(content)
-            scratch.chmod(0o644)  # temporary files are readable by their owner only
+            _keep_mode(goal, scratch)
         yield lambda: scratch.replace(goal)
     finally:
         if scratch is not None:
             scratch.unlink(missing_ok=True)
+
+
+def _keep_mode(old: Path, new: Path) -> None:
+    """Give a file mode, owner and group of the one that it replaces, if there is one."""
+    if old.is_symlink() or not old.exists():
+        return
+    facts, made = old.stat(), new.stat()
+    if hasattr(os, "chown") and (facts.st_uid, facts.st_gid) != (made.st_uid, made.st_gid):
+        with suppress(OSError):  # only the superuser may give files away
+            os.chown(new, facts.st_uid, facts.st_gid)
+    new.chmod(stat.S_IMODE(facts.st_mode))
+
+
+def _own_files(goal: Path, folder: Path) -> dict[str, _Own]:
+    """The list of a folder: by name, what runs wrote; empty if it has none."""
+    path = goal / OWN_FILES
+    if not os.path.lexists(path):
+        return {}
+    try:
+        facts = path.lstat()
+        if not stat.S_ISREG(facts.st_mode) or facts.st_size > _MOST_BYTES:
+            raise ValueError
+        files = json.loads(path.read_bytes())["files"]
+        if any(Path(name).is_absolute() or ".." in Path(name).parts for name in files):
+            raise ValueError
+        return {
+            str(name): _Own(str(one["command"]), tuple(map(str, one["sha256"])))
+            for name, one in files.items()
+        }
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError, OSError):
+        raise InputError(
+            str(folder / OWN_FILES),
+            "must be the list of files that a run wrote",
+            found="is another file, or was changed",
+            remedy=_ELSEWHERE,
+        ) from None
+
+
+def _list_own(folder: Path, own: Mapping[str, _Own], *, like: Path | None = None) -> None:
+    """Write a list into a folder, with the mode of the list that it will replace."""
+    files = {name: {"command": one.command, "sha256": one.sha256} for name, one in own.items()}
+    text = json.dumps({"files": files}, indent=1, sort_keys=True)
+    write_whole(folder / OWN_FILES, f"{text}\n".encode())
+    if like is not None:
+        _keep_mode(like / OWN_FILES, folder / OWN_FILES)
+
+
+def _sha256(file: Path) -> str | None:
+    """Of a regular file; ``None`` of anything else, and of what cannot be read."""
+    with suppress(OSError, ValueError):
+        if stat.S_ISREG(file.lstat().st_mode):
+            with file.open("rb") as opened:
+                return hashlib.file_digest(opened, "sha256").hexdigest()
+    return None
 
 
 def renamed(error: InputError, old: str, new: str) -> InputError:
@@ -224,7 +523,7 @@ def _named_as(folder: Path, scratch: Path) -> Iterator[None]:
         if error.filename is not None and not name.startswith(str(scratch)):
             raise
         name = name.replace(str(scratch), str(folder))
-        raise InputError(name, f"cannot be written ({error.strerror or error})") from None
+        raise InputError(name, f"cannot be written ({error.strerror or error})") from error
 
 
 @contextmanager
@@ -232,7 +531,7 @@ def _write_errors(path: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        raise InputError(str(path), f"cannot be written ({error.strerror})") from None
+        raise InputError(str(path), f"cannot be written ({error.strerror})") from error
 
 
 def _place(goal: Path) -> Path:
@@ -286,6 +585,13 @@ def _locked(place: Path, goal: Path, folder: Path, scratch: Path) -> Iterator[IO
 
 def _held_file(path: Path, folder: Path) -> IO[str] | None:
     """The lock file, locked for this process; ``None`` where the file system has no locks."""
+    if os.path.lexists(path) and not _is_lock(path):
+        raise InputError(
+            str(path),
+            "must be the lock file of a run",
+            found="is another file",
+            remedy=_ELSEWHERE,
+        )
     missed = 0
     while True:
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -307,6 +613,15 @@ def _held_file(path: Path, folder: Path) -> IO[str] | None:
         if not locked:
             path.unlink(missing_ok=True)
             return None
+
+
+def _is_lock(path: Path) -> bool:
+    """Whether a file is empty, or begins as lock files do."""
+    with suppress(OSError, ValueError):
+        if stat.S_ISREG(path.lstat().st_mode):
+            with path.open("rb") as file:
+                return file.read(len(_LOCK_START)) in (b"", _LOCK_START)
+    return not os.path.lexists(path)  # a run that ended has removed it
 
 
 def _is_at(path: Path, opened: IO[str]) -> bool:
@@ -351,7 +666,7 @@ def _clear_elsewhere(place: Path, goal: Path, folder: Path) -> None:
     """Clean up after a run whose lock and scratch folder are in the other possible place."""
     path = _lock_file(goal if place != goal else goal.parent, goal)
     with suppress(OSError):
-        journal = _held_file(path, folder) if path.exists() else None
+        journal = _held_file(path, folder) if path.exists() and _is_lock(path) else None
         if journal is not None:
             with journal:
                 _clear(goal, journal)
@@ -359,8 +674,9 @@ def _clear_elsewhere(place: Path, goal: Path, folder: Path) -> None:
 
 
 def _refuse_held(path: Path, folder: Path) -> None:
-    with suppress(OSError), path.open() as journal:
-        _lock(journal, folder)
+    if _is_lock(path):  # opening a pipe may wait forever
+        with suppress(OSError), path.open() as journal:
+            _lock(journal, folder)
 
 
 def _note(journal: IO[str], entry: dict[str, Any]) -> None:
@@ -376,27 +692,6 @@ def _notes(journal: IO[str]) -> list[dict[str, Any]]:
     except ValueError:
         return []
     return lines if all(isinstance(line, dict) for line in lines) else []
-
-
-def _appear(scratch: Path, goal: Path, journal: IO[str]) -> None:
-    """Move the files of the scratch folder to the goal."""
-    made = [path.relative_to(scratch) for path in scratch.rglob("*") if not path.is_dir()]
-    files = sorted(made, key=lambda name: (name.suffix in _SUMMARIES, name))
-    for name in files:
-        if (goal / name).is_dir():
-            raise InputError(
-                str(goal / name), "must be a file", found="is a folder", remedy="move it away"
-            )
-    one_step = scratch.parent != goal and not (goal.exists() and len(files) == 1)
-    if one_step and _swapped_in(scratch, goal, journal):
-        return
-    for name in files:
-        (goal / name).parent.mkdir(parents=True, exist_ok=True)
-    for name in files if len(files) > 1 else ():
-        if name.suffix in _SUMMARIES:
-            (goal / name).unlink(missing_ok=True)
-    for name in files:
-        (scratch / name).replace(goal / name)
 
 
 def _swapped_in(scratch: Path, goal: Path, journal: IO[str]) -> bool:

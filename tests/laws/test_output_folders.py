@@ -1,16 +1,26 @@
 """Outputs appear whole or not at all, whatever stops a run; other files are never changed."""
 
+import hashlib
+import json
 import os
 import shutil
 import subprocess
 import sys
+from contextlib import suppress
+from functools import partial
 from pathlib import Path
 
 import pytest
 
 import chromanoise
 from chromanoise import _files
-from chromanoise._files import claimed_folder, refuse_unwritable, whole_folder
+from chromanoise._files import (
+    OWN_FILES,
+    claimed_folder,
+    refuse_unwritable,
+    whole_folder,
+    write_kept,
+)
 from chromanoise.errors import InputError
 from outcomes import refused_input
 
@@ -29,12 +39,18 @@ def tree(folder):
     return {
         str(path.relative_to(folder)): path.read_text()
         for path in folder.rglob("*")
-        if path.is_file()
+        if path.is_file() and path.name != OWN_FILES
     }
 
 
+def earlier(folder, files=OLD):
+    """A folder with files of an earlier run, those of REPLACED, and of others."""
+    written(folder, {name: text for name, text in files.items() if name in REPLACED})
+    put(folder, {name: text for name, text in files.items() if name not in REPLACED})
+
+
 def written(folder, files=NEW):
-    with whole_folder(folder) as scratch:
+    with whole_folder(folder, "test") as scratch:
         put(scratch, files)
 
 
@@ -49,13 +65,13 @@ def stopped(during, *and_then):
 
 def fails_in(folder, *and_then):
     with pytest.raises(KeyboardInterrupt):
-        stopped(whole_folder(folder), *and_then)
+        stopped(whole_folder(folder, "test"), *and_then)
 
 
 @pytest.fixture
 def out(tmp_path):
     folder = tmp_path / "out" / "o"
-    put(folder, OLD)
+    earlier(folder)
     return folder
 
 
@@ -120,7 +136,7 @@ def test_a_folder_with_files_of_others_stays_the_working_folder_of_other_process
 @pytest.mark.parametrize("old", [{}, REPLACED, OLD], ids=["empty", "of a run", "of others too"])
 def test_owner_and_group_of_a_folder_and_of_those_in_it_stay(tmp_path, old):
     folder = tmp_path / "o"
-    put(folder, old)
+    earlier(folder, old)
     folder.mkdir(exist_ok=True)
     folders = [folder, *(path for path in folder.rglob("*") if path.is_dir())]
     for path in folders:
@@ -168,7 +184,7 @@ def fails(*_, **__):
 @pytest.mark.parametrize("lacks", ["exchange", "locks"])
 @pytest.mark.parametrize("old", [REPLACED, OLD], ids=["of a run", "of others too"])
 def test_a_file_system_that_lacks_something_gets_the_same_files(tmp_path, monkeypatch, old, lacks):
-    put(tmp_path / "o", old)
+    earlier(tmp_path / "o", old)
     if lacks == "exchange":
         monkeypatch.setattr(_files, "_exchanged", lambda *_: False)
     else:
@@ -209,7 +225,7 @@ def test_a_folder_that_cannot_be_renamed_gets_its_files(out, monkeypatch, what):
 
 
 def test_a_folder_that_another_run_writes_is_refused_with_its_process(tmp_path, out, monkeypatch):
-    with whole_folder(out) as scratch:
+    with whole_folder(out, "test") as scratch:
         put(scratch, NEW)
         for second in (refuse_unwritable, written):
             with refused_input(value=os.getpid()):
@@ -220,24 +236,139 @@ def test_a_folder_that_another_run_writes_is_refused_with_its_process(tmp_path, 
         monkeypatch.chdir(tmp_path)
     assert tree(out.parent) == {f"o/{name}": text for name, text in (OLD | NEW).items()}
     monkeypatch.chdir(out)
-    with whole_folder(Path()), monkeypatch.context() as elsewhere:
+    with whole_folder(Path(), "test"), monkeypatch.context() as elsewhere:
         elsewhere.chdir(tmp_path)
         with refused_input(value=os.getpid()):
             written(out)
 
 
 def test_a_claim_covers_several_results_each_whole(out):
-    with claimed_folder(out) as scratch_folder:
-        with scratch_folder() as scratch:
+    with claimed_folder(out, "test") as claimed:
+        with claimed.scratch() as scratch:
             put(scratch, {"one.json": "1"})
         with pytest.raises(KeyboardInterrupt):
-            stopped(scratch_folder())
-        with scratch_folder() as scratch:
+            stopped(claimed.scratch())
+        with claimed.scratch() as scratch:
             put(scratch, {"three.json": "3", "three.png": "3"})
         (out / "mine.txt").unlink()
     expected = OLD | {"one.json": "1", "three.json": "3", "three.png": "3"}
     del expected["mine.txt"]
     assert tree(out.parent) == {f"o/{name}": text for name, text in expected.items()}
+
+
+LIST = {"command": "test", "sha256": [hashlib.sha256(b"theirs").hexdigest()]}
+NO_LISTS = {
+    "no JSON": "theirs",
+    "other JSON": "[1]",
+    "deep": "[" * 100_000,
+    "no hashes": '{"files": {"a.png": {}}}',
+    "outside": json.dumps({"files": {"sensors/../../notes.json": LIST}}),
+    "absolute": json.dumps({"files": {"/notes.json": LIST}}),
+    "huge number": '{"files": {"a.png": {"command": "test", "sha256": 1e400}}}',
+}
+
+
+@pytest.mark.parametrize("text", NO_LISTS.values(), ids=NO_LISTS)
+def test_a_list_that_no_run_wrote_is_refused_and_nothing_changes(out, text):
+    (out.parent / "notes.json").write_text("theirs")
+    (out / "sensors").mkdir()
+    (out / OWN_FILES).write_text(text)
+    before = tree(out.parent)
+    with (
+        refused_input(subject=str(out / OWN_FILES)),
+        claimed_folder(out, "test") as claimed,
+        claimed.scratch(outdated="sensors/*.json") as scratch,
+    ):
+        put(scratch, NEW)
+    assert tree(out.parent) == before
+    assert (out / OWN_FILES).read_text() == text
+
+
+def test_what_replaces_a_private_file_is_private_while_it_is_written(tmp_path, monkeypatch):
+    (tmp_path / "o").mkdir(mode=0o700)
+    with whole_folder(tmp_path / "o", "test") as scratch:
+        assert scratch.stat().st_mode & 0o777 == 0o700
+    seen, keep = [], _files._keep_mode
+
+    def kept(old, new):
+        seen.append(new.stat().st_mode & 0o777)
+        keep(old, new)
+
+    monkeypatch.setattr(_files, "_keep_mode", kept)
+    (tmp_path / "a.json").touch(mode=0o600)
+    _files.write_whole(tmp_path / "a.json", b"new")
+    assert seen == [0o600]
+    assert (tmp_path / "a.json").read_bytes() == b"new"
+
+
+def ended_by(error, folder, files, *and_then):
+    with claimed_folder(folder, "test") as claimed:
+        with claimed.scratch() as scratch:
+            put(scratch, files)
+        for step in and_then:
+            step()
+        raise error
+
+
+def test_an_error_takes_back_what_the_run_added_but_not_what_the_user_then_changed(out):
+    before = tree(out)
+    new = {"one.json": "1", "sub/two.json": "2", "sub/three.json": "3"}
+    changed = partial((out / "sub/two.json").write_text, "mine")
+    with pytest.raises(RuntimeError):
+        ended_by(RuntimeError(), out, new, changed)
+    assert tree(out) == before | {"sub/two.json": "mine"}
+    (out / "sub/two.json").unlink()
+    (out / "sub").rmdir()
+    listed = (out / OWN_FILES).read_bytes()
+    with pytest.raises(RuntimeError):
+        ended_by(RuntimeError(), out, new)
+    assert tree(out) == before
+    assert not (out / "sub").exists()
+    assert (out / OWN_FILES).read_bytes() == listed
+
+
+@pytest.mark.parametrize(
+    ("error", "stays"),
+    [(OSError(28, "full"), True), (MemoryError(), True), (KeyboardInterrupt(), True),
+     (InputError("x", "must be y"), False), (RuntimeError(), False)],
+)  # fmt: skip
+def test_complete_sets_stay_if_the_user_or_the_machine_ends_the_run(tmp_path, error, stays):
+    with pytest.raises(type(error)):
+        ended_by(error, tmp_path / "a" / "o", {"one.json": "1"})
+    assert tree(tmp_path) == ({"a/o/one.json": "1"} if stays else {})
+    assert (tmp_path / "a").exists() == stays
+
+
+def test_a_kept_file_is_known_at_every_moment_of_its_replacement(tmp_path, monkeypatch):
+    folder = tmp_path / "o"
+    with claimed_folder(folder, "test") as claimed:
+        with claimed.scratch() as scratch:
+            put(scratch, {"a.json": "1"})
+        claimed.keep("kept")
+    replace = Path.replace
+    for stop_at in range(4):
+        done = 0
+
+        def stopped(path, target, stop_at=stop_at):
+            nonlocal done
+            done += 1
+            if done > stop_at:
+                raise KeyboardInterrupt
+            return replace(path, target)
+
+        with monkeypatch.context() as stopping:
+            stopping.setattr(Path, "replace", stopped)
+            with suppress(KeyboardInterrupt):
+                write_kept(folder / "kept", b"%d" % stop_at)
+        with claimed_folder(folder, "test") as claimed:
+            claimed.keep("kept")
+    (folder / "kept").write_text("theirs")
+    with (
+        refused_input(subject=str(folder / "kept"), found="was changed after it was written"),
+        claimed_folder(folder, "test") as claimed,
+    ):
+        claimed.keep("kept")
+    assert (folder / "kept").read_text() == "theirs"
 
 
 # every operation on files ends the run once: the n-th in the folder n
@@ -250,6 +381,11 @@ SEEN = {"open", "os.link", "os.mkdir", "os.remove", "os.rename", "os.rmdir", "os
         "os.truncate", "os.utime", "os.chmod", "ctypes.dlsym", "shutil.rmtree"}
 left, armed = 0, False
 
+def put(folder, files):
+    for name, text in files.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text(text)
+
 def stop(event, _):
     global left
     if armed and event in SEEN:
@@ -261,18 +397,17 @@ sys.addaudithook(stop)
 number = 0
 while True:
     folder = Path(sys.argv[1]) / f"{number:03d}" / "out" / "o"
-    for name, text in OLD.items():
-        (folder / name).parent.mkdir(parents=True, exist_ok=True)
-        (folder / name).write_text(text)
+    with whole_folder(folder, "test") as scratch:
+        put(scratch, OWN)
+    put(folder, OLD)
     folder.parent.parent.mkdir(parents=True, exist_ok=True)
     (folder.parent.parent / "notes.txt").write_text("notes")
     child = os.fork()
     if child == 0:
         left, armed = number, True
         try:
-            with whole_folder(folder) as scratch:
-                for name, text in NEW.items():
-                    (scratch / name).write_text(text)
+            with whole_folder(folder, "test") as scratch:
+                put(scratch, NEW)
         finally:
             armed = False
             os._exit(0 if left >= 0 else 1)
@@ -289,7 +424,8 @@ print(number)
 def test_a_stop_at_any_operation_leaves_old_or_new_files_and_no_summary_of_half_of_them(
     tmp_path, old, end
 ):
-    script = f"OLD = {old!r}\nNEW = {NEW!r}\n{STOPPED.replace('END', end)}"
+    own = {name: text for name, text in old.items() if name in REPLACED}
+    script = f"OLD = {old!r}\nOWN = {own!r}\nNEW = {NEW!r}\n{STOPPED.replace('END', end)}"
     done = subprocess.run(
         [sys.executable, "-c", script, tmp_path],
         env={**os.environ, "PYTHONPATH": str(Path(chromanoise.__file__).parents[1])},
@@ -316,5 +452,5 @@ def test_a_stop_at_any_operation_leaves_old_or_new_files_and_no_summary_of_half_
 
 @pytest.mark.skipif(not Path("/proc/self").exists(), reason="needs /proc")
 def test_a_file_system_without_new_files_is_refused_at_once():
-    with pytest.raises((InputError, OSError)), whole_folder(Path("/proc/no-such-folder")):
+    with pytest.raises((InputError, OSError)), whole_folder(Path("/proc/no-such-folder"), "test"):
         raise AssertionError("a folder was made")

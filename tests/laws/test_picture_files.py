@@ -277,7 +277,7 @@ def interrupted():
 def test_an_interrupted_run_leaves_no_file(tmp_path):
     with (
         pytest.raises(KeyboardInterrupt),
-        whole_folder(tmp_path / "out") as folder,
+        whole_folder(tmp_path / "out", "a") as folder,
         mosaic_tiff_rows(folder / "m.tiff", height=5, width=3, **TOLD) as put,
     ):
         put(0, interrupted())

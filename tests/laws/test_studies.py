@@ -4,6 +4,7 @@ import json
 import re
 import shutil
 import time
+from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
@@ -11,6 +12,7 @@ from hypothesis import strategies as st
 from pydantic import BaseModel
 
 import chromanoise
+from chromanoise._files import OWN_FILES
 from chromanoise.catalog import sensor_with_pixel
 from chromanoise.errors import InputError, errors_in
 from chromanoise.study import (
@@ -71,7 +73,7 @@ def small(changes=()):
 
 
 def files_of(folder):
-    return {p.name: p.read_bytes() for p in sorted(folder.iterdir())}
+    return {p.name: p.read_bytes() for p in sorted(folder.iterdir()) if p.name != OWN_FILES}
 
 
 # ---- texts ----
@@ -467,19 +469,28 @@ def test_a_picture_that_was_taken_away_is_taken_again(whole, tmp_path):
     assert files_of(tmp_path / "o") == files_of(whole)
 
 
-def test_a_picture_that_was_emptied_or_changed_is_taken_again(whole, tmp_path):
-    for change in (lambda data: b"", lambda data: data[:-1] + bytes([data[-1] ^ 1])):
+def test_a_picture_that_is_missing_or_empty_is_taken_again(whole, tmp_path):
+    for spoil in (Path.unlink, lambda path: path.write_bytes(b"")):
         shutil.copytree(whole, tmp_path / "o", dirs_exist_ok=True)
-        spoiled = next((tmp_path / "o").glob("picture-1-*.png"))
-        spoiled.write_bytes(change(spoiled.read_bytes()))
+        spoil(next((tmp_path / "o").glob("picture-1-*.png")))
         stood = []
         run_study(small(), tmp_path / "o", report=lambda _, done, stood=stood: stood.append(done))
         assert stood == [True, True, False, True]
         assert files_of(tmp_path / "o") == files_of(whole)
 
 
+def test_a_picture_that_somebody_changed_is_refused_and_stays(whole, tmp_path):
+    shutil.copytree(whole, tmp_path / "o")
+    picture = next((tmp_path / "o").glob("picture-1-*.png"))
+    picture.write_bytes(picture.read_bytes() + b"changed")
+    before = files_of(tmp_path / "o")
+    with refused_input(subject=str(picture), found="was changed after it was written"):
+        run_study(small(), tmp_path / "o")
+    assert files_of(tmp_path / "o") == before
+
+
 @pytest.mark.parametrize("result", [None, 3, "x", []])
-def test_a_step_without_a_result_is_done_again(result, whole, tmp_path):
+def test_a_step_without_a_result_stays_and_is_done_again_once_it_is_moved(result, whole, tmp_path):
     shutil.copytree(whole, tmp_path / "o")
     step = tmp_path / "o" / "sweep-1-lux-snr-y.json"
     data = json.loads(step.read_bytes())
@@ -488,6 +499,10 @@ def test_a_step_without_a_result_is_done_again(result, whole, tmp_path):
     else:
         data["result"] = result
     step.write_text(json.dumps(data))
+    with refused_input(subject=str(step), found="was changed after it was written"):
+        run_study(small(), tmp_path / "o")
+    assert json.loads(step.read_bytes()) == data
+    step.rename(tmp_path / "mine.json")
     run_study(small(), tmp_path / "o")
     assert files_of(tmp_path / "o") == files_of(whole)
 

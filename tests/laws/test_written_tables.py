@@ -7,6 +7,7 @@ import re
 import shutil
 import subprocess
 import xml.etree.ElementTree as ElementTree
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from chromanoise._colour_science import colour_science
+from chromanoise._csv_cells import csv_comment, text_of_cell, text_of_comment
 from chromanoise.analysis import compared
 from chromanoise.analysis.tables import (
     analyses_as_table,
@@ -24,6 +26,8 @@ from chromanoise.color import kernel_matrix
 from chromanoise.errors import InputError
 from chromanoise.exposure import Exposure, OperatingPoint
 from chromanoise.io import read_sensor_csv
+from chromanoise.io.given_matrices import read_matrix
+from chromanoise.io.matrices import MadeMatrix, matrix_csv
 from chromanoise.io.sensor_json import sensor_from_json, sensor_json, spectra_json
 from chromanoise.io.spectra import read_curves
 from chromanoise.io.spectra.writing import (
@@ -97,8 +101,21 @@ def any_spectra(draw):
     )
 
 
-def rgb(qe, grid=SMALL, names=("R", "G", "B")):
-    return Sensor(name="a camera", grid=grid, qe=np.asarray(qe), names=names, pixel=PIXEL)
+def rgb(qe, grid=SMALL, names=("R", "G", "B"), notes=()):
+    return Sensor(
+        name="a camera", grid=grid, qe=np.asarray(qe), names=names, pixel=PIXEL, notes=notes
+    )
+
+
+def a_matrix(channels, notes):
+    return MadeMatrix(
+        sensor="=a camera", illuminant="E", level_lux=10.0, time_s=0.01, f_number=1.8,
+        pitch_um=2.2, white_e=np.ones(3), white_lux=10.0, notes=notes,
+        matrix=replace(
+            kernel_matrix(sensor_named("onyx-rgb", DEFAULT_GRID), Exposure(time_s=0.01)),
+            channels=channels,
+        ),
+    )  # fmt: skip
 
 
 # sensors and spectra
@@ -310,6 +327,37 @@ def test_a_csv_and_json_give_numbers_back_exactly(value, digits):
     assert table_from_json(table_json(table)) == table
 
 
+FORMULAS = ["=1+1", "+A", "-3.2", "@SUM(A1)", "'=x", "''-1", "=1 [%]", "'tis", "＝1", "- a"]
+
+
+@pytest.mark.parametrize("name", FORMULAS)
+def test_a_name_like_a_formula_is_guarded_in_every_csv_and_read_back(tmp_path, name):
+    notes = (f"a,{name}", name, f"b;  {name}; 'c, 5 %")
+    sensor = rgb([[0.1, 0.2, 0.3]] * 3, names=(name, "G", f"{name} b"), notes=notes)
+    sensors = tmp_path / "s.csv"
+    sensors.write_text(sensor_csv(sensor), encoding="utf-8")
+    matrices = tmp_path / "m.csv"
+    made = a_matrix((name, "G", f"{name} b"), notes=notes)
+    matrices.write_text(matrix_csv(made), encoding="utf-8")
+    for path, first in ((sensors, "wavelength_nm"), (matrices, "lx/e-")):
+        for separator in ",;\t":
+            for line in path.read_text("utf-8").splitlines():
+                for cell in next(csv.reader([line], delimiter=separator)):
+                    number = re.fullmatch(r"-?[0-9.]+(e-?[0-9]+)?", cell)
+                    assert number or cell.lstrip()[:1] not in (*"=+-@＝", "\t"), line
+        assert f"{first}," in path.read_text("utf-8")
+    assert read_sensor_csv(sensors, SMALL, PIXEL).names == sensor.names
+    curves = read_curves(sensors).curves
+    assert curves.names == sensor.names
+    assert read_matrix(matrices).channels == made.matrix.channels
+
+
+@given(text=ANY_TEXT)
+def test_every_comment_of_a_csv_is_read_back(text):
+    value = csv_comment("notes", text).removeprefix("# notes: ").removesuffix("\n")
+    assert text_of_comment(value) == " ".join(text.split())
+
+
 @given(text=ANY_TEXT)
 def test_no_word_of_a_csv_starts_as_a_formula(text):
     table = Table(title="t", columns=(Column(name="word"), Column(name="x")), rows=((text, 1),))
@@ -318,6 +366,7 @@ def test_no_word_of_a_csv_starts_as_a_formula(text):
     assert not cell.startswith(("\t", "\r"))
     plain = re.sub("\r\n?", "\n", text)
     assert cell in (plain, "'" + plain)
+    assert text_of_cell(cell) == plain
 
 
 @st.composite

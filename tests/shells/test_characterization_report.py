@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from characterizations import color, monochrome, plane_of
-from chromanoise._files import claimed_folder
+from chromanoise._files import OWN_FILES, claimed_folder
 from chromanoise.catalog import read_pixel_source
 from chromanoise.characterization import (
     ModelVerdict,
@@ -54,7 +54,7 @@ def quick(monkeypatch):
 
 
 def listed(folder):
-    return {path.name for path in folder.iterdir()}
+    return {path.name for path in folder.iterdir()} - {OWN_FILES}
 
 
 @pytest.fixture(scope="module")

@@ -13,6 +13,7 @@ from click import Context
 from matplotlib.figure import Figure
 from PIL import Image
 
+from chromanoise._files import OWN_FILES
 from chromanoise.analysis import analyzed
 from chromanoise.catalog import sensor_named
 from chromanoise.cli.entry import commands
@@ -162,7 +163,7 @@ def test_the_same_seed_gives_the_same_files_and_another_seed_does_not(run, tmp_p
             "simulate", "builtin:checker", "--sensor", "onyx-rgbw", "--seed", seed,
             "-o", tmp_path / folder,
         )  # fmt: skip
-    names = sorted(path.name for path in (tmp_path / "a").iterdir())
+    names = sorted(path.name for path in (tmp_path / "a").iterdir() if path.name != OWN_FILES)
     assert names == ["onyx-rgbw.png", "onyx-rgbw.xyz.tiff", "summary.json"]
     for name in names[:2]:
         first, second, other = ((tmp_path / f / name).read_bytes() for f in "abc")
@@ -280,7 +281,10 @@ def test_demo_writes_one_page_that_needs_nothing_from_elsewhere(run, tmp_path, m
     outside = [part for part in ('src="http', 'href="http', "url(http", "@import") if part in page]
     assert outside == []
     offered = set(re.findall(r'href="([^"#]+)" download', page))
-    assert offered == {path.name for path in (tmp_path / "demo").iterdir()} - {"index.html"}
+    assert offered == {path.name for path in (tmp_path / "demo").iterdir()} - {
+        "index.html",
+        OWN_FILES,
+    }
     anchors = set(re.findall(r'href="#([^"]+)"', page))
     assert anchors <= set(re.findall(r'id="([^"]+)"', page))
     words = re.sub(r"<style>.*?</style>|<math.*?</math>|<[^>]*>", " ", page, flags=re.DOTALL)

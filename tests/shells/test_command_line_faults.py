@@ -163,7 +163,7 @@ def test_the_message_for_a_full_disk_names_the_file(run, here):
     refused(run("analyze", "onyx-rgb", "--json", "/dev/full"), "/dev/full")
     full = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))  # as a write raises it, without a name
     goal = Path("pictures")
-    with pytest.raises(InputError, match=r"^pictures.*No space left"), whole_folder(goal):
+    with pytest.raises(InputError, match=r"^pictures.*No space left"), whole_folder(goal, "a"):
         raise full
     assert list(here.iterdir()) == []
 

@@ -5,6 +5,7 @@ import tomllib
 import numpy as np
 import pytest
 
+from chromanoise._files import OWN_FILES
 from outcomes import refused
 
 pytestmark = pytest.mark.usefixtures("here")
@@ -21,9 +22,8 @@ def test_the_command_writes_frames_their_description_and_the_truth(done, here):
     capture = toml(here / "cam" / "capture.toml")
     names = [name for level in capture["levels"] for name in level["flats"] + level["darks"]]
     assert [len(level["flats"]) for level in capture["levels"]] == [3, 3, 3]
-    assert sorted([*names, "capture.toml", "truth.toml"]) == sorted(
-        path.name for path in (here / "cam").iterdir()
-    )
+    files = {path.name for path in (here / "cam").iterdir()}
+    assert {*names, "capture.toml", "truth.toml", OWN_FILES} == files
     assert all(np.load(here / "cam" / name).shape == (20, 24) for name in names)
     planes = toml(here / "cam" / "truth.toml")["planes"]
     assert [plane["name"] for plane in planes] == ["R", "G1", "G2", "B"]

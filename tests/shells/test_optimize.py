@@ -6,6 +6,7 @@ import shlex
 import pytest
 
 import chromanoise as cn
+from chromanoise._files import OWN_FILES
 from chromanoise.design import DESIGN_STARTER
 from outcomes import refused
 
@@ -27,7 +28,7 @@ def files_of(folder):
     return {
         str(path.relative_to(folder)): path.read_bytes()
         for path in folder.rglob("*")
-        if path.is_file() and path.suffix != ".npz"
+        if path.is_file() and path.suffix != ".npz" and path.name != OWN_FILES
     }
 
 

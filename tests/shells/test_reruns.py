@@ -7,6 +7,7 @@ import re
 import shutil
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 import numpy as np
@@ -14,8 +15,10 @@ import pytest
 import tifffile
 
 import chromanoise
+from chromanoise._files import OWN_FILES
 from chromanoise.errors import InputError
 from chromanoise.study import agreement_of, agreement_text, read_study, run_study
+from chromanoise.study.records import content_hash
 from outcomes import refused, refused_input
 
 STUDY = """\
@@ -53,7 +56,13 @@ def project(tmp_path, monkeypatch):
 
 
 def files_of(folder):
-    return {path.name: path.read_bytes() for path in folder.iterdir()}
+    """The outputs; of the record, all but the way to the project, which depends on the folder."""
+    found = {path.name: path.read_bytes() for path in folder.iterdir() if path.name != OWN_FILES}
+    record = json.loads(found["study.json"])
+    place = record.pop("place")
+    record.pop("content")
+    assert not Path(place).is_absolute()
+    return found | {"study.json": record}
 
 
 @pytest.fixture
@@ -73,8 +82,10 @@ def test_a_result_runs_again_from_any_folder_to_the_same_bytes(run, made, tmp_pa
             f"again-{number}/{name}.json" for name in ("analysis-kernel", "pictures-1")
         ]
         assert files_of(Path(f"again-{number}")) == files_of(made)
-        assert "same bytes" in err.splitlines()[-1]
+        assert "same results" in err.splitlines()[-1]
     assert Path.cwd() == tmp_path / "elsewhere"
+    monkeypatch.chdir(made.parent.parent)
+    assert "same bytes" in run("rerun", made, "-o", "out/again")[2].splitlines()[-1]
 
 
 def test_results_outside_of_the_project_find_its_files(run, project, tmp_path, monkeypatch):
@@ -93,9 +104,35 @@ def test_a_project_that_was_moved_is_rerun_with_its_own_files(run, made, project
     assert code == 0, err
     for name in ("analysis-kernel.json", "pictures-1.json"):
         assert (Path("again") / name).read_bytes() == (Path("moved/out/study") / name).read_bytes()
-    last = err.splitlines()[-1]
-    assert "other bytes" not in last
-    assert str(project) in last
+    assert "same results" in err.splitlines()[-1]
+
+
+def with_place(folder, place):
+    """Write the record of a run as it would be with another path to the files of its study."""
+    file = folder / "study.json"
+    record = json.loads(file.read_bytes()) | {"place": str(place)}
+    file.write_text(json.dumps(record | {"content": content_hash(record)}, indent=1) + "\n")
+
+
+@pytest.mark.parametrize("gone", [False, True])
+def test_a_record_with_the_whole_path_of_the_project_is_rerun(run, made, project, tmp_path, gone):
+    with_place(made, tmp_path / "no such folder" if gone else project)
+    os.chdir(tmp_path)
+    shutil.move(made, project / "o" if gone else tmp_path / "o")
+    code, _, err = run("rerun", project / "o" if gone else "o", "-o", "again")
+    assert code == 0, err
+    assert ("no such folder" in err.splitlines()[-1]) == gone
+
+
+def test_no_output_names_the_folders_above_the_project(run, made, project, tmp_path):
+    for path in made.rglob("*"):
+        assert str(tmp_path).encode() not in path.read_bytes(), path
+    assert json.loads((made / "study.json").read_bytes())["place"] == "../.."
+    far = Path("/var/tmp" if str(tmp_path).startswith("/tmp/") else "/tmp")
+    with tempfile.TemporaryDirectory(dir=far) as folder:
+        assert run("run", "study.toml", "-o", Path(folder) / "o")[0] == 0
+        assert "place" not in json.loads((Path(folder) / "o/study.json").read_bytes())
+        assert run("rerun", Path(folder) / "o", "-o", "again")[0] == 0  # from the project
 
 
 @pytest.mark.parametrize("name", ["catalog", "catalog:"])
@@ -139,7 +176,7 @@ def test_a_cube_that_changes_while_it_is_read_gives_no_result(project, change):
     with pytest.raises(InputError, match=r"cube\.npz") as error:
         run_study(read_study("study.toml"), Path("o"), report=reported)
     assert len(str(error.value).splitlines()) == 1
-    assert set(files_of(Path("o"))) == {"study.json", "analysis-kernel.json"}
+    assert not Path("o").exists()
 
 
 def test_a_file_with_another_date_and_the_same_content_is_the_same_file(project):

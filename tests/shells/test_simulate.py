@@ -12,6 +12,7 @@ import pytest
 import tifffile
 from PIL import Image
 
+from chromanoise._files import OWN_FILES
 from chromanoise.catalog import sensor_named
 from chromanoise.errors import InputError
 from chromanoise.exposure import OperatingPoint, saturating_exposure
@@ -84,12 +85,13 @@ def codes_in(folder, stem):
 
 
 def names_in(folder):
-    return sorted(path.name for path in folder.iterdir())
+    return sorted(path.name for path in folder.iterdir() if path.name != OWN_FILES)
 
 
 def pixels_in(folder):
     """All files but the summary, byte by byte."""
-    return {p.name: p.read_bytes() for p in folder.iterdir() if p.name != "summary.json"}
+    other = {"summary.json", OWN_FILES}
+    return {p.name: p.read_bytes() for p in folder.iterdir() if p.name not in other}
 
 
 def nothing_left(folder):
@@ -625,7 +627,7 @@ def test_pictures_stay_in_their_folder_whatever_a_sensor_calls_itself(run, tmp_p
     assert picture.is_file()
     assert not picture.name.startswith(".")
     assert sorted(p for p in tmp_path.rglob("*") if p.is_file()) == sorted(
-        [path, picture, out / "summary.json"]
+        [path, picture, out / "summary.json", out / OWN_FILES]
     )
 
 

@@ -92,19 +92,18 @@ def test_a_catalog_folder_that_is_missing_is_asked_for(run, made, monkeypatch):
     refused(run("rerun", "shed", "--out", "again"), "shed", "CHROMANOISE_CATALOG")
 
 
-def test_a_result_that_was_changed_is_computed_anew_and_said(run, made):
+def test_a_result_that_was_changed_stays_until_it_is_moved_away(run, made):
     file = made / "out/analysis-kernel.json"
     right = file.read_bytes()
     data = json.loads(right)
     data["result"]["sensors"][0]["sensor"] = "another"
-    file.write_text(json.dumps(data, indent=1) + "\n")
-    code, _, err = run("run", "s.toml", "--out", "out")
-    assert code == 0
-    assert "kernel" in err
-    assert file.read_bytes() == right
-    file.write_bytes(right[:100])
-    assert run("run", "s.toml", "--out", "out")[0] == 0
-    assert file.read_bytes() == right
+    for changed in (json.dumps(data, indent=1).encode(), right[:100]):
+        file.write_bytes(changed)
+        refused(run("run", "s.toml", "--out", "out"), "analysis-kernel.json", "changed")
+        assert file.read_bytes() == changed
+        file.rename(made / "mine.json")
+        assert run("run", "s.toml", "--out", "out")[0] == 0
+        assert file.read_bytes() == right
 
 
 def test_csv_json_and_csv_again_keeps_source_and_notes(run, here):

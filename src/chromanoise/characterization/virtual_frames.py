@@ -107,7 +107,7 @@ def photon_transfer_frames(
             )
         )
     paths = []
-    with whole_folder(folder) as scratch:
+    with whole_folder(folder, "demo-frames") as scratch:
         for name, codes in _drawn(camera, planned):
             (scratch / name).write_bytes(written(codes, camera))
             paths.append(folder / name)

@@ -1,12 +1,10 @@
 """The numbers behind each chart as the rows of a CSV file, to full precision."""
 
-import csv
-import io
 from collections.abc import Callable, Mapping
 from typing import Any
 
 from chromanoise import _check
-from chromanoise.io.table_formats import formula_free
+from chromanoise._csv_cells import csv_text
 
 Row = list[Any]
 
@@ -51,11 +49,7 @@ def chart_csv(part: str, record: Mapping[str, Any]) -> str:
     InputError
         If there is no such chart.
     """
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    for row in chart_rows(part, record):
-        writer.writerow([formula_free(cell) if isinstance(cell, str) else cell for cell in row])
-    return text.getvalue()
+    return csv_text(chart_rows(part, record))
 
 
 def _head(record: Mapping[str, Any]) -> list[Row]:

@@ -56,7 +56,7 @@ def demo(out: Path) -> None:
     pictures = paper_pictures(result.study)
     first, second = (picture.srgb for picture in pictures)
     figures = paper_figures(result.study, paper_planes(result.study), (first, second))
-    with whole_folder(out) as folder:
+    with whole_folder(out, "demo") as folder:
         write_figures(figures, folder)
         for picture in pictures:
             write_png(folder / f"{picture.sensor.name}.png", picture.srgb)

@@ -6,7 +6,7 @@ from typing import Any
 
 import click
 
-from chromanoise._files import refuse_unwritable
+from chromanoise._files import OWN_FILES, refuse_unwritable
 from chromanoise.characterization import VirtualCamera, photon_transfer_frames
 from chromanoise.characterization.virtual_frames import FRAME_FORMATS
 from chromanoise.cli.options import WHOLE
@@ -135,7 +135,7 @@ def demo_frames(
     and truth.toml, which holds the true values.
     """
     refuse_unwritable(out)
-    if out.is_dir() and any(out.iterdir()):
+    if out.is_dir() and any(path.name != OWN_FILES for path in out.iterdir()):
         raise InputError(
             "--out",
             "must be an empty folder or a new one, so that no frames are mixed",

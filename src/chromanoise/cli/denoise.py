@@ -116,7 +116,7 @@ def denoise(
         frames, sensor, settings, method=denoise, matrix=method, white_level=white_level
     )
     refuse_other_denoised(plan, out)
-    with whole_folder(out) as folder:
+    with whole_folder(out, "denoise") as folder:
         result = denoised_picture(plan, work=Work(threads=threads))
         files, not_written = write_denoised(result, folder)
         summary = {**result.summary, "files": files, "not_written": not_written}

@@ -3,14 +3,15 @@
 from pathlib import Path
 
 import click
+from click.core import ParameterSource
 
-from chromanoise._files import refuse_unwritable, whole_folder, write_whole
+from chromanoise._files import claimed_folder, refuse_unwritable, whole_folder, write_whole
 from chromanoise.charts import shown
 from chromanoise.cli.output import refuse_inputs
 from chromanoise.cli.parsing import command
 from chromanoise.errors import InputError
 from chromanoise.report import sights_of, study_report
-from chromanoise.study import file_digests, read_study
+from chromanoise.study import Study, file_digests, read_study
 
 
 @command()
@@ -21,7 +22,7 @@ from chromanoise.study import file_digests, read_study
     type=click.Path(path_type=Path),
     default=Path("report.html"),
     show_default=True,
-    help="Output file.",
+    help="Output file. A report.html of somebody else is replaced only if it is named.",
 )
 @click.option(
     "--set",
@@ -43,18 +44,31 @@ def report(study: Path, out: Path, changes: tuple[str, ...], figures: Path | Non
     _refuse_unwritable_file(out)
     if figures is not None:
         refuse_unwritable(figures)
-    charted = shown(parsed)
+    source = click.get_current_context().get_parameter_source("out")
+    if source is not ParameterSource.DEFAULT:
+        write_whole(out, _page(parsed, figures))
+    else:
+        with claimed_folder(out.parent, "report") as claimed:
+            claimed.refuse_taken([out.name], remedy=("name it with --out", "move it away"))
+            page = _page(parsed, figures)
+            with claimed.scratch() as scratch:
+                (scratch / out.name).write_bytes(page)
+    click.echo(out)
+
+
+def _page(study: Study, figures: Path | None) -> bytes:
+    """The report; its figures are written if they are wanted."""
+    charted = shown(study)
     page = study_report(charted, sights_of(charted))
     if figures is not None:
         from chromanoise.figures import study_figures, write_figures
 
         drawn = study_figures(charted)
-        with whole_folder(figures) as folder:
+        with whole_folder(figures, "report") as folder:
             written = write_figures(drawn, folder, endings=("svg", "pdf"))
         for file in written:
             click.echo(figures / file.name)
-    write_whole(out, page.encode("utf-8"))
-    click.echo(out)
+    return page.encode("utf-8")
 
 
 def _refuse_unwritable_file(out: Path) -> None:

@@ -48,8 +48,6 @@ def reproduce(
     drawn = draws * len(witnessed_columns(study))
     with progress_of("the Monte Carlo", drawn, "draws") as progress:
         result = reproduced(study, draws=draws, seed=seed, clip=clip, progress=progress)
-    if json_target:
-        write_json(reproduction_as_json(result), json_target)
     if json_target != "-":
         tables.print_reproduction(result)
     if out:
@@ -58,7 +56,10 @@ def reproduce(
 
         first, second = (p.srgb for p in paper_pictures(result.study, seed=seed))
         planes = paper_planes(result.study, seed=seed)
-        with whole_folder(out) as folder:
+        with whole_folder(out, "reproduce") as folder:
             write_json(reproduction_as_json(result), str(folder / "tables.json"))
             write_figures(paper_figures(result.study, planes, (first, second)), folder)
+    if json_target:
+        write_json(reproduction_as_json(result), json_target)
+    if out:
         click.echo(f"figures 1-10 and tables.json are in {out}", err=json_target == "-")

@@ -9,7 +9,7 @@ from typing import Any
 import click
 
 from chromanoise import __version__
-from chromanoise._files import refuse_unwritable, whole_folder
+from chromanoise._files import claimed_folder, refuse_unwritable
 from chromanoise.cli.copying import print_copy
 from chromanoise.cli.cube_options import cube_options, parsed_cube_options
 from chromanoise.cli.options import (
@@ -161,7 +161,8 @@ def _taken(
     summaries: list[dict[str, Any]] = []
     lines: list[tuple[str, list[str]]] = []
     with ExitStack() as stack:
-        folder = stack.enter_context(whole_folder(out))
+        claimed = stack.enter_context(claimed_folder(out, "simulate"))
+        folder = stack.enter_context(claimed.scratch())
         if scheduler:
             executor = stack.enter_context(cluster(scheduler, workers=work.threads))
             work = replace(work, executor=executor, same_machine=scheduler == "local")
@@ -171,6 +172,7 @@ def _taken(
         for taken in taken_pictures(
             study, 0, cube, cameras, work=work, folder=folder, stem="{sensor}"
         ):
+            claimed.refuse_taken(taken.files)
             # only the seconds differ between runs
             seconds, start = time.perf_counter() - start, time.perf_counter()
             summaries.append(taken.record | {"seconds": seconds})

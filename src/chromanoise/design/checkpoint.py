@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from chromanoise._check import Array
-from chromanoise._files import write_whole
+from chromanoise._files import write_kept
 from chromanoise._inputs import regular_file
 from chromanoise.design.archive import Archive
 from chromanoise.errors import InputError
@@ -71,7 +71,7 @@ def write_checkpoint(path: Path, checkpoint: Checkpoint) -> None:
     )
     content = io.BytesIO()
     np.savez(content, allow_pickle=False, checkpoint=np.array(text), **archive, **algorithm)
-    write_whole(path, content.getvalue())
+    write_kept(path, content.getvalue())
 
 
 def read_checkpoint(path: Path, search: Mapping[str, Any], empty: Archive) -> Checkpoint:

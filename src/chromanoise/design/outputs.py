@@ -1,11 +1,12 @@
 """The folder of a design: ``front.json``, ``front.csv``, ``front.svg``, a file per sensor."""
 
 import json
+import re
 from collections.abc import Callable
 from pathlib import Path
 
 from chromanoise import __version__
-from chromanoise._files import claimed_folder, refuse_unwritable, write_whole
+from chromanoise._files import claimed_folder, refuse_unwritable
 from chromanoise.design.document import DesignDocument
 from chromanoise.design.optimizing import searched, task_of
 from chromanoise.design.result import SENSORS, Design
@@ -19,6 +20,7 @@ from chromanoise.study import NOTHING_GIVEN, Given, study_as_json
 
 RECORD, CHECKPOINT = "design.json", "search.npz"
 FRONT_JSON, FRONT_CSV, FRONT_SVG = "front.json", "front.csv", "front.svg"
+_MEMBER = re.compile(r"best-.+|knee|member-[0-9]+")
 
 
 def optimized(
@@ -63,32 +65,28 @@ def optimized(
             found=f"has no {CHECKPOINT}",
             remedy="omit resume",
         )
-    with claimed_folder(folder) as scratch_folder:
+    with claimed_folder(folder, "optimize") as claimed:
+        claimed.refuse_taken([FRONT_JSON, FRONT_CSV, FRONT_SVG, *_members_in(folder)])
         if not (folder / RECORD).exists():
             record = {
                 "version": __version__,
                 "identity": task.identity,
                 "design": study_as_json(document),
             }
-            write_whole(folder / RECORD, f"{json.dumps(record, indent=1)}\n".encode())
-        try:
-            found = searched(
-                task,
-                checkpoint=folder / CHECKPOINT,
-                resume=resume,
-                evaluate_on=evaluate_on,
-                progress=progress,
-            )
-        except InputError:  # the folder of a failed search can be used by a corrected design
-            if not (folder / FRONT_JSON).exists():
-                (folder / RECORD).unlink(missing_ok=True)
-            raise
+            with claimed.scratch() as scratch:
+                text = f"{json.dumps(record, indent=1)}\n"
+                (scratch / RECORD).write_text(text, encoding="utf-8")
+        claimed.keep(CHECKPOINT, adopted=resume)
+        found = searched(
+            task,
+            checkpoint=folder / CHECKPOINT,
+            resume=resume,
+            evaluate_on=evaluate_on,
+            progress=progress,
+        )
         design = Design(search=found)
-        old = set((folder / SENSORS).glob("*.json"))
-        with scratch_folder() as scratch:
+        with claimed.scratch(outdated=f"{SENSORS}/*.json") as scratch:
             _write_design(design, scratch)
-        for file in old - {folder / SENSORS / f"{one.name}.json" for one in design.members}:
-            file.unlink(missing_ok=True)
     return design
 
 
@@ -102,6 +100,12 @@ def _write_design(design: Design, folder: Path) -> None:
     drawn = {Path(FRONT_SVG).stem: figures().front_figure(design.to_file())}
     figures().write_figures(drawn, folder, endings=("svg",))
     (folder / FRONT_JSON).write_text(design.to_file().as_json(), encoding="utf-8")
+
+
+def _members_in(folder: Path) -> list[str]:
+    """Files of the folder with names that a member of a front may have."""
+    files = (folder / SENSORS).glob("*.json")
+    return [f"{SENSORS}/{file.name}" for file in files if _MEMBER.fullmatch(file.stem)]
 
 
 def _refuse_other_design(folder: Path, identity: str) -> None:

@@ -19,6 +19,7 @@ import numpy as np
 
 from chromanoise import _check, _inputs
 from chromanoise._check import Array
+from chromanoise._csv_cells import text_of_cell, text_of_comment
 from chromanoise._shapes import Float
 from chromanoise.errors import InputError
 from chromanoise.io.xml_text import xml_root
@@ -151,7 +152,8 @@ def read_matrix(path: Path) -> GivenMatrix:
 
 
 def _csv(source: str, text: str) -> GivenMatrix:
-    facts = dict(re.findall(r"^#\s*(\w+):\s*(.*)$", text, flags=re.MULTILINE))
+    said = re.findall(r"^#\s*(\w+):\s*(.*)$", text, flags=re.MULTILINE)
+    facts = {key: text_of_comment(value) for key, value in said}
     lines = [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
     try:
         rows = [[cell.strip() for cell in row] for row in csv.reader(io.StringIO("\n".join(lines)))]
@@ -179,7 +181,7 @@ def _csv(source: str, text: str) -> GivenMatrix:
         kind="electrons" if absolute else "balanced",
         target=targets[tuple(names)],
         values=_array(source, [row[1:] for row in rows[1:]]),
-        channels=tuple(head[1:]),
+        channels=tuple(map(text_of_cell, head[1:])),
         light_time=_light_time(facts) if absolute else None,
         **_made_for(facts),
     )

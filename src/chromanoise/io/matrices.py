@@ -4,8 +4,6 @@ CLF and the camera profile contain the white-normalized matrix. It maps raw divi
 perfect white to XYZ with Y = 1 for that white, as in a raw converter after white balance.
 """
 
-import csv
-import io
 import json
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -16,6 +14,7 @@ import numpy as np
 
 from chromanoise import __version__, _check
 from chromanoise._check import Array
+from chromanoise._csv_cells import csv_comment, csv_text
 from chromanoise._linalg import inv, matrix_rank
 from chromanoise._shapes import Float
 from chromanoise.color import ColorMatrix
@@ -66,14 +65,10 @@ def balanced(made: MadeMatrix) -> Float[Array, "c p"]:
 
 def matrix_csv(made: MadeMatrix) -> str:
     """One row per color coordinate, in lx/e-; comments describe the matrix."""
-    text = io.StringIO()
-    for name, value in _facts(made).items():
-        text.write(f"# {name}: {value}\n")
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(["lx/e-", *made.matrix.channels])
-    for name, row in zip(made.matrix.coordinates, made.matrix.matrix.tolist(), strict=True):
-        writer.writerow([name, *map(repr, row)])
-    return text.getvalue()
+    rows = zip(made.matrix.coordinates, made.matrix.matrix.tolist(), strict=True)
+    table = csv_text([["lx/e-", *made.matrix.channels], *([name, *row] for name, row in rows)])
+    facts = _facts(made).items()
+    return "".join([*(csv_comment(name, str(value)) for name, value in facts), table])
 
 
 def matrix_json(made: MadeMatrix) -> str:

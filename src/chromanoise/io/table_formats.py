@@ -4,8 +4,6 @@ CSV and JSON have all digits, so reading them restores the same numbers; Markdow
 the digits of the column. An undefined value is an empty cell, or ``null`` in JSON.
 """
 
-import csv
-import io
 import json
 import re
 from collections.abc import Callable
@@ -13,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from chromanoise import __version__
+from chromanoise._csv_cells import csv_text
 from chromanoise.errors import InputError
 from chromanoise.io.spectra.own_json import SCHEMA_VERSION, held_json, named
 from chromanoise.io.table import (
@@ -24,7 +23,6 @@ from chromanoise.io.table import (
 
 SCHEMA = "chromanoise table"
 
-_FORMULA = ("=", "+", "-", "@", "\t", "＝", "＋", "－", "＠")
 _LABEL = re.compile(r"[A-Za-z0-9:._-]+")
 _MARKDOWN = re.compile(r"([\\`*_\[\]<>#|~&])")
 _LATEX = {
@@ -85,37 +83,12 @@ def table_writer(path: Path) -> Callable[[Table], str]:
     return writers[ending]
 
 
-def formula_free(text: str) -> str:
-    """Text that a spreadsheet does not read as a formula (OWASP, CSV injection).
-
-    Parameters
-    ----------
-    text
-        If it begins like a formula, even after spaces, it gets an apostrophe.
-
-    Examples
-    --------
-    >>> formula_free("=1+1"), formula_free("my sensor")
-    ("'=1+1", 'my sensor')
-    """
-    plain = text.replace("\r\n", "\n").replace("\r", "\n")  # csv would leave a lone \r unquoted
-    guarded = plain.startswith(_FORMULA) or plain.lstrip().startswith(_FORMULA)
-    return f"'{plain}" if guarded else plain
-
-
 def table_csv(table: Table) -> str:
     """A row of headings, ``name [unit]``, then the rows with all digits, as RFC 4180 with LF.
 
     Text that a spreadsheet would interpret as a formula is prefixed with an apostrophe.
     """
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow([formula_free(head(column)) for column in table.columns])
-    for row in table.rows:
-        writer.writerow(
-            [formula_free(cell) if isinstance(cell, str) else written(cell, "") for cell in row]
-        )
-    return text.getvalue()
+    return csv_text([map(head, table.columns), *(map(_unsigned_zero, row) for row in table.rows)])
 
 
 def table_json(table: Table) -> str:
@@ -232,6 +205,10 @@ def head(column: Column) -> str:
     ('time [ms]', 'sensor')
     """
     return f"{column.name} [{column.unit}]" if column.unit else column.name
+
+
+def _unsigned_zero(cell: Entry) -> Entry:
+    return 0.0 if isinstance(cell, float) and cell == 0 else cell
 
 
 def _numeric(table: Table, i: int) -> bool:

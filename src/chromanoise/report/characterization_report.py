@@ -136,7 +136,7 @@ def write_characterization(result: Characterization, folder: Path | str) -> tupl
     texts["pixel.toml"] = pixel_toml(result)
     texts["characterization.json"] = _json(characterization_as_json(noted))
     texts["report.html"] = characterization_report(noted)
-    with whole_folder(folder) as scratch:
+    with whole_folder(folder, "characterize") as scratch:
         _refuse_left_over(folder, texts)
         for name, text in texts.items():
             (scratch / name).write_bytes(text.encode("utf-8", "replace"))

@@ -53,7 +53,7 @@ def write_denoising_report(cells: Sequence[BenchmarkCell], folder: Path) -> Path
     places: dict[tuple[str, str, float], list[BenchmarkCell]] = {}
     for cell in cells:
         places.setdefault(cell.place, []).append(cell)
-    with whole_folder(folder) as target:
+    with whole_folder(folder, "denoise-bench") as target:
         shown = []
         for number, (place, here) in enumerate(places.items(), 1):
             stem = f"{number:03d}"

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from chromanoise._csv_cells import text_of_cell
 from chromanoise._inputs import regular_file
 from chromanoise.errors import InputError
 from chromanoise.spectra.curves import Spectra
@@ -87,7 +88,7 @@ def spectra_from_text(text: str, *, source: str, quantity: str, unit: str) -> Sp
     return Spectra(
         wavelength_nm=table[:, 0],
         values=table[:, 1:],
-        names=tuple(header[1:]),
+        names=tuple(map(text_of_cell, header[1:])),
         quantity=quantity,
         unit=unit,
         source=source,

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from chromanoise._check import Array
-from chromanoise.study.records import STUDY_FILE, output_files
+from chromanoise.study.records import STUDY_FILE, output_files, place_of_files
 
 _ROUNDING = 1e-9
 """Largest relative difference of an analysis expected from other BLAS kernels."""
@@ -29,6 +29,8 @@ class Agreement:
         differ only in place, machine and their own hash are not among them.
     place
         The folder in which the first run looked for its files, if it is another; else empty.
+    relocated
+        Whether the records name that folder in two ways, as seen from their own folders.
     numerics
         The entries on machine and libraries that differ.
     largest
@@ -42,6 +44,7 @@ class Agreement:
     files: int
     other_bytes: tuple[str, ...]
     place: str
+    relocated: bool
     numerics: tuple[str, ...]
     largest: float
     where: str
@@ -68,7 +71,7 @@ def agreement_of(first: Path, second: Path) -> Agreement:
         If the second run is incomplete.
     """
     names = output_files(second)
-    other, place, numerics = [], "", set[str]()
+    other, place, relocated, numerics = [], "", False, set[str]()
     for name in names:
         if _same_bytes(first / name, second / name):
             continue
@@ -76,9 +79,11 @@ def agreement_of(first: Path, second: Path) -> Agreement:
         if not one or _results(one) != _results(its):
             other.append(name)
         if one.get("place") != its.get("place"):
-            place = str(one.get("place", ""))
-        before, now = (record.get("numerics") or {} for record in (one, its))
-        numerics |= {key for key in before | now if before.get(key) != now.get(key)}
+            relocated = True
+            before = place_of_files(first, one)
+            place = "" if before == place_of_files(second, its) else str(before or "")
+        old, new = (record.get("numerics") or {} for record in (one, its))
+        numerics |= {key for key in old | new if old.get(key) != new.get(key)}
     largest, where, incomparable = 0.0, "", []
     for name in other:
         if name == STUDY_FILE:
@@ -96,6 +101,7 @@ def agreement_of(first: Path, second: Path) -> Agreement:
         files=len(names),
         other_bytes=tuple(other),
         place=place,
+        relocated=relocated,
         numerics=tuple(sorted(numerics)),
         largest=largest,
         where=where,
@@ -117,7 +123,7 @@ def agreement_text(found: Agreement) -> str:
     if found.numerics:
         parts.append(f"machine or libraries of the original differ: {', '.join(found.numerics)}")
     if not found.other_bytes:
-        what = "the same results" if parts else "the same bytes"
+        what = "the same results" if parts or found.relocated else "the same bytes"
         return "; ".join([f"all {found.files} files have {what} as the original", *parts])
     parts.insert(0, f"{len(found.other_bytes)} of {found.files} files differ from the original")
     if found.incomparable:

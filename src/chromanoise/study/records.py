@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import chdir, nullcontext
 from dataclasses import dataclass
@@ -66,6 +67,8 @@ def run_study(
 ) -> list[Path]:
     """Run all steps of a study; a stopped run continues with the missing results.
 
+    After an error the folder is as it was, as of `chromanoise._files.claimed_folder`.
+
     Parameters
     ----------
     study
@@ -90,31 +93,33 @@ def run_study(
     Raises
     ------
     InputError
-        If something cannot be computed, the folder cannot be written or holds another study, or a
-        file changes while it is read.
+        If something cannot be computed, the folder cannot be written or holds another study, a file
+        changes while it is read, or a result in the folder was changed.
     """
     refuse_unwritable(folder)
     results = folder.absolute()
     with (
-        claimed_folder(folder) as scratch_folder,
+        claimed_folder(folder, "run") as claimed,
         nullcontext() if place is None else chdir(place),
     ):
         stamps = file_stamps(study)
         who = provenance(study) | {"numerics": numerics()}
         _refuse_other_study(results, study, who, folder)
         steps = run_plan(study, work=work).steps
-        if not (results / STUDY_FILE).exists():
-            with scratch_folder() as scratch:
-                names = {"steps": [step.name for step in steps]}
-                _write(scratch / STUDY_FILE, who | _place_record(who["files"]) | names)
+        made = {step.name: _made_by(results / f"{step.name}.json", who["hash"]) for step in steps}
         for step in steps:
-            file = results / f"{step.name}.json"
-            done = _made_by(file, who["hash"])
+            if not made[step.name]:
+                claimed.refuse_taken([f"{step.name}.json"])
+                claimed.refuse_taken(_pictures_of(results / f"{step.name}.json"))
+        if not (results / STUDY_FILE).exists():
+            with claimed.scratch() as scratch:
+                names = {"steps": [step.name for step in steps]}
+                _write(scratch / STUDY_FILE, who | _place_record(who["files"], results) | names)
+        for step in steps:
             if report:
-                altered = file.exists() and not done
-                report(step.what + ("; its file was changed or truncated" if altered else ""), done)
-            if not done:
-                with scratch_folder() as scratch, progress(step) as advance:
+                report(step.what, made[step.name])
+            if not made[step.name]:
+                with claimed.scratch() as scratch, progress(step) as advance:
                     result = step.run(scratch, advance)
                     _refuse_change_in_work(study, stamps, who["files"])
                     document = {
@@ -122,7 +127,7 @@ def run_study(
                         "written": _written(scratch),
                         "result": result.to_dict(),
                     }
-                    _write(scratch / file.name, who | document)
+                    _write(scratch / f"{step.name}.json", who | document)
     return [folder / f"{step.name}.json" for step in steps]
 
 
@@ -225,9 +230,35 @@ def output_files(folder: Path) -> tuple[str, ...]:
     return tuple(names)
 
 
-def _place_record(files: Iterable[str]) -> dict[str, str]:
-    """The folder to which file names are relative, if any is."""
-    return {"place": str(Path.cwd())} if _relative(files) else {}
+def _place_record(files: Iterable[str], folder: Path) -> dict[str, str]:
+    """The folder to which file names are relative, if any is, as seen from that of the results.
+
+    If both folders share the root only, the path would name all folders of this machine down to the
+    project; then there is no entry.
+    """
+    here, results = Path.cwd().resolve(), folder.resolve()
+    try:
+        apart = os.path.commonpath([here, results]) == here.anchor != str(here)
+    except ValueError:  # on two drives
+        apart = True
+    if apart or not _relative(files):
+        return {}
+    return {"place": Path(os.path.relpath(here, results)).as_posix()}
+
+
+def place_of_files(folder: Path, record: Mapping[str, Any]) -> Path | None:
+    """The folder to which the file names of a run are relative; ``None`` if it is not recorded.
+
+    Parameters
+    ----------
+    folder
+        Of the results.
+    record
+        The content of its ``study.json``. Version 0.2 wrote the whole path.
+    """
+    if "place" not in record:
+        return None
+    return Path(os.path.normpath(folder.resolve() / str(record["place"])))
 
 
 def _relative(files: Iterable[str]) -> bool:
@@ -243,7 +274,8 @@ def _place_of(file: Path, record: dict[str, Any], study: Study) -> Path:
         places = [here]
     else:
         beside = record if file.name == STUDY_FILE else _beside(file)
-        places = [Path(str(beside.get("place", here))), *file.resolve().parents, here]
+        recorded = place_of_files(file.resolve().parent, beside)
+        places = [recorded or here, *file.resolve().parents, here]
     faults = []
     for place in dict.fromkeys(places):
         try:
@@ -395,6 +427,13 @@ def _made_by(file: Path, hash_: str) -> bool:
     if not isinstance(record.get("result"), dict) or not isinstance(written, dict):
         return False
     return all(_sha256(file.parent / name) == digest for name, digest in written.items())
+
+
+def _pictures_of(file: Path) -> list[str]:
+    """The other files of the step whose result is in the file; none if it does not exist."""
+    record = _read(file) if file.exists() else {}
+    written = record.get("written") if isinstance(record, dict) else None
+    return list(written) if isinstance(written, dict) else []
 
 
 def _written(folder: Path) -> dict[str, str | None]:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from chromanoise._check import frozen
+from chromanoise._files import claimed_folder
 from chromanoise.analysis.color_matrices import MatrixMaker
 from chromanoise.analysis.comparison.bands import CrossoverBand, crossover_bands
 from chromanoise.analysis.comparison.crossing import crossovers
@@ -133,13 +134,17 @@ def run(
     Raises
     ------
     InputError
-        If a name is unknown, a file cannot be read, or a result cannot be computed.
+        If a name is unknown, a file cannot be read, a result cannot be computed, or a picture would
+        replace a file that `run` did not write.
     """
     plan = run_plan(study, given=given, work=work)
     done: dict[str, StepResult] = {}
-    for step in plan.steps:
-        with progress(step) as advance:
-            done[step.name] = step.run(folder, advance)
+    claim = nullcontext() if folder is None else claimed_folder(folder, "render")
+    with claim as claimed:
+        for step in plan.steps:
+            there = nullcontext() if claimed is None else claimed.scratch()
+            with there as scratch, progress(step) as advance:
+                done[step.name] = step.run(scratch, advance)
     return Results(study=study, points=plan.points, steps=done)
 
 

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
+from chromanoise._csv_cells import text_of_comment
 from chromanoise.errors import InputError
 from chromanoise.io.spectra.declared import (
     declared_keys,
@@ -61,7 +62,7 @@ def read_delimited(text: str, source: str) -> Found:
     rows = _with_ecsv_units(rows, texts)
     head = _heading_comment(comments, rows)
     decimal = decimal_sign(rows, delimiter, source)
-    facts = {str(m[1]): str(m[2]) for m in map(_FACT.fullmatch, texts) if m}
+    facts = {str(m[1]): text_of_comment(m[2]) for m in map(_FACT.fullmatch, texts) if m}
     keys = declared_keys(texts)
     found = table_of(
         source=source,

@@ -8,6 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from chromanoise._check import Array
+from chromanoise._csv_cells import text_of_cell
 from chromanoise.errors import InputError
 from chromanoise.io.spectra.declared import (
     declared_keys,
@@ -103,7 +104,8 @@ def table_of(
     longest = max(len(_bare(row.cells)) for row in body)
     while delimiter == "blanks" and above and _is_sentence(above[-1], longest):
         above.pop()
-    heads = _with_row_of_units([_bare(row.cells) for row in above])
+    named = [tuple(map(text_of_cell, _bare(row.cells))) for row in above]
+    heads = _with_row_of_units(named)
     width = _width(body, above, head)
     names = _head(heads, head, width)
     _refuse_wavelengths_elsewhere(names, source)

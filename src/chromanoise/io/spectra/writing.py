@@ -3,8 +3,6 @@
 Numbers are written with all significant digits, so reading them restores the same values.
 """
 
-import csv
-import io
 import os
 from collections.abc import Mapping
 from dataclasses import replace
@@ -15,6 +13,7 @@ from xml.sax.saxutils import escape
 import numpy as np
 
 from chromanoise import __version__
+from chromanoise._csv_cells import csv_comment, csv_text
 from chromanoise.errors import InputError
 from chromanoise.io.spectra.own_json import as_json
 from chromanoise.sensor import Mosaic, Sensor
@@ -300,7 +299,6 @@ def _csv(spectra: Spectra, facts: Mapping[str, str]) -> str:
                 found=f"has {name!r}",
                 remedy=("rename it", "write JSON"),
             )
-    text = io.StringIO()
     comments = {
         "version": __version__,
         "source": _but_folder(spectra.source),
@@ -310,13 +308,9 @@ def _csv(spectra: Spectra, facts: Mapping[str, str]) -> str:
         **facts,
         "notes": "; ".join(spectra.notes),
     }
-    for key, value in comments.items():
-        text.write(f"# {key}: {' '.join(value.split())}\n")
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(["wavelength_nm", *spectra.names])
-    for at, row in zip(spectra.wavelength_nm.tolist(), spectra.values.tolist(), strict=True):
-        writer.writerow([repr(at), *map(repr, row)])
-    return text.getvalue()
+    rows = zip(spectra.wavelength_nm.tolist(), spectra.values.tolist(), strict=True)
+    table = csv_text([["wavelength_nm", *spectra.names], *([at, *row] for at, row in rows)])
+    return "".join([*(csv_comment(key, value) for key, value in comments.items()), table])
 
 
 def mosaic_text(mosaic: Mosaic | None) -> str:
