@@ -23,6 +23,7 @@ from contextlib import AbstractContextManager, ExitStack, contextmanager, suppre
 from pathlib import Path
 from typing import IO, Any
 
+from chromanoise._inputs import json_of
 from chromanoise.errors import InputError, StudyError, errors_in
 
 if sys.platform != "win32":
@@ -359,6 +360,8 @@ def _clear_elsewhere(place: Path, goal: Path, folder: Path) -> None:
 
 
 def _refuse_held(path: Path, folder: Path) -> None:
+    if not path.is_file():  # opening a pipe would wait
+        return
     with suppress(OSError), path.open() as journal:
         _lock(journal, folder)
 
@@ -372,8 +375,8 @@ def _notes(journal: IO[str]) -> list[dict[str, Any]]:
     """The complete lines of a lock file; none if chromanoise did not write it."""
     journal.seek(0)
     try:
-        lines = [json.loads(line) for line in journal.readlines() if line.endswith("\n")]
-    except ValueError:
+        lines = [json_of(line, journal.name) for line in journal.readlines() if line.endswith("\n")]
+    except ValueError:  # among them an InputError
         return []
     return lines if all(isinstance(line, dict) for line in lines) else []
 
