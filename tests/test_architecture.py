@@ -110,6 +110,12 @@ def test_no_module_but_one_calls_a_linear_solver():
     assert found == set()
 
 
+def test_no_module_resolves_a_path_with_an_error_for_links_in_a_loop():
+    """`Path.resolve` raises RuntimeError for them; `_inputs.true_path` does not."""
+    texts = {path: path.read_text(encoding="utf-8") for path in PACKAGE.rglob("*.py")}
+    assert {path.name for path, text in texts.items() if ".resolve()" in text} == set()
+
+
 def test_no_module_but_one_parses_json():
     """`_inputs.json_of` refuses what a later step could not use; `json.loads` does not."""
     called = {

@@ -233,7 +233,7 @@ def _write_errors(path: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        raise InputError(str(path), f"cannot be written ({error.strerror})") from None
+        raise InputError(str(path), f"cannot be written ({error.strerror or error})") from None
 
 
 def _place(goal: Path) -> Path:

@@ -66,6 +66,14 @@ def regular_file(path: Path, *, folder: bool = False, pipe: bool = False) -> os.
     raise InputError(str(path), "must be a regular file", value=kind, found=f"is {kind}")
 
 
+def true_path(path: Path) -> Path:
+    """The absolute path with links followed; links in a loop stay as they are.
+
+    `Path.resolve` raises RuntimeError for such a loop.
+    """
+    return Path(os.path.realpath(path))
+
+
 def json_file(path: Path, *, most_bytes: int, any_number: bool = False) -> Any:
     """The data in a file of JSON.
 

@@ -26,9 +26,7 @@ def found(problem, method="nsga2", budget=1600, population=40, **options):
     chosen = {name: options.pop(name) for name in names}
     return searched_front(
         problem,
-        SearchSettings(
-            method=method, budget=budget, population=population, **{"seed": 1} | chosen
-        ),
+        SearchSettings(method=method, budget=budget, population=population, **{"seed": 1} | chosen),
         **options,
     )
 

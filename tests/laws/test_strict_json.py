@@ -58,7 +58,9 @@ def test_json_that_a_later_step_could_not_use_is_refused(content):
 
 
 @pytest.mark.parametrize("reader", READERS)
-@pytest.mark.parametrize("name", [name for name in REFUSED if not name.startswith(("a byte", "UTF"))])
+@pytest.mark.parametrize(
+    "name", [name for name in REFUSED if not name.startswith(("a byte", "UTF"))]
+)
 def test_every_reader_refuses_it_with_the_name_of_the_file(reader, name, tmp_path):
     path = tmp_path / "a.json"
     path.write_text(REFUSED[name])
@@ -110,7 +112,9 @@ def loop(path):
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no pipes in folders")
-@pytest.mark.parametrize("made", [os.mkfifo, os.mkdir, loop, lambda path: path.symlink_to("/dev/zero")])
+@pytest.mark.parametrize(
+    "made", [os.mkfifo, os.mkdir, loop, lambda path: path.symlink_to("/dev/zero")]
+)
 @pytest.mark.parametrize(
     "read",
     [partial(json_file, most_bytes=99), resumed, recorded_run, read_front, read_matrix],

@@ -225,7 +225,7 @@ def test_an_unpaired_surrogate_in_a_file_is_refused_in_one_sentence(server, name
     assert "surrogate" in only_sentence(reply)["sentence"]
 
 
-CSV_MATRIX = "lx/e-,R,G,B\nX,1,0,0\nY,0,1,0\nZ,0,0,1\n"
+CSV_MATRIX = "lx/e-,R,G,B\nX,2,0,0\nY,0,1,0\nZ,0,0,1\n"
 MATRIX = {"matrix_lux_per_e": np.eye(3).tolist(), "time_ms": 10, "f_number": 2, "pitch_um": 2}
 
 
@@ -243,7 +243,7 @@ MATRIX = {"matrix_lux_per_e": np.eye(3).tolist(), "time_ms": 10, "f_number": 2, 
             ("m.csv", f"# time_ms: 10\n# f_number: 2\n# pitch_um: 2\n# {line}\n{CSV_MATRIX}")
             for line in ("pitch_um: 1e300", "time_ms: nan", "f_number: 1e-300", "level_lux: -1")
         ),
-        ("m.csv", CSV_MATRIX.replace("X,1", "X,1e400")),
+        ("m.csv", CSV_MATRIX.replace("X,2", "X,1e400")),
     ],
 )
 def test_a_matrix_with_an_impossible_number_is_refused_in_one_sentence(server, name, content):

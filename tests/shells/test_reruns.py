@@ -101,7 +101,16 @@ def test_a_project_that_was_moved_is_rerun_with_its_own_files(run, made, project
 @pytest.mark.parametrize("name", ["study.json", "analysis-kernel.json", "pictures-1.json"])
 @pytest.mark.parametrize(
     "content",
-    ["{}", "[]", "null", "1e400", "[" * 50_000, '{"a":' * 500 + "1" + "}" * 500, '"\\ud800"', "pipe"],
+    [
+        "{}",
+        "[]",
+        "null",
+        "1e400",
+        "[" * 50_000,
+        '{"a":' * 500 + "1" + "}" * 500,
+        '"\\ud800"',
+        "pipe",
+    ],
     ids=lambda text: text[:9],
 )
 def test_an_output_with_other_content_is_one_sentence_or_a_difference(

@@ -68,7 +68,8 @@ def resumed(path: Path) -> Sampler:
 def _key(frames: Sequence[Frame], tile: tuple[int, int]) -> str:
     digest = hashlib.sha256(repr(tile).encode())
     for frame in frames:
-        facts, place = frame.path.stat(), f"{frame.path.resolve()}|{frame.part}|{frame.index}"
+        facts = frame.path.stat()
+        place = f"{_inputs.true_path(frame.path)}|{frame.part}|{frame.index}"
         digest.update(f"{place}|{facts.st_size}|{facts.st_mtime_ns}\n".encode())
     return digest.hexdigest()
 

@@ -36,7 +36,8 @@ def asset(path: str) -> bytes | None:
     True
     """
     steps = path.split("/")
-    if len(path) > _LONGEST_PATH or not all(_STEP.fullmatch(step) for step in steps) or path.rpartition(".")[2] not in _TYPES:
+    known = path.rpartition(".")[2] in _TYPES and all(_STEP.fullmatch(step) for step in steps)
+    if not known or len(path) > _LONGEST_PATH:
         return None
     shared = steps[0] == "draw"
     place: Traversable = files("chromanoise").joinpath(_DRAW if shared else _OWN)

@@ -12,7 +12,7 @@ from pydantic import ValidationError
 
 from chromanoise import __version__
 from chromanoise._files import claimed_folder, refuse_unwritable
-from chromanoise._inputs import content_hash, json_file, regular_file
+from chromanoise._inputs import content_hash, json_file, regular_file, true_path
 from chromanoise.errors import InputError
 from chromanoise.imaging import Work
 from chromanoise.io.spectra.own_json import named
@@ -245,7 +245,7 @@ def _place_of(file: Path, record: dict[str, Any], study: Study) -> Path:
         places = [here]
     else:
         beside = record if file.name == STUDY_FILE else _beside(file)
-        places = [Path(str(beside.get("place", here))), *file.resolve().parents, here]
+        places = [Path(str(beside.get("place", here))), *true_path(file).parents, here]
     faults = []
     for place in dict.fromkeys(places):
         try:
