@@ -83,11 +83,13 @@ def shortened(data: Any, *, digits: int = 5) -> Any:
     >>> shortened([26.123456, 26.2496, 12.0, "26.2496"])
     [26.123, 26.2496, 12, '26.2496']
     """
+    if isinstance(data, float):
+        return _shortened(data, digits)
     if isinstance(data, dict):
         return {key: shortened(value, digits=digits) for key, value in data.items()}
     if isinstance(data, list | tuple):
         return [shortened(value, digits=digits) for value in data]
-    return _shortened(data, digits) if isinstance(data, float) else data
+    return data
 
 
 def _shortened(value: float, digits: int) -> float | int:
