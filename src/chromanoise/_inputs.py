@@ -144,7 +144,7 @@ def json_of(content: str | bytes, source: str, *, any_number: bool = False) -> A
     def not_finite(word: str) -> float:
         if any_number:
             return float(word)
-        raise InputError(source, "is not JSON", value=word, found=f"it holds {word}")
+        raise InputError(source, f"contains {word}, which is not a JSON number")
 
     try:
         text = content if isinstance(content, str) else content.decode("utf-8-sig")

@@ -381,6 +381,44 @@ def test_a_question_that_would_wait_too_long_gets_status_503(workers, monkeypatc
     assert refused.status == 503
 
 
+def test_jobs_that_nobody_waits_for_are_not_computed(workers, monkeypatch):
+    asked, ask = [], processes.Worker.asked
+    monkeypatch.setattr(
+        processes.Worker, "asked", lambda one, job: asked.append(job) or ask(one, job)
+    )
+    monkeypatch.setattr(work, "ABANDONED_S", 0.0)
+
+    async def abandoned():
+        jobs = [asyncio.ensure_future(workers.done("answer", HEAVY)) for _ in range(30)]
+        await asyncio.sleep(0.2)
+        for one in jobs:
+            one.cancel()
+        await asyncio.gather(*jobs, return_exceptions=True)
+        return await workers.done("texts", HEAD)
+
+    assert "onyx-rgb" in json.loads(asyncio.run(abandoned()))["toml"]
+    assert len(asked) <= LANE.workers + 1
+    assert workers._lanes["questions"]._waiting == 0
+
+
+def test_questions_of_clients_that_have_gone_do_not_delay_others(server):
+    client, _ = server
+    port = client.base_url.port
+    for i in range(40):
+        body = HEAVY.replace(b"1.5", b"%d" % i) + b" " * i
+        head = (
+            f"POST /api/answer HTTP/1.1\r\nHost: localhost:{port}\r\n"
+            f"Content-Type: application/json\r\nContent-Length: {len(body)}\r\n\r\n"
+        )
+        with socket.create_connection(("127.0.0.1", port)) as one:
+            one.sendall(head.encode() + body)
+            time.sleep(0.02)
+    start = time.monotonic()
+    headers = {"Content-Type": "application/json"}
+    assert client.post("/api/answer", content=HEAD, headers=headers).status_code == 200
+    assert time.monotonic() - start < 15  # computed one after the other: a minute, or status 503
+
+
 def test_without_fork_each_process_is_started_separately(monkeypatch):
     monkeypatch.setattr(processes, "FORKS", False)
     workers = Workers(None)
