@@ -19,7 +19,7 @@ from chromanoise.errors import InputError
 MOST_DEPTH = 64
 """Deepest nesting of lists and objects in JSON that is read."""
 
-_LARGEST = sys.float_info.max
+_LARGEST, _MOST_DIGITS = sys.float_info.max, 400
 _SURROGATE = re.compile("[\ud800-\udfff]")
 
 _KINDS = (
@@ -146,9 +146,17 @@ def json_of(content: str | bytes, source: str, *, any_number: bool = False) -> A
             return float(word)
         raise InputError(source, f"contains {word}, which is not a JSON number")
 
+    def whole(digits: str) -> int:
+        if len(digits) > _MOST_DIGITS:  # the parser would raise a ValueError for thousands
+            found = f"contains a whole number of {len(digits.lstrip('-'))} digits"
+            raise InputError(source, found, remedy="write fewer")
+        return int(digits)
+
     try:
         text = content if isinstance(content, str) else content.decode("utf-8-sig")
-        data = json.loads(text, object_pairs_hook=once, parse_constant=not_finite)
+        data = json.loads(
+            text, object_pairs_hook=once, parse_constant=not_finite, parse_int=whole
+        )
     except InputError:
         raise
     except UnicodeDecodeError as error:
@@ -158,10 +166,6 @@ def json_of(content: str | bytes, source: str, *, any_number: bool = False) -> A
         raise InputError(source, f"is not JSON ({error.msg})", where=where) from None
     except RecursionError:
         raise _too_deep(source) from None
-    except ValueError:  # of Python's limit of digits
-        raise InputError(
-            source, "holds a number of too many digits", remedy="write fewer"
-        ) from None
     _refuse_unusable(data, source, any_number)
     return data
 
