@@ -110,6 +110,30 @@ def test_no_module_but_one_calls_a_linear_solver():
     assert found == set()
 
 
+def test_no_module_resolves_a_path_with_an_error_for_links_in_a_loop():
+    """`Path.resolve` raises RuntimeError for them; `_inputs.true_path` does not."""
+    texts = {path: path.read_text(encoding="utf-8") for path in PACKAGE.rglob("*.py")}
+    assert {path.name for path, text in texts.items() if ".resolve()" in text} == set()
+
+
+def test_no_module_but_one_parses_json():
+    """`_inputs.json_of` refuses what a later step could not use; `json.loads` does not."""
+    called = {
+        f"{path.name}: {node.attr}"
+        for path in set(PACKAGE.rglob("*.py")) - {PACKAGE / "_inputs.py"}
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Attribute)
+        and ast.unparse(node) in ("json.load", "json.loads", "json.JSONDecoder")
+    }
+    imported = {
+        path.name
+        for path in set(PACKAGE.rglob("*.py")) - {PACKAGE / "_inputs.py"}
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.ImportFrom) and node.module == "json"
+    }
+    assert (called, imported) == (set(), set())
+
+
 @pytest.mark.parametrize("path", sorted(BENCHMARKS.glob("*.py")), ids=lambda p: p.stem)
 def test_every_name_that_a_benchmark_imports_is_there(path):
     """They run for minutes, so they are not run here; a moved name would break them unseen."""

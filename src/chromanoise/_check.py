@@ -122,14 +122,15 @@ def same_length(what: str, **lengths: int) -> None:
 
 def distinct(name: str, values: Sequence[str]) -> tuple[str, ...]:
     """``values`` as a tuple; raises `InputError` if a name is empty or repeated."""
-    names = tuple(values)
+    names, before = tuple(values), set[str]()
     for i, value in enumerate(names):
         if not value:
             raise InputError(name, "must not be empty", value="", found=f"entry {i} is")
-        if value in names[:i]:
+        if value in before:
             raise InputError(
                 name, "must differ", value=value, found=f"{value!r} is repeated (entry {i})"
             )
+        before.add(value)
     return names
 
 

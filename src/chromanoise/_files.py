@@ -33,6 +33,7 @@ from fnmatch import fnmatch
 from pathlib import Path
 from typing import IO, Any
 
+from chromanoise._inputs import json_of
 from chromanoise.errors import InputError, StudyError, errors_in
 
 if sys.platform != "win32":
@@ -531,7 +532,7 @@ def _write_errors(path: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        raise InputError(str(path), f"cannot be written ({error.strerror})") from error
+        raise InputError(str(path), f"cannot be written ({error.strerror or error})") from error
 
 
 def _place(goal: Path) -> Path:
@@ -688,8 +689,8 @@ def _notes(journal: IO[str]) -> list[dict[str, Any]]:
     """The complete lines of a lock file; none if chromanoise did not write it."""
     journal.seek(0)
     try:
-        lines = [json.loads(line) for line in journal.readlines() if line.endswith("\n")]
-    except ValueError:
+        lines = [json_of(line, journal.name) for line in journal.readlines() if line.endswith("\n")]
+    except ValueError:  # among them an InputError
         return []
     return lines if all(isinstance(line, dict) for line in lines) else []
 

@@ -18,6 +18,7 @@ from chromanoise._check import reason
 from chromanoise.errors import InputError
 from chromanoise.io.cubes import bounds, read_cube
 from chromanoise.scene.rows import row_source
+from outcomes import refused_input
 
 h5py = pytest.importorskip("h5py", reason="comes with chromanoise[cubes]")
 zarr = pytest.importorskip("zarr", reason="comes with chromanoise[cubes]")
@@ -381,3 +382,20 @@ def test_a_blosc_chunk_shorter_than_declared_does_not_crash_the_process(tmp_path
     assert done.returncode == 0
     assert str(length) in done.stdout
     assert done.stderr == ""
+
+
+@pytest.mark.parametrize("depth", [60, 3000])
+def test_deeply_nested_groups_are_read_or_refused_at_once(tmp_path, depth):
+    """The library looks up each name from the root: 3000 groups took a quarter of a minute."""
+    path = tmp_path / "a.h5"
+    with h5py.File(path, "w") as file:
+        inner = file.create_group("/".join("g" * depth))
+        inner["reflectance"] = np.full((4, 5, 27), 0.5, "f4")
+        file["wavelength_nm"] = np.linspace(400, 1050, 27)
+    if depth == 60:
+        assert read_cube(path).wavelength_nm.size == 27
+        return
+    start = os.times().elapsed
+    with refused_input(subject=str(path)):
+        read_cube(path)
+    assert os.times().elapsed - start < 20

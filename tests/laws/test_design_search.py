@@ -5,6 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import scipy.optimize
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
 import chromanoise.design.search as searching
 from chromanoise.design import algorithms
@@ -21,12 +23,10 @@ OF_ONE = "de", "cma-es"
 
 def found(problem, method="nsga2", budget=1600, population=40, **options):
     names = {"seed", "polish"} & set(options)
-    settings = {name: options.pop(name) for name in names}
+    chosen = {name: options.pop(name) for name in names}
     return searched_front(
         problem,
-        SearchSettings(
-            method=method, budget=budget, population=population, **{"seed": 1} | settings
-        ),
+        SearchSettings(method=method, budget=budget, population=population, **{"seed": 1} | chosen),
         **options,
     )
 
@@ -443,6 +443,21 @@ def test_a_damaged_checkpoint_is_one_sentence(content, tmp_path):
     else:
         whole = file.read_bytes()
         file.write_bytes(whole[: len(whole) // 2] if content == "half" else content)
+    with refused_input(subject=str(file)):
+        found(bnh(), budget=200, checkpoint=file, resume=True)
+
+
+@given(st.data())
+@settings(max_examples=100, suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_a_checkpoint_in_which_one_byte_was_changed_is_one_sentence(tmp_path, data):
+    file = tmp_path / "search.npz"
+    if not file.exists():
+        found(bnh(), budget=200, checkpoint=file)
+        (tmp_path / "whole").write_bytes(file.read_bytes())
+    content = bytearray((tmp_path / "whole").read_bytes())
+    at = data.draw(st.integers(0, len(content) - 1))
+    content[at] ^= data.draw(st.integers(1, 255))
+    file.write_bytes(content)
     with refused_input(subject=str(file)):
         found(bnh(), budget=200, checkpoint=file, resume=True)
 

@@ -1,5 +1,7 @@
 """What a file of spectra lacks is said with curve and range; what only a person knows is asked."""
 
+import time
+
 import numpy as np
 import pytest
 from scipy.io import savemat
@@ -150,3 +152,21 @@ def test_a_sensor_that_says_nothing_is_asked_all_in_one_sentence(file):
 def test_a_sensor_whose_heading_says_qe_is_absolute_per_photon(file, head):
     result = read_curves(file(f"{head}\n400,.1,.2\n700,.3,.1\n"))
     assert qe_of(result, Answers()).values.tolist() == [[0.1, 0.2], [0.3, 0.1]]
+
+
+def cgats_of(sets):
+    head = 'CTI3\nSPECTRAL_START_NM "400"\nSPECTRAL_END_NM "1050"\nBEGIN_DATA_FORMAT\n'
+    fields = "SPEC_400 SPEC_725 SPEC_1050\nEND_DATA_FORMAT\nBEGIN_DATA\n"
+    return head + fields + "1 2 3\n" * sets + "END_DATA\n"
+
+
+def test_a_file_of_very_many_curves_is_refused_at_once(tmp_path):
+    path = tmp_path / "a.sp"
+    path.write_text(cgats_of(100_000))
+    start = time.process_time()
+    with refused_input(subject=str(path), value=100_000):
+        read_curves(path)
+    assert time.process_time() - start < 5  # by pairs of names: minutes
+    path.write_text(cgats_of(3000))
+    assert len(read_curves(path).curves.names) == 3000
+    assert time.process_time() - start < 8

@@ -4,6 +4,7 @@ import json
 import re
 import shutil
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -24,10 +25,17 @@ from chromanoise.study import (
     run_study,
     study_as_python,
     study_as_toml,
+    study_from_data,
     study_from_text,
     study_hash,
     study_of_output,
     study_schema,
+)
+from chromanoise.study.assembly import (
+    duplicates,
+    operating_points_of,
+    repeated_labels,
+    with_distinct_names,
 )
 from chromanoise.study.document import (
     AnswersPart,
@@ -788,3 +796,21 @@ def test_every_key_of_a_study_file_is_described():
     for part in [schema, *schema["$defs"].values()]:
         for name, field in part["properties"].items():
             assert "description" in field or "$ref" in str(field), name  # a part tells itself
+
+
+def test_a_thousand_sensors_are_compared_in_linear_time():
+    parts = [{"name": "onyx-rgbw", "shift_nm": i / 50, "label": f"s{i}"} for i in range(999)]
+    study = study_from_data({"sensors": [*parts, {"name": "onyx-rgbw", "shift_nm": 0.0}]})
+    start = time.process_time()
+    (repeated,) = duplicates(study)
+    assert repeated.setting == "sensors.999.name"
+    assert repeated_labels(study) == []
+    assert time.process_time() - start < 0.5  # by pairs of models: 3 s
+
+
+def test_equal_names_get_numbers_that_are_not_names_already():
+    names = ["cam", "cam", "cam (2)", "cam", "b", "cam (3)", "b"]
+    (point,) = operating_points_of(study_from_data({"sensors": [{"name": "onyx-rgbw"}]}))
+    points = [replace(point, sensor=replace(point.sensor, name=name)) for name in names]
+    distinct = [one.sensor.name for one in with_distinct_names(points)]
+    assert distinct == ["cam", "cam (4)", "cam (2)", "cam (5)", "b", "cam (3)", "b (2)"]

@@ -91,6 +91,29 @@ def test_a_later_run_goes_on_from_the_statistics_of_an_earlier_one(run, frames, 
     assert other != first
 
 
+def test_kept_statistics_that_were_changed_are_refused(run, frames, tmp_path):
+    run("characterize", "frames", "--resume", "kept.json", "--json", "-")
+    kept, first = tmp_path / "kept.json", (tmp_path / "kept.json").read_text()
+    for old, new in (('"planes": [{', '"planes": [], "x": [{'), ("1", "2"), ("e", "E")):
+        kept.write_text(first.replace(old, new, 1))
+        refused(run("characterize", "frames", "--resume", "kept.json"), "kept.json")
+        assert kept.read_text() == first.replace(old, new, 1)
+
+
+@pytest.mark.parametrize("option", ["--resume", "--json"])
+def test_links_in_a_loop_are_refused(run, frames, tmp_path, option):
+    (tmp_path / "loop.json").symlink_to("loop.json")
+    refused(run("characterize", "frames", option, "loop.json"), "loop.json")
+
+
+@pytest.mark.parametrize("up", [60, 3])
+def test_parent_folders_after_a_wildcard_are_refused(run, frames, up):
+    (frames / "inner").mkdir()
+    text = f'darks = ["{"*/../" * up}*.npy"]\n[[levels]]\nflats = ["*.npy"]\n'
+    (frames / "capture.toml").write_text(text)
+    refused(run("characterize", "frames"), "..")
+
+
 @pytest.mark.parametrize(
     ("option", "target"),
     [

@@ -48,6 +48,25 @@ def test_a_few_random_command_lines_give_results_or_sentences():
     assert set(result["codes"]) == {"0", "2"}
 
 
+@pytest.mark.parametrize(
+    "words",
+    [
+        *(("denoise", "loop"), ("denoise", "loop", "-o", "o"), ("characterize", "loop")),
+        *(("analyze", "loop"), ("analyze", "onyx-rgbw", "--json", "loop"), ("inspect", "loop")),
+        *(("analyze", "onyx-rgbw", "--table", "loop.csv"), ("convert", "loop", "a.csv")),
+        *(("run", "loop"), ("rerun", "loop", "-o", "o"), ("optimize", "loop")),
+        *(("demo-frames", "--shape", "12x16", "-o", "loop"), ("init", "loop")),
+        ("simulate", "loop", "--sensor", "onyx-rgbw"),
+    ],
+    ids=" ".join,
+)
+def test_links_in_a_loop_are_one_sentence(run, here, words):
+    for name in ("loop", "loop.csv"):
+        (here / name).symlink_to(name)
+    refused(run(*words), "loop")
+    assert {path.name for path in here.iterdir()} == {"loop", "loop.csv"}
+
+
 @pytest.mark.evidence
 def test_many_random_command_lines_give_results_or_sentences():
     result = broken_among(LINES, seed=1)

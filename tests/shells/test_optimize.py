@@ -1,7 +1,9 @@
 """`init --design`, `optimize`, `cn.optimize`: a front whose members every command takes."""
 
 import json
+import os
 import shlex
+import sys
 
 import pytest
 
@@ -111,6 +113,35 @@ def test_a_folder_of_another_design_is_refused_before_the_search(run, done, desi
     design.write_text(SHORT.replace("width_nm = 8", "width_nm = 9"))
     refused(run("optimize", design, *EFFORT, "-o", "mine"), value="mine")
     assert files_of(design.parent / "mine") == before
+
+
+def pipe(path):
+    os.mkfifo(path)
+
+
+def deep(path):
+    path.write_text("[" * 100_000)
+
+
+def surrogate(path):
+    path.write_text('{"identity": "\\ud800"}')
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no pipes in folders")
+@pytest.mark.parametrize("made", [pipe, deep, surrogate])
+def test_a_record_that_cannot_be_read_is_one_sentence_and_stays(run, design, made):
+    folder = design.parent / "o"
+    folder.mkdir()
+    made(folder / "design.json")
+    before = (folder / "design.json").lstat()
+    refused(run("optimize", design, *EFFORT, "-o", folder), "another design")
+    assert [(path.name, path.lstat()) for path in folder.iterdir()] == [("design.json", before)]
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no pipes in folders")
+def test_a_pipe_in_place_of_the_lock_is_not_waited_for(run, design):
+    os.mkfifo(design.parent / ".o.chromanoise-lock")
+    refused(run("optimize", design, *EFFORT, "-o", "o"), "o")
 
 
 @pytest.mark.parametrize(

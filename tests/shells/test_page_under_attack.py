@@ -25,8 +25,10 @@ import tifffile
 from attack_page import _tree, attacked, memory_bytes
 from attack_questions import FILES, damaged
 from chromanoise import _sandbox
+from chromanoise.catalog import sensor_named
 from chromanoise.errors import InputError
 from chromanoise.io.matlab import mat_array
+from chromanoise.io.sensor_json import sensor_json
 from chromanoise.page import processes, requests, work, worker
 from chromanoise.page.requests import Bodies, QuestionError
 from chromanoise.page.services import Services
@@ -200,15 +202,59 @@ def test_an_unpaired_surrogate_is_refused_in_one_sentence(server, body):
         only_sentence(server[0].post(f"/api/{path}", content=body, headers=headers), 400)
 
 
-def test_an_unpaired_surrogate_in_a_file_is_answered(server):
-    data = json.loads(FILES["json"]())
-    data["spectral_data"]["index"]["main"] = ["\ud800", "G"]
-    content = json.dumps(data).encode()
-    reply = server[0].post("/api/upload", content=content, headers=FILE | {"X-Filename": "a.json"})
-    assert reply.status_code == 200
+def with_surrogate(name):
+    """A file of our own JSON or of rawtoaces with an unpaired surrogate in a name or note."""
+    if name == "curves":
+        data = json.loads(FILES["json"]())
+        data["spectral_data"]["index"]["main"] = ["\ud800", "G"]
+    elif name == "front":
+        data = json.loads(FILES["front.json"]())
+        data["members"][0]["name"] = "\udfff"
+    elif name == "matrix":
+        data = {"balanced": np.eye(3).tolist(), "illuminant": "\ud83d"}
+    else:
+        data = json.loads(sensor_json(sensor_named("onyx-rgb")))
+        data |= {"notes": ["\ud800"]} if name == "note" else {"name": "\ud800"}
+    return json.dumps(data).encode()
 
 
-@pytest.mark.parametrize("path", ["a" * 300 + ".js", "app/" + "a" * 5000 + ".js"])
+@pytest.mark.parametrize("name", ["curves", "front", "matrix", "note", "name"])
+def test_an_unpaired_surrogate_in_a_file_is_refused_in_one_sentence(server, name):
+    headers = FILE | {"X-Filename": "front.json" if name == "front" else "a.json"}
+    reply = server[0].post("/api/upload", content=with_surrogate(name), headers=headers)
+    assert "surrogate" in only_sentence(reply)["sentence"]
+
+
+CSV_MATRIX = "lx/e-,R,G,B\nX,2,0,0\nY,0,1,0\nZ,0,0,1\n"
+MATRIX = {"matrix_lux_per_e": np.eye(3).tolist(), "time_ms": 10, "f_number": 2, "pitch_um": 2}
+
+
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [
+        ("m.json", json.dumps(MATRIX | {"matrix_lux_per_e": [[10**400] * 3] * 3})),
+        ("m.json", json.dumps(MATRIX | {"balanced": [[10**400] * 3] * 3, "matrix_lux_per_e": 1})),
+        ("m.json", json.dumps(MATRIX | {"pitch_um": 1e200})),
+        ("m.json", json.dumps(MATRIX | {"time_ms": 10**400})),
+        ("m.json", json.dumps(MATRIX | {"level_lux": 10**400})),
+        ("m.json", json.dumps(MATRIX | {"f_number": 0})),
+        ("m.json", json.dumps(MATRIX | {"f_number": True})),
+        *(
+            ("m.csv", f"# time_ms: 10\n# f_number: 2\n# pitch_um: 2\n# {line}\n{CSV_MATRIX}")
+            for line in ("pitch_um: 1e300", "time_ms: nan", "f_number: 1e-300", "level_lux: -1")
+        ),
+        ("m.csv", CSV_MATRIX.replace("X,2", "X,1e400")),
+    ],
+)
+def test_a_matrix_with_an_impossible_number_is_refused_in_one_sentence(server, name, content):
+    headers = FILE | {"X-Filename": name}
+    reply = server[0].post("/api/upload", content=content.encode(), headers=headers)
+    assert name in only_sentence(reply)["sentence"]
+
+
+@pytest.mark.parametrize(
+    "path", ["a" * 300 + ".js", "app/" + "a" * 5000 + ".js", "a/" * 3000 + "b.js"]
+)
 def test_a_long_name_of_an_asset_is_not_found(server, path):
     assert server[0].get(f"/assets/{path}").status_code == 404
 
@@ -333,6 +379,44 @@ def test_a_question_that_would_wait_too_long_gets_status_503(workers, monkeypatc
     (refused,) = results(workers, ("texts", HEAD))
     assert isinstance(refused, QuestionError)
     assert refused.status == 503
+
+
+def test_jobs_that_nobody_waits_for_are_not_computed(workers, monkeypatch):
+    asked, ask = [], processes.Worker.asked
+    monkeypatch.setattr(
+        processes.Worker, "asked", lambda one, job: asked.append(job) or ask(one, job)
+    )
+    monkeypatch.setattr(work, "ABANDONED_S", 0.0)
+
+    async def abandoned():
+        jobs = [asyncio.ensure_future(workers.done("answer", HEAVY)) for _ in range(30)]
+        await asyncio.sleep(0.2)
+        for one in jobs:
+            one.cancel()
+        await asyncio.gather(*jobs, return_exceptions=True)
+        return await workers.done("texts", HEAD)
+
+    assert "onyx-rgb" in json.loads(asyncio.run(abandoned()))["toml"]
+    assert len(asked) <= LANE.workers + 1
+    assert workers._lanes["questions"]._waiting == 0
+
+
+def test_questions_of_clients_that_have_gone_do_not_delay_others(server):
+    client, _ = server
+    port = client.base_url.port
+    for i in range(40):
+        body = HEAVY.replace(b"1.5", b"%d" % i) + b" " * i
+        head = (
+            f"POST /api/answer HTTP/1.1\r\nHost: localhost:{port}\r\n"
+            f"Content-Type: application/json\r\nContent-Length: {len(body)}\r\n\r\n"
+        )
+        with socket.create_connection(("127.0.0.1", port)) as one:
+            one.sendall(head.encode() + body)
+            time.sleep(0.02)
+    start = time.monotonic()
+    headers = {"Content-Type": "application/json"}
+    assert client.post("/api/answer", content=HEAD, headers=headers).status_code == 200
+    assert time.monotonic() - start < 15  # computed one after the other: a minute, or status 503
 
 
 def test_without_fork_each_process_is_started_separately(monkeypatch):

@@ -135,6 +135,38 @@ def test_no_output_names_the_folders_above_the_project(run, made, project, tmp_p
         assert run("rerun", Path(folder) / "o", "-o", "again")[0] == 0  # from the project
 
 
+@pytest.mark.parametrize("name", ["study.json", "analysis-kernel.json", "pictures-1.json"])
+@pytest.mark.parametrize(
+    "content",
+    [
+        "{}",
+        "[]",
+        "null",
+        "1e400",
+        "[" * 50_000,
+        '{"a":' * 500 + "1" + "}" * 500,
+        '"\\ud800"',
+        "pipe",
+    ],
+    ids=lambda text: text[:9],
+)
+def test_an_output_with_other_content_is_one_sentence_or_a_difference(
+    run, made, tmp_path, name, content
+):
+    (made / name).unlink()
+    if content == "pipe":
+        os.mkfifo(made / name)
+    else:
+        (made / name).write_text(content)
+    refused(run("rerun", made / name, "-o", tmp_path / "a"), name)
+    if name == "study.json":
+        refused(run("rerun", made, "-o", tmp_path / "b"), name)
+        return
+    code, _, err = run("rerun", made, "-o", tmp_path / "b")
+    last = err.splitlines()[-1]
+    assert (code, name in last, "libraries" in last) == (1, True, False), err
+
+
 @pytest.mark.parametrize("name", ["catalog", "catalog:"])
 def test_a_folder_of_the_project_named_catalog_is_found_from_elsewhere(
     run, project, tmp_path, monkeypatch, name

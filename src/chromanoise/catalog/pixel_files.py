@@ -6,7 +6,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from chromanoise._inputs import regular_file
+from chromanoise._inputs import json_of, regular_file
 from chromanoise.catalog.resolve import (
     asked_of_name,
     file_of,
@@ -33,7 +33,6 @@ from chromanoise.io.pixels.photon_transfer_csv import is_photon_transfer_text
 from chromanoise.io.pixels.pixel_toml import is_pixel_toml_text
 from chromanoise.io.pixels.source_text import (
     errors_in_file,
-    source_json,
     source_text,
 )
 from chromanoise.io.sensor_json import sensor_from_json
@@ -85,7 +84,7 @@ def _source(path: Path, text: str) -> PixelSource:
     if path.suffix.lower() == ".toml" or is_pixel_toml_text(text):
         return read_pixel_toml(path)
     if text.lstrip().startswith("{"):
-        held = source_json(text, str(path))
+        held = json_of(text, str(path))
         if "noiseprofiles" in held:
             raise InputError(
                 str(path),

@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import os
 from collections.abc import Sequence
 from dataclasses import asdict, fields
 from pathlib import Path
@@ -36,9 +37,9 @@ def resumed(path: Path) -> Sampler:
     Raises
     ------
     InputError
-        If the file exists and is of another kind or version.
+        If the file exists and is of another kind or version, or was changed.
     """
-    kept, writing = _read(path) if path.exists() else {}, Lock()
+    kept, writing = _read(path) if os.path.lexists(path) else {}, Lock()
 
     def sampled(frames: Sequence[Frame], tile: tuple[int, int]) -> LightSample:
         key = _key(frames, tile)
@@ -51,6 +52,7 @@ def resumed(path: Path) -> Sampler:
             with writing:
                 kept[key] = one
                 data = {"schema": _SCHEMA, "version": __version__, "lights": kept}
+                data["content"] = _inputs.content_hash(data)
                 write_whole(path, json.dumps(data).encode())
             return found
         one = kept[key]
@@ -66,27 +68,32 @@ def resumed(path: Path) -> Sampler:
 def _key(frames: Sequence[Frame], tile: tuple[int, int]) -> str:
     digest = hashlib.sha256(repr(tile).encode())
     for frame in frames:
-        facts, place = frame.path.stat(), f"{frame.path.resolve()}|{frame.part}|{frame.index}"
+        facts = frame.path.stat()
+        place = f"{_inputs.true_path(frame.path)}|{frame.part}|{frame.index}"
         digest.update(f"{place}|{facts.st_size}|{facts.st_mtime_ns}\n".encode())
     return digest.hexdigest()
 
 
 def _read(path: Path) -> dict[str, Any]:
-    size = _inputs.regular_file(path).st_size
+    data = _inputs.json_file(path, most_bytes=_MOST_BYTES)
     remedy = "give the file of an earlier run, or one that does not exist"
-    if size > _MOST_BYTES:
-        raise InputError(str(path), "must hold statistics of frames", value=size, remedy=remedy)
     try:
-        data = json.loads(path.read_bytes())
         lights = data["lights"]
         same = data["schema"] == _SCHEMA and data["version"] == __version__
         valid = all(
             set(plane) == _FIELDS for one in lights.values() for plane in one["planes"]
         ) and all("covariance_dn2" in one for one in lights.values())
-    except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
+    except (KeyError, TypeError, AttributeError):
         same = valid = False
     if not (same and valid):
         raise InputError(
             str(path), f"must hold statistics of frames of version {__version__}", remedy=remedy
+        )
+    if data.get("content") != _inputs.content_hash(data):
+        raise InputError(
+            str(path),
+            "must be as the earlier run wrote it",
+            found="was changed since, as its content hash shows",
+            remedy=("restore it", "name a file that does not exist"),
         )
     return dict(lights)

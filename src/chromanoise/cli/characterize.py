@@ -8,6 +8,7 @@ import click
 from rich.table import Table as Grid
 
 from chromanoise._files import refuse_unwritable
+from chromanoise._inputs import true_path
 from chromanoise.characterization import (
     QUANTITIES,
     Characterization,
@@ -128,14 +129,14 @@ def _refuse_replaced(
     targets: Mapping[str, str | Path | None],
 ) -> None:
     """Refuse outputs that would replace a frame, the list of frames, a table, or each other."""
-    every = {frame.path.resolve() for frame in _frames_of(read)}
-    inputs = {*every, Path(read.source).resolve(), *(Path(word).resolve() for word in words)}
+    every = {true_path(frame.path) for frame in _frames_of(read)}
+    inputs = {*every, true_path(Path(read.source)), *(true_path(Path(word)) for word in words)}
     folders = {path.parent for path in every}
     seen: dict[Path, str] = {}
     for option, target in targets.items():
         if target is None or target == "-":
             continue
-        path = Path(target).resolve()
+        path = true_path(Path(target))
         if path in inputs or (option == "--out" and path in folders):
             raise InputError(
                 option,

@@ -1,6 +1,5 @@
 """``chromanoise inspect``."""
 
-import json
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +13,7 @@ from chromanoise.cli.output import refuse_inputs, write_json
 from chromanoise.cli.parsing import command
 from chromanoise.cli.rendering import options_text
 from chromanoise.errors import InputError
-from chromanoise.io.sensor_json import sensor_json
+from chromanoise.io.sensor_json import sensor_data
 from chromanoise.io.spectra import ParsedSpectra, read_curves
 from chromanoise.io.spectra.merging import gaps_nm, step_nm
 from chromanoise.io.spectra.writing import mosaic_text, sensor_spectra
@@ -106,7 +105,7 @@ def own_lines(file: Path, own: Sensor) -> list[str]:
 
 def own_data(file: Path, own: Sensor) -> dict[str, Any]:
     """The content of a sensor JSON file as data, with the name of the file."""
-    return {"file": str(file), "format": "chromanoise JSON", **json.loads(sensor_json(own))}
+    return {"file": str(file), "format": "chromanoise JSON", **sensor_data(own)}
 
 
 def _few(names: tuple[str, ...]) -> str:

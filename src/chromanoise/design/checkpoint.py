@@ -1,8 +1,10 @@
 """A file from which a stopped search continues with the same digits.
 
-It holds plain arrays and one JSON text in the form of ``numpy.savez``, no pickled objects.
+It holds plain arrays and one JSON text in the form of ``numpy.savez``, no pickled objects. The
+comment of this ZIP archive is the SHA-256 of the archive without it; a changed file is refused.
 """
 
+import hashlib
 import io
 import json
 import zipfile
@@ -15,11 +17,12 @@ import numpy as np
 
 from chromanoise._check import Array
 from chromanoise._files import write_kept
-from chromanoise._inputs import regular_file
+from chromanoise._inputs import json_of, regular_file
 from chromanoise.design.archive import Archive
 from chromanoise.errors import InputError
 
-_FORM = 1
+_FORM = 2
+_MOST_BYTES, _DIGEST_BYTES = 4 << 30, 64
 _DAMAGED = (
     OSError, ValueError, KeyError, TypeError, EOFError, MemoryError, zipfile.BadZipFile,
 )  # fmt: skip
@@ -71,7 +74,7 @@ def write_checkpoint(path: Path, checkpoint: Checkpoint) -> None:
     )
     content = io.BytesIO()
     np.savez(content, allow_pickle=False, checkpoint=np.array(text), **archive, **algorithm)
-    write_kept(path, content.getvalue())
+    write_kept(path, _sealed(content.getvalue()))
 
 
 def read_checkpoint(path: Path, search: Mapping[str, Any], empty: Archive) -> Checkpoint:
@@ -91,12 +94,19 @@ def read_checkpoint(path: Path, search: Mapping[str, Any], empty: Archive) -> Ch
     InputError
         If there is no such file, it is damaged, or it belongs to another search.
     """
-    regular_file(path)
+    if regular_file(path).st_size > _MOST_BYTES:
+        raise _damaged(path, f"has more than {_MOST_BYTES >> 20} MiB")
     try:
-        with path.open("rb") as file, np.load(file, allow_pickle=False) as stored:
-            text = json.loads(str(stored["checkpoint"]))
+        archive_bytes = _unsealed(path.read_bytes())
+    except OSError as error:
+        raise InputError(str(path), f"cannot be read ({error.strerror})") from None
+    if archive_bytes is None:
+        raise _damaged(path, "was changed or truncated, as its content hash shows")
+    try:
+        with np.load(io.BytesIO(archive_bytes), allow_pickle=False) as stored:
+            text = json_of(str(stored["checkpoint"]), str(path))
             arrays = {name: stored[name] for name in stored.files if name != "checkpoint"}
-        if text["form"] != _FORM:
+        if text["form"] != _FORM or min(text["generation"], text["evaluations"]) < 0:
             raise ValueError
         theirs, generation, evaluations = (
             dict(text["search"]), int(text["generation"]), int(text["evaluations"]),
@@ -105,12 +115,7 @@ def read_checkpoint(path: Path, search: Mapping[str, Any], empty: Archive) -> Ch
             **{field.name: arrays[f"archive.{field.name}"] for field in fields(Archive)}
         )
     except _DAMAGED:
-        raise InputError(
-            str(path),
-            "must be a complete checkpoint of a search",
-            found="cannot be read as one",
-            remedy="start the search anew without resume",
-        ) from None
+        raise _damaged(path, "cannot be read as one") from None
     for name, own in search.items():
         if theirs.get(name) != own:
             raise InputError(
@@ -122,11 +127,7 @@ def read_checkpoint(path: Path, search: Mapping[str, Any], empty: Archive) -> Ch
             )
     for field in fields(Archive):
         if getattr(archive, field.name).shape[1:] != getattr(empty, field.name).shape[1:]:
-            raise InputError(
-                str(path), "must be a complete checkpoint of a search",
-                found=f"its {field.name} have another shape",
-                remedy="start the search anew without resume",
-            )  # fmt: skip
+            raise _damaged(path, f"its {field.name} have another shape")
     return Checkpoint(
         search=theirs,
         generation=generation,
@@ -137,6 +138,27 @@ def read_checkpoint(path: Path, search: Mapping[str, Any], empty: Archive) -> Ch
             for name, array in arrays.items()
             if name.startswith("algorithm.")
         },
+    )
+
+
+def _sealed(archive: bytes) -> bytes:
+    """The ZIP archive with its SHA-256 as its comment, whose length is in its last two bytes."""
+    digest = hashlib.sha256(archive).hexdigest().encode()
+    return archive[:-2] + len(digest).to_bytes(2, "little") + digest
+
+
+def _unsealed(content: bytes) -> bytes | None:
+    """The archive of `_sealed`; ``None`` if one of its bytes was changed."""
+    archive = content[: -_DIGEST_BYTES - 2] + bytes(2)
+    return archive if _sealed(archive) == content else None
+
+
+def _damaged(path: Path, found: str) -> InputError:
+    return InputError(
+        str(path),
+        "must be a complete checkpoint of a search",
+        found=found,
+        remedy="start the search anew without resume",
     )
 
 

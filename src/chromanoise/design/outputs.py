@@ -3,10 +3,12 @@
 import json
 import re
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 
 from chromanoise import __version__
 from chromanoise._files import claimed_folder, refuse_unwritable
+from chromanoise._inputs import json_file
 from chromanoise.design.document import DesignDocument
 from chromanoise.design.optimizing import searched, task_of
 from chromanoise.design.result import SENSORS, Design
@@ -19,6 +21,7 @@ from chromanoise.io.table_formats import table_writer
 from chromanoise.study import NOTHING_GIVEN, Given, study_as_json
 
 RECORD, CHECKPOINT = "design.json", "search.npz"
+_MOST_RECORD_BYTES = 64 << 20
 FRONT_JSON, FRONT_CSV, FRONT_SVG = "front.json", "front.csv", "front.svg"
 _MEMBER = re.compile(r"best-.+|knee|member-[0-9]+")
 
@@ -112,10 +115,9 @@ def _refuse_other_design(folder: Path, identity: str) -> None:
     file = folder / RECORD
     before = None
     if file.exists():
-        try:
-            before = json.loads(file.read_text(encoding="utf-8")).get("identity")
-        except (OSError, ValueError, AttributeError):
-            before = None
+        with suppress(InputError):
+            record = json_file(file, most_bytes=_MOST_RECORD_BYTES)
+            before = record.get("identity") if isinstance(record, dict) else None
     elif not (folder / FRONT_JSON).exists():
         return
     if before != identity:

@@ -22,7 +22,7 @@ from chromanoise.imaging.demosaic_noise import (
 from chromanoise.imaging.plans import color_matrices, srgb_table
 from chromanoise.imaging.render import ALL_CORES, Picture, RawPicture, filled_colors
 from chromanoise.imaging.work import Work
-from chromanoise.noise import Measurement, through, with_noise
+from chromanoise.noise import Measurement, noise_sources, through, with_noise
 from chromanoise.scene import Scene
 from chromanoise.sensor import Adc, Converter
 

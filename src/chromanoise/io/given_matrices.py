@@ -7,7 +7,6 @@ white, or to linear sRGB, as camera makers give it. A DNG or DCP profile maps XY
 
 import csv
 import io
-import json
 import re
 import struct
 from collections.abc import Mapping
@@ -27,6 +26,7 @@ from chromanoise.io.xml_text import xml_root
 Kind = Literal["electrons", "balanced", "from-xyz"]
 Target = Literal["XYZ", "sRGB"]
 
+_LARGEST_FACT = 1e30  # of a time, pitch, f-number and level that a header names
 _MOST_BYTES = 1_000_000
 _MOST_PROFILE_BYTES = 2_000_000_000
 MATRIX_ENDINGS = (".csv", ".txt", ".tsv", ".json", ".clf", ".xml", ".dng", ".dcp")
@@ -182,16 +182,13 @@ def _csv(source: str, text: str) -> GivenMatrix:
         target=targets[tuple(names)],
         values=_array(source, [row[1:] for row in rows[1:]]),
         channels=tuple(map(text_of_cell, head[1:])),
-        light_time=_light_time(facts) if absolute else None,
-        **_made_for(facts),
+        light_time=_light_time(source, facts) if absolute else None,
+        **_made_for(source, facts),
     )
 
 
 def _json(source: str, text: str) -> GivenMatrix:
-    try:
-        held = json.loads(text)
-    except (ValueError, RecursionError) as error:
-        raise InputError(source, f"is not JSON ({error})") from None
+    held = _inputs.json_of(text, source)
     channels = held.get("channels", [])
     if not isinstance(channels, list):
         raise InputError(source, "must list the names of its channels", value=channels)
@@ -203,8 +200,8 @@ def _json(source: str, text: str) -> GivenMatrix:
             target="XYZ",
             values=_array(source, held["matrix_lux_per_e"]),
             channels=channels,
-            light_time=_light_time(held),
-            **_made_for(held),
+            light_time=_light_time(source, held),
+            **_made_for(source, held),
         )
     for key in ("balanced", "CameraToXYZ", "ColorMatrix1"):
         if key in held:
@@ -217,7 +214,7 @@ def _json(source: str, text: str) -> GivenMatrix:
                 target="XYZ",
                 values=values,
                 channels=channels,
-                **_made_for(header if isinstance(header, dict) else {}),
+                **_made_for(source, header if isinstance(header, dict) else {}),
             )
     keys = ", ".join(map(str, list(held)[:8]))[:80]
     raise InputError(
@@ -301,23 +298,40 @@ def _profile(path: Path, file: Any) -> GivenMatrix:
     return max(found, key=lambda one: one.kelvin or 0)
 
 
-def _made_for(facts: Mapping[str, Any]) -> dict[str, Any]:
+def _made_for(source: str, facts: Mapping[str, Any]) -> dict[str, Any]:
     """Observer, sensor and light that the header of a file names."""
     named = {key: str(facts.get(key, "")).strip() for key in ("observer", "sensor", "illuminant")}
-    try:
-        level: float | None = float(facts["level_lux"])
-    except (KeyError, TypeError, ValueError):
-        level = None
-    return {**named, "level_lux": level}
+    return {**named, "level_lux": _fact(source, facts, "level_lux")}
 
 
-def _light_time(facts: Any) -> float | None:
+def _light_time(source: str, facts: Mapping[str, Any]) -> float | None:
     """T a^2 / f#^2 of the header of a file; ``None`` where it lacks one of them. [s um2]"""
-    try:
-        time_ms, f_number = float(facts["time_ms"]), float(facts["f_number"])
-        return 1e-3 * time_ms * float(facts["pitch_um"]) ** 2 / f_number**2
-    except (KeyError, TypeError, ValueError, ZeroDivisionError):
+    time_ms, pitch_um, f_number = (
+        _fact(source, facts, key) for key in ("time_ms", "pitch_um", "f_number")
+    )
+    if time_ms is None or pitch_um is None or f_number is None:
         return None
+    return 1e-3 * time_ms * pitch_um**2 / f_number**2
+
+
+def _fact(source: str, facts: Mapping[str, Any], key: str) -> float | None:
+    """A positive number of the header of a file; ``None`` where it lacks it."""
+    said = facts.get(key)
+    if said is None or said == "":
+        return None
+    try:
+        number = 0.0 if isinstance(said, bool) else float(said)
+    except (TypeError, ValueError, OverflowError):
+        number = 0.0
+    if not 1 / _LARGEST_FACT <= number <= _LARGEST_FACT:
+        raise InputError(
+            source,
+            f"must be a number of 1e-30 to {_LARGEST_FACT:g}",
+            value=said,
+            where=f"{key} of the matrix",
+            remedy=("correct it", "remove it"),
+        )
+    return number
 
 
 def _numbers(cells: list[str]) -> bool:
@@ -331,7 +345,7 @@ def _numbers(cells: list[str]) -> bool:
 def _array(source: str, rows: Any) -> Float[Array, "a b"]:
     try:
         values = np.array(rows, dtype=np.float64)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise InputError(
             source, "must hold a matrix of numbers", found=f"does not ({str(error)[:80]})"
         ) from None

@@ -57,33 +57,36 @@ def spectra_json(spectra: Spectra, facts: Mapping[str, str] | None = None) -> st
 
 
 def sensor_json(sensor: Sensor) -> str:
-    """All data of the sensor; `sensor_from_json` reads it."""
+    """The JSON of `sensor_data`; `sensor_from_json` reads it."""
+    return as_json(sensor_data(sensor))
+
+
+def sensor_data(sensor: Sensor) -> dict[str, Any]:
+    """All data of the sensor, with all digits."""
     grid, pixel = sensor.grid, sensor.pixel
-    return as_json(
-        {
-            "schema": _SENSOR_SCHEMA,
-            "schema_version": SCHEMA_VERSION,
-            "version": __version__,
-            "name": sensor.name,
-            "origin": sensor.origin,
-            "notes": list(sensor.notes),
-            "stacked": sensor.stacked,
-            "mosaic": [list(row) for row in sensor.mosaic.pattern] if sensor.mosaic else None,
-            "pixel": {
-                **{name: getattr(pixel, name) for name in _REQUIRED},
-                **{
-                    field.name: value
-                    for field in fields(pixel)
-                    if (value := getattr(pixel, field.name)) != field.default
-                    and field.name not in _REQUIRED
-                },
-                **sensor.converter.known,
+    return {
+        "schema": _SENSOR_SCHEMA,
+        "schema_version": SCHEMA_VERSION,
+        "version": __version__,
+        "name": sensor.name,
+        "origin": sensor.origin,
+        "notes": list(sensor.notes),
+        "stacked": sensor.stacked,
+        "mosaic": [list(row) for row in sensor.mosaic.pattern] if sensor.mosaic else None,
+        "pixel": {
+            **{name: getattr(pixel, name) for name in _REQUIRED},
+            **{
+                field.name: value
+                for field in fields(pixel)
+                if (value := getattr(pixel, field.name)) != field.default
+                and field.name not in _REQUIRED
             },
-            "grid_nm": {"start": grid.start_nm, "stop": grid.stop_nm, "step": grid.step_nm},
-            "channels": list(sensor.names),
-            "qe": sensor.qe.tolist(),
-        }
-    )
+            **sensor.converter.known,
+        },
+        "grid_nm": {"start": grid.start_nm, "stop": grid.stop_nm, "step": grid.step_nm},
+        "channels": list(sensor.names),
+        "qe": sensor.qe.tolist(),
+    }
 
 
 def sensor_from_json(text: str, *, source: str = "sensor") -> Sensor:

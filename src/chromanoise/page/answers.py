@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from chromanoise._inputs import json_of
 from chromanoise.charts import DRAWINGS, PARTS, Look, Shown, chart_csv, drawing, shown
 from chromanoise.errors import InputError
 from chromanoise.exposure import OperatingPoint
@@ -81,7 +82,8 @@ class ChartReplies:
             With all faults of the question, or why there is no such chart of this study.
         """
         part = field(question, "part", str, "")
-        data = json.loads(self.answer({**question, "want": [part]}))["parts"][part]
+        answer = self.answer({**question, "want": [part]})
+        data = json_of(answer, "the answer")["parts"][part]
         text = "" if "fault" in data else chart_csv(part, data)
         if not text:
             raise QuestionError(("part", data.get("fault") or data["why_not"]))

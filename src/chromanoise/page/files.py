@@ -21,6 +21,7 @@ _TYPES = {
     "txt": "text/plain",
 }
 _STEP = re.compile(r"[A-Za-z0-9_-][A-Za-z0-9_.-]{0,99}")  # no parent folder, no hidden file
+_LONGEST_PATH = 200  # a system may raise an error for a longer one
 _INDEX = "index.html"
 _OWN, _DRAW = "page/assets", "figures/draw"  # the second is shared with the report
 _COLORED = "draw/draw.css"
@@ -35,7 +36,8 @@ def asset(path: str) -> bytes | None:
     True
     """
     steps = path.split("/")
-    if not all(_STEP.fullmatch(step) for step in steps) or path.rpartition(".")[2] not in _TYPES:
+    known = path.rpartition(".")[2] in _TYPES and all(_STEP.fullmatch(step) for step in steps)
+    if not known or len(path) > _LONGEST_PATH:
         return None
     shared = steps[0] == "draw"
     place: Traversable = files("chromanoise").joinpath(_DRAW if shared else _OWN)

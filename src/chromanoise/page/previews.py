@@ -136,6 +136,10 @@ def _of_none(upload: Upload, errors: list[InputError]) -> InputError:
         return matrix
     if any(key in text for key in _MATRIX_KEYS) and text.startswith(b"{"):
         return matrix
+    if b"lx/e-," in text:
+        return matrix
+    if text.startswith(b"{") and spectra.requirement == matrix.requirement:  # of JSON as such
+        return spectra
     if text.startswith(b"{") and b'"S"' in text and b'"O"' in text:
         return pixel
     if crosstalk.subject.startswith("crosstalk"):  # of its numbers, not of its form

@@ -91,7 +91,7 @@ class Worker:
         """
         self.is_spent = True  # until a whole answer has been read
         start, has_begun = time.monotonic(), False
-        timer = threading.Timer(BEGINS_S, self._interrupted)
+        timer = threading.Timer(BEGINS_S, self.interrupt)
         timer.daemon = True
         timer.start()
         try:
@@ -119,7 +119,8 @@ class Worker:
                 end.close()
         return self._ended()
 
-    def _interrupted(self) -> None:
+    def interrupt(self) -> None:
+        """Make the job that another thread waits for fail with `ProcessEndedError`."""
         with contextlib.suppress(OSError):  # it has ended
             self._interrupt()
 

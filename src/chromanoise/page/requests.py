@@ -1,21 +1,20 @@
 """Parse requests: JSON of bounded size, with checks of the types of values."""
 
 import asyncio
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, NoReturn
+from typing import Any
 
 from starlette.requests import Request
 from starlette.types import Receive
 
+from chromanoise._inputs import json_of
 from chromanoise.errors import InputError, Setting
 from chromanoise.page.middleware import JSON_BYTES
 
 _PATIENCE_S = 30.0
 _PASSED_OVER_BYTES = 32_000_000
 _LONGEST_LENGTH = 18  # digits of a Content-Length that may be a number of bytes
-_MOST_DIGITS = 300  # of a whole number: no quantity needs more, and a float holds no more
 _MOST_COMING_BYTES = 64_000_000  # of all bodies being received
 _REST_S = 5.0  # longest time between two chunks of a body
 
@@ -146,28 +145,15 @@ def data_of(body: bytes) -> dict[str, Any]:
     Raises
     ------
     QuestionError
-        If it is none, is nested too deep, or holds a number that JSON does not have.
+        If it is none, or as `json_of`.
     """
     try:
-        data = json.loads(body, parse_constant=_no_number, parse_int=_whole)
-    except RecursionError:
-        raise malformed("", "request JSON is nested too deeply") from None
-    except ValueError as error:  # of encoding or of grammar
-        raise malformed("", f"the request is not JSON: {str(error)[:200]}") from None
-    if b"\\u" in body.lower():
-        _refuse_surrogates(data)
+        data = json_of(body, "the request")
+    except InputError as error:
+        raise malformed("", str(error)) from None
     if not isinstance(data, dict):
         raise malformed("", f"the request must be a JSON object, but is a {_kind(data)}")
     return data
-
-
-def _refuse_surrogates(data: Any) -> None:
-    try:
-        json.dumps(data, ensure_ascii=False).encode()
-    except UnicodeEncodeError:
-        raise malformed(
-            "", "the request contains an unpaired surrogate, which is not a character"
-        ) from None
 
 
 def refuse_long_lists(data: Mapping | list, where: str = "") -> None:
@@ -222,18 +208,6 @@ _NAMES = {
 
 def _kind(value: Any) -> str:
     return _NAMES.get(type(value), "value")
-
-
-def _no_number(word: str) -> NoReturn:
-    raise malformed("", f"the request contains {word}, which is not a JSON number")
-
-
-def _whole(digits: str) -> int:
-    if len(digits) > _MOST_DIGITS:
-        raise malformed(
-            "", f"the request contains a whole number of {len(digits)} digits; write fewer"
-        )
-    return int(digits)
 
 
 def _too_long(most_bytes: int, *, unread: bool = False) -> QuestionError:

@@ -42,9 +42,24 @@ class _Server:
         self.workers = Workers(study)
         self.bodies = Bodies()
 
-    async def done(self, name: str, *given: Any) -> Any:
-        """Run a job in a worker process and return its result; it may use uploaded files."""
-        return await self.workers.done(name, *given, kept=self.uploads.held())
+    async def done(self, request: Request, name: str, *given: Any) -> Any:
+        """Run a job in a worker process and return its result; it may use uploaded files.
+
+        Raises
+        ------
+        ClientDisconnect
+            If the client has gone; the job is then stopped.
+        """
+        work = asyncio.ensure_future(self.workers.done(name, *given, kept=self.uploads.held()))
+        gone = asyncio.ensure_future(_disconnected(request))
+        try:
+            await asyncio.wait({work, gone}, return_when=asyncio.FIRST_COMPLETED)
+            if not work.done():
+                raise ClientDisconnect
+            return work.result()
+        finally:
+            gone.cancel()
+            work.cancel()
 
     def close(self) -> None:
         """End the processes and remove the files."""
@@ -147,6 +162,12 @@ def listening_socket(port: int) -> socket.socket:
     return listening
 
 
+async def _disconnected(request: Request) -> None:
+    """Wait until the client has gone; the body of the request must have been read."""
+    while (await request.receive())["type"] != "http.disconnect":
+        pass
+
+
 def _replying(
     reply: Callable[[Request, _Server], Awaitable[Response]],
 ) -> Callable[[Request], Awaitable[Response]]:
@@ -190,47 +211,47 @@ class _ToldFirst(AsciiJSONResponse):
 
 
 async def _choices(request: Request, server: _Server) -> Response:
-    return _json(await server.done("choices", server.front is not None))
+    return _json(await server.done(request, "choices", server.front is not None))
 
 
 async def _story(request: Request, server: _Server) -> Response:
-    return _json(await server.done("story"))
+    return _json(await server.done(request, "story"))
 
 
 async def _explanations(request: Request, server: _Server) -> Response:
-    return _json(await server.done("explanations"))
+    return _json(await server.done(request, "explanations"))
 
 
 async def _front(request: Request, server: _Server) -> Response:
     if server.front is None:
         raise HTTPException(404)
-    return _json(await server.done("previewed", upload_at(server.front)))
+    return _json(await server.done(request, "previewed", upload_at(server.front)))
 
 
 async def _answer(request: Request, server: _Server) -> Response:
-    return _json(await server.done("answer", await question_of(request, server.bodies)))
+    return _json(await server.done(request, "answer", await question_of(request, server.bodies)))
 
 
 async def _texts(request: Request, server: _Server) -> Response:
-    return _json(await server.done("texts", await question_of(request, server.bodies)))
+    return _json(await server.done(request, "texts", await question_of(request, server.bodies)))
 
 
 async def _csv(request: Request, server: _Server) -> Response:
-    text = await server.done("csv", await question_of(request, server.bodies))
+    text = await server.done(request, "csv", await question_of(request, server.bodies))
     return Response(text, media_type="text/csv")
 
 
 async def _report(request: Request, server: _Server) -> Response:
     question = await question_of(request, server.bodies)
     with server.uploads.empty_folder() as folder:
-        html = await server.done("report", question, folder)
+        html = await server.done(request, "report", question, folder)
     # to be kept as a file: not shown under the address of the page
     headers = {"Content-Disposition": "attachment"}
     return Response(html, media_type="text/html", headers=headers)
 
 
 async def _picture(request: Request, server: _Server) -> Response:
-    png, summary = await server.done("picture", await question_of(request, server.bodies))
+    png, summary = await server.done(request, "picture", await question_of(request, server.bodies))
     return Response(png, media_type="image/png", headers={"X-Chromanoise-Summary": summary})
 
 
@@ -245,7 +266,7 @@ async def _upload(request: Request, server: _Server) -> Response:
     content = await server.bodies.body_of(request, most_bytes=UPLOAD_BYTES)
     upload = await asyncio.to_thread(server.uploads.keep, name, content)
     del content
-    return _json(await server.done("previewed", upload))
+    return _json(await server.done(request, "previewed", upload))
 
 
 def _json(text: str) -> Response:

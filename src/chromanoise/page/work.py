@@ -3,6 +3,7 @@
 import asyncio
 import logging
 import signal
+import threading
 import time
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
@@ -19,6 +20,7 @@ from chromanoise.page.uploads import Upload
 _LOG = logging.getLogger("chromanoise.page")
 MOST_WAITING = 48
 LONGEST_WAIT_S = 25.0  # in a queue: an answer takes at most a minute, a report at most two
+ABANDONED_S = 1.0  # what nobody waits for may go on: its worker keeps what it remembers
 MOST_ANSWER_BYTES = 16_000_000
 _KILLED = -9  # SIGKILL, by no name on Windows
 _TOO_LONG = (_sandbox.WATCHDOG, -getattr(signal, "SIGXCPU", 24))
@@ -147,10 +149,15 @@ class _Queue:
             raise _too_much()
         self._waiting += 1
         since = time.monotonic()
-        loop = asyncio.get_running_loop()
-        task = loop.run_in_executor(self._pool, lambda: self._answered(name, asked, since))
-        task.add_done_callback(self._left)  # also when nobody waits for it any more
-        return await asyncio.shield(task)
+        loop, turn = asyncio.get_running_loop(), _Turn()
+        task = loop.run_in_executor(self._pool, lambda: self._answered(name, asked, since, turn))
+        task.add_done_callback(self._left)
+        try:
+            return await asyncio.shield(task)
+        except asyncio.CancelledError:  # nobody waits for it any more
+            task.cancel()  # if it has not begun
+            loop.call_later(ABANDONED_S, turn.stop)
+            raise
 
     def cancel(self) -> None:
         self._pool.shutdown(wait=False, cancel_futures=True)
@@ -167,17 +174,19 @@ class _Queue:
         if not task.cancelled():
             task.exception()  # asked for, so that no log tells of one that nobody waits for
 
-    def _answered(self, name: str, asked: tuple[Any, ...], since: float) -> Any:
+    def _answered(self, name: str, asked: tuple[Any, ...], since: float, turn: "_Turn") -> Any:
         if time.monotonic() - since > LONGEST_WAIT_S:
             raise _too_much()
         job = JOBS[name]
         worker = self._idle.get()  # never blocks: there are as many entries as threads
         try:
             worker = self._ready(worker)
+            turn.begin(worker)
             return _result(worker.asked((name, *asked, job.cpu_s, job.limit_s)), job, self._lane)
         except ProcessEndedError as ended:
             raise _stopped(job, ended, self._lane) from None
         finally:
+            turn.end()
             self._idle.put(None if worker is None or worker.is_spent else worker)
 
     def _begun(self) -> None:
@@ -189,6 +198,28 @@ class _Queue:
 
     def _ready(self, worker: Worker | None) -> Worker:
         return worker or self._nursery.worker(self._lane.memory_bytes)
+
+
+class _Turn:
+    """The worker that computes a job, as long as it does."""
+
+    def __init__(self) -> None:
+        self._worker: Worker | None = None
+        self._lock = threading.Lock()
+
+    def begin(self, worker: Worker) -> None:
+        with self._lock:
+            self._worker = worker
+
+    def end(self) -> None:
+        with self._lock:
+            self._worker = None
+
+    def stop(self) -> None:
+        """End the worker, if it still computes the job."""
+        with self._lock:
+            if self._worker is not None:
+                self._worker.interrupt()
 
 
 def _result(answer: tuple[Any, ...], job: Job, lane: Lane) -> Any:

@@ -4,7 +4,6 @@ import base64
 import gzip
 import hashlib
 import json
-from functools import partial
 from importlib import resources
 from typing import Any
 
@@ -84,12 +83,16 @@ def shortened(data: Any, *, digits: int = 5) -> Any:
     >>> shortened([26.123456, 26.2496, 12.0, "26.2496"])
     [26.123, 26.2496, 12, '26.2496']
     """
-    text = json.dumps(data, allow_nan=False)
-    return json.loads(text, parse_float=partial(_shortened, digits=digits))
+    if isinstance(data, float):
+        return _shortened(data, digits)
+    if isinstance(data, dict):
+        return {key: shortened(value, digits=digits) for key, value in data.items()}
+    if isinstance(data, list | tuple):
+        return [shortened(value, digits=digits) for value in data]
+    return data
 
 
-def _shortened(number: str, digits: int) -> float | int:
-    value = float(number)
+def _shortened(value: float, digits: int) -> float | int:
     for more in range(digits, 18):
         text = f"{value:.{more - 1}e}"
         mantissa = text.partition("e")[0].rstrip("0")

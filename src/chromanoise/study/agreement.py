@@ -1,7 +1,6 @@
 """Agreement of the outputs of two runs of one study: identical bytes, or the largest difference."""
 
 import filecmp
-import json
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from chromanoise._check import Array
-from chromanoise.study.records import STUDY_FILE, output_files, place_of_files
+from chromanoise.errors import InputError
+from chromanoise.study.records import STUDY_FILE, output_files, place_of_files, read_record
 
 _ROUNDING = 1e-9
 """Largest relative difference of an analysis expected from other BLAS kernels."""
@@ -80,17 +80,18 @@ def agreement_of(first: Path, second: Path) -> Agreement:
             other.append(name)
         if one.get("place") != its.get("place"):
             relocated = True
-            before = place_of_files(first, one)
-            place = "" if before == place_of_files(second, its) else str(before or "")
-        old, new = (record.get("numerics") or {} for record in (one, its))
-        numerics |= {key for key in old | new if old.get(key) != new.get(key)}
+            earlier = place_of_files(first, one)
+            place = "" if earlier == place_of_files(second, its) else str(earlier or "")
+        before, now = map(_numerics, (one, its))
+        if before:  # an unreadable record has none
+            numerics |= {key for key in before | now if before.get(key) != now.get(key)}
     largest, where, incomparable = 0.0, "", []
     for name in other:
         if name == STUDY_FILE:
             continue
         try:
             found = list(_differences(first / name, second / name))
-        except (OSError, ValueError):  # missing, or not a file that a run wrote
+        except (OSError, ValueError, KeyError):  # missing, or not a file that a run wrote
             found = [(np.inf, "")]
         for difference, at in found:
             if not np.isfinite(difference):
@@ -150,10 +151,15 @@ def _same_bytes(first: Path, second: Path) -> bool:
 def _record(path: Path) -> dict[str, Any]:
     """What a JSON file of a run says; empty of any other file."""
     try:
-        record = json.loads(path.read_bytes()) if path.suffix == ".json" else {}
-    except (OSError, ValueError):
+        record = read_record(path) if path.suffix == ".json" else {}
+    except InputError:
         return {}
     return record if isinstance(record, dict) else {}
+
+
+def _numerics(record: dict[str, Any]) -> dict[str, Any]:
+    found = record.get("numerics")
+    return found if isinstance(found, dict) else {}
 
 
 def _results(record: dict[str, Any]) -> dict[str, Any]:
@@ -163,7 +169,7 @@ def _results(record: dict[str, Any]) -> dict[str, Any]:
 
 def _differences(first: Path, second: Path) -> Iterator[tuple[float, str]]:
     if second.suffix == ".json":
-        one, other = (json.loads(path.read_bytes())["result"] for path in (first, second))
+        one, other = (_record(path)["result"] for path in (first, second))
         yield from _of_data(one, other, "")
     elif second.suffix in (".tiff", ".dng", ".png"):
         yield _of_pixels(_pixels(first), _pixels(second)), ""

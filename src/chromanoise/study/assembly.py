@@ -1,5 +1,6 @@
 """Resolve the names in a study to objects: lights, sensors, exposures, cubes."""
 
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
@@ -117,16 +118,19 @@ def with_distinct_names(points: Sequence[OperatingPoint]) -> list[OperatingPoint
 
     ``cam``, ``cam`` become ``cam`` and ``cam (2)``; a number that is a name already is skipped.
     """
-    names = [one.sensor.name for one in points]
+    taken, counts = set[str](), dict[str, int]()
+    later = Counter(one.sensor.name for one in points)
     distinct: list[OperatingPoint] = []
-    for i, (one, name) in enumerate(zip(points, names, strict=True)):
-        taken = {before.sensor.name for before in distinct}
-        taken |= {later for later in names[i + 1 :] if later != name}
-        count = 1
-        while name in taken:
+    for one in points:
+        own = name = one.sensor.name
+        later[own] -= 1
+        count = counts.get(own, 1)
+        while name in taken or (name != own and later[name]):
             count += 1
-            name = f"{names[i]} ({count})"
-        distinct.append(one if count == 1 else replace(one, sensor=replace(one.sensor, name=name)))
+            name = f"{own} ({count})"
+        counts[own] = count
+        taken.add(name)
+        distinct.append(one if name == own else replace(one, sensor=replace(one.sensor, name=name)))
     return distinct
 
 
@@ -135,7 +139,8 @@ def duplicates(study: Study) -> list[InputError]:
 
     A page shows them, for one of them is about to be changed; a run would compute all of it twice.
     """
-    parts = [part.model_copy(update={"label": None}) for part in study.sensors]
+    texts = [part.model_dump_json(exclude={"label"}) for part in study.sensors]
+    first = {text: i for i, text in reversed(list(enumerate(texts)))}
     return [
         InputError(
             "name",
@@ -145,18 +150,18 @@ def duplicates(study: Study) -> list[InputError]:
             remedy=(f"change one in a study file, e.g. sensors.{i}.filter", "omit one"),
             setting=f"sensors.{i}.name",
         )
-        for i, part in enumerate(parts)
-        if part in parts[:i]
+        for i, (part, text) in enumerate(zip(study.sensors, texts, strict=True))
+        if first[text] < i
     ]
 
 
 def repeated_labels(study: Study) -> list[InputError]:
     """Labels that another sensor has as label or name, so that tables could not tell them apart."""
-    errors = []
+    errors, before = [], set[str]()
+    names = Counter(one.name for one in study.sensors)
     for i, part in enumerate(study.sensors):
-        others = [one for k, one in enumerate(study.sensors) if k != i]
-        taken = {one.label for one in study.sensors[:i]} | {one.name for one in others}
-        if part.label is not None and part.label in taken:
+        others = names[part.label] - (part.name == part.label) if part.label is not None else 0
+        if part.label is not None and (part.label in before or others):
             errors.append(
                 InputError(
                     "label",
@@ -166,6 +171,7 @@ def repeated_labels(study: Study) -> list[InputError]:
                     setting=f"sensors.{i}.label",
                 )
             )
+        before |= {part.label or ""}
     return errors
 
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from chromanoise._check import Array
+from chromanoise._inputs import true_path
 from chromanoise._shapes import Float, Float32, UInt16
 from chromanoise.analysis.color_matrices import MatrixMaker
 from chromanoise.denoising import (
@@ -310,9 +311,9 @@ def refuse_other_denoised(plan: DenoisingPlan, folder: Path) -> None:
     InputError
         If it does.
     """
-    inputs = {one.path.resolve() for one in plan.pictures if isinstance(one, Frame)}
+    inputs = {true_path(one.path) for one in plan.pictures if isinstance(one, Frame)}
     for ending in _ENDINGS:
-        if (folder / f"{plan.stem}{ending}").resolve() in inputs:
+        if true_path(folder / f"{plan.stem}{ending}") in inputs:
             raise InputError(
                 "folder",
                 "must not hold the picture under the name of a result",

@@ -8,6 +8,7 @@ import numpy as np
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._inputs import true_path
 from chromanoise._shapes import Float32
 from chromanoise.catalog.resolve import file_of
 from chromanoise.errors import InputError, Setting
@@ -58,8 +59,8 @@ def frames_of_pictures(
     paths = [file_of(str(one)) for one in pictures]
     if not paths:
         raise InputError("pictures", "must name at least one file", value=0, found="none is given")
-    whole = [path.resolve() for path in paths]
-    twice = next((path for i, path in enumerate(paths) if whole[i] in whole[:i]), None)
+    seen: dict[Path, Path] = {}
+    twice = next((one for one in paths if seen.setdefault(true_path(one), one) is not one), None)
     if twice is not None:
         raise InputError(
             str(twice),

@@ -12,9 +12,8 @@ from typing import Any
 from pydantic import ValidationError
 
 from chromanoise import __version__
-from chromanoise._check import reason
 from chromanoise._files import claimed_folder, refuse_unwritable
-from chromanoise._inputs import regular_file
+from chromanoise._inputs import content_hash, json_file, regular_file, true_path
 from chromanoise.errors import InputError
 from chromanoise.imaging import Work
 from chromanoise.io.spectra.own_json import named
@@ -179,7 +178,7 @@ def recorded_run(path: Path) -> RecordedRun:
             found="is a study",
             remedy=f"use `chromanoise run {file}`",
         )
-    record = _read(file)
+    record = read_record(file)
     if not isinstance(record, dict) or "study" not in record or "hash" not in record:
         raise InputError(
             str(file),
@@ -222,11 +221,14 @@ def output_files(folder: Path) -> tuple[str, ...]:
     Raises
     ------
     InputError
-        If one of them cannot be read.
+        If one of them cannot be read, or is not of a run.
     """
     names = [STUDY_FILE]
-    for step in _read(folder / STUDY_FILE)["steps"]:
-        names += [f"{step}.json", *_read(folder / f"{step}.json")["written"]]
+    try:
+        for step in read_record(folder / STUDY_FILE)["steps"]:
+            names += [f"{step}.json", *read_record(folder / f"{step}.json")["written"]]
+    except (KeyError, TypeError):
+        raise InputError(str(folder), "must hold the files of a run", found="does not") from None
     return tuple(names)
 
 
@@ -274,8 +276,8 @@ def _place_of(file: Path, record: dict[str, Any], study: Study) -> Path:
         places = [here]
     else:
         beside = record if file.name == STUDY_FILE else _beside(file)
-        recorded = place_of_files(file.resolve().parent, beside)
-        places = [recorded or here, *file.resolve().parents, here]
+        recorded = place_of_files(true_path(file).parent, beside)
+        places = [recorded or here, *true_path(file).parents, here]
     faults = []
     for place in dict.fromkeys(places):
         try:
@@ -294,7 +296,7 @@ def _place_of(file: Path, record: dict[str, Any], study: Study) -> Path:
 def _beside(file: Path) -> dict[str, Any]:
     """The record of the run that wrote the result of a step; empty if it is missing."""
     try:
-        record = _read(file.parent / STUDY_FILE)
+        record = read_record(file.parent / STUDY_FILE)
     except InputError:
         return {}
     return record if isinstance(record, dict) else {}
@@ -304,7 +306,7 @@ def _refuse_other_study(folder: Path, study: Study, who: dict[str, Any], called:
     file = folder / STUDY_FILE
     if not file.exists():
         return
-    record = _read(file)
+    record = read_record(file)
     if not isinstance(record, dict):
         record = {}
     before = record.get("files")
@@ -354,7 +356,7 @@ def refuse_other_record(folder: Path, wanted: Mapping[str, Any]) -> None:
     file = folder / SUMMARY_FILE
     if not file.exists():
         return
-    record = _read(file)
+    record = read_record(file)
     if not isinstance(record, dict) or any(record.get(key) != wanted[key] for key in wanted):
         raise _other_results(folder)
 
@@ -406,17 +408,11 @@ def _refuse_change_in_work(study: Study, stamps: Any, before: Mapping[str, str])
         )
 
 
-def content_hash(record: dict[str, Any]) -> str:
-    """SHA-256 of all entries of a file except ``content``."""
-    rest = {key: value for key, value in record.items() if key != "content"}
-    return hashlib.sha256(json.dumps(rest, allow_nan=False).encode()).hexdigest()
-
-
 def _made_by(file: Path, hash_: str) -> bool:
     if not file.exists():
         return False
     try:
-        record = _read(file)
+        record = read_record(file)
         if not isinstance(record, dict) or record.get("hash") != hash_:
             return False
         if record.get("content") != content_hash(record):
@@ -444,28 +440,22 @@ def _written(folder: Path) -> dict[str, str | None]:
 def _sha256(file: Path) -> str | None:
     """``None`` of what cannot be read."""
     try:
+        regular_file(file)
         with file.open("rb") as opened:
             return hashlib.file_digest(opened, "sha256").hexdigest()
-    except (OSError, ValueError):
+    except (OSError, ValueError):  # among them an InputError
         return None
 
 
-def _read(file: Path) -> Any:
-    size = regular_file(file).st_size
-    if size > _LARGEST_BYTES:
-        raise InputError(
-            str(file),
-            f"must have at most {_LARGEST_BYTES >> 20} MiB, as an output of a study",
-            value=size,
-            found=f"has {size / 2**20:.0f} MiB",
-        )
-    try:
-        return json.loads(file.read_bytes())
-    except OSError as error:
-        raise InputError(str(file), f"cannot be read ({error.strerror})") from None
-    except (ValueError, RecursionError) as error:
-        message = reason(error)
-        raise InputError(str(file), f"is not JSON{f' ({message})' if message else ''}") from None
+def read_record(file: Path) -> Any:
+    """The data of a JSON file that a run wrote.
+
+    Raises
+    ------
+    InputError
+        As `json_file`.
+    """
+    return json_file(file, most_bytes=_LARGEST_BYTES)
 
 
 def _write(file: Path, record: dict[str, Any]) -> None:

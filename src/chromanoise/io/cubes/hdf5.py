@@ -6,7 +6,9 @@ the child process of `_sandbox`. Uncompressed numbers, and numbers compressed wi
 read without libhdf5.
 """
 
+import itertools
 import math
+import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, nullcontext
 from functools import partial
@@ -40,7 +42,7 @@ _READ = frozenset({
     "_fillvalue", "missing_value", "valid_range", "valid_min", "valid_max", "wavelength_units",
     "matlab_class", "matlab_sparse", "matlab_empty",
 }) | SPECTRAL_NAMES  # fmt: skip
-_MOST_ARRAYS = 10_000
+_MOST_ARRAYS, _MOST_THINGS, _DEEPEST = 10_000, 100_000, 64
 _LONGEST_ATTRIBUTE = 100_000
 _PACKING_BYTES = 4096  # tables and checksums that compression may add to a chunk
 _LIMIT_S = 60.0  # for so many arrays, or chunks
@@ -142,9 +144,18 @@ def _listed(path: Path) -> tuple[dict[str, Labeled], Mapping[str, Any]]:
     """
     with _file(path) as file:
         names: list[str] = []
+        seen = itertools.count(1)
         dataset_type = library("h5py", str(path)).Dataset
 
         def see(name: str | bytes, thing: Any) -> bool | None:
+            depth = os.fsencode(name).count(b"/")
+            if depth > _DEEPEST or next(seen) > _MOST_THINGS:  # each is looked up from the root
+                raise InputError(
+                    str(path),
+                    f"must hold at most {_MOST_THINGS} groups and arrays, {_DEEPEST} deep",
+                    found="holds more, or deeper ones",
+                    remedy="save the cube in a file of its own",
+                )
             if isinstance(thing, dataset_type) and thing.shape is not None:
                 if isinstance(name, bytes):  # h5py cannot decode it
                     shown = name.decode("utf-8", "backslashreplace")

@@ -1,6 +1,5 @@
 """TIFF files of one page per band, or of pages with many samples."""
 
-import json
 import logging
 import math
 import re
@@ -11,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from chromanoise._check import Array
+from chromanoise._inputs import json_of
 from chromanoise._shapes import Float, Shaped
 from chromanoise.errors import InputError, Setting
 from chromanoise.io.cubes.bounds import refuse_not_numbers
@@ -206,7 +206,7 @@ def _wavelengths(
     path: Path, texts: list[str], bands: int
 ) -> Callable[[], tuple[Float[Array, " m"], Notes]] | None:
     """The wavelengths from the description of the first page, or one from that of each page."""
-    listed = _listed(texts[0])
+    listed = _listed(path, texts[0])
     if listed is not None:
         name, values = listed
         return lambda: nanometers(path, name, values, "")
@@ -289,11 +289,11 @@ def _gdal_scale(path: Path, facts: dict[tuple[str, int | None], str]) -> float |
     return numbers[0]
 
 
-def _listed(text: str) -> tuple[str, Array] | None:
+def _listed(path: Path, text: str) -> tuple[str, Array] | None:
     """A list called wavelength, as JSON or as ``wavelength = {400, 410}``."""
     try:
-        data = json.loads(text)
-    except (ValueError, RecursionError):
+        data = json_of(text, str(path), any_number=True)
+    except InputError:
         data = None
     if isinstance(data, dict):
         for key in data:

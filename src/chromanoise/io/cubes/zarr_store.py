@@ -4,7 +4,6 @@ The content of a folder is checked before the zarr package reads it: a format-2 
 ``pickle``, which can run arbitrary code, and a link may point outside of the folder.
 """
 
-import json
 import math
 import os
 from collections.abc import Iterator, Mapping
@@ -16,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from chromanoise._check import Array, printable
-from chromanoise._inputs import regular_file
+from chromanoise._inputs import json_file, regular_file
 from chromanoise._shapes import Shaped
 from chromanoise.errors import InputError
 from chromanoise.io.cubes.bounds import MOST_INFLATED, memory_bytes
@@ -106,15 +105,7 @@ def _header(folder: Path) -> Mapping[str, Any]:
 
 
 def _json(path: Path) -> Mapping[str, Any]:
-    size = path.stat().st_size
-    if size > _LARGEST_HEADER_BYTES:
-        raise InputError(
-            str(path),
-            f"must be at most {_LARGEST_HEADER_BYTES} bytes long, as a Zarr header",
-            value=size,
-            found=f"has {size} bytes",
-        )
-    data = json.loads(path.read_bytes())
+    data = json_file(path, most_bytes=_LARGEST_HEADER_BYTES, any_number=True)
     if not isinstance(data, dict):
         raise InputError(str(path), "is not a Zarr header", remedy="save the cube again")
     return data

@@ -6,7 +6,8 @@ import re
 import tomllib
 from collections.abc import Mapping
 from dataclasses import replace
-from pathlib import Path
+from itertools import islice
+from pathlib import Path, PurePath
 from typing import Any
 
 from chromanoise import _check
@@ -32,7 +33,7 @@ _TOP = ("camera", "iso", "mosaic", "bits", "black_level_dn", "darks", "levels")
 _LEVEL = ("name", "flats", "darks", "time_ms", "photons_per_pixel", "iso")
 _LARGEST_BYTES = 2**20
 _MOST_BITS = 32
-_MOST_FILES = 100_000
+_MOST_FILES, _MOST_WILD = 100_000, 4
 _LONGEST_MS = 1e9
 _MOST_PHOTONS = 1e15
 _LONGEST_NAME = 1000
@@ -231,8 +232,19 @@ def _of_word(path: Path, word: str, where: str, opened: _FramesOfFile) -> tuple[
     part = _PART.fullmatch(word)
     if part is not None and (folder / part[1]).is_file():
         return _parts_of(path, word, _opened(folder / part[1], opened), part[2], where)
+    steps = PurePath(word).parts
+    wild = [i for i, step in enumerate(steps) if any(sign in step for sign in "*?[")]
+    if len(wild) > _MOST_WILD or steps.count("**") > 1 or (wild and ".." in steps[wild[0] :]):
+        raise InputError(  # the walk could visit a folder without bound
+            str(path),
+            f"must have at most {_MOST_WILD} folders with a wildcard, one '**', and no '..' after",
+            value=word,
+            where=where,
+            remedy="write the names of the folders",
+        )
     try:
-        files = sorted(file for file in folder.glob(word) if not file.is_dir())[: _MOST_FILES + 1]
+        matches = (file for file in folder.glob(word) if not file.is_dir())
+        files = sorted(islice(matches, _MOST_FILES + 1))
     except (ValueError, NotImplementedError, IndexError, OSError):
         files = []
     if not files or len(files) > _MOST_FILES:

@@ -5,7 +5,7 @@ from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 
-from chromanoise._inputs import regular_file
+from chromanoise._inputs import regular_file, true_path
 from chromanoise.errors import InputError
 from chromanoise.io.frames.by_name import frame_name, levels_by_name, natural
 from chromanoise.io.frames.capture import CAPTURE, read_capture
@@ -91,9 +91,9 @@ def _by_name(paths: Sequence[Path]) -> FrameSet:
                     "must be given alone, because it lists the frames",
                     remedy=f"evaluate {file.parent} by itself",
                 )
-            if file.resolve() in seen:
+            if true_path(file) in seen:
                 raise InputError(str(file), "must be given once", found="is given twice")
-            seen.add(file.resolve())
+            seen.add(true_path(file))
             if inside and (file.name.startswith(".") or not is_frame_name(file)):
                 others.append(file)
                 continue
@@ -118,7 +118,7 @@ def _by_name(paths: Sequence[Path]) -> FrameSet:
 def _name(frame: Frame, base: Path, *, several: bool) -> str:
     """The path of a frame in its folder; the folder itself counts if several are given."""
     name = frame_name(frame.path, base, frame.part)
-    return f"{base.resolve().name}/{name}" if several and base.resolve().name else name
+    return f"{true_path(base).name}/{name}" if several and true_path(base).name else name
 
 
 def _files(folder: Path, *, deep: bool) -> list[Path]:

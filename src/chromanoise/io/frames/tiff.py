@@ -1,6 +1,5 @@
 """Raw frames in TIFF files: one per page."""
 
-import json
 import logging
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -11,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from chromanoise._check import Array
+from chromanoise._inputs import json_of
 from chromanoise._shapes import Integer
 from chromanoise.errors import InputError
 from chromanoise.io.cubes.bounds import refuse_impossible
@@ -141,9 +141,9 @@ def _refuse_truncated_stack(path: Path, first: Any, pages: int) -> None:
         declared = int(images) if images.isdigit() and len(images) < 9 else 1
     elif first.is_shaped:
         try:
-            shape = json.loads(text).get("shape", [])
+            shape = json_of(text, str(path), any_number=True).get("shape", [])
             declared = int(np.prod([int(side) for side in shape[:-2]])) if len(shape) > 2 else 1
-        except (ValueError, TypeError, AttributeError, RecursionError, OverflowError):
+        except (ValueError, TypeError, AttributeError, OverflowError):
             declared = 1
     if declared > pages and pages == 1 and len(first.shape) == 2:
         raise InputError(

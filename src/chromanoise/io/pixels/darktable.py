@@ -14,6 +14,7 @@ import numpy as np
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._inputs import json_of
 from chromanoise._shapes import (
     Float,
 )
@@ -24,7 +25,6 @@ from chromanoise.errors import (
 from chromanoise.io.pixels.source_text import (
     errors_in_file,
     finite_number,
-    source_json,
     source_text,
 )
 from chromanoise.sensor.adc import Adc
@@ -89,7 +89,7 @@ def read_darktable_noise(path: Path | str, *, maker: str, model: str, iso: float
         ones.
     """
     path = Path(path)
-    held = source_json(source_text(path), str(path))
+    held = json_of(source_text(path), str(path))
     makers = _listed(held, "noiseprofiles", "maker", path, "")
     maker = _known("maker", maker, makers, f"{path}")
     models = _listed(makers[maker], "models", "model", path, maker)

@@ -13,12 +13,12 @@ from decimal import Decimal, InvalidOperation
 from pathlib import Path
 
 from chromanoise import _check
+from chromanoise._inputs import json_of
 from chromanoise.errors import InputError
 from chromanoise.io.pixels.emva_checks import alike, contradictions
 from chromanoise.io.pixels.source_text import (
     errors_in_file,
     finite_number,
-    source_json,
     source_text,
 )
 from chromanoise.io.xml_text import xml_root
@@ -252,7 +252,7 @@ def _text_rows(text: str, path: Path) -> list[tuple[str, float, str, str]]:
 
 def _json_rows(text: str, path: Path) -> list[tuple[str, float, str, str]]:
     rows = []
-    for name, entry in source_json(text, str(path)).items():
+    for name, entry in json_of(text, str(path)).items():
         if _key(name) is None:
             continue
         number = finite_number(entry.get("value")) if isinstance(entry, dict) else None

@@ -6,11 +6,11 @@ from pathlib import Path
 import numpy as np
 
 from chromanoise import _check
+from chromanoise._inputs import json_of
 from chromanoise.errors import InputError
 from chromanoise.io.pixels.source_text import (
     errors_in_file,
     finite_number,
-    source_json,
     source_text,
 )
 from chromanoise.sensor import PixelSource, pixel_from_noise_profile
@@ -43,7 +43,7 @@ def read_noise_profile(path: Path | str) -> PixelSource:
     text = source_text(path)
     if is_noise_profile_text(text):
         return _pixel_of_text(text, path)
-    held = source_json(text, str(path))
+    held = json_of(text, str(path))
     if not isinstance(held, dict) or any(key not in held for key in _KEYS):
         missing = [key for key in _KEYS if not isinstance(held, dict) or key not in held]
         raise InputError(

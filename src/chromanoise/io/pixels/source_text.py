@@ -1,6 +1,5 @@
-"""Read text and JSON of files that describe a pixel, with one error for each fault."""
+"""Read text of files that describe a pixel, with one error for each fault."""
 
-import json
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -72,48 +71,6 @@ def errors_in_file(path: Path) -> Iterator[None]:
         yield
     except InputError as error:
         raise in_file(error, path) from None
-
-
-def source_json(text: str, source: str) -> Any:
-    """The data in the JSON text of the file ``source``.
-
-    Raises
-    ------
-    InputError
-        If the text is not JSON, repeats a key, or is nested too deeply.
-    """
-    try:
-        return json.loads(text, object_pairs_hook=_once)
-    except json.JSONDecodeError as error:
-        raise InputError(
-            source, f"is not JSON ({error.msg})", where=f"line {error.lineno}"
-        ) from None
-    except _RepeatedError as error:
-        key = str(error)[:60]
-        raise InputError(
-            source,
-            "must have each key once",
-            value=key,
-            found=f"{key!r} is repeated",
-            remedy="keep one",
-        ) from None
-    except (RecursionError, ValueError):  # a number of thousands of digits is a ValueError
-        raise InputError(
-            source, "is nested too deeply or holds a number that is too long"
-        ) from None
-
-
-class _RepeatedError(Exception):
-    pass
-
-
-def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    found: dict[str, Any] = {}
-    for key, value in pairs:
-        if key in found:
-            raise _RepeatedError(key)
-        found[key] = value
-    return found
 
 
 def finite_number(value: Any) -> float | None:

@@ -29,6 +29,7 @@ from chromanoise.io.spectra.workbook import read_workbook
 
 _LARGEST_BYTES = 4 * 2**20
 _LARGEST_LIBRARY_BYTES = 32 * 2**20
+_MOST_CURVES = 10_000
 _MOST_HIGH = 0.1
 _CONTROL = re.compile(rb"[\x00-\x08\x0e-\x1f]")
 
@@ -71,7 +72,16 @@ def read_curves(path: Path | str, *, answers: Answers = ASK) -> ParsedSpectra:
     """
     path = Path(path)
     with _errors_of(path):
-        return meaning_of(_found(path, _content(path)), answers)
+        found = _found(path, _content(path))
+        if len(found.columns) > _MOST_CURVES:
+            raise InputError(
+                str(path),
+                f"must have at most {_MOST_CURVES} curves",
+                value=len(found.columns),
+                found=f"has {len(found.columns)}",
+                remedy="split the file",
+            )
+        return meaning_of(found, answers)
 
 
 def _content(path: Path) -> bytes:

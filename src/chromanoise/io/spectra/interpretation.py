@@ -1,6 +1,7 @@
 """Interpret the content of a file: units, scale, quantity, and open questions."""
 
 import re
+from collections import Counter
 from dataclasses import replace
 from typing import Literal, get_args
 
@@ -112,20 +113,23 @@ def meaning_of(found: Found, answers: Answers) -> ParsedSpectra:
 
 def _chosen(found: Found, answers: Answers) -> tuple[list[Column], list[Column]]:
     """The selected curves, and the columns of their standard deviations."""
-    spread = [c for c in found.columns if re.search(_DEVIATION, f"{c.name} {c.unit}")]
-    curves = [c for c in found.columns if c not in spread]
+    curves: list[Column] = []
+    spread: list[Column] = []
+    for column in found.columns:
+        own = spread if re.search(_DEVIATION, f"{column.name} {column.unit}") else curves
+        own.append(column)
     if not curves:
         curves, spread = spread, []
     names = [c.name for c in curves]
-    for i, name in enumerate(names):
-        if name in names[:i]:
-            raise InputError(
-                found.source,
-                "must have different names for its curves",
-                value=name,
-                found=f"{name!r} is repeated",
-                remedy="rename one",
-            )
+    repeated = [name for name, count in Counter(names).items() if count > 1]
+    if repeated:
+        raise InputError(
+            found.source,
+            "must have different names for its curves",
+            value=repeated[0],
+            found=f"{repeated[0]!r} is repeated",
+            remedy="rename one",
+        )
     for name in answers.columns:
         if name not in names:
             raise InputError(

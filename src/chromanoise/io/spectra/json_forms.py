@@ -1,6 +1,5 @@
 """The JSON formats of curves; the keys of a file decide which one it is."""
 
-import json
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
@@ -9,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from chromanoise._check import Array
+from chromanoise._inputs import json_of
 from chromanoise.errors import InputError
 from chromanoise.io.spectra.own_json import SPECTRA_SCHEMA, array_of, number_of, own_spectra
 from chromanoise.io.spectra.parsed import Column, Found
@@ -26,7 +26,7 @@ def read_json(text: str, source: str) -> Found:
     Raises
     ------
     InputError
-        If the text is not JSON, has a key twice, or holds curves in none of these formats.
+        As `json_of`, or if it holds curves in none of these formats.
 
     Notes
     -----
@@ -34,7 +34,8 @@ def read_json(text: str, source: str) -> Found:
     with ``red_ssf``, ``green_ssf`` and ``blue_ssf`` for a camera, ``bands`` and ``spectrum`` for a
     light. Any other JSON needs one list of wavelengths, and lists of values of the same length.
     """
-    whole = _parsed(text, source)
+    whole = json_of(text, source)
+    assert isinstance(whole, dict)  # it begins with a brace
     schema = whole.get("schema")
     if schema == SPECTRA_SCHEMA:
         return own_spectra(whole, source)
@@ -56,39 +57,6 @@ def read_json(text: str, source: str) -> Found:
     except (TypeError, OverflowError) as error:
         raise InputError(source, f"its lists are not curves ({error})") from None
     return read_rawtoaces(whole, source)
-
-
-def _parsed(text: str, source: str) -> dict[str, Any]:
-    def once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-        members = dict(pairs)
-        if len(members) < len(pairs):
-            names = [name for name, _ in pairs]
-            twice = next(name for name in names if names.count(name) > 1)
-            raise InputError(
-                source,
-                "must occur once",
-                value=twice,
-                found="is repeated",
-                where=f"key {twice[:40]!r}",
-                remedy="remove one",
-            )
-        return members
-
-    try:
-        whole = json.loads(text, object_pairs_hook=once)
-    except InputError:
-        raise
-    except json.JSONDecodeError as error:
-        raise InputError(
-            source, f"is not JSON ({error.msg})", where=f"line {error.lineno}, column {error.colno}"
-        ) from None
-    except (RecursionError, ValueError):  # a number of thousands of digits is a ValueError
-        raise InputError(
-            source,
-            "is not JSON, because its brackets are nested too deeply or a number is too long",
-        ) from None
-    assert isinstance(whole, dict)  # it begins with a brace
-    return whole
 
 
 def _camera_of_dcamprof(whole: Mapping[str, Any], source: str) -> Found:

@@ -8,6 +8,7 @@ import numpy as np
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._inputs import json_of
 from chromanoise.errors import InputError
 from chromanoise.io.spectra.parsed import Column, Found, Level, Per, Quantity, Scaled
 
@@ -46,14 +47,9 @@ def held_json(text: str, schema: str, *, source: str) -> dict[str, Any]:
     Raises
     ------
     InputError
-        If the text is not JSON, or has another schema or version.
+        As `json_of`, or if it has another schema or version.
     """
-    try:
-        held = json.loads(text)
-    except (ValueError, RecursionError):
-        raise InputError(
-            source, "is not JSON", remedy=f"give a file with the schema {schema!r}"
-        ) from None
+    held = json_of(text, source)
     found = held.get("schema") if isinstance(held, dict) else None
     if found != schema or not isinstance(held, dict):
         raise InputError(source, f"must be {schema!r}", value=found, where="key 'schema'")

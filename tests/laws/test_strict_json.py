@@ -1,0 +1,144 @@
+"""JSON is read in one place, which accepts only what every later step can use."""
+
+import json
+import os
+import sys
+from functools import partial
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from chromanoise._inputs import MOST_DEPTH, json_file, json_of
+from chromanoise.catalog import read_pixel_source
+from chromanoise.catalog.resolve import resolve_sensor
+from chromanoise.characterization.kept_statistics import resumed
+from chromanoise.design import read_front
+from chromanoise.errors import InputError
+from chromanoise.io.given_matrices import read_matrix
+from chromanoise.io.sensor_json import sensor_from_json, sensor_json
+from chromanoise.io.spectra import read_curves
+from chromanoise.io.table_formats import table_from_json
+from chromanoise.study import recorded_run
+from outcomes import refused_input
+from strategies import white_channel
+
+REFUSED = {
+    "NaN": '{"a": NaN}',
+    "infinity": '{"a": [-Infinity]}',
+    "1e400": '{"a": 1e400}',
+    "a whole number of 401 digits": f'{{"a": {"9" * 401}}}',
+    "a whole number of 5001 digits": f'{{"a": {"9" * 5001}}}',
+    "an unpaired surrogate": '{"a": "\\ud800"}',
+    "an unpaired surrogate in a key": '{"\\udfff": 1}',
+    "a key twice": '{"a": 1, "a": 2}',
+    "deep lists": f'{{"a": {"[" * MOST_DEPTH}{"]" * MOST_DEPTH}}}',
+    "lists too deep for the parser": f'{{"a": {"[" * 100_000}{"]" * 100_000}}}',
+    "deep objects": '{"a": ' * (MOST_DEPTH + 1) + "1" + "}" * (MOST_DEPTH + 1),
+    "half a text": '{"a": [1, 2',
+    "a byte that is not UTF-8": b'{"a": "\xff"}',
+    "UTF-16": '{"a": 1}'.encode("utf-16"),
+}
+READERS = {
+    "a sensor": lambda path: sensor_from_json(path.read_text("utf-8"), source=str(path)),
+    "a table": lambda path: table_from_json(path.read_text("utf-8"), source=str(path)),
+    "a matrix": read_matrix,
+    "a pixel": read_pixel_source,
+    "curves": read_curves,
+    "a front": read_front,
+    "kept statistics": resumed,
+    "a result": recorded_run,
+}
+
+
+@pytest.mark.parametrize("content", REFUSED.values(), ids=REFUSED)
+def test_json_that_a_later_step_could_not_use_is_refused(content):
+    with refused_input(subject="a.json"):
+        json_of(content, "a.json")
+
+
+@pytest.mark.parametrize("reader", READERS)
+@pytest.mark.parametrize(
+    "name", [name for name in REFUSED if not name.startswith(("a byte", "UTF"))]
+)
+def test_every_reader_refuses_it_with_the_name_of_the_file(reader, name, tmp_path):
+    path = tmp_path / "a.json"
+    path.write_text(REFUSED[name])
+    with pytest.raises(InputError) as caught:
+        READERS[reader](path)
+    assert "a.json" in caught.value.subject
+    assert len(str(caught.value).splitlines()) == 1
+    str(caught.value).encode()  # no unpaired surrogate in the sentence either
+
+
+JSON = st.recursive(
+    st.none()
+    | st.booleans()
+    | st.integers(-(10**300), 10**300)
+    | st.floats(allow_nan=False, allow_infinity=False)
+    | st.text(),
+    lambda inside: st.lists(inside) | st.dictionaries(st.text(), inside),
+)
+
+
+@given(JSON)
+def test_all_other_json_is_read_as_it_was_written(data):
+    for text in (json.dumps(data), json.dumps(data, ensure_ascii=False).encode()):
+        assert json_of(text, "a") == data
+
+
+def test_the_largest_number_and_depth_are_read():
+    largest = sys.float_info.max
+    assert json_of(f"[{largest!r}, {int(largest)}]", "a") == [largest, int(largest)]
+    with refused_input(subject="a"):
+        json_of(f"[{int(largest) + 1}]", "a")
+    held = json_of("[" * MOST_DEPTH + "]" * MOST_DEPTH, "a")
+    for _ in range(MOST_DEPTH - 1):
+        (held,) = held
+    assert held == []
+
+
+def test_headers_of_other_programs_may_hold_what_is_not_a_number():
+    assert json_of('{"_FillValue": NaN, "a": 1e400}', "a", any_number=True)["a"] == float("inf")
+
+
+def test_a_key_with_a_fault_is_named():
+    with refused_input(subject="a", where="key 'b.c.1'"):
+        json_of('{"b": {"c": [1, 1e400]}}', "a")
+
+
+def loop(path):
+    path.symlink_to(path.name)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no pipes in folders")
+@pytest.mark.parametrize(
+    "made", [os.mkfifo, os.mkdir, loop, lambda path: path.symlink_to("/dev/zero")]
+)
+@pytest.mark.parametrize(
+    "read",
+    [partial(json_file, most_bytes=99), resumed, recorded_run, read_front, read_matrix],
+)
+def test_only_regular_files_are_read(made, read, tmp_path):
+    path = tmp_path / "a.json"
+    made(path)
+    with pytest.raises(InputError):
+        read(path)
+
+
+def test_a_file_is_read_to_its_bound_only(tmp_path):
+    path = tmp_path / "a.json"
+    path.write_bytes(b"[" + b" " * 97 + b"]")
+    assert json_file(path, most_bytes=99) == []
+    with refused_input(subject=str(path), value=99):
+        json_file(path, most_bytes=98)
+
+
+@pytest.mark.parametrize("key", ["name", "notes"])
+def test_a_sensor_with_an_unpaired_surrogate_is_refused(key, tmp_path):
+    data = json.loads(sensor_json(white_channel()))
+    data[key] = "\ud800" if key == "name" else ["\udc00"]
+    path = tmp_path / "cam.json"
+    path.write_text(json.dumps(data))
+    with refused_input(subject=str(path)):
+        resolve_sensor(str(path))
