@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import FancyBboxPatch
 
-from chromanoise.analysis import Analysis, color_snr_db, contravariant_snr_db, raw_snr_db
+from chromanoise.analysis import Analysis, color_snr_db, contravariant_snr_db, metric_of, raw_snr_db
 from chromanoise.figures.style import INK, QUIET, channel_color, sensor_label
 
 _STAGES = (  # name, symbol, equation, what its numbers are
@@ -17,7 +17,7 @@ _STAGES = (  # name, symbol, equation, what its numbers are
         "Spectrum",
         r"$\hat{\mathbf{L}}=\mathbf{F}(\mathbf{F}^T\mathbf{F})^{-1}\mathbf{M}$",
         "eq. 3–4",
-        "contravariant SNR",
+        "contravariant SNR, {metric}",
     ),
     ("Color", r"$\mathbf{H}^T\hat{\mathbf{L}}$", "eq. 5", "XYZ, and its SNR"),
 )
@@ -37,8 +37,8 @@ def draw_flow(analysis: Analysis, ax: Axes, *, rows: int = 4) -> Axes:
     rows
         Number of rows for channels, so that panels of different sensors have equal height.
     """
-    for i, stage in enumerate(_STAGES):
-        _draw_stage(ax, i, stage)
+    for i, (name, symbol, equation, note) in enumerate(_STAGES):
+        _draw_stage(ax, i, (name, symbol, equation, note.format(metric=metric_of([analysis]))))
     for i in range(len(_STAGES) - 1):
         _draw_step(ax, i)
     _write_scene(analysis, ax)

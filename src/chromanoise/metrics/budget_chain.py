@@ -367,7 +367,7 @@ def shared_readings(
     more = {name: f"{part[name]:.1f} % of the mean noise variance" for name in MORE_NOISE}
     unmixed = (
         f"unmixing multiplies {frame.names[worst]}'s own noise by {vif[worst]:.1f} (VIF), "
-        f"condition {frame.condition:.1f}"
+        f"condition {frame.condition:.1f}, metric {frame.metric}"
     )
     if chain.crosstalk is not None and chain.before_crosstalk is not None:
         before = chain.before_crosstalk.with_infrared.noise_e
