@@ -17,7 +17,7 @@ _STAGES = (  # name, symbol, equation, what its numbers are
         "Spectrum",
         r"$\hat{\mathbf{L}}=\mathbf{F}(\mathbf{F}^T\mathbf{F})^{-1}\mathbf{M}$",
         "eq. 3–4",
-        "contravariant SNR, {metric}",
+        "contravariant SNR",
     ),
     ("Color", r"$\mathbf{H}^T\hat{\mathbf{L}}$", "eq. 5", "XYZ, and its SNR"),
 )
@@ -37,8 +37,8 @@ def draw_flow(analysis: Analysis, ax: Axes, *, rows: int = 4) -> Axes:
     rows
         Number of rows for channels, so that panels of different sensors have equal height.
     """
-    for i, (name, symbol, equation, note) in enumerate(_STAGES):
-        _draw_stage(ax, i, (name, symbol, equation, note.format(metric=metric_of([analysis]))))
+    for i, stage in enumerate(_STAGES):
+        _draw_stage(ax, i, stage)
     for i in range(len(_STAGES) - 1):
         _draw_step(ax, i)
     _write_scene(analysis, ax)
@@ -47,7 +47,10 @@ def draw_flow(analysis: Analysis, ax: Axes, *, rows: int = 4) -> Axes:
     _write_column(ax, 4, analysis.color.names, _color(analysis), lambda _: INK)
     exposure = analysis.exposure
     label = sensor_label(analysis.sensor.name, analysis.sensor.origin)
-    ax.set_title(f"{label} at {1e3 * exposure.time_s:.1f} ms, f/{exposure.f_number:g}")
+    ax.set_title(
+        f"{label} at {1e3 * exposure.time_s:.1f} ms, f/{exposure.f_number:g}; "
+        f"{metric_of([analysis])}"
+    )
     last = (len(_STAGES) - 1) * _PITCH + _BOX
     ax.set(xlim=(-0.02, last + 0.02), ylim=(_BOX_HEIGHT + (rows + 1.4) * _ROW, -0.03))
     ax.set_axis_off()
