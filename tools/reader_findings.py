@@ -78,13 +78,16 @@ def pair_rows(name: str, light: str) -> list[list[str]]:
     at_10 = [one.distance[RAW] for one in separations(name, light, LAST_LUX)]
     shares = [f"{100 * np.mean(other > at_10[0]):.0f} %" for other in at_10[1:]]
     right = [
-        [one.probability[RAW] for one in separations(name, light, lux)[:2]] for lux in (1, 0.1, 0.01)
+        [one.probability[RAW] for one in separations(name, light, lux)[:2]]
+        for lux in (1, 0.1, 0.01)
     ]
     rows = []
     for pair, statistic in (("median", np.median), ("worst", np.min)):
         found = [f"{statistic(one):#.3g}" for one in at_10]
         probabilities = [", ".join(f"{statistic(one):.2f}" for one in level) for level in right]
-        rows.append([name, pair, *found, *(shares if pair == "median" else ["", ""]), *probabilities])
+        rows.append(
+            [name, pair, *found, *(shares if pair == "median" else ["", ""]), *probabilities]
+        )
     return rows
 
 

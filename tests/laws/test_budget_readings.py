@@ -200,7 +200,10 @@ def test_the_readings_of_lightness_and_hue_are_those_counted_by_hand(counted):
     )
     assert result["filters"] == "15 % of the photons become electrons"
     assert result["read noise"] == "46.2 % of the mean noise variance is readout"
-    assert result["correlation"] == "unmixing multiplies r's own noise by 1.5 (VIF), condition 2.0, metric quanta"
+    assert (
+        result["correlation"]
+        == "unmixing multiplies r's own noise by 1.5 (VIF), condition 2.0, metric quanta"
+    )
     assert result["infrared"] == "29 % of the electrons come from beyond 700 nm"
 
 

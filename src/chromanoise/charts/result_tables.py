@@ -119,7 +119,9 @@ def budget_tables(analysis: Analysis) -> list[Table]:
     lab = lab_budgets(analysis)
     tables = [
         _budget_table(color, f"Budget of the color of {name} ({metric})"),
-        _budget_table(contravariant, f"Budget of the contravariant coordinates of {name} ({metric})"),
+        _budget_table(
+            contravariant, f"Budget of the contravariant coordinates of {name} ({metric})"
+        ),
     ]
     of = f"one unit of L*, a*, b* of a gray of {100 * GRAY:.0f} %"
     missing = missing_lab_budgets(analysis, lab)

@@ -277,8 +277,7 @@ def _idle_crosstalk(study: Study) -> list[InputError]:
         )
         for i, part in enumerate(study.sensors)
         for name, (what, others) in needs.items()
-        if part.crosstalk is None
-        and getattr(part, name) != SensorPart.model_fields[name].default
+        if part.crosstalk is None and getattr(part, name) != SensorPart.model_fields[name].default
     ]
 
 

@@ -202,7 +202,9 @@ def _is_uncompressed(page: Any) -> bool:
     return bool(plain and page.ndim == 2 and page.bitspersample == 16 and page.dtype == np.uint16)
 
 
-def _is_within(area: tuple[int, ...], shape: tuple[int, int]) -> TypeGuard[tuple[int, int, int, int]]:
+def _is_within(
+    area: tuple[int, ...], shape: tuple[int, int]
+) -> TypeGuard[tuple[int, int, int, int]]:
     """Whether an area of rows and columns lies in a picture and is not empty."""
     if len(area) != 4 or not all(isinstance(side, int) for side in area):
         return False
