@@ -84,7 +84,7 @@ def levels_of(cell):
 
 @pytest.mark.parametrize("name", SENSORS)
 def test_the_table_has_the_levels_at_which_the_median_pair_is_better(name):
-    row = [one for one in FINDINGS.splitlines() if one.startswith(f"| {name} | below")][0]
+    row = next(one for one in FINDINGS.splitlines() if one.startswith(f"| {name} | below"))
     cell = [one.strip() for one in row.strip("|").split("|")]
     for light, with_it, without in (("E", 2, 3), ("A", 5, 6)):
         bare, cut, _ = points(name, light)

@@ -97,7 +97,7 @@ def tiff_profile(matrix, kelvin_code=21, order="<"):
 
 
 def two_lights(codes, order="<"):
-    """A DCP of two matrices: the identity, and twice the identity, with the codes of their lights."""
+    """A DCP of the identity and of twice the identity, with the codes of their lights."""
     entries, data, place = b"", b"", 8 + 2 + 12 * 4 + 4
     for tag, scale in ((50721, 1), (50722, 2)):
         entries += struct.pack(order + "HHII", tag, 10, 9, place + len(data))

@@ -9,10 +9,10 @@ from chromanoise.analysis import (
     Analysis,
     color_snr_db,
     contravariant_snr_db,
-    metric_of,
     diagnosis,
     mean_color_error,
     mean_total_error,
+    metric_of,
     raw_snr_db,
 )
 from chromanoise.analysis.comparison.bands import CrossoverBand, band_sentence
