@@ -12,13 +12,22 @@ export OPENBLAS_NUM_THREADS ?= 1
 # kept bytecode: else every process that a test starts compiles all sources again
 export PYTHONDONTWRITEBYTECODE =
 
-.PHONY: demo test lint lint-python lint-js bench docs docs-pictures linkcheck evidence reconstruct format clean clean-kernels
+.PHONY: demo test lowest lint lint-python lint-js bench docs docs-pictures linkcheck evidence reconstruct format clean clean-kernels
 
 demo: $(VENV)/.installed
 	$(BIN)/chromanoise demo
 
 test: $(VENV)/.dev
 	$(BIN)/python -m pytest -n 2
+
+# a few tests with the lowest versions that pyproject.toml declares; Python 3.11 has wheels of all
+LOWEST := out/lowest
+LOWEST_BIN := $(LOWEST)/$(notdir $(BIN))
+lowest: $(LOWEST)/.installed
+	$(LOWEST_BIN)/python -m pytest -k "not pgm and not exif_in_a_tiff_of_pillow and not shrinks" \
+	    tests/test_public_api.py tests/laws/test_pixel_toml.py tests/laws/test_frame_formats.py \
+	    tests/shells/test_given_matrices.py tests/shells/test_metric_named.py \
+	    tests/shells/test_lowest.py
 
 evidence: $(VENV)/.dev
 	$(BIN)/python -m pytest -m evidence
@@ -85,6 +94,15 @@ $(VENV)/.installed: pyproject.toml
 	$(PYTHON) -c 'import sys; sys.exit(0 if sys.version_info >= (3, 11) else "chromanoise needs Python 3.11 or newer; set PYTHON=python3.12, for example")'
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e .
+	touch $@
+
+# Pillow below 12 cannot write some files of the tests, which are left out
+$(LOWEST)/.installed: pyproject.toml tools/lowest_requirements.py
+	$(PYTHON) -m venv $(LOWEST)
+	$(PYTHON) tools/lowest_requirements.py > $(LOWEST)/requirements.txt
+	$(LOWEST_BIN)/python -m pip install --quiet --disable-pip-version-check --only-binary :all: \
+	    -r $(LOWEST)/requirements.txt pytest hypothesis httpx beartype pyyaml
+	$(LOWEST_BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps -e .
 	touch $@
 
 $(VENV)/.dev: $(VENV)/.installed

@@ -101,10 +101,32 @@ def write_raw(path, codes, mosaic=None, **changed):
     write_dng(path, codes, profile)
 
 
-def write_cropped_dng(path, codes):
+def write_cropped_dng(path, codes, **options):
     """A DNG with 2 rows and 4 columns of masked pixels, so that its codes are not in place."""
     height, width = codes.shape
-    whole = np.pad(codes, ((2, 0), (4, 0)))
+    area = (50829, 4, 4, (2, 4, 2 + height, 4 + width), True)
+    write_plain_dng(path, np.pad(codes, ((2, 0), (4, 0))), area, **options)
+
+
+def write_tiled_dng(path, codes):
+    write_plain_dng(path, codes, tile=(16, 16))
+
+
+def write_dng_of_one_tile(path, codes):
+    """Its only tile is larger than the picture."""
+    write_plain_dng(path, codes, tile=(48, 64))
+
+
+def write_cropped_tiles(path, codes):
+    write_cropped_dng(path, codes, tile=(16, 16))
+
+
+def write_cropped_tile(path, codes):
+    write_cropped_dng(path, codes, tile=(48, 64))
+
+
+def write_plain_dng(path, codes, *more, **options):
+    """An uncompressed DNG by tifffile, with ``more`` tags."""
     unity = tuple(part for one in np.eye(3).ravel() for part in (int(one), 1))
     tags = [
         (272, 2, 0, "toy", True),
@@ -115,9 +137,9 @@ def write_cropped_dng(path, codes):
         (50714, 4, 1, 64, True),
         (50717, 4, 1, 4000, True),
         (50721, 10, 9, unity, True),
-        (50829, 4, 4, (2, 4, 2 + height, 4 + width), True),
+        *more,
     ]
-    tifffile.imwrite(path, whole, photometric="cfa", extratags=tags, metadata=None)
+    tifffile.imwrite(path, codes, photometric="cfa", extratags=tags, metadata=None, **options)
 
 
 WRITERS = {
@@ -137,6 +159,10 @@ WRITERS = {
     "png": ("a.png", write_png),
     "dng": ("a.dng", write_raw),
     "dng by libraw": ("a.dng", write_cropped_dng),
+    "dng tiled": ("a.dng", write_tiled_dng),
+    "dng of one tile": ("a.dng", write_dng_of_one_tile),
+    "dng of cropped tiles": ("a.dng", write_cropped_tiles),
+    "dng of one cropped tile": ("a.dng", write_cropped_tile),
 }
 """Name of the file and the function that writes one frame, by format."""
 

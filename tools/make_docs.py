@@ -167,7 +167,9 @@ def write_geometry_of_sensors(study: PaperStudy) -> None:
             row[0].legend(frameon=False)
             bars = row[1].bar(sensor.names, variance_inflation(frame), color=colors)
             row[1].bar_label(bars, fmt="%.2f")
-            row[1].set(title="variance inflation factor", ylim=(0, 9), ylabel="VIF")
+            row[1].set(
+                title=f"variance inflation factor, metric {frame.metric}", ylim=(0, 9), ylabel="VIF"
+            )
         figure.savefig(PICTURES / "geometry-sensors.png", dpi=110)
 
 

@@ -2,8 +2,10 @@
 
     python tools/reader_findings.py
 
-prints them: for an eye by SNR of Y with the LMMSE matrix, for a machine by the median distance of
-the 276 pairs of ColorChecker patches in raw values, and by the information of the raw values.
+prints them: for an eye by SNR of Y with the LMMSE matrix, for a machine by the distances of the 276
+pairs of ColorChecker patches in raw values (median and worst pair, at one time and at the time at
+which each sensor is full, with the probability of a right decision), and by the information of the
+raw values.
 """
 
 from typing import Any, get_args
@@ -15,6 +17,7 @@ from chromanoise.analysis import compared, matrix_makers
 from chromanoise.analysis.comparison.quantities import QUANTITIES
 from chromanoise.analysis.information import About, information_chain
 from chromanoise.analysis.priors import PRIORS
+from chromanoise.analysis.separation import RAW, Separation, separation_of
 from chromanoise.exposure import OperatingPoint
 
 IR_CUT = "ircut-650"
@@ -34,8 +37,8 @@ SENSORS: dict[str, dict[str, Any]] = {
 }
 READERS = {
     "eye": ("snr-y", "lmmse"),
-    "machine": ("separation", "kernel"),
-    "machine, no brightness": ("separation-without-brightness", "kernel"),
+    "machine, median": ("separation", "kernel"),
+    "machine, median, no brightness": ("separation-without-brightness", "kernel"),
 }
 LIGHTS = ("E", "A")
 FIRST_LUX, LAST_LUX = 0.01, 10.0
@@ -51,6 +54,41 @@ def both(name: str, light: str) -> tuple[list[OperatingPoint], np.ndarray]:
         name, illuminant=light, lux=LAST_LUX, time_ms=time_ms, filter=IR_CUT, **own
     ).points
     return [without, behind], np.geomspace(FIRST_LUX, LAST_LUX, LEVELS)
+
+
+def separations(name: str, light: str, lux: float) -> tuple[Separation, Separation, Separation]:
+    """Without IR-cut; with it at the same time; with it at its own time. Each is full at 10 lx."""
+    own = {"illuminant": light, **SENSORS[name]}
+    (bare,), (cut,) = (
+        cn.analyze(name, lux=LAST_LUX, **own, **more).points for more in ({}, {"filter": IR_CUT})
+    )
+    found = []
+    for more, full in (({}, bare), ({"filter": IR_CUT}, bare), ({"filter": IR_CUT}, cut)):
+        time_ms = 1e3 * full.exposure.time_s
+        (analysis,) = cn.analyze(name, lux=lux, time_ms=time_ms, **own, **more).analyses
+        separation = separation_of(analysis)
+        assert separation is not None  # nothing is full below 10 lx
+        found.append(separation)
+    without, one_time, own_time = found
+    return without, one_time, own_time
+
+
+def pair_rows(name: str, light: str) -> list[list[str]]:
+    """Median and worst pair: distances at 10 lx, then how often a reader is right."""
+    at_10 = [one.distance[RAW] for one in separations(name, light, LAST_LUX)]
+    shares = [f"{100 * np.mean(other > at_10[0]):.0f} %" for other in at_10[1:]]
+    right = [
+        [one.probability[RAW] for one in separations(name, light, lux)[:2]]
+        for lux in (1, 0.1, 0.01)
+    ]
+    rows = []
+    for pair, statistic in (("median", np.median), ("worst", np.min)):
+        found = [f"{statistic(one):#.3g}" for one in at_10]
+        probabilities = [", ".join(f"{statistic(one):.2f}" for one in level) for level in right]
+        rows.append(
+            [name, pair, *found, *(shares if pair == "median" else ["", ""]), *probabilities]
+        )
+    return rows
 
 
 def lead(better: np.ndarray, levels: np.ndarray) -> str:
@@ -99,6 +137,15 @@ def main() -> None:
     for name in SENSORS:
         cells = [cell for light in LIGHTS for cell in compared_row(name, light)]
         print("| " + " | ".join([name, *cells]) + " |", flush=True)
+    for light in LIGHTS:
+        print(f"\nilluminant {light}\n")
+        heads = ["without", "with", "with, own time", "pairs better with", "own time"]
+        heads += [f"right at {lux} lx" for lux in ("1", "0.1", "0.01")]
+        print("| sensor | pair | " + " | ".join(heads) + " |")
+        print("|---" * (2 + len(heads)) + "|")
+        for name in SENSORS:
+            for row in pair_rows(name, light):
+                print("| " + " | ".join(row) + " |", flush=True)
     print()
     print("| sensor | information about | " + " | ".join(PRIORS) + " |")
     print("|---" * (2 + len(PRIORS)) + "|")

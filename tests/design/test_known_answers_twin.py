@@ -86,7 +86,7 @@ def twin(qe, *, lux, time_s, f_number, pitch_um, read_e, lmmse=None):
     d = mean[1:][first] - mean[1:][second_]
     between = (variance[1:][first] + variance[1:][second_]) / 2
     distance = np.sqrt((d**2 / between).sum(axis=1))
-    infrared = (photons[nm >= 700] @ qe[nm >= 700]) / (photons @ qe)
+    infrared = (photons[nm > 700] @ qe[nm > 700]) / (photons @ qe)
     color = 1.0 if (seen[0] > 0).all() else np.inf  # a white without a color has no CIELAB
     return {
         "snr_y_db": snr_y_db,

@@ -35,11 +35,13 @@ from chromanoise.sensor import (
     crosstalk_of_kernel,
     crosstalk_of_share,
     mosaic_named,
+    with_channel_names,
     with_crosstalk,
     with_pixel,
     without_crosstalk,
 )
 from chromanoise.spectra import DEFAULT_GRID, equal_energy
+from chromanoise.study import operating_points_of, study_from_data
 from outcomes import refused_input
 from strategies import bell_qe, pixel_with, sensor_of
 
@@ -497,6 +499,75 @@ def test_crosstalk_without_mosaic_and_a_mosaic_without_crosstalk_are_refused(giv
     name = settings.pop("name", "model-rgb-ircut")
     with refused_input(subject=subject, setting=setting):
         cn.analyze(name, **settings)
+
+
+@pytest.mark.parametrize(
+    ("text", "pattern"),
+    [
+        ("RY/YB", (("Red", "Yellow"), ("Yellow", "Blue"))),
+        ("Red Yellow; Yellow Blue", (("Red", "Yellow"), ("Yellow", "Blue"))),
+        ("Red Yellow/Yellow Blue", (("Red", "Yellow"), ("Yellow", "Blue"))),
+        ("ry;yb", (("Red", "Yellow"), ("Yellow", "Blue"))),
+    ],
+)
+def test_letters_of_a_mosaic_are_the_channels_whose_names_begin_with_them(text, pattern):
+    named = with_channel_names(mosaic_named(text), ("Red", "Yellow", "Blue"))
+    assert named.pattern == pattern
+
+
+def test_a_letter_that_is_a_channel_or_begins_two_names_stays_as_it_is():
+    assert with_channel_names(mosaic_named("RG/GB"), ("R", "Red", "G", "B")) == bayer()
+    ambiguous = with_channel_names(mosaic_named("RG/GB"), ("Red", "Redder", "Green", "Blue"))
+    assert ambiguous.names == ("R", "Green", "Blue")
+
+
+def test_a_study_takes_the_letters_of_a_mosaic_for_channels_with_long_names(tmp_path):
+    """The same electrons as with the names written out; a letter of no channel is refused."""
+    curves = np.where(np.arange(400, 1055, 5)[:, None] // 100 == np.array([6, 5, 4]), 0.5, 0.01)
+    rows = "\n".join(
+        ",".join(map(str, (nm, *row)))
+        for nm, row in zip(range(400, 1055, 5), curves.tolist(), strict=True)
+    )
+    path = tmp_path / "ryb.csv"
+    path.write_text(f"wavelength_nm,Red,Yellow,Blue\n{rows}\n")
+    pixel = {"pitch_um": 3.0, "full_well_e": 1e4, "read_noise_e": 2.0}
+    electrons = [
+        cn.analyze(str(path), crosstalk=0.1, mosaic=text, **pixel).analyses[0].raw.mean
+        for text in ("RY/YB", "Red Yellow; Yellow Blue")
+    ]
+    assert np.array_equal(*electrons)
+    with refused_input(subject="mosaic", setting="mosaic"):
+        cn.analyze(str(path), crosstalk=0.1, mosaic="RG/GB", **pixel)
+
+
+def test_a_mosaic_without_crosstalk_counts_in_figures_of_merit():
+    """Visual noise after bilinear demosaicing: three quarters of white pixels, or one of four."""
+    found = {
+        mosaic: cn.analyze("onyx-rgbw", mosaic=mosaic, merit=True).outcomes[0].merits.entries
+        for mosaic in ("rgbw-4x4", "rgbw-2x2")
+    }
+    noise = {
+        mosaic: next(one.value for one in entries if "bilinear" in one.what)
+        for mosaic, entries in found.items()
+    }
+    assert noise["rgbw-4x4"] != pytest.approx(noise["rgbw-2x2"], rel=0.05)
+    plain = [
+        next(one.value for one in entries if "all channels" in one.what)
+        for entries in found.values()
+    ]
+    assert plain[0] == plain[1]
+
+
+def test_a_picture_of_the_sensors_mosaic_has_the_mosaic_given_without_crosstalk():
+    study = study_from_data(
+        {
+            "sensors": [{"name": "onyx-rgbw", "mosaic": "GR/WB"}],
+            "pictures": [{"cube": "checker", "mosaic": "sensor"}],
+        },
+        source="",
+    )
+    (point,) = operating_points_of(study)
+    assert point.sensor.mosaic == mosaic_named("GR/WB")
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,7 @@
 """A pixel as TOML: what is written is read, and what is wrong is named with its place."""
 
 import math
+from dataclasses import fields
 
 import pytest
 from hypothesis import given
@@ -8,7 +9,7 @@ from hypothesis import strategies as st
 
 from chromanoise.catalog import read_pixel_source, sensor_with_pixel
 from chromanoise.io.pixels import pixel_source_toml, read_pixel_toml
-from chromanoise.sensor import Adc, PixelSource
+from chromanoise.sensor import Adc, Pixel, PixelSource
 from outcomes import refused_input
 
 HEAD = 'schema = "chromanoise pixel"\nschema_version = 1\n'
@@ -31,6 +32,7 @@ words = st.text(st.characters(exclude_categories=["Cs"]), max_size=12)
 NUMBERS = (
     *("pitch_um", "full_well_e", "read_noise_e", "gain_e_per_dn", "dsnu_e", "prnu"),
     *("dark_current_e_per_s", "row_noise_e", "qe_at_nm"),
+    *("black_error_e", "temperature_c", "dark_reference_c", "dark_doubling_k"),
 )
 
 
@@ -51,6 +53,27 @@ def test_what_is_written_is_read_to_the_last_digit(
     path = tmp_path_factory.mktemp("toml") / "pixel.toml"
     path.write_text(pixel_source_toml(pixel), encoding="utf-8")
     assert read_pixel_source(path) == pixel
+
+
+def test_every_number_of_a_pixel_can_be_in_a_file():
+    own = {one.name for one in fields(Pixel)} - {"summed_pixels", "summed_readings"}
+    assert own <= {one.name for one in fields(PixelSource)}
+
+
+def test_a_file_with_a_temperature_has_the_dark_current_of_that_temperature(file):
+    """39 C is two doublings of 7 K above 25 C, and 11 C two below; 4 e-/s become 16 and 1."""
+    for text, expected in (("39", 16.0), ("11", 1.0), ("39\ndark_reference_c = 46", 2.0)):
+        path = file(f"{HEAD}dark_current_e_per_s = 4\ntemperature_c = {text}\n")
+        sensor = sensor_with_pixel("onyx-rgbw", file=str(path))
+        assert sensor.pixel.dark_electrons_e(time_s=1.0) == pytest.approx(expected, rel=1e-12)
+
+
+def test_a_temperature_may_be_below_zero_but_not_below_the_absolute_zero(file):
+    path = file(f"{HEAD}dark_current_e_per_s = 4\ntemperature_c = -20\n")
+    assert sensor_with_pixel("onyx-rgbw", file=str(path)).pixel.temperature_c == -20
+    path = file(f"{HEAD}dark_current_e_per_s = 4\ntemperature_c = -300\n")
+    with refused_input(value=-300):
+        sensor_with_pixel("onyx-rgbw", file=str(path))
 
 
 def test_a_complete_converter_is_written_as_its_values(file):

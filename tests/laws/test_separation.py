@@ -1,5 +1,6 @@
 """What an ideal reader tells apart: distances, and how often it names the right patch."""
 
+from dataclasses import replace
 from functools import cache
 from itertools import combinations, product
 
@@ -19,8 +20,10 @@ from chromanoise.analysis.separation import (
     RAW_WITHOUT,
     READINGS,
     median_distances,
+    raw_outcomes,
     separation_of,
 )
+from chromanoise.charts.machine_verdict import machine_sentences
 from chromanoise.metrics import (
     exact_separation_probability,
     gaussian_separation_probability,
@@ -362,6 +365,56 @@ def test_the_worst_pair_has_the_least_distance_in_raw_values():
     (one,) = analyzed("onyx-rgbw").analyses
     found = separation_of(one)
     assert (found.distance[RAW] >= found.distance[RAW][found.worst]).all()
+
+
+@pytest.mark.parametrize("lux", [10.0, 0.1, 0.01])
+@pytest.mark.parametrize("chosen", [slice(None), slice(0, 275)])  # an even and an odd count
+def test_median_and_worst_pair_are_those_of_all_pairs(lux, chosen):
+    """With brightness and without, distance and probability, from all pairs by sorting."""
+    (analysis,) = analyzed("onyx-rgbw", lux=lux).analyses
+    pairs = separation_of(analysis).pairs
+    pairs = PatchPairs(patches=pairs.patches, indices=pairs.indices[chosen])
+    analysis = replace(analysis, pairs=pairs)
+    every = separation_of(analysis)
+    for reading, outcome in raw_outcomes(analysis).items():
+        distances, probabilities = every.distance[reading], every.probability[reading]
+        by_distance = sorted(zip(distances, probabilities, pairs.names, strict=True))
+        count = len(by_distance)
+        middle = by_distance[(count - 1) // 2 : count // 2 + 1]
+        assert outcome.median.distance == pytest.approx(every.median_distance(reading), rel=1e-12)
+        expected = np.mean([probability for _, probability, _ in middle])
+        assert outcome.median.probability == pytest.approx(expected, abs=1e-9)
+        distance, probability, names = by_distance[0]
+        assert outcome.worst.names == names
+        assert outcome.worst.distance == pytest.approx(distance, rel=1e-12)
+        assert outcome.worst.probability == pytest.approx(probability, abs=1e-9)
+        assert outcome.worst.near_chance == (probability < 0.6)
+
+
+def test_the_verdict_for_a_machine_names_the_winner_of_the_median_and_of_the_worst_pair():
+    """At 10 lx the sensor without IR-cut wins the median, the other one the worst pair."""
+    analyses = analyzed("onyx-rgbw", "onyx-rgb-ircut", lux=10.0).analyses
+    four, three = map(separation_of, analyses)
+    assert four.median_distance(RAW) > three.median_distance(RAW)
+    assert four.distance[RAW].min() < three.distance[RAW].min()
+    with_brightness, _ = machine_sentences(analyses)
+    median, worst = with_brightness.split("; ")
+    assert "median pair onyx-rgbw is better" in median
+    assert f"{four.median_distance(RAW):#.3g} (" in median
+    assert "worst pair onyx-rgb-ircut is better" in worst
+    assert f"{three.distance[RAW].min():#.3g} (" in worst
+    assert " / ".join(four.pairs.names[four.worst]) in worst
+    assert f"{100 * four.probability[RAW].min():.0f} % right" in worst
+
+
+def test_no_sensor_leads_where_all_decide_nearly_by_chance():
+    analyses = analyzed("onyx-rgbw", "onyx-rgb-ircut", lux=0.01).analyses
+    best = max(separation_of(one).median_probability(RAW) for one in analyses)
+    assert 0.54 < best < 0.57
+    for sentence in machine_sentences(analyses):
+        for part in sentence.split("; "):
+            assert "nearly chance" in part
+            assert "better" not in part
 
 
 def test_three_channels_lose_nothing_in_three_colors_and_four_do():

@@ -1,11 +1,16 @@
 """The sentences tell the numbers of the tables, and nothing else."""
 
 import re
+from dataclasses import replace
 from itertools import permutations
 
 import numpy as np
 import pytest
 
+import chromanoise as cn
+from chromanoise.analysis import analyzed, coordinate_budget, matrix_makers
+from chromanoise.design.objectives import OBJECTIVES, Candidate
+from chromanoise.metrics.budget import INFRARED
 from chromanoise.paper import (
     paper_study,
     paper_tables,
@@ -94,6 +99,24 @@ def test_the_verdict_tells_the_share_of_infrared_electrons(study):
     assert 20 < share < 80
     assert f"the {share:.0f} % of its electrons that come from beyond 700 nm" in verdict(study)
     assert nir_share(study.columns["RGBW_n 12 ms"]) == pytest.approx(share / 100, abs=1e-12)
+
+
+def test_a_sensor_has_one_share_of_infrared_electrons_in_verdict_budget_and_search(study):
+    """Of one channel, where the worst channel is all channels; 700 nm itself is visible."""
+    at = study.columns["RGBW_n 12 ms"].sensor.grid.wavelength_nm
+    qe = study.columns["RGBW_n 12 ms"].sensor.qe[:, 0]
+    share = 1 - at[at <= 700] @ qe[at <= 700] / (at @ qe)
+    (analysis,) = cn.analyze("onyx-rgbw", lux=10, time_ms=12).analyses
+    red = replace(analysis.sensor, qe=qe[:, None], names=("R",), mosaic=None)
+    alone = analyzed(analysis.scene, red, analysis.exposure)
+    budget = coordinate_budget(alone, "Y")
+    (reading,) = [cost.reading for cost in budget.costs if cost.cause == INFRARED]
+    maker = matrix_makers(["kernel"], "quanta")["kernel"]
+    candidate = Candidate(point=alone.point, matrix=alone.matrix, maker=maker)
+    found = OBJECTIVES["infrared_share"].of(candidate)
+    assert nir_share(alone) == pytest.approx(share, abs=1e-12)
+    assert found == pytest.approx(share, abs=1e-12)
+    assert reading.startswith(f"{100 * share:.0f} % ")
 
 
 def test_the_verdict_tells_what_correlation_and_infrared_cost_over_all_orders(study):

@@ -96,6 +96,55 @@ def tiff_profile(matrix, kelvin_code=21, order="<"):
     return head + struct.pack(order + "I", 0) + data
 
 
+def two_lights(codes, order="<"):
+    """A DCP of the identity and of twice the identity, with the codes of their lights."""
+    entries, data, place = b"", b"", 8 + 2 + 12 * 4 + 4
+    for tag, scale in ((50721, 1), (50722, 2)):
+        entries += struct.pack(order + "HHII", tag, 10, 9, place + len(data))
+        data += b"".join(struct.pack(order + "ii", int(scale * v), 1) for v in np.eye(3).ravel())
+    for tag, code in zip((50778, 50779), codes, strict=True):
+        entries += struct.pack(order + "HHIHH", tag, 3, 1, code, 0)
+    head = b"IIRC" + struct.pack(order + "I", 8) + struct.pack(order + "H", 4) + entries
+    return head + struct.pack(order + "I", 0) + data
+
+
+@pytest.mark.parametrize(
+    ("codes", "used", "other", "scale"),
+    [
+        ((17, 21), "ColorMatrix2 (D65, 6504 K)", "ColorMatrix1 (A, 2856 K)", 2),
+        ((21, 17), "ColorMatrix1 (D65, 6504 K)", "ColorMatrix2 (A, 2856 K)", 1),
+        ((17, 255), "ColorMatrix1 (A, 2856 K)", "ColorMatrix2 (unknown light)", 1),
+    ],
+)
+def test_of_two_matrices_of_a_profile_a_note_names_the_used_and_the_unused(
+    tmp_path, codes, used, other, scale
+):
+    path = tmp_path / "two.dcp"
+    path.write_bytes(two_lights(codes))
+    read = read_matrix(path)
+    assert read.values.tolist() == (scale * np.eye(3)).tolist()
+    (note,) = read.notes
+    assert f"{used} is used; {other} is not used" in note
+    # the result repeats the note, for any light
+    for illuminant in ("A", "E"):
+        (one,) = cn.analyze(SENSOR, matrix=str(path), illuminant=illuminant).analyses
+        assert note in one.matrix.notes
+
+
+def test_of_two_matrices_of_a_profile_in_json_a_note_names_the_unused(tmp_path):
+    path = tmp_path / "two.json"
+    held = {"ColorMatrix1": np.eye(3).tolist(), "ColorMatrix2": (2 * np.eye(3)).tolist()}
+    path.write_text(json.dumps(held | {"CalibrationIlluminant1": "StdA"}))
+    (note,) = read_matrix(path).notes
+    assert "ColorMatrix1 (StdA) is used; ColorMatrix2 (unknown light) is not used" in note
+
+
+def test_a_profile_of_one_matrix_has_no_such_note(tmp_path):
+    path = tmp_path / "one.dcp"
+    path.write_bytes(tiff_profile(np.eye(3)))
+    assert read_matrix(path).notes == ()
+
+
 @pytest.mark.parametrize("order", "<>")
 def test_the_matrix_of_a_dcp_is_inverted_and_scaled_to_the_luminance_of_the_white(tmp_path, order):
     matrix = [[0.9, -0.3, -0.05], [-0.4, 1.2, 0.2], [-0.05, 0.15, 0.6]]

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
         contravariant_snr_db,
         diagnosis,
         mean_color_error,
+        metric_of,
         raw_snr_db,
     )
     from chromanoise.analysis.budgets import (
@@ -190,6 +191,7 @@ __all__ = [
     "mean_total_error",
     "merits_as_json",
     "merits_of",
+    "metric_of",
     "missing_lab_budgets",
     "noise_weights",
     "noisy_color_at",

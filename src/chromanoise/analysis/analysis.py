@@ -1,7 +1,7 @@
 """Closed-form analysis of one sensor and one flat patch: all stages, SNR and conditioning."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -169,7 +169,9 @@ class Analysis:
         rows += [[n, "", "", _db(value)] for n, value in color.items()]
         return _notebook.shown(
             f"{self.sensor.label} at {conditions([self.point])}",
-            _notebook.table(["SNR [dB]", "raw", "contravariant", "color"], rows),
+            _notebook.table(
+                ["SNR [dB]", "raw", f"contravariant, metric {self.matrix.metric}", "color"], rows
+            ),
             notes=diagnosis(self),
         )
 
@@ -303,11 +305,26 @@ def mean_color_error(analysis: Analysis) -> float | None:
     return None if error is None else float(error.mean())
 
 
+def metric_of(analyses: Iterable[Analysis]) -> str:
+    """The metric in which contravariant and spectral SNR, VIF and angles are given, in words.
+
+    Parameters
+    ----------
+    analyses
+        At least one.
+    """
+    found = dict.fromkeys(one.matrix.metric for one in analyses)
+    return f"metric{'s' if len(found) > 1 else ''} {', '.join(found)}"
+
+
 def mix_sentence(mix: NearestMix) -> str:
-    """The linear combination that the channel is closest to, and its angle to it."""
+    """The linear combination that the channel is closest to, its angle to it, and the metric."""
     heavy = [item for item in mix.weights.items() if abs(item[1]) >= _WORTH_NAMING]
     parts = " ".join(f"{weight:+.2f} {name}" for name, weight in heavy or mix.weights.items())
-    return f"{mix.channel} is {mix.angle_deg:.2g} deg from {parts.removeprefix('+')}"
+    return (
+        f"{mix.channel} is {mix.angle_deg:.2g} deg from {parts.removeprefix('+')} in the metric "
+        f"{mix.metric}"
+    )
 
 
 def raw_snr_db(analysis: Analysis) -> dict[str, float | None]:

@@ -325,8 +325,8 @@ def given_color_matrix(
 
 
 def _notes(given: GivenMatrix, operating_point: OperatingPoint) -> tuple[str, ...]:
-    """What the file was made for, where it differs, and a rank below 3."""
-    light, notes = operating_point.illuminant.name, []
+    """Which matrix it is, what the file was made for, where it differs, and a rank below 3."""
+    light, notes = operating_point.illuminant.name, list(given.notes)
     differs = (
         given.sensor not in ("", operating_point.sensor.name)
         or given.illuminant not in ("", light)

@@ -27,7 +27,7 @@ from chromanoise.noise import (
 )
 from chromanoise.noise.gaussian import held_moments
 from chromanoise.sensor import Converter
-from chromanoise.spectra import INFRARED_FROM_NM, Spectra
+from chromanoise.spectra import Spectra, is_infrared
 
 About = Literal["spectrum", "visible"]
 """Whether infrared electrons are signal, or noise where visible ones do not predict them."""
@@ -171,7 +171,7 @@ def information_chain(
     seen = electrons_at(point, level_lux=level_lux, reflectance=rho)
     predicted = known = _deviations(seen, share)
     if information_about == "visible":
-        visible_rho = np.where(point.illuminant.grid.wavelength_nm > INFRARED_FROM_NM, 0.0, rho)
+        visible_rho = np.where(is_infrared(point.illuminant.grid), 0.0, rho)
         visible = electrons_at(point, reflectance=visible_rho)
         predicted = _projected(known, _deviations(visible, share))
     electrons = replace(sensor, converter=Converter())

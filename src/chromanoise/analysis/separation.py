@@ -5,7 +5,7 @@ invertible matrix costs it anything, and a fourth channel is lost only in three 
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -39,6 +39,8 @@ RAW, COLOR = "raw", "color"
 RAW_WITHOUT, COLOR_WITHOUT = "raw_without_brightness", "color_without_brightness"
 READINGS = (RAW, COLOR, RAW_WITHOUT, COLOR_WITHOUT)
 """What a machine reads: raw values or color coordinates, and whether brightness is evidence."""
+NEAR_CHANCE = 0.6
+"""Below this probability of the right answer a reader decides nearly by chance, which is 0.5."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -150,13 +152,60 @@ def median_distances(
     return np.where(at.saturated.any(axis=(-1, -2)), np.nan, np.median(found, axis=-1))
 
 
-def raw_medians(analysis: Analysis) -> tuple[float, float] | None:
-    """Median D_M in raw values, with and without brightness; ``None`` where a patch saturates. [1]
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PairOutcome:
+    """How well one pair of patches is separated.
+
+    Attributes
+    ----------
+    names
+        Of the two patches; ``None`` for the median of all pairs.
+    distance
+        D_M. [1]
+    probability
+        Probability that an ideal reader names the right patch.
+    """
+
+    names: tuple[str, str] | None
+    distance: float
+    probability: float
+
+    @property
+    def near_chance(self) -> bool:
+        """Whether the probability is below `NEAR_CHANCE`."""
+        return self.probability < NEAR_CHANCE
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RawOutcome:
+    """The median and the worst pair of one reading.
+
+    Attributes
+    ----------
+    median
+        Median distance, with the probability of the pair (or two pairs) in the middle.
+    worst
+        The pair with the least distance of this reading.
+    """
+
+    median: PairOutcome
+    worst: PairOutcome
+
+
+def raw_outcomes(analysis: Analysis) -> dict[str, RawOutcome] | None:
+    """Median and worst pair in raw values, with brightness (`RAW`) and without (`RAW_WITHOUT`).
+
+    Much faster than `separation_of`: only the probabilities of these pairs are computed.
 
     Parameters
     ----------
     analysis
         As `separation_of`.
+
+    Returns
+    -------
+    dict or None
+        ``None`` where a patch saturates a channel.
     """
     pairs = pairs_of(analysis.point)
     at = stages_at(
@@ -167,9 +216,30 @@ def raw_medians(analysis: Analysis) -> tuple[float, float] | None:
     )
     if at.saturated.any():
         return None
-    found = (np.median(_distance(at, pairs, reading)) for reading in (RAW, RAW_WITHOUT))
-    with_brightness, without = map(float, found)
-    return with_brightness, without
+    return {reading: _outcome(at, pairs, reading) for reading in (RAW, RAW_WITHOUT)}
+
+
+def _outcome(at: Stages, pairs: PatchPairs, reading: str) -> RawOutcome:
+    distance = _distance(at, pairs, reading)
+    order = np.argsort(distance, kind="stable")
+    middle = order[(len(order) - 1) // 2 : len(order) // 2 + 1]
+    few = np.append(order[:1], middle)
+    probability = _raw_probabilities(at, replace(pairs, indices=pairs.indices[few]))
+    if reading == RAW_WITHOUT:
+        probability = np.minimum(probability, separation_probability(distance[few]))
+    first, second = pairs.names[order[0]]
+    return RawOutcome(
+        median=PairOutcome(
+            names=None,
+            distance=float(np.median(distance)),
+            probability=float(probability[1:].mean()),
+        ),
+        worst=PairOutcome(
+            names=(first, second),
+            distance=float(distance[order[0]]),
+            probability=float(probability[0]),
+        ),
+    )
 
 
 def pairs_of(point: OperatingPoint) -> PatchPairs:

@@ -54,6 +54,10 @@ _OF_SOURCE = (
     "dsnu_e",
     "prnu",
     "row_noise_e",
+    "black_error_e",
+    "temperature_c",
+    "dark_reference_c",
+    "dark_doubling_k",
 )
 _REQUIRED = _OF_SOURCE[:3]
 

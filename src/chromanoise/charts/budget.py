@@ -3,7 +3,7 @@
 from typing import Any
 
 from chromanoise import _check
-from chromanoise.analysis.analysis import Analysis, color_snr_db
+from chromanoise.analysis.analysis import Analysis, color_snr_db, metric_of
 from chromanoise.analysis.budgets import coordinate_budget
 from chromanoise.charts.charted_study import Look, Shown, saturation_sentence
 from chromanoise.charts.text import NONE, decimal, signed, table
@@ -41,7 +41,7 @@ def drawn_budget(shown: Shown, look: Look) -> dict[str, Any]:
     return {
         "title": (
             f"Budget of the SNR of {coordinate_label(look.coordinate)} at "
-            f"{conditions(shown.operating_points)}"
+            f"{conditions(shown.operating_points)}, {metric_of(shown.analyses)}"
         ),
         "description": _description(sensors, look.coordinate),
         "coordinate": look.coordinate,

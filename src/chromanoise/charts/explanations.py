@@ -183,7 +183,8 @@ EXPLANATIONS: Mapping[str, Explanation] = {
         words="The curves of the channels overlap: several channels see the same light. Unmixing "
         "subtracts what the channels have in common, and this is the SNR of each channel after "
         "it. Channels with similar curves keep little signal, so the value is low although the "
-        "raw SNR is high. It shows why an additional channel can make colors noisier.",
+        "raw SNR is high. It shows why an additional channel can make colors noisier. The value "
+        "depends on the metric: spectra as vectors of photons (quanta) or of energy.",
         latex=(
             r"\mathrm{SNR} = 20 \, \log_{10} \frac{|M^i|}{\sqrt{(G^{-1} D G^{-1})_{ii}}}",
             r"M^i = (G^{-1} M)_i",

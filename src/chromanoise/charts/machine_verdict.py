@@ -1,63 +1,80 @@
-"""The verdict for a machine that reads raw values, in one sentence; for an eye see `verdicts`."""
+"""The verdict for a machine that reads raw values; for an eye see `verdicts`."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from chromanoise.analysis.analysis import Analysis
-from chromanoise.analysis.separation import pairs_of, raw_medians
+from chromanoise.analysis.separation import (
+    RAW,
+    RAW_WITHOUT,
+    PairOutcome,
+    RawOutcome,
+    pairs_of,
+    raw_outcomes,
+)
 from chromanoise.spectra import chart_title
 
 _TIE = 0.005  # relative difference that is no lead
 
+_Labeled = tuple[str, RawOutcome]
+_PairOf = Callable[[RawOutcome], PairOutcome]
+
 
 def machine_sentences(analyses: Sequence[Analysis]) -> list[str]:
-    """One sentence: median distances of the pairs of patches in raw values.
+    """Distances of the pairs of patches in raw values: median and worst, with their probability.
 
-    Sensors with a saturated patch are left out.
+    One sentence with brightness, one without. Sensors with a saturated patch are left out. A
+    decision that is nearly chance is called so.
 
     Parameters
     ----------
     analyses
         Analyses under one light.
     """
-    medians = [(one.sensor.label, raw_medians(one)) for one in analyses]
-    found = [(label, *both) for label, both in medians if both is not None]
+    outcomes = [(one.sensor.label, raw_outcomes(one)) for one in analyses]
+    found = [(label, both) for label, both in outcomes if both is not None]
     if not found:
         return []
     point = analyses[0].point
     patches = chart_title(point.chart) if point.pairs is None else point.pairs.patches.source
     count = len(pairs_of(point).indices)
     what = f"the {count} pairs of {patches}" if count > 1 else f"the pair of {patches}"
-    if len(found) == 1:
-        label, with_it, without = found[0]
-        return [
-            f"A machine that reads the raw values of {label} separates {what} with a median "
-            f"distance of {_text(with_it)}, or {_text(without)} without brightness."
-        ]
-    best = max(found, key=lambda one: one[1])
-    rival = max((one for one in found if one is not best), key=lambda one: one[1])
-    return [_contest(best, rival, what)]
-
-
-_Medians = tuple[str, float, float]  # label, median D_M with and without brightness
-
-
-def _contest(best: _Medians, rival: _Medians, what: str) -> str:
-    than = "as well as" if _tied(best[1], rival[1]) else "better than"
-    first = (
-        f"For a machine that reads raw values, {best[0]} separates {what} {than} {rival[0]}: "
-        f"median distance {_text(best[1])} against {_text(rival[1])}"
-    )
-    if rival[2] > best[2] and not _tied(best[2], rival[2]):
-        return (
-            f"{first}; without brightness {rival[0]} is better, {_text(rival[2])} against "
-            f"{_text(best[2])}."
+    return [
+        f"{start}: {_sentence([(label, both[reading]) for label, both in found], count)}."
+        for start, reading in (
+            (f"For a machine that reads raw values, over {what}", RAW),
+            ("Without brightness", RAW_WITHOUT),
         )
-    return f"{first}; without brightness {_text(best[2])} against {_text(rival[2])}."
+    ]
 
 
-def _tied(one: float, other: float) -> bool:
-    return abs(one - other) <= _TIE * max(one, other)
+def _sentence(found: Sequence[_Labeled], count: int) -> str:
+    if count == 1:
+        return _compared(found, lambda one: one.median)
+    median = _compared(found, lambda one: one.median)
+    worst = _compared(found, lambda one: one.worst)
+    return f"in the median pair {median}; in the worst pair {worst}"
 
 
-def _text(distance: float) -> str:
-    return f"{distance:#.3g}" if distance < 100 else f"{distance:.0f}"
+def _compared(found: Sequence[_Labeled], pair: _PairOf) -> str:
+    """The best sensor for this pair and the second best."""
+    ranked = sorted(found, key=lambda one: -pair(one[1]).distance)
+    (best, of_best), *others = [(label, pair(one)) for label, one in ranked]
+    if not others:
+        return f"{best} has the distance {_text(of_best)}"
+    if of_best.near_chance:
+        return f"every sensor has at most the distance {_text(of_best)}"
+    second, of_second = others[0]
+    tied = of_best.distance - of_second.distance <= _TIE * of_best.distance
+    lead = f"{best} and {second} are equal" if tied else f"{best} is better"
+    against = "" if tied else f" for {second}"
+    return f"{lead}, distance {_text(of_best)} against {_text(of_second)}{against}"
+
+
+def _text(pair: PairOutcome) -> str:
+    """A distance with the pair, how often a reader is right, and whether that is chance."""
+    size = f"{pair.distance:#.3g}" if pair.distance < 100 else f"{pair.distance:.0f}"
+    percent = 100 * pair.probability
+    right = f"{percent:.0f} % right" if percent < 99.5 else "over 99 % right"
+    parts = [" / ".join(pair.names)] if pair.names else []
+    parts += [right] + (["nearly chance"] if pair.near_chance else [])
+    return f"{size} ({', '.join(parts)})"

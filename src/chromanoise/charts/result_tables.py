@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Sequence
 import numpy as np
 
 from chromanoise._check import Array
-from chromanoise.analysis.analysis import Analysis, contravariant_snr_db, raw_snr_db
+from chromanoise.analysis.analysis import Analysis, contravariant_snr_db, metric_of, raw_snr_db
 from chromanoise.analysis.budgets import (
     color_budgets,
     contravariant_budgets,
@@ -98,7 +98,7 @@ def channels_table(analyses: Sequence[Analysis]) -> Table:
                 )
             )
     return Table(
-        title="Channels (eq. 1-3, 7)",
+        title=f"Channels (eq. 1-3, 7; {metric_of(analyses)})",
         columns=(
             Column(name="sensor"),
             Column(name="channel"),
@@ -114,16 +114,18 @@ def channels_table(analyses: Sequence[Analysis]) -> Table:
 
 def budget_tables(analysis: Analysis) -> list[Table]:
     """Budgets of X, Y, Z, of the contravariant coordinates, and of L*, a*, b* of a gray."""
-    name = analysis.sensor.label
+    name, metric = analysis.sensor.label, metric_of([analysis])
     color, contravariant = color_budgets(analysis), contravariant_budgets(analysis)
     lab = lab_budgets(analysis)
     tables = [
-        _budget_table(color, f"Budget of the color of {name}"),
-        _budget_table(contravariant, f"Budget of the contravariant coordinates of {name}"),
+        _budget_table(color, f"Budget of the color of {name} ({metric})"),
+        _budget_table(
+            contravariant, f"Budget of the contravariant coordinates of {name} ({metric})"
+        ),
     ]
     of = f"one unit of L*, a*, b* of a gray of {100 * GRAY:.0f} %"
     missing = missing_lab_budgets(analysis, lab)
-    table = _budget_table(lab, f"Budget of {of}, {name}", missing)
+    table = _budget_table(lab, f"Budget of {of}, {name} ({metric})", missing)
     return [*tables, table] if table.rows or missing else tables
 
 

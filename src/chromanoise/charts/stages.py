@@ -6,6 +6,7 @@ from chromanoise.analysis.analysis import (
     Analysis,
     color_snr_db,
     contravariant_snr_db,
+    metric_of,
     of_white,
     raw_snr_db,
 )
@@ -19,8 +20,8 @@ from chromanoise.exposure import conditions
 
 _KINDS = (  # key, title, unit, what it is of
     ("raw", "raw SNR", "dB", "per channel, as read"),
-    ("contravariant", "contravariant SNR", "dB", "per channel, unmixed"),
-    ("spectral", "spectral SNR", "dB", "of the whole reconstructed spectrum"),
+    ("contravariant", "contravariant SNR", "dB", "per channel, unmixed, {metric}"),
+    ("spectral", "spectral SNR", "dB", "of the whole reconstructed spectrum, {metric}"),
     ("color", "color SNR", "dB", "per coordinate"),
     ("bound", "bound", "dB", "SNR of the best linear readout"),
     ("price", "color SNR loss", "dB", "best linear SNR minus SNR of Y"),
@@ -44,7 +45,11 @@ def drawn_stages(shown: Shown, look: Look) -> dict[str, Any]:
         }
         for analysis in shown.analyses
     ]
-    kinds = [_kind(sensors, *kind) for kind in _KINDS]
+    metric = metric_of(shown.analyses)
+    kinds = [
+        _kind(sensors, key, title, unit, of.format(metric=metric))
+        for key, title, unit, of in _KINDS
+    ]
     return {
         "title": f"SNR from raw to color at {conditions(shown.operating_points)}",
         "gray": GRAY,

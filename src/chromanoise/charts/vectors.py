@@ -13,7 +13,7 @@ import numpy as np
 from chromanoise._check import Array
 from chromanoise._linalg import eigh, qr
 from chromanoise._shapes import Float
-from chromanoise.analysis.analysis import Analysis
+from chromanoise.analysis.analysis import Analysis, metric_of
 from chromanoise.charts.charted_study import Look, Shown, saturation_sentence
 from chromanoise.charts.text import NONE, brief, decimal, listed, percent, table
 from chromanoise.exposure import conditions
@@ -126,7 +126,8 @@ def drawn_vectors(shown: Shown, look: Look) -> dict[str, Any]:
         "scene": _vector(frame, scene, unit_of_light),
     }
     return {
-        "title": f"Channels and light as vectors at {conditions(shown.operating_points)}",
+        "title": f"Channels and light as vectors at {conditions(shown.operating_points)}, "
+        f"{metric_of(shown.analyses)}",
         **drawn,
         "sigmas": _SIGMAS,
         "magnification": magnification,

@@ -77,8 +77,8 @@ def verdict_sentences(
         first = f"{_setting(analyses, equal)} {sentences[0]}"
         return [first, *left_out[1:], *alone, *sentences[len(left_out) :], *machine]
     if reader == "machine":
-        opening = [f"{_setting(analyses, equal)} {_lower(one)}" for one in machine]
-        return [*opening, *_for_an_eye(analyses, able, sentences, equal)]
+        opening = [f"{_setting(analyses, equal)} {_lower(one)}" for one in machine[:1]]
+        return [*opening, *machine[1:], *_for_an_eye(analyses, able, sentences, equal)]
     return _for_an_eye(analyses, able, [*machine, *sentences], equal)
 
 

@@ -107,7 +107,8 @@ def characterize(
                 [
                     f"Through {matrix}, relative error of the predicted variance, mean of "
                     f"{sum(check.fitted)} levels: "
-                    + ", ".join(f"{name} {error:+.2f} %" for name, error in errors)
+                    + ", ".join(f"{name} {error:+.2f} %" for name, error in errors),
+                    *(given.notes if given else ()),
                 ]
             )
         if written:

@@ -242,8 +242,9 @@ _OF_CLOSED_FORM = (
     click.option(
         "--mosaic",
         metavar="NAME|ROWS",
-        help=f"Color filter array, used for crosstalk: {', '.join(MOSAIC_NAMES)}, or rows, e.g. "
-        "RG/GB; default: the sensor's own.",
+        help="Color filter array, for crosstalk, --merit and pictures of the sensor's mosaic: "
+        f"{', '.join(MOSAIC_NAMES)}, or rows, e.g. "
+        "RG/GB or 'Red Yellow; Yellow Blue'; default: the sensor's own.",
     ),
     click.option(
         "--chart-file",

@@ -12,6 +12,7 @@ from chromanoise.analysis import (
     diagnosis,
     mean_color_error,
     mean_total_error,
+    metric_of,
     raw_snr_db,
 )
 from chromanoise.analysis.comparison.bands import CrossoverBand, band_sentence
@@ -97,14 +98,17 @@ def print_conditions(text: str) -> None:
 def print_analyses(analyses: Iterable[Analysis]) -> None:
     """Print the sensors in two tables, channels and color, and notes."""
     console = terminal()
-    channels = Table(title="Channels (eq. 1-3, 7)", title_justify="left")
+    analyses = tuple(analyses)
+    metric = metric_of(analyses)
+    channels = Table(title=f"Channels (eq. 1-3, 7; {metric})", title_justify="left")
     for head in ("sensor", "channel", "electrons", "raw SNR dB", "contravariant SNR dB", "VIF"):
         left = head in ("sensor", "channel")
         channels.add_column(head, justify="left" if left else "right", overflow="fold")
     for head in ("to x deg", "to y deg", "to z deg"):
         channels.add_column(head, justify="right")
     color = Table(
-        title="Spectrum and color (eq. 4-6); color errors: mean Delta E*ab over the chart",
+        title=f"Spectrum and color (eq. 4-6; {metric}); color errors: mean Delta E*ab over the "
+        "chart",
         title_justify="left",
     )
     for head in (
@@ -318,7 +322,8 @@ def _angles(analysis: Analysis) -> str:
         if k > i
     ]
     return (
-        f"{analysis.sensor.label}: angles between channels [deg]: {', '.join(pairs)}"
+        f"{analysis.sensor.label}: angles between channels in the {metric_of([analysis])} [deg]: "
+        f"{', '.join(pairs)}"
         if pairs
         else ""
     )

@@ -30,7 +30,7 @@ from chromanoise.metrics import (
     vora_value,
 )
 from chromanoise.noise import saturated, signal_limit_e
-from chromanoise.spectra import INFRARED_FROM_NM, color_axes
+from chromanoise.spectra import INFRARED_FROM_NM, color_axes, is_infrared
 
 SNR10 = 10.0
 """The amplitude ratio of SNR10, 20 dB."""
@@ -176,7 +176,7 @@ def _mean_separation(candidate: Candidate) -> float | None:
 
 def _infrared_share(candidate: Candidate) -> float | None:
     point = candidate.point
-    infrared = (point.sensor.grid.wavelength_nm >= INFRARED_FROM_NM).astype(np.float64)
+    infrared = is_infrared(point.sensor.grid).astype(np.float64)
     white_e, infrared_e = electrons_at(point), electrons_at(point, reflectance=infrared)
     if not (white_e > 0).all():
         return None
@@ -351,7 +351,7 @@ _ENTRIES = (
     Objective(
         name="infrared_share",
         short="infrared share",
-        what=f"share of the electrons of a white from {INFRARED_FROM_NM:g} nm on, worst channel",
+        what=f"share of the electrons of a white beyond {INFRARED_FROM_NM:g} nm, worst channel",
         unit="1",
         better="lower",
         of=_infrared_share,

@@ -36,7 +36,7 @@ from chromanoise.design.space import Channel, DesignSpace, Filter
 from chromanoise.errors import InputError
 from chromanoise.exposure import OperatingPoint
 from chromanoise.io.spectra import Answers
-from chromanoise.sensor import Sensor, dye_transmittances, mosaic_named
+from chromanoise.sensor import Sensor, dye_transmittances, mosaic_named, with_channel_names
 from chromanoise.spectra import DEFAULT_GRID
 from chromanoise.study import (
     NOTHING_GIVEN,
@@ -417,7 +417,11 @@ def space_of(document: DesignDocument, base: Sensor) -> DesignSpace:
             layers=design.layers.numbers,
             router=design.router.numbers,
             library=_library(document),
-            mosaic=None if design.mosaic is None else mosaic_named(design.mosaic),
+            mosaic=None
+            if design.mosaic is None
+            else with_channel_names(
+                mosaic_named(design.mosaic), [part.name for part in design.channels]
+            ),
             pixel_shares=design.pixel_shares,
             crosstalk=design.crosstalk.share,
             time_ms=design.exposure.time_ms,

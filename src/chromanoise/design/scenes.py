@@ -18,11 +18,11 @@ from chromanoise.exposure import OperatingPoint, measurement_vectors
 from chromanoise.noise import demand_independent_channels
 from chromanoise.scene import Scene, light
 from chromanoise.spectra import (
-    INFRARED_FROM_NM,
     Metric,
     Spectra,
     chart_on,
     color_axes,
+    is_infrared,
 )
 
 _ROUNDING = 1e-16  # of the largest singular value of a training set
@@ -182,7 +182,7 @@ def scene_arrays(scene: DesignScene) -> SceneArrays:
 
     chart = chart_on(grid, point.chart).values.T
     white = np.ones((1, grid.n))
-    infrared = (grid.wavelength_nm >= INFRARED_FROM_NM).astype(np.float64)
+    infrared = is_infrared(grid).astype(np.float64)
     own_pairs = pairs_of(point)
     training = training_named(scene.prior, point.illuminant, point.observer)
     share, rho = shares(training), training.reflectance

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import FancyBboxPatch
 
-from chromanoise.analysis import Analysis, color_snr_db, contravariant_snr_db, raw_snr_db
+from chromanoise.analysis import Analysis, color_snr_db, contravariant_snr_db, metric_of, raw_snr_db
 from chromanoise.figures.style import INK, QUIET, channel_color, sensor_label
 
 _STAGES = (  # name, symbol, equation, what its numbers are
@@ -47,7 +47,10 @@ def draw_flow(analysis: Analysis, ax: Axes, *, rows: int = 4) -> Axes:
     _write_column(ax, 4, analysis.color.names, _color(analysis), lambda _: INK)
     exposure = analysis.exposure
     label = sensor_label(analysis.sensor.name, analysis.sensor.origin)
-    ax.set_title(f"{label} at {1e3 * exposure.time_s:.1f} ms, f/{exposure.f_number:g}")
+    ax.set_title(
+        f"{label} at {1e3 * exposure.time_s:.1f} ms, f/{exposure.f_number:g}; "
+        f"{metric_of([analysis])}"
+    )
     last = (len(_STAGES) - 1) * _PITCH + _BOX
     ax.set(xlim=(-0.02, last + 0.02), ylim=(_BOX_HEIGHT + (rows + 1.4) * _ROW, -0.03))
     ax.set_axis_off()

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 
 from chromanoise._check import Array
 from chromanoise._shapes import Float
-from chromanoise.analysis import raw_snr_db
+from chromanoise.analysis import metric_of, raw_snr_db
 from chromanoise.figures.style import (
     INK,
     QUIET,
@@ -297,7 +297,7 @@ def _source(plane: ChannelPlane) -> str:
 
 def _angle(plane: ChannelPlane) -> str:
     first, second = plane.channels
-    return f"{first}–{second} angle {plane.angle_deg:.1f}°"
+    return f"{first}–{second} angle {plane.angle_deg:.1f}° ({metric_of([plane.two])})"
 
 
 def _time(plane: ChannelPlane) -> str:

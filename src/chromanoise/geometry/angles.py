@@ -8,6 +8,7 @@ from chromanoise._check import Array
 from chromanoise._linalg import RANK_TOLERANCE, angles_deg, lstsq, matrix_rank, unit_columns
 from chromanoise._shapes import Bool, Float
 from chromanoise.geometry.frame import Frame
+from chromanoise.spectra import Metric
 
 
 def variance_inflation(frame: Frame) -> Float[Array, " p"]:
@@ -80,12 +81,15 @@ class NearestMix:
         Angle between the channel and the span of the others; 0 for a linearly dependent channel.
     explained
         cos^2 of that angle: the share of the channel that the linear combination reproduces.
+    metric
+        The metric of the frame, on which weights and angle depend.
     """
 
     channel: str
     weights: dict[str, float]
     angle_deg: float
     explained: float
+    metric: Metric
 
 
 def nearest_mix(frame: Frame) -> NearestMix | None:
@@ -116,6 +120,7 @@ def _mix(frame: Frame, i: int) -> NearestMix:
         weights=dict(zip(names, (float(w) for w in weights), strict=True)),
         angle_deg=angle,
         explained=float(np.cos(np.radians(angle)) ** 2),
+        metric=frame.metric,
     )
 
 

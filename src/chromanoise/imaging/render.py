@@ -44,6 +44,7 @@ from chromanoise.sensor import (
     places_of_mosaic,
     refuse_summed_readings,
     shares_after_counting,
+    with_channel_names,
     without_crosstalk,
 )
 from chromanoise.spectra import Beyond, Illuminant, Metric
@@ -569,6 +570,7 @@ def mosaic_of(operating_point: OperatingPoint, mosaic: Mosaic | None) -> Mosaic:
             "for each pixel)",
             remedy=Setting("mosaic"),
         )
+    mosaic = with_channel_names(mosaic, sensor.names)
     for name in mosaic.names:
         _check.one_of(f"mosaic channel of {sensor.name}", name, sensor.names)
     return mosaic

@@ -31,10 +31,29 @@ _MOST_BYTES = 1_000_000
 _MOST_PROFILE_BYTES = 2_000_000_000
 MATRIX_ENDINGS = (".csv", ".txt", ".tsv", ".json", ".clf", ".xml", ".dng", ".dcp")
 _CLF_NAMESPACE = re.compile(r"^\{.*\}")
-_COLOR_MATRIX, _CALIBRATION = (50721, 50722), (50778, 50779)
-_KELVIN = {1: 5500, 2: 4230, 3: 2856, 4: 5500, 9: 5500, 10: 6500, 11: 7500, 12: 6430, 13: 5000}
-_KELVIN |= {14: 4150, 15: 3450, 17: 2856, 18: 4874, 19: 6774, 20: 5503, 21: 6504, 22: 7504}
-_KELVIN |= {23: 5003, 24: 3200}
+# ColorMatrix1 to 3 and CalibrationIlluminant1 to 3 of DNG 1.6
+_COLOR_MATRIX, _CALIBRATION = (50721, 50722, 52531), (50778, 50779, 52529)
+_LIGHTS = {  # of Exif 2.32, LightSource: name and color temperature [K]
+    1: ("daylight", 5500),
+    2: ("fluorescent", 4230),
+    3: ("tungsten", 2856),
+    4: ("flash", 5500),
+    9: ("fine weather", 5500),
+    10: ("cloudy weather", 6500),
+    11: ("shade", 7500),
+    12: ("daylight fluorescent", 6430),
+    13: ("day white fluorescent", 5000),
+    14: ("cool white fluorescent", 4150),
+    15: ("white fluorescent", 3450),
+    17: ("A", 2856),
+    18: ("B", 4874),
+    19: ("C", 6774),
+    20: ("D55", 5503),
+    21: ("D65", 6504),
+    22: ("D75", 7504),
+    23: ("D50", 5003),
+    24: ("ISO studio tungsten", 3200),
+}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -65,6 +84,8 @@ class GivenMatrix:
         For which it was made; empty if the file does not name them.
     level_lux
         Illuminance for which it was made; ``None`` if unknown. [lx]
+    notes
+        Which of several matrices of the file it is.
 
     Raises
     ------
@@ -83,6 +104,7 @@ class GivenMatrix:
     sensor: str = ""
     illuminant: str = ""
     level_lux: float | None = None
+    notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         values = _check.finite(f"matrix of {self.source}", "1", self.values)
@@ -208,12 +230,18 @@ def _json(source: str, text: str) -> GivenMatrix:
             kind: Kind = "from-xyz" if key == "ColorMatrix1" else "balanced"
             values = _array(source, held[key])
             header = held.get("header", held)
+            lights = {
+                name: str(held.get(f"CalibrationIlluminant{name[-1]}", "unknown light"))
+                for name in ("ColorMatrix1", "ColorMatrix2", "ColorMatrix3")
+                if kind == "from-xyz" and held.get(name)
+            }
             return GivenMatrix(
                 source=source,
                 kind=kind,
                 target="XYZ",
                 values=values,
                 channels=channels,
+                notes=_choice(source, lights, key),
                 **_made_for(source, header if isinstance(header, dict) else {}),
             )
     keys = ", ".join(map(str, list(held)[:8]))[:80]
@@ -284,18 +312,38 @@ def _profile(path: Path, file: Any) -> GivenMatrix:
         raise InputError(source, f"is a damaged camera profile ({error})") from None
     if _COLOR_MATRIX[0] not in tags:
         raise InputError(source, "must hold a ColorMatrix1 to be a color matrix", found="has none")
-    found = [
-        GivenMatrix(
-            source=source,
-            kind="from-xyz",
-            target="XYZ",
-            values=np.array(tags[tag]).reshape(-1, 3),
-            kelvin=_KELVIN.get(int(tags.get(light, [0])[0])),
-        )
-        for tag, light in zip(_COLOR_MATRIX, _CALIBRATION, strict=True)
+    lights = {
+        f"ColorMatrix{i}": (tag, _LIGHTS.get(int(tags.get(light, [0])[0])))
+        for i, (tag, light) in enumerate(zip(_COLOR_MATRIX, _CALIBRATION, strict=True), 1)
         if tag in tags
-    ]
-    return max(found, key=lambda one: one.kelvin or 0)
+    }
+    used = max(lights, key=lambda name: (lights[name][1] or ("", 0))[1])
+    tag, light = lights[used]
+    return GivenMatrix(
+        source=source,
+        kind="from-xyz",
+        target="XYZ",
+        values=np.array(tags[tag]).reshape(-1, 3),
+        kelvin=None if light is None else light[1],
+        notes=_choice(source, {name: _light(light) for name, (_, light) in lights.items()}, used),
+    )
+
+
+def _light(light: tuple[str, int] | None) -> str:
+    return "unknown light" if light is None else f"{light[0]}, {light[1]} K"
+
+
+def _choice(source: str, lights: Mapping[str, str], used: str) -> tuple[str, ...]:
+    """A note on a file of several matrices: which one is used, and which are not."""
+    others = [f"{name} ({light})" for name, light in lights.items() if name != used]
+    if not others:
+        return ()
+    verb = "is" if len(others) == 1 else "are"
+    return (
+        f"{source} has {len(lights)} matrices, each for another light: {used} ({lights[used]}) is "
+        f"used; {' and '.join(others)} {verb} not used, and nothing is interpolated for other "
+        "lights",
+    )
 
 
 def _made_for(source: str, facts: Mapping[str, Any]) -> dict[str, Any]:

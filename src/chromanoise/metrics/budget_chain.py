@@ -22,7 +22,7 @@ from chromanoise.noise import NoiseSources, after_counting, counted_electrons
 from chromanoise.noise.sources import DARK, DSNU, PATTERN, PRNU, QUANTIZATION, READ, ROW
 from chromanoise.scene import Scene
 from chromanoise.sensor import Crosstalk, Sensor, pixels_of
-from chromanoise.spectra import INFRARED_FROM_NM
+from chromanoise.spectra import INFRARED_FROM_NM, is_infrared
 from chromanoise.units import decibel
 
 FILTERS, READ_NOISE, WEIGHTS = "filters", READ, "weights"
@@ -256,7 +256,7 @@ def photons_on_pixels(sensor: Sensor, exposure: Exposure) -> float:
 
 def without_infrared(scene: Scene) -> Scene:
     """The same scene behind an ideal IR-cut filter at `INFRARED_FROM_NM`."""
-    visible = scene.illuminant.grid.wavelength_nm <= INFRARED_FROM_NM
+    visible = ~is_infrared(scene.illuminant.grid)
     return Scene(
         illuminant=scene.illuminant,
         level_lux=scene.level_lux,
@@ -427,7 +427,7 @@ def shared_readings(
         )
     unmixed = (
         f"unmixing multiplies {frame.names[worst]}'s own noise by {vif[worst]:.1f} (VIF), "
-        f"condition {frame.condition:.1f}"
+        f"condition {frame.condition:.1f}, metric {frame.metric}"
     )
     if chain.crosstalk is not None and chain.before_crosstalk is not None:
         before = chain.before_crosstalk.with_infrared.noise_e

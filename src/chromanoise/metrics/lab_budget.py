@@ -61,7 +61,7 @@ from chromanoise.metrics.budget_chain import (
 from chromanoise.noise import after_counting, noise_sources, with_noise
 from chromanoise.scene import Scene, flat_field, light
 from chromanoise.sensor import Sensor, without_crosstalk
-from chromanoise.spectra import INFRARED_FROM_NM, color_axes
+from chromanoise.spectra import color_axes, is_infrared
 
 _ROUNDING = 1e-10  # of the sum of absolute terms: below, a sum is rounding
 
@@ -240,7 +240,7 @@ def _channels(
     """Signals and weights of one coordinate, for the rows of a matrix and the frame of a sensor."""
     rows, frame = readout
     basis = measurement_vectors(sensor, exposure, "quanta")
-    visible = sensor.grid.wavelength_nm <= INFRARED_FROM_NM
+    visible = ~is_infrared(sensor.grid)
     cut, whole = (change * visible) @ basis, change @ basis
     noise_e, visible_e = point.light @ basis, (point.light * visible) @ basis
     axes = color_axes(sensor.grid, frame.metric, point.observer)

@@ -16,7 +16,7 @@ from chromanoise.metrics.snr import signal_snr_db
 from chromanoise.noise import saturated, with_noise
 from chromanoise.scene import flat_field, light
 from chromanoise.sensor import Sensor
-from chromanoise.spectra import INFRARED_FROM_NM, Illuminant, Spectra, chart_title, color_axes
+from chromanoise.spectra import Illuminant, Spectra, chart_title, color_axes, is_infrared
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -135,7 +135,7 @@ def matrix_report(
     decibels = signal_snr_db(colored(with_noise(patch_e, sensor, exposure), matrix), patch_xyz)
     filters = effective_filters(matrix, sensor, exposure)
     answers = filters * light(white, matrix.metric)[:, None]
-    beyond = sensor.grid.wavelength_nm > INFRARED_FROM_NM
+    beyond = is_infrared(sensor.grid)
     full = bool(saturated(patch_e, sensor, exposure).any())
     return MatrixReport(
         made_by=matrix.made_by,

@@ -73,7 +73,7 @@ def matrix_preview(upload: Upload) -> Data:
     found = read_matrix(upload.path)
     rows, columns = found.values.shape
     line = f"A color matrix, {rows} x {columns}: {_FROM[found.kind]} to {_target(found)}"
-    return {"kind": "matrix", "preview": [f"{line}{_made_for(found)}."]}
+    return {"kind": "matrix", "preview": [f"{line}{_made_for(found)}.", *found.notes]}
 
 
 def _target(found: GivenMatrix) -> str:

@@ -11,6 +11,7 @@ from chromanoise.analysis.analysis import (
     color_snr_db,
     contravariant_snr_db,
     mean_color_error,
+    metric_of,
     raw_snr_db,
 )
 from chromanoise.analysis.budgets import coordinate_budget
@@ -101,9 +102,9 @@ def _alike(of: Shown) -> list[str]:
         "are nearly equal: there all its channels see the same light.",
         "Think of each channel as an arrow: the more alike two channels are, the smaller the angle "
         f"between their arrows. The smallest angle of {bare.sensor.label} is {_closest(bare)}, "
-        f"that of {cut.sensor.label} is {_closest(cut)}.",
+        f"that of {cut.sensor.label} is {_closest(cut)} ({metric_of((bare, cut))}).",
         f"{mix.channel} is nearly a mix of the others: the angle between {mix.channel} and {parts} "
-        f"is only {decimal(mix.angle_deg, 0)}°. The variance inflation factor (VIF) measures this: "
+        f"is only {decimal(mix.angle_deg, 0)}° (metric {mix.metric}). The variance inflation factor (VIF) measures this: "
         "it is 1 for a channel that shares nothing with the others, and it grows as they become "
         f"more alike. For {mix.channel} it is {decimal(vif[mix.channel])}; behind the IR-cut no "
         f"channel has more than {decimal(float(cut.vif.max()))}.",
@@ -122,7 +123,7 @@ def _unmixed(of: Shown) -> list[str]:
         "subtract what the channels have in common. This is called unmixing.",
         "A subtraction removes signal, but the noise of both readings remains in the difference. "
         f"In {bare.sensor.label} the SNR of {name} falls from {raw} dB (raw) to "
-        f"{after} dB (unmixed, contravariant); in {cut.sensor.label} it falls from {raw_cut} dB to "
+        f"{after} dB (unmixed, contravariant, {metric_of((bare, cut))}); in {cut.sensor.label} it falls from {raw_cut} dB to "
         f"{after_cut} dB.",
         f"The sensor with the better raw SNR now has the worse SNR in {listed(names)}.",
     ]
@@ -147,7 +148,7 @@ def _infrared(of: Shown) -> list[str]:
         f"{bare.sensor.label}, its SNR of Y would be {decimal(_luminance_db(mended))} dB, still "
         f"less than the {decimal(_luminance_db(cut))} dB of {cut.sensor.label}: its channel "
         f"{mix.channel} is then nearly the sum of the others (only {decimal(mix.angle_deg, 0)}° "
-        f"away), and correlation costs {decimal(_cost(mended, CORRELATION).loss_db)} dB.",
+        f"away, {metric_of([mended])}), and correlation costs {decimal(_cost(mended, CORRELATION).loss_db)} dB.",
     ]
 
 

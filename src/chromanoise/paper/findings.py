@@ -12,9 +12,9 @@ from chromanoise.analysis.analysis import (
 from chromanoise.exposure import expected_electrons
 from chromanoise.metrics import Budget, color_budget
 from chromanoise.metrics.budget import CORRELATION, INFRARED
+from chromanoise.metrics.budget_chain import without_infrared
 from chromanoise.paper import study as paper
 from chromanoise.paper.study import PaperStudy
-from chromanoise.scene import Scene
 from chromanoise.spectra import INFRARED_FROM_NM
 
 
@@ -79,15 +79,9 @@ def metric_remark(study: PaperStudy) -> str:
 
 def nir_share(analysis: Analysis) -> float:
     """Share of all expected electrons that light beyond 700 nm makes."""
-    scene = analysis.scene
-    far = scene.illuminant.grid.wavelength_nm > INFRARED_FROM_NM
-    only_nir = Scene(
-        illuminant=scene.illuminant,
-        level_lux=scene.level_lux,
-        reflectance=scene.reflectance * far,
-    )
-    nir = expected_electrons(only_nir, analysis.sensor, analysis.exposure)
-    return float(nir.sum() / analysis.raw.mean.sum())
+    visible = without_infrared(analysis.scene)
+    seen = expected_electrons(visible, analysis.sensor, analysis.exposure)
+    return float(1 - seen.sum() / analysis.raw.mean.sum())
 
 
 def table_5_finding(study: PaperStudy) -> str:

@@ -10,7 +10,7 @@ from chromanoise import _check
 from chromanoise.analysis import SWEEPS
 from chromanoise.charts import Shown, shown_at
 from chromanoise.exposure import OperatingPoint, level_in_words
-from chromanoise.spectra import INFRARED_FROM_NM
+from chromanoise.spectra import is_infrared
 
 _STEP = 10.0 ** (1 / 8)  # of the light level: eight steps per decade
 _MOST_ABOVE = 12
@@ -134,7 +134,7 @@ def _sees_diode(operating_points: Sequence[OperatingPoint]) -> bool:
 
 def _sees_infrared(operating_points: Sequence[OperatingPoint]) -> bool:
     for one in operating_points:
-        beyond = one.sensor.grid.wavelength_nm > INFRARED_FROM_NM
+        beyond = is_infrared(one.sensor.grid)
         lit = one.illuminant.irradiance > 0
         if (beyond & lit).any() and np.max(one.sensor.qe[beyond & lit]) > _SEES_INFRARED:
             return True

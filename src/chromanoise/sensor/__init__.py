@@ -47,6 +47,7 @@ from chromanoise.sensor.mosaic import (
     rgb_ir,
     rgbw_2x2,
     rgbw_sparse_4x4,
+    with_channel_names,
 )
 from chromanoise.sensor.noise_profile import (
     noise_profile,
@@ -201,6 +202,7 @@ __all__ = [
     "white_level_name",
     "with_analog_gain",
     "with_binning",
+    "with_channel_names",
     "with_channels",
     "with_crosstalk",
     "with_pixel",

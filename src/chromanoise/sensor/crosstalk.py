@@ -172,10 +172,10 @@ def refuse_other_channels(mosaic: Mosaic, names: Sequence[str]) -> None:
     if set(names) != set(mosaic.names):
         raise InputError(
             "mosaic",
-            "must have the channels of the sensor for its crosstalk",
+            "must have the channels of the sensor",
             value=mosaic.names,
             found=f"it has {', '.join(mosaic.names)}, and the sensor {', '.join(names)}",
-            remedy=Setting("mosaic"),
+            remedy=(Setting("mosaic"), f"separate names by spaces, e.g. {' '.join(names)}"),
         )
 
 

@@ -1,6 +1,8 @@
 """Mosaics: the channel of each pixel."""
 
 import math
+import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from chromanoise import _check
@@ -75,7 +77,7 @@ MOSAIC_NAMES = tuple(_NAMED)
 
 
 def mosaic_named(text: str) -> Mosaic:
-    """A mosaic by name, or by its pattern: rows between slashes, channels between spaces.
+    """A mosaic by name, or by its pattern: rows between slashes or semicolons, channels between spaces.
 
     If no row contains a space, each letter is a channel.
 
@@ -95,10 +97,12 @@ def mosaic_named(text: str) -> Mosaic:
     True
     >>> mosaic_named("R G/IR B").names
     ('R', 'G', 'IR', 'B')
+    >>> mosaic_named("Red Yellow; Yellow Blue").names
+    ('Red', 'Yellow', 'Blue')
     """
     if text in _NAMED:
         return _NAMED[text]()
-    rows = [row.strip() for row in text.split("/")]
+    rows = [row.strip() for row in re.split("[/;]", text)]
     side = math.isqrt(len(text))
     if side > 1 and side**2 == len(text) and set(text) <= set("RGBW"):
         meant = "/".join(text[i : i + side] for i in range(0, len(text), side))
@@ -122,6 +126,32 @@ def mosaic_named(text: str) -> Mosaic:
         raise InputError("mosaic", "must have a channel in each row, e.g. RG/GB", value=text)
     spaced = any(" " in row for row in rows)
     return Mosaic(tuple(tuple(row.split() if spaced else row) for row in rows))
+
+
+def with_channel_names(mosaic: Mosaic, names: Sequence[str]) -> Mosaic:
+    """A mosaic whose single letters are replaced by the channels whose names begin with them.
+
+    A letter that is a channel itself, or begins several names or none, stays as it is.
+
+    Parameters
+    ----------
+    mosaic
+        Of channels or letters.
+    names
+        The channels of the sensor.
+
+    Examples
+    --------
+    >>> with_channel_names(mosaic_named("RY/YB"), ("Red", "Yellow", "Blue")).pattern
+    (('Red', 'Yellow'), ('Yellow', 'Blue'))
+    """
+
+    def channel(letter: str) -> str:
+        begun = [one for one in names if one.lower().startswith(letter.lower())]
+        meant = letter not in names and len(letter) == 1 and len(begun) == 1
+        return begun[0] if meant else letter
+
+    return Mosaic(tuple(tuple(map(channel, row)) for row in mosaic.pattern))
 
 
 def _mosaic(*rows: str) -> Mosaic:

@@ -32,8 +32,10 @@ class PixelSource:
         Number of bits and black level of the converter. [1], [DN]
     adc
         The converter, where both gain and bits are known.
-    dark_current_e_per_s, dsnu_e, prnu, row_noise_e
-        As `Pixel`. [e-/s], [e-], [1], [e-]
+    dark_current_e_per_s, dsnu_e, prnu, row_noise_e, black_error_e
+        As `Pixel`. [e-/s], [e-], [1], [e-], [e-]
+    temperature_c, dark_reference_c, dark_doubling_k
+        As `Pixel`. [C], [C], [K]
     qe, qe_at_nm
         Quantum efficiency at one wavelength, to check QE curves against. [e-/photon], [nm]
     notes
@@ -57,6 +59,10 @@ class PixelSource:
     dsnu_e: float | None = None
     prnu: float | None = None
     row_noise_e: float | None = None
+    black_error_e: float | None = None
+    temperature_c: float | None = None
+    dark_reference_c: float | None = None
+    dark_doubling_k: float | None = None
     qe: float | None = None
     qe_at_nm: float | None = None
     notes: tuple[str, ...] = ()

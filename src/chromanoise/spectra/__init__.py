@@ -50,6 +50,7 @@ if TYPE_CHECKING:
         cie_1931,
         color_axes,
         color_matching_functions,
+        is_infrared,
         observer_notes,
         observer_table,
     )
@@ -94,6 +95,7 @@ __all__ = [
     "illuminant_named",
     "infrared_parts",
     "interpolation_matrix",
+    "is_infrared",
     "is_light_name",
     "led",
     "led_white",

@@ -3,9 +3,11 @@
 from collections.abc import Mapping
 from functools import cache
 
+import numpy as np
+
 from chromanoise import _check
 from chromanoise._check import Array, frozen
-from chromanoise._shapes import Float
+from chromanoise._shapes import Bool, Float
 from chromanoise.spectra.curves import Spectra, on_grid
 from chromanoise.spectra.grid import Grid
 from chromanoise.spectra.metric import Metric, photons_per_unit
@@ -14,6 +16,18 @@ from chromanoise.units import LUMEN_PER_WATT, UM2_PER_M2, photons_per_joule
 
 INFRARED_FROM_NM = 700.0
 """Longer wavelengths count as infrared: y-bar is below 0.5 % of its peak."""
+
+
+def is_infrared(grid: Grid) -> Bool[Array, " n"]:
+    """Which wavelengths of a grid count as infrared: those beyond `INFRARED_FROM_NM`.
+
+    Examples
+    --------
+    >>> is_infrared(Grid.uniform(695, 705, 5))
+    array([False, False,  True])
+    """
+    return np.asarray(grid.wavelength_nm > INFRARED_FROM_NM)
+
 
 OBSERVERS: Mapping[str, str] = {
     "cie-1931-2": "cie_1931",

@@ -36,6 +36,7 @@ from chromanoise.sensor import (
     mosaic_named,
     refuse_other_channels,
     with_binning,
+    with_channel_names,
     with_crosstalk,
     with_shifted_curves,
 )
@@ -260,23 +261,29 @@ def _is_incomplete(part: SensorPart, given: Given) -> bool:
 
 
 def _idle_crosstalk(study: Study) -> list[InputError]:
-    """The mosaic and the stage of crosstalk of sensors that have none."""
+    """The mosaic and the stage of crosstalk of sensors for which they have no effect."""
     sweeps = [one for sweep in study.sweeps for one in (sweep, sweep.second) if one]
-    used = {"mosaic"} if any(one.vary == "crosstalk" for one in sweeps) else set()
+    merit = Setting("outputs.merit", (True,))
+    needs: dict[str, tuple[str, tuple[Setting, ...]]] = {"crosstalk_stage": ("crosstalk", ())}
+    if not (
+        study.outputs.merit
+        or any(one.vary == "crosstalk" for one in sweeps)
+        or any(one.mosaic == "sensor" for one in study.pictures)
+    ):
+        of_mosaic = "crosstalk, figures of merit or pictures of the sensor's mosaic"
+        needs["mosaic"] = (of_mosaic, (merit,))
     return [
         InputError(
             name,
-            "must be given only with crosstalk",
+            f"must be given only with {what}",
             value=getattr(part, name),
             found="there is none",
-            remedy=(Setting(f"sensors.{i}.crosstalk"), "omit it"),
+            remedy=(Setting(f"sensors.{i}.crosstalk"), *others, "omit it"),
             setting=f"sensors.{i}.{name}",
         )
         for i, part in enumerate(study.sensors)
-        for name in ("mosaic", "crosstalk_stage")
-        if part.crosstalk is None
-        and name not in used
-        and getattr(part, name) != SensorPart.model_fields[name].default
+        for name, (what, others) in needs.items()
+        if part.crosstalk is None and getattr(part, name) != SensorPart.model_fields[name].default
     ]
 
 
@@ -507,7 +514,7 @@ def _pixel_changes(part: PixelPart) -> dict[str, Any]:
 def _with_crosstalk(sensor: Sensor, part: SensorPart, key: str) -> Sensor:
     if part.mosaic is not None:
         with keyed(f"{key}.mosaic", lambda name: f"{key}.{name}"):
-            mosaic = mosaic_named(part.mosaic)
+            mosaic = with_channel_names(mosaic_named(part.mosaic), sensor.names)
             refuse_other_channels(mosaic, sensor.names)
             sensor = replace(sensor, mosaic=mosaic)
     if part.crosstalk is None:
@@ -623,8 +630,9 @@ def makers_of(study: Study) -> Mapping[str, MatrixMaker]:
 
 def _mosaic_fits(number: int, part: PicturePart, sensors: Sequence[Sensor | None]) -> None:
     with keyed(f"pictures.{number}.mosaic", str):
-        own = {channel for row in mosaic_named(str(part.mosaic)).pattern for channel in row}
+        mosaic = mosaic_named(str(part.mosaic))
     for sensor in sensors:
+        own = set(with_channel_names(mosaic, sensor.names if sensor else ()).names)
         idle = [name for name in sensor.names if name not in own] if sensor else []
         strange = sorted(own - set(sensor.names)) if sensor else []
         if sensor and (strange or (idle and not part.raw_only)):

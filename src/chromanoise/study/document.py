@@ -313,8 +313,9 @@ class SensorPart(Part):
     )
     mosaic: str | None = Field(
         None,
-        description=f"Mosaic that determines the neighbors for crosstalk: {', '.join(MOSAIC_NAMES)}"
-        ", or rows as RG/GB; default: the sensor's own.",
+        description="Mosaic, for crosstalk, figures of merit and pictures of the sensor's mosaic: "
+        f"{', '.join(MOSAIC_NAMES)}, or rows as RG/GB or 'Red Yellow; Yellow Blue'; default: the "
+        "sensor's own.",
     )
     ircut_nm: Annotated[float, Field(ge=450, le=2000)] | None = Field(
         None, description="Edge of an added model IR-cut [nm]."

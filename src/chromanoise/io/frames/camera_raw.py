@@ -6,7 +6,7 @@ LibRaw runs in a child process with limits on time and memory, because a damaged
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeGuard
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from chromanoise._shapes import UInt16
 from chromanoise.errors import InputError
 from chromanoise.io.cubes.errors import reading, reading_rows, refuse_absent_library
 from chromanoise.io.cubes.tiff import is_plain, refuse_incomplete
+from chromanoise.io.cubes.tiff_pages import decoded_pages
 from chromanoise.io.frames.exif import CFA, CFA_COLORS, exposure_of, mosaic_of, smallest_mosaic
 from chromanoise.io.frames.frame import Frame
 from chromanoise.io.frames.stored import StoredPlane, refuse_shape, refused_picture
@@ -28,6 +29,7 @@ _SLOWEST_PIXELS_PER_S = 1e6
 _HEADER_BYTES = 256 * 2**20
 _BYTES_PER_PIXEL = 8  # codes, their copy for the parent process, and LibRaw's own buffers
 _BLACK, _WHITE, _DNG_VERSION = 50714, 50717, 50706
+_NO_COMPRESSION = 1
 _LINEARIZATION, _ACTIVE_AREA = 50712, 50829
 _NOISE_PROFILE, _PLANE_COLORS = 51041, 50710
 _PROBE = 48  # a multiple of the periods 1, 2, 4, 6, 8 and 16 that LibRaw knows
@@ -36,7 +38,7 @@ _PROBE = 48  # a multiple of the periods 1, 2, 4, 6, 8 and 16 that LibRaw knows
 def raw_frames(path: Path) -> tuple[Frame, ...]:
     """The frame in a file of a camera: the visible pixels, without any processing.
 
-    An uncompressed DNG is read in place; of another DNG, only the header is read at first. All
+    An uncompressed DNG is read without LibRaw, strips in place; of another DNG, only the header is read at first. All
     other files are unpacked once, because LibRaw gives their mosaic and levels only then.
 
     Raises
@@ -99,8 +101,52 @@ class _Raw:
             )
 
 
-def _of_tags(path: Path) -> tuple[dict[str, Any], StoredPlane | None]:
-    """What the TIFF tags state, and where the codes are if the file is an uncompressed DNG.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Tiles:
+    """Puts the uncompressed tiles of a DNG together.
+
+    LibRaw 0.22 reads wrong codes where a tile is larger than the picture.
+
+    Attributes
+    ----------
+    path
+        The file.
+    stored
+        Rows and columns of all pixels.
+    area
+        Of the visible ones: first row and column, and those after the last.
+    """
+
+    path: Path
+    stored: tuple[int, int]
+    area: tuple[int, int, int, int]
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Rows and columns of the visible pixels."""
+        top, left, bottom, right = self.area
+        return bottom - top, right - left
+
+    def __call__(self) -> UInt16[Array, "h w"]:
+        with opened_tiff(self.path) as tiff:
+            (page,) = _mosaic_pages(tiff)
+            if tuple(page.shape) != self.stored or not _is_uncompressed(page):
+                raise InputError(str(self.path), "must not change while it is read")
+            refuse_incomplete(self.path, 0, page)
+            codes = decoded_pages(self.path, [page])[0]
+        top, left, bottom, right = self.area
+        return codes[top:bottom, left:right].astype(np.uint16, copy=False)
+
+
+def _mosaic_pages(tiff: Any) -> list[Any]:
+    """The pages of raw codes in the first directory and below it."""
+    first = tiff.pages[0].aspage()
+    pages = [first, *(page.aspage() for page in first.pages or ())]
+    return [page for page in pages if page.photometric == CFA]
+
+
+def _of_tags(path: Path) -> tuple[dict[str, Any], StoredPlane | _Tiles | None]:
+    """What the TIFF tags state, and how to read the codes if the file is an uncompressed DNG.
 
     A file that is not a TIFF (CR3, RAF, ...) gives nothing here; LibRaw then gives what it knows.
     The tags of a DNG give all fields of a frame.
@@ -114,8 +160,7 @@ def _of_tags(path: Path) -> tuple[dict[str, Any], StoredPlane | None]:
         metadata = {name: value for name, value in exposure_of(first).items() if value}
         if _DNG_VERSION not in first.tags:
             return metadata, None
-        pages = [first, *(page.aspage() for page in first.pages or ())]
-        whole = [page for page in pages if page.photometric == CFA]
+        whole = _mosaic_pages(tiff)
         for page in whole:
             refuse_incomplete(path, 0, page)
         mosaic = mosaic_of(whole[0]) if len(whole) == 1 else None
@@ -126,7 +171,7 @@ def _of_tags(path: Path) -> tuple[dict[str, Any], StoredPlane | None]:
             "white_level_dn": _mean(whole[0], _WHITE),
             "noise_profile": _noise_profile([whole[0], first], mosaic),
         }
-        return metadata | levels | {"mosaic": mosaic}, _in_place(path, whole[0])
+        return metadata | levels | {"mosaic": mosaic}, _uncompressed(path, whole[0])
 
 
 def _noise_profile(pages: list[Any], mosaic: Mosaic) -> Mapping[str, tuple[float, float]] | None:
@@ -151,13 +196,33 @@ def _noise_profile(pages: list[Any], mosaic: Mosaic) -> Mapping[str, tuple[float
     return named if set(mosaic.names) <= set(named) else None
 
 
-def _in_place(path: Path, page: Any) -> StoredPlane | None:
-    """The codes of a page of a DNG if they are stored as they are; else ``None``."""
-    shape = tuple(int(side) for side in page.shape)
+def _is_uncompressed(page: Any) -> bool:
+    """Whether a page holds codes of 16 bits without compression, in strips or tiles."""
+    plain = page.compression == _NO_COMPRESSION and page.predictor == 1 and page.fillorder == 1
+    return bool(plain and page.ndim == 2 and page.bitspersample == 16 and page.dtype == np.uint16)
+
+
+def _is_within(
+    area: tuple[int, ...], shape: tuple[int, int]
+) -> TypeGuard[tuple[int, int, int, int]]:
+    """Whether an area of rows and columns lies in a picture and is not empty."""
+    if len(area) != 4 or not all(isinstance(side, int) for side in area):
+        return False
+    top, left, bottom, right = area
+    return 0 <= top < bottom <= shape[0] and 0 <= left < right <= shape[1]
+
+
+def _uncompressed(path: Path, page: Any) -> StoredPlane | _Tiles | None:
+    """Reads the codes of a page of a DNG if they are stored as they are; else ``None``."""
+    if not _is_uncompressed(page) or _LINEARIZATION in page.tags:
+        return None
+    shape = int(page.shape[0]), int(page.shape[1])
     active = page.tags.get(_ACTIVE_AREA)
-    plain = is_plain(page) and len(shape) == 2 and page.dtype == np.uint16
-    whole = active is None or tuple(active.value) == (0, 0, *shape)
-    if not (plain and whole) or _LINEARIZATION in page.tags:
+    area = (0, 0, *shape) if active is None else tuple(active.value)
+    if page.is_tiled and _is_within(area, shape):
+        refuse_shape(path, "", shape)
+        return _Tiles(path=path, stored=shape, area=area)
+    if not is_plain(page) or area != (0, 0, *shape):
         return None
     refuse_shape(path, "", shape)
     return StoredPlane(
@@ -165,7 +230,7 @@ def _in_place(path: Path, page: Any) -> StoredPlane | None:
         size=path.stat().st_size,
         offset=int(page.dataoffsets[0]),
         stored=np.dtype(page.dtype).newbyteorder(page.parent.byteorder),
-        shape=(shape[0], shape[1]),
+        shape=shape,
     )
 
 

@@ -26,9 +26,14 @@ _UNIT_OF = {
     "dsnu_e": "e-",
     "prnu": "1",
     "row_noise_e": "e-",
+    "black_error_e": "e-",
+    "temperature_c": "C",
+    "dark_reference_c": "C",
+    "dark_doubling_k": "K",
     "qe": "e-/photon",
     "qe_at_nm": "nm",
 }
+_SIGNED = ("black_error_e", "temperature_c", "dark_reference_c")
 _GAIN = "gain_dn_per_e"
 _TEXT = ("schema", "schema_version", "source", "notes")
 _KEYS = (*_UNIT_OF, _GAIN, *_TEXT)
@@ -91,7 +96,8 @@ def read_pixel_toml(path: Path | str) -> PixelSource:
         A file with ``schema = "chromanoise pixel"``, ``schema_version = 1`` and any of
         ``pitch_um``, ``full_well_e``, ``read_noise_e``, ``gain_e_per_dn`` or ``gain_dn_per_e``,
         ``bits``, ``black_level_dn``, ``dark_current_e_per_s``, ``dsnu_e``, ``prnu``,
-        ``row_noise_e``, ``qe``, ``qe_at_nm``, ``source`` and ``notes``.
+        ``row_noise_e``, ``black_error_e``, ``temperature_c``, ``dark_reference_c``,
+        ``dark_doubling_k``, ``qe``, ``qe_at_nm``, ``source`` and ``notes``.
 
     Raises
     ------
@@ -172,7 +178,9 @@ def _values(held: dict[str, Any], path: Path) -> dict[str, Any]:
         number = finite_number(held[key])
         if number is None:
             raise InputError(str(path), "must be a finite number", value=held[key], where=key)
-        values[key] = _check.not_negative(f"{key} of {path.name}", _UNIT_OF.get(key, ""), number)
+        if key not in _SIGNED:
+            _check.not_negative(f"{key} of {path.name}", _UNIT_OF.get(key, ""), number)
+        values[key] = number
     if _GAIN in values:
         if "gain_e_per_dn" in values:
             raise InputError(
