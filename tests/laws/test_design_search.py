@@ -20,12 +20,12 @@ OF_ONE = "de", "cma-es"
 
 
 def found(problem, method="nsga2", budget=1600, population=40, **options):
-    names = {"seed", "polish"} & set(options)
+    names = {"seed", "seeds", "polish"} & set(options)
     settings = {name: options.pop(name) for name in names}
     return searched_front(
         problem,
         SearchSettings(
-            method=method, budget=budget, population=population, **{"seed": 1} | settings
+            method=method, budget=budget, population=population, **{"seed": 1, "seeds": 1, "polish": False} | settings
         ),
         **options,
     )

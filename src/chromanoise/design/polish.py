@@ -1,13 +1,14 @@
 """Improvement of candidates by exact gradients, under the constraints.
 
-A descent repeats short runs of SLSQP in a box around the best point so far, and then evaluates points
-between the two ends of each run, which costs little. The box shrinks where the linearizations are
-poor. Kinks, such as those of the least of several distances, are met by keeping linearizations of
-earlier points as further constraints.
+A descent repeats short runs of SLSQP in a box around the best point so far, and then evaluates
+points between the two ends of each run, which costs little. The box shrinks where the
+linearizations are poor. Kinks, such as those of the least of several distances, are met by keeping
+linearizations of earlier points as further constraints.
 """
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import zip_longest
 
 import numpy as np
 
@@ -29,7 +30,9 @@ _STEPS = np.array(
 _KEPT = 40  # linearizations of earlier points
 _KINK = 0.3  # relative difference of two gradients of one constraint that is taken for a kink
 _PER_DESCENT = 300  # gradients
-_SPREAD, _ALONG = 4, 8  # starts far apart in the parameters, and members along the front
+_STARTS = 8  # members along the front, and candidates far apart in the parameters
+_AGREEING = 3  # ends of descents of one objective that must agree
+_ALIKE = 1e-3  # of the scale of the costs, within which two ends agree
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -54,10 +57,10 @@ def improved(
 ) -> Improved:
     """Candidates that are better than the given ones, or nearer to meeting the constraints.
 
-    The extremes are improved each in its own objective alone; then the knee, members along the
-    front and candidates far apart in the parameters, in turn. From a member of the front, the sum
-    of the scaled costs is minimized while no cost rises (Benson, 1978). If no candidate is
-    feasible, the sum of the violations is minimized.
+    Each objective is minimized alone, first from its best candidate, then from others along the
+    front and far apart in the parameters, until three ends agree. In turn with these, the sum of
+    the scaled costs is minimized from the knee and from members along the front while no cost
+    rises (Benson, 1978). If no candidate is feasible, the sum of the violations is minimized.
 
     Parameters
     ----------
@@ -69,17 +72,28 @@ def improved(
         Number of gradients after which no other descent begins.
     """
     costs, misses = problem.costs(found.objectives), misses_of(problem, found)
-    feasible = np.flatnonzero(misses == 0)
-    scale = _scale(costs[feasible])
-    gradients, ends = 0, []
-    tasks = _tasks(problem, values, costs, misses)
-    while gradients < most and (task := next(tasks, None)) is not None:
-        index, weights, bounded = task
-        limits = costs[index] if bounded else None
-        descent = _Descent(problem, values[index], weights, limits, scale)
+    count = len(problem.objectives)
+    scale = _scale(costs[misses == 0])
+    gradients, ends = 0, [values[int(np.argmin(misses))]]
+    lowest, agreeing = np.full(count, np.inf), np.zeros(count, dtype=int)
+    for start, alone in _tasks(problem, values, costs, misses):
+        if gradients >= most:
+            break
+        if alone is not None and agreeing[alone] >= _AGREEING:
+            continue
+        weights = np.ones(count) if alone is None else np.eye(count)[alone]
+        bounded = alone is None and misses[start] == 0
+        descent = _Descent(
+            problem, values[start], weights, costs[start] if bounded else None, scale
+        )
         ends.append(descent.end())
         gradients += descent.gradients
-    ends = ends or [values[0]]
+        if alone is not None:
+            cost = problem.costs(problem.evaluate(ends[-1][None]).objectives)[0, alone]
+            better = cost < lowest[alone] - _ALIKE * scale[alone]
+            alike = abs(cost - lowest[alone]) <= _ALIKE * scale[alone]
+            agreeing[alone] = 1 if better else agreeing[alone] + alike
+            lowest[alone] = min(lowest[alone], cost)
     rows = np.array(ends)
     return Improved(
         values=rows,
@@ -100,45 +114,42 @@ def _tasks(
     values: Float[Array, "m d"],
     costs: Float[Array, "m q"],
     misses: Float[Array, " m"],
-) -> Iterator[tuple[int, Float[Array, " q"], bool]]:
-    """Start, weights of the costs, and whether no cost may rise, of each descent in its order."""
+) -> Iterator[tuple[int, int | None]]:
+    """Start of each descent in its order, and the one objective it minimizes; ``None`` for all."""
     count = len(problem.objectives)
-    alone, together = np.eye(count), np.ones(count)
     share = (values - problem.low) / (problem.high - problem.low)
     feasible = np.flatnonzero(misses == 0)
     if not feasible.size:
         near = np.argsort(misses, kind="stable")[: max(1, len(misses) // 2)]
-        for start in near[_far_apart(share[near], near[:0], 2 * _SPREAD)]:
-            yield int(start), together, False
+        yield from ((int(start), None) for start in near[_far_apart(share[near], 2 * _STARTS)])
         return
     front = feasible[non_dominated(costs[feasible])]
     best = front[extremes(costs[front])]
-    for i, start in enumerate(best):
-        yield int(start), alone[i], False
-    apart = feasible[_far_apart(share[feasible], np.searchsorted(feasible, best), _SPREAD)]
-    if count == 1:
-        for start in apart:
-            yield int(start), alone[0], False
-        return
-    yield int(front[knee(costs[front])]), together, True
-    along = front[thinned(costs[front], _ALONG)]
-    for turn in range(max(len(apart), len(along))):
-        if turn < len(apart):
-            for i in range(count):
-                yield int(apart[turn]), alone[i], False
-        if turn < len(along):
-            yield int(along[turn]), together, True
+    apart = feasible[_far_apart(share[feasible], _STARTS)]
+    yield from ((int(start), i) for i, start in enumerate(best))
+    along = front[thinned(costs[front], _STARTS)]
+    together = [front[knee(costs[front])], *along] if count > 1 else []
+    others = [*dict.fromkeys([*(best if count > 1 else []), *_alternating(along, apart)])]
+    for turn in range(max(len(others), len(together))):
+        if turn < len(together):
+            yield int(together[turn]), None
+        if turn < len(others):
+            yield from ((int(others[turn]), i) for i in range(count) if others[turn] != best[i])
 
 
-def _far_apart(share: Float[Array, "m d"], given: Int64[Array, " k"], count: int) -> Array:
-    """Indices of ``count`` points, each the farthest from the given ones and those before it."""
-    chosen = list(given) or [0]
-    first = len(given)
-    distance = np.linalg.norm(share[:, None] - share[chosen], axis=2).min(axis=1)
-    while len(chosen) < first + count and distance.max() > 0:
+def _alternating(one: Array, other: Array) -> list[int]:
+    pairs = zip_longest(one.tolist(), other.tolist())
+    return [index for pair in pairs for index in pair if index is not None]
+
+
+def _far_apart(share: Float[Array, "m d"], count: int) -> Int64[Array, " k"]:
+    """Indices of ``count`` points: the first, then each time the farthest from those before it."""
+    chosen = [0]
+    distance = np.linalg.norm(share - share[0], axis=1)
+    while len(chosen) < count and distance.max() > 0:
         chosen.append(int(distance.argmax()))
         distance = np.minimum(distance, np.linalg.norm(share - share[chosen[-1]], axis=1))
-    return np.array(chosen[first:], dtype=np.int64)
+    return np.array(chosen, dtype=np.int64)
 
 
 class _UndefinedError(Exception):

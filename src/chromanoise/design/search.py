@@ -270,9 +270,9 @@ def searched_front(
             archive = now.archive
             if turn == 0 and _is_power_of_two(own):
                 state.remember(now.evaluations, archive)
-            if state.polishes and own % _FIRST_POLISH == 0:
-                if _is_power_of_two(own // _FIRST_POLISH):
-                    archive = state.polish(turn, own, archive)
+            cycles, rest = divmod(own, _FIRST_POLISH)
+            if state.polishes and rest == 0 and _is_power_of_two(cycles):
+                archive = state.polish(turn, own, archive)
             rng = generation_rng(state.seeds[turn], own)
             values = state.algorithms[turn].ask(rng) if own else first[turn]
             if not len(values):  # every combination of integer parameters was tried
@@ -326,8 +326,7 @@ class _Populations:
         self._problem, self._settings = problem, settings
         self.seeds = tuple(settings.seed + i for i in range(settings.seeds))
         self.algorithms = [
-            algorithm_of(problem, settings.method, settings.population, seed)
-            for seed in self.seeds
+            algorithm_of(problem, settings.method, settings.population, seed) for seed in self.seeds
         ]
         wanted = settings.polish is None or settings.polish
         self.polishes = wanted and problem.gradient is not None
