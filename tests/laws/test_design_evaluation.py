@@ -272,6 +272,27 @@ def test_gradients_equal_central_differences(matrix, more):
     assert (np.abs(jacobian - wanted.T) <= 1e-6 * size + 1e-9).all()
 
 
+@pytest.mark.parametrize("at", [0.001, 0.02, 0.1])
+def test_differences_at_a_bound_do_not_step_beyond_it(at):
+    low, high = 0.001, 0.1
+
+    class Times:
+        parameters = (Parameter(name="time", unit="s", low=low, high=high),)
+
+        def candidates(self, values):
+            assert ((values.real >= low) & (values.real <= high)).all()
+            return Candidates(
+                qe=np.repeat(luther_curves()[None], len(values), axis=0), time_s=values[:, 0]
+            )
+
+    noiseless = replace(QUIET, read_noise_e=0.0, full_well_e=1e9)
+    scene = plain_scene("bounded-psi=2", pixel=noiseless)  # no kernel computes its matrix
+    evaluator = Evaluator(scenes=(scene,), objectives=("snr_y_db",))
+    assert not evaluator.has_exact_gradients(False)
+    _, jacobian = evaluator.gradient(Times(), np.array([at]))
+    np.testing.assert_allclose(jacobian, [[10 / np.log(10) / at]], rtol=1e-2)
+
+
 def test_the_gradient_of_a_shot_limited_snr_over_time_is_known():
     class Times:
         parameters = (Parameter(name="time", unit="s", low=0.001, high=0.1),)

@@ -10,6 +10,7 @@ from chromanoise.design.front import (
     crowding,
     extremes,
     front_of,
+    hypervolume,
     knee,
     merged,
     non_dominated,
@@ -122,3 +123,23 @@ def test_a_constraint_holds_the_members_whose_slack_is_a_hundredth_of_the_larges
     problem = problem_of(lambda a: ([a, -a], []), [0.0], [4.0], constraints=("disk",))
     front = front_of(problem, steps[:, None], np.stack([steps, -steps], axis=1), -slack[:, None])
     assert [one.active for one in front.members] == [("disk",), ("disk",), (), (), ()]
+
+
+@pytest.mark.parametrize(
+    ("costs", "volume"),
+    [
+        ([[0.0, 0.0]], 1.0),
+        ([[1.0, 1.0]], 0.0),
+        ([[0.5, 0.5], [0.25, 0.75], [0.6, 0.6]], 0.25 + 0.25 * 0.25),
+        ([[-1.0, 0.5]], 0.5),
+        ([[0.5, 0.5, 0.5]], 0.125),
+        ([[0.0, 0.5, 0.5], [0.5, 0.0, 0.5]], 0.25 + 0.25 - 0.125),
+        ([], 0.0),
+    ],
+)
+def test_the_hypervolume_is_that_of_the_union_of_boxes(costs, volume):
+    size = len(costs[0]) if costs else 2
+    points = np.array(costs).reshape(-1, size)
+    assert hypervolume(points, np.zeros(size), np.ones(size)) == pytest.approx(volume)
+    stretched = hypervolume(3.0 * points + 1.0, np.ones(size), np.full(size, 4.0))
+    assert stretched == pytest.approx(volume)

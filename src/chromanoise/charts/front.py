@@ -86,6 +86,8 @@ def _member(one: FrontMember, objectives: list[FrontObjective]) -> dict[str, Any
     best = [what.get(name, name) for name in one.extreme_of]
     notes = [
         *([f"Best {listed(best)}."] if best else []),
+        *(_beside(one.robust, one.robust_extreme_of, objectives, "Within its tolerances")),
+        *(_beside(one.nominal, one.nominal_extreme_of, objectives, "Without tolerances")),
         *(["Knee of the front."] if one.knee else []),
         *([f"Held by {', '.join(one.held_by)}."] if one.held_by else []),
     ]
@@ -93,6 +95,21 @@ def _member(one: FrontMember, objectives: list[FrontObjective]) -> dict[str, Any
     placed = _placed(one, objectives)
     reading = " ".join((placed["reading"], *notes))
     return placed | {"mark": mark, "notes": notes, "reading": reading}
+
+
+def _beside(
+    values: dict[str, float | None],
+    extreme_of: list[str],
+    objectives: list[FrontObjective],
+    words: str,
+) -> list[str]:
+    """The objectives that the search did not take, and of which the member has the best value."""
+    if not values:
+        return []
+    shown = (f"{one.what} {_with_unit(values.get(one.name), one.unit)}" for one in objectives)
+    best = [one.what for one in objectives if one.name in extreme_of]
+    ending = f"; best {listed(best)}" if best else ""
+    return [f"{words}: {', '.join(shown)}{ending}."]
 
 
 def _with_unit(value: float | None, unit: str) -> str:

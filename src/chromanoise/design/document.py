@@ -23,7 +23,12 @@ from chromanoise.design.evaluation import OverScenes
 from chromanoise.design.objectives import OBJECTIVES
 from chromanoise.design.parameters import Free, Value
 from chromanoise.design.robustness import STATISTICS, ToleranceDraws
-from chromanoise.design.search import DEFAULT_SEARCH, LEAST_POPULATION, MOST_POPULATION
+from chromanoise.design.search import (
+    DEFAULT_SEARCH,
+    LEAST_POPULATION,
+    MOST_POPULATION,
+    MOST_SEEDS,
+)
 from chromanoise.design.space import LIBRARY_MODEL, MODELS, PixelShares, Structure, model_numbers
 from chromanoise.errors import InputError, Setting, did_you_mean, refusal
 from chromanoise.sensor import MOSAIC_NAMES, SILICON_NUMBERS, ModelNumber
@@ -346,8 +351,13 @@ class DesignPart(Part):
     seed: Annotated[int, Field(ge=0, lt=2**32)] = Field(
         DEFAULT_SEARCH.seed, description="Seed of the search."
     )
-    polish: bool = Field(
-        DEFAULT_SEARCH.polish, description="Improve the front by exact gradients after the search."
+    seeds: Annotated[int, Field(ge=1, le=MOST_SEEDS)] = Field(
+        DEFAULT_SEARCH.seeds,
+        description="Independent populations that share the budget; they show the convergence.",
+    )
+    polish: bool | None = Field(
+        DEFAULT_SEARCH.polish,
+        description="Improve the front by gradients; default: if all objectives have exact ones.",
     )
     members: Annotated[int, Field(ge=1, le=10_000)] = Field(
         100, description="Largest number of sensors of the front."

@@ -12,7 +12,7 @@ import numpy as np
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._shapes import Bool, Float, Inexact, Integer
-from chromanoise.analysis import matrix_makers
+from chromanoise.analysis import electrons_at, matrix_makers
 from chromanoise.color.fitted import penalized_matrix
 from chromanoise.design.candidates import Candidates
 from chromanoise.design.objectives import FAST, OBJECTIVES, Candidate, Objective, value_of
@@ -28,7 +28,9 @@ OverScenes = Literal["worst", "mean"]
 _WEIGHTED = ("least-squares", "lmmse", "noise-regularized")
 _COMPLEX_STEP = 1e-30
 _DIFFERENCE_STEP = 1e-5  # of the range of a parameter
+_ENDS = ("low", "high")
 _LEAST_INDEPENDENCE = 1e-5  # 1 / VIF; below it normal equations lose too many digits
+_LEAST_SIGNAL_E = 1e-100  # of a perfect white; the square of its inverse is finite
 _FULL = 1 + 1e-12  # as `chromanoise.noise.saturated`
 _FEWEST_BLOCKS = 4  # of one thread
 
@@ -158,6 +160,20 @@ class Evaluator:
         own = replace(self, objectives=("share_of_full_well",), over_scenes="worst")
         return own.values(candidates)[:, 0]
 
+    def has_exact_gradients(self, noise_weight_is_free: bool) -> bool:
+        """Whether `gradient` is exact for all objectives, by kernels and without differences.
+
+        Parameters
+        ----------
+        noise_weight_is_free
+            Whether the weight of the noise in the matrix is a free number.
+        """
+        return all(
+            _matrix_group(scene) and _is_fast(scene, noise_weight_is_free, name)
+            for scene in self.scenes
+            for name in self.objectives
+        )
+
     def gradient(
         self, space: Space, values: Float[Array, " d"]
     ) -> tuple[Float[Array, " q"], Float[Array, "q d"]]:
@@ -168,7 +184,7 @@ class Evaluator:
         space
             The design space.
         values
-            Its parameters.
+            Its parameters, within their bounds.
 
         Returns
         -------
@@ -181,41 +197,78 @@ class Evaluator:
         Fast objectives: exact, by a complex step (Squire & Trapp, SIAM Rev. 40 (1998) 110). Central
         differences with a step of 1e-5 of the range of the parameter for the others, for matrices
         that are not linear in the training set, and for all objectives of a sensor whose channels
-        are nearly dependent.
+        are nearly dependent; at a bound a difference to one side, so that no point beyond the
+        bounds is evaluated.
         """
+        return self._slopes_over_scenes(*self._slopes(space, values))
+
+    def gradient_and_fullness(
+        self, space: Space, values: Float[Array, " d"]
+    ) -> tuple[Float[Array, " q"], Float[Array, "q d"], float, Float[Array, " d"]]:
+        """`gradient`, and `share_of_full_well` with its derivatives.
+
+        Parameters
+        ----------
+        space, values
+            As `gradient`.
+        """
+        own = replace(self, objectives=("share_of_full_well",), over_scenes="worst")
+        names = tuple(dict.fromkeys((*self.objectives, *own.objectives)))
+        found, slope = replace(self, objectives=names)._slopes(space, values)
+        q, at = len(self.objectives), names.index("share_of_full_well")
+        share, rise = own._slopes_over_scenes(found[:, at : at + 1], slope[:, at : at + 1])
+        objectives = self._slopes_over_scenes(found[:, :q], slope[:, :q])
+        return *objectives, float(share[0]), rise[0]
+
+    def _slopes(
+        self, space: Space, values: Float[Array, " d"]
+    ) -> tuple[Float[Array, "s q"], Float[Array, "s q d"]]:
+        """The objectives of each scene, and their derivatives."""
         at = np.asarray(values, dtype=np.float64)
         d, q = at.size, len(self.objectives)
         found = np.empty((len(self.scenes), q))
         slope = np.empty((len(self.scenes), q, d))
         turned = _given(self, space.candidates(at + 1j * _COMPLEX_STEP * np.eye(d)))
-        around: Array | None = None
+        around: tuple[Array, Array] | None = None
         for s, scene in enumerate(self.scenes):
             exact = np.zeros(q, dtype=bool)
             if _matrix_group(scene):
                 raw, independence = _fast(self, scene, turned, self.objectives)
                 found[s], slope[s] = raw[0].real, raw.imag.T / _COMPLEX_STEP
-                exact[:] = [_is_fast(scene, turned, name) for name in self.objectives]
+                exact[:] = [_is_fast(scene, turned.weighted, name) for name in self.objectives]
                 exact &= bool((independence >= _LEAST_INDEPENDENCE).all())
             if not exact.all():
-                around = self._around(space, at) if around is None else around
-                found[s] = np.where(exact, found[s], around[s, 0])
-                step = _steps(space)[:, None]
-                with np.errstate(invalid="ignore"):
-                    differences = (around[s, 1 : d + 1] - around[s, d + 1 :]) / (2 * step)
-                slope[s] = np.where(exact[:, None], slope[s], differences.T)
-        slope = np.where(np.isfinite(found)[..., None] & np.isfinite(slope), slope, 0.0)
+                around = self._differences(space, at) if around is None else around
+                found[s] = np.where(exact, found[s], around[0][s])
+                slope[s] = np.where(exact[:, None], slope[s], around[1][s])
+        return found, np.where(np.isfinite(found)[..., None] & np.isfinite(slope), slope, 0.0)
+
+    def _slopes_over_scenes(
+        self, found: Float[Array, "s q"], slope: Float[Array, "s q d"]
+    ) -> tuple[Float[Array, " q"], Float[Array, "q d"]]:
         if self.over_scenes == "mean":
-            return self._over_scenes(found[:, None])[0], slope.mean(axis=0)
+            return found.mean(axis=0), slope.mean(axis=0)
         active = np.where(self._higher, found.argmin(axis=0), found.argmax(axis=0))
-        return found[active, np.arange(q)], slope[active, np.arange(q)]
+        each = np.arange(found.shape[1])
+        return found[active, each], slope[active, each]
+
+    def _differences(
+        self, space: Space, at: Float[Array, " d"]
+    ) -> tuple[Float[Array, "s q"], Float[Array, "s q d"]]:
+        """The objectives of each scene, and differences within the bounds."""
+        low, high = (np.array([getattr(one, end) for one in space.parameters]) for end in _ENDS)
+        step = np.diag(_DIFFERENCE_STEP * (high - low))
+        above, below = np.minimum(at + step, high), np.maximum(at - step, low)
+        found = self.values_of_scenes(space.candidates(np.vstack([at, above, below])))
+        count = at.size
+        with np.errstate(invalid="ignore"):
+            rise = found[:, 1 : count + 1] - found[:, count + 1 :]
+        width = np.diag(above) - np.diag(below)
+        return found[:, 0], np.swapaxes(rise / width[:, None], 1, 2)
 
     @property
     def _higher(self) -> Bool[Array, " q"]:
         return np.array([one.better == "higher" for one in self.entries])
-
-    def _around(self, space: Space, at: Float[Array, " d"]) -> Float[Array, "s k q"]:
-        steps = np.diag(_steps(space))
-        return self.values_of_scenes(space.candidates(np.vstack([at, at + steps, at - steps])))
 
     def _over_scenes(self, values: Float[Array, "s m q"]) -> Float[Array, "m q"]:
         if self.over_scenes == "mean":
@@ -241,6 +294,11 @@ class _Batch:
     curves: Array | None
     more: Candidates
     of: Callable[[Any], Candidates]
+
+    @property
+    def weighted(self) -> bool:
+        """Whether the weight of the noise in the matrix is one of the free numbers."""
+        return self.more.noise_weight is not None
 
 
 def _given(evaluator: Evaluator, candidates: Candidates) -> _Batch:
@@ -316,13 +374,9 @@ def _some(candidates: Candidates, which: Any) -> Candidates:
     return Candidates(**some)
 
 
-def _steps(space: Space) -> Float[Array, " d"]:
-    return _DIFFERENCE_STEP * np.array([one.high - one.low for one in space.parameters])
-
-
-def _is_fast(scene: DesignScene, batch: _Batch, name: str) -> bool:
+def _is_fast(scene: DesignScene, noise_weight_is_free: bool, name: str) -> bool:
     """Whether the kernels compute it; not so SNR10 of a matrix that depends on the light."""
-    adapts = scene.maker.method.over_light is not None or batch.more.noise_weight is not None
+    adapts = scene.maker.method.over_light is not None or noise_weight_is_free
     return name in FAST and not (name == "snr10_lux" and adapts)
 
 
@@ -339,7 +393,7 @@ def _values(
         if "vora" in names:
             found[lost, names.index("vora")] = vora
     for q, name in enumerate(names):
-        if not _is_fast(scene, batch, name):
+        if not _is_fast(scene, batch.weighted, name):
             _refuse_shares(OBJECTIVES[name], batch.more)
             found[:, q] = _library_values(scene, batch.of(slice(None)), OBJECTIVES[name])
     return found
@@ -355,7 +409,7 @@ def _fast(
     """Values, and 1 over the largest VIF of the equations; NaN for objectives that are not fast."""
     from chromanoise.design import kernels
 
-    columns = [name for name in names if _is_fast(scene, batch, name)]
+    columns = [name for name in names if _is_fast(scene, batch.weighted, name)]
     wanted = np.array([name in columns for name in FAST])
     rows = _rows(scene, frozenset(_GROUPS_OF[name] for name in columns) | {_matrix_group(scene)})
     sensor, exposure = scene.point.sensor, scene.point.exposure
@@ -563,7 +617,7 @@ def _matrices(scene: DesignScene, batch: _Batch) -> Float[Array, "m 3 p"]:
 def _matrix(scene: DesignScene, candidates: Candidates, i: int) -> Float[Array, "3 p"]:
     point = _point(scene, candidates, i)
     sensor, p = point.sensor, len(point.sensor.names)
-    if not sensor.qe.any(axis=0).all():
+    if not _has_signal(point):
         return np.full((3, p), np.nan)
     if candidates.noise_weight is None and candidates.pixel_share is None:
         return scene.maker(point).matrix
@@ -604,12 +658,17 @@ def _library_value(
     scene: DesignScene, candidates: Candidates, i: int, objective: Objective
 ) -> float:
     point, maker = _point(scene, candidates, i), scene.maker
-    if not point.sensor.qe.any(axis=0).all():
+    if not _has_signal(point):
         return objective.undefined
     if candidates.noise_weight is not None:
         name = f"noise-regularized={float(candidates.noise_weight[i])!r}"
         maker = matrix_makers([name], scene.metric, prior=scene.prior)[name]
     return value_of(objective, Candidate(point=point, matrix=maker(point), maker=maker))
+
+
+def _has_signal(point: OperatingPoint) -> bool:
+    """Whether every channel counts electrons of a perfect white."""
+    return bool((electrons_at(point) > _LEAST_SIGNAL_E).all())
 
 
 def _refuse_shares(objective: Objective, more: Candidates) -> None:

@@ -92,6 +92,41 @@ def scaled(costs: Float[Array, "m q"]) -> Float[Array, "m q"]:
     return (costs - low) / np.where(high > low, high - low, 1.0)
 
 
+def hypervolume(
+    costs: Float[Array, "m q"], best: Float[Array, " q"], reference: Float[Array, " q"]
+) -> float:
+    """Share of the box between two points that the costs dominate. [1]
+
+    Parameters
+    ----------
+    costs
+        Lower is better; what is beyond the box counts up to its faces.
+    best, reference
+        The lowest and the highest corner of the box.
+
+    Notes
+    -----
+    Zitzler & Thiele (1998); Fonseca, Paquete & Lopez-Ibanez (2006) in pymoo for three and more.
+
+    Examples
+    --------
+    >>> round(hypervolume(np.array([[0.0, 0.5], [0.5, 0.0]]), np.zeros(2), np.ones(2)), 12)
+    0.75
+    """
+    span = np.where(reference > best, reference - best, 1.0)
+    share = np.maximum((costs - best) / span, 0.0)
+    share = share[(share < 1).all(axis=1)]
+    if not len(share):
+        return 0.0
+    share = share[non_dominated(share)]
+    if share.shape[1] == 2:
+        first, second = share[np.argsort(share[:, 0])].T
+        return float(np.sum(np.diff(np.append(first, 1.0)) * (1.0 - second)))
+    from pymoo.indicators.hv import Hypervolume
+
+    return float(Hypervolume(ref_point=np.ones(share.shape[1]))(share))
+
+
 def extremes(costs: Float[Array, "m q"]) -> Int64[Array, " q"]:
     """Index of the member with the lowest cost of each objective; of equal ones the best sum."""
     total = scaled(costs).sum(axis=1)

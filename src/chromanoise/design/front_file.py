@@ -111,6 +111,12 @@ class FrontMember(FrontReference):
     robust: dict[str, ObjectiveValue] = Field(
         {}, description="Its worst objectives over the tolerances, if the search did not take them."
     )
+    nominal_extreme_of: list[str] = Field(
+        [], description="Objectives in which no member is better without tolerances."
+    )
+    robust_extreme_of: list[str] = Field(
+        [], description="Objectives in which no member is better over the tolerances."
+    )
     values: dict[str, float] = Field({}, description="Its free parameters.")
     curves: FrontCurves = Field(description="Its quantum efficiency.")
     pixel: Annotated[PixelPart, AfterValidator(_with_effect), WithoutDefaults] = Field(
@@ -127,6 +133,49 @@ class FrontMember(FrontReference):
     )
 
 
+class FrontMilestone(_Record):
+    """The front after a number of evaluations."""
+
+    evaluations: int = Field(description="Evaluated candidates.")
+    hypervolume: Annotated[float, Field(ge=0, le=1)] | None = Field(
+        description="Share of the box from the best values of the final front to the reference "
+        "point that the front dominates; none for one objective."
+    )
+    best: dict[str, ObjectiveValue] = Field(description="Best value of each objective.")
+
+
+class FrontSeed(_Record):
+    """One of the independent populations of the search."""
+
+    seed: int = Field(description="Its seed.")
+    best: dict[str, ObjectiveValue] = Field(description="Its best value of each objective.")
+
+
+class FrontConvergence(_Record):
+    """How far the search has converged."""
+
+    converged: bool | None = Field(
+        description="Whether the seeds agree within 0.05 dB or 1 % and the hypervolume rose by at "
+        "most 2 % in the second half of the evaluations; none for one seed."
+    )
+    evaluations: int = Field(description="Evaluated candidates.")
+    gradients: int = Field(description="Computed gradients.")
+    undefined: int = Field(
+        description="Evaluated candidates with an undefined objective, which count as infeasible."
+    )
+    seeds: list[FrontSeed] = Field(description="The populations.")
+    spread: dict[str, ObjectiveValue] = Field(
+        description="Difference of the seeds in each objective: in dB, else as a share of the best."
+    )
+    gain: dict[str, ObjectiveValue] = Field(
+        description="What the polish at the end gained in each objective, in its unit."
+    )
+    reference: dict[str, ObjectiveValue] = Field(
+        description="The reference point of the hypervolume."
+    )
+    milestones: list[FrontMilestone] = Field(description="The front over the evaluations.")
+
+
 class FrontFile(_Record):
     """The content of ``front.json``."""
 
@@ -141,6 +190,9 @@ class FrontFile(_Record):
         [], description="The sensors of the design file, for comparison."
     )
     members: list[FrontMember] = Field(min_length=1, description="The sensors of the front.")
+    convergence: FrontConvergence | None = Field(
+        None, description="How far the search has converged."
+    )
     sentences: list[str] = Field([], description="One sentence per extreme and for the knee.")
 
     @model_validator(mode="after")

@@ -32,7 +32,7 @@ from chromanoise.design.robustness import ToleranceDraws, over_tolerances, refus
 from chromanoise.design.scenes import DesignScene
 from chromanoise.design.scheduler import Scheduler
 from chromanoise.design.search import Progress, SearchResult, SearchSettings, searched_front
-from chromanoise.design.space import Channel, DesignSpace, Filter
+from chromanoise.design.space import LEAST_QE, Channel, DesignSpace, Filter
 from chromanoise.errors import InputError
 from chromanoise.exposure import OperatingPoint
 from chromanoise.io.spectra import Answers
@@ -50,7 +50,6 @@ from chromanoise.study.assembly import light_answers_of, prior_of
 FULLEST = 0.99
 """Greatest share of full well of a channel on a perfect white."""
 _SAMPLED = 64  # candidates of which the spread of each constraint is taken
-_COMPLEX_STEP = 1e-20  # no difference is taken, so that it may be this small
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -168,6 +167,8 @@ class Task:
         """What the search minimizes."""
         parameters = self.space.parameters
         evaluate = self.evaluation(self.draws)
+        polish = self.document.design.polish
+        wanted = self._has_exact_gradients if polish is None else polish
         return Problem(
             names=tuple(one.name for one in parameters),
             low=np.array([one.low for one in parameters]),
@@ -176,10 +177,14 @@ class Task:
             better=tuple(OBJECTIVES[name].better for name in self.objectives),
             constraints=(*(one.name for one in self.limits), FULL_WELL),
             evaluate=evaluate,
-            gradient=evaluate.linearized if self.draws is None else None,
+            gradient=evaluate.linearized if wanted and self.draws is None else None,
             integer=tuple(one.name for one in parameters if one.choices),
             identity=self.identity,
         )
+
+    @property
+    def _has_exact_gradients(self) -> bool:
+        return self.evaluator.has_exact_gradients(self.space.noise_weight is not None)
 
     @property
     def identity(self) -> str:
@@ -224,9 +229,11 @@ class Evaluation:
         """Objectives with the sign of costs, then violations."""
         candidates = self.space.candidates(values)
         found = self.evaluator.values(candidates)
+        costs = found[:, : self.objectives] * self._sign
+        dark = (candidates.qe.max(axis=1) < LEAST_QE).any(axis=1)  # cannot be a sensor
         return np.column_stack(
             [
-                found[:, : self.objectives] * self._sign,
+                np.where(dark[:, None], np.inf, costs),
                 *(sign * (found[:, i] - value) for i, sign, value in self.limits),
                 self.evaluator.share_of_full_well(candidates) - FULLEST,
             ]
@@ -239,8 +246,7 @@ class Evaluation:
 
     def linearized(self, values: Float[Array, " d"]) -> Linearized:
         """Objectives and violations of one candidate with exact parameters, and derivatives."""
-        found, jacobian = self.evaluator.gradient(self.space, values)
-        share, slope = self._share(values)
+        found, jacobian, share, slope = self.evaluator.gradient_and_fullness(self.space, values)
         rows = [(sign * (found[i] - value), sign * jacobian[i]) for i, sign, value in self.limits]
         return Linearized(
             objectives=found[: self.objectives],
@@ -248,11 +254,6 @@ class Evaluation:
             objectives_jacobian=jacobian[: self.objectives],
             violation_jacobian=np.array([*(row[1] for row in rows), slope]),
         )
-
-    def _share(self, values: Float[Array, " d"]) -> tuple[float, Float[Array, " d"]]:
-        steps = values + 1j * _COMPLEX_STEP * np.eye(len(values))
-        share = self.evaluator.share_of_full_well(self.space.candidates(steps))
-        return float(share[0].real), share.imag / _COMPLEX_STEP
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -1,141 +1,320 @@
-"""Improvement of the members of a front by exact gradients; no member becomes worse."""
+"""Improvement of candidates by exact gradients, under the constraints.
 
-from contextlib import suppress
-from typing import Any
+A descent repeats short runs of SLSQP in a box around the best point so far, and then evaluates
+points between the two ends of each run, which costs little. The box shrinks where the
+linearizations are poor. Kinks, such as those of the least of several distances, are met by keeping
+linearizations of earlier points as further constraints.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import zip_longest
 
 import numpy as np
 
 from chromanoise._check import Array
-from chromanoise._shapes import Float
-from chromanoise.design.archive import Archive, misses_of
-from chromanoise.design.front import extremes, thinned
-from chromanoise.design.problem import Evaluated, Linearized, Problem, checked_evaluation
+from chromanoise._shapes import Float, Int64
+from chromanoise.design.archive import misses_of
+from chromanoise.design.front import extremes, knee, non_dominated, thinned
+from chromanoise.design.problem import Evaluated, Problem, checked_evaluation
 
-_ITERATIONS = 100
-_PRECISION = 1e-12  # of the sum of scaled costs
-_MARGIN = 1e-9  # kept from each constraint, because SLSQP meets it within rounding only
-_BACK = np.array([0.0, *np.geomspace(1e-9, 1e-2, 15)])  # steps from the end of a run to its start
+_RADIUS, _LARGEST_RADIUS, _LEAST_RADIUS = 0.05, 0.3, 1e-5  # of the box, as shares of the ranges
+_ITERATIONS = 10  # of one run of SLSQP
+_PRECISION = 1e-10  # of one run
+_GAIN = 1e-6  # of the scale of the costs; a descent ends when several runs gain less
+_SMALL_GAINS = 3
+_MARGIN = 1e-7  # kept from each constraint, because SLSQP meets it within rounding only
+_STEPS = np.array(
+    [1, 0.999, 0.99, 0.97, 0.94, 0.9, 0.85, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2, 0.1, 0.05, 0.02]
+)
+_KEPT = 40  # linearizations of earlier points
+_KINK = 0.3  # relative difference of two gradients of one constraint that is taken for a kink
+_PER_DESCENT = 300  # gradients
+_STARTS = 8  # members along the front, and candidates far apart in the parameters
+_AGREEING = 3  # ends of descents of one objective that must agree
+_ALIKE = 1e-3  # of the scale of the costs, within which two ends agree
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Improved:
+    """Candidates that descents ended at, with their ordinary evaluation.
+
+    Attributes
+    ----------
+    values, found
+        One row per descent, feasible or not.
+    gradients
+        Number of gradients that were computed.
+    """
+
+    values: Float[Array, "k d"]
+    found: Evaluated
+    gradients: int
+
+
+def improved(
+    problem: Problem, values: Float[Array, "m d"], found: Evaluated, *, most: int
+) -> Improved:
+    """Candidates that are better than the given ones, or nearer to meeting the constraints.
+
+    Each objective is minimized alone, first from its best candidate, then from others along the
+    front and far apart in the parameters, until three ends agree. In turn with these, the sum of
+    the scaled costs is minimized from the knee and from members along the front while no cost
+    rises (Benson, 1978). If no candidate is feasible, the sum of the violations is minimized.
+
+    Parameters
+    ----------
+    problem
+        With gradients. Integer parameters keep their values.
+    values, found
+        Evaluated candidates, at least one.
+    most
+        Number of gradients after which no other descent begins.
+    """
+    costs, misses = problem.costs(found.objectives), misses_of(problem, found)
+    count = len(problem.objectives)
+    scale = _scale(costs[misses == 0])
+    gradients, ends = 0, [values[int(np.argmin(misses))]]
+    lowest, agreeing = np.full(count, np.inf), np.zeros(count, dtype=int)
+    for start, alone in _tasks(problem, values, costs, misses):
+        if gradients >= most:
+            break
+        if alone is not None and agreeing[alone] >= _AGREEING:
+            continue
+        weights = np.ones(count) if alone is None else np.eye(count)[alone]
+        bounded = alone is None and misses[start] == 0
+        descent = _Descent(
+            problem, values[start], weights, costs[start] if bounded else None, scale
+        )
+        ends.append(descent.end())
+        gradients += descent.gradients
+        if alone is not None:
+            cost = problem.costs(problem.evaluate(ends[-1][None]).objectives)[0, alone]
+            better = cost < lowest[alone] - _ALIKE * scale[alone]
+            alike = abs(cost - lowest[alone]) <= _ALIKE * scale[alone]
+            agreeing[alone] = 1 if better else agreeing[alone] + alike
+            lowest[alone] = min(lowest[alone], cost)
+    rows = np.array(ends)
+    return Improved(
+        values=rows,
+        found=checked_evaluation(problem, rows, problem.evaluate),
+        gradients=gradients,
+    )
+
+
+def _scale(costs: Float[Array, "m q"]) -> Float[Array, " q"]:
+    if not len(costs):
+        return np.ones(costs.shape[1])
+    size = np.maximum(np.abs(costs).max(axis=0), 1e-6)
+    return np.maximum(np.ptp(costs, axis=0), 1e-3 * size)
+
+
+def _tasks(
+    problem: Problem,
+    values: Float[Array, "m d"],
+    costs: Float[Array, "m q"],
+    misses: Float[Array, " m"],
+) -> Iterator[tuple[int, int | None]]:
+    """Start of each descent in its order, and the one objective it minimizes; ``None`` for all."""
+    count = len(problem.objectives)
+    share = (values - problem.low) / (problem.high - problem.low)
+    feasible = np.flatnonzero(misses == 0)
+    if not feasible.size:
+        near = np.argsort(misses, kind="stable")[: max(1, len(misses) // 2)]
+        yield from ((int(start), None) for start in near[_far_apart(share[near], 2 * _STARTS)])
+        return
+    front = feasible[non_dominated(costs[feasible])]
+    best = front[extremes(costs[front])]
+    apart = feasible[_far_apart(share[feasible], _STARTS)]
+    yield from ((int(start), i) for i, start in enumerate(best))
+    along = front[thinned(costs[front], _STARTS)]
+    together = [front[knee(costs[front])], *along] if count > 1 else []
+    others = [*dict.fromkeys([*(best if count > 1 else []), *_alternating(along, apart)])]
+    for turn in range(max(len(others), len(together))):
+        if turn < len(together):
+            yield int(together[turn]), None
+        if turn < len(others):
+            yield from ((int(others[turn]), i) for i in range(count) if others[turn] != best[i])
+
+
+def _alternating(one: Array, other: Array) -> list[int]:
+    pairs = zip_longest(one.tolist(), other.tolist())
+    return [index for pair in pairs for index in pair if index is not None]
+
+
+def _far_apart(share: Float[Array, "m d"], count: int) -> Int64[Array, " k"]:
+    """Indices of ``count`` points: the first, then each time the farthest from those before it."""
+    chosen = [0]
+    distance = np.linalg.norm(share - share[0], axis=1)
+    while len(chosen) < count and distance.max() > 0:
+        chosen.append(int(distance.argmax()))
+        distance = np.minimum(distance, np.linalg.norm(share - share[chosen[-1]], axis=1))
+    return np.array(chosen, dtype=np.int64)
 
 
 class _UndefinedError(Exception):
     """An objective or a derivative is not finite at an iterate."""
 
 
-def polished(problem: Problem, front: Archive, *, most: int) -> tuple[Archive, int]:
-    """The front joined with improved members, and the number of computed gradients.
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Linear:
+    """Scaled sum of costs and scaled constraints at a point of the unit cube, with derivatives."""
 
-    From a member, the sum of the scaled costs is minimized while no cost rises (Benson, 1978);
-    from each extreme, also its own objective alone, which extends the front. Both use SLSQP of
-    scipy under the constraints. A result counts only if an ordinary evaluation confirms that it is
-    feasible and, for a member, that it dominates; all members that it does not dominate are kept.
-
-    Parameters
-    ----------
-    problem
-        With gradients. Integer parameters keep their values.
-    front
-        A front of feasible members.
-    most
-        Largest number of members that are improved, evenly thinned.
-    """
-    costs = problem.costs(front.objectives)
-    chosen = thinned(costs, most)
-    count = len(problem.objectives)
-    every = np.ones(count, dtype=bool)
-    tasks = [(index, every, count > 1) for index in chosen]
-    if count > 1:
-        alone = np.eye(count, dtype=bool)
-        tasks += [(index, alone[i], False) for i, index in enumerate(extremes(costs))]
-    scale = np.ptp(costs, axis=0)
-    scale = np.where(scale > 0, scale, np.maximum(np.abs(costs).max(axis=0), 1e-12))
-    gradients, ends = 0, []
-    for index, minimized, bounded in tasks:
-        run = _Descent(problem, front.values[index], costs[index], scale, minimized, bounded)
-        ends.append(run.ends())
-        gradients += run.gradients
-    values = problem.allowed(np.concatenate(ends))
-    found = checked_evaluation(problem, values, problem.evaluate)
-    feasible = (misses_of(problem, found) == 0).reshape(len(tasks), -1)
-    first = np.arange(len(tasks)) * feasible.shape[1] + feasible.argmax(axis=1)
-    found = Evaluated(objectives=found.objectives[first], violation=found.violation[first])
-    return front.joined(problem, values[first], found).thinned(problem), gradients
+    share: Float[Array, " f"]
+    cost: float
+    slope: Float[Array, " f"]
+    rows: Float[Array, " r"]
+    jacobian: Float[Array, "r f"]
 
 
 class _Descent:
-    """One run of SLSQP in the unit cube of the parameters, with scaled costs."""
+    """One descent in the unit cube of the parameters, with scaled costs and constraints."""
 
     def __init__(
         self,
         problem: Problem,
         values: Float[Array, " d"],
-        costs: Float[Array, " q"],
+        weights: Float[Array, " q"],
+        limits: Float[Array, " q"] | None,
         scale: Float[Array, " q"],
-        minimized: Array,
-        bounded: bool,
     ) -> None:
         self.gradients = 0
-        self._problem, self._start, self._costs = problem, values, costs
-        self._scale, self._minimized, self._bounded = scale, minimized, bounded
+        self._problem, self._start = problem, values
+        self._weights, self._limits, self._scale = weights, limits, scale
         self._free = ~problem.whole
-        self._low = problem.low[self._free]
-        self._range = (problem.high - problem.low)[self._free]
-        self._best = (0.0, values)  # scaled sum relative to the start, and where
-        self._last: tuple[bytes, tuple[Any, ...]] = (b"", ())
+        self._sizes = np.array(problem.constraint_sizes)
+        self._seen: dict[bytes, _Linear] = {}
 
-    def ends(self) -> Float[Array, "k d"]:
-        """Points from the last iterate toward the feasible start, and the best feasible iterate."""
+    def end(self) -> Float[Array, " d"]:
+        """The best point that was found; that of the start if there is no better one."""
+        free, low = self._free, self._problem.low[self._free]
+        if not free.any():
+            return self._start
+        share = (self._start[free] - low) / (self._problem.high[free] - low)
+        misses, costs = self._merits(share[None])
+        best, radius, small = (misses[0], costs[0]), _RADIUS, 0
+        while radius > _LEAST_RADIUS and small < _SMALL_GAINS and self.gradients < _PER_DESCENT:
+            try:
+                end = self._run(share, radius)
+            except _UndefinedError:
+                radius /= 4
+                continue
+            points = np.clip(share + _STEPS[:, None] * (end - share), 0.0, 1.0)
+            misses, costs = self._merits(points)
+            first = int(np.lexsort((costs, misses))[0])
+            found = (misses[first], costs[first])
+            if found >= best:
+                if abs(costs[0] - best[1]) <= _GAIN and misses[0] <= max(best[0], _GAIN):
+                    break  # the end of the run is no better either
+                radius /= 4
+                continue
+            gain = best[0] - found[0] if best[0] > 0 else best[1] - found[1]
+            small = small + 1 if gain <= _GAIN else 0
+            share, best, step = points[first], found, _STEPS[first]
+            radius *= 2.0 if step > 0.9 else 0.7 if step > 0.4 else 0.35
+            radius = min(radius, _LARGEST_RADIUS)
+        return self._values(share[None])[0]
+
+    def _run(self, share: Float[Array, " f"], radius: float) -> Float[Array, " f"]:
+        """The end of a short run of SLSQP in the box; broken constraints are elastic."""
         from scipy.optimize import minimize
 
-        if not self._free.any():
-            return np.tile(self._start, (_BACK.size + 1, 1))
-        start = last = (self._start[self._free] - self._low) / self._range
-        slack = {
-            "type": "ineq",
-            "fun": lambda share: -self._at(share)[2] - _MARGIN,
-            "jac": lambda share: -self._at(share)[3],
-        }
-        with suppress(_UndefinedError):
-            last = minimize(
-                lambda share: self._at(share)[0],
-                start,
-                jac=lambda share: self._at(share)[1],
-                method="SLSQP",
-                bounds=[(0.0, 1.0)] * start.size,
-                constraints=[slack] if len(self._at(start)[2]) else [],
-                options={"maxiter": _ITERATIONS, "ftol": _PRECISION},
-            ).x
-        path = np.tile(self._start, (_BACK.size, 1))
-        path[:, self._free] = self._low + (last + _BACK[:, None] * (start - last)) * self._range
-        return np.vstack([path, self._best[1]])
+        here, f = self._at(share), share.size
+        broken = np.flatnonzero(here.rows > 0)
+        elastic = np.zeros((here.rows.size, broken.size))
+        elastic[broken, np.arange(broken.size)] = 1.0
+        offset, normals = self._cuts(here, radius)
+        pad = np.zeros((normals.shape[0], broken.size))
 
-    def _at(self, share: Float[Array, " f"]) -> tuple[Any, ...]:
-        """Scaled cost and limits with their derivatives; SLSQP reads each of them separately."""
-        key = share.tobytes()
-        if self._last[0] != key:
-            self._last = key, self._linearized(np.clip(share, 0.0, 1.0))
-        return self._last[1]
+        def cost(x: Array) -> float:
+            return float(x[f:].sum()) if broken.size else self._at(x).cost
 
-    def _linearized(self, share: Float[Array, " f"]) -> tuple[Any, ...]:
-        values = self._start.copy()
-        values[self._free] = self._low + share * self._range
-        assert self._problem.gradient is not None
-        self.gradients += 1
-        found: Linearized = self._problem.gradient(values)
-        sign = self._problem.costs(np.ones(len(self._scale)))
-        above = (found.objectives * sign - self._costs) / self._scale
-        slope = (sign / self._scale)[:, None] * found.objectives_jacobian[:, self._free]
-        limit, limit_slope = found.violation, found.violation_jacobian[:, self._free]
-        if self._bounded:
-            limit = np.concatenate([limit, above])
-            limit_slope = np.concatenate([limit_slope, slope])
-        parts = (
-            above[self._minimized].sum(),
-            (slope * self._range)[self._minimized].sum(axis=0),
-            limit,
-            limit_slope * self._range,
+        def slope(x: Array) -> Array:
+            if broken.size:
+                return np.concatenate([np.zeros(f), np.ones(broken.size)])
+            return self._at(x).slope
+
+        def slack(x: Array) -> Array:
+            rows = self._at(x[:f]).rows - elastic @ x[f:] + _MARGIN
+            return -np.concatenate([rows, normals @ x[:f] + offset])
+
+        def slack_slope(x: Array) -> Array:
+            own = np.hstack([self._at(x[:f]).jacobian, -elastic])
+            return -np.vstack([own, np.hstack([normals, pad])])
+
+        low, high = np.maximum(share - radius, 0.0), np.minimum(share + radius, 1.0)
+        limited = here.rows.size + offset.size > 0
+        found = minimize(
+            cost,
+            np.concatenate([share, here.rows[broken] + _MARGIN]),
+            jac=slope,
+            method="SLSQP",
+            bounds=[*zip(low, high, strict=True), *[(0.0, None)] * broken.size],
+            constraints=[{"type": "ineq", "fun": slack, "jac": slack_slope}] if limited else [],
+            options={"maxiter": _ITERATIONS, "ftol": _PRECISION},
         )
-        if not all(np.isfinite(part).all() for part in parts):
+        return np.clip(found.x[:f], low, high)
+
+    def _cuts(self, here: _Linear, radius: float) -> tuple[Float[Array, " c"], Float[Array, "c f"]]:
+        """Linearizations at earlier points of constraints that have kinks between them and here."""
+        offsets, normals = [np.empty(0)], [np.empty((0, here.share.size))]
+        size = np.linalg.norm(here.jacobian, axis=1)
+        for one in list(self._seen.values())[-_KEPT:]:
+            if not 0 < np.abs(one.share - here.share).max() <= 2 * radius:
+                continue
+            at = one.rows + one.jacobian @ (here.share - one.share)
+            kinked = np.linalg.norm(one.jacobian - here.jacobian, axis=1) > _KINK * size
+            near = at > -3 * radius * np.abs(one.jacobian).sum(axis=1)
+            chosen = np.flatnonzero(kinked & near & (at <= 0))
+            normals.append(one.jacobian[chosen])
+            offsets.append((one.rows - one.jacobian @ one.share)[chosen])
+        return np.concatenate(offsets), np.vstack(normals)
+
+    def _at(self, share: Float[Array, " f"]) -> _Linear:
+        """The linearization at a point; SLSQP asks for each of its parts separately."""
+        share = np.clip(share, 0.0, 1.0)
+        key = share.tobytes()
+        if key not in self._seen:
+            self._seen[key] = self._linearized(share)
+        return self._seen[key]
+
+    def _linearized(self, share: Float[Array, " f"]) -> _Linear:
+        problem, free = self._problem, self._free
+        assert problem.gradient is not None
+        if not np.isfinite(share).all():
             raise _UndefinedError
-        if (limit <= 0).all() and parts[0] < self._best[0]:
-            self._best = float(parts[0]), values
-        return parts
+        self.gradients += 1
+        found = problem.gradient(self._values(share[None])[0])
+        span = (problem.high - problem.low)[free]
+        sign = problem.costs(np.ones(len(self._scale))) / self._scale
+        slopes = sign[:, None] * found.objectives_jacobian[:, free] * span
+        rows = found.violation / self._sizes
+        jacobian = found.violation_jacobian[:, free] * span / self._sizes[:, None]
+        if self._limits is not None:
+            rows = np.append(rows, found.objectives * sign - self._limits / self._scale)
+            jacobian = np.vstack([jacobian, slopes])
+        cost = float(self._weights @ (found.objectives * sign))
+        slope = self._weights @ slopes
+        if not all(np.isfinite(part).all() for part in (cost, slope, rows, jacobian)):
+            raise _UndefinedError
+        return _Linear(share=share, cost=cost, slope=slope, rows=rows, jacobian=jacobian)
+
+    def _merits(self, share: Float[Array, "m f"]) -> tuple[Float[Array, " m"], Float[Array, " m"]]:
+        """Sum of the violations, and scaled sum of the costs, which counts where the first is 0."""
+        values = self._values(share)
+        found = checked_evaluation(self._problem, values, self._problem.evaluate)
+        misses = misses_of(self._problem, found)
+        costs = self._problem.costs(found.objectives) / self._scale
+        if self._limits is not None:
+            above = costs - self._limits / self._scale
+            misses = misses + np.maximum(above, 0.0).sum(axis=1)
+        chosen = self._weights > 0
+        with np.errstate(invalid="ignore"):
+            merit = costs[:, chosen] @ self._weights[chosen]
+        return misses, np.where(np.isfinite(merit), merit, np.inf)
+
+    def _values(self, share: Float[Array, "m f"]) -> Float[Array, "m d"]:
+        values = np.repeat(self._start[None], len(share), axis=0)
+        low, high = self._problem.low[self._free], self._problem.high[self._free]
+        values[:, self._free] = low + share * (high - low)
+        return self._problem.allowed(values)

@@ -8,18 +8,30 @@ import numpy as np
 
 from chromanoise.design.front import Front, Member
 from chromanoise.design.front_file import (
+    FrontConvergence,
     FrontCurves,
     FrontFile,
     FrontMember,
+    FrontMilestone,
     FrontObjective,
     FrontReference,
     FrontScene,
+    FrontSeed,
 )
 from chromanoise.design.objectives import OBJECTIVES, Objective
 from chromanoise.design.optimizing import Reference, Search, Task
 from chromanoise.design.parameters import Parameter
 from chromanoise.design.scenes import DesignScene
-from chromanoise.design.sentences import front_sentences, held_by, tolerance_sentence
+from chromanoise.design.sentences import (
+    best_of,
+    convergence_sentences,
+    front_sentences,
+    has_converged,
+    held_by,
+    spread_of,
+    tolerance_sentence,
+    tolerances_sentence,
+)
 from chromanoise.errors import InputError
 from chromanoise.exposure import conditions
 from chromanoise.io.result import Result, axes_of, figures
@@ -80,10 +92,18 @@ class Design(Result):
             for one in self.references
             if one.name not in references
         ]
-        by_name = {one.name: beside for one, beside in zip(self.members, self._beside, strict=True)}
-        knee = by_name[self.front.knee.name]
-        if knee:
-            sentences.append(tolerance_sentence(self.front.knee, knee, self.beside_name))
+        if self.search.beside:
+            sentences += [
+                tolerance_sentence(one, beside, self.beside_name)
+                for one, beside in zip(self.members, self._beside, strict=True)
+                if one.extreme_of or one.knee
+            ]
+            sentences.append(tolerances_sentence(self.members, self._beside, self.beside_name))
+        else:
+            sentences.append(
+                "The design gives no tolerances, so the extremes are those of exact parameters."
+            )
+        sentences += convergence_sentences(self.search.result, names)
         return tuple(sentences)
 
     @property
@@ -189,6 +209,7 @@ class Design(Result):
                     knee=one.knee,
                     held_by=held_by(one, parameters),
                     **({self.beside_name: self._finite(dict(beside))} if beside else {}),
+                    **{f"{self.beside_name}_extreme_of": self._beside_extremes(one)},
                     values=dict(
                         zip(
                             (parameter.name for parameter in parameters),
@@ -206,7 +227,47 @@ class Design(Result):
                 )
                 for one, beside in zip(self.members, self._beside, strict=True)
             ],
+            convergence=self._convergence(),
             sentences=list(self.sentences),
+        )
+
+    def _beside_extremes(self, member: Member) -> list[str]:
+        """The objectives of which the member has the best value `beside`."""
+        if not self.search.beside:
+            return []
+        return [
+            name
+            for name in self.front.objectives
+            if self.members[best_of(OBJECTIVES[name], [one[name] for one in self.search.beside])]
+            is member
+        ]
+
+    def _convergence(self) -> FrontConvergence:
+        result, names = self.search.result, self.front.objectives
+        own = result.convergence
+
+        def named(values: Any) -> dict[str, float | None]:
+            return self._finite(dict(zip(names, np.asarray(values).tolist(), strict=True)))
+
+        spreads = [spread_of(OBJECTIVES[name], own.best[:, i]) for i, name in enumerate(names)]
+        return FrontConvergence(
+            converged=has_converged(result, names),
+            evaluations=result.evaluations,
+            gradients=result.gradient_evaluations,
+            undefined=result.undefined,
+            seeds=[
+                FrontSeed(seed=seed, best=named(best))
+                for seed, best in zip(own.seeds, own.best, strict=True)
+            ],
+            spread=named(spreads),
+            gain=named(own.gain),
+            reference=named(own.reference),
+            milestones=[
+                FrontMilestone(
+                    evaluations=one.evaluations, hypervolume=one.hypervolume, best=named(one.best)
+                )
+                for one in own.milestones
+            ],
         )
 
     def to_dict(self) -> dict[str, Any]:

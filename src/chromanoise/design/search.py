@@ -1,8 +1,8 @@
-"""Search for the front of a design problem: generations, checkpoint, progress and polish."""
+"""Search for the front of a design problem: seeds, generations, checkpoint, polish, convergence."""
 
 import hashlib
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,15 +14,16 @@ from chromanoise._check import Array
 from chromanoise._shapes import Float
 from chromanoise.design.algorithms import (
     METHODS,
-    Algorithm,
+    State,
     algorithm_of,
     generation_rng,
     latin_hypercube,
 )
-from chromanoise.design.archive import empty_archive, misses_of
+from chromanoise.design.archive import Archive, empty_archive, misses_of
 from chromanoise.design.checkpoint import Checkpoint, read_checkpoint, write_checkpoint
-from chromanoise.design.polish import polished
-from chromanoise.design.problem import Problem, checked_evaluation
+from chromanoise.design.front import hypervolume, thinned
+from chromanoise.design.polish import improved
+from chromanoise.design.problem import Evaluated, Problem, checked_evaluation
 from chromanoise.design.scheduler import Scheduler
 from chromanoise.errors import InputError, Setting
 
@@ -32,6 +33,14 @@ MOST_POPULATION = 100_000
 """Most candidates per generation."""
 _WRITTEN_EVERY_S = 2.0
 _SAME = 1e-9  # relative difference of a candidate evaluated on another machine
+MOST_SEEDS = 16
+"""Most independent populations of a search."""
+_FIRST_POLISH = 20  # generations of a population; the next ones are after twice as many, and so on
+_EVALUATIONS_PER_GRADIENT = 25  # a gradient takes about as long
+_LEAST_GRADIENTS = 150  # per objective, of the polish at the end
+_OF_HISTORY = 64  # members of a front of which the hypervolume is kept
+_BEYOND = 0.1  # of the range of the front: from its worst values to the reference point
+_NUMERICAL = (InputError, ArithmeticError, ValueError, np.linalg.LinAlgError)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -47,23 +56,26 @@ class SearchSettings:
     population
         Candidates per generation.
     seed
-        Of the random numbers.
+        Of the random numbers of the first population; the others have the following ones.
+    seeds
+        Independent populations that share the budget. Their agreement measures the convergence.
     polish
-        Whether members of the front are improved by exact gradients after the search. These
-        evaluations are counted apart from the budget.
+        Whether candidates are improved by gradients during and after the search. Gradients are
+        counted apart from the budget. ``None``: if the problem has gradients.
 
     Raises
     ------
     InputError
         If the method is unknown, the population is not 4 to 100,000, the budget is less than one
-        population, or the seed is not an integer >= 0.
+        population, the seed is not an integer >= 0, or the seeds are not 1 to 16.
     """
 
     method: str = "nsga2"
     budget: int = 20_000
     population: int = 100
     seed: int = 0
-    polish: bool = False
+    seeds: int = 3
+    polish: bool | None = None
 
     def __post_init__(self) -> None:
         _check.one_of("method", self.method, tuple(METHODS))
@@ -80,6 +92,8 @@ class SearchSettings:
                 value=self.budget,
                 remedy=(Setting("budget", (self.population,)), Setting("population")),
             )
+        if not 1 <= self.seeds <= MOST_SEEDS:
+            raise InputError("seeds", f"must be 1 to {MOST_SEEDS}", value=self.seeds)
         generation_rng(self.seed, 0)
 
 
@@ -110,6 +124,57 @@ class Progress:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Milestone:
+    """The front after a number of evaluations.
+
+    Attributes
+    ----------
+    evaluations
+        Evaluated candidates.
+    hypervolume
+        Share of the box from the best values of the final front to the reference point that the
+        front dominates, 0 to 1; of at most 64 members. ``None`` for one objective.
+    best
+        Best value of each objective.
+    """
+
+    evaluations: int
+    hypervolume: float | None
+    best: Float[Array, " q"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Convergence:
+    """How far a search has converged.
+
+    Attributes
+    ----------
+    milestones
+        The front after 1, 2, 4 ... generations of all populations, and the final one last.
+    reference
+        The reference point of the hypervolume: beyond the worst values of the final front by 10 %
+        of its range.
+    seeds
+        Seed of each population.
+    best
+        Best value of each objective by each population alone, polish included; infinite on the bad
+        side where it has no feasible candidate.
+    gain
+        By how much the polish at the end improved the best value of each objective, >= 0; NaN if
+        there was none.
+    failures
+        What ended a polish early, each as one sentence.
+    """
+
+    milestones: tuple[Milestone, ...]
+    reference: Float[Array, " q"]
+    seeds: tuple[int, ...]
+    best: Float[Array, "k q"]
+    gain: Float[Array, " q"]
+    failures: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SearchResult:
     """The front: feasible candidates of which none dominates another.
 
@@ -125,6 +190,11 @@ class SearchResult:
         Generations and candidates that were evaluated in the search.
     gradient_evaluations
         Gradients that the polish computed.
+    undefined
+        Evaluated candidates with an undefined objective, such as those without signal; they count
+        as infeasible.
+    convergence
+        Of the search.
     """
 
     values: Float[Array, "k d"]
@@ -133,6 +203,8 @@ class SearchResult:
     generations: int
     evaluations: int
     gradient_evaluations: int
+    undefined: int
+    convergence: Convergence
 
 
 def searched_front(
@@ -174,7 +246,6 @@ def searched_front(
     KeyboardInterrupt
         After Ctrl-C, when the checkpoint of the last finished generation has been written.
     """
-    algorithm = algorithm_of(problem, settings.method, settings.population, settings.seed)
     if settings.polish and problem.gradient is None:
         raise InputError(
             "polish",
@@ -183,32 +254,37 @@ def searched_front(
             found="this design has none",
             remedy=Setting("polish", (False,)),
         )
+    state = _Populations(problem, settings)
     evaluate = evaluate_on.evaluation_of(problem) if evaluate_on else problem.evaluate
-    first = _first_generation(problem, settings, start)
-    same = _common(problem, settings, first)
+    first = [_first_generation(problem, settings, start, seed) for seed in state.seeds]
+    same = _common(problem, settings, first[0])
     now = Checkpoint(
         search=same, generation=0, evaluations=0, archive=empty_archive(problem), algorithm={}
     )
     if resume:
-        now = _resumed(problem, settings, checkpoint, now, algorithm)
+        now = _resumed(problem, settings, checkpoint, now, state)
     written = time.monotonic()
     try:
         while now.evaluations + settings.population <= settings.budget:
-            rng = generation_rng(settings.seed, now.generation)
-            values = algorithm.ask(rng) if now.generation else first
+            own, turn = divmod(now.generation, settings.seeds)
+            archive = now.archive
+            if turn == 0 and _is_power_of_two(own):
+                state.remember(now.evaluations, archive)
+            cycles, rest = divmod(own, _FIRST_POLISH)
+            if state.polishes and rest == 0 and _is_power_of_two(cycles):
+                archive = state.polish(turn, own, archive)
+            rng = generation_rng(state.seeds[turn], own)
+            values = state.algorithms[turn].ask(rng) if own else first[turn]
             if not len(values):  # every combination of integer parameters was tried
                 break
             found = checked_evaluation(problem, values, evaluate)
-            misses = misses_of(problem, found)
-            defined = np.isfinite(found.objectives).all(axis=1, keepdims=True)
-            costs = np.where(defined, problem.costs(found.objectives), 0.0)
-            algorithm.tell(values, costs, misses, rng)
+            state.tell(turn, values, found, rng)
             now = Checkpoint(
                 search=same,
                 generation=now.generation + 1,
                 evaluations=now.evaluations + len(values),
-                archive=now.archive.joined(problem, values, found),
-                algorithm=algorithm.state(),
+                archive=archive.joined(problem, values, found),
+                algorithm=state.state(),
             )
             if progress:
                 progress(_progress(now, settings))
@@ -218,22 +294,175 @@ def searched_front(
     finally:
         if checkpoint and now.generation:
             write_checkpoint(checkpoint, now)
-    _refuse_infeasible(problem, now)
-    front, gradients = now.archive.thinned(problem), 0
-    if settings.polish:
-        front, gradients = polished(problem, front, most=settings.population)
+    archive, gain = now.archive, np.full(len(problem.objectives), np.nan)
+    if state.polishes:
+        before = _best(problem, archive)
+        for turn in range(min(settings.seeds, now.generation)):
+            own = (now.generation - turn - 1) // settings.seeds + 1
+            archive = state.polish(turn, own, archive, least=_LEAST_GRADIENTS)
+        with np.errstate(invalid="ignore"):
+            gain = np.nan_to_num(before - _best(problem, archive), nan=0.0, posinf=0.0)
+    _refuse_infeasible(problem, archive, f"{now.evaluations} candidates ({state.effort(now)})")
+    front = archive.thinned(problem)
     return SearchResult(
         values=front.values,
         objectives=front.objectives,
         violation=front.violation,
         generations=now.generation,
         evaluations=now.evaluations,
-        gradient_evaluations=gradients,
+        gradient_evaluations=int(state.gradients.sum()),
+        undefined=int(state.undefined.sum()),
+        convergence=state.convergence(now, archive, gain),
     )
 
 
+class _Populations:
+    """The independent populations of a search, and what is recorded of each.
+
+    All of it is in `state`, so that a resumed search continues with the same digits.
+    """
+
+    def __init__(self, problem: Problem, settings: SearchSettings) -> None:
+        self._problem, self._settings = problem, settings
+        self.seeds = tuple(settings.seed + i for i in range(settings.seeds))
+        self.algorithms = [
+            algorithm_of(problem, settings.method, settings.population, seed) for seed in self.seeds
+        ]
+        wanted = settings.polish is None or settings.polish
+        self.polishes = wanted and problem.gradient is not None
+        self.gradients = np.zeros(len(self.seeds), dtype=np.int64)
+        self.undefined = np.zeros(len(self.seeds), dtype=np.int64)
+        self._best = np.full((len(self.seeds), len(problem.objectives)), np.inf)
+        self._fronts: dict[int, Array] = {}
+        self._failures: list[str] = []
+
+    def tell(
+        self, turn: int, values: Float[Array, "m d"], found: Evaluated, rng: np.random.Generator
+    ) -> None:
+        """Give evaluated candidates to a population."""
+        misses = misses_of(self._problem, found)
+        defined = np.isfinite(found.objectives).all(axis=1)
+        costs = np.where(defined[:, None], self._problem.costs(found.objectives), 0.0)
+        self.undefined[turn] += np.count_nonzero(~defined)
+        self._record(turn, costs[misses == 0])
+        self.algorithms[turn].tell(values, costs, misses, rng)
+
+    def _record(self, turn: int, costs: Float[Array, "m q"]) -> None:
+        self._best[turn] = np.minimum(self._best[turn], costs.min(axis=0, initial=np.inf))
+
+    def remember(self, evaluations: int, archive: Archive) -> None:
+        """Keep some of the front, for its hypervolume."""
+        costs = self._problem.costs(archive.objectives)
+        self._fronts[evaluations] = costs[thinned(costs, _OF_HISTORY)]
+
+    def polish(self, turn: int, own: int, archive: Archive, *, least: int = 0) -> Archive:
+        """The archive with improved candidates, which join the population too.
+
+        Parameters
+        ----------
+        turn, own
+            The population, and how many generations it has had.
+        archive
+            The front so far.
+        least
+            Fewest gradients per objective.
+        """
+        problem, objectives = self._problem, len(self._problem.objectives)
+        share = own * self._settings.population // _EVALUATIONS_PER_GRADIENT
+        most = max(share - int(self.gradients[turn]), least * objectives)
+        values = self.algorithms[turn].state().get("values", archive.values)
+        if most <= 0 or not len(values):
+            return archive
+        try:
+            found = checked_evaluation(problem, values, problem.evaluate)
+            better = improved(problem, values, found, most=most)
+        except _NUMERICAL as error:  # the front so far is a result without it
+            self._failures.append(str(error))
+            return archive
+        self.gradients[turn] += better.gradients
+        misses = misses_of(problem, better.found)
+        costs = problem.costs(better.found.objectives)
+        self._record(turn, costs[misses == 0])
+        if METHODS[self._settings.method].of_several:
+            defined = np.isfinite(costs).all(axis=1, keepdims=True)
+            rng = generation_rng(self.seeds[turn], own)
+            costs = np.where(defined, costs, 0.0)
+            self.algorithms[turn].tell(better.values, costs, misses, rng)
+        return archive.joined(problem, better.values, better.found)
+
+    def effort(self, now: Checkpoint) -> str:
+        """How was searched, in words."""
+        count = min(len(self.seeds), now.generation)
+        seeds = f"seed {self.seeds[0]}" if count == 1 else f"{count} seeds"
+        steps = int(self.gradients.sum())
+        return f"{seeds}, {f'polished with {steps} gradients' if steps else 'no polish'}"
+
+    def convergence(
+        self, now: Checkpoint, archive: Archive, gain: Float[Array, " q"]
+    ) -> Convergence:
+        """Of the finished search."""
+        problem = self._problem
+        final = problem.costs(archive.objectives)
+        low, high = final.min(axis=0), final.max(axis=0)
+        reference = high + _BEYOND * (high - low)
+        self.remember(now.evaluations, archive)
+        several = len(problem.objectives) > 1
+        milestones = tuple(
+            Milestone(
+                evaluations=evaluations,
+                hypervolume=hypervolume(costs, low, reference) if several else None,
+                best=problem.costs(costs.min(axis=0, initial=np.inf)),
+            )
+            for evaluations, costs in sorted(self._fronts.items())
+        )
+        count = min(len(self.seeds), now.generation)
+        return Convergence(
+            milestones=milestones,
+            reference=problem.costs(reference),
+            seeds=self.seeds[:count],
+            best=problem.costs(self._best[:count]),
+            gain=gain,
+            failures=tuple(dict.fromkeys(self._failures)),
+        )
+
+    def state(self) -> State:
+        """All that the next generation and the result depend on."""
+        state = {
+            f"{i}.{name}": array
+            for i, one in enumerate(self.algorithms)
+            for name, array in one.state().items()
+        }
+        own = {"gradients": self.gradients, "undefined": self.undefined, "best": self._best}
+        fronts = {f"front.{count}": costs for count, costs in self._fronts.items()}
+        return state | {name: array.copy() for name, array in own.items()} | fronts
+
+    def restore(self, state: Mapping[str, Array]) -> None:
+        """Continue from a state."""
+        self.gradients, self.undefined, self._best = (
+            state[name].copy() for name in ("gradients", "undefined", "best")
+        )
+        for i, one in enumerate(self.algorithms):
+            start = f"{i}."
+            own = {k.removeprefix(start): v for k, v in state.items() if k.startswith(start)}
+            if own:
+                one.restore(own)
+        self._fronts = {
+            int(name.removeprefix("front.")): array
+            for name, array in state.items()
+            if name.startswith("front.")
+        }
+
+
+def _is_power_of_two(number: int) -> bool:
+    return number > 0 and number & (number - 1) == 0
+
+
+def _best(problem: Problem, archive: Archive) -> Float[Array, " q"]:
+    return problem.costs(archive.objectives).min(axis=0, initial=np.inf)
+
+
 def _first_generation(
-    problem: Problem, settings: SearchSettings, start: Float[Array, "m d"] | None
+    problem: Problem, settings: SearchSettings, start: Float[Array, "m d"] | None, seed: int
 ) -> Float[Array, "n d"]:
     given = np.empty((0, len(problem.names))) if start is None else np.asarray(start, dtype=float)
     if given.ndim != 2 or given.shape[1] != len(problem.names):
@@ -261,7 +490,7 @@ def _first_generation(
             where=f"candidate {row + 1}",
             remedy="widen the bounds",
         )
-    rng = generation_rng(settings.seed, 0)
+    rng = generation_rng(seed, 0)
     rest = latin_hypercube(problem, settings.population - len(given), rng)
     return np.concatenate([problem.allowed(given), rest])
 
@@ -271,6 +500,8 @@ def _common(problem: Problem, settings: SearchSettings, first: Array) -> dict[st
     return {
         "method": settings.method,
         "seed": settings.seed,
+        "seeds": settings.seeds,
+        "polish": settings.polish,
         "population": settings.population,
         "parameters": list(problem.names),
         "bounds": [problem.low.tolist(), problem.high.tolist()],
@@ -289,7 +520,7 @@ def _resumed(
     settings: SearchSettings,
     path: Path | None,
     empty: Checkpoint,
-    algorithm: Algorithm,
+    state: _Populations,
 ) -> Checkpoint:
     if path is None:
         raise InputError("checkpoint", "must be given to resume a search")
@@ -309,7 +540,7 @@ def _resumed(
             found="the first member of its front has other objectives here",
             remedy="start the search anew without resume",
         )
-    algorithm.restore(dict(now.algorithm))
+    state.restore(now.algorithm)
     return now
 
 
@@ -332,12 +563,11 @@ def _progress(now: Checkpoint, settings: SearchSettings) -> Progress:
     )
 
 
-def _refuse_infeasible(problem: Problem, now: Checkpoint) -> None:
+def _refuse_infeasible(problem: Problem, archive: Archive, searched: str) -> None:
     """Raise an error that names the violated constraints, if no candidate was feasible."""
-    archive = now.archive
     if len(archive.values):
         return
-    count = f"of {now.evaluations} candidates"
+    count = f"of {searched}"
     never = archive.least > 0
     missed = never if never.any() else archive.nearest > 0
     if not missed.any():

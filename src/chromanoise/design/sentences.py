@@ -1,4 +1,4 @@
-"""Sentences on a front: its extremes, its knee, the references, and the limits that hold."""
+"""Sentences on a front: extremes, knee, references, limits that hold, tolerances, convergence."""
 
 from collections.abc import Mapping, Sequence
 
@@ -7,10 +7,15 @@ import numpy as np
 from chromanoise.design.front import Front, Member
 from chromanoise.design.objectives import OBJECTIVES, Objective
 from chromanoise.design.parameters import Parameter
+from chromanoise.design.search import SearchResult
 
 _AT_BOUND = 1e-3  # distance from a bound, as a share of the range, at which the bound holds
 _HALF = (0.45, 0.55)  # ratios that are called half
 _TIMES = 1.5  # ratio from which a multiple is printed, not a percentage
+AGREEING_DB, AGREEING_SHARE = 0.05, 0.01
+"""Differences of the extremes of several seeds up to which a search counts as converged."""
+STILL_RISING = 0.02
+"""Rise of the hypervolume in the second half of the evaluations, up to which it counts so."""
 _ALIKE = 0.005  # relative difference below which no percentage is printed
 
 
@@ -77,6 +82,134 @@ def tolerance_sentence(member: Member, beside: Mapping[str, float], which: str) 
         after = _shown(robust, one) if np.isfinite(robust) else "undefined"
         parts.append(f"{one.short} from {_shown(exact, one)} to {after}")
     return f"{member.name}: its tolerances change {', '.join(parts)}."
+
+
+def tolerances_sentence(
+    members: Sequence[Member], beside: Sequence[Mapping[str, float]], which: str
+) -> str:
+    """The extremes of a front by the objectives that its search did not take.
+
+    Parameters
+    ----------
+    members
+        Of a front.
+    beside
+        The ``nominal`` or ``robust`` objectives of each, by name.
+    which
+        What ``beside`` holds.
+    """
+    parts = []
+    for name in members[0].objectives:
+        objective = OBJECTIVES[name]
+        best = best_of(objective, [one[name] for one in beside])
+        value = beside[best][name]
+        shown = _shown(value, objective) if np.isfinite(value) else "undefined"
+        parts.append(f"the {_best(objective)} is {shown} ({members[best].name})")
+    words = "Within the tolerances" if which == "robust" else "With exact parameters"
+    return f"{words} {', '.join(parts)}."
+
+
+def best_of(objective: Objective, values: Sequence[float]) -> int:
+    """Index of the best value of an objective; of equal ones the first."""
+    return int(np.argmax(values) if objective.better == "higher" else np.argmin(values))
+
+
+def spread_of(objective: Objective, values: Sequence[float]) -> float:
+    """Difference of several best values: in dB, otherwise as a share of the best one.
+
+    Examples
+    --------
+    >>> spread_of(OBJECTIVES["delta_e"], [4.0, 4.1])
+    0.025
+    """
+    if not np.isfinite(values).all():
+        return float("inf")
+    width = float(np.max(values) - np.min(values))
+    best = abs(values[best_of(objective, values)])
+    if objective.unit == "dB" or width == 0:
+        return width
+    return round(width / best, 12) if best else float("inf")
+
+
+def rise_of(result: SearchResult) -> float | None:
+    """Relative rise of the hypervolume in the second half of the evaluations; ``None`` if none."""
+    milestones = result.convergence.milestones
+    last = milestones[-1].hypervolume
+    half = [one for one in milestones if one.evaluations <= result.evaluations / 2]
+    if last is None or not half:
+        return None
+    before = half[-1].hypervolume
+    return (last - before) / before if before else float("inf")
+
+
+def has_converged(result: SearchResult, objectives: Sequence[str]) -> bool | None:
+    """Whether the seeds agree and the hypervolume hardly rises; ``None`` for one seed."""
+    best = result.convergence.best
+    if len(best) < 2:
+        return None
+    rise = rise_of(result)
+    agree = all(
+        spread_of(one, best[:, i].tolist()) <= _agreeing(one)
+        for i, one in enumerate(OBJECTIVES[name] for name in objectives)
+    )
+    return agree and (rise is None or rise <= STILL_RISING)
+
+
+def _agreeing(objective: Objective) -> float:
+    return AGREEING_DB if objective.unit == "dB" else AGREEING_SHARE
+
+
+def convergence_sentences(result: SearchResult, objectives: Sequence[str]) -> list[str]:
+    """How was searched, whether the search has converged, and what to do if not.
+
+    Parameters
+    ----------
+    result
+        Of the search.
+    objectives
+        Their names.
+    """
+    own, count = result.convergence, len(result.convergence.seeds)
+    polish = f", {result.gradient_evaluations} gradients" if result.gradient_evaluations else ""
+    effort = f"{result.evaluations} sensors{polish}, {count} seed{'' if count == 1 else 's'}"
+    converged = has_converged(result, objectives)
+    if converged is None:
+        sentences = [
+            f"Whether the search has converged is not known ({effort}): take design.seeds of 3."
+        ]
+    else:
+        differences = []
+        for i, name in enumerate(objectives):
+            one = OBJECTIVES[name]
+            spread = spread_of(one, own.best[:, i].tolist())
+            difference = f"{spread:.2g} dB" if one.unit == "dB" else f"{100 * spread:.2g} %"
+            differences.append(
+                f"{difference if np.isfinite(spread) else 'undefined'} in {one.short}"
+            )
+        rise = rise_of(result)
+        shown = (
+            "" if rise is None else f"; the hypervolume rose by {_rising(rise)} in the last half"
+        )
+        verdict = (
+            "The search has converged"
+            if converged
+            else "The search has not converged; raise design.budget"
+        )
+        sentences = [
+            f"{verdict} ({effort}): the extremes of the seeds differ by "
+            f"{', '.join(differences)}{shown}."
+        ]
+    if result.undefined:
+        sentences.append(
+            f"{result.undefined} of {result.evaluations} sensors count as infeasible, because an "
+            "objective is undefined: a channel has no signal, or saturates."
+        )
+    sentences += [f"The polish ended early: {one}." for one in own.failures]
+    return sentences
+
+
+def _rising(rise: float) -> str:
+    return f"{100 * rise:.2g} %" if np.isfinite(rise) else "all its value"
 
 
 def beats(member: Mapping[str, float], other: Mapping[str, float], names: Sequence[str]) -> bool:

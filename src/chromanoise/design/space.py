@@ -51,7 +51,8 @@ PixelShares = Literal["equal", "free"] | tuple[float, ...]
 
 _BLOCK = 1024  # candidates: large enough that calls cost little, small enough for a cache
 _PROBES = 64  # random candidates in the check for a channel without QE
-_LEAST_QE = 1e-9
+LEAST_QE = 1e-9
+"""Highest QE of a channel below which it has no signal. [e-/photon]"""
 _ROUNDING = 1e-9
 
 
@@ -477,7 +478,7 @@ class DesignSpace:
         row = np.asarray(values, dtype=np.float64)[None, :]
         qe = self.curves(row)[0]
         for channel, curve in zip(self.names, qe.T, strict=True):
-            if curve.max() < _LEAST_QE:
+            if curve.max() < LEAST_QE:
                 raise InputError(
                     f"QE of {name}",
                     "must not be 0 at all wavelengths [e-/photon]",
@@ -617,7 +618,7 @@ class DesignSpace:
         share[:3] = np.array([0.0, 0.5, 1.0])[:, None]
         highest = self.curves(low + share * (high - low)).max(axis=(0, 1))
         for name, qe in zip(self.names, highest, strict=True):
-            if qe < _LEAST_QE:
+            if qe < LEAST_QE:
                 raise InputError(
                     f"channel {name}",
                     "must have a QE above 0 within the bounds [e-/photon]",
