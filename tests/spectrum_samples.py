@@ -601,6 +601,6 @@ def _jcamp() -> Iterator[Written]:
 
 
 def written_files() -> list[Written]:
-    """Files of 32 instruments and programs, in the forms in which computers store them."""
+    """Files of 31 instruments and programs, in the forms in which computers store them."""
     makers = (_text_files, _thorlabs_workbooks, _psychtoolbox, _asd, _isofit, _jcamp)
     return [file for maker in makers for file in maker()]

@@ -155,7 +155,7 @@ def resolve_filter(word: str, *, answers: Answers = ASK) -> Spectra:
             "must hold one curve to be a filter",
             value=curve.names,
             found=f"holds {len(curve.names)} ({', '.join(curve.names[:8])})",
-            remedy="remove the others from the file",
+            remedy="save one of them in its own file",
         )
     remedy = "divide percent by 100" if curve.values.max() > 1 else SMALL_NEGATIVES
     used = used_on_grid(curve.wavelength_nm, DEFAULT_GRID)

@@ -31,7 +31,7 @@ from chromanoise.study.results import Analyses
 _NAMED_WEIGHTS = {0.0: "least squares", 1.0: "LMMSE"}
 _CODES = 255
 _MOST_CHANNELS = 4  # more are shown as a range
-_NO_COLOR = "because a channel is saturated, or XYZ of the white is not valid"
+_NO_COLOR = "because a channel is saturated or gives one code, or XYZ of the white is not valid"
 _DELTA_E = "Delta E*ab"
 
 

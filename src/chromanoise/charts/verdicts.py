@@ -107,6 +107,11 @@ def _left_out(analysis: Analysis) -> str | None:
     full = saturation_sentence(analysis)
     if full is not None:
         return f"{full}."
+    if analysis.one_code.any():
+        return (
+            f"{analysis.sensor.label}: practically every reading of a channel is one code of the "
+            "converter, so it has no color to compare; take more bits or a higher gain."
+        )
     if color_snr_db(analysis)["Y"] is None:
         return (
             f"{analysis.sensor.label}: its matrix gives no valid Y under this light, so it has no "
