@@ -33,7 +33,7 @@ from fnmatch import fnmatch
 from pathlib import Path
 from typing import IO, Any
 
-from chromanoise._inputs import json_of
+from chromanoise._inputs import json_file, json_of
 from chromanoise.errors import InputError, StudyError, errors_in
 
 if sys.platform != "win32":
@@ -443,17 +443,16 @@ def _own_files(goal: Path, folder: Path) -> dict[str, _Own]:
     if not os.path.lexists(path):
         return {}
     try:
-        facts = path.lstat()
-        if not stat.S_ISREG(facts.st_mode) or facts.st_size > _MOST_BYTES:
+        if path.is_symlink():
             raise ValueError
-        files = json.loads(path.read_bytes())["files"]
+        files = json_file(path, most_bytes=_MOST_BYTES)["files"]
         if any(Path(name).is_absolute() or ".." in Path(name).parts for name in files):
             raise ValueError
         return {
             str(name): _Own(str(one["command"]), tuple(map(str, one["sha256"])))
             for name, one in files.items()
         }
-    except (ValueError, KeyError, TypeError, AttributeError, RecursionError, OSError):
+    except (ValueError, KeyError, TypeError, AttributeError, OSError):  # among them an InputError
         raise InputError(
             str(folder / OWN_FILES),
             "must be the list of files that a run wrote",

@@ -21,8 +21,13 @@ FINDINGS = (DOCS / "findings.md").read_text(encoding="utf-8")
 READERS = " ".join((DOCS / "readers.md").read_text(encoding="utf-8").split())
 SENTENCES = " ".join(FINDINGS.split())
 SENSORS = {
-    **dict.fromkeys(("onyx-rgbw", "onyx-rgb", "model-rgb", "model-rgbw", "model-rgbwir"), {}),
-    **dict.fromkeys(("model-rgbir", "model-cmy", "model-ryb", "model-rccb", "mt9v024-rgbw"), {}),
+    **{
+        name: {}
+        for name in (
+            *("onyx-rgbw", "onyx-rgb", "model-rgb", "model-rgbw", "model-rgbwir"),
+            *("model-rgbir", "model-cmy", "model-ryb", "model-rccb", "mt9v024-rgbw"),
+        )
+    },
     "mt9m131": {"beyond": "zero"},
     "ar0132at-rgbw": {"beyond": "zero", "peak_qe": 0.6},
 }

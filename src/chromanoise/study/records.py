@@ -427,7 +427,7 @@ def _made_by(file: Path, hash_: str) -> bool:
 
 def _pictures_of(file: Path) -> list[str]:
     """The other files of the step whose result is in the file; none if it does not exist."""
-    record = _read(file) if file.exists() else {}
+    record = read_record(file) if file.exists() else {}
     written = record.get("written") if isinstance(record, dict) else None
     return list(written) if isinstance(written, dict) else []
 
