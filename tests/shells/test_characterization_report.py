@@ -187,7 +187,7 @@ def test_a_folder_with_files_of_another_camera_is_refused(quick, tmp_path):
 
 
 def test_a_folder_in_use_is_refused(quick, tmp_path):
-    with claimed_folder(tmp_path / "out"), refused_input(subject=str(tmp_path / "out")):
+    with claimed_folder(tmp_path / "out", "test"), refused_input(subject=str(tmp_path / "out")):
         write_characterization(monochrome(), tmp_path / "out")
     assert not (tmp_path / "out").exists()
 
