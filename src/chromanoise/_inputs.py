@@ -154,9 +154,7 @@ def json_of(content: str | bytes, source: str, *, any_number: bool = False) -> A
 
     try:
         text = content if isinstance(content, str) else content.decode("utf-8-sig")
-        data = json.loads(
-            text, object_pairs_hook=once, parse_constant=not_finite, parse_int=whole
-        )
+        data = json.loads(text, object_pairs_hook=once, parse_constant=not_finite, parse_int=whole)
     except InputError:
         raise
     except UnicodeDecodeError as error:
