@@ -52,6 +52,7 @@ PATHS = (
     "/", "/api/choices", "/api/answer", "/api/nothing", "/api/answer/", "/api//answer",
     "/api/%61nswer", "/assets/app/main.js", "/assets/../server.py", "/assets/%2e%2e/server.py",
     "/assets/", "//", "/%00", "/assets/" + "a" * 300 + ".js", "/assets/" + "a/" * 500 + "b.js",
+    "/assets/" + "a/" * 3000 + "b.js",
     "/" + "x" * 8000, "/?" + "q" * 9000,
 )  # fmt: skip
 
@@ -378,12 +379,30 @@ _FRONT = {
         }
     ],
 }
+_MATRIX = {
+    "matrix_lux_per_e": [[2.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+    "time_ms": 10.0, "f_number": 2.0, "pitch_um": 3.0, "level_lux": 10.0, "illuminant": "E",
+}  # fmt: skip
+_MATRIX_CSV = b"# time_ms: 10\n# f_number: 2\n# pitch_um: 3\n# level_lux: 10\n"
+_MATRIX_CSV += b"lx/e-,R,G,B\nX,2,0,0\nY,0,1,0\nZ,0,0,1\n"
+
+
+def _sensor_json() -> bytes:
+    from chromanoise.catalog import sensor_named
+    from chromanoise.io.sensor_json import sensor_json
+
+    return sensor_json(sensor_named("onyx-rgb")).encode()
+
+
 FILES: Mapping[str, Callable[[], bytes]] = {
     "csv": lambda: _table("wavelength_nm,R,G,B"),
     "tsv": lambda: _table("nm\tpower", "{0}\t0.5"),
     "txt": lambda: _table("# a lamp", "{0} 0.5"),
     "json": lambda: json.dumps({"spectral_data": _JSON_CURVES}).encode(),
     "front.json": lambda: json.dumps(_FRONT).encode(),
+    "matrix.json": lambda: json.dumps(_MATRIX).encode(),
+    "matrix.csv": lambda: _MATRIX_CSV,
+    "sensor.json": lambda: _sensor_json(),
     "sp": lambda: _SP,
     "spdx": lambda: _SPDX,
     "xml": lambda: _SPDX,

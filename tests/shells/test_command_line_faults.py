@@ -48,6 +48,13 @@ def test_a_few_random_command_lines_give_results_or_sentences():
     assert set(result["codes"]) == {"0", "2"}
 
 
+def test_a_chart_of_one_patch_is_refused_before_anything_is_printed_or_written(run, here):
+    (here / "one.csv").write_bytes(command_lines.input_files()["filter.csv"])
+    words = ("analyze", "onyx-rgb-ircut", "onyx-rgb", "--chart-file", "one.csv")
+    refused(run(*words, "--table", "t.csv"), "one.csv")
+    assert not (here / "t.csv").exists()
+
+
 @pytest.mark.parametrize(
     "words",
     [

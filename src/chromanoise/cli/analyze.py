@@ -84,12 +84,19 @@ def analyze(
         return
     refuse_taken_inputs({"--json": json_target, "--table": table}, sensors, settings)
     (result,) = run(study, progress=progress_of_step).analyses.values()
+    printed = json_target != "-"
+    sentences = _sentences(result, study.exposure.equal) if printed else []
     write_outputs(
         (table, lambda: table_text(_table(result), str(table))),
         (json_target, lambda: json_text(result.to_dict())),
     )
-    if json_target != "-":
-        _print(result, equal=study.exposure.equal)
+    if printed:
+        _print(result, sentences)
+
+
+def _sentences(result: Analyses, equal: str) -> list[str]:
+    """The verdict; it may be refused, so it is made before anything is written."""
+    return list(verdict_sentences(result.analyses, equal=equal, reader=result.outputs.reader))
 
 
 def _table(result: Analyses) -> Table:
@@ -97,11 +104,11 @@ def _table(result: Analyses) -> Table:
     return result.pipeline_table() if result.outputs.pipeline.run else result.to_table()
 
 
-def _print(result: Analyses, *, equal: str) -> None:
-    outputs, analyses = result.outputs, result.analyses
+def _print(result: Analyses, sentences: list[str]) -> None:
+    analyses = result.analyses
     tables.print_conditions(conditions(result.points))
     tables.print_analyses(analyses)
-    print_lines(verdict_sentences(analyses, equal=equal, reader=outputs.reader))
+    print_lines(sentences)
     if len(analyses) > MOST_PAIRS_SENSORS:
         tables.print_ranking(result.ranking, "Ranking by SNR of Y [dB]")
     for table in outcome_tables(result):
