@@ -338,7 +338,9 @@ def outcome(data: dict[str, Any], scratch: Path) -> dict[str, Any]:
         found["files"] = {
             str(one.relative_to(folder)): hashlib.sha256(one.read_bytes()).hexdigest()[:16]
             for one in sorted(folder.rglob("*"))
-            if one.is_file() and one.suffix not in (".json", ".html", ".md", ".dng")
+            if one.is_file()
+            and not one.name.startswith(".")
+            and one.suffix not in (".json", ".html", ".md", ".dng")
         }
     return found
 

@@ -58,12 +58,13 @@ def both(name: str, light: str) -> tuple[list[OperatingPoint], np.ndarray]:
 
 def separations(name: str, light: str, lux: float) -> tuple[Separation, Separation, Separation]:
     """Without IR-cut; with it at the same time; with it at its own time. Each is full at 10 lx."""
-    own = {"illuminant": light, **SENSORS[name]}
-    (bare,), (cut,) = (
-        cn.analyze(name, lux=LAST_LUX, **own, **more).points for more in ({}, {"filter": IR_CUT})
-    )
+    own: dict[str, Any] = {"illuminant": light, **SENSORS[name]}
+    (bare,) = cn.analyze(name, lux=LAST_LUX, **own).points
+    (cut,) = cn.analyze(name, lux=LAST_LUX, filter=IR_CUT, **own).points
     found = []
-    for more, full in (({}, bare), ({"filter": IR_CUT}, bare), ({"filter": IR_CUT}, cut)):
+    cases: tuple[tuple[dict[str, Any], OperatingPoint], ...]
+    cases = (({}, bare), ({"filter": IR_CUT}, bare), ({"filter": IR_CUT}, cut))
+    for more, full in cases:
         time_ms = 1e3 * full.exposure.time_s
         (analysis,) = cn.analyze(name, lux=lux, time_ms=time_ms, **own, **more).analyses
         separation = separation_of(analysis)

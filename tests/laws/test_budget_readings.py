@@ -91,7 +91,8 @@ def test_the_six_readings_of_luminance_are_those_counted_by_hand():
         # 7.59, 7.59, 8.57; cos = 89.7 / (10.52 * 13.74) = .621
         "weights": "this color needs a channel mix 52 deg from the lowest-noise one",
         # .8704 / .575488 = 1.512; eigenvalues of the cosines 1.8823, .64 and .4777: root of 3.94
-        "correlation": "unmixing multiplies r's own noise by 1.5 (VIF), condition 2.0, metric quanta",
+        "correlation": "unmixing multiplies r's own noise by 1.5 (VIF), condition 2.0, "
+        "metric quanta",
         "infrared": "29 % of the electrons come from beyond 700 nm",  # 100 of 350
         # unmixed ~ -.0830, .5373, -.1897: 110, 110, 130 e- make 25.3, and 30, 30, 40 make 6.04
         "rest": "23.9 % of Y is infrared that the matrix lets through",
@@ -122,7 +123,8 @@ def test_a_contravariant_budget_tells_the_channel_that_stands_alone():
         "filters": "15 % of the photons become electrons",
         "read noise": "46.2 % of the mean noise variance is readout",
         "weights": "g alone, of all 3 channels",
-        "correlation": "unmixing multiplies r's own noise by 1.5 (VIF), condition 2.0, metric quanta",
+        "correlation": "unmixing multiplies r's own noise by 1.5 (VIF), condition 2.0, "
+        "metric quanta",
         "rest": "nothing is left",
     }
 

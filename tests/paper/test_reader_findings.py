@@ -20,14 +20,10 @@ DOCS = Path(__file__).parents[2] / "docs"
 FINDINGS = (DOCS / "findings.md").read_text(encoding="utf-8")
 READERS = " ".join((DOCS / "readers.md").read_text(encoding="utf-8").split())
 SENTENCES = " ".join(FINDINGS.split())
+PLAIN = ("onyx-rgbw", "onyx-rgb", "model-rgb", "model-rgbw", "model-rgbwir", "model-rgbir")
+PLAIN += ("model-cmy", "model-ryb", "model-rccb", "mt9v024-rgbw")
 SENSORS = {
-    **{
-        name: {}
-        for name in (
-            *("onyx-rgbw", "onyx-rgb", "model-rgb", "model-rgbw", "model-rgbwir"),
-            *("model-rgbir", "model-cmy", "model-ryb", "model-rccb", "mt9v024-rgbw"),
-        )
-    },
+    **{name: {} for name in PLAIN},
     "mt9m131": {"beyond": "zero"},
     "ar0132at-rgbw": {"beyond": "zero", "peak_qe": 0.6},
 }

@@ -104,7 +104,8 @@ def _alike(of: Shown) -> list[str]:
         f"between their arrows. The smallest angle of {bare.sensor.label} is {_closest(bare)}, "
         f"that of {cut.sensor.label} is {_closest(cut)} ({metric_of((bare, cut))}).",
         f"{mix.channel} is nearly a mix of the others: the angle between {mix.channel} and {parts} "
-        f"is only {decimal(mix.angle_deg, 0)}° (metric {mix.metric}). The variance inflation factor (VIF) measures this: "
+        f"is only {decimal(mix.angle_deg, 0)}° (metric {mix.metric}). The variance inflation "
+        "factor (VIF) measures this: "
         "it is 1 for a channel that shares nothing with the others, and it grows as they become "
         f"more alike. For {mix.channel} it is {decimal(vif[mix.channel])}; behind the IR-cut no "
         f"channel has more than {decimal(float(cut.vif.max()))}.",
@@ -123,7 +124,8 @@ def _unmixed(of: Shown) -> list[str]:
         "subtract what the channels have in common. This is called unmixing.",
         "A subtraction removes signal, but the noise of both readings remains in the difference. "
         f"In {bare.sensor.label} the SNR of {name} falls from {raw} dB (raw) to "
-        f"{after} dB (unmixed, contravariant, {metric_of((bare, cut))}); in {cut.sensor.label} it falls from {raw_cut} dB to "
+        f"{after} dB (unmixed, contravariant, {metric_of((bare, cut))}); "
+        f"in {cut.sensor.label} it falls from {raw_cut} dB to "
         f"{after_cut} dB.",
         f"The sensor with the better raw SNR now has the worse SNR in {listed(names)}.",
     ]
@@ -148,7 +150,8 @@ def _infrared(of: Shown) -> list[str]:
         f"{bare.sensor.label}, its SNR of Y would be {decimal(_luminance_db(mended))} dB, still "
         f"less than the {decimal(_luminance_db(cut))} dB of {cut.sensor.label}: its channel "
         f"{mix.channel} is then nearly the sum of the others (only {decimal(mix.angle_deg, 0)}° "
-        f"away, {metric_of([mended])}), and correlation costs {decimal(_cost(mended, CORRELATION).loss_db)} dB.",
+        f"away, metric {mix.metric}), and correlation costs "
+        f"{decimal(_cost(mended, CORRELATION).loss_db)} dB.",
     ]
 
 

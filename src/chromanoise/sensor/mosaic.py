@@ -77,7 +77,7 @@ MOSAIC_NAMES = tuple(_NAMED)
 
 
 def mosaic_named(text: str) -> Mosaic:
-    """A mosaic by name, or by its pattern: rows between slashes or semicolons, channels between spaces.
+    """A mosaic by name or by pattern: rows between slashes or semicolons, channels between spaces.
 
     If no row contains a space, each letter is a channel.
 

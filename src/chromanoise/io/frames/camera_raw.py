@@ -38,8 +38,9 @@ _PROBE = 48  # a multiple of the periods 1, 2, 4, 6, 8 and 16 that LibRaw knows
 def raw_frames(path: Path) -> tuple[Frame, ...]:
     """The frame in a file of a camera: the visible pixels, without any processing.
 
-    An uncompressed DNG is read without LibRaw, strips in place; of another DNG, only the header is read at first. All
-    other files are unpacked once, because LibRaw gives their mosaic and levels only then.
+    An uncompressed DNG is read without LibRaw, strips in place; of another DNG, only the header is
+    read at first. All other files are unpacked once, because LibRaw gives their mosaic and levels
+    only then.
 
     Raises
     ------
