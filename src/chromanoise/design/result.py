@@ -249,7 +249,7 @@ class Design(Result):
         def named(values: Any) -> dict[str, float | None]:
             return self._finite(dict(zip(names, np.asarray(values).tolist(), strict=True)))
 
-        spreads = [spread_of(OBJECTIVES[name], own.best[:, i]) for i, name in enumerate(names)]
+        spreads = [spread_of(OBJECTIVES[name], own.best[:, i].tolist()) for i, name in enumerate(names)]
         return FrontConvergence(
             converged=has_converged(result, names),
             evaluations=result.evaluations,
