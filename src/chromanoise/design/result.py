@@ -208,8 +208,7 @@ class Design(Result):
                     extreme_of=list(one.extreme_of),
                     knee=one.knee,
                     held_by=held_by(one, parameters),
-                    **({self.beside_name: self._finite(dict(beside))} if beside else {}),
-                    **{f"{self.beside_name}_extreme_of": self._beside_extremes(one)},
+                    **self._beside_fields(one, beside),
                     values=dict(
                         zip(
                             (parameter.name for parameter in parameters),
@@ -231,16 +230,18 @@ class Design(Result):
             sentences=list(self.sentences),
         )
 
-    def _beside_extremes(self, member: Member) -> list[str]:
-        """The objectives of which the member has the best value `beside`."""
-        if not self.search.beside:
-            return []
-        return [
-            name
+    def _beside_fields(self, member: Member, beside: Mapping[str, float]) -> dict[str, Any]:
+        """The objectives `beside` of a member, and those of which no member has a better value."""
+        if not beside:
+            return {}
+        best = {
+            name: self.members[best_of(OBJECTIVES[name], [one[name] for one in self._beside])]
             for name in self.front.objectives
-            if self.members[best_of(OBJECTIVES[name], [one[name] for one in self.search.beside])]
-            is member
-        ]
+        }
+        return {
+            self.beside_name: self._finite(dict(beside)),
+            f"{self.beside_name}_extreme_of": [n for n, one in best.items() if one is member],
+        }
 
     def _convergence(self) -> FrontConvergence:
         result, names = self.search.result, self.front.objectives
@@ -249,7 +250,10 @@ class Design(Result):
         def named(values: Any) -> dict[str, float | None]:
             return self._finite(dict(zip(names, np.asarray(values).tolist(), strict=True)))
 
-        spreads = [spread_of(OBJECTIVES[name], own.best[:, i]) for i, name in enumerate(names)]
+        spreads = [
+            spread_of(OBJECTIVES[name], best)
+            for name, best in zip(names, own.best.T.tolist(), strict=True)
+        ]
         return FrontConvergence(
             converged=has_converged(result, names),
             evaluations=result.evaluations,

@@ -40,7 +40,7 @@ _EVALUATIONS_PER_GRADIENT = 25  # a gradient takes about as long
 _LEAST_GRADIENTS = 150  # per objective, of the polish at the end
 _OF_HISTORY = 64  # members of a front of which the hypervolume is kept
 _BEYOND = 0.1  # of the range of the front: from its worst values to the reference point
-_NUMERICAL = (InputError, ArithmeticError, ValueError, np.linalg.LinAlgError)
+_NUMERICAL = (InputError, ArithmeticError, ValueError)  # also of linear solvers
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
