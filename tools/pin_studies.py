@@ -2,6 +2,7 @@
 
     python tools/pin_studies.py            writes tests/pinned/studies.json.gz
     python tools/pin_studies.py --check    compares with it and prints what differs
+    python tools/pin_studies.py --renew    writes new outcomes of the same studies
 
 The studies are drawn at random from the values below, until each key of a study occurs in at least
 `LEAST` valid ones. The file holds the studies, so that it stays a record when the schema changes.
@@ -13,11 +14,10 @@ import hashlib
 import json
 import os
 import random
-import shutil
 import sys
 import tempfile
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -26,7 +26,7 @@ from chromanoise.errors import InputError
 from chromanoise.study import study_as_command, study_as_python, study_hash
 from chromanoise.study.toml_text import study_as_toml
 
-FOLDER = Path(__file__).parents[1] / "tests" / "pinned"
+FOLDER = Path(__file__).resolve().parents[1] / "tests" / "pinned"
 RECORD = FOLDER / "studies.json.gz"
 STUDIES, LEAST, NUMBERS = 320, 3, 80
 
@@ -357,15 +357,12 @@ def records(seed: int) -> list[dict[str, Any]]:
         wanted = [rng.choice(open_keys or keys)]
         tries[wanted[0]] += 1
         data = first.pop(0) if first else drawn_study(rng, wanted)
-        scratch = Path(tempfile.mkdtemp())
         try:
-            found = outcome(data, scratch)
+            found = outcome_apart(data)
         except (InputError, ValueError):
             if data in FIRST:
                 raise
             continue
-        finally:
-            shutil.rmtree(scratch, ignore_errors=True)
         used = {
             "/".join(p for p in path.split("/") if not p.isdigit())[1:].replace("/", ".")
             for path, _ in flat(data)
@@ -380,15 +377,18 @@ def records(seed: int) -> list[dict[str, Any]]:
     return made
 
 
+def outcome_apart(data: dict[str, Any]) -> dict[str, Any]:
+    """`outcome`, with pictures in a folder that is removed."""
+    with tempfile.TemporaryDirectory() as scratch:
+        return outcome(data, Path(scratch))
+
+
 def differences(old: Mapping[str, Any], tolerance: float) -> list[str]:
     """What differs between a record and the outcome of its study now."""
-    scratch = Path(tempfile.mkdtemp())
     try:
-        new = outcome(old["study"], scratch)
+        new = outcome_apart(old["study"])
     except Exception as error:  # whatever it is, it is a difference
         return [f"{type(error).__name__}: {error}"]
-    finally:
-        shutil.rmtree(scratch, ignore_errors=True)
     found = [
         key
         for key in ("hash", "command", "toml", "python", "paths", "files")
@@ -401,21 +401,35 @@ def differences(old: Mapping[str, Any], tolerance: float) -> list[str]:
     return found
 
 
+def stored_records() -> list[dict[str, Any]]:
+    """The studies of the record with their outcomes."""
+    stored: list[dict[str, Any]] = json.loads(gzip.decompress(RECORD.read_bytes()))
+    return stored
+
+
+def write_records(found: Iterable[Mapping[str, Any]]) -> None:
+    """Write the record."""
+    text = json.dumps(list(found), separators=(",", ":"))
+    RECORD.write_bytes(gzip.compress(text.encode(), 9, mtime=0))
+
+
 def main() -> None:
     """Write the record, or compare with it."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--check", action="store_true")
+    parser.add_argument("--renew", action="store_true")
     parser.add_argument("--tolerance", type=float, default=1e-12)
     given = parser.parse_args()
-    target = RECORD.resolve()
     os.chdir(FOLDER)
-    if not given.check:
-        text = json.dumps(records(1), separators=(",", ":"))
-        target.write_bytes(gzip.compress(text.encode(), 9, mtime=0))
-        return
-    for i, one in enumerate(json.loads(gzip.decompress(target.read_bytes()))):
-        for line in differences(one, given.tolerance):
-            print(i, line)
+    if given.renew:
+        studies = [one["study"] for one in stored_records()]
+        write_records({"study": study, **outcome_apart(study)} for study in studies)
+    elif not given.check:
+        write_records(records(1))
+    else:
+        for i, one in enumerate(stored_records()):
+            for line in differences(one, given.tolerance):
+                print(i, line)
 
 
 if __name__ == "__main__":

@@ -1,9 +1,8 @@
 """Stored studies give the hashes, copied forms and numbers that they gave when they were stored.
 
-A change on purpose is written into the record by `tools/pin_studies.py`, and named in CHANGELOG.md.
+A change on purpose is written into the record by `tools/pin_studies.py --renew`, and named in CHANGELOG.md.
 """
 
-import gzip
 import json
 
 import pytest
@@ -11,7 +10,7 @@ import pytest
 import pin_studies
 from chromanoise.study import study_schema
 
-RECORDS = json.loads(gzip.decompress(pin_studies.RECORD.read_bytes()))
+RECORDS = pin_studies.stored_records()
 OTHER_PROCESSORS = 1e-9
 """BLAS kernels and iterated fits differ by up to 3e-10 (docs/design.md)."""
 
