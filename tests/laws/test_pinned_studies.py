@@ -1,6 +1,6 @@
 """Stored studies give the hashes, copied forms and numbers that they gave when they were stored.
 
-A change on purpose is written into the record by `tools/pin_studies.py --renew`, and named in CHANGELOG.md.
+`tools/pin_studies.py --renew` writes a change on purpose into the record; CHANGELOG.md names it.
 """
 
 import json
