@@ -3,9 +3,9 @@
     python tools/reader_findings.py
 
 prints them: for an eye by SNR of Y with the LMMSE matrix, for a machine by the distances of the 276
-pairs of ColorChecker patches in raw values (median and worst pair, at one time and at the time at
-which each sensor is full, with the probability of a right decision), and by the information of the
-raw values.
+pairs of ColorChecker patches in raw values (median and worst pair, at the same exposure time and at
+the time at which each sensor reaches full well, with the probability of a right decision), and by
+the information of the raw values.
 """
 
 from typing import Any, get_args
@@ -57,7 +57,7 @@ def both(name: str, light: str) -> tuple[list[OperatingPoint], np.ndarray]:
 
 
 def separations(name: str, light: str, lux: float) -> tuple[Separation, Separation, Separation]:
-    """Without IR-cut; with it at the same time; with it at its own time. Each is full at 10 lx."""
+    """Without IR-cut; with it at the same time; with it at the longer time at which it is full."""
     own: dict[str, Any] = {"illuminant": light, **SENSORS[name]}
     (bare,) = cn.analyze(name, lux=LAST_LUX, **own).points
     (cut,) = cn.analyze(name, lux=LAST_LUX, filter=IR_CUT, **own).points
@@ -75,7 +75,7 @@ def separations(name: str, light: str, lux: float) -> tuple[Separation, Separati
 
 
 def pair_rows(name: str, light: str) -> list[list[str]]:
-    """Median and worst pair: distances at 10 lx, then how often a reader is right."""
+    """Rows of the median and the worst pair: D_M at 10 lx, then probabilities of a right answer."""
     at_10 = [one.distance[RAW] for one in separations(name, light, LAST_LUX)]
     shares = [f"{100 * np.mean(other > at_10[0]):.0f} %" for other in at_10[1:]]
     right = [
@@ -140,8 +140,10 @@ def main() -> None:
         print("| " + " | ".join([name, *cells]) + " |", flush=True)
     for light in LIGHTS:
         print(f"\nilluminant {light}\n")
-        heads = ["without", "with", "with, own time", "pairs better with", "own time"]
-        heads += [f"right at {lux} lx" for lux in ("1", "0.1", "0.01")]
+        cut = ("D_M with IR-cut", "pairs better with IR-cut")
+        times = ("same time", "longer time")
+        heads = ["D_M without IR-cut", *(f"{head}, {time}" for head in cut for time in times)]
+        heads += [f"right at {lux} lx: without, with" for lux in ("1", "0.1", "0.01")]
         print("| sensor | pair | " + " | ".join(heads) + " |")
         print("|---" * (2 + len(heads)) + "|")
         for name in SENSORS:

@@ -19,8 +19,8 @@ def csv_text(rows: Iterable[Iterable[Any]]) -> str:
     Parameters
     ----------
     rows
-        Of text and numbers. Text that a spreadsheet would interpret as a formula is prefixed with
-        an apostrophe (OWASP, CSV injection).
+        Rows of text and numbers. Text that a spreadsheet would interpret as a formula is prefixed
+        with an apostrophe (OWASP, CSV injection).
 
     Examples
     --------
@@ -34,7 +34,7 @@ def csv_text(rows: Iterable[Iterable[Any]]) -> str:
 
 
 def csv_comment(key: str, value: str) -> str:
-    """A comment line ``# key: value`` of a CSV, in which no part begins like a formula.
+    """A comment line ``# key: value`` of a CSV, in which no cell looks like a formula.
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ def csv_comment(key: str, value: str) -> str:
 
 
 def text_of_cell(cell: str) -> str:
-    """The text of which `csv_text` made a cell.
+    """The original text of a cell that `csv_text` wrote.
 
     Examples
     --------
@@ -56,7 +56,7 @@ def text_of_cell(cell: str) -> str:
 
 
 def text_of_comment(value: str) -> str:
-    """The value of which `csv_comment` made a comment.
+    """The original value of a comment that `csv_comment` wrote.
 
     Examples
     --------

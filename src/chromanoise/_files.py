@@ -1,11 +1,11 @@
-"""Atomic output: a file or folder appears complete or not at all, and nobody's file is lost.
+"""Atomic output: a file or folder appears complete or not at all; no foreign file is replaced.
 
 An output folder holds the list ``.chromanoise-files``: the name of each file that a run wrote, the
 command, and the SHA-256 of its content. A run replaces or removes a file only if the list shows
-that the same command wrote it and that nobody changed it since; it refuses the folder otherwise.
-The list is a file of its own, because some commands write no record that could hold it, and because
-equal runs shall have equal records. Its name has no suffix, so that no reader takes it for data.
-While files are moved in, the list holds the hashes of the old and of the new content.
+that the same command wrote it and that it is unchanged; otherwise the run refuses the folder.
+The list is a separate file, because some commands write no record that could hold it, and because
+equal runs must write equal records. Its name has no suffix, so that no reader treats it as data.
+While files are moved into the folder, the list holds the hashes of the old and the new content.
 
 A run writes into a scratch folder ``.NAME-xxxxxxxx`` next to the output folder ``NAME`` and holds a
 lock on ``.NAME.chromanoise-lock``, which the system releases when the process ends. The first line
@@ -59,9 +59,9 @@ def whole_folder(folder: Path, command: str) -> Iterator[Path]:
     Parameters
     ----------
     folder
-        Its files that the same command wrote are replaced; other files stay.
+        Output folder. Files that the same command wrote are replaced; other files stay.
     command
-        That which writes.
+        Name of the command that writes.
 
     Raises
     ------
@@ -76,16 +76,16 @@ def whole_folder(folder: Path, command: str) -> Iterator[Path]:
 def claimed_folder(folder: Path, command: str) -> Iterator["ClaimedFolder"]:
     """Keep other runs out of a folder while one or more sets of files are written into it.
 
-    After an error the folder is as it was before, but for the files of `ClaimedFolder.keep`. Sets
-    that are complete stay if the user stopped the run, or if the error is of the machine: a full
-    disk, too little memory.
+    After an error the folder is as it was before, except for the files of `ClaimedFolder.keep`.
+    Complete sets of files stay if the user stops the run, or if the disk is full or the memory too
+    small.
 
     Parameters
     ----------
     folder
-        Made if it does not exist.
+        Output folder; created if it does not exist.
     command
-        That which writes.
+        Name of the command that writes.
 
     Raises
     ------
@@ -117,7 +117,7 @@ def claimed_folder(folder: Path, command: str) -> Iterator["ClaimedFolder"]:
 
 @dataclass(frozen=True, slots=True)
 class _Own:
-    """A file that a run wrote: the command, and the SHA-256 of each content that it may have."""
+    """An entry of the list: the command, and the SHA-256 of each content that the file may have."""
 
     command: str
     sha256: tuple[str, ...]
@@ -125,14 +125,14 @@ class _Own:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ClaimedFolder:
-    """A folder into which only this run writes, of `claimed_folder`.
+    """A folder into which only this run writes; made by `claimed_folder`.
 
     Attributes
     ----------
     folder
-        As it was given.
+        Path of the folder, as the caller gave it.
     command
-        That which writes.
+        Name of the command that writes.
     """
 
     folder: Path
@@ -157,8 +157,8 @@ class ClaimedFolder:
         Parameters
         ----------
         outdated
-            Files of this pattern that an earlier run of the command wrote and that are not written
-            again are removed, but for those that somebody changed.
+            Pattern of file names. Matching files that an earlier run of the command wrote and that
+            this run does not write again are removed, unless they were changed.
 
         Raises
         ------
@@ -177,14 +177,15 @@ class ClaimedFolder:
             _clear(self._goal, self._journal)
 
     def keep(self, name: str, *, adopted: bool = False) -> None:
-        """Prepare for a file that `write_kept` writes, and that stays if the run fails.
+        """List a file that `write_kept` will write and that stays if the run fails.
 
         Parameters
         ----------
         name
-            Of the file.
+            Name of the file.
         adopted
-            Whether the user asked to continue a file of this name, whoever put it there.
+            Whether the user asked to continue from an existing file of this name, even if no run
+            wrote it here.
 
         Raises
         ------
@@ -200,14 +201,14 @@ class ClaimedFolder:
             _list_own(self._goal, own)
 
     def refuse_taken(self, names: Iterable[str], *, remedy: Sequence[str] = _ELSEWHERE) -> None:
-        """Raise an error before a long computation if its results would replace another's file.
+        """Raise an error before a long computation if an output would replace a foreign file.
 
         Parameters
         ----------
         names
-            Of files that may be written, relative to the folder.
+            Names of the files that may be written, relative to the folder.
         remedy
-            What to do.
+            Remedies for the message.
 
         Raises
         ------
@@ -239,12 +240,14 @@ class ClaimedFolder:
                 raise InputError(
                     shown,
                     "must not be replaced",
-                    found="was changed after it was written" if ours else "is not of this command",
+                    found="was changed after it was written"
+                    if ours
+                    else "was not written by this command",
                     remedy=remedy,
                 )
 
     def _is_own(self, name: str, own: Mapping[str, _Own]) -> bool:
-        """Whether this command wrote the file, and nobody changed it since."""
+        """Whether this command wrote the file and the file is unchanged."""
         entry = own.get(name)
         if entry is None or entry.command != self.command:
             return False
@@ -364,7 +367,7 @@ def write_whole(path: Path, content: bytes) -> None:
 
 
 def write_kept(path: Path, content: bytes) -> None:
-    """As `write_whole`, for a file of `ClaimedFolder.keep`: the list of files learns its content.
+    """As `write_whole`, for a file of `ClaimedFolder.keep`; updates its hash in the list of files.
 
     Raises
     ------
@@ -427,7 +430,7 @@ def _prepared(path: Path, content: bytes) -> Iterator[Callable[[], object]]:
 
 
 def _keep_mode(old: Path, new: Path) -> None:
-    """Give a file mode, owner and group of the one that it replaces, if there is one."""
+    """Give a new file the mode, owner and group of the old file that it replaces, if any."""
     if old.is_symlink() or not old.exists():
         return
     facts, made = old.stat(), new.stat()
@@ -438,7 +441,7 @@ def _keep_mode(old: Path, new: Path) -> None:
 
 
 def _own_files(goal: Path, folder: Path) -> dict[str, _Own]:
-    """The list of a folder: by name, what runs wrote; empty if it has none."""
+    """The entries of the list of a folder, by file name; empty if the folder has no list."""
     path = goal / OWN_FILES
     if not os.path.lexists(path):
         return {}
@@ -462,7 +465,7 @@ def _own_files(goal: Path, folder: Path) -> dict[str, _Own]:
 
 
 def _list_own(folder: Path, own: Mapping[str, _Own], *, like: Path | None = None) -> None:
-    """Write a list into a folder, with the mode of the list that it will replace."""
+    """Write the list into a folder, with the mode of the list that it replaces."""
     files = {name: {"command": one.command, "sha256": one.sha256} for name, one in own.items()}
     text = json.dumps({"files": files}, indent=1, sort_keys=True)
     write_whole(folder / OWN_FILES, f"{text}\n".encode())
@@ -471,7 +474,7 @@ def _list_own(folder: Path, own: Mapping[str, _Own], *, like: Path | None = None
 
 
 def _sha256(file: Path) -> str | None:
-    """Of a regular file; ``None`` of anything else, and of what cannot be read."""
+    """SHA-256 of a regular file; ``None`` if it is another kind of file or cannot be read."""
     with suppress(OSError, ValueError):
         if stat.S_ISREG(file.lstat().st_mode):
             with file.open("rb") as opened:
@@ -616,7 +619,7 @@ def _held_file(path: Path, folder: Path) -> IO[str] | None:
 
 
 def _is_lock(path: Path) -> bool:
-    """Whether a file is empty, or begins as lock files do."""
+    """Whether a file is empty or has the first bytes of a lock file."""
     with suppress(OSError, ValueError):
         if stat.S_ISREG(path.lstat().st_mode):
             with path.open("rb") as file:

@@ -116,14 +116,14 @@ def json_of(content: str | bytes, source: str, *, any_number: bool = False) -> A
     source
         The subject of errors.
     any_number
-        Whether NaN, infinity and numbers beyond double precision are accepted, as other programs
-        write them into the headers of their files.
+        Whether NaN, infinity and numbers beyond double precision are accepted, because other
+        programs write them into the headers of their files.
 
     Raises
     ------
     InputError
         If it is not JSON; has a key twice; is nested deeper than `MOST_DEPTH`; holds an unpaired
-        surrogate, which no text of Unicode contains; or holds a number that is not finite in
+        surrogate, which is not a valid Unicode character; or holds a number that is not finite in
         double precision, unless ``any_number``.
     """
 

@@ -75,8 +75,8 @@ class Analysis:
     readout
         Clipping and rounding of the values; ``None`` for eq. 7, unclipped.
     raw, contravariant, color
-        The measurement at each stage, with its covariance: total noise, as one reading over a flat
-        field shows it.
+        The measurement at each stage, with the covariance of the total noise, i.e. of single
+        readings over a flat field.
     temporal_raw
         The raw measurement without fixed-pattern noise (DSNU, PRNU, the pattern of crosstalk), as
         from frame to frame.
@@ -85,7 +85,8 @@ class Analysis:
     saturated
         One per channel. Where it is true, every SNR that uses the channel is undefined.
     one_code
-        The same, where practically every reading of the channel is the same code.
+        One per channel. Where it is true, practically every reading of the channel is the same
+        code, and every SNR that uses the channel is undefined.
     expected_e
         Expected electrons per channel, before clipping. [e-]
     truth_xyz
@@ -471,7 +472,7 @@ def _channel_notes(analysis: Analysis) -> list[str]:
 
 
 def _crosstalk_notes(analysis: Analysis) -> list[str]:
-    """The pattern between places of a mosaic, and what one of its pixels has less of noise."""
+    """Notes on the fixed pattern of crosstalk, and on the smaller noise of a pixel of a mosaic."""
     crosstalk, raw = analysis.sensor.crosstalk, analysis.raw
     if crosstalk is None or (crosstalk.deviations is None and raw.reading_variance is None):
         return []
@@ -479,7 +480,8 @@ def _crosstalk_notes(analysis: Analysis) -> list[str]:
     if crosstalk.deviations is not None and noise.pattern is None:
         notes.append(
             "crosstalk makes a fixed pattern, because pixels of one channel have different "
-            "neighbors; it is not in the noise, because this crosstalk cannot be inverted"
+            "neighbors; the noise does not include the pattern, because the crosstalk matrix "
+            "cannot be inverted"
         )
     counted = counted_electrons(analysis.expected_e, after_counting(crosstalk))
     pattern = np.sqrt(noise.pattern_e2(counted))
@@ -487,7 +489,8 @@ def _crosstalk_notes(analysis: Analysis) -> list[str]:
         if sd > _WORTH_TELLING * mean:
             notes.append(
                 f"pixels of {name} have different neighbors: crosstalk makes a fixed pattern of "
-                f"{100 * sd / mean:.2g} % of its mean, which only the temporal noise leaves out"
+                f"{100 * sd / mean:.2g} % of the mean signal, which is part of the total noise, "
+                "not of the temporal noise"
             )
     if raw.reading_variance is not None:
         every = np.diagonal(raw.covariance)
@@ -495,15 +498,16 @@ def _crosstalk_notes(analysis: Analysis) -> list[str]:
         most = int(np.argmax(less))
         if less[most] > _WORTH_TELLING:
             notes.append(
-                "raw SNR is that of one pixel of the mosaic, color that of a pixel with all "
-                "channels: crosstalk after counting averages the noise of neighbors, so that one "
-                f"pixel of {raw.names[most]} has {100 * less[most]:.2g} % less noise variance"
+                "raw SNR is that of one pixel of the mosaic, color SNR that of a pixel with all "
+                "channels: crosstalk after counting averages the noise of neighbors, so one pixel "
+                f"of {raw.names[most]} in the mosaic has {100 * less[most]:.2g} % less noise "
+                "variance than a pixel with all channels"
             )
     return notes
 
 
 def _converter_notes(analysis: Analysis) -> list[str]:
-    """Channels whose noise is below the step of the converter, and what rounding makes of them."""
+    """Notes on channels whose noise is below the step of the converter, and on their rounding."""
     sensor, mean = analysis.sensor, analysis.expected_e
     noise = noise_sources(sensor, analysis.exposure)
     step_e = code_step_e(sensor.converter, sensor.pixel)
@@ -520,8 +524,9 @@ def _converter_notes(analysis: Analysis) -> list[str]:
     remedy = "take more bits or a higher gain"
     if after_counting(sensor.crosstalk) is not None:
         return [
-            f"{head}rounding may bias the readings; crosstalk after counting correlates them, so "
-            f"the numbers here add step^2 / 12 to the variance; {remedy}"
+            f"{head}rounding may bias the readings, but this bias is not computed, because "
+            "crosstalk after counting correlates the readings; the variance of rounding is "
+            f"taken as step^2 / 12; {remedy}"
         ]
     notes, stuck = (
         [],
@@ -539,15 +544,15 @@ def _converter_notes(analysis: Analysis) -> list[str]:
         bias = (noise.rounded(mean)[0] / np.where(mean > 0, mean, 1.0))[rest]
         notes.append(
             f"{'' if stuck else head}99.9 % of the readings of "
-            f"{', '.join(n for n, one in zip(sensor.names, rest, strict=True) if one)} take "
-            f"{_range(np.array(codes))} codes; their mean (rounding moves it by "
-            f"{_range(100 * bias)} %) and noise are those of the rounded readings; {remedy}"
+            f"{', '.join(n for n, one in zip(sensor.names, rest, strict=True) if one)} have "
+            f"{_range(np.array(codes))} different codes; mean and noise are computed with "
+            f"rounding, which changes the mean by {_range(100 * bias)} %; {remedy}"
         )
     return notes
 
 
 def _range(values: Array) -> str:
-    """The least and the largest value, or one where they are written alike."""
+    """The least and the largest value as text, or one value if both have the same digits."""
     least, most = f"{values.min():.3g}", f"{values.max():.3g}"
     return least if least == most else f"{least} to {most}"
 

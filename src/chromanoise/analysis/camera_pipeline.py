@@ -94,9 +94,9 @@ def pipeline_noise(
     readout
         Clipping and rounding of the raw values; ``None`` for none.
     method
-        For the tone curve and CIELAB: `cubature`, `first_order` or `exact`; ``None`` for the exact
-        distribution where a normal one is not enough (`exact_where_needed`), unless crosstalk
-        after counting correlates the readings.
+        Method for the tone curve and CIELAB: `cubature`, `first_order` or `exact`. ``None`` uses
+        the exact distribution where a normal one is too inaccurate (`exact_where_needed`), unless
+        crosstalk after counting correlates the readings.
 
     Raises
     ------
@@ -406,13 +406,13 @@ def _method_notes(
         rough = propagate(color, space, first_order).measurement
         error = np.abs(relative_sd_error(rough, _named_step(steps, name)))
         failing = (error > FIRST_ORDER_TOLERANCE).any(axis=-1)
-        used = "do not use it"
+        used = "does not use it"
         if by_electrons is not None and by_electrons[failing].all():
-            used = "are those of the exact distribution of the electrons"
+            used = "is computed from the exact distribution of the electrons"
         if failing.any():
             notes.append(
-                f"the first order of {space.name} is off by more than 5 % on {failing.sum()} of "
-                f"{len(error)} patches; the numbers here {used}"
+                f"the first-order noise in {space.name} has an error of more than 5 % on "
+                f"{failing.sum()} of {len(error)} patches; the noise given here {used}"
             )
     return notes
 
@@ -426,15 +426,17 @@ def _balance_notes(camera: _Camera, balance: WhiteBalanceNoise | None) -> list[s
     if not relative[worst] > _LARGE_GAIN_ERROR:
         return []
     return [
-        f"{balance.pixels} gray pixels know the gain of {camera.analysis.sensor.names[worst]} to "
-        f"{100 * relative[worst]:.0f} % only; the noise of the gains is that of small errors"
+        f"{balance.pixels} gray pixels determine the white-balance gain of "
+        f"{camera.analysis.sensor.names[worst]} with a standard deviation of "
+        f"{100 * relative[worst]:.0f} %; the noise of the gains is computed to first order, which "
+        "holds only for small errors"
     ]
 
 
 def _correlated_notes(
     camera: _Camera, steps: Sequence[PipelineStep], isos: Sequence[GainStep]
 ) -> list[str]:
-    """Where readings of few electrons are taken as normal, because they are correlated."""
+    """Notes on readings of few electrons that are treated as normal because of correlation."""
     point = camera.analysis.point
     noise = noise_sources(point.sensor, point.exposure)
     settings = [("", steps, noise.read_noise_e)]
@@ -452,8 +454,9 @@ def _correlated_notes(
     if not found:
         return []
     return [
-        f"few electrons on {', '.join(found)}: crosstalk after counting correlates the channels, "
-        "so the noise after the tone curve and in CIELAB is that of normal readings"
+        f"{', '.join(found)} have few electrons, but crosstalk after counting correlates the "
+        "channels, so the noise after the tone curve and in CIELAB is computed from normally "
+        "distributed readings"
     ]
 
 

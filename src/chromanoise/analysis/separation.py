@@ -159,7 +159,7 @@ class PairOutcome:
     Attributes
     ----------
     names
-        Of the two patches; ``None`` for the median of all pairs.
+        Names of the two patches; ``None`` for the median of all pairs.
     distance
         D_M. [1]
     probability
@@ -178,14 +178,14 @@ class PairOutcome:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RawOutcome:
-    """The median and the worst pair of one reading.
+    """The median and the worst pair for one entry of `READINGS`.
 
     Attributes
     ----------
     median
         Median distance, with the probability of the pair (or two pairs) in the middle.
     worst
-        The pair with the least distance of this reading.
+        The pair with the least distance.
     """
 
     median: PairOutcome

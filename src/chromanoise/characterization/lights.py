@@ -115,12 +115,12 @@ def _refuse_bright_darks(frames: FrameSet, lights: Mapping[Key, LightSample]) ->
 
 
 def code_step(lights: Mapping[Key, LightSample]) -> tuple[int, int]:
-    """The step between codes, and the offset of its multiples: 1 and 0 but for shifted codes. [DN]
+    """Step and offset of codes that are offset + multiples of the step; else 1 and 0. [DN]
 
     Parameters
     ----------
     lights
-        Of all frames.
+        Statistics of all frames.
     """
     planes = [plane for light in lights.values() for plane in light.planes]
     lowest = min(plane.bottom_dn for plane in planes)
@@ -133,9 +133,9 @@ def code_step(lights: Mapping[Key, LightSample]) -> tuple[int, int]:
 def in_true_codes(
     frames: FrameSet, lights: Mapping[Key, LightSample]
 ) -> tuple[FrameSet, dict[Key, LightSample]]:
-    """Frames and statistics in the codes of the converter, where stored codes are multiples.
+    """Frames and statistics in the codes of the converter, if stored codes are multiples of a step.
 
-    A converter of 12 bits whose codes are stored in the upper bits of 16 has the step 16.
+    If codes of 12 bits are stored in the upper bits of 16, the step is 16.
 
     Parameters
     ----------
@@ -169,7 +169,7 @@ def in_true_codes(
         replace(one, flats=shifted(one.flats), darks=shifted(one.darks)) for one in frames.levels
     )
     start = f"{offset} + " if offset else ""
-    note = f"all codes are {start}multiples of {step}: DN here are these multiples"
+    note = f"all codes are {start}multiples of {step} and are divided by it: 1 DN is one such step"
     note += "" if bits is None else f", codes of {bits} bits"
     return (
         replace(frames, levels=levels, notes=(*frames.notes, note)),
@@ -191,9 +191,9 @@ class _Shifted:
 
 
 def _true_bits(frames: FrameSet, lights: Mapping[Key, LightSample], step_dn: int) -> int | None:
-    """Bits of the codes in steps; ``None`` if no frame states its bits.
+    """Bits of the converter; ``None`` if no frame states its bits.
 
-    Stated bits are those of the stored codes, unless these are too large for them.
+    The stated bits are those of the stored codes, unless the stored codes are too large for them.
     """
     groups = {
         key_of(group): group
@@ -220,9 +220,9 @@ def _true_bits(frames: FrameSet, lights: Mapping[Key, LightSample], step_dn: int
 
 
 def unclipped(frames: FrameSet, lights: Mapping[Key, LightSample]) -> FrameSet:
-    """The frames without flats that are clipped at code 0, and without darks if any is.
+    """The frames without flats that are clipped at code 0, and without any darks if one is clipped.
 
-    A dark that is clipped has too small a variance and too large a mean.
+    The variance of a clipped dark is too small, and its mean is too large.
 
     Parameters
     ----------
@@ -246,13 +246,13 @@ def unclipped(frames: FrameSet, lights: Mapping[Key, LightSample]) -> FrameSet:
             frames.source,
             "must have frames with light that are not clipped at code 0",
             found="has none",
-            remedy="take frames with more light, or with a black level that is not subtracted",
+            remedy="take frames with more light, or frames whose black level is not subtracted",
         )
     return replace(frames, levels=levels)
 
 
 def clipped_share(light: LightSample) -> float:
-    """Share of the pixels of a plane that are clipped at code 0; 0 if few are. [1]
+    """Largest share of the pixels of a plane that are clipped at code 0; 0 if it is small. [1]
 
     Parameters
     ----------
@@ -284,16 +284,17 @@ def _refuse_apart(group: Sequence[Frame], light: LightSample) -> None:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LightChange:
-    """A change of the light between the flats of one level, by more than chance explains.
+    """A statistically significant change of the light between the flats of one level.
 
     Attributes
     ----------
     share
-        Largest minus smallest mean, above dark, over the largest. [1]
+        Largest minus smallest mean signal above dark, divided by the largest. [1]
     low, high
-        The frames.
+        The frames with the smallest and the largest mean.
     above_black
-        Whether the mean without light is known; otherwise ``share`` is that of the codes.
+        Whether the mean code without light is known; otherwise ``share`` is computed from the mean
+        codes.
     """
 
     share: float
@@ -312,9 +313,10 @@ def light_changes(frames: FrameSet, lights: Mapping[Key, LightSample]) -> dict[K
 
     Notes
     -----
-    A mean also moves with the offset of the camera, and with its row and column noise. How far is
-    taken from the darks, because shading adds to these noises where the light changes. Both the
-    change and the signal above dark must exceed their errors by 5 times.
+    The mean of a frame also varies with the offset, the row noise and the column noise of the
+    camera. This variance is measured on the darks, because in flats a change of the light adds
+    shading to row and column noise. A change counts if it and the signal above dark exceed 5 times
+    their standard errors.
     """
     base_of, owns = bases(frames, lights), _of_planes(lights)
     offsets = [_offset_variance(frames, own) for own in owns]
@@ -345,7 +347,7 @@ def _of_planes(lights: Mapping[Key, LightSample]) -> list[dict[Key, PlaneSample]
 
 
 def _offset_variance(frames: FrameSet, own: Mapping[Key, PlaneSample]) -> float:
-    """Variance of the mean of a frame without light; without darks, of the darkest. [DN^2]"""
+    """Variance of the mean of a frame without light; without darks, of the darkest flat. [DN^2]"""
     darks = dark_samples(frames, own)
     if not darks:
         darkest = min(own.values(), key=lambda one: one.mean_dn)
@@ -381,7 +383,7 @@ def bases(frames: FrameSet, lights: Mapping[Key, LightSample]) -> Bases:
 def at_one_light(
     frames: FrameSet, lights: Mapping[Key, LightSample], tile: tuple[int, int]
 ) -> dict[Key, LightSample]:
-    """The statistics with those flats scaled to one light between which the light changed.
+    """The statistics, after scaling to one light of the flats between which the light changed.
 
     Parameters
     ----------

@@ -74,8 +74,9 @@ def characterized(
     Notes
     -----
     EMVA 1288, release 4.0 Linear: K, dark noise, QE, saturation and linearity from the temporal
-    variances (chapter 6), DSNU and PRNU from averaged frames (chapter 8); PRNU with its high-pass
-    filter, at the spatial series, or else the level, nearest to half of saturation.
+    variances (chapter 6), DSNU and PRNU from averaged frames (chapter 8). PRNU is computed with the
+    high-pass filter of the standard, from the spatial series (without one: from the level) nearest
+    to half of saturation.
     """
     refuse_unusable(frames)
     tile = (1, 1) if frames.mosaic is None else _tile(frames.mosaic)
@@ -195,7 +196,7 @@ def _black_notes(frames: FrameSet) -> list[str]:
             "the black level is not known: take darks, or state black_level_dn in capture.toml "
             "(0 if the camera subtracts it)"
         ]
-    return [f"no darks are used: the black level of {black:g} DN is as stated"]
+    return [f"no darks are used: the black level is the stated {black:g} DN"]
 
 
 def _shading_notes(names: Sequence[str]) -> list[str]:
@@ -220,7 +221,7 @@ def _middle(
     plane: int,
     fit: TransferFit,
 ) -> FrameLevel:
-    """Of some levels that nearest to half of the saturation of a plane."""
+    """The level that is nearest to half of the saturation of a plane."""
 
     def mean(level: FrameLevel) -> float:
         return lights[key_of(level.flats)].planes[plane].mean_dn
@@ -288,8 +289,9 @@ def _with_rows_of_all_darks(
 ) -> PlaneSample:
     """The statistics of darks, with the row and column noise of all darks.
 
-    One pair of frames has few rows and columns, and this noise does not depend on the time. A
-    spatial series has many frames, whose own temporal noise the standard subtracts.
+    Two frames have few rows and columns, and this noise does not depend on the exposure time, so it
+    is averaged over all darks. A spatial series has many frames, so their own temporal noise is
+    subtracted, as in the standard.
     """
     if any(level.spatial and level.darks == group for level in frames.levels):
         return own[key_of(group)]

@@ -129,7 +129,7 @@ def noise_profile_line(result: Characterization, *, white_level_dn: float | None
 
 
 def noise_profiles_json(results: Sequence[Characterization]) -> dict[str, Any]:
-    """The noise profiles of DNG of one camera at several ISO settings.
+    """DNG noise profiles of one camera, one per ISO setting.
 
     Parameters
     ----------
@@ -139,8 +139,8 @@ def noise_profiles_json(results: Sequence[Characterization]) -> dict[str, Any]:
     Returns
     -------
     dict
-        ``profiles``, by increasing ISO: ``iso``, and the keys of `noise_profile_json`. A DNG holds
-        the profile of its own ISO.
+        ``profiles``, by increasing ISO: ``iso``, and the keys of `noise_profile_json`. A DNG file
+        holds the profile of its ISO setting only.
 
     Raises
     ------
@@ -243,11 +243,12 @@ def libcamera_json(
     Parameters
     ----------
     results
-        A characterization, or one per ISO setting of one camera: all their levels are fitted
-        together, as the images of all gains are by the tuning tool.
+        A characterization, or one per ISO setting of one camera. The levels of all results are
+        fitted together, as the tuning tool of libcamera fits the images of all gains.
     analog_gain
-        Analog gain of the frames, of several results that of the lowest ISO, by which the sections
-        refer to gain 1. At another ISO it is in proportion to the ISO. [1]
+        Analog gain of the frames, from which the sections are converted to gain 1; for several
+        results, the gain at the lowest ISO. At other ISO settings, the gain is proportional to the
+        ISO. [1]
 
     Returns
     -------

@@ -80,7 +80,7 @@ def plane_noise(
     flat, dark, dark_filtered
         Spatial variances of its flats, and of the darks without and with the high-pass filter.
     dark_alone
-        That of the darks with their own temporal noise subtracted, without that of other darks.
+        Spatial variance of the darks after subtraction of the temporal noise of these darks only.
     hot
         Number of hot pixels.
     """

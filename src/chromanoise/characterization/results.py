@@ -153,14 +153,15 @@ class PlaneNoise:
     black_level_dn, black_level_dn_se
         Mean code without light at exposure time 0. [DN]
     saturation_dn, saturation_capacity_e
-        Mean code at the largest variance, and the electrons that its photons give (EMVA 1288:
-        mu_e.sat = eta mu_p.sat); without photons, those of the mean code. [DN], [e-]
+        Mean code at the largest variance, and QE times the photons of that level (EMVA 1288:
+        mu_e.sat = eta mu_p.sat); if the photons are not known, the electrons of that code. [DN],
+        [e-]
     full_well_e, full_well_e_se
-        Electrons at which the codes saturate: those of a saturated level, if there is one, else
-        those of the mean code at the largest variance, whose error includes the spacing of the
-        levels. [e-]
+        Electrons at which the codes saturate: of a saturated level, if there is one; otherwise of
+        the mean code at the largest variance, with a standard error that includes the spacing of
+        the levels. [e-]
     dynamic_range_db
-        20 log10 of the saturation capacity over the absolute sensitivity threshold, which is
+        20 log10 of the ratio of the saturation capacity to the absolute sensitivity threshold
         sqrt(dark noise^2 + 1 / (12 K^2)) + 0.5 e- (EMVA 1288: mu_e.sat / mu_e.min). [dB]
     qe, qe_se
         Electrons per photon, where ``photons_per_pixel`` is given. [e-/photon]
@@ -171,9 +172,9 @@ class PlaneNoise:
     dsnu_e, dsnu_e_se, prnu, prnu_se
         Fixed-pattern noise of the dark offset, and of the sensitivity. [e-], [1]
     dsnu_of_own_frames_e
-        DSNU with the temporal noise of the averaged darks alone subtracted, as in the reference
-        code of EMVA 1288. For ``dsnu_e`` the row and column noise subtracted is that of all darks,
-        because two frames have few rows; with a spatial series both are equal. [e-]
+        DSNU after subtraction of the temporal noise of the averaged darks only, as in the reference
+        code of EMVA 1288. For ``dsnu_e``, the subtracted row and column noise is the mean over all
+        darks, because two frames have few rows; with a spatial series both are equal. [e-]
     row_noise_e, row_noise_e_se, column_noise_e, column_noise_e_se
         Temporal noise that all pixels of a row, or column, share, in the dark. [e-]
     hot_pixels

@@ -30,7 +30,7 @@ class SpatialVariance:
     mean_dn
         Mean of the pixels used. [DN]
     removed_dn2
-        Variance of what the high-pass filter removed: light and shading. [DN^2]
+        Variance that the high-pass filter removed: uneven light and shading. [DN^2]
     filtered
         Whether the frame was high-pass filtered; its borders are then not used.
     """
@@ -126,8 +126,8 @@ def spatial_variance(
         Whether the frame minus its smoothed copy is used, so that uneven light and shading are not
         counted. The variance of white noise is kept by a factor. Not done below 64 pixels.
     dark
-        Of flats that are filtered: statistics of their darks. Without the borders, which shading
-        makes darker, the signal is larger, and so is its shot noise.
+        Statistics of the darks of flats that are filtered. Filtering excludes the borders, which
+        shading makes darker, so the signal and the shot noise of the remaining pixels are larger.
 
     Notes
     -----

@@ -4,9 +4,9 @@ All come from differences of consecutive frames, in which fixed patterns cancel.
 difference is subtracted (EMVA 1288, release 4.0, section 6.5, with two frames). Row and column
 noise follow from the analysis of variance of the difference: rows, columns, rest.
 
-Where the light changes from one frame to the next, shading and PRNU do not cancel: a change by the
-share d adds d^2 / 2 times the variance of the pattern of the light. `scaled_sample` therefore
-scales both frames to one light.
+If the light changes between two frames, shading and PRNU do not cancel: a relative change d adds
+d^2 / 2 times the spatial variance of the flats. `scaled_sample` therefore scales both frames to one
+light.
 """
 
 import math
@@ -222,22 +222,22 @@ def scaled_sample(
     frames, tile
         As `light_sample`. The frames are read again.
     sample
-        What `light_sample` found of them.
+        Result of `light_sample` for these frames.
     darks
         Mean and variance of each plane without light; the variance is 0 where it is not known.
         [DN], [DN^2]
 
     Notes
     -----
-    Two frames with the signals p and q above dark are multiplied by g = c / p and h = c / q, above
-    dark. Fixed patterns of the light cancel in the difference. Half of its variance has the shot
-    noise K (g^2 p + h^2 q) / 2 = K c^2 (1 / p + 1 / q) / 2, which is K m, as of one light with the
-    mean m of all frames, for c^2 = 2 m p q / (p + q). The temporal noise in the dark is multiplied
-    by (g^2 + h^2) / 2; its excess, for two frames (p - q)^2 / (2 p q) times the dark variance, is
-    subtracted. What is left is (g - h)^2 / 2, i.e. the same small factor, times DSNU^2.
+    The signals p and q of two frames above dark are multiplied by g = c / p and h = c / q, so that
+    shading and PRNU cancel in the difference. Half of the variance of the difference contains the
+    shot noise K (g^2 p + h^2 q) / 2 = K c^2 (1 / p + 1 / q) / 2. For c^2 = 2 m p q / (p + q) it is
+    K m, the shot noise of the mean m of all frames. The temporal variance in the dark is multiplied
+    by (g^2 + h^2) / 2; the excess, for two frames (p - q)^2 / (2 p q) times the dark variance, is
+    subtracted. An error of (g - h)^2 / 2 times DSNU^2 remains, with the same small factor.
 
-    Pixels at saturation do not follow the light. Where the mean difference depends on the signal
-    by more than chance, its variance over the signal is subtracted too.
+    The signal of pixels near saturation is not proportional to the light. If the mean difference
+    depends significantly on the signal, its variance over the signal is subtracted too.
     """
     shape, means = (
         _whole_cells(frames[0], tile),

@@ -22,8 +22,8 @@ def camera_noise(results: Characterization | Sequence[Characterization]) -> Came
     results
         One characterization, or one per ISO setting. The first one gives gain, black levels, dark
         current and PRNU; with several, read noise, row noise and DSNU at other settings are
-        interpolated between their means over the planes, and the full well is the largest, because
-        at a high ISO the top code is reached first.
+        interpolated between the means over the planes, and the largest full well is used, because
+        at a high ISO the largest code is reached before the full well.
 
     Returns
     -------

@@ -141,7 +141,7 @@ def _channels(
 
 
 def _clipped_at_0(frames: FrameSet, lights: Mapping[Key, LightSample]) -> Iterator[str]:
-    """Darks and flats that end at code 0."""
+    """Darks and flats that are clipped at code 0."""
     for kind, lost in (("darks", "no darks are used"), ("flats", "these levels are not used")):
         groups = [group for level in frames.levels if (group := getattr(level, kind))]
         shares = {key_of(group): clipped_share(lights[key_of(group)]) for group in groups}
@@ -151,7 +151,7 @@ def _clipped_at_0(frames: FrameSet, lights: Mapping[Key, LightSample]) -> Iterat
             yield (
                 f"up to {100 * shares[key_of(worst)]:.2g} % of the pixels of "
                 f"{len({key_of(group) for group in clipped})} sets of {kind} have code 0 "
-                f"({worst[0].name}): their noise is clipped, so {lost}"
+                f"({worst[0].name}): clipping makes their variance too small, so {lost}"
             )
 
 
@@ -164,10 +164,10 @@ def _lights(
     if changes:
         worst = max(changes, key=lambda one: one.share)
         done = (
-            "their codes above dark were scaled to one mean before the variance was computed"
+            "the signals above dark were scaled to one mean before the variance was computed"
             if worst.above_black
-            else "their fixed patterns add to the variance, because the code without light, with "
-            "which they could be scaled to one mean, is not known"
+            else "shading and PRNU therefore add to the variance; the frames were not scaled to "
+            "one mean, because the black level is not known"
         )
         yield (
             f"the light changed between frames of {len(changes)} levels, by up to "

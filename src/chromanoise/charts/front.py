@@ -103,7 +103,7 @@ def _beside(
     objectives: list[FrontObjective],
     words: str,
 ) -> list[str]:
-    """The objectives that the search did not take, and of which the member has the best value."""
+    """The values of objectives that the search did not optimize, and which of them are the best."""
     if not values:
         return []
     shown = (f"{one.what} {_with_unit(values.get(one.name), one.unit)}" for one in objectives)

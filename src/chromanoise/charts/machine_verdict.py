@@ -22,8 +22,8 @@ _PairOf = Callable[[RawOutcome], PairOutcome]
 def machine_sentences(analyses: Sequence[Analysis]) -> list[str]:
     """Distances of the pairs of patches in raw values: median and worst, with their probability.
 
-    One sentence with brightness, one without. Sensors with a saturated patch are left out. A
-    decision that is nearly chance is called so.
+    One sentence with brightness, one without. Sensors with a saturated patch are omitted. A
+    decision that is nearly chance is marked as such.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ def _compared(found: Sequence[_Labeled], pair: _PairOf) -> str:
 
 
 def _text(pair: PairOutcome) -> str:
-    """A distance with the pair, how often a reader is right, and whether that is chance."""
+    """A distance with the pair, the probability of a right answer, and whether it is chance."""
     size = f"{pair.distance:#.3g}" if pair.distance < 100 else f"{pair.distance:.0f}"
     percent = 100 * pair.probability
     right = f"{percent:.0f} % right" if percent < 99.5 else "over 99 % right"

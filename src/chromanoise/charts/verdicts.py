@@ -29,7 +29,7 @@ _GLOSSES = {  # of bars of the budget whose label is a word of its own
     DARK: "its shot noise",
     DSNU: "fixed pattern in the dark",
     PRNU: "fixed pattern",
-    PATTERN: "pixels of one channel with different neighbors",
+    PATTERN: "fixed pattern of pixels with different neighbors",
 }
 _PHOTONS = "photons"
 _BELOW_THE_BOUND = (WEIGHTS, CORRELATION, INFRARED)  # the bound is that of the noisy channels
@@ -109,8 +109,8 @@ def _left_out(analysis: Analysis) -> str | None:
         return f"{full}."
     if analysis.one_code.any():
         return (
-            f"{analysis.sensor.label}: practically every reading of a channel is one code of the "
-            "converter, so it has no color to compare; take more bits or a higher gain."
+            f"{analysis.sensor.label}: practically every reading of a channel is the same code of "
+            "the converter, so the sensor has no color to compare; take more bits or a higher gain."
         )
     if color_snr_db(analysis)["Y"] is None:
         return (

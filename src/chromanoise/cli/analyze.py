@@ -95,7 +95,7 @@ def analyze(
 
 
 def _sentences(result: Analyses, equal: str) -> list[str]:
-    """The verdict; it may be refused, so it is made before anything is written."""
+    """The verdict; computed before anything is written, because it may raise an error."""
     return list(verdict_sentences(result.analyses, equal=equal, reader=result.outputs.reader))
 
 

@@ -105,7 +105,7 @@ def characterize(
             errors = zip(check.names, 100 * check.mean_error, strict=True)
             print_lines(
                 [
-                    f"Through {matrix}, relative error of the predicted variance, mean of "
+                    f"Relative error of the predicted variance after {matrix}, mean of "
                     f"{sum(check.fitted)} levels: "
                     + ", ".join(f"{name} {error:+.2f} %" for name, error in errors),
                     *(given.notes if given else ()),

@@ -33,10 +33,11 @@ _MOST_NAMES = 12
 def inspect(file: Path, json_target: str | None, **options: Any) -> None:
     """Show how a FILE of spectra is parsed, what looks wrong, and what it does not declare.
 
-    CSV and other delimited text, as spectrometers export it, digitized curves, JCAMP-DX .jdx,
-    ASD .asd, ISETCam, Psychtoolbox and camera database .mat, rawtoaces,
-    DCamProf (ssf-data) and plain .json, CGATS and Argyll .sp, IES TM-27 .spdx, ENVI libraries
-    .sli with .hdr, tables of .fits, .xlsx, and the .csv and .json that convert writes.
+    Formats: CSV and other delimited text, such as exports of spectrometers, digitized curves,
+    JCAMP-DX .jdx, ASD .asd, .mat of ISETCam, Psychtoolbox and the camera database, .json of
+    rawtoaces, of DCamProf (ssf-data) and with plain lists, CGATS and Argyll .sp, IES TM-27 .spdx,
+    ENVI libraries .sli with .hdr, tables of .fits, .xlsx, and .csv and .json of chromanoise
+    convert.
     """
     refuse_inputs(json_target, "--json", str(file))
     if not file.exists():

@@ -244,7 +244,7 @@ _OF_CLOSED_FORM = (
         metavar="NAME|ROWS",
         help="Color filter array, for crosstalk, --merit and pictures of the sensor's mosaic: "
         f"{', '.join(MOSAIC_NAMES)}, or rows, e.g. "
-        "RG/GB or 'Red Yellow; Yellow Blue'; default: the sensor's own.",
+        "RG/GB or 'Red Yellow; Yellow Blue'; default: that of the sensor.",
     ),
     click.option(
         "--chart-file",

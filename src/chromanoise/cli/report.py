@@ -22,7 +22,8 @@ from chromanoise.study import Study, file_digests, read_study
     type=click.Path(path_type=Path),
     default=Path("report.html"),
     show_default=True,
-    help="Output file. A report.html of somebody else is replaced only if it is named.",
+    help="Output file. An existing report.html that this command did not write is replaced only if "
+    "--out names it.",
 )
 @click.option(
     "--set",
@@ -57,7 +58,7 @@ def report(study: Path, out: Path, changes: tuple[str, ...], figures: Path | Non
 
 
 def _page(study: Study, figures: Path | None) -> bytes:
-    """The report; its figures are written if they are wanted."""
+    """The HTML of the report; its figures are written if a folder for them is given."""
     charted = shown(study)
     page = study_report(charted, sights_of(charted))
     if figures is not None:

@@ -19,9 +19,10 @@ from chromanoise.study import agreement_of, agreement_text, recorded_run
 def rerun(output: Path, out: Path, threads: int | None) -> None:
     """Run the study of OUTPUT again, into another folder, and compare the results.
 
-    OUTPUT is a result of `chromanoise run`, or its folder. The command works from any folder, also
-    after the project was moved, but needs the same version of chromanoise; results that share only
-    the root folder with their project are rerun from the folder of the project. Results are
+    OUTPUT is a result of `chromanoise run`, or its folder. The command needs the same version of
+    chromanoise. It works from any folder, also after the project was moved; but if results and
+    project have only the root folder in common, run the command in the folder of the project.
+    Results are
     byte-identical if numpy, scipy, the BLAS kernel and the processor type are also the same;
     otherwise analyses agree to a relative 1e-9. The last line reports the agreement, or where the
     largest difference is; the exit code is 1 if the results do not agree.

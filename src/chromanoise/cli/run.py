@@ -29,9 +29,9 @@ from chromanoise.study import read_study
 def run(study: Path, out: Path | None, changes: tuple[str, ...], threads: int | None) -> None:
     """Run all of STUDY, a TOML file as `chromanoise init` writes it.
 
-    A stopped run continues with the missing results; a run that is refused leaves the folder as it
-    was. Every result records version, study, seed and hash; `chromanoise rerun` runs the study of a
-    result again and compares the results.
+    If a run was stopped, the same command computes the missing results. If a run ends with an
+    error, the folder stays as it was. Every result records version, study, seed and hash;
+    `chromanoise rerun` runs the study of a result again and compares the results.
     """
     print_run(
         read_study(study, changes, change_label="--set"), out or Path("out") / study.stem, threads

@@ -109,7 +109,7 @@ def exact(color: NoisyColor, space: Space, *, points: int = 2**16) -> SpaceMomen
 
 
 def normal_fails(source: ElectronSource) -> Bool[Array, "*px"]:
-    """Where a normal distribution of the readings is not enough for the noise of a color.
+    """Where a normal distribution of the readings is too inaccurate for the noise of a color.
 
     True with few electrons in a channel (`chromanoise.noise.few_electrons`), with a step of the
     converter that exceeds the noise, or with clipped readings.

@@ -353,11 +353,13 @@ class DesignPart(Part):
     )
     seeds: Annotated[int, Field(ge=1, le=MOST_SEEDS)] = Field(
         DEFAULT_SEARCH.seeds,
-        description="Independent populations that share the budget; they show the convergence.",
+        description="Number of independent populations, which share the budget; their agreement "
+        "measures the convergence.",
     )
     polish: bool | None = Field(
         DEFAULT_SEARCH.polish,
-        description="Improve the front by gradients; default: if all objectives have exact ones.",
+        description="Improve the front by gradients; default: if all objectives have exact "
+        "gradients.",
     )
     members: Annotated[int, Field(ge=1, le=10_000)] = Field(
         100, description="Largest number of sensors of the front."

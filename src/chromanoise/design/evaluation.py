@@ -197,7 +197,7 @@ class Evaluator:
         Fast objectives: exact, by a complex step (Squire & Trapp, SIAM Rev. 40 (1998) 110). Central
         differences with a step of 1e-5 of the range of the parameter for the others, for matrices
         that are not linear in the training set, and for all objectives of a sensor whose channels
-        are nearly dependent; at a bound a difference to one side, so that no point beyond the
+        are nearly dependent. At a bound the difference is one-sided, so that no point beyond the
         bounds is evaluated.
         """
         return self._slopes_over_scenes(*self._slopes(space, values))

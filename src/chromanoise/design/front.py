@@ -100,7 +100,7 @@ def hypervolume(
     Parameters
     ----------
     costs
-        Lower is better; what is beyond the box counts up to its faces.
+        Lower is better; a point outside the box counts as its projection onto the box.
     best, reference
         The lowest and the highest corner of the box.
 

@@ -138,8 +138,8 @@ class FrontMilestone(_Record):
 
     evaluations: int = Field(description="Evaluated candidates.")
     hypervolume: Annotated[float, Field(ge=0, le=1)] | None = Field(
-        description="Share of the box from the best values of the final front to the reference "
-        "point that the front dominates; none for one objective."
+        description="Share that the front dominates of the box between the best values of the "
+        "final front and the reference point; none for one objective."
     )
     best: dict[str, ObjectiveValue] = Field(description="Best value of each objective.")
 
@@ -165,10 +165,12 @@ class FrontConvergence(_Record):
     )
     seeds: list[FrontSeed] = Field(description="The populations.")
     spread: dict[str, ObjectiveValue] = Field(
-        description="Difference of the seeds in each objective: in dB, else as a share of the best."
+        description="Difference of the best values of the seeds: in dB, otherwise relative to the "
+        "best."
     )
     gain: dict[str, ObjectiveValue] = Field(
-        description="What the polish at the end gained in each objective, in its unit."
+        description="Improvement of the best value of each objective by the final polish, in its "
+        "unit."
     )
     reference: dict[str, ObjectiveValue] = Field(
         description="The reference point of the hypervolume."

@@ -1,9 +1,9 @@
 """Improvement of candidates by exact gradients, under the constraints.
 
-A descent repeats short runs of SLSQP in a box around the best point so far, and then evaluates
-points between the two ends of each run, which costs little. The box shrinks where the
-linearizations are poor. Kinks, such as those of the least of several distances, are met by keeping
-linearizations of earlier points as further constraints.
+A descent repeats short runs of SLSQP in a box around the best point so far. After each run it
+evaluates points between the start and the end of the run, because an evaluation costs much less
+than a gradient. The box shrinks where the linearizations are poor. For objectives with kinks, such
+as the least of several distances, linearizations at earlier points are kept as constraints.
 """
 
 from collections.abc import Iterator
@@ -37,7 +37,7 @@ _ALIKE = 1e-3  # of the scale of the costs, within which two ends agree
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Improved:
-    """Candidates that descents ended at, with their ordinary evaluation.
+    """The final candidates of the descents, with their evaluation without gradients.
 
     Attributes
     ----------
@@ -57,19 +57,20 @@ def improved(
 ) -> Improved:
     """Candidates that are better than the given ones, or nearer to meeting the constraints.
 
-    Each objective is minimized alone, first from its best candidate, then from others along the
-    front and far apart in the parameters, until three ends agree. In turn with these, the sum of
-    the scaled costs is minimized from the knee and from members along the front while no cost
-    rises (Benson, 1978). If no candidate is feasible, the sum of the violations is minimized.
+    Each objective is minimized alone, first from its best candidate, then from candidates along the
+    front and candidates with distant parameters, until three descents reach the same value.
+    Alternating with these descents, the sum of the scaled costs is minimized from the knee and from
+    members along the front, under the constraint that no cost rises (Benson, 1978). If no candidate
+    is feasible, the sum of the violations is minimized.
 
     Parameters
     ----------
     problem
-        With gradients. Integer parameters keep their values.
+        A problem with gradients. Integer parameters keep their values.
     values, found
         Evaluated candidates, at least one.
     most
-        Number of gradients after which no other descent begins.
+        Number of gradients after which no further descent begins.
     """
     costs, misses = problem.costs(found.objectives), misses_of(problem, found)
     count = len(problem.objectives)
@@ -115,7 +116,7 @@ def _tasks(
     costs: Float[Array, "m q"],
     misses: Float[Array, " m"],
 ) -> Iterator[tuple[int, int | None]]:
-    """Start of each descent in its order, and the one objective it minimizes; ``None`` for all."""
+    """Start of each descent, in order, and the objective that it minimizes; ``None`` for all."""
     count = len(problem.objectives)
     share = (values - problem.low) / (problem.high - problem.low)
     feasible = np.flatnonzero(misses == 0)
@@ -186,7 +187,7 @@ class _Descent:
         self._seen: dict[bytes, _Linear] = {}
 
     def end(self) -> Float[Array, " d"]:
-        """The best point that was found; that of the start if there is no better one."""
+        """The best point that was found; the start if no better point was found."""
         free, low = self._free, self._problem.low[self._free]
         if not free.any():
             return self._start

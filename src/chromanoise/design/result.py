@@ -101,7 +101,7 @@ class Design(Result):
             sentences.append(tolerances_sentence(self.members, self._beside, self.beside_name))
         else:
             sentences.append(
-                "The design gives no tolerances, so the extremes are those of exact parameters."
+                "The design has no tolerances, so the extremes hold for exact parameters only."
             )
         sentences += convergence_sentences(self.search.result, names)
         return tuple(sentences)

@@ -56,12 +56,14 @@ class SearchSettings:
     population
         Candidates per generation.
     seed
-        Of the random numbers of the first population; the others have the following ones.
+        Seed of the random numbers of the first population; the other populations have the
+        following integers.
     seeds
-        Independent populations that share the budget. Their agreement measures the convergence.
+        Number of independent populations, which share the budget. Their agreement measures the
+        convergence.
     polish
         Whether candidates are improved by gradients during and after the search. Gradients are
-        counted apart from the budget. ``None``: if the problem has gradients.
+        not part of the budget. ``None`` improves them if the problem has gradients.
 
     Raises
     ------
@@ -132,8 +134,8 @@ class Milestone:
     evaluations
         Evaluated candidates.
     hypervolume
-        Share of the box from the best values of the final front to the reference point that the
-        front dominates, 0 to 1; of at most 64 members. ``None`` for one objective.
+        Share that the front (at most 64 members of it) dominates of the box between the best values
+        of the final front and the reference point, 0 to 1. ``None`` for one objective.
     best
         Best value of each objective.
     """
@@ -157,13 +159,13 @@ class Convergence:
     seeds
         Seed of each population.
     best
-        Best value of each objective by each population alone, polish included; infinite on the bad
-        side where it has no feasible candidate.
+        Best value of each objective in each population, polish included. If a population has no
+        feasible candidate, the value is infinite with the sign of a bad value.
     gain
-        By how much the polish at the end improved the best value of each objective, >= 0; NaN if
-        there was none.
+        Improvement of the best value of each objective by the final polish, >= 0; NaN if there was
+        no polish.
     failures
-        What ended a polish early, each as one sentence.
+        Errors that ended a polish early, each as one sentence.
     """
 
     milestones: tuple[Milestone, ...]
@@ -317,9 +319,9 @@ def searched_front(
 
 
 class _Populations:
-    """The independent populations of a search, and what is recorded of each.
+    """The independent populations of a search, and the records of each.
 
-    All of it is in `state`, so that a resumed search continues with the same digits.
+    `state` holds all of them, so that a resumed search continues with the same digits.
     """
 
     def __init__(self, problem: Problem, settings: SearchSettings) -> None:
@@ -351,21 +353,21 @@ class _Populations:
         self._best[turn] = np.minimum(self._best[turn], costs.min(axis=0, initial=np.inf))
 
     def remember(self, evaluations: int, archive: Archive) -> None:
-        """Keep some of the front, for its hypervolume."""
+        """Store at most 64 members of the front, for the hypervolume."""
         costs = self._problem.costs(archive.objectives)
         self._fronts[evaluations] = costs[thinned(costs, _OF_HISTORY)]
 
     def polish(self, turn: int, own: int, archive: Archive, *, least: int = 0) -> Archive:
-        """The archive with improved candidates, which join the population too.
+        """The archive with improved candidates, which also join the population.
 
         Parameters
         ----------
         turn, own
-            The population, and how many generations it has had.
+            Index of the population, and its number of generations.
         archive
             The front so far.
         least
-            Fewest gradients per objective.
+            Number of gradients per objective that are allowed in any case.
         """
         problem, objectives = self._problem, len(self._problem.objectives)
         share = own * self._settings.population // _EVALUATIONS_PER_GRADIENT
@@ -391,7 +393,7 @@ class _Populations:
         return archive.joined(problem, better.values, better.found)
 
     def effort(self, now: Checkpoint) -> str:
-        """How was searched, in words."""
+        """Number of seeds and gradients of the search, in words."""
         count = min(len(self.seeds), now.generation)
         seeds = f"seed {self.seeds[0]}" if count == 1 else f"{count} seeds"
         steps = int(self.gradients.sum())
@@ -400,7 +402,7 @@ class _Populations:
     def convergence(
         self, now: Checkpoint, archive: Archive, gain: Float[Array, " q"]
     ) -> Convergence:
-        """Of the finished search."""
+        """The convergence of the finished search."""
         problem = self._problem
         final = problem.costs(archive.objectives)
         low, high = final.min(axis=0), final.max(axis=0)

@@ -15,7 +15,8 @@ _TIMES = 1.5  # ratio from which a multiple is printed, not a percentage
 AGREEING_DB, AGREEING_SHARE = 0.05, 0.01
 """Differences of the extremes of several seeds up to which a search counts as converged."""
 STILL_RISING = 0.02
-"""Rise of the hypervolume in the second half of the evaluations, up to which it counts so."""
+"""Relative rise of the hypervolume in the second half of the evaluations, up to which a search
+counts as converged."""
 _ALIKE = 0.005  # relative difference below which no percentage is printed
 
 
@@ -87,16 +88,16 @@ def tolerance_sentence(member: Member, beside: Mapping[str, float], which: str) 
 def tolerances_sentence(
     members: Sequence[Member], beside: Sequence[Mapping[str, float]], which: str
 ) -> str:
-    """The extremes of a front by the objectives that its search did not take.
+    """The extremes of a front in the ``nominal`` or ``robust`` values not used by its search.
 
     Parameters
     ----------
     members
-        Of a front.
+        Members of a front.
     beside
-        The ``nominal`` or ``robust`` objectives of each, by name.
+        The ``nominal`` or ``robust`` objectives of each member, by name.
     which
-        What ``beside`` holds.
+        ``nominal`` or ``robust``.
     """
     parts = []
     for name in members[0].objectives:
@@ -106,16 +107,16 @@ def tolerances_sentence(
         shown = _shown(value, objective) if np.isfinite(value) else "undefined"
         parts.append(f"the {_best(objective)} is {shown} ({members[best].name})")
     words = "Within the tolerances" if which == "robust" else "With exact parameters"
-    return f"{words} {', '.join(parts)}."
+    return f"{words}, {', '.join(parts)}."
 
 
 def best_of(objective: Objective, values: Sequence[float]) -> int:
-    """Index of the best value of an objective; of equal ones the first."""
+    """Index of the best value of an objective; of equal values the first one."""
     return int(np.argmax(values) if objective.better == "higher" else np.argmin(values))
 
 
 def spread_of(objective: Objective, values: Sequence[float]) -> float:
-    """Difference of several best values: in dB, otherwise as a share of the best one.
+    """Largest minus smallest of several best values: in dB, otherwise relative to the best one.
 
     Examples
     --------
@@ -143,7 +144,7 @@ def rise_of(result: SearchResult) -> float | None:
 
 
 def has_converged(result: SearchResult, objectives: Sequence[str]) -> bool | None:
-    """Whether the seeds agree and the hypervolume hardly rises; ``None`` for one seed."""
+    """Whether the seeds agree and the hypervolume rises by at most 2 %; ``None`` for one seed."""
     best = result.convergence.best
     if len(best) < 2:
         return None
@@ -160,14 +161,14 @@ def _agreeing(objective: Objective) -> float:
 
 
 def convergence_sentences(result: SearchResult, objectives: Sequence[str]) -> list[str]:
-    """How was searched, whether the search has converged, and what to do if not.
+    """Sentences on the effort of a search, its convergence, and what to do if not converged.
 
     Parameters
     ----------
     result
-        Of the search.
+        Result of the search.
     objectives
-        Their names.
+        Names of its objectives.
     """
     own, count = result.convergence, len(result.convergence.seeds)
     polish = f", {result.gradient_evaluations} gradients" if result.gradient_evaluations else ""
@@ -175,7 +176,7 @@ def convergence_sentences(result: SearchResult, objectives: Sequence[str]) -> li
     converged = has_converged(result, objectives)
     if converged is None:
         sentences = [
-            f"Whether the search has converged is not known ({effort}): take design.seeds of 3."
+            f"Whether the search has converged is not known ({effort}): set design.seeds = 3."
         ]
     else:
         differences = []
@@ -188,7 +189,9 @@ def convergence_sentences(result: SearchResult, objectives: Sequence[str]) -> li
             )
         rise = rise_of(result)
         shown = (
-            "" if rise is None else f"; the hypervolume rose by {_rising(rise)} in the last half"
+            ""
+            if rise is None
+            else f"; the hypervolume rose by {_rising(rise)} in the last half of the evaluations"
         )
         verdict = (
             "The search has converged"
@@ -196,20 +199,20 @@ def convergence_sentences(result: SearchResult, objectives: Sequence[str]) -> li
             else "The search has not converged; raise design.budget"
         )
         sentences = [
-            f"{verdict} ({effort}): the extremes of the seeds differ by "
+            f"{verdict} ({effort}): the best values of the seeds differ by "
             f"{', '.join(differences)}{shown}."
         ]
     if result.undefined:
         sentences.append(
             f"{result.undefined} of {result.evaluations} sensors count as infeasible, because an "
-            "objective is undefined: a channel has no signal, or saturates."
+            "objective is undefined: a channel has no signal or is saturated."
         )
     sentences += [f"The polish ended early: {one}." for one in own.failures]
     return sentences
 
 
 def _rising(rise: float) -> str:
-    return f"{100 * rise:.2g} %" if np.isfinite(rise) else "all its value"
+    return f"{100 * rise:.2g} %" if np.isfinite(rise) else "its whole value, from 0"
 
 
 def beats(member: Mapping[str, float], other: Mapping[str, float], names: Sequence[str]) -> bool:

@@ -553,8 +553,8 @@ class DesignSpace:
         mixing = self._crosstalk_of(row, shares)
         if mixing is not None and mixing.deviations is not None:
             notes.append(
-                "pixels of one channel have different neighbors; the objectives of the search "
-                "leave out the fixed pattern that crosstalk makes"
+                "pixels of one channel have different neighbors, so crosstalk makes a fixed "
+                "pattern, which the objectives of the search do not include"
             )
         return tuple(notes)
 

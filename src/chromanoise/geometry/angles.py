@@ -82,7 +82,7 @@ class NearestMix:
     explained
         cos^2 of that angle: the share of the channel that the linear combination reproduces.
     metric
-        The metric of the frame, on which weights and angle depend.
+        The metric of the frame; weights and angle depend on it.
     """
 
     channel: str

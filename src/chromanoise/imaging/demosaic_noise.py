@@ -185,7 +185,7 @@ def flat_field_means(
     mean_e
         Expected electrons per channel. [e-]
     sensor
-        The sensor, whose crosstalk may bring other light to some places of a channel.
+        The sensor; with its crosstalk, different places of a channel may receive different light.
     """
     tile, crosstalk = channel_tile(bank.mosaic, bank.names), sensor.crosstalk
     pattern = crosstalk_pattern(crosstalk)

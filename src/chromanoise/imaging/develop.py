@@ -151,9 +151,9 @@ def developed_color(
 
     Notes
     -----
-    C K D K^T C^T with the diagonal D of `with_noise` and K the filters. The pattern of crosstalk is
-    in the means of the places, not in D. Nothing is clipped at black or full well. Row noise, which
-    correlates neighbors, counts as independent. Crosstalk after counting is that of its kernel
+    C K D K^T C^T with the diagonal D of `with_noise` and the filters K. The pattern of crosstalk is
+    part of the means of the places, not of D. Clipping is neglected. Row noise, which correlates
+    neighbors, is treated as independent. Crosstalk after counting is computed from its kernel
     (`flat_field_noise`).
     """
     sensor = replace(operating_point.sensor, converter=Converter(**asdict(adc)))

@@ -89,7 +89,7 @@ def demand_well(operating_point: OperatingPoint, draw: Draw) -> None:
 
 
 def _most_e(operating_point: OperatingPoint, draw: Draw) -> float:
-    """Full well minus dark electrons, read with the error of the black level."""
+    """Largest reading: full well minus dark electrons, plus the error of the black level. [e-]"""
     offset = float(draw.black_error_e) - float(draw.dark_e)
     return operating_point.sensor.pixel.full_well_e + offset
 

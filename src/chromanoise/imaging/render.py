@@ -472,8 +472,8 @@ def acquired(
         The converter; if ``None``, that of the sensor, by default 12 bits, top code at full well,
         black level 0.
     cube, operating_point, seed, frame, noisy, beyond, bad_pixels, work
-        As `rendered`. The noise of a pixel is that of its channel in `rendered`, except at further
-        places of a channel at which crosstalk before counting brings other light.
+        As `rendered`. The noise of a pixel is that of its channel in `rendered`, except where
+        crosstalk before counting makes places of one channel receive different light.
 
     Raises
     ------
@@ -590,8 +590,8 @@ def _at_places(
 ) -> tuple[OperatingPoint, Mosaic, Int[Array, " q"]]:
     """The operating point, the mosaic, and the channel that each of their channels is part of.
 
-    Where crosstalk before counting brings other light to some places of a channel, they have
-    channels of their own, behind those of the sensor.
+    If crosstalk before counting makes places of one channel receive different light, each kind of
+    place is a separate channel, after the channels of the sensor.
     """
     sensor = operating_point.sensor
     names, crosstalk, pure = sensor.names, sensor.crosstalk, without_crosstalk(sensor)

@@ -341,7 +341,7 @@ def _choice(source: str, lights: Mapping[str, str], used: str) -> tuple[str, ...
     verb = "is" if len(others) == 1 else "are"
     return (
         f"{source} has {len(lights)} matrices, each for another light: {used} ({lights[used]}) is "
-        f"used; {' and '.join(others)} {verb} not used, and nothing is interpolated for other "
+        f"used; {' and '.join(others)} {verb} not used; matrices are not interpolated for other "
         "lights",
     )
 

@@ -17,8 +17,8 @@ infrared     electrons from the infrared count as signal     they are noise with
 ============ =============================================== ==================================
 
 Dark current, quantization, row noise, DSNU, PRNU, crosstalk and the pattern of crosstalk are causes
-only where the sensor has them. The pattern, of a mosaic in which one channel has different
-neighbors, exists only while the cause crosstalk is on.
+only if the sensor has them. The pattern exists in a mosaic in which pixels of one channel have
+different neighbors, and only together with the cause crosstalk.
 
 For L*, a* and b*, where the signal is a change of the color, see `chromanoise.metrics.lab_budget`.
 """

@@ -102,8 +102,8 @@ class Seen:
     sought_e
         The signal for which the best linear readout is optimized. [e-]
     is_change
-        Whether signals are a change of the electrons, of which coarse rounding shows its slope;
-        otherwise they are electrons, of which it shows the rounded mean.
+        Whether signals are changes of the electrons, which coarse rounding multiplies by the slope
+        of the rounded mean. Otherwise signals are electrons, which it replaces by the rounded mean.
     """
 
     signal_e: Float[Array, " p"]
@@ -164,7 +164,7 @@ class Chain:
 
 
 def rounded_share(seen: Seen, noise: NoiseSources) -> Float[Array, " p"]:
-    """Share of the signal of each channel that is left after rounding; 1 for a fine step. [1]
+    """Ratio of the signal of each channel after rounding to that before; 1 for a fine step. [1]
 
     Parameters
     ----------
@@ -422,8 +422,8 @@ def shared_readings(
         before_e2 = float((variance - sources[QUANTIZATION]).mean())
         after_e2 = float(chain.noise.rounded(all_e)[1].mean())
         more[QUANTIZATION] = (
-            f"the step of {chain.noise.step_e:.3g} e- changes the noise from {before_e2**0.5:.3g} "
-            f"to {after_e2**0.5:.3g} e-, after all other noise"
+            f"rounding to steps of {chain.noise.step_e:.3g} e-, after all other noise is added, "
+            f"changes the rms noise from {before_e2**0.5:.3g} to {after_e2**0.5:.3g} e-"
         )
     unmixed = (
         f"unmixing multiplies {frame.names[worst]}'s own noise by {vif[worst]:.1f} (VIF), "

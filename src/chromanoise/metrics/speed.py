@@ -342,7 +342,7 @@ def _before_coupling(
 ) -> tuple[Array, NoiseSources]:
     """Rows and noise before crosstalk X that follows counting: r (X n) = (r X) n.
 
-    What the readout adds is not coupled: it is scaled to the weights of the rows r X.
+    The noise of the readout is not mixed by X: it is scaled to the weights of the rows r X.
     """
     mixed = rows @ coupling
     readout = noise.readout.floor_e2()

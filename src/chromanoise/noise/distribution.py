@@ -53,7 +53,7 @@ class ReadingDistribution:
 
 
 def few_electrons(mean_e: Float[Array, "*k"], noise: NoiseSources) -> Bool[Array, "*k"]:
-    """Whether one reading needs its whole distribution: a Gaussian is not enough.
+    """Whether one reading needs its exact distribution, because a Gaussian is too inaccurate.
 
     True up to 1000 electrons of light and dark, and up to `MOST_COUNTED_E` where the step of the
     converter exceeds the noise, with at most 100 electrons of noise that is not counted.
@@ -149,7 +149,7 @@ def channel_distribution(
 ) -> ReadingDistribution:
     """`reading_distribution` of one channel at ``k`` lights.
 
-    With a pattern of crosstalk it is the mean of the distributions at the places of the channel.
+    With a pattern of crosstalk, the mean of the distributions at the places of the channel.
 
     Parameters
     ----------

@@ -53,7 +53,7 @@ def sensor_moments(mean_e: Float[Array, "*px p"], noise: NoiseSources, readout: 
 def counted_readout(
     mean_e: Float[Array, "*px p"], noise: NoiseSources, readout: Readout
 ) -> tuple[Float[Array, "*px p"], Readout]:
-    """Electrons of light and dark that a pixel counts, and the readout that gives its codes. [e-]
+    """Expected light and dark electrons that a pixel counts, and the readout of its codes. [e-]
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ def counted_readout(
 def clipping_readout(sensor: Sensor, exposure: Exposure | None = None) -> Readout:
     """Bounds of the sensor's values: black level, and full well or the top code.
 
-    With a converter, values at full well are rounded to its codes too.
+    With a converter, the value at full well is also rounded to a code.
 
     Parameters
     ----------

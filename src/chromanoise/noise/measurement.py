@@ -32,8 +32,9 @@ class Measurement:
         Metric of the space of spectra, where the coordinates depend on it; ``None`` for raw
         electrons.
     reading_variance
-        Variance of one reading in ``unit`` squared, where it is not the diagonal of the covariance:
-        one pixel of a mosaic with crosstalk after counting (`chromanoise.noise.with_noise`).
+        Variance of one reading in ``unit`` squared, if it differs from the diagonal of the
+        covariance: for one pixel of a mosaic with crosstalk after counting
+        (`chromanoise.noise.with_noise`).
 
     Raises
     ------

@@ -97,11 +97,12 @@ def code_count(mean_e: float, noise: NoiseSources) -> int:
     mean_e
         Expected electrons of the light. [e-]
     noise
-        Of one reading, or of a sum of readings, of which it is the number of codes of one.
+        Noise sources of one reading, or of a sum of readings. For a sum, the result is the number
+        of codes of one of its readings.
 
     Examples
     --------
-    Fifty steps of the noise are 3.29 of them to either side.
+    The range of 99.9 % is 3.29 standard deviations to each side: 2 * 3.29 * 50 / 5 = 66 steps.
 
     >>> code_count(0.0, NoiseSources(read_noise_e=50.0, step_e=5.0))
     67

@@ -25,8 +25,9 @@ _MOST_SUMMED_E = 1e8  # with more electrons a sum over counts takes seconds
 class Readout:
     """The values that a channel can have after readout: those of the codes, in electrons.
 
-    A value is clip(round(counted electrons + offset + noise)): bounds and steps are those of the
-    values after the offset. The black level of a converter is a whole code, so it moves no step.
+    A value is clip(round(counted electrons + offset + noise)), so bounds and steps refer to values
+    that include the offset. The black level of a converter is a whole code, so it does not shift
+    the steps.
 
     Attributes
     ----------
@@ -120,10 +121,10 @@ def read_moments(
 
     Notes
     -----
-    A sum over counts of the moments of the censored normal distribution; the omitted probability is
-    below 1e-17. Where the probability of clipping is below this, no sum is needed: the moments are
-    M + offset and M + s^2, plus step^2 / 12 where s is at least 1.5 steps (Widrow & Kollar,
-    *Quantization Noise* (2008), section 4). Where every value is clipped, the variance is 0.
+    The result is a sum over counts of the moments of the censored normal distribution; the omitted
+    probability is below 1e-17. If the probability of clipping is smaller, no sum is needed: the
+    mean is M + offset and the variance M + s^2, plus step^2 / 12 if s is at least 1.5 steps (Widrow
+    & Kollar, *Quantization Noise* (2008), section 4). If every value is clipped, the variance is 0.
 
     Examples
     --------
@@ -203,7 +204,7 @@ def additive_rounding_fails(
     read_noise_e: Float[Array, "*px p"],
     step_e: float,
 ) -> Bool[Array, "*px p"]:
-    """Where step^2 / 12 of variance, and no bias, are not what rounding adds.
+    """Where the effect of rounding is not just a variance of step^2 / 12 without bias.
 
     True where the neglected terms exceed a millionth of the variance, or of the mean.
 
@@ -222,8 +223,9 @@ def additive_rounding_fails(
     -----
     The k-th neglected term has the size |phi(2 pi k / step)| of the characteristic function of the
     unrounded reading, exp(-M (1 - cos u) - s^2 u^2 / 2): about exp(-2 pi^2 sigma^2 / step^2) for
-    k = 1 and a coarse step. The others that count are near whole multiples of the step, where
-    single electrons are not smoothed. Widrow & Kollar, *Quantization Noise* (2008), chapters 4, 5.
+    k = 1 and a coarse step. Of the other terms only those with k near whole multiples of the step
+    matter, because the noise does not smooth single electrons. Widrow & Kollar, *Quantization
+    Noise* (2008), chapters 4, 5.
 
     Examples
     --------
@@ -254,7 +256,7 @@ def additive_rounding_fails(
 def largest_code_share(
     mean_e: Float[Array, " m"], *, read_noise_e: Float[Array, " m"], readout: Readout
 ) -> Float[Array, " m"]:
-    """Share of the readings that are the most frequent code, at steps far above the noise. [1]
+    """Share of the readings that have the most frequent code, for steps far above the noise. [1]
 
     Parameters
     ----------

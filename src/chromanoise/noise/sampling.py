@@ -21,8 +21,9 @@ def sample_electrons(
 ) -> Float[Array, "*px p"]:
     """One noisy acquisition of every entry, unclipped: may be below 0 or above full well. [e-]
 
-    Each entry is another pixel, with its own PRNU, DSNU and row. Where crosstalk before counting
-    makes a pattern, it lies at a random place of the mosaic; crosstalk after counting is not drawn.
+    Each entry is a separate pixel, with independent PRNU, DSNU and row noise. If crosstalk before
+    counting makes a fixed pattern, each pixel has a random place of the mosaic. Crosstalk after
+    counting is not drawn.
 
     Parameters
     ----------

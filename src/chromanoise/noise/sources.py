@@ -60,17 +60,19 @@ DSNU, PRNU, PATTERN = "DSNU", "PRNU", "crosstalk pattern"
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class CrosstalkPattern:
-    """Means of the places of a mosaic minus those of their channels: the same in every frame.
+    """Fixed pattern of crosstalk: mean of each place of a mosaic minus the mean of its channel.
 
     Attributes
     ----------
     shares
-        Electrons of each place above the mean of its channel, per electron of each channel: read
-        electrons before counting, counted electrons after it. [1]
+        Electrons of each place minus the mean of its channel, per electron of each channel: per
+        electron read for crosstalk before counting, per electron counted for crosstalk after it.
+        [1]
     channel
         Channel of each place.
     counted
-        Whether the places count different light; otherwise equal counts are mixed differently.
+        Whether the places count different numbers of electrons (crosstalk before counting);
+        otherwise equal counts are mixed differently (crosstalk after counting).
     """
 
     shares: Float[Array, "k p"]
@@ -107,10 +109,10 @@ class CrosstalkPattern:
 
 @lru_cache(maxsize=64)  # of crosstalk that many analyses share
 def crosstalk_pattern(crosstalk: Crosstalk | None) -> CrosstalkPattern | None:
-    """The pattern between the places of a mosaic; ``None`` where all of a channel are equal.
+    """The fixed pattern of crosstalk; ``None`` if all places of each channel have equal shares.
 
-    Also without a mosaic, and where crosstalk before counting cannot be inverted, so that the
-    light of the neighbors is unknown.
+    Also ``None`` without a mosaic, and if crosstalk before counting cannot be inverted, because the
+    light of the neighbors is then unknown.
 
     Parameters
     ----------
@@ -214,7 +216,7 @@ class NoiseSources:
         }
 
     def pattern_e2(self, mean_e: Float[Array, "*px p"]) -> Float[Array, "*px p"]:
-        """Variance of the pattern of crosstalk; of all channels together, if there is any. [e-^2]
+        """Variance of the pattern of crosstalk per channel; 0 without a pattern. [e-^2]
 
         Parameters
         ----------
@@ -234,7 +236,8 @@ class NoiseSources:
     def after_counting_e2(
         self, counted_e: Float[Array, "*px p"], kind: NoiseKind = "total"
     ) -> Float[Array, "*px p"] | float:
-        """The part of `variance_e2` that crosstalk after counting does not mix: readout, pattern.
+        """The part of `variance_e2` that crosstalk after counting does not mix: readout and
+        pattern. [e-^2]
 
         Parameters
         ----------
@@ -260,7 +263,7 @@ class NoiseSources:
     ) -> Float[Array, "*px p"]:
         """Variance of one reading across a flat field, or only its temporal part. [e-^2]
 
-        That of the linear model, with step^2 / 12 for rounding; see `rounded`.
+        The variance of the linear model, with step^2 / 12 for rounding; see `rounded`.
 
         Parameters
         ----------
@@ -279,7 +282,7 @@ class NoiseSources:
         return variance + self._fixed_e2(mean) if kind == "total" else variance
 
     def _fixed_e2(self, mean: Float[Array, "*px p"]) -> Float[Array, "*px p"] | float:
-        """The fixed pattern that grows with the light: PRNU and crosstalk between places."""
+        """Variance of the fixed patterns that grow with the light: PRNU and crosstalk. [e-^2]"""
         own = self._prnu_e2(mean) if self.prnu else 0.0
         return own if self.pattern is None else own + self.pattern_e2(mean)
 
@@ -297,7 +300,7 @@ class NoiseSources:
         return constant + self._fixed_e2(np.asarray(mean_e))
 
     def rounding_is_coarse(self, mean_e: Float[Array, "*px p"]) -> Bool[Array, "*px p"]:
-        """Where step^2 / 12 is not what rounding adds, because the step exceeds the noise.
+        """Where rounding does not add the variance step^2 / 12, because the step exceeds the noise.
 
         Parameters
         ----------
@@ -318,8 +321,9 @@ class NoiseSources:
     ) -> tuple[Float[Array, "*px p"], Float[Array, "*px p"]]:
         """Bias and variance of one reading, rounding included. [e-, e-^2]
 
-        The bias is that of rounding alone; the error of the black level is not part of it. Where
-        `rounding_is_coarse` both are exact; elsewhere they are 0 and `variance_e2`.
+        The bias is that of rounding only, without the error of the black level. Where
+        `rounding_is_coarse` is true, both are exact; elsewhere the bias is 0 and the variance is
+        `variance_e2`.
 
         Parameters
         ----------
@@ -328,7 +332,7 @@ class NoiseSources:
 
         Examples
         --------
-        With 100 e- per code nearly all readings are 0, whose variance is far below 100^2 / 12.
+        With 100 e- per code nearly all readings are 0, so the variance is far below 100^2 / 12.
 
         >>> bias, variance = NoiseSources(read_noise_e=10.0, step_e=100.0).rounded(np.array([20.0]))
         >>> bias.round(2), variance.round(1)
@@ -347,7 +351,7 @@ class NoiseSources:
         return bias, variance
 
     def gives_one_code(self, mean_e: Float[Array, "*px p"]) -> Bool[Array, "*px p"]:
-        """Where more than 99.9 % of the readings are one code, so that their noise is not seen.
+        """Where more than 99.9 % of the readings are the same code, so that they show no noise.
 
         Parameters
         ----------
@@ -371,7 +375,7 @@ class NoiseSources:
     def of_one_reading(
         self, mean_e: Float[Array, "*px p"]
     ) -> tuple[Float[Array, "*px p"], Readout, Float[Array, "*px p"]]:
-        """Light, codes and added noise of each of the readings that are summed. [e-]
+        """Expected electrons, readout and added noise of each reading of a sum of readings. [e-]
 
         Parameters
         ----------
@@ -503,8 +507,8 @@ def with_noise(
 ) -> Measurement:
     """The raw measurement: expected electrons and covariance, without clipping as in the paper.
 
-    Where the step of the converter exceeds the noise, the mean has the bias of rounding, and mean
-    and variance are exact (`NoiseSources.rounded`).
+    Where the step of the converter exceeds the noise, the mean includes the bias of rounding, and
+    mean and variance are exact (`NoiseSources.rounded`).
 
     Parameters
     ----------
@@ -515,8 +519,8 @@ def with_noise(
     kind
         ``total``, or ``temporal`` without DSNU, PRNU and the pattern of crosstalk.
     linear
-        Whether rounding adds step^2 / 12 also where the step exceeds the noise, for values that
-        are defined by this model: dynamic ranges and noise profiles.
+        Whether to use the variance step^2 / 12 for rounding also where the step exceeds the noise.
+        For values that this model defines: dynamic ranges and noise profiles.
 
     Raises
     ------
@@ -527,9 +531,10 @@ def with_noise(
     -----
     With crosstalk X after counting, ``mean_e`` is X M and the covariance X D(M) X^T + R, with the
     variances R that X does not mix: read noise, quantization, row noise, the pattern of crosstalk.
-    This is the noise of a pixel that has all channels, and in a mosaic that of areas of many
-    pixels. One pixel of a mosaic collects from several neighbors whose noise is independent, so
-    that less of it is left: ``reading_variance`` is S D + R, S the squared shares.
+    This is the covariance of a pixel that has all channels, and of averages over areas of many
+    pixels of a mosaic. A single pixel of a mosaic receives electrons from several neighbors whose
+    noise is independent, so its variance is smaller: ``reading_variance`` is S D + R, with the
+    squared shares S.
     """
     noise, coupling = noise_sources(sensor, exposure), after_counting(sensor.crosstalk)
     counted, reading = counted_electrons(mean_e, coupling), None
@@ -663,8 +668,8 @@ def one_code(
 ) -> Bool[Array, "*px p"]:
     """True where practically every reading is the same code, so that the SNR is undefined.
 
-    Channels with less than a thousandth of the electrons of the strongest one are not: the code
-    of no light is right for them.
+    False for channels with less than a thousandth of the electrons of the strongest channel: for
+    them, the code without light is the correct reading.
 
     Parameters
     ----------

@@ -48,7 +48,7 @@ class _Server:
         Raises
         ------
         ClientDisconnect
-            If the client has gone; the job is then stopped.
+            If the client has disconnected; the job is then stopped.
         """
         work = asyncio.ensure_future(self.workers.done(name, *given, kept=self.uploads.held()))
         gone = asyncio.ensure_future(_disconnected(request))

@@ -154,7 +154,7 @@ class _Queue:
         task.add_done_callback(self._left)
         try:
             return await asyncio.shield(task)
-        except asyncio.CancelledError:  # nobody waits for it any more
+        except asyncio.CancelledError:  # the client has disconnected
             task.cancel()  # if it has not begun
             loop.call_later(ABANDONED_S, turn.stop)
             raise

@@ -122,7 +122,7 @@ class ReorderedRows:
     source
         The source.
     order
-        The stored band of each band.
+        For each band, the index of the stored band.
     """
 
     source: RowSource

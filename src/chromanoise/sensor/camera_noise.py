@@ -72,8 +72,8 @@ class CameraNoise:
         Shapes of the Tukey lambda distribution of the read noise, one of which is used per item;
         empty for normal read noise. The variance is ``read_noise_e`` squared for every shape. [1]
     read_noise_law, row_noise_law, dsnu_law
-        Noise in DN as a function of the gain. Without the first, a camera has only its own ISO;
-        without the others, row noise and DSNU in electrons are the same at each gain.
+        Noise in DN as a function of the gain. Without ``read_noise_law``, a camera has only one
+        ISO setting; without the others, row noise and DSNU in electrons are equal at all gains.
     gain_range_dn_per_e
         Lowest and highest gain drawn for an item; ``None`` if items use that at ``iso``. [DN/e-]
     black_offsets_dn

@@ -29,7 +29,7 @@ _EQUAL = "name the mosaic if the channels have different numbers of pixels"
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Places:
-    """What each place of a mosaic receives: the pixels of one period with their neighbors.
+    """Shares of the channels that each place of one period of a mosaic receives.
 
     Attributes
     ----------
@@ -136,10 +136,10 @@ class Crosstalk:
 
     @property
     def squares(self) -> Float[Array, "p p"]:
-        """Squared shares: what independent noise of each channel adds to that of a reading. [1]
+        """Squared shares: factors from the noise variance of each channel to that of a reading. [1]
 
-        Of the single neighbors, averaged over the places of each channel (rows); X squared where
-        only the matrix is known.
+        Sums of the squared shares of the single neighbors, averaged over the places of each channel
+        (rows). If only the matrix is known, the squares of its entries.
         """
         if self.places is None:
             return self.matrix**2

@@ -77,7 +77,7 @@ MOSAIC_NAMES = tuple(_NAMED)
 
 
 def mosaic_named(text: str) -> Mosaic:
-    """A mosaic by name or by pattern: rows between slashes or semicolons, channels between spaces.
+    """A mosaic by name or pattern: slashes or semicolons separate rows, spaces separate channels.
 
     If no row contains a space, each letter is a channel.
 
@@ -131,12 +131,12 @@ def mosaic_named(text: str) -> Mosaic:
 def with_channel_names(mosaic: Mosaic, names: Sequence[str]) -> Mosaic:
     """A mosaic whose single letters are replaced by the channels whose names begin with them.
 
-    A letter that is a channel itself, or begins several names or none, stays as it is.
+    A letter stays unchanged if it is itself a channel, or if several names or none begin with it.
 
     Parameters
     ----------
     mosaic
-        Of channels or letters.
+        A mosaic of channels or letters.
     names
         The channels of the sensor.
 

@@ -353,8 +353,8 @@ def _read_noise(
         limit = float(np.sqrt(highest - ROUNDING_DN2)) / gain
         notes.append(
             f"{source}: the variance at the black level is {variance:.3g} +- {np.sqrt(error2):.2g} "
-            f"DN^2, extrapolated from the lit rows, so the read noise of {limit:.3g} e- is an "
-            "upper limit"
+            f"DN^2, extrapolated from the rows with light, so the read noise of {limit:.3g} e- is "
+            "an upper limit"
         )
         return limit, None
     if variance < LEAST_DARK_DN2:

@@ -194,8 +194,8 @@ class TransferFit:
         Mean code at the largest variance, if the variance falls above it, and its electrons.
         [DN], [e-]
     saturation_capacity_e
-        mu_e.sat of EMVA 1288: QE times the photons of that row, where codes begin to be clipped;
-        without photons ``full_well_e``. [e-]
+        mu_e.sat of EMVA 1288: QE times the photons of the row with the largest variance, above
+        which codes are clipped; without photons, ``full_well_e``. [e-]
     fitted
         Which rows the line was fitted to; dark rows define its origin.
     residual_z

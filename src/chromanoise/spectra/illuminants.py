@@ -310,8 +310,8 @@ def illuminant_from(
     step = f"{grid.step_nm:g} nm"
     lines = (
         (
-            f"{spectrum.source}: {100 * narrow:.2g} % of its power is in lines narrower than "
-            f"{step}, which are averaged over {step}; their power is kept",
+            f"{spectrum.source}: {100 * narrow:.2g} % of its power is in lines narrower than the "
+            f"wavelength step of {step}; each line is averaged over a step, which keeps its power",
         )
         if narrow > _NOTED_IN_LINES
         else ()
@@ -327,9 +327,9 @@ def illuminant_from(
 def share_in_narrow_lines(spectrum: Spectra, grid: Grid) -> float:
     """The share of a curve's power on a grid that is in lines narrower than the grid's step.
 
-    It is what exceeds the morphological opening of the curve by an interval of one step: the
-    curve minus the highest value that stays below it over a whole step (white top-hat; Serra,
-    Image Analysis and Mathematical Morphology, 1982). It is 0 for a table as coarse as the grid.
+    The power in lines is the white top-hat of the curve: the curve minus its morphological opening
+    by an interval of one step (Serra, Image Analysis and Mathematical Morphology, 1982). The share
+    is 0 for a table with steps as wide as those of the grid.
 
     Parameters
     ----------

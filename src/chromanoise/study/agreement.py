@@ -30,9 +30,9 @@ class Agreement:
     place
         The folder in which the first run looked for its files, if it is another; else empty.
     relocated
-        Whether the records name that folder in two ways, as seen from their own folders.
+        Whether the two records have different relative paths to that folder.
     numerics
-        The entries on machine and libraries that differ.
+        Names of the entries on machine and libraries that differ.
     largest
         Largest relative difference of two numbers, ``|a - b| / max(|a|, |b|)``. [1]
     where

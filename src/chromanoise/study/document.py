@@ -314,8 +314,8 @@ class SensorPart(Part):
     mosaic: str | None = Field(
         None,
         description="Mosaic, for crosstalk, figures of merit and pictures of the sensor's mosaic: "
-        f"{', '.join(MOSAIC_NAMES)}, or rows as RG/GB or 'Red Yellow; Yellow Blue'; default: the "
-        "sensor's own.",
+        f"{', '.join(MOSAIC_NAMES)}, or rows, e.g. RG/GB or 'Red Yellow; Yellow Blue'; default: "
+        "that of the sensor.",
     )
     ircut_nm: Annotated[float, Field(ge=450, le=2000)] | None = Field(
         None, description="Edge of an added model IR-cut [nm]."

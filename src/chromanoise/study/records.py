@@ -66,7 +66,7 @@ def run_study(
 ) -> list[Path]:
     """Run all steps of a study; a stopped run continues with the missing results.
 
-    After an error the folder is as it was, as of `chromanoise._files.claimed_folder`.
+    After an error the folder is as it was before; see `chromanoise._files.claimed_folder`.
 
     Parameters
     ----------
@@ -233,10 +233,10 @@ def output_files(folder: Path) -> tuple[str, ...]:
 
 
 def _place_record(files: Iterable[str], folder: Path) -> dict[str, str]:
-    """The folder to which file names are relative, if any is, as seen from that of the results.
+    """Path from the results folder to the folder to which file names are relative, if any are.
 
-    If both folders share the root only, the path would name all folders of this machine down to the
-    project; then there is no entry.
+    If the two folders have only the root in common, this path would contain all folder names from
+    the root to the project, so no path is recorded.
     """
     here, results = Path.cwd().resolve(), folder.resolve()
     try:
@@ -254,9 +254,9 @@ def place_of_files(folder: Path, record: Mapping[str, Any]) -> Path | None:
     Parameters
     ----------
     folder
-        Of the results.
+        Folder of the results.
     record
-        The content of its ``study.json``. Version 0.2 wrote the whole path.
+        The content of its ``study.json``. Version 0.2 wrote an absolute path.
     """
     if "place" not in record:
         return None
@@ -426,7 +426,7 @@ def _made_by(file: Path, hash_: str) -> bool:
 
 
 def _pictures_of(file: Path) -> list[str]:
-    """The other files of the step whose result is in the file; none if it does not exist."""
+    """The other output files of the step of a result file; none if the file does not exist."""
     record = read_record(file) if file.exists() else {}
     written = record.get("written") if isinstance(record, dict) else None
     return list(written) if isinstance(written, dict) else []

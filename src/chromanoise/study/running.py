@@ -135,7 +135,7 @@ def run(
     ------
     InputError
         If a name is unknown, a file cannot be read, a result cannot be computed, or a picture would
-        replace a file that `run` did not write.
+        replace a file that this function did not write.
     """
     plan = run_plan(study, given=given, work=work)
     done: dict[str, StepResult] = {}

@@ -152,9 +152,10 @@ def _listed(path: Path) -> tuple[dict[str, Labeled], Mapping[str, Any]]:
             if depth > _DEEPEST or next(seen) > _MOST_THINGS:  # each is looked up from the root
                 raise InputError(
                     str(path),
-                    f"must hold at most {_MOST_THINGS} groups and arrays, {_DEEPEST} deep",
-                    found="holds more, or deeper ones",
-                    remedy="save the cube in a file of its own",
+                    f"must hold at most {_MOST_THINGS} groups and arrays, nested at most "
+                    f"{_DEEPEST} deep",
+                    found="holds more of them, or deeper ones",
+                    remedy="save the cube in a separate file",
                 )
             if isinstance(thing, dataset_type) and thing.shape is not None:
                 if isinstance(name, bytes):  # h5py cannot decode it

@@ -218,7 +218,7 @@ def _wavelengths(
 
 
 def _of_gdal(path: Path, text: str) -> dict[tuple[str, int | None], str]:
-    """The items of GDAL's tag by name or role, and by band; the band of all is None.
+    """The items of GDAL's tag by name or role, and by band; ``None`` means all bands.
 
     Notes
     -----

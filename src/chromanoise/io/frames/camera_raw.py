@@ -104,7 +104,7 @@ class _Raw:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Tiles:
-    """Puts the uncompressed tiles of a DNG together.
+    """Joins the uncompressed tiles of a DNG into one picture.
 
     LibRaw 0.22 reads wrong codes where a tile is larger than the picture.
 
@@ -115,7 +115,7 @@ class _Tiles:
     stored
         Rows and columns of all pixels.
     area
-        Of the visible ones: first row and column, and those after the last.
+        The visible pixels: first row, first column, row after the last, column after the last.
     """
 
     path: Path

@@ -237,7 +237,8 @@ def _of_word(path: Path, word: str, where: str, opened: _FramesOfFile) -> tuple[
     if len(wild) > _MOST_WILD or steps.count("**") > 1 or (wild and ".." in steps[wild[0] :]):
         raise InputError(  # the walk could visit a folder without bound
             str(path),
-            f"must have at most {_MOST_WILD} folders with a wildcard, one '**', and no '..' after",
+            f"must have at most {_MOST_WILD} folders with wildcards, at most one '**', and no '..' "
+            "after a wildcard",
             value=word,
             where=where,
             remedy="write the names of the folders",
@@ -383,7 +384,7 @@ def _with_black(
     ]
     if other is None:
         return found, ()
-    note = f"black level of {black:g} DN by {path.name}; {other.name} states "
+    note = f"the black level of {black:g} DN in {path.name} is used, although {other.name} states "
     return found, (f"{note}{other.black_level_dn:g} DN",)
 
 

@@ -55,9 +55,10 @@ def is_descriptor(path: Path) -> bool:
 def read_descriptor(path: Path) -> FrameSet:
     """The frames of an EMVA 1288 descriptor; times are in ns, names relative to its folder.
 
-    Two frames per line ``b`` or ``d`` are a temporal measurement, more a spatial one, from which
-    only fixed patterns are measured (`FrameLevel`), unless all series with light, or all darks, are
-    spatial. Darks are those with the same exposure time, and of the same kind if there are any.
+    A line ``b`` or ``d`` with two frames is a temporal measurement. A line with more frames is a
+    spatial one, which is used for fixed patterns only (`FrameLevel`), unless all lines with light,
+    or all lines of darks, are spatial. The darks of a level have the same exposure time, and are of
+    the same kind (temporal or spatial) if possible.
 
     Raises
     ------
@@ -100,7 +101,8 @@ def read_descriptor(path: Path) -> FrameSet:
     notes = [f"{lit} levels of light and {len(alone)} of darks only, by the descriptor {path.name}"]
     if spatial:
         notes.append(
-            f"{spatial} series of more than 2 frames for fixed patterns, not for photon transfer"
+            f"{spatial} series of more than 2 frames are used for fixed patterns, not for photon "
+            "transfer"
         )
     if without:
         notes.append(f"{without} levels have no darks of their exposure time")

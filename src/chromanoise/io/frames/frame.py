@@ -134,7 +134,7 @@ class FrameLevel:
     photons_per_pixel
         Mean number of photons on a pixel during the exposure. [1]
     spatial
-        Whether the frames measure the fixed patterns only: they are no level of the photon
+        Whether the frames are used for fixed patterns only: they are not a level of the photon
         transfer, and their light may have another calibration.
     """
 

@@ -36,8 +36,8 @@ def as_columns(rows: Sequence[Row]) -> tuple[Sequence[Row], tuple[str, ...]]:
 def with_plain_wavelengths(rows: Sequence[Row]) -> tuple[Sequence[Row], tuple[str, ...]]:
     """Rows such as ``380nm, 0.1`` or ``Spectral Data 380[nm], 0.1`` under a heading with the unit.
 
-    If the same wavelengths are listed again in other steps, those of the smaller steps are kept,
-    and a note says so.
+    If a spectrum is listed several times with different steps, the list with the most wavelengths
+    is kept, and a note says so.
 
     Examples
     --------
@@ -73,7 +73,9 @@ def _finest(rows: list[Row], at: Sequence[float | None]) -> tuple[list[Row], tup
     best = counts.index(max(counts))
     kept = [rows[i] for i in parts[best] if at[i] is not None]
     after = [rows[i] for i in parts[-1] if at[i] is None]
-    note = f"its spectrum is given {len(parts)} times: the one of {max(counts)} wavelengths is used"
+    note = (
+        f"the spectrum is listed {len(parts)} times: the list of {max(counts)} wavelengths is used"
+    )
     return [*kept, *after], (note,)
 
 

@@ -105,8 +105,8 @@ def sensor_questions(parsed: ParsedSpectra, answers: Answers) -> Iterator[Questi
     if reading is not None and len(names) > 1 and not answers.columns:
         yield Question(
             about="columns",
-            asks=f"it holds {', '.join(names[:8])}, and {reading!r} looks like a reading that "
-            "others are corrected with: which are the curves?",
+            asks=f"the file has the columns {', '.join(names[:8])}, and {reading!r} looks like a "
+            "reading for correcting the other columns: which columns are the curves?",
             settings=(Setting("columns"),),
         )
     if parsed.per is None and not _documented(parsed):

@@ -148,10 +148,10 @@ def _continues(row: Row, following: Row, comma: bool) -> bool:
 def _with_wavelengths_first(
     rows: Sequence[Row], comma: bool
 ) -> tuple[Sequence[Row], tuple[str, ...]]:
-    """Rows without the columns that are not curves, if then the wavelengths are first; and a note.
+    """Rows without columns that are not curves, if the wavelengths then come first; and a note.
 
-    Such are columns of words, row numbers and other axes, such as wavenumbers. They are recognized
-    only beside a column with the heading of wavelengths.
+    These are columns of words, row numbers and other axes, such as wavenumbers. They are recognized
+    only in a table with a column that has a heading of wavelengths.
     """
     for i, row in enumerate(rows):
         k = next((k for k, cell in enumerate(row.cells) if is_wavelength_heading(cell)), None)
@@ -210,7 +210,7 @@ def _without_words_after(
     text = next(cell for cell in first.cells if cell)
     count = len(body) - end
     what = f"1 {where}" if count == 1 else f"{count} {where}s"
-    note = f"{what} of text after the numbers not used, from {where} {first.number}: {text[:40]!r}"
+    note = f"text after the numbers is not used: {what}, from {where} {first.number}, {text[:40]!r}"
     return body[:end], (note,)
 
 
@@ -421,7 +421,7 @@ def _shared(
             name = f"{name} ({i})" if len(sweeps) > 1 else name
             missing += missing_notes(name, at, known, "empty cells")
             columns.append(Column(name=name, unit=unit, wavelength=at[known], values=values[known]))
-    listed = f"its wavelengths are listed {len(sweeps)} times: each list is a curve of its own"
+    listed = f"the wavelengths are listed {len(sweeps)} times: each list is a separate curve"
     return Found(
         **{
             **found,
@@ -438,7 +438,7 @@ def _sweeps(at: Array) -> list[slice]:
     """The rows of each list of wavelengths, where whole lists follow each other.
 
     A list is whole if it has 5 wavelengths or more in one direction and covers most of the range.
-    Overlapping spectrometers and single repeated wavelengths make no further list.
+    Overlapping ranges of two spectrometers and single repeated wavelengths do not start a new list.
     """
     steps = np.diff(at)
     falls = bool(np.median(np.sign(steps)) < 0) if steps.size else False

@@ -130,7 +130,7 @@ def state(folder):
 
 
 def of_others(names):
-    """Files of somebody else, with names like those of the outputs, in all other places."""
+    """Files not written by a run, with names like those of the outputs, in all other places."""
     plain = ["notes.txt", ".hidden", "a b.json", "sensors/mycamera.json", "sensors/front-01.txt"]
     plain += ["member-01.json", "knee.json", "sensors/.knee.json", f"deep/{OWN_FILES}", "deep/er/x"]
     records = {
@@ -151,7 +151,7 @@ def filled(folder, names):
     for i, name in enumerate(names):
         path = Path(folder) / name
         path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(f"of somebody else: {name}")
+        path.write_text(f"not written by a run: {name}")
         path.chmod((0o600, 0o644, 0o444, 0o750)[i % 4])
     (Path(folder) / "empty").mkdir()
     return state(folder)
@@ -166,7 +166,7 @@ def test_every_option_that_names_a_path_has_its_entry():
 
 
 @pytest.mark.parametrize(("name", "option"), cases(without=NEEDS_AN_EMPTY_FOLDER))
-def test_files_of_others_stay_through_a_first_a_second_and_a_resumed_run(
+def test_foreign_files_stay_through_a_first_a_second_and_a_resumed_run(
     ended, made_by, name, option
 ):
     made = made_by(name, option)
@@ -191,11 +191,11 @@ def test_a_folder_that_must_be_empty_is_refused_as_it_is(ended, name):
 def taken(path, kind):
     path.parent.mkdir(parents=True, exist_ok=True)
     if kind == "a file":
-        path.write_text("of somebody else")
+        path.write_text("not written by a run")
         path.chmod(0o600)
     elif kind == "a folder":
         path.mkdir()
-        (path / "mine.txt").write_text("of somebody else")
+        (path / "mine.txt").write_text("not written by a run")
     else:
         path.symlink_to("../elsewhere.txt" if kind == "a link" else "../nowhere")
 
@@ -203,12 +203,12 @@ def taken(path, kind):
 @pytest.mark.parametrize(("name", "option"), cases())
 def test_a_name_that_is_taken_is_refused_and_nothing_changes(ended, made_by, name, option):
     names = sorted(made_by(name, option))
-    Path("elsewhere.txt").write_text("of somebody else")
+    Path("elsewhere.txt").write_text("not written by a run")
     for number, kind in enumerate(KINDS):
         one = [*names, OWN_FILES][number * len(names) // (len(KINDS) - 1)]
         folder = Path(f"o{number}")
         taken(folder / one, kind)
-        (folder / "notes.txt").write_text("of somebody else")
+        (folder / "notes.txt").write_text("not written by a run")
         before = state(folder)
         code, err = ended(name, option, folder)
         after = state(folder)
@@ -216,7 +216,7 @@ def test_a_name_that_is_taken_is_refused_and_nothing_changes(ended, made_by, nam
             after = {key: value for key, value in after.items() if key not in KEPT}
         assert after == before, one
         assert (code, len(err.splitlines()[-1:])) == (2, 1), one
-        assert Path("elsewhere.txt").read_text() == "of somebody else"
+        assert Path("elsewhere.txt").read_text() == "not written by a run"
         assert not list(Path().glob(f".{folder}*"))
 
 
@@ -271,7 +271,7 @@ def test_a_search_of_which_only_record_and_checkpoint_were_copied_is_resumed(end
 
 @pytest.mark.evidence
 def test_the_default_report_replaces_no_file_that_the_user_did_not_name(run):
-    Path("report.html").write_text("of somebody else")
+    Path("report.html").write_text("not written by a run")
     before = state(".")
     assert run("report", "study.toml")[0] == 2
     assert state(".") == before
@@ -325,7 +325,7 @@ def test_a_lock_file_of_another_program_is_refused_and_stays(ended):
         for part in (0.0, 0.3, 0.8)
     ],
 )
-def test_files_of_others_stay_when_a_run_is_killed_and_goes_on(run, made_by, name, sent, wait_s):
+def test_foreign_files_stay_when_a_run_is_killed_and_goes_on(run, made_by, name, sent, wait_s):
     before = filled("o", of_others(made_by(name, "out")))
     words, resume = FILLS[name, "out"]
     words = [8000 if word == BUDGET else word for word in words]
