@@ -445,7 +445,6 @@ def _channel_notes(analysis: Analysis) -> list[str]:
     limit = white_level_name(sensor, dark_e=dark_e)
     limit_e = code_range_e(sensor) if limit == "top code" else sensor.pixel.full_well_e
     dark = f" and {dark_e:.0f} e- of dark current" if dark_e else ""
-    rounding_e = noise_sources(sensor, analysis.exposure).rounded(analysis.expected_e)[0]
     for i, name in enumerate(sensor.names):
         expected, full, black = (
             float(of[i]) for of in (analysis.expected_e, analysis.full_share, analysis.black_share)
@@ -461,10 +460,11 @@ def _channel_notes(analysis: Analysis) -> list[str]:
                 "noise, so raw and color SNR are too high"
             )
         if black > _WORTH_TELLING:
+            bias_e = noise_sources(sensor, analysis.exposure).rounded(analysis.expected_e)[0]
             notes.append(
                 f"{100 * black:.1f} % of {name} is clipped at black, which raises its mean from "
-                f"{expected + rounding_e[i]:.3g} to {analysis.raw.mean[i]:.3g} e-; the offset counts as signal, so "
-                "raw SNR, bound and color SNR are too high"
+                f"{expected + bias_e[i]:.3g} to {analysis.raw.mean[i]:.3g} e-; the offset counts "
+                "as signal, so raw SNR, bound and color SNR are too high"
             )
         if expected == 0:
             notes.append(f"channel {name} sees none of this light")
