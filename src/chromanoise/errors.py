@@ -321,12 +321,13 @@ def in_study(error: InputError, place: str) -> str:
     key = _short(error.setting) or "the study"
     begin = f"{place}: {key}"
     if error.subject != (error.setting_name or key):
-        return f"{begin}: {error.sentence(render=_setting_of_study)}"
-    text = error.sentence(subject="", render=_setting_of_study).lstrip(" :,")
+        return f"{begin}: {error.sentence(render=setting_of_study)}"
+    text = error.sentence(subject="", render=setting_of_study).lstrip(" :,")
     return f"{begin}: {text}"
 
 
-def _setting_of_study(setting: Setting) -> str:
+def setting_of_study(setting: Setting) -> str:
+    """A remedy in the terms of a study file: ``set sensors.0.beyond = "zero" or "hold"``."""
     if setting.omit:
         return str(setting)
     values = " or ".join(

@@ -1,8 +1,12 @@
 """A sensor that cannot answer says so, and says why."""
 
+import re
+
 import numpy as np
 import pytest
+from scipy.stats import norm, poisson
 
+import chromanoise as cn
 from chromanoise.analysis import analyzed, color_snr_db, contravariant_snr_db, diagnosis, raw_snr_db
 from chromanoise.exposure import Exposure, saturating_exposure
 from chromanoise.noise import Readout
@@ -123,3 +127,16 @@ def test_notes_of_sensor_and_lamp_open_the_diagnosis():
     sensor = sensor_of(RGB, notes=("from a sensor",))
     analysis = analyzed(flat_field(lamp, level_lux=10.0), sensor, Exposure(time_s=0.005))
     assert diagnosis(analysis) == ("from a sensor", "from a lamp")
+
+
+def test_the_rise_by_clipping_at_black_is_told_from_the_bias_of_coarse_rounding():
+    settings = {"lux": 0.05, "time_ms": 12}
+    rounded = cn.analyze("onyx-rgb-ircut", bits=8, clip=True, **settings).to_dict()["sensors"][0]
+    light_e = cn.analyze("onyx-rgb-ircut", **settings).to_dict()["sensors"][0]["channels"][0]
+    step_e, codes, counts = 10_000 / 255, np.arange(-9, 30), np.arange(80)
+    edges = norm.cdf((codes[:, None] + [-0.5, 0.5])[..., None] * step_e, loc=counts, scale=10.0)
+    chance = np.diff(edges, axis=1)[:, 0] @ poisson.pmf(counts, light_e["mean_e"])
+    means = chance @ codes * step_e, chance @ np.maximum(codes, 0) * step_e
+    said = next(note for note in rounded["notes"] if "of R is clipped at black" in note)
+    numbers = re.search(r"from (\S+) to (\S+) e-", said).groups()
+    assert [float(one) for one in numbers] == pytest.approx(means, rel=5e-3)

@@ -2,6 +2,7 @@
 
 import pickle
 
+import numpy as np
 import pytest
 
 import chromanoise as cn
@@ -110,6 +111,29 @@ def test_a_study_file_calls_a_setting_by_its_key_with_file_and_line(run, here):
     assert changed[2] == f"chromanoise: --set light.level_lux=0: {sentence}\n"
     with pytest.raises(StudyError, match=f"^a text:2: {sentence}$"):
         study_from_text(text, source="a text")
+
+
+@pytest.mark.parametrize(
+    ("cube", "lines", "key"),
+    [
+        (np.full((4, 4, 14), 0.5), "", "pictures.0.wavelengths"),
+        (np.full((4, 4, 14), np.nan), "wavelengths = [400, 1050]", "pictures.0.bad_pixels"),
+    ],
+)
+def test_a_fault_found_during_a_run_names_keys_of_the_study_and_no_option(
+    run, here, cube, lines, key
+):
+    np.save(here / "cube.npy", cube)
+    (here / "s.toml").write_text(
+        f"[[sensors]]\nname = 'onyx-rgbw'\n[[pictures]]\ncube = 'cube.npy'\n{lines}\n"
+    )
+    outcome = run("run", "s.toml")
+    assert outcome[0] == 2
+    assert [remedy.name for remedy in outcome.errors[0].remedy if isinstance(remedy, Setting)] == [
+        key
+    ]
+    assert f"set {key}" in outcome[2]
+    assert "--" not in outcome[2]
 
 
 def test_the_errors_of_a_study_are_data_with_their_places():

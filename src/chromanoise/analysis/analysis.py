@@ -461,10 +461,11 @@ def _channel_notes(analysis: Analysis) -> list[str]:
                 "noise, so raw and color SNR are too high"
             )
         if black > _WORTH_TELLING:
+            bias_e = noise_sources(sensor, analysis.exposure).rounded(analysis.expected_e)[0]
             notes.append(
                 f"{100 * black:.1f} % of {name} is clipped at black, which raises its mean from "
-                f"{expected:.3g} to {analysis.raw.mean[i]:.3g} e-; the offset counts as signal, so "
-                "raw SNR, bound and color SNR are too high"
+                f"{expected + bias_e[i]:.3g} to {analysis.raw.mean[i]:.3g} e-; the offset counts "
+                "as signal, so raw SNR, bound and color SNR are too high"
             )
         if expected == 0:
             notes.append(f"channel {name} sees none of this light")

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from chromanoise.errors import InputError, Setting, StudyError, errors_in
+from chromanoise.errors import InputError, Setting, StudyError, errors_in, setting_of_study
 
 _NONE: Mapping[str, str] = {}
 _PARTS = {
@@ -15,6 +15,7 @@ _PARTS = {
     "pareto_last": "LAST",
     "pareto_points": "POINTS",
 }  # names in the help of options that take several settings
+_OF_A_FILE = ("run", "rerun", "report", "serve", "optimize")  # a study or design has the settings
 
 
 def sentences(error: InputError, command: str = "", options: Mapping[str, str] = _NONE) -> str:
@@ -39,6 +40,9 @@ def sentences(error: InputError, command: str = "", options: Mapping[str, str] =
 
 def _sentence(error: InputError, command: str, options: Mapping[str, str]) -> str:
     subject = error.subject
+    if command in _OF_A_FILE and "." in error.setting:
+        own = error.setting if subject == error.setting_name else subject
+        return error.sentence(subject=own, render=setting_of_study)
     if error.setting:
         name = _flat(error.setting, command)
         if name is not None and subject in (name, error.setting_name, "matrix"):

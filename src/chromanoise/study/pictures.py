@@ -1,6 +1,7 @@
 """The pictures of a study: their settings and cameras, prepared before the computation."""
 
 from collections.abc import Iterator, Mapping
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -95,10 +96,7 @@ def prepared_cameras(
     refuse_shared_file_names(operating_points)
     part, key = study.pictures[number], f"pictures.{number}"
     cube = cube_of(part, key=key)
-    own = {name: f"{key}.{name}" for name in PicturePart.model_fields}
-    own |= {"black_level_dn": f"{key}.black_level", "names of formats": f"{key}.formats"}
-    own |= {"binning_mode": "sensors.0.pixel.binning_mode"}
-    with keyed(key, lambda name: own.get(name, name), own):
+    with _keyed(key):
         settings = capture_settings_of(part, seed=study.seed, key=key)
         return cube, {
             name: [camera_for(cube, each, maker(each), settings) for each in operating_points]
@@ -109,6 +107,14 @@ def prepared_cameras(
 def first_frame(study: Study, number: int) -> int:
     """Of a part of the pictures (from 0): no two parts of a study share their noise."""
     return sum(part.frames for part in study.pictures[:number])
+
+
+def _keyed(key: str) -> AbstractContextManager[None]:
+    """An error inside names the keys of a part of the pictures."""
+    own = {name: f"{key}.{name}" for name in PicturePart.model_fields}
+    own |= {"black_level_dn": f"{key}.black_level", "names of formats": f"{key}.formats"}
+    own |= {"binning_mode": "sensors.0.pixel.binning_mode"}
+    return keyed(key, lambda name: own.get(name, name), own)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -178,7 +184,8 @@ def taken_pictures(
             sensor = file_word(own[i].operating_point.sensor.name)
             start = stem.format(number=number + 1, sensor=sensor, matrix=file_word(name))
             for frame in range(part.frames if frames is None else frames):
-                capture = captured_with(cube, own[i], method, frame=first + frame, work=work)
+                with _keyed(f"pictures.{number}"):
+                    capture = captured_with(cube, own[i], method, frame=first + frame, work=work)
                 full = start + (f"-{frame:04d}" if part.frames > 1 else "")
                 files, missing = write_capture(folder, full, capture) if folder else ([], [])
                 yield TakenPicture(
