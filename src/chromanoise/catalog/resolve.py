@@ -148,7 +148,8 @@ def resolve_filter(word: str, *, answers: Answers = ASK, shift_nm: float = 0.0) 
     ------
     InputError
         If there is no such filter, the file cannot be read or holds several curves, the shifted
-        curve does not cover 400-1050 nm and ``answers.beyond`` is ``refuse``, or a transmittance is outside 0-1.
+        curve does not cover 400-1050 nm and ``answers.beyond`` is ``refuse``, or a transmittance is
+        outside 0-1.
     """
     if is_file_word(word, "filter"):
         answers = replace(answers, quantity="transmittance")
