@@ -69,6 +69,7 @@ VALUES = {  # by the name of an option or argument; a command's own as "command.
     "filter": ["ircut-650", "ircut-650/20", "filter.csv"],
     "ircut_nm": ["650"],
     "shift_nm": ["-5", "10"],
+    "shift_ircut_nm": ["-5", "10"],
     "pixel": ["pixel.txt"],
     "pitch_um": ["2.4"],
     "full_well_e": ["8000"],

@@ -239,6 +239,12 @@ FIRST: list[dict[str, Any]] = [
         "sensors": [{**CAMERA, "pixel": {"file": "files/pixel.toml", "prnu": 0.001}}, WHITE],
         "outputs": {"clip": True, "budget": False},
     },
+    {
+        "sensors": [
+            {**WHITE, "filter": "files/filter.csv", "shift_ircut_nm": -12.5, "beyond": "hold"},
+            {"name": "onyx-rgb", "filter": "ircut-650", "shift_ircut_nm": 20.0, "beyond": "hold"},
+        ]
+    },
     *(
         {
             "sensors": [CAMERA],

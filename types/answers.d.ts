@@ -27,6 +27,8 @@ export interface SensorPart {
   name: string;
   pixel?: Pixel;
   filter?: string | null;
+  filter_wavelength_unit?: string | null;
+  shift_ircut_nm?: number;
   ircut_nm?: number;
   label?: string;
   shift_nm?: number;

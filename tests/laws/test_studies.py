@@ -284,6 +284,7 @@ OTHER = {
     "time_ms": 3.0,
     "ircut_nm": 650.0,
     "shift_nm": -10.0,
+    "shift_ircut_nm": -10.0,
     "saturate": 0.5,
     "f_number": 2.0,
     "magnification": 0.5,

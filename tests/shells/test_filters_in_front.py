@@ -5,19 +5,23 @@ import json
 import numpy as np
 import pytest
 
+import chromanoise as cn
 from chromanoise.catalog import sensor_named
 from chromanoise.catalog.resolve import behind_resolved_filter, filter_files, resolve_filter
 from chromanoise.io.spectra import Answers
 from chromanoise.spectra import DEFAULT_GRID
+from chromanoise.spectra.tables import catalog_curves, catalog_tables
 from chromanoise.study import (
     provenance,
     study_as_command,
     study_as_python,
+    study_from_data,
     study_from_text,
     study_hash,
 )
 from chromanoise.study.assembly import sensor_of
-from outcomes import refused
+from chromanoise.study.document import SensorPart
+from outcomes import refused, refused_input
 
 SOURCES = """[gray-glass]
 kind = "filter"
@@ -127,3 +131,135 @@ def test_no_result_takes_the_place_of_the_file_of_a_filter(run, folder):
         run("analyze", "onyx-rgb", "--filter", "glass.csv", "--table", "glass.csv"),
         subject="--table",
     )
+
+
+# ---- shifted ----
+
+RISING = {step: np.arange(190.0, 1300.0, step) for step in (10.0, 0.7)}  # coarse and fine tables
+MODEL = "ircut-650/20"
+
+
+def write_table(path, at_nm, values):
+    rows = "".join(f"{w!r},{v!r}\n" for w, v in zip(at_nm.tolist(), values.tolist(), strict=True))
+    path.write_text(f"wavelength_nm,T\n{rows}")
+
+
+def waves(at_nm):
+    return 0.5 + 0.4 * np.sin(at_nm / 37.0)
+
+
+def written(folder, word, shift_nm):
+    """The word of a filter, and of one that is written at wavelengths longer by the shift."""
+    if word == MODEL:
+        return word, f"ircut-{650 + shift_nm}/20"
+    if word == "ircut-schott":
+        table = catalog_curves(catalog_tables("filter")[word])
+        at_nm, values = table.wavelength_nm, table.values[:, 0]
+    else:
+        at_nm = RISING[10.0 if word == "coarse.csv" else 0.7]
+        values = waves(at_nm)
+        write_table(folder / "mine" / "gray-glass.csv", at_nm, values)
+        write_table(folder / word, at_nm, values)
+    write_table(folder / "moved.csv", at_nm + shift_nm, values)
+    return word, "moved.csv"
+
+
+@pytest.mark.parametrize("shift_nm", [7.5, -12.25, 200.0, -180.0])
+@pytest.mark.parametrize("word", ["coarse.csv", "fine.csv", "gray-glass", "ircut-schott", MODEL])
+def test_a_shifted_filter_is_the_filter_written_at_shifted_wavelengths(folder, word, shift_nm):
+    word, moved = written(folder, word, shift_nm)
+    part = {"name": "onyx-rgb", "beyond": "hold"}
+    shifted = sensor_of(SensorPart(**part, filter=word, shift_ircut_nm=shift_nm))
+    expected = sensor_of(SensorPart(**part, filter=moved))
+    np.testing.assert_allclose(shifted.qe, expected.qe, rtol=1e-12, atol=1e-14)
+    unshifted = sensor_of(SensorPart(**part, filter=word))
+    assert abs(unshifted.qe - expected.qe).max() > 1e-3
+    assert any(f"{shift_nm:+g} nm" in note for note in shifted.notes)
+
+
+@pytest.mark.parametrize(("shift_nm", "end"), [(10.0, 0), (-10.0, -1)])
+def test_a_filter_that_is_shifted_off_an_end_of_the_grid_is_extrapolated_as_declared(
+    run, folder, shift_nm, end
+):
+    at_nm = np.arange(400.0, 1051.0, 5.0)
+    write_table(folder / "exact.csv", at_nm, waves(at_nm))
+    words = ("analyze", "onyx-rgb", "--filter", "exact.csv", "--shift-ircut-nm", shift_nm)
+    outcome = run(*words)
+    refused(outcome, remedy_setting="beyond", setting="sensors.0.filter")
+    assert len(outcome[2].splitlines()) == 1
+    bare = sensor_named("onyx-rgb", DEFAULT_GRID).qe
+    for beyond, value in (("zero", 0.0), ("hold", waves(at_nm[end]))):
+        assert run(*words, "--beyond", beyond)[0] == 0
+        part = SensorPart(
+            name="onyx-rgb", filter="exact.csv", shift_ircut_nm=shift_nm, beyond=beyond
+        )
+        found = sensor_of(part).qe[end] / bare[end]
+        np.testing.assert_allclose(found, value, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("at_nm", "shift_nm", "fits"),
+    [(380.0, 0.0, True), (380.0, 40.0, False), (420.0, 0.0, False), (420.0, -40.0, True)],
+)
+def test_a_shifted_filter_is_checked_where_it_is_used(run, folder, at_nm, shift_nm, fits):
+    table = RISING[10.0]
+    write_table(folder / "bad.csv", table, np.where(table == at_nm, -0.5, 0.5))
+    words = ("analyze", "onyx-rgb", "--filter", "bad.csv")
+    outcome = run(*words, *(("--shift-ircut-nm", shift_nm) if shift_nm else ()))
+    if fits:
+        assert outcome[0] == 0, outcome[2]
+    else:  # the wavelength of the file
+        refused(outcome, f"{at_nm:g} nm", value=-0.5, setting="sensors.0.filter")
+
+
+@pytest.mark.parametrize(
+    ("more", "subject", "value"),
+    [
+        ({"shift_ircut_nm": 5.0}, "shift_ircut_nm", 5.0),
+        ({"shift_ircut_nm": 5.0, "channel_filters": {"R": MODEL}}, "shift_ircut_nm", 5.0),
+        ({"shift_ircut_nm": 200.5, "filter": MODEL}, "shift_ircut_nm", 200.5),
+        ({"shift_ircut_nm": -201.0, "filter": MODEL}, "shift_ircut_nm", -201.0),
+    ],
+    ids=str,
+)
+def test_a_shift_without_a_filter_or_out_of_reason_is_refused_by_every_entrance(
+    run, folder, more, subject, value
+):
+    key = {"setting_name": subject, "value": value}
+    with refused_input(**key):
+        cn.analyze("onyx-rgb", **more)
+    with refused_input(**key):
+        cn.run(cn.study_from_data({"sensors": [{"name": "onyx-rgb"} | more]}))
+    words = [
+        *("--shift-ircut-nm", value),
+        *(("--filter", MODEL) if "filter" in more else ()),
+        *(("--channel-filter", f"R={MODEL}") if "channel_filters" in more else ()),
+    ]
+    outcome = run("analyze", "onyx-rgb", *words)
+    refused(outcome, "--shift-ircut-nm", value=value, setting=f"sensors.0.{subject}")
+    assert len(outcome[2].splitlines()) == 1
+
+
+def test_a_shift_of_a_command_is_copied_and_comes_back_with_its_numbers(run, folder):
+    write_table(folder / "coarse.csv", RISING[10.0], waves(RISING[10.0]))
+    line = ["analyze", "onyx-rgb", "--filter", "coarse.csv", "--shift-ircut-nm", "-12.5"]
+    code, out, err = run(*line, "--copy-as", "toml")
+    assert (code, err) == (0, "")
+    study = study_from_text(out, source="copied")
+    assert study.sensors[0].shift_ircut_nm == -12.5
+    assert study_as_command(study) == f"chromanoise {' '.join(line)}"
+    assert provenance(study)["study"]["sensors"][0]["shift_ircut_nm"] == -12.5
+    script, made = run(*line, "--copy-as", "python")[1], {}
+    exec(compile(script.replace("print(", "str("), "script", "exec"), made)
+    given = cn.analyze("onyx-rgb", filter=folder / "coarse.csv", shift_ircut_nm=-12.5)
+    for (point,) in (made["result"].points, given.points):
+        np.testing.assert_array_equal(point.sensor.qe, sensor_of(study.sensors[0]).qe)
+
+
+def test_a_shift_of_zero_changes_neither_the_curves_nor_the_hash(folder):
+    plain, zero = (
+        study_from_data({"sensors": [{"name": "onyx-rgb", "filter": MODEL} | more]}, source="")
+        for more in ({}, {"shift_ircut_nm": 0.0})
+    )
+    assert study_hash(plain) == study_hash(zero)
+    np.testing.assert_array_equal(sensor_of(plain.sensors[0]).qe, sensor_of(zero.sensors[0]).qe)

@@ -21,6 +21,7 @@ SAMPLES = {  # values of texts, whose description gives no example
     "sensors.label": "New chip",
     "sensors.pixel.file": "pixel.toml",
     "sensors.mosaic": "rgbw-4x4",
+    "sensors.shift_ircut_nm": 5.0,  # the filter still covers the grid
     "reflectances.chart": "chart.csv",
     "reflectances.patch": 0.18,
     "reflectances.pairs": "pairs.csv",

@@ -212,6 +212,7 @@ def test_another_sensor_in_its_place_keeps_the_pixel_the_filter_the_edge_and_the
     kept = {
         "pixel": {"read_noise_e": 3.0},
         "filter": "ircut-650",
+        "shift_ircut_nm": -5.0,
         "ircut_nm": 700.0,
         "shift_nm": 5.0,
     }

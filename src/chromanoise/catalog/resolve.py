@@ -43,6 +43,7 @@ from chromanoise.spectra import (
     means_on_grid,
     mixed,
     refuse_outside,
+    shifted,
     used_on_grid,
 )
 from chromanoise.spectra.tables.folder import SOURCES, user_curves
@@ -131,14 +132,24 @@ def filter_files(word: str) -> tuple[Path, ...]:
     return _files(word, "filter")
 
 
-def resolve_filter(word: str, *, answers: Answers = ASK) -> Spectra:
+def resolve_filter(word: str, *, answers: Answers = ASK, shift_nm: float = 0.0) -> Spectra:
     """The transmittance of a filter by name, from the user's folder or from a file of one curve.
+
+    Parameters
+    ----------
+    word
+        A name in the catalog or the user's folder, or a file (`is_file_word`).
+    answers
+        The user's answers about the file; ``beyond`` also applies to filters by name.
+    shift_nm
+        Added to the wavelengths of the filter, positive towards red. [nm]
 
     Raises
     ------
     InputError
-        If there is no such filter, the file cannot be read or holds several curves, it does not
-        cover 400-1050 nm and ``answers.beyond`` is ``refuse``, or a transmittance is outside 0-1.
+        If there is no such filter, the file cannot be read or holds several curves, the shifted
+        curve does not cover 400-1050 nm and ``answers.beyond`` is ``refuse``, or a transmittance is
+        outside 0-1.
     """
     if is_file_word(word, "filter"):
         answers = replace(answers, quantity="transmittance")
@@ -148,7 +159,7 @@ def resolve_filter(word: str, *, answers: Answers = ASK) -> Spectra:
         curve = replace(user_curves(own), source=word, notes=(own.provenance.source,))
     else:
         _refuse_unknown(word, "filter")
-        return filter_named(word, DEFAULT_GRID, beyond=answers.beyond)
+        return filter_named(word, DEFAULT_GRID, beyond=answers.beyond, shift_nm=shift_nm)
     if len(curve.names) != 1:
         raise InputError(
             curve.source,
@@ -158,13 +169,18 @@ def resolve_filter(word: str, *, answers: Answers = ASK) -> Spectra:
             remedy="save one of them in its own file",
         )
     remedy = "divide percent by 100" if curve.values.max() > 1 else SMALL_NEGATIVES
-    used = used_on_grid(curve.wavelength_nm, DEFAULT_GRID)
+    used = used_on_grid(curve.wavelength_nm + shift_nm, DEFAULT_GRID)
     refuse_outside(curve, high=1.0, remedy=remedy, used=used)
-    return means_on_grid(curve, DEFAULT_GRID, beyond=answers.beyond)
+    return means_on_grid(shifted(curve, shift_nm), DEFAULT_GRID, beyond=answers.beyond)
 
 
 def behind_resolved_filter(
-    sensor: Sensor, word: str, *, answers: Answers = ASK, channel: str | None = None
+    sensor: Sensor,
+    word: str,
+    *,
+    answers: Answers = ASK,
+    channel: str | None = None,
+    shift_nm: float = 0.0,
 ) -> Sensor:
     """The same sensor behind one more filter: ``onyx-rgb`` becomes ``onyx-rgb+ircut-650``.
 
@@ -178,6 +194,8 @@ def behind_resolved_filter(
         The user's answers about the filter's file; ``beyond`` also applies to filters by name.
     channel
         The channel that has the filter; ``None`` for all.
+    shift_nm
+        As for `resolve_filter`. [nm]
 
     Raises
     ------
@@ -192,10 +210,11 @@ def behind_resolved_filter(
     >>> cut.name, (cut.qe[half] / bare.qe[half]).round(6)
     ('onyx-rgb+ircut-650', array([[0.5, 0.5, 0.5]]))
     """
-    curve = resolve_filter(word, answers=answers)
+    curve = resolve_filter(word, answers=answers, shift_nm=shift_nm)
     name = Path(word).stem if is_file_word(word, "filter") else word
     behind = "" if channel is None else f"{channel} "
-    note = "; ".join((f"{behind}behind the filter {name}", *curve.notes))
+    moved = f", shifted by {shift_nm:+g} nm" if shift_nm else ""
+    note = "; ".join((f"{behind}behind the filter {name}{moved}", *curve.notes))
     own = name if channel is None else f"{channel}:{name}"
     return behind_filter(
         sensor, curve.values[:, 0], name=f"{sensor.name}+{own}", note=note, channel=channel

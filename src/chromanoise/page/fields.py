@@ -183,6 +183,13 @@ _REFINED: Mapping[str, Data] = {
         "label": "Unit of the filter's wavelengths",
         "needs": "sensors.filter",
     },
+    "sensors.shift_ircut_nm": {
+        "label": "Shift of the filter on the sensor",
+        "low": -50.0,
+        "high": 50.0,
+        "step": 1.0,
+        "needs": "sensors.filter",
+    },
     "sensors.ircut_nm": {"label": "IR-cut edge", "low": 600.0, "high": 1050.0, "step": 5.0},
     "sensors.shift_nm": {"label": "Shift of the filters", "low": -50.0, "high": 50.0, "step": 1.0},
     "sensors.answers.peak_qe": {

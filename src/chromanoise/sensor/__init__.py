@@ -13,6 +13,7 @@ from chromanoise.sensor.adc import (
 )
 from chromanoise.sensor.analog_gain import with_analog_gain
 from chromanoise.sensor.changes import (
+    MOST_SHIFT_NM,
     behind_ir_cut,
     moved_curve,
     of_pixel,
@@ -123,6 +124,7 @@ __all__ = [
     "FILTER_MODELS",
     "MOSAIC_NAMES",
     "MOST_BINNING",
+    "MOST_SHIFT_NM",
     "PAPER_PIXEL",
     "SILICON_NUMBERS",
     "Adc",

@@ -15,7 +15,7 @@ from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._shapes import Float, Inexact
 from chromanoise.errors import InputError
-from chromanoise.spectra import Beyond, Grid, Spectra, means_on_grid
+from chromanoise.spectra import Beyond, Grid, Spectra, means_on_grid, shifted
 from chromanoise.spectra.tables import catalog_curves, catalog_tables, packaged_table
 
 LEAST_LENGTH_UM = 1e-6
@@ -233,7 +233,12 @@ def ir_cut(
 
 
 def filter_named(
-    name: str, grid: Grid, *, beyond: Beyond = "refuse", others: Sequence[str] = ()
+    name: str,
+    grid: Grid,
+    *,
+    beyond: Beyond = "refuse",
+    others: Sequence[str] = (),
+    shift_nm: float = 0.0,
 ) -> Spectra:
     """Transmittance of the catalog filter ``name``, with notes on its source and defects.
 
@@ -248,11 +253,13 @@ def filter_named(
         How to extrapolate where the table does not cover the grid.
     others
         Other valid names, suggested in the error message.
+    shift_nm
+        Added to the wavelengths of the filter, positive towards red. [nm]
 
     Raises
     ------
     InputError
-        If no filter has this name, or the table does not cover the grid and ``beyond`` is
+        If no filter has this name, or the shifted table does not cover the grid and ``beyond`` is
         ``refuse``.
 
     Examples
@@ -264,7 +271,7 @@ def filter_named(
         edge_nm, width_nm = model
         return Spectra(
             wavelength_nm=grid.wavelength_nm,
-            values=ir_cut(grid, edge_nm=edge_nm, width_nm=width_nm)[:, None],
+            values=ir_cut(grid, edge_nm=edge_nm + shift_nm, width_nm=width_nm)[:, None],
             names=(name,),
             quantity="transmittance",
             unit="1",
@@ -275,7 +282,7 @@ def filter_named(
     _check.one_of("filter", name, (*measured, "ircut-650", *others))
     entry = measured[name]
     curve = replace(catalog_curves(entry), notes=(entry.source, entry.defects))
-    return means_on_grid(curve, grid, beyond=beyond)
+    return means_on_grid(shifted(curve, shift_nm), grid, beyond=beyond)
 
 
 def ir_cut_model(name: str) -> tuple[float, float] | None:

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
         means_on_grid,
         on_grid,
         refuse_outside,
+        shifted,
         used_on_grid,
     )
     from chromanoise.spectra.grid import (
@@ -108,6 +109,7 @@ __all__ = [
     "read_spectra_csv",
     "reflectance_named",
     "refuse_outside",
+    "shifted",
     "used_on_grid",
     "with_infrared",
 ]

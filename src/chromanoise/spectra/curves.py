@@ -188,6 +188,25 @@ def means_on_grid(spectra: Spectra, grid: Grid, *, beyond: Beyond = "refuse") ->
     return replace(sampled, values=values)
 
 
+def shifted(spectra: Spectra, shift_nm: float) -> Spectra:
+    """The curves at other wavelengths; ``source`` names the shift.
+
+    Parameters
+    ----------
+    spectra
+        The curves.
+    shift_nm
+        Added to their wavelengths, positive towards red; 0 returns the curves themselves. [nm]
+    """
+    if shift_nm == 0:
+        return spectra
+    return replace(
+        spectra,
+        wavelength_nm=spectra.wavelength_nm + shift_nm,
+        source=f"{spectra.source} shifted by {shift_nm:+g} nm",
+    )
+
+
 def used_on_grid(
     wavelength_nm: Float[Array, " m"], grid: Grid, *, from_nm: float | None = None
 ) -> Bool[Array, " m"]:

@@ -195,7 +195,7 @@ def idle_settings(study: Study, given: Given = NOTHING_GIVEN) -> list[InputError
                 errors.append(
                     _idle(f"sensors.{sharing[0]}.answers.{name}", value, ", ".join(words))
                 )
-    errors += [*_idle_crosstalk(study), *_idle_treatments(study, given)]
+    errors += [*_idle_alone(study), *_idle_treatments(study, given)]
     light = study.light
     infrared = infrared_parts(light.illuminant)
     base = light.illuminant if infrared is None else infrared[0]
@@ -260,30 +260,34 @@ def _is_incomplete(part: SensorPart, given: Given) -> bool:
     return False
 
 
-def _idle_crosstalk(study: Study) -> list[InputError]:
-    """The mosaic and the stage of crosstalk of sensors for which they have no effect."""
+def _idle_alone(study: Study) -> list[InputError]:
+    """Settings of sensors that lack the other setting without which they have no effect."""
     sweeps = [one for sweep in study.sweeps for one in (sweep, sweep.second) if one]
     merit = Setting("outputs.merit", (True,))
-    needs: dict[str, tuple[str, tuple[Setting, ...]]] = {"crosstalk_stage": ("crosstalk", ())}
+    needs: dict[str, tuple[str, str, tuple[Setting, ...]]] = {
+        "crosstalk_stage": ("crosstalk", "crosstalk", ()),
+        "shift_ircut_nm": ("filter", "a filter on all channels", ()),
+    }
     if not (
         study.outputs.merit
         or any(one.vary == "crosstalk" for one in sweeps)
         or any(one.mosaic == "sensor" for one in study.pictures)
     ):
         of_mosaic = "crosstalk, figures of merit or pictures of the sensor's mosaic"
-        needs["mosaic"] = (of_mosaic, (merit,))
+        needs["mosaic"] = ("crosstalk", of_mosaic, (merit,))
     return [
         InputError(
             name,
             f"must be given only with {what}",
             value=getattr(part, name),
             found="there is none",
-            remedy=(Setting(f"sensors.{i}.crosstalk"), *others, "omit it"),
+            remedy=(Setting(f"sensors.{i}.{other}"), *others, "omit it"),
             setting=f"sensors.{i}.{name}",
         )
         for i, part in enumerate(study.sensors)
-        for name, (what, others) in needs.items()
-        if part.crosstalk is None and getattr(part, name) != SensorPart.model_fields[name].default
+        for name, (other, what, others) in needs.items()
+        if getattr(part, other) is None
+        and getattr(part, name) != SensorPart.model_fields[name].default
     ]
 
 
@@ -490,7 +494,9 @@ def sensor_of(part: SensorPart, *, key: str = "sensors.0", given: Given = NOTHIN
     )
     if part.filter is not None:
         with keyed(f"{key}.filter", lambda name: f"{key}.{_FILTER_KEYS.get(name, name)}"):
-            sensor = behind_resolved_filter(sensor, part.filter, answers=answers)
+            sensor = behind_resolved_filter(
+                sensor, part.filter, answers=answers, shift_nm=part.shift_ircut_nm
+            )
     for channel, word in (part.channel_filters or {}).items():
         with keyed(f"{key}.channel_filters", lambda name: f"{key}.{_FILTER_KEYS.get(name, name)}"):
             try:

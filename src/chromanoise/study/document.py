@@ -38,7 +38,7 @@ from chromanoise.imaging.formats import FORMATS, MOST_FRAMES
 from chromanoise.io.given_matrices import MATRIX_ENDINGS, is_matrix_file
 from chromanoise.io.spectra.parsed import Negatives, Unit
 from chromanoise.scene import BUILTIN_CUBES
-from chromanoise.sensor import MOSAIC_NAMES, MOST_BINNING, BinningMode
+from chromanoise.sensor import MOSAIC_NAMES, MOST_BINNING, MOST_SHIFT_NM, BinningMode
 from chromanoise.spectra import DEFAULT_OBSERVER, METRICS, OBSERVERS, Illuminant
 
 MOST_SENSORS = 1000
@@ -105,6 +105,7 @@ def _known_prior(name: str, info: Any) -> str:
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
+_Shift = Annotated[float, Field(ge=-MOST_SHIFT_NM, le=MOST_SHIFT_NM)]
 Beyond = Literal["refuse", "zero", "hold"]
 BALANCE_WORDS = ("gray", "illuminant")
 """White balances that name no illuminant of their own."""
@@ -302,6 +303,9 @@ class SensorPart(Part):
     filter_wavelength_unit: Unit | None = Field(
         None, description="Unit of the wavelengths, where the filter's file does not declare it."
     )
+    shift_ircut_nm: _Shift = Field(
+        0.0, description="Shift of the filter in wavelength, positive towards red [nm]."
+    )
     negatives: Negatives = Field("refuse", description=_NEGATIVES)
     crosstalk: float | str | None = Field(
         None,
@@ -320,7 +324,7 @@ class SensorPart(Part):
     ircut_nm: Annotated[float, Field(ge=450, le=2000)] | None = Field(
         None, description="Edge of an added model IR-cut [nm]."
     )
-    shift_nm: Annotated[float, Field(ge=-200, le=200)] = Field(
+    shift_nm: _Shift = Field(
         0.0, description="Shift of all curves in wavelength, positive towards red [nm]."
     )
 

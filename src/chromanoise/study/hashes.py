@@ -15,7 +15,7 @@ from chromanoise.catalog.resolve import file_of, filter_files, illuminant_files,
 from chromanoise.errors import InputError
 from chromanoise.io.given_matrices import is_matrix_file
 from chromanoise.io.spectra.envi import DATA_SUFFIXES, envi_pair
-from chromanoise.study.document import BALANCE_WORDS, Study, StudyKind
+from chromanoise.study.document import BALANCE_WORDS, SensorPart, Study, StudyKind
 
 Kind = Literal[
     "light",
@@ -275,8 +275,17 @@ def cube_files(path: Path) -> list[Path]:
     return pair
 
 
+_LATER = ("shift_ircut_nm",)
+"""Keys of a sensor that are hashed only if they are set: a study without them keeps its hash."""
+
+
 def _hash_of(study: Study, digests: Mapping[str, str]) -> str:
-    content = [__version__, study_as_json(study), dict(digests)]
+    data = study_as_json(study)
+    for name in _LATER:
+        for part in data["sensors"]:
+            if part[name] == SensorPart.model_fields[name].default:
+                del part[name]
+    content = [__version__, data, dict(digests)]
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
 
 

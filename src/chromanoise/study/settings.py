@@ -71,6 +71,7 @@ class SharedSettings(TypedDict, total=False):
     filter: Annotated[str | Path, "sensors.*.filter"]
     channel_filters: Annotated[Mapping[str, str | Path], "sensors.*.channel_filters"]
     filter_wavelength_unit: Annotated[Unit, "sensors.*.filter_wavelength_unit"]
+    shift_ircut_nm: Annotated[float, "sensors.*.shift_ircut_nm"]
     ircut_nm: Annotated[float, "sensors.*.ircut_nm"]
     shift_nm: Annotated[float, "sensors.*.shift_nm"]
 

@@ -191,8 +191,8 @@ function duplicate({ sensors }, i) {
  */
 export function exchange(study, i, name, more = {}) {
   // answers belong to one file, changes of the pixel to the question
-  const { pixel, filter, ircut_nm, shift_nm } = study.sensors[i];
-  const kept = Object.entries({ pixel, filter, ircut_nm, shift_nm });
+  const { pixel, filter, filter_wavelength_unit, shift_ircut_nm, ircut_nm, shift_nm } = study.sensors[i];
+  const kept = Object.entries({ pixel, filter, filter_wavelength_unit, shift_ircut_nm, ircut_nm, shift_nm });
   study.sensors[i] = { name, ...more, ...Object.fromEntries(kept.filter(([, value]) => value !== undefined)) };
 }
 
