@@ -31,7 +31,7 @@ PADDED_BANDS = 16
 
 _LARGE_PAGE_BYTES = 2 << 20
 _FILE_BYTES = 32 << 20  # arrays from this size on are kept in a file
-_PART_BYTES = 8 << 20
+_PART_BYTES = 1 << 20
 _SPARE = 4  # times its size must be free before an array is kept in a file
 _NATIVE = "bBhHiIfd"  # types that the kernels read directly
 
@@ -112,7 +112,7 @@ def release(rows: Shaped[Array, "rows ..."]) -> None:
 def parts_of_rows(
     rows: Shaped[Array, "rows ..."],
 ) -> Iterator[tuple[int, Shaped[Array, "some ..."]]]:
-    """First row and rows of parts of about 8 MB; the memory of each is released after its use."""
+    """First row and rows of parts of about 1 MB; the memory of each is released after its use."""
     count = max(1, _PART_BYTES // max(1, rows[:1].nbytes))
     for start in range(0, rows.shape[0], count):
         yield start, rows[start : start + count]
