@@ -11,7 +11,7 @@ import json
 from collections.abc import Mapping
 from contextlib import AbstractContextManager
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any
 
 import numpy as np
 
@@ -53,7 +53,7 @@ def write_png(path: Path, srgb: UInt8[Array, "h w 3"]) -> None:
         _write_png(file, srgb)
 
 
-def _write_png(file: BinaryIO, srgb: UInt8[Array, "h w 3"]) -> None:
+def _write_png(file: io.BufferedIOBase, srgb: UInt8[Array, "h w 3"]) -> None:
     """Write a PNG; Pillow holds 4 bytes per pixel."""
     from PIL import Image
 
