@@ -177,6 +177,7 @@ def _taken(
             seconds, start = time.perf_counter() - start, time.perf_counter()
             summaries.append(taken.record | {"seconds": seconds})
             lines.append((_line(taken, out), _notes(taken)))
+            del taken  # before the next one needs memory
         summary = {
             "version": __version__,
             "study": study_as_json(study),

@@ -3,7 +3,12 @@
 import contextlib
 import math
 import mmap
+import os
+import shutil
+import tempfile
 import threading
+from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import DTypeLike
@@ -25,6 +30,9 @@ PADDED_BANDS = 16
 """Bands of the weights are zero-padded to a multiple of this number."""
 
 _LARGE_PAGE_BYTES = 2 << 20
+_FILE_BYTES = 32 << 20  # arrays from this size on are kept in a file
+_PART_BYTES = 1 << 20
+_SPARE = 4  # times its size must be free before an array is kept in a file
 _NATIVE = "bBhHiIfd"  # types that the kernels read directly
 
 
@@ -48,13 +56,67 @@ def in_large_pages(size_bytes: int) -> UInt8[Array, " bytes"]:
     return memory[first : first + size_bytes]
 
 
-def new_rows(shape: tuple[int, ...], dtype: DTypeLike) -> Shaped[Array, "rows ..."]:
-    """An uninitialized array, in large pages if it is large."""
+def new_rows(
+    shape: tuple[int, ...], dtype: DTypeLike, *, folder: Path | None = None
+) -> Shaped[Array, "rows ..."]:
+    """A new array of any content, in large pages if it is large.
+
+    Parameters
+    ----------
+    shape, dtype
+        Of the array.
+    folder
+        Where a file without a name holds an array above 32 MB, if there is space; memory then holds
+        only rows that were not yet given to `release`. ``None``: memory.
+    """
     kind = np.dtype(dtype)
     size_bytes = math.prod(shape) * kind.itemsize
     if size_bytes < 2 * _LARGE_PAGE_BYTES:
         return np.empty(shape, kind)
+    if folder is not None and size_bytes >= _FILE_BYTES and hasattr(mmap, "MADV_DONTNEED"):
+        with contextlib.suppress(OSError):  # no space, or a file system that cannot claim it
+            return np.ndarray(shape, kind, _mapped_file(folder, size_bytes))
     return in_large_pages(size_bytes).view(kind).reshape(shape)
+
+
+class _MappedFile(mmap.mmap):
+    """Memory that shows a file: its pages may be dropped, unlike those of anonymous memory."""
+
+
+def _mapped_file(folder: Path, size_bytes: int) -> _MappedFile:
+    """A mapped file whose space is claimed, because a write to a full disk would kill the process.
+
+    Raises
+    ------
+    OSError
+        If the folder has no space, or the system cannot claim it.
+    """
+    if not hasattr(os, "posix_fallocate"):
+        raise OSError("space cannot be claimed")
+    if shutil.disk_usage(folder).free < _SPARE * size_bytes:
+        raise OSError("the space is needed for the files of the picture")
+    with tempfile.TemporaryFile(dir=folder) as file:
+        os.posix_fallocate(file.fileno(), 0, size_bytes)
+        return _MappedFile(file.fileno(), size_bytes)
+
+
+def release(rows: Shaped[Array, "rows ..."]) -> None:
+    """Drop the memory of the whole array of these rows if a file holds it; no number is lost."""
+    owner: object = rows
+    while isinstance(owner, np.ndarray):
+        owner = owner.base
+    if isinstance(owner, _MappedFile):
+        owner.madvise(mmap.MADV_DONTNEED)
+
+
+def parts_of_rows(
+    rows: Shaped[Array, "rows ..."],
+) -> Iterator[tuple[int, Shaped[Array, "some ..."]]]:
+    """First row and rows of parts of about 1 MB; the memory of each is released after its use."""
+    count = max(1, _PART_BYTES // max(1, rows[:1].nbytes))
+    for start in range(0, rows.shape[0], count):
+        yield start, rows[start : start + count]
+        release(rows)
 
 
 class Scratch(threading.local):

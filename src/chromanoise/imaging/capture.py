@@ -11,6 +11,7 @@ from chromanoise._files import renamed
 from chromanoise.color import ColorMatrix
 from chromanoise.errors import InputError, Setting
 from chromanoise.exposure import OperatingPoint
+from chromanoise.imaging.blocks import parts_of_rows
 from chromanoise.imaging.demosaic import FilterBank
 from chromanoise.imaging.demosaic_methods import DEMOSAICING
 from chromanoise.imaging.develop import developed
@@ -25,9 +26,9 @@ from chromanoise.imaging.writers import (
     picture_summary,
     raw_summary,
     sixteen_bit_srgb,
+    srgb_tiff_rows,
     write_mosaic_tiff,
     write_png,
-    write_srgb_tiff,
     write_xyz_tiff,
 )
 from chromanoise.scene import Cube
@@ -257,7 +258,7 @@ def captured(cube: Cube, camera: Camera, *, frame: int, work: Work, noisy: bool 
     raw = acquired(cube, camera.operating_point, mosaic=camera.mosaic, adc=camera.adc, **common)
     color = None
     if camera.bank is not None:
-        here = Work(threads=work.threads)  # the codes are in this memory
+        here = Work(threads=work.threads, folder=work.folder)  # the codes are in this memory
         color = developed(raw, camera.bank, matrix=camera.matrix, work=here)
     return Capture(camera=camera, raw=raw, picture=color)
 
@@ -356,8 +357,10 @@ def _xyz(stem: Path, taken: Capture) -> str:
 
 def _srgb16(stem: Path, taken: Capture) -> str:
     assert taken.picture is not None
-    codes = sixteen_bit_srgb(taken.picture.xyz, taken.picture.white)
-    write_srgb_tiff(path := _named(stem, ".srgb16.tiff"), codes)
+    xyz, path = taken.picture.xyz, _named(stem, ".srgb16.tiff")
+    with srgb_tiff_rows(path, height=xyz.shape[0], width=xyz.shape[1]) as put:
+        for start, rows in parts_of_rows(xyz):
+            put(start, sixteen_bit_srgb(rows, taken.picture.white))
     return path.name
 
 

@@ -11,7 +11,7 @@ from chromanoise._shapes import Float32, UInt8, UInt16
 from chromanoise.color import ColorMatrix, kernel_matrix
 from chromanoise.errors import InputError
 from chromanoise.exposure import OperatingPoint, expected_electrons
-from chromanoise.imaging.blocks import Scratch
+from chromanoise.imaging.blocks import Scratch, release
 from chromanoise.imaging.demosaic import FilterBank
 from chromanoise.imaging.demosaic_noise import (
     around_places,
@@ -117,6 +117,7 @@ def _developed_block(
     from chromanoise.imaging.kernels_demosaic import demosaicked_rows, surrounded_rows, taps_of
 
     values = surrounded_rows(plan.values, plan.bank, start, stop)
+    release(plan.values)
     raw_e = (values - plan.black) * plan.gain_e
     electrons = demosaicked_rows(raw_e, taps_of(plan.bank), start)
     color_of_electrons(electrons, plan.matrices, srgb_table(), xyz, srgb)

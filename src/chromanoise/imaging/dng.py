@@ -23,6 +23,7 @@ from chromanoise._shapes import Float, UInt16
 from chromanoise.color import ColorMatrix
 from chromanoise.errors import InputError
 from chromanoise.exposure import OperatingPoint, expected_electrons, white_scene
+from chromanoise.imaging.blocks import parts_of_rows
 from chromanoise.imaging.row_files import PutRows, tiff_rows
 from chromanoise.sensor import Adc, Mosaic
 from chromanoise.sensor.noise_profile import noise_profile, noise_without_light_e
@@ -291,7 +292,8 @@ def write_dng(path: Path, codes: UInt16[Array, "h w"], profile: RawProfile) -> N
         Color and noise of the camera for the tags.
     """
     with dng_rows(path, height=codes.shape[0], width=codes.shape[1], profile=profile) as put:
-        put(0, codes)
+        for start, rows in parts_of_rows(codes):
+            put(start, rows)
 
 
 def _tags(profile: RawProfile) -> tuple[tuple[Any, ...], ...]:

@@ -378,8 +378,8 @@ def filled_colors(
     work
         Threads and rows per block.
     """
-    xyz = new_rows((height, width, 3), np.float32)
-    srgb = new_rows((height, width, 3), np.uint8)
+    xyz = new_rows((height, width, 3), np.float32, folder=work.folder)
+    srgb = new_rows((height, width, 3), np.uint8, folder=work.folder)
     rows = work.tile_rows or _COLORED_ROWS
     blocks = [(start, min(start + rows, height)) for start in range(0, height, rows)]
     filled(fill, plan, blocks, (xyz, srgb), replace(work, executor=None))

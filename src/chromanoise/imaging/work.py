@@ -12,11 +12,12 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 from functools import partial
 from itertools import islice
+from pathlib import Path
 from typing import Any
 
 from chromanoise._check import Array
 from chromanoise.errors import InputError
-from chromanoise.imaging.blocks import Scratch, new_rows
+from chromanoise.imaging.blocks import Scratch, new_rows, release
 from chromanoise.imaging.shared_rows import Kind, SharedRows, shared_rows
 from chromanoise.scene.rows import RowSource
 
@@ -61,6 +62,8 @@ class Work:
         shared memory instead of sending them.
     progress
         Function called with the number of rows that were completed.
+    folder
+        Folder for files without a name that hold large pictures; ``None`` to hold them in memory.
 
     Raises
     ------
@@ -73,6 +76,7 @@ class Work:
     executor: Executor | None = None
     same_machine: bool = False
     progress: Callable[[int], None] | None = None
+    folder: Path | None = None
 
     def __post_init__(self) -> None:
         if self.threads is not None and not 1 <= self.threads <= _MOST_THREADS:
@@ -151,12 +155,12 @@ def made(
             remedy="unset it",
         )
     if work.executor is None:
-        outputs = tuple(new_rows(shape, dtype) for shape, dtype in kinds)
+        outputs = tuple(new_rows(shape, dtype, folder=work.folder) for shape, dtype in kinds)
         return outputs, filled(fill, plan, blocks, outputs, work)
     with ExitStack() as stack:
         shared = stack.enter_context(shared_rows(*kinds)) if work.same_machine else None
         if shared is None:
-            outputs = tuple(new_rows(shape, dtype) for shape, dtype in kinds)
+            outputs = tuple(new_rows(shape, dtype, folder=work.folder) for shape, dtype in kinds)
             submit = partial(_sent, work.executor, fill, plan, part, outputs)
         else:
             outputs = tuple(rows.mapped() for rows in shared)
@@ -175,10 +179,13 @@ def filled(
     handfuls = {blocks[i][0]: blocks[i : i + size] for i in range(0, len(blocks), size)}
 
     def here(first: int, _: int) -> list[Any]:
-        return [
+        counts = [
             fill(plan, start, stop, scratch, *(out[start:stop] for out in outputs))
             for start, stop in handfuls[first]
         ]
+        for out in outputs:
+            release(out)
+        return counts
 
     pool = ThreadPoolExecutor(threads)
     try:
@@ -216,6 +223,7 @@ def _sent(
         counts, parts = result
         for out, rows in zip(outputs, parts, strict=True):
             out[start:stop] = rows
+            release(out)
         return counts
 
     return executor.submit(_filled_and_sent, fill, own, pieces, kinds), place

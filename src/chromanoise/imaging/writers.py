@@ -19,6 +19,7 @@ from chromanoise._check import Array
 from chromanoise._shapes import Float, UInt8, UInt16
 from chromanoise.color import adapted_to_d65, srgb_from_xyz
 from chromanoise.exposure import OperatingPoint
+from chromanoise.imaging.blocks import parts_of_rows
 from chromanoise.imaging.render import Picture, RawPicture
 from chromanoise.imaging.row_files import PutRows, tiff_rows
 from chromanoise.sensor import Adc, Mosaic
@@ -33,10 +34,8 @@ def png_bytes(srgb: UInt8[Array, "h w 3"]) -> bytes:
     srgb
         Encoded R, G, B of each pixel, the channels last.
     """
-    from PIL import Image
-
     buffer = io.BytesIO()
-    Image.fromarray(srgb).save(buffer, format="PNG")
+    _write_png(buffer, srgb)
     return buffer.getvalue()
 
 
@@ -50,7 +49,18 @@ def write_png(path: Path, srgb: UInt8[Array, "h w 3"]) -> None:
     srgb
         Encoded R, G, B of each pixel, the channels last.
     """
-    path.write_bytes(png_bytes(srgb))
+    with path.open("wb") as file:
+        _write_png(file, srgb)
+
+
+def _write_png(file: io.BufferedIOBase, srgb: UInt8[Array, "h w 3"]) -> None:
+    """Write a PNG; Pillow holds 4 bytes per pixel."""
+    from PIL import Image
+
+    image = Image.new("RGB", (srgb.shape[1], srgb.shape[0]))
+    for start, rows in parts_of_rows(srgb):
+        image.paste(Image.fromarray(rows), (0, start))
+    image.save(file, format="PNG")
 
 
 def sixteen_bit_srgb(
@@ -168,7 +178,8 @@ def write_xyz_tiff(
     """
     height, width = xyz.shape[:2]
     with xyz_tiff_rows(path, height=height, width=width, observer=observer) as put:
-        put(0, xyz.astype(np.float32))
+        for start, rows in parts_of_rows(xyz):
+            put(start, rows.astype(np.float32, copy=False))
 
 
 def mosaic_tiff_rows(
@@ -263,7 +274,8 @@ def write_mosaic_tiff(
     with mosaic_tiff_rows(
         path, height=height, width=width, sensor_name=sensor_name, mosaic=mosaic, adc=adc
     ) as put:
-        put(0, codes)
+        for start, rows in parts_of_rows(codes):
+            put(start, rows)
 
 
 def picture_summary(

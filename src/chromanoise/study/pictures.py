@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from contextlib import AbstractContextManager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -178,6 +178,7 @@ def taken_pictures(
         If the cube holds what is no reflectance, or a file cannot be written.
     """
     part, first = study.pictures[number], first_frame(study, number)
+    work = replace(work, folder=folder)
     method = None if part.denoise is None else DENOISING[part.denoise]
     for i in range(len(study.sensors)):
         for name, own in cameras.items():
@@ -191,6 +192,7 @@ def taken_pictures(
                 yield TakenPicture(
                     matrix=name, capture=capture, stem=full, files=files, not_written=missing
                 )
+                del capture  # before the next one needs memory
 
 
 def pictures_taken(
@@ -217,6 +219,7 @@ def pictures_taken(
         summaries.append(one.record)
         if folder is None:
             kept.append(one.capture)
+        del one  # before the next one needs memory
     return Pictures(
         cube=study.pictures[number].cube,
         points=tuple(points.values()),
