@@ -27,9 +27,18 @@ from chromanoise.analysis.contrast_detection import (
 )
 from chromanoise.catalog import sensor_named
 from chromanoise.exposure import Exposure
-from chromanoise.noise import NoiseSources, monte_carlo, noise_sources, with_noise
+from chromanoise.noise import (
+    NoiseSources,
+    Readout,
+    few_electrons,
+    monte_carlo,
+    noise_sources,
+    sample_electrons,
+    sensor_moments,
+    with_noise,
+)
 from chromanoise.scene import flat_field
-from chromanoise.sensor import Crosstalk, with_binning, with_crosstalk, with_pixel
+from chromanoise.sensor import PAPER_PIXEL, Crosstalk, with_binning, with_crosstalk, with_pixel
 from chromanoise.spectra import DEFAULT_GRID, equal_energy
 
 LAMP = equal_energy(DEFAULT_GRID)
@@ -198,6 +207,22 @@ def test_summed_readings_are_each_rounded():
     values = (step * np.floor(read / step + 0.5)).sum(axis=1)
     found = with_noise(np.array([mean]), four, EXPOSURE)
     assert z_of(values[:, None], found.mean, found.variance) < 5
+
+
+@pytest.mark.parametrize("lowest", [-np.inf, 0.0])
+def test_each_of_summed_readings_is_rounded_and_clipped_in_exact_moments_and_draws(lowest):
+    n, step, light, dark, read, rng = 4, 9.0, 3.0, 2.0, 3.5, np.random.default_rng(2)
+    electrons = rng.poisson(light + dark, (400_000, n)) - dark
+    electrons = electrons + read * rng.standard_normal(electrons.shape)
+    values = np.maximum(step * np.floor(electrons / step + 0.5), lowest).sum(axis=1)
+    four = NoiseSources(read_noise_e=2 * read, dark_e=n * dark, step_e=2 * step, readings=n)
+    mean = np.array([n * light])
+    found = sensor_moments(mean, four, Readout(black_e=lowest))
+    assert z_of(values[:, None], found.mean, found.variance) < 5
+    assert not few_electrons(mean, four).any()  # a table of one reading is not that of the sum
+    if lowest < 0:
+        drawn = sample_electrons(np.full((400_000, 1), n * light), PAPER_PIXEL, rng, noise=four)
+        assert z_of(drawn, found.mean, found.variance) < 5
 
 
 def test_contrast_is_detected_as_often_as_in_rounded_draws():
