@@ -11,6 +11,7 @@ from chromanoise.exposure import Exposure
 from chromanoise.noise.measurement import Measurement
 from chromanoise.noise.readout import Moments, Readout, read_moments
 from chromanoise.noise.sources import (
+    CrosstalkPattern,
     NoiseSources,
     demand_independent_channels,
     noise_sources,
@@ -44,6 +45,8 @@ def sensor_moments(mean_e: Float[Array, "*px p"], noise: NoiseSources, readout: 
     omitted. Mean and variance are exact where nothing is clipped.
     """
     mean, n = _check.non_negative("mean_e", "e-", mean_e), noise.readings
+    if noise.pattern is not None:
+        return _over_places(mean, noise, noise.pattern, readout)
     light, one, sd = noise.of_one_reading(mean)
     bounds = Readout(
         black_e=readout.black_e / n,
@@ -53,6 +56,22 @@ def sensor_moments(mean_e: Float[Array, "*px p"], noise: NoiseSources, readout: 
     )
     read = read_moments(light + noise.dark_e / n, read_noise_e=sd, readout=bounds)
     return replace(read, mean=n * read.mean, variance=n * read.variance, bias=n * read.mean - mean)
+
+
+def _over_places(
+    mean: Float[Array, "*px p"], noise: NoiseSources, pattern: CrosstalkPattern, readout: Readout
+) -> Moments:
+    """Moments over the places of each channel, at which different light is counted."""
+    alone, found = replace(noise, pattern=None), []
+    for i in range(mean.shape[-1]):
+        read = sensor_moments(pattern.means_e(mean, i), alone, readout)
+        each = (read.mean, read.variance, read.black_share, read.full_share)
+        of_mean, variance, black, full = (values.mean(axis=-1) for values in each)
+        found.append((of_mean, variance + read.mean.var(axis=-1), black, full))
+    of_mean, variance, black, full = (np.stack(each, axis=-1) for each in zip(*found, strict=True))
+    return Moments(
+        mean=of_mean, variance=variance, bias=of_mean - mean, black_share=black, full_share=full
+    )
 
 
 def counted_readout(

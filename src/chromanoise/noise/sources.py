@@ -339,8 +339,16 @@ class NoiseSources:
         mean, bias = np.asarray(mean_e, dtype=np.float64), np.zeros_like(variance)
         own = self if kind == "total" else self.temporal
         coarse = own.rounding_is_coarse(mean)
-        if coarse.any():
-            light, readout, sd = own.of_one_reading(mean)  # a pattern depends on all channels
+        if own.pattern is not None:
+            alone = replace(own, pattern=None)
+            for i in np.flatnonzero(coarse.any(axis=tuple(range(mean.ndim - 1)))):
+                means, at = own.pattern.means_e(mean, int(i)), coarse[..., i]
+                away, each = alone.rounded(means)
+                read_e, spread = means + away, each.mean(axis=-1)
+                bias[..., i] = np.where(at, read_e.mean(axis=-1) - mean[..., i], 0.0)
+                variance[..., i] = np.where(at, spread + read_e.var(axis=-1), variance[..., i])
+        elif coarse.any():
+            light, readout, sd = own.of_one_reading(mean)
             counted = (light + own.dark_e / own.readings)[coarse]
             read = read_moments(counted, read_noise_e=sd[coarse], readout=readout)
             bias[coarse] = own.readings * read.mean - mean[coarse] - own.black_error_e
