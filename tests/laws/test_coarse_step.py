@@ -37,8 +37,17 @@ from chromanoise.noise import (
     sensor_moments,
     with_noise,
 )
+from chromanoise.noise.sources import crosstalk_pattern
 from chromanoise.scene import flat_field
-from chromanoise.sensor import PAPER_PIXEL, Crosstalk, with_binning, with_crosstalk, with_pixel
+from chromanoise.sensor import (
+    PAPER_PIXEL,
+    Crosstalk,
+    crosstalk_of_kernel,
+    mosaic_named,
+    with_binning,
+    with_crosstalk,
+    with_pixel,
+)
 from chromanoise.spectra import DEFAULT_GRID, equal_energy
 
 LAMP = equal_energy(DEFAULT_GRID)
@@ -264,3 +273,22 @@ def one_white():
 
 
 EIGHT = cn.sensor.Converter(bits=8, gain_e_per_dn=40.0)
+
+
+@pytest.mark.parametrize(
+    ("light", "step", "full"), [(9000.0, 600.0, np.inf), (9500.0, 0.0, 9800.0)]
+)
+def test_places_with_different_neighbors_are_each_rounded_and_clipped(light, step, full):
+    kernel = np.array([[0, 0.05, 0], [0.05, 0.8, 0.05], [0, 0.05, 0]])
+    crosstalk = crosstalk_of_kernel(kernel, mosaic_named("rgbw-4x4"), ("R", "G", "B", "W"))
+    pattern, rng = crosstalk_pattern(crosstalk), np.random.default_rng(3)
+    mean, sources = light * np.array([0.35, 0.6, 0.4, 1.0]), {"read_noise_e": 3.0, "step_e": step}
+    places = pattern.means_e(mean, 3)
+    values = rng.poisson(rng.choice(places, 400_000)) + 3.0 * rng.standard_normal(400_000)
+    values = step * np.floor(values / step + 0.5) if step else values
+    noise = NoiseSources(**sources, pattern=pattern)
+    found = sensor_moments(mean, noise, Readout(full_well_e=full))
+    assert z_of(np.minimum(values, full)[:, None], found.mean[3], found.variance[3]) < 5
+    if full == np.inf:
+        bias, variance = noise.rounded(mean)
+        assert z_of(values[:, None], mean[3] + bias[3], variance[3]) < 5
