@@ -27,9 +27,27 @@ from chromanoise.analysis.contrast_detection import (
 )
 from chromanoise.catalog import sensor_named
 from chromanoise.exposure import Exposure
-from chromanoise.noise import NoiseSources, monte_carlo, noise_sources, with_noise
+from chromanoise.noise import (
+    NoiseSources,
+    Readout,
+    few_electrons,
+    monte_carlo,
+    noise_sources,
+    sample_electrons,
+    sensor_moments,
+    with_noise,
+)
+from chromanoise.noise.sources import crosstalk_pattern
 from chromanoise.scene import flat_field
-from chromanoise.sensor import Crosstalk, with_binning, with_crosstalk, with_pixel
+from chromanoise.sensor import (
+    PAPER_PIXEL,
+    Crosstalk,
+    crosstalk_of_kernel,
+    mosaic_named,
+    with_binning,
+    with_crosstalk,
+    with_pixel,
+)
 from chromanoise.spectra import DEFAULT_GRID, equal_energy
 
 LAMP = equal_energy(DEFAULT_GRID)
@@ -200,6 +218,22 @@ def test_summed_readings_are_each_rounded():
     assert z_of(values[:, None], found.mean, found.variance) < 5
 
 
+@pytest.mark.parametrize("lowest", [-np.inf, 0.0])
+def test_each_of_summed_readings_is_rounded_and_clipped_in_exact_moments_and_draws(lowest):
+    n, step, light, dark, read, rng = 4, 9.0, 3.0, 2.0, 3.5, np.random.default_rng(2)
+    electrons = rng.poisson(light + dark, (400_000, n)) - dark
+    electrons = electrons + read * rng.standard_normal(electrons.shape)
+    values = np.maximum(step * np.floor(electrons / step + 0.5), lowest).sum(axis=1)
+    four = NoiseSources(read_noise_e=2 * read, dark_e=n * dark, step_e=2 * step, readings=n)
+    mean = np.array([n * light])
+    found = sensor_moments(mean, four, Readout(black_e=lowest))
+    assert z_of(values[:, None], found.mean, found.variance) < 5
+    assert not few_electrons(mean, four).any()  # a table of one reading is not that of the sum
+    if lowest < 0:
+        drawn = sample_electrons(np.full((400_000, 1), n * light), PAPER_PIXEL, rng, noise=four)
+        assert z_of(drawn, found.mean, found.variance) < 5
+
+
 def test_contrast_is_detected_as_often_as_in_rounded_draws():
     analysis = seen(16.0, **EIGHT_BITS | {"bits": 8, "full_well_e": 60_000.0})  # 235 e- per code
     noise = noise_sources(analysis.sensor, EXPOSURE)
@@ -239,3 +273,22 @@ def one_white():
 
 
 EIGHT = cn.sensor.Converter(bits=8, gain_e_per_dn=40.0)
+
+
+@pytest.mark.parametrize(
+    ("light", "step", "full"), [(9000.0, 600.0, np.inf), (9500.0, 0.0, 9800.0)]
+)
+def test_places_with_different_neighbors_are_each_rounded_and_clipped(light, step, full):
+    kernel = np.array([[0, 0.05, 0], [0.05, 0.8, 0.05], [0, 0.05, 0]])
+    crosstalk = crosstalk_of_kernel(kernel, mosaic_named("rgbw-4x4"), ("R", "G", "B", "W"))
+    pattern, rng = crosstalk_pattern(crosstalk), np.random.default_rng(3)
+    mean, sources = light * np.array([0.35, 0.6, 0.4, 1.0]), {"read_noise_e": 3.0, "step_e": step}
+    places = pattern.means_e(mean, 3)
+    values = rng.poisson(rng.choice(places, 400_000)) + 3.0 * rng.standard_normal(400_000)
+    values = step * np.floor(values / step + 0.5) if step else values
+    noise = NoiseSources(**sources, pattern=pattern)
+    found = sensor_moments(mean, noise, Readout(full_well_e=full))
+    assert z_of(np.minimum(values, full)[:, None], found.mean[3], found.variance[3]) < 5
+    if full == np.inf:
+        bias, variance = noise.rounded(mean)
+        assert z_of(values[:, None], mean[3] + bias[3], variance[3]) < 5

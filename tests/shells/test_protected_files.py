@@ -276,8 +276,8 @@ def test_the_default_report_replaces_no_file_that_the_user_did_not_name(run):
     assert run("report", "study.toml")[0] == 2
     assert state(".") == before
     Path("report.html").rename("mine.html")
-    for _ in range(2):
-        assert run("report", "study.toml")[0] == 0
+    for figures in ((), ("--figures", ".")):  # into the folder of the report
+        assert run("report", "study.toml", *figures)[0] == 0
     page = Path("report.html").read_bytes()
     Path("report.html").write_bytes(page + b"mine")
     assert run("report", "study.toml")[0] == 2

@@ -46,14 +46,16 @@ def report(study: Path, out: Path, changes: tuple[str, ...], figures: Path | Non
     if figures is not None:
         refuse_unwritable(figures)
     source = click.get_current_context().get_parameter_source("out")
-    if source is not ParameterSource.DEFAULT:
-        write_whole(out, _page(parsed, figures))
-    else:
+    named = source is not ParameterSource.DEFAULT
+    if not named:
         with claimed_folder(out.parent, "report") as claimed:
             claimed.refuse_taken([out.name], remedy=("name it with --out", "move it away"))
-            page = _page(parsed, figures)
-            with claimed.scratch() as scratch:
-                (scratch / out.name).write_bytes(page)
+    page = _page(parsed, figures)  # figures may go to the same folder, which is claimed once a time
+    if named:
+        write_whole(out, page)
+    else:
+        with whole_folder(out.parent, "report") as folder:
+            (folder / out.name).write_bytes(page)
     click.echo(out)
 
 

@@ -112,19 +112,21 @@ def normal_fails(source: ElectronSource) -> Bool[Array, "*px"]:
     """Where a normal distribution of the readings is too inaccurate for the noise of a color.
 
     True with few electrons in a channel (`chromanoise.noise.few_electrons`), with a step of the
-    converter that exceeds the noise, or with clipped readings.
+    converter that exceeds the noise, or with clipped readings; but not for sums of readings that
+    are rounded coarsely, of which mean and variance alone are exact.
 
     Parameters
     ----------
     source
         Channels, noise and readout.
     """
-    few, noise = few_electrons(source.mean_e, source.noise), source.noise
-    found = (few | noise.rounding_is_coarse(source.mean_e)).any(axis=-1)
+    noise = source.noise
+    coarse = noise.rounding_is_coarse(source.mean_e).any(axis=-1)
+    found = few_electrons(source.mean_e, noise).any(axis=-1) | coarse
     if not math.isinf(source.readout.black_e) or not math.isinf(source.readout.full_well_e):
         read = sensor_moments(source.mean_e, source.noise, source.readout)
         found |= (read.black_share + read.full_share > _CLIPPED).any(axis=-1)
-    return np.asarray(found)
+    return np.asarray(found & ~coarse if noise.readings > 1 else found)
 
 
 def exact_where_needed(color: NoisyColor, space: Space, *, points: int = 2**11) -> SpaceMoments:

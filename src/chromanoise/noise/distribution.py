@@ -56,7 +56,8 @@ def few_electrons(mean_e: Float[Array, "*k"], noise: NoiseSources) -> Bool[Array
     """Whether one reading needs its exact distribution, because a Gaussian is too inaccurate.
 
     True up to 1000 electrons of light and dark, and up to `MOST_COUNTED_E` where the step of the
-    converter exceeds the noise, with at most 100 electrons of noise that is not counted.
+    converter exceeds the noise, with at most 100 electrons of noise that is not counted. Not for a
+    sum of readings whose step exceeds the noise, of which mean and variance alone are exact.
 
     Parameters
     ----------
@@ -72,8 +73,8 @@ def few_electrons(mean_e: Float[Array, "*k"], noise: NoiseSources) -> Bool[Array
     """
     added, counted = noise.added_variance_e2(mean_e), mean_e + noise.dark_e
     few = np.asarray(counted <= _FEW_E)
-    if noise.step_e and not few.all():
-        few = few | (noise.rounding_is_coarse(mean_e) & (counted <= MOST_COUNTED_E))
+    coarse = noise.rounding_is_coarse(mean_e)
+    few = few & ~coarse if noise.readings > 1 else few | (coarse & (counted <= MOST_COUNTED_E))
     return np.asarray(few & (added <= _MOST_NOISE_E**2))
 
 

@@ -11,6 +11,7 @@ from chromanoise.exposure import Exposure
 from chromanoise.noise.measurement import Measurement
 from chromanoise.noise.readout import Moments, Readout, read_moments
 from chromanoise.noise.sources import (
+    CrosstalkPattern,
     NoiseSources,
     demand_independent_channels,
     noise_sources,
@@ -30,7 +31,8 @@ def sensor_moments(mean_e: Float[Array, "*px p"], noise: NoiseSources, readout: 
         added as one normal variable per channel with their variance.
     readout
         Bounds after the subtraction of the mean dark signal, full well before it; the step is
-        that of the converter, unless another is given.
+        that of the converter, unless another is given. Each of several summed readings has an
+        equal part of the bounds.
 
     Raises
     ------
@@ -42,18 +44,42 @@ def sensor_moments(mean_e: Float[Array, "*px p"], noise: NoiseSources, readout: 
     A product of PRNU and a Poisson count is not normal: its third cumulant, 3 PRNU^2 M^2, is
     omitted. Mean and variance are exact where nothing is clipped.
     """
-    mean = _check.non_negative("mean_e", "e-", mean_e)
-    counted, bounds = counted_readout(mean, noise, readout)
-    found = read_moments(
-        counted, read_noise_e=np.sqrt(noise.added_variance_e2(mean)), readout=bounds
+    mean, n = _check.non_negative("mean_e", "e-", mean_e), noise.readings
+    if noise.pattern is not None:
+        return _over_places(mean, noise, noise.pattern, readout)
+    light, one, sd = noise.of_one_reading(mean)
+    bounds = Readout(
+        black_e=readout.black_e / n,
+        full_well_e=readout.full_well_e / n + one.offset_e,
+        step_e=readout.step_e or one.step_e,
+        offset_e=one.offset_e,
     )
-    return replace(found, bias=found.mean - mean) if bounds.offset_e else found
+    read = read_moments(light + noise.dark_e / n, read_noise_e=sd, readout=bounds)
+    return replace(read, mean=n * read.mean, variance=n * read.variance, bias=n * read.mean - mean)
+
+
+def _over_places(
+    mean: Float[Array, "*px p"], noise: NoiseSources, pattern: CrosstalkPattern, readout: Readout
+) -> Moments:
+    """Moments over the places of each channel, at which different light is counted."""
+    alone, found = replace(noise, pattern=None), []
+    for i in range(mean.shape[-1]):
+        read = sensor_moments(pattern.means_e(mean, i), alone, readout)
+        each = (read.mean, read.variance, read.black_share, read.full_share)
+        of_mean, variance, black, full = (values.mean(axis=-1) for values in each)
+        found.append((of_mean, variance + read.mean.var(axis=-1), black, full))
+    of_mean, variance, black, full = (np.stack(each, axis=-1) for each in zip(*found, strict=True))
+    return Moments(
+        mean=of_mean, variance=variance, bias=of_mean - mean, black_share=black, full_share=full
+    )
 
 
 def counted_readout(
     mean_e: Float[Array, "*px p"], noise: NoiseSources, readout: Readout
 ) -> tuple[Float[Array, "*px p"], Readout]:
     """Expected light and dark electrons that a pixel counts, and the readout of its codes. [e-]
+
+    A sum of several readings is taken as one with the step of the sum.
 
     Parameters
     ----------
@@ -90,7 +116,8 @@ def clipping_readout(sensor: Sensor, exposure: Exposure | None = None) -> Readou
         As `noise_sources`.
     """
     noise = noise_sources(sensor, exposure)
-    well_e, top_e, step = sensor.pixel.full_well_e, code_range_e(sensor), noise.step_e
+    well_e, top_e = sensor.pixel.full_well_e, code_range_e(sensor)
+    step = noise.step_e * np.sqrt(noise.readings)  # of all readings together
     offset = noise.black_error_e - noise.dark_e
     if step:
         well_e = step * np.floor((well_e + offset) / step + 0.5) - offset

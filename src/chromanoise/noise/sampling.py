@@ -56,6 +56,11 @@ def sample_electrons(
         return shot + pixel.read_noise_e * rng.standard_normal(shot.shape)
     if noise.pattern is not None:
         mean_e = _at_places(mean_e, noise.pattern, rng)
+    if noise.readings > 1:
+        total, n = np.zeros_like(mean_e), noise.readings
+        for _ in range(n):
+            total += sample_electrons(mean_e / n, pixel, rng, noise=noise.one_reading)
+        return total
     gain = 1.0 + noise.prnu * rng.standard_normal(mean_e.shape)
     electrons = rng.poisson(mean_e * np.maximum(gain, 0.0) + noise.dark_e).astype(np.float64)
     for sd in (noise.read_noise_e, noise.row_noise_e, noise.dsnu_e):

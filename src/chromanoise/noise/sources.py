@@ -159,7 +159,8 @@ class NoiseSources:
     pattern
         The pattern of crosstalk over the places of a mosaic; ``None`` without any.
     readings
-        Readings that are summed (`chromanoise.sensor.binned`); all values are those of the sum.
+        Rounded readings that are summed (`chromanoise.sensor.binned`); all values are those of the
+        sum. 1 where nothing is rounded.
 
     Raises
     ------
@@ -342,8 +343,16 @@ class NoiseSources:
         mean, bias = np.asarray(mean_e, dtype=np.float64), np.zeros_like(variance)
         own = self if kind == "total" else self.temporal
         coarse = own.rounding_is_coarse(mean)
-        if coarse.any():
-            light, readout, sd = own.of_one_reading(mean)  # a pattern depends on all channels
+        if own.pattern is not None:
+            alone = replace(own, pattern=None)
+            for i in np.flatnonzero(coarse.any(axis=tuple(range(mean.ndim - 1)))):
+                means, at = own.pattern.means_e(mean, int(i)), coarse[..., i]
+                away, each = alone.rounded(means)
+                read_e, spread = means + away, each.mean(axis=-1)
+                bias[..., i] = np.where(at, read_e.mean(axis=-1) - mean[..., i], 0.0)
+                variance[..., i] = np.where(at, spread + read_e.var(axis=-1), variance[..., i])
+        elif coarse.any():
+            light, readout, sd = own.of_one_reading(mean)
             counted = (light + own.dark_e / own.readings)[coarse]
             read = read_moments(counted, read_noise_e=sd[coarse], readout=readout)
             bias[coarse] = own.readings * read.mean - mean[coarse] - own.black_error_e
@@ -390,6 +399,21 @@ class NoiseSources:
         return mean_e / n, readout, sd
 
     @property
+    def one_reading(self) -> "NoiseSources":
+        """The sources of each of the readings that are summed, without the pattern."""
+        n = self.readings
+        names = ("read_noise_e", "step_e", "row_noise_e", "dsnu_e")
+        return replace(
+            self,
+            **{name: getattr(self, name) / np.sqrt(n) for name in names},
+            dark_e=self.dark_e / n,
+            prnu=self.prnu * np.sqrt(n),
+            black_error_e=self.black_error_e / n,
+            pattern=None,
+            readings=1,
+        )
+
+    @property
     def temporal(self) -> "NoiseSources":
         """The sources without DSNU, PRNU and the pattern, which are the same in every frame."""
         return replace(self, dsnu_e=0.0, prnu=0.0, pattern=None)
@@ -429,16 +453,17 @@ def noise_sources(sensor: Sensor, exposure: Exposure | None = None) -> NoiseSour
             value=None,
             found=f"is missing, and {sensor.name} has {pixel.dark_current_e_per_s:g} e-/s",
         )
+    step_e = quantization_step_e(sensor.converter, pixel)
     return NoiseSources(
         read_noise_e=pixel.read_noise_e,
         dark_e=0.0 if exposure is None else pixel.dark_electrons_e(time_s=exposure.time_s),
-        step_e=quantization_step_e(sensor.converter, pixel),
+        step_e=step_e,
         row_noise_e=pixel.row_noise_e,
         dsnu_e=pixel.dsnu_e,
         prnu=pixel.prnu,
         black_error_e=pixel.black_error_e,
         pattern=crosstalk_pattern(sensor.crosstalk),
-        readings=int(pixel.summed_readings),
+        readings=int(pixel.summed_readings) if step_e else 1,
     )
 
 
