@@ -5,7 +5,7 @@
 searches each design (those of `examples/designs`) at 10, 1 and 0.1 lx, without and with 10 %
 crosstalk of designs and references. It checks each sensor of each front by `cn.analyze`, a million
 draws and a rendered picture, and lets it deviate by 5 nm and 5 %. Each search has three seeds and a
-polish; their agreement is printed.
+polish; their agreement is printed, and what descents from random candidates reach without a search.
 """
 
 import sys
@@ -15,8 +15,11 @@ import numpy as np
 
 import chromanoise as cn
 from chromanoise.design import Design, DesignDocument, read_design
+from chromanoise.design.algorithms import latin_hypercube
+from chromanoise.design.archive import misses_of
 from chromanoise.design.objectives import OBJECTIVES
 from chromanoise.design.optimizing import task_of
+from chromanoise.design.polish import _Descent, _far_apart
 from chromanoise.design.sentences import convergence_sentences
 from chromanoise.exposure import expected_electrons
 from chromanoise.noise import monte_carlo, noise_sources
@@ -29,6 +32,7 @@ LEVELS_LUX = (10.0, 1.0, 0.1)
 CROSSTALK = (0.0, 0.1)
 DRAWS = 1_000_000
 DEVIATIONS = 256
+RANDOM, STARTS, STARTS_SEED = 800, 26, 5  # candidates, and descents from those far apart
 TOLERANCE_NM, TOLERANCE_SHARE = 5.0, 0.05
 WHITE_ROW = 3  # of the patches of the chart; the white is the first of this row
 
@@ -123,6 +127,28 @@ def deviating(found: Design) -> str:
     return "5 nm and 5 %, 95 % of copies are within: " + ", ".join(losses)
 
 
+def descended(document: DesignDocument, starts: int = STARTS) -> list[str]:
+    """Where descents from random candidates end: to the constraints, then of two objectives."""
+    problem = task_of(document).problem()
+    rng = np.random.default_rng(STARTS_SEED)
+    values = latin_hypercube(problem, RANDOM, rng)
+    misses = misses_of(problem, problem.evaluate(values))
+    near = np.argsort(misses)[: RANDOM // 2]
+    share = (values[near] - problem.low) / (problem.high - problem.low)
+    scale = np.array([2.0, 3.0, 2.0])[: len(problem.objectives)]
+    lines = []
+    for start in near[_far_apart(share, starts)]:
+        end = _Descent(problem, values[start], np.ones(len(scale)), None, scale).end()
+        missed = misses_of(problem, problem.evaluate(end[None]))[0]
+        reached = []
+        for weights in np.eye(len(scale))[:2] if missed == 0 else ():
+            best = _Descent(problem, end, weights, None, scale).end()
+            (row,) = problem.evaluate(best[None]).objectives
+            reached.append(f"{weights @ row:.4f}")
+        lines.append(", ".join(reached) or f"misses the constraints by {missed:.3g}")
+    return lines
+
+
 def rows(found: Design) -> list[str]:
     """References, extremes and knee as a table, and their parameters."""
     names = found.task.evaluator.objectives
@@ -154,8 +180,10 @@ def main(designs: tuple[Path, ...]) -> None:
         for crosstalk in CROSSTALK:
             for level_lux in LEVELS_LUX:
                 print(f"\n## {path.stem}, {level_lux:g} lx, crosstalk {crosstalk:.0%}")
+                document = design_at(path, level_lux, crosstalk)
+                print("descents from random candidates:", *descended(document), sep="\n")
                 try:
-                    found = cn.optimize(design_at(path, level_lux, crosstalk))
+                    found = cn.optimize(document)
                 except cn.InputError as error:
                     print(error)
                     continue

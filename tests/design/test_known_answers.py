@@ -46,7 +46,8 @@ def best(judge, candidates, low, high, *, budget):
         ),
     )
     found = searched_front(
-        problem, SearchSettings(method="de", budget=budget, population=40, seed=1)
+        problem,
+        SearchSettings(method="de", budget=budget, population=40, seed=1, seeds=1, polish=False),
     )
     return found.values[0], float(found.objectives[0, 0])
 

@@ -183,7 +183,7 @@ def test_greek_dots_and_words_name_the_same_value(name):
         ("bits = 20\nK = 1 DN/e-", "bits", 20),
         ("", "", []),
         ('{"K": 0.5}', "K", 0.5),
-        ('{"K": {"value": 1', "line 1", None),
+        ('{"K": {"value": 1', "line 1, column 18", None),
         ("[" * 100_000, "", []),
         ('{"K":' + "[" * 100_000, "", None),
     ],
@@ -620,7 +620,7 @@ def test_a_camera_that_is_not_there_brings_the_nearest(tmp_path, name, value, ne
         ("[]", ""),
         ('{"noiseprofiles": [{"maker": "Canon"}]}', "Canon"),
         ('{"noiseprofiles": 3}', ""),
-        ("{", "line 1"),
+        ("{", "line 1, column 2"),
     ],
 )
 def test_another_json_is_not_taken_for_noise_profiles(tmp_path, text, where):

@@ -73,7 +73,10 @@ class Measurement:
 
     @property
     def variance(self) -> Float[Array, "*px p"]:
-        """The variance of one reading: the diagonal of the covariance, unless one is given."""
+        """The variance of one reading: the diagonal of the covariance, unless one is given.
+
+        In the squared unit of the mean.
+        """
         if self.reading_variance is not None:
             return self.reading_variance
         return np.diagonal(self.covariance, axis1=-2, axis2=-1)

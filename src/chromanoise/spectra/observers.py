@@ -21,6 +21,11 @@ INFRARED_FROM_NM = 700.0
 def is_infrared(grid: Grid) -> Bool[Array, " n"]:
     """Which wavelengths of a grid count as infrared: those beyond `INFRARED_FROM_NM`.
 
+    Parameters
+    ----------
+    grid
+        The wavelengths. [nm]
+
     Examples
     --------
     >>> is_infrared(Grid.uniform(695, 705, 5))

@@ -238,7 +238,7 @@ def _place_record(files: Iterable[str], folder: Path) -> dict[str, str]:
     If the two folders have only the root in common, this path would contain all folder names from
     the root to the project, so no path is recorded.
     """
-    here, results = Path.cwd().resolve(), folder.resolve()
+    here, results = true_path(Path()), true_path(folder)
     try:
         apart = os.path.commonpath([here, results]) == here.anchor != str(here)
     except ValueError:  # on two drives
@@ -260,7 +260,7 @@ def place_of_files(folder: Path, record: Mapping[str, Any]) -> Path | None:
     """
     if "place" not in record:
         return None
-    return Path(os.path.normpath(folder.resolve() / str(record["place"])))
+    return Path(os.path.normpath(true_path(folder) / str(record["place"])))
 
 
 def _relative(files: Iterable[str]) -> bool:

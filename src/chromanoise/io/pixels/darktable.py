@@ -89,7 +89,7 @@ def read_darktable_noise(path: Path | str, *, maker: str, model: str, iso: float
         ones.
     """
     path = Path(path)
-    held = json_of(source_text(path), str(path))
+    held = json_of(source_text(path), str(path), any_number=True)
     makers = _listed(held, "noiseprofiles", "maker", path, "")
     maker = _known("maker", maker, makers, f"{path}")
     models = _listed(makers[maker], "models", "model", path, maker)

@@ -34,7 +34,7 @@ def read_json(text: str, source: str) -> Found:
     with ``red_ssf``, ``green_ssf`` and ``blue_ssf`` for a camera, ``bands`` and ``spectrum`` for a
     light. Any other JSON needs one list of wavelengths, and lists of values of the same length.
     """
-    whole = json_of(text, source)
+    whole = json_of(text, source, any_number=True)
     assert isinstance(whole, dict)  # it begins with a brace
     schema = whole.get("schema")
     if schema == SPECTRA_SCHEMA:
