@@ -53,7 +53,7 @@ def write_png(path: Path, srgb: UInt8[Array, "h w 3"]) -> None:
         _write_png(file, srgb)
 
 
-def _write_png(file: io.BufferedIOBase, srgb: UInt8[Array, "h w 3"]) -> None:
+def _write_png(file: io.BytesIO | io.BufferedWriter, srgb: UInt8[Array, "h w 3"]) -> None:
     """Write a PNG; Pillow holds 4 bytes per pixel."""
     from PIL import Image
 
