@@ -146,11 +146,9 @@ def json_of(content: str | bytes, source: str, *, any_number: bool = False) -> A
             return float(word)
         raise InputError(source, f"contains {word}, which is not a JSON number")
 
-    def whole(digits: str) -> int:
-        if len(digits) > _MOST_DIGITS:  # the parser would raise a ValueError for thousands
-            found = f"contains a whole number of {len(digits.lstrip('-'))} digits"
-            raise InputError(source, found, remedy="write fewer")
-        return int(digits)
+    def whole(digits: str) -> float:
+        # beyond double precision; the parser would raise a ValueError without the place
+        return int(digits) if len(digits) <= _MOST_DIGITS else float(digits)
 
     try:
         text = content if isinstance(content, str) else content.decode("utf-8-sig")

@@ -17,6 +17,7 @@ from chromanoise.sensor.pixel import BinningMode, Pixel, binned, of_the_sum
 from chromanoise.sensor.sensor import Sensor
 
 MOST_SHIFT_NM = 200.0
+"""Largest shift of curves or of a filter. [nm]"""
 LOWEST_EDGE_NM, HIGHEST_EDGE_NM = 450.0, 2000.0
 
 
