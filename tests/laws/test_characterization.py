@@ -309,6 +309,20 @@ def test_read_noise_behind_a_clipped_black_level_is_that_of_the_flats(tmp_path):
     assert plane.linearity_error_percent < 0.5
 
 
+def test_a_stated_black_level_that_the_darks_contradict_is_noted(tmp_path):
+    folder = frames_of(tmp_path / "f", levels=6)
+    path, found = folder / "capture.toml", []
+    text = path.read_text()
+    for line in ("", "black_level_dn = 100\n", "black_level_dn = 4000\n"):
+        path.write_text(line + text)
+        found.append(cn.characterize(folder))
+    plain, right, wrong = found
+    assert right.notes == plain.notes
+    (note,) = set(wrong.notes) - set(plain.notes)
+    assert "4000" in note
+    assert wrong.planes[0].black_level_dn == plain.planes[0].black_level_dn
+
+
 @pytest.mark.parametrize("by", ["list", "file"])
 def test_flats_alone_give_the_read_noise_above_a_stated_black_level(tmp_path, by):
     folder = frames_of(tmp_path / "f", levels=24)

@@ -487,18 +487,26 @@ def test_the_share_of_electrons_that_leave_is_not_the_net_change(share, electron
     "given_settings",
     [
         {"name": "model-mono", "crosstalk": 0.1, "subject": "crosstalk", "setting": "mosaic"},
-        {"mosaic": "bayer", "subject": "mosaic", "setting": "crosstalk"},
+        {"mosaic": "rgbw-2x2", "subject": "mosaic", "setting": "mosaic"},
         {"crosstalk_stage": "charge", "subject": "crosstalk_stage", "setting": "crosstalk"},
         {"crosstalk": 0.1, "mosaic": "rgbw-2x2", "subject": "mosaic"},
     ],
     ids=str,
 )
-def test_crosstalk_without_mosaic_and_a_mosaic_without_crosstalk_are_refused(given_settings):
+def test_crosstalk_without_mosaic_and_a_mosaic_of_other_channels_are_refused(given_settings):
     settings = dict(given_settings)
     subject, setting = settings.pop("subject"), settings.pop("setting", None)
     name = settings.pop("name", "model-rgb-ircut")
     with refused_input(subject=subject, setting=setting):
         cn.analyze(name, **settings)
+
+
+def test_a_mosaic_without_crosstalk_changes_no_number():
+    (plain,), (with_mosaic,) = (
+        cn.analyze("model-rgb-ircut", **settings).analyses for settings in ({}, {"mosaic": "bayer"})
+    )
+    np.testing.assert_array_equal(with_mosaic.raw.covariance, plain.raw.covariance)
+    assert with_mosaic.sensor.mosaic.pattern == (("R", "G"), ("G", "B"))
 
 
 @pytest.mark.parametrize(

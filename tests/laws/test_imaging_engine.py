@@ -330,8 +330,8 @@ def test_noise_of_the_developed_picture_is_what_the_closed_form_predicts(made, t
 
 @pytest.mark.parametrize("own", [{}, {"gain_e_per_dn": 3.0}, {"bits": 8}])
 def test_the_rounding_of_codes_counts_once_also_if_the_sensor_has_its_own_converter(own):
-    """Steps below the shot noise, the only other noise: M + q^2 / 12, through bilinear weights."""
-    point = with_pixel_of(used(3, level_lux=10.0), read_noise_e=0.0, **own)
+    """Steps below the noise of 20 e-: M + 20^2 + q^2 / 12, through bilinear weights."""
+    point = with_pixel_of(used(3, level_lux=10.0), read_noise_e=20.0, **own)
     names = point.sensor.names
     scene = flat_field(LAMP, level_lux=10.0, reflectance=0.5)
     adc = Adc(bits=12, gain_e_per_dn=10.0)
@@ -339,7 +339,7 @@ def test_the_rounding_of_codes_counts_once_also_if_the_sensor_has_its_own_conver
     matrix = kernel_matrix(point.sensor, point.exposure)
     electrons = expected_electrons(scene, point.sensor, point.exposure)
     place = developed_color(scene, point, bank, adc, matrix=matrix)[0][0]
-    raw_e2 = electrons + 10.0**2 / 12
+    raw_e2 = electrons + 20.0**2 + 10.0**2 / 12
     weights = bank.kernels[0, 0]  # of the neighbors of each channel, which are independent
     noise_e2 = np.array([(k**2).sum() for k in weights]) * raw_e2
     expected = np.einsum("ci,i,ci->c", matrix.matrix, noise_e2, matrix.matrix)

@@ -132,7 +132,7 @@ def test_a_file_of_two_byte_characters_is_read_by_its_mark(file):
         ("<!DOCTYPE a [<!ENTITY b 'c'>]><a>&b;</a>", {"requirement": "document type"}),
         ("<a/>", {"value": "a"}),
         ("nm,A\n400,\0\n", {"where": "line 2"}),
-        ("[" * 100_000, {"requirement": "nested"}),
+        ("[" * 100_000, {"where": "line 1", "value": 100_000}),
         ('{"a":' * 100_000, {"requirement": "nested"}),
     ],
 )

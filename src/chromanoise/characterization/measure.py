@@ -21,7 +21,7 @@ from chromanoise.characterization.lights import (
     unclipped,
 )
 from chromanoise.characterization.planes import hidden_by_rounding, plane_noise
-from chromanoise.characterization.results import Characterization, plane_names
+from chromanoise.characterization.results import Characterization, PlaneNoise, plane_names
 from chromanoise.characterization.spatial import (
     LEAST_SIDE,
     FixedPattern,
@@ -139,7 +139,7 @@ def characterized(
         verdict=model_verdict(given, frames, lights, planes, covariance / np.outer(sd, sd)),
         notes=(
             *frames.notes,
-            *_black_notes(frames),
+            *_black_notes(frames, planes),
             *_hidden_notes(frames, lights, names),
             *_shading_notes(unfiltered),
         ),
@@ -187,10 +187,17 @@ def _hidden_notes(
     ]
 
 
-def _black_notes(frames: FrameSet) -> list[str]:
-    if darks_of(frames):
-        return []
+def _black_notes(frames: FrameSet, planes: Sequence[PlaneNoise]) -> list[str]:
     black = frames.black_level_dn
+    if darks_of(frames):
+        measured = [one.black_level_dn for one in planes if one.black_level_dn is not None]
+        if black is None or not measured or max(abs(one - black) for one in measured) <= 1:
+            return []
+        span = " to ".join(f"{one:.4g}" for one in sorted({min(measured), max(measured)}))
+        return [
+            f"the stated black level of {black:g} DN is not used: the darks have {span} DN; "
+            "correct it, or check whether the darks belong to the flats"
+        ]
     if black is None:
         return [
             "the black level is not known: take darks, or state black_level_dn in capture.toml "

@@ -262,30 +262,21 @@ def _is_incomplete(part: SensorPart, given: Given) -> bool:
 
 def _idle_alone(study: Study) -> list[InputError]:
     """Settings of sensors that lack the other setting without which they have no effect."""
-    sweeps = [one for sweep in study.sweeps for one in (sweep, sweep.second) if one]
-    merit = Setting("outputs.merit", (True,))
-    needs: dict[str, tuple[str, str, tuple[Setting, ...]]] = {
-        "crosstalk_stage": ("crosstalk", "crosstalk", ()),
-        "shift_ircut_nm": ("filter", "a filter on all channels", ()),
+    needs = {
+        "crosstalk_stage": ("crosstalk", "crosstalk"),
+        "shift_ircut_nm": ("filter", "a filter on all channels"),
     }
-    if not (
-        study.outputs.merit
-        or any(one.vary == "crosstalk" for one in sweeps)
-        or any(one.mosaic == "sensor" for one in study.pictures)
-    ):
-        of_mosaic = "crosstalk, figures of merit or pictures of the sensor's mosaic"
-        needs["mosaic"] = ("crosstalk", of_mosaic, (merit,))
     return [
         InputError(
             name,
             f"must be given only with {what}",
             value=getattr(part, name),
             found="there is none",
-            remedy=(Setting(f"sensors.{i}.{other}"), *others, "omit it"),
+            remedy=(Setting(f"sensors.{i}.{other}"), "omit it"),
             setting=f"sensors.{i}.{name}",
         )
         for i, part in enumerate(study.sensors)
-        for name, (other, what, others) in needs.items()
+        for name, (other, what) in needs.items()
         if getattr(part, other) is None
         and getattr(part, name) != SensorPart.model_fields[name].default
     ]
