@@ -75,7 +75,7 @@ def out(tmp_path):
     return folder
 
 
-def test_a_failed_run_keeps_files_of_others(tmp_path):
+def test_a_failed_run_keeps_other_files(tmp_path):
     fails_in(
         tmp_path / "out" / "a",
         lambda: written(tmp_path / "out" / "b"),
@@ -121,7 +121,7 @@ def test_a_link_to_a_folder_stays_a_link(tmp_path, out):
     assert tree(out) == OLD | NEW
 
 
-def test_a_folder_with_files_of_others_stays_the_working_folder_of_other_processes(out):
+def test_a_folder_with_other_files_stays_the_working_folder_of_other_processes(out):
     other = subprocess.Popen(
         [sys.executable, "-c", "input(); open('result.txt', 'w').write('theirs')"],
         cwd=out, stdin=subprocess.PIPE, text=True,
@@ -310,7 +310,7 @@ def ended_by(error, folder, files, *and_then):
         raise error
 
 
-def test_an_error_takes_back_what_the_run_added_but_not_what_the_user_then_changed(out):
+def test_an_error_removes_what_the_run_added_but_not_what_the_user_then_changed(out):
     before = tree(out)
     new = {"one.json": "1", "sub/two.json": "2", "sub/three.json": "3"}
     changed = partial((out / "sub/two.json").write_text, "mine")

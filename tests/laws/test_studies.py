@@ -488,7 +488,7 @@ def test_a_picture_that_is_missing_or_empty_is_taken_again(whole, tmp_path):
         assert files_of(tmp_path / "o") == files_of(whole)
 
 
-def test_a_picture_that_somebody_changed_is_refused_and_stays(whole, tmp_path):
+def test_a_changed_picture_is_refused_and_stays(whole, tmp_path):
     shutil.copytree(whole, tmp_path / "o")
     picture = next((tmp_path / "o").glob("picture-1-*.png"))
     picture.write_bytes(picture.read_bytes() + b"changed")

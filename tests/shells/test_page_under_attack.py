@@ -381,7 +381,7 @@ def test_a_question_that_would_wait_too_long_gets_status_503(workers, monkeypatc
     assert refused.status == 503
 
 
-def test_jobs_that_nobody_waits_for_are_not_computed(workers, monkeypatch):
+def test_jobs_of_clients_that_left_are_not_computed(workers, monkeypatch):
     asked, ask = [], processes.Worker.asked
     monkeypatch.setattr(
         processes.Worker, "asked", lambda one, job: asked.append(job) or ask(one, job)

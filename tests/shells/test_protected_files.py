@@ -221,7 +221,7 @@ def test_a_name_that_is_taken_is_refused_and_nothing_changes(ended, made_by, nam
 
 
 @pytest.mark.parametrize(("name", "option"), cases(without=NEEDS_AN_EMPTY_FOLDER))
-def test_an_output_that_somebody_changed_is_never_lost(ended, name, option):
+def test_a_changed_output_is_never_lost(ended, name, option):
     assert ended(name, option, "o")[0] == 0
     names = sorted(outputs("o"))
     for one in (names[0], names[-1]):

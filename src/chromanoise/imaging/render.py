@@ -53,7 +53,7 @@ ALL_CORES = Work()
 """Default work: one thread per core."""
 
 _COLORED_ROWS = 64
-_SHARE_DIGITS = 9  # by which kinds of places are told apart
+_SHARE_DIGITS = 9  # places whose shares agree to these digits are of one kind
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
