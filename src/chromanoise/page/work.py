@@ -20,7 +20,7 @@ from chromanoise.page.uploads import Upload
 _LOG = logging.getLogger("chromanoise.page")
 MOST_WAITING = 48
 LONGEST_WAIT_S = 25.0  # in a queue: an answer takes at most a minute, a report at most two
-ABANDONED_S = 1.0  # a computation without a client may go on this long, so that its worker is not lost
+ABANDONED_S = 1.0  # a computation without a client may go on this long: its worker is kept
 MOST_ANSWER_BYTES = 16_000_000
 _KILLED = -9  # SIGKILL, by no name on Windows
 _TOO_LONG = (_sandbox.WATCHDOG, -getattr(signal, "SIGXCPU", 24))
