@@ -21,7 +21,8 @@ SAMPLES = {  # values of texts, whose description gives no example
     "sensors.label": "New chip",
     "sensors.pixel.file": "pixel.toml",
     "sensors.mosaic": "rgbw-4x4",
-    "sensors.shift_ircut_nm": 5.0,  # the filter still covers the grid
+    "sensors.filter": "ircut-650",  # a shifted table would not cover the grid
+    "sensors.shift_ircut_nm": 5.0,
     "reflectances.chart": "chart.csv",
     "reflectances.patch": 0.18,
     "reflectances.pairs": "pairs.csv",
