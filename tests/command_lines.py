@@ -26,6 +26,7 @@ import numpy as np
 if __name__ == "__main__":  # run as a script, it finds its neighbors and the sources beside it
     sys.path[:0] = [str(Path(__file__).parent), str(Path(__file__).parents[1] / "src")]
 
+from chromanoise._files import OWN_FILES
 from chromanoise.cli.entry import COMMANDS, commands, run
 from chromanoise.design import DESIGN_STARTER
 from chromanoise.study import STARTER
@@ -410,7 +411,9 @@ def outcome_of(line, files):
             seconds=time.perf_counter() - start,
             resident_kib=usage.ru_maxrss,
             left=[
-                str(path.relative_to(base)) for path in [*folder.rglob(".*"), *scratch.rglob("*")]
+                str(path.relative_to(base))
+                for path in [*folder.rglob(".*"), *scratch.rglob("*")]
+                if path.name != OWN_FILES
             ],
         )
 
