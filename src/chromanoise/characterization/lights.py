@@ -12,7 +12,13 @@ import numpy as np
 
 from chromanoise._check import Array
 from chromanoise._shapes import Integer
-from chromanoise.characterization.statistics import LightSample, PlaneSample, scaled_sample
+from chromanoise.characterization.statistics import (
+    LEAST_CLIPPED,
+    SURE_Z,
+    LightSample,
+    PlaneSample,
+    scaled_sample,
+)
 from chromanoise.errors import InputError
 from chromanoise.io.frames.consistency import refuse_few, refuse_mixed
 from chromanoise.io.frames.frame import Frame, FrameLevel, FrameSet
@@ -20,8 +26,6 @@ from chromanoise.sensor import PhotonTransfer
 from chromanoise.sensor.photon_transfer_table import SAME_TIME
 
 _MOST_BYTES = 400_000_000  # of frames that threads keep in memory
-_SURE_Z = 5.0  # standard errors beyond which a change is no chance
-_LEAST_CLIPPED = 1e-3  # share of the pixels that changes a variance by as much
 _FEWEST_STEPS = 8  # codes between the lowest and highest, from which a step is concluded
 _MOST_APART = 0.2  # of the mean, by which flats of one level may differ
 
@@ -264,7 +268,7 @@ def clipped_share(light: LightSample) -> float:
         for plane in light.planes
         if plane.bottom_dn == 0 and plane.variance_dn2 > 0
     ]
-    return max((share for share in shares if share > _LEAST_CLIPPED), default=0.0)
+    return max((share for share in shares if share > LEAST_CLIPPED), default=0.0)
 
 
 def _refuse_apart(group: Sequence[Frame], light: LightSample) -> None:
@@ -330,7 +334,7 @@ def light_changes(frames: FrameSet, lights: Mapping[Key, LightSample]) -> dict[K
         error = math.sqrt(2 * (samples[i].rest_dn2 / samples[i].pixels + offsets[i]))
         low, high = int(np.argmin(means)), int(np.argmax(means))
         black = 0.0 if base is None else base[i][0]
-        if min(means[high] - means[low], samples[i].mean_dn - black) > _SURE_Z * error:
+        if min(means[high] - means[low], samples[i].mean_dn - black) > SURE_Z * error:
             found[key_of(level.flats)] = LightChange(
                 share=(means[high] - means[low]) / (means[high] - black),
                 low=level.flats[low],

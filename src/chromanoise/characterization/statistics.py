@@ -29,7 +29,10 @@ from chromanoise.imaging.frame_sums import (
 from chromanoise.io.frames.frame import Frame
 
 _BLOCK_PIXELS = 1 << 19
-_SURE_Z = 5.0  # standard errors beyond which a difference is no chance
+SURE_Z = 5.0
+"""Standard errors beyond which a difference is no chance."""
+LEAST_CLIPPED = 1e-3
+"""Share of clipped pixels that changes a variance by as much."""
 _FEW_PIXELS = 1 << 10  # of which most codes have a greatest common divisor of 1
 _MOST_OPEN = 32  # files from which rows are read in turn
 BAND_PIXELS = 1 << 17
@@ -283,7 +286,7 @@ def _unlike_light(
         free += int(counts.sum()) - int(filled.sum())
     of_bins = within / (2 * max(free, 1))
     chance = of_bins * math.sqrt(2 * groups) / max(free, 1)
-    return variance_dn2 - of_bins if variance_dn2 - of_bins > _SURE_Z * chance else 0.0
+    return variance_dn2 - of_bins if variance_dn2 - of_bins > SURE_Z * chance else 0.0
 
 
 def _added(

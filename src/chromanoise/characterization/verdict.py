@@ -9,14 +9,12 @@ from chromanoise._check import Array
 from chromanoise._shapes import Float
 from chromanoise.characterization.lights import Key, clipped_share, key_of, light_changes
 from chromanoise.characterization.results import ModelVerdict, PlaneNoise
-from chromanoise.characterization.statistics import BAND_PIXELS, LightSample
+from chromanoise.characterization.statistics import BAND_PIXELS, LEAST_CLIPPED, SURE_Z, LightSample
 from chromanoise.io.frames.frame import FrameLevel, FrameSet
 
-_SURE_Z = 5.0  # standard errors beyond which a deviation is no chance
 _LEAST_BEND = 0.02  # change of the slope over the fit that is worth telling
 _LEAST_CORRELATION = 0.01
 _LEAST_DRIFT = 1e-3  # of the mean
-_LEAST_CLIPPED = 1e-3  # share of the pixels
 _LEAST_PIXELS = 20  # of a clipped frame that have the same code
 _LEAST_DEVIATION = 0.02  # of the variance
 
@@ -78,7 +76,7 @@ def bend_sentences(planes: Sequence[PlaneNoise]) -> Iterator[str]:
         low, high = plane.fit.low_light_gain_dn_per_e, plane.fit.high_light_gain_dn_per_e
         if plane.bend_z is None or low is None or high is None:
             continue
-        if abs(plane.bend_z) > _SURE_Z and abs(high / low - 1) > _LEAST_BEND:
+        if abs(plane.bend_z) > SURE_Z and abs(high / low - 1) > _LEAST_BEND:
             yield (
                 f"{plane.name}: the variance is not a straight line: its slope is {low:.4g} DN/e- "
                 f"at low light and {high:.4g} DN/e- at the end of the fit ({plane.bend_z:+.1f} "
@@ -89,12 +87,12 @@ def bend_sentences(planes: Sequence[PlaneNoise]) -> Iterator[str]:
 def _deviating(frames: FrameSet, planes: Sequence[PlaneNoise], z: Sequence[Array]) -> Iterator[str]:
     for plane, own in zip(planes, z, strict=True):
         fitted = [level for level in plane.levels if level.fitted]
-        if not own.size or abs(plane.bend_z or 0.0) > _SURE_Z:
+        if not own.size or abs(plane.bend_z or 0.0) > SURE_Z:
             continue
         k = int(np.abs(own).argmax())
         level = fitted[k]
         share = level.variance_dn2 / max(level.predicted_variance_dn2, 1e-300) - 1
-        if abs(own[k]) > _SURE_Z and abs(share) > _LEAST_DEVIATION:
+        if abs(own[k]) > SURE_Z and abs(share) > _LEAST_DEVIATION:
             names = _names(_level(frames, level.name).flats)
             yield (
                 f"{plane.name}: the variance of {names} is {100 * share:+.1f} % off the straight "
@@ -113,7 +111,7 @@ def _neighbors(
             continue
         level = fitted[-1]
         pixels = _pixels(lights)
-        least = max(_LEAST_CORRELATION, _SURE_Z / math.sqrt(pixels))
+        least = max(_LEAST_CORRELATION, SURE_Z / math.sqrt(pixels))
         for where, value in (
             ("in a row", level.correlation_right),
             ("in a column", level.correlation_down),
@@ -129,7 +127,7 @@ def _neighbors(
 def _channels(
     planes: Sequence[PlaneNoise], correlation: Float[Array, "p p"], pixels: int
 ) -> Iterator[str]:
-    least = max(_LEAST_CORRELATION, _SURE_Z / math.sqrt(pixels))
+    least = max(_LEAST_CORRELATION, SURE_Z / math.sqrt(pixels))
     for i, one in enumerate(planes):
         for j in range(i):
             if abs(correlation[i, j]) > least:
@@ -177,7 +175,7 @@ def _lights(
     for plane in planes:
         for one in plane.levels:
             many = one.clipped_share * pixels > _LEAST_PIXELS
-            clipped = one.clipped_share > _LEAST_CLIPPED and many
+            clipped = one.clipped_share > LEAST_CLIPPED and many
             if one.fitted and clipped and _wide(one.variance_dn2):
                 yield (
                     f"{plane.name}: {100 * one.clipped_share:.2g} % of the pixels of "

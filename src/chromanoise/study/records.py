@@ -108,8 +108,8 @@ def run_study(
         made = {step.name: _made_by(results / f"{step.name}.json", who["hash"]) for step in steps}
         for step in steps:
             if not made[step.name]:
-                claimed.refuse_taken([f"{step.name}.json"])
-                claimed.refuse_taken(_pictures_of(results / f"{step.name}.json"))
+                file = f"{step.name}.json"
+                claimed.refuse_taken([file, *_pictures_of(results / file)])
         if not (results / STUDY_FILE).exists():
             with claimed.scratch() as scratch:
                 names = {"steps": [step.name for step in steps]}
