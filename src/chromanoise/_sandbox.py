@@ -17,7 +17,7 @@ import sys
 import threading
 import time
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import cache
 from pathlib import Path
 from typing import Any, NoReturn, TypeVar
@@ -30,8 +30,11 @@ LIMIT_S = 20.0
 """Time limit of a call. [s]"""
 MEMORY_BYTES = 2**30
 """Memory limit of a call; enforced on Linux only. [bytes]"""
-WATCHDOG, FAILED, NO_MEMORY = 1, 70, 71
-"""Exit codes of child processes; faulthandler sets the first."""
+FAILED, NO_MEMORY = 70, 71
+"""Exit codes of child processes."""
+_ALARM = getattr(signal, "SIGALRM", None)  # not on Windows
+TOO_LONG = 1 if _ALARM is None else -_ALARM
+"""Exit code of a child process that `stopped_after` has ended."""
 _ENDING_S = 2.0
 _STATM = Path("/proc/self/statm")
 _DATA = 5  # index of the field
@@ -129,6 +132,24 @@ def exit_after(served: Callable[[], None]) -> NoReturn:
         traceback.print_exc()
     finally:
         os._exit(code)  # without cleanup, in which a library may crash or loop
+
+
+@contextlib.contextmanager
+def stopped_after(limit_s: float) -> Iterator[None]:
+    """End this process after ``limit_s`` [s], even if a library loops and holds the lock."""
+    if _ALARM is None:
+        with open(os.devnull, "w") as nowhere:  # noqa: PTH123
+            faulthandler.dump_traceback_later(limit_s, exit=True, file=nowhere)
+            yield
+            faulthandler.cancel_dump_traceback_later()
+        return
+    # not faulthandler, which may crash while it reads the frames of a thread that runs
+    signal.signal(_ALARM, signal.SIG_DFL)
+    signal.setitimer(signal.ITIMER_REAL, limit_s)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
 
 
 def held_bytes() -> int:
@@ -233,7 +254,7 @@ def _result(how: str, what: Any) -> Any:
 def _fault(code: int, limit_s: float) -> Exception:
     if code == NO_MEMORY:
         return MemoryError()
-    if code == WATCHDOG:
+    if code == TOO_LONG:
         return ValueError(f"its library does not return within {limit_s:g} s")
     return ValueError(f"its library crashes, exit code {code}")
 
@@ -259,10 +280,8 @@ def _answer_calls() -> None:
         except EOFError:
             return
         _bound(limit_s, memory_bytes)
-        # a C thread, which works even if a library loops and holds the interpreter lock
-        faulthandler.dump_traceback_later(limit_s, exit=True, file=nowhere)
-        answer = _answer(function, given, folder)
-        faulthandler.cancel_dump_traceback_later()
+        with stopped_after(limit_s):
+            answer = _answer(function, given, folder)
         pickle.dump(answer, writes, protocol=5)  # arrays are not copied
         writes.flush()
         del answer

@@ -6,6 +6,7 @@ import os
 import signal
 import subprocess
 import sys
+import time
 from importlib import import_module
 from pathlib import Path
 
@@ -223,6 +224,21 @@ def test_a_stop_that_a_library_turns_into_another_exception_is_a_stop(run, monke
             os.kill(os.getpid(), signal.SIGTERM)
         except KeyboardInterrupt:
             raise ImportError("initialization failed") from None
+
+    monkeypatch.setattr(main.commands, "main", interrupted)
+    code, out, err = run("catalog")
+    assert (code, out, err) == (130, "", "chromanoise: stopped\n")
+
+
+def test_a_stop_while_an_object_is_deleted_is_a_stop(run, monkeypatch):
+    class Deleted:
+        def __del__(self):
+            os.kill(os.getpid(), signal.SIGTERM)
+
+    def interrupted(**_):
+        Deleted()
+        time.sleep(30)  # ended by the stop
+        pytest.fail("went on")
 
     monkeypatch.setattr(main.commands, "main", interrupted)
     code, out, err = run("catalog")

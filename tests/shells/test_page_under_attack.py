@@ -450,7 +450,7 @@ def test_a_limit_of_the_processor_that_several_threads_reach_is_said_to_be_one_o
     long = work.JOBS | {"previewed": replace(work.JOBS["previewed"], cpu_s=1, limit_s=60.0)}
     monkeypatch.setattr(work, "JOBS", long)
     # what the server sees where threads use a second of the processor in less than a second
-    for code in (-signal.SIGXCPU, _sandbox.WATCHDOG):
+    for code in (-signal.SIGXCPU, _sandbox.TOO_LONG):
         ended = processes.ProcessEndedError(0.6, has_begun=True, exit_code=code)
         assert "longer than 1 s" in str(work._stopped(work.JOBS["previewed"], ended, LANE))
 

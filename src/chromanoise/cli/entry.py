@@ -9,8 +9,11 @@ import sys
 import threading
 import unicodedata
 import warnings
-from collections.abc import Sequence
+from _thread import interrupt_main
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from importlib import import_module
+from typing import Any
 
 import click
 
@@ -102,18 +105,18 @@ def commands() -> None:
 def run(arguments: list[str] | None = None) -> None:
     """Run the command line; bad input ends with one sentence and exit code 2."""
     stopped = threading.Event()
-    _stop_on_signals(stopped)
     _prepare_output()
     _prepare_libraries()
     given = sys.argv[1:] if arguments is None else arguments
     try:
-        _refuse_unreadable(given)
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # warnings of libraries are not for users
-            warnings.filterwarnings("error", "overflow|divide by zero|invalid value")  # numpy's
-            result = commands.main(
-                args=given or ["--help"], prog_name="chromanoise", standalone_mode=False
-            )
+        with _stop_on_signals(stopped):
+            _refuse_unreadable(given)
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")  # warnings of libraries are not for users
+                warnings.filterwarnings("error", "overflow|divide by zero|invalid value")  # numpy's
+                result = commands.main(
+                    args=given or ["--help"], prog_name="chromanoise", standalone_mode=False
+                )
     except BaseException as error:
         # a stop during an import may be raised as another exception
         if stopped.is_set() or isinstance(error, click.Abort | KeyboardInterrupt):
@@ -157,17 +160,41 @@ def _options_of(command: str) -> dict[str, str]:
     return {str(one.name): max(one.opts, key=len) for one in options}
 
 
-def _stop_on_signals(stopped: threading.Event) -> None:
-    """Make SIGTERM act like Ctrl-C, so that scratch files are removed."""
+@contextmanager
+def _stop_on_signals(stopped: threading.Event) -> Iterator[None]:
+    """Make SIGTERM act like Ctrl-C, so that scratch files are removed.
+
+    A stop that comes while an object is deleted, as in ``__del__`` of a library, is ignored by
+    Python; it is sent once more.
+    """
 
     def stop(*_: object) -> None:
         stopped.set()
         raise KeyboardInterrupt
 
+    def ignored(error: Any) -> None:
+        if stopped.is_set() and error.exc_type is KeyboardInterrupt:
+            threading.Timer(_AGAIN_S, _stop_main_thread).start()  # here it would be ignored again
+        else:
+            before(error)
+
+    before = sys.unraisablehook
     if threading.current_thread() is threading.main_thread():
+        sys.unraisablehook = ignored
         signal.signal(signal.SIGTERM, stop)
         if signal.getsignal(signal.SIGINT) is signal.default_int_handler:  # it may be ignored
             signal.signal(signal.SIGINT, stop)
+    try:
+        yield
+    finally:
+        sys.unraisablehook = before
+
+
+def _stop_main_thread() -> None:
+    if hasattr(signal, "pthread_kill"):  # it also ends what the thread waits for
+        signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGTERM)
+    else:
+        interrupt_main(signal.SIGTERM)
 
 
 def _prepare_output() -> None:
@@ -208,6 +235,7 @@ def _refuse_unreadable(arguments: Sequence[str]) -> None:
             )
 
 
+_AGAIN_S = 0.02
 _NO_TEXT = ("Cc", "Cs", "Zl", "Zp")  # control characters, surrogates, line separators
 
 

@@ -23,7 +23,7 @@ LONGEST_WAIT_S = 25.0  # in a queue: an answer takes at most a minute, a report 
 ABANDONED_S = 1.0  # a computation without a client may go on this long: its worker is kept
 MOST_ANSWER_BYTES = 16_000_000
 _KILLED = -9  # SIGKILL, by no name on Windows
-_TOO_LONG = (_sandbox.WATCHDOG, -getattr(signal, "SIGXCPU", 24))
+_TOO_LONG = (_sandbox.TOO_LONG, -getattr(signal, "SIGXCPU", 24))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

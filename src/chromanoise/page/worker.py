@@ -1,7 +1,6 @@
 """A process that computes answers, within limits of time and memory."""
 
 import contextlib
-import faulthandler
 import math
 import os
 import pickle
@@ -14,7 +13,7 @@ import traceback
 from functools import partial
 from typing import Any, BinaryIO
 
-from chromanoise._sandbox import exit_after, held_bytes
+from chromanoise._sandbox import exit_after, held_bytes, stopped_after
 from chromanoise.errors import InputError
 from chromanoise.page.requests import QuestionError
 from chromanoise.page.services import Services
@@ -111,21 +110,18 @@ class _Answering:
         self._services, self._reads, self._writes, self._bound = services, reads, writes, bound
 
     def serve(self) -> None:
-        with open(os.devnull, "w") as nowhere:  # noqa: PTH123 - closed when all is done
-            while (asked := self._asked()) is not None:
-                name, kept, given, cpu_s, limit_s = asked
-                answer = answered(self._services, "prepare", kept, (name, *given))
-                self._tell("begins")
-                if answer[0] == "done":
-                    self._bound_cpu(cpu_s)
-                    # a thread in C: it acts even while a library loops and holds the lock
-                    faulthandler.dump_traceback_later(limit_s, exit=True, file=nowhere)
+        while (asked := self._asked()) is not None:
+            name, kept, given, cpu_s, limit_s = asked
+            answer = answered(self._services, "prepare", kept, (name, *given))
+            self._tell("begins")
+            if answer[0] == "done":
+                self._bound_cpu(cpu_s)
+                with stopped_after(limit_s):
                     answer = answered(self._services, name, kept, given)
-                    faulthandler.cancel_dump_traceback_later()
-                is_spent = answer[0] in ("no memory", "failed") or self._is_spent(cpu_s)
-                self._tell((answer, is_spent))
-                if is_spent:
-                    return
+            is_spent = answer[0] in ("no memory", "failed") or self._is_spent(cpu_s)
+            self._tell((answer, is_spent))
+            if is_spent:
+                return
 
     def _bound_cpu(self, cpu_s: int) -> None:
         """Limit the CPU time of this process and of those that it starts from now on."""
