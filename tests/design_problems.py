@@ -30,6 +30,7 @@ def problem_of(function, low, high, *, better=("lower", "lower"), constraints=()
             violation=at.violation[0],
             objectives_jacobian=slopes[0],
             violation_jacobian=slopes[1].reshape(len(constraints), len(values)),
+            constraint=np.arange(len(constraints)),
         )
 
     return Problem(

@@ -202,10 +202,8 @@ class Evaluator:
         """
         return self._slopes_over_scenes(*self._slopes(space, values))
 
-    def gradient_and_fullness(
-        self, space: Space, values: Float[Array, " d"]
-    ) -> tuple[Float[Array, " q"], Float[Array, "q d"], float, Float[Array, " d"]]:
-        """`gradient`, and `share_of_full_well` with its derivatives.
+    def linearization(self, space: Space, values: Float[Array, " d"]) -> "Linearization":
+        """`gradient`, and what limits of a search need besides.
 
         Parameters
         ----------
@@ -217,8 +215,19 @@ class Evaluator:
         found, slope = replace(self, objectives=names)._slopes(space, values)
         q, at = len(self.objectives), names.index("share_of_full_well")
         share, rise = own._slopes_over_scenes(found[:, at : at + 1], slope[:, at : at + 1])
-        objectives = self._slopes_over_scenes(found[:, :q], slope[:, :q])
-        return *objectives, float(share[0]), rise[0]
+        objectives, jacobian = self._slopes_over_scenes(found[:, :q], slope[:, :q])
+        apart = np.zeros((0, 1 + values.size))
+        if "least_separation" in self.objectives and self.over_scenes == "worst":
+            turned = _given(self, _turned(space, values))
+            apart = np.vstack([_separations(scene, turned) for scene in self.scenes])
+        return Linearization(
+            objectives=objectives,
+            objectives_jacobian=jacobian,
+            fullness=float(share[0]),
+            fullness_slope=rise[0],
+            separations=apart[:, 0],
+            separations_jacobian=apart[:, 1:],
+        )
 
     def _slopes(
         self, space: Space, values: Float[Array, " d"]
@@ -228,7 +237,7 @@ class Evaluator:
         d, q = at.size, len(self.objectives)
         found = np.empty((len(self.scenes), q))
         slope = np.empty((len(self.scenes), q, d))
-        turned = _given(self, space.candidates(at + 1j * _COMPLEX_STEP * np.eye(d)))
+        turned = _given(self, _turned(space, at))
         around: tuple[Array, Array] | None = None
         for s, scene in enumerate(self.scenes):
             exact = np.zeros(q, dtype=bool)
@@ -280,6 +289,30 @@ class Evaluator:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Linearization:
+    """Objectives at one point of a design space, and their derivatives.
+
+    Attributes
+    ----------
+    objectives, objectives_jacobian
+        As `Evaluator.gradient`.
+    fullness, fullness_slope
+        `share_of_full_well` of the fullest scene.
+    separations, separations_jacobian
+        D_M of every pair of patches in every scene, the least of which is ``least_separation``:
+        this objective has kinks, its parts have none. Empty without this objective, and where the
+        mean over scenes counts.
+    """
+
+    objectives: Float[Array, " q"]
+    objectives_jacobian: Float[Array, "q d"]
+    fullness: float
+    fullness_slope: Float[Array, " d"]
+    separations: Float[Array, " l"]
+    separations_jacobian: Float[Array, "l d"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Batch:
     """Candidates, or choices from a library with what else was chosen.
 
@@ -299,6 +332,11 @@ class _Batch:
     def weighted(self) -> bool:
         """Whether the weight of the noise in the matrix is one of the free numbers."""
         return self.more.noise_weight is not None
+
+
+def _turned(space: Space, values: Float[Array, " d"]) -> Candidates:
+    """A copy of the candidate for each parameter, which has an imaginary step."""
+    return space.candidates(values + 1j * _COMPLEX_STEP * np.eye(len(values)))
 
 
 def _given(evaluator: Evaluator, candidates: Candidates) -> _Batch:
@@ -412,18 +450,11 @@ def _fast(
     columns = [name for name in names if _is_fast(scene, batch.weighted, name)]
     wanted = np.array([name in columns for name in FAST])
     rows = _rows(scene, frozenset(_GROUPS_OF[name] for name in columns) | {_matrix_group(scene)})
-    sensor, exposure = scene.point.sensor, scene.point.exposure
-    more, m, p, dtype = batch.more, batch.m, batch.p, batch.dtype
-    time_s = _each(more.time_s, exposure.time_s, m, dtype)
-    read_noise_e = _each(more.read_noise_e, sensor.pixel.read_noise_e, m, dtype)
-    noise = replace(noise_sources(sensor, exposure), read_noise_e=0.0, dark_e=0.0)
-    dark_e = sensor.pixel.dark_electrons_e(time_s=1.0) * time_s
+    sensor, more, m, p, dtype = scene.point.sensor, batch.more, batch.m, batch.p, batch.dtype
+    gain, floor_e2, dark_e, prnu, spread = _noise(scene, batch)
     well_e, range_e = sensor.pixel.full_well_e - dark_e, code_range_e(sensor)
     full_e = np.where(well_e.real < range_e, well_e, range_e)
     method, strength, weight = _method(scene, more)
-    spread = np.ones((m, p), dtype)
-    if more.pixel_share is not None:
-        spread = _own(1.0 / (p * more.pixel_share), dtype)
     if method == kernels.GIVEN and matrices is None:
         matrices = _matrices(scene, batch)
     if matrices is not None:
@@ -439,9 +470,9 @@ def _fast(
     given = (
         batch.qe,
         batch.choices,
-        time_s / exposure.time_s,
-        noise.floor_e2() + read_noise_e**2 + dark_e,
-        _each(more.prnu, sensor.pixel.prnu, m, dtype),
+        gain,
+        floor_e2,
+        prnu,
         full_e * _FULL,
         _each(more.noise_weight, weight, m, dtype),
         spread,
@@ -466,6 +497,36 @@ def _fast(
         value = out[FAST.index(name)]
         found[:, names.index(name)] = _finished(OBJECTIVES[name], value, fullness)
     return found, out[-1].real
+
+
+def _noise(scene: DesignScene, batch: _Batch) -> tuple[Array, Array, Array, Array, Array]:
+    """Gain of all electrons, floor [e-^2], dark electrons, PRNU, factors on the variance."""
+    sensor, exposure, more = scene.point.sensor, scene.point.exposure, batch.more
+    m, p, dtype = batch.m, batch.p, batch.dtype
+    time_s = _each(more.time_s, exposure.time_s, m, dtype)
+    read_noise_e = _each(more.read_noise_e, sensor.pixel.read_noise_e, m, dtype)
+    noise = replace(noise_sources(sensor, exposure), read_noise_e=0.0, dark_e=0.0)
+    dark_e = sensor.pixel.dark_electrons_e(time_s=1.0) * time_s
+    spread = np.ones((m, p), dtype)
+    if more.pixel_share is not None:
+        spread = _own(1.0 / (p * more.pixel_share), dtype)
+    prnu = _each(more.prnu, sensor.pixel.prnu, m, dtype)
+    floor_e2 = noise.floor_e2() + read_noise_e**2 + dark_e
+    return time_s / exposure.time_s, floor_e2, dark_e, prnu, spread
+
+
+def _separations(scene: DesignScene, turned: _Batch) -> Float[Array, "pairs d+1"]:
+    """D_M of each pair, and its derivatives by a complex step."""
+    arrays = scene_arrays(scene)
+    rows_e = arrays.chart_e if arrays.paired_e is None else arrays.paired_e
+    gain, floor_e2, _, prnu, spread = (np.moveaxis(a, 0, -1) for a in _noise(scene, turned))
+    e = gain * np.moveaxis(turned.qe @ rows_e.T, 0, -1)  # channel, patch, parameter
+    variance = (e + floor_e2 + (prnu * e) ** 2) * (0.5 * spread[:, None])
+    one, other = arrays.pairs.T
+    with np.errstate(divide="ignore", invalid="ignore"):
+        squared = (e[:, one] - e[:, other]) ** 2 / (variance[:, one] + variance[:, other])
+        apart = np.sqrt(squared.sum(axis=0))
+    return np.column_stack([apart[:, 0].real, apart.imag / _COMPLEX_STEP])
 
 
 def _finished(objective: Objective, value: Array, fullness: Array) -> Inexact[Array, " m"]:

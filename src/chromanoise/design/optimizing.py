@@ -246,13 +246,25 @@ class Evaluation:
 
     def linearized(self, values: Float[Array, " d"]) -> Linearized:
         """Objectives and violations of one candidate with exact parameters, and derivatives."""
-        found, jacobian, share, slope = self.evaluator.gradient_and_fullness(self.space, values)
-        rows = [(sign * (found[i] - value), sign * jacobian[i]) for i, sign, value in self.limits]
+        at = self.evaluator.linearization(self.space, values)
+        violation, slope, constraint = [], [], []
+        for k, (i, sign, value) in enumerate(self.limits):
+            parts, jacobian = at.objectives[i : i + 1], at.objectives_jacobian[i : i + 1]
+            if (
+                sign < 0
+                and self.evaluator.objectives[i] == "least_separation"
+                and at.separations.size
+            ):
+                parts, jacobian = at.separations, at.separations_jacobian
+            violation.append(sign * (parts - value))
+            slope.append(sign * jacobian)
+            constraint += [k] * len(parts)
         return Linearized(
-            objectives=found[: self.objectives],
-            violation=np.array([*(row[0] for row in rows), share - FULLEST]),
-            objectives_jacobian=jacobian[: self.objectives],
-            violation_jacobian=np.array([*(row[1] for row in rows), slope]),
+            objectives=at.objectives[: self.objectives],
+            violation=np.concatenate([*violation, [at.fullness - FULLEST]]),
+            objectives_jacobian=at.objectives_jacobian[: self.objectives],
+            violation_jacobian=np.vstack([*slope, at.fullness_slope]),
+            constraint=np.array([*constraint, len(self.limits)]),
         )
 
 

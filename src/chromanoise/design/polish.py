@@ -2,8 +2,9 @@
 
 A descent repeats short runs of SLSQP in a box around the best point so far. After each run it
 evaluates points between the start and the end of the run, because an evaluation costs much less
-than a gradient. The box shrinks where the linearizations are poor. For objectives with kinks, such
-as the least of several distances, linearizations at earlier points are kept as constraints.
+than a gradient, and moves the end onto the constraints that it breaks by little. The box shrinks
+where the linearizations are poor. A constraint on the least of several distances is a constraint on
+each distance within reach, because the least one has kinks.
 """
 
 from collections.abc import Iterator
@@ -13,13 +14,14 @@ from itertools import zip_longest
 import numpy as np
 
 from chromanoise._check import Array
+from chromanoise._linalg import lstsq
 from chromanoise._shapes import Float, Int64
 from chromanoise.design.archive import misses_of
 from chromanoise.design.front import extremes, knee, non_dominated, thinned
 from chromanoise.design.problem import Evaluated, Problem, checked_evaluation
 
-_RADIUS, _LARGEST_RADIUS, _LEAST_RADIUS = 0.05, 0.3, 1e-5  # of the box, as shares of the ranges
-_ITERATIONS = 10  # of one run of SLSQP
+_RADIUS, _LARGEST_RADIUS, _LEAST_RADIUS = 0.2, 0.3, 1e-5  # of the box, as shares of the ranges
+_ITERATIONS = 40  # of one run of SLSQP
 _PRECISION = 1e-10  # of one run
 _GAIN = 1e-6  # of the scale of the costs; a descent ends when several runs gain less
 _SMALL_GAINS = 3
@@ -27,9 +29,10 @@ _MARGIN = 1e-7  # kept from each constraint, because SLSQP meets it within round
 _STEPS = np.array(
     [1, 0.999, 0.99, 0.97, 0.94, 0.9, 0.85, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2, 0.1, 0.05, 0.02]
 )
-_KEPT = 40  # linearizations of earlier points
-_KINK = 0.3  # relative difference of two gradients of one constraint that is taken for a kink
-_PER_DESCENT = 300  # gradients
+_REACH = 3.0  # times the change of a row within the box by its slope: rows that a run can reach
+_CORRECTIONS = 6  # Newton steps onto the constraints
+_BREACH, _ACTIVE = 0.05, 5e-5  # a row that is broken by more is not corrected; above -5e-5, active
+_PER_DESCENT = 600  # gradients
 _STARTS = 8  # members along the front, and candidates far apart in the parameters
 _AGREEING = 3  # ends of descents of one objective that must agree
 _ALIKE = 1e-3  # of the scale of the costs, within which two ends agree
@@ -166,6 +169,7 @@ class _Linear:
     slope: Float[Array, " f"]
     rows: Float[Array, " r"]
     jacobian: Float[Array, "r f"]
+    constraint: Int64[Array, " r"]
 
 
 class _Descent:
@@ -201,17 +205,18 @@ class _Descent:
                 radius /= 4
                 continue
             points = np.clip(share + _STEPS[:, None] * (end - share), 0.0, 1.0)
+            points = np.vstack([self._corrected(end), points])
             misses, costs = self._merits(points)
             first = int(np.lexsort((costs, misses))[0])
             found = (misses[first], costs[first])
             if found >= best:
-                if abs(costs[0] - best[1]) <= _GAIN and misses[0] <= max(best[0], _GAIN):
+                if abs(costs[1] - best[1]) <= _GAIN and misses[1] <= max(best[0], _GAIN):
                     break  # the end of the run is no better either
                 radius /= 4
                 continue
             gain = best[0] - found[0] if best[0] > 0 else best[1] - found[1]
             small = small + 1 if gain <= _GAIN else 0
-            share, best, step = points[first], found, _STEPS[first]
+            share, best, step = points[first], found, _STEPS[max(first - 1, 0)]
             radius *= 2.0 if step > 0.9 else 0.7 if step > 0.4 else 0.35
             radius = min(radius, _LARGEST_RADIUS)
         return self._values(share[None])[0]
@@ -221,11 +226,11 @@ class _Descent:
         from scipy.optimize import minimize
 
         here, f = self._at(share), share.size
-        broken = np.flatnonzero(here.rows > 0)
-        elastic = np.zeros((here.rows.size, broken.size))
-        elastic[broken, np.arange(broken.size)] = 1.0
-        offset, normals = self._cuts(here, radius)
-        pad = np.zeros((normals.shape[0], broken.size))
+        kept = self._near(here, radius)
+        of = here.constraint[kept]
+        broken = np.unique(of[here.rows[kept] > 0])
+        elastic = (of[:, None] == broken).astype(float)  # one variable for all rows of a constraint
+        first = [here.rows[here.constraint == k].max() for k in broken]
 
         def cost(x: Array) -> float:
             return float(x[f:].sum()) if broken.size else self._at(x).cost
@@ -236,40 +241,48 @@ class _Descent:
             return self._at(x).slope
 
         def slack(x: Array) -> Array:
-            rows = self._at(x[:f]).rows - elastic @ x[f:] + _MARGIN
-            return -np.concatenate([rows, normals @ x[:f] + offset])
+            rows = self._at(x[:f]).rows[kept] - elastic @ x[f:] + _MARGIN
+            return -rows
 
         def slack_slope(x: Array) -> Array:
-            own = np.hstack([self._at(x[:f]).jacobian, -elastic])
-            return -np.vstack([own, np.hstack([normals, pad])])
+            return -np.hstack([self._at(x[:f]).jacobian[kept], -elastic])
 
         low, high = np.maximum(share - radius, 0.0), np.minimum(share + radius, 1.0)
-        limited = here.rows.size + offset.size > 0
         found = minimize(
             cost,
-            np.concatenate([share, here.rows[broken] + _MARGIN]),
+            np.concatenate([share, np.array(first) + _MARGIN]),
             jac=slope,
             method="SLSQP",
             bounds=[*zip(low, high, strict=True), *[(0.0, None)] * broken.size],
-            constraints=[{"type": "ineq", "fun": slack, "jac": slack_slope}] if limited else [],
+            constraints=[{"type": "ineq", "fun": slack, "jac": slack_slope}] if kept.size else [],
             options={"maxiter": _ITERATIONS, "ftol": _PRECISION},
         )
         return np.clip(found.x[:f], low, high)
 
-    def _cuts(self, here: _Linear, radius: float) -> tuple[Float[Array, " c"], Float[Array, "c f"]]:
-        """Linearizations at earlier points of constraints that have kinks between them and here."""
-        offsets, normals = [np.empty(0)], [np.empty((0, here.share.size))]
-        size = np.linalg.norm(here.jacobian, axis=1)
-        for one in list(self._seen.values())[-_KEPT:]:
-            if not 0 < np.abs(one.share - here.share).max() <= 2 * radius:
-                continue
-            at = one.rows + one.jacobian @ (here.share - one.share)
-            kinked = np.linalg.norm(one.jacobian - here.jacobian, axis=1) > _KINK * size
-            near = at > -3 * radius * np.abs(one.jacobian).sum(axis=1)
-            chosen = np.flatnonzero(kinked & near & (at <= 0))
-            normals.append(one.jacobian[chosen])
-            offsets.append((one.rows - one.jacobian @ one.share)[chosen])
-        return np.concatenate(offsets), np.vstack(normals)
+    def _corrected(self, share: Float[Array, " f"]) -> Float[Array, " f"]:
+        """The point moved onto the constraints that it breaks by little, by Newton steps."""
+        for _ in range(_CORRECTIONS):
+            here = self._at(share)
+            if not -_MARGIN / 2 < here.rows.max(initial=-np.inf) <= _BREACH:
+                break
+            active = here.rows > -_ACTIVE
+            excess = here.rows[active] + 2 * _MARGIN
+            inside = np.ones(share.size, dtype=bool)
+            for _ in range(_CORRECTIONS):  # a parameter that would pass its bound stays
+                slopes = np.where(inside, here.jacobian[active], 0.0)
+                moved = share - lstsq("the active constraints", slopes, excess, rcond=1e-8)[0]
+                passes = (moved < 0) | (moved > 1)
+                if not passes.any():
+                    break
+                inside &= ~passes
+            share = np.clip(moved, 0.0, 1.0)
+        return share
+
+    def _near(self, here: _Linear, radius: float) -> Int64[Array, " k"]:
+        """The rows that a run can reach, of constraints with several rows; all other rows."""
+        of, counts = here.constraint, np.bincount(here.constraint)
+        reached = here.rows > -_REACH * radius * np.abs(here.jacobian).sum(axis=1)
+        return np.flatnonzero(reached | (counts[of] == 1))
 
     def _at(self, share: Float[Array, " f"]) -> _Linear:
         """The linearization at a point; SLSQP asks for each of its parts separately."""
@@ -289,16 +302,20 @@ class _Descent:
         span = (problem.high - problem.low)[free]
         sign = problem.costs(np.ones(len(self._scale))) / self._scale
         slopes = sign[:, None] * found.objectives_jacobian[:, free] * span
-        rows = found.violation / self._sizes
-        jacobian = found.violation_jacobian[:, free] * span / self._sizes[:, None]
+        of = found.constraint
+        rows = found.violation / self._sizes[of]
+        jacobian = found.violation_jacobian[:, free] * span / self._sizes[of][:, None]
         if self._limits is not None:
             rows = np.append(rows, found.objectives * sign - self._limits / self._scale)
             jacobian = np.vstack([jacobian, slopes])
+            of = np.append(of, self._sizes.size + np.arange(len(slopes)))
         cost = float(self._weights @ (found.objectives * sign))
         slope = self._weights @ slopes
         if not all(np.isfinite(part).all() for part in (cost, slope, rows, jacobian)):
             raise _UndefinedError
-        return _Linear(share=share, cost=cost, slope=slope, rows=rows, jacobian=jacobian)
+        return _Linear(
+            share=share, cost=cost, slope=slope, rows=rows, jacobian=jacobian, constraint=of
+        )
 
     def _merits(self, share: Float[Array, "m f"]) -> tuple[Float[Array, " m"], Float[Array, " m"]]:
         """Sum of the violations, and scaled sum of the costs, which counts where the first is 0."""

@@ -7,7 +7,7 @@ import numpy as np
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise._shapes import Bool, Float
+from chromanoise._shapes import Bool, Float, Int64
 from chromanoise.errors import InputError
 
 
@@ -33,16 +33,22 @@ class Linearized:
 
     Attributes
     ----------
-    objectives, violation
+    objectives
         As in `Evaluated`, of one candidate.
+    violation
+        As in `Evaluated`; a constraint that is the largest of several smooth functions has a row
+        for each of these, always in the same order.
     objectives_jacobian, violation_jacobian
         Derivatives with respect to the ``d`` parameters, per unit of the parameter.
+    constraint
+        Index of the constraint of each row of ``violation``.
     """
 
     objectives: Float[Array, " q"]
-    violation: Float[Array, " r"]
+    violation: Float[Array, " rows"]
     objectives_jacobian: Float[Array, "q d"]
-    violation_jacobian: Float[Array, "r d"]
+    violation_jacobian: Float[Array, "rows d"]
+    constraint: Int64[Array, " rows"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
