@@ -272,6 +272,32 @@ def test_gradients_equal_central_differences(matrix, more):
     assert (np.abs(jacobian - wanted.T) <= 1e-6 * size + 1e-9).all()
 
 
+@pytest.mark.parametrize("more", [False, True])
+def test_the_separations_of_a_linearization_are_the_distances_of_the_library(more):
+    space, at = Bells(more=more), np.append(AT, 33.0) if more else AT
+    scenes = (plain_scene("kernel"), plain_scene("kernel", level_lux=3.0))
+    evaluator = Evaluator(scenes=scenes, objectives=("least_separation", "mean_separation"))
+    found = evaluator.linearization(space, at)
+    apart = found.separations.reshape(2, -1)
+    least, mean = evaluator.values(space.candidates(at[None]))[0]
+    assert apart.min() == pytest.approx(least, rel=1e-12)
+    assert apart.mean(axis=1).min() == pytest.approx(mean, rel=1e-12)
+    step = 1e-3
+    for k in range(at.size):
+        ends = [evaluator.linearization(space, at + s * np.eye(at.size)[k]) for s in (step, -step)]
+        rise = (ends[0].separations - ends[1].separations) / (2 * step)
+        size = np.abs(rise).max()
+        np.testing.assert_allclose(found.separations_jacobian[:, k], rise, atol=1e-6 * size)
+
+
+def test_without_a_least_separation_of_the_worst_scene_a_linearization_has_no_separations():
+    scenes = (plain_scene("kernel"), plain_scene("kernel", level_lux=3.0))
+    for fields in ({"objectives": ("snr_y_db",)}, {"over_scenes": "mean"}):
+        given = {"objectives": ("least_separation",)} | fields
+        found = Evaluator(scenes=scenes, **given).linearization(Bells(), AT)
+        assert found.separations.size == 0
+
+
 @pytest.mark.parametrize("at", [0.001, 0.02, 0.1])
 def test_differences_at_a_bound_do_not_step_beyond_it(at):
     low, high = 0.001, 0.1

@@ -216,17 +216,18 @@ class Evaluator:
         q, at = len(self.objectives), names.index("share_of_full_well")
         share, rise = own._slopes_over_scenes(found[:, at : at + 1], slope[:, at : at + 1])
         objectives, jacobian = self._slopes_over_scenes(found[:, :q], slope[:, :q])
-        apart = np.zeros((0, 1 + values.size))
+        apart: list[Array] = []
         if "least_separation" in self.objectives and self.over_scenes == "worst":
             turned = _given(self, _turned(space, values))
-            apart = np.vstack([_separations(scene, turned) for scene in self.scenes])
+            apart = [_separations(scene, turned) for scene in self.scenes]
+        separations = np.vstack([np.zeros((0, values.size)), *apart])
         return Linearization(
             objectives=objectives,
             objectives_jacobian=jacobian,
             fullness=float(share[0]),
             fullness_slope=rise[0],
-            separations=apart[:, 0],
-            separations_jacobian=apart[:, 1:],
+            separations=separations[:, 0].real,
+            separations_jacobian=separations.imag / _COMPLEX_STEP,
         )
 
     def _slopes(
@@ -515,8 +516,8 @@ def _noise(scene: DesignScene, batch: _Batch) -> tuple[Array, Array, Array, Arra
     return time_s / exposure.time_s, floor_e2, dark_e, prnu, spread
 
 
-def _separations(scene: DesignScene, turned: _Batch) -> Float[Array, "pairs d+1"]:
-    """D_M of each pair, and its derivatives by a complex step."""
+def _separations(scene: DesignScene, turned: _Batch) -> Inexact[Array, "pairs d"]:
+    """D_M of each pair, with an imaginary step of each parameter."""
     arrays = scene_arrays(scene)
     rows_e = arrays.chart_e if arrays.paired_e is None else arrays.paired_e
     gain, floor_e2, _, prnu, spread = (np.moveaxis(a, 0, -1) for a in _noise(scene, turned))
@@ -525,8 +526,7 @@ def _separations(scene: DesignScene, turned: _Batch) -> Float[Array, "pairs d+1"
     one, other = arrays.pairs.T
     with np.errstate(divide="ignore", invalid="ignore"):
         squared = (e[:, one] - e[:, other]) ** 2 / (variance[:, one] + variance[:, other])
-        apart = np.sqrt(squared.sum(axis=0))
-    return np.column_stack([apart[:, 0].real, apart.imag / _COMPLEX_STEP])
+        return np.sqrt(squared.sum(axis=0))
 
 
 def _finished(objective: Objective, value: Array, fullness: Array) -> Inexact[Array, " m"]:
