@@ -33,6 +33,7 @@ from chromanoise.noise import (
     few_electrons,
     monte_carlo,
     noise_sources,
+    reading_distribution,
     sample_electrons,
     sensor_moments,
     with_noise,
@@ -49,6 +50,7 @@ from chromanoise.sensor import (
     with_pixel,
 )
 from chromanoise.spectra import DEFAULT_GRID, equal_energy
+from outcomes import refused_input
 
 LAMP = equal_energy(DEFAULT_GRID)
 EXPOSURE = Exposure(time_s=0.012)
@@ -229,6 +231,8 @@ def test_each_of_summed_readings_is_rounded_and_clipped_in_exact_moments_and_dra
     found = sensor_moments(mean, four, Readout(black_e=lowest))
     assert z_of(values[:, None], found.mean, found.variance) < 5
     assert not few_electrons(mean, four).any()  # a table of one reading is not that of the sum
+    with refused_input(subject="noise"):
+        reading_distribution(mean, four)
     if lowest < 0:
         drawn = sample_electrons(np.full((400_000, 1), n * light), PAPER_PIXEL, rng, noise=four)
         assert z_of(drawn, found.mean, found.variance) < 5

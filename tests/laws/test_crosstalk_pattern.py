@@ -15,7 +15,7 @@ from chromanoise.analysis.analysis import temporal_raw_snr_db
 from chromanoise.analysis.budgets import color_budgets, contravariant_budgets, lab_budgets
 from chromanoise.analysis.camera_pipeline import pipeline_noise
 from chromanoise.catalog import sensor_named
-from chromanoise.color import kernel_matrix
+from chromanoise.color import LAB, ElectronSource, exact, kernel_matrix, noisy_color, propagate
 from chromanoise.exposure import Exposure, OperatingPoint, expected_electrons
 from chromanoise.imaging import DEMOSAICING, acquired, developed, developed_color
 from chromanoise.metrics import illuminance_for_snr
@@ -314,6 +314,32 @@ def test_few_electrons_have_the_distribution_of_the_places_together():
     z = (found[often] - expected[often]) / np.sqrt(expected[often])
     assert np.abs(z).max() < 5
     assert (counts.probability[0] @ counts.values_e) == pytest.approx(mean[0, 3], rel=1e-6)
+
+
+@pytest.mark.parametrize(("light", "lowest"), [(0.02, 0.0), (1.0, 0.97)])
+def test_the_exact_noise_of_a_color_is_that_of_readings_at_the_places(light, lowest):
+    sensor = crossed("rgbw-4x4", "light", cross(0.2), read_noise_e=3.0)
+    noise, rng = noise_sources(sensor, EXPOSURE), np.random.default_rng(3)
+    mean = light * expected_electrons(WHITE, sensor, EXPOSURE)
+    places = [noise.pattern.means_e(mean, i) for i in range(4)]
+    assert max(np.ptp(each) for each in places) > 3 * light
+    matrix = np.eye(3, 4)[:, [3, 1, 2, 0]] / mean[3]
+    bounds = Readout(black_e=lowest * mean[3])  # clips a part of the places only
+    white = np.ones(3)
+    source = ElectronSource(mean_e=mean, matrix=matrix, noise=noise, readout=bounds)
+    found = propagate(noisy_color(source, white), LAB, exact)
+    count = 400_000
+    chosen = np.column_stack([rng.choice(each, count) for each in places])
+    raw = rng.poisson(chosen) + 3.0 * rng.standard_normal(chosen.shape)
+    drawn = LAB.from_xyz(np.maximum(raw, bounds.black_e) @ matrix.T, white)
+    away = drawn - LAB.from_xyz((mean @ matrix.T)[None], white)
+    error = drawn.std(axis=0) / np.sqrt(count)
+    assert (np.abs(away.mean(axis=0) - found.bias) < 5 * error + 1e-3 * found.sd + 1e-8).all()
+    moves = found.sd > 1e-6  # clipped channels may leave a coordinate still
+    drawn, sd = drawn[:, moves], found.sd[moves]
+    fourth = ((drawn - drawn.mean(axis=0)) ** 4).mean(axis=0) / drawn.var(axis=0) ** 2
+    of_sd = np.sqrt((fourth - 1) / count) / 2
+    assert (np.abs(drawn.std(axis=0) / sd - 1) < 5 * of_sd + 1e-3).all()
 
 
 def test_the_exact_moments_of_an_unclipped_reading_contain_the_pattern():

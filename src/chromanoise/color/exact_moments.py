@@ -15,7 +15,7 @@ import numpy as np
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._linalg import qr
-from chromanoise._shapes import Bool, Float
+from chromanoise._shapes import Bool, Float, Int64
 from chromanoise.color.cubatures import cubature
 from chromanoise.color.noisy_colors import ElectronSource, NoisyColor
 from chromanoise.color.propagation import SpaceMoments
@@ -201,12 +201,13 @@ def _moments(
     points: int,
 ) -> tuple[Array, Array, Array, Array]:
     """Mean, covariance, and the standard errors of mean and standard deviation over the nets."""
-    normal = _nets(mean_e.size, points) @ turn.T
-    counted, readout = counted_readout(mean_e, source.noise, source.readout)
-    added = np.broadcast_to(np.sqrt(source.noise.added_variance_e2(mean_e)), mean_e.shape)
-    for i, (mean, sd) in enumerate(zip(counted.tolist(), added.tolist(), strict=True)):
-        electrons = poisson_gaussian_ppf(normal[..., i], mean, read_noise_e=sd)
-        normal[..., i] = read_values(electrons, readout)
+    pattern, p = source.noise.pattern, mean_e.size
+    net = _nets(p if pattern is None else 2 * p, points)
+    normal = net[..., :p] @ turn.T
+    for i in range(p):
+        places = mean_e[i : i + 1] if pattern is None else pattern.means_e(mean_e, i)
+        chosen = _places(net[..., p + i], places.size) if places.size > 1 else None
+        normal[..., i] = _read(normal[..., i], places, chosen, source)
     means, covariances = [], []
     for read in normal:
         away = of(read @ source.matrix.T)
@@ -219,6 +220,30 @@ def _moments(
         np.std(each, axis=0, ddof=1) / math.sqrt(_NETS) for each in (means, sds)
     )
     return np.mean(means, axis=0), 0.5 * (covariance + covariance.T), mean_error, sd_error
+
+
+def _places(normal: Float[Array, "k n"], count: int) -> Int64[Array, "k n"]:
+    """A place of the mosaic for each point, all equally often."""
+    from scipy.special import ndtr
+
+    return np.minimum((ndtr(normal) * count).astype(np.int64), count - 1)
+
+
+def _read(
+    normal: Float[Array, "k n"],
+    places_e: Float[Array, " m"],
+    chosen: Int64[Array, "k n"] | None,
+    source: ElectronSource,
+) -> Float[Array, "k n"]:
+    """Readings of one channel, whose light may differ from place to place."""
+    noise, found = replace(source.noise, pattern=None), np.empty_like(normal)
+    counted, readout = counted_readout(places_e, noise, source.readout)
+    added = np.sqrt(np.broadcast_to(noise.added_variance_e2(places_e), places_e.shape))
+    for place, (mean, sd) in enumerate(zip(counted.tolist(), added.tolist(), strict=True)):
+        here = np.ones(normal.shape, dtype=bool) if chosen is None else chosen == place
+        electrons = poisson_gaussian_ppf(normal[here], mean, read_noise_e=sd)
+        found[here] = read_values(electrons, readout)
+    return found
 
 
 def _turned(

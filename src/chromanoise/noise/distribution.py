@@ -95,7 +95,8 @@ def reading_distribution(
     Raises
     ------
     InputError
-        If a mean is negative or too large, or the noise is too large for a table.
+        If a mean is negative or too large, the noise is too large for a table, or several readings
+        are summed of which the step exceeds the noise.
 
     Examples
     --------
@@ -112,6 +113,14 @@ def reading_distribution(
             f"must be at most {MOST_COUNTED_E:g} [e-] for a table of its distribution",
             value=float(mean.max()),
             remedy="take the Gaussian form, or less light",
+        )
+    if noise.readings > 1 and noise.rounding_is_coarse(mean).any():
+        raise InputError(
+            "noise",
+            "must exceed the step of each reading where several readings are summed",
+            value=noise.step_e,
+            found=f"has a step of {noise.step_e:g} [e-] in the sum of {noise.readings} readings",
+            remedy="take `sensor_moments`, whose mean and variance are exact",
         )
     counted, bounds = counted_readout(mean, noise, readout or Readout())
     added = np.sqrt(np.broadcast_to(noise.added_variance_e2(mean), mean.shape))
