@@ -119,12 +119,17 @@ def deviating(found: Design) -> str:
     nominal = evaluator.values(found.task.space.candidates(values))
     after = evaluator.values(found.task.space.candidates(copies))
     after = after.reshape(DEVIATIONS, *nominal.shape) - nominal
-    losses = []
+    losses, lines = [], []
     for k, name in enumerate(evaluator.objectives):
         worst = 5 if OBJECTIVES[name].better == "higher" else 95
         loss = np.percentile(after[..., k], worst, axis=0)
         losses.append(f"{name} {np.median(loss):+.3g} ({loss.min():+.3g} to {loss.max():+.3g})")
-    return "5 nm and 5 %, 95 % of copies are within: " + ", ".join(losses)
+        lines += [
+            f"{one.name}, in 95 % of the copies: {name} {at:.4g}"
+            for one, at in zip(found.members, nominal[:, k] + loss, strict=True)
+            if one.extreme_of
+        ]
+    return "\n".join(["5 nm and 5 %, 95 % of copies are within: " + ", ".join(losses), *lines])
 
 
 def descended(document: DesignDocument, starts: int = STARTS) -> list[str]:
