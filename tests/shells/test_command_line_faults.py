@@ -245,6 +245,27 @@ def test_a_stop_while_an_object_is_deleted_is_a_stop(run, monkeypatch):
     assert (code, out, err) == (130, "", "chromanoise: stopped\n")
 
 
+def test_a_stop_that_a_library_swallows_is_a_stop_and_no_cleanup_is_interrupted(run, monkeypatch):
+    cleaned = []
+
+    def swallowing(**_):
+        try:
+            os.kill(os.getpid(), signal.SIGTERM)
+        except BaseException:  # as some libraries do
+            cleaned.append("swallowed")
+        try:
+            time.sleep(30)  # ended by the repeated stop
+            pytest.fail("went on")
+        finally:
+            time.sleep(2.5)  # longer than the stop is repeated
+            cleaned.append("whole")
+
+    monkeypatch.setattr(main.commands, "main", swallowing)
+    code, out, err = run("catalog")
+    assert (code, out, err) == (130, "", "chromanoise: stopped\n")
+    assert cleaned == ["swallowed", "whole"]
+
+
 def test_a_local_cluster_whose_workers_end_at_once_is_refused(run, monkeypatch):
     distributed = pytest.importorskip("dask.distributed")
 

@@ -167,11 +167,11 @@ def test_every_control_of_a_sensor_changes_the_study_without_a_fault(window):
 def test_a_value_of_the_pixel_goes_back_to_the_sensors_own(window):
     page = window({"study": {"sensors": [{"name": "onyx-rgbw"}]}})
     open_drawers(page)
-    field = page.get_by_label("Pitch in µm")
+    field = page.get_by_label("Pixel pitch in µm")
     assert field.get_attribute("placeholder") == "10"
     field.fill("3.5")
     answer_to(page, lambda: field.press("Enter"))
-    own = page.get_by_role("button", name="as built: Pitch")
+    own = page.get_by_role("button", name="as built: Pixel pitch")
     assert own.inner_text() == "as built: 10"
     question, parts = answer_to(page, own.click)
     assert question["study"]["sensors"] == [{"name": "onyx-rgbw"}]

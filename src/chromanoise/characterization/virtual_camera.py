@@ -21,7 +21,7 @@ from chromanoise._shapes import Float, Int, UInt16
 from chromanoise.characterization.results import plane_names
 from chromanoise.errors import InputError
 from chromanoise.rng import stream
-from chromanoise.sensor import Mosaic, mosaic_named
+from chromanoise.sensor import PIXEL, Mosaic, mosaic_named
 
 _PRNU, _DSNU, _HOT, _LIGHT, _DARK, _READ, _ROWS, _COLUMNS = range(8)  # random streams
 
@@ -33,7 +33,7 @@ _RANGES = (  # name, unit, least, greatest
     ("qe", "e-/photon", 1e-6, 1.0),
     ("dark_current_e_per_s", "e-/s", 0.0, 1e9),
     ("dsnu_e", "e-", 0.0, 1e6),
-    ("prnu", "1", 0.0, 0.2),
+    ("prnu", PIXEL["prnu"].unit, PIXEL["prnu"].least, PIXEL["prnu"].most),
     ("row_noise_e", "e-", 0.0, 1e6),
     ("column_noise_e", "e-", 0.0, 1e6),
     ("hot_pixel_e_per_s", "e-/s", 0.0, 1e9),

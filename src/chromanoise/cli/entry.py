@@ -164,33 +164,53 @@ def _options_of(command: str) -> dict[str, str]:
 def _stop_on_signals(stopped: threading.Event) -> Iterator[None]:
     """Make SIGTERM act like Ctrl-C, so that scratch files are removed.
 
-    A stop that comes while an object is deleted, as in ``__del__`` of a library, is ignored by
-    Python; it is sent once more.
+    A stop may be lost: Python ignores exceptions while it deletes an object, and some libraries
+    catch all of them. It is repeated until an exception of a stop is being handled.
     """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    repeated, ended, before = threading.Event(), threading.Event(), sys.unraisablehook
 
     def stop(*_: object) -> None:
-        stopped.set()
+        is_repeated = repeated.is_set()
+        repeated.clear()
+        if is_repeated and _is_stopping():
+            return
+        if not stopped.is_set():
+            stopped.set()
+            threading.Thread(target=repeat, daemon=True).start()
         raise KeyboardInterrupt
 
+    def repeat() -> None:
+        while not ended.wait(_REPEATED_S):
+            repeated.set()
+            _interrupt_main_thread()
+
     def ignored(error: Any) -> None:
-        if stopped.is_set() and error.exc_type is KeyboardInterrupt:
-            threading.Timer(_AGAIN_S, _stop_main_thread).start()  # here it would be ignored again
-        else:
+        if not (stopped.is_set() and error.exc_type is KeyboardInterrupt):
             before(error)
 
-    before = sys.unraisablehook
-    if threading.current_thread() is threading.main_thread():
-        sys.unraisablehook = ignored
-        signal.signal(signal.SIGTERM, stop)
-        if signal.getsignal(signal.SIGINT) is signal.default_int_handler:  # it may be ignored
-            signal.signal(signal.SIGINT, stop)
+    sys.unraisablehook = ignored
+    signal.signal(signal.SIGTERM, stop)
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:  # it may be ignored
+        signal.signal(signal.SIGINT, stop)
     try:
         yield
     finally:
+        ended.set()
         sys.unraisablehook = before
 
 
-def _stop_main_thread() -> None:
+def _is_stopping() -> bool:
+    """Whether the main thread handles a stop, or an error that a stop became."""
+    error = sys.exc_info()[1]
+    while error is not None and not isinstance(error, KeyboardInterrupt):
+        error = error.__cause__ or error.__context__
+    return error is not None
+
+
+def _interrupt_main_thread() -> None:
     if hasattr(signal, "pthread_kill"):  # it also ends what the thread waits for
         signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGTERM)
     else:
@@ -235,7 +255,7 @@ def _refuse_unreadable(arguments: Sequence[str]) -> None:
             )
 
 
-_AGAIN_S = 0.02
+_REPEATED_S = 1.0
 _NO_TEXT = ("Cc", "Cs", "Zl", "Zp")  # control characters, surrogates, line separators
 
 

@@ -12,7 +12,7 @@ from chromanoise.cli.answers import about_sensors, pair_of
 from chromanoise.errors import InputError
 from chromanoise.exposure import EQUAL_TERMS
 from chromanoise.io.spectra.parsed import Unit
-from chromanoise.sensor import MOSAIC_NAMES, BinningMode
+from chromanoise.sensor import MOSAIC_NAMES, PIXEL, BinningMode
 from chromanoise.spectra import METRICS
 from chromanoise.study import (
     FUNCTIONS,
@@ -181,32 +181,9 @@ _SHARED = (
         "values that the file lacks stay the sensor's own; options such as the three below "
         "override it.",
     ),
-    click.option("--pitch-um", type=float, help="Pixel pitch [um] instead of the sensor's own."),
-    click.option("--full-well-e", type=float, help="Full well [e-] instead of the sensor's own."),
-    click.option("--read-noise-e", type=float, help="Read noise [e-] instead of the sensor's own."),
-    click.option(
-        "--dark-current-e-per-s",
-        type=float,
-        help="Dark current [e-/s]; its mean is subtracted, its electrons fill the well.",
-    ),
-    click.option("--temperature-c", type=float, help="Temperature of the sensor [C]."),
-    click.option(
-        "--dark-reference-c",
-        type=float,
-        help="Temperature at which the dark current is given [C]. [default: 25]",
-    ),
-    click.option(
-        "--dark-doubling-k",
-        type=float,
-        help="Temperature step that doubles the dark current [K]. [default: 7]",
-    ),
-    click.option("--dsnu-e", type=float, help="Dark signal non-uniformity [e-]."),
-    click.option("--prnu", type=float, help="Photo response non-uniformity, e.g. 0.01 for 1 %."),
-    click.option("--row-noise-e", type=float, help="Noise common to a row [e-]."),
-    click.option(
-        "--black-error-e",
-        type=float,
-        help="Error of the subtracted black level [e-]; biases every reading and tints shadows.",
+    *(
+        click.option(f"--{name.replace('_', '-')}", type=float, help=one.help)
+        for name, one in PIXEL.items()
     ),
     click.option("--gain-dn-per-e", type=float, help="Gain K of the converter [DN/e-]."),
     click.option(

@@ -31,7 +31,7 @@ from chromanoise.design.search import (
 )
 from chromanoise.design.space import LIBRARY_MODEL, MODELS, PixelShares, Structure, model_numbers
 from chromanoise.errors import InputError, Setting, did_you_mean, refusal
-from chromanoise.sensor import MOSAIC_NAMES, SILICON_NUMBERS, ModelNumber
+from chromanoise.sensor import MOSAIC_NAMES, PIXEL, SILICON_NUMBERS, ModelNumber
 from chromanoise.study import Part, Study
 
 BEST_REFERENCE = "best reference"
@@ -213,8 +213,8 @@ class CrosstalkNumbers(Part):
 class PixelNumbers(Part):
     """The pixel, where it is not that of the base."""
 
-    read_noise_e: Numbers = Field(None, description="Read noise [e-].")
-    prnu: Numbers = Field(None, description="Photo response non-uniformity [1].")
+    read_noise_e: Numbers = Field(None, description=PIXEL["read_noise_e"].help)
+    prnu: Numbers = Field(None, description=PIXEL["prnu"].help)
 
 
 class ScenePart(Part):

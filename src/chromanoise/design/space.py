@@ -13,6 +13,7 @@ from chromanoise.design.candidates import Candidates
 from chromanoise.design.parameters import Free, Parameter, Value, refuse_outside, tied_to
 from chromanoise.errors import InputError
 from chromanoise.sensor import (
+    PIXEL,
     Crosstalk,
     Mosaic,
     Sensor,
@@ -631,8 +632,10 @@ _ENDS = ("low", "high")
 _TIME = ModelNumber(unit="ms", what="exposure time", least=1e-6)
 _NOISE_WEIGHT = ModelNumber(unit="1", what="weight of the noise in the matrix")
 _CROSSTALK = ModelNumber(unit="1", what="share of the light that ends in neighbors", most=1.0)
-_READ_NOISE = ModelNumber(unit="e-", what="read noise")
-_PRNU = ModelNumber(unit="1", what="PRNU", most=0.2)
+_READ_NOISE, _PRNU = (
+    ModelNumber(unit=one.unit, what=one.label, least=one.least, most=one.most)
+    for one in (PIXEL["read_noise_e"], PIXEL["prnu"])
+)
 _SHARE = ModelNumber(unit="1", what="share of the pixels that are left", most=1.0)
 _LIBRARY_NUMBERS = {
     "thickness": ModelNumber(unit="1", what="thickness over the measured one", default=1.0)

@@ -9,20 +9,14 @@ import numpy as np
 
 from chromanoise.errors import InputError
 from chromanoise.exposure import OperatingPoint
-from chromanoise.sensor import Sensor, ir_cut_model, moved_curve
+from chromanoise.sensor import PIXEL, Sensor, ir_cut_model, moved_curve
 from chromanoise.study import Given, Study, operating_points_of, sensor_of
 
 NM, PERCENT, POINTS = "nm", "%", "% points"
 """Units of a change: nm, percent of the value, percentage points of a share."""
 
-_OF_PIXEL = {
-    "pitch_um": "pixel pitch",
-    "full_well_e": "full well",
-    "read_noise_e": "read noise",
-    "dark_current_e_per_s": "dark current",
-    "dsnu_e": "DSNU",
-    "prnu": "PRNU",
-    "row_noise_e": "row noise",
+_OF_PIXEL = {  # those that a share of the value may change
+    name: one.label for name, one in PIXEL.items() if one.least >= 0 and one.unit != "K"
 }
 _OF_EXPOSURE = {"time_s": "exposure time", "f_number": "f-number"}
 _SMALL_END = 0.01  # of the peak of a curve

@@ -2,6 +2,7 @@
 
 import logging
 import signal
+import threading
 from collections.abc import Iterator
 from concurrent.futures import CancelledError, Executor
 from contextlib import ExitStack, contextmanager
@@ -106,21 +107,34 @@ def client_of(scheduler: str, *, workers: int | None = None, smaller: Setting) -
 
 @contextmanager
 def _stop_waiting() -> Iterator[None]:
-    """Block Ctrl-C until the workers have started, and in the workers.
+    """Let a stop wait until the workers have started, and block Ctrl-C in the workers.
 
     A terminal sends the signal to every process, but only the main process should end, and then
     end its workers. Workers that receive the signal print a traceback each, and a partly started
-    cluster may not end at all. Processes that are started here inherit the blocked signal.
+    cluster may not end at all. Processes that are started here inherit the blocked signal; a
+    thread that was started before may still receive it, so the main thread remembers it.
     """
-    if not hasattr(signal, "pthread_sigmask"):
+    if (
+        not hasattr(signal, "pthread_sigmask")
+        or threading.current_thread() is not threading.main_thread()
+    ):
         yield
         return
     resource_tracker.ensure_running()  # otherwise its later start would unblock Ctrl-C
+    came: list[int] = []
+    handlers = {one: signal.getsignal(one) for one in (signal.SIGINT, signal.SIGTERM)}
+    waiting = [one for one, handler in handlers.items() if callable(handler)]
+    for one in waiting:
+        signal.signal(one, lambda number, _: came.append(number))
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        for one in waiting:
+            signal.signal(one, handlers[one])
+        if came:
+            signal.raise_signal(came[0])
 
 
 @contextmanager

@@ -11,7 +11,8 @@ from typing import Any
 from chromanoise.analysis.priors import PRIORS
 from chromanoise.catalog.entries import catalog_entries, catalog_folder
 from chromanoise.color import SPACES, TONES
-from chromanoise.sensor import MOSAIC_NAMES
+from chromanoise.properties import Property
+from chromanoise.sensor import MOSAIC_NAMES, PIXEL
 from chromanoise.spectra import METRICS, OBSERVERS
 from chromanoise.study.document import BALANCE_WORDS, study_schema
 
@@ -86,6 +87,20 @@ SECTION_HINTS: Mapping[str, str] = {
 """Hints of sections."""
 
 _BEFORE = "none; e.g. ircut-650"
+_OF_DARK: Data = {"needs": "sensors.pixel.dark_current_e_per_s"}
+_OF_PIXEL: Mapping[str, Data] = {
+    "temperature_c": {"hint": "reference", **_OF_DARK},
+    "dark_reference_c": _OF_DARK,
+    "dark_doubling_k": _OF_DARK,
+}
+
+
+def _control(one: Property) -> Data:
+    """The control of a property: its label, and its slider if it has one."""
+    label = one.label[:1].upper() + one.label[1:]
+    return {"label": label, **dict(zip(("low", "high", "step"), one.slider or (), strict=False))}
+
+
 _REFINED: Mapping[str, Data] = {
     "title": {"label": "Title"},
     "seed": {"label": "Seed of the noise", "low": 0, "high": 99, "step": 1},
@@ -105,48 +120,12 @@ _REFINED: Mapping[str, Data] = {
     "light.negatives": {"label": "Small negative values"},
     "sensors.label": {"label": "Label", "hint": "its name"},
     "sensors.pixel.file": {"label": "File of the pixel", "hint": "none", "file": "pixel"},
-    "sensors.pixel.pitch_um": {"label": "Pitch", "low": 0.5, "high": 50.0, "step": 0.01},
-    "sensors.pixel.full_well_e": {"label": "Full well", "low": 100.0, "high": 1e6, "step": 0.02},
+    **{
+        f"sensors.pixel.{name}": _control(one) | _OF_PIXEL.get(name, {})
+        for name, one in PIXEL.items()
+    },
     "sensors.pixel.binning": {"label": "Binned pixels", "low": 1, "high": 16, "step": 1},
     "sensors.pixel.binning_mode": {"label": "Binning mode", "needs": "sensors.pixel.binning"},
-    "sensors.pixel.read_noise_e": {"label": "Read noise", "low": 0.1, "high": 100.0, "step": 0.01},
-    "sensors.pixel.prnu": {"label": "PRNU", "low": 0.0, "high": 0.05, "step": 0.001},
-    "sensors.pixel.dsnu_e": {"label": "DSNU", "low": 0.0, "high": 50.0, "step": 0.5},
-    "sensors.pixel.row_noise_e": {"label": "Row noise", "low": 0.0, "high": 20.0, "step": 0.2},
-    "sensors.pixel.dark_current_e_per_s": {
-        "label": "Dark current",
-        "low": 0.0,
-        "high": 1000.0,
-        "step": 10.0,
-    },
-    "sensors.pixel.temperature_c": {
-        "label": "Temperature",
-        "hint": "reference",
-        "low": -40.0,
-        "high": 100.0,
-        "step": 1.0,
-        "needs": "sensors.pixel.dark_current_e_per_s",
-    },
-    "sensors.pixel.dark_reference_c": {
-        "label": "Reference temperature",
-        "low": -40.0,
-        "high": 100.0,
-        "step": 1.0,
-        "needs": "sensors.pixel.dark_current_e_per_s",
-    },
-    "sensors.pixel.dark_doubling_k": {
-        "label": "Dark current doubles every",
-        "low": 3.0,
-        "high": 30.0,
-        "step": 0.5,
-        "needs": "sensors.pixel.dark_current_e_per_s",
-    },
-    "sensors.pixel.black_error_e": {
-        "label": "Black-level error",
-        "low": -50.0,
-        "high": 50.0,
-        "step": 1.0,
-    },
     "sensors.pixel.bits": {
         "label": "Bits of the converter",
         "hint": "none",

@@ -18,6 +18,7 @@ from chromanoise.errors import InputError, Setting
 from chromanoise.sensor.adc import adc_of
 from chromanoise.sensor.eld_noise import ReadNoiseShape, eld_noise
 from chromanoise.sensor.mosaic import Mosaic
+from chromanoise.sensor.pixel import PIXEL
 from chromanoise.sensor.read_noise import (
     LARGEST_LAMBDA,
     LEAST_LAMBDA,
@@ -150,8 +151,8 @@ class CameraNoise:
             _check.within("iso", "1", self.iso, 1e-3, 1e9)
         if self.full_well_e is not None:
             _check.within("full_well_e", "e-", self.full_well_e, 1e-3, MOST_E)
-        for name, unit in _PLAIN:
-            _check.within(name, unit, getattr(self, name), 0.0, 0.2 if name == "prnu" else MOST_E)
+        for name in _PLAIN:
+            PIXEL[name].demand(name, getattr(self, name))
         self._check_laws()
 
     def _check_laws(self) -> None:
@@ -470,12 +471,7 @@ class CameraNoise:
         )
 
 
-_PLAIN = (
-    ("dark_current_e_per_s", "e-/s"),
-    ("dsnu_e", "e-"),
-    ("prnu", "1"),
-    ("row_noise_e", "e-"),
-)
+_PLAIN = ("dark_current_e_per_s", "dsnu_e", "prnu", "row_noise_e")
 
 
 def _channels(sensor: Sensor, count: int) -> int:

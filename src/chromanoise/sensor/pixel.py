@@ -8,14 +8,14 @@ shot noise, and its mean is subtracted. All are 0 by default, as in the paper.
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Literal, get_args
+from typing import Annotated, Any, Literal, get_args
 
 from chromanoise import _check
 from chromanoise.errors import InputError
+from chromanoise.properties import Property, demand_properties, properties_of
 
 _MOST = 1e12  # above any real pixel, and above the resolution of float32
 _COLDEST_C, _HOTTEST_C = -273.15, 300.0
-_MOST_PRNU = 0.2
 
 BinningMode = Literal["charge", "digital"]
 """Whether binning sums charges before the readout, or codes after it."""
@@ -76,43 +76,95 @@ class Pixel:
     40.0
     """
 
-    pitch_um: float
-    full_well_e: float
-    read_noise_e: float
-    dark_current_e_per_s: float = 0.0
-    dsnu_e: float = 0.0
-    prnu: float = 0.0
-    row_noise_e: float = 0.0
-    black_error_e: float = 0.0
-    temperature_c: float | None = None
-    dark_reference_c: float = 25.0
-    dark_doubling_k: float = 7.0
+    pitch_um: Annotated[
+        float,
+        Property(
+            label="pixel pitch", unit="um", least=1e-3, most=1e6, slider=(0.5, 50.0, 0.01),
+            help="Pixel pitch [um].",
+        ),
+    ]  # fmt: skip
+    full_well_e: Annotated[
+        float,
+        Property(
+            label="full well", unit="e-", least=1e-3, most=1e15, slider=(100.0, 1e6, 0.02),
+            help="Full-well capacity [e-].",
+        ),
+    ]  # fmt: skip
+    read_noise_e: Annotated[
+        float,
+        Property(
+            label="read noise", unit="e-", least=0.0, most=_MOST, slider=(0.1, 100.0, 0.01),
+            help="Standard deviation of the read noise [e-].",
+        ),
+    ]  # fmt: skip
+    dark_current_e_per_s: Annotated[
+        float,
+        Property(
+            label="dark current", unit="e-/s", least=0.0, most=_MOST, slider=(0.0, 1000.0, 10.0),
+            help="Dark current at dark_reference_c [e-/s]; its mean is subtracted.",
+        ),
+    ] = 0.0  # fmt: skip
+    dsnu_e: Annotated[
+        float,
+        Property(
+            label="DSNU", unit="e-", least=0.0, most=_MOST, slider=(0.0, 50.0, 0.5),
+            help="Dark signal non-uniformity [e-].",
+        ),
+    ] = 0.0  # fmt: skip
+    prnu: Annotated[
+        float,
+        Property(
+            label="PRNU", unit="1", least=0.0, most=0.2, slider=(0.0, 0.05, 0.001),
+            help="Photo response non-uniformity, e.g. 0.01 for 1 % [1].",
+            remedy="write 1 percent as 0.01",
+        ),
+    ] = 0.0  # fmt: skip
+    row_noise_e: Annotated[
+        float,
+        Property(
+            label="row noise", unit="e-", least=0.0, most=_MOST, slider=(0.0, 20.0, 0.2),
+            help="Noise common to a row [e-].",
+        ),
+    ] = 0.0  # fmt: skip
+    black_error_e: Annotated[
+        float,
+        Property(
+            label="error of the black level", unit="e-", least=-1e15, most=1e15,
+            slider=(-50.0, 50.0, 1.0),
+            help="Error of the subtracted black level [e-], a bias of every reading.",
+        ),
+    ] = 0.0  # fmt: skip
+    temperature_c: Annotated[
+        float | None,
+        Property(
+            label="temperature of the sensor", unit="C", least=_COLDEST_C, most=_HOTTEST_C,
+            slider=(-40.0, 100.0, 1.0),
+            help="Temperature of the sensor [C]; default: dark_reference_c.",
+        ),
+    ] = None  # fmt: skip
+    dark_reference_c: Annotated[
+        float,
+        Property(
+            label="reference temperature", unit="C", least=_COLDEST_C, most=_HOTTEST_C,
+            slider=(-40.0, 100.0, 1.0),
+            help="Temperature at which the dark current is given [C]; default: 25.",
+        ),
+    ] = 25.0  # fmt: skip
+    dark_doubling_k: Annotated[
+        float,
+        Property(
+            label="doubling of the dark current", unit="K", least=3.0, most=30.0,
+            slider=(3.0, 30.0, 0.5),
+            help="Temperature step that doubles the dark current [K]; default: 7.",
+        ),
+    ] = 7.0  # fmt: skip
     summed_pixels: float = 1
     summed_readings: float = 1
 
     def __post_init__(self) -> None:
-        _check.positive("pitch_um", "um", self.pitch_um)
-        _check.within("pitch_um", "um", self.pitch_um, 1e-3, 1e6)
-        _check.positive("full_well_e", "e-", self.full_well_e)
-        _check.within("full_well_e", "e-", self.full_well_e, 1e-3, 1e15)
-        _check.not_negative("read_noise_e", "e-", self.read_noise_e)
-        _check.within("read_noise_e", "e-", self.read_noise_e, 0.0, _MOST)
-        _check.within("dark_current_e_per_s", "e-/s", self.dark_current_e_per_s, 0.0, _MOST)
-        _check.within("dsnu_e", "e-", self.dsnu_e, 0.0, _MOST)
-        _check.within("row_noise_e", "e-", self.row_noise_e, 0.0, _MOST)
-        if not 0.0 <= self.prnu <= _MOST_PRNU:
-            raise InputError(
-                "prnu",
-                f"must be 0 to {_MOST_PRNU:g} [1]",
-                value=self.prnu,
-                remedy="write 1 percent as 0.01",
-            )
+        demand_properties(self)
         well_e = self.full_well_e
         _check.within("black_error_e", "e-", self.black_error_e, -well_e, well_e)
-        for name in ("temperature_c", "dark_reference_c"):
-            if getattr(self, name) is not None:
-                _check.within(name, "C", getattr(self, name), _COLDEST_C, _HOTTEST_C)
-        _check.within("dark_doubling_k", "K", self.dark_doubling_k, 3.0, 30.0)
         object.__setattr__(self, "summed_pixels", _pixels("summed_pixels", self.summed_pixels))
         if self.summed_readings not in (1, self.summed_pixels):
             raise InputError(
@@ -149,6 +201,8 @@ class Pixel:
         return self.dark_current_e_per_s * self.temperature_factor * time_s
 
 
+PIXEL = properties_of(Pixel)
+"""The properties of a pixel by name."""
 PAPER_PIXEL = Pixel(pitch_um=10.0, full_well_e=10_000.0, read_noise_e=10.0)
 """Table 1 of Clouet, Vaillant & Alleysson (CIC27, 2019)."""
 

@@ -38,7 +38,7 @@ from chromanoise.imaging.formats import FORMATS, MOST_FRAMES
 from chromanoise.io.given_matrices import MATRIX_ENDINGS, is_matrix_file
 from chromanoise.io.spectra.parsed import Negatives, Unit
 from chromanoise.scene import BUILTIN_CUBES
-from chromanoise.sensor import MOSAIC_NAMES, MOST_BINNING, MOST_SHIFT_NM, BinningMode
+from chromanoise.sensor import MOSAIC_NAMES, MOST_BINNING, MOST_SHIFT_NM, PIXEL, BinningMode
 from chromanoise.spectra import DEFAULT_OBSERVER, METRICS, OBSERVERS, Illuminant
 
 MOST_SENSORS = 1000
@@ -146,6 +146,14 @@ class LightPart(Part):
     negatives: Negatives = Field("refuse", description=_NEGATIVES)
 
 
+_OF_FILE = "; default: from pixel.file, else 0."
+
+
+def _help(name: str, default: str = ".") -> Any:
+    """The field of a property of the pixel that may be given."""
+    return Field(None, description=PIXEL[name].help.removesuffix(".") + default)
+
+
 class PixelPart(Part):
     """Changes to the sensor's pixel."""
 
@@ -154,32 +162,19 @@ class PixelPart(Part):
         description="EMVA 1288 sheet, DNG noise profile or photon transfer table; the keys "
         "below override it.",
     )
-    pitch_um: Positive | None = Field(None, description="Pixel pitch [um].")
-    full_well_e: Positive | None = Field(None, description="Full-well capacity [e-].")
-    read_noise_e: NotNegative | None = Field(
-        None,
-        description="Standard deviation of the read noise [e-].",
+    pitch_um: Annotated[float, PIXEL["pitch_um"]] | None = _help("pitch_um")
+    full_well_e: Annotated[float, PIXEL["full_well_e"]] | None = _help("full_well_e")
+    read_noise_e: Annotated[float, PIXEL["read_noise_e"]] | None = _help("read_noise_e")
+    dark_current_e_per_s: Annotated[float, PIXEL["dark_current_e_per_s"]] | None = _help(
+        "dark_current_e_per_s"
     )
-    dark_current_e_per_s: NotNegative | None = Field(
-        None, description="Dark current at dark_reference_c [e-/s]; its mean is subtracted."
-    )
-    temperature_c: Finite | None = Field(
-        None, description="Temperature of the sensor [C]; default: dark_reference_c."
-    )
-    dark_reference_c: Finite | None = Field(
-        None, description="Temperature at which the dark current is given [C]; default: 25."
-    )
-    dark_doubling_k: Positive | None = Field(
-        None, description="Temperature step that doubles the dark current [K]; default: 7."
-    )
-    dsnu_e: NotNegative | None = Field(None, description="Dark signal non-uniformity [e-].")
-    prnu: Annotated[float, Field(ge=0, le=0.2)] | None = Field(
-        None, description="Photo response non-uniformity, e.g. 0.01 for 1 % [1]."
-    )
-    row_noise_e: NotNegative | None = Field(None, description="Noise common to a row [e-].")
-    black_error_e: Finite | None = Field(
-        None, description="Error of the subtracted black level [e-], a bias of every reading."
-    )
+    temperature_c: Annotated[float, PIXEL["temperature_c"]] | None = _help("temperature_c")
+    dark_reference_c: Annotated[float, PIXEL["dark_reference_c"]] | None = _help("dark_reference_c")
+    dark_doubling_k: Annotated[float, PIXEL["dark_doubling_k"]] | None = _help("dark_doubling_k")
+    dsnu_e: Annotated[float, PIXEL["dsnu_e"]] | None = _help("dsnu_e")
+    prnu: Annotated[float, PIXEL["prnu"]] | None = _help("prnu")
+    row_noise_e: Annotated[float, PIXEL["row_noise_e"]] | None = _help("row_noise_e")
+    black_error_e: Annotated[float, PIXEL["black_error_e"]] | None = _help("black_error_e")
     bits: Annotated[int, Field(ge=8, le=16)] | None = Field(
         None, description="Bits of the converter; its step adds quantization noise."
     )
@@ -494,20 +489,12 @@ class PicturePart(Part):
         | None
     ) = Field(None, description=f"{', '.join(FORMATS)}; default: png and xyz, or raw and dng.")
     clip: bool = Field(False, description="Clip electrons between 0 and full well.")
-    dark_current_e_per_s: NotNegative | None = Field(
-        None,
-        description="Dark current [e-/s]; its mean is subtracted. Default: from "
-        "pixel.file, else 0.",
+    dark_current_e_per_s: Annotated[float, PIXEL["dark_current_e_per_s"]] | None = _help(
+        "dark_current_e_per_s", _OF_FILE
     )
-    dsnu_e: NotNegative | None = Field(
-        None, description="Dark signal non-uniformity [e-]; default: from pixel.file, else 0."
-    )
-    prnu: Annotated[float, Field(ge=0, le=0.2)] | None = Field(
-        None, description="Photo response non-uniformity; default: from pixel.file, else 0."
-    )
-    row_noise_e: NotNegative | None = Field(
-        None, description="Noise common to a row [e-]; default: 0."
-    )
+    dsnu_e: Annotated[float, PIXEL["dsnu_e"]] | None = _help("dsnu_e", _OF_FILE)
+    prnu: Annotated[float, PIXEL["prnu"]] | None = _help("prnu", _OF_FILE)
+    row_noise_e: Annotated[float, PIXEL["row_noise_e"]] | None = _help("row_noise_e", _OF_FILE)
 
     @field_validator("wavelengths", mode="before")
     @classmethod

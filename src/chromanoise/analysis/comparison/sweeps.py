@@ -16,6 +16,7 @@ from chromanoise._shapes import Float
 from chromanoise.errors import InputError, Setting
 from chromanoise.exposure import OperatingPoint
 from chromanoise.sensor import (
+    PIXEL,
     behind_ir_cut,
     crosstalk_of_share,
     with_crosstalk,
@@ -25,6 +26,7 @@ from chromanoise.sensor import (
 from chromanoise.spectra import black_body, with_infrared
 
 _ILLUMINATOR_NM = 850.0
+_LEAST_LOGARITHMIC = 1e-6  # of a property that may be 0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -98,27 +100,19 @@ def _at_pixel(operating_point: OperatingPoint, value: float, *, field: str) -> O
     return replace(operating_point, sensor=changed)
 
 
-def _of_pixel(
-    field: str,
-    what: str,
-    unit: str,
-    ends: tuple[float, float],
-    *,
-    name: str = "",
-    logarithmic: bool = False,
-    replaces: bool = True,
-) -> Sweep:
+def _of_pixel(field: str, *, logarithmic: bool = False, replaces: bool = True) -> Sweep:
     """The sweep of a field of the pixel.
 
     A field on which the exposure time depends does not replace the setting of the study.
     """
+    one = PIXEL[field]
     return Sweep(
-        name=name or field.replace("_", "-"),
-        what=what,
-        unit=unit,
+        name=field.replace("_", "-"),
+        what=one.label,
+        unit=one.unit,
         logarithmic=logarithmic,
-        lowest=ends[0],
-        highest=ends[1],
+        lowest=_LEAST_LOGARITHMIC if logarithmic else one.least,
+        highest=one.most,
         at=partial(_at_pixel, field=field),
         replaces=f"sensors.*.pixel.{field}" if replaces else "",
     )
@@ -197,20 +191,11 @@ SWEEPS: Mapping[str, Sweep] = {
             highest=1e6,
             at=_at_f_number,
         ),
-        _of_pixel("read_noise_e", "read noise", "e-", (1e-6, 1e9), logarithmic=True),
-        _of_pixel(
-            "dark_current_e_per_s",
-            "dark current",
-            "e-/s",
-            (1e-6, 1e9),
-            logarithmic=True,
-            replaces=False,
-        ),
-        _of_pixel(
-            "temperature_c", "temperature of the sensor", "C", (-273.0, 300.0), replaces=False
-        ),
-        _of_pixel("prnu", "PRNU", "1", (0.0, 0.2)),
-        _of_pixel("dsnu_e", "DSNU", "e-", (0.0, 1e6)),
+        _of_pixel("read_noise_e", logarithmic=True),
+        _of_pixel("dark_current_e_per_s", logarithmic=True, replaces=False),
+        _of_pixel("temperature_c", replaces=False),
+        _of_pixel("prnu"),
+        _of_pixel("dsnu_e"),
         Sweep(
             name="bits",
             what="bits of the converter, its top code at full well",

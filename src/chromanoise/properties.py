@@ -1,0 +1,126 @@
+"""Properties of physical things, each declared once: on the field of its class.
+
+A field is annotated with a `Property`, which carries its bounds, its unit and its words. Whatever
+reads, sweeps, searches or documents the field takes them from there.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from types import MappingProxyType
+from typing import Any, get_type_hints
+
+from chromanoise import _check
+from chromanoise.errors import InputError
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Property:
+    """What a field of a class means, and which values it takes.
+
+    Pydantic checks it with the same sentence and writes its bounds to JSON schemas.
+
+    Attributes
+    ----------
+    label
+        Name in charts and sentences.
+    unit
+        Unit of the value; ``1`` for none.
+    least, most
+        Bounds, both allowed. [unit]
+    help
+        One line on the meaning, with the unit.
+    slider
+        Lowest and highest value and step of its control on the page; ``None`` for a plain field.
+    remedy
+        What to do with a value out of bounds, where the sentence does not say it.
+
+    Examples
+    --------
+    >>> share = Property(label="PRNU", unit="1", least=0, most=0.2, help="Photo response [1].")
+    >>> share.demand("prnu", 0.3)
+    Traceback (most recent call last):
+    chromanoise.errors.InputError: prnu must be 0 to 0.2, but is 0.3
+    """
+
+    label: str
+    unit: str
+    least: float
+    most: float
+    help: str
+    slider: tuple[float, float, float] | None = None
+    remedy: str = ""
+
+    def demand(self, name: str, value: Any) -> float:
+        """The value as a float.
+
+        Parameters
+        ----------
+        name
+            Of the field, for the sentence.
+        value
+            To be checked.
+
+        Raises
+        ------
+        InputError
+            If the value is not a number within the bounds.
+        """
+        number = float(value)
+        if not self.least <= number <= self.most:
+            raise InputError(
+                name,
+                f"must be {self.least:g} to {self.most:g}{_check.in_brackets(self.unit)}",
+                value=number,
+                remedy=self.remedy or (),
+            )
+        return number
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        from pydantic import AfterValidator  # only where a study or a file is read
+
+        def checked(value: float | None, info: Any) -> float | None:
+            return None if value is None else self.demand(str(info.field_name), value)
+
+        return AfterValidator(checked).__get_pydantic_core_schema__(source, handler)
+
+    def __get_pydantic_json_schema__(self, core: Any, handler: Any) -> dict[str, Any]:
+        return dict(handler(core)) | {"minimum": self.least, "maximum": self.most}
+
+
+@cache
+def properties_of(owner: type) -> Mapping[str, Property]:
+    """The properties of a class by the names of their fields, in order.
+
+    Parameters
+    ----------
+    owner
+        A class whose fields are annotated with `Property`.
+    """
+    hints = get_type_hints(owner, include_extras=True)
+    found = {
+        name: one
+        for name, hint in hints.items()
+        for one in getattr(hint, "__metadata__", ())
+        if isinstance(one, Property)
+    }
+    return MappingProxyType(found)
+
+
+def demand_properties(owner: Any) -> None:
+    """Check every property of an object; one that is ``None`` is not given.
+
+    Parameters
+    ----------
+    owner
+        An instance of a class with properties.
+
+    Raises
+    ------
+    InputError
+        As `Property.demand`.
+    """
+    for name, one in properties_of(type(owner)).items():  # type: ignore[arg-type] # Hashable
+        value = getattr(owner, name)
+        if value is not None:
+            one.demand(name, value)
