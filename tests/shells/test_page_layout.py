@@ -165,8 +165,7 @@ def test_on_a_phone_a_sheet_holds_the_controls_and_leaves_verdict_and_picture_in
     assert faults_of_access(page, axe) == []
     for width in (320, 360, 390):
         page.set_viewport_size({"width": width, "height": 740})
-        page.wait_for_timeout(300)
-        assert page.evaluate("document.documentElement.scrollWidth") <= width
+        page.wait_for_function("width => document.documentElement.scrollWidth <= width", arg=width)
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
