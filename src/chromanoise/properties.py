@@ -31,7 +31,8 @@ class Property:
     help
         One line on the meaning, with the unit.
     slider
-        Lowest and highest value and step of its control on the page; ``None`` for a plain field.
+        Lowest value, highest value and step of the slider on the page; on a logarithmic scale the
+        step is a share of a decade. ``None`` for a field without a slider.
     remedy
         What to do with a value out of bounds, where the sentence does not say it.
 

@@ -165,7 +165,7 @@ def _stop_on_signals(stopped: threading.Event) -> Iterator[None]:
     """Make SIGTERM act like Ctrl-C, so that scratch files are removed.
 
     A stop may be lost: Python ignores exceptions while it deletes an object, and some libraries
-    catch all of them. It is repeated until an exception of a stop is being handled.
+    catch all of them. It is sent again until the main thread handles its exception.
     """
     if threading.current_thread() is not threading.main_thread():
         yield

@@ -336,7 +336,7 @@ class _Batch:
 
 
 def _turned(space: Space, values: Float[Array, " d"]) -> Candidates:
-    """A copy of the candidate for each parameter, which has an imaginary step."""
+    """One copy of the candidate per parameter, with an imaginary step in that parameter."""
     return space.candidates(values + 1j * _COMPLEX_STEP * np.eye(len(values)))
 
 

@@ -279,7 +279,7 @@ class _Descent:
         return share
 
     def _near(self, here: _Linear, radius: float) -> Int64[Array, " k"]:
-        """The rows that a run can reach, of constraints with several rows; all other rows."""
+        """Rows to keep: those in reach of constraints with several rows, and all of the others."""
         of, counts = here.constraint, np.bincount(here.constraint)
         reached = here.rows > -_REACH * radius * np.abs(here.jacobian).sum(axis=1)
         return np.flatnonzero(reached | (counts[of] == 1))

@@ -107,12 +107,13 @@ def client_of(scheduler: str, *, workers: int | None = None, smaller: Setting) -
 
 @contextmanager
 def _stop_waiting() -> Iterator[None]:
-    """Let a stop wait until the workers have started, and block Ctrl-C in the workers.
+    """Delay a stop until the workers have started, and block Ctrl-C in the workers.
 
     A terminal sends the signal to every process, but only the main process should end, and then
     end its workers. Workers that receive the signal print a traceback each, and a partly started
     cluster may not end at all. Processes that are started here inherit the blocked signal; a
-    thread that was started before may still receive it, so the main thread remembers it.
+    thread that was started earlier may still receive it, so the main thread records it and raises
+    it afterwards.
     """
     if (
         not hasattr(signal, "pthread_sigmask")

@@ -96,7 +96,7 @@ def reading_distribution(
     ------
     InputError
         If a mean is negative or too large, the noise is too large for a table, or several readings
-        are summed of which the step exceeds the noise.
+        are summed and the rounding of each is coarse (`NoiseSources.rounding_is_coarse`).
 
     Examples
     --------
@@ -117,9 +117,10 @@ def reading_distribution(
     if noise.readings > 1 and noise.rounding_is_coarse(mean).any():
         raise InputError(
             "noise",
-            "must exceed the step of each reading where several readings are summed",
-            value=noise.step_e,
-            found=f"has a step of {noise.step_e:g} [e-] in the sum of {noise.readings} readings",
+            "must smooth the rounding of each reading, because several are summed",
+            value=noise.step_e / np.sqrt(noise.readings),
+            found=f"has a step of {noise.step_e / np.sqrt(noise.readings):g} [e-] in each of "
+            f"{noise.readings} readings",
             remedy="take `sensor_moments`, whose mean and variance are exact",
         )
     counted, bounds = counted_readout(mean, noise, readout or Readout())

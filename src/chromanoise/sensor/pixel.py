@@ -101,7 +101,7 @@ class Pixel:
         float,
         Property(
             label="dark current", unit="e-/s", least=0.0, most=_MOST, slider=(0.0, 1000.0, 10.0),
-            help="Dark current at dark_reference_c [e-/s]; its mean is subtracted.",
+            help="Dark current at the reference temperature [e-/s]; its mean is subtracted.",
         ),
     ] = 0.0  # fmt: skip
     dsnu_e: Annotated[
@@ -129,7 +129,7 @@ class Pixel:
     black_error_e: Annotated[
         float,
         Property(
-            label="error of the black level", unit="e-", least=-1e15, most=1e15,
+            label="black-level error", unit="e-", least=-1e15, most=1e15,
             slider=(-50.0, 50.0, 1.0),
             help="Error of the subtracted black level [e-], a bias of every reading.",
         ),
@@ -139,7 +139,7 @@ class Pixel:
         Property(
             label="temperature of the sensor", unit="C", least=_COLDEST_C, most=_HOTTEST_C,
             slider=(-40.0, 100.0, 1.0),
-            help="Temperature of the sensor [C]; default: dark_reference_c.",
+            help="Temperature of the sensor [C]; default: the reference temperature.",
         ),
     ] = None  # fmt: skip
     dark_reference_c: Annotated[
@@ -147,15 +147,15 @@ class Pixel:
         Property(
             label="reference temperature", unit="C", least=_COLDEST_C, most=_HOTTEST_C,
             slider=(-40.0, 100.0, 1.0),
-            help="Temperature at which the dark current is given [C]; default: 25.",
+            help="Reference temperature of the dark current [C]; default: 25.",
         ),
     ] = 25.0  # fmt: skip
     dark_doubling_k: Annotated[
         float,
         Property(
-            label="doubling of the dark current", unit="K", least=3.0, most=30.0,
+            label="dark-current doubling temperature", unit="K", least=3.0, most=30.0,
             slider=(3.0, 30.0, 0.5),
-            help="Temperature step that doubles the dark current [K]; default: 7.",
+            help="Temperature increase that doubles the dark current [K]; default: 7.",
         ),
     ] = 7.0  # fmt: skip
     summed_pixels: float = 1
