@@ -140,8 +140,10 @@ def stopped_after(limit_s: float) -> Iterator[None]:
     if _ALARM is None:
         with open(os.devnull, "w") as nowhere:  # noqa: PTH123
             faulthandler.dump_traceback_later(limit_s, exit=True, file=nowhere)
-            yield
-            faulthandler.cancel_dump_traceback_later()
+            try:
+                yield
+            finally:
+                faulthandler.cancel_dump_traceback_later()
         return
     # not faulthandler, which may crash while it reads the frames of a thread that runs
     signal.signal(_ALARM, signal.SIG_DFL)

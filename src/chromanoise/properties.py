@@ -4,8 +4,9 @@ A field is annotated with a `Property`, which carries its bounds, its unit and i
 reads, sweeps, searches or documents the field takes them from there.
 """
 
+import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cache
 from types import MappingProxyType
 from typing import Any, get_type_hints
@@ -67,7 +68,7 @@ class Property:
         InputError
             If the value is not a number within the bounds.
         """
-        number = float(value)
+        number = math.nan if value is None else float(value)
         if not self.least <= number <= self.most:
             raise InputError(
                 name,
@@ -109,7 +110,7 @@ def properties_of(owner: type) -> Mapping[str, Property]:
 
 
 def demand_properties(owner: Any) -> None:
-    """Check every property of an object; one that is ``None`` is not given.
+    """Check every property of an object; ``None`` is not checked where it is the default.
 
     Parameters
     ----------
@@ -121,7 +122,8 @@ def demand_properties(owner: Any) -> None:
     InputError
         As `Property.demand`.
     """
+    may_be_none = {field.name for field in fields(owner) if field.default is None}
     for name, one in properties_of(type(owner)).items():  # type: ignore[arg-type] # Hashable
         value = getattr(owner, name)
-        if value is not None:
+        if value is not None or name not in may_be_none:
             one.demand(name, value)

@@ -30,7 +30,7 @@ from chromanoise.noise import (
     with_noise,
 )
 from chromanoise.noise.exact import Readout
-from chromanoise.noise.sources import crosstalk_pattern
+from chromanoise.noise.sources import CrosstalkPattern, crosstalk_pattern
 from chromanoise.scene import flat_cube, flat_field
 from chromanoise.sensor import (
     Adc,
@@ -314,6 +314,20 @@ def test_few_electrons_have_the_distribution_of_the_places_together():
     z = (found[often] - expected[often]) / np.sqrt(expected[often])
     assert np.abs(z).max() < 5
     assert (counts.probability[0] @ counts.values_e) == pytest.approx(mean[0, 3], rel=1e-6)
+
+
+def test_a_sum_of_readings_has_a_table_only_where_the_rounding_of_every_place_is_fine():
+    shares, channel = np.array([[0.0, 0.1], [0.0, -0.1], [0.0, 0.0]]), np.array([0, 0, 1])
+    pattern = CrosstalkPattern(shares=shares, channel=channel, counted=True)
+    mean = np.full((1, 2), 300.0)
+    counts = []
+    for step_e in np.geomspace(1.0, 40.0, 60):
+        noise = NoiseSources(read_noise_e=1.0, step_e=step_e, readings=4, pattern=pattern)
+        few = np.flatnonzero(few_electrons(mean, noise)[0])
+        counts += [channel_distribution(mean, int(i), noise) for i in few]
+        coarse = not few_electrons(mean, noise).any()
+    assert 0 < len(counts) < 120
+    assert coarse
 
 
 @pytest.mark.parametrize(("light", "lowest"), [(0.02, 0.0), (1.0, 0.97)])

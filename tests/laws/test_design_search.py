@@ -12,6 +12,7 @@ import chromanoise.design.search as searching
 from chromanoise.design import algorithms
 from chromanoise.design.algorithms import METHODS
 from chromanoise.design.front import non_dominated
+from chromanoise.design.polish import improved
 from chromanoise.design.problem import Evaluated, Problem
 from chromanoise.design.search import SearchSettings, searched_front
 from chromanoise.errors import InputError
@@ -193,6 +194,19 @@ def test_polish_reaches_a_corner_of_a_constraint_that_is_the_largest_of_several(
     most = 1e-6 if together else 0.02  # one row hides that there are others
     assert fine.objectives[0, 0] == pytest.approx(wanted.fun, abs=most)
     assert (fine.violation <= 0).all()
+
+
+def test_a_correction_onto_a_constraint_stops_where_the_objective_is_undefined():
+    problem = problem_of(
+        lambda s, t: ([np.where(s.real < 0.4, np.inf, t)], [0.02 + (s - 0.5) ** 2 + 0 * t]),
+        [0.0, 0.0],
+        [1.0, 1.0],
+        better=("lower",),
+        constraints=("never met",),
+    )
+    at = np.array([[0.75, 0.5]])
+    better = improved(problem, at, problem.evaluate(at), most=50)
+    assert np.isfinite(better.found.violation).all()
 
 
 def test_polish_finds_a_feasible_candidate_where_the_search_has_none():

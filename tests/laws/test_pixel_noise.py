@@ -131,6 +131,13 @@ def test_the_variance_of_one_reading_is_the_sum_of_the_terms_of_emva_1288():
     assert values == pytest.approx([temporal, temporal + 4 + 2500], rel=1e-14)
 
 
+@pytest.mark.parametrize("name", ["read_noise_e", "prnu", "dark_reference_c"])
+def test_a_number_of_a_pixel_that_has_a_value_cannot_be_none(name):
+    given = {"pitch_um": 1.0, "full_well_e": 10.0, "read_noise_e": 1.0} | {name: None}
+    with refused_input(subject=name):
+        Pixel(**given)
+
+
 @pytest.mark.parametrize("prnu", [0.002, 0.01, 0.2])
 def test_total_snr_tends_to_one_over_prnu_and_temporal_snr_does_not(prnu):
     sensor = one_channel(prnu=prnu, dsnu_e=5.0)

@@ -104,7 +104,7 @@ def commands() -> None:
 
 def run(arguments: list[str] | None = None) -> None:
     """Run the command line; bad input ends with one sentence and exit code 2."""
-    stopped = threading.Event()
+    stopped: list[bool] = []  # not empty after a stop
     _prepare_output()
     _prepare_libraries()
     given = sys.argv[1:] if arguments is None else arguments
@@ -119,7 +119,7 @@ def run(arguments: list[str] | None = None) -> None:
                 )
     except BaseException as error:
         # a stop during an import may be raised as another exception
-        if stopped.is_set() or isinstance(error, click.Abort | KeyboardInterrupt):
+        if stopped or isinstance(error, click.Abort | KeyboardInterrupt):
             click.echo("chromanoise: stopped", err=True)
             sys.exit(130)
         if isinstance(error, BrokenPipeError):
@@ -161,7 +161,7 @@ def _options_of(command: str) -> dict[str, str]:
 
 
 @contextmanager
-def _stop_on_signals(stopped: threading.Event) -> Iterator[None]:
+def _stop_on_signals(stopped: list[bool]) -> Iterator[None]:
     """Make SIGTERM act like Ctrl-C, so that scratch files are removed.
 
     A stop may be lost: Python ignores exceptions while it deletes an object, and some libraries
@@ -170,25 +170,27 @@ def _stop_on_signals(stopped: threading.Event) -> Iterator[None]:
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    repeated, ended, before = threading.Event(), threading.Event(), sys.unraisablehook
+    ended, before = threading.Event(), sys.unraisablehook
+    is_repeated = False  # no lock, because a handler may interrupt itself
 
     def stop(*_: object) -> None:
-        is_repeated = repeated.is_set()
-        repeated.clear()
-        if is_repeated and _is_stopping():
+        nonlocal is_repeated
+        was_repeated, is_repeated = is_repeated, False
+        if was_repeated and _is_stopping():
             return
-        if not stopped.is_set():
-            stopped.set()
+        if not stopped:
+            stopped.append(True)
             threading.Thread(target=repeat, daemon=True).start()
         raise KeyboardInterrupt
 
     def repeat() -> None:
+        nonlocal is_repeated
         while not ended.wait(_REPEATED_S):
-            repeated.set()
+            is_repeated = True
             _interrupt_main_thread()
 
     def ignored(error: Any) -> None:
-        if not (stopped.is_set() and error.exc_type is KeyboardInterrupt):
+        if not (stopped and error.exc_type is KeyboardInterrupt):
             before(error)
 
     sys.unraisablehook = ignored
@@ -204,10 +206,15 @@ def _stop_on_signals(stopped: threading.Event) -> Iterator[None]:
 
 def _is_stopping() -> bool:
     """Whether the main thread handles a stop, or an error that a stop became."""
-    error = sys.exc_info()[1]
-    while error is not None and not isinstance(error, KeyboardInterrupt):
-        error = error.__cause__ or error.__context__
-    return error is not None
+    errors, seen = [sys.exc_info()[1]], set[int]()  # the links between errors may form a circle
+    while errors:
+        error = errors.pop()
+        if isinstance(error, KeyboardInterrupt):
+            return True
+        if error is not None and id(error) not in seen:
+            seen.add(id(error))
+            errors += [error.__cause__, error.__context__]
+    return False
 
 
 def _interrupt_main_thread() -> None:

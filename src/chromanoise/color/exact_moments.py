@@ -75,7 +75,8 @@ def exact(color: NoisyColor, space: Space, *, points: int = 2**16) -> SpaceMomen
     """
     source = _source(color)
     channels = source.mean_e.shape[-1]
-    most = _MOST_VALUES // max(1, channels)
+    coordinates = channels if source.noise.pattern is None else 2 * channels
+    most = _MOST_VALUES // max(1, coordinates)
     if points < 2 or points & (points - 1) or points > most:
         raise InputError(
             "points",
@@ -252,7 +253,7 @@ def _turned(
     """The rotation whose first column alone changes the first coordinate, and so on."""
     matrix = source.matrix
     if not np.all(
-        source.noise.added_variance_e2(mean_e)
+        replace(source.noise, pattern=None).added_variance_e2(mean_e)
     ):  # single electrons make steps, which a net averages best along its axes
         return np.eye(mean_e.size)
     moments = sensor_moments(mean_e, source.noise, source.readout)

@@ -525,8 +525,9 @@ def _separations(scene: DesignScene, turned: _Batch) -> Inexact[Array, "pairs d"
     variance = (e + floor_e2 + (prnu * e) ** 2) * (0.5 * spread[:, None])
     one, other = arrays.pairs.T
     with np.errstate(divide="ignore", invalid="ignore"):
-        squared = (e[:, one] - e[:, other]) ** 2 / (variance[:, one] + variance[:, other])
-        return np.sqrt(squared.sum(axis=0))
+        apart, noise = (e[:, one] - e[:, other]) ** 2, variance[:, one] + variance[:, other]
+        without = np.where(apart.real > 0, np.inf, 0.0)
+        return np.sqrt(np.where(noise.real > 0, apart / noise, without).sum(axis=0))
 
 
 def _finished(objective: Objective, value: Array, fullness: Array) -> Inexact[Array, " m"]:

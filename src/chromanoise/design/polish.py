@@ -30,6 +30,7 @@ _STEPS = np.array(
     [1, 0.999, 0.99, 0.97, 0.94, 0.9, 0.85, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2, 0.1, 0.05, 0.02]
 )
 _REACH = 3.0  # times the change of a row within the box by its slope: rows that a run can reach
+_REMEMBERED = 4  # linearizations: SLSQP asks for the parts of the last points again
 _CORRECTIONS = 6  # Newton steps onto the constraints
 _BREACH, _ACTIVE = 0.05, 5e-5  # a row that is broken by more is not corrected; above -5e-5, active
 _PER_DESCENT = 600  # gradients
@@ -261,8 +262,13 @@ class _Descent:
 
     def _corrected(self, share: Float[Array, " f"]) -> Float[Array, " f"]:
         """The point moved onto the constraints that it breaks by little, by Newton steps."""
+        last = share
         for _ in range(_CORRECTIONS):
-            here = self._at(share)
+            try:
+                here = self._at(share)
+            except _UndefinedError:
+                return last
+            last = share
             if not -_MARGIN / 2 < here.rows.max(initial=-np.inf) <= _BREACH:
                 break
             active = here.rows > -_ACTIVE
@@ -289,6 +295,7 @@ class _Descent:
         share = np.clip(share, 0.0, 1.0)
         key = share.tobytes()
         if key not in self._seen:
+            self._seen = dict([*self._seen.items()][1 - _REMEMBERED :])
             self._seen[key] = self._linearized(share)
         return self._seen[key]
 

@@ -36,8 +36,8 @@ class Linearized:
     objectives
         As in `Evaluated`, of one candidate.
     violation
-        As in `Evaluated`; a constraint that is the largest of several smooth functions has a row
-        for each of these, always in the same order.
+        As in `Evaluated`; a constraint that is the largest of several smooth functions may have a
+        row for each of these, always in the same order.
     objectives_jacobian, violation_jacobian
         Derivatives with respect to the ``d`` parameters, per unit of the parameter.
     constraint

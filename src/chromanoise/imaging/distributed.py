@@ -132,7 +132,7 @@ def _stop_waiting() -> Iterator[None]:
         yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
-        for one in waiting:
+        for one in reversed(waiting):  # Ctrl-C last: it may raise at once
             signal.signal(one, handlers[one])
         if came:
             signal.raise_signal(came[0])

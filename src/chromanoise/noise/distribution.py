@@ -73,9 +73,23 @@ def few_electrons(mean_e: Float[Array, "*k"], noise: NoiseSources) -> Bool[Array
     """
     added, counted = noise.added_variance_e2(mean_e), mean_e + noise.dark_e
     few = np.asarray(counted <= _FEW_E)
-    coarse = noise.rounding_is_coarse(mean_e)
+    coarse = (
+        _coarse_anywhere(mean_e, noise) if noise.readings > 1 else noise.rounding_is_coarse(mean_e)
+    )
     few = few & ~coarse if noise.readings > 1 else few | (coarse & (counted <= MOST_COUNTED_E))
     return np.asarray(few & (added <= _MOST_NOISE_E**2))
+
+
+def _coarse_anywhere(mean_e: Float[Array, "*k"], noise: NoiseSources) -> Bool[Array, "*k"]:
+    """`NoiseSources.rounding_is_coarse` at any place of a crosstalk pattern."""
+    if noise.pattern is None:
+        return noise.rounding_is_coarse(mean_e)
+    mean, alone = np.asarray(mean_e), replace(noise, pattern=None)
+    found = [
+        alone.rounding_is_coarse(noise.pattern.means_e(mean, i)).any(axis=-1)
+        for i in range(mean.shape[-1])
+    ]
+    return np.stack(found, axis=-1)
 
 
 def reading_distribution(

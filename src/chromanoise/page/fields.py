@@ -197,10 +197,10 @@ _REFINED: Mapping[str, Data] = {
     "pictures.scale": {"label": "Reflectance per stored unit", "low": 1e-5, "high": 10.0},
     "pictures.bad_pixels": {"label": "Invalid reflectances"},
     "pictures.clip": {"label": "Clip electrons in the picture"},
-    "pictures.dark_current_e_per_s": {"low": 0.0, "high": 1000.0, "step": 10.0},
-    "pictures.dsnu_e": {"label": "DSNU", "low": 0.0, "high": 50.0, "step": 0.5},
-    "pictures.prnu": {"label": "PRNU", "low": 0.0, "high": 0.05, "step": 0.001},
-    "pictures.row_noise_e": {"low": 0.0, "high": 20.0, "step": 0.2},
+    **{
+        f"pictures.{name}": _control(PIXEL[name])
+        for name in ("dark_current_e_per_s", "dsnu_e", "prnu", "row_noise_e")
+    },
     "outputs.analyses": {"label": "Every stage, per matrix"},
     "outputs.budget": {"label": "SNR budget"},
     "outputs.clip": {"label": "Clip electrons (without budget)"},
