@@ -1,5 +1,6 @@
 """The whole pixel: every noise source in raw, color and budget, temporal and total."""
 
+from copy import copy
 from dataclasses import replace
 
 import numpy as np
@@ -46,8 +47,11 @@ from chromanoise.noise import (
     sensor_moments,
     with_noise,
 )
+from chromanoise.properties import demand_properties
 from chromanoise.scene import flat_cube, flat_field
 from chromanoise.sensor import (
+    PAPER_PIXEL,
+    PIXEL,
     Adc,
     Converter,
     Crosstalk,
@@ -131,11 +135,22 @@ def test_the_variance_of_one_reading_is_the_sum_of_the_terms_of_emva_1288():
     assert values == pytest.approx([temporal, temporal + 4 + 2500], rel=1e-14)
 
 
-@pytest.mark.parametrize("name", ["read_noise_e", "prnu", "dark_reference_c"])
-def test_a_number_of_a_pixel_that_has_a_value_cannot_be_none(name):
-    given = {"pitch_um": 1.0, "full_well_e": 10.0, "read_noise_e": 1.0} | {name: None}
-    with refused_input(subject=name):
-        Pixel(**given)
+@pytest.mark.parametrize("value", [None, np.nan, np.inf, -0.1, 0.201])
+def test_a_value_out_of_the_bounds_of_a_property_is_refused_with_its_remedy(value):
+    with refused_input(subject="prnu") as refused:
+        PIXEL["prnu"].demand("prnu", value)
+    assert refused.value.remedy == (PIXEL["prnu"].remedy,)
+
+
+def test_only_a_number_that_is_none_by_default_may_be_none():
+    for name in PIXEL:
+        one = copy(PAPER_PIXEL)
+        object.__setattr__(one, name, None)
+        if name == "temperature_c":
+            demand_properties(one)
+        else:
+            with refused_input(subject=name):
+                demand_properties(one)
 
 
 @pytest.mark.parametrize("prnu", [0.002, 0.01, 0.2])
