@@ -16,6 +16,7 @@ import chromanoise
 from chromanoise._files import OWN_FILES
 from chromanoise.catalog import sensor_with_pixel
 from chromanoise.errors import InputError, errors_in
+from chromanoise.sensor import PIXEL
 from chromanoise.study import (
     STARTER,
     Study,
@@ -106,8 +107,10 @@ def sensor_parts():
     pixels = st.builds(
         PixelPart,
         file=maybe() | words,
-        pitch_um=maybe() | positive,
-        read_noise_e=maybe() | positive,
+        **{
+            name: maybe() | st.floats(PIXEL[name].least, PIXEL[name].most)
+            for name in ("pitch_um", "read_noise_e")
+        },
     )
     answers = st.builds(
         AnswersPart,
