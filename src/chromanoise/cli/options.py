@@ -178,7 +178,7 @@ _SHARED = (
         "--pixel",
         metavar="FILE",
         help="EMVA 1288 sheet, DNG noise profile or photon transfer: the pixel of all sensors; "
-        "values that the file lacks stay the sensor's own; options such as the three below "
+        "values that the file lacks stay the sensor's own; options such as --read-noise-e "
         "override it.",
     ),
     *(
