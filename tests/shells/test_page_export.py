@@ -252,15 +252,23 @@ def test_the_report_is_saved_from_the_page_and_its_charts_from_the_report(
     caught.value.save_as(path)
     assert re.fullmatch("chromanoise-report-[0-9a-f]{8}[.]html", caught.value.suggested_filename)
     assert path.read_bytes() == report
-    tab = browser({"viewport": {"width": 1280, "height": 900}}).new_page()
     wrong = []
-    tab.on("console", lambda one: wrong.append(one.text))
-    tab.goto(path.as_uri())
-    tab.locator("section[data-part=levels] svg.d-figure").wait_for()
-    for part in CHARTS:
-        stands_alone(saved(tab, f"section[data-part={part}]", "SVG")[1])
-        _, data = saved(tab, f"section[data-part={part}]", "CSV")
-        assert data.decode() == chart_csv(part, drawing(part, of))
+
+    def opened():
+        tab = browser({"viewport": {"width": 1280, "height": 900}}).new_page()
+        tab.on("console", lambda one: wrong.append(one.text))
+        tab.goto(path.as_uri())
+        tab.locator("section[data-part=levels] svg.d-figure").wait_for()
+        return tab
+
+    for some in (CHARTS[:4], CHARTS[4:]):  # Chromium holds back a page's eleventh download
+        tab = opened()
+        for part in some:
+            stands_alone(saved(tab, f"section[data-part={part}]", "SVG")[1])
+            _, data = saved(tab, f"section[data-part={part}]", "CSV")
+            assert data.decode() == chart_csv(part, drawing(part, of))
+        tab.close()
+    tab = opened()
     size_of(saved(tab, "section[data-part=levels]", "PNG")[1])
     table = drawing("levels", of)["table"]
     assert read_by_key(tab, "levels", "Home", "ArrowRight") == as_told(table, 1, (0, 1))
