@@ -43,7 +43,13 @@ from chromanoise.noise.readout import (
     largest_code_share,
     read_moments,
 )
-from chromanoise.sensor import Crosstalk, Sensor, quantization_step_e, white_level_e
+from chromanoise.sensor import (
+    Crosstalk,
+    Sensor,
+    VarianceLaw,
+    quantization_step_e,
+    white_level_e,
+)
 
 NoiseKind = Literal["total", "temporal"]
 """All noise of one reading over a flat field, or only what changes from frame to frame."""
@@ -286,6 +292,21 @@ class NoiseSources:
         """Variance of the fixed patterns that grow with the light: PRNU and crosstalk. [e-^2]"""
         own = self._prnu_e2(mean) if self.prnu else 0.0
         return own if self.pattern is None else own + self.pattern_e2(mean)
+
+    def law(self, kind: Literal["total", "temporal", "spatial"] = "total") -> VarianceLaw:
+        """The variance of one reading as a law of the light, without the pattern of crosstalk.
+
+        Parameters
+        ----------
+        kind
+            All noise, what changes from frame to frame, or what is the same in every frame.
+        """
+        temporal, spatial = kind != "spatial", kind != "temporal"
+        return VarianceLaw(
+            floor_e2=self.floor_e2("temporal") * temporal + self.dsnu_e**2 * spatial,
+            slope_e=float(temporal),
+            square=self.prnu**2 * spatial,
+        )
 
     def added_variance_e2(self, mean_e: Float[Array, "*px p"]) -> Float[Array, "*px p"] | float:
         """The variance that does not come from counting: all but shot noise and dark electrons.

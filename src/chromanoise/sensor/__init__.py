@@ -84,6 +84,7 @@ from chromanoise.sensor.sensor import (
     pixels_of,
     with_channels,
 )
+from chromanoise.sensor.variance_law import VarianceLaw
 
 if TYPE_CHECKING:
     from chromanoise.sensor.camera_noise import CameraNoise
@@ -147,6 +148,7 @@ __all__ = [
     "ReadNoiseTable",
     "Sensor",
     "TransferFit",
+    "VarianceLaw",
     "adc_of",
     "adc_to_full_well",
     "alternating_stack",
