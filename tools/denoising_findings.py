@@ -58,7 +58,7 @@ def white_snr_db(name: str, lux: float, method: str) -> float:
     mean_e = expected_electrons(white_scene(point), point.sensor, point.exposure)
     flat = np.broadcast_to(mean_e, (SIDE_PX, SIDE_PX, mean_e.size)).astype(np.float32)
     noise = noise_sources(point.sensor, point.exposure)
-    noisy = noisy_electrons(flat, read_noise_e=noise.read_noise_e, seed=1)
+    noisy = noisy_electrons(flat, read_noise_e=noise.pixel.read_noise_e, seed=1)
     values = denoised_electrons(noisy, point, DENOISING[method])
     inside: Array = values[MARGIN_PX:-MARGIN_PX, MARGIN_PX:-MARGIN_PX].astype(np.float64)
     y = inside @ camera.matrix.matrix[1]

@@ -9,10 +9,25 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from functools import cache
 from types import MappingProxyType
-from typing import Any, get_type_hints
+from typing import Any, NamedTuple, get_type_hints
 
 from chromanoise import _check
 from chromanoise.errors import InputError
+
+
+class Growth(NamedTuple):
+    """Exponents with which a value of one pixel grows to that of a sum of pixels.
+
+    A block of ``rows`` x ``columns`` readings is summed; charge binning reads once.
+    """
+
+    pixels: float = 0.0
+    readings: float = 0.0
+    rows: float = 0.0
+    columns: float = 0.0
+
+
+_NONE = Growth()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -36,6 +51,8 @@ class Property:
         step is a share of a decade. ``None`` for a field without a slider.
     remedy
         What to do with a value out of bounds, where the sentence does not say it.
+    growth
+        How the value grows where pixels are summed (`chromanoise.sensor.binned`).
 
     Examples
     --------
@@ -52,6 +69,7 @@ class Property:
     help: str
     slider: tuple[float, float, float] | None = None
     remedy: str = ""
+    growth: Growth = _NONE
 
     def demand(self, name: str, value: Any) -> float:
         """The value as a float.

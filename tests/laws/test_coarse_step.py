@@ -28,7 +28,6 @@ from chromanoise.analysis.contrast_detection import (
 from chromanoise.catalog import sensor_named
 from chromanoise.exposure import Exposure
 from chromanoise.noise import (
-    NoiseSources,
     Readout,
     few_electrons,
     monte_carlo,
@@ -50,6 +49,7 @@ from chromanoise.sensor import (
     with_pixel,
 )
 from chromanoise.spectra import DEFAULT_GRID, equal_energy
+from noise_samples import noise_of
 from outcomes import refused_input
 
 LAMP = equal_energy(DEFAULT_GRID)
@@ -69,7 +69,7 @@ def drawn_e(analysis, count=400_000, seed=5):
     noise = noise_sources(analysis.sensor, analysis.exposure)
     rng, mean = np.random.default_rng(seed), analysis.expected_e
     read = rng.poisson(mean + noise.dark_e, (count, mean.size)) - noise.dark_e
-    for sd in (noise.read_noise_e, noise.row_noise_e, noise.dsnu_e):
+    for sd in (noise.pixel.read_noise_e, noise.pixel.row_noise_e, noise.pixel.dsnu_e):
         read = read + sd * rng.standard_normal(read.shape)
     step, black = noise.step_e, noise.black_error_e
     return step * np.floor((read + black) / step + 0.5) - black
@@ -134,7 +134,7 @@ def test_rounding_is_exact_and_no_digit_jumps_where_step_squared_over_12_takes_o
     mean, dark, sd, steps_per_sd, black
 ):
     step = np.sqrt(mean + dark + sd**2) / steps_per_sd
-    noise = NoiseSources(read_noise_e=sd, dark_e=dark, step_e=step, black_error_e=black)
+    noise = noise_of(read_noise_e=sd, dark_e=dark, step_e=step, black_error_e=black)
     means = np.array([mean])
     bias, variance = noise.rounded(means)
     known = summed(mean, dark, sd, step, black)
@@ -150,7 +150,7 @@ def test_rounding_is_exact_and_no_digit_jumps_where_step_squared_over_12_takes_o
 
 @pytest.mark.parametrize("sd", [1.0, 3.0, 10.0])
 def test_many_fine_steps_keep_the_linear_model_to_the_last_digit(sd):
-    noise = NoiseSources(read_noise_e=sd, step_e=0.8 * sd, dsnu_e=0.3, prnu=0.01)
+    noise = noise_of(read_noise_e=sd, step_e=0.8 * sd, dsnu_e=0.3, prnu=0.01)
     mean = np.geomspace(1e-3, 1e5, 40)
     bias, variance = noise.rounded(mean)
     assert not bias.any()
@@ -226,7 +226,7 @@ def test_each_of_summed_readings_is_rounded_and_clipped_in_exact_moments_and_dra
     electrons = rng.poisson(light + dark, (400_000, n)) - dark
     electrons = electrons + read * rng.standard_normal(electrons.shape)
     values = np.maximum(step * np.floor(electrons / step + 0.5), lowest).sum(axis=1)
-    four = NoiseSources(read_noise_e=2 * read, dark_e=n * dark, step_e=2 * step, readings=n)
+    four = noise_of(read_noise_e=2 * read, dark_e=n * dark, step_e=2 * step, readings=n)
     mean = np.array([n * light])
     found = sensor_moments(mean, four, Readout(black_e=lowest))
     assert z_of(values[:, None], found.mean, found.variance) < 5
@@ -290,7 +290,7 @@ def test_places_with_different_neighbors_are_each_rounded_and_clipped(light, ste
     places = pattern.means_e(mean, 3)
     values = rng.poisson(rng.choice(places, 400_000)) + 3.0 * rng.standard_normal(400_000)
     values = step * np.floor(values / step + 0.5) if step else values
-    noise = NoiseSources(**sources, pattern=pattern)
+    noise = noise_of(**sources, pattern=pattern)
     found = sensor_moments(mean, noise, Readout(full_well_e=full))
     assert z_of(np.minimum(values, full)[:, None], found.mean[3], found.variance[3]) < 5
     if full == np.inf:

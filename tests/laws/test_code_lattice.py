@@ -11,7 +11,6 @@ from scipy import stats
 from chromanoise.exposure import Exposure, OperatingPoint
 from chromanoise.imaging import Work, acquired
 from chromanoise.noise import (
-    NoiseSources,
     Readout,
     clipped_measurement,
     clipping_readout,
@@ -27,6 +26,7 @@ from chromanoise.rng import stream
 from chromanoise.scene import flat_cube
 from chromanoise.sensor import Adc, Converter, Mosaic
 from chromanoise.spectra import Grid, equal_energy
+from noise_samples import noise_of
 from strategies import pixel_with, white_channel
 
 STEP, TIME_S, SIDE = 4.0, 0.02, 400
@@ -64,7 +64,9 @@ def raw_values_e(sensor, rho, black_level_dn, level_lux=1.0):
 
 
 def numpy_values_e(mean, noise, rng, count):
-    read = rng.poisson(mean + noise.dark_e, count) + noise.read_noise_e * rng.normal(size=count)
+    read = rng.poisson(mean + noise.dark_e, count) + noise.pixel.read_noise_e * rng.normal(
+        size=count
+    )
     return STEP * np.floor((read - noise.dark_e + noise.black_error_e) / STEP + 0.5)
 
 
@@ -75,7 +77,7 @@ def summed(mean, noise, step, low=-np.inf, high=np.inf):
     k = np.arange(-int(40 / step) - 40, int((n[-1] + 40) / step) + 40)
     value = np.clip(k * step, low, high)
     at = n[:, None] - noise.dark_e + noise.black_error_e
-    sd = noise.read_noise_e
+    sd = noise.pixel.read_noise_e
     share = stats.norm.cdf(((k + 0.5) * step - at) / sd) - stats.norm.cdf(
         ((k - 0.5) * step - at) / sd
     )
@@ -134,7 +136,7 @@ def test_clipped_values_are_those_of_clipped_codes_at_black_and_at_full_well(dar
 def test_all_closed_forms_have_one_lattice_whatever_share_of_a_step_is_dark(
     step, fraction, error, mean, sd, clip
 ):
-    noise = NoiseSources(
+    noise = noise_of(
         read_noise_e=sd, dark_e=fraction * step, step_e=step, black_error_e=error * step
     )
     most = 8 * step if clip else np.inf  # of the values
@@ -154,7 +156,7 @@ def test_all_closed_forms_have_one_lattice_whatever_share_of_a_step_is_dark(
 
 @given(step=STEPS, dark=st.floats(0.0, 30.0), error=st.floats(-9.0, 9.0), seed=st.integers(0, 99))
 def test_draws_and_quantiles_are_whole_steps_of_the_signal(step, dark, error, seed):
-    noise = NoiseSources(read_noise_e=2.0, dark_e=dark, step_e=step, black_error_e=error)
+    noise = noise_of(read_noise_e=2.0, dark_e=dark, step_e=step, black_error_e=error)
     drawn = sample_electrons(np.full(50, 20.0), pixel_with(2.0), stream(seed), noise=noise)
     counted, bounds = counted_readout(np.array([20.0]), noise, Readout())
     z = np.linspace(-3, 3, 50)

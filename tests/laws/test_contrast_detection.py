@@ -17,15 +17,16 @@ from chromanoise.metrics import (
     contrast_detection_probability,
     exact_contrast_detection_probability,
 )
-from chromanoise.noise import NoiseSources, reading_distribution
+from chromanoise.noise import reading_distribution
+from noise_samples import noise_of
 from outcomes import refused_input
 
 PATCHES = [  # bright and dark electrons, noise
-    (2.0, 1.0, NoiseSources(read_noise_e=0.0)),
-    (20.0, 12.0, NoiseSources(read_noise_e=2.0)),
-    (0.5, 0.2, NoiseSources(read_noise_e=0.3)),
-    (180.0, 120.0, NoiseSources(read_noise_e=5.0, prnu=0.02, step_e=1.0)),
-    (8.0, 3.0, NoiseSources(read_noise_e=0.5, step_e=2.0)),
+    (2.0, 1.0, noise_of(read_noise_e=0.0)),
+    (20.0, 12.0, noise_of(read_noise_e=2.0)),
+    (0.5, 0.2, noise_of(read_noise_e=0.3)),
+    (180.0, 120.0, noise_of(read_noise_e=5.0, prnu=0.02, step_e=1.0)),
+    (8.0, 3.0, noise_of(read_noise_e=0.5, step_e=2.0)),
 ]
 
 
@@ -64,14 +65,14 @@ def test_counts_agree_with_a_sum_over_all_their_combinations():
         contrast = (n[:, None] - n) / n
     inside = (n > 0) & (np.abs(contrast - 0.5) <= 0.25 + 1e-12)
     found = exact_contrast_detection_probability(
-        reading_distribution(means, NoiseSources(read_noise_e=0.0)), means
+        reading_distribution(means, noise_of(read_noise_e=0.0)), means
     )
     assert found == pytest.approx(together[inside].sum(), abs=1e-12)
 
 
 @pytest.mark.parametrize("kind", ["weber", "michelson"])
 def test_many_electrons_are_gaussian(kind):
-    means, noise = np.array([1800.0, 1200.0]), NoiseSources(read_noise_e=30.0)
+    means, noise = np.array([1800.0, 1200.0]), noise_of(read_noise_e=30.0)
     exact = exact_contrast_detection_probability(
         reading_distribution(means, noise), means, contrast=kind
     )
@@ -122,7 +123,7 @@ def analyzed(**more):
 def test_the_channels_of_a_sensor_agree_with_draws():
     one = analyzed(lux=0.5)
     electrons, rng, count = one.expected_e, np.random.default_rng(11), 200_000
-    noise = NoiseSources(read_noise_e=one.sensor.pixel.read_noise_e)
+    noise = noise_of(read_noise_e=one.sensor.pixel.read_noise_e)
     for mean, found in zip(electrons, contrast_detection_of(one).channels.values(), strict=True):
         high, low = (drawn(share * mean, noise, count, rng) for share in (BRIGHT, DARK))
         true = BRIGHT / DARK - 1

@@ -20,7 +20,6 @@ from chromanoise.exposure import Exposure, OperatingPoint, expected_electrons
 from chromanoise.imaging import DEMOSAICING, acquired, developed, developed_color
 from chromanoise.metrics import illuminance_for_snr
 from chromanoise.noise import (
-    NoiseSources,
     channel_distribution,
     few_electrons,
     mean_noise_covariance,
@@ -43,6 +42,7 @@ from chromanoise.sensor import (
     with_pixel,
 )
 from chromanoise.spectra import DEFAULT_GRID, equal_energy
+from noise_samples import noise_of
 
 LAMP = equal_energy(DEFAULT_GRID)
 WHITE = flat_field(LAMP, level_lux=10.0)
@@ -174,7 +174,7 @@ def test_places_have_the_former_mean_and_vary_only_if_their_neighborhoods_do(
     pattern = crosstalk_pattern(crosstalk)
     assert (pattern is None) == equal
     assert crosstalk.matrix == pytest.approx(np.array([own.mean(axis=0) for own in of_channels]))
-    noise = NoiseSources(read_noise_e=0.0, prnu=prnu, pattern=pattern)
+    noise = noise_of(read_noise_e=0.0, prnu=prnu, pattern=pattern)
     mean = crosstalk.matrix @ before
     sources = noise.by_source(mean if stage == "light" else before)
     variance = np.array([seen[channel == c].var() for c in range(len(names))])
@@ -322,7 +322,7 @@ def test_a_sum_of_readings_has_a_table_only_where_the_rounding_of_every_place_is
     mean = np.full((1, 2), 300.0)
     counts = []
     for step_e in np.geomspace(1.0, 40.0, 60):
-        noise = NoiseSources(read_noise_e=1.0, step_e=step_e, readings=4, pattern=pattern)
+        noise = noise_of(read_noise_e=1.0, step_e=step_e, readings=4, pattern=pattern)
         few = np.flatnonzero(few_electrons(mean, noise)[0])
         counts += [channel_distribution(mean, int(i), noise) for i in few]
         coarse = not few_electrons(mean, noise).any()

@@ -56,7 +56,6 @@ from chromanoise.errors import InputError
 from chromanoise.exposure import expected_electrons, level_in_words, white_scene
 from chromanoise.figures.style import channel_color
 from chromanoise.geometry import reconstructed_light
-from chromanoise.noise import NoiseSources
 from chromanoise.page.choices import choices
 from chromanoise.page.files import asset
 from chromanoise.report.bundle import drawing_style
@@ -68,6 +67,7 @@ from chromanoise.study.assembly import (
     operating_points_of,
     sensor_of,
 )
+from noise_samples import noise_of
 from outcomes import (
     refused_input,
 )
@@ -601,7 +601,7 @@ def test_chart_noise_is_that_of_the_exact_distribution():
     source = ElectronSource(
         mean_e=expected_electrons(scene, analysis.sensor, analysis.exposure),
         matrix=analysis.matrix.matrix,
-        noise=NoiseSources(read_noise_e=analysis.sensor.pixel.read_noise_e),
+        noise=noise_of(read_noise_e=analysis.sensor.pixel.read_noise_e),
     )
     color = noisy_color(source, analysis.color.mean)
     noise = propagate(color, LAB, partial(exact, points=2**11))

@@ -34,7 +34,6 @@ from chromanoise.color.spaces import linear_srgb
 from chromanoise.exposure import Exposure, expected_electrons
 from chromanoise.noise import (
     Measurement,
-    NoiseSources,
     Readout,
     poisson_gaussian_ppf,
     read_moments,
@@ -43,6 +42,7 @@ from chromanoise.noise import (
 from chromanoise.scene import flat_field
 from chromanoise.spectra import DEFAULT_GRID
 from laws.test_closed_form_against_draws import CASES, EXPOSURE, IDS, LAMP, SENSORS
+from noise_samples import noise_of
 from outcomes import refused_input
 
 ONES = np.ones(3)
@@ -58,7 +58,7 @@ def gray(electrons):
 
 def exact_noise(mean_e, matrix, white, *, read_noise_e, readout=UNBOUNDED, space=LAB, points=2**16):
     source = ElectronSource(
-        mean_e=mean_e, matrix=matrix, noise=NoiseSources(read_noise_e=read_noise_e), readout=readout
+        mean_e=mean_e, matrix=matrix, noise=noise_of(read_noise_e=read_noise_e), readout=readout
     )
     return propagate(noisy_color(source, white), space, partial(exact, points=points))
 
@@ -251,7 +251,7 @@ def test_the_bias_of_every_method_is_that_against_the_color_of_the_expected_elec
     # always at full well: Y = 1/8 is read, where Y = 9/8 is expected; no noise is left
     source = ElectronSource(
         mean_e=np.array([90_000.0]), matrix=np.full((3, 1), 1e-4 / 8),
-        noise=NoiseSources(read_noise_e=10.0),
+        noise=noise_of(read_noise_e=10.0),
         readout=HELD,
     )  # fmt: skip
     noise = propagate(noisy_color(source, ONES), LAB, method)
@@ -267,7 +267,7 @@ def test_the_color_difference_of_clipped_values_is_that_of_the_moved_mean(method
     # half-normal at black, .39894 and .34085 of 1 e-: in the toe L* is 903.3 Y; as a normal of
     # that mean and variance, E|x| = m (2 Phi(m/s) - 1) + 2 s phi(m/s)
     source = ElectronSource(
-        mean_e=np.zeros(1), matrix=np.full((3, 1), 1e-6), noise=NoiseSources(read_noise_e=1.0),
+        mean_e=np.zeros(1), matrix=np.full((3, 1), 1e-6), noise=noise_of(read_noise_e=1.0),
         readout=Readout(black_e=0.0),
     )  # fmt: skip
     m, s = 0.3989423, 0.3408451**0.5
@@ -278,7 +278,7 @@ def test_the_color_difference_of_clipped_values_is_that_of_the_moved_mean(method
 
 @pytest.mark.parametrize("method", [first_order, cubature])
 def test_only_the_exact_method_reports_an_error_of_its_own(method):
-    source = ElectronSource(mean_e=ONES, matrix=MATRIX, noise=NoiseSources(read_noise_e=1.0))
+    source = ElectronSource(mean_e=ONES, matrix=MATRIX, noise=noise_of(read_noise_e=1.0))
     noise = propagate(noisy_color(source, ONES), LAB, method)
     assert noise.mean_error is None
     assert noise.sd_error is None

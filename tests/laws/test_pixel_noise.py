@@ -40,7 +40,6 @@ from chromanoise.geometry import contravariant
 from chromanoise.imaging import acquired
 from chromanoise.metrics import illuminance_for_snr, noise_speed, snr_db
 from chromanoise.noise import (
-    NoiseSources,
     Readout,
     monte_carlo,
     noise_sources,
@@ -64,6 +63,7 @@ from chromanoise.sensor import (
     with_pixel,
 )
 from chromanoise.spectra import DEFAULT_GRID, equal_energy
+from noise_samples import noise_of
 from outcomes import refused_input
 from strategies import GRID, pixel_with
 
@@ -590,7 +590,7 @@ HELD = {
     "kept below black": (8.0, Readout(black_e=-40.0, full_well_e=6000.0)),
     "free": (500.0, Readout()),
 }
-FLAWED = NoiseSources(
+FLAWED = noise_of(
     read_noise_e=9.0, dark_e=1000.0, step_e=7.0, row_noise_e=2.0, dsnu_e=6.0, prnu=0.01
 )
 
@@ -598,9 +598,9 @@ FLAWED = NoiseSources(
 def read_by_hand(mean, noise, readout, draws, seed, *, shape=()):
     """A well holds light and dark electrons; the mean dark is subtracted, then codes are made."""
     rng, shape = np.random.default_rng(seed), (draws, *shape)
-    sensitivity = 1 + noise.prnu * rng.standard_normal(shape)
+    sensitivity = 1 + noise.pixel.prnu * rng.standard_normal(shape)
     electrons = rng.poisson(mean * sensitivity + noise.dark_e).astype(float)
-    for sd in (noise.read_noise_e, noise.row_noise_e, noise.dsnu_e):
+    for sd in (noise.pixel.read_noise_e, noise.pixel.row_noise_e, noise.pixel.dsnu_e):
         electrons += sd * rng.standard_normal(shape)
     subtracted = noise.dark_e - noise.black_error_e
     read, most = electrons - subtracted, readout.full_well_e - subtracted
@@ -614,7 +614,7 @@ def read_by_hand(mean, noise, readout, draws, seed, *, shape=()):
 @pytest.mark.parametrize("case", HELD)
 def test_exact_moments_of_the_whole_pixel_agree_with_draws(case, black_error_e):
     mean, readout = HELD[case]
-    noise = replace(FLAWED, black_error_e=black_error_e)
+    noise = replace(FLAWED, pixel=replace(FLAWED.pixel, black_error_e=black_error_e))
     read, clipped = read_by_hand(mean, noise, readout, 200_000, 31)
     found = sensor_moments(np.array([mean]), noise, readout)
     deviation = (read - read.mean()) ** 2
@@ -666,7 +666,7 @@ def test_exact_noise_in_cielab_of_the_whole_pixel_agrees_with_draws(
     sensor = sensor_named("model-rgb-ircut", DEFAULT_GRID)
     matrix = kernel_matrix(sensor, EXPOSURE).matrix
     white_e = expected_electrons(flat_field(LAMP, level_lux=100 * level), sensor, EXPOSURE)
-    noise = NoiseSources(
+    noise = noise_of(
         read_noise_e=2.0, dark_e=dark_e, prnu=prnu, dsnu_e=1.0, black_error_e=black_error_e
     )
     source = ElectronSource(mean_e=0.18 * white_e, matrix=matrix, noise=noise)
@@ -792,7 +792,7 @@ def test_the_picture_of_a_mosaic_takes_crosstalk_into_its_means():
 def test_sources_of_a_negative_size_are_refused():
     for name in ("read_noise_e", "dark_e", "step_e", "row_noise_e", "dsnu_e", "prnu"):
         with refused_input(subject=name):
-            NoiseSources(**{"read_noise_e": 1.0, name: -1.0})
+            noise_of(**{"read_noise_e": 1.0, name: -1.0})
 
 
 def test_noise_of_negative_light_is_refused():

@@ -34,7 +34,6 @@ from chromanoise.metrics import (
 )
 from chromanoise.noise import (
     Measurement,
-    NoiseSources,
     ReadingDistribution,
     Readout,
     few_electrons,
@@ -43,10 +42,11 @@ from chromanoise.noise import (
     through,
 )
 from chromanoise.spectra import PatchPairs, colorchecker
+from noise_samples import noise_of
 from outcomes import refused_input
 
 ONE_PAIR = np.array([[0, 1]])
-SHOT_ONLY = NoiseSources(read_noise_e=0.0)
+SHOT_ONLY = noise_of(read_noise_e=0.0)
 
 
 def measurement(mean, covariance, kind="raw"):
@@ -230,7 +230,7 @@ def test_counts_in_three_channels_agree_with_all_their_combinations():
 def test_few_electrons_with_read_noise_agree_with_draws(p, level_e):
     rng = np.random.default_rng(int(1e4 * level_e) + p)
     means = level_e * rng.uniform(0.3, 1.0, (2, p))
-    noise = NoiseSources(read_noise_e=0.4, dark_e=0.2, step_e=1.0)
+    noise = noise_of(read_noise_e=0.4, dark_e=0.2, step_e=1.0)
     channels = [reading_distribution(means[:, k], noise) for k in range(p)]
     found = float(exact_separation_probability(channels, ONE_PAIR)[0])
     count, right = 100_000, 0.0
@@ -253,7 +253,7 @@ def test_few_electrons_with_read_noise_agree_with_draws(p, level_e):
 
 def test_many_electrons_are_gaussian():
     means = np.array([[400.0, 900.0], [430.0, 880.0]])
-    noise = NoiseSources(read_noise_e=3.0)
+    noise = noise_of(read_noise_e=3.0)
     channels = [reading_distribution(means[:, k], noise) for k in range(2)]
     one, other = (measurement(mean, np.diag(mean + 9.0)) for mean in means)
     assert exact_separation_probability(channels, ONE_PAIR) == pytest.approx(
@@ -284,9 +284,9 @@ def test_an_endless_distance_is_always_right_and_a_negative_one_is_refused():
 
 NOISES = [
     SHOT_ONLY,
-    NoiseSources(read_noise_e=0.2),
-    NoiseSources(read_noise_e=5.0, dark_e=3.0, prnu=0.05, black_error_e=1.5),
-    NoiseSources(read_noise_e=0.7, step_e=2.5, dsnu_e=0.3),
+    noise_of(read_noise_e=0.2),
+    noise_of(read_noise_e=5.0, dark_e=3.0, prnu=0.05, black_error_e=1.5),
+    noise_of(read_noise_e=0.7, step_e=2.5, dsnu_e=0.3),
 ]
 READOUTS = [Readout(), Readout(black_e=0.0, full_well_e=31.0)]
 
@@ -309,7 +309,7 @@ def test_a_distribution_of_many_electrons_is_refused():
 
 
 def test_a_distribution_of_great_noise_is_refused_and_not_needed():
-    noise = NoiseSources(read_noise_e=1e6)
+    noise = noise_of(read_noise_e=1e6)
     assert not few_electrons(np.array([1.0]), noise).any()
     with refused_input(subject="noise"):
         reading_distribution(np.array([1.0]), noise)
@@ -318,7 +318,7 @@ def test_a_distribution_of_great_noise_is_refused_and_not_needed():
 def test_few_electrons_include_those_of_the_dark():
     mean = np.array([0.0, 950.0, 1001.0])
     assert few_electrons(mean, SHOT_ONLY).tolist() == [True, True, False]
-    assert few_electrons(mean, NoiseSources(read_noise_e=1.0, dark_e=60.0)).tolist() == [
+    assert few_electrons(mean, noise_of(read_noise_e=1.0, dark_e=60.0)).tolist() == [
         True,
         False,
         False,
@@ -329,10 +329,10 @@ def test_readings_with_very_little_read_noise_are_as_good_as_counts():
     means = np.array([3.0, 5.0])
     found = [
         exact_separation_probability([reading_distribution(means, noise)], ONE_PAIR)
-        for noise in (NoiseSources(read_noise_e=0.002), SHOT_ONLY)
+        for noise in (noise_of(read_noise_e=0.002), SHOT_ONLY)
     ]
     assert found[0] == pytest.approx(found[1], abs=1e-6)
-    assert reading_distribution(means, NoiseSources(read_noise_e=0.002)).values_e.size < 20_000
+    assert reading_distribution(means, noise_of(read_noise_e=0.002)).values_e.size < 20_000
 
 
 # sensors

@@ -5,7 +5,7 @@ import pytest
 
 import chromanoise as cn
 from chromanoise.exposure import Exposure, time_to_saturation
-from chromanoise.noise import NoiseSources, clipping_readout, saturated, sensor_moments
+from chromanoise.noise import clipping_readout, saturated, sensor_moments
 from chromanoise.scene import flat_field
 from chromanoise.sensor import (
     Converter,
@@ -17,6 +17,7 @@ from chromanoise.sensor import (
     with_pixel,
 )
 from chromanoise.spectra import equal_energy
+from noise_samples import noise_of
 from outcomes import refused_input
 from strategies import GRID, pixel_with, white_channel
 
@@ -51,7 +52,7 @@ def test_clipped_moments_at_the_top_code_are_those_of_drawn_and_clipped_codes():
     sensor = ten_bit_sensor(read_noise_e=4.0)
     electrons = rng.poisson(1010.0, draws) + 4.0 * rng.standard_normal(draws)
     codes = np.clip(np.round(electrons), 0, 1023)
-    noise = NoiseSources(read_noise_e=4.0, step_e=1.0)
+    noise = noise_of(read_noise_e=4.0, step_e=1.0)
     found = sensor_moments(np.array([1010.0]), noise, clipping_readout(sensor))
     assert found.mean[0] == pytest.approx(codes.mean(), abs=5 * codes.std() / draws**0.5)
     assert found.variance[0] == pytest.approx(codes.var(), rel=5 * (2 / draws) ** 0.5)

@@ -439,7 +439,7 @@ def _correlated_notes(
     """Notes on readings of few electrons that are treated as normal because of correlation."""
     point = camera.analysis.point
     noise = noise_sources(point.sensor, point.exposure)
-    settings = [("", steps, noise.read_noise_e)]
+    settings = [("", steps, noise.pixel.read_noise_e)]
     settings += [
         (f" at ISO {one.iso:g}", one.steps, one.read_noise_e)
         for one in isos
@@ -448,7 +448,8 @@ def _correlated_notes(
     found = []
     for where, own, read in settings:
         light = np.maximum(_named_step(own, "raw").mean - noise.black_error_e, 0.0)
-        few = few_electrons(light, replace(noise, read_noise_e=read)).any(axis=-1).sum()
+        own_pixel = replace(noise.pixel, read_noise_e=read)
+        few = few_electrons(light, replace(noise, pixel=own_pixel)).any(axis=-1).sum()
         if few:
             found.append(f"{few} of {len(camera.patches)} patches{where}")
     if not found:

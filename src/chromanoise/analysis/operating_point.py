@@ -87,7 +87,7 @@ class Stages:
         """The electrons after readout without fixed-pattern noise (DSNU, PRNU, crosstalk)."""
         sensor, exposure = self.point.sensor, self.point.exposure
         noise = noise_sources(sensor, exposure)
-        if noise == noise.temporal:
+        if not noise.has_fixed_pattern:
             return self.raw
         if self.readout is None:
             return with_noise(self.expected_e, sensor, exposure, kind="temporal")

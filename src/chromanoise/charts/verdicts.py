@@ -16,7 +16,7 @@ from chromanoise.charts.text import decimal, signed
 from chromanoise.exposure import conditions
 from chromanoise.metrics import Budget
 from chromanoise.metrics.budget import CORRELATION, FILTERS, INFRARED, REST, WEIGHTS
-from chromanoise.noise.sources import DARK, DSNU, PATTERN, PRNU
+from chromanoise.noise.sources import SOURCES
 from chromanoise.spectra import chart_title
 
 _TIE_DB = 0.05  # differences below one decimal
@@ -26,10 +26,7 @@ _GLOSSES = {  # of bars of the budget whose label is a word of its own
     CORRELATION: "unmixing channels that look alike",
     INFRARED: "its noise, without signal",
     FILTERS: "light that they absorb",
-    DARK: "its shot noise",
-    DSNU: "fixed pattern in the dark",
-    PRNU: "fixed pattern",
-    PATTERN: "fixed pattern of pixels with different neighbors",
+    **{one.cause: one.words for one in SOURCES if one.words},
 }
 _PHOTONS = "photons"
 _BELOW_THE_BOUND = (WEIGHTS, CORRELATION, INFRARED)  # the bound is that of the noisy channels

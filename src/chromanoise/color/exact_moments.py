@@ -64,14 +64,15 @@ def exact(color: NoisyColor, space: Space, *, points: int = 2**16) -> SpaceMomen
 
     Examples
     --------
-    Near black L* is linear, 903.3 Y: mean 0 and standard deviation 903.3 * 1e-6 * 2.
+    Near black L* is linear, 903.3 Y: mean 0 and standard deviation 903.3 * 1e-6 * 10.
 
     >>> from chromanoise.color import LAB, noisy_color, propagate
     >>> from chromanoise.noise import NoiseSources
+    >>> from chromanoise.sensor import PAPER_PIXEL
     >>> dark = ElectronSource(mean_e=np.zeros(1), matrix=np.full((3, 1), 1e-6),
-    ...                       noise=NoiseSources(read_noise_e=2.0))
+    ...                       noise=NoiseSources(pixel=PAPER_PIXEL))
     >>> propagate(noisy_color(dark, np.ones(3)), LAB, exact).sd[0].round(6)
-    np.float64(0.001807)
+    np.float64(0.009033)
     """
     source = _source(color)
     channels = source.mean_e.shape[-1]

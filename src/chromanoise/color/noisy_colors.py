@@ -121,8 +121,9 @@ def noisy_color(source: ElectronSource, white: Float[Array, " 3"]) -> NoisyColor
     >>> import numpy as np
     >>> from chromanoise.color import ElectronSource, noisy_color
     >>> from chromanoise.noise import NoiseSources
+    >>> from chromanoise.sensor import PAPER_PIXEL
     >>> source = ElectronSource(mean_e=np.array([100.0]), matrix=np.full((3, 1), 0.01),
-    ...                         noise=NoiseSources(read_noise_e=10.0))
+    ...                         noise=NoiseSources(pixel=PAPER_PIXEL))
     >>> noisy_color(source, np.ones(3)).xyz.variance
     array([0.02, 0.02, 0.02])
     """

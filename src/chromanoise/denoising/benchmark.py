@@ -244,11 +244,11 @@ def benchmark_cells(
     point = camera.point
     mean_e = electrons_of_cube(scene.cube, point, beyond="hold", bad_pixels="zero")
     noise = noise_sources(point.sensor, point.exposure)
-    if noise.prnu:
+    if noise.law().square:
         raise InputError(
             f"sensor {point.sensor.name}",
             "must have no PRNU in the benchmark, which draws temporal noise only",
-            value=noise.prnu,
+            value=noise.pixel.prnu,
         )
     if after_counting(point.sensor.crosstalk) is not None:
         raise InputError(

@@ -1,5 +1,6 @@
 """Denoising between capture and color: from electrons or raw codes to planes, and back."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -59,7 +60,7 @@ def planes_of_electrons(
     if coupling is not None:
         inverse = inv("crosstalk", coupling)
         chart = chart @ inverse.T
-        readout = noise.readout.floor_e2()
+        readout = noise.read_out_e2
         floor = noise.floor_e2() - readout + readout * np.square(inverse).sum(axis=1)
     return _planes(values_e, chart, noise, floor, operating_point.sensor.names)
 
@@ -132,7 +133,7 @@ def _planes(
         values_e=values_e,
         floor_e2=floor_e2,
         slope_e=np.ones(len(names)),
-        prnu=np.full(len(names), noise.prnu),
+        prnu=np.full(len(names), math.sqrt(noise.law().square)),
         prior_e2=away.T @ away / (len(chart_e) - 1),
         prior_mean_e=np.maximum(chart_e.mean(axis=0), 0.0),
         names=names,

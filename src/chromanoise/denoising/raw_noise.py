@@ -162,7 +162,9 @@ def code_noise(
 
     Examples
     --------
-    >>> noise = code_noise(NoiseSources(read_noise_e=3.0, step_e=2.0), ("W",), black_level_dn=64,
+    >>> from chromanoise.sensor import Pixel
+    >>> pixel = Pixel(pitch_um=3, full_well_e=9000, read_noise_e=3.0)
+    >>> noise = code_noise(NoiseSources(pixel=pixel, step_e=2.0), ("W",), black_level_dn=64,
     ...                    saturation_dn=None, source="an example")
     >>> noise.floor_e2.round(3), noise.electrons(np.array([[164]]))
     (array([9.333]), array([[200.]], dtype=float32))
@@ -175,8 +177,8 @@ def code_noise(
         saturation_dn=saturation_dn,
         floor_e2=sources.floor_e2() * ones,
         slope_e=ones,
-        prnu=sources.prnu,
-        fixed_e2=sources.dsnu_e**2,
+        prnu=math.sqrt(sources.law().square),
+        fixed_e2=float(sources.law("spatial").floor_e2),
         source=source,
     )
 

@@ -506,7 +506,8 @@ def _noise(scene: DesignScene, batch: _Batch) -> tuple[Array, Array, Array, Arra
     m, p, dtype = batch.m, batch.p, batch.dtype
     time_s = _each(more.time_s, exposure.time_s, m, dtype)
     read_noise_e = _each(more.read_noise_e, sensor.pixel.read_noise_e, m, dtype)
-    noise = replace(noise_sources(sensor, exposure), read_noise_e=0.0, dark_e=0.0)
+    noise = noise_sources(sensor, exposure)
+    noise = replace(noise, pixel=replace(noise.pixel, read_noise_e=0.0), dark_e=0.0)
     dark_e = sensor.pixel.dark_electrons_e(time_s=1.0) * time_s
     spread = np.ones((m, p), dtype)
     if more.pixel_share is not None:
@@ -695,7 +696,8 @@ def _matrix(scene: DesignScene, candidates: Candidates, i: int) -> Float[Array, 
         for rows in (arrays.training_e, arrays.training_mean_e, arrays.white_e)
     )
     noise = noise_sources(sensor, point.exposure)
-    variance = mean_e + noise.floor_e2() + noise.prnu**2 * (seen**2).sum(axis=0)
+    law = noise.law()
+    variance = mean_e + law.floor_e2 + law.square * (seen**2).sum(axis=0)
     if candidates.pixel_share is not None:
         variance = variance / (p * candidates.pixel_share[i])
     return penalized_matrix(

@@ -43,8 +43,8 @@ def room_for_run(channels):
 @no_type_check
 def row_offset_e(at_row, draw):
     """What all pixels of a row share: row noise and black-level error."""
-    if draw.row_noise_e > _ZERO:
-        row_e = draw.row_noise_e * normal_of(at_row, ROW, draw.frame, 0, draw.key)
+    if draw.row_e > _ZERO:
+        row_e = draw.row_e * normal_of(at_row, ROW, draw.frame, 0, draw.key)
         return draw.black_error_e + row_e
     return draw.black_error_e
 
@@ -61,18 +61,18 @@ def acquire(mean, pixel, n, channels, draw, row_e, room, electrons):
     lanes = n * channels.shape[0]
     # without noise, adding and subtracting dark electrons has no effect
     dark_e = draw.dark_e if draw.noisy else _ZERO
-    if draw.prnu > _ZERO or dark_e > _ZERO:
+    if draw.gain > _ZERO or dark_e > _ZERO:
         _imperfect_means(mean, pixel, n, channels, draw, dark_e)
     if draw.noisy:
         _fill_words(pixel, n, channels, LIGHT, draw, words)
-        waiting = draw_light(mean, words, lanes, draw.read_noise_e, block, electrons)
+        waiting = draw_light(mean, words, lanes, draw.reading_e, block, electrons)
         if waiting > 0:
             _fill_words(pixel, n, channels, READOUT, draw, words)
-            draw_readout(words, waiting, lanes, draw.read_noise_e, block, electrons)
+            draw_readout(words, waiting, lanes, draw.reading_e, block, electrons)
     else:
         for j in range(lanes):
             electrons[j] = mean[j]
-    if dark_e > _ZERO or draw.dsnu_e > _ZERO or row_e != _ZERO:
+    if dark_e > _ZERO or draw.pattern_e > _ZERO or row_e != _ZERO:
         _imperfect_readout(electrons, pixel, n, channels, draw, row_e - dark_e)
 
 
@@ -86,9 +86,9 @@ def _imperfect_means(mean, pixel, n, channels, draw, dark_e):
     for c in range(channels.shape[0]):
         for i in range(n):
             gain = _ONE
-            if draw.prnu > _ZERO:
+            if draw.gain > _ZERO:
                 z = normal_of(pixel + i, PIXEL_GAIN, 0, channels[c, i], draw.key)
-                gain = max(_ONE + draw.prnu * z, _ZERO)
+                gain = max(_ONE + draw.gain * z, _ZERO)
             mean[c * n + i] = mean[c * n + i] * gain + dark_e
 
 
@@ -99,9 +99,9 @@ def _imperfect_readout(electrons, pixel, n, channels, draw, shared_e):
     for c in range(channels.shape[0]):
         for i in range(n):
             offset = shared_e
-            if draw.dsnu_e > _ZERO:
+            if draw.pattern_e > _ZERO:
                 z = normal_of(pixel + i, PIXEL_OFFSET, 0, channels[c, i], draw.key)
-                offset = offset + draw.dsnu_e * z
+                offset = offset + draw.pattern_e * z
             electrons[c * n + i] = electrons[c * n + i] + offset
 
 

@@ -134,7 +134,7 @@ def _read_out(electrons, pixel, n, channels, draw, row_e):
     for c in range(channels.shape[0]):
         for i in range(n):
             added = row_e
-            if draw.noisy and draw.read_noise_e > _ZERO:
+            if draw.noisy and draw.reading_e > _ZERO:
                 z = normal_of(pixel + i, READOUT, draw.frame, channels[c, i], draw.key)
-                added = added + draw.read_noise_e * z
+                added = added + draw.reading_e * z
             electrons[c * n + i] = electrons[c * n + i] + added

@@ -225,7 +225,7 @@ def flat_field_noise(
         return of(bank, with_noise(mean_e, sensor, exposure).variance)
     if shares is None:
         return of(bank, noise.rounded(flat_field_means(bank, mean_e, sensor))[1])
-    readout = noise.readout.floor_e2()
+    readout = noise.read_out_e2
     counted = noise.variance_e2(counted_electrons(mean_e, coupling)) - readout
     return np.asarray(
         of(_on_counts(bank, shares), counted) + of(bank, np.full_like(counted, readout))

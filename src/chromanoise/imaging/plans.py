@@ -21,6 +21,7 @@ from chromanoise.imaging.blocks import Scratch
 from chromanoise.imaging.light import Light, on_rows
 from chromanoise.imaging.records import Converter, Draw, RowsInMemory, Well
 from chromanoise.imaging.work import Block, row_pieces
+from chromanoise.noise import noise_sources
 from chromanoise.scene.rows import ArrayRows
 from chromanoise.sensor import Adc, Mosaic
 
@@ -48,6 +49,7 @@ def draw_of(
         if not isinstance(value, int) or not 0 <= value < 1 << 32:
             raise InputError(name, "must be a whole number from 0 to 2^32 - 1", value=value)
     pixel = operating_point.sensor.pixel
+    noise = noise_sources(operating_point.sensor, operating_point.exposure)
     dark_e = _check.within(
         "electrons of the dark current",
         "e-",
@@ -57,11 +59,11 @@ def draw_of(
     )
     who = zlib.crc32(operating_point.sensor.name.encode())
     return Draw(
-        read_noise_e=np.float32(pixel.read_noise_e),
-        prnu=np.float32(pixel.prnu),
+        reading_e=np.float32(noise.sd("reading")),
+        gain=np.float32(noise.sd("gain")),
+        pattern_e=np.float32(noise.sd("pattern")),
+        row_e=np.float32(noise.sd("row")),
         dark_e=np.float32(dark_e),
-        dsnu_e=np.float32(pixel.dsnu_e),
-        row_noise_e=np.float32(pixel.row_noise_e),
         black_error_e=np.float32(pixel.black_error_e),
         noisy=noisy,
         key=np.uint64((who << 32) | seed),

@@ -34,13 +34,13 @@ class RowsInMemory(NamedTuple):
 
 
 class Draw(NamedTuple):
-    """Noise parameters: standard deviations, the bias, key and counter of the random words."""
+    """Standard deviations, as `chromanoise.noise.sources.Drawn`, bias, and random words."""
 
-    read_noise_e: np.float32
-    prnu: np.float32
+    reading_e: np.float32
+    gain: np.float32
+    pattern_e: np.float32
+    row_e: np.float32
     dark_e: np.float32
-    dsnu_e: np.float32
-    row_noise_e: np.float32
     black_error_e: np.float32
     noisy: bool
     """Whether there is shot noise and read noise; the other sources do not depend on it."""

@@ -19,7 +19,7 @@ from chromanoise.exposure import Exposure, exposure_factor
 from chromanoise.geometry import Frame, variance_inflation
 from chromanoise.metrics.shapley import Switches, allowed_sets, shapley_values
 from chromanoise.noise import NoiseSources, after_counting, counted_electrons
-from chromanoise.noise.sources import DARK, DSNU, PATTERN, PRNU, QUANTIZATION, READ, ROW
+from chromanoise.noise.sources import PATTERN, READ, READ_OUT, SHOT, SOURCES
 from chromanoise.scene import Scene
 from chromanoise.sensor import Crosstalk, Sensor, pixels_of
 from chromanoise.spectra import INFRARED_FROM_NM, is_infrared
@@ -31,7 +31,10 @@ CROSSTALK = "crosstalk"
 CAUSES = (FILTERS, READ_NOISE, WEIGHTS, CORRELATION, INFRARED)
 """The causes of every budget; `causes_of` adds those of the sensor's own noise sources."""
 _SLOPE_STEP = 1e-3
-MORE_NOISE = (DARK, QUANTIZATION, ROW, DSNU, PRNU, PATTERN)
+MORE_NOISE = tuple(one.cause for one in SOURCES if one.cause not in (SHOT, READ))
+QUANTIZATION = next(one.cause for one in SOURCES if one.drawn == "rounding")
+_AFTER = tuple(one.cause for one in SOURCES if one.drawn in READ_OUT)
+_BEFORE = tuple(one.cause for one in SOURCES if one.drawn not in READ_OUT and one.cause != SHOT)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -337,8 +340,8 @@ def _coupled_snrs_db(
 ) -> Float[Array, " s"]:
     """The same with crosstalk after counting, which correlates the readings. [dB]"""
     counted = counted_electrons(seen.noise_e, coupling)
-    inside = counted + _added_e2(noise, counted, sets, (DARK, DSNU, PRNU))
-    after = _added_e2(noise, counted, sets, (READ_NOISE, QUANTIZATION, ROW, PATTERN))
+    inside = counted + _added_e2(noise, counted, sets, _BEFORE)
+    after = _added_e2(noise, counted, sets, _AFTER)
     if row is None:
         covariance = congruence(coupling, _diagonal(inside)) + _diagonal(after)
         rows = pinv("noise with crosstalk", covariance) @ seen.sought_e

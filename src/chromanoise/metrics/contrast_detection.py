@@ -124,8 +124,10 @@ def exact_contrast_detection_probability(
     Counts with means 2 and 1 show a contrast from 0.5 to 1.5 only as 2:1, 3:2, 4:2, 5:2 ...
 
     >>> from chromanoise.noise import NoiseSources, reading_distribution
+    >>> from chromanoise.sensor import Pixel
+    >>> pixel = Pixel(pitch_um=3, full_well_e=9000, read_noise_e=0.0)
     >>> means = np.array([2.0, 1.0])
-    >>> counts = reading_distribution(means, NoiseSources(read_noise_e=0.0))
+    >>> counts = reading_distribution(means, NoiseSources(pixel=pixel))
     >>> round(exact_contrast_detection_probability(counts, means), 3)
     0.159
     """

@@ -47,7 +47,9 @@ def exact_separation_probability(
     Counts with means 0 and 1: the reader errs on half of the zeros of the second, 1/(2e).
 
     >>> from chromanoise.noise import NoiseSources, reading_distribution
-    >>> counts = reading_distribution(np.array([0.0, 1.0]), NoiseSources(read_noise_e=0.0))
+    >>> from chromanoise.sensor import Pixel
+    >>> pixel = Pixel(pitch_um=3, full_well_e=9000, read_noise_e=0.0)
+    >>> counts = reading_distribution(np.array([0.0, 1.0]), NoiseSources(pixel=pixel))
     >>> exact_separation_probability([counts], np.array([[0, 1]])).round(4)
     array([0.8161])
     """

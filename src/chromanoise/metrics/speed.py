@@ -20,7 +20,7 @@ from chromanoise.noise import (
     signal_limit_e,
 )
 from chromanoise.scene import flat_field
-from chromanoise.sensor import Sensor
+from chromanoise.sensor import Sensor, VarianceLaw
 from chromanoise.spectra import Illuminant
 
 
@@ -119,8 +119,11 @@ def light_for_snr(
     per_light = _check.non_negative("signal_e", "e-", signal_e)
     weights = _check.finite("row of the matrix", "1/e-", row)
     _check.same_length("channels", signal_e=per_light.shape[-1], row=weights.size)
-    noise = NoiseSources(read_noise_e=read_noise_e, prnu=prnu)
-    return _light(per_light, weights[None], (1.0,), snr=snr, noise=noise)
+    read_e = _check.not_negative("read_noise_e", "e-", read_noise_e)
+    law = VarianceLaw(
+        floor_e2=read_e**2, slope_e=1.0, square=_check.not_negative("prnu", "1", prnu) ** 2
+    )
+    return _light_of(per_light, weights[None], (1.0,), snr=snr, law=law)
 
 
 def illuminance_for_snr(
@@ -318,15 +321,28 @@ def _light(
     """
     per_light = counted_electrons(per_light, coupling)
     pattern = noise.pattern_e2(per_light) @ (np.asarray(shares) @ rows**2)
+    law = noise.law()
     if noise.pattern is not None and noise.pattern.counted:
-        pattern = pattern * (1 + noise.prnu**2)
+        pattern = pattern * (1 + law.square)
     if coupling is not None:
-        rows, noise = _before_coupling(rows, shares, noise, coupling)
+        rows, law = _before_coupling(rows, shares, noise, coupling)
+    return _light_of(per_light, rows, shares, snr=snr, law=law, pattern_e2=pattern)
+
+
+def _light_of(
+    per_light: Array,
+    rows: Float[Array, "k p"],
+    shares: tuple[float, ...],
+    *,
+    snr: float,
+    law: VarianceLaw,
+    pattern_e2: float | Array = 0.0,
+) -> Array:
     signal, weights = rows[0], np.asarray(shares) @ rows**2
     q = _check.positive("snr", "1", snr)
-    floor = noise.floor_e2() * weights.sum()
+    floor = law.floor_e2 * weights.sum()
     seen = per_light @ signal
-    fixed = noise.prnu**2 * (per_light**2 @ weights) + pattern
+    fixed = law.square * (per_light**2 @ weights) + pattern_e2
     gain = seen**2 - q**2 * fixed
     shot = q**2 * (per_light @ weights)
     reached = shot + np.sqrt(shot**2 + 4.0 * np.maximum(gain, 0.0) * q**2 * floor)
@@ -339,16 +355,15 @@ def _before_coupling(
     shares: tuple[float, ...],
     noise: NoiseSources,
     coupling: Float[Array, "p p"],
-) -> tuple[Array, NoiseSources]:
+) -> tuple[Array, VarianceLaw]:
     """Rows and noise before crosstalk X that follows counting: r (X n) = (r X) n.
 
     The noise of the readout is not mixed by X: it is scaled to the weights of the rows r X.
     """
     mixed = rows @ coupling
-    readout = noise.readout.floor_e2()
+    readout, law = noise.read_out_e2, noise.law()
     of_rows, of_mixed = (np.asarray(shares) @ (each**2).sum(axis=1) for each in (rows, mixed))
-    read_noise_e = float(np.sqrt(readout * of_rows / of_mixed))
-    return mixed, replace(noise, read_noise_e=read_noise_e, step_e=0.0, row_noise_e=0.0)
+    return mixed, replace(law, floor_e2=law.floor_e2 - readout + readout * of_rows / of_mixed)
 
 
 def _gray_electrons_per_lux(

@@ -68,7 +68,8 @@ def few_electrons(mean_e: Float[Array, "*k"], noise: NoiseSources) -> Bool[Array
 
     Examples
     --------
-    >>> few_electrons(np.array([10.0, 2000.0]), NoiseSources(read_noise_e=2.0))
+    >>> from chromanoise.sensor import PAPER_PIXEL
+    >>> few_electrons(np.array([10.0, 2000.0]), NoiseSources(pixel=PAPER_PIXEL))
     array([ True, False])
     """
     added, counted = noise.added_variance_e2(mean_e), mean_e + noise.dark_e
@@ -116,7 +117,9 @@ def reading_distribution(
     --------
     Without readout noise the values are the counts.
 
-    >>> one = reading_distribution(np.array([1.0]), NoiseSources(read_noise_e=0.0))
+    >>> from chromanoise.sensor import Pixel
+    >>> quiet = Pixel(pitch_um=3, full_well_e=9000, read_noise_e=0.0)
+    >>> one = reading_distribution(np.array([1.0]), NoiseSources(pixel=quiet))
     >>> one.values_e[:2], one.probability[0, :2].round(3)
     (array([0., 1.]), array([0.368, 0.368]))
     """

@@ -102,9 +102,10 @@ def code_count(mean_e: float, noise: NoiseSources) -> int:
 
     Examples
     --------
-    The range of 99.9 % is 3.29 standard deviations to each side: 2 * 3.29 * 50 / 5 = 66 steps.
+    The range of 99.9 % is 3.29 standard deviations to each side: 2 * 3.29 * 10 / 1 = 66 steps.
 
-    >>> code_count(0.0, NoiseSources(read_noise_e=50.0, step_e=5.0))
+    >>> from chromanoise.sensor import PAPER_PIXEL
+    >>> code_count(0.0, NoiseSources(pixel=PAPER_PIXEL, step_e=1.0))
     67
     """
     light, readout, sd = noise.of_one_reading(np.array([mean_e]))

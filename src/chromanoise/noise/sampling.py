@@ -6,7 +6,7 @@ from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._shapes import Bool, Float
 from chromanoise.errors import InputError
-from chromanoise.noise.sources import CrosstalkPattern, NoiseSources
+from chromanoise.noise.sources import NORMAL, CrosstalkPattern, NoiseSources
 from chromanoise.sensor import Pixel
 
 _MOST_E = 1e15  # above it double precision does not resolve single electrons
@@ -61,10 +61,10 @@ def sample_electrons(
         for _ in range(n):
             total += sample_electrons(mean_e / n, pixel, rng, noise=noise.one_reading)
         return total
-    gain = 1.0 + noise.prnu * rng.standard_normal(mean_e.shape)
+    gain = 1.0 + noise.sd("gain") * rng.standard_normal(mean_e.shape)
     electrons = rng.poisson(mean_e * np.maximum(gain, 0.0) + noise.dark_e).astype(np.float64)
-    for sd in (noise.read_noise_e, noise.row_noise_e, noise.dsnu_e):
-        electrons += sd * rng.standard_normal(mean_e.shape)
+    for drawn in NORMAL:
+        electrons += noise.sd(drawn) * rng.standard_normal(mean_e.shape)
     electrons += noise.black_error_e - noise.dark_e
     if noise.step_e:
         electrons = noise.step_e * np.floor(electrons / noise.step_e + 0.5)

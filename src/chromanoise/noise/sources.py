@@ -1,17 +1,4 @@
-"""The noise sources of a pixel in closed form (eq. 7 and EMVA 1288): add a source here.
-
-=================  ======================  ========  =====================================
-source             variance [e-^2]         kind      from
-=================  ======================  ========  =====================================
-shot               M                       temporal  the light
-read               s_r^2                   temporal  `Pixel.read_noise_e`
-dark current       I(T) t                  temporal  `Pixel.dark_electrons_e`
-quantization       q^2 / 12                temporal  the step q of the converter, 1/K
-row                row^2                   temporal  `Pixel.row_noise_e`
-DSNU               DSNU^2                  spatial   `Pixel.dsnu_e`
-PRNU               (PRNU M)^2              spatial   `Pixel.prnu`
-crosstalk pattern  mean of (M_k - M)^2     spatial   `Crosstalk.places`: M_k of each place k
-=================  ======================  ========  =====================================
+"""The noise sources of a pixel in closed form (eq. 7 and EMVA 1288): add a source to `SOURCES`.
 
 The pattern of crosstalk is that between the places of a mosaic at which one channel has different
 neighbors. Before counting, PRNU acts on each M_k: its variance is PRNU^2 times the mean of M_k^2.
@@ -23,10 +10,11 @@ Of binned pixels the values of `Pixel` are those of the sum (`chromanoise.sensor
 are all variances here.
 """
 
-from collections.abc import Mapping
+import math
+from collections.abc import Callable, Container, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 
@@ -45,8 +33,10 @@ from chromanoise.noise.readout import (
 )
 from chromanoise.sensor import (
     Crosstalk,
+    Pixel,
     Sensor,
     VarianceLaw,
+    of_one_reading,
     quantization_step_e,
     white_level_e,
 )
@@ -54,14 +44,84 @@ from chromanoise.sensor import (
 NoiseKind = Literal["total", "temporal"]
 """All noise of one reading over a flat field, or only what changes from frame to frame."""
 
-SHOT, READ, DARK, QUANTIZATION, ROW = (
-    "shot noise",
-    "read noise",
-    "dark current",
-    "quantization",
-    "row noise",
-)
-DSNU, PRNU, PATTERN = "DSNU", "PRNU", "crosstalk pattern"
+PATTERN = "crosstalk pattern"
+
+Drawn = Literal["count", "reading", "rounding", "row", "pattern", "gain", "place"]
+"""How a source is drawn.
+
+``count``: electrons that are counted (Poisson). Normal and new in every frame: ``reading`` of each
+pixel, ``row`` for all pixels of a row. ``rounding``: to codes. The same in every frame: an offset
+of each pixel (``pattern``), its sensitivity (``gain``), its ``place`` in the mosaic.
+"""
+ALL = frozenset[Drawn](get_args(Drawn))
+FIXED = frozenset[Drawn]({"pattern", "gain", "place"})
+"""What is the same in every frame: spatial noise."""
+NORMAL: tuple[Drawn, ...] = ("reading", "row", "pattern")
+"""Normal offsets."""
+READ_OUT = frozenset[Drawn]({"reading", "rounding", "row", "place"})
+"""What the readout adds after the electrons are counted, so that crosstalk does not mix it."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NoiseSource:
+    """One source of noise. Table, budget, exact distribution and all draws walk `SOURCES`.
+
+    Attributes
+    ----------
+    cause
+        Its name in tables and budgets.
+    drawn
+        How it is drawn.
+    term
+        The coefficient of `chromanoise.sensor.VarianceLaw` that it adds to.
+    value
+        Its part of the coefficient. [e-^2], [e-] or [1]
+    words
+        What it is, where the cause does not say it.
+    """
+
+    cause: str
+    drawn: Drawn
+    term: Literal["floor_e2", "slope_e", "square"]
+    value: Callable[["NoiseSources"], float]
+    words: str = ""
+
+
+SOURCES = (
+    NoiseSource(cause="shot noise", drawn="count", term="slope_e", value=lambda of: 1.0),
+    NoiseSource(
+        cause="read noise", drawn="reading", term="floor_e2",
+        value=lambda of: of.pixel.read_noise_e**2,
+    ),
+    NoiseSource(
+        cause="dark current", drawn="count", term="floor_e2", value=lambda of: of.dark_e,
+        words="its shot noise",
+    ),
+    NoiseSource(
+        cause="quantization", drawn="rounding", term="floor_e2",
+        value=lambda of: of.step_e**2 / 12,
+    ),
+    NoiseSource(
+        cause="row noise", drawn="row", term="floor_e2", value=lambda of: of.pixel.row_noise_e**2
+    ),
+    NoiseSource(
+        cause="DSNU", drawn="pattern", term="floor_e2", value=lambda of: of.pixel.dsnu_e**2,
+        words="fixed pattern in the dark",
+    ),
+    NoiseSource(
+        cause="PRNU", drawn="gain", term="square", value=lambda of: of.pixel.prnu**2,
+        words="fixed pattern",
+    ),
+    NoiseSource(
+        cause=PATTERN, drawn="place", term="square", value=lambda of: 0.0,
+        words="fixed pattern of pixels with different neighbors",
+    ),
+)  # fmt: skip
+"""All sources in the order of tables and budgets.
+
+The law of the crosstalk pattern is `CrosstalkPattern.variance_e2`, of the light of all channels.
+"""
+SHOT, READ = SOURCES[0].cause, SOURCES[1].cause
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -148,25 +208,19 @@ class NoiseSources:
 
     Attributes
     ----------
-    read_noise_e
-        Standard deviation of the readout. [e-]
+    pixel
+        The pixel, binned or not.
     dark_e
         Mean number of dark electrons; the mean is subtracted, their shot noise stays. [e-]
     step_e
         Electrons per code; 0 where nothing is rounded. [e-]
-    row_noise_e
-        Standard deviation of the offset of a row. Each channel is read in another row. [e-]
-    dsnu_e
-        Standard deviation of the dark signal over the pixels. [e-]
-    prnu
-        Standard deviation of the sensitivity over the pixels. [1]
-    black_error_e
-        Bias of every reading. [e-]
     pattern
         The pattern of crosstalk over the places of a mosaic; ``None`` without any.
     readings
         Rounded readings that are summed (`chromanoise.sensor.binned`); all values are those of the
         sum. 1 where nothing is rounded.
+    kind
+        ``temporal`` for the sources that change from frame to frame, without the fixed patterns.
 
     Raises
     ------
@@ -177,30 +231,46 @@ class NoiseSources:
     --------
     EMVA 1288: 100 e- of light, 20 of the dark, 5 e- of readout, PRNU 2 %.
 
-    >>> pixel = NoiseSources(read_noise_e=5.0, dark_e=20.0, prnu=0.02)
-    >>> pixel.variance_e2(np.array([100.0]))
+    >>> pixel = Pixel(pitch_um=5, full_well_e=10_000, read_noise_e=5.0, prnu=0.02)
+    >>> noise = NoiseSources(pixel=pixel, dark_e=20.0)
+    >>> noise.variance_e2(np.array([100.0]))
     array([149.])
-    >>> pixel.variance_e2(np.array([100.0]), "temporal")
+    >>> noise.variance_e2(np.array([100.0]), "temporal")
     array([145.])
     """
 
-    read_noise_e: float
+    pixel: Pixel
     dark_e: float = 0.0
     step_e: float = 0.0
-    row_noise_e: float = 0.0
-    dsnu_e: float = 0.0
-    prnu: float = 0.0
-    black_error_e: float = 0.0
     pattern: CrosstalkPattern | None = None
     readings: int = 1
+    kind: NoiseKind = "total"
 
     def __post_init__(self) -> None:
-        for name in ("read_noise_e", "dark_e", "step_e", "row_noise_e", "dsnu_e"):
+        for name in ("dark_e", "step_e"):
             object.__setattr__(self, name, _check.not_negative(name, "e-", getattr(self, name)))
-        _check.not_negative("prnu", "1", self.prnu)
+
+    def _sum(self, term: str, drawn: Container[Drawn], but: Iterable[Drawn] = ()) -> float:
+        """A coefficient of the law: of the sources that are drawn in one of these ways."""
+        never = FIXED if self.kind == "temporal" else ()
+        return sum(
+            one.value(self)
+            for one in SOURCES
+            if one.term == term and one.drawn in drawn and one.drawn not in (*but, *never)
+        )
+
+    def sd(self, drawn: Drawn) -> float:
+        """Standard deviation of the sources that are drawn in one way together. [e-], of gain [1]
+
+        Parameters
+        ----------
+        drawn
+            The way.
+        """
+        return math.sqrt(self._sum("square" if drawn == "gain" else "floor_e2", (drawn,)))
 
     def by_source(self, mean_e: Float[Array, "*px p"]) -> Mapping[str, Float[Array, "*px p"]]:
-        """Variance per source, in the order of the table above; those that are 0 included. [e-^2]
+        """Variance per source, in the order of `SOURCES`; those that are 0 included. [e-^2]
 
         Parameters
         ----------
@@ -208,19 +278,13 @@ class NoiseSources:
             Expected electrons of the light, >= 0. [e-]
         """
         mean = np.asarray(mean_e, dtype=np.float64)
-        constant = {
-            READ: self.read_noise_e**2,
-            DARK: self.dark_e,
-            QUANTIZATION: self.step_e**2 / 12,
-            ROW: self.row_noise_e**2,
-            DSNU: self.dsnu_e**2,
-        }
-        return {
-            SHOT: mean,
-            **{name: np.full_like(mean, value) for name, value in constant.items()},
-            PRNU: self._prnu_e2(mean),
-            PATTERN: self.pattern_e2(mean),
-        }
+        pattern = self.pattern_e2(mean)
+        square = mean**2
+        if self.pattern is not None and self.pattern.counted:
+            square = square + pattern
+        powers = {"floor_e2": np.ones_like(mean), "slope_e": mean, "square": square}
+        found = {one.cause: one.value(self) * powers[one.term] for one in SOURCES}
+        return found | {PATTERN: pattern}
 
     def pattern_e2(self, mean_e: Float[Array, "*px p"]) -> Float[Array, "*px p"]:
         """Variance of the pattern of crosstalk per channel; 0 without a pattern. [e-^2]
@@ -233,13 +297,6 @@ class NoiseSources:
         mean = np.asarray(mean_e, dtype=np.float64)
         return np.zeros_like(mean) if self.pattern is None else self.pattern.variance_e2(mean)
 
-    def _prnu_e2(self, mean: Float[Array, "*px p"]) -> Float[Array, "*px p"]:
-        """PRNU^2 times the mean over the places of the squared electrons."""
-        own = (self.prnu * mean) ** 2
-        if self.pattern is None or not self.pattern.counted:
-            return own
-        return own + self.prnu**2 * self.pattern_e2(mean)
-
     def after_counting_e2(
         self, counted_e: Float[Array, "*px p"], kind: NoiseKind = "total"
     ) -> Float[Array, "*px p"] | float:
@@ -251,8 +308,13 @@ class NoiseSources:
         counted_e, kind
             As `variance_e2`. [e-]
         """
-        floor = self.readout.floor_e2()
+        floor = self.read_out_e2
         return floor if kind == "temporal" else floor + self.pattern_e2(counted_e)
+
+    @property
+    def read_out_e2(self) -> float:
+        """Variance that the readout adds, after any crosstalk. [e-^2]"""
+        return self._sum("floor_e2", READ_OUT)
 
     def floor_e2(self, kind: NoiseKind = "total") -> float:
         """Variance without light. [e-^2]
@@ -262,8 +324,7 @@ class NoiseSources:
         kind
             Total noise of a reading, or temporal noise only.
         """
-        temporal = self.read_noise_e**2 + self.dark_e + self.step_e**2 / 12 + self.row_noise_e**2
-        return temporal + (self.dsnu_e**2 if kind == "total" else 0.0)
+        return self._sum("floor_e2", ALL, FIXED if kind == "temporal" else ())
 
     def variance_e2(
         self, mean_e: Float[Array, "*px p"], kind: NoiseKind = "total"
@@ -290,8 +351,12 @@ class NoiseSources:
 
     def _fixed_e2(self, mean: Float[Array, "*px p"]) -> Float[Array, "*px p"] | float:
         """Variance of the fixed patterns that grow with the light: PRNU and crosstalk. [e-^2]"""
-        own = self._prnu_e2(mean) if self.prnu else 0.0
-        return own if self.pattern is None else own + self.pattern_e2(mean)
+        square = self._sum("square", ALL)
+        own = square * mean**2 if square else 0.0
+        if self.pattern is None or self.kind == "temporal":
+            return own
+        pattern = self.pattern_e2(mean)
+        return own + (1 + square * self.pattern.counted) * pattern
 
     def law(self, kind: Literal["total", "temporal", "spatial"] = "total") -> VarianceLaw:
         """The variance of one reading as a law of the light, without the pattern of crosstalk.
@@ -301,11 +366,12 @@ class NoiseSources:
         kind
             All noise, what changes from frame to frame, or what is the same in every frame.
         """
-        temporal, spatial = kind != "spatial", kind != "temporal"
+        ways = FIXED if kind == "spatial" else ALL
+        but = FIXED if kind == "temporal" else frozenset[Drawn]()
         return VarianceLaw(
-            floor_e2=self.floor_e2("temporal") * temporal + self.dsnu_e**2 * spatial,
-            slope_e=float(temporal),
-            square=self.prnu**2 * spatial,
+            floor_e2=self._sum("floor_e2", ways, but),
+            slope_e=self._sum("slope_e", ways, but),
+            square=self._sum("square", ways, but),
         )
 
     def added_variance_e2(self, mean_e: Float[Array, "*px p"]) -> Float[Array, "*px p"] | float:
@@ -318,7 +384,7 @@ class NoiseSources:
         mean_e
             Expected electrons of each channel. [e-]
         """
-        constant = self.read_noise_e**2 + self.row_noise_e**2 + self.dsnu_e**2
+        constant = self._sum("floor_e2", ALL, ("count", "rounding"))
         return constant + self._fixed_e2(np.asarray(mean_e))
 
     def rounding_is_coarse(self, mean_e: Float[Array, "*px p"]) -> Bool[Array, "*px p"]:
@@ -356,7 +422,9 @@ class NoiseSources:
         --------
         With 100 e- per code nearly all readings are 0, so the variance is far below 100^2 / 12.
 
-        >>> bias, variance = NoiseSources(read_noise_e=10.0, step_e=100.0).rounded(np.array([20.0]))
+        >>> from chromanoise.sensor import PAPER_PIXEL        # 10 e- of read noise
+        >>> coarse = NoiseSources(pixel=PAPER_PIXEL, step_e=100.0)
+        >>> bias, variance = coarse.rounded(np.array([20.0]))
         >>> bias.round(2), variance.round(1)
         (array([-19.68]), array([32.4]))
         """
@@ -423,32 +491,36 @@ class NoiseSources:
     def one_reading(self) -> "NoiseSources":
         """The sources of each of the readings that are summed, without the pattern."""
         n = self.readings
-        names = ("read_noise_e", "step_e", "row_noise_e", "dsnu_e")
         return replace(
             self,
-            **{name: getattr(self, name) / np.sqrt(n) for name in names},
+            pixel=of_one_reading(self.pixel, n),
+            step_e=self.step_e / np.sqrt(n),
             dark_e=self.dark_e / n,
-            prnu=self.prnu * np.sqrt(n),
-            black_error_e=self.black_error_e / n,
             pattern=None,
             readings=1,
         )
 
     @property
-    def temporal(self) -> "NoiseSources":
-        """The sources without DSNU, PRNU and the pattern, which are the same in every frame."""
-        return replace(self, dsnu_e=0.0, prnu=0.0, pattern=None)
+    def black_error_e(self) -> float:
+        """Bias of every reading. [e-]"""
+        return self.pixel.black_error_e
 
     @property
-    def readout(self) -> "NoiseSources":
-        """What the readout adds, after any crosstalk: read noise, quantization and row noise."""
-        return replace(self, dark_e=0.0, dsnu_e=0.0, prnu=0.0)
+    def temporal(self) -> "NoiseSources":
+        """The sources without the fixed patterns, which are the same in every frame."""
+        return replace(self, kind="temporal", pattern=None)
+
+    @property
+    def has_fixed_pattern(self) -> bool:
+        """Whether a source is the same in every frame."""
+        fixed = any(one.value(self) for one in SOURCES if one.drawn in FIXED)
+        return self.kind == "total" and (fixed or self.pattern is not None)
 
     @property
     def beyond_shot_and_read(self) -> bool:
-        """Whether there is any source besides shot noise and read noise."""
-        more = (self.dark_e, self.step_e, self.row_noise_e, self.dsnu_e, self.prnu)
-        return self.pattern is not None or any((*more, self.black_error_e))
+        """Whether there is any source besides shot noise and read noise, or a bias."""
+        more = any(one.value(self) for one in SOURCES if one.cause not in (SHOT, READ))
+        return more or self.pattern is not None or bool(self.black_error_e)
 
 
 def noise_sources(sensor: Sensor, exposure: Exposure | None = None) -> NoiseSources:
@@ -476,13 +548,9 @@ def noise_sources(sensor: Sensor, exposure: Exposure | None = None) -> NoiseSour
         )
     step_e = quantization_step_e(sensor.converter, pixel)
     return NoiseSources(
-        read_noise_e=pixel.read_noise_e,
+        pixel=pixel,
         dark_e=0.0 if exposure is None else pixel.dark_electrons_e(time_s=exposure.time_s),
         step_e=step_e,
-        row_noise_e=pixel.row_noise_e,
-        dsnu_e=pixel.dsnu_e,
-        prnu=pixel.prnu,
-        black_error_e=pixel.black_error_e,
         pattern=crosstalk_pattern(sensor.crosstalk),
         readings=int(pixel.summed_readings) if step_e else 1,
     )
@@ -540,7 +608,9 @@ def raw_covariance(
     array([[200.,   0.],
            [  0., 125.]])
     """
-    return _diagonal(NoiseSources(read_noise_e=read_noise_e).variance_e2(mean_e))
+    mean = _check.non_negative("mean_e", "e-", mean_e)
+    read = _check.not_negative("read_noise_e", "e-", read_noise_e)
+    return _diagonal(mean + read**2)
 
 
 def with_noise(
@@ -641,11 +711,12 @@ def mean_noise_covariance(
     counted = _check.non_negative("mean_e", "e-", counted_electrons(mean_e, coupling))
     mean, square = share @ counted, share @ counted**2
     factor = np.asarray(light)[..., None]
-    variance = factor * mean + noise.floor_e2() + (noise.prnu * factor) ** 2 * square
-    after: Float[Array, "*few p"] | float = noise.readout.floor_e2()
+    law = noise.law()
+    variance = factor * mean + law.floor_e2 + law.square * factor**2 * square
+    after: Float[Array, "*few p"] | float = noise.read_out_e2
     if noise.pattern is not None:
         pattern = factor**2 * (share @ noise.pattern_e2(counted))
-        variance = variance + pattern * (1 + noise.prnu**2 * noise.pattern.counted)
+        variance = variance + pattern * (1 + law.square * noise.pattern.counted)
         after = after + pattern
     return _coupled(variance, coupling, after)
 

@@ -69,6 +69,7 @@ from chromanoise.sensor.pixel import (
     Pixel,
     binned,
     extra_noise,
+    of_one_reading,
     of_the_sum,
     shot_and_read_only,
 )
@@ -178,6 +179,7 @@ __all__ = [
     "moved_curve",
     "noise_profile",
     "noise_without_light_e",
+    "of_one_reading",
     "of_pixel",
     "of_the_sum",
     "open_questions",

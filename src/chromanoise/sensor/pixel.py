@@ -7,12 +7,12 @@ shot noise, and its mean is subtracted. All are 0 by default, as in the paper.
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import Annotated, Any, Literal, get_args
 
 from chromanoise import _check
 from chromanoise.errors import InputError
-from chromanoise.properties import Property, demand_properties, properties_of
+from chromanoise.properties import Growth, Property, demand_properties, properties_of
 
 _MOST = 1e12  # above any real pixel, and above the resolution of float32
 _COLDEST_C, _HOTTEST_C = -273.15, 300.0
@@ -81,6 +81,7 @@ class Pixel:
         Property(
             label="pixel pitch", unit="um", least=1e-3, most=1e6, slider=(0.5, 50.0, 0.01),
             help="Pixel pitch [um].",
+            growth=Growth(pixels=0.5),
         ),
     ]  # fmt: skip
     full_well_e: Annotated[
@@ -88,6 +89,7 @@ class Pixel:
         Property(
             label="full well", unit="e-", least=1e-3, most=1e15, slider=(100.0, 1e6, 0.02),
             help="Full-well capacity [e-].",
+            growth=Growth(pixels=1),
         ),
     ]  # fmt: skip
     read_noise_e: Annotated[
@@ -95,6 +97,7 @@ class Pixel:
         Property(
             label="read noise", unit="e-", least=0.0, most=_MOST, slider=(0.1, 100.0, 0.01),
             help="Standard deviation of the read noise [e-].",
+            growth=Growth(readings=0.5),
         ),
     ]  # fmt: skip
     dark_current_e_per_s: Annotated[
@@ -102,6 +105,7 @@ class Pixel:
         Property(
             label="dark current", unit="e-/s", least=0.0, most=_MOST, slider=(0.0, 1000.0, 10.0),
             help="Dark current at the reference temperature [e-/s]; its mean is subtracted.",
+            growth=Growth(pixels=1),
         ),
     ] = 0.0  # fmt: skip
     dsnu_e: Annotated[
@@ -109,6 +113,7 @@ class Pixel:
         Property(
             label="DSNU", unit="e-", least=0.0, most=_MOST, slider=(0.0, 50.0, 0.5),
             help="Dark signal non-uniformity [e-].",
+            growth=Growth(pixels=0.5),
         ),
     ] = 0.0  # fmt: skip
     prnu: Annotated[
@@ -117,6 +122,7 @@ class Pixel:
             label="PRNU", unit="1", least=0.0, most=0.2, slider=(0.0, 0.05, 0.001),
             help="Photo response non-uniformity, e.g. 0.01 for 1 % [1].",
             remedy="write 1 percent as 0.01",
+            growth=Growth(pixels=-0.5),
         ),
     ] = 0.0  # fmt: skip
     row_noise_e: Annotated[
@@ -124,6 +130,7 @@ class Pixel:
         Property(
             label="row noise", unit="e-", least=0.0, most=_MOST, slider=(0.0, 20.0, 0.2),
             help="Noise common to a row [e-].",
+            growth=Growth(readings=0.5, columns=0.5),
         ),
     ] = 0.0  # fmt: skip
     black_error_e: Annotated[
@@ -132,6 +139,7 @@ class Pixel:
             label="black-level error", unit="e-", least=-1e15, most=1e15,
             slider=(-50.0, 50.0, 1.0),
             help="Error of the subtracted black level [e-], a bias of every reading.",
+            growth=Growth(readings=1),
         ),
     ] = 0.0  # fmt: skip
     temperature_c: Annotated[
@@ -206,7 +214,7 @@ PIXEL = properties_of(Pixel)
 PAPER_PIXEL = Pixel(pitch_um=10.0, full_well_e=10_000.0, read_noise_e=10.0)
 """Table 1 of Clouet, Vaillant & Alleysson (CIC27, 2019)."""
 
-EXTRA_NOISE = ("dark_current_e_per_s", "dsnu_e", "prnu", "row_noise_e", "black_error_e")
+EXTRA_NOISE = tuple(field.name for field in fields(Pixel) if field.default == 0.0)
 """Fields of `Pixel` that add noise or bias beyond shot and read noise; 0 by default."""
 
 
@@ -281,7 +289,8 @@ def binned(pixel: Pixel, pixels: int, mode: BinningMode = "charge") -> Pixel:
     if pixels == 1:
         return pixel
     shell = replace(pixel, summed_pixels=pixels, summed_readings=1 if mode == "charge" else pixels)
-    return replace(shell, **of_the_sum(shell, {name: getattr(pixel, name) for name in _SUMMED}))
+    grown = (name for name, one in PIXEL.items() if any(one.growth))
+    return replace(shell, **of_the_sum(shell, {name: getattr(pixel, name) for name in grown}))
 
 
 def of_the_sum(pixel: Pixel, values: Mapping[str, Any]) -> dict[str, Any]:
@@ -302,27 +311,31 @@ def of_the_sum(pixel: Pixel, values: Mapping[str, Any]) -> dict[str, Any]:
     if pixel.summed_pixels == 1:
         return dict(values)
     n, read = int(pixel.summed_pixels), int(pixel.summed_readings)
-    columns = read // max(rows for rows in range(1, math.isqrt(read) + 1) if read % rows == 0)
-    factors = {
-        "pitch_um": math.sqrt(n),
-        "full_well_e": n,
-        "dark_current_e_per_s": n,
-        "dsnu_e": math.sqrt(n),
-        "prnu": 1 / math.sqrt(n),
-        "read_noise_e": math.sqrt(read),
-        "row_noise_e": math.sqrt(read * columns),
-        "black_error_e": read,
-    }
-    return {name: value * factors.get(name, 1) for name, value in values.items()}
+    rows = max(rows for rows in range(1, math.isqrt(read) + 1) if read % rows == 0)
+    counts = Growth(pixels=n, readings=read, rows=rows, columns=read // rows)
+
+    def grown(name: str, value: Any) -> Any:
+        growth = PIXEL[name].growth if name in PIXEL else Growth()
+        if not any(growth):
+            return value
+        return value * math.prod(count**power for count, power in zip(counts, growth, strict=True))
+
+    return {name: grown(name, value) for name, value in values.items()}
 
 
-_SUMMED = (
-    "pitch_um",
-    "full_well_e",
-    "dark_current_e_per_s",
-    "dsnu_e",
-    "prnu",
-    "read_noise_e",
-    "row_noise_e",
-    "black_error_e",
-)
+def of_one_reading(pixel: Pixel, readings: int) -> Pixel:
+    """The pixel of each of independent readings, of whose sum ``pixel`` has the variances.
+
+    Parameters
+    ----------
+    pixel
+        The sum.
+    readings
+        How many are summed.
+    """
+    changes = {}
+    for name, one in PIXEL.items():
+        power, value = one.growth.pixels + one.growth.readings, getattr(pixel, name)
+        if power and value:
+            changes[name] = min(value / readings**power, one.most)  # a bound is one after rounding
+    return replace(pixel, **changes, summed_pixels=1, summed_readings=1)

@@ -29,8 +29,10 @@ from chromanoise.imaging.render import mosaic_of
 from chromanoise.io.frames import Frame
 from chromanoise.noise import NoiseSources, noise_sources
 from chromanoise.sensor import (
+    PIXEL,
     Converter,
     Mosaic,
+    Pixel,
     mosaic_named,
     refuse_summed_readings,
 )
@@ -334,13 +336,9 @@ def _pixel_of_part(study: Study) -> _Pixel:
     if read_noise_e is None:
         return _Pixel(sources=None, converter=converter, source=where)
     _demand_time(dark, timed=time_ms is not None)
-    sources = NoiseSources(
-        read_noise_e=read_noise_e,
-        dark_e=dark * 1e-3 * (time_ms or 0.0),
-        row_noise_e=value("row_noise_e") or 0.0,
-        dsnu_e=value("dsnu_e") or 0.0,
-        prnu=value("prnu") or 0.0,
-    )
+    given = {name: own for name in PIXEL if (own := value(name)) is not None}
+    pixel = Pixel(**{"pitch_um": 1.0, "full_well_e": PIXEL["full_well_e"].most} | given)
+    sources = NoiseSources(pixel=pixel, dark_e=dark * 1e-3 * (time_ms or 0.0))
     return _Pixel(sources=sources, converter=converter, source=where)
 
 
@@ -441,7 +439,7 @@ def _noise_of_codes(
             black_level_dn=black,
             saturation_dn=white,
             source=f"{pixel.source}: gain {1 / gain:.4g} DN/e-, "
-            f"read noise {pixel.sources.read_noise_e:.4g} e-",
+            f"read noise {pixel.sources.pixel.read_noise_e:.4g} e-",
         )
         return noise, notes
     assert first.noise_profile is not None
@@ -479,7 +477,7 @@ def _noise_of_electrons(
         names,
         black_level_dn=0.0,
         saturation_dn=None,
-        source=f"{pixel.source}: read noise {pixel.sources.read_noise_e:.4g} e-",
+        source=f"{pixel.source}: read noise {pixel.sources.pixel.read_noise_e:.4g} e-",
     )
     floor = replace(pixel.sources, step_e=0.0).floor_e2()
     return replace(noise, floor_e2=np.full(len(names), floor))
