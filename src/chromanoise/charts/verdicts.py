@@ -16,7 +16,7 @@ from chromanoise.charts.text import decimal, signed
 from chromanoise.exposure import conditions
 from chromanoise.metrics import Budget
 from chromanoise.metrics.budget import CORRELATION, FILTERS, INFRARED, REST, WEIGHTS
-from chromanoise.noise.sources import SOURCES
+from chromanoise.sensor.noise_source import SOURCES
 from chromanoise.spectra import chart_title
 
 _TIE_DB = 0.05  # differences below one decimal

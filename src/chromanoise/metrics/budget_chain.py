@@ -19,9 +19,9 @@ from chromanoise.exposure import Exposure, exposure_factor
 from chromanoise.geometry import Frame, variance_inflation
 from chromanoise.metrics.shapley import Switches, allowed_sets, shapley_values
 from chromanoise.noise import NoiseSources, after_counting, counted_electrons
-from chromanoise.noise.sources import PATTERN, READ, READ_OUT, SHOT, SOURCES
 from chromanoise.scene import Scene
 from chromanoise.sensor import Crosstalk, Sensor, pixels_of
+from chromanoise.sensor.noise_source import PATTERN, READ, READ_OUT, SHOT, SOURCES
 from chromanoise.spectra import INFRARED_FROM_NM, is_infrared
 from chromanoise.units import decibel
 

@@ -27,7 +27,6 @@ from chromanoise.noise.quantiles import code_count, poisson_gaussian_ppf, read_v
 from chromanoise.noise.readout import Moments, Readout, read_moments
 from chromanoise.noise.sampling import clipped_at_well, sample_electrons
 from chromanoise.noise.sources import (
-    NoiseKind,
     NoiseSources,
     after_counting,
     counted_electrons,
@@ -40,6 +39,7 @@ from chromanoise.noise.sources import (
     signal_limit_e,
     with_noise,
 )
+from chromanoise.sensor.noise_source import NoiseKind
 
 if TYPE_CHECKING:
     from chromanoise.imaging.training_noise import NoiseSampler, NoisySample, sampler

@@ -6,8 +6,9 @@ from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._shapes import Bool, Float
 from chromanoise.errors import InputError
-from chromanoise.noise.sources import NORMAL, CrosstalkPattern, NoiseSources
+from chromanoise.noise.sources import CrosstalkPattern, NoiseSources
 from chromanoise.sensor import Pixel
+from chromanoise.sensor.noise_source import NORMAL
 
 _MOST_E = 1e15  # above it double precision does not resolve single electrons
 

@@ -1,4 +1,6 @@
-"""The noise sources of a pixel in closed form (eq. 7 and EMVA 1288): add a source to `SOURCES`.
+"""All noise sources of a pixel in closed form (eq. 7 and EMVA 1288).
+
+`chromanoise.sensor.noise_source` lists them.
 
 The pattern of crosstalk is that between the places of a mosaic at which one channel has different
 neighbors. Before counting, PRNU acts on each M_k: its variance is PRNU^2 times the mean of M_k^2.
@@ -10,11 +12,10 @@ Of binned pixels the values of `Pixel` are those of the sum (`chromanoise.sensor
 are all variances here.
 """
 
-import math
-from collections.abc import Callable, Container, Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Literal, get_args
+from typing import Literal
 
 import numpy as np
 
@@ -33,95 +34,23 @@ from chromanoise.noise.readout import (
 )
 from chromanoise.sensor import (
     Crosstalk,
-    Pixel,
     Sensor,
     VarianceLaw,
     of_one_reading,
     quantization_step_e,
     white_level_e,
 )
-
-NoiseKind = Literal["total", "temporal"]
-"""All noise of one reading over a flat field, or only what changes from frame to frame."""
-
-PATTERN = "crosstalk pattern"
-
-Drawn = Literal["count", "reading", "rounding", "row", "pattern", "gain", "place"]
-"""How a source is drawn.
-
-``count``: electrons that are counted (Poisson). Normal and new in every frame: ``reading`` of each
-pixel, ``row`` for all pixels of a row. ``rounding``: to codes. The same in every frame: an offset
-of each pixel (``pattern``), its sensitivity (``gain``), its ``place`` in the mosaic.
-"""
-ALL = frozenset[Drawn](get_args(Drawn))
-FIXED = frozenset[Drawn]({"pattern", "gain", "place"})
-"""What is the same in every frame: spatial noise."""
-NORMAL: tuple[Drawn, ...] = ("reading", "row", "pattern")
-"""Normal offsets."""
-READ_OUT = frozenset[Drawn]({"reading", "rounding", "row", "place"})
-"""What the readout adds after the electrons are counted, so that crosstalk does not mix it."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class NoiseSource:
-    """One source of noise. Table, budget, exact distribution and all draws walk `SOURCES`.
-
-    Attributes
-    ----------
-    cause
-        Its name in tables and budgets.
-    drawn
-        How it is drawn.
-    term
-        The coefficient of `chromanoise.sensor.VarianceLaw` that it adds to.
-    value
-        Its part of the coefficient. [e-^2], [e-] or [1]
-    words
-        What it is, where the cause does not say it.
-    """
-
-    cause: str
-    drawn: Drawn
-    term: Literal["floor_e2", "slope_e", "square"]
-    value: Callable[["NoiseSources"], float]
-    words: str = ""
-
-
-SOURCES = (
-    NoiseSource(cause="shot noise", drawn="count", term="slope_e", value=lambda of: 1.0),
-    NoiseSource(
-        cause="read noise", drawn="reading", term="floor_e2",
-        value=lambda of: of.pixel.read_noise_e**2,
-    ),
-    NoiseSource(
-        cause="dark current", drawn="count", term="floor_e2", value=lambda of: of.dark_e,
-        words="its shot noise",
-    ),
-    NoiseSource(
-        cause="quantization", drawn="rounding", term="floor_e2",
-        value=lambda of: of.step_e**2 / 12,
-    ),
-    NoiseSource(
-        cause="row noise", drawn="row", term="floor_e2", value=lambda of: of.pixel.row_noise_e**2
-    ),
-    NoiseSource(
-        cause="DSNU", drawn="pattern", term="floor_e2", value=lambda of: of.pixel.dsnu_e**2,
-        words="fixed pattern in the dark",
-    ),
-    NoiseSource(
-        cause="PRNU", drawn="gain", term="square", value=lambda of: of.pixel.prnu**2,
-        words="fixed pattern",
-    ),
-    NoiseSource(
-        cause=PATTERN, drawn="place", term="square", value=lambda of: 0.0,
-        words="fixed pattern of pixels with different neighbors",
-    ),
-)  # fmt: skip
-"""All sources in the order of tables and budgets.
-
-The law of the crosstalk pattern is `CrosstalkPattern.variance_e2`, of the light of all channels.
-"""
-SHOT, READ = SOURCES[0].cause, SOURCES[1].cause
+from chromanoise.sensor.noise_source import (
+    ALL,
+    FIXED,
+    PATTERN,
+    READ,
+    READ_OUT,
+    SHOT,
+    SOURCES,
+    NoiseKind,
+    PixelReading,
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -203,34 +132,22 @@ _WEAK = 1e-3  # a channel with less of the electrons of the strongest one decide
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class NoiseSources:
+class NoiseSources(PixelReading):
     """The variance of one reading, source by source, at one exposure.
 
     Attributes
     ----------
-    pixel
-        The pixel, binned or not.
-    dark_e
-        Mean number of dark electrons; the mean is subtracted, their shot noise stays. [e-]
-    step_e
-        Electrons per code; 0 where nothing is rounded. [e-]
     pattern
         The pattern of crosstalk over the places of a mosaic; ``None`` without any.
     readings
         Rounded readings that are summed (`chromanoise.sensor.binned`); all values are those of the
         sum. 1 where nothing is rounded.
-    kind
-        ``temporal`` for the sources that change from frame to frame, without the fixed patterns.
-
-    Raises
-    ------
-    InputError
-        If a value is negative or not finite.
 
     Examples
     --------
     EMVA 1288: 100 e- of light, 20 of the dark, 5 e- of readout, PRNU 2 %.
 
+    >>> from chromanoise.sensor import Pixel
     >>> pixel = Pixel(pitch_um=5, full_well_e=10_000, read_noise_e=5.0, prnu=0.02)
     >>> noise = NoiseSources(pixel=pixel, dark_e=20.0)
     >>> noise.variance_e2(np.array([100.0]))
@@ -239,35 +156,8 @@ class NoiseSources:
     array([145.])
     """
 
-    pixel: Pixel
-    dark_e: float = 0.0
-    step_e: float = 0.0
     pattern: CrosstalkPattern | None = None
     readings: int = 1
-    kind: NoiseKind = "total"
-
-    def __post_init__(self) -> None:
-        for name in ("dark_e", "step_e"):
-            object.__setattr__(self, name, _check.not_negative(name, "e-", getattr(self, name)))
-
-    def _sum(self, term: str, drawn: Container[Drawn], but: Iterable[Drawn] = ()) -> float:
-        """A coefficient of the law: of the sources that are drawn in one of these ways."""
-        never = FIXED if self.kind == "temporal" else ()
-        return sum(
-            one.value(self)
-            for one in SOURCES
-            if one.term == term and one.drawn in drawn and one.drawn not in (*but, *never)
-        )
-
-    def sd(self, drawn: Drawn) -> float:
-        """Standard deviation of the sources that are drawn in one way together. [e-], of gain [1]
-
-        Parameters
-        ----------
-        drawn
-            The way.
-        """
-        return math.sqrt(self._sum("square" if drawn == "gain" else "floor_e2", (drawn,)))
 
     def by_source(self, mean_e: Float[Array, "*px p"]) -> Mapping[str, Float[Array, "*px p"]]:
         """Variance per source, in the order of `SOURCES`; those that are 0 included. [e-^2]
@@ -314,7 +204,7 @@ class NoiseSources:
     @property
     def read_out_e2(self) -> float:
         """Variance that the readout adds, after any crosstalk. [e-^2]"""
-        return self._sum("floor_e2", READ_OUT)
+        return self.coefficient("floor_e2", READ_OUT)
 
     def floor_e2(self, kind: NoiseKind = "total") -> float:
         """Variance without light. [e-^2]
@@ -324,7 +214,7 @@ class NoiseSources:
         kind
             Total noise of a reading, or temporal noise only.
         """
-        return self._sum("floor_e2", ALL, FIXED if kind == "temporal" else ())
+        return self.coefficient("floor_e2", ALL, FIXED if kind == "temporal" else ())
 
     def variance_e2(
         self, mean_e: Float[Array, "*px p"], kind: NoiseKind = "total"
@@ -351,7 +241,7 @@ class NoiseSources:
 
     def _fixed_e2(self, mean: Float[Array, "*px p"]) -> Float[Array, "*px p"] | float:
         """Variance of the fixed patterns that grow with the light: PRNU and crosstalk. [e-^2]"""
-        square = self._sum("square", ALL)
+        square = self.coefficient("square", ALL)
         own = square * mean**2 if square else 0.0
         if self.pattern is None or self.kind == "temporal":
             return own
@@ -367,11 +257,11 @@ class NoiseSources:
             All noise, what changes from frame to frame, or what is the same in every frame.
         """
         ways = FIXED if kind == "spatial" else ALL
-        but = FIXED if kind == "temporal" else frozenset[Drawn]()
+        but = FIXED if kind == "temporal" else ()
         return VarianceLaw(
-            floor_e2=self._sum("floor_e2", ways, but),
-            slope_e=self._sum("slope_e", ways, but),
-            square=self._sum("square", ways, but),
+            floor_e2=self.coefficient("floor_e2", ways, but),
+            slope_e=self.coefficient("slope_e", ways, but),
+            square=self.coefficient("square", ways, but),
         )
 
     def added_variance_e2(self, mean_e: Float[Array, "*px p"]) -> Float[Array, "*px p"] | float:
@@ -384,7 +274,7 @@ class NoiseSources:
         mean_e
             Expected electrons of each channel. [e-]
         """
-        constant = self._sum("floor_e2", ALL, ("count", "rounding"))
+        constant = self.coefficient("floor_e2", ALL, ("count", "rounding"))
         return constant + self._fixed_e2(np.asarray(mean_e))
 
     def rounding_is_coarse(self, mean_e: Float[Array, "*px p"]) -> Bool[Array, "*px p"]:

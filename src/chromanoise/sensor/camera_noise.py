@@ -18,6 +18,7 @@ from chromanoise.errors import InputError, Setting
 from chromanoise.sensor.adc import adc_of
 from chromanoise.sensor.eld_noise import ReadNoiseShape, eld_noise
 from chromanoise.sensor.mosaic import Mosaic
+from chromanoise.sensor.noise_source import PixelReading
 from chromanoise.sensor.pixel import PIXEL
 from chromanoise.sensor.read_noise import (
     LARGEST_LAMBDA,
@@ -391,19 +392,20 @@ class CameraNoise:
                 remedy="bin by charge",
             )
         adc = adc_of(sensor.converter, pixel)
+        reading = PixelReading(pixel=pixel)
         error_dn = pixel.black_error_e / adc.gain_e_per_dn
         return cls(
             names=sensor.names if sensor.mosaic is None else sensor.mosaic.names,
             mosaic=sensor.mosaic,
             gain_dn_per_e=np.full(_channels(sensor, count), 1 / adc.gain_e_per_dn),
-            read_noise_e=np.full(_channels(sensor, count), pixel.read_noise_e),
+            read_noise_e=np.full(_channels(sensor, count), reading.sd("reading")),
             black_level_dn=np.full(_channels(sensor, count), float(adc.black_level_dn)),
             top_code_dn=float(adc.top_code),
             full_well_e=pixel.full_well_e,
             dark_current_e_per_s=pixel.dark_electrons_e(time_s=1.0),
-            dsnu_e=pixel.dsnu_e,
-            prnu=pixel.prnu,
-            row_noise_e=pixel.row_noise_e,
+            dsnu_e=reading.sd("pattern"),
+            prnu=reading.sd("gain"),
+            row_noise_e=reading.sd("row"),
             black_offsets_dn=np.full((1, _channels(sensor, count)), error_dn) if error_dn else None,
         )
 

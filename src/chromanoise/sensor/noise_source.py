@@ -1,0 +1,149 @@
+"""The noise sources of a pixel: add a source to `SOURCES`, and its property to `Pixel`."""
+
+import math
+from collections.abc import Callable, Container, Iterable
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+from chromanoise import _check
+from chromanoise.sensor.pixel import Pixel
+
+NoiseKind = Literal["total", "temporal"]
+"""All noise of one reading over a flat field, or only what changes from frame to frame."""
+
+PATTERN = "crosstalk pattern"
+
+Drawn = Literal["count", "reading", "rounding", "row", "pattern", "gain", "place"]
+"""How a source is drawn.
+
+``count``: electrons that are counted (Poisson). Normal and new in every frame: ``reading`` of each
+pixel, ``row`` for all pixels of a row. ``rounding``: to codes. The same in every frame: an offset
+of each pixel (``pattern``), its sensitivity (``gain``), its ``place`` in the mosaic.
+"""
+ALL = frozenset[Drawn](get_args(Drawn))
+FIXED = frozenset[Drawn]({"pattern", "gain", "place"})
+"""What is the same in every frame: spatial noise."""
+NORMAL: tuple[Drawn, ...] = ("reading", "row", "pattern")
+"""Normal offsets."""
+READ_OUT = frozenset[Drawn]({"reading", "rounding", "row", "place"})
+"""What the readout adds after the electrons are counted, so that crosstalk does not mix it."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NoiseSource:
+    """One source of noise. Table, budget, exact distribution and all draws walk `SOURCES`.
+
+    Attributes
+    ----------
+    cause
+        Its name in tables and budgets.
+    drawn
+        How it is drawn.
+    term
+        The coefficient of `chromanoise.sensor.VarianceLaw` that it adds to.
+    value
+        Its part of the coefficient. [e-^2], [e-] or [1]
+    words
+        What it is, where the cause does not say it.
+    """
+
+    cause: str
+    drawn: Drawn
+    term: Literal["floor_e2", "slope_e", "square"]
+    value: Callable[["PixelReading"], float]
+    words: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PixelReading:
+    """One reading of a pixel: all that the coefficients of its noise depend on.
+
+    Attributes
+    ----------
+    pixel
+        The pixel, binned or not.
+    dark_e
+        Mean number of dark electrons; the mean is subtracted, their shot noise stays. [e-]
+    step_e
+        Electrons per code; 0 where nothing is rounded. [e-]
+    kind
+        ``temporal`` for the sources that change from frame to frame, without the fixed patterns.
+
+    Raises
+    ------
+    InputError
+        If a number is negative or not finite.
+    """
+
+    pixel: Pixel
+    dark_e: float = 0.0
+    step_e: float = 0.0
+    kind: NoiseKind = "total"
+
+    def __post_init__(self) -> None:
+        for name in ("dark_e", "step_e"):
+            object.__setattr__(self, name, _check.not_negative(name, "e-", getattr(self, name)))
+
+    def coefficient(self, term: str, drawn: Container[Drawn], but: Iterable[Drawn] = ()) -> float:
+        """A coefficient of the law of the variance. [e-^2], [e-] or [1]
+
+        Parameters
+        ----------
+        term
+            As `NoiseSource.term`.
+        drawn, but
+            The sources that count: drawn in one of these ways, but not in those.
+        """
+        never = FIXED if self.kind == "temporal" else ()
+        return sum(
+            one.value(self)
+            for one in SOURCES
+            if one.term == term and one.drawn in drawn and one.drawn not in (*but, *never)
+        )
+
+    def sd(self, drawn: Drawn) -> float:
+        """Standard deviation of the sources that are drawn in one way together. [e-], of gain [1]
+
+        Parameters
+        ----------
+        drawn
+            The way.
+        """
+        return math.sqrt(self.coefficient("square" if drawn == "gain" else "floor_e2", (drawn,)))
+
+
+SOURCES = (
+    NoiseSource(cause="shot noise", drawn="count", term="slope_e", value=lambda of: 1.0),
+    NoiseSource(
+        cause="read noise", drawn="reading", term="floor_e2",
+        value=lambda of: of.pixel.read_noise_e**2,
+    ),
+    NoiseSource(
+        cause="dark current", drawn="count", term="floor_e2", value=lambda of: of.dark_e,
+        words="its shot noise",
+    ),
+    NoiseSource(
+        cause="quantization", drawn="rounding", term="floor_e2",
+        value=lambda of: of.step_e**2 / 12,
+    ),
+    NoiseSource(
+        cause="row noise", drawn="row", term="floor_e2", value=lambda of: of.pixel.row_noise_e**2
+    ),
+    NoiseSource(
+        cause="DSNU", drawn="pattern", term="floor_e2", value=lambda of: of.pixel.dsnu_e**2,
+        words="fixed pattern in the dark",
+    ),
+    NoiseSource(
+        cause="PRNU", drawn="gain", term="square", value=lambda of: of.pixel.prnu**2,
+        words="fixed pattern",
+    ),
+    NoiseSource(
+        cause=PATTERN, drawn="place", term="square", value=lambda of: 0.0,
+        words="fixed pattern of pixels with different neighbors",
+    ),
+)  # fmt: skip
+"""All sources in the order of tables and budgets.
+
+The law of the crosstalk pattern is `CrosstalkPattern.variance_e2`, of the light of all channels.
+"""
+SHOT, READ = SOURCES[0].cause, SOURCES[1].cause
