@@ -17,9 +17,12 @@ from chromanoise.imaging.kernel_cache import kernel
 from chromanoise.imaging.noise_blocks import draw_light, draw_readout, room_for
 from chromanoise.imaging.noise_draws import normal_quantile
 from chromanoise.imaging.philox import (
+    COLUMN,
+    LEVEL,
     LIGHT,
     PER_CALL,
     PIXEL_GAIN,
+    PIXEL_LEVELS,
     PIXEL_OFFSET,
     READOUT,
     ROW,
@@ -30,6 +33,7 @@ from chromanoise.imaging.philox import (
 
 _F = np.float32
 _ZERO, _ONE = _F(0.0), _F(1.0)
+_TO_SHARE, _LOW, _ONE_BIT = _F(2.0**-32), np.uint64(0xFFFFFFFF), np.uint64(1)
 
 
 @kernel(error_model="numpy")
@@ -49,13 +53,37 @@ def row_offset_e(at_row, draw):
     return draw.black_error_e
 
 
+@kernel(inline="always")
+@no_type_check
+def readout_offset_e(pixel, column, channel, draw):
+    """What the readout of one pixel adds besides read noise: that of its column, and its level."""
+    offset = _ZERO
+    if draw.column_e > _ZERO:
+        offset = draw.column_e * normal_of(column, COLUMN, draw.frame, 0, draw.key)
+    if draw.level_share > _ZERO:
+        at, none = np.uint64(pixel), np.uint64(0)
+        which = word_at(at, np.uint64(PIXEL_LEVELS), none, channel, draw.key) & _LOW
+        if _F(which) * _TO_SHARE < draw.level_share:
+            word = word_at(at, np.uint64(LEVEL), draw.frame, channel, draw.key)
+            up = (word & _ONE_BIT) == _ONE_BIT
+            offset = offset + (draw.level_e if up else -draw.level_e)
+    return offset
+
+
+@kernel(inline="always")
+@no_type_check
+def has_readout_offsets(draw):
+    """Whether `readout_offset_e` is ever other than 0."""
+    return draw.column_e > _ZERO or draw.level_share > _ZERO
+
+
 @kernel(error_model="numpy")
 @no_type_check
-def acquire(mean, pixel, n, channels, draw, row_e, room, electrons):
+def acquire(mean, pixel, column, n, channels, draw, row_e, room, electrons):
     """Electrons (n * p,) from mean (n * p,): p values of ``n`` pixels, one after the other.
 
     channels (p, n or more) int64: which channel each value is; one, the one over each pixel, or
-    all. pixel: number of the first one in the whole picture.
+    all. pixel, column: number of the first one in the whole picture, and its column.
     """
     words, block = room
     lanes = n * channels.shape[0]
@@ -72,8 +100,9 @@ def acquire(mean, pixel, n, channels, draw, row_e, room, electrons):
     else:
         for j in range(lanes):
             electrons[j] = mean[j]
-    if dark_e > _ZERO or draw.pattern_e > _ZERO or row_e != _ZERO:
-        _imperfect_readout(electrons, pixel, n, channels, draw, row_e - dark_e)
+    offsets = draw.pattern_e > _ZERO or has_readout_offsets(draw)
+    if dark_e > _ZERO or offsets or row_e != _ZERO:
+        _imperfect_readout(electrons, pixel, column, n, channels, draw, row_e - dark_e)
 
 
 @kernel(error_model="numpy")
@@ -94,11 +123,15 @@ def _imperfect_means(mean, pixel, n, channels, draw, dark_e):
 
 @kernel(error_model="numpy")
 @no_type_check
-def _imperfect_readout(electrons, pixel, n, channels, draw, shared_e):
-    """The dark signal that differs from pixel to pixel, and what the whole row shares."""
+def _imperfect_readout(electrons, pixel, column, n, channels, draw, shared_e):
+    """The dark signal that differs from pixel to pixel, and what a row or a column shares."""
+    more = has_readout_offsets(draw)
     for c in range(channels.shape[0]):
         for i in range(n):
             offset = shared_e
+            if more:
+                own_e = readout_offset_e(pixel + i, column + i, channels[c, i], draw)
+                offset = offset + own_e
             if draw.pattern_e > _ZERO:
                 z = normal_of(pixel + i, PIXEL_OFFSET, 0, channels[c, i], draw.key)
                 offset = offset + draw.pattern_e * z

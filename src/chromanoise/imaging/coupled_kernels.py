@@ -13,7 +13,14 @@ from typing import no_type_check
 import numpy as np
 
 from chromanoise.imaging.accumulators import hold_at_well
-from chromanoise.imaging.acquisition import acquire, normal_of, room_for_run, row_offset_e
+from chromanoise.imaging.acquisition import (
+    acquire,
+    has_readout_offsets,
+    normal_of,
+    readout_offset_e,
+    room_for_run,
+    row_offset_e,
+)
 from chromanoise.imaging.blocks import RUN
 from chromanoise.imaging.color_kernels import colors_of_run
 from chromanoise.imaging.fused_kernels import codes_of_run
@@ -44,7 +51,7 @@ def count_rows(mean, tile, first_row, draw, light, counted):
                 some[i] = mean[row, first + i, channel[i]]
                 light[row, first + i] = some[i]
             pixel, one = at_row * columns + first, channel.reshape(1, -1)
-            acquire(some, pixel, n, one, draw, _ZERO, room, electrons)
+            acquire(some, pixel, first, n, one, draw, _ZERO, room, electrons)
             for i in range(n):
                 counted[row, first + i] = electrons[i]
 
@@ -69,7 +76,7 @@ def coupled_raw_rows(light, counted, places, shares, tile, first_row, draw, adc,
                 electrons[i] = _mixed(counted, row, first + i, places, shares)
                 counts[row, 0, channel[i]] += _mixed(light, row, first + i, places, shares)
             pixel = at_row * columns + first
-            _read_out(electrons, pixel, n, channel.reshape(1, -1), draw, row_e)
+            _read_out(electrons, pixel, first, n, channel.reshape(1, -1), draw, row_e)
             codes_of_run(electrons, channel, adc, counts[row], codes[row, first:])
 
 
@@ -99,14 +106,14 @@ def coupled_color_rows(
                 for i in range(n):
                     some[c * n + i] = mean[row, first + i, c]
                     counts[row, 0, c] += some[c * n + i]
-            acquire(some, pixel, n, every, inside, _ZERO, room, counted)
+            acquire(some, pixel, first, n, every, inside, _ZERO, room, counted)
             for c in range(p):
                 for i in range(n):
                     total = _ZERO
                     for k in range(p):
                         total += coupling[c, k] * counted[k * n + i]
                     electrons[c * n + i] = total
-            _read_out(electrons, pixel, n, every, draw, row_e)
+            _read_out(electrons, pixel, first, n, every, draw, row_e)
             hold_at_well(electrons, n, p, well, counts[row])
             there, shown = xyz[row, first:], srgb[row, first:]
             colors_of_run(electrons, n, p, matrices, table, colors, entry, there, shown)
@@ -129,11 +136,15 @@ def _mixed(values, row, column, places, shares):
 
 @kernel(error_model="numpy")
 @no_type_check
-def _read_out(electrons, pixel, n, channels, draw, row_e):
+def _read_out(electrons, pixel, column, n, channels, draw, row_e):
     """Add what the readout adds: channels (p, n or more) as in `acquire`."""
+    more = has_readout_offsets(draw)
     for c in range(channels.shape[0]):
         for i in range(n):
             added = row_e
+            if more:
+                own_e = readout_offset_e(pixel + i, column + i, channels[c, i], draw)
+                added = added + own_e
             if draw.noisy and draw.reading_e > _ZERO:
                 z = normal_of(pixel + i, READOUT, draw.frame, channels[c, i], draw.key)
                 added = added + draw.reading_e * z

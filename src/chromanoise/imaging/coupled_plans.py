@@ -140,7 +140,10 @@ def _means(
 
 def _without_readout(draw: Draw) -> Draw:
     nothing = np.float32(0.0)
-    return draw._replace(reading_e=nothing, row_e=nothing, black_error_e=nothing)
+    return draw._replace(
+        reading_e=nothing, row_e=nothing, column_e=nothing, level_share=nothing,
+        black_error_e=nothing,
+    )  # fmt: skip
 
 
 def _values(plan: RawPlan | ColorPlan) -> dict[str, Any]:

@@ -92,7 +92,8 @@ def raw_rows(stored, tile, first_row, draw, adc, codes, counts):
                     stop = min(run + RUN, n)
                     pixel, channel = at_row * columns + first + run, own[run:stop]
                     some_light, one = light[run:stop], channel.reshape(1, -1)
-                    acquire(some_light, pixel, stop - run, one, draw, row_e, room, electrons)
+                    at = first + run
+                    acquire(some_light, pixel, at, stop - run, one, draw, row_e, room, electrons)
                     codes_of_run(electrons, channel, adc, counts[row], codes[row, first + run :])
 
 
@@ -146,7 +147,7 @@ def color_rows(stored, first_row, draw, well, matrices, table, xyz, srgb, counts
                     for c in range(p):
                         _copy(sums[c * TILE + k * n + run :], mean[c * m : (c + 1) * m])
                     at, pixel = first + run, at_row * columns + first + run
-                    acquire(mean, pixel, m, every, draw, row_e, room, electrons)
+                    acquire(mean, pixel, at, m, every, draw, row_e, room, electrons)
                     hold_at_well(electrons, m, p, well, counts[row])
                     there, shown = xyz[row, at:], srgb[row, at:]
                     colors_of_run(electrons, m, p, matrices, table, colors, entry, there, shown)

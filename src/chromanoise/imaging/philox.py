@@ -29,8 +29,9 @@ from typing import no_type_check
 import numpy as np
 from numba import njit
 
-LIGHT, READOUT, PIXEL_GAIN, PIXEL_OFFSET, ROW = range(5)
-"""Purposes: shot noise, also with read noise as one sum; read noise by itself; PRNU; DSNU; rows."""
+LIGHT, READOUT, PIXEL_GAIN, PIXEL_OFFSET, ROW, COLUMN, PIXEL_LEVELS, LEVEL = range(8)
+"""Purposes: shot noise, also with read noise as one sum; read noise by itself; PRNU; DSNU; rows;
+columns; which pixels have two levels, and which level a reading has."""
 
 PER_CALL = 4
 """Number of channels that share one call of the cipher, one word each."""

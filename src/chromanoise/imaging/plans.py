@@ -57,12 +57,16 @@ def draw_of(
         0.0,
         _MOST_E,
     )
+    share, level_e = noise.levels
     who = zlib.crc32(operating_point.sensor.name.encode())
     return Draw(
         reading_e=np.float32(noise.sd("reading")),
         gain=np.float32(noise.sd("gain")),
         pattern_e=np.float32(noise.sd("pattern")),
         row_e=np.float32(noise.sd("row")),
+        column_e=np.float32(noise.sd("column")),
+        level_share=np.float32(share),
+        level_e=np.float32(level_e),
         dark_e=np.float32(dark_e),
         black_error_e=np.float32(pixel.black_error_e),
         noisy=noisy,

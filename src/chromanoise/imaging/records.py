@@ -40,6 +40,9 @@ class Draw(NamedTuple):
     gain: np.float32
     pattern_e: np.float32
     row_e: np.float32
+    column_e: np.float32
+    level_share: np.float32
+    level_e: np.float32
     dark_e: np.float32
     black_error_e: np.float32
     noisy: bool

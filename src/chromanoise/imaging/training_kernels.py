@@ -32,9 +32,10 @@ from chromanoise.imaging.noise_draws import (
     read_quantile_of_many,
 )
 from chromanoise.imaging.philox import (
+    LEVEL,
     LIGHT,
     PIXEL_GAIN,
-    PIXEL_OFFSET,
+    PIXEL_LEVELS,
     READOUT,
     ROW,
     words_at,
@@ -71,7 +72,8 @@ def add_noise(
     clean, noisy, variance (h, w) f4. lanes (10, rows of the mosaic, w) f4: value of 0 electrons,
     electrons per unit, gain, read noise, code without light, black level, largest code, variance
     that does not depend on light, units per code, and units^2 per electrons^2. pattern:
-    sensitivity and dark offset of each pixel (h, w) f4, each empty if not used. use: which parts
+    sensitivity and dark offset of each pixel (h, w) f4, and offsets of this item (1 or h, w) f4,
+    each empty if not used. use: which parts
     are drawn. noise (5,) f4: dark electrons, PRNU, row noise, shape of the read noise, and the
     mean below which electrons are counted.
     """
@@ -291,7 +293,7 @@ def tail_scores(words, count, shape, scores, logs):
 @no_type_check
 def _collect(electrons, light, pattern, row, first, n, use, shared):
     """Add what is not counted: light without shot noise, and offsets of the row and the pixels."""
-    gain_map, offset_map = pattern
+    gain_map, offset_map, item_map = pattern
     if not use.shot:
         if gain_map.size > 0:
             here = gain_map[row, first : first + n]
@@ -307,6 +309,10 @@ def _collect(electrons, light, pattern, row, first, n, use, shared):
         there = offset_map[row, first : first + n]
         for j in range(n):
             electrons[j] = electrons[j] + there[j]
+    if item_map.size > 0:
+        now = item_map[row % item_map.shape[0], first : first + n]
+        for j in range(n):
+            electrons[j] = electrons[j] + now[j]
 
 
 @kernel(error_model="numpy")
@@ -350,15 +356,36 @@ def _variance(light, lanes, phase, first, n, use, prnu, variance):
 
 @kernel(error_model="numpy")
 @no_type_check
+def draw_levels(share, level_e, first_row, first_lane, pattern, item, key, values):
+    """Add + or - ``level_e`` to a share of the pixels (h, w) f4: which ones, by the pattern."""
+    for row in range(values.shape[0]):
+        start = np.uint64(first_row + row) << np.uint64(_ROW_AT)
+        now = np.uint64(row) << np.uint64(_ROW_AT)
+        for j in range(values.shape[1]):
+            lane = first_lane + j
+            which = _word_of(start + np.uint64(lane // 4), PIXEL_LEVELS, pattern, lane % 4, key)
+            if _F(which & _WORD) * _TO_SHARE < share:
+                word = _word_of(now + np.uint64(j // 4), LEVEL, item, j % 4, key)
+                up = (word & np.uint64(1)) == np.uint64(1)
+                values[row, j] += level_e if up else -level_e
+
+
+@njit(inline="always")
+@no_type_check
+def _word_of(call, purpose, number, k, key):
+    four = _words(call, purpose, number, key)
+    return four[0] if k == 0 else four[1] if k == 1 else four[2] if k == 2 else four[3]
+
+
+@kernel(error_model="numpy")
+@no_type_check
 def draw_pattern(spread, floor, purpose, first_row, first_lane, number, key, values):
     """Fixed pattern (h, w) f4: 1 or 0 + spread z, at the lanes of a sensor from a place on."""
     mean = _ONE if purpose == PIXEL_GAIN else _ZERO
-    why = np.uint64(PIXEL_GAIN if purpose == PIXEL_GAIN else PIXEL_OFFSET)
+    why = np.uint64(purpose)
     for row in range(values.shape[0]):
         start = np.uint64(first_row + row) << np.uint64(_ROW_AT)
         for j in range(values.shape[1]):
             lane = first_lane + j
-            four = _words(start + np.uint64(lane // 4), why, number, key)
-            k = lane % 4
-            word = four[0] if k == 0 else four[1] if k == 1 else four[2] if k == 2 else four[3]
+            word = _word_of(start + np.uint64(lane // 4), why, number, lane % 4, key)
             values[row, j] = max(mean + spread * normal_quantile(np.uint32(word)), floor)

@@ -70,9 +70,9 @@ class NoisySample:
 
     Notes
     -----
-    The variance is that over frames and over pixels: M + D + (PRNU M)^2 + s^2 + DSNU^2 + row^2 in
-    e-^2, plus 1/12 DN^2 for rounding, of the parts that are switched on. The rounding term is
-    exact where the other noise is 1.5 DN or more; `NoiseSampler.exact_moments` is always exact.
+    The variance is that over frames and over pixels: M + D + (PRNU M)^2 + s^2 + DSNU^2 + row^2 +
+    column^2 + telegraph noise in e-^2, plus 1/12 DN^2 for rounding, of the parts that are switched
+    on. The rounding term is exact where the other noise is 1.5 DN or more; `NoiseSampler.exact_moments` is always exact.
     """
 
     noisy: Float32[Array, "..."]
@@ -90,7 +90,7 @@ class NoiseSampler:
     ----------
     camera
         The noise model.
-    shot, read, dark, prnu, dsnu, row, quantize, clamp
+    shot, read, dark, prnu, dsnu, row, column, levels, quantize, clamp
         Whether each part is used, as `sampler`.
     seed
         0 to 2^64 - 1.
@@ -105,6 +105,8 @@ class NoiseSampler:
     prnu: bool = True
     dsnu: bool = True
     row: bool = True
+    column: bool = True
+    levels: bool = True
     quantize: bool = True
     clamp: bool = True
     seed: int = 0
@@ -183,7 +185,11 @@ class NoiseSampler:
         flat = np.ascontiguousarray(given, dtype=np.float32).reshape(given.shape[0], -1)
         noisy, variance = new_rows(flat.shape, np.float32), new_rows(flat.shape, np.float32)
         use, noise = self._use(camera), self._noise(camera, dark_e)
-        maps = self._maps(camera, flat.shape, (row, column * _depth(given)), pattern)
+        first = (row, column * _depth(given))
+        maps = (
+            *self._maps(camera, flat.shape, first, pattern),
+            self._item_map(camera, flat.shape, first, pattern, item),
+        )
         key, number = np.uint64(self.seed), np.uint64(item)
 
         def fill(rows: tuple[int, int]) -> int:
@@ -255,12 +261,20 @@ class NoiseSampler:
         light = _check.non_negative("clean", "e-", (flat - zero) * per_unit)
         noise = self._noise(camera, dark_e).astype(np.float64)
         added = (noise[1] * light) ** 2 + noise[2] ** 2 + self._dsnu_e(camera) ** 2
+        share, level_e = camera.levels if self.levels else (0.0, 0.0)
+        added = added + self._item_e2(camera) - share * level_e**2
         spread = np.sqrt(added + (read**2 if use.read else 0.0))
-        cases = np.stack([light, gain, spread, dark_code, black, top]).reshape(6, -1)
-        different, back = np.unique(cases, axis=1, return_inverse=True)
-        found = np.array([_read_out(*one, dark_e=dark_e, use=use) for one in different.T]).T
-        mean, variance, low, high = found[:, np.ravel(back)].reshape(4, *flat.shape)
-        mean = mean / per_unit + zero
+        levels = ((1 - share, 0.0), (share / 2, level_e), (share / 2, -level_e))
+        each = []
+        for weight, shift_e in levels if share else levels[:1]:
+            at = dark_code + shift_e * gain
+            cases = np.stack([light, gain, spread, at, black, top]).reshape(6, -1)
+            different, back = np.unique(cases, axis=1, return_inverse=True)
+            found = np.array([_read_out(*one, dark_e=dark_e, use=use) for one in different.T]).T
+            one, square, low, high = found[:, np.ravel(back)].reshape(4, *flat.shape)
+            each.append(weight * np.stack([one, square + one**2, low, high]))
+        mean, variance, low, high = np.sum(each, axis=0)
+        variance, mean = variance - mean**2, mean / per_unit + zero
         shape = given.shape
         return Moments(
             mean=mean.reshape(shape),
@@ -342,7 +356,7 @@ class NoiseSampler:
         units = {"electron": np.ones_like(gain), "dn": 1 / gain}
         per_unit = units.get(unit, (camera.top_code_dn - black) / gain)
         fixed = read**2 + dark_e + self._dsnu_e(camera) ** 2
-        fixed = fixed + (camera.row_noise_e**2 if use.row else 0.0)
+        fixed = fixed + (camera.row_noise_e**2 if use.row else 0.0) + self._item_e2(camera)
         fixed = fixed + (1 / 12 / gain**2 if use.quantize else 0.0)
         scale = math.sqrt(tukey_lambda_variance(camera.tail_lambda[0])) if use.tails else 1.0
         dark_code = black + np.ravel(offset)
@@ -367,6 +381,36 @@ class NoiseSampler:
             self._patterns.of(PIXEL_GAIN, prnu, 0.0, *place) if prnu else _EMPTY,
             self._patterns.of(PIXEL_OFFSET, dsnu_e, -math.inf, *place) if dsnu_e else _EMPTY,
         )
+
+    def _item_e2(self, camera: CameraNoise) -> float:
+        """Variance of the offsets of one item that are not those of its rows. [e-^2]"""
+        share, level_e = camera.levels if self.levels else (0.0, 0.0)
+        return (camera.column_noise_e**2 if self.column else 0.0) + share * level_e**2
+
+    def _item_map(
+        self,
+        camera: CameraNoise,
+        shape: tuple[int, int],
+        first: tuple[int, int],
+        pattern: int,
+        item: int,
+    ) -> Float32[Array, "ih iw"]:
+        """Offsets of this item: one row of those of the columns, and the levels of pixels."""
+        from chromanoise.imaging.philox import COLUMN
+        from chromanoise.imaging.training_kernels import draw_levels, draw_pattern
+
+        share, level_e = camera.levels if self.levels else (0.0, 0.0)
+        found, key = _EMPTY, np.uint64(self.seed)
+        if self.column and camera.column_noise_e:
+            found = np.empty((1, shape[1]), np.float32)
+            spread, low, start = np.float32(camera.column_noise_e), np.float32(-np.inf), np.int64(0)
+            draw_pattern(spread, low, np.int64(COLUMN), start, start, np.uint64(item), key, found)
+        if share:
+            offsets = np.zeros(shape, np.float32)
+            at = (np.int64(first[0]), np.int64(first[1]), np.uint64(pattern), np.uint64(item))
+            draw_levels(np.float32(share), np.float32(level_e), *at, key, offsets)
+            found = offsets + found if found.size else offsets
+        return found
 
     def _in_rows(self, fill: Any, shape: tuple[int, int]) -> int:
         """The sum of ``fill`` over chunks of rows, on the threads."""
@@ -425,6 +469,8 @@ def sampler(
     prnu: bool = True,
     dsnu: bool = True,
     row: bool = True,
+    column: bool = True,
+    levels: bool = True,
     quantize: bool = True,
     clamp: bool = True,
     seed: int = 0,
@@ -442,8 +488,8 @@ def sampler(
         Whether dark electrons are counted; their mean is subtracted.
     prnu, dsnu
         Whether sensitivity and dark signal differ from pixel to pixel.
-    row
-        Whether there is row noise.
+    row, column, levels
+        Whether there is row noise, column noise, and random telegraph noise.
     quantize
         Whether the codes are rounded to whole numbers.
     clamp
@@ -492,6 +538,8 @@ def sampler(
         prnu=prnu,
         dsnu=dsnu,
         row=row,
+        column=column,
+        levels=levels,
         quantize=quantize,
         clamp=clamp,
         seed=seed,

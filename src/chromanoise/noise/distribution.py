@@ -141,9 +141,11 @@ def reading_distribution(
             remedy="take `sensor_moments`, whose mean and variance are exact",
         )
     counted, bounds = counted_readout(mean, noise, readout or Readout())
-    added = np.sqrt(np.broadcast_to(noise.added_variance_e2(mean), mean.shape))
+    shifts = noise.shifts if noise.readings == 1 else ((1.0, 0.0),)
+    smooth = replace(noise, without=noise.without | {"levels"}) if len(shifts) > 1 else noise
+    added = np.sqrt(np.broadcast_to(smooth.added_variance_e2(mean), mean.shape))
     step = bounds.step_e
-    low, high = _reach(counted, added)
+    low, high = _reach(counted, added, shifts)
     if high - low > _MOST_REACH_E:
         raise InputError(
             "noise",
@@ -154,13 +156,14 @@ def reading_distribution(
     if step and (high - low) ** 2 / step > _MOST_ENTRIES:
         step, added = 0.0, np.sqrt(added**2 + step**2 / 12)
     if step:
-        values, table = _rounded(counted, added, replace(bounds, step_e=step))
-    elif added.max() < _LEAST_NOISE_E:
-        values, table = _rounded(counted, np.zeros_like(added), Readout(step_e=1.0))
+        values, table = _rounded(counted, added, replace(bounds, step_e=step), shifts)
+    elif added.max() < _LEAST_NOISE_E and len(shifts) == 1:
+        values, table = _rounded(counted, np.zeros_like(added), Readout(step_e=1.0), shifts)
     else:
-        values, table = _continuous(counted, np.maximum(added, _LEAST_SD_E))
+        values, table = _continuous(counted, np.maximum(added, _LEAST_SD_E), shifts)
     values = values if step else values + bounds.offset_e
-    width = 0.0 if step or added.max() < _LEAST_NOISE_E else float(values[1] - values[0])
+    counts_alone = added.max() < _LEAST_NOISE_E and len(shifts) == 1
+    width = 0.0 if step or counts_alone else float(values[1] - values[0])
     values, table = _clipped(values, table, bounds)
     return ReadingDistribution(
         values_e=values,
@@ -201,51 +204,60 @@ def channel_distribution(
     return replace(every, probability=at_places.mean(axis=1))
 
 
-def _reach(counted: Float[Array, " k"], added: Float[Array, " k"]) -> tuple[float, float]:
+Shifts = tuple[tuple[float, float], ...]
+
+
+def _reach(
+    counted: Float[Array, " k"], added: Float[Array, " k"], shifts: Shifts
+) -> tuple[float, float]:
     lowest, highest = count_window(counted)
+    away = max(shift for _, shift in shifts)
     return (
-        math.floor(float((lowest - FARTHEST * added).min())),
-        math.ceil(float((highest + FARTHEST * added).max())),
+        math.floor(float((lowest - FARTHEST * added).min() - away)),
+        math.ceil(float((highest + FARTHEST * added).max() + away)),
     )
 
 
 def _continuous(
-    counted: Float[Array, " k"], added: Float[Array, " k"]
+    counted: Float[Array, " k"], added: Float[Array, " k"], shifts: Shifts
 ) -> tuple[Float[Array, " x"], Float[Array, "k x"]]:
     """Density times cell; single electrons lie on the grid."""
-    low, high = _reach(counted, added)
+    low, high = _reach(counted, added, shifts)
+    most = max(shift for _, shift in shifts)
     per_e = math.ceil(_PER_READ_NOISE / float(added.min()))
     values = low + np.arange((high - low) * per_e + 1) / per_e
     table = np.zeros((counted.size, values.size))
     for row, mean, sd in zip(table, counted, added, strict=True):
         counts, shares = count_law(float(mean))
         row[((counts - low) * per_e).astype(np.int64)] = shares
-        reach = math.ceil(FARTHEST * sd * per_e)
+        reach = math.ceil((FARTHEST * sd + most) * per_e)
         around = np.arange(-reach, reach + 1) / (sd * per_e)
-        row[:] = np.convolve(row, np.exp(-0.5 * around**2))[reach : reach + values.size]
+        bell = sum(w * np.exp(-0.5 * (around - shift / sd) ** 2) for w, shift in shifts)
+        row[:] = np.convolve(row, bell)[reach : reach + values.size]
     return values, table
 
 
 def _rounded(
-    counted: Float[Array, " k"], added: Float[Array, " k"], bounds: Readout
+    counted: Float[Array, " k"], added: Float[Array, " k"], bounds: Readout, shifts: Shifts
 ) -> tuple[Float[Array, " x"], Float[Array, "k x"]]:
     from scipy.special import ndtr
 
     step, offset = bounds.step_e, bounds.offset_e
-    low, high = _reach(counted, added)
+    low, high = _reach(counted, added, shifts)
     first, last = math.floor((low + offset) / step), math.ceil((high + offset) / step) + 1
     codes = np.arange(first, last + 1)
     table = np.zeros((counted.size, codes.size))
     for row, mean, sd in zip(table, counted, added, strict=True):
         counts, shares = count_law(float(mean))
-        if sd < _LEAST_NOISE_E:
-            at = np.floor((counts + offset) / step + 0.5).astype(np.int64) - first
-            np.add.at(row, at, shares)
-            continue
-        edges = (codes[:, None] - 0.5) * step - (counts + offset)
-        below, above = ndtr(edges / sd), ndtr(-edges / sd)
-        between = np.where(edges[:-1] > 0, above[:-1] - above[1:], below[1:] - below[:-1])
-        row[:-1] = between @ shares
+        for weight, shift in shifts:
+            if sd < _LEAST_NOISE_E:
+                at = np.floor((counts + offset + shift) / step + 0.5).astype(np.int64) - first
+                np.add.at(row, at, weight * shares)
+                continue
+            edges = (codes[:, None] - 0.5) * step - (counts + offset + shift)
+            below, above = ndtr(edges / sd), ndtr(-edges / sd)
+            between = np.where(edges[:-1] > 0, above[:-1] - above[1:], below[1:] - below[:-1])
+            row[:-1] += weight * (between @ shares)
     return codes * step, table
 
 

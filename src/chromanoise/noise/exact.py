@@ -47,14 +47,21 @@ def sensor_moments(mean_e: Float[Array, "*px p"], noise: NoiseSources, readout: 
     mean, n = _check.non_negative("mean_e", "e-", mean_e), noise.readings
     if noise.pattern is not None:
         return _over_places(mean, noise, noise.pattern, readout)
-    light, one, sd = noise.of_one_reading(mean)
+    smooth = replace(noise, without=noise.without | {"levels"})
+    light, one, sd = smooth.of_one_reading(mean)
     bounds = Readout(
         black_e=readout.black_e / n,
         full_well_e=readout.full_well_e / n + one.offset_e,
         step_e=readout.step_e or one.step_e,
         offset_e=one.offset_e,
     )
-    read = read_moments(light + noise.dark_e / n, read_noise_e=sd, readout=bounds)
+    counted = light + noise.dark_e / n
+    read = noise.over_levels(
+        lambda shift_e: read_moments(
+            counted, read_noise_e=sd, readout=replace(bounds, offset_e=one.offset_e + shift_e)
+        )
+    )
+    read = replace(read, bias=read.mean - light)
     return replace(read, mean=n * read.mean, variance=n * read.variance, bias=n * read.mean - mean)
 
 

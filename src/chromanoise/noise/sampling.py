@@ -65,7 +65,15 @@ def sample_electrons(
     gain = 1.0 + noise.sd("gain") * rng.standard_normal(mean_e.shape)
     electrons = rng.poisson(mean_e * np.maximum(gain, 0.0) + noise.dark_e).astype(np.float64)
     for drawn in NORMAL:
-        electrons += noise.sd(drawn) * rng.standard_normal(mean_e.shape)
+        sd = noise.sd(drawn)
+        if sd or drawn != "column":  # streams from before columns were drawn stay as they were
+            electrons += sd * rng.standard_normal(mean_e.shape)
+    share, away_e = noise.levels
+    if share:
+        level = rng.choice(
+            [0.0, away_e, -away_e], mean_e.shape, p=[1 - share, share / 2, share / 2]
+        )
+        electrons += level
     electrons += noise.black_error_e - noise.dark_e
     if noise.step_e:
         electrons = noise.step_e * np.floor(electrons / noise.step_e + 0.5)

@@ -12,7 +12,8 @@ Of binned pixels the values of `Pixel` are those of the sum (`chromanoise.sensor
 are all variances here.
 """
 
-from collections.abc import Mapping
+import math
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Literal
@@ -27,6 +28,7 @@ from chromanoise.errors import InputError, Setting
 from chromanoise.exposure import Exposure
 from chromanoise.noise.measurement import Measurement
 from chromanoise.noise.readout import (
+    Moments,
     Readout,
     additive_rounding_fails,
     largest_code_share,
@@ -243,7 +245,7 @@ class NoiseSources(PixelReading):
         """Variance of the fixed patterns that grow with the light: PRNU and crosstalk. [e-^2]"""
         square = self.coefficient("square", ALL)
         own = square * mean**2 if square else 0.0
-        if self.pattern is None or self.kind == "temporal":
+        if self.pattern is None:
             return own
         pattern = self.pattern_e2(mean)
         return own + (1 + square * self.pattern.counted) * pattern
@@ -331,9 +333,16 @@ class NoiseSources(PixelReading):
                 bias[..., i] = np.where(at, read_e.mean(axis=-1) - mean[..., i], 0.0)
                 variance[..., i] = np.where(at, spread + read_e.var(axis=-1), variance[..., i])
         elif coarse.any():
-            light, readout, sd = own.of_one_reading(mean)
+            smooth = replace(own, without=own.without | {"levels"})
+            light, readout, sd = smooth.of_one_reading(mean)
             counted = (light + own.dark_e / own.readings)[coarse]
-            read = read_moments(counted, read_noise_e=sd[coarse], readout=readout)
+            read = own.over_levels(
+                lambda shift_e: read_moments(
+                    counted,
+                    read_noise_e=sd[coarse],
+                    readout=replace(readout, offset_e=readout.offset_e + shift_e),
+                )
+            )
             bias[coarse] = own.readings * read.mean - mean[coarse] - own.black_error_e
             variance[coarse] = own.readings * read.variance
         return bias, variance
@@ -378,6 +387,39 @@ class NoiseSources(PixelReading):
         return mean_e / n, readout, sd
 
     @property
+    def shifts(self) -> tuple[tuple[float, float], ...]:
+        """The levels of one reading: their shares of pixels and frames, and where they are. [e-]"""
+        share, away_e = self.levels
+        if not share:
+            return ((1.0, 0.0),)
+        away_e = away_e / math.sqrt(self.readings)
+        return ((1 - share, 0.0), (share / 2, away_e), (share / 2, -away_e))
+
+    def over_levels(self, read: Callable[[float], Moments]) -> Moments:
+        """Moments of one reading over the pixels with one level and with two.
+
+        Parameters
+        ----------
+        read
+            The moments where all readings are shifted by so many electrons.
+        """
+        each = [(weight, read(shift_e)) for weight, shift_e in self.shifts]
+        if len(each) == 1:
+            return each[0][1]
+
+        def mean_of(value: Callable[[Moments], Array]) -> Array:
+            return np.asarray(sum(weight * value(one) for weight, one in each))
+
+        mean = mean_of(lambda one: one.mean)
+        return Moments(
+            mean=mean,
+            variance=mean_of(lambda one: one.variance + (one.mean - mean) ** 2),
+            bias=mean_of(lambda one: one.bias),
+            black_share=np.minimum(mean_of(lambda one: one.black_share), 1.0),
+            full_share=np.minimum(mean_of(lambda one: one.full_share), 1.0),
+        )
+
+    @property
     def one_reading(self) -> "NoiseSources":
         """The sources of each of the readings that are summed, without the pattern."""
         n = self.readings
@@ -398,13 +440,13 @@ class NoiseSources(PixelReading):
     @property
     def temporal(self) -> "NoiseSources":
         """The sources without the fixed patterns, which are the same in every frame."""
-        return replace(self, kind="temporal", pattern=None)
+        return replace(self, without=FIXED, pattern=None)
 
     @property
     def has_fixed_pattern(self) -> bool:
         """Whether a source is the same in every frame."""
         fixed = any(one.value(self) for one in SOURCES if one.drawn in FIXED)
-        return self.kind == "total" and (fixed or self.pattern is not None)
+        return self.pattern is not None or (fixed and not self.without >= FIXED)
 
     @property
     def beyond_shot_and_read(self) -> bool:

@@ -70,6 +70,11 @@ class CameraNoise:
         Standard deviation of the sensitivity over the pixels. [1]
     row_noise_e
         Standard deviation of the offset that all pixels of a row share, new in each frame. [e-]
+    column_noise_e
+        The same of the pixels of a column. [e-]
+    levels
+        Share of the pixels that read one of two levels, each in half of the frames, and how far
+        both are from their mean: random telegraph noise. [1], [e-]
     tail_lambda
         Shapes of the Tukey lambda distribution of the read noise, one of which is used per item;
         empty for normal read noise. The variance is ``read_noise_e`` squared for every shape. [1]
@@ -116,6 +121,8 @@ class CameraNoise:
     dsnu_e: float = 0.0
     prnu: float = 0.0
     row_noise_e: float = 0.0
+    column_noise_e: float = 0.0
+    levels: tuple[float, float] = (0.0, 0.0)
     tail_lambda: tuple[float, ...] = ()
     read_noise_law: ReadNoiseLaw | None = None
     row_noise_law: LogLinearNoise | ReadNoiseTable | None = None
@@ -406,6 +413,8 @@ class CameraNoise:
             dsnu_e=reading.sd("pattern"),
             prnu=reading.sd("gain"),
             row_noise_e=reading.sd("row"),
+            column_noise_e=reading.sd("column"),
+            levels=reading.levels,
             black_offsets_dn=np.full((1, _channels(sensor, count)), error_dn) if error_dn else None,
         )
 

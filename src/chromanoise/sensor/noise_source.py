@@ -13,19 +13,22 @@ NoiseKind = Literal["total", "temporal"]
 
 PATTERN = "crosstalk pattern"
 
-Drawn = Literal["count", "reading", "rounding", "row", "pattern", "gain", "place"]
+Drawn = Literal[
+    "count", "reading", "levels", "row", "column", "rounding", "pattern", "gain", "place"
+]
 """How a source is drawn.
 
 ``count``: electrons that are counted (Poisson). Normal and new in every frame: ``reading`` of each
-pixel, ``row`` for all pixels of a row. ``rounding``: to codes. The same in every frame: an offset
+pixel, ``row`` and ``column`` for all pixels of a row or column. ``levels``: some pixels read one of
+two levels, each in half of the frames. ``rounding``: to codes. The same in every frame: an offset
 of each pixel (``pattern``), its sensitivity (``gain``), its ``place`` in the mosaic.
 """
 ALL = frozenset[Drawn](get_args(Drawn))
 FIXED = frozenset[Drawn]({"pattern", "gain", "place"})
 """What is the same in every frame: spatial noise."""
-NORMAL: tuple[Drawn, ...] = ("reading", "row", "pattern")
+NORMAL: tuple[Drawn, ...] = ("reading", "row", "pattern", "column")
 """Normal offsets."""
-READ_OUT = frozenset[Drawn]({"reading", "rounding", "row", "place"})
+READ_OUT = frozenset[Drawn]({"reading", "levels", "row", "column", "rounding", "place"})
 """What the readout adds after the electrons are counted, so that crosstalk does not mix it."""
 
 
@@ -43,6 +46,8 @@ class NoiseSource:
         The coefficient of `chromanoise.sensor.VarianceLaw` that it adds to.
     value
         Its part of the coefficient. [e-^2], [e-] or [1]
+    share
+        Share of the pixels that have it. [1]
     words
         What it is, where the cause does not say it.
     """
@@ -51,6 +56,7 @@ class NoiseSource:
     drawn: Drawn
     term: Literal["floor_e2", "slope_e", "square"]
     value: Callable[["PixelReading"], float]
+    share: Callable[["PixelReading"], float] = lambda of: 1.0
     words: str = ""
 
 
@@ -66,8 +72,8 @@ class PixelReading:
         Mean number of dark electrons; the mean is subtracted, their shot noise stays. [e-]
     step_e
         Electrons per code; 0 where nothing is rounded. [e-]
-    kind
-        ``temporal`` for the sources that change from frame to frame, without the fixed patterns.
+    without
+        Sources that are left out: `FIXED` for the temporal noise.
 
     Raises
     ------
@@ -78,7 +84,7 @@ class PixelReading:
     pixel: Pixel
     dark_e: float = 0.0
     step_e: float = 0.0
-    kind: NoiseKind = "total"
+    without: frozenset[Drawn] = frozenset()
 
     def __post_init__(self) -> None:
         for name in ("dark_e", "step_e"):
@@ -94,11 +100,10 @@ class PixelReading:
         drawn, but
             The sources that count: drawn in one of these ways, but not in those.
         """
-        never = FIXED if self.kind == "temporal" else ()
         return sum(
             one.value(self)
             for one in SOURCES
-            if one.term == term and one.drawn in drawn and one.drawn not in (*but, *never)
+            if one.term == term and one.drawn in drawn and one.drawn not in (*but, *self.without)
         )
 
     def sd(self, drawn: Drawn) -> float:
@@ -110,6 +115,15 @@ class PixelReading:
             The way.
         """
         return math.sqrt(self.coefficient("square" if drawn == "gain" else "floor_e2", (drawn,)))
+
+    @property
+    def levels(self) -> tuple[float, float]:
+        """Share of the pixels with two levels [1], and how far each is from their mean. [e-]"""
+        for one in SOURCES:
+            if one.drawn == "levels" and "levels" not in self.without and one.value(self):
+                share = one.share(self)
+                return share, math.sqrt(one.value(self) / share)
+        return 0.0, 0.0
 
 
 SOURCES = (
