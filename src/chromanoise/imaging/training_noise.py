@@ -72,7 +72,8 @@ class NoisySample:
     -----
     The variance is that over frames and over pixels: M + D + (PRNU M)^2 + s^2 + DSNU^2 + row^2 +
     column^2 + telegraph noise in e-^2, plus 1/12 DN^2 for rounding, of the parts that are switched
-    on. The rounding term is exact where the other noise is 1.5 DN or more; `NoiseSampler.exact_moments` is always exact.
+    on. The rounding term is exact where the other noise is 1.5 DN or more;
+    `NoiseSampler.exact_moments` is always exact.
     """
 
     noisy: Float32[Array, "..."]
@@ -271,10 +272,10 @@ class NoiseSampler:
             cases = np.stack([light, gain, spread, at, black, top]).reshape(6, -1)
             different, back = np.unique(cases, axis=1, return_inverse=True)
             found = np.array([_read_out(*one, dark_e=dark_e, use=use) for one in different.T]).T
-            one, square, low, high = found[:, np.ravel(back)].reshape(4, *flat.shape)
-            each.append(weight * np.stack([one, square + one**2, low, high]))
-        mean, variance, low, high = np.sum(each, axis=0)
-        variance, mean = variance - mean**2, mean / per_unit + zero
+            each.append((weight, found[:, np.ravel(back)].reshape(4, *flat.shape)))
+        mean, _, low, high = np.sum([weight * one for weight, one in each], axis=0)
+        variance = np.sum([w * (one[1] + (one[0] - mean) ** 2) for w, one in each], axis=0)
+        mean = mean / per_unit + zero
         shape = given.shape
         return Moments(
             mean=mean.reshape(shape),
