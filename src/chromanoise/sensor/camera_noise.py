@@ -482,7 +482,7 @@ class CameraNoise:
         )
 
 
-_PLAIN = ("dark_current_e_per_s", "dsnu_e", "prnu", "row_noise_e")
+_PLAIN = ("dark_current_e_per_s", "dsnu_e", "prnu", "row_noise_e", "column_noise_e")
 
 
 def _channels(sensor: Sensor, count: int) -> int:

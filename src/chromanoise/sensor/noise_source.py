@@ -144,6 +144,10 @@ SOURCES = (
         cause="row noise", drawn="row", term="floor_e2", value=lambda of: of.pixel.row_noise_e**2
     ),
     NoiseSource(
+        cause="column noise", drawn="column", term="floor_e2",
+        value=lambda of: of.pixel.column_noise_e**2,
+    ),
+    NoiseSource(
         cause="DSNU", drawn="pattern", term="floor_e2", value=lambda of: of.pixel.dsnu_e**2,
         words="fixed pattern in the dark",
     ),

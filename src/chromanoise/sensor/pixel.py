@@ -50,6 +50,8 @@ class Pixel:
         Standard deviation of the sensitivity over the pixels, e.g. 0.01. [1]
     row_noise_e
         Standard deviation of the offset that all pixels of a row share. [e-]
+    column_noise_e
+        Standard deviation of the offset that all pixels of a column share, new in each frame. [e-]
     black_error_e
         Error of the subtracted black level: a bias of every reading, of either sign. [e-]
     temperature_c
@@ -131,6 +133,14 @@ class Pixel:
             label="row noise", unit="e-", least=0.0, most=_MOST, slider=(0.0, 20.0, 0.2),
             help="Noise common to a row [e-].",
             growth=Growth(readings=0.5, columns=0.5),
+        ),
+    ] = 0.0  # fmt: skip
+    column_noise_e: Annotated[
+        float,
+        Property(
+            label="column noise", unit="e-", least=0.0, most=_MOST, slider=(0.0, 20.0, 0.2),
+            help="Noise common to a column, new in each frame [e-].",
+            growth=Growth(readings=0.5, rows=0.5),
         ),
     ] = 0.0  # fmt: skip
     black_error_e: Annotated[

@@ -1,0 +1,187 @@
+"""Each noise source of the list: closed form, distribution, all draws and the budget agree."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from chromanoise.analysis import analyzed, color_budgets
+from chromanoise.catalog import sensor_named
+from chromanoise.exposure import Exposure, OperatingPoint
+from chromanoise.imaging import Work, acquired
+from chromanoise.imaging.render import rendered_electrons
+from chromanoise.metrics import snr_db
+from chromanoise.noise import (
+    Readout,
+    few_electrons,
+    monte_carlo,
+    noise_sources,
+    reading_distribution,
+    sample_electrons,
+    sampler,
+    sensor_moments,
+    with_noise,
+)
+from chromanoise.rng import stream
+from chromanoise.scene import flat_cube, flat_field
+from chromanoise.sensor import (
+    EXTRA_NOISE,
+    PIXEL,
+    Adc,
+    CameraNoise,
+    Mosaic,
+    Pixel,
+    with_pixel,
+)
+from chromanoise.sensor.noise_source import FIXED, SOURCES
+from chromanoise.spectra import DEFAULT_GRID, Grid, equal_energy
+from strategies import white_channel
+
+TIME_S, STEP_E, BLACK_DN = 0.02, 0.25, 4000
+GRID = Grid.uniform(500, 600, 10)
+EXPOSURE = Exposure(time_s=TIME_S, f_number=8.0)
+QUIET = Pixel(pitch_um=5, full_well_e=1e5, read_noise_e=0.5)
+AMOUNTS = {"rtn_share": 0.2, "rtn_amplitude_e": 30.0, "prnu": 0.15, "dark_current_e_per_s": 5000.0}
+"""Enough for the source to be most of the noise; else a third of the slider's range."""
+OF_PIXEL = [one.cause for one in SOURCES if one.drawn not in ("rounding", "place")]
+SIDE, FRAMES = 192, 12
+
+
+def amount(name):
+    return AMOUNTS.get(name, PIXEL[name].slider[1] / 3)
+
+
+def pixel_with_only(cause):
+    """A pixel in which this source is the only one besides a little read noise."""
+    source = next(one for one in SOURCES if one.cause == cause)
+    names = [name for name in (*EXTRA_NOISE, "read_noise_e") if name != "black_error_e"]
+    full = replace(QUIET, **{name: amount(name) for name in names})
+
+    def value(pixel):
+        return source.value(noise_sources(camera(pixel), EXPOSURE))
+
+    needless = [name for name in names if value(replace(full, **{name: 0.0})) == value(full)]
+    return replace(full, **{name: getattr(QUIET, name) for name in needless})
+
+
+def camera(pixel, name="one"):
+    return replace(white_channel(pixel=pixel, grid=GRID), name=name)
+
+
+def point(pixel, name="one"):
+    return OperatingPoint(
+        sensor=camera(pixel, name), exposure=EXPOSURE, illuminant=equal_energy(GRID), level_lux=2.0
+    )
+
+
+def flat(height=SIDE, width=SIDE):
+    return flat_cube(GRID.wavelength_nm, 1.0, height=height, width=width)
+
+
+def pictures(pixel, frames, *, new_sensor=True):
+    """Electrons of raw pictures of a flat, of many sensors or of one, and what was expected."""
+    adc = Adc(bits=16, gain_e_per_dn=STEP_E, black_level_dn=BLACK_DN)
+    values = []
+    for number in range(frames):
+        one = point(pixel, f"sensor {number}" if new_sensor else "one")
+        mosaic = Mosaic(((one.sensor.names[0],),))
+        raw = acquired(flat(), one, mosaic=mosaic, adc=adc, frame=number, work=Work(threads=1))
+        values.append(STEP_E * (raw.codes.astype(float) - BLACK_DN))
+    return np.array(values), float(raw.mean_e[0])
+
+
+def variance_is(found, expected):
+    """Within 5 standard errors of a normal variate of the fewest rows or columns, and its tails."""
+    assert found == pytest.approx(expected, rel=5 * np.sqrt(2.5 / (SIDE * FRAMES)) + 0.01)
+
+
+@pytest.mark.parametrize("cause", OF_PIXEL)
+def test_raw_pictures_have_the_variance_of_the_closed_form(cause):
+    pixel = pixel_with_only(cause)
+    values, mean_e = pictures(pixel, FRAMES)
+    expected = with_noise(np.array([mean_e]), camera(pixel), EXPOSURE).variance[0]
+    variance_is(((values - mean_e) ** 2).mean(), expected + STEP_E**2 / 12)
+
+
+@pytest.mark.parametrize("cause", OF_PIXEL)
+def test_frames_of_one_sensor_differ_by_the_temporal_noise(cause):
+    pixel = pixel_with_only(cause)
+    values, mean_e = pictures(pixel, FRAMES, new_sensor=False)
+    law = noise_sources(camera(pixel), EXPOSURE).law("temporal")
+    temporal = values.var(axis=0, ddof=1).mean()
+    variance_is(temporal, law.variance_e2(mean_e) + STEP_E**2 / 12)
+    if next(one.drawn for one in SOURCES if one.cause == cause) in FIXED:
+        spatial = values.mean(axis=0).var() - temporal / FRAMES
+        expected = noise_sources(camera(pixel), EXPOSURE).law("spatial").variance_e2(mean_e)
+        assert spatial == pytest.approx(expected, rel=0.05)
+
+
+@pytest.mark.parametrize("cause", OF_PIXEL)
+def test_color_pictures_have_the_variance_of_the_closed_form(cause):
+    pixel = pixel_with_only(cause)
+    values = []
+    for number in range(FRAMES):
+        one = point(pixel, f"sensor {number}")
+        picture = rendered_electrons(flat(), one, work=Work(threads=1))
+        values.append(picture.values_e[..., 0].astype(float))
+    mean_e = float(picture.mean_e[0])
+    expected = with_noise(np.array([mean_e]), camera(pixel), EXPOSURE).variance[0]
+    variance_is(((np.array(values) - mean_e) ** 2).mean(), expected)
+
+
+@pytest.mark.parametrize("cause", OF_PIXEL)
+def test_training_data_have_the_variance_of_the_closed_form(cause):
+    pixel = pixel_with_only(cause)
+    noise = CameraNoise.from_sensor(camera(pixel))
+    add_noise = sampler(noise, quantize=False, clamp=False, seed=3)
+    clean = np.full((SIDE, SIDE), 40.0)
+    samples = [
+        add_noise(clean, unit="electron", item=i, pattern=i, time_s=TIME_S) for i in range(FRAMES)
+    ]
+    found = np.mean([((one.noisy - 40.0) ** 2).mean() for one in samples])
+    expected = with_noise(np.array([40.0]), camera(pixel), EXPOSURE).variance[0]
+    assert float(samples[0].variance.mean()) == pytest.approx(expected, rel=1e-5)
+    variance_is(found, expected)
+
+
+@pytest.mark.parametrize("cause", OF_PIXEL)
+def test_monte_carlo_and_the_exact_moments_have_the_variance_of_the_closed_form(cause):
+    pixel = pixel_with_only(cause)
+    noise, mean = noise_sources(camera(pixel), EXPOSURE), np.array([40.0])
+    expected = with_noise(mean, camera(pixel), EXPOSURE).variance[0]
+    estimate = monte_carlo(mean, pixel, np.eye(1), draws=40_000, seed=5, noise=noise)
+    assert estimate.sd[0] ** 2 == pytest.approx(expected, rel=0.06)
+    assert sensor_moments(mean, noise, Readout()).variance[0] == pytest.approx(expected, rel=1e-9)
+
+
+@pytest.mark.parametrize("cause", OF_PIXEL)
+def test_the_distribution_has_the_moments_of_the_draws(cause):
+    pixel = pixel_with_only(cause)
+    noise, mean = noise_sources(camera(pixel), EXPOSURE), np.array([12.0])
+    if not few_electrons(mean, noise)[0]:
+        pytest.skip("treated as normal")
+    found = reading_distribution(mean, noise)
+    drawn = sample_electrons(np.full(400_000, 12.0), pixel, stream(7), noise=noise)
+    share, at = found.probability[0], found.values_e
+    first = share @ at
+    assert first == pytest.approx(12.0, abs=0.01)
+    second = share @ (at - first) ** 2
+    assert second == pytest.approx(noise.variance_e2(mean)[0], rel=2e-3)
+    fourth = share @ (at - first) ** 4 / second**2
+    drawn_fourth = ((drawn - drawn.mean()) ** 4).mean() / drawn.var() ** 2
+    if cause != "PRNU":  # whose product with the count is taken as normal
+        assert drawn_fourth == pytest.approx(fourth, rel=0.05)
+
+
+@pytest.mark.parametrize("cause", OF_PIXEL)
+def test_the_budget_ends_at_the_snr_of_the_table_and_names_the_source(cause):
+    own = pixel_with_only(cause)
+    changes = {name: getattr(own, name) for name in EXTRA_NOISE}
+    sensor = with_pixel(sensor_named("onyx-rgb-ircut", DEFAULT_GRID), changes)
+    scene = flat_field(equal_energy(DEFAULT_GRID), level_lux=10.0)
+    found = analyzed(scene, sensor, Exposure(time_s=TIME_S))
+    for budget, in_table in zip(color_budgets(found), snr_db(found.color).values(), strict=True):
+        losses = {cost.cause: cost.loss_db for cost in budget.costs}
+        assert abs(losses["rest"]) < 0.01  # the color error of the matrix
+        assert budget.snr_db == pytest.approx(in_table, abs=1e-9)
+        assert cause == "shot noise" or losses[cause] > 0
