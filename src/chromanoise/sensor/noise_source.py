@@ -12,6 +12,7 @@ NoiseKind = Literal["total", "temporal"]
 """All noise of one reading over a flat field, or only what changes from frame to frame."""
 
 PATTERN = "crosstalk pattern"
+BOLTZMANN_J_PER_K, CHARGE_C = 1.380649e-23, 1.602176634e-19
 
 Drawn = Literal[
     "count", "reading", "levels", "row", "column", "rounding", "pattern", "gain", "place"
@@ -126,6 +127,28 @@ class PixelReading:
         return 0.0, 0.0
 
 
+def reset_noise_e2(capacitance_ff: float, temperature_k: float) -> float:
+    """Variance of the electrons that a reset leaves on a capacitance. [e-^2]
+
+    Parameters
+    ----------
+    capacitance_ff
+        Capacitance of the node. [fF]
+    temperature_k
+        Temperature of the node. [K]
+
+    Notes
+    -----
+    k T C / q^2: equipartition, Nyquist (Phys. Rev. 32, 1928); constants of the SI, 2019.
+
+    Examples
+    --------
+    >>> round(math.sqrt(reset_noise_e2(19.2, 293.15)), 3)
+    55.021
+    """
+    return BOLTZMANN_J_PER_K * temperature_k * capacitance_ff * 1e-15 / CHARGE_C**2
+
+
 SOURCES = (
     NoiseSource(cause="shot noise", drawn="count", term="slope_e", value=lambda of: 1.0),
     NoiseSource(
@@ -146,6 +169,11 @@ SOURCES = (
     NoiseSource(
         cause="column noise", drawn="column", term="floor_e2",
         value=lambda of: of.pixel.column_noise_e**2,
+    ),
+    NoiseSource(
+        cause="reset noise", drawn="reading", term="floor_e2",
+        value=lambda of: reset_noise_e2(of.pixel.reset_capacitance_ff, of.pixel.temperature_k),
+        words="kTC of the floating node",
     ),
     NoiseSource(
         cause="DSNU", drawn="pattern", term="floor_e2", value=lambda of: of.pixel.dsnu_e**2,

@@ -52,6 +52,9 @@ class Pixel:
         Standard deviation of the offset that all pixels of a row share. [e-]
     column_noise_e
         Standard deviation of the offset that all pixels of a column share, new in each frame. [e-]
+    reset_capacitance_ff
+        Capacitance of the node that is reset, whose noise is in every reading; 0 with correlated
+        double sampling, which subtracts it. [fF]
     black_error_e
         Error of the subtracted black level: a bias of every reading, of either sign. [e-]
     temperature_c
@@ -143,6 +146,15 @@ class Pixel:
             growth=Growth(readings=0.5, rows=0.5),
         ),
     ] = 0.0  # fmt: skip
+    reset_capacitance_ff: Annotated[
+        float,
+        Property(
+            label="reset capacitance", unit="fF", least=0.0, most=1e6, slider=(0.0, 20.0, 0.1),
+            help="Capacitance whose reset is read with its noise (kTC) [fF]; 0 with correlated "
+            "double sampling.",
+            growth=Growth(readings=1),
+        ),
+    ] = 0.0  # fmt: skip
     black_error_e: Annotated[
         float,
         Property(
@@ -191,6 +203,12 @@ class Pixel:
                 value=self.summed_readings,
             )
         object.__setattr__(self, "summed_readings", int(self.summed_readings))
+
+    @property
+    def temperature_k(self) -> float:
+        """Temperature of the sensor. [K]"""
+        celsius = self.dark_reference_c if self.temperature_c is None else self.temperature_c
+        return celsius - _COLDEST_C
 
     @property
     def temperature_factor(self) -> float:
