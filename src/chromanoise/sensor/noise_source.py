@@ -176,6 +176,12 @@ SOURCES = (
         words="kTC of the floating node",
     ),
     NoiseSource(
+        cause="telegraph noise", drawn="levels", term="floor_e2",
+        value=lambda of: of.pixel.rtn_share * (of.pixel.rtn_amplitude_e / 2) ** 2,
+        share=lambda of: of.pixel.rtn_share,
+        words="a few pixels between two levels",
+    ),
+    NoiseSource(
         cause="DSNU", drawn="pattern", term="floor_e2", value=lambda of: of.pixel.dsnu_e**2,
         words="fixed pattern in the dark",
     ),

@@ -55,6 +55,9 @@ class Pixel:
     reset_capacitance_ff
         Capacitance of the node that is reset, whose noise is in every reading; 0 with correlated
         double sampling, which subtracts it. [fF]
+    rtn_share, rtn_amplitude_e
+        Share of the pixels with random telegraph noise, and the distance of their two levels, each
+        of which is read in half of the frames. [1], [e-]
     black_error_e
         Error of the subtracted black level: a bias of every reading, of either sign. [e-]
     temperature_c
@@ -153,6 +156,24 @@ class Pixel:
             help="Capacitance whose reset is read with its noise (kTC) [fF]; 0 with correlated "
             "double sampling.",
             growth=Growth(readings=1),
+        ),
+    ] = 0.0  # fmt: skip
+    rtn_share: Annotated[
+        float,
+        Property(
+            label="share of pixels with telegraph noise", unit="1", least=0.0, most=1.0,
+            slider=(0.0, 0.2, 0.001),
+            help="Share of the pixels with random telegraph noise, e.g. 0.01 for 1 % [1].",
+            remedy="write 1 percent as 0.01",
+        ),
+    ] = 0.0  # fmt: skip
+    rtn_amplitude_e: Annotated[
+        float,
+        Property(
+            label="amplitude of telegraph noise", unit="e-", least=0.0, most=_MOST,
+            slider=(0.0, 100.0, 1.0),
+            help="Distance of the two levels of random telegraph noise [e-].",
+            growth=Growth(readings=0.5),
         ),
     ] = 0.0  # fmt: skip
     black_error_e: Annotated[
