@@ -174,7 +174,7 @@ def test_bad_bursts_are_refused():
         merged_frames(planes, [BurstFrame(values_e=np.full((8, 8, 1), np.inf, np.float32))])
     with refused_input(subject="exposure of a frame", value=0.0):
         BurstFrame(values_e=planes.values_e, exposure=0.0)
-    with refused_input(subject="floor_e2", value=-1.0):
+    with refused_input(subject="floor_e2 without that of a part", value=-1.0):
         merged_frames(planes, [], fixed=VarianceLaw(floor_e2=101.0))
     with refused_input(subject="window_px", value=2):
         merged_frames(planes, [], window_px=2)

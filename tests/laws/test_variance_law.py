@@ -54,7 +54,7 @@ def test_planes_are_taken_by_index_flag_or_all_alike():
 
 
 def test_wrong_laws_are_refused():
-    with refused_input(subject="floor_e2", value=-1.0):
+    with refused_input(subject="floor_e2 without that of a part", value=-1.0):
         VarianceLaw(floor_e2=1.0) - VarianceLaw(floor_e2=2.0)
     with refused_input(subject="square", value=np.inf):
         VarianceLaw(square=np.inf)

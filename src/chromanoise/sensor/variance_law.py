@@ -9,6 +9,8 @@ from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._shapes import Bool, Float, Int
 
+_UNITS = {"floor_e2": "e-^2", "slope_e": "e-", "square": "1"}
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class VarianceLaw:
@@ -44,10 +46,9 @@ class VarianceLaw:
     square: float | Float[Array, " p"] = 0.0
 
     def __post_init__(self) -> None:
-        units = {"floor_e2": "e-^2", "slope_e": "e-", "square": "1"}
-        for name, unit in units.items():
+        for name, unit in _UNITS.items():
             _check.non_negative(name, unit, getattr(self, name))
-        arrays = [name for name in units if np.ndim(getattr(self, name))]
+        arrays = [name for name in _UNITS if np.ndim(getattr(self, name))]
         _check.same_length("planes", **{name: np.size(getattr(self, name)) for name in arrays})
         _check.freeze(self, *arrays)
 
@@ -134,19 +135,14 @@ class VarianceLaw:
 
     def __add__(self, other: "VarianceLaw") -> "VarianceLaw":
         """The law of two independent sources together."""
-        return VarianceLaw(
-            floor_e2=self.floor_e2 + other.floor_e2,
-            slope_e=self.slope_e + other.slope_e,
-            square=self.square + other.square,
-        )
+        return VarianceLaw(**{name: getattr(self, name) + getattr(other, name) for name in _UNITS})
 
     def __sub__(self, part: "VarianceLaw") -> "VarianceLaw":
         """The law without one of its independent sources; refused if that one is larger."""
-        return VarianceLaw(
-            floor_e2=self.floor_e2 - part.floor_e2,
-            slope_e=self.slope_e - part.slope_e,
-            square=self.square - part.square,
-        )
+        rest = {name: getattr(self, name) - getattr(part, name) for name in _UNITS}
+        for name, unit in _UNITS.items():
+            _check.non_negative(f"{name} without that of a part", unit, rest[name])
+        return VarianceLaw(**rest)
 
 
 def _law(coefficients: Float[Array, "3 *p"]) -> VarianceLaw:
