@@ -20,6 +20,7 @@ from chromanoise.denoising import NoisyPlanes, denoised_planes
 from chromanoise.denoising.guided import GUIDED
 from chromanoise.imaging.work import Work
 from chromanoise.rng import stream
+from chromanoise.sensor import VarianceLaw
 
 SIDE, COUNT, THREADS, ROUNDS = 1024, 4, 2, 3
 READ_NOISE_E = 10.0
@@ -33,9 +34,7 @@ def noisy_planes() -> NoisyPlanes:
     noisy_e = rng.poisson(mean_e) + READ_NOISE_E * rng.normal(size=mean_e.shape)
     return NoisyPlanes(
         values_e=noisy_e.astype(np.float32),
-        floor_e2=np.full(COUNT, READ_NOISE_E**2),
-        slope_e=np.ones(COUNT),
-        prnu=np.zeros(COUNT),
+        law=VarianceLaw(floor_e2=READ_NOISE_E**2, slope_e=1.0),
         prior_e2=np.cov(blocks.reshape(-1, COUNT).T),
         prior_mean_e=blocks.mean(axis=(0, 1)),
         names=("R", "G", "B", "W"),

@@ -3,6 +3,7 @@
 import numpy as np
 
 from chromanoise.denoising import NoisyPlanes
+from chromanoise.sensor import VarianceLaw
 
 
 def planes_of(values_e, *, light=100.0, likeness=0.9):
@@ -12,9 +13,7 @@ def planes_of(values_e, *, light=100.0, likeness=0.9):
     alike = likeness + (1 - likeness) * np.eye(p)
     return NoisyPlanes(
         values_e=values_e.astype(np.float32),
-        floor_e2=np.full(p, 100.0),
-        slope_e=np.ones(p),
-        prnu=np.full(p, 0.01),
+        law=VarianceLaw(floor_e2=100.0, slope_e=1.0, square=0.01**2),
         prior_e2=0.2 * alike * np.outer(strength, strength),
         prior_mean_e=strength,
         names=tuple(f"plane {i}" for i in range(p)),

@@ -10,6 +10,7 @@ from chromanoise.denoising.aggregate import AGGREGATE, LEAST_SNR
 from chromanoise.denoising.guided import USUAL, WIDE, guided_estimate
 from chromanoise.imaging import Work
 from chromanoise.rng import stream
+from chromanoise.sensor import VarianceLaw
 from noisy_planes import planes_of
 
 BRIGHT, DIM = 400.0, 1.0
@@ -49,9 +50,7 @@ def test_planes_without_noise_return_unchanged():
     planes = blocks(24, 24, BRIGHT)
     some = replace(
         planes,
-        floor_e2=np.array([0.0, 100.0]),
-        slope_e=np.array([0.0, 1.0]),
-        prnu=np.zeros(2),
+        law=VarianceLaw(floor_e2=np.array([0.0, 100.0]), slope_e=np.array([0.0, 1.0])),
     )
     found = AGGREGATE.denoise(some)
     np.testing.assert_array_equal(found[..., 0], some.values_e[..., 0])

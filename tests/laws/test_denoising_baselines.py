@@ -8,6 +8,7 @@ import pytest
 from chromanoise.denoising import DENOISING, NoisyPlanes, denoised_planes, stabilized, unstabilized
 from chromanoise.denoising.baselines import BASELINES
 from chromanoise.rng import stream
+from chromanoise.sensor import VarianceLaw
 from outcomes import refused_input
 
 DRAWS = 40_000
@@ -19,9 +20,7 @@ def planes_of(values_e, *, read_noise_e, slope_e=1.0, prnu=0.0, prior_e2=None, p
     count = values_e.shape[-1]
     return NoisyPlanes(
         values_e=values_e.astype(np.float32),
-        floor_e2=np.full(count, read_noise_e**2),
-        slope_e=np.full(count, slope_e),
-        prnu=np.full(count, prnu),
+        law=VarianceLaw(floor_e2=read_noise_e**2, slope_e=slope_e, square=prnu**2),
         prior_e2=np.eye(count) if prior_e2 is None else prior_e2,
         prior_mean_e=np.ones(count) if prior_mean_e is None else prior_mean_e,
         names=tuple("RGBW"[:count]),

@@ -7,6 +7,7 @@ import pytest
 
 from chromanoise.denoising import BurstFrame, merged_frames
 from chromanoise.rng import stream
+from chromanoise.sensor import VarianceLaw
 from noisy_planes import planes_of
 from outcomes import refused_input
 
@@ -17,14 +18,13 @@ def camera(*, p=1, floor=100.0, prnu=0.0):
     """The first frame, still without values."""
     return replace(
         planes_of(np.zeros((1, 1, p))),
-        floor_e2=np.full(p, floor),
-        prnu=np.full(p, prnu),
+        law=VarianceLaw(floor_e2=floor, slope_e=1.0, square=prnu**2),
     )
 
 
 def draw_frames(planes, means, rng, exposures, *, gains=1.0, offsets=0.0, fixed=0.0):
     """Frames of a scene of mean electrons, with Poisson and Gaussian noise and fixed patterns."""
-    read = np.sqrt(planes.floor_e2 - fixed)
+    read = np.sqrt(planes.law.floor_e2 - fixed)
     return [
         (rng.poisson(gains * means * t) + offsets + rng.normal(size=means.shape) * read).astype(
             np.float32
@@ -51,7 +51,13 @@ def test_noise_of_the_result_is_that_of_draws(exposures):
             planes, np.full((SIDE, SIDE, 1), level), rng, exposures,
             gains=gains, offsets=offsets, fixed=fixed,
         )  # fmt: skip
-        found = merged(planes, values, exposures, fixed_e2=np.array([fixed]), false_alarm=1e-12)
+        found = merged(
+            planes,
+            values,
+            exposures,
+            fixed=VarianceLaw(floor_e2=fixed, square=0.02**2),
+            false_alarm=1e-12,
+        )
         assert (found.used == 1).all()
         assert found.frames == len(exposures)
         (variance,) = found.planes.variance_e2(np.array([level]))
@@ -62,10 +68,10 @@ def test_noise_of_the_result_is_that_of_draws(exposures):
 def test_equal_frames_average_the_temporal_noise_and_no_fixed_pattern():
     planes = replace(camera(p=2, floor=136.0, prnu=0.01), values_e=np.ones((4, 5, 2), np.float32))
     frames = [BurstFrame(values_e=planes.values_e)] * 7
-    found = merged_frames(planes, frames, fixed_e2=np.full(2, 36.0)).planes
-    assert found.floor_e2 == pytest.approx([100 / 8 + 36] * 2)
-    assert found.slope_e == pytest.approx([1 / 8] * 2)
-    assert found.prnu == pytest.approx([0.01] * 2)
+    found = merged_frames(planes, frames, fixed=VarianceLaw(floor_e2=36.0, square=1e-4)).planes
+    assert found.law.floor_e2 == pytest.approx([100 / 8 + 36] * 2)
+    assert found.law.slope_e == pytest.approx([1 / 8] * 2)
+    assert found.law.square == pytest.approx([1e-4] * 2)
     assert found.values_e == pytest.approx(planes.values_e)
 
 
@@ -99,7 +105,7 @@ def test_the_rate_is_also_that_of_borders_and_of_fixed_patterns():
     planes, shape = camera(p=2), (2, 150_000, 2)
     offsets = 8.0 * rng.normal(size=shape)
     values = draw_frames(planes, np.full(shape, 50.0), rng, exposures, offsets=offsets, fixed=fixed)
-    found = merged(planes, values, exposures, fixed_e2=np.full(2, fixed), false_alarm=1e-2)
+    found = merged(planes, values, exposures, fixed=VarianceLaw(floor_e2=fixed), false_alarm=1e-2)
     rejected = found.used[0, 1::3, 0] < 1  # of 2 x 3 pixels
     assert abs(rejected.mean() - 1e-2) < 5 * np.sqrt(1e-2 / rejected.size)
 
@@ -168,11 +174,12 @@ def test_bad_bursts_are_refused():
         merged_frames(planes, [BurstFrame(values_e=np.full((8, 8, 1), np.inf, np.float32))])
     with refused_input(subject="exposure of a frame", value=0.0):
         BurstFrame(values_e=planes.values_e, exposure=0.0)
-    with refused_input(subject="floor_e2 - fixed_e2", value=-1.0):
-        merged_frames(planes, [], fixed_e2=np.array([101.0]))
+    with refused_input(subject="floor_e2 without that of a part", value=-1.0):
+        merged_frames(planes, [], fixed=VarianceLaw(floor_e2=101.0))
     with refused_input(subject="window_px", value=2):
         merged_frames(planes, [], window_px=2)
     with refused_input(subject="false_alarm", value=0.0):
         merged_frames(planes, [], false_alarm=0.0)
+    law = VarianceLaw(floor_e2=100.0)
     with refused_input(subject="temporal noise of the planes"):
-        merged_frames(replace(planes, slope_e=np.zeros(1)), [], fixed_e2=np.array([100.0]))
+        merged_frames(replace(planes, law=law), [], fixed=law)

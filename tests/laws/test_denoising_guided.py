@@ -15,6 +15,7 @@ from chromanoise.denoising.guided import GUIDED, denoise
 from chromanoise.denoising.guided_kernels import add_estimates
 from chromanoise.imaging.work import Work
 from chromanoise.rng import stream
+from chromanoise.sensor import VarianceLaw
 from strategies import EXPOSURE
 
 LARGEST_WINDOW = 11 * 11
@@ -31,9 +32,9 @@ def planes_of(values_e, floor_e2=0.0, slope_e=0.0, prnu=0.0):
     p = values_e.shape[-1]
     return NoisyPlanes(
         values_e=np.asarray(values_e, np.float32),
-        floor_e2=np.broadcast_to(np.float64(floor_e2), p),
-        slope_e=np.broadcast_to(np.float64(slope_e), p),
-        prnu=np.broadcast_to(np.float64(prnu), p),
+        law=VarianceLaw(
+            floor_e2=np.broadcast_to(np.float64(floor_e2), p), slope_e=slope_e, square=prnu**2
+        ),
         prior_e2=np.eye(p),
         prior_mean_e=np.ones(p),
         names=tuple(map(str, range(p))),
@@ -55,7 +56,7 @@ def one_size(planes, radius):
     values = np.ascontiguousarray(np.moveaxis(planes.values_e, 2, 0))
     _, height, width = values.shape
     sums, weight, active = np.zeros_like(values), *np.zeros((2, height, width), np.float32)
-    noise = np.stack([planes.floor_e2, planes.slope_e, planes.prnu**2])
+    noise = planes.law.coefficients
     shares = np.ones(height), np.ones(width)
     add_estimates(values, noise, *shares, radius, EDGE, sums, weight, active)
     return np.moveaxis(sums / weight, 0, 2)

@@ -19,6 +19,7 @@ from chromanoise.denoising import (
 )
 from chromanoise.imaging import Work
 from chromanoise.rng import stream
+from chromanoise.sensor import VarianceLaw
 from noisy_planes import planes_of
 from outcomes import refused_input
 
@@ -102,8 +103,7 @@ def test_lmmse_has_the_least_error_on_scenes_of_its_prior(light, likeness):
 @pytest.mark.parametrize("name", METHODS)
 def test_planes_of_little_noise_come_back(name):
     values = stream(4).uniform(50.0, 5000.0, (20, 30, 3))
-    planes = replace(planes_of(values), floor_e2=np.full(3, 1e-6), slope_e=np.full(3, 1e-9),
-                     prnu=np.zeros(3))  # fmt: skip
+    planes = replace(planes_of(values), law=VarianceLaw(floor_e2=1e-6, slope_e=1e-9))
     assert METHODS[name].denoise(planes) == pytest.approx(planes.values_e, rel=1e-3)
 
 
@@ -117,7 +117,8 @@ def test_strips_have_the_bits_of_the_whole(name):
 
 
 def test_components_are_uncorrelated_in_signal_and_noise():
-    planes = replace(planes_of(np.ones((1, 1, 4))), floor_e2=np.array([1.0, 10.0, 100.0, 1000.0]))
+    law = VarianceLaw(floor_e2=np.array([1.0, 10.0, 100.0, 1000.0]), slope_e=1.0, square=1e-4)
+    planes = replace(planes_of(np.ones((1, 1, 4))), law=law)
     made = linear_filters(planes, "lmmse")
     noise = made.to_components @ np.diag(planes.noise_unit_e**2) @ made.to_components.T
     signal = made.to_components @ planes.prior_e2 @ made.to_components.T

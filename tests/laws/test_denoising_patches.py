@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from chromanoise.denoising import NoisyPlanes, denoised_planes
 from chromanoise.denoising.patches import PATCHES, denoise
 from chromanoise.imaging.work import Work
+from chromanoise.sensor import VarianceLaw
 
 
 def planes_of(values, *, floor=100.0, slope=1.0, prnu=0.0, mean=None):
@@ -20,9 +21,7 @@ def planes_of(values, *, floor=100.0, slope=1.0, prnu=0.0, mean=None):
     mean = 100.0 if mean is None else mean
     return NoisyPlanes(
         values_e=values,
-        floor_e2=np.full(count, floor),
-        slope_e=np.full(count, slope),
-        prnu=np.full(count, prnu),
+        law=VarianceLaw(floor_e2=floor, slope_e=slope, square=prnu**2),
         prior_e2=mean**2 * (0.9 + 0.1 * np.eye(count)),
         prior_mean_e=np.full(count, mean),
         names=tuple(f"c{i}" for i in range(count)),
@@ -90,7 +89,7 @@ def test_planes_without_noise_return_unchanged_and_help_no_other():
     clean = scene(24, 24, 3)
     planes = planes_of(noisy(clean))
     keep = np.array([1.0, 0.0, 1.0])
-    some = replace(planes, floor_e2=100.0 * keep, slope_e=keep)
+    some = replace(planes, law=VarianceLaw(floor_e2=100.0 * keep, slope_e=keep))
     estimate = denoise(some)
     np.testing.assert_array_equal(estimate[..., 1], planes.values_e[..., 1])
     other = planes.values_e.copy()
@@ -106,8 +105,7 @@ def test_the_unit_of_the_values_does_not_matter():
     scaled = replace(
         planes,
         values_e=planes.values_e * np.float32(4.0),
-        floor_e2=planes.floor_e2 * 16.0,
-        slope_e=planes.slope_e * 4.0,
+        law=VarianceLaw(floor_e2=1600.0, slope_e=4.0, square=0.01**2),
         prior_e2=planes.prior_e2 * 16.0,
         prior_mean_e=planes.prior_mean_e * 4.0,
     )

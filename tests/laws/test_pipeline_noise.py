@@ -47,7 +47,6 @@ from chromanoise.sensor import (
     Adc,
     Crosstalk,
     noise_profile,
-    noise_without_light_e,
     white_level_e,
     with_analog_gain,
     with_binning,
@@ -355,7 +354,7 @@ def test_s_and_o_are_those_of_the_noise_profile_of_the_converter(gain):
     analysis = seen(pixel=pixel, time_s=0.008)
     result = found(analysis, iso=(100.0 * gain,)).iso[0]
     adc = Adc(bits=12, gain_e_per_dn=2.0 / gain, black_level_dn=64)
-    noise_e = noise_without_light_e(analysis.sensor.pixel, time_s=0.008 / gain)
+    noise_e = np.sqrt(5.0**2 + 40.0 * 0.008 / gain + 1.5**2 + 1.0**2)
     for profile in result.noise_profile:
         assert profile == pytest.approx(noise_profile(adc, read_noise_e=noise_e), rel=1e-12)
     assert result.gain_dn_per_e == pytest.approx(gain / 2.0)

@@ -16,7 +16,7 @@ from chromanoise.denoising import (
 )
 from chromanoise.imaging import chart_electrons
 from chromanoise.io.frames import frames_in
-from chromanoise.sensor import MOSAIC_NAMES, mosaic_named
+from chromanoise.sensor import MOSAIC_NAMES, VarianceLaw, mosaic_named
 from chromanoise.study import operating_points_of, prepared_denoising
 from outcomes import refused, refused_input
 
@@ -73,8 +73,8 @@ def test_the_noise_profile_of_a_dng_is_the_noise_of_its_pixel(simulated):
     pixel = prepared_denoising(frames, SENSOR, own, method="lmmse")
     assert "NoiseProfile" in plan.noise.source
     assert "NoiseProfile" not in pixel.noise.source
-    np.testing.assert_allclose(pixel.noise.floor_e2, plan.noise.floor_e2, rtol=1e-12)
-    np.testing.assert_allclose(pixel.noise.slope_e, plan.noise.slope_e, rtol=1e-12)
+    one, other = (found.noise.law.coefficients for found in (pixel, plan))
+    np.testing.assert_allclose(one, other, rtol=1e-12)
     assert pixel.noise.black_level_dn == plan.noise.black_level_dn == 64
 
 
@@ -101,7 +101,7 @@ def test_s_and_o_of_two_channels_give_the_variance_of_their_codes():
     noise = code_noise_of_profile(profile, ("R", "G"), source="a file", **levels)
     # at 100 codes above black: S 200 100 + O 200^2
     mean_e = 100 * noise.gain_e_per_dn
-    variance_dn2 = (noise.floor_e2 + noise.slope_e * mean_e) / noise.gain_e_per_dn**2
+    variance_dn2 = (noise.law.floor_e2 + noise.law.slope_e * mean_e) / noise.gain_e_per_dn**2
     np.testing.assert_allclose(variance_dn2, [100 + 400, 50 + 400])
 
 
@@ -136,9 +136,7 @@ def test_noise_is_measured_where_the_picture_is_smoothest(assumed_e, ratio):
     values[:, 100:] += 40 * rng.standard_normal((96, 100, 1))  # detail in one half
     planes = NoisyPlanes(
         values_e=values.astype(np.float32),
-        floor_e2=np.array([assumed_e**2]),
-        slope_e=np.zeros(1),
-        prnu=np.zeros(1),
+        law=VarianceLaw(floor_e2=assumed_e**2),
         prior_e2=np.eye(1),
         prior_mean_e=np.ones(1),
         names=("W",),
@@ -224,7 +222,7 @@ def test_electrons_need_neither_gain_nor_black_level():
         values_e, unit="e-", mosaic="RG/GB", read_noise_e=5.0, method="lmmse", prnu=0.01
     )
     assert result.codes is None
-    np.testing.assert_array_equal(result.noise.floor_e2, [25.0] * 3)
+    np.testing.assert_array_equal(result.noise.law.floor_e2, [25.0] * 3)
     assert result.values_e.std() < 0.7 * values_e.std()
 
 
@@ -378,6 +376,6 @@ def test_the_name_of_a_sensor_says_nothing_of_its_read_noise(tmp_path):
     file.write_text("\n".join(["wavelength_nm,R,G,B", *curves]))
     known = {"mosaic": "RG/GB", "black_level": 100, "bits": 12, "gain_dn_per_e": 0.5}
     known |= {"time_ms": 10.0, "unit": "DN", "method": "lmmse", "sensor": file}
-    assert cn.denoise(flat(300), read_noise_e=5.0, **known).noise.floor_e2[0] > 25
+    assert cn.denoise(flat(300), read_noise_e=5.0, **known).noise.law.floor_e2[0] > 25
     with refused_input(setting="read_noise_e"):
         cn.denoise(flat(300), **known)

@@ -35,7 +35,7 @@ def denoise(planes: NoisyPlanes) -> Float32[Array, "h w p"]:
         As `patches.denoise`.
     """
     guided = guided_estimate(planes, USUAL)
-    if not planes.has_noise.all():
+    if not planes.law.has_noise.all():
         return guided
     if planes.components()[1][0] < LEAST_SNR:
         wide = guided_estimate(planes, WIDE)

@@ -43,7 +43,7 @@ from chromanoise.metrics import (
 from chromanoise.noise import after_counting, noise_sources
 from chromanoise.scene import Cube, Scene
 from chromanoise.scene.cube import reflectance_rows
-from chromanoise.sensor import Mosaic
+from chromanoise.sensor import Mosaic, VarianceLaw
 from chromanoise.spectra import interpolation_matrix
 
 PIXELS_PER_DEGREE = 60.0
@@ -244,11 +244,12 @@ def benchmark_cells(
     point = camera.point
     mean_e = electrons_of_cube(scene.cube, point, beyond="hold", bad_pixels="zero")
     noise = noise_sources(point.sensor, point.exposure)
-    if noise.law().square:
+    square = noise.law("spatial").square
+    if square:
         raise InputError(
             f"sensor {point.sensor.name}",
             "must have no PRNU in the benchmark, which draws temporal noise only",
-            value=noise.pixel.prnu,
+            value=float(np.sqrt(square)),
         )
     if after_counting(point.sensor.crosstalk) is not None:
         raise InputError(
@@ -295,15 +296,12 @@ def _timed(
 @cache
 def _compile(method: str, planes: int) -> None:
     """Run a method once, so that its kernels are compiled or read before it is timed."""
-    ones = np.ones(planes)
     denoised_planes(
         NoisyPlanes(
             values_e=np.ones((_WARM_PX, _WARM_PX, planes), np.float32),
-            floor_e2=ones,
-            slope_e=ones,
-            prnu=0 * ones,
+            law=VarianceLaw(floor_e2=1.0, slope_e=1.0),
             prior_e2=np.eye(planes),
-            prior_mean_e=ones,
+            prior_mean_e=np.ones(planes),
             names=tuple(map(str, range(planes))),
         ),
         denoising_named(method),

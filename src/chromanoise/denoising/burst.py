@@ -11,6 +11,7 @@ from chromanoise._check import Array
 from chromanoise._shapes import Bool, Float, Float32, Shaped
 from chromanoise.denoising.planes import NoisyPlanes
 from chromanoise.errors import InputError
+from chromanoise.sensor import VarianceLaw
 
 _ROWS = 64  # tested together, to save memory
 _LEAST_E2 = 1e-12  # of planes without read noise, at pixels without light
@@ -61,7 +62,7 @@ def merged_frames(
     first: NoisyPlanes,
     others: Iterable[BurstFrame],
     *,
-    fixed_e2: Float[Array, " p"] | None = None,
+    fixed: VarianceLaw | None = None,
     saturation_e: float | None = None,
     false_alarm: float = 1e-3,
     window_px: int = 3,
@@ -76,8 +77,9 @@ def merged_frames(
         The reference frame and its noise. The result shows the scene as it was in this frame.
     others
         The other frames, with the same pixels; a mosaic as `packed`.
-    fixed_e2
-        Part of ``first.floor_e2`` that is the same in every frame, DSNU^2; by default 0. [e-^2]
+    fixed
+        Part of ``first.law`` that is the same in every frame: DSNU^2 and PRNU^2, as
+        ``NoiseSources.law("spatial")``; by default only the square.
     saturation_e
         Values of a frame at or above it are not used, in its own electrons. By default there is no
         saturation. [e-]
@@ -90,16 +92,16 @@ def merged_frames(
     Raises
     ------
     InputError
-        If a frame has another shape or a value that is not finite, a variance is negative or larger
-        than the floor, there is no temporal noise, or a number is out of range.
+        If a frame has another shape or a value that is not finite, the fixed part is larger than
+        the law, there is no temporal noise, or a number is out of range.
 
     Notes
     -----
     Values are divided by the relative exposure t, so their temporal variance at a mean m of the
     first frame is (floor - fixed) / t^2 + slope m / t. The weights are its inverse at
-    ``first.prior_mean_e``: weights from the noisy value of a pixel would bias the mean. So floor
-    and slope of the result have closed forms. PRNU and DSNU are the same in all frames, so merging
-    does not reduce them.
+    ``first.prior_mean_e``: weights from the noisy value of a pixel would bias the mean. So the law
+    of the result has a closed form. PRNU and DSNU are the same in all frames, so merging does not
+    reduce them.
 
     A frame is tested against the first: the sum over window and planes of the squared difference
     over its variance has a chi-square distribution where nothing moved. It is rejected at a pixel
@@ -115,19 +117,17 @@ def merged_frames(
     Examples
     --------
     >>> one = NoisyPlanes(
-    ...     values_e=np.full((3, 3, 1), 98, np.float32), floor_e2=np.array([100.0]),
-    ...     slope_e=np.ones(1), prnu=np.array([0.01]), prior_e2=np.eye(1),
+    ...     values_e=np.full((3, 3, 1), 98, np.float32), prior_e2=np.eye(1),
+    ...     law=VarianceLaw(floor_e2=100.0, slope_e=1.0, square=0.25),
     ...     prior_mean_e=np.array([100.0]), names=("W",))
     >>> both = merged_frames(one, [BurstFrame(values_e=np.full((3, 3, 1), 102, np.float32))])
-    >>> both.planes.values_e[0, 0], both.planes.floor_e2, both.planes.slope_e, both.planes.prnu
-    (array([100.], dtype=float32), array([50.]), array([0.5]), array([0.01]))
+    >>> both.planes.values_e[0, 0], both.planes.law.coefficients.ravel()
+    (array([100.], dtype=float32), array([50.  ,  0.5 ,  0.25]))
     """
-    fixed = np.zeros_like(first.floor_e2) if fixed_e2 is None else fixed_e2
-    fixed = _check.non_negative("fixed_e2", "e-^2", fixed)
-    _check.same_length("planes", fixed=fixed.size, floor=first.floor_e2.size)
-    temporal = first.floor_e2 - fixed
-    _check.non_negative("floor_e2 - fixed_e2", "e-^2", temporal)
-    if not (temporal + first.slope_e * first.prior_mean_e > 0).all():
+    fixed = VarianceLaw(square=first.law.square) if fixed is None else fixed
+    fixed = fixed.of_planes(len(first.names))
+    temporal = first.law - fixed
+    if not (temporal.variance_e2(first.prior_mean_e) > 0).all():
         raise InputError(
             "temporal noise of the planes",
             "must be above 0 at the mean of typical scenes",
@@ -139,7 +139,8 @@ def merged_frames(
         raise InputError("window_px", "must be odd and at least 1 [pixels]", value=window_px)
     test = _Test(
         first=first,
-        fixed_e2=fixed,
+        fixed=fixed,
+        temporal=temporal,
         saturation_e=np.inf if saturation_e is None else saturation_e,
         limits=_limits(false_alarm, window_px**2 * len(first.names)),
         window_px=window_px,
@@ -163,15 +164,11 @@ class _Test:
     """Which values of a frame are used: those not saturated, where the frame agrees."""
 
     first: NoisyPlanes
-    fixed_e2: Float[Array, " p"]
+    fixed: VarianceLaw
+    temporal: VarianceLaw
     saturation_e: float
     limits: Float[Array, " n"]
     window_px: int
-
-    def temporal(self, exposure: float) -> tuple[Float[Array, " p"], Float[Array, " p"]]:
-        """Floor and slope of the temporal variance of a frame, in electrons of the first one."""
-        floor, slope = self.first.floor_e2 - self.fixed_e2, self.first.slope_e
-        return floor / exposure**2, slope / exposure
 
     def used(self, frame: BurstFrame, start: int, stop: int) -> Bool[Array, "rows w p"]:
         """Whether each value of the rows ``start`` to ``stop`` is used."""
@@ -190,26 +187,24 @@ class _Test:
     ) -> Float[Array, "h w p"]:
         """Squared difference of a frame from the first one, over its variance. [1]"""
         light = np.maximum((own + values) / (1.0 + t), 0.0)
-        (read, shot), (own_read, own_shot) = self.temporal(t), self.temporal(1.0)
-        variance = (
-            read + own_read + self.fixed_e2 * (1.0 / t - 1.0) ** 2 + (shot + own_shot) * light
-        )
-        return np.asarray((values / t - own) ** 2 / np.maximum(variance, _LEAST_E2))
+        offsets = VarianceLaw(floor_e2=self.fixed.floor_e2 * (1.0 / t - 1.0) ** 2)
+        law = self.temporal.in_units_of(t) + self.temporal + offsets
+        return np.asarray((values / t - own) ** 2 / np.maximum(law.variance_e2(light), _LEAST_E2))
 
 
 class _Sums:
     """Running sums over the frames of a burst."""
 
     def __init__(self, test: _Test) -> None:
-        self._test, self._frames = test, 0
+        self._test, self._frames, self._temporal = test, 0, VarianceLaw()
         self._values, self._used = (np.zeros(test.first.values_e.shape) for _ in range(2))
-        # of the weights w at relative exposures t: w, w / t, w^2 / t, w^2 / t^2
-        self._moments = np.zeros((4, len(test.fixed_e2)))
+        # of the weights w at relative exposures t: w, w / t
+        self._weights = np.zeros((2, len(test.first.names)))
 
     def add(self, frame: BurstFrame) -> None:
         """Add a frame where it is used."""
-        read, shot = self._test.temporal(frame.exposure)
-        w = 1.0 / (read + shot * self._test.first.prior_mean_e)
+        law = self._test.temporal.in_units_of(frame.exposure)
+        w = 1.0 / law.variance_e2(self._test.first.prior_mean_e)
         share = w / frame.exposure
         for start in range(0, len(self._values), _ROWS):
             rows = slice(start, start + _ROWS)
@@ -217,22 +212,18 @@ class _Sums:
             used = self._test.used(frame, start, start + len(values))
             self._values[rows] += np.where(used, values * share, 0.0)
             self._used[rows] += np.where(used, w, 0.0)
-        self._moments += (w, share, w * share, share**2)
+        self._weights += (w, share)
+        self._temporal += law.scaled(w**2)
         self._frames += 1
 
     def burst(self) -> Burst:
         """The merged frames."""
-        first, fixed = self._test.first, self._test.fixed_e2
-        w, share, shot, read = self._moments
+        first, (w, share) = self._test.first, self._weights
         values = np.array(first.values_e)
         np.divide(self._values, self._used, out=values, where=self._used > 0, casting="same_kind")
         self._used /= w
-        planes = replace(
-            first,
-            values_e=values,
-            floor_e2=read / w**2 * (first.floor_e2 - fixed) + (share / w) ** 2 * fixed,
-            slope_e=shot / w**2 * first.slope_e,
-        )
+        law = self._temporal.scaled(1.0 / w**2) + self._test.fixed.in_units_of(w / share)
+        planes = replace(first, values_e=values, law=law)
         return Burst(planes=planes, used=self._used.astype(np.float32), frames=self._frames)
 
 

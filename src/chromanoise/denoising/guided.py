@@ -80,11 +80,12 @@ def denoise(planes: NoisyPlanes) -> Float32[Array, "h w p"]:
 
     Examples
     --------
+    >>> from chromanoise.sensor import VarianceLaw
     >>> rng = np.random.default_rng(1)
     >>> planes = NoisyPlanes(
     ...     values_e=rng.normal(100.0, 10.0, (64, 64, 3)).astype(np.float32),
-    ...     floor_e2=np.full(3, 100.0), slope_e=np.zeros(3), prnu=np.zeros(3),
-    ...     prior_e2=np.eye(3), prior_mean_e=np.ones(3), names=("R", "G", "B"))
+    ...     law=VarianceLaw(floor_e2=100.0), prior_e2=np.eye(3), prior_mean_e=np.ones(3),
+    ...     names=("R", "G", "B"))
     >>> bool(denoise(planes).std() < 1.0)
     True
     """
@@ -95,7 +96,7 @@ def guided_estimate(planes: NoisyPlanes, windows: Windows) -> Float32[Array, "h 
     """As `denoise`, with windows of other sizes. [e-]"""
     from chromanoise.denoising.guided_kernels import fuse  # numba is slow to import
 
-    noise = np.stack([planes.floor_e2, planes.slope_e, planes.prnu**2])
+    noise = planes.law.coefficients
     values = [np.ascontiguousarray(np.moveaxis(planes.values_e, 2, 0))]
     shares = [(np.ones(values[0].shape[1]), np.ones(values[0].shape[2]))]
     for _ in range(windows.levels - 1):
@@ -108,7 +109,7 @@ def guided_estimate(planes: NoisyPlanes, windows: Windows) -> Float32[Array, "h 
         fuse(fine, coarse, own, own_active, noise, *shares[len(values) + 1], _NARROW, _WIDE)
         coarse = fine
     out = np.ascontiguousarray(np.moveaxis(coarse, 0, 2))
-    noiseless = ~planes.has_noise
+    noiseless = ~planes.law.has_noise
     out[..., noiseless] = planes.values_e[..., noiseless]
     return out
 

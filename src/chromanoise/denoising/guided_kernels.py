@@ -30,7 +30,7 @@ _within = kernel(
 def add_estimates(values, noise, row_share, column_share, radius, edge, estimate, weight, active):
     """Add to each pixel the weighted estimates of the windows of one size that hold it.
 
-    values (p, h, w); noise (3, p): floor, slope, square of the PRNU; row_share (h,) and
+    values (p, h, w); noise (3, p): floor, slope and square of `VarianceLaw`; row_share (h,) and
     column_share (w,): the variance of a pixel is that of the noise times both; edge: least power of
     a component that is kept whole, over the largest of pure noise; estimate (p, h, w) and weight
     (h, w): sums; active (h, w) becomes the mean over the windows of the largest gain.
@@ -126,6 +126,14 @@ def _column_sums(values, sums, skipped):
 
 @_within
 @no_type_check
+def _variance(noise, a, mean):
+    """Variance of plane ``a``, whose mean counts as 0 below 0."""
+    light = max(mean, 0.0)
+    return noise[0, a] + light * (noise[1, a] + light * noise[2, a])
+
+
+@_within
+@no_type_check
 def _whitened(moments, number, noise, share, mean, unit, power):
     """Means, standard deviations of the noise, and the covariance in their unit."""
     p = mean.shape[0]
@@ -134,9 +142,7 @@ def _whitened(moments, number, noise, share, mean, unit, power):
         square = k + a
         for lane in range(_LANES):
             m = moments[a, lane]
-            light = max(m, 0.0)
-            variance = noise[0, a] + light * (noise[1, a] + light * noise[2, a])
-            variance *= share[lane]
+            variance = _variance(noise, a, m) * share[lane]
             variance = max(variance, _LEAST_VARIANCE * moments[square, lane]) + 1e-30
             mean[a, lane] = m
             unit[a, lane] = np.sqrt(variance)
@@ -304,10 +310,8 @@ def fuse(fine, coarse, own, active, noise, row_share, column_share, narrow, wide
             apart = 0.0
             for a in range(p):
                 light = max(np.float64(coarse[a, y, x]), 0.0)
-                variance = noise[0, a] + light * (noise[1, a] + light * noise[2, a])
-                variance = max(
-                    variance * row_share[y] * column_share[x], _LEAST_VARIANCE * light * light
-                )
+                variance = _variance(noise, a, light) * row_share[y] * column_share[x]
+                variance = max(variance, _LEAST_VARIANCE * light * light)
                 change = np.float64(coarse[a, y, x]) - np.float64(own[a, y, x])
                 apart += change * change / (p * (variance + 1e-30))
             gate = narrow + (wide - narrow) * (1.0 - active[y, x])

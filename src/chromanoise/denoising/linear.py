@@ -110,10 +110,11 @@ def linear_filters(planes: NoisyPlanes, name: str) -> LinearFilter:
     Examples
     --------
     >>> from chromanoise.denoising import NoisyPlanes
+    >>> from chromanoise.sensor import VarianceLaw
     >>> planes = NoisyPlanes(
-    ...     values_e=np.zeros((1, 1, 1), np.float32), floor_e2=np.array([25.0]),
-    ...     slope_e=np.ones(1), prnu=np.zeros(1), prior_e2=np.array([[500.0]]),
-    ...     prior_mean_e=np.array([25.0]), names=("W",))
+    ...     values_e=np.zeros((1, 1, 1), np.float32), prior_e2=np.array([[500.0]]),
+    ...     law=VarianceLaw(floor_e2=25.0, slope_e=1.0), prior_mean_e=np.array([25.0]),
+    ...     names=("W",))
     >>> float(linear_filters(planes, "wiener").kernels.sum().round(12))
     1.0
     """

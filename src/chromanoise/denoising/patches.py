@@ -29,6 +29,8 @@ from chromanoise._shapes import Float, Float32
 from chromanoise.denoising.method import DenoisingMethod
 from chromanoise.denoising.patch_size import PLACES, SIDE
 from chromanoise.denoising.planes import NoisyPlanes
+from chromanoise.denoising.stabilization import deviations_from_dark, with_raised_floor
+from chromanoise.sensor import VarianceLaw
 
 _RADII = (8, 7, 6, 4)
 """Search radius for similar patches per level; smaller at coarse levels, to bound the reach.
@@ -69,7 +71,7 @@ def denoise(planes: NoisyPlanes) -> Float32[Array, "h w p"]:
     InputError
         If the noise of a plane is 0 at the mean of typical scenes, but not at others.
     """
-    noisy = planes.has_noise
+    noisy = planes.law.has_noise
     out = np.array(planes.values_e, np.float32)
     if noisy.any() and out.size:
         out[..., noisy] = _estimate(planes if noisy.all() else _chosen(planes, noisy))
@@ -80,9 +82,7 @@ def _chosen(planes: NoisyPlanes, which: Array) -> NoisyPlanes:
     """Some of the planes."""
     return NoisyPlanes(
         values_e=planes.values_e[..., which],
-        floor_e2=planes.floor_e2[which],
-        slope_e=planes.slope_e[which],
-        prnu=planes.prnu[which],
+        law=planes.law.take(which),
         prior_e2=planes.prior_e2[np.ix_(which, which)],
         prior_mean_e=planes.prior_mean_e[which],
         names=tuple(name for name, wanted in zip(planes.names, which, strict=True) if wanted),
@@ -135,9 +135,7 @@ def _groups(
         noisy,
         pilot,
         np.ascontiguousarray(np.moveaxis(features, -1, 0), np.float32),
-        planes.floor_e2 * share,
-        planes.slope_e * share,
-        planes.prnu**2 * share,
+        *planes.law.scaled(share).coefficients,
         is_pilot,
         _RADII[level],
         _STRIDE,
@@ -179,22 +177,11 @@ def _tiny(planes: NoisyPlanes) -> Float[Array, " p"]:
 def _stabilized(
     planes: NoisyPlanes, mean_e: Float32[Array, "h w p"], share: float
 ) -> Float[Array, "h w p"]:
-    """Means as multiples of their noise: the integral of 1 / sqrt(variance), linear below 0.
-
-    The floor is raised by 3/8 of the squared slope (Anscombe, Biometrika 35 (1948) 246), so that
-    the noise of few electrons is stable, too. The integral is log1p(prnu u) / prnu, with u below.
-    """
-    prnu, slope = planes.prnu, planes.slope_e
-    floor = planes.floor_e2 + 0.375 * slope**2 * share + _tiny(planes)
-    light = np.maximum(mean_e, 0.0, dtype=np.float64)
-    dark = np.sqrt(floor)
-    deviation = np.sqrt(floor + slope * light + (prnu * light) ** 2)
-    without = 2.0 * light / (deviation + dark)
-    some = np.where(prnu > 0, prnu, 1.0)
-    u = 2.0 * light * (some + (slope + some**2 * light) / (deviation + dark))
-    with_prnu = np.log1p(some * u / (2.0 * some * dark + slope)) / some
-    stabilized = np.where(mean_e < 0, mean_e / dark, np.where(prnu > 0, with_prnu, without))
-    return np.asarray(stabilized / math.sqrt(share))
+    """Means as multiples of their noise, a share of that of the planes; linear below 0."""
+    least = VarianceLaw(floor_e2=share * _tiny(planes))
+    law = with_raised_floor(planes.law.scaled(share)) + least
+    light = deviations_from_dark(np.maximum(mean_e, 0.0), law)
+    return np.where(mean_e < 0, mean_e / np.sqrt(law.floor_e2), light)
 
 
 def _rotated(values: Array, axes: Float[Array, "p k"]) -> Float[Array, "h w k"]:

@@ -380,7 +380,7 @@ def add_groups(
     features,
     floor,
     slope,
-    prnu,
+    square,
     second,
     radius,
     stride,
@@ -399,8 +399,8 @@ def add_groups(
     features
         Values (q h w) that are compared to find similar patches, in standard deviations of the
         noise.
-    floor, slope, prnu
-        Variance of the noise of each plane: floor + slope m + prnu m^2 at a mean m above 0.
+    floor, slope, square
+        Variance of the noise of each plane, as of `VarianceLaw`.
     second
         Whether this is step 2.
     radius, stride
@@ -446,7 +446,7 @@ def add_groups(
             for c in range(p):
                 for i in range(PLACES):
                     m0 = max(light[c, i], np.float32(0.0))
-                    unit = np.float32(np.sqrt(floor[c] + slope[c] * m0 + prnu[c] * m0 * m0))
+                    unit = np.float32(np.sqrt(floor[c] + slope[c] * m0 + square[c] * m0 * m0))
                     unit = max(unit, _spread(x[c, i], n) * _SMALL, _TINY)
                     sd[c, i] = unit
                     f = np.float32(1.0) / unit

@@ -1,6 +1,5 @@
 """Denoising between capture and color: from electrons or raw codes to planes, and back."""
 
-import math
 from dataclasses import replace
 
 import numpy as np
@@ -23,9 +22,9 @@ from chromanoise.imaging import (
 from chromanoise.imaging.capture import Camera, Capture, captured, frame_settings
 from chromanoise.imaging.demosaic import channel_tile
 from chromanoise.imaging.render import ALL_CORES, RawPicture
-from chromanoise.noise import NoiseSources, after_counting, noise_sources
+from chromanoise.noise import after_counting, noise_sources
 from chromanoise.scene import Cube
-from chromanoise.sensor import Mosaic
+from chromanoise.sensor import Mosaic, VarianceLaw
 
 _NEIGHBORS = 0.95
 """Correlation of neighboring pixels, as in `PicturePrior`; its power r at a distance of r."""
@@ -56,13 +55,14 @@ def planes_of_electrons(
     noise = noise_sources(operating_point.sensor, operating_point.exposure)
     coupling = after_counting(operating_point.sensor.crosstalk)
     chart = chart_electrons(operating_point)
-    floor = np.full(chart.shape[1], noise.floor_e2())
+    law = noise.law()
     if coupling is not None:
         inverse = inv("crosstalk", coupling)
         chart = chart @ inverse.T
         readout = noise.read_out_e2
-        floor = noise.floor_e2() - readout + readout * np.square(inverse).sum(axis=1)
-    return _planes(values_e, chart, noise, floor, operating_point.sensor.names)
+        mixed = readout * np.square(inverse).sum(axis=1)
+        law = replace(law, floor_e2=law.floor_e2 - readout + mixed)
+    return _planes(values_e, chart, law, operating_point.sensor.names)
 
 
 def planes_of_mosaic(
@@ -101,9 +101,8 @@ def planes_of_mosaic(
     if step_e is not None:
         noise = replace(noise, step_e=step_e)
     chart = chart_electrons(operating_point)[:, channels]
-    floor = np.full(len(channels), noise.floor_e2())
     names = names_of_places(sensor.names, channels)
-    planes = _planes(planes_e, chart, noise, floor, names)
+    planes = _planes(planes_e, chart, noise.law(), names)
     return replace(planes, prior_e2=planes.prior_e2 * place_correlation(tile))
 
 
@@ -124,16 +123,13 @@ def place_correlation(tile: Int[Array, "ty tx"]) -> Float[Array, "k k"]:
 def _planes(
     values_e: Float32[Array, "h w p"],
     chart_e: Float[Array, "k p"],
-    noise: NoiseSources,
-    floor_e2: Float[Array, " p"],
+    law: VarianceLaw,
     names: tuple[str, ...],
 ) -> NoisyPlanes:
     away = chart_e - chart_e.mean(axis=0)
     return NoisyPlanes(
         values_e=values_e,
-        floor_e2=floor_e2,
-        slope_e=np.ones(len(names)),
-        prnu=np.full(len(names), math.sqrt(noise.law().square)),
+        law=law,
         prior_e2=away.T @ away / (len(chart_e) - 1),
         prior_mean_e=np.maximum(chart_e.mean(axis=0), 0.0),
         names=names,

@@ -11,8 +11,9 @@ import numpy as np
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._linalg import eigh
-from chromanoise._shapes import Bool, Float, Float32
+from chromanoise._shapes import Float, Float32
 from chromanoise.errors import InputError
+from chromanoise.sensor import VarianceLaw
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -23,12 +24,8 @@ class NoisyPlanes:
     ----------
     values_e
         Noisy values; the noise of pixels and planes is independent. [e-]
-    floor_e2
-        Variance of the noise without signal, per plane. [e-^2]
-    slope_e
-        Variance per mean value, per plane: 1 for counted electrons. [e-]
-    prnu
-        Standard deviation of the sensitivity over the pixels, per plane. [1]
+    law
+        Variance of the noise, per plane; a law without planes counts for all of them.
     prior_e2
         Covariance of the planes over typical scenes, e.g. the ColorChecker. [e-^2]
     prior_mean_e
@@ -39,13 +36,11 @@ class NoisyPlanes:
     Raises
     ------
     InputError
-        If a value is not finite, a variance is negative, or the lengths differ.
+        If a value is not finite, or the lengths differ.
     """
 
     values_e: Float32[Array, "h w p"]
-    floor_e2: Float[Array, " p"]
-    slope_e: Float[Array, " p"]
-    prnu: Float[Array, " p"]
+    law: VarianceLaw
     prior_e2: Float[Array, "p p"]
     prior_mean_e: Float[Array, " p"]
     names: tuple[str, ...]
@@ -53,20 +48,17 @@ class NoisyPlanes:
     def __post_init__(self) -> None:
         if not np.isfinite(self.values_e).all():
             _check.finite("values_e", "e-", self.values_e)
-        for name in ("floor_e2", "slope_e", "prnu", "prior_mean_e"):
-            _check.non_negative(name, "", getattr(self, name))
+        _check.non_negative("prior_mean_e", "e-", self.prior_mean_e)
         _check.finite("prior_e2", "e-^2", self.prior_e2)
         _check.same_length(
             "planes",
             names=len(self.names),
             values=self.values_e.shape[-1],
-            floor=len(self.floor_e2),
-            slope=len(self.slope_e),
-            prnu=len(self.prnu),
             prior=len(self.prior_e2),
             mean=len(self.prior_mean_e),
         )
-        _check.freeze(self, "floor_e2", "slope_e", "prnu", "prior_e2", "prior_mean_e")
+        object.__setattr__(self, "law", self.law.of_planes(len(self.names)))
+        _check.freeze(self, "prior_e2", "prior_mean_e")
 
     def variance_e2(self, mean_e: Float[Array, "*px p"]) -> Float[Array, "*px p"]:
         """Variance of the noise at a mean; a mean below 0, from noise, counts as 0. [e-^2]
@@ -79,14 +71,13 @@ class NoisyPlanes:
         Examples
         --------
         >>> planes = NoisyPlanes(
-        ...     values_e=np.zeros((1, 1, 1), np.float32), floor_e2=np.array([25.0]),
-        ...     slope_e=np.ones(1), prnu=np.array([0.01]), prior_e2=np.eye(1),
+        ...     values_e=np.zeros((1, 1, 1), np.float32), prior_e2=np.eye(1),
+        ...     law=VarianceLaw(floor_e2=25.0, slope_e=1.0, square=0.01**2),
         ...     prior_mean_e=np.ones(1), names=("W",))
         >>> planes.variance_e2(np.array([[-3.0], [1000.0]])).ravel()
         array([  25., 1125.])
         """
-        light = np.maximum(mean_e, 0.0)
-        return np.asarray(self.floor_e2 + self.slope_e * light + (self.prnu * light) ** 2)
+        return self.law.variance_e2(np.maximum(mean_e, 0.0))
 
     def rows(self, start: int, stop: int) -> "NoisyPlanes":
         """The planes of the rows ``start`` to ``stop``.
@@ -99,11 +90,6 @@ class NoisyPlanes:
             Row after the last.
         """
         return replace(self, values_e=self.values_e[start:stop])
-
-    @property
-    def has_noise(self) -> Bool[Array, " p"]:
-        """Whether the values of each plane have noise at some mean."""
-        return (self.floor_e2 > 0) | (self.slope_e > 0) | (self.prnu > 0)
 
     @property
     def noise_unit_e(self) -> Float[Array, " p"]:

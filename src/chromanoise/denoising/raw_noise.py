@@ -2,17 +2,17 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise._shapes import Float, Float32, Shaped
-from chromanoise.denoising.planes import NoisyPlanes
+from chromanoise._shapes import Float32, Shaped
 from chromanoise.errors import InputError, Setting
 from chromanoise.noise import NoiseSources
+from chromanoise.sensor import VarianceLaw
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -29,14 +29,11 @@ class CodeNoise:
         Code without light. [DN]
     saturation_dn
         Lowest saturated code; ``None`` if it is not known. [DN]
-    floor_e2
-        Variance without light, per channel. [e-^2]
-    slope_e
-        Variance per mean value, per channel. [e-]
-    prnu
-        Standard deviation of the sensitivity over the pixels. [1]
-    fixed_e2
-        Part of ``floor_e2`` that is the same in every frame. [e-^2]
+    temporal
+        Variance that changes from frame to frame, per channel; a law without channels counts for
+        all of them.
+    spatial
+        Variance that is the same in every frame, per channel.
     source
         Where the noise comes from.
 
@@ -50,23 +47,22 @@ class CodeNoise:
     gain_e_per_dn: float
     black_level_dn: float
     saturation_dn: float | None
-    floor_e2: Float[Array, " p"]
-    slope_e: Float[Array, " p"]
-    prnu: float
-    fixed_e2: float
+    temporal: VarianceLaw
+    spatial: VarianceLaw
     source: str
 
     def __post_init__(self) -> None:
         _check.positive("gain_e_per_dn", "e-/DN", self.gain_e_per_dn)
         _check.not_negative("black_level", "DN", self.black_level_dn)
-        for name in ("floor_e2", "slope_e"):
-            _check.non_negative(name, "", getattr(self, name))
-        _check.same_length(
-            "channels", names=len(self.names), floor=len(self.floor_e2), slope=len(self.slope_e)
-        )
+        for name in ("temporal", "spatial"):
+            object.__setattr__(self, name, getattr(self, name).of_planes(len(self.names)))
         if self.saturation_dn is not None:
             _range_dn(self.black_level_dn, self.saturation_dn)
-        _check.freeze(self, "floor_e2", "slope_e")
+
+    @property
+    def law(self) -> VarianceLaw:
+        """Variance of one reading, per channel."""
+        return self.temporal + self.spatial
 
     def electrons(self, codes: Shaped[Array, "h w"]) -> Float32[Array, "h w"]:
         """Electrons of codes. [e-]
@@ -93,24 +89,6 @@ class CodeNoise:
             values_e / np.float32(self.gain_e_per_dn) + np.float32(self.black_level_dn)
         )
 
-    def of_planes(self, planes: NoisyPlanes, channels: Sequence[int]) -> NoisyPlanes:
-        """The planes with this noise.
-
-        Parameters
-        ----------
-        planes
-            Values and prior.
-        channels
-            Channel of each plane.
-        """
-        at = np.asarray(channels)
-        return replace(
-            planes,
-            floor_e2=self.floor_e2[at],
-            slope_e=self.slope_e[at],
-            prnu=np.full(len(at), self.prnu),
-        )
-
     def to_dict(self) -> dict[str, Any]:
         """The noise as plain data; S and O only where the white level is known."""
         data: dict[str, Any] = {
@@ -118,22 +96,21 @@ class CodeNoise:
             "gain_dn_per_e": 1 / self.gain_e_per_dn,
             "black_level_dn": self.black_level_dn,
             "white_level_dn": self.saturation_dn,
-            "prnu": self.prnu,
+            "prnu": math.sqrt(np.max(self.spatial.square)),
         }
         data["channels"] = {
-            name: self._of_channel(floor, slope)
-            for name, floor, slope in zip(
-                self.names, self.floor_e2.tolist(), self.slope_e.tolist(), strict=True
-            )
+            name: self._of_channel(self.law.take(i)) for i, name in enumerate(self.names)
         }
         return data
 
-    def _of_channel(self, floor_e2: float, slope_e: float) -> dict[str, float]:
-        data = {"floor_e2": floor_e2, "slope_e": slope_e, "noise_without_light_e": floor_e2**0.5}
+    def _of_channel(self, law: VarianceLaw) -> dict[str, float]:
+        floor, slope, _ = law.coefficients.tolist()
+        data = {"floor_e2": floor, "slope_e": slope, "noise_without_light_e": floor**0.5}
         if self.saturation_dn is None:
             return data
         range_e = _range_dn(self.black_level_dn, self.saturation_dn) * self.gain_e_per_dn
-        return data | {"S": slope_e / range_e, "O": floor_e2 / range_e**2}
+        floor, slope, _ = law.in_units_of(range_e).coefficients.tolist()
+        return data | {"S": slope, "O": floor}
 
 
 def code_noise(
@@ -166,19 +143,16 @@ def code_noise(
     >>> pixel = Pixel(pitch_um=3, full_well_e=9000, read_noise_e=3.0)
     >>> noise = code_noise(NoiseSources(pixel=pixel, step_e=2.0), ("W",), black_level_dn=64,
     ...                    saturation_dn=None, source="an example")
-    >>> noise.floor_e2.round(3), noise.electrons(np.array([[164]]))
+    >>> noise.law.floor_e2.round(3), noise.electrons(np.array([[164]]))
     (array([9.333]), array([[200.]], dtype=float32))
     """
-    ones = np.ones(len(names))
     return CodeNoise(
         names=tuple(names),
         gain_e_per_dn=sources.step_e,
         black_level_dn=float(black_level_dn),
         saturation_dn=saturation_dn,
-        floor_e2=sources.floor_e2() * ones,
-        slope_e=ones,
-        prnu=math.sqrt(sources.law().square),
-        fixed_e2=float(sources.law("spatial").floor_e2),
+        temporal=sources.law("temporal"),
+        spatial=sources.law("spatial"),
         source=source,
     )
 
@@ -214,13 +188,13 @@ def code_noise_of_profile(
     DNG 1.4, tag 51041. With R codes from black to white the variance of a code is S R y + O R^2 at
     y codes above black. Counted electrons have a variance equal to their mean, so S R codes
     are one electron. Where the channels differ in S (codes multiplied after the converter), one
-    electron is the mean of their S R, and ``slope_e`` differs from 1.
+    electron is the mean of their S R, and the slope of their law differs from 1.
 
     Examples
     --------
     >>> noise = code_noise_of_profile({"W": (0.0025, 0.01)}, ("W",), black_level_dn=55,
     ...                               white_level_dn=255, source="an example")
-    >>> noise.gain_e_per_dn, noise.floor_e2
+    >>> noise.gain_e_per_dn, noise.law.floor_e2
     (2.0, array([1600.]))
     """
     pairs = np.array([profile[name] for name in names])
@@ -234,10 +208,10 @@ def code_noise_of_profile(
         gain_e_per_dn=float(gain),
         black_level_dn=float(black_level_dn),
         saturation_dn=float(white_level_dn),
-        floor_e2=pairs[:, 1] * (range_dn * gain) ** 2,
-        slope_e=pairs[:, 0] * range_dn * gain,
-        prnu=0.0,
-        fixed_e2=0.0,
+        temporal=VarianceLaw(
+            floor_e2=pairs[:, 1] * (range_dn * gain) ** 2, slope_e=pairs[:, 0] * range_dn * gain
+        ),
+        spatial=VarianceLaw(),
         source=source,
     )
 

@@ -127,17 +127,13 @@ def neutral_planes(raw_e: Float32[Array, "h w"], mosaic: Mosaic, noise: CodeNois
     mean = np.maximum(planes_e.mean(axis=(0, 1), dtype=np.float64), error_e)
     same = np.equal.outer(channels, channels)
     alike = np.where(same, 1.0, _CHANNELS) * place_correlation(tile)
-    zeros = np.zeros(len(channels))
-    planes = NoisyPlanes(
+    return NoisyPlanes(
         values_e=planes_e,
-        floor_e2=zeros,
-        slope_e=zeros,
-        prnu=zeros,
+        law=noise.law.take(channels),
         prior_e2=np.outer(mean, mean) * _SPREAD**2 * alike,
         prior_mean_e=mean,
         names=names_of_places(noise.names, channels),
     )
-    return noise.of_planes(planes, channels)
 
 
 def denoised_raw(
@@ -176,11 +172,12 @@ def denoised_raw(
         As `neutral_planes`, `planes_of_mosaic`, `merged_frames` and the method.
     """
     tile = channel_tile(mosaic, noise.names)
+    channels = tile.ravel()
     if operating_point is None:
         planes = neutral_planes(raw_e, mosaic, noise)
     else:
         known = planes_of_mosaic(raw_e, operating_point, mosaic, step_e=0.0)
-        planes = noise.of_planes(known, tile.ravel().tolist())
+        planes = replace(known, law=noise.law.take(channels))
     most_e = np.float32(np.inf)
     if noise.saturation_dn is not None:
         most_e = noise.electrons(np.array([[noise.saturation_dn]]))[0, 0]
@@ -190,7 +187,7 @@ def denoised_raw(
         burst = merged_frames(
             planes,
             frames,
-            fixed_e2=np.full(tile.size, noise.fixed_e2),
+            fixed=noise.spatial.take(channels),
             saturation_e=float(most_e),
         )
         planes, kept = burst.planes, burst.used == 0
@@ -230,10 +227,10 @@ def residual_ratio(
 
     Examples
     --------
+    >>> from chromanoise.sensor import VarianceLaw
     >>> planes = NoisyPlanes(
-    ...     values_e=np.array([[[7.0], [13.0]]], np.float32), floor_e2=np.array([9.0]),
-    ...     slope_e=np.zeros(1), prnu=np.zeros(1), prior_e2=np.eye(1), prior_mean_e=np.ones(1),
-    ...     names=("W",))
+    ...     values_e=np.array([[[7.0], [13.0]]], np.float32), prior_e2=np.eye(1),
+    ...     law=VarianceLaw(floor_e2=9.0), prior_mean_e=np.ones(1), names=("W",))
     >>> residual_ratio(planes, np.full((1, 2, 1), 10, np.float32), np.zeros((1, 2, 1), bool))
     array([1.])
     """
@@ -309,7 +306,7 @@ def _mean_above_black(raw_e: Float32[Array, "h w"], noise: CodeNoise) -> tuple[f
         If the mean is further below 0 than 5 standard errors and half a code.
     """
     mean = float(raw_e.mean(dtype=np.float64))
-    error_e = math.sqrt(float(noise.floor_e2.max()) / raw_e.size)
+    error_e = math.sqrt(np.max(noise.law.floor_e2) / raw_e.size)
     if mean < -_FURTHEST * error_e - noise.gain_e_per_dn / 2 or not max(mean, error_e) > 0:
         raise InputError(
             "mean of the picture",

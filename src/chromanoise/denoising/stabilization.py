@@ -4,6 +4,7 @@ The generalized Anscombe transform with the sensitivity of the pixels folded in,
 unbiased inverse.
 """
 
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -12,6 +13,7 @@ from chromanoise._check import Array
 from chromanoise._shapes import Float, Float32
 from chromanoise.denoising.planes import NoisyPlanes
 from chromanoise.errors import InputError
+from chromanoise.sensor import VarianceLaw
 
 _EXACT_COUNTS = 400.0  # mean counts up to which the expectation is summed
 _MEANS = 48
@@ -49,15 +51,14 @@ def stabilized(planes: NoisyPlanes) -> Float[Array, "h w p"]:
     Without PRNU, twice the root of the electrons plus 3/8 and the variance of the readout.
 
     >>> planes = NoisyPlanes(
-    ...     values_e=np.array([[[0.0], [96.0]]], np.float32), floor_e2=np.array([3.625]),
-    ...     slope_e=np.ones(1), prnu=np.zeros(1), prior_e2=np.eye(1), prior_mean_e=np.ones(1),
-    ...     names=("W",))
+    ...     values_e=np.array([[[0.0], [96.0]]], np.float32), prior_e2=np.eye(1),
+    ...     law=VarianceLaw(floor_e2=3.625, slope_e=1.0), prior_mean_e=np.ones(1), names=("W",))
     >>> stabilized(planes).ravel()                                          # 2 (10 - 2)
     array([ 0., 16.])
     """
     out = np.empty(planes.values_e.shape)
     for i, law in enumerate(_laws(planes)):
-        out[..., i] = _forward(planes.values_e[..., i].astype(np.float64), *law)
+        out[..., i] = _forward(planes.values_e[..., i], law)
     return out
 
 
@@ -81,68 +82,101 @@ def unstabilized(stable: Float[Array, "h w p"], planes: NoisyPlanes) -> Float32[
     """
     out = np.empty(stable.shape, np.float32)
     for i, law in enumerate(_laws(planes)):
-        expected, bias_e = _biases(*law)
-        algebraic = _inverse(stable[..., i], *law)
+        expected, bias_e = _biases(*law.coefficients.tolist())
+        algebraic = _inverse(stable[..., i], law)
         out[..., i] = algebraic + np.interp(stable[..., i], expected, bias_e)
     return out
 
 
-def _laws(planes: NoisyPlanes) -> list[tuple[float, float, float]]:
-    """Floor, slope and PRNU of each plane, checked."""
-    columns = (planes.floor_e2, planes.slope_e, planes.prnu)
-    laws = [tuple(float(v) for v in law) for law in zip(*columns, strict=True)]
+def _laws(planes: NoisyPlanes) -> list[VarianceLaw]:
+    """The law of each plane, checked."""
+    laws = [planes.law.take(i) for i in range(len(planes.names))]
     for name, law in zip(planes.names, laws, strict=True):
-        if not law[0] + law[1] > 0:
+        if not law.floor_e2 + law.slope_e > 0:
             raise InputError(
                 f"noise of plane {name}",
                 "must be above 0 without signal, or be shot noise, to be stabilized",
-                value=law[0],
+                value=float(law.floor_e2),
                 remedy="give a read noise above 0",
             )
-    return laws  # type: ignore[return-value]
+    return laws
 
 
-def _floor(floor: float, slope: float) -> float:
-    return floor + 0.375 * slope**2
+def with_raised_floor(law: VarianceLaw) -> VarianceLaw:
+    """The law with 3/8 slope^2 added: the noise of few electrons is stable with it.
+
+    Parameters
+    ----------
+    law
+        Variance of a value.
+
+    Notes
+    -----
+    Anscombe, Biometrika 35 (1948) 246.
+    """
+    return law + VarianceLaw(floor_e2=0.375 * law.slope_e**2)
 
 
-def _forward(y: Array, floor: float, slope: float, prnu: float) -> Array:
-    """The integral of 1 / sd from 0 to y: 2 artanh(prnu y / (sd(y) + sd(0))) / prnu."""
-    c, a = _floor(floor, slope), prnu**2
-    discriminant = slope**2 - 4 * a * c
+def deviations_from_dark(mean_e: Float[Array, "*px p"], law: VarianceLaw) -> Float[Array, "*px p"]:
+    """The integral of 1 / (standard deviation at a mean) from 0 to a mean. [1]
+
+    Parameters
+    ----------
+    mean_e
+        Means at which the variance is not below 0; negative ones are possible. [e-]
+    law
+        Variance; its floor is above 0.
+
+    Notes
+    -----
+    2 artanh(k m / (sd(m) + sd(0))) / k with the square k^2, as log1p(k u) / k, in which nothing
+    cancels where k m is the largest noise.
+    """
+    mean = np.asarray(mean_e, dtype=np.float64)
+    k, dark = np.sqrt(law.square), np.sqrt(law.floor_e2)
+    both = np.sqrt(np.maximum(law.variance_e2(mean), 0.0)) + dark
+    some = np.where(k > 0, k, 1.0)
+    u = 2.0 * mean * (some + (law.slope_e + some**2 * mean) / both)
+    bent = np.log1p(some * u / (2.0 * some * dark + law.slope_e)) / some
+    return np.where(k > 0, bent, 2.0 * mean / both)
+
+
+def _forward(y: Array, law: VarianceLaw) -> Array:
+    raised = with_raised_floor(law)
+    floor, slope, square = raised.coefficients
+    discriminant = slope**2 - 4 * square * floor
     if slope > 0 and discriminant >= 0:
-        y = np.maximum(y, -2 * c / (slope + np.sqrt(discriminant)))
-    sd = np.sqrt(np.maximum((a * y + slope) * y + c, 0.0))
-    half = y / (sd + np.sqrt(c))
-    return 2 * (np.arctanh(prnu * half) / prnu if prnu else half)
+        y = np.maximum(y, -2 * floor / (slope + np.sqrt(discriminant)))
+    return deviations_from_dark(y, raised)
 
 
-def _inverse(z: Array, floor: float, slope: float, prnu: float) -> Array:
+def _inverse(z: Array, law: VarianceLaw) -> Array:
     """The value whose `_forward` is ``z``, continued to all z."""
-    half = np.tanh(prnu * z / 2) / prnu if prnu else z / 2
-    least = -np.sqrt(_floor(floor, slope)) / slope if slope else -np.inf
-    half = np.maximum(half, least)
-    top = half * (2 * np.sqrt(_floor(floor, slope)) + slope * half)
-    return np.asarray(top / (1 - (prnu * half) ** 2))
+    floor, slope, square = with_raised_floor(law).coefficients
+    k, dark = np.sqrt(square), np.sqrt(floor)
+    half = np.tanh(k * z / 2) / k if k else z / 2
+    half = np.maximum(half, -dark / slope if slope else -np.inf)
+    return np.asarray(half * (2 * dark + slope * half) / (1 - square * half**2))
 
 
 @lru_cache(maxsize=64)
-def _biases(floor: float, slope: float, prnu: float) -> tuple[Array, Array]:
+def _biases(floor_e2: float, slope_e: float, square: float) -> tuple[Array, Array]:
     """Expectations of stabilized values, rising, and mean minus algebraic inverse at each."""
+    law = VarianceLaw(floor_e2=floor_e2, slope_e=slope_e, square=square)
     counts = np.concatenate([[0.0], np.geomspace(0.01, _EXACT_COUNTS, _MEANS)])
-    scale = slope or np.sqrt(floor)
+    scale = slope_e or np.sqrt(floor_e2)
     means = counts * scale
-    expected = [_expected(m, floor, slope, prnu) for m in means]
+    expected = [_expected(m, law) for m in means]
     far = scale * np.geomspace(1.02 * _EXACT_COUNTS, 1e9, 2 * _MEANS)
-    variance = (prnu**2 * far + slope) * far + floor
-    curvature = (2 * prnu**2 * far + slope) / (2 * (variance + 0.375 * slope**2))
+    variance = law.variance_e2(far)
+    curvature = (2 * square * far + slope_e) / (2 * with_raised_floor(law).variance_e2(far))
     far_bias = 0.5 * variance * curvature
-    z = np.array([*expected, *_forward(far - far_bias, floor, slope, prnu)])
-    bias = np.concatenate([means - _inverse(np.array(expected), floor, slope, prnu), far_bias])
+    z = np.array([*expected, *_forward(far - far_bias, law)])
+    bias = np.concatenate([means - _inverse(np.array(expected), law), far_bias])
     return z, bias
 
 
-def _expected(mean: float, floor: float, slope: float, prnu: float) -> float:
+def _expected(mean: float, law: VarianceLaw) -> float:
     """Expectation of the stabilized values of a mean: Poisson counts, and a Gaussian for the rest.
 
     The Gaussian has the variance of the readout and of PRNU.
@@ -152,11 +186,12 @@ def _expected(mean: float, floor: float, slope: float, prnu: float) -> float:
     at = np.linspace(-_SDS, _SDS, _STEPS)
     weights = np.exp(-0.5 * at**2)
     weights /= weights.sum()
-    values = np.sqrt(floor + (prnu * mean) ** 2) * at
+    slope = law.slope_e
+    values = np.sqrt(replace(law, slope_e=0.0).variance_e2(mean)) * at
     if slope == 0:
-        return float(weights @ _forward(mean + values, floor, slope, prnu))
+        return float(weights @ _forward(mean + values, law))
     rate = mean / slope
     k = np.arange(int(rate + 10 * np.sqrt(rate) + 20))
     probability = np.exp(xlogy(k, rate) - rate - gammaln(k + 1))
-    stable = _forward(slope * k[:, None] + values, floor, slope, prnu)
+    stable = _forward(slope * k[:, None] + values, law)
     return float(probability @ stable @ weights)

@@ -10,7 +10,7 @@ Adobe, Digital Negative (DNG) Specification, 1.4.0.0 (2012); tag numbers are tho
 
 import math
 from contextlib import AbstractContextManager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -25,8 +25,9 @@ from chromanoise.errors import InputError
 from chromanoise.exposure import OperatingPoint, expected_electrons, white_scene
 from chromanoise.imaging.blocks import parts_of_rows
 from chromanoise.imaging.row_files import PutRows, tiff_rows
+from chromanoise.noise import noise_sources
 from chromanoise.sensor import Adc, Mosaic
-from chromanoise.sensor.noise_profile import noise_profile, noise_without_light_e
+from chromanoise.sensor.noise_profile import noise_profile
 
 _COLOR_CODES = {"R": 0, "G": 1, "B": 2, "C": 3, "M": 4, "Y": 5, "W": 6}  # tag 50710
 _LIGHT_SOURCES = {"A": 17, "D55": 20, "D65": 21, "D75": 22, "D50": 23}  # Exif LightSource
@@ -136,7 +137,8 @@ def raw_profile(
             found="gives none",
         )
     white_level_dn = _white_level_dn(operating_point, adc)
-    noise_e = noise_without_light_e(sensor.pixel, time_s=operating_point.exposure.time_s)
+    unrounded = replace(noise_sources(sensor, operating_point.exposure), step_e=0.0)
+    noise_e = float(np.sqrt(unrounded.law().floor_e2))
     noise = noise_profile(adc, read_noise_e=noise_e, white_level_dn=white_level_dn)
     return RawProfile(
         sensor_name=sensor.name,

@@ -52,7 +52,6 @@ from chromanoise.sensor.mosaic import (
 )
 from chromanoise.sensor.noise_profile import (
     noise_profile,
-    noise_without_light_e,
     pixel_from_noise_profile,
 )
 from chromanoise.sensor.overrides import (
@@ -178,7 +177,6 @@ __all__ = [
     "mosaic_named",
     "moved_curve",
     "noise_profile",
-    "noise_without_light_e",
     "of_one_reading",
     "of_pixel",
     "of_the_sum",

@@ -3,7 +3,6 @@
 x is 0 at the black level and 1 at the white level; the variance is in the square of this unit.
 """
 
-import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -13,38 +12,12 @@ from chromanoise._check import Array
 from chromanoise._shapes import Float
 from chromanoise.errors import InputError
 from chromanoise.sensor.adc import Adc
-from chromanoise.sensor.pixel import Pixel
 from chromanoise.sensor.pixel_source import PixelSource
 
 ROUNDING_DN2 = 1 / 12
 """Variance that rounding to whole codes adds (Sheppard). [DN^2]"""
 
 _ALIKE = 0.05  # S of channels with the same converter differs by less than this
-
-
-def noise_without_light_e(pixel: Pixel, *, time_s: float) -> float:
-    """Standard deviation of a pixel without light. [e-]
-
-    Parameters
-    ----------
-    pixel
-        Its readout, dark current, DSNU and row noise.
-    time_s
-        Exposure time, in which dark electrons accumulate. [s]
-
-    Notes
-    -----
-    Root of s^2 + I t + DSNU^2 + row^2: readout, shot noise of dark electrons, DSNU and row noise,
-    all independent (EMVA 1288, release 4.0).
-
-    Examples
-    --------
-    >>> pixel = Pixel(pitch_um=3, full_well_e=9000, read_noise_e=3, dark_current_e_per_s=16)
-    >>> noise_without_light_e(pixel, time_s=1.0)
-    5.0
-    """
-    spread_e2 = pixel.dsnu_e**2 + pixel.row_noise_e**2
-    return math.sqrt(pixel.read_noise_e**2 + pixel.dark_electrons_e(time_s=time_s) + spread_e2)
 
 
 def noise_profile(

@@ -203,7 +203,7 @@ def _clipped(codes: Array, noise: CodeNoise) -> dict[str, float]:
         than 5 standard deviations below it.
     """
     lowest = noise.black_level_dn - _FEWEST_SIGMAS * float(
-        np.sqrt(noise.floor_e2.max()) / noise.gain_e_per_dn
+        np.sqrt(np.max(noise.law.floor_e2)) / noise.gain_e_per_dn
     )
     at_0 = np.count_nonzero(codes == 0)
     below = np.count_nonzero(codes < lowest) - (at_0 if lowest > 0 else 0)

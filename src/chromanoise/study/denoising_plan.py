@@ -8,8 +8,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-import numpy as np
-
 from chromanoise import __version__, _check
 from chromanoise.analysis import DEFAULT_METHOD
 from chromanoise.analysis.color_matrices import MatrixMaker
@@ -479,5 +477,4 @@ def _noise_of_electrons(
         saturation_dn=None,
         source=f"{pixel.source}: read noise {pixel.sources.pixel.read_noise_e:.4g} e-",
     )
-    floor = replace(pixel.sources, step_e=0.0).floor_e2()
-    return replace(noise, floor_e2=np.full(len(names), floor))
+    return replace(noise, temporal=replace(pixel.sources, step_e=0.0).law("temporal"))
