@@ -5,7 +5,7 @@ sensor, the pixel or the file, and what is missing is an error.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
@@ -29,6 +29,7 @@ from chromanoise.imaging.render import mosaic_of
 from chromanoise.io.frames import Frame
 from chromanoise.noise import NoiseSources, noise_sources
 from chromanoise.sensor import (
+    PIXEL_NOISE,
     Converter,
     Mosaic,
     mosaic_named,
@@ -49,8 +50,9 @@ from chromanoise.study.settings import FUNCTIONS, Settings, denoise_study
 MONOCHROME = "none"
 """The mosaic of a sensor without color filters."""
 
+_TERMS = tuple(name for name in PIXEL_NOISE if name in {one.name for one in fields(NoiseSources)})
 _WITHOUT_SENSOR = (
-    *("pixel", "read_noise_e", "gain_dn_per_e", "prnu", "dsnu_e", "row_noise_e"),
+    *("pixel", "read_noise_e", "gain_dn_per_e", *_TERMS),
     *("dark_current_e_per_s", "time_ms", "bits", "black_level", "mosaic"),
 )
 
@@ -334,13 +336,9 @@ def _pixel_of_part(study: Study) -> _Pixel:
     if read_noise_e is None:
         return _Pixel(sources=None, converter=converter, source=where)
     _demand_time(dark, timed=time_ms is not None)
-    sources = NoiseSources(
-        read_noise_e=read_noise_e,
-        dark_e=dark * 1e-3 * (time_ms or 0.0),
-        row_noise_e=value("row_noise_e") or 0.0,
-        dsnu_e=value("dsnu_e") or 0.0,
-        prnu=value("prnu") or 0.0,
-    )
+    terms: dict[str, Any] = {name: value(name) or 0.0 for name in _TERMS}
+    dark_e = dark * 1e-3 * (time_ms or 0.0)
+    sources = NoiseSources(read_noise_e=read_noise_e, dark_e=dark_e, **terms)
     return _Pixel(sources=sources, converter=converter, source=where)
 
 
