@@ -142,8 +142,12 @@ def beside_their_needs(properties: Mapping[str, Property]) -> Mapping[str, Prope
         By name.
     """
     names = list(properties)
-    ordered = sorted(names, key=lambda name: names.index(properties[name].needs or name))
-    return {name: properties[name] for name in ordered}
+
+    def place(name: str) -> tuple[int, bool]:
+        needed = properties[name].needs
+        return names.index(needed or name), bool(needed)
+
+    return {name: properties[name] for name in sorted(names, key=place)}
 
 
 def partial_class(name: str, properties: Mapping[str, Property]) -> type:
