@@ -6,10 +6,10 @@ reads, sweeps, searches or documents the field takes them from there.
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import MISSING, dataclass, fields, is_dataclass, make_dataclass, replace
 from functools import cache
 from types import MappingProxyType
-from typing import Any, NamedTuple, get_type_hints
+from typing import Annotated, Any, NamedTuple, get_type_hints
 
 from chromanoise import _check
 from chromanoise.errors import InputError
@@ -45,7 +45,7 @@ class Property:
     least, most
         Bounds, both allowed. [unit]
     help
-        One line on the meaning, with the unit.
+        One line on the meaning, with the unit; ``{default:g}`` is the default of the field.
     slider
         Lowest value, highest value and step of the slider on the page; on a logarithmic scale the
         step is a share of a decade. ``None`` for a field without a slider.
@@ -53,6 +53,13 @@ class Property:
         What to do with a value out of bounds, where the sentence does not say it.
     growth
         How the value grows where pixels are summed (`chromanoise.sensor.binned`).
+    logarithmic
+        Whether values differ by orders of magnitude: a sweep has equal ratios, and so has a slider
+        whose lowest value is above 0.
+    needs
+        Name of the field without which this one has no effect; empty for none.
+    sets_time
+        Whether a solved exposure time depends on it.
 
     Examples
     --------
@@ -70,6 +77,9 @@ class Property:
     slider: tuple[float, float, float] | None = None
     remedy: str = ""
     growth: Growth = _NONE
+    logarithmic: bool = False
+    needs: str = ""
+    sets_time: bool = False
 
     def demand(self, name: str, value: Any) -> float:
         """The value as a float.
@@ -118,13 +128,60 @@ def properties_of(owner: type) -> Mapping[str, Property]:
         A class whose fields are annotated with `Property`.
     """
     hints = get_type_hints(owner, include_extras=True)
+    listed = fields(owner) if is_dataclass(owner) else ()
+    defaults = {one.name: one.default for one in listed}
     found = {
-        name: one
+        name: replace(one, help=one.help.format(default=defaults.get(name)))
         for name, hint in hints.items()
         for one in getattr(hint, "__metadata__", ())
         if isinstance(one, Property)
     }
     return MappingProxyType(found)
+
+
+def required_of(owner: type) -> tuple[str, ...]:
+    """Names of the properties of a dataclass that have no default.
+
+    Parameters
+    ----------
+    owner
+        A dataclass with properties.
+    """
+    required = {one.name for one in fields(owner) if one.default is MISSING}
+    return tuple(name for name in properties_of(owner) if name in required)
+
+
+def beside_their_needs(properties: Mapping[str, Property]) -> Mapping[str, Property]:
+    """Properties in their order, but each directly after the one that it needs.
+
+    Parameters
+    ----------
+    properties
+        By name.
+    """
+    names = list(properties)
+
+    def place(name: str) -> tuple[int, bool]:
+        needed = properties[name].needs
+        return names.index(needed or name), bool(needed)
+
+    return {name: properties[name] for name in sorted(names, key=place)}
+
+
+def partial_class(name: str, properties: Mapping[str, Property]) -> type:
+    """A frozen dataclass of properties any of which may be given; ``None`` for the others.
+
+    Type checkers need a stub for it: see ``tools/make_stubs.py``.
+
+    Parameters
+    ----------
+    name
+        Of the class.
+    properties
+        Its fields by name, in order.
+    """
+    given = [(field, Annotated[float | None, one], None) for field, one in properties.items()]
+    return make_dataclass(name, given, frozen=True, slots=True, kw_only=True)
 
 
 def demand_properties(owner: Any) -> None:

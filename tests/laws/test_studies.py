@@ -272,6 +272,7 @@ def test_a_script_holds_words_of_a_study_as_words_only():
 # ---- hash ----
 
 OTHER = {
+    **{name: one.most for name, one in PIXEL.items()},
     "schema_number": None,  # there is one schema
     "title": "t",
     "metric": "energy",
@@ -302,9 +303,6 @@ OTHER = {
     "peak_qe": 0.5,
     "file": "p.txt",
     "reader": "machine",
-    "pitch_um": 3.0,
-    "full_well_e": 999.0,
-    "read_noise_e": 3.0,
     "vary": "kelvin",
     "first": 2.0,
     "last": 2000.0,
@@ -324,14 +322,6 @@ OTHER = {
     "denoise": "guided",
     "formats": ("png",),
     "clip": True,
-    "dark_current_e_per_s": 1.0,
-    "dsnu_e": 1.0,
-    "prnu": 0.01,
-    "row_noise_e": 1.0,
-    "black_error_e": -2.0,
-    "temperature_c": 60.0,
-    "dark_reference_c": 30.0,
-    "dark_doubling_k": 6.0,
     "gain_dn_per_e": 0.5,
     "binning": 4,
     "patch": 0.5,

@@ -38,6 +38,8 @@ from chromanoise.io.pixels.source_text import (
 from chromanoise.io.sensor_json import sensor_from_json
 from chromanoise.io.spectra import ASK, Answers, read_curves
 from chromanoise.sensor import (
+    PIXEL,
+    PIXEL_REQUIRED,
     Converter,
     PixelSource,
     Sensor,
@@ -46,20 +48,6 @@ from chromanoise.sensor import (
 
 _HEAD_BYTES = 200  # of the JSON, which name its schema
 _BEFORE_JSON = b"\xef\xbb\xbf \t\r\n"
-_OF_SOURCE = (
-    "pitch_um",
-    "full_well_e",
-    "read_noise_e",
-    "dark_current_e_per_s",
-    "dsnu_e",
-    "prnu",
-    "row_noise_e",
-    "black_error_e",
-    "temperature_c",
-    "dark_reference_c",
-    "dark_doubling_k",
-)
-_REQUIRED = _OF_SOURCE[:3]
 
 
 def read_pixel_source(path: Path | str) -> PixelSource:
@@ -245,7 +233,7 @@ def _on_pixel(
     if file is None:
         return made(values)
     source = read_pixel_source(file_of(file))
-    own = {name: getattr(source, name) for name in _OF_SOURCE}
+    own = {name: getattr(source, name) for name in PIXEL}
     held = {name: value for name, value in own.items() if value is not None}
     converter = converter_of(source).known
     if not held and not converter:
@@ -295,7 +283,7 @@ def _notes(source: PixelSource, held: Mapping[str, Any], values: Mapping[str, An
     """Notes that state which values are from the file, given, or unchanged."""
     taken = [name for name in held if name not in values]
     replaced = [name for name in held if name in values]
-    silent = [name for name in _REQUIRED if name not in held and name not in values]
+    silent = [name for name in PIXEL_REQUIRED if name not in held and name not in values]
     notes = [f"{', '.join(taken)} of {source.source}"] if taken else []
     if replaced:
         notes.append(f"{', '.join(replaced)} as given, not of {source.source}")

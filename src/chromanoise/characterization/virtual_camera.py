@@ -10,8 +10,8 @@ f(e) = e - bend e^2 / (2 full well).
 """
 
 import math
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Annotated, Any
 
 import numpy as np
 
@@ -20,28 +20,14 @@ from chromanoise._check import Array
 from chromanoise._shapes import Float, Int, UInt16
 from chromanoise.characterization.results import plane_names
 from chromanoise.errors import InputError
+from chromanoise.properties import Property, properties_of
 from chromanoise.rng import stream
 from chromanoise.sensor import PIXEL, Mosaic, mosaic_named
 
 _PRNU, _DSNU, _HOT, _LIGHT, _DARK, _READ, _ROWS, _COLUMNS = range(8)  # random streams
 
 _MOST_SIDE, _MOST_PIXELS = 65_535, 1 << 28
-_MOST_BLUR = 0.6
-_RANGES = (  # name, unit, least, greatest
-    ("read_noise_e", "e-", 0.0, 1e6),
-    ("full_well_e", "e-", 1.0, 1e9),
-    ("qe", "e-/photon", 1e-6, 1.0),
-    ("dark_current_e_per_s", "e-/s", 0.0, 1e9),
-    ("dsnu_e", "e-", 0.0, 1e6),
-    ("prnu", PIXEL["prnu"].unit, PIXEL["prnu"].least, PIXEL["prnu"].most),
-    ("row_noise_e", "e-", 0.0, 1e6),
-    ("column_noise_e", "e-", 0.0, 1e6),
-    ("hot_pixel_e_per_s", "e-/s", 0.0, 1e9),
-    ("bend", "1", 0.0, 0.9),
-    ("drift", "1", -0.1, 0.1),
-    ("shading", "1", 0.0, 0.9),
-    ("neighbor_correlation", "1", 0.0, _MOST_BLUR),
-)
+_MOST_E, _MOST_WELL_E = 1e6, 1e9
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -169,29 +155,80 @@ class VirtualCamera:
     shape: tuple[int, int] = (240, 320)
     mosaic: str | None = None
     gain_dn_per_e: float | tuple[float, ...] = 0.25
-    read_noise_e: float = 0.0
-    full_well_e: float = 12_000.0
+    read_noise_e: Annotated[float, replace(PIXEL["read_noise_e"], most=_MOST_E)] = 0.0
+    full_well_e: Annotated[
+        float, replace(PIXEL["full_well_e"], least=1.0, most=_MOST_WELL_E)
+    ] = 12_000.0  # fmt: skip
     bits: int = 12
     black_level_dn: float = 0.0
-    qe: float = 0.5
+    qe: Annotated[
+        float,
+        Property(
+            label="QE", unit="e-/photon", least=1e-6, most=1.0,
+            help="QE [e-/photon].",
+        ),
+    ] = 0.5  # fmt: skip
     sensitivity: float | tuple[float, ...] = 1.0
-    dark_current_e_per_s: float = 0.0
-    dsnu_e: float = 0.0
-    prnu: float = 0.0
-    row_noise_e: float = 0.0
-    column_noise_e: float = 0.0
+    dark_current_e_per_s: Annotated[
+        float,
+        replace(
+            PIXEL["dark_current_e_per_s"], most=_MOST_WELL_E,
+            help="Dark current [e-/s]; the longest exposure is 100 ms.",
+        ),
+    ] = 0.0  # fmt: skip
+    dsnu_e: Annotated[float, replace(PIXEL["dsnu_e"], most=_MOST_E)] = 0.0
+    prnu: Annotated[float, PIXEL["prnu"]] = 0.0
+    row_noise_e: Annotated[float, replace(PIXEL["row_noise_e"], most=_MOST_E)] = 0.0
+    column_noise_e: Annotated[
+        float,
+        Property(
+            label="column noise", unit="e-", least=0.0, most=_MOST_E,
+            help="Column noise: standard deviation of the offset of a column, new in each frame "
+            "[e-].",
+        ),
+    ] = 0.0  # fmt: skip
     hot_pixels: int = 0
-    hot_pixel_e_per_s: float = 1000.0
-    bend: float = 0.0
-    drift: float = 0.0
-    shading: float = 0.0
-    neighbor_correlation: float = 0.0
+    hot_pixel_e_per_s: Annotated[
+        float,
+        Property(
+            label="excess of a hot pixel", unit="e-/s", least=0.0, most=_MOST_WELL_E,
+            help="Additional dark current of each hot pixel [e-/s].",
+        ),
+    ] = 1000.0  # fmt: skip
+    bend: Annotated[
+        float,
+        Property(
+            label="bend", unit="1", least=0.0, most=0.9,
+            help="Relative fall of the gain from dark to full well, e.g. 0.1.",
+        ),
+    ] = 0.0  # fmt: skip
+    drift: Annotated[
+        float,
+        Property(
+            label="drift", unit="1", least=-0.1, most=0.1,
+            help="Relative change of the light from one frame to the next.",
+        ),
+    ] = 0.0  # fmt: skip
+    shading: Annotated[
+        float,
+        Property(
+            label="shading", unit="1", least=0.0, most=0.9,
+            help="Relative fall of the light from the center to the corners.",
+        ),
+    ] = 0.0  # fmt: skip
+    neighbor_correlation: Annotated[
+        float,
+        Property(
+            label="correlation of neighbors", unit="1", least=0.0, most=0.6,
+            help="Correlation of the noise of neighboring pixels, as after denoising in the "
+            "camera.",
+        ),
+    ] = 0.0  # fmt: skip
     seed: int = 0
 
     def __post_init__(self) -> None:
-        for name, unit, least, greatest in _RANGES:
-            value = _check.within(name, unit, getattr(self, name), least, greatest)
-            object.__setattr__(self, name, value)
+        for name, one in properties_of(type(self)).items():  # type: ignore[arg-type] # Hashable
+            object.__setattr__(self, name, one.demand(name, getattr(self, name)))
         object.__setattr__(self, "bits", whole("bits", self.bits, 8, 16))
         object.__setattr__(self, "seed", whole("seed", self.seed, 0, (1 << 128) - 1))
         object.__setattr__(self, "shape", self._checked_shape())

@@ -9,11 +9,29 @@ import click
 from chromanoise._files import OWN_FILES, refuse_unwritable
 from chromanoise.characterization import VirtualCamera, photon_transfer_frames
 from chromanoise.characterization.virtual_frames import FRAME_FORMATS
-from chromanoise.cli.options import WHOLE
+from chromanoise.cli.options import WHOLE, Command
 from chromanoise.cli.parsing import command
 from chromanoise.errors import InputError
+from chromanoise.properties import properties_of
 
 _COLOR = {"R": 0.7, "G": 1.0, "B": 0.6}  # sensitivities of a color camera under white light
+
+_USUAL = VirtualCamera(
+    read_noise_e=3, dark_current_e_per_s=30, dsnu_e=1.5, prnu=0.008, row_noise_e=0.5
+)
+
+
+def _property_options(command: Command) -> Command:
+    """Add an option for each property of the camera."""
+    for name, one in reversed([*properties_of(VirtualCamera).items()]):
+        command = click.option(
+            f"--{name.replace('_', '-')}",
+            type=float,
+            default=f"{getattr(_USUAL, name):g}",
+            show_default=True,
+            help=one.help,
+        )(command)
+    return command
 
 
 def _shape(_: Any, __: Any, given: str) -> tuple[int, int]:
@@ -69,63 +87,13 @@ def _shape(_: Any, __: Any, given: str) -> tuple[int, int]:
     help="Mean code without light [DN].",
 )
 @click.option(
-    "--full-well-e", type=float, default=12_000, show_default=True, help="Full well [e-]."
-)
-@click.option("--read-noise-e", type=float, default=3, show_default=True, help="Read noise [e-].")
-@click.option("--qe", type=float, default=0.5, show_default=True, help="QE [e-/photon].")
-@click.option(
-    "--dark-current-e-per-s",
-    type=float,
-    default=30,
-    show_default=True,
-    help="Dark current [e-/s]; the longest exposure is 100 ms.",
-)
-@click.option(
-    "--prnu", type=float, default=0.008, show_default=True, help="PRNU, relative, e.g. 0.01."
-)
-@click.option("--dsnu-e", type=float, default=1.5, show_default=True, help="DSNU [e-].")
-@click.option(
-    "--row-noise-e",
-    type=float,
-    default=0.5,
-    show_default=True,
-    help="Row noise: standard deviation of the offset of a row, new in each frame [e-].",
-)
-@click.option(
-    "--column-noise-e",
-    type=float,
-    default=0,
-    show_default=True,
-    help="Column noise: standard deviation of the offset of a column, new in each frame [e-].",
-)
-@click.option(
     "--hot-pixels",
     type=WHOLE,
     default=0,
     show_default=True,
-    help="Number of pixels with 1000 e-/s of additional dark current.",
+    help="Number of pixels with additional dark current.",
 )
-@click.option(
-    "--bend",
-    type=float,
-    default=0,
-    show_default=True,
-    help="Relative fall of the gain from dark to full well, e.g. 0.1.",
-)
-@click.option(
-    "--drift",
-    type=float,
-    default=0,
-    show_default=True,
-    help="Relative change of the light from one frame to the next.",
-)
-@click.option(
-    "--neighbor-correlation",
-    type=float,
-    default=0,
-    show_default=True,
-    help="Correlation of the noise of neighboring pixels, as after denoising in the camera.",
-)
+@_property_options
 def demo_frames(
     out: Path, levels: int, frames: int, darks: int, file_format: str, **settings: Any
 ) -> None:

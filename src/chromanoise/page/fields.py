@@ -12,7 +12,7 @@ from chromanoise.analysis.priors import PRIORS
 from chromanoise.catalog.entries import catalog_entries, catalog_folder
 from chromanoise.color import SPACES, TONES
 from chromanoise.properties import Property
-from chromanoise.sensor import MOSAIC_NAMES, PIXEL
+from chromanoise.sensor import MOSAIC_NAMES, PIXEL, PIXEL_NOISE
 from chromanoise.spectra import METRICS, OBSERVERS
 from chromanoise.study.document import BALANCE_WORDS, study_schema
 
@@ -87,18 +87,18 @@ SECTION_HINTS: Mapping[str, str] = {
 """Hints of sections."""
 
 _BEFORE = "none; e.g. ircut-650"
-_OF_DARK: Data = {"needs": "sensors.pixel.dark_current_e_per_s"}
-_OF_PIXEL: Mapping[str, Data] = {
-    "temperature_c": {"hint": "reference", **_OF_DARK},
-    "dark_reference_c": _OF_DARK,
-    "dark_doubling_k": _OF_DARK,
-}
+_LOGARITHMIC: Data = {"scale": "log"}
 
 
-def _control(one: Property) -> Data:
-    """The control of a property: its label, and its slider if it has one."""
-    label = one.label[:1].upper() + one.label[1:]
-    return {"label": label, **dict(zip(("low", "high", "step"), one.slider or (), strict=False))}
+def _control(one: Property, part: str) -> Data:
+    """The control of a property in a part: its label, its slider if it has one, what it needs."""
+    slider = dict(zip(("low", "high", "step"), one.slider or (), strict=False))
+    return {
+        "label": one.label[:1].upper() + one.label[1:],
+        **slider,
+        **(_LOGARITHMIC if one.logarithmic and slider.get("low", 0) > 0 else {}),
+        **({"needs": f"{part}.{one.needs}"} if one.needs else {}),
+    }
 
 
 _REFINED: Mapping[str, Data] = {
@@ -121,7 +121,8 @@ _REFINED: Mapping[str, Data] = {
     "sensors.label": {"label": "Label", "hint": "its name"},
     "sensors.pixel.file": {"label": "File of the pixel", "hint": "none", "file": "pixel"},
     **{
-        f"sensors.pixel.{name}": _control(one) | _OF_PIXEL.get(name, {})
+        f"sensors.pixel.{name}": _control(one, "sensors.pixel")
+        | ({"hint": "reference"} if name == "temperature_c" else {})
         for name, one in PIXEL.items()
     },
     "sensors.pixel.binning": {"label": "Binned pixels", "low": 1, "high": 16, "step": 1},
@@ -138,6 +139,7 @@ _REFINED: Mapping[str, Data] = {
         "low": 0.001,
         "high": 100.0,
         "step": 0.02,
+        **_LOGARITHMIC,
         "hint": "from bits",
     },
     "sensors.crosstalk": {
@@ -194,13 +196,15 @@ _REFINED: Mapping[str, Data] = {
     "reflectances.scale": {"label": "Reflectances are"},
     "reflectances.wavelength_unit": {"label": "Unit of the wavelengths"},
     "reflectances.beyond": {"label": "Outside the range of the curves"},
-    "pictures.scale": {"label": "Reflectance per stored unit", "low": 1e-5, "high": 10.0},
+    "pictures.scale": {
+        "label": "Reflectance per stored unit",
+        "low": 1e-5,
+        "high": 10.0,
+        **_LOGARITHMIC,
+    },
     "pictures.bad_pixels": {"label": "Invalid reflectances"},
     "pictures.clip": {"label": "Clip electrons in the picture"},
-    **{
-        f"pictures.{name}": _control(PIXEL[name])
-        for name in ("dark_current_e_per_s", "dsnu_e", "prnu", "row_noise_e")
-    },
+    **{f"pictures.{name}": _control(PIXEL[name], "pictures") for name in PIXEL_NOISE},
     "outputs.analyses": {"label": "Every stage, per matrix"},
     "outputs.budget": {"label": "SNR budget"},
     "outputs.clip": {"label": "Clip electrons (without budget)"},
@@ -218,20 +222,22 @@ _REFINED: Mapping[str, Data] = {
         "low": 10,
         "high": 10**6,
         "step": 0.1,
+        **_LOGARITHMIC,
         "hint": "exact",
     },
-    "outputs.pipeline.exposure_gain": {"low": 0.1, "high": 10.0, "step": 0.02},
+    "outputs.pipeline.exposure_gain": {"low": 0.1, "high": 10.0, "step": 0.02, **_LOGARITHMIC},
     "outputs.pipeline.saturation": {"label": "Color saturation", "low": 0.0, "high": 2.0},
     "outputs.pipeline.tone": {"label": "Tone curve", "suggestions": [*TONES, "2.2"]},
     "outputs.pipeline.luma": {"label": "Luma"},
     "outputs.pipeline.iso": {"label": "ISO settings", "hint": "e.g. 100, 200, 400"},
-    "outputs.pipeline.base_iso": {"label": "Base ISO", "low": 10.0, "high": 3200.0},
+    "outputs.pipeline.base_iso": {
+        "label": "Base ISO",
+        "low": 10.0,
+        "high": 3200.0,
+        **_LOGARITHMIC,
+    },
     "outputs.pipeline.iso_read_noise_e": {"label": "Read noise at each ISO", "hint": "the same"},
 }
-_LOGARITHMIC = (
-    "pitch_um", "full_well_e", "read_noise_e", "gain_dn_per_e", "pictures.scale",
-    "white_balance_pixels", "exposure_gain", "base_iso",
-)  # fmt: skip
 _NEEDING = {"outputs.pipeline": "outputs.pipeline.run"}
 _SUFFIXES = re.compile(r"_(?:um|e|c|k|nm|e_per_s|dn_per_e|lux|ms)$")
 _STEPS = 100
@@ -290,7 +296,7 @@ def _described(key: str, schema: Data) -> Data:
         **refined,
     }
     if described["kind"] == "number":
-        described = _ranges(key, options, described, whole="integer" in types)
+        described = _ranges(options, described, whole="integer" in types)
     if described["kind"] == "choice":
         described["options"] = words
     if described["kind"] in ("text", "channels"):
@@ -323,16 +329,16 @@ def _kind(types: set[str], words: Any, refined: Data) -> str:
     return "number" if alone else "text"
 
 
-def _ranges(key: str, options: list[Data], described: Data, *, whole: bool) -> Data:
+def _ranges(options: list[Data], described: Data, *, whole: bool) -> Data:
     """The description with unit, ends, scale and step of its slider."""
     unit = re.search(r"\[([^\]]+)\]", described["what"])
     ends = {"low": options[0].get("minimum", 0.0), "high": options[0].get("maximum", 100.0)}
     low, high = ((ends | described)[name] for name in ends)
-    logarithmic = key.endswith(_LOGARITHMIC)
-    step = 0.05 if logarithmic else 1 if whole else (high - low) / _STEPS
+    scale = described.get("scale", "linear")
+    step = 0.05 if scale == "log" else 1 if whole else (high - low) / _STEPS
     return {
         "unit": unit.group(1) if unit else "1",
-        "scale": "log" if logarithmic else "linear",
+        "scale": scale,
         "step": step,
         "whole": whole,
         **described,

@@ -6,7 +6,7 @@ the way of ELD, has a gain and a read noise for each channel, and changes them w
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
@@ -19,7 +19,7 @@ from chromanoise.sensor.adc import adc_of
 from chromanoise.sensor.eld_noise import ReadNoiseShape, eld_noise
 from chromanoise.sensor.mosaic import Mosaic
 from chromanoise.sensor.noise_source import PixelReading
-from chromanoise.sensor.pixel import PIXEL
+from chromanoise.sensor.pixel import PIXEL, PIXEL_NOISE
 from chromanoise.sensor.read_noise import (
     LARGEST_LAMBDA,
     LEAST_LAMBDA,
@@ -482,7 +482,7 @@ class CameraNoise:
         )
 
 
-_PLAIN = ("dark_current_e_per_s", "dsnu_e", "prnu", "row_noise_e", "column_noise_e")
+_PLAIN = tuple(name for name in PIXEL_NOISE if name in {one.name for one in fields(CameraNoise)})
 
 
 def _channels(sensor: Sensor, count: int) -> int:

@@ -13,7 +13,7 @@ from chromanoise.errors import InputError, Setting
 from chromanoise.sensor.adc import Converter, refuse_coarse_codes
 from chromanoise.sensor.crosstalk import Crosstalk
 from chromanoise.sensor.filters import ir_cut
-from chromanoise.sensor.pixel import BinningMode, Pixel, binned, of_the_sum
+from chromanoise.sensor.pixel import PIXEL, BinningMode, Pixel, binned, of_the_sum
 from chromanoise.sensor.sensor import Sensor
 
 MOST_SHIFT_NM = 200.0
@@ -23,7 +23,6 @@ LOWEST_EDGE_NM, HIGHEST_EDGE_NM = 450.0, 2000.0
 
 _OF_PIXEL = frozenset(field.name for field in fields(Pixel))
 _OF_CONVERTER = frozenset(field.name for field in fields(Converter))
-_OF_TEMPERATURE = ("temperature_c", "dark_reference_c", "dark_doubling_k")
 
 
 def of_pixel(changes: Mapping[str, Any]) -> dict[str, Any]:
@@ -65,14 +64,14 @@ def with_pixel(sensor: Sensor, changes: Mapping[str, Any]) -> Sensor:
     for name in changes:
         _check.one_of("field of the pixel", name, sorted(_OF_PIXEL | _OF_CONVERTER))
     pixel = replace(sensor.pixel, **of_the_sum(sensor.pixel, of_pixel(changes)))
-    for name in _OF_TEMPERATURE:
-        if name in changes and not pixel.dark_current_e_per_s:
+    for name, one in PIXEL.items():
+        if name in changes and one.needs and not getattr(pixel, one.needs):
             raise InputError(
                 name,
-                "must be given only for a pixel with dark current",
+                f"must be given only for a pixel with {PIXEL[one.needs].label}",
                 value=changes[name],
                 found=f"{sensor.name} has none",
-                remedy=(Setting("dark_current_e_per_s"), "omit it"),
+                remedy=(Setting(one.needs), "omit it"),
             )
     known = {name: value for name, value in changes.items() if name in _OF_CONVERTER}
     converter = replace(sensor.converter, **known)

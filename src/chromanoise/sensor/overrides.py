@@ -6,28 +6,25 @@ from dataclasses import asdict, dataclass, replace
 
 from chromanoise.errors import InputError
 from chromanoise.sensor.adc import adc_of
+from chromanoise.sensor.partial_pixel import PartialPixel
 from chromanoise.sensor.pixel import extra_noise, of_the_sum
 from chromanoise.sensor.sensor import Sensor
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class PixelOverrides:
+class PixelOverrides(PartialPixel):
     """Values that override the sensor's own; ``None`` keeps the sensor's value, 0 overrides it.
+
+    The properties of `Pixel`, and:
 
     Attributes
     ----------
     bits, black_level_dn
         Number of bits and black level of the converter. [1], [DN]
-    dark_current_e_per_s, dsnu_e, prnu, row_noise_e
-        As `Pixel`. [e-/s], [e-], [1], [e-]
     """
 
     bits: int | None = None
     black_level_dn: int | None = None
-    dark_current_e_per_s: float | None = None
-    dsnu_e: float | None = None
-    prnu: float | None = None
-    row_noise_e: float | None = None
 
 
 def overridden(sensor: Sensor, given: PixelOverrides, *, raw: bool) -> Sensor:

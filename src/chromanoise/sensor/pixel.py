@@ -12,7 +12,13 @@ from typing import Annotated, Any, Literal, get_args
 
 from chromanoise import _check
 from chromanoise.errors import InputError
-from chromanoise.properties import Growth, Property, demand_properties, properties_of
+from chromanoise.properties import (
+    Growth,
+    Property,
+    demand_properties,
+    properties_of,
+    required_of,
+)
 
 _MOST = 1e12  # above any real pixel, and above the resolution of float32
 _COLDEST_C, _HOTTEST_C = -273.15, 300.0
@@ -88,6 +94,7 @@ class Pixel:
         float,
         Property(
             label="pixel pitch", unit="um", least=1e-3, most=1e6, slider=(0.5, 50.0, 0.01),
+            logarithmic=True, sets_time=True,
             help="Pixel pitch [um].",
             growth=Growth(pixels=0.5),
         ),
@@ -96,6 +103,7 @@ class Pixel:
         float,
         Property(
             label="full well", unit="e-", least=1e-3, most=1e15, slider=(100.0, 1e6, 0.02),
+            logarithmic=True, sets_time=True,
             help="Full-well capacity [e-].",
             growth=Growth(pixels=1),
         ),
@@ -104,6 +112,7 @@ class Pixel:
         float,
         Property(
             label="read noise", unit="e-", least=0.0, most=_MOST, slider=(0.1, 100.0, 0.01),
+            logarithmic=True,
             help="Standard deviation of the read noise [e-].",
             growth=Growth(readings=0.5),
         ),
@@ -112,6 +121,7 @@ class Pixel:
         float,
         Property(
             label="dark current", unit="e-/s", least=0.0, most=_MOST, slider=(0.0, 1000.0, 10.0),
+            logarithmic=True, sets_time=True,
             help="Dark current at the reference temperature [e-/s]; its mean is subtracted.",
             growth=Growth(pixels=1),
         ),
@@ -190,6 +200,7 @@ class Pixel:
         Property(
             label="temperature of the sensor", unit="C", least=_COLDEST_C, most=_HOTTEST_C,
             slider=(-40.0, 100.0, 1.0),
+            needs="dark_current_e_per_s", sets_time=True,
             help="Temperature of the sensor [C]; default: the reference temperature.",
         ),
     ] = None  # fmt: skip
@@ -198,7 +209,8 @@ class Pixel:
         Property(
             label="reference temperature", unit="C", least=_COLDEST_C, most=_HOTTEST_C,
             slider=(-40.0, 100.0, 1.0),
-            help="Reference temperature of the dark current [C]; default: 25.",
+            needs="dark_current_e_per_s", sets_time=True,
+            help="Reference temperature of the dark current [C]; default: {default:g}.",
         ),
     ] = 25.0  # fmt: skip
     dark_doubling_k: Annotated[
@@ -206,7 +218,8 @@ class Pixel:
         Property(
             label="dark-current doubling temperature", unit="K", least=3.0, most=30.0,
             slider=(3.0, 30.0, 0.5),
-            help="Temperature increase that doubles the dark current [K]; default: 7.",
+            needs="dark_current_e_per_s", sets_time=True,
+            help="Temperature increase that doubles the dark current [K]; default: {default:g}.",
         ),
     ] = 7.0  # fmt: skip
     summed_pixels: float = 1
@@ -260,8 +273,14 @@ class Pixel:
 
 PIXEL = properties_of(Pixel)
 """The properties of a pixel by name."""
+PIXEL_REQUIRED = required_of(Pixel)
+"""Names of the properties that a pixel must have."""
 PAPER_PIXEL = Pixel(pitch_um=10.0, full_well_e=10_000.0, read_noise_e=10.0)
 """Table 1 of Clouet, Vaillant & Alleysson (CIC27, 2019)."""
+PIXEL_NOISE = tuple(
+    name for name, one in PIXEL.items() if one.least == 0 == getattr(PAPER_PIXEL, name)
+)
+"""Names of the properties that add noise: 0 by default, and never negative."""
 
 EXTRA_NOISE = tuple(field.name for field in fields(Pixel) if field.default == 0.0)
 """Fields of `Pixel` that add noise or bias beyond shot and read noise; 0 by default."""

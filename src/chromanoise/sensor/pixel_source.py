@@ -9,33 +9,26 @@ from dataclasses import dataclass
 from chromanoise import _check
 from chromanoise.errors import InputError, Setting
 from chromanoise.sensor.adc import Adc
-from chromanoise.sensor.pixel import Pixel
+from chromanoise.sensor.partial_pixel import PartialPixel
+from chromanoise.sensor.pixel import PIXEL, PIXEL_REQUIRED, Pixel
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class PixelSource:
+class PixelSource(PartialPixel):
     """Values that a source gives for a pixel; ``None`` for values that it does not give.
+
+    The properties of `Pixel`, and:
 
     Attributes
     ----------
     source
         Where the numbers come from.
-    pitch_um
-        Side of the pixel. [um]
-    full_well_e
-        Electrons at saturation. [e-]
-    read_noise_e
-        Standard deviation of the readout, rounding to codes not included. [e-]
     gain_e_per_dn
         Electrons per code. [e-/DN]
     bits, black_level_dn
         Number of bits and black level of the converter. [1], [DN]
     adc
         The converter, where both gain and bits are known.
-    dark_current_e_per_s, dsnu_e, prnu, row_noise_e, black_error_e
-        As `Pixel`. [e-/s], [e-], [1], [e-], [e-]
-    temperature_c, dark_reference_c, dark_doubling_k
-        As `Pixel`. [C], [C], [K]
     qe, qe_at_nm
         Quantum efficiency at one wavelength, to check QE curves against. [e-/photon], [nm]
     notes
@@ -48,38 +41,23 @@ class PixelSource:
     """
 
     source: str
-    pitch_um: float | None = None
-    full_well_e: float | None = None
-    read_noise_e: float | None = None
     gain_e_per_dn: float | None = None
     bits: int | None = None
     black_level_dn: int | None = None
     adc: Adc | None = None
-    dark_current_e_per_s: float | None = None
-    dsnu_e: float | None = None
-    prnu: float | None = None
-    row_noise_e: float | None = None
-    black_error_e: float | None = None
-    temperature_c: float | None = None
-    dark_reference_c: float | None = None
-    dark_doubling_k: float | None = None
     qe: float | None = None
     qe_at_nm: float | None = None
     notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         where = f"of {self.source}"
-        for name, unit in (
-            ("pitch_um", "um"),
-            ("full_well_e", "e-"),
-            ("gain_e_per_dn", "e-/DN"),
-            ("qe_at_nm", "nm"),
-        ):
+        for name, unit in (("gain_e_per_dn", "e-/DN"), ("qe_at_nm", "nm")):
             if getattr(self, name) is not None:
                 _check.positive(f"{name} {where}", unit, getattr(self, name))
-        for name in ("read_noise_e", "row_noise_e"):
+        for name in PIXEL_REQUIRED:
             if getattr(self, name) is not None:
-                _check.not_negative(f"{name} {where}", "e-", getattr(self, name))
+                check = _check.positive if PIXEL[name].least > 0 else _check.not_negative
+                check(f"{name} {where}", PIXEL[name].unit, getattr(self, name))
         if self.qe is not None:
             _refuse_percent(f"qe {where}", self.qe)
 
@@ -99,12 +77,6 @@ PIXEL_FILES = (
 )
 """The files that can describe a pixel, each with an example, for messages."""
 
-_QUESTIONS = {
-    "pitch_um": "what is the pixel pitch? [um]",
-    "full_well_e": "how many electrons fill a pixel? [e-]",
-    "read_noise_e": "what is the read noise? [e-]",
-}
-
 
 def open_questions(source: PixelSource) -> tuple[str, ...]:
     """One question for each value that the source lacks for a `Pixel`.
@@ -120,8 +92,8 @@ def open_questions(source: PixelSource) -> tuple[str, ...]:
     ('read_noise_e: what is the read noise? [e-]',)
     """
     return tuple(
-        f"{name}: {question}"
-        for name, question in _QUESTIONS.items()
+        f"{name}: what is the {PIXEL[name].label}?{_check.in_brackets(PIXEL[name].unit)}"
+        for name in PIXEL_REQUIRED
         if getattr(source, name) is None
     )
 

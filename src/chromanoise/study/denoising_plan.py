@@ -28,6 +28,7 @@ from chromanoise.io.frames import Frame
 from chromanoise.noise import NoiseSources, noise_sources
 from chromanoise.sensor import (
     PIXEL,
+    PIXEL_NOISE,
     Converter,
     Mosaic,
     Pixel,
@@ -50,8 +51,8 @@ MONOCHROME = "none"
 """The mosaic of a sensor without color filters."""
 
 _WITHOUT_SENSOR = (
-    *("pixel", "read_noise_e", "gain_dn_per_e", "prnu", "dsnu_e", "row_noise_e"),
-    *("dark_current_e_per_s", "time_ms", "bits", "black_level", "mosaic"),
+    *("pixel", "read_noise_e", "gain_dn_per_e", *PIXEL_NOISE),
+    *("time_ms", "bits", "black_level", "mosaic"),
 )
 
 

@@ -5,14 +5,15 @@ file.
 """
 
 import os
-from collections.abc import Iterable, Iterator, Sequence
-from typing import Annotated, Any, Literal, TypeVar
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar
 
 from pydantic import (
     AfterValidator,
     BaseModel,
     ConfigDict,
     Field,
+    create_model,
     field_validator,
     model_validator,
 )
@@ -37,9 +38,22 @@ from chromanoise.imaging import DEMOSAICING
 from chromanoise.imaging.formats import FORMATS, MOST_FRAMES
 from chromanoise.io.given_matrices import MATRIX_ENDINGS, is_matrix_file
 from chromanoise.io.spectra.parsed import Negatives, Unit
+from chromanoise.properties import Property, beside_their_needs
 from chromanoise.scene import BUILTIN_CUBES
-from chromanoise.sensor import MOSAIC_NAMES, MOST_BINNING, MOST_SHIFT_NM, PIXEL, BinningMode
+from chromanoise.sensor import (
+    MOSAIC_NAMES,
+    MOST_BINNING,
+    MOST_SHIFT_NM,
+    PIXEL,
+    PIXEL_NOISE,
+    BinningMode,
+)
 from chromanoise.spectra import DEFAULT_OBSERVER, METRICS, OBSERVERS, Illuminant
+
+if TYPE_CHECKING:
+    from chromanoise.sensor import PartialPixel as _PixelNames
+else:
+    _PixelNames = object
 
 MOST_SENSORS = 1000
 """Largest number of sensors in a study."""
@@ -146,35 +160,41 @@ class LightPart(Part):
     negatives: Negatives = Field("refuse", description=_NEGATIVES)
 
 
-_OF_FILE = "; default: from pixel.file, else 0."
+SomePart = TypeVar("SomePart", bound=Part)
 
 
-def _help(name: str, default: str = ".") -> Any:
-    """The field of a property of the pixel that may be given."""
-    return Field(None, description=PIXEL[name].help.removesuffix(".") + default)
+def _with_properties(
+    properties: Mapping[str, Property], default: str = "."
+) -> Callable[[type[SomePart]], type[SomePart]]:
+    """A decorator that adds properties, each of which may be given, after the fields of a part."""
+    added: dict[str, Any] = {
+        name: (
+            Annotated[float, one] | None,
+            Field(None, description=one.help.removesuffix(".") + default),
+        )
+        for name, one in properties.items()
+    }
+
+    def extended(part: type[SomePart]) -> type[SomePart]:
+        return create_model(
+            part.__name__, __base__=part, __doc__=part.__doc__, __module__=part.__module__, **added
+        )
+
+    return extended
 
 
-class PixelPart(Part):
-    """Changes to the sensor's pixel."""
-
+@_with_properties(beside_their_needs(PIXEL))
+class _FileAndPixelPart(Part, _PixelNames):
     file: str | None = Field(
         None,
         description="EMVA 1288 sheet, DNG noise profile or photon transfer table; the keys "
         "below override it.",
     )
-    pitch_um: Annotated[float, PIXEL["pitch_um"]] | None = _help("pitch_um")
-    full_well_e: Annotated[float, PIXEL["full_well_e"]] | None = _help("full_well_e")
-    read_noise_e: Annotated[float, PIXEL["read_noise_e"]] | None = _help("read_noise_e")
-    dark_current_e_per_s: Annotated[float, PIXEL["dark_current_e_per_s"]] | None = _help(
-        "dark_current_e_per_s"
-    )
-    temperature_c: Annotated[float, PIXEL["temperature_c"]] | None = _help("temperature_c")
-    dark_reference_c: Annotated[float, PIXEL["dark_reference_c"]] | None = _help("dark_reference_c")
-    dark_doubling_k: Annotated[float, PIXEL["dark_doubling_k"]] | None = _help("dark_doubling_k")
-    dsnu_e: Annotated[float, PIXEL["dsnu_e"]] | None = _help("dsnu_e")
-    prnu: Annotated[float, PIXEL["prnu"]] | None = _help("prnu")
-    row_noise_e: Annotated[float, PIXEL["row_noise_e"]] | None = _help("row_noise_e")
-    black_error_e: Annotated[float, PIXEL["black_error_e"]] | None = _help("black_error_e")
+
+
+class PixelPart(_FileAndPixelPart):
+    """Changes to the sensor's pixel."""
+
     bits: Annotated[int, Field(ge=8, le=16)] | None = Field(
         None, description="Bits of the converter; its step adds quantization noise."
     )
@@ -441,6 +461,9 @@ class SweepPart(Part):
         return self
 
 
+@_with_properties(
+    {name: PIXEL[name] for name in PIXEL_NOISE}, "; default: from pixel.file, else 0."
+)
 class PicturePart(Part):
     """Pictures of one cube with every sensor, as `chromanoise simulate` renders them."""
 
@@ -489,12 +512,6 @@ class PicturePart(Part):
         | None
     ) = Field(None, description=f"{', '.join(FORMATS)}; default: png and xyz, or raw and dng.")
     clip: bool = Field(False, description="Clip electrons between 0 and full well.")
-    dark_current_e_per_s: Annotated[float, PIXEL["dark_current_e_per_s"]] | None = _help(
-        "dark_current_e_per_s", _OF_FILE
-    )
-    dsnu_e: Annotated[float, PIXEL["dsnu_e"]] | None = _help("dsnu_e", _OF_FILE)
-    prnu: Annotated[float, PIXEL["prnu"]] | None = _help("prnu", _OF_FILE)
-    row_noise_e: Annotated[float, PIXEL["row_noise_e"]] | None = _help("row_noise_e", _OF_FILE)
 
     @field_validator("wavelengths", mode="before")
     @classmethod

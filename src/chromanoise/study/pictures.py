@@ -19,7 +19,7 @@ from chromanoise.imaging.capture import (
     write_capture,
 )
 from chromanoise.scene import Cube
-from chromanoise.sensor import PixelOverrides, mosaic_named
+from chromanoise.sensor import PIXEL_NOISE, PixelOverrides, mosaic_named
 from chromanoise.study.assembly import cube_of, keyed
 from chromanoise.study.document import PicturePart, Study
 from chromanoise.study.file_names import file_word, refuse_shared_file_names
@@ -56,10 +56,7 @@ def capture_settings_of(
         pixel=PixelOverrides(
             bits=part.bits,
             black_level_dn=part.black_level,
-            dark_current_e_per_s=part.dark_current_e_per_s,
-            dsnu_e=part.dsnu_e,
-            prnu=part.prnu,
-            row_noise_e=part.row_noise_e,
+            **{name: getattr(part, name) for name in PIXEL_NOISE},
         ),
         seed=seed,
         clip=part.clip,

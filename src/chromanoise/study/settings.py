@@ -13,9 +13,8 @@ from typing import Annotated, Any, Literal, TypedDict, get_type_hints
 from chromanoise.analysis import DEFAULT_METHOD
 from chromanoise.errors import InputError, did_you_mean, errors_in, refusal
 from chromanoise.io.spectra.parsed import Negatives, Unit
-from chromanoise.spectra import (
-    Illuminant,
-)
+from chromanoise.sensor import PIXEL, PixelSettings
+from chromanoise.spectra import Illuminant
 from chromanoise.study.document import Study
 from chromanoise.study.reading import study_from_data
 
@@ -24,9 +23,7 @@ Extrapolation = Literal["refuse", "zero", "hold"]
 Per = Literal["photon", "energy"]
 
 
-class SharedSettings(TypedDict, total=False):
-    """Settings of light, exposure and sensors; each is annotated with its keys in a study."""
-
+class _BeforePixel(TypedDict, total=False):
     illuminant: Annotated[str | Path | Illuminant, "light.illuminant"]
     lux: Annotated[float, "light.level_lux"]
     illuminant_beyond: Annotated[Extrapolation, "light.beyond"]
@@ -50,17 +47,14 @@ class SharedSettings(TypedDict, total=False):
     wavelength_unit: Annotated[Unit, "sensors.*.answers.wavelength_unit"]
     peak_qe: Annotated[float, "sensors.*.answers.peak_qe"]
     pixel: Annotated[str | Path, "sensors.*.pixel.file"]
-    pitch_um: Annotated[float, "sensors.*.pixel.pitch_um"]
-    full_well_e: Annotated[float, "sensors.*.pixel.full_well_e"]
-    read_noise_e: Annotated[float, "sensors.*.pixel.read_noise_e"]
-    dark_current_e_per_s: Annotated[float, "sensors.*.pixel.dark_current_e_per_s"]
-    temperature_c: Annotated[float, "sensors.*.pixel.temperature_c"]
-    dark_reference_c: Annotated[float, "sensors.*.pixel.dark_reference_c"]
-    dark_doubling_k: Annotated[float, "sensors.*.pixel.dark_doubling_k"]
-    dsnu_e: Annotated[float, "sensors.*.pixel.dsnu_e"]
-    prnu: Annotated[float, "sensors.*.pixel.prnu"]
-    row_noise_e: Annotated[float, "sensors.*.pixel.row_noise_e"]
-    black_error_e: Annotated[float, "sensors.*.pixel.black_error_e"]
+
+
+class SharedSettings(_BeforePixel, PixelSettings, total=False):
+    """Settings of light, exposure and sensors.
+
+    Each is annotated with its keys in a study, or else with the property of the pixel that it is.
+    """
+
     bits: Annotated[int, "sensors.*.pixel.bits"]
     gain_dn_per_e: Annotated[float, "sensors.*.pixel.gain_dn_per_e"]
     binning: Annotated[int, "sensors.*.pixel.binning"]
@@ -189,7 +183,10 @@ def settings_keys(kind: type) -> Mapping[str, tuple[str, ...]]:
     ('light.level_lux',)
     """
     hints = get_type_hints(kind, include_extras=True)
-    return {name: hint.__metadata__ for name, hint in hints.items()}
+    return {
+        name: (f"sensors.*.pixel.{name}",) if name in PIXEL else hint.__metadata__
+        for name, hint in hints.items()
+    }
 
 
 SHARED = settings_keys(SharedSettings)

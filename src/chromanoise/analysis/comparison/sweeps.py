@@ -15,6 +15,7 @@ from chromanoise._check import Array
 from chromanoise._shapes import Float
 from chromanoise.errors import InputError, Setting
 from chromanoise.exposure import OperatingPoint
+from chromanoise.properties import Property
 from chromanoise.sensor import (
     PIXEL,
     behind_ir_cut,
@@ -100,21 +101,20 @@ def _at_pixel(operating_point: OperatingPoint, value: float, *, field: str) -> O
     return replace(operating_point, sensor=changed)
 
 
-def _of_pixel(field: str, *, logarithmic: bool = False, replaces: bool = True) -> Sweep:
-    """The sweep of a field of the pixel.
+def _of_pixel(field: str, one: Property) -> Sweep:
+    """The sweep of a property of the pixel.
 
-    A field on which the exposure time depends does not replace the setting of the study.
+    One on which the exposure time depends does not replace the setting of the study.
     """
-    one = PIXEL[field]
     return Sweep(
         name=field.replace("_", "-"),
         what=one.label,
         unit=one.unit,
-        logarithmic=logarithmic,
-        lowest=_LEAST_LOGARITHMIC if logarithmic else one.least,
+        logarithmic=one.logarithmic,
+        lowest=max(one.least, _LEAST_LOGARITHMIC) if one.logarithmic else one.least,
         highest=one.most,
         at=partial(_at_pixel, field=field),
-        replaces=f"sensors.*.pixel.{field}" if replaces else "",
+        replaces="" if one.sets_time else f"sensors.*.pixel.{field}",
     )
 
 
@@ -191,11 +191,7 @@ SWEEPS: Mapping[str, Sweep] = {
             highest=1e6,
             at=_at_f_number,
         ),
-        _of_pixel("read_noise_e", logarithmic=True),
-        _of_pixel("dark_current_e_per_s", logarithmic=True, replaces=False),
-        _of_pixel("temperature_c", replaces=False),
-        _of_pixel("prnu"),
-        _of_pixel("dsnu_e"),
+        *(_of_pixel(name, one) for name, one in PIXEL.items()),
         Sweep(
             name="bits",
             what="bits of the converter, its top code at full well",

@@ -10,30 +10,20 @@ from typing import Any
 from chromanoise import _check
 from chromanoise.errors import InputError, did_you_mean
 from chromanoise.io.pixels.source_text import errors_in_file, finite_number, source_text
-from chromanoise.sensor import Converter, PixelSource
+from chromanoise.sensor import PIXEL, PIXEL_REQUIRED, Converter, PixelSource
 
 PIXEL_SCHEMA = "chromanoise pixel"
 PIXEL_SCHEMA_VERSION = 1
 
 _UNIT_OF = {
-    "pitch_um": "um",
-    "full_well_e": "e-",
-    "read_noise_e": "e-",
+    **{name: PIXEL[name].unit for name in PIXEL_REQUIRED},
     "gain_e_per_dn": "e-/DN",
     "bits": "1",
     "black_level_dn": "DN",
-    "dark_current_e_per_s": "e-/s",
-    "dsnu_e": "e-",
-    "prnu": "1",
-    "row_noise_e": "e-",
-    "black_error_e": "e-",
-    "temperature_c": "C",
-    "dark_reference_c": "C",
-    "dark_doubling_k": "K",
+    **{name: one.unit for name, one in PIXEL.items() if name not in PIXEL_REQUIRED},
     "qe": "e-/photon",
     "qe_at_nm": "nm",
 }
-_SIGNED = ("black_error_e", "temperature_c", "dark_reference_c")
 _GAIN = "gain_dn_per_e"
 _TEXT = ("schema", "schema_version", "source", "notes")
 _KEYS = (*_UNIT_OF, _GAIN, *_TEXT)
@@ -93,11 +83,9 @@ def read_pixel_toml(path: Path | str) -> PixelSource:
     Parameters
     ----------
     path
-        A file with ``schema = "chromanoise pixel"``, ``schema_version = 1`` and any of
-        ``pitch_um``, ``full_well_e``, ``read_noise_e``, ``gain_e_per_dn`` or ``gain_dn_per_e``,
-        ``bits``, ``black_level_dn``, ``dark_current_e_per_s``, ``dsnu_e``, ``prnu``,
-        ``row_noise_e``, ``black_error_e``, ``temperature_c``, ``dark_reference_c``,
-        ``dark_doubling_k``, ``qe``, ``qe_at_nm``, ``source`` and ``notes``.
+        A file with ``schema = "chromanoise pixel"``, ``schema_version = 1`` and any of the
+        properties of `chromanoise.sensor.Pixel`, ``gain_e_per_dn`` or ``gain_dn_per_e``, ``bits``,
+        ``black_level_dn``, ``qe``, ``qe_at_nm``, ``source`` and ``notes``.
 
     Raises
     ------
@@ -178,7 +166,7 @@ def _values(held: dict[str, Any], path: Path) -> dict[str, Any]:
         number = finite_number(held[key])
         if number is None:
             raise InputError(str(path), "must be a finite number", value=held[key], where=key)
-        if key not in _SIGNED:
+        if key not in PIXEL or PIXEL[key].least >= 0:
             _check.not_negative(f"{key} of {path.name}", _UNIT_OF.get(key, ""), number)
         values[key] = number
     if _GAIN in values:
