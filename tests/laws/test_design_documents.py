@@ -14,6 +14,7 @@ from chromanoise.design import (
     read_design,
 )
 from chromanoise.design.algorithms import METHODS
+from chromanoise.design.candidates import noise_properties
 from chromanoise.design.optimizing import task_of
 from chromanoise.design.parameters import Free
 from chromanoise.design.search import MOST_POPULATION
@@ -89,6 +90,8 @@ def test_a_number_is_fixed_free_or_tied(tmp_path, written, value):
         (("width_nm", "widht_nm"), "design.channels.0.widht_nm"),
         (("width_nm = 40", ""), "design.channels.0.width_nm"),
         (("width_nm = 40", 'width_nm = "G.width_nm"'), "design.channels.0.width_nm"),
+        (("width_nm = 40", "width_nm = 40\n[design.pixel]\npitch_um = 3"), "design.pixel.pitch_um"),
+        (("width_nm = 40", "width_nm = 40\n[design.pixel]\nprnu = [0, 2]"), "design.pixel.prnu"),
         (('"gaussian"', '"bell"'), "design.channels.0.filter"),
         (('"snr_y_db"', '"snr"'), "design.objectives.0"),
         (("budget = 16", "budget = 4"), "design.budget"),
@@ -241,10 +244,17 @@ ROUTED = f"{BANDS}efficiency = [0.5, 0.9]\n" + "".join(
 )
 GREEN = '[[design.channels]]\nname = "G"\nfilter = "gaussian"\ncenter_nm = 540\nwidth_nm = 40\n'
 BELLS = CHANNEL + GREEN + GREEN.replace("540", "450").replace('"G"', '"B"')
+PARTNER = {"rtn_share": "rtn_amplitude_e = 9\n", "rtn_amplitude_e": "rtn_share = 0.1\n"}
 STRUCTURES = {
     "crosstalk": (BELLS + "[design.crosstalk]\nshare = [0, 0.2]\n", "crosstalk.share"),
-    "read noise": (CHANNEL + "[design.pixel]\nread_noise_e = [1, 9]\n", "pixel.read_noise_e"),
-    "prnu": (CHANNEL + "[design.pixel]\nprnu = [0, 0.02]\n", "pixel.prnu"),
+    **{
+        name: (
+            f"{CHANNEL}[design.pixel]\n{PARTNER.get(name, '')}"
+            f"{name} = [0.001, {min(one.most, 9)}]\n",
+            f"pixel.{name}",
+        )
+        for name, one in noise_properties().items()
+    },
     "time": (CHANNEL + "[design.exposure]\ntime_ms = [1, 9]\n", "exposure.time_ms"),
     "layers": (
         'structure = "layers"\n' + BARE

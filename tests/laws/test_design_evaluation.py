@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from chromanoise.design.candidates import Candidates
+from chromanoise.design.candidates import Candidates, noise_properties
 from chromanoise.design.evaluation import Evaluator
 from chromanoise.design.objectives import FAST, OBJECTIVES, Candidate, value_of
 from chromanoise.design.parameters import Parameter
@@ -13,7 +13,7 @@ from chromanoise.design.robustness import ToleranceDraws, over_tolerances
 from chromanoise.design.scenes import DesignScene, candidate_point
 from chromanoise.exposure import Exposure, OperatingPoint
 from chromanoise.metrics import chart_ciede2000
-from chromanoise.sensor import Converter, Crosstalk, Pixel, Sensor
+from chromanoise.sensor import PIXEL, Converter, Crosstalk, Pixel, Sensor
 from chromanoise.spectra import (
     OBSERVERS,
     Grid,
@@ -111,9 +111,8 @@ def test_what_a_candidate_brings_replaces_what_the_scene_has():
         rng.random(3),
     )
     weight = np.array([0.0, 1.0, 7.0])
-    own = Candidates(
-        qe=qe, time_s=time_s, read_noise_e=read_noise_e, prnu=prnu / 10, noise_weight=weight
-    )
+    pixel = {"read_noise_e": read_noise_e, "prnu": prnu / 10}
+    own = Candidates(qe=qe, time_s=time_s, pixel=pixel, noise_weight=weight)
     found = Evaluator(scenes=(scene,), objectives=FAST).values(own)
     for i in range(3):
         point = candidate_point(
@@ -123,6 +122,60 @@ def test_what_a_candidate_brings_replaces_what_the_scene_has():
         there = replace(scene, point=point, matrix=f"noise-regularized={weight[i]}")
         assert sensor.pixel.read_noise_e == read_noise_e[i]
         np.testing.assert_allclose(found[i], of_library(there, qe[i], FAST), rtol=1e-9)
+
+
+PARTNER = {"rtn_share": {"rtn_amplitude_e": 9.0}, "rtn_amplitude_e": {"rtn_share": 0.1}}
+"""What else a pixel needs so that a property of it makes noise."""
+
+
+@pytest.mark.parametrize("name", noise_properties())
+@pytest.mark.parametrize("matrix", ["kernel", "lmmse", "bounded-psi=2"])
+def test_any_noise_of_the_pixel_of_a_candidate_is_that_of_its_sensor(matrix, name):
+    rng = np.random.default_rng([3, list(noise_properties()).index(name)])
+    scene, qe = scene_of(rng, matrix), bells(rng, 4, 3)
+    amount = rng.uniform(0.5, 1.0, 4) * min(PIXEL[name].most, 40.0)
+    amount[0] = 20.0 if name == "read_noise_e" else 0.0  # below, rounding is not added noise
+    names, time_s = FAST[: 10 if matrix == "kernel" else 9], rng.uniform(0.05, 0.2, 4)
+    more = PARTNER.get(name, {})
+    pixel = {name: amount, **{other: np.full(4, value) for other, value in more.items()}}
+    for time in (None, time_s):
+        own = Candidates(qe=qe, time_s=time, pixel=pixel)
+        found = Evaluator(scenes=(scene,), objectives=names).values(own)
+        for i in range(4):
+            given = {} if time is None else {"time_s": time[i]}
+            point = candidate_point(scene, qe[i], **given, **more, **{name: amount[i]})
+            there = replace(scene, point=point)
+            assert getattr(point.sensor.pixel, name) == amount[i]
+            np.testing.assert_allclose(found[i], of_library(there, qe[i], names), rtol=1e-9)
+
+
+@pytest.mark.parametrize("name", noise_properties())
+def test_the_gradient_of_any_noise_of_the_pixel_is_the_central_difference(name):
+    high = min(PIXEL[name].most, 20.0)
+
+    class Noises:
+        parameters = (
+            Parameter(name="time", unit="s", low=0.001, high=0.2),
+            Parameter(name=name, unit="1", low=0.0, high=high),
+        )
+
+        def candidates(self, values):
+            qe = np.repeat(luther_curves()[None], len(values), axis=0)
+            more = PARTNER.get(name, {})
+            pixel = {other: np.full(len(values), value) for other, value in more.items()}
+            return Candidates(qe=qe, time_s=values[:, 0], pixel=pixel | {name: values[:, 1]})
+
+    scene = scene_of(np.random.default_rng(4), "kernel")
+    evaluator = Evaluator(scenes=(scene,), objectives=("snr_y_db", "least_separation"))
+    at, step = np.array([0.05, 0.4 * high]), np.diag([1e-4, 1e-3 * high])
+    _, jacobian = evaluator.gradient(Noises(), at)
+    around = [evaluator.values(Noises().candidates(at + k * step)) for k in (-2, -1, 1, 2)]
+    wanted = (8 * (around[2] - around[1]) - (around[3] - around[0])).T / (12 * step.diagonal())
+    assert (wanted[:, 1] < 0).all()
+    np.testing.assert_allclose(jacobian, wanted, rtol=1e-5)
+    separations = evaluator.linearization(Noises(), at).separations_jacobian
+    least = evaluator.linearization(Noises(), at).separations.argmin()
+    np.testing.assert_allclose(separations[least], wanted[1], rtol=1e-5)
 
 
 @pytest.mark.parametrize("matrix", ["kernel", "least-squares", "lmmse"])
@@ -250,7 +303,7 @@ class Bells:
             return Candidates(qe=qe)
         w = values[:, 3]
         share = np.stack([w / 100, 0.5 - w / 200, 0.5 - w / 200], axis=1)
-        return Candidates(qe=qe, time_s=w * 2e-4, pixel_share=share, prnu=w * 1e-3)
+        return Candidates(qe=qe, time_s=w * 2e-4, pixel_share=share, pixel={"prnu": w * 1e-3})
 
 
 AT = np.array([611.0, 533.0, 452.0])

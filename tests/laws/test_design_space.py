@@ -3,6 +3,7 @@
 import math
 import pickle
 from dataclasses import replace
+from typing import get_args
 
 import numpy as np
 import pytest
@@ -10,11 +11,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from chromanoise.catalog import sensor_named
+from chromanoise.design.candidates import noise_properties
 from chromanoise.design.parameters import Free, Parameter
 from chromanoise.design.space import LEAST_SHARE, Channel, DesignSpace, Filter
 from chromanoise.sensor import (
+    BinningMode,
     bayer,
     behind_ir_cut,
+    binned,
     crosstalk_of_share,
     silicon_qe,
     with_crosstalk,
@@ -69,8 +73,11 @@ SPACES = {
         crosstalk=Free(low=0.0, high=0.3),
         time_ms=Free(low=1.0, high=100.0),
         noise_weight=Free(low=0.0, high=1.0),
-        read_noise_e=Free(low=1.0, high=20.0),
-        prnu=Free(low=0.0, high=0.02),
+        pixel={
+            "read_noise_e": Free(low=1.0, high=20.0),
+            "dark_current_e_per_s": Free(low=0.0, high=50.0),
+            "prnu": Free(low=0.0, high=0.02),
+        },
     ),
     "layers": space_of(
         channels=tuple(Channel(name=name) for name in "BGR"),
@@ -108,11 +115,17 @@ def test_every_candidate_is_a_sensor_that_can_be(space, shares):
             np.testing.assert_allclose(space.sensor(row, name="one").qe, curves, rtol=1e-14)
 
 
+def array_of(candidates, name):
+    if name in noise_properties():
+        return candidates.pixel.get(name)
+    return getattr(candidates, name)
+
+
 @settings(max_examples=10)
 @given(spaces, st.lists(st.floats(0.05, 0.95), min_size=20, max_size=20))
 def test_the_complex_step_gives_the_slope_of_every_array_of_the_candidates(space, shares):
     values = rows(space, shares)[:1]
-    fields = ("qe", "time_s", "pixel_share", "noise_weight", "read_noise_e", "prnu")
+    fields = ("qe", "time_s", "pixel_share", "noise_weight", *noise_properties())
     for i, parameter in enumerate(space.parameters):
         if parameter.choices:
             continue
@@ -123,11 +136,11 @@ def test_the_complex_step_gives_the_slope_of_every_array_of_the_candidates(space
             space.candidates(values + factor * h * along) for factor in (1, -1, 2, -2)
         )
         for name in fields:
-            if getattr(exact, name) is None:
+            if array_of(exact, name) is None:
                 continue
-            slope = getattr(exact, name).imag / 1e-30
+            slope = array_of(exact, name).imag / 1e-30
             one, two = (
-                (getattr(a, name) - getattr(b, name)) / (2 * f * h)
+                (array_of(a, name) - array_of(b, name)) / (2 * f * h)
                 for a, b, f in ((up, down, 1), (up_2, down_2, 2))
             )
             size = np.abs(slope).max()
@@ -250,10 +263,22 @@ def test_a_sensor_has_the_noise_that_was_chosen_with_it():
     space = SPACES["everything"]
     values = rows(space, [0.5])
     sensor, candidates = space.sensor(values[0], name="one"), space.candidates(values)
-    assert sensor.pixel.read_noise_e == candidates.read_noise_e[0] == 10.5
-    assert sensor.pixel.prnu == candidates.prnu[0] == 0.01
+    assert sensor.pixel.read_noise_e == candidates.pixel["read_noise_e"][0] == 10.5
+    assert sensor.pixel.dark_current_e_per_s == 25.0
+    assert sensor.pixel.prnu == candidates.pixel["prnu"][0] == 0.01
     assert candidates.time_s[0] == pytest.approx(0.0505)
     assert sensor.origin == "model"
+
+
+@pytest.mark.parametrize("mode", get_args(BinningMode))
+def test_binned_pixels_are_searched_with_the_noise_that_their_sensor_has(mode):
+    base = replace(BASE, pixel=binned(BASE.pixel, 16, mode))
+    space = space_of(base=base, pixel=dict.fromkeys(noise_properties(), 0.02))
+    values = rows(space, [0.5])
+    pixel = space.sensor(values[0], name="one").pixel
+    for name, amount in space.candidates(values).pixel.items():
+        assert amount[0] == getattr(pixel, name) > 0
+    assert pixel.dsnu_e == pytest.approx(4 * 0.02)
 
 
 REFUSED = {
@@ -268,6 +293,10 @@ REFUSED = {
     "an unknown filter": (
         {"ir_cut": Filter(model="ircut")},
         {"subject": "filter of ir_cut", "value": "ircut"},
+    ),
+    "a number of the pixel that is no noise": (
+        {"pixel": {"full_well_e": Free(low=1.0, high=9.0)}},
+        {"subject": "number of the pixel", "value": "full_well_e"},
     ),
     "an unknown number": (
         {"ir_cut": Filter(model="ir-cut", numbers={"cut_off_nm": 650.0})},

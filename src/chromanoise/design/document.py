@@ -14,11 +14,13 @@ from pydantic import (
     ConfigDict,
     Field,
     ValidationError,
+    create_model,
     model_validator,
 )
 
 from chromanoise import _check
 from chromanoise.design.algorithms import METHODS
+from chromanoise.design.candidates import noise_properties
 from chromanoise.design.evaluation import OverScenes
 from chromanoise.design.objectives import OBJECTIVES
 from chromanoise.design.parameters import Free, Value
@@ -31,7 +33,7 @@ from chromanoise.design.search import (
 )
 from chromanoise.design.space import LIBRARY_MODEL, MODELS, PixelShares, Structure, model_numbers
 from chromanoise.errors import InputError, Setting, did_you_mean, refusal
-from chromanoise.sensor import MOSAIC_NAMES, PIXEL, SILICON_NUMBERS, ModelNumber
+from chromanoise.sensor import MOSAIC_NAMES, SILICON_NUMBERS, ModelNumber
 from chromanoise.study import Part, Study
 
 BEST_REFERENCE = "best reference"
@@ -210,11 +212,15 @@ class CrosstalkNumbers(Part):
     )
 
 
-class PixelNumbers(Part):
-    """The pixel, where it is not that of the base."""
-
-    read_noise_e: Numbers = Field(None, description=PIXEL["read_noise_e"].help)
-    prnu: Numbers = Field(None, description=PIXEL["prnu"].help)
+_NOISE: dict[str, Any] = {
+    name: (Numbers, Field(None, description=one.help)) for name, one in noise_properties().items()
+}
+PixelNumbers = create_model(
+    "PixelNumbers",
+    __base__=Part,
+    __doc__="The noise of the pixel, where it is not that of the base.",
+    **_NOISE,
+)
 
 
 class ScenePart(Part):

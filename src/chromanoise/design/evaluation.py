@@ -14,7 +14,7 @@ from chromanoise._check import Array
 from chromanoise._shapes import Bool, Float, Inexact, Integer
 from chromanoise.analysis import electrons_at, matrix_makers
 from chromanoise.color.fitted import penalized_matrix
-from chromanoise.design.candidates import Candidates
+from chromanoise.design.candidates import Candidates, noise_of
 from chromanoise.design.objectives import FAST, OBJECTIVES, Candidate, Objective, value_of
 from chromanoise.design.scenes import DesignScene, candidate_point, scene_arrays
 from chromanoise.errors import InputError
@@ -345,8 +345,7 @@ def _given(evaluator: Evaluator, candidates: Candidates) -> _Batch:
     if len(candidates) == 0:
         raise InputError("candidates", "must hold at least one", found="there is none")
     _demand_grid(evaluator, candidates.qe.shape[1])
-    fields = [getattr(candidates, name) for name in _FIELDS]
-    dtype = np.result_type(np.float64, *(values for values in fields if values is not None))
+    dtype = candidates.dtype
     m, _, p = candidates.qe.shape
     return _Batch(
         m=m,
@@ -356,7 +355,7 @@ def _given(evaluator: Evaluator, candidates: Candidates) -> _Batch:
         choices=np.zeros((0, p), np.int64),
         curves=None,
         more=candidates,
-        of=lambda which: _some(candidates, which),
+        of=candidates.some,
     )
 
 
@@ -392,9 +391,6 @@ def _chosen(evaluator: Evaluator, choices: Array, curves: Array) -> _Batch:
     )
 
 
-_FIELDS = ("qe", "time_s", "pixel_share", "noise_weight", "read_noise_e", "prnu")
-
-
 def _demand_grid(evaluator: Evaluator, n: int) -> None:
     grid = evaluator.scenes[0].point.illuminant.grid
     if n != grid.n:
@@ -404,13 +400,6 @@ def _demand_grid(evaluator: Evaluator, n: int) -> None:
             value=n,
             found=f"has {n}",
         )
-
-
-def _some(candidates: Candidates, which: Any) -> Candidates:
-    """Some of the candidates."""
-    given = {name: getattr(candidates, name) for name in _FIELDS}
-    some: dict[str, Any] = {k: None if v is None else v[which] for k, v in given.items()}
-    return Candidates(**some)
 
 
 def _is_fast(scene: DesignScene, noise_weight_is_free: bool, name: str) -> bool:
@@ -452,7 +441,7 @@ def _fast(
     wanted = np.array([name in columns for name in FAST])
     rows = _rows(scene, frozenset(_GROUPS_OF[name] for name in columns) | {_matrix_group(scene)})
     sensor, more, m, p, dtype = scene.point.sensor, batch.more, batch.m, batch.p, batch.dtype
-    gain, floor_e2, dark_e, prnu, spread = _noise(scene, batch)
+    gain, law, dark_e, spread = _noise(scene, batch)
     well_e, range_e = sensor.pixel.full_well_e - dark_e, code_range_e(sensor)
     full_e = np.where(well_e.real < range_e, well_e, range_e)
     method, strength, weight = _method(scene, more)
@@ -472,8 +461,7 @@ def _fast(
         batch.qe,
         batch.choices,
         gain,
-        floor_e2,
-        prnu,
+        law,
         full_e * _FULL,
         _each(more.noise_weight, weight, m, dtype),
         spread,
@@ -500,30 +488,27 @@ def _fast(
     return found, out[-1].real
 
 
-def _noise(scene: DesignScene, batch: _Batch) -> tuple[Array, Array, Array, Array, Array]:
-    """Gain of all electrons, floor [e-^2], dark electrons, PRNU, factors on the variance."""
-    sensor, exposure, more = scene.point.sensor, scene.point.exposure, batch.more
+def _noise(scene: DesignScene, batch: _Batch) -> tuple[Array, Array, Array, Array]:
+    """Gain of all electrons, law of the variance, dark electrons, factors on the variance."""
+    exposure, more = scene.point.exposure, batch.more
     m, p, dtype = batch.m, batch.p, batch.dtype
     time_s = _each(more.time_s, exposure.time_s, m, dtype)
-    read_noise_e = _each(more.read_noise_e, sensor.pixel.read_noise_e, m, dtype)
-    noise = noise_sources(sensor, exposure)
-    noise = replace(noise, pixel=replace(noise.pixel, read_noise_e=0.0), dark_e=0.0)
-    dark_e = sensor.pixel.dark_electrons_e(time_s=1.0) * time_s
+    noise = noise_of(scene.point.sensor, time_s, more.pixel)
     spread = np.ones((m, p), dtype)
     if more.pixel_share is not None:
         spread = _own(1.0 / (p * more.pixel_share), dtype)
-    prnu = _each(more.prnu, sensor.pixel.prnu, m, dtype)
-    floor_e2 = noise.floor_e2() + read_noise_e**2 + dark_e
-    return time_s / exposure.time_s, floor_e2, dark_e, prnu, spread
+    return time_s / exposure.time_s, _own(noise[:3], dtype), noise[3], spread
 
 
 def _separations(scene: DesignScene, turned: _Batch) -> Inexact[Array, "pairs d"]:
     """D_M of each pair, with an imaginary step of each parameter."""
+    from chromanoise.design import kernels
+
     arrays = scene_arrays(scene)
     rows_e = arrays.chart_e if arrays.paired_e is None else arrays.paired_e
-    gain, floor_e2, _, prnu, spread = (np.moveaxis(a, 0, -1) for a in _noise(scene, turned))
+    gain, law, _, spread = _noise(scene, turned)
     e = gain * np.moveaxis(turned.qe @ rows_e.T, 0, -1)  # channel, patch, parameter
-    variance = (e + floor_e2 + (prnu * e) ** 2) * (0.5 * spread[:, None])
+    variance = kernels.variance_of.py_func(law, ..., e, e * e) * (0.5 * spread.T[:, None])
     one, other = arrays.pairs.T
     with np.errstate(divide="ignore", invalid="ignore"):
         apart, noise = (e[:, one] - e[:, other]) ** 2, variance[:, one] + variance[:, other]
@@ -695,8 +680,7 @@ def _matrix(scene: DesignScene, candidates: Candidates, i: int) -> Float[Array, 
         gain * (rows @ sensor.qe)
         for rows in (arrays.training_e, arrays.training_mean_e, arrays.white_e)
     )
-    noise = noise_sources(sensor, point.exposure)
-    law = noise.law()
+    law = noise_sources(sensor, point.exposure).law()
     variance = mean_e + law.floor_e2 + law.square * (seen**2).sum(axis=0)
     if candidates.pixel_share is not None:
         variance = variance / (p * candidates.pixel_share[i])
@@ -745,8 +729,6 @@ def _refuse_shares(objective: Objective, more: Candidates) -> None:
 
 
 def _point(scene: DesignScene, candidates: Candidates, i: int) -> OperatingPoint:
-    given = {
-        name: None if (values := getattr(candidates, name)) is None else float(values[i])
-        for name in ("time_s", "read_noise_e", "prnu")
-    }
-    return candidate_point(scene, candidates.qe[i], **given)
+    time_s = None if candidates.time_s is None else float(candidates.time_s[i])
+    pixel = {name: float(values[i]) for name, values in candidates.pixel.items()}
+    return candidate_point(scene, candidates.qe[i], time_s=time_s, **pixel)

@@ -370,9 +370,16 @@ def _vora_value(lower, scale, e, at, scratch, value):
                 value[k] += scratch[c, k] * scratch[c, k] * (1 / 3)
 
 
+@_inlined
+@no_type_check
+def variance_of(law, k, mean, squared):
+    """Variance by the rows floor, slope and square of a law, at a mean and a mean square."""
+    return law[0, k] + law[1, k] * mean + law[2, k] * squared
+
+
 @_compiled
 @no_type_check
-def _penalized(e, at, method, strength, weight, floor, prnu, spread, g):
+def _penalized(e, at, method, strength, weight, law, spread, g):
     """Add the penalty to the diagonal of E[M M^T]: the mean noise, or that of ridge."""
     p = g.shape[0]
     if method == RIDGE:
@@ -385,13 +392,13 @@ def _penalized(e, at, method, strength, weight, floor, prnu, spread, g):
         return
     for c in range(p):
         for k in range(LANES):
-            noise = e[at, c, k] + floor[k] + prnu[k] * prnu[k] * g[c, c, k]
+            noise = variance_of(law, k, e[at, c, k], g[c, c, k])
             g[c, c, k] += weight[k] * (noise * spread[c, k])
 
 
 @_compiled
 @no_type_check
-def _luminance_snr(e, matrix, floor, prnu, spread, least, value):
+def _luminance_snr(e, matrix, law, spread, least, value):
     """Squared SNR of Y of a perfect white; NaN where Y is no signal."""
     p = e.shape[1]
     for k in range(LANES):
@@ -399,7 +406,7 @@ def _luminance_snr(e, matrix, floor, prnu, spread, least, value):
         variance = e[0, 0, k] * 0.0
         for c in range(p):
             mean = e[0, c, k]
-            own = mean + floor[k] + (prnu[k] * mean) * (prnu[k] * mean)
+            own = variance_of(law, k, mean, mean * mean)
             weight = matrix[1, c, k]
             y += weight * mean
             variance += weight * weight * (own * spread[c, k])
@@ -408,7 +415,7 @@ def _luminance_snr(e, matrix, floor, prnu, spread, least, value):
 
 @_compiled
 @no_type_check
-def _lux_of_snr10(e, matrix, floor, prnu, spread, full, level_lux, value):
+def _lux_of_snr10(e, matrix, law, spread, full, level_lux, value):
     """SNR10 of Y of a gray, from a quadratic equation; NaN where a channel saturates first."""
     p = e.shape[1]
     for k in range(LANES):
@@ -423,9 +430,9 @@ def _lux_of_snr10(e, matrix, floor, prnu, spread, full, level_lux, value):
             spatial += squared * per_lux * per_lux
             total += squared
             most = per_lux if per_lux.real > most.real else most
-        gain = seen * seen - (SNR10 * prnu[k]) * (SNR10 * prnu[k]) * spatial
-        shot = SNR10 * SNR10 * shot
-        root = np.sqrt(shot * shot + 4.0 * gain * (SNR10 * SNR10 * floor[k] * total))
+        gain = seen * seen - SNR10 * SNR10 * law[2, k] * spatial
+        shot = SNR10 * SNR10 * law[1, k] * shot
+        root = np.sqrt(shot * shot + 4.0 * gain * (SNR10 * SNR10 * law[0, k] * total))
         lux = (shot + root) / (2.0 * gain)
         good = seen.real > 0.0 and gain.real > 0.0 and (lux * most).real <= full[k].real
         value[k] = lux if good else lux * np.nan
@@ -468,13 +475,13 @@ def _chart_of(e, row, matrix, shift, inverse, lab, slope):
 
 @_compiled
 @no_type_check
-def _add_noise_of(e, row, matrix, slope, floor, prnu, spread, noise):
+def _add_noise_of(e, row, matrix, slope, law, spread, noise):
     """Add the trace of J S J^T of one patch."""
     p = e.shape[1]
     for c in range(p):
         for k in range(LANES):
             mean = e[row, c, k]
-            own = (mean + floor[k] + (prnu[k] * mean) * (prnu[k] * mean)) * spread[c, k]
+            own = variance_of(law, k, mean, mean * mean) * spread[c, k]
             x, y, z = (
                 slope[0, k] * matrix[0, c, k],
                 slope[1, k] * matrix[1, c, k],
@@ -486,7 +493,7 @@ def _add_noise_of(e, row, matrix, slope, floor, prnu, spread, noise):
 
 @_compiled
 @no_type_check
-def _chart_errors(e, at, matrix, truth, black_e, floor, prnu, spread, wanted, scratch, out, block):
+def _chart_errors(e, at, matrix, truth, black_e, law, spread, wanted, scratch, out, block):
     """All objectives of the chart; NaN where the white has no color."""
     p, many = e.shape[1], truth.shape[0]
     shift, inverse, lab, slope = scratch[0:3], scratch[3:6], scratch[6:9], scratch[9:12]
@@ -526,7 +533,7 @@ def _chart_errors(e, at, matrix, truth, black_e, floor, prnu, spread, wanted, sc
                         for c in range(p):
                             shift[j, k] += black_e * matrix[j, c, k]
                 _chart_of(e, at + i, matrix, shift, inverse, lab, slope)
-            _add_noise_of(e, at + i, matrix, slope, floor, prnu, spread, noise)
+            _add_noise_of(e, at + i, matrix, slope, law, spread, noise)
             if wanted[_TOTAL]:
                 for k in range(LANES):
                     dl, da, db = lab[0, k] - l1, lab[1, k] - a1, lab[2, k] - b1
@@ -555,7 +562,7 @@ def _put_all(out, block, column, value):
 
 @_compiled
 @no_type_check
-def _separations(e, at, many, pairs, floor, prnu, spread, full, wanted, variance, scratch):
+def _separations(e, at, many, pairs, law, spread, full, wanted, variance, scratch):
     """Least and mean D_M of the pairs; NaN where a patch saturates a channel."""
     p = e.shape[1]
     least, mean, squared = scratch[0], scratch[1], scratch[2]
@@ -565,7 +572,7 @@ def _separations(e, at, many, pairs, floor, prnu, spread, full, wanted, variance
         for c in range(p):
             for k in range(LANES):
                 electrons = e[at + i, c, k]
-                own = electrons + floor[k] + (prnu[k] * electrons) * (prnu[k] * electrons)
+                own = variance_of(law, k, electrons, electrons * electrons)
                 variance[i, c, k] = own * (0.5 * spread[c, k])
     for i in range(pairs.shape[0]):
         one, other = pairs[i, 0], pairs[i, 1]
@@ -602,8 +609,7 @@ def evaluate(
     qe,
     choices,
     gain,
-    floor,
-    prnu,
+    law,
     full,
     weight,
     spread,
@@ -627,9 +633,10 @@ def evaluate(
     ----------
     qe, choices
         Curves (m, p, n); or indices (m, p) of filters of a library where ``qe`` is empty.
-    gain, floor, prnu, full, weight
-        Per candidate: factor on all electrons, variance without light [e-^2], PRNU, white level
-        [e-], weight of the noise in the matrix.
+    gain, full, weight
+        Per candidate: factor on all electrons, white level [e-], weight of the noise in the matrix.
+    law
+        Floor [e-^2], slope [e-] and square [1] of `chromanoise.sensor.VarianceLaw` (3, m).
     spread
         Factor on the variance of each channel (m, p).
     rows, squared
@@ -671,7 +678,8 @@ def evaluate(
     x = np.zeros((3, p, LANES), qe.dtype)
     matrix = np.zeros((3, p, LANES), qe.dtype)
     apart = np.zeros((p, LANES), qe.dtype)
-    own = np.zeros((4, LANES), qe.dtype)
+    own = np.zeros((2, LANES), qe.dtype)
+    noise = np.zeros((3, LANES), qe.dtype)
     scratch = np.zeros((17, LANES), qe.dtype)
     value = np.zeros(LANES, qe.dtype)
     of_channels, of_training = np.ones(LANES), np.ones(LANES)
@@ -685,7 +693,9 @@ def evaluate(
     for block in range(start * LANES, min(stop * LANES, m), LANES):
         for k in range(LANES):
             i = min(block + k, m - 1)
-            own[0, k], own[1, k], own[2, k], own[3, k] = floor[i], prnu[i], full[i], weight[i]
+            own[0, k], own[1, k] = full[i], weight[i]
+            for j in range(3):
+                noise[j, k] = law[j, i]
             for c in range(p):
                 apart[c, k] = spread[i, c]
             of_channels[k], of_training[k] = 1.0, 1.0
@@ -711,7 +721,7 @@ def evaluate(
             at = layout[_AT_TRAINING]
             mean = at + training_xyz.shape[0]
             _training_gram(e, at, training_xyz, trained, x)
-            _penalized(e, mean, method, strength, own[3], own[0], own[1], apart, trained)
+            _penalized(e, mean, method, strength, own[1], noise, apart, trained)
             _factored(trained, lower, scale, line, of_training)
             _solved(lower, scale, x, matrix)
         for k in range(LANES):
@@ -723,24 +733,24 @@ def evaluate(
                     share = e[layout[_AT_INFRARED], c, k] / e[0, c, k]
                     share = share if e[0, c, k].real > 0.0 else share + np.nan
                     infrared = infrared if share.real <= infrared.real else share
-            _put(out, block, k, _FULLNESS, fullest / own[2, k])
+            _put(out, block, k, _FULLNESS, fullest / own[0, k])
             _put(out, block, k, _INFRARED, infrared)
             least = of_training[k] if of_training[k] < of_channels[k] else of_channels[k]
             _put(out, block, k, _INDEPENDENCE, least if least > 0.0 else 0.0)
         if wanted[_SNR_Y]:
-            _luminance_snr(e, matrix, own[0], own[1], apart, _LEAST_COLOR * white_y, value)
+            _luminance_snr(e, matrix, noise, apart, _LEAST_COLOR * white_y, value)
             _put_all(out, block, _SNR_Y, value)
         if wanted[_LUX]:
-            _lux_of_snr10(e, matrix, own[0], own[1], apart, own[2], level_lux, value)
+            _lux_of_snr10(e, matrix, noise, apart, own[0], level_lux, value)
             _put_all(out, block, _LUX, value)
         if wanted[_NOISE] or wanted[_TOTAL] or wanted[_DELTA_E] or wanted[_CIEDE2000]:
             _chart_errors(
-                e, layout[_AT_CHART], matrix, truth, black_e, own[0], own[1], apart, wanted,
-                scratch, out, block,
+                e, layout[_AT_CHART], matrix, truth, black_e, noise, apart, wanted, scratch, out,
+                block,
             )  # fmt: skip
         if wanted[_LEAST] or wanted[_MEAN]:
             _separations(
-                e, at_patches, many, pairs, own[0], own[1], apart, own[2], wanted, variance, scratch
+                e, at_patches, many, pairs, noise, apart, own[0], wanted, variance, scratch
             )
             _put_all(out, block, _LEAST, scratch[0])
             _put_all(out, block, _MEAN, scratch[1])

@@ -439,8 +439,7 @@ def space_of(document: DesignDocument, base: Sensor) -> DesignSpace:
             crosstalk=design.crosstalk.share,
             time_ms=design.exposure.time_ms,
             noise_weight=design.matrix.noise_weight,
-            read_noise_e=design.pixel.read_noise_e,
-            prnu=design.pixel.prnu,
+            pixel={name: value for name, value in design.pixel if value is not None},
         )
     except InputError as error:
         if error.setting:

@@ -126,8 +126,7 @@ def candidate_point(
     qe: Float[Array, "n p"],
     *,
     time_s: float | None = None,
-    read_noise_e: float | None = None,
-    prnu: float | None = None,
+    **pixel: float,
 ) -> OperatingPoint:
     """The operating point of a scene with another sensor in place of its own.
 
@@ -137,21 +136,21 @@ def candidate_point(
         Light, exposure, pixel and converter.
     qe
         Electrons per photon, crosstalk before counting included. [e-/photon]
-    time_s, read_noise_e, prnu
-        In place of those of the scene. [s], [e-], [1]
+    time_s
+        In place of that of the scene. [s]
+    pixel
+        Fields of `chromanoise.sensor.Pixel` in place of those of the scene.
     """
     point = scene.point
     own, p = point.sensor, qe.shape[1]
     same = p == len(own.names)
-    changes = {"read_noise_e": read_noise_e, "prnu": prnu}
-    pixel = replace(own.pixel, **{k: float(v) for k, v in changes.items() if v is not None})
     sensor = replace(
         own,
         qe=qe,
         names=own.names if same else tuple(f"channel {i + 1}" for i in range(p)),
         mosaic=own.mosaic if same else None,
         crosstalk=None,
-        pixel=pixel,
+        pixel=replace(own.pixel, **pixel),
     )
     exposure = point.exposure if time_s is None else replace(point.exposure, time_s=float(time_s))
     return replace(point, sensor=sensor, exposure=exposure)

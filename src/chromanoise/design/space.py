@@ -9,11 +9,10 @@ import numpy as np
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._shapes import Float, Inexact
-from chromanoise.design.candidates import Candidates
+from chromanoise.design.candidates import Candidates, noise_properties, refuse_other_noise
 from chromanoise.design.parameters import Free, Parameter, Value, refuse_outside, tied_to
 from chromanoise.errors import InputError
 from chromanoise.sensor import (
-    PIXEL,
     Crosstalk,
     Mosaic,
     Sensor,
@@ -21,6 +20,7 @@ from chromanoise.sensor import (
     beer_lambert,
     crosstalk_of_share,
     layered_silicon_qe,
+    of_the_sum,
     refuse_other_channels,
     router_collection,
     router_shares,
@@ -142,8 +142,9 @@ class DesignSpace:
     noise_weight
         ``matrix.noise_weight``, the weight of the noise in the matrix; ``None`` for that of the
         scene. [1]
-    read_noise_e, prnu
-        ``pixel.read_noise_e`` and ``pixel.prnu``; ``None`` for those of the base. [e-], [1]
+    pixel
+        ``pixel.read_noise_e`` and so on: noise of the pixel by the names of
+        `chromanoise.design.candidates.noise_properties`; what is omitted is that of the base.
     parameters
         The free numbers, in the order of the coordinates of a search; made from all others.
 
@@ -184,8 +185,7 @@ class DesignSpace:
     crosstalk: Value | None = None
     time_ms: Value | None = None
     noise_weight: Value | None = None
-    read_noise_e: Value | None = None
-    prnu: Value | None = None
+    pixel: Mapping[str, Value] = field(default_factory=dict)
     parameters: tuple[Parameter, ...] = field(init=False)
     _numbers: Mapping[str, float | int] = field(init=False, repr=False)
     _curves: Mapping[str, Float[Array, "k n"]] = field(init=False, repr=False)
@@ -251,11 +251,11 @@ class DesignSpace:
             ("crosstalk", "share", self.crosstalk, _CROSSTALK),
             ("exposure", "time_ms", self.time_ms, _TIME),
             ("matrix", "noise_weight", self.noise_weight, _NOISE_WEIGHT),
-            ("pixel", "read_noise_e", self.read_noise_e, _READ_NOISE),
-            ("pixel", "prnu", self.prnu, _PRNU),
         ):
             if value is not None:
                 yield place, {name: value}, {name: number}
+        known = _pixel_numbers()
+        yield "pixel", self.pixel, {name: known[name] for name in known if name in self.pixel}
 
     @property
     def _needs_silicon(self) -> bool:
@@ -431,14 +431,21 @@ class DesignSpace:
             time_s=None if time_ms is None else time_ms / 1000.0,
             pixel_share=self.shares(values),
             noise_weight=self._each("matrix.noise_weight", values),
-            read_noise_e=self._each("pixel.read_noise_e", values),
-            prnu=self._each("pixel.prnu", values),
+            pixel=of_the_sum(self.base.pixel, self._pixel(values)),
         )
 
     def _each(self, name: str, values: Inexact[Array, "m d"]) -> Inexact[Array, " m"] | None:
         if name not in self._numbers:
             return None
         return np.broadcast_to(self._number(name, values), (len(values),))
+
+    def _pixel(self, values: Inexact[Array, "m d"]) -> dict[str, Inexact[Array, " m"]]:
+        """Noise of one pixel of each candidate, by name."""
+        shape = (len(values),)
+        return {
+            name: np.broadcast_to(self._number(f"pixel.{name}", values), shape)
+            for name in self.pixel
+        }
 
     def _first(self, name: str, values: Float[Array, "m d"]) -> float:
         return float(np.asarray(self._number(name, values)).flat[0])
@@ -504,12 +511,7 @@ class DesignSpace:
             origin="model",
             notes=self._notes(row, shares),
         )
-        changes = {
-            key: float(each[0])
-            for key in ("read_noise_e", "prnu")
-            if (each := self._each(f"pixel.{key}", row)) is not None
-        }
-        return with_pixel(sensor, changes)
+        return with_pixel(sensor, {k: float(each[0]) for k, each in self._pixel(row).items()})
 
     def _crosstalk_of(
         self, row: Float[Array, "1 d"], shares: Float[Array, "1 p"] | None
@@ -563,6 +565,7 @@ class DesignSpace:
 
     def _refuse_structure(self) -> None:
         _refuse_channels(self.channels, self.base)
+        refuse_other_noise(self.pixel)
         _check.one_of("structure", self.structure, get_args(Structure))
         if self.mosaic is not None:
             refuse_other_channels(self.mosaic, self.names)
@@ -632,10 +635,6 @@ _ENDS = ("low", "high")
 _TIME = ModelNumber(unit="ms", what="exposure time", least=1e-6)
 _NOISE_WEIGHT = ModelNumber(unit="1", what="weight of the noise in the matrix")
 _CROSSTALK = ModelNumber(unit="1", what="share of the light that ends in neighbors", most=1.0)
-_READ_NOISE, _PRNU = (
-    ModelNumber(unit=one.unit, what=one.label, least=one.least, most=one.most)
-    for one in (PIXEL["read_noise_e"], PIXEL["prnu"])
-)
 _SHARE = ModelNumber(unit="1", what="share of the pixels that are left", most=1.0)
 _LIBRARY_NUMBERS = {
     "thickness": ModelNumber(unit="1", what="thickness over the measured one", default=1.0)
@@ -661,6 +660,13 @@ def model_numbers(model: str, given: Iterable[str]) -> Mapping[str, ModelNumber]
     if model == LIBRARY_MODEL:
         return _LIBRARY_NUMBERS
     return FILTER_MODELS[model].numbers_for(given)
+
+
+def _pixel_numbers() -> dict[str, ModelNumber]:
+    return {
+        name: ModelNumber(unit=one.unit, what=one.label, least=one.least, most=one.most)
+        for name, one in noise_properties().items()
+    }
 
 
 def _router_numbers(names: Sequence[str]) -> dict[str, ModelNumber]:

@@ -3,9 +3,11 @@
 import math
 from collections.abc import Callable, Container, Iterable
 from dataclasses import dataclass
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 from chromanoise import _check
+from chromanoise._check import Array
+from chromanoise._shapes import Inexact
 from chromanoise.sensor.pixel import Pixel
 
 NoiseKind = Literal["total", "temporal"]
@@ -24,6 +26,8 @@ pixel, ``row`` and ``column`` for all pixels of a row or column. ``levels``: som
 two levels, each in half of the frames. ``rounding``: to codes. The same in every frame: an offset
 of each pixel (``pattern``), its sensitivity (``gain``), its ``place`` in the mosaic.
 """
+Term = Literal["floor_e2", "slope_e", "square"]
+"""A coefficient of `chromanoise.sensor.VarianceLaw`."""
 ALL = frozenset[Drawn](get_args(Drawn))
 FIXED = frozenset[Drawn]({"pattern", "gain", "place"})
 """What is the same in every frame: spatial noise."""
@@ -55,8 +59,8 @@ class NoiseSource:
 
     cause: str
     drawn: Drawn
-    term: Literal["floor_e2", "slope_e", "square"]
-    value: Callable[["PixelReading"], float]
+    term: Term
+    value: Callable[["PixelReading"], Any]
     share: Callable[["PixelReading"], float] = lambda of: 1.0
     words: str = ""
 
@@ -127,7 +131,9 @@ class PixelReading:
         return 0.0, 0.0
 
 
-def reset_noise_e2(capacitance_ff: float, temperature_k: float) -> float:
+def reset_noise_e2(
+    capacitance_ff: float | Inexact[Array, " m"], temperature_k: float
+) -> float | Inexact[Array, " m"]:
     """Variance of the electrons that a reset leaves on a capacitance. [e-^2]
 
     Parameters
