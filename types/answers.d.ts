@@ -200,6 +200,8 @@ export interface Choices {
   coordinates?: string[];
   sliders: Slider[];
   fields: Field[];
+  /** Of a study, by key; none where the default is no value. */
+  defaults: Record<string, string | number | boolean>;
   hints?: Record<string, string>;
   sweeps: KnownSweep[];
   quantities: { name: string; what: string }[];

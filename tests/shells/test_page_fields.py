@@ -1,11 +1,10 @@
 """The controls that are made from the schema of a study: each key has one, with an effect."""
 
-import json
 import re
 
 import pytest
 
-from chromanoise.page.fields import ELSEWHERE, SECTION_HINTS, described_fields
+from chromanoise.page.fields import ELSEWHERE, SECTION_HINTS, described_fields, study_defaults
 from chromanoise.page.files import asset
 from chromanoise.page.studies import MOST_SENSORS
 from chromanoise.study import study_as_json, study_from_data
@@ -125,14 +124,14 @@ def written(page, control, field):
 
 
 def test_the_script_of_the_page_has_the_defaults_and_limits_of_the_library():
-    paths, sensors = (asset(f"app/{name}.js").decode() for name in ("paths", "sensors"))
-    unsaid = re.search(r"UNSAID = \{(.*?)\}", paths, re.DOTALL).group(1)
-    defaults = study_as_json(study_from_data({"sensors": [{"name": "onyx-rgb"}]}, source=""))
-    found = re.findall(r'"(\w+)\.(\w+)": (.+),', unsaid)
-    assert len(found) >= 6
-    assert {(part, key): json.loads(value) for part, key, value in found} == {
-        (part, key): defaults[part][key] for part, key, _ in found
-    }
+    """An empty study has the defaults; the script names the keys whose default it needs."""
+    scripts = {name: asset(f"app/{name}.js").decode() for name in ("exposure", "light", "reader")}
+    asked = re.findall(r'saidAt\(study, "(\w+)\.(\w+)"\)', " ".join(scripts.values()))
+    values = study_as_json(study_from_data({"sensors": [{"name": "onyx-rgb"}]}, source=""))
+    defaults = study_defaults()
+    assert len(set(asked)) >= 6
+    assert all(defaults[f"{part}.{key}"] == values[part][key] for part, key in asked)
+    sensors = asset("app/sensors.js").decode()
     assert int(re.search(r"MOST = (\d+)", sensors).group(1)) == MOST_SENSORS
 
 

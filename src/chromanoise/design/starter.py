@@ -1,6 +1,8 @@
 """The commented design that `chromanoise init --design` writes."""
 
-DESIGN_STARTER = """\
+from chromanoise.study.document import LightPart
+
+DESIGN_STARTER = f"""\
 # A chromanoise design: `chromanoise optimize design.toml -o out/design` searches the sensors
 # with the best trade-offs between the objectives. The tables outside of [design] are those of a
 # study. File names are relative to the folder of this file.
@@ -10,7 +12,7 @@ matrices = ["kernel"]                # or one of least-squares, lmmse, ridge=0.0
 
 [light]
 illuminant = "E"                     # A, D65, 3200K, LED660, or a file
-level_lux = 10.0
+level_lux = {LightPart().level_lux}
 
 [exposure]
 f_number = 1.8                       # all sensors have one exposure time: the longest at which no
@@ -31,7 +33,7 @@ population = 200                     # sensors per generation
 seed = 1
 
 # 8 is a fixed number. [20, 80] is free between two bounds. So is
-# {low = 20, high = 80, start = 40, tolerance = 2}. "R.width_nm" is the number of channel R.
+# {{low = 20, high = 80, start = 40, tolerance = 2}}. "R.width_nm" is the number of channel R.
 [[design.channels]]
 name = "R"
 base = "W"                           # the curve of channel W of onyx-rgbw, in place of model

@@ -19,7 +19,7 @@ from chromanoise.denoising import DENOISING
 from chromanoise.errors import InputError
 from chromanoise.exposure import EQUAL_TERMS
 from chromanoise.io.spectra import Answers
-from chromanoise.page.fields import SECTION_HINTS, described_fields
+from chromanoise.page.fields import SECTION_HINTS, described_fields, study_defaults
 from chromanoise.scene import BUILTIN_CUBES
 from chromanoise.spectra import DEFAULT_GRID, INFRARED_FROM_NM, METRICS
 
@@ -85,6 +85,7 @@ def choices() -> dict[str, Any]:
         "infrared_light": "LED850",
         "sliders": sliders,
         "fields": fields,
+        "defaults": study_defaults(),
         "hints": dict(SECTION_HINTS),
         "sections": [asdict(section) for section in SECTIONS],
     }

@@ -255,6 +255,12 @@ def described_fields() -> list[Data]:
     return [_described(key, leaves[key]) for key in keys if not _is_elsewhere(key)]
 
 
+def study_defaults() -> Data:
+    """The default of each key of a study that holds one text, number or flag."""
+    found = {key: one.get("default") for key, one in _leaves().items()}
+    return {key: value for key, value in found.items() if isinstance(value, str | int | float)}
+
+
 def _is_elsewhere(key: str) -> bool:
     return any(f"{key}.".startswith(f"{one}.") for one in ELSEWHERE)
 

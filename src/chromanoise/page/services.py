@@ -17,10 +17,11 @@ from chromanoise.page.story import story
 from chromanoise.page.studies import Studies, files_of
 from chromanoise.page.uploads import Kept, Upload
 from chromanoise.study import study_from_data
+from chromanoise.study.document import ExposurePart, LightPart
 
 STUDY: dict[str, Any] = {
-    "light": {"illuminant": "E", "level_lux": 10.0},
-    "exposure": {"equal": "exposure", "f_number": 1.8},
+    "light": LightPart().model_dump(include={"illuminant", "level_lux"}),
+    "exposure": ExposurePart().model_dump(include={"equal", "f_number"}),
     "sensors": [{"name": "onyx-rgbw"}, {"name": "onyx-rgb-ircut"}],
     "matrices": ["kernel"],
     "pictures": [{"cube": "builtin:checker", "clip": True}],

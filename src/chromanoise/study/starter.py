@@ -1,6 +1,8 @@
 """The commented study that `chromanoise init` writes."""
 
-STARTER = """\
+from chromanoise.study.document import LightPart
+
+STARTER = f"""\
 # A chromanoise study: `chromanoise run study.toml` computes all of it, and
 # `chromanoise rerun out/study -o out/again` computes it again and compares the results. File
 # names are relative to the folder of this file.
@@ -14,7 +16,7 @@ matrices = ["kernel", "lmmse"]       # least-squares, white-preserving, ridge=0.
 
 [light]
 illuminant = "E"                     # A, D65, G173, 3200K, LED660, or a file
-level_lux = 10.0
+level_lux = {LightPart().level_lux}
 # beyond = "hold"                    # what the curve is beyond its end: refuse, zero, hold
 
 [exposure]
@@ -40,7 +42,7 @@ first = 0.01
 last = 1000
 points = 61
 quantity = "snr-y"                   # snr-x, snr-z, bound, price, delta-e, color-error
-# second = {vary = "f-number", first = 1.4, last = 8.0}  # a second parameter: a heat map
+# second = {{vary = "f-number", first = 1.4, last = 8.0}}  # a second parameter: a heat map
 
 # [[pictures]]
 # cube = "builtin:checker"           # of `chromanoise catalog scenes`, or a file of reflectances

@@ -10,6 +10,7 @@ import { clearFaults, showFaults } from "app/faults.js";
 import { moreOnClick, showHead, sortOnClick } from "app/head.js";
 import { isTrained } from "app/matrix.js";
 import { PARTS, panels, showTable } from "app/panels.js";
+import { useDefaults } from "app/paths.js";
 import { picturePanel } from "app/picture.js";
 import { narrowButtons } from "app/sheet.js";
 import { askedLook, snapshots } from "app/snapshots.js";
@@ -363,6 +364,7 @@ async function withMapControls(choices) {
 async function start() {
   narrowButtons();
   const choices = await choicesOfServer();
+  useDefaults(choices.defaults);
   startFrom(choices.study);
   byId("version").textContent = `chromanoise ${choices.version}`;
   page.showControls = controls(byId("controls"), choices);

@@ -36,16 +36,17 @@ export function setAt(study, path, value) {
 /** @param {object} table */
 const isEmpty = (table) => (Array.isArray(table) ? table.every(isEmpty) : Object.keys(table).length === 0);
 
-/** What a study says where it says nothing. */
-/** @type {Record<string, string | number>} */
-const UNSAID = {
-  "light.illuminant": "E",
-  "light.level_lux": 10,
-  "exposure.equal": "exposure",
-  "exposure.saturate": 0.99,
-  "exposure.f_number": 1.8,
-  "outputs.reader": "eye",
-};
+/** @type {Choices["defaults"]} */
+const defaults = {};
+
+/**
+ * Takes the defaults of a study, by key, from the server.
+ *
+ * @param {Choices["defaults"]} served
+ */
+export function useDefaults(served) {
+  Object.assign(defaults, served);
+}
 
 /**
  * The value with the defaults of a study.
@@ -55,7 +56,7 @@ const UNSAID = {
  * @returns {any}
  */
 export function saidAt(study, path) {
-  return valueAt(study, path) ?? UNSAID[path] ?? null;
+  return valueAt(study, path) ?? defaults[path] ?? null;
 }
 
 /**

@@ -3,6 +3,7 @@
 import { posted, Refused } from "app/ask.js";
 import { brief, button, el } from "app/dom.js";
 import { PARTS } from "app/panels.js";
+import { saidAt } from "app/paths.js";
 import { current } from "app/state.js";
 import { shownName } from "app/uploads.js";
 
@@ -107,9 +108,9 @@ async function refreshed(ghost) {
 }
 
 /** @param {Study} study */
-function shortName({ light = {}, exposure = {}, sensors }) {
-  const level = `${brief(light.level_lux ?? 10, 3)} lx ${shownName(light.illuminant ?? "E")}`;
-  return `${level}, f/${brief(exposure.f_number ?? 1.8, 2)}, ${sensors.length} sensors`;
+function shortName(study) {
+  const level = `${brief(saidAt(study, "light.level_lux"), 3)} lx ${shownName(saidAt(study, "light.illuminant"))}`;
+  return `${level}, f/${brief(saidAt(study, "exposure.f_number"), 2)}, ${study.sensors.length} sensors`;
 }
 
 /**
