@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, TypedDict, get_type_hints
 
 from chromanoise.analysis import DEFAULT_METHOD
+from chromanoise.catalog.objects import shown_word
 from chromanoise.errors import InputError, did_you_mean, errors_in, refusal
 from chromanoise.io.spectra.parsed import Negatives, Unit
 from chromanoise.spectra import (
@@ -27,7 +28,7 @@ Per = Literal["photon", "energy"]
 class SharedSettings(TypedDict, total=False):
     """Settings of light, exposure and sensors; each is annotated with its keys in a study."""
 
-    illuminant: Annotated[str | Path | Illuminant, "light.illuminant"]
+    illuminant: Annotated[str | Path | Illuminant | object, "light.illuminant"]
     lux: Annotated[float, "light.level_lux"]
     illuminant_beyond: Annotated[Extrapolation, "light.beyond"]
     illuminant_per: Annotated[Per, "light.per"]
@@ -39,8 +40,8 @@ class SharedSettings(TypedDict, total=False):
     f_number: Annotated[float, "exposure.f_number"]
     magnification: Annotated[float, "exposure.magnification"]
     metric: Annotated[str, "metric"]
-    observer: Annotated[str, "observer"]
-    prior: Annotated[str | Path, "prior"]
+    observer: Annotated[str | Path | object, "observer"]
+    prior: Annotated[str | Path | object, "prior"]
     labels: Annotated[Sequence[str], "sensors.*.label"]
     beyond: Annotated[Extrapolation, "sensors.*.beyond"]
     negatives: Annotated[Negatives, "sensors.*.negatives", "light.negatives"]
@@ -68,8 +69,8 @@ class SharedSettings(TypedDict, total=False):
     crosstalk: Annotated[float | str | Path, "sensors.*.crosstalk"]
     crosstalk_stage: Annotated[Literal["light", "charge"], "sensors.*.crosstalk_stage"]
     mosaic: Annotated[str, "sensors.*.mosaic"]
-    filter: Annotated[str | Path, "sensors.*.filter"]
-    channel_filters: Annotated[Mapping[str, str | Path], "sensors.*.channel_filters"]
+    filter: Annotated[str | Path | object, "sensors.*.filter"]
+    channel_filters: Annotated[Mapping[str, str | Path | object], "sensors.*.channel_filters"]
     filter_wavelength_unit: Annotated[Unit, "sensors.*.filter_wavelength_unit"]
     shift_ircut_nm: Annotated[float, "sensors.*.shift_ircut_nm"]
     ircut_nm: Annotated[float, "sensors.*.ircut_nm"]
@@ -79,9 +80,9 @@ class SharedSettings(TypedDict, total=False):
 class _ReflectanceSettings(SharedSettings, total=False):
     """Settings of own reflectances, which pictures do not use."""
 
-    chart_file: Annotated[str | Path, "reflectances.chart"]
-    patch: Annotated[float | str | Path, "reflectances.patch"]
-    pairs: Annotated[str | Path, "reflectances.pairs"]
+    chart_file: Annotated[str | Path | object, "reflectances.chart"]
+    patch: Annotated[float | str | Path | object, "reflectances.patch"]
+    pairs: Annotated[str | Path | object, "reflectances.pairs"]
     reflectance_scale: Annotated[Literal["percent", "fraction"], "reflectances.scale"]
     reflectance_wavelength_unit: Annotated[Unit, "reflectances.wavelength_unit"]
     reflectance_beyond: Annotated[Extrapolation, "reflectances.beyond"]
@@ -439,6 +440,19 @@ def render_study(
     return study.model_copy(update={"sensors": tuple(parts)})
 
 
+OF_CURVES = (
+    "illuminant",
+    "observer",
+    "prior",
+    "chart_file",
+    "patch",
+    "pairs",
+    "filter",
+    "channel_filters",
+    "white_balance",
+)
+"""Settings that name curves: Python also takes the curves themselves."""
+
 PER_SENSOR = ("labels",)
 """Settings with one value per sensor, in the order of the sensors."""
 
@@ -500,7 +514,10 @@ def _one_each(name: str, values: Any, sensors: Sequence[str]) -> list[Any]:
             remedy="repeat the name of a sensor that keeps it",
             setting="sensors.*.label",
         )
-    return [None if value == own else value for value, own in zip(values, sensors, strict=True)]
+    return [
+        None if value == shown_word(own) else value
+        for value, own in zip(values, sensors, strict=True)
+    ]
 
 
 def in_arguments(error: InputError, function: str) -> InputError:
