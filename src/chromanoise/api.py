@@ -71,7 +71,7 @@ if TYPE_CHECKING:
     from chromanoise.io.spectra.parsed import Found
     from chromanoise.study import Electrons
 
-Matrix = str | Path | np.ndarray | ColorMatrix | Callable[[OperatingPoint], Any]
+Matrix = str | Path | np.ndarray | list[Any] | ColorMatrix | Callable[[OperatingPoint], Any]
 """A method, a file, 3 x p numbers [lx/e-], a matrix, or a function that returns one of the two."""
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -457,7 +457,7 @@ def optimize(
 
 @_with_listed_settings
 def render(
-    cube: str | Path | Cube,
+    cube: str | Path | Cube | object,
     *sensors: str | Path | Sensor | object,
     matrix: Matrix = DEFAULT_METHOD,
     folder: str | Path | None = None,
@@ -750,7 +750,7 @@ class _Named:
     def _setting(self, name: str, value: Any) -> Any:
         """The value of a setting as a study stores it."""
         if name == "channel_filters" and isinstance(value, Mapping):
-            return {str(key): self._curves(name, one) for key, one in value.items()}
+            return {str(key): self._curves("filter", one) for key, one in value.items()}
         return self._curves(name, value) if name in OF_CURVES else _plain(value)
 
     def _curves(self, name: str, value: Any) -> Any:
@@ -764,7 +764,7 @@ class _Named:
             return self._other("own pairs", value)
         if isinstance(value, _OnGrid):
             return self._other(value.spectra.source, value.spectra)
-        found = curves_of_object(value, f"own {name}")
+        found = curves_of_object(value, f"own {name.removesuffix('_file').replace('_', ' ')}")
         if found is None and name == "white_balance":
             return _plain(value)
         if found is None:

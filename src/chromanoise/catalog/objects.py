@@ -97,9 +97,9 @@ def curves_of_object(given: Any, name: str) -> Found | None:
         return _table(own or name, given.wavelengths, values, labels)
     if package == "pandas" and hasattr(given, "index") and hasattr(given, "to_numpy"):
         columns = [str(one) for one in given.columns] if hasattr(given, "columns") else None
-        own = str(given.attrs.get("name") or ("" if columns else given.name) or name)
-        index = given.index
-        return _table(own, index, given.to_numpy(), columns or [own], heading=str(index.name or ""))
+        own = str(given.attrs.get("name") or (given.name if columns is None else "") or name)
+        heading, columns = str(given.index.name or ""), [own] if columns is None else columns
+        return _table(own, given.index, given.to_numpy(), columns, heading=heading)
     if package == "xarray" and hasattr(given, "dims") and hasattr(given, "coords"):
         return _labeled(given, name)
     if isinstance(given, Mapping) and _AXIS in given:
@@ -131,7 +131,11 @@ def _is_listed(one: Any) -> bool:
 def _labeled(given: Any, name: str) -> Found:
     """The curves of a DataArray with a dimension of wavelengths and at most one of curves."""
     own = str(getattr(given, "name", None) or name)
-    found = [dim for dim in given.dims if is_wavelength_heading(str(dim).replace("_", " "))]
+    found = [
+        dim
+        for dim in given.dims
+        if str(dim) != "band" and is_wavelength_heading(str(dim).replace("_", " "))
+    ]
     if not hasattr(given, "values") or len(found) != 1 or len(given.dims) > 2:
         raise InputError(
             own,

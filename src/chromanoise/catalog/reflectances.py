@@ -125,7 +125,16 @@ def resolve_patch(word: str | float | Found, *, answers: Answers = ASK) -> Spect
     ('dark skin',)
     """
     if isinstance(word, Found):
-        return _one(resolve_reflectances(word, answers=answers), "")
+        names = tuple(one.name for one in word.columns)
+        if len(names) != 1:
+            raise InputError(
+                "patch",
+                "must be one curve",
+                value=names,
+                found=f"{word.source} has {len(names)} ({', '.join(names[:8])})",
+                remedy="select one of them",
+            )
+        return resolve_reflectances(word, answers=answers)
     if not isinstance(word, str):
         share = _check.within("patch", "1", word, 0.0, 1.0)
         flat = colorchecker(DEFAULT_GRID)

@@ -106,7 +106,7 @@ def _known_prior(name: str, info: Any) -> str:
 
 
 def _known_observer(name: str, info: Any) -> str:
-    own = is_object_word(name) or is_file_word(name, "observer")
+    own = name in OBSERVERS or is_object_word(name) or is_file_word(name, "observer")
     return name if own else _one_of(info.field_name, name, tuple(OBSERVERS))
 
 

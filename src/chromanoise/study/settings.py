@@ -40,7 +40,7 @@ class SharedSettings(TypedDict, total=False):
     f_number: Annotated[float, "exposure.f_number"]
     magnification: Annotated[float, "exposure.magnification"]
     metric: Annotated[str, "metric"]
-    observer: Annotated[str | Path | object, "observer"]
+    observer: Annotated[str | object, "observer"]
     prior: Annotated[str | Path | object, "prior"]
     labels: Annotated[Sequence[str], "sensors.*.label"]
     beyond: Annotated[Extrapolation, "sensors.*.beyond"]
