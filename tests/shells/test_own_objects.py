@@ -6,7 +6,6 @@ import warnings
 from dataclasses import replace
 
 import numpy as np
-import pandas as pd
 import pytest
 
 import chromanoise as cn
@@ -19,6 +18,7 @@ from chromanoise.spectra import DEFAULT_GRID, OwnObserver, observer_table
 from chromanoise.study import study_as_command, study_as_python, study_as_toml, study_from_data
 from outcomes import refused, refused_input
 
+pd = pytest.importorskip("pandas")
 NM = np.arange(400.0, 1051.0, 10.0)
 MADE = 0.4 + 0.3 * np.sin(NM[:, None] / (40.0 + 25.0 * np.arange(3)))  # 0.1 to 0.7
 
