@@ -12,6 +12,10 @@ import chromanoise as cn
 from chromanoise.analysis import matrix_makers
 from chromanoise.catalog.objects import object_word
 from chromanoise.errors import errors_in
+from chromanoise.page.answers import ChartReplies
+from chromanoise.page.requests import QuestionError
+from chromanoise.page.studies import Studies
+from chromanoise.page.uploads import Uploads
 from chromanoise.scene import builtin_cube
 from chromanoise.sensor import PAPER_PIXEL
 from chromanoise.spectra import DEFAULT_GRID, OwnObserver, observer_table
@@ -98,7 +102,7 @@ def numbers(data):
     """All numbers of plain data, in order, without the texts."""
     if isinstance(data, dict):
         data = list(data.values())
-    if isinstance(data, list):
+    if isinstance(data, list | tuple | np.ndarray):
         return [one for part in data for one in numbers(part)]
     return [] if isinstance(data, str) or data is None else [float(data)]
 
@@ -135,6 +139,27 @@ def test_the_digits_of_a_render_of_curves_are_those_of_their_file(here):
     np.testing.assert_array_equal(first.captures[0].picture.xyz, second.captures[0].picture.xyz)
 
 
+PIXEL = {"read_noise_e": 3.0, "full_well_e": 8000.0, "pitch_um": 2.0}
+FUNCTIONS = {
+    "compare_map": lambda own: cn.compare_map(own, points=3, second_points=2).to_dict(),
+    "sensitivity": lambda own: cn.sensitivity(own, objectives=["snr_y_db"]).to_dict(),
+    "denoise": lambda own: {
+        "values": cn.denoise(
+            np.full((12, 12), 900.0), unit="e-", sensor=own, mosaic="RG/GB", time_ms=10, **PIXEL
+        ).values_e.ravel()
+    },
+}
+
+
+@pytest.mark.parametrize("function", FUNCTIONS)
+def test_each_function_of_a_sensor_takes_a_dataframe_as_its_file(here, function):
+    call = FUNCTIONS[function]
+    by_file = numbers(call(csv_of(here / "own.csv", NM, MADE, of(3))))
+    by_frame = numbers(call(pd.DataFrame(MADE, NM, of(3))))
+    np.testing.assert_allclose(by_frame, by_file, rtol=1e-12)
+    assert len(by_file) > 5
+
+
 def test_an_unknown_pixel_has_the_note_and_the_keywords_of_a_file(here):
     file, frame = csv_of(here / "own.csv", NM, MADE, of(3)), pd.DataFrame(MADE, NM, of(3))
 
@@ -163,6 +188,18 @@ def test_percent_is_refused_as_in_a_file(here, kind):
 
 
 HOLE = np.where(np.arange(NM.size)[:, None] == 10, np.nan, MADE)
+
+
+def test_the_units_of_a_dataarray_declare_percent_as_in_a_file():
+    xarray = pytest.importorskip("xarray")
+    made = xarray.DataArray(MADE, coords=[("wavelength", NM), ("channel", of(3))])
+    percent = (100 * made).assign_attrs(units="%")
+    for own, other in zip(
+        numbers(cn.analyze(percent).to_dict()), numbers(cn.analyze(made).to_dict()), strict=True
+    ):
+        assert own == pytest.approx(other, rel=1e-12)
+
+
 BAD = {
     "not a number": (pd.DataFrame(HOLE, NM, of(3)), {"where": "curve 'R' at 500 nm"}),
     "infinite": ((NM, np.where(np.isnan(HOLE), np.inf, MADE)), {"value": np.inf}),
@@ -281,6 +318,25 @@ def test_a_study_names_an_observer_beside_it(done, here):
     )
     assert numbers(own["result"]["sensors"]) == numbers(named["result"]["sensors"])
     assert set(own["files"]) == {"inside/mycmf.csv"}
+
+
+def test_the_page_takes_an_observer_that_was_dropped_onto_it_and_no_other_file(here):
+    file = csv_of(here / "mycmf.csv", *table("cie-2015-2"), ["x", "y", "z"])
+    uploads = Uploads()
+    try:
+        answers = ChartReplies(Studies(uploads))
+
+        def stages(observer):
+            study = {"sensors": [{"name": "onyx-rgbw"}], "observer": observer}
+            return json.loads(answers.answer({"study": study, "want": ["stages"]}))["parts"]
+
+        own = stages(uploads.keep("mycmf.csv", file.read_bytes()).id)
+        assert numbers(own) == numbers(stages("cie-2015-2"))
+        assert "observer mycmf.csv" in json.dumps(own)
+        with pytest.raises(QuestionError):
+            stages(str(file))
+    finally:
+        uploads.close()
 
 
 @pytest.mark.parametrize(

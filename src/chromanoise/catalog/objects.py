@@ -100,7 +100,7 @@ def curves_of_object(given: Any, name: str) -> Found | None:
         own = str(given.attrs.get("name") or (given.name if columns is None else "") or name)
         heading, columns = str(given.index.name or ""), [own] if columns is None else columns
         return _table(own, given.index, given.to_numpy(), columns, heading=heading)
-    if package == "xarray" and hasattr(given, "dims") and hasattr(given, "coords"):
+    if package == "xarray" and hasattr(given, "dims") and hasattr(given, "dtype"):
         return _labeled(given, name)
     if isinstance(given, Mapping) and _AXIS in given:
         others = [(str(one), values) for one, values in given.items() if one != _AXIS]
@@ -136,7 +136,7 @@ def _labeled(given: Any, name: str) -> Found:
         for dim in given.dims
         if str(dim) != "band" and is_wavelength_heading(str(dim).replace("_", " "))
     ]
-    if not hasattr(given, "values") or len(found) != 1 or len(given.dims) > 2:
+    if len(found) != 1 or len(given.dims) > 2:
         raise InputError(
             own,
             "must be a DataArray with one dimension wavelength, and at most one of curves",
@@ -155,10 +155,19 @@ def _labeled(given: Any, name: str) -> Found:
         labels = [str(one) for one in at]
     units = coordinate.attrs.get("units", "")
     heading = f"wavelength [{units}]" if units else str(axis)
-    return _table(own, coordinate.values, values, labels, heading=heading)
+    unit = str(given.attrs.get("units", ""))
+    return _table(own, coordinate.values, values, labels, heading=heading, unit=unit)
 
 
-def _table(source: str, wavelength: Any, values: Any, names: list[str], heading: str = "") -> Found:
+def _table(
+    source: str,
+    wavelength: Any,
+    values: Any,
+    names: list[str],
+    *,
+    heading: str = "",
+    unit: str = "",
+) -> Found:
     """The columns of one array; rows are wavelengths."""
     array = _numbers(source, "values", values)
     array = array[:, None] if array.ndim == 1 else array
@@ -167,7 +176,7 @@ def _table(source: str, wavelength: Any, values: Any, names: list[str], heading:
             source, "must have axes (wavelengths, curves)", value=np.shape(values), found=None
         )
     columns = [(name, array[:, k]) for k, name in enumerate(names)]
-    return _found(source, wavelength, columns, heading=heading)
+    return _found(source, wavelength, columns, heading=heading, unit=unit)
 
 
 def _found(
@@ -176,15 +185,17 @@ def _found(
     columns: list[tuple[str, Any]],
     *,
     heading: str = "",
+    unit: str = "",
     **known: Any,
 ) -> Found:
-    unit = None
+    """Curves at one list of wavelengths; ``unit`` is that of the values."""
+    axis = None
     if heading and is_wavelength_heading(heading.replace("_", " ")):
-        unit = wavelength_unit_of(heading)
+        axis = wavelength_unit_of(heading)
     at = _check.increasing(
         f"wavelengths of {source}",
         "nm",
-        in_nm(_numbers(source, "wavelengths", wavelength), unit or "nm"),
+        in_nm(_numbers(source, "wavelengths", wavelength), axis or "nm"),
     )
     if not columns:
         raise InputError(source, "must have at least one curve", value=0, found="has none")
@@ -210,7 +221,7 @@ def _found(
                 where=f"curve {name!r} at {at[first]:g} nm",
                 remedy="interpolate or remove them",
             )
-        made.append(Column(name=name, unit="", wavelength=at, values=values))
+        made.append(Column(name=name, unit=unit, wavelength=at, values=values))
     return Found(
         source=source,
         format="object of Python",
