@@ -3,13 +3,20 @@
 import inspect
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import nullcontext
-from functools import partial
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeVar, Unpack
 
 import numpy as np
 
 from chromanoise.analysis import DEFAULT_METHOD
+from chromanoise.catalog.objects import (
+    CURVES,
+    curves_of_object,
+    is_of_colour_science,
+    object_word,
+)
+from chromanoise.color import ColorMatrix
 from chromanoise.design import (
     DEFAULT_OBJECTIVES,
     Sensitivity,
@@ -17,9 +24,12 @@ from chromanoise.design import (
     sensitivity_of,
 )
 from chromanoise.errors import InputError, Setting
+from chromanoise.exposure import OperatingPoint
 from chromanoise.imaging import Work
+from chromanoise.io.given_matrices import matrix_of_array
+from chromanoise.scene import Cube
 from chromanoise.sensor import Sensor
-from chromanoise.spectra import Illuminant
+from chromanoise.spectra import Illuminant, OwnObserver, PatchPairs, Spectra
 from chromanoise.study import (
     Analyses,
     AnalysisSettings,
@@ -53,12 +63,16 @@ from chromanoise.study import (
     sensitivity_study,
 )
 from chromanoise.study import run as run_of
+from chromanoise.study.settings import OF_CURVES
 
 if TYPE_CHECKING:
     from chromanoise.design import Design, DesignDocument, Progress
     from chromanoise.io.frames import Frame
+    from chromanoise.io.spectra.parsed import Found
     from chromanoise.study import Electrons
 
+Matrix = str | Path | np.ndarray | list[Any] | ColorMatrix | Callable[[OperatingPoint], Any]
+"""A method, a file, 3 x p numbers [lx/e-], a matrix, or a function that returns one of the two."""
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
@@ -86,8 +100,8 @@ def _with_listed_settings(function: Function) -> Function:
 
 @_with_listed_settings
 def analyze(
-    *sensors: str | Path | Sensor,
-    matrix: str = DEFAULT_METHOD,
+    *sensors: str | Path | Sensor | object,
+    matrix: Matrix = DEFAULT_METHOD,
     **settings: Unpack[AnalysisSettings],
 ) -> Analyses:
     """Noise of each sensor in raw, contravariant and color coordinates, for a perfect white.
@@ -95,9 +109,15 @@ def analyze(
     Parameters
     ----------
     sensors
-        Catalog names, files of quantum efficiency curves, or `Sensor` objects.
+        Catalog names, files of quantum efficiency curves, `Sensor` objects, or objects with a
+        method ``to_sensor()`` that returns one. Or curves of quantum efficiency: a spectral
+        distribution of colour-science, a DataFrame, a DataArray, `Spectra`, a mapping with
+        ``wavelength_nm``, or ``(wavelength_nm, values)``; wavelengths in nm, values as fractions.
+        Or one `OperatingPoint` alone, which gives light and exposure as well.
     matrix
-        Color matrix: ``kernel`` (eq. 6), ``lmmse``, ``ridge=0.01`` ...
+        Color matrix: ``kernel`` (eq. 6), ``lmmse``, ``ridge=0.01`` ..., a file, 3 x p numbers (raw
+        electrons to X, Y, Z, [lx/e-]), a `ColorMatrix`, or a function that receives the
+        `OperatingPoint` and returns one of the two.
     settings
         Light, exposure, pixel and outputs, as the options of ``chromanoise analyze``; see the list
         below. Without ``time_ms``, all sensors use the longest exposure time at which none
@@ -123,15 +143,19 @@ def analyze(
     >>> cn.analyze("onyx-rgbw", lux=10)
     <Analyses: SNR Y onyx-rgbw 26.0 dB at 10 lx (illuminant E, 11.94 ms, f/1.8)>
     """
-    results = _results("analyze", partial(analyze_study, matrix=matrix), sensors, settings)
+
+    def made(names: list[str], rest: dict[str, Any], named: _Named) -> Study:
+        return analyze_study(names, rest, matrix=named.matrix(matrix))
+
+    results = _results("analyze", made, sensors, settings)
     (result,) = results.analyses.values()
     return result
 
 
 @_with_listed_settings
 def compare(
-    *sensors: str | Path | Sensor,
-    matrices: Sequence[str] = (DEFAULT_METHOD,),
+    *sensors: str | Path | Sensor | object,
+    matrices: Sequence[Matrix] = (DEFAULT_METHOD,),
     **settings: Unpack[ComparisonSettings],
 ) -> Comparison:
     """A quantity of each sensor as a function of one parameter, with the crossovers.
@@ -159,15 +183,18 @@ def compare(
     -----
     Clouet, Vaillant & Alleysson, CIC27 (2019), eq. 1-7, evaluated at each value.
     """
-    made = partial(compare_study, matrices=matrices)
+
+    def made(names: list[str], rest: dict[str, Any], named: _Named) -> Study:
+        return compare_study(names, rest, matrices=named.matrices(matrices))
+
     (result,) = _results("compare", made, sensors, settings).sweeps
     return result
 
 
 @_with_listed_settings
 def compare_map(
-    *sensors: str | Path | Sensor,
-    matrices: Sequence[str] = (DEFAULT_METHOD,),
+    *sensors: str | Path | Sensor | object,
+    matrices: Sequence[Matrix] = (DEFAULT_METHOD,),
     **settings: Unpack[MapSettings],
 ) -> ComparisonMap:
     """A quantity of each sensor as a function of two parameters, on a grid, with the crossovers.
@@ -202,7 +229,10 @@ def compare_map(
     >>> made.maps[0].value.shape
     (3, 4)
     """
-    made = partial(map_study, matrices=matrices)
+
+    def made(names: list[str], rest: dict[str, Any], named: _Named) -> Study:
+        return map_study(names, rest, matrices=named.matrices(matrices))
+
     (result,) = _results("compare_map", made, sensors, settings).maps
     return result
 
@@ -211,9 +241,9 @@ def compare_map(
 def denoise(
     picture: str | Path | Sequence[str | Path] | np.ndarray,
     *,
-    sensor: str | Path | Sensor | None = None,
+    sensor: str | Path | Sensor | object | None = None,
     method: str = "guided",
-    matrix: str = DEFAULT_METHOD,
+    matrix: Matrix = DEFAULT_METHOD,
     unit: Literal["DN", "e-"] | None = None,
     shape: tuple[int, int] | None = None,
     stored: str | None = None,
@@ -272,15 +302,16 @@ def denoise(
     """
     try:
         frames = _raw_pictures(picture, unit, shape, stored)
-        names, given, rest = _named([] if sensor is None else [sensor], settings, none=True)
+        named = _Named()
+        names, rest = named.of([] if sensor is None else [sensor], settings, none=True)
         plan = prepared_denoising(
             frames,
             names[0] if names else None,
             rest,
             method=method,
-            matrix=matrix,
+            matrix=named.matrix(matrix),
             white_level=white_level,
-            given=given,
+            given=named.given,
         )
         return denoised_picture(plan, work=Work(threads=threads))
     except InputError as error:
@@ -308,7 +339,9 @@ def _raw_pictures(
 
 @_with_listed_settings
 def matrix(
-    sensor: str | Path | Sensor, matrix: str = DEFAULT_METHOD, **settings: Unpack[MatrixSettings]
+    sensor: str | Path | Sensor | object,
+    matrix: Matrix = DEFAULT_METHOD,
+    **settings: Unpack[MatrixSettings],
 ) -> MatrixResult:
     """The color matrix of a sensor, with its color error, noise and condition.
 
@@ -317,7 +350,7 @@ def matrix(
     sensor
         As `analyze`.
     matrix
-        Method of the matrix: ``kernel`` (eq. 6), ``lmmse``, ``ridge=0.01`` ...
+        As `analyze`.
     settings
         As the options of ``chromanoise matrix``; see the list below. With ``pareto_first`` and
         ``pareto_last``, the curve of color error against noise between these two weights is
@@ -338,8 +371,8 @@ def matrix(
     Clouet, Vaillant & Alleysson, CIC27 (2019), eq. 6.
     """
 
-    def made(names: list[str], rest: dict[str, Any]) -> Study:
-        return matrix_study(names[0], rest, matrix=matrix)
+    def made(names: list[str], rest: dict[str, Any], named: _Named) -> Study:
+        return matrix_study(names[0], rest, matrix=named.matrix(matrix))
 
     (found,) = _results("matrix", made, [sensor], settings).matrices.values()
     (result,) = found.results
@@ -424,9 +457,9 @@ def optimize(
 
 @_with_listed_settings
 def render(
-    cube: str | Path,
-    *sensors: str | Path | Sensor,
-    matrix: str = DEFAULT_METHOD,
+    cube: str | Path | Cube | object,
+    *sensors: str | Path | Sensor | object,
+    matrix: Matrix = DEFAULT_METHOD,
     folder: str | Path | None = None,
     **settings: Unpack[RenderSettings],
 ) -> Pictures:
@@ -435,8 +468,8 @@ def render(
     Parameters
     ----------
     cube
-        A name of ``chromanoise catalog scenes``, e.g. ``builtin:checker``, or a file of a
-        hyperspectral reflectance cube.
+        A name of ``chromanoise catalog scenes``, e.g. ``builtin:checker``, a file of a
+        hyperspectral reflectance cube, or a `Cube`.
     sensors
         As `analyze`.
     matrix
@@ -461,7 +494,10 @@ def render(
     Shot noise and read noise are drawn for each pixel (eq. 7). The same seed gives identical
     pictures with any number of threads.
     """
-    made = partial(render_study, str(cube), matrix=matrix)
+
+    def made(names: list[str], rest: dict[str, Any], named: _Named) -> Study:
+        return render_study(named.cube(cube), names, rest, matrix=named.matrix(matrix))
+
     (result,) = _results("render", made, sensors, settings, folder=folder).pictures
     return result
 
@@ -502,8 +538,8 @@ def run(study: Study | str | Path, folder: str | Path | None = None) -> Results:
 
 @_with_listed_settings
 def sensitivity(
-    sensor: str | Path | Sensor,
-    matrix: str = DEFAULT_METHOD,
+    sensor: str | Path | Sensor | object,
+    matrix: Matrix = DEFAULT_METHOD,
     *,
     objectives: Sequence[str] = DEFAULT_OBJECTIVES,
     losses: Mapping[str, float] | None = None,
@@ -565,10 +601,11 @@ def sensitivity(
     {'crosstalk': -0.086, 'time_s': 0.044}
     """
     try:
-        names, given, rest = _named([sensor], settings)
+        named = _Named()
+        names, rest = named.of([sensor], settings)
         return sensitivity_of(
-            sensitivity_study(names[0], rest, matrix=matrix),
-            given=given,
+            sensitivity_study(names[0], rest, matrix=named.matrix(matrix)),
+            given=named.given,
             objectives=objectives,
             losses=losses,
             tolerances=half_widths(tolerance_nm, tolerance_percent),
@@ -582,16 +619,18 @@ def sensitivity(
 
 def _results(
     function: str,
-    made: Callable[[list[str], dict[str, Any]], Study],
-    sensors: Sequence[str | Path | Sensor],
+    made: Callable[[list[str], dict[str, Any], "_Named"], Study],
+    sensors: Sequence[Any],
     settings: Mapping[str, Any],
     *,
     folder: str | Path | None = None,
 ) -> Results:
     """Results of the study of a function; errors name its arguments, not the keys of the study."""
     try:
-        names, given, rest = _named(sensors, settings)
-        return run_of(made(names, rest), given=given, folder=_folder(folder))
+        named = _Named()
+        names, rest = named.of(sensors, settings)
+        study = made(names, rest, named)
+        return run_of(study, given=named.given, folder=_folder(folder))
     except InputError as error:
         raise in_arguments(error, function) from None
 
@@ -605,38 +644,205 @@ def _folder(folder: str | Path | None) -> Path | None:
     return path
 
 
-def _named(
-    sensors: Sequence[str | Path | Sensor], settings: Mapping[str, Any], *, none: bool = False
-) -> tuple[list[str], Given, dict[str, Any]]:
-    """Names for the study, the objects that they refer to, and the other settings."""
-    for one in sensors:
-        if not isinstance(one, str | Path | Sensor):
+class _Named:
+    """Words for the study, and the objects to which they refer."""
+
+    def __init__(self) -> None:
+        self._sensors: dict[str, Sensor] = {}
+        self._illuminants: dict[str, Illuminant] = {}
+        self._others: dict[str, Any] = {}
+
+    @property
+    def given(self) -> Given:
+        """The objects, by their words."""
+        return Given(sensors=self._sensors, illuminants=self._illuminants, others=self._others)
+
+    def of(
+        self, sensors: Sequence[Any], settings: Mapping[str, Any], *, none: bool = False
+    ) -> tuple[list[str], dict[str, Any]]:
+        """Words for the sensors, and the settings with words in place of objects."""
+        points = [one for one in sensors if isinstance(one, OperatingPoint)]
+        if points and len(sensors) > 1:
             raise InputError(
-                "sensors",
-                "must be names, files or Sensor objects, each an argument of its own",
-                value=one,
-                found=f"is a {type(one).__name__}",
-                remedy="write *names for a list of names" if isinstance(one, list | tuple) else (),
+                "sensors", "must be one operating point, or sensors", value=len(sensors)
             )
-    own = {one.name: one for one in sensors if isinstance(one, Sensor)}
-    names = [one.name if isinstance(one, Sensor) else str(one) for one in sensors]
-    if not names and not none:
-        raise InputError("sensors", "must name at least one sensor", value=0, found="none is given")
-    for name in own:
-        if names.count(name) > 1:
+        if points:
+            own = _of_point(points[0])
+            for name, value in settings.items():
+                if value is not None and name in (*own, "equal", "saturate"):
+                    raise InputError(
+                        name,
+                        "must not be given with an operating point, which has its own",
+                        value=value,
+                        found=None,
+                        remedy="omit it",
+                    )
+            sensors = [points[0].sensor]
+            settings = {**settings, **own}
+        words = self._words_of_sensors(sensors, none=none)
+        return words, {name: self._setting(name, value) for name, value in settings.items()}
+
+    def matrix(self, matrix: Any) -> str:
+        """The word of a color matrix."""
+        if isinstance(matrix, str | Path):
+            return str(matrix)
+        if isinstance(matrix, ColorMatrix):
+            return self._other("own matrix", lambda _: matrix)
+        if callable(matrix):
+            name = getattr(matrix, "__name__", type(matrix).__name__)
+            return self._other("own matrix" if name == "<lambda>" else name, matrix)
+        if isinstance(matrix, np.ndarray | list | tuple):
+            return self._other("own matrix", matrix_of_array(matrix, "own matrix"))
+        raise InputError(
+            "matrix",
+            "must be a method, a file, an array of 3 rows, a ColorMatrix or a function",
+            value=type(matrix).__name__,
+        )
+
+    def matrices(self, matrices: Any) -> list[str]:
+        """The words of color matrices."""
+        alone = isinstance(matrices, np.ndarray | ColorMatrix) or callable(matrices)
+        return [self.matrix(one) for one in ([matrices] if alone else matrices)]
+
+    def cube(self, cube: Any) -> str:
+        """The word of a cube."""
+        if isinstance(cube, str | Path):
+            return str(cube)
+        if isinstance(cube, Cube):
+            return self._other(cube.source or "own cube", cube)
+        raise InputError(
+            "cube",
+            "must be a name, a file or a Cube",
+            value=type(cube).__name__,
+            remedy="build one: cn.Cube(wavelength_nm=..., stored=..., source=...)",
+        )
+
+    def _words_of_sensors(self, sensors: Sequence[Any], *, none: bool) -> list[str]:
+        if not sensors and not none:
             raise InputError(
-                "sensors",
-                "must have different names",
-                value=name,
-                found=f"{name!r} is repeated",
-                remedy="rename one with dataclasses.replace",
+                "sensors", "must name at least one sensor", value=0, found="none is given"
             )
-    rest = {name: _plain(value) for name, value in settings.items()}
-    lamp = rest.get("illuminant")
-    lamps = {}
-    if isinstance(lamp, Illuminant):
-        rest["illuminant"], lamps[lamp.name] = lamp.name, lamp
-    return names, Given(sensors=own, illuminants=lamps), rest
+        found = [_sensor_or_curves(one, i) for i, one in enumerate(sensors)]
+        names = [
+            one.name if isinstance(one, Sensor) else one if isinstance(one, str) else one.source
+            for one in found
+        ]
+        for name, one in zip(names, found, strict=True):
+            if not isinstance(one, str) and names.count(name) > 1:
+                raise InputError(
+                    "sensors",
+                    "must have different names",
+                    value=name,
+                    found=f"{name!r} is repeated",
+                    remedy="rename one with dataclasses.replace"
+                    if isinstance(one, Sensor)
+                    else "rename one",
+                )
+        words = []
+        for name, one in zip(names, found, strict=True):
+            if isinstance(one, Sensor):
+                self._sensors[object_word(name)] = one
+                words.append(object_word(name))
+            else:
+                words.append(one if isinstance(one, str) else self._other(name, one))
+        return words
+
+    def _setting(self, name: str, value: Any) -> Any:
+        """The value of a setting as a study stores it."""
+        if name == "channel_filters" and isinstance(value, Mapping):
+            return {str(key): self._curves("filter", one) for key, one in value.items()}
+        return self._curves(name, value) if name in OF_CURVES else _plain(value)
+
+    def _curves(self, name: str, value: Any) -> Any:
+        if value is None or isinstance(value, str | Path | bool | int | float | np.generic):
+            return _plain(value)
+        if isinstance(value, Illuminant) and name in ("illuminant", "white_balance"):
+            return self._word(value.name, value, self._illuminants)
+        if isinstance(value, OwnObserver) and name == "observer":
+            return self._other(str(value), value)
+        if isinstance(value, PatchPairs) and name == "pairs":
+            return self._other("own pairs", value)
+        if isinstance(value, _OnGrid):
+            return self._other(value.spectra.source, value.spectra)
+        found = curves_of_object(value, f"own {name.removesuffix('_file').replace('_', ' ')}")
+        if found is None and name == "white_balance":
+            return _plain(value)
+        if found is None:
+            raise InputError(
+                name,
+                "must be a name, a file or curves",
+                value=type(value).__name__,
+                found=f"is a {type(value).__name__}",
+                remedy=f"give {CURVES}",
+            )
+        if name in ("illuminant", "white_balance") and is_of_colour_science(value):
+            found = replace(found, quantity="power", per="energy")
+        return self._other(found.source, found)
+
+    def _other(self, name: str, one: Any) -> str:
+        return self._word(name, one, self._others)
+
+    def _word(self, name: str, one: Any, kept: dict[str, Any]) -> str:
+        """The word of an object, with a number if another object has its name."""
+        word, count = object_word(name), 1
+        while any(word in held for held in (self._sensors, self._illuminants, self._others)):
+            if kept.get(word) is one:
+                return word
+            count += 1
+            word = object_word(f"{name} ({count})")
+        kept[word] = one
+        return word
+
+
+@dataclass(frozen=True, slots=True)
+class _OnGrid:
+    """Reflectances of an operating point, which are on the grid already."""
+
+    spectra: Spectra
+
+
+def _of_point(point: OperatingPoint) -> dict[str, Any]:
+    """The settings of an operating point, without its sensor."""
+    own = {
+        "illuminant": point.illuminant,
+        "lux": point.level_lux,
+        "time_ms": 1e3 * point.exposure.time_s,
+        "f_number": point.exposure.f_number,
+        "magnification": point.exposure.magnification,
+        "chart_file": None if point.chart is None else _OnGrid(point.chart),
+        "patch": None if point.patch is None else _OnGrid(point.patch),
+        "pairs": point.pairs,
+    }
+    return {"observer": point.observer} | {k: v for k, v in own.items() if v is not None}
+
+
+def _sensor_or_curves(one: Any, index: int) -> "str | Sensor | Found":
+    """A sensor as a word, a `Sensor` or curves."""
+    if isinstance(one, str | Path):
+        return str(one)
+    if isinstance(one, Sensor):
+        return one
+    if callable(getattr(one, "to_sensor", None)):
+        made = one.to_sensor()
+        if not isinstance(made, Sensor):
+            raise InputError(
+                f"to_sensor of {type(one).__name__}",
+                "must return a chromanoise.Sensor",
+                value=type(made).__name__,
+                found=f"returns a {type(made).__name__}",
+            )
+        return made
+    found = curves_of_object(one, "own sensor" if index == 0 else f"own sensor {index + 1}")
+    if found is not None:
+        return found
+    names = isinstance(one, list | tuple) and all(isinstance(word, str | Path) for word in one)
+    raise InputError(
+        "sensors",
+        "must be names, files, Sensor objects or curves, each an argument of its own",
+        value=one,
+        found=f"is a {type(one).__name__}",
+        remedy="write *names for a list of names" if names else f"give {CURVES}",
+    )
 
 
 def _plain(value: Any) -> Any:

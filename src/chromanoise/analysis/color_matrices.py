@@ -12,6 +12,7 @@ from chromanoise._check import Array
 from chromanoise._linalg import inv, matrix_rank, pinv
 from chromanoise._shapes import Float
 from chromanoise.analysis.priors import DEFAULT_PRIOR, refuse_unknown_prior, training_named
+from chromanoise.catalog.objects import is_object_word, shown_word
 from chromanoise.catalog.resolve import file_of
 from chromanoise.color import (
     ColorMatrix,
@@ -30,12 +31,19 @@ from chromanoise.color import (
 )
 from chromanoise.errors import InputError, Setting
 from chromanoise.exposure import Exposure, OperatingPoint, expected_electrons, white_scene
-from chromanoise.io.given_matrices import GivenMatrix, is_matrix_file, read_matrix
+from chromanoise.io.given_matrices import (
+    GivenMatrix,
+    is_matrix_file,
+    matrix_of_array,
+    read_matrix,
+)
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import Metric, Spectra, chart_title
 
 MatrixFunction = Callable[[OperatingPoint], ColorMatrix]
 """A function from an operating point to its color matrix: a `MatrixMaker`, or one of your own."""
+OwnMatrix = GivenMatrix | Callable[[OperatingPoint], Any]
+"""A matrix of one's own, or a function that returns one: 3 x p numbers [lx/e-] or a ColorMatrix."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -98,7 +106,11 @@ class MatrixMaker:
     parameters
         Names and values of the parameters of the method.
     given
-        The matrix of a file, used in place of the method.
+        The matrix of a file or array, used in place of the method.
+    own
+        A function of one's own with its name, used in place of the method. It receives the
+        operating point and returns 3 x p numbers, raw electrons to X, Y, Z [lx/e-], or a
+        `ColorMatrix`.
     """
 
     method: Method
@@ -106,9 +118,12 @@ class MatrixMaker:
     prior: str | Spectra = DEFAULT_PRIOR
     parameters: tuple[tuple[str, float], ...] = ()
     given: GivenMatrix | None = None
+    own: tuple[str, Callable[[OperatingPoint], Any]] | None = None
 
     def __call__(self, operating_point: OperatingPoint) -> ColorMatrix:
         """The color matrix of an operating point. [lx/e-]"""
+        if self.own is not None:
+            return _own_color_matrix(operating_point, *self.own, self.metric)
         if self.given is not None:
             return given_color_matrix(operating_point, self.given, self.metric)
         made = self._made(operating_point)
@@ -150,6 +165,9 @@ class MatrixMaker:
         InputError
             If a level is not positive.
         """
+        if self.own is not None:
+            points = (replace(operating_point, level_lux=float(one)) for one in level_lux)
+            return np.stack([self(point).matrix for point in points])
         if self.method.over_light is None:
             return None
         return self.method.over_light(
@@ -180,7 +198,11 @@ class MatrixMaker:
 
 
 def matrix_makers(
-    names: Sequence[str], metric: Metric, *, prior: str | Spectra = DEFAULT_PRIOR
+    names: Sequence[str],
+    metric: Metric,
+    *,
+    prior: str | Spectra = DEFAULT_PRIOR,
+    own: Mapping[str, OwnMatrix] | None = None,
 ) -> Mapping[str, MatrixMaker]:
     """The color matrix methods with the given names.
 
@@ -193,6 +215,9 @@ def matrix_makers(
         Metric of the space of spectra.
     prior
         The training set of trained matrices: a name from `PRIORS`, or reflectances on the grid.
+    own
+        Matrices and functions of one's own, by their word in ``names``; the result has them by
+        their name.
 
     Raises
     ------
@@ -201,8 +226,15 @@ def matrix_makers(
         number, out of bounds or superfluous.
     """
     refuse_unknown_prior(prior)
-    wanted = _check.distinct("names of matrices", [name.strip() for name in names])
-    return {name: _maker(name, metric, prior) for name in wanted}
+    wanted = [name.strip() for name in names]
+    _check.distinct("names of matrices", list(map(shown_word, wanted)))
+    own = own or {}
+    return {
+        shown_word(name): _own_maker(shown_word(name), metric, own[name])
+        if name in own
+        else _maker(name, metric, prior)
+        for name in wanted
+    }
 
 
 def trained_names(names: Sequence[str]) -> list[str]:
@@ -219,7 +251,11 @@ def trained_names(names: Sequence[str]) -> list[str]:
         If there is no method of that name.
     """
     words = [name.strip() for name in names]
-    return [word for word in words if not is_matrix_file(word) and _method(word).trained]
+    return [
+        word
+        for word in words
+        if not is_matrix_file(word) and not is_object_word(word) and _method(word).trained
+    ]
 
 
 def known_matrices() -> str:
@@ -246,6 +282,35 @@ def _maker(name: str, metric: Metric, prior: str | Spectra) -> MatrixMaker:
         except InputError as error:
             raise error.within("matrix") from None
     return MatrixMaker(method=method, metric=metric, prior=prior, parameters=parameters)
+
+
+def _own_maker(name: str, metric: Metric, own: OwnMatrix) -> MatrixMaker:
+    method = METHODS[DEFAULT_METHOD]
+    if isinstance(own, GivenMatrix):
+        return MatrixMaker(method=method, metric=metric, given=own)
+    return MatrixMaker(method=method, metric=metric, own=(name, own))
+
+
+def _own_color_matrix(
+    operating_point: OperatingPoint,
+    name: str,
+    function: Callable[[OperatingPoint], Any],
+    metric: Metric,
+) -> ColorMatrix:
+    """What a function of one's own returns, as a color matrix of the sensor and the observer."""
+    made = function(operating_point)
+    if isinstance(made, ColorMatrix):
+        channels = operating_point.sensor.names
+        if made.channels != channels or made.observer != operating_point.observer:
+            raise InputError(
+                f"matrix of {name}",
+                f"must be for the channels {', '.join(channels)} and the observer "
+                f"{operating_point.observer}",
+                value=made.channels,
+                found=f"is for {', '.join(made.channels)} and {made.observer}",
+            )
+        return made
+    return given_color_matrix(operating_point, matrix_of_array(made, name), metric)
 
 
 def _read(name: str) -> GivenMatrix:

@@ -16,6 +16,7 @@ from chromanoise.catalog.reflectances import (
 from chromanoise.catalog.resolve import file_of
 from chromanoise.errors import InputError
 from chromanoise.io.spectra import ASK, Answers
+from chromanoise.io.spectra.parsed import Found
 from chromanoise.spectra import PatchPairs, Spectra, all_pairs
 
 PAIRS_HEADER = ("first", "second")
@@ -24,7 +25,7 @@ _MOST_PAIRS = 2_000
 _MOST_BYTES = 2**20
 
 
-def resolve_pairs(word: str, *, answers: Answers = ASK) -> PatchPairs:
+def resolve_pairs(word: str | Found, *, answers: Answers = ASK) -> PatchPairs:
     """The pairs of patches in a file, with reflectances on the default grid, 400-1050 nm.
 
     Parameters
@@ -32,7 +33,8 @@ def resolve_pairs(word: str, *, answers: Answers = ASK) -> PatchPairs:
     word
         A list in CSV with the header ``first,second``, whose lines name two patches each: patches
         of the ColorChecker, reflectances of the catalog (``skin``), or numbers (``0.18``). Or a
-        file of reflectances for `resolve_reflectances`, all of whose pairs are taken.
+        file of reflectances for `resolve_reflectances`, or curves in memory, all of whose pairs are
+        taken.
     answers
         As for `resolve_reflectances`.
 
@@ -42,12 +44,12 @@ def resolve_pairs(word: str, *, answers: Answers = ASK) -> PatchPairs:
         If there is no such file, a line does not name two known patches, or as
         `resolve_reflectances`.
     """
-    lines = _listed(word)
-    if lines is None:
+    lines = None if isinstance(word, Found) else _listed(word)
+    if isinstance(word, Found) or lines is None:
         curves = resolve_reflectances(word, answers=answers)
         if len(curves.names) * (len(curves.names) - 1) // 2 > _MOST_PAIRS:
             raise InputError(
-                word,
+                curves.source,
                 f"must have at most {_MOST_PAIRS} pairs of curves",
                 value=len(curves.names),
                 found=f"has {len(curves.names)} curves",

@@ -8,6 +8,7 @@ from typing import Any
 
 from chromanoise._inputs import json_of, regular_file
 from chromanoise.catalog.resolve import (
+    Curves,
     asked_of_name,
     file_of,
     file_there,
@@ -120,7 +121,7 @@ def own_sensor_of(path: Path) -> Sensor | None:
     return sensor_from_json(source_text(path), source=str(path))
 
 
-def idle_answers(words: Sequence[str], answers: Answers) -> tuple[str, ...]:
+def idle_answers(words: Sequence[Curves], answers: Answers) -> tuple[str, ...]:
     """The given answers that none of the sensors needs, as names of fields of `Answers`.
 
     A file that cannot be read counts as needing all; reading it later raises the error.
@@ -150,25 +151,25 @@ def idle_answers(words: Sequence[str], answers: Answers) -> tuple[str, ...]:
 _OF_SENSORS = ("scale", "level", "per", "wavelength_unit", "peak_qe")
 
 
-def _answers_used_by(word: str, answers: Answers) -> tuple[str, ...]:
-    if not is_file_word(word, "sensor"):
+def _answers_used_by(word: Curves, answers: Answers) -> tuple[str, ...]:
+    if isinstance(word, str) and not is_file_word(word, "sensor"):
         return asked_of_name(word)
     try:
         if _own_sensor(word) is not None:
             return ()
-        level = read_curves(file_of(word), answers=answers).level
+        level = read_curves(file_there(word, "sensor"), answers=answers).level
     except InputError:
         return _OF_SENSORS
     return _OF_SENSORS[:-1] if level == "absolute" else _OF_SENSORS
 
 
-def _own_sensor(word: str) -> Sensor | None:
-    if not is_file_word(word, "sensor"):
+def _own_sensor(word: Curves) -> Sensor | None:
+    if not isinstance(word, str) or not is_file_word(word, "sensor"):
         return None
     return own_sensor_of(file_there(word, "sensor"))
 
 
-def _sensor(word: str, answers: Answers, changes: Mapping[str, Any]) -> Sensor:
+def _sensor(word: Curves, answers: Answers, changes: Mapping[str, Any]) -> Sensor:
     own = _own_sensor(word)
     if own is None:
         return resolve_sensor(word, answers=answers, **changes)
@@ -176,7 +177,7 @@ def _sensor(word: str, answers: Answers, changes: Mapping[str, Any]) -> Sensor:
 
 
 def sensor_with_pixel(
-    word: str,
+    word: Curves,
     *,
     answers: Answers = ASK,
     file: str | None = None,

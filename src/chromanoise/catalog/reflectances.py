@@ -11,6 +11,7 @@ from chromanoise import _check
 from chromanoise.catalog.resolve import file_of
 from chromanoise.errors import InputError, did_you_mean
 from chromanoise.io.spectra import ASK, Answers, library_files, read_curves
+from chromanoise.io.spectra.parsed import Found
 from chromanoise.spectra import (
     DEFAULT_GRID,
     SMALL_NEGATIVES,
@@ -67,13 +68,13 @@ def reflectance_files(word: str) -> tuple[Path, ...]:
     return library_files(_file_and_name(word)[0]) if is_reflectance_file(word) else ()
 
 
-def resolve_reflectances(word: str, *, answers: Answers = ASK) -> Spectra:
+def resolve_reflectances(word: str | Found, *, answers: Answers = ASK) -> Spectra:
     """The reflectances in a file, on the default grid, 400-1050 nm.
 
     Parameters
     ----------
     word
-        The file, in any format of `read_curves`.
+        The file, in any format of `read_curves`, or curves in memory.
     answers
         The user's answers about it; ``beyond`` extrapolates curves that do not cover the grid.
 
@@ -83,14 +84,14 @@ def resolve_reflectances(word: str, *, answers: Answers = ASK) -> Spectra:
         If there is no such file, it cannot be read, holds another quantity, does not cover
         400-1050 nm and ``answers.beyond`` is ``refuse``, or a value is not 0 .. 2.
     """
-    file = file_of(word)
-    if not os.path.lexists(file):
-        raise InputError(word, "cannot be read (No such file or directory)")
+    file = word if isinstance(word, Found) else file_of(word)
+    if not isinstance(file, Found) and not os.path.lexists(file):
+        raise InputError(str(word), "cannot be read (No such file or directory)")
     read = read_curves(file, answers=replace(answers, quantity="reflectance"))
     declared = read_curves(file, answers=answers).quantity
     if declared not in _FILE_KINDS:
         raise InputError(
-            str(file), "must hold reflectances", value=declared, found=f"holds {declared}"
+            read.curves.source, "must hold reflectances", value=declared, found=f"holds {declared}"
         )
     notes = (*read.curves.notes, *read.notes, *read.defects)
     curves = replace(read.curves, notes=notes, quantity="reflectance", unit="1")
@@ -100,7 +101,7 @@ def resolve_reflectances(word: str, *, answers: Answers = ASK) -> Spectra:
     return means_on_grid(curves, DEFAULT_GRID, beyond=answers.beyond)
 
 
-def resolve_patch(word: str | float, *, answers: Answers = ASK) -> Spectra:
+def resolve_patch(word: str | float | Found, *, answers: Answers = ASK) -> Spectra:
     """One reflectance, on the default grid, 400-1050 nm.
 
     Parameters
@@ -123,6 +124,17 @@ def resolve_patch(word: str | float, *, answers: Answers = ASK) -> Spectra:
     >>> resolve_patch("dark skin").names
     ('dark skin',)
     """
+    if isinstance(word, Found):
+        names = tuple(one.name for one in word.columns)
+        if len(names) != 1:
+            raise InputError(
+                "patch",
+                "must be one curve",
+                value=names,
+                found=f"{word.source} has {len(names)} ({', '.join(names[:8])})",
+                remedy="select one of them",
+            )
+        return resolve_reflectances(word, answers=answers)
     if not isinstance(word, str):
         share = _check.within("patch", "1", word, 0.0, 1.0)
         flat = colorchecker(DEFAULT_GRID)

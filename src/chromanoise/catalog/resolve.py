@@ -5,7 +5,9 @@ import re
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, overload
+
+import numpy as np
 
 from chromanoise.catalog.entries import (
     catalog_entry,
@@ -22,6 +24,7 @@ from chromanoise.catalog.sensors import KNOWN_SENSORS, sensor_named
 from chromanoise.errors import InputError
 from chromanoise.io import read_sensor
 from chromanoise.io.spectra import ASK, Answers, library_files, power_of, read_curves
+from chromanoise.io.spectra.parsed import Found
 from chromanoise.sensor import (
     PAPER_PIXEL,
     Sensor,
@@ -33,13 +36,16 @@ from chromanoise.sensor import (
 )
 from chromanoise.spectra import (
     DEFAULT_GRID,
+    OBSERVERS,
     SMALL_NEGATIVES,
     Illuminant,
+    OwnObserver,
     Spectra,
     illuminant_from,
     illuminant_named,
     infrared_parts,
     is_light_name,
+    known_observer,
     means_on_grid,
     mixed,
     refuse_outside,
@@ -49,17 +55,20 @@ from chromanoise.spectra import (
 from chromanoise.spectra.tables.folder import SOURCES, user_curves
 
 _ENDING = re.compile(r"\.[A-Za-z]\w*$")  # no name in the catalog matches: FL3.1, 5500.5K
-WordKind = Literal["sensor", "light", "filter"]
+_LARGEST_END = 0.02  # of the peak of a color-matching function, where its table ends
+WordKind = Literal["sensor", "light", "filter", "observer"]
 """What a word refers to; the word is a name of the catalog or a path."""
+Curves = str | Found
+"""A word, or the curves of an object of Python in place of a file."""
 
 
-def resolve_sensor(word: str, *, answers: Answers = ASK, **changes: Any) -> Sensor:
+def resolve_sensor(word: Curves, *, answers: Answers = ASK, **changes: Any) -> Sensor:
     """A sensor of the catalog or from a file of curves, with the given pixel values.
 
     Parameters
     ----------
     word
-        A name in the catalog or the user's folder, or a file (`is_file_word`).
+        A name in the catalog or the user's folder, a file (`is_file_word`), or curves in memory.
     answers
         Metadata that the file or the catalog's table lacks.
     changes
@@ -72,15 +81,15 @@ def resolve_sensor(word: str, *, answers: Answers = ASK, **changes: Any) -> Sens
         If the name is unknown, the file cannot be read, or a pixel value is invalid.
     """
     given = {key: value for key, value in changes.items() if value is not None}
-    if not is_file_word(word, "sensor"):
+    if isinstance(word, str) and not is_file_word(word, "sensor"):
         return with_pixel(_catalog_sensor(word, answers, of_pixel(given)), given)
     sensor = read_sensor(file_there(word, "sensor"), DEFAULT_GRID, PAPER_PIXEL, answers=answers)
     note = assumed_pixel(sensor.name, sensor.pixel, given)
     return with_pixel(replace(sensor, notes=(*sensor.notes, *note)), given)
 
 
-def resolve_illuminant(word: str, *, answers: Answers = ASK) -> Illuminant:
-    """An illuminant by name, from the user's folder or from a file of one curve.
+def resolve_illuminant(word: Curves, *, answers: Answers = ASK) -> Illuminant:
+    """An illuminant by name, from the user's folder, from a file of one curve or one in memory.
 
     Each may have an added infrared diode, as in ``A+0.5xLED850`` or ``lamp.csv+1xLED940/50``.
 
@@ -89,7 +98,43 @@ def resolve_illuminant(word: str, *, answers: Answers = ASK) -> Illuminant:
     InputError
         If the name is unknown, or the file cannot be read.
     """
+    if isinstance(word, Found):
+        return _light(word, answers)
     return mixed(word, lambda base: _light(base, answers))
+
+
+def resolve_observer(word: Curves) -> str:
+    """An observer by name, or an `OwnObserver` from a file or curves in memory.
+
+    Three curves x, y, z, from which nothing is scaled. Beyond its ends an observer is zero, as the
+    CIE defines it; a table that ends within 400-1050 nm must have fallen to 2 % of its peak there.
+
+    Raises
+    ------
+    InputError
+        If the name is unknown, the file cannot be read, or holds no such functions.
+    """
+    if isinstance(word, str) and not is_file_word(word, "observer"):
+        return known_observer(word)
+    read = read_curves(file_there(word, "observer"), answers=Answers(quantity="response"))
+    curves = replace(read.curves, quantity="color-matching functions", notes=read.notes)
+    made = OwnObserver(_called(word, ending=True), curves)
+    for row, inside in (
+        (0, curves.wavelength_nm[0] > DEFAULT_GRID.wavelength_nm[0]),
+        (-1, curves.wavelength_nm[-1] < DEFAULT_GRID.wavelength_nm[-1]),
+    ):
+        shares = np.abs(curves.values[row]) / curves.values.max(axis=0)
+        if inside and shares.max() > _LARGEST_END:
+            share, name = float(shares.max()), curves.names[int(shares.argmax())]
+            raise InputError(
+                curves.source,
+                f"must fall to {100 * _LARGEST_END:g} % of its peak where it ends",
+                value=share,
+                found=f"is {100 * share:.3g} %",
+                where=f"curve {name!r} at {curves.wavelength_nm[row]:g} nm",
+                remedy="use a table that covers the visible range",
+            )
+    return made
 
 
 def sensor_files(word: str) -> tuple[Path, ...]:
@@ -121,6 +166,11 @@ def illuminant_files(word: str) -> tuple[Path, ...]:
     return _files(word, "light")
 
 
+def observer_files(word: str) -> tuple[Path, ...]:
+    """The files on which an observer depends; none if it is built in."""
+    return library_files(file_of(word)) if is_file_word(word, "observer") else ()
+
+
 def filter_files(word: str) -> tuple[Path, ...]:
     """The files on which a filter depends; none if it is built in.
 
@@ -132,13 +182,13 @@ def filter_files(word: str) -> tuple[Path, ...]:
     return _files(word, "filter")
 
 
-def resolve_filter(word: str, *, answers: Answers = ASK, shift_nm: float = 0.0) -> Spectra:
+def resolve_filter(word: Curves, *, answers: Answers = ASK, shift_nm: float = 0.0) -> Spectra:
     """The transmittance of a filter by name, from the user's folder or from a file of one curve.
 
     Parameters
     ----------
     word
-        A name in the catalog or the user's folder, or a file (`is_file_word`).
+        A name in the catalog or the user's folder, a file (`is_file_word`), or curves in memory.
     answers
         The user's answers about the file; ``beyond`` also applies to filters by name.
     shift_nm
@@ -151,7 +201,7 @@ def resolve_filter(word: str, *, answers: Answers = ASK, shift_nm: float = 0.0) 
         curve does not cover 400-1050 nm and ``answers.beyond`` is ``refuse``, or a transmittance is
         outside 0-1.
     """
-    if is_file_word(word, "filter"):
+    if isinstance(word, Found) or is_file_word(word, "filter"):
         answers = replace(answers, quantity="transmittance")
         read = read_curves(file_there(word, "filter"), answers=answers)
         curve = replace(read.curves, notes=(*read.curves.notes, *read.notes, *read.defects))
@@ -176,7 +226,7 @@ def resolve_filter(word: str, *, answers: Answers = ASK, shift_nm: float = 0.0) 
 
 def behind_resolved_filter(
     sensor: Sensor,
-    word: str,
+    word: Curves,
     *,
     answers: Answers = ASK,
     channel: str | None = None,
@@ -211,7 +261,7 @@ def behind_resolved_filter(
     ('onyx-rgb+ircut-650', array([[0.5, 0.5, 0.5]]))
     """
     curve = resolve_filter(word, answers=answers, shift_nm=shift_nm)
-    name = Path(word).stem if is_file_word(word, "filter") else word
+    name = _called(word) if is_file_word(word, "filter") else str(word)
     behind = "" if channel is None else f"{channel} "
     moved = f", shifted by {shift_nm:+g} nm" if shift_nm else ""
     note = "; ".join((f"{behind}behind the filter {name}{moved}", *curve.notes))
@@ -238,8 +288,8 @@ def asked_of_name(word: str) -> tuple[str, ...]:
     return (*(["per"] if unsaid else []), *(["peak_qe"] if known.level == "relative" else []))
 
 
-def is_file_word(word: str, kind: WordKind, folder: Path = Path()) -> bool:
-    """Whether a word for a sensor, light or filter names a file.
+def is_file_word(word: Curves, kind: WordKind, folder: Path = Path()) -> bool:
+    """Whether a word for a sensor, light, filter or observer names a file; curves count as one.
 
     A word names a file if it looks like a path or ends in a dot and letters, or if such a file
     exists and the catalog has no such name. A file never overrides a name in the catalog.
@@ -263,7 +313,7 @@ def is_file_word(word: str, kind: WordKind, folder: Path = Path()) -> bool:
     >>> [is_file_word(word, "light") for word in ("lamp.dat", "lamps/a", "LED850/20", "FL3.1")]
     [True, True, False, False]
     """
-    if word.startswith((".", "/", "~")) or _ENDING.search(word):
+    if isinstance(word, Found) or word.startswith((".", "/", "~")) or _ENDING.search(word):
         return True
     path = folder / word  # os.path also accepts names that are too long
     there = os.path.exists(path) and not os.path.isdir(path)  # noqa: PTH110, PTH112
@@ -276,6 +326,7 @@ _BUILT_IN: Mapping[WordKind, Callable[[str], bool]] = {
     "sensor": KNOWN_SENSORS.__contains__,
     "light": is_light_name,
     "filter": is_filter_name,
+    "observer": OBSERVERS.__contains__,
 }
 
 
@@ -301,14 +352,20 @@ def word_beside(word: str, kind: WordKind, folder: Path) -> str:
     return word if named else str(folder / word)
 
 
-def file_there(word: str, kind: WordKind) -> Path:
-    """The file that a word names.
+@overload
+def file_there(word: str, kind: WordKind) -> Path: ...
+@overload
+def file_there(word: Curves, kind: WordKind) -> Path | Found: ...
+def file_there(word: Curves, kind: WordKind) -> Path | Found:
+    """The file that a word names; curves in memory are returned as they are.
 
     Raises
     ------
     InputError
         If the file is missing; the message adds that the catalog has no such name either.
     """
+    if isinstance(word, Found):
+        return word
     file = file_of(word)
     if not os.path.lexists(file):
         raise InputError(
@@ -323,7 +380,15 @@ _CATALOG_KIND: Mapping[WordKind, str] = {
     "sensor": "sensor",
     "light": "illuminant",
     "filter": "filter",
+    "observer": "observer",
 }
+
+
+def _called(word: Curves, *, ending: bool = False) -> str:
+    """The name of the curves of a file or of an object, with or without the ending of the file."""
+    if isinstance(word, Found):
+        return word.source
+    return Path(word).name if ending else Path(word).stem
 
 
 def _refuse_unknown(word: str, kind: WordKind) -> None:
@@ -351,10 +416,10 @@ def file_of(word: str) -> Path:
         return Path(word)
 
 
-def _light(word: str, answers: Answers) -> Illuminant:
-    if is_file_word(word, "light"):
+def _light(word: Curves, answers: Answers) -> Illuminant:
+    if isinstance(word, Found) or is_file_word(word, "light"):
         curve = power_of(read_curves(file_there(word, "light"), answers=answers))
-        return illuminant_from(curve, DEFAULT_GRID, name=Path(word).stem, beyond=answers.beyond)
+        return illuminant_from(curve, DEFAULT_GRID, name=_called(word), beyond=answers.beyond)
     own = own_table(word, "illuminant")
     if own is not None:
         return illuminant_from(own_power(own), DEFAULT_GRID, name=word, beyond=answers.beyond)

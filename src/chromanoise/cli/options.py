@@ -357,7 +357,8 @@ def _add_missing(parameters: list[click.Parameter], function: str) -> None:
 
 
 def _option_of(one: DescribedSetting) -> click.Option:
-    kind = {int: WHOLE, str | Path: str}.get(one.annotation, one.annotation)
+    kind = {int: WHOLE}.get(one.annotation, one.annotation)
+    kind = str if str in get_args(one.annotation) else kind  # no object fits in a word
     if get_origin(kind) is Literal:
         kind = click.Choice(get_args(kind))
     form: dict[str, Any] = {"is_flag": True} if kind is bool else {}

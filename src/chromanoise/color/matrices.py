@@ -11,7 +11,7 @@ from chromanoise.geometry import Frame, dual_frame
 from chromanoise.noise import Measurement, through
 from chromanoise.scene import Scene, light
 from chromanoise.sensor import Sensor
-from chromanoise.spectra import DEFAULT_OBSERVER, OBSERVERS, Metric, color_axes
+from chromanoise.spectra import DEFAULT_OBSERVER, Metric, color_axes, known_observer
 
 XYZ = ("X", "Y", "Z")
 
@@ -56,7 +56,7 @@ class ColorMatrix:
     notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        _check.one_of("observer", self.observer, tuple(OBSERVERS))
+        known_observer(self.observer)
         checked = _check.finite(f"{self.made_by} matrix", "lx/e-", self.matrix)
         if checked.shape != (len(self.coordinates), len(self.channels)):
             raise InputError(

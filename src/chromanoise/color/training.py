@@ -18,11 +18,11 @@ from chromanoise.sensor import Sensor
 from chromanoise.spectra import (
     DEFAULT_OBSERVER,
     INFRARED_FROM_NM,
-    OBSERVERS,
     Illuminant,
     Metric,
     color_axes,
     colorchecker,
+    known_observer,
 )
 
 _FEWEST_E = 1e-280  # of a white; noise over fewer electrons overflows double precision
@@ -66,7 +66,7 @@ class Training:
     observer: str = DEFAULT_OBSERVER
 
     def __post_init__(self) -> None:
-        _check.one_of("observer", self.observer, tuple(OBSERVERS))
+        known_observer(self.observer)
         where = f"reflectance of {self.source}"
         rho = _check.non_negative(where, "1", self.reflectance)
         if rho.ndim != 2 or rho.shape[0] == 0:

@@ -13,11 +13,11 @@ from chromanoise.scene import Scene, flat_field
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import (
     DEFAULT_OBSERVER,
-    OBSERVERS,
     Illuminant,
     PatchPairs,
     Spectra,
     chart_title,
+    known_observer,
 )
 
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -61,7 +61,7 @@ class OperatingPoint:
 
     def __post_init__(self) -> None:
         _check.positive("level_lux", "lx", self.level_lux)
-        _check.one_of("observer", self.observer, tuple(OBSERVERS))
+        known_observer(self.observer)
         patches = None if self.pairs is None else self.pairs.patches
         for spectra in (self.chart, self.patch, patches):
             if spectra is not None:

@@ -135,6 +135,24 @@ def is_matrix_file(word: str) -> bool:
     return word.lower().endswith(MATRIX_ENDINGS)
 
 
+def matrix_of_array(values: Any, name: str) -> GivenMatrix:
+    """A matrix of numbers, raw electrons to X, Y, Z.
+
+    Parameters
+    ----------
+    values
+        3 rows and one column per channel, in the order of the sensor. [lx/e-]
+    name
+        Name of the matrix.
+
+    Raises
+    ------
+    InputError
+        If the values are not numbers, one is not finite, or there are not 3 rows.
+    """
+    return GivenMatrix(source=name, kind="electrons", target="XYZ", values=_array(name, values))
+
+
 def read_matrix(path: Path) -> GivenMatrix:
     """The color matrix of a file, by its content.
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from chromanoise.errors import Remedy, Setting
 from chromanoise.io.spectra import ASK, Answers, qe_of, read_curves
+from chromanoise.io.spectra.parsed import Found
 from chromanoise.sensor.pixel import Pixel
 from chromanoise.sensor.sensor import Sensor
 from chromanoise.spectra import (
@@ -22,13 +23,16 @@ from chromanoise.spectra import (
 _WIDE_GAP_NM = 30.0
 
 
-def read_sensor(path: Path | str, grid: Grid, pixel: Pixel, *, answers: Answers = ASK) -> Sensor:
-    """Read a sensor from a file of curves in any format of `read_curves`.
+def read_sensor(
+    path: Path | str | Found, grid: Grid, pixel: Pixel, *, answers: Answers = ASK
+) -> Sensor:
+    """Read a sensor from a file of curves in any format of `read_curves`, or from curves in memory.
 
     Parameters
     ----------
     path
-        The file; its name without the suffix becomes the name of the sensor.
+        The file; its name without the suffix becomes the name of the sensor. Curves in memory give
+        their source as the name.
     grid
         The target grid.
     pixel
@@ -42,12 +46,12 @@ def read_sensor(path: Path | str, grid: Grid, pixel: Pixel, *, answers: Answers 
         If the file cannot be parsed, required metadata is missing, a QE lies outside 0 .. 1, or
         the curves do not cover the grid.
     """
-    path = Path(path)
     parsed = read_curves(path, answers=answers)
     curves = qe_of(parsed, answers)
     percent = Setting("scale", ("percent",))
     remedy = percent if curves.values.max() > 1 else SMALL_NEGATIVES
-    return _sensor(path, curves, grid, pixel, answers.beyond, remedy=remedy)
+    named = (path.source, path.source) if isinstance(path, Found) else _names(Path(path))
+    return _sensor(named, curves, grid, pixel, answers.beyond, remedy=remedy)
 
 
 def read_sensor_csv(
@@ -76,11 +80,16 @@ def read_sensor_csv(
     path = Path(path)
     curves = read_spectra_csv(path, quantity="QE", unit="e-/photon")
     remedy = "divide percent by 100" if curves.values.max() > 1 else SMALL_NEGATIVES
-    return _sensor(path, curves, grid, pixel, beyond, remedy=remedy)
+    return _sensor(_names(path), curves, grid, pixel, beyond, remedy=remedy)
+
+
+def _names(path: Path) -> tuple[str, str]:
+    """Names of the sensor and of its file."""
+    return path.stem, path.name
 
 
 def _sensor(
-    path: Path,
+    named: tuple[str, str],
     curves: Spectra,
     grid: Grid,
     pixel: Pixel,
@@ -92,12 +101,12 @@ def _sensor(
     refuse_outside(curves, high=1.0, remedy=remedy, used=used)
     resampled = means_on_grid(curves, grid, beyond=beyond)
     return Sensor(
-        name=path.stem,
+        name=named[0],
         grid=grid,
         qe=resampled.values,
         names=resampled.names,
         pixel=pixel,
-        notes=(f"QE read from {path.name}", *resampled.notes, *_gaps(curves)),
+        notes=(f"QE read from {named[1]}", *resampled.notes, *_gaps(curves)),
     )
 
 

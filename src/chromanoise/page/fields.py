@@ -105,7 +105,7 @@ _REFINED: Mapping[str, Data] = {
     "title": {"label": "Title"},
     "seed": {"label": "Seed of the noise", "low": 0, "high": 99, "step": 1},
     "metric": {"label": "Metric: spectra in", "options": list(METRICS)},
-    "observer": {"label": "Observer", "options": list(OBSERVERS)},
+    "observer": {"label": "Observer", "options": list(OBSERVERS), "file": "spectrum"},
     "prior": {"label": "Prior of trained matrices", "options": list(PRIORS), "file": "spectrum"},
     "exposure.magnification": {
         "label": "Magnification of the lens",

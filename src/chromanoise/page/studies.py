@@ -299,7 +299,7 @@ def _without_diodes(one: FileWord) -> str:
 def _names_a_file(one: FileWord, base: str) -> bool:
     if one.kind == "cube":
         return not base.startswith("builtin:")
-    if one.kind in ("sensor", "light", "filter"):
+    if one.kind in ("sensor", "light", "filter", "observer"):
         return is_file_word(base, one.kind)
     return True
 

@@ -8,6 +8,7 @@ import numpy as np
 from chromanoise import _check
 from chromanoise._check import Array, frozen
 from chromanoise._shapes import Bool, Float
+from chromanoise.errors import InputError
 from chromanoise.spectra.curves import Spectra, on_grid
 from chromanoise.spectra.grid import Grid
 from chromanoise.spectra.metric import Metric, photons_per_unit
@@ -45,6 +46,99 @@ OBSERVERS: Mapping[str, str] = {
 DEFAULT_OBSERVER = "cie-1931-2"
 """Name of the observer that every result uses unless another is given."""
 
+_PEAK_OF_Y = (0.5, 2.0)
+
+
+class OwnObserver(str):
+    """An observer of one's own: its name, with its color-matching functions.
+
+    Parameters
+    ----------
+    name
+        Name of the observer.
+    functions
+        Three curves x, y, z in the units of the CIE: y has its peak near 1.
+
+    Raises
+    ------
+    InputError
+        If the name is that of a built-in observer, there are not three curves, one is 0 everywhere,
+        or the peak of y is not 0.5 to 2.
+    """
+
+    functions: Spectra
+
+    def __new__(cls, name: str, functions: Spectra) -> "OwnObserver":
+        """The name as text; `functions` is checked."""
+        made = super().__new__(cls, name)
+        made.functions = functions
+        if name in OBSERVERS:
+            raise InputError(
+                "observer", "must have another name than the built-in observers", value=name
+            )
+        if len(functions.names) != 3:
+            raise InputError(
+                name,
+                "must have three color-matching functions, x, y and z",
+                value=len(functions.names),
+                found=f"has {len(functions.names)}",
+            )
+        peaks = functions.values.max(axis=0)
+        for curve, peak in zip(functions.names, peaks, strict=True):
+            if not peak > 0:
+                raise InputError(
+                    name, "must have values above 0", value=float(peak), where=f"curve {curve!r}"
+                )
+        if not _PEAK_OF_Y[0] <= peaks[1] <= _PEAK_OF_Y[1]:
+            raise InputError(
+                name,
+                "second function must have a peak of 0.5 to 2, as y of the CIE",
+                value=float(peaks[1]),
+                found=f"has one of {peaks[1]:g}",
+                where=f"curve {functions.names[1]!r}",
+                remedy="scale all three functions by the same factor",
+            )
+        return made
+
+    def __getnewargs__(self) -> tuple[str, Spectra]:  # type: ignore[override]
+        """What another process needs to make the same observer."""
+        return str(self), self.functions
+
+    def __eq__(self, other: object) -> bool:
+        """Whether the name is the same, and the functions where both have some."""
+        if not isinstance(other, OwnObserver):
+            return str.__eq__(self, other) is True
+        one, two = self.functions, other.functions
+        return (
+            str.__eq__(self, other)
+            and np.array_equal(one.wavelength_nm, two.wavelength_nm)
+            and np.array_equal(one.values, two.values)
+        )
+
+    def __ne__(self, other: object) -> bool:
+        """As `__eq__`, which `str` does not use for this."""
+        return not self == other
+
+    __hash__ = str.__hash__
+
+
+def known_observer(observer: str) -> str:
+    """The observer itself, if it is one of `OBSERVERS` or an `OwnObserver`.
+
+    Parameters
+    ----------
+    observer
+        Name of an observer, or one's own.
+
+    Raises
+    ------
+    InputError
+        If there is no observer of that name.
+    """
+    if isinstance(observer, OwnObserver):
+        return observer
+    return _check.one_of("observer", observer, tuple(OBSERVERS))
+
 
 @cache
 def observer_table(observer: str = DEFAULT_OBSERVER) -> Spectra:
@@ -53,7 +147,7 @@ def observer_table(observer: str = DEFAULT_OBSERVER) -> Spectra:
     Parameters
     ----------
     observer
-        A name from `OBSERVERS`.
+        A name from `OBSERVERS`, or an `OwnObserver`.
 
     Raises
     ------
@@ -65,7 +159,9 @@ def observer_table(observer: str = DEFAULT_OBSERVER) -> Spectra:
     CIE 018:2019 (1931, 2 deg, https://doi.org/10.25039/CIE.DS.xvudnb9b; 1964, 10 deg) from 360 to
     830 nm; CIE 170-2:2015 (2 deg and 10 deg) from 390 to 830 nm.
     """
-    return packaged_table(OBSERVERS[_check.one_of("observer", observer, tuple(OBSERVERS))])
+    if isinstance(known_observer(observer), OwnObserver):
+        return observer.functions  # type: ignore[attr-defined]
+    return packaged_table(OBSERVERS[observer])
 
 
 @cache
@@ -165,7 +261,11 @@ def observer_notes(observer: str) -> tuple[str, ...]:
     """
     if observer == DEFAULT_OBSERVER:
         return ()
-    return (
+    note = (
         f"X, Y and Z are those of the observer {observer}; its Y is not an illuminance, because "
-        "the lux is defined by the CIE 1931 observer",
+        "the lux is defined by the CIE 1931 observer"
     )
+    if isinstance(observer, OwnObserver):
+        low, high = observer.functions.wavelength_nm[[0, -1]]
+        return (f"{note}; it is zero outside {low:g}-{high:g} nm", *observer.functions.notes)
+    return (note,)

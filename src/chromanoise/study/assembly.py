@@ -11,6 +11,7 @@ from chromanoise import _check
 from chromanoise.analysis.color_matrices import MatrixMaker, matrix_makers, trained_names
 from chromanoise.analysis.priors import DEFAULT_PRIOR, PRIORS
 from chromanoise.catalog import idle_answers, on_pixel, sensor_with_pixel
+from chromanoise.catalog.objects import is_object_word, shown_word
 from chromanoise.catalog.patch_pairs import resolve_pairs
 from chromanoise.catalog.reflectances import (
     is_reflectance_file,
@@ -18,16 +19,19 @@ from chromanoise.catalog.reflectances import (
     resolve_reflectances,
 )
 from chromanoise.catalog.resolve import (
+    WordKind,
     behind_resolved_filter,
     file_of,
     is_file_word,
     resolve_illuminant,
+    resolve_observer,
     resolve_sensor,
 )
 from chromanoise.errors import InputError, Setting, refusal
 from chromanoise.exposure import EQUAL_TERMS, Exposure, OperatingPoint
 from chromanoise.io.crosstalk import read_crosstalk
 from chromanoise.io.spectra import Answers
+from chromanoise.io.spectra.parsed import Found
 from chromanoise.scene import Cube, Scene, builtin_cube, flat_field
 from chromanoise.sensor import (
     Sensor,
@@ -40,7 +44,7 @@ from chromanoise.sensor import (
     with_crosstalk,
     with_shifted_curves,
 )
-from chromanoise.spectra import Illuminant, PatchPairs, Spectra, infrared_parts
+from chromanoise.spectra import Illuminant, OwnObserver, PatchPairs, Spectra, infrared_parts
 from chromanoise.study.document import (
     PicturePart,
     PixelPart,
@@ -60,10 +64,61 @@ class Given:
     ----------
     sensors, illuminants
         By the name in the study.
+    others
+        Curves (`Found`), reflectances on the grid, pairs of patches, observers, cubes, matrices and
+        functions that give one, by the word in the study (`object_word`).
     """
 
     sensors: Mapping[str, Sensor] = field(default_factory=dict)
     illuminants: Mapping[str, Illuminant] = field(default_factory=dict)
+    others: Mapping[str, Any] = field(default_factory=dict)
+
+    def of(self, word: Any) -> Any:
+        """What a word refers to: an object in ``others``, or the word itself.
+
+        Parameters
+        ----------
+        word
+            Word of a study.
+
+        Raises
+        ------
+        InputError
+            If the word refers to an object that is not given.
+        """
+        if not is_object_word(word):
+            return word
+        if word not in self.others:
+            raise InputError(
+                shown_word(word), "must be given as an object of Python", value=word, found=None
+            )
+        return self.others[word]
+
+    def reads_reflectances(self, word: object) -> bool:
+        """Whether a word for reflectances refers to a file or to curves.
+
+        Parameters
+        ----------
+        word
+            Word of a study.
+        """
+        if is_object_word(word):
+            return isinstance(self.of(word), Found)
+        return isinstance(word, str) and is_reflectance_file(word)
+
+    def reads(self, word: str, kind: WordKind) -> bool:
+        """Whether a word refers to a file or to curves, rather than to a name or an object.
+
+        Parameters
+        ----------
+        word
+            Word of a study.
+        kind
+            What it refers to.
+        """
+        if word in self.sensors or word in self.illuminants:
+            return False
+        return is_file_word(self.of(word), kind)
 
 
 NOTHING_GIVEN = Given()
@@ -91,7 +146,7 @@ def operating_points_of(study: Study, given: Given = NOTHING_GIVEN) -> list[Oper
     sensors = [
         sensor_of(part, key=f"sensors.{i}", given=given) for i, part in enumerate(study.sensors)
     ]
-    return with_distinct_names(operating_points_in(study, illuminant, sensors))
+    return with_distinct_names(operating_points_in(study, illuminant, sensors, given))
 
 
 def refuse_idle(study: Study, given: Given = NOTHING_GIVEN) -> None:
@@ -146,8 +201,8 @@ def duplicates(study: Study) -> list[InputError]:
         InputError(
             "name",
             "must not be repeated with the same settings",
-            value=part.name,
-            found=f"{part.name!r} is repeated",
+            value=shown_word(part.name),
+            found=f"{shown_word(part.name)!r} is repeated",
             remedy=(f"change one in a study file, e.g. sensors.{i}.filter", "omit one"),
             setting=f"sensors.{i}.name",
         )
@@ -159,9 +214,13 @@ def duplicates(study: Study) -> list[InputError]:
 def repeated_labels(study: Study) -> list[InputError]:
     """Labels that another sensor has as label or name, so that tables could not tell them apart."""
     errors, before = [], set[str]()
-    names = Counter(one.name for one in study.sensors)
+    names = Counter(shown_word(one.name) for one in study.sensors)
     for i, part in enumerate(study.sensors):
-        others = names[part.label] - (part.name == part.label) if part.label is not None else 0
+        others = (
+            names[part.label] - (shown_word(part.name) == part.label)
+            if part.label is not None
+            else 0
+        )
         if part.label is not None and (part.label in before or others):
             errors.append(
                 InputError(
@@ -189,19 +248,24 @@ def idle_settings(study: Study, given: Given = NOTHING_GIVEN) -> list[InputError
             words = [study.sensors[i].name for i in sharing]
             parts = [study.sensors[i] for i in sharing]
             if all(
-                part.name in given.sensors or name in idle_answers([part.name], _answers(part))
+                part.name in given.sensors
+                or name in idle_answers([given.of(part.name)], _answers(part))
                 for part in parts
             ):
                 errors.append(
-                    _idle(f"sensors.{sharing[0]}.answers.{name}", value, ", ".join(words))
+                    _idle(
+                        f"sensors.{sharing[0]}.answers.{name}",
+                        value,
+                        ", ".join(map(shown_word, words)),
+                    )
                 )
     errors += [*_idle_alone(study), *_idle_treatments(study, given)]
     light = study.light
     infrared = infrared_parts(light.illuminant)
     base = light.illuminant if infrared is None else infrared[0]
-    if light.illuminant in given.illuminants or not is_file_word(base, "light"):
+    if not given.reads(light.illuminant if is_object_word(base) else base, "light"):
         errors += [
-            _idle(f"light.{name}", getattr(light, name), light.illuminant)
+            _idle(f"light.{name}", getattr(light, name), shown_word(light.illuminant))
             for name in ("per", "column", "wavelength_unit")
             if getattr(light, name) is not None
         ]
@@ -209,7 +273,7 @@ def idle_settings(study: Study, given: Given = NOTHING_GIVEN) -> list[InputError
     words = [
         word for word in (own.chart, own.patch, own.pairs, study.prior) if isinstance(word, str)
     ]
-    if not any(is_reflectance_file(word) for word in words):
+    if not any(map(given.reads_reflectances, words)):
         errors += [
             _idle(f"reflectances.{name}", getattr(own, name), "a study without such a file")
             for name in ("scale", "wavelength_unit", "beyond")
@@ -218,7 +282,7 @@ def idle_settings(study: Study, given: Given = NOTHING_GIVEN) -> list[InputError
     for i, part in enumerate(study.sensors):
         unit = part.filter_wavelength_unit
         filters = [*filter(None, [part.filter]), *(part.channel_filters or {}).values()]
-        if unit and not any(is_file_word(word, "filter") for word in filters):
+        if unit and not any(given.reads(word, "filter") for word in filters):
             errors.append(
                 _idle(f"sensors.{i}.filter_wavelength_unit", unit, part.filter or "no filter")
             )
@@ -230,17 +294,17 @@ def _idle_treatments(study: Study, given: Given) -> list[InputError]:
     """Extrapolation and treatment of negative values where no curve of the study needs them."""
     own, light = study.reflectances, study.light
     files = [word for word in (own.chart, own.patch, study.prior) if isinstance(word, str)]
-    if study.pictures or any(map(is_reflectance_file, files)):
+    if study.pictures or any(map(given.reads_reflectances, files)):
         return []
     errors = []
     for name in ("beyond", "negatives"):
         parts = [one for one in study.sensors if getattr(one, name) != "refuse"]
         needed = any(_is_incomplete(one, given) for one in parts)
-        if name == "negatives" and is_file_word(light.illuminant, "light"):
+        if name == "negatives" and given.reads(light.illuminant, "light"):
             needed = True
         if parts and not needed:
             key = f"sensors.{study.sensors.index(parts[0])}.{name}"
-            words = ", ".join(one.name for one in parts)
+            words = ", ".join(shown_word(one.name) for one in parts)
             errors.append(_idle(key, getattr(parts[0], name), words))
     return errors
 
@@ -251,7 +315,7 @@ def _is_incomplete(part: SensorPart, given: Given) -> bool:
         return True
     if part.name in given.sensors:
         return False
-    if is_file_word(part.name, "sensor"):
+    if given.reads(part.name, "sensor"):
         return True
     try:
         resolve_sensor(part.name, answers=replace(_answers(part), beyond="refuse"))
@@ -294,7 +358,10 @@ def _idle(key: str, value: Any, of: str) -> InputError:
 
 
 def operating_points_in(
-    study: Study, illuminant: Illuminant, sensors: Sequence[Sensor]
+    study: Study,
+    illuminant: Illuminant,
+    sensors: Sequence[Sensor],
+    given: Given = NOTHING_GIVEN,
 ) -> list[OperatingPoint]:
     """Sensors in a light, on the terms of the study.
 
@@ -304,6 +371,8 @@ def operating_points_in(
         Of which the exposure, the light level and the observer are used.
     illuminant, sensors
         What it names.
+    given
+        Objects in place of names.
 
     Raises
     ------
@@ -312,14 +381,15 @@ def operating_points_in(
     """
     light = study.light
     white = flat_field(illuminant, level_lux=light.level_lux)
-    chart, patch, pairs = chart_of(study), patch_of(study), pairs_of(study)
+    chart, patch, pairs = chart_of(study, given), patch_of(study, given), pairs_of(study, given)
+    observer = observer_of(study, given)
     return [
         OperatingPoint(
             sensor=sensor,
             exposure=exposure,
             illuminant=illuminant,
             level_lux=light.level_lux,
-            observer=study.observer,
+            observer=observer,
             chart=chart,
             patch=patch,
             pairs=pairs,
@@ -340,7 +410,20 @@ def illuminant_of(study: Study, given: Given = NOTHING_GIVEN) -> Illuminant:
     if word in given.illuminants:
         return given.illuminants[word]
     with keyed("light.illuminant", lambda name: f"light.{'column' if name == 'columns' else name}"):
-        return resolve_illuminant(word, answers=light_answers_of(study))
+        return resolve_illuminant(given.of(word), answers=light_answers_of(study))
+
+
+def observer_of(study: Study, given: Given = NOTHING_GIVEN) -> str:
+    """The observer of the study: a name, or an `OwnObserver`.
+
+    Raises
+    ------
+    InputError
+        If its name names nothing, or a file cannot be read.
+    """
+    with keyed("observer", str):
+        observer = given.of(study.observer)
+        return observer if isinstance(observer, OwnObserver) else resolve_observer(observer)
 
 
 def balance_light_of(study: Study, given: Given = NOTHING_GIVEN) -> Illuminant | None:
@@ -357,10 +440,12 @@ def balance_light_of(study: Study, given: Given = NOTHING_GIVEN) -> Illuminant |
         return None
     if word == "illuminant" or word == study.light.illuminant:
         return illuminant_of(study, given)
+    if word in given.illuminants:
+        return given.illuminants[word]
     with keyed("outputs.pipeline.white_balance", lambda name: f"light.{name}"):
         light = study.light
         answers = Answers(quantity="power", beyond=light.beyond, negatives=light.negatives)
-        return resolve_illuminant(word, answers=answers)
+        return resolve_illuminant(given.of(word), answers=answers)
 
 
 def light_answers_of(study: Study) -> Answers:
@@ -376,7 +461,7 @@ def light_answers_of(study: Study) -> Answers:
     )
 
 
-def chart_of(study: Study) -> Spectra | None:
+def chart_of(study: Study, given: Given = NOTHING_GIVEN) -> Spectra | None:
     """The reflectances of the study's chart; ``None`` for the ColorChecker.
 
     Raises
@@ -388,10 +473,13 @@ def chart_of(study: Study) -> Spectra | None:
     if word is None:
         return None
     with keyed("reflectances.chart", _reflectance_key):
-        return resolve_reflectances(word, answers=_reflectance_answers(study))
+        own = given.of(word)
+        if isinstance(own, Spectra):
+            return own
+        return resolve_reflectances(own, answers=_reflectance_answers(study))
 
 
-def patch_of(study: Study) -> Spectra | None:
+def patch_of(study: Study, given: Given = NOTHING_GIVEN) -> Spectra | None:
     """The reflectance that the study analyzes; ``None`` for a perfect white.
 
     Raises
@@ -403,10 +491,13 @@ def patch_of(study: Study) -> Spectra | None:
     if word is None:
         return None
     with keyed("reflectances.patch", _reflectance_key):
-        return resolve_patch(word, answers=_reflectance_answers(study))
+        own = given.of(word)
+        if isinstance(own, Spectra):
+            return own
+        return resolve_patch(own, answers=_reflectance_answers(study))
 
 
-def pairs_of(study: Study) -> PatchPairs | None:
+def pairs_of(study: Study, given: Given = NOTHING_GIVEN) -> PatchPairs | None:
     """The pairs of patches that a machine must tell apart; ``None`` for all pairs of the chart.
 
     Raises
@@ -418,10 +509,13 @@ def pairs_of(study: Study) -> PatchPairs | None:
     if word is None:
         return None
     with keyed("reflectances.pairs", _reflectance_key):
-        return resolve_pairs(word, answers=_reflectance_answers(study))
+        own = given.of(word)
+        if isinstance(own, PatchPairs):
+            return own
+        return resolve_pairs(own, answers=_reflectance_answers(study))
 
 
-def prior_of(study: Study) -> str | Spectra:
+def prior_of(study: Study, given: Given = NOTHING_GIVEN) -> str | Spectra:
     """The training set of the study: the name of a prior, or the reflectances of a file.
 
     Raises
@@ -432,7 +526,7 @@ def prior_of(study: Study) -> str | Spectra:
     if study.prior in PRIORS or not trained_names(study.matrices):
         return study.prior if study.prior in PRIORS else DEFAULT_PRIOR
     with keyed("prior", _reflectance_key):
-        return resolve_reflectances(study.prior, answers=_reflectance_answers(study))
+        return resolve_reflectances(given.of(study.prior), answers=_reflectance_answers(study))
 
 
 def _reflectance_answers(study: Study) -> Answers:
@@ -475,7 +569,7 @@ def sensor_of(part: SensorPart, *, key: str = "sensors.0", given: Given = NOTHIN
         if part.name in given.sensors:
             sensor = on_pixel(given.sensors[part.name], **pixel)
         else:
-            sensor = sensor_with_pixel(part.name, answers=_answers(part), **pixel)
+            sensor = sensor_with_pixel(given.of(part.name), answers=_answers(part), **pixel)
     if part.pixel.binning is not None:
         with keyed(f"{key}.pixel.binning"):
             sensor = with_binning(sensor, part.pixel.binning, part.pixel.binning_mode or "charge")
@@ -486,7 +580,7 @@ def sensor_of(part: SensorPart, *, key: str = "sensors.0", given: Given = NOTHIN
     if part.filter is not None:
         with keyed(f"{key}.filter", lambda name: f"{key}.{_FILTER_KEYS.get(name, name)}"):
             sensor = behind_resolved_filter(
-                sensor, part.filter, answers=answers, shift_nm=part.shift_ircut_nm
+                sensor, given.of(part.filter), answers=answers, shift_nm=part.shift_ircut_nm
             )
     for channel, word in (part.channel_filters or {}).items():
         with keyed(f"{key}.channel_filters", lambda name: f"{key}.{_FILTER_KEYS.get(name, name)}"):
@@ -494,7 +588,9 @@ def sensor_of(part: SensorPart, *, key: str = "sensors.0", given: Given = NOTHIN
                 _check.one_of("channel", channel, sensor.names)
             except InputError as error:
                 raise error.within("channel_filters") from None
-            sensor = behind_resolved_filter(sensor, word, answers=answers, channel=channel)
+            sensor = behind_resolved_filter(
+                sensor, given.of(word), answers=answers, channel=channel
+            )
     if part.ircut_nm is not None:
         sensor = behind_ir_cut(sensor, part.ircut_nm)
     return replace(_with_crosstalk(sensor, part, key), shown_as=part.label or sensor.shown_as)
@@ -596,7 +692,7 @@ def unresolved(study: Study) -> list[InputError]:
 
     tried(partial(illuminant_of, study))
     tried(partial(balance_light_of, study))
-    for make in (chart_of, patch_of, pairs_of, prior_of):
+    for make in (observer_of, chart_of, patch_of, pairs_of, prior_of):
         tried(partial(make, study))
     sensors = [
         tried(partial(sensor_of, part, key=f"sensors.{i}")) for i, part in enumerate(study.sensors)
@@ -608,13 +704,15 @@ def unresolved(study: Study) -> list[InputError]:
     return found
 
 
-def makers_of(study: Study) -> Mapping[str, MatrixMaker]:
+def makers_of(study: Study, given: Given = NOTHING_GIVEN) -> Mapping[str, MatrixMaker]:
     """The color matrices of a study, by name.
 
     Parameters
     ----------
     study
         The study.
+    given
+        Objects in place of names.
 
     Raises
     ------
@@ -622,7 +720,9 @@ def makers_of(study: Study) -> Mapping[str, MatrixMaker]:
         If one is repeated.
     """
     with keyed("matrices", str):
-        return matrix_makers(study.matrices, study.metric, prior=prior_of(study))  # type: ignore[arg-type]
+        own = {name: given.of(name) for name in study.matrices if is_object_word(name)}
+        prior = prior_of(study, given)
+        return matrix_makers(study.matrices, study.metric, prior=prior, own=own)  # type: ignore[arg-type]
 
 
 def _mosaic_fits(number: int, part: PicturePart, sensors: Sequence[Sensor | None]) -> None:
@@ -648,7 +748,7 @@ def _mosaic_fits(number: int, part: PicturePart, sensors: Sequence[Sensor | None
 _OF_FILE = ("key", "shape", "wavelengths", "scale")
 
 
-def cube_of(part: PicturePart, *, key: str = "pictures.0") -> Cube:
+def cube_of(part: PicturePart, *, key: str = "pictures.0", given: Given = NOTHING_GIVEN) -> Cube:
     """The cube of which a part of a study takes pictures.
 
     Parameters
@@ -657,6 +757,8 @@ def cube_of(part: PicturePart, *, key: str = "pictures.0") -> Cube:
         Of a study.
     key
         Its key, for errors.
+    given
+        Objects in place of names.
 
     Raises
     ------
@@ -665,10 +767,13 @@ def cube_of(part: PicturePart, *, key: str = "pictures.0") -> Cube:
         read.
     """
     how = {name: getattr(part, name) for name in _OF_FILE}
-    if part.cube.startswith("builtin:"):
+    if part.cube.startswith("builtin:") or is_object_word(part.cube):
         for name, value in how.items():
             if value is not None:
-                raise _idle(f"{key}.{name}", value, part.cube)
+                raise _idle(f"{key}.{name}", value, shown_word(part.cube))
+        if is_object_word(part.cube):
+            own: Cube = given.of(part.cube)
+            return own
         with keyed(f"{key}.cube", str):
             return builtin_cube(part.cube)
     from chromanoise.io.cubes import read_cube  # not needed without pictures

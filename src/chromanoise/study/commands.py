@@ -24,7 +24,7 @@ from chromanoise.study.settings import (
     matrix_study,
     render_study,
 )
-from chromanoise.study.toml_text import study_as_toml
+from chromanoise.study.toml_text import refuse_objects, study_as_toml
 
 FLAGS: Mapping[str, Mapping[str, str]] = {
     "qe_scale": {"percent": "--percent", "fraction": "--fraction"},
@@ -148,6 +148,7 @@ def study_as_command(study: Study) -> str:
     >>> study_as_command(study_from_text(text, source="a text"))
     'chromanoise analyze onyx-rgbw --lux 3.0 --budget'
     """
+    refuse_objects(study)
     call = call_of(study)
     if call is None:
         text = study_as_toml(study)
@@ -180,6 +181,7 @@ def study_as_python(study: Study) -> str:
     study
         The study.
     """
+    refuse_objects(study)
     title = "".join(c if c.isprintable() else " " for c in study.title).strip()
     head = [f"# {title or 'A study of chromanoise'}", "import json", "", "import chromanoise as cn"]
     call = None if study.pictures else call_of(study)

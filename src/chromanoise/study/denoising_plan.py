@@ -201,7 +201,7 @@ def prepared_denoising(
     point, maker, mosaic = None, None, _mosaic(study, facts)
     if sensor is not None:
         (point,) = operating_points_of(study, given)
-        ((_, maker),) = makers_of(study).items()
+        ((_, maker),) = makers_of(study, given).items()
         with keyed("pictures.0.mosaic", str):
             mosaic = _mosaic_of_sensor(point, mosaic, monochrome=_part(study) == MONOCHROME)
         pixel = _pixel_of_sensor(point, timed="time_ms" in settings)

@@ -29,7 +29,9 @@ from chromanoise.analysis.comparison.quantities import QUANTITIES
 from chromanoise.analysis.comparison.sweeps import SWEEPS
 from chromanoise.analysis.pipeline_results import BASE_ISO, PipelineSettings
 from chromanoise.analysis.priors import DEFAULT_PRIOR, PRIORS
+from chromanoise.catalog.objects import is_object_word
 from chromanoise.catalog.reflectances import is_reflectance_file
+from chromanoise.catalog.resolve import is_file_word
 from chromanoise.color import SPACES, TONES
 from chromanoise.denoising import DENOISING
 from chromanoise.errors import InputError, Setting, did_you_mean, refusal
@@ -100,7 +102,7 @@ def _of_a_lens(f_number: float) -> float:
 
 
 def _known_matrix(name: str, info: Any) -> str:
-    if is_matrix_file(name):
+    if is_matrix_file(name) or is_object_word(name):
         return name
     if "/" in name or os.sep in name:
         kinds = ", ".join(MATRIX_ENDINGS)
@@ -113,7 +115,13 @@ def _known_matrix(name: str, info: Any) -> str:
 
 
 def _known_prior(name: str, info: Any) -> str:
-    return name if is_reflectance_file(name) else _one_of(info.field_name, name, tuple(PRIORS))
+    own = is_reflectance_file(name) or is_object_word(name)
+    return name if own else _one_of(info.field_name, name, tuple(PRIORS))
+
+
+def _known_observer(name: str, info: Any) -> str:
+    own = name in OBSERVERS or is_object_word(name) or is_file_word(name, "observer")
+    return name if own else _one_of(info.field_name, name, tuple(OBSERVERS))
 
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
@@ -730,9 +738,10 @@ class Study(Part):
         "quanta",
         description="Whether spectra are expressed in photons (quanta) or in energy.",
     )
-    observer: Annotated[str, _known(OBSERVERS)] = Field(
+    observer: Annotated[str, AfterValidator(_known_observer)] = Field(
         DEFAULT_OBSERVER,
-        description=f"Observer of the colors: {', '.join(OBSERVERS)}; a lux is always CIE 1931.",
+        description=f"Observer of the colors: {', '.join(OBSERVERS)}, or a file of color-matching "
+        "functions x, y, z; a lux is always CIE 1931.",
     )
     seed: Annotated[int, Field(ge=0, lt=2**32)] = Field(0, description="Seed of all random noise.")
     light: LightPart = Field(LightPart(), description="The light on the scene.")

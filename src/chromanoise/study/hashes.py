@@ -10,8 +10,16 @@ from typing import Any, Literal
 from chromanoise import __version__
 from chromanoise._inputs import regular_file
 from chromanoise.catalog.entries import catalog_folder
+from chromanoise.catalog.objects import is_object_word
 from chromanoise.catalog.reflectances import is_reflectance_file, reflectance_files
-from chromanoise.catalog.resolve import file_of, filter_files, illuminant_files, sensor_files
+from chromanoise.catalog.resolve import (
+    file_of,
+    filter_files,
+    illuminant_files,
+    is_file_word,
+    observer_files,
+    sensor_files,
+)
 from chromanoise.errors import InputError
 from chromanoise.io.given_matrices import is_matrix_file
 from chromanoise.io.spectra.envi import DATA_SUFFIXES, envi_pair
@@ -25,6 +33,7 @@ Kind = Literal[
     "crosstalk",
     "matrix",
     "reflectance",
+    "observer",
     "cube",
     "wavelengths",
 ]
@@ -85,7 +94,7 @@ _Path = tuple[str | int, ...]
 def _file_words(study: Study) -> Iterator[tuple[_Path, FileWord]]:
     """Each word with its path in the study."""
     for path, kind, word in _words(study):
-        if word is not None:
+        if word is not None and not is_object_word(word):
             yield path, FileWord(where=".".join(map(str, path)), kind=kind, word=word)
 
 
@@ -113,6 +122,8 @@ def _words(study: Study) -> Iterator[tuple[_Path, Kind, str | None]]:
             yield ("reflectances", key), "reflectance", word
     if _names_reflectances("prior", study.prior):
         yield ("prior",), "reflectance", study.prior
+    if is_file_word(study.observer, "observer"):
+        yield ("observer",), "observer", study.observer
     balance = study.outputs.pipeline.white_balance
     if isinstance(balance, str) and balance not in BALANCE_WORDS:
         yield ("outputs", "pipeline", "white_balance"), "light", balance
@@ -156,7 +167,12 @@ def files_of_word(one: FileWord) -> tuple[Path, ...]:
         raise InputError(name, f"cannot be read ({error.strerror})") from None
 
 
-_FILES = {"light": illuminant_files, "sensor": sensor_files, "filter": filter_files}
+_FILES = {
+    "light": illuminant_files,
+    "sensor": sensor_files,
+    "filter": filter_files,
+    "observer": observer_files,
+}
 
 
 def study_hash(study: Study, digests: Mapping[str, str] | None = None) -> str:

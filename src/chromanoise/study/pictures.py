@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from chromanoise.analysis.color_matrices import MatrixMaker
+from chromanoise.catalog.objects import shown_word
 from chromanoise.denoising import DENOISING, captured_with
 from chromanoise.exposure import OperatingPoint
 from chromanoise.imaging import Work
@@ -20,7 +21,7 @@ from chromanoise.imaging.capture import (
 )
 from chromanoise.scene import Cube
 from chromanoise.sensor import PIXEL_NOISE, PixelOverrides, mosaic_named
-from chromanoise.study.assembly import cube_of, keyed
+from chromanoise.study.assembly import NOTHING_GIVEN, Given, cube_of, keyed
 from chromanoise.study.document import PicturePart, Study
 from chromanoise.study.file_names import file_word, refuse_shared_file_names
 from chromanoise.study.results import Pictures
@@ -71,6 +72,7 @@ def prepared_cameras(
     number: int,
     operating_points: list[OperatingPoint],
     makers: Mapping[str, MatrixMaker],
+    given: Given = NOTHING_GIVEN,
 ) -> tuple[Cube, dict[str, list[Camera]]]:
     """The cube, and the cameras of each matrix, of a part of the pictures (from 0).
 
@@ -84,6 +86,8 @@ def prepared_cameras(
         Operating points of the sensors.
     makers
         Methods of color matrices by name.
+    given
+        Objects in place of names.
 
     Raises
     ------
@@ -92,7 +96,7 @@ def prepared_cameras(
     """
     refuse_shared_file_names(operating_points)
     part, key = study.pictures[number], f"pictures.{number}"
-    cube = cube_of(part, key=key)
+    cube = cube_of(part, key=key, given=given)
     with _keyed(key):
         settings = capture_settings_of(part, seed=study.seed, key=key)
         return cube, {
@@ -218,7 +222,7 @@ def pictures_taken(
             kept.append(one.capture)
         del one  # before the next one needs memory
     return Pictures(
-        cube=study.pictures[number].cube,
+        cube=shown_word(study.pictures[number].cube),
         points=tuple(points.values()),
         summaries=tuple(summaries),
         captures=tuple(kept),

@@ -122,7 +122,7 @@ def _relative_to(folder: Path, study: StudyKind) -> StudyKind:
 
 
 def _beside(one: FileWord, folder: Path) -> str:
-    if one.kind in ("sensor", "light", "filter"):
+    if one.kind in ("sensor", "light", "filter", "observer"):
         return word_beside(one.word, one.kind, folder)
     name = one.word
     complete = name.startswith("builtin:") or file_of(name).is_absolute()

@@ -18,6 +18,7 @@ from chromanoise.analysis.comparison.quantities import QUANTITIES
 from chromanoise.analysis.comparison.ranking import leads, ranking
 from chromanoise.analysis.comparison.sweeps import SWEEPS, swept_values
 from chromanoise.analysis.pareto import noise_weights, pareto_of
+from chromanoise.catalog.objects import shown_word
 from chromanoise.errors import InputError
 from chromanoise.exposure import OperatingPoint, expected_electrons, white_scene
 from chromanoise.metrics import matrix_report
@@ -163,10 +164,10 @@ def run_plan(study: Study, *, given: Given = NOTHING_GIVEN, work: "Work | None" 
     """
     points = operating_points_of(study, given)
     refuse_shared_file_names(points)
-    makers = makers_of(study)
+    makers = makers_of(study, given)
     steps = (
         *result_steps(study, points, makers, given=given),
-        *_pictures(study, points, makers, work),
+        *_pictures(study, points, makers, work, given),
     )
     if not steps:
         raise InputError(
@@ -194,7 +195,7 @@ def result_steps(
     """
     return (
         *_analyses(study, points, makers, balance_light_of(study, given)),
-        *_matrices(study, points, makers),
+        *_matrices(study, points, makers, given),
         *_sweeps(study, points, makers),
     )
 
@@ -212,7 +213,7 @@ def _analyses(
         )
 
 
-def _matrices(study: Study, points: Points, makers: Makers) -> Iterator[Step]:
+def _matrices(study: Study, points: Points, makers: Makers, given: Given) -> Iterator[Step]:
     part = study.outputs.pareto
     with keyed("outputs.pareto"):
         weights = noise_weights(part.first, part.last, points=part.points) if part else None
@@ -222,7 +223,7 @@ def _matrices(study: Study, points: Points, makers: Makers) -> Iterator[Step]:
             what=f"the {name} matrix of every sensor",
             parts=len(points),
             unit="sensors",
-            run=partial(_matrix, study, points, name, makers[name], weights),
+            run=partial(_matrix, study, points, name, makers[name], weights, given),
         )
 
 
@@ -258,7 +259,9 @@ def _map_step(study: Study, i: int, points: Points, makers: Makers, part: SweepP
     )
 
 
-def _pictures(study: Study, points: Points, makers: Makers, work: "Work | None") -> Iterator[Step]:
+def _pictures(
+    study: Study, points: Points, makers: Makers, work: "Work | None", given: Given
+) -> Iterator[Step]:
     if not study.pictures:
         return
     from chromanoise.imaging import Work  # an analysis starts without the imaging packages
@@ -275,10 +278,10 @@ def _pictures(study: Study, points: Points, makers: Makers, work: "Work | None")
         return pictures_taken(study, number, cube, cameras, work=threads, folder=folder)
 
     for i, part in enumerate(study.pictures):
-        cube, cameras = prepared_cameras(study, i, points, makers)
+        cube, cameras = prepared_cameras(study, i, points, makers, given)
         yield Step(
             name=f"pictures-{i + 1}",
-            what=f"{part.cube} through every sensor",
+            what=f"{shown_word(part.cube)} through every sensor",
             parts=row_source(cube.stored).shape[0] * part.frames * sum(map(len, cameras.values())),
             unit="rows",
             run=partial(taken, i, cube, cameras),
@@ -309,11 +312,12 @@ def _matrix(
     name: str,
     maker: MatrixMaker,
     weights: Any,
+    given: Given,
     folder: Path | None,
     advance: Advance,
 ) -> Matrices:
     results = []
-    prior = prior_of(study)
+    prior = prior_of(study, given)
     for point in points:
         made = maker(point)
         report = matrix_report(

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, TypedDict, get_type_hints
 
 from chromanoise.analysis import DEFAULT_METHOD
+from chromanoise.catalog.objects import shown_word
 from chromanoise.errors import InputError, did_you_mean, errors_in, refusal
 from chromanoise.io.spectra.parsed import Negatives, Unit
 from chromanoise.sensor import PIXEL, PixelSettings
@@ -24,7 +25,7 @@ Per = Literal["photon", "energy"]
 
 
 class _BeforePixel(TypedDict, total=False):
-    illuminant: Annotated[str | Path | Illuminant, "light.illuminant"]
+    illuminant: Annotated[str | Path | Illuminant | object, "light.illuminant"]
     lux: Annotated[float, "light.level_lux"]
     illuminant_beyond: Annotated[Extrapolation, "light.beyond"]
     illuminant_per: Annotated[Per, "light.per"]
@@ -36,8 +37,8 @@ class _BeforePixel(TypedDict, total=False):
     f_number: Annotated[float, "exposure.f_number"]
     magnification: Annotated[float, "exposure.magnification"]
     metric: Annotated[str, "metric"]
-    observer: Annotated[str, "observer"]
-    prior: Annotated[str | Path, "prior"]
+    observer: Annotated[str | object, "observer"]
+    prior: Annotated[str | Path | object, "prior"]
     labels: Annotated[Sequence[str], "sensors.*.label"]
     beyond: Annotated[Extrapolation, "sensors.*.beyond"]
     negatives: Annotated[Negatives, "sensors.*.negatives", "light.negatives"]
@@ -62,8 +63,8 @@ class SharedSettings(_BeforePixel, PixelSettings, total=False):
     crosstalk: Annotated[float | str | Path, "sensors.*.crosstalk"]
     crosstalk_stage: Annotated[Literal["light", "charge"], "sensors.*.crosstalk_stage"]
     mosaic: Annotated[str, "sensors.*.mosaic"]
-    filter: Annotated[str | Path, "sensors.*.filter"]
-    channel_filters: Annotated[Mapping[str, str | Path], "sensors.*.channel_filters"]
+    filter: Annotated[str | Path | object, "sensors.*.filter"]
+    channel_filters: Annotated[Mapping[str, str | Path | object], "sensors.*.channel_filters"]
     filter_wavelength_unit: Annotated[Unit, "sensors.*.filter_wavelength_unit"]
     shift_ircut_nm: Annotated[float, "sensors.*.shift_ircut_nm"]
     ircut_nm: Annotated[float, "sensors.*.ircut_nm"]
@@ -73,9 +74,9 @@ class SharedSettings(_BeforePixel, PixelSettings, total=False):
 class _ReflectanceSettings(SharedSettings, total=False):
     """Settings of own reflectances, which pictures do not use."""
 
-    chart_file: Annotated[str | Path, "reflectances.chart"]
-    patch: Annotated[float | str | Path, "reflectances.patch"]
-    pairs: Annotated[str | Path, "reflectances.pairs"]
+    chart_file: Annotated[str | Path | object, "reflectances.chart"]
+    patch: Annotated[float | str | Path | object, "reflectances.patch"]
+    pairs: Annotated[str | Path | object, "reflectances.pairs"]
     reflectance_scale: Annotated[Literal["percent", "fraction"], "reflectances.scale"]
     reflectance_wavelength_unit: Annotated[Unit, "reflectances.wavelength_unit"]
     reflectance_beyond: Annotated[Extrapolation, "reflectances.beyond"]
@@ -436,6 +437,19 @@ def render_study(
     return study.model_copy(update={"sensors": tuple(parts)})
 
 
+OF_CURVES = (
+    "illuminant",
+    "observer",
+    "prior",
+    "chart_file",
+    "patch",
+    "pairs",
+    "filter",
+    "channel_filters",
+    "white_balance",
+)
+"""Settings that name curves: Python also takes the curves themselves."""
+
 PER_SENSOR = ("labels",)
 """Settings with one value per sensor, in the order of the sensors."""
 
@@ -497,7 +511,10 @@ def _one_each(name: str, values: Any, sensors: Sequence[str]) -> list[Any]:
             remedy="repeat the name of a sensor that keeps it",
             setting="sensors.*.label",
         )
-    return [None if value == own else value for value, own in zip(values, sensors, strict=True)]
+    return [
+        None if value == shown_word(own) else value
+        for value, own in zip(values, sensors, strict=True)
+    ]
 
 
 def in_arguments(error: InputError, function: str) -> InputError:

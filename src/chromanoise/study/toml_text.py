@@ -3,6 +3,8 @@
 import json
 from typing import Any
 
+from chromanoise.catalog.objects import is_object_word, shown_word
+from chromanoise.errors import InputError
 from chromanoise.study.document import Study
 
 
@@ -14,6 +16,11 @@ def study_as_toml(study: Study) -> str:
     study
         The study.
 
+    Raises
+    ------
+    InputError
+        If a word of the study refers to an object of Python.
+
     Examples
     --------
     >>> from chromanoise.study.document import SensorPart
@@ -23,6 +30,7 @@ def study_as_toml(study: Study) -> str:
     [[sensors]]
     name = "onyx-rgbw"
     """
+    refuse_objects(study)
     data = study.model_dump(mode="json", by_alias=True, exclude_defaults=True)
     lines = ["schema = 1"]
     tables = []
@@ -35,6 +43,39 @@ def study_as_toml(study: Study) -> str:
         else:
             lines.append(f"{key} = {_value(value)}")
     return "\n".join([*lines, *tables]) + "\n"
+
+
+def refuse_objects(study: Study) -> None:
+    """Refuse to write a study that refers to objects of Python, which no text contains.
+
+    Parameters
+    ----------
+    study
+        The study.
+
+    Raises
+    ------
+    InputError
+        If it does; the error names all of them.
+    """
+    found = _objects(study.model_dump(mode="json", exclude_defaults=True))
+    if found:
+        raise InputError(
+            "the study",
+            "must name files, or entries of the catalog, to be written as text",
+            value=tuple(found),
+            found=f"has the Python object {', '.join(found)}",
+            remedy="save its numbers in a file, and give the file",
+        )
+
+
+def _objects(data: Any) -> list[str]:
+    """The names of the objects to which plain data refers."""
+    if isinstance(data, dict):
+        data = list(data.values())
+    if isinstance(data, list):
+        return list(dict.fromkeys(name for one in data for name in _objects(one)))
+    return [shown_word(data)] if is_object_word(data) else []
 
 
 def _pairs(data: dict[str, Any], prefix: str = "") -> list[str]:

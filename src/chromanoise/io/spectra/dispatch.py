@@ -34,7 +34,7 @@ _MOST_HIGH = 0.1
 _CONTROL = re.compile(rb"[\x00-\x08\x0e-\x1f]")
 
 
-def read_curves(path: Path | str, *, answers: Answers = ASK) -> ParsedSpectra:
+def read_curves(path: Path | str | Found, *, answers: Answers = ASK) -> ParsedSpectra:
     r"""Read the curves of a file, and report how the file was parsed.
 
     Supported are delimited text with the usual separators, digitized curves, JCAMP-DX ``.jdx``,
@@ -46,7 +46,8 @@ def read_curves(path: Path | str, *, answers: Answers = ASK) -> ParsedSpectra:
     Parameters
     ----------
     path
-        The file, of 4 MiB at most, or 32 MiB for a library with an ENVI header.
+        The file, of 4 MiB at most, or 32 MiB for a library with an ENVI header; or curves that
+        are in memory.
     answers
         Metadata that the file lacks.
 
@@ -70,18 +71,23 @@ def read_curves(path: Path | str, *, answers: Answers = ASK) -> ParsedSpectra:
     >>> read.curves.wavelength_nm, read.curves.values.ravel(), read.delimiter, read.decimal
     (array([400., 500.]), array([0.125, 0.5  ]), 'semicolon', ',')
     """
+    if isinstance(path, Found):
+        return _meaning(path, answers)
     path = Path(path)
     with _errors_of(path):
-        found = _found(path, _content(path))
-        if len(found.columns) > _MOST_CURVES:
-            raise InputError(
-                str(path),
-                f"must have at most {_MOST_CURVES} curves",
-                value=len(found.columns),
-                found=f"has {len(found.columns)}",
-                remedy="split the file",
-            )
-        return meaning_of(found, answers)
+        return _meaning(_found(path, _content(path)), answers)
+
+
+def _meaning(found: Found, answers: Answers) -> ParsedSpectra:
+    if len(found.columns) > _MOST_CURVES:
+        raise InputError(
+            found.source,
+            f"must have at most {_MOST_CURVES} curves",
+            value=len(found.columns),
+            found=f"has {len(found.columns)}",
+            remedy="split them",
+        )
+    return meaning_of(found, answers)
 
 
 def _content(path: Path) -> bytes:

@@ -1,0 +1,468 @@
+"""Objects of Python in place of names and files: curves, observers, matrices, cubes, points."""
+
+import json
+import pickle
+import warnings
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import chromanoise as cn
+from chromanoise.analysis import matrix_makers
+from chromanoise.catalog.objects import object_word
+from chromanoise.errors import errors_in
+from chromanoise.page.answers import ChartReplies
+from chromanoise.page.requests import QuestionError
+from chromanoise.page.studies import Studies
+from chromanoise.page.uploads import Uploads
+from chromanoise.scene import builtin_cube
+from chromanoise.sensor import PAPER_PIXEL
+from chromanoise.spectra import DEFAULT_GRID, OwnObserver, observer_table
+from chromanoise.study import study_as_command, study_as_python, study_as_toml, study_from_data
+from outcomes import refused, refused_input
+
+pd = pytest.importorskip("pandas")
+NM = np.arange(400.0, 1051.0, 10.0)
+MADE = 0.4 + 0.3 * np.sin(NM[:, None] / (40.0 + 25.0 * np.arange(3)))  # 0.1 to 0.7
+
+
+def colour_science(nm, values, names, quantity):
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        colour = pytest.importorskip("colour")
+    if len(names) == 1:
+        return colour.SpectralDistribution(values[:, 0], nm, name=names[0])
+    return colour.MultiSpectralDistributions(values, nm, labels=names)
+
+
+def series_or_frame(nm, values, names, quantity):
+    frame = pd.DataFrame(values, index=nm, columns=names)
+    return frame[names[0]] if len(names) == 1 else frame
+
+
+def data_array(nm, values, names, quantity):
+    xarray = pytest.importorskip("xarray")
+    at = {"wavelength": nm, "channel": names}
+    return xarray.DataArray(values.T, coords=at, dims=("channel", "wavelength"))
+
+
+def in_um(nm, values, names, quantity):
+    xarray = pytest.importorskip("xarray")
+    axis = ("wavelength", nm / 1000, {"units": "um"})
+    return xarray.DataArray(values, coords=[axis, ("band", names)])
+
+
+OBJECTS = {
+    "colour-science": colour_science,
+    "pandas": series_or_frame,
+    "pandas in um": lambda nm, values, names, quantity: pd.DataFrame(
+        values, index=pd.Index(nm / 1000, name="wavelength_um"), columns=names
+    ),
+    "xarray": data_array,
+    "xarray in um": in_um,
+    "arrays": lambda nm, values, names, quantity: (nm, values),
+    "lists": lambda nm, values, names, quantity: (nm.tolist(), values.tolist()),
+    "mapping": lambda nm, values, names, quantity: (
+        {"wavelength_nm": nm} | dict(zip(names, values.T, strict=True))
+    ),
+    "Spectra": lambda nm, values, names, quantity: cn.Spectra(
+        wavelength_nm=nm, values=values, names=tuple(names), quantity=quantity, unit="1", source="s"
+    ),
+}
+OWN_POWER = {"illuminant_per": "energy"}
+ROLES = {  # columns, quantity, call
+    "sensor": (3, "QE", lambda own: cn.analyze(own, lux=10)),
+    "sensor in a comparison": (3, "QE", lambda own: cn.compare(own, points=3)),
+    "sensor of a matrix": (3, "QE", lambda own: cn.matrix(own, lux=10)),
+    "light": (
+        1,
+        "power",
+        lambda own: cn.analyze("onyx-rgb-ircut", illuminant=own, lux=10, **OWN_POWER),
+    ),
+    "chart": (3, "reflectance", lambda own: cn.analyze("onyx-rgbw", chart_file=own, chart=True)),
+    "patch": (1, "reflectance", lambda own: cn.analyze("onyx-rgbw", patch=own)),
+    "pairs": (3, "reflectance", lambda own: cn.analyze("onyx-rgbw", pairs=own, reader="machine")),
+    "prior": (3, "reflectance", lambda own: cn.analyze("onyx-rgbw", matrix="lmmse", prior=own)),
+    "filter": (1, "transmittance", lambda own: cn.analyze("onyx-rgbw", filter=own)),
+    "filter of a channel": (
+        1,
+        "transmittance",
+        lambda own: cn.analyze("onyx-rgbw", channel_filters={"R": own}),
+    ),
+    "white balance": (
+        1,
+        "power",
+        lambda own: cn.analyze("onyx-rgb-ircut", pipeline=True, white_balance=own),
+    ),
+}
+
+
+def numbers(data):
+    """All numbers of plain data, in order, without the texts."""
+    if isinstance(data, dict):
+        data = list(data.values())
+    if isinstance(data, list | tuple | np.ndarray):
+        return [one for part in data for one in numbers(part)]
+    return [] if isinstance(data, str) or data is None else [float(data)]
+
+
+def csv_of(path, nm, values, names):
+    rows = [",".join(map(repr, map(float, row))) for row in np.column_stack([nm, values])]
+    path.write_text("\n".join([f"wavelength_nm,{','.join(names)}", *rows]) + "\n")
+    return path
+
+
+def of(count, quantity="QE"):
+    return ["R", "G", "B"] if count == 3 else ["power" if quantity == "power" else "own"]
+
+
+@pytest.mark.parametrize("kind", OBJECTS)
+@pytest.mark.parametrize("role", ROLES)
+def test_an_object_gives_the_digits_of_the_same_curves_in_a_file(here, kind, role):
+    count, quantity, call = ROLES[role]
+    if role == "white balance" and kind in ("arrays", "lists", "Spectra"):
+        pytest.skip("their curve does not declare that it is power")
+    names, values = of(count, quantity), MADE[:, :count]
+    by_file = numbers(call(csv_of(here / "own.csv", NM, values, names)).to_dict())
+    by_object = numbers(call(OBJECTS[kind](NM, values, names, quantity)).to_dict())
+    exact = "um" not in kind  # nm / 1000 * 1000 is rounded to 1e-9 nm
+    assert len(by_file) > 5
+    np.testing.assert_allclose(by_object, by_file, rtol=0 if exact else 1e-9)
+
+
+def test_the_digits_of_a_render_of_curves_are_those_of_their_file(here):
+    file = csv_of(here / "own.csv", NM, MADE, of(3))
+    curves = OBJECTS["Spectra"](NM, MADE, of(3), "QE")
+    own = replace(curves, source="own")  # the noise of a picture depends on the name of its sensor
+    first, second = (cn.render("builtin:checker", one, seed=3) for one in (file, own))
+    np.testing.assert_array_equal(first.captures[0].picture.xyz, second.captures[0].picture.xyz)
+
+
+PIXEL = {"read_noise_e": 3.0, "full_well_e": 8000.0, "pitch_um": 2.0}
+FUNCTIONS = {
+    "compare_map": lambda own: cn.compare_map(own, points=3, second_points=2).to_dict(),
+    "sensitivity": lambda own: cn.sensitivity(own, objectives=["snr_y_db"]).to_dict(),
+    "denoise": lambda own: {
+        "values": cn.denoise(
+            np.full((12, 12), 900.0), unit="e-", sensor=own, mosaic="RG/GB", time_ms=10, **PIXEL
+        ).values_e.ravel()
+    },
+}
+
+
+@pytest.mark.parametrize("function", FUNCTIONS)
+def test_each_function_of_a_sensor_takes_a_dataframe_as_its_file(here, function):
+    call = FUNCTIONS[function]
+    by_file = numbers(call(csv_of(here / "own.csv", NM, MADE, of(3))))
+    by_frame = numbers(call(pd.DataFrame(MADE, NM, of(3))))
+    np.testing.assert_allclose(by_frame, by_file, rtol=1e-12)
+    assert len(by_file) > 5
+
+
+def test_an_unknown_pixel_has_the_note_and_the_keywords_of_a_file(here):
+    file, frame = csv_of(here / "own.csv", NM, MADE, of(3)), pd.DataFrame(MADE, NM, of(3))
+
+    def notes(one, name, **pixel):
+        found = cn.analyze(one, lux=10, **pixel).to_dict()["sensors"][0]["notes"]
+        return [note.replace(str(file), "X").replace(name, "X") for note in found]
+
+    for pixel in (
+        {},
+        {"read_noise_e": 3.0},
+        {"pitch_um": 2.0, "full_well_e": 5e3, "read_noise_e": 1.0},
+    ):
+        expected = [note.replace("X.csv", "X") for note in notes(file, "own", **pixel)]
+        assert notes(frame, "own sensor", **pixel) == expected
+
+
+@pytest.mark.parametrize("kind", ["colour-science", "pandas", "xarray", "arrays", "mapping"])
+def test_percent_is_refused_as_in_a_file(here, kind):
+    with pytest.raises(cn.InputError) as by_file:
+        cn.analyze(csv_of(here / "own.csv", NM, 100 * MADE, of(3)))
+    with pytest.raises(cn.InputError) as by_object:
+        cn.analyze(OBJECTS[kind](NM, 100 * MADE, of(3), "QE"))
+    one, other = by_file.value, by_object.value
+    assert (one.requirement, one.value) == (other.requirement, other.value)
+    assert [r.name for r in one.remedy] == [r.name for r in other.remedy] == ["qe_scale"]
+
+
+HOLE = np.where(np.arange(NM.size)[:, None] == 10, np.nan, MADE)
+
+
+def test_the_units_of_a_dataarray_declare_percent_as_in_a_file():
+    xarray = pytest.importorskip("xarray")
+    made = xarray.DataArray(MADE, coords=[("wavelength", NM), ("channel", of(3))])
+    percent = (100 * made).assign_attrs(units="%")
+    for own, other in zip(
+        numbers(cn.analyze(percent).to_dict()), numbers(cn.analyze(made).to_dict()), strict=True
+    ):
+        assert own == pytest.approx(other, rel=1e-12)
+
+
+BAD = {
+    "not a number": (pd.DataFrame(HOLE, NM, of(3)), {"where": "curve 'R' at 500 nm"}),
+    "infinite": ((NM, np.where(np.isnan(HOLE), np.inf, MADE)), {"value": np.inf}),
+    "masked": ((NM, np.ma.masked_invalid(HOLE)), {"subject": "own sensor"}),
+    "decreasing": (pd.DataFrame(MADE[::-1], NM[::-1], of(3)), {"value": 1040.0}),
+    "repeated wavelength": ((np.r_[400.0, NM[:-1]], MADE), {"value": 400.0}),
+    "one wavelength": ((NM[:1], MADE[:1]), {"subject": "wavelengths of own sensor"}),
+    "in um without a unit": (pd.DataFrame(MADE, NM / 1000, of(3)), {"setting": "wavelength_unit"}),
+    "another count of rows": ((NM[:5], MADE), {"value": (66,)}),
+    "three axes": ((NM, MADE[None]), {"subject": "own sensor"}),
+    "no curve": (pd.DataFrame(index=NM), {"subject": "own sensor"}),
+    "text": (pd.DataFrame(MADE, NM, of(3)).astype(str) + "x", {"where": "values"}),
+    "complex": ((NM, MADE * 1j), {"where": "values"}),
+    "one name for two curves": (pd.DataFrame(MADE, NM, ["R", "R", "B"]), {"value": "R"}),
+    "negative": ((NM, MADE - 0.5), {"where": "column 'channel 1' at 400 nm"}),
+    "an array without wavelengths": (MADE, {"subject": "sensors"}),
+    "another type": ({1, 2}, {"subject": "sensors"}),
+    "a short table": ((NM[:30], MADE[:30]), {"setting": "beyond"}),
+    "a light": (cn.illuminant_named("E", DEFAULT_GRID), {"subject": "sensors"}),
+}
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_curves_that_cannot_be_used_are_refused_in_one_sentence(case):
+    given, fields = BAD[case]
+    with refused_input(**fields) as caught:
+        cn.analyze(given)
+    (error,) = errors_in(caught.value)
+    assert "\n" not in str(error)
+
+
+def test_a_dataarray_needs_one_dimension_of_wavelengths():
+    xarray = pytest.importorskip("xarray")
+    for dims in (("x", "y"), ("wavelength",)):
+        with refused_input(subject="own sensor"):
+            cn.analyze(
+                xarray.DataArray(MADE[:, : len(dims)].squeeze(), dims=dims, name="own sensor")
+            )
+
+
+@pytest.mark.parametrize("setting", ["illuminant", "chart_file", "observer", "filter", "patch"])
+def test_a_setting_of_an_unknown_type_is_refused_by_its_name(setting):
+    with refused_input(subject=setting):
+        cn.analyze("onyx-rgbw", **{setting: MADE})
+
+
+def test_two_objects_of_one_name_are_refused():
+    own = cn.Spectra(
+        wavelength_nm=NM, values=MADE, names=("R", "G", "B"), quantity="QE", unit="1", source="cam"
+    )
+    with refused_input(subject="sensors", value="cam"):
+        cn.analyze(own, replace(own, values=0.9 * MADE))
+    both = cn.analyze((NM, MADE), (NM, 0.9 * MADE), lux=10).raw_snr_db()
+    assert list(both) == ["own sensor", "own sensor 2"]
+
+
+class GaussianCamera:
+    """A sensor model of one's own: channels by their centers."""
+
+    def __init__(self, *centers_nm):
+        self.centers_nm = centers_nm
+
+    def to_sensor(self):
+        away = (DEFAULT_GRID.wavelength_nm[:, None] - np.array(self.centers_nm)) / 40
+        return cn.Sensor(
+            name="gaussian",
+            grid=DEFAULT_GRID,
+            qe=0.6 * np.exp(-0.5 * away**2),
+            names=("R", "G", "B"),
+            pixel=PAPER_PIXEL,
+        )
+
+
+def test_a_model_of_a_sensor_gives_its_sensor():
+    model = GaussianCamera(600, 540, 460)
+    by_model, by_sensor = (cn.analyze(one, lux=5) for one in (model, model.to_sensor()))
+    assert by_model.to_dict() == by_sensor.to_dict()
+    model.to_sensor = lambda: "onyx-rgbw"
+    with refused_input(subject="to_sensor of GaussianCamera", value="str"):
+        cn.analyze(model)
+
+
+def table(observer="cie-1931-2"):
+    held = observer_table(observer)
+    return held.wavelength_nm, held.values
+
+
+def test_an_observer_of_the_numbers_of_cie_1931_gives_its_digits(done, here):
+    csv_of(here / "mycmf.csv", *table(), ["x", "y", "z"])
+    usual = numbers(cn.analyze("onyx-rgbw", lux=10, merit=True).to_dict())
+    frame = pd.DataFrame(table()[1], table()[0], ["x", "y", "z"])
+    for observer in ("mycmf.csv", here / "mycmf.csv", table(), frame, observer_table()):
+        own = cn.analyze("onyx-rgbw", lux=10, merit=True, observer=observer)
+        assert numbers(own.to_dict()) == usual
+    words = ("analyze", "onyx-rgbw", "--json", "-")
+    by_name, by_file = (
+        json.loads(done(*words, *more)[0]) for more in ((), ("--observer", "mycmf.csv"))
+    )
+    assert by_file["observer"] == "mycmf.csv"
+    assert numbers(by_file) == numbers(by_name)
+    other = cn.analyze("onyx-rgbw", lux=10, merit=True, observer=table("cie-1964-10"))
+    named = cn.analyze("onyx-rgbw", lux=10, merit=True, observer="cie-1964-10")
+    assert numbers(other.to_dict()) == numbers(named.to_dict()) != usual
+
+
+def test_a_study_names_an_observer_beside_it(done, here):
+    (here / "inside").mkdir()
+    csv_of(here / "inside" / "mycmf.csv", *table("cie-2015-2"), ["x", "y", "z"])
+    text = 'observer = "{}"\n[[sensors]]\nname = "onyx-rgbw"\n'
+    (here / "inside" / "study.toml").write_text(text.format("mycmf.csv"))
+    (here / "named.toml").write_text(text.format("cie-2015-2"))
+    for study, out in (("inside/study.toml", "own"), ("named.toml", "named")):
+        done("run", study, "--out", out)
+    own, named = (
+        json.loads((here / out / "analysis-kernel.json").read_text()) for out in ("own", "named")
+    )
+    assert numbers(own["result"]["sensors"]) == numbers(named["result"]["sensors"])
+    assert set(own["files"]) == {"inside/mycmf.csv"}
+
+
+def test_the_page_takes_an_observer_that_was_dropped_onto_it_and_no_other_file(here):
+    file = csv_of(here / "mycmf.csv", *table("cie-2015-2"), ["x", "y", "z"])
+    uploads = Uploads()
+    try:
+        answers = ChartReplies(Studies(uploads))
+
+        def stages(observer):
+            study = {"sensors": [{"name": "onyx-rgbw"}], "observer": observer}
+            return json.loads(answers.answer({"study": study, "want": ["stages"]}))["parts"]
+
+        own = stages(uploads.keep("mycmf.csv", file.read_bytes()).id)
+        assert numbers(own) == numbers(stages("cie-2015-2"))
+        assert "observer mycmf.csv" in json.dumps(own)
+        with pytest.raises(QuestionError):
+            stages(str(file))
+    finally:
+        uploads.close()
+
+
+@pytest.mark.parametrize(
+    ("values", "fields"),
+    [
+        (table()[1][:, :2], {"value": 2}),
+        (100 * table()[1], {"where": "curve 'channel 2'", "value": 100.0}),
+        (table()[1] * [1, 1, 0], {"where": "curve 'channel 3'", "value": 0.0}),
+        (table()[1] * np.nan, {"subject": "own observer"}),
+    ],
+    ids=["two functions", "percent", "a function of zeros", "not a number"],
+)
+def test_functions_that_are_no_observer_are_refused(values, fields):
+    with refused_input(**fields):
+        cn.analyze("onyx-rgbw", observer=(table()[0], values))
+
+
+def test_an_observer_that_ends_before_it_has_fallen_is_refused():
+    nm, values = table()
+    inside = (nm >= 380) & (nm <= 650)
+    with refused_input(subject="own observer", where="curve 'channel 1' at 650 nm"):
+        cn.analyze("onyx-rgbw", observer=(nm[inside], values[inside]))
+
+
+def test_a_file_that_is_no_observer_is_refused_by_the_option(run, here):
+    csv_of(here / "two.csv", NM, MADE[:, :2], ["x", "y"])
+    refused(run("analyze", "onyx-rgbw", "--observer", "two.csv"), "two.csv", value=2)
+    refused(run("analyze", "onyx-rgbw", "--observer", "none.csv"), subject="none.csv")
+
+
+def test_an_observer_is_equal_to_a_copy_of_itself():
+    held = observer_table()
+    one = OwnObserver("mine", held)
+    other = OwnObserver("mine", replace(held, values=held.values * 0.9))
+    assert pickle.loads(pickle.dumps(one)) == one != other
+    assert one == "mine"
+    assert one != "cie-1931-2"
+    with refused_input(subject="observer", value="cie-1931-2"):
+        OwnObserver("cie-1931-2", held)
+
+
+def test_a_matrix_of_numbers_or_of_a_function_gives_the_digits_of_its_method():
+    usual = cn.analyze("onyx-rgb-ircut", lux=10)
+    made = cn.matrix("onyx-rgb-ircut", lux=10).matrix
+    rows = made.matrix
+    for own in (rows, rows.tolist(), made, lambda point: rows, lambda point: made):
+        found = cn.analyze("onyx-rgb-ircut", matrix=own, lux=10)
+        for stage in ("raw_snr_db", "color_snr_db"):
+            assert getattr(found, stage)() == getattr(usual, stage)()
+
+
+def test_a_function_of_the_light_adapts_over_a_sweep_as_its_method():
+    lmmse = matrix_makers(["lmmse"], "quanta")["lmmse"]
+
+    def my_method(point):
+        assert isinstance(point, cn.OperatingPoint)
+        return lmmse(point).matrix
+
+    found = cn.compare("onyx-rgbw", matrices=[my_method, "lmmse"], points=5)
+    own, named = found.curves
+    assert (own.matrix, named.matrix) == ("my_method", "lmmse")
+    np.testing.assert_allclose(own.value, named.value, rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("matrix", "fields"),
+    [
+        (np.eye(3)[:2], {"value": (2, 3)}),
+        (np.eye(3), {"value": (3, 3)}),
+        (np.full((3, 4), np.nan), {}),
+        (np.array(3.0), {"value": ()}),
+        ([["a"] * 4] * 3, {"subject": "own matrix"}),
+        (lambda point: None, {"subject": "own matrix"}),
+    ],
+    ids=["two rows", "three channels", "not a number", "a number", "text", "None"],
+)
+def test_a_matrix_that_does_not_fit_is_refused(matrix, fields):
+    with refused_input(**fields):
+        cn.analyze("onyx-rgbw", matrix=matrix)
+
+
+def test_a_matrix_for_other_channels_is_refused():
+    other = cn.matrix("onyx-rgb-ircut").matrix
+    with refused_input(subject="matrix of own matrix"):
+        cn.analyze("onyx-rgbw", matrix=other)
+
+
+def test_a_cube_gives_the_pictures_of_its_name():
+    cube = builtin_cube("builtin:checker")
+    by_name, by_object = (cn.render(one, "onyx-rgbw", seed=7) for one in ("builtin:checker", cube))
+    one, other = (made.captures[0].picture.xyz for made in (by_name, by_object))
+    np.testing.assert_array_equal(one, other)
+    with refused_input(subject="cube", value="ndarray"):
+        cn.render(np.ones((4, 4, 3)), "onyx-rgbw")
+    with refused_input(subject="key", value="k"):
+        cn.render(cube, "onyx-rgbw", key="k")
+
+
+POINT = {"lux": 3.0, "f_number": 2.2, "illuminant": "G173", "observer": "cie-1964-10"}
+
+
+def test_an_operating_point_gives_its_own_analysis(here):
+    csv_of(here / "chart.csv", NM, MADE, of(3))
+    usual = cn.analyze("onyx-rgbw", **POINT, patch=0.2, chart_file="chart.csv")
+    again = cn.analyze(usual.points[0])
+    np.testing.assert_allclose(numbers(again.to_dict()), numbers(usual.to_dict()), rtol=1e-12)
+    with refused_input(subject="lux", value=4.0):
+        cn.analyze(usual.points[0], lux=4.0)
+    with refused_input(subject="sensors", value=2):
+        cn.analyze(usual.points[0], "onyx-rgb-ircut")
+
+
+@pytest.mark.parametrize("written", [study_as_toml, study_as_command, study_as_python])
+@pytest.mark.parametrize(
+    "data",
+    [
+        {"sensors": [{"name": object_word("cam")}]},
+        {"sensors": [{"name": "onyx-rgbw"}], "light": {"illuminant": object_word("cam")}},
+        {"sensors": [{"name": "onyx-rgbw"}], "observer": object_word("cam")},
+        {"sensors": [{"name": "onyx-rgbw"}], "matrices": [object_word("cam")]},
+    ],
+    ids=["sensor", "light", "observer", "matrix"],
+)
+def test_a_study_of_an_object_is_not_written_as_text(written, data):
+    study = study_from_data(data)
+    with refused_input(subject="the study", value=("cam",)):
+        written(study)
+    with refused_input(subject="cam"):
+        cn.run(study)
