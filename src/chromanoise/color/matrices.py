@@ -56,7 +56,8 @@ class ColorMatrix:
     notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        _check.one_of("observer", self.observer, tuple(OBSERVERS))
+        observer = _check.one_of("observer", self.observer, tuple(OBSERVERS))
+        object.__setattr__(self, "observer", observer)
         checked = _check.finite(f"{self.made_by} matrix", "lx/e-", self.matrix)
         if checked.shape != (len(self.coordinates), len(self.channels)):
             raise InputError(

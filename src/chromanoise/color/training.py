@@ -66,7 +66,8 @@ class Training:
     observer: str = DEFAULT_OBSERVER
 
     def __post_init__(self) -> None:
-        _check.one_of("observer", self.observer, tuple(OBSERVERS))
+        observer = _check.one_of("observer", self.observer, tuple(OBSERVERS))
+        object.__setattr__(self, "observer", observer)
         where = f"reflectance of {self.source}"
         rho = _check.non_negative(where, "1", self.reflectance)
         if rho.ndim != 2 or rho.shape[0] == 0:

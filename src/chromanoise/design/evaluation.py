@@ -81,8 +81,8 @@ class Evaluator:
         for what, given in (("scenes", self.scenes), ("objectives", self.objectives)):
             if not given:
                 raise InputError(what, "must hold at least one", found="is empty")
-        for name in _check.distinct("objectives", self.objectives):
-            _check.one_of("objective", name, tuple(OBJECTIVES))
+        names = [_check.one_of("objective", name, tuple(OBJECTIVES)) for name in self.objectives]
+        object.__setattr__(self, "objectives", _check.distinct("objectives", names))
         _check.one_of("over_scenes", self.over_scenes, get_args(OverScenes))
         if self.threads is not None and self.threads < 1:
             raise InputError("threads", "must be at least 1", value=self.threads)

@@ -487,7 +487,7 @@ def _transmittance(word: str, answers: Answers) -> Array:
         return resolve_filter(word, answers=answers).values[:, 0]
     dyes = dye_transmittances(sensor_named(name, DEFAULT_GRID))
     own = [one.rpartition(":")[2] for one in dyes.names]
-    _check.one_of(f"dye of {name}", channel, own)
+    _check.among(f"dye of {name}", channel, own)
     return dyes.values[:, own.index(channel)]
 
 

@@ -80,7 +80,8 @@ class SearchSettings:
     polish: bool | None = None
 
     def __post_init__(self) -> None:
-        _check.one_of("method", self.method, tuple(METHODS))
+        method = _check.one_of("method", self.method, tuple(METHODS))
+        object.__setattr__(self, "method", method)
         if not LEAST_POPULATION <= self.population <= MOST_POPULATION:
             raise InputError(
                 "population",

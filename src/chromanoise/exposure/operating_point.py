@@ -61,7 +61,8 @@ class OperatingPoint:
 
     def __post_init__(self) -> None:
         _check.positive("level_lux", "lx", self.level_lux)
-        _check.one_of("observer", self.observer, tuple(OBSERVERS))
+        observer = _check.one_of("observer", self.observer, tuple(OBSERVERS))
+        object.__setattr__(self, "observer", observer)
         patches = None if self.pairs is None else self.pairs.patches
         for spectra in (self.chart, self.patch, patches):
             if spectra is not None:

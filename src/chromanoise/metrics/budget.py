@@ -100,7 +100,7 @@ def color_budget(
     InputError
         If the matrix has no such coordinate, or its channels are not the sensor's.
     """
-    _check.one_of("coordinate", coordinate, matrix.coordinates)
+    _check.among("coordinate", coordinate, matrix.coordinates)
     _check.same_names("budget", sensor=sensor.names, matrix=matrix.channels)
     i = matrix.coordinates.index(coordinate)
     got = _electrons(scene, sensor, exposure)
@@ -158,7 +158,7 @@ def contravariant_budget(
     InputError
         If there is no such channel, or the channels of the frame differ from the sensor's.
     """
-    _check.one_of("channel", channel, sensor.names)
+    _check.among("channel", channel, sensor.names)
     _check.same_names("budget", sensor=sensor.names, frame=frame.names)
     i = sensor.names.index(channel)
     got = _electrons(scene, sensor, exposure)

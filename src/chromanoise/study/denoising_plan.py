@@ -447,7 +447,7 @@ def _noise_of_codes(
     assert first.noise_profile is not None
     assert white is not None
     for name in names:
-        _check.one_of("channel of the sensor", name, tuple(first.noise_profile))
+        _check.among("channel of the sensor", name, tuple(first.noise_profile))
     if study.sensors[0].pixel.file is not None:
         lacks = "gain K [DN/e-]" if gain is None else "read noise [e-]"
         notes.append(f"the {lacks} is not known, so the noise of the {pixel.source} is not used")
