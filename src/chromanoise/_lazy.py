@@ -1,9 +1,15 @@
-"""Packages whose names are imported on first use (PEP 562)."""
+"""Public names: imported on first use (PEP 562), and old names that work for one release."""
 
 import ast
 import sys
+import warnings
 from collections.abc import Callable
+from functools import wraps
 from importlib import import_module, util
+from typing import ParamSpec, TypeVar
+
+_P = ParamSpec("_P")
+_R = TypeVar("_R")
 
 
 def lazy_names(package: str) -> tuple[Callable[[str], object], Callable[[], list[str]]]:
@@ -52,6 +58,49 @@ def lazy_names(package: str) -> tuple[Callable[[str], object], Callable[[], list
         return sorted({*vars(sys.modules[package]), *module_of})
 
     return imported, names
+
+
+def renamed_keywords(**new: str) -> Callable[[Callable[_P, _R]], Callable[_P, _R]]:
+    """A decorator: the function also takes its old keywords, with a `FutureWarning`.
+
+    Parameters
+    ----------
+    new
+        The new keyword by the old one.
+
+    Raises
+    ------
+    TypeError
+        When the function is called with both.
+
+    Examples
+    --------
+    >>> @renamed_keywords(method="denoise")
+    ... def denoised(picture, *, denoise="guided"):
+    ...     return denoise
+    >>> denoised(1, denoise="lmmse")
+    'lmmse'
+    """
+
+    def decorated(function: Callable[_P, _R]) -> Callable[_P, _R]:
+        @wraps(function)
+        def called(*args: _P.args, **keywords: _P.kwargs) -> _R:
+            for old in new.keys() & keywords.keys():
+                if new[old] in keywords:
+                    raise TypeError(f"{old} is the old name of {new[old]}; give {new[old]} alone")
+                _warn(old, new[old])
+                keywords[new[old]] = keywords.pop(old)
+            return function(*args, **keywords)
+
+        return called
+
+    return decorated
+
+
+def _warn(old: str, new: str) -> None:
+    """Warn the caller of the caller of an old name."""
+    sentence = f"{old} is now {new}; the old name works in this release only"
+    warnings.warn(sentence, FutureWarning, stacklevel=3)
 
 
 def _type_checking_imports(package: str) -> dict[str, tuple[str, str]]:

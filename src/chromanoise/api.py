@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeVar, Unpack
 
 import numpy as np
 
+from chromanoise._lazy import renamed_keywords
 from chromanoise.analysis import DEFAULT_METHOD
 from chromanoise.design import (
     DEFAULT_OBJECTIVES,
@@ -207,12 +208,13 @@ def compare_map(
     return result
 
 
+@renamed_keywords(method="denoise")
 @_with_listed_settings
 def denoise(
     picture: str | Path | Sequence[str | Path] | np.ndarray,
     *,
     sensor: str | Path | Sensor | None = None,
-    method: str = "guided",
+    denoise: str = "guided",
     matrix: str = DEFAULT_METHOD,
     unit: Literal["DN", "e-"] | None = None,
     shape: tuple[int, int] | None = None,
@@ -231,7 +233,7 @@ def denoise(
     sensor
         As `analyze`. Its pixel gives the noise, its channels the color; ``None`` for raw codes
         alone.
-    method
+    denoise
         A name of `chromanoise.denoising.DENOISING`.
     matrix
         As `analyze`.
@@ -267,7 +269,7 @@ def denoise(
     Examples
     --------
     >>> import chromanoise as cn
-    >>> result = cn.denoise("night.dng", method="guided")                   # doctest: +SKIP
+    >>> result = cn.denoise("night.dng", denoise="guided")                  # doctest: +SKIP
     >>> result.values_e, result.summary["residual"]                         # doctest: +SKIP
     """
     try:
@@ -277,7 +279,7 @@ def denoise(
             frames,
             names[0] if names else None,
             rest,
-            method=method,
+            denoise=denoise,
             matrix=matrix,
             white_level=white_level,
             given=given,

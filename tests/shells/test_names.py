@@ -1,8 +1,13 @@
 """Names of ours: ``_`` and ``-`` are equal wherever a person writes one; the stored name is one."""
 
+from pathlib import Path
+
+import click
+import numpy as np
 import pytest
 from click.testing import CliRunner
 
+import chromanoise as cn
 from chromanoise import charts, sensor_named
 from chromanoise.analysis import PRIORS, QUANTITIES, SWEEPS
 from chromanoise.analysis.color_matrices import METHODS, matrix_makers
@@ -209,3 +214,49 @@ def test_a_command_line_takes_both_signs_and_prints_the_same(with_hyphens, other
 def test_a_command_takes_both_signs():
     found = {known_name(flipped(name), COMMANDS) for name in COMMANDS}
     assert found == set(COMMANDS)
+
+
+def ran(line):
+    return CliRunner().invoke(commands, line.split(), catch_exceptions=False)
+
+
+def test_the_old_option_of_a_matrix_gives_the_same_and_warns_once():
+    new = ran("matrix onyx-rgb-ircut --matrix ridge=0.1 --json -")
+    for words in ("--method ridge=0.1", "--method=ridge=0.1"):
+        old = ran(f"matrix onyx-rgb-ircut {words} --json -")
+        assert (old.exit_code, old.stdout, new.stderr) == (0, new.stdout, "")
+        (line,) = old.stderr.splitlines()
+        assert "--method" in line
+        assert "--matrix" in line
+
+
+def test_the_old_option_of_denoising_gives_the_same_and_warns_once(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    np.save("a.npy", np.full((16, 16), 300, np.uint16))
+    known = "--mosaic RG/GB --bits 12 --black-level 100 --gain-dn-per-e 0.5 --read-noise-e 5"
+    new = ran(f"denoise a.npy {known} --denoise wiener -o new")
+    old = ran(f"denoise a.npy {known} --method wiener -o old")
+    assert old.exit_code == new.exit_code == 0
+    assert len(old.stderr.splitlines()) == len(new.stderr.splitlines()) + 1
+    pictures = [sorted(one.name for one in Path(name).glob("*.tif*")) for name in ("new", "old")]
+    assert pictures[0] == pictures[1] != []
+    for name in pictures[0]:
+        assert (Path("old") / name).read_bytes() == (Path("new") / name).read_bytes()
+
+
+def test_an_option_and_its_old_name_are_refused_together():
+    with pytest.raises(click.UsageError):
+        commands.main(
+            ["matrix", "onyx-rgb", "--matrix", "lmmse", "--method", "kernel"], standalone_mode=False
+        )
+
+
+def test_the_old_keyword_gives_the_same_and_warns():
+    codes = np.full((16, 16), 300, np.uint16)
+    known = {"mosaic": "RG/GB", "gain_dn_per_e": 0.5, "read_noise_e": 5.0, "black_level": 100}
+    new = cn.denoise(codes, unit="DN", denoise="wiener", bits=12, **known)
+    with pytest.warns(FutureWarning, match="denoise"):
+        old = cn.denoise(codes, unit="DN", method="wiener", bits=12, **known)
+    assert np.array_equal(old.values_e, new.values_e)
+    with pytest.raises(TypeError):
+        cn.denoise(codes, unit="DN", method="wiener", denoise="wiener", **known)

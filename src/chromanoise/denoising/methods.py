@@ -29,4 +29,4 @@ def denoising_named(name: str) -> DenoisingMethod:
     InputError
         If no method has this name.
     """
-    return DENOISING[_check.one_of("method", name, tuple(DENOISING))]
+    return DENOISING[_check.one_of("denoise", name, tuple(DENOISING))]

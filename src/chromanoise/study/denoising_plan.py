@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from chromanoise import __version__, _check
+from chromanoise._lazy import renamed_keywords
 from chromanoise.analysis import DEFAULT_METHOD
 from chromanoise.analysis.color_matrices import MatrixMaker
 from chromanoise.catalog import converter_of, is_assumed, read_pixel_source
@@ -142,12 +143,13 @@ def _value_at(data: Any, key: str) -> Any:
     return data
 
 
+@renamed_keywords(method="denoise")
 def prepared_denoising(
     pictures: tuple[Frame, ...] | tuple[Electrons, ...],
     sensor: str | None,
     settings: Settings,
     *,
-    method: str,
+    denoise: str,
     matrix: str = DEFAULT_METHOD,
     white_level: float | None = None,
     given: Given = NOTHING_GIVEN,
@@ -162,7 +164,7 @@ def prepared_denoising(
         Name of the catalog, or file; ``None`` if only the pixel or a noise profile is known.
     settings
         By the names of `DenoiseSettings`.
-    method
+    denoise
         Of `DENOISING`.
     matrix
         Of the color.
@@ -184,7 +186,7 @@ def prepared_denoising(
     Mosaic and black level are as given, else of the file, else of the sensor or pixel. An exposure
     time that is not given is that of the file.
     """
-    chosen = denoising_named(method)
+    chosen = denoising_named(denoise)
     first = pictures[0]
     facts = first if isinstance(first, Frame) else None
     settings = {name: value for name, value in settings.items() if value is not None}

@@ -223,7 +223,7 @@ _ARGUMENTS = {
     "denoise": (
         "picture",
         "sensor",
-        "method",
+        "denoise",
         "matrix",
         "unit",
         "shape",
