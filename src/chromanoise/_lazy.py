@@ -88,7 +88,7 @@ def renamed_keywords(**new: str) -> Callable[[Callable[_P, _R]], Callable[_P, _R
             for old in new.keys() & keywords.keys():
                 if new[old] in keywords:
                     raise TypeError(f"{old} is the old name of {new[old]}; give {new[old]} alone")
-                _warn(old, new[old])
+                warn_of_old_name(old, new[old])
                 keywords[new[old]] = keywords.pop(old)
             return function(*args, **keywords)
 
@@ -97,8 +97,14 @@ def renamed_keywords(**new: str) -> Callable[[Callable[_P, _R]], Callable[_P, _R
     return decorated
 
 
-def _warn(old: str, new: str) -> None:
-    """Warn the caller of the caller of an old name."""
+def warn_of_old_name(old: str, new: str) -> None:
+    """Warn with a `FutureWarning` where the caller of this function was called.
+
+    Parameters
+    ----------
+    old, new
+        The old name, which works for one release, and the new one.
+    """
     sentence = f"{old} is now {new}; the old name works in this release only"
     warnings.warn(sentence, FutureWarning, stacklevel=3)
 

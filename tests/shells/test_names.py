@@ -260,3 +260,13 @@ def test_the_old_keyword_gives_the_same_and_warns():
     assert np.array_equal(old.values_e, new.values_e)
     with pytest.raises(TypeError):
         cn.denoise(codes, unit="DN", method="wiener", denoise="wiener", **known)
+
+
+def test_the_noise_of_a_gray_has_its_old_key_and_attribute_too():
+    result = cn.analyze(SENSOR, space="lab")
+    (own,) = result.to_dict()["sensors"]
+    assert own["gray_noise"]["space"] == "CIELAB"
+    assert own["grey_noise"] == own["gray_noise"]
+    (outcome,) = result.outcomes
+    with pytest.warns(FutureWarning, match="gray_noise"):
+        assert outcome.grey_noise is outcome.gray_noise
