@@ -6,13 +6,13 @@ import warnings
 from collections.abc import Callable
 from functools import wraps
 from importlib import import_module, util
-from typing import ParamSpec, TypeVar
+from typing import ParamSpec, Protocol, TypeVar
 
 _P = ParamSpec("_P")
 _R = TypeVar("_R")
 
 
-def lazy_names(package: str) -> tuple[Callable[[str], object], Callable[[], list[str]]]:
+def lazy_names(package: str, **old: str) -> tuple[Callable[[str], object], Callable[[], list[str]]]:
     """``__getattr__`` and ``__dir__`` of a package that imports its names on first use.
 
     The names are those that its ``__init__`` imports under ``if TYPE_CHECKING:``, so that type
@@ -22,6 +22,8 @@ def lazy_names(package: str) -> tuple[Callable[[str], object], Callable[[], list
     ----------
     package
         The ``__name__`` of the package; each import is absolute, ``from module import name``.
+    old
+        As ``new`` of `old_names`.
 
     Raises
     ------
@@ -42,11 +44,11 @@ def lazy_names(package: str) -> tuple[Callable[[str], object], Callable[[], list
         __all__ = ["Grid"]
         __getattr__, __dir__ = lazy_names(__name__)
     """
-    module_of = _type_checking_imports(package)
+    module_of, otherwise = _type_checking_imports(package), old_names(package, **old)
 
     def imported(name: str) -> object:
         if name not in module_of:
-            raise AttributeError(f"module {package!r} has no attribute {name!r}")
+            return otherwise(name, stacklevel=4)
         module, attribute = module_of[name]
         if module == package:
             return import_module(f"{package}.{attribute}")
@@ -58,6 +60,36 @@ def lazy_names(package: str) -> tuple[Callable[[str], object], Callable[[], list
         return sorted({*vars(sys.modules[package]), *module_of})
 
     return imported, names
+
+
+class _OldName(Protocol):
+    def __call__(self, name: str, stacklevel: int = 3) -> object: ...
+
+
+def old_names(package: str, **new: str) -> _OldName:
+    """``__getattr__`` of a package that also has old names for a release, with a `FutureWarning`.
+
+    Parameters
+    ----------
+    package
+        The ``__name__`` of the package.
+    new
+        The new name by the old one.
+
+    Examples
+    --------
+    In an ``__init__.py``::
+
+        __getattr__ = old_names(__name__, Frame="DualBasis")
+    """
+
+    def found(name: str, stacklevel: int = 3) -> object:
+        if name not in new:
+            raise AttributeError(f"module {package!r} has no attribute {name!r}")
+        warn_of_old_name(f"{package}.{name}", f"{package}.{new[name]}", stacklevel=stacklevel)
+        return getattr(sys.modules[package], new[name])
+
+    return found
 
 
 def renamed_keywords(**new: str) -> Callable[[Callable[_P, _R]], Callable[_P, _R]]:
@@ -97,16 +129,18 @@ def renamed_keywords(**new: str) -> Callable[[Callable[_P, _R]], Callable[_P, _R
     return decorated
 
 
-def warn_of_old_name(old: str, new: str) -> None:
-    """Warn with a `FutureWarning` where the caller of this function was called.
+def warn_of_old_name(old: str, new: str, *, stacklevel: int = 3) -> None:
+    """Warn with a `FutureWarning`, by default where the caller of this function was called.
 
     Parameters
     ----------
     old, new
         The old name, which works for one release, and the new one.
+    stacklevel
+        As `warnings.warn`.
     """
     sentence = f"{old} is now {new}; the old name works in this release only"
-    warnings.warn(sentence, FutureWarning, stacklevel=3)
+    warnings.warn(sentence, FutureWarning, stacklevel=stacklevel)
 
 
 def _type_checking_imports(package: str) -> dict[str, tuple[str, str]]:

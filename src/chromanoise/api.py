@@ -57,7 +57,7 @@ from chromanoise.study import run as run_of
 
 if TYPE_CHECKING:
     from chromanoise.design import Design, DesignDocument, Progress
-    from chromanoise.io.frames import Frame
+    from chromanoise.io.frames import RawFrame
     from chromanoise.study import Electrons
 
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -291,7 +291,7 @@ def denoise(
 
 def _raw_pictures(
     picture: Any, unit: str | None, shape: tuple[int, int] | None, stored: str | None
-) -> "tuple[Frame, ...] | tuple[Electrons, ...]":
+) -> "tuple[RawFrame, ...] | tuple[Electrons, ...]":
     """The picture or pictures that an argument names or holds."""
     if not isinstance(picture, np.ndarray):
         if unit is not None:

@@ -1,5 +1,6 @@
 """Names of ours: ``_`` and ``-`` are equal wherever a person writes one; the stored name is one."""
 
+from importlib import import_module
 from pathlib import Path
 
 import click
@@ -270,3 +271,22 @@ def test_the_noise_of_a_gray_has_its_old_key_and_attribute_too():
     (outcome,) = result.outcomes
     with pytest.warns(FutureWarning, match="gray_noise"):
         assert outcome.grey_noise is outcome.gray_noise
+
+
+OLD_CLASSES = {
+    ("geometry", "Frame"): "DualBasis",
+    ("io.frames", "Frame"): "RawFrame",
+    ("analysis", "Method"): "MatrixMethod",
+}
+
+
+@pytest.mark.parametrize(("package", "old"), OLD_CLASSES, ids=".".join)
+def test_an_old_name_of_a_class_is_the_class_and_warns_where_it_is_used(package, old):
+    module = import_module(f"chromanoise.{package}")
+    new = OLD_CLASSES[package, old]
+    with pytest.warns(FutureWarning, match=rf"\.{new}\b") as caught:
+        found = getattr(module, old)
+    assert found is getattr(module, new)
+    assert Path(caught[0].filename) == Path(__file__)
+    assert old not in module.__all__
+    assert new in module.__all__

@@ -7,7 +7,7 @@ from chromanoise._check import Array
 from chromanoise._shapes import Float
 from chromanoise.errors import InputError
 from chromanoise.exposure import Exposure, measurement_vectors
-from chromanoise.geometry import Frame, dual_frame
+from chromanoise.geometry import DualBasis, dual_frame
 from chromanoise.noise import Measurement, through
 from chromanoise.scene import Scene, light
 from chromanoise.sensor import Sensor
@@ -51,7 +51,7 @@ class ColorMatrix:
     coordinates: tuple[str, ...]
     made_by: str
     metric: Metric
-    frame: Frame
+    frame: DualBasis
     observer: str = DEFAULT_OBSERVER
     notes: tuple[str, ...] = ()
 
