@@ -56,7 +56,7 @@ from chromanoise.study import (
 from chromanoise.study import run as run_of
 
 if TYPE_CHECKING:
-    from chromanoise.design import Design, DesignDocument, Progress
+    from chromanoise.design import Design, DesignStudy, Progress
     from chromanoise.io.frames import RawFrame
     from chromanoise.study import Electrons
 
@@ -349,7 +349,7 @@ def matrix(
 
 
 def optimize(
-    design: "str | Path | DesignDocument",
+    design: "str | Path | DesignStudy",
     *,
     folder: str | Path | None = None,
     budget: int | None = None,
@@ -398,21 +398,21 @@ def optimize(
     >>> front.members[0].objectives, front.sentences           # doctest: +SKIP
     """
     from chromanoise.design import (  # takes a second, which the other functions do not need
-        DesignDocument,
+        DesignStudy,
         optimized,
         read_design,
         scheduler_at,
         with_effort,
     )
 
-    if not isinstance(design, str | Path | DesignDocument):
+    if not isinstance(design, str | Path | DesignStudy):
         raise InputError(
             "design",
             "must be a file or the result of cn.design.read_design",
             value=design,
             remedy="write a file with chromanoise init --design",
         )
-    document = design if isinstance(design, DesignDocument) else read_design(design)
+    document = design if isinstance(design, DesignStudy) else read_design(design)
     place = None if folder is None else Path(folder)
     with nullcontext() if scheduler is None else scheduler_at(scheduler) as evaluate_on:
         return optimized(

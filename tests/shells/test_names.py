@@ -16,7 +16,7 @@ from chromanoise.catalog.resolve import catalog_word
 from chromanoise.cli.entry import COMMANDS, commands
 from chromanoise.color import SPACES
 from chromanoise.denoising import DENOISING, denoising_named
-from chromanoise.design import OBJECTIVES, SearchSettings
+from chromanoise.design import OBJECTIVES, SearchOptions
 from chromanoise.design.algorithms import METHODS as SEARCHES
 from chromanoise.design.document import DesignPart
 from chromanoise.design.space import MODELS, Filter
@@ -83,7 +83,7 @@ REGISTRIES = {
         lambda name: designed(robust={"statistic": name, "samples": 64}).robust.statistic,
     ),
     "filter of a design": (MODELS, lambda name: Filter(model=name).model),
-    "search of Python": (SEARCHES, lambda name: SearchSettings(method=name).method),
+    "search of Python": (SEARCHES, lambda name: SearchOptions(method=name).method),
     "sensor": ((SENSOR,), lambda name: sensor_named(name, DEFAULT_GRID).name),
     "filter": (("ircut-650", "ircut-schott"), lambda name: catalog_word(name, "filter")),
     "light": (("led-white",), lambda name: catalog_word(name, "light")),
@@ -277,6 +277,10 @@ OLD_CLASSES = {
     ("geometry", "Frame"): "DualBasis",
     ("io.frames", "Frame"): "RawFrame",
     ("analysis", "Method"): "MatrixMethod",
+    ("design", "DesignDocument"): "DesignStudy",
+    ("design", "Evaluator"): "Objectives",
+    ("design", "SearchResult"): "FrontResult",
+    ("design", "SearchSettings"): "SearchOptions",
 }
 
 

@@ -424,7 +424,7 @@ class DesignPart(Part):
 _IDLE = ("seed", "sweeps", "pictures", "outputs")
 
 
-class DesignDocument(Study):
+class DesignStudy(Study):
     """A design: the tables of a study, whose sensors are the references, and ``[design]``.
 
     Raises
@@ -436,14 +436,14 @@ class DesignDocument(Study):
     design: DesignPart = Field(description="What is designed.")
 
     @model_validator(mode="after")
-    def _with_effect(self) -> "DesignDocument":
+    def _with_effect(self) -> "DesignStudy":
         errors = [*_idle_tables(self), *_unknown_references(self)]
         if errors:
             raise refusal(errors)
         return self
 
 
-def _idle_tables(document: DesignDocument) -> Iterator[InputError]:
+def _idle_tables(document: DesignStudy) -> Iterator[InputError]:
     for name in _IDLE:
         if name in document.model_fields_set and getattr(document, name):
             yield InputError(
@@ -469,7 +469,7 @@ def _idle_tables(document: DesignDocument) -> Iterator[InputError]:
         )
 
 
-def _unknown_references(document: DesignDocument) -> Iterator[InputError]:
+def _unknown_references(document: DesignStudy) -> Iterator[InputError]:
     names = [part.name for part in document.sensors]
     known = [*dict.fromkeys([*names, *(one.label for one in document.sensors if one.label)])]
     design = document.design
@@ -491,8 +491,8 @@ def _unknown_references(document: DesignDocument) -> Iterator[InputError]:
 
 
 def with_effort(
-    document: DesignDocument, *, budget: int | None = None, seed: int | None = None
-) -> DesignDocument:
+    document: DesignStudy, *, budget: int | None = None, seed: int | None = None
+) -> DesignStudy:
     """The design with another budget or seed of the search; ``None`` keeps that of the document.
 
     Parameters
