@@ -17,7 +17,7 @@ import numpy as np
 
 from chromanoise.catalog import sensor_named
 from chromanoise.design.candidates import Candidates
-from chromanoise.design.evaluation import Evaluator
+from chromanoise.design.evaluation import Objectives
 from chromanoise.design.scenes import DesignScene, SceneArrays, scene_arrays
 from chromanoise.exposure import Exposure, OperatingPoint
 from chromanoise.spectra import Grid, equal_energy
@@ -119,7 +119,7 @@ def main() -> None:
     print("| threads | work | us per candidate, median | least | of einsum | of BLAS |")
     print("|---|---|---|---|---|---|")
     for threads, clock in ((1, time.process_time), (2, time.perf_counter)):
-        evaluator = Evaluator(scenes=(scene,), objectives=OBJECTIVES, threads=threads)
+        evaluator = Objectives(scenes=(scene,), objectives=OBJECTIVES, threads=threads)
         found = evaluator.values(Candidates(qe=qe[:500]))
         np.testing.assert_allclose(by_einsum(plain[:500], arrays, threads, True), found, rtol=1e-6)
         works: dict[str, Callable[[], object]] = {

@@ -335,7 +335,7 @@ def random_line(seed, number, files):
     if command == SERVED and not any(p[0] == "--port" for p in parts):
         parts.append(["--port", "-1"])
     if command == "denoise-bench":  # else all methods of large scenes
-        for short in (["--method", "lmmse"], ["--crop", "24"]):
+        for short in (["--denoise", "lmmse"], ["--crop", "24"]):
             if not any(part[0] == short[0] for part in parts):
                 parts.append(short)
     line.words += [word for part in parts for word in part]

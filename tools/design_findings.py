@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 import chromanoise as cn
-from chromanoise.design import Design, DesignDocument, read_design
+from chromanoise.design import Design, DesignStudy, read_design
 from chromanoise.design.algorithms import latin_hypercube
 from chromanoise.design.archive import misses_of
 from chromanoise.design.objectives import OBJECTIVES
@@ -37,7 +37,7 @@ TOLERANCE_NM, TOLERANCE_SHARE = 5.0, 0.05
 WHITE_ROW = 3  # of the patches of the chart; the white is the first of this row
 
 
-def design_at(path: Path, level_lux: float, crosstalk: float) -> DesignDocument:
+def design_at(path: Path, level_lux: float, crosstalk: float) -> DesignStudy:
     """The design at another level, with crosstalk in the designs, and in the references' limits."""
     document = read_design(path)
     light = document.light.model_copy(update={"level_lux": level_lux})
@@ -132,7 +132,7 @@ def deviating(found: Design) -> str:
     return "\n".join(["5 nm and 5 %, 95 % of copies are within: " + ", ".join(losses), *lines])
 
 
-def descended(document: DesignDocument, starts: int = STARTS) -> list[str]:
+def descended(document: DesignStudy, starts: int = STARTS) -> list[str]:
     """Where descents from random candidates end: to the constraints, then of two objectives."""
     problem = task_of(document).problem()
     rng = np.random.default_rng(STARTS_SEED)

@@ -321,7 +321,12 @@ def flat(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:
 
 def sampled(results: Any) -> dict[str, Any]:
     """At most `NUMBERS` numbers, evenly spaced over all, and a digest of all their paths."""
-    leaves = [(path, one) for path, one in flat(results) if "version" not in path]
+    leaves = [
+        (path, one)
+        for path, one in flat(results)
+        # gray_noise is also stored under its old name, grey_noise
+        if "version" not in path and "/gray_noise/" not in path
+    ]
     numbers = [(p, v) for p, v in leaves if isinstance(v, int | float) and not isinstance(v, bool)]
     paths = "\n".join(sorted(path for path, _ in numbers))
     step = max(1, len(numbers) // NUMBERS)

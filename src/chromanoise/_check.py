@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from chromanoise.errors import InputError, did_you_mean
+from chromanoise.errors import InputError, did_you_mean, known_name
 
 Array = np.ndarray
 """The array type in annotations with a shape: Float[Array, "n p"]."""
@@ -135,7 +135,12 @@ def distinct(name: str, values: Sequence[str]) -> tuple[str, ...]:
 
 
 def one_of(name: str, value: str, choices: Sequence[str]) -> str:
-    """``value`` if it is one of ``choices``; otherwise the error suggests the nearest choices."""
+    """The choice that ``value`` is, as `known_name`; an error suggests the nearest choices."""
+    return among(name, known_name(str(value), choices), choices)
+
+
+def among(name: str, value: str, choices: Sequence[str]) -> str:
+    """``value`` if it is one of ``choices``, letter by letter, as names of channels are."""
     if value in choices:
         return value
     hint = did_you_mean(str(value), choices, f"known: {', '.join(choices)}")

@@ -1,12 +1,18 @@
-"""Packages whose names are imported on first use (PEP 562)."""
+"""Public names: imported on first use (PEP 562), and old names that work for one release."""
 
 import ast
 import sys
+import warnings
 from collections.abc import Callable
+from functools import wraps
 from importlib import import_module, util
+from typing import ParamSpec, Protocol, TypeVar
+
+_P = ParamSpec("_P")
+_R = TypeVar("_R")
 
 
-def lazy_names(package: str) -> tuple[Callable[[str], object], Callable[[], list[str]]]:
+def lazy_names(package: str, **old: str) -> tuple[Callable[[str], object], Callable[[], list[str]]]:
     """``__getattr__`` and ``__dir__`` of a package that imports its names on first use.
 
     The names are those that its ``__init__`` imports under ``if TYPE_CHECKING:``, so that type
@@ -16,6 +22,8 @@ def lazy_names(package: str) -> tuple[Callable[[str], object], Callable[[], list
     ----------
     package
         The ``__name__`` of the package; each import is absolute, ``from module import name``.
+    old
+        As ``new`` of `old_names`.
 
     Raises
     ------
@@ -36,11 +44,11 @@ def lazy_names(package: str) -> tuple[Callable[[str], object], Callable[[], list
         __all__ = ["Grid"]
         __getattr__, __dir__ = lazy_names(__name__)
     """
-    module_of = _type_checking_imports(package)
+    module_of, otherwise = _type_checking_imports(package), old_names(package, **old)
 
     def imported(name: str) -> object:
         if name not in module_of:
-            raise AttributeError(f"module {package!r} has no attribute {name!r}")
+            return otherwise(name, stacklevel=4)
         module, attribute = module_of[name]
         if module == package:
             return import_module(f"{package}.{attribute}")
@@ -52,6 +60,87 @@ def lazy_names(package: str) -> tuple[Callable[[str], object], Callable[[], list
         return sorted({*vars(sys.modules[package]), *module_of})
 
     return imported, names
+
+
+class _OldName(Protocol):
+    def __call__(self, name: str, stacklevel: int = 3) -> object: ...
+
+
+def old_names(package: str, **new: str) -> _OldName:
+    """``__getattr__`` of a package that also has old names for a release, with a `FutureWarning`.
+
+    Parameters
+    ----------
+    package
+        The ``__name__`` of the package.
+    new
+        The new name by the old one.
+
+    Examples
+    --------
+    In an ``__init__.py``::
+
+        __getattr__ = old_names(__name__, Frame="DualBasis")
+    """
+
+    def found(name: str, stacklevel: int = 3) -> object:
+        if name not in new:
+            raise AttributeError(f"module {package!r} has no attribute {name!r}")
+        warn_of_old_name(f"{package}.{name}", f"{package}.{new[name]}", stacklevel=stacklevel)
+        return getattr(sys.modules[package], new[name])
+
+    return found
+
+
+def renamed_keywords(**new: str) -> Callable[[Callable[_P, _R]], Callable[_P, _R]]:
+    """A decorator: the function also takes its old keywords, with a `FutureWarning`.
+
+    Parameters
+    ----------
+    new
+        The new keyword by the old one.
+
+    Raises
+    ------
+    TypeError
+        When the function is called with both.
+
+    Examples
+    --------
+    >>> @renamed_keywords(method="denoise")
+    ... def denoised(picture, *, denoise="guided"):
+    ...     return denoise
+    >>> denoised(1, denoise="lmmse")
+    'lmmse'
+    """
+
+    def decorated(function: Callable[_P, _R]) -> Callable[_P, _R]:
+        @wraps(function)
+        def called(*args: _P.args, **keywords: _P.kwargs) -> _R:
+            for old in new.keys() & keywords.keys():
+                if new[old] in keywords:
+                    raise TypeError(f"{old} is the old name of {new[old]}; give {new[old]} alone")
+                warn_of_old_name(old, new[old])
+                keywords[new[old]] = keywords.pop(old)
+            return function(*args, **keywords)
+
+        return called
+
+    return decorated
+
+
+def warn_of_old_name(old: str, new: str, *, stacklevel: int = 3) -> None:
+    """Warn with a `FutureWarning`, by default where the caller of this function was called.
+
+    Parameters
+    ----------
+    old, new
+        The old name, which works for one release, and the new one.
+    stacklevel
+        As `warnings.warn`.
+    """
+    sentence = f"{old} is now {new}; the old name works in this release only"
+    warnings.warn(sentence, FutureWarning, stacklevel=stacklevel)
 
 
 def _type_checking_imports(package: str) -> dict[str, tuple[str, str]]:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeVar, Unpack
 
 import numpy as np
 
+from chromanoise._lazy import renamed_keywords
 from chromanoise.analysis import DEFAULT_METHOD
 from chromanoise.catalog.objects import (
     CURVES,
@@ -66,8 +67,8 @@ from chromanoise.study import run as run_of
 from chromanoise.study.settings import OF_CURVES
 
 if TYPE_CHECKING:
-    from chromanoise.design import Design, DesignDocument, Progress
-    from chromanoise.io.frames import Frame
+    from chromanoise.design import Design, DesignStudy, Progress
+    from chromanoise.io.frames import RawFrame
     from chromanoise.io.spectra.parsed import Found
     from chromanoise.study import Electrons
 
@@ -237,12 +238,13 @@ def compare_map(
     return result
 
 
+@renamed_keywords(method="denoise")
 @_with_listed_settings
 def denoise(
     picture: str | Path | Sequence[str | Path] | np.ndarray,
     *,
     sensor: str | Path | Sensor | object | None = None,
-    method: str = "guided",
+    denoise: str = "guided",
     matrix: Matrix = DEFAULT_METHOD,
     unit: Literal["DN", "e-"] | None = None,
     shape: tuple[int, int] | None = None,
@@ -261,7 +263,7 @@ def denoise(
     sensor
         As `analyze`. Its pixel gives the noise, its channels the color; ``None`` for raw codes
         alone.
-    method
+    denoise
         A name of `chromanoise.denoising.DENOISING`.
     matrix
         As `analyze`.
@@ -297,7 +299,7 @@ def denoise(
     Examples
     --------
     >>> import chromanoise as cn
-    >>> result = cn.denoise("night.dng", method="guided")                   # doctest: +SKIP
+    >>> result = cn.denoise("night.dng", denoise="guided")                  # doctest: +SKIP
     >>> result.values_e, result.summary["residual"]                         # doctest: +SKIP
     """
     try:
@@ -308,7 +310,7 @@ def denoise(
             frames,
             names[0] if names else None,
             rest,
-            method=method,
+            denoise=denoise,
             matrix=named.matrix(matrix),
             white_level=white_level,
             given=named.given,
@@ -320,7 +322,7 @@ def denoise(
 
 def _raw_pictures(
     picture: Any, unit: str | None, shape: tuple[int, int] | None, stored: str | None
-) -> "tuple[Frame, ...] | tuple[Electrons, ...]":
+) -> "tuple[RawFrame, ...] | tuple[Electrons, ...]":
     """The picture or pictures that an argument names or holds."""
     if not isinstance(picture, np.ndarray):
         if unit is not None:
@@ -380,7 +382,7 @@ def matrix(
 
 
 def optimize(
-    design: "str | Path | DesignDocument",
+    design: "str | Path | DesignStudy",
     *,
     folder: str | Path | None = None,
     budget: int | None = None,
@@ -429,21 +431,21 @@ def optimize(
     >>> front.members[0].objectives, front.sentences           # doctest: +SKIP
     """
     from chromanoise.design import (  # takes a second, which the other functions do not need
-        DesignDocument,
+        DesignStudy,
         optimized,
         read_design,
         scheduler_at,
         with_effort,
     )
 
-    if not isinstance(design, str | Path | DesignDocument):
+    if not isinstance(design, str | Path | DesignStudy):
         raise InputError(
             "design",
             "must be a file or the result of cn.design.read_design",
             value=design,
             remedy="write a file with chromanoise init --design",
         )
-    document = design if isinstance(design, DesignDocument) else read_design(design)
+    document = design if isinstance(design, DesignStudy) else read_design(design)
     place = None if folder is None else Path(folder)
     with nullcontext() if scheduler is None else scheduler_at(scheduler) as evaluate_on:
         return optimized(

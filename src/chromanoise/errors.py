@@ -5,7 +5,7 @@ terms: the command line names the option, a study file the line and key, the pag
 `str` gives the message for Python, with parameters as keywords.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from typing import Any
@@ -41,6 +41,28 @@ class Setting:
 
 Remedy = str | Setting
 Render = Callable[[Setting], str]
+
+
+def known_name(word: str, known: Collection[str]) -> str:
+    """The known name that a word is, where ``_`` and ``-`` are equal; a word that is none itself.
+
+    A word that is a known name keeps it, so that names that differ in ``_`` and ``-`` alone remain
+    two; any other word for several of them is none.
+
+    Parameters
+    ----------
+    word, known
+        The name, and those that exist.
+
+    Examples
+    --------
+    >>> known_name("read_noise_e", ["lux", "read-noise-e"]), known_name("x_y", ["lux"])
+    ('read-noise-e', 'x_y')
+    """
+    if word in known:
+        return word
+    meant = [one for one in known if one.replace("_", "-") == word.replace("_", "-")]
+    return meant[0] if len(meant) == 1 else word
 
 
 def did_you_mean(

@@ -7,10 +7,10 @@ import pytest
 
 from chromanoise.catalog import sensor_named
 from chromanoise.design.candidates import Candidates
-from chromanoise.design.evaluation import Evaluator
+from chromanoise.design.evaluation import Objectives
 from chromanoise.design.problem import Evaluated, Problem
 from chromanoise.design.scenes import DesignScene
-from chromanoise.design.search import SearchSettings, searched_front
+from chromanoise.design.search import SearchOptions, searched_front
 from chromanoise.exposure import Exposure, OperatingPoint
 from chromanoise.sensor import ir_cut, resin_filter, silicon_qe
 from chromanoise.spectra import DEFAULT_GRID, cie_1931, illuminant_named
@@ -30,7 +30,7 @@ def evaluator(objective, *, lux, matrix, **pixel):
         illuminant=illuminant_named("E"),
         level_lux=lux,
     )
-    return Evaluator(scenes=(DesignScene(point=point, matrix=matrix),), objectives=(objective,))
+    return Objectives(scenes=(DesignScene(point=point, matrix=matrix),), objectives=(objective,))
 
 
 def best(judge, candidates, low, high, *, budget):
@@ -47,7 +47,7 @@ def best(judge, candidates, low, high, *, budget):
     )
     found = searched_front(
         problem,
-        SearchSettings(method="de", budget=budget, population=40, seed=1, seeds=1, polish=False),
+        SearchOptions(method="de", budget=budget, population=40, seed=1, seeds=1, polish=False),
     )
     return found.values[0], float(found.objectives[0, 0])
 

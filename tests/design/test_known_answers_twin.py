@@ -10,7 +10,7 @@ import pytest
 from chromanoise.analysis.priors import training_named
 from chromanoise.catalog import sensor_named
 from chromanoise.design.candidates import Candidates
-from chromanoise.design.evaluation import Evaluator
+from chromanoise.design.evaluation import Objectives
 from chromanoise.design.scenes import DesignScene
 from chromanoise.exposure import Exposure, OperatingPoint
 from chromanoise.spectra import DEFAULT_GRID, Grid, cie_1931, colorchecker, illuminant_named
@@ -114,7 +114,7 @@ def test_objectives_agree_with_the_equations_in_plain_numpy(channels, matrix, lu
         level_lux=lux,
     )
     scene = DesignScene(point=point, matrix=matrix)
-    found = Evaluator(scenes=(scene,), objectives=OBJECTIVES).values(Candidates(qe=curves))
+    found = Objectives(scenes=(scene,), objectives=OBJECTIVES).values(Candidates(qe=curves))
     pixel = point.sensor.pixel
     training = None
     if matrix == "lmmse":

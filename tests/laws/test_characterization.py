@@ -20,7 +20,7 @@ from chromanoise.characterization import (
 )
 from chromanoise.characterization.spatial import fixed_pattern, hot_pixels, spatial_variance
 from chromanoise.characterization.statistics import scaled_sample
-from chromanoise.io.frames import Frame, FrameLevel, FrameSet, read_frame_set
+from chromanoise.io.frames import FrameLevel, FrameSet, RawFrame, read_frame_set
 from chromanoise.io.given_matrices import GivenMatrix
 from chromanoise.sensor import Mosaic, bayer
 from outcomes import refused_input
@@ -43,7 +43,7 @@ CAMERA = VirtualCamera(
 
 def frame(codes, name="f"):
     codes = np.asarray(codes)
-    return Frame(path=Path(name), shape=codes.shape, read=lambda: codes)
+    return RawFrame(path=Path(name), shape=codes.shape, read=lambda: codes)
 
 
 def frames_of(folder, camera=CAMERA, **settings):

@@ -125,6 +125,6 @@ def test_a_picture_that_a_package_cannot_process_is_refused(name):
 def test_an_absent_package_is_refused_with_the_extra_that_holds_it(monkeypatch, name, module):
     monkeypatch.setitem(sys.modules, module, None)
     planes = planes_of(np.ones((16, 16, 1)), read_noise_e=1.0)
-    with refused_input(subject="method", value=name) as error:
+    with refused_input(subject="denoise", value=name) as error:
         denoised_planes(planes, DENOISING[name])
     assert "chromanoise[denoise]" in str(error.value)

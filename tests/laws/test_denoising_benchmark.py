@@ -215,5 +215,5 @@ def test_crosstalk_after_counting_is_refused():
 
 
 def test_an_unknown_method_is_refused_before_the_computation():
-    with refused_input(subject="method", value="magic"):
+    with refused_input(subject="denoise", value="magic"):
         denoising_benchmark(methods=["magic"])

@@ -9,7 +9,7 @@ from chromanoise.catalog import sensor_named
 from chromanoise.design import (
     DESIGN_STARTER,
     OBJECTIVES,
-    DesignDocument,
+    DesignStudy,
     optimized,
     read_design,
 )
@@ -163,7 +163,7 @@ def test_the_identity_of_a_design_depends_on_all_but_the_effort_of_the_search(tm
 
 
 def test_every_description_of_the_schema_names_all_objectives():
-    text = DesignDocument.model_fields["design"].annotation.model_fields["objectives"].description
+    text = DesignStudy.model_fields["design"].annotation.model_fields["objectives"].description
     assert all(name in text for name in OBJECTIVES)
 
 

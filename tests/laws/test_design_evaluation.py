@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from chromanoise.design.candidates import Candidates, noise_properties
-from chromanoise.design.evaluation import Evaluator
+from chromanoise.design.evaluation import Objectives
 from chromanoise.design.objectives import FAST, OBJECTIVES, Candidate, value_of
 from chromanoise.design.parameters import Parameter
 from chromanoise.design.robustness import ToleranceDraws, over_tolerances
@@ -96,7 +96,7 @@ def test_a_batch_gives_the_values_of_the_library(matrix, p):
     hueless = p == 1  # colors of one channel are gray; their hue is rounding
     left_out = {"snr10_lux": searched, "ciede2000": hueless}
     names = tuple(name for name in FAST if not left_out.get(name))
-    found = Evaluator(scenes=(scene,), objectives=names).values(Candidates(qe=qe))
+    found = Objectives(scenes=(scene,), objectives=names).values(Candidates(qe=qe))
     wanted = np.array([of_library(scene, one, names) for one in qe])
     assert np.isfinite(wanted).mean() > 0.6
     np.testing.assert_allclose(found, wanted, rtol=1e-9)
@@ -113,7 +113,7 @@ def test_what_a_candidate_brings_replaces_what_the_scene_has():
     weight = np.array([0.0, 1.0, 7.0])
     pixel = {"read_noise_e": read_noise_e, "prnu": prnu / 10}
     own = Candidates(qe=qe, time_s=time_s, pixel=pixel, noise_weight=weight)
-    found = Evaluator(scenes=(scene,), objectives=FAST).values(own)
+    found = Objectives(scenes=(scene,), objectives=FAST).values(own)
     for i in range(3):
         point = candidate_point(
             scene, qe[i], time_s=time_s[i], read_noise_e=read_noise_e[i], prnu=prnu[i] / 10
@@ -140,7 +140,7 @@ def test_any_noise_of_the_pixel_of_a_candidate_is_that_of_its_sensor(matrix, nam
     pixel = {name: amount, **{other: np.full(4, value) for other, value in more.items()}}
     for time in (None, time_s):
         own = Candidates(qe=qe, time_s=time, pixel=pixel)
-        found = Evaluator(scenes=(scene,), objectives=names).values(own)
+        found = Objectives(scenes=(scene,), objectives=names).values(own)
         for i in range(4):
             given = {} if time is None else {"time_s": time[i]}
             point = candidate_point(scene, qe[i], **given, **more, **{name: amount[i]})
@@ -166,7 +166,7 @@ def test_the_gradient_of_any_noise_of_the_pixel_is_the_central_difference(name):
             return Candidates(qe=qe, time_s=values[:, 0], pixel=pixel | {name: values[:, 1]})
 
     scene = scene_of(np.random.default_rng(4), "kernel")
-    evaluator = Evaluator(scenes=(scene,), objectives=("snr_y_db", "least_separation"))
+    evaluator = Objectives(scenes=(scene,), objectives=("snr_y_db", "least_separation"))
     at, step = np.array([0.05, 0.4 * high]), np.diag([1e-4, 1e-3 * high])
     _, jacobian = evaluator.gradient(Noises(), at)
     around = [evaluator.values(Noises().candidates(at + k * step)) for k in (-2, -1, 1, 2)]
@@ -186,7 +186,7 @@ def test_dependent_and_nearly_dependent_channels_keep_the_digits_of_the_library(
         qe[i, :, 3] = (qe[i, :, 0] + qe[i, :, 1]) / 2 + apart * qe[i, :, 2]
     names = ("snr_y_db", "noise_delta_e", "delta_e", "ciede2000", "vora", "mean_separation")
     scene = plain_scene(matrix, p=4)
-    found = Evaluator(scenes=(scene,), objectives=names).values(Candidates(qe=qe))
+    found = Objectives(scenes=(scene,), objectives=names).values(Candidates(qe=qe))
     for one, values in zip(qe, found, strict=True):
         condition = np.linalg.cond(one / np.linalg.norm(one, axis=0))
         tolerance = max(1e-9, 1e-14 * condition) if condition < 1e10 else 1e-9
@@ -198,11 +198,11 @@ def test_the_bits_of_a_candidate_depend_neither_on_the_batch_nor_on_the_threads(
     qe = bells(rng, 300, 3)
     qe[7, :, 2] = qe[7, :, 0]  # a singular one goes another way
     scene = plain_scene("kernel")
-    whole = Evaluator(scenes=(scene,), objectives=FAST, threads=1).values(Candidates(qe=qe))
-    threaded = Evaluator(scenes=(scene,), objectives=FAST, threads=2).values(Candidates(qe=qe))
+    whole = Objectives(scenes=(scene,), objectives=FAST, threads=1).values(Candidates(qe=qe))
+    threaded = Objectives(scenes=(scene,), objectives=FAST, threads=2).values(Candidates(qe=qe))
     assert (whole == threaded).all()
     parts = [
-        Evaluator(scenes=(scene,), objectives=FAST).values(Candidates(qe=part))
+        Objectives(scenes=(scene,), objectives=FAST).values(Candidates(qe=part))
         for part in np.split(qe, [1, 6, 40, 233])
     ]
     assert (np.concatenate(parts) == whole).all()
@@ -212,7 +212,7 @@ def test_choices_from_a_library_are_the_sensors_with_these_curves():
     rng = np.random.default_rng(4)
     curves = bells(rng, 1, 40)[0]
     choices = rng.integers(0, 40, (50, 4))
-    evaluator = Evaluator(scenes=(plain_scene(p=4),), objectives=FAST)
+    evaluator = Objectives(scenes=(plain_scene(p=4),), objectives=FAST)
     found = evaluator.values_of_choices(choices, curves)
     wanted = evaluator.values(Candidates(qe=np.moveaxis(curves[:, choices], 0, 1)))
     np.testing.assert_allclose(found, wanted, rtol=1e-9)
@@ -228,7 +228,7 @@ def luther_curves():
 @pytest.mark.parametrize("matrix", ["kernel", "least-squares"])
 def test_mixtures_of_the_observer_have_no_color_error_and_a_vora_value_of_1(matrix):
     names = ("delta_e", "ciede2000", "vora")
-    evaluator = Evaluator(scenes=(plain_scene(matrix),), objectives=names)
+    evaluator = Objectives(scenes=(plain_scene(matrix),), objectives=names)
     np.testing.assert_allclose(
         evaluator.values(Candidates(qe=luther_curves()[None])), [[0, 0, 1]], atol=1e-9
     )
@@ -236,8 +236,8 @@ def test_mixtures_of_the_observer_have_no_color_error_and_a_vora_value_of_1(matr
 
 def test_one_channel_has_the_snr_of_its_electrons_whatever_its_angle():
     scene, qe = plain_scene(p=1), bells(np.random.default_rng(5), 4, 1)
-    found = Evaluator(scenes=(scene,), objectives=("snr_y_db",)).values(Candidates(qe=qe))
-    share = Evaluator(scenes=(scene,), objectives=("snr_y_db",)).share_of_full_well(
+    found = Objectives(scenes=(scene,), objectives=("snr_y_db",)).values(Candidates(qe=qe))
+    share = Objectives(scenes=(scene,), objectives=("snr_y_db",)).share_of_full_well(
         Candidates(qe=qe)
     )
     electrons = share * QUIET.full_well_e
@@ -246,7 +246,7 @@ def test_one_channel_has_the_snr_of_its_electrons_whatever_its_angle():
 
 def test_the_best_pixel_shares_are_proportional_to_the_weighted_noise():
     scene, qe = plain_scene(), bells(np.random.default_rng(6), 1, 3)
-    evaluator = Evaluator(scenes=(scene,), objectives=("snr_y_db",))
+    evaluator = Objectives(scenes=(scene,), objectives=("snr_y_db",))
     point = candidate_point(scene, qe[0])
     weight, electrons = scene.maker(point).matrix[1], of_white(scene, qe[0])
     best = np.abs(weight) * np.sqrt(electrons + 9)
@@ -260,7 +260,7 @@ def test_the_best_pixel_shares_are_proportional_to_the_weighted_noise():
 
 
 def of_white(scene, qe):
-    one = Evaluator(scenes=(scene,), objectives=("snr_y_db",))
+    one = Objectives(scenes=(scene,), objectives=("snr_y_db",))
     each = [one.share_of_full_well(Candidates(qe=qe[None, :, [i]]))[0] for i in range(qe.shape[1])]
     return np.array(each) * QUIET.full_well_e
 
@@ -268,7 +268,7 @@ def of_white(scene, qe):
 def test_ciede2000_equals_another_code_for_all_hues():
     rng, scene = np.random.default_rng(8), plain_scene()
     qe = rng.uniform(0.02, 0.9, (60, GRID.n, 3)) ** rng.uniform(1, 9, (60, 1, 3))
-    evaluator = Evaluator(scenes=(scene,), objectives=("ciede2000",))
+    evaluator = Objectives(scenes=(scene,), objectives=("ciede2000",))
     found = evaluator.values(Candidates(qe=qe))[:, 0]
     for one, value in zip(qe, found, strict=True):
         point = candidate_point(scene, one)
@@ -315,7 +315,7 @@ def test_gradients_equal_central_differences(matrix, more):
     names = tuple(name for name in FAST if name != "snr10_lux" or matrix != "lmmse")
     space, at = Bells(more=more), np.append(AT, 33.0) if more else AT
     scenes = (plain_scene(matrix), plain_scene(matrix, level_lux=3.0))
-    evaluator = Evaluator(scenes=scenes, objectives=names)
+    evaluator = Objectives(scenes=scenes, objectives=names)
     values, jacobian = evaluator.gradient(space, at)
     step = 1e-3 * np.eye(at.size)
     around = [evaluator.values(space.candidates(at + k * step)) for k in (-2, -1, 1, 2)]
@@ -329,7 +329,7 @@ def test_gradients_equal_central_differences(matrix, more):
 def test_the_separations_of_a_linearization_are_the_distances_of_the_library(more):
     space, at = Bells(more=more), np.append(AT, 33.0) if more else AT
     scenes = (plain_scene("kernel"), plain_scene("kernel", level_lux=3.0))
-    evaluator = Evaluator(scenes=scenes, objectives=("least_separation", "mean_separation"))
+    evaluator = Objectives(scenes=scenes, objectives=("least_separation", "mean_separation"))
     found = evaluator.linearization(space, at)
     apart = found.separations.reshape(2, -1)
     least, mean = evaluator.values(space.candidates(at[None]))[0]
@@ -347,7 +347,7 @@ def test_without_a_least_separation_of_the_worst_scene_a_linearization_has_no_se
     scenes = (plain_scene("kernel"), plain_scene("kernel", level_lux=3.0))
     for fields in ({"objectives": ("snr_y_db",)}, {"over_scenes": "mean"}):
         given = {"objectives": ("least_separation",)} | fields
-        found = Evaluator(scenes=scenes, **given).linearization(Bells(), AT)
+        found = Objectives(scenes=scenes, **given).linearization(Bells(), AT)
         assert found.separations.size == 0
 
 
@@ -366,7 +366,7 @@ def test_differences_at_a_bound_do_not_step_beyond_it(at):
 
     noiseless = replace(QUIET, read_noise_e=0.0, full_well_e=1e9)
     scene = plain_scene("bounded-psi=2", pixel=noiseless)  # no kernel computes its matrix
-    evaluator = Evaluator(scenes=(scene,), objectives=("snr_y_db",))
+    evaluator = Objectives(scenes=(scene,), objectives=("snr_y_db",))
     assert not evaluator.has_exact_gradients(False)
     _, jacobian = evaluator.gradient(Times(), np.array([at]))
     np.testing.assert_allclose(jacobian, [[10 / np.log(10) / at]], rtol=1e-2)
@@ -382,7 +382,7 @@ def test_the_gradient_of_a_shot_limited_snr_over_time_is_known():
             )
 
     noiseless = replace(QUIET, read_noise_e=0.0, full_well_e=1e9)
-    evaluator = Evaluator(scenes=(plain_scene(pixel=noiseless),), objectives=("snr_y_db",))
+    evaluator = Objectives(scenes=(plain_scene(pixel=noiseless),), objectives=("snr_y_db",))
     _, jacobian = evaluator.gradient(Times(), np.array([0.02]))
     np.testing.assert_allclose(jacobian, [[10 / np.log(10) / 0.02]], rtol=1e-12)
 
@@ -391,17 +391,17 @@ def test_the_worst_scene_counts_or_the_mean():
     qe, names = bells(np.random.default_rng(9), 5, 3), ("snr_y_db", "noise_delta_e")
     scenes = tuple(plain_scene(level_lux=lux) for lux in (1.0, 10.0))
     dim, bright = (
-        Evaluator(scenes=(s,), objectives=names).values(Candidates(qe=qe)) for s in scenes
+        Objectives(scenes=(s,), objectives=names).values(Candidates(qe=qe)) for s in scenes
     )
-    worst = Evaluator(scenes=scenes, objectives=names).values(Candidates(qe=qe))
-    mean = Evaluator(scenes=scenes, objectives=names, over_scenes="mean").values(Candidates(qe=qe))
+    worst = Objectives(scenes=scenes, objectives=names).values(Candidates(qe=qe))
+    mean = Objectives(scenes=scenes, objectives=names, over_scenes="mean").values(Candidates(qe=qe))
     assert (worst == dim).all()
     np.testing.assert_allclose(mean, (dim + bright) / 2)
 
 
 def test_a_saturated_candidate_has_the_worst_values_and_never_nan():
     scene, names = plain_scene(time_s=10.0), tuple(OBJECTIVES)
-    evaluator = Evaluator(scenes=(scene,), objectives=names)
+    evaluator = Objectives(scenes=(scene,), objectives=names)
     own = Candidates(qe=bells(np.random.default_rng(10), 1, 3))
     assert evaluator.share_of_full_well(own)[0] > 1
     found = dict(zip(names, evaluator.values(own)[0], strict=True))
@@ -414,7 +414,7 @@ def test_a_channel_that_measures_nothing_has_the_worst_values():
     qe = bells(np.random.default_rng(11), 2, 3)
     qe[0, :, 1] = 0.0
     for matrix in ("kernel", "lmmse"):
-        evaluator = Evaluator(scenes=(plain_scene(matrix),), objectives=("snr_y_db", "vora"))
+        evaluator = Objectives(scenes=(plain_scene(matrix),), objectives=("snr_y_db", "vora"))
         found = evaluator.values(Candidates(qe=qe))
         assert (found[0] == -np.inf).all()
         assert np.isfinite(found[1]).all()
@@ -425,13 +425,13 @@ def test_pairs_of_a_scene_are_separated_instead_of_those_of_the_chart():
     pairs = PatchPairs(patches=chart, indices=np.array([[0, 1], [4, 9]]))
     scene, names = plain_scene(pairs=pairs), ("least_separation", "mean_separation", "delta_e")
     qe = bells(np.random.default_rng(12), 1, 3)
-    found = Evaluator(scenes=(scene,), objectives=names).values(Candidates(qe=qe))[0]
+    found = Objectives(scenes=(scene,), objectives=names).values(Candidates(qe=qe))[0]
     np.testing.assert_allclose(found, of_library(scene, qe[0], names), rtol=1e-9)
 
 
 def test_the_worst_of_a_small_tolerance_is_the_gradient_times_the_tolerance():
     space = Bells(tolerance=1e-4)
-    evaluator = Evaluator(scenes=(plain_scene(),), objectives=("snr_y_db",))
+    evaluator = Objectives(scenes=(plain_scene(),), objectives=("snr_y_db",))
     values, jacobian = evaluator.gradient(space, AT)
 
     def loss(around):
@@ -444,35 +444,35 @@ def test_the_worst_of_a_small_tolerance_is_the_gradient_times_the_tolerance():
 @pytest.mark.parametrize(
     ("made", "fields"),
     [
-        (lambda: Evaluator(scenes=(plain_scene(),), objectives=("snr_y",)), {"value": "snr_y"}),
-        (lambda: Evaluator(scenes=(), objectives=("vora",)), {"subject": "scenes"}),
-        (lambda: Evaluator(scenes=(plain_scene(),), objectives=()), {"subject": "objectives"}),
+        (lambda: Objectives(scenes=(plain_scene(),), objectives=("snr_y",)), {"value": "snr_y"}),
+        (lambda: Objectives(scenes=(), objectives=("vora",)), {"subject": "scenes"}),
+        (lambda: Objectives(scenes=(plain_scene(),), objectives=()), {"subject": "objectives"}),
         (
-            lambda: Evaluator(scenes=(plain_scene(),), objectives=("vora",)).values(
+            lambda: Objectives(scenes=(plain_scene(),), objectives=("vora",)).values(
                 Candidates(qe=np.full((1, 5, 3), 0.5))
             ),
             {"value": 5},
         ),
         (
-            lambda: Evaluator(scenes=(plain_scene(),), objectives=("vora",)).values(
+            lambda: Objectives(scenes=(plain_scene(),), objectives=("vora",)).values(
                 Candidates(qe=np.full((0, GRID.n, 3), 0.5))
             ),
             {"subject": "candidates"},
         ),
         (
-            lambda: Evaluator(scenes=(plain_scene(),), objectives=("visual_noise",)).values(
+            lambda: Objectives(scenes=(plain_scene(),), objectives=("visual_noise",)).values(
                 Candidates(qe=np.full((1, GRID.n, 3), 0.5), pixel_share=np.full((1, 3), 1 / 3))
             ),
             {"subject": "objective visual_noise"},
         ),
         (
-            lambda: Evaluator(scenes=(plain_scene(),), objectives=("vora",)).values(
+            lambda: Objectives(scenes=(plain_scene(),), objectives=("vora",)).values(
                 Candidates(qe=np.full((1, GRID.n, 3), 0.5), noise_weight=np.ones(1))
             ),
             {"value": "kernel"},
         ),
         (
-            lambda: Evaluator(scenes=(plain_scene(),), objectives=("vora",)).values_of_choices(
+            lambda: Objectives(scenes=(plain_scene(),), objectives=("vora",)).values_of_choices(
                 np.array([[0, 9]]), np.full((GRID.n, 9), 0.5)
             ),
             {"value": 9},

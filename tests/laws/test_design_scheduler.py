@@ -11,11 +11,11 @@ import pytest
 import design_problems
 from chromanoise.design.problem import Evaluated
 from chromanoise.design.scheduler import scheduler_at
-from chromanoise.design.search import SearchSettings, searched_front
+from chromanoise.design.search import SearchOptions, searched_front
 from design_problems import bnh
 from outcomes import refused_input
 
-SETTINGS = SearchSettings(budget=300, population=50, seed=1)
+SETTINGS = SearchOptions(budget=300, population=50, seed=1)
 
 
 @pytest.fixture(scope="module")

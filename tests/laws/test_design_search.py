@@ -14,7 +14,7 @@ from chromanoise.design.algorithms import METHODS
 from chromanoise.design.front import non_dominated
 from chromanoise.design.polish import improved
 from chromanoise.design.problem import Evaluated, Problem
-from chromanoise.design.search import SearchSettings, searched_front
+from chromanoise.design.search import SearchOptions, searched_front
 from chromanoise.errors import InputError
 from design_problems import bnh, bowl, dtlz2, half_plane, problem_of, rosenbrock, zdt1
 from outcomes import refused_input
@@ -29,7 +29,7 @@ def found(problem, method="nsga2", budget=1600, population=40, **options):
     settings = usual | {name: options.pop(name) for name in names}
     return searched_front(
         problem,
-        SearchSettings(method=method, budget=budget, population=population, **settings),
+        SearchOptions(method=method, budget=budget, population=population, **settings),
         **options,
     )
 
@@ -474,7 +474,7 @@ def test_saturated_candidates_are_never_members(method):
 )
 def test_bad_settings_are_one_sentence(fields, subject):
     with refused_input(subject=subject):
-        SearchSettings(**fields)
+        SearchOptions(**fields)
 
 
 @pytest.mark.parametrize("method", ["nsga2", "nsga3", "cma-es"])
@@ -671,7 +671,7 @@ def test_the_unit_of_a_constraint_does_not_change_the_search(method):
             better=("lower",) * objectives, gradient=None, **sizes,
         )  # fmt: skip
 
-    settings = SearchSettings(method=method, budget=400, population=20, seeds=1)
+    settings = SearchOptions(method=method, budget=400, population=20, seeds=1)
     found = searched_front(problem(1.0), settings)
     same = searched_front(problem(1024.0, constraint_sizes=(1024.0, 1.0)), settings)
     np.testing.assert_array_equal(same.values, found.values)

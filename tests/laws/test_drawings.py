@@ -233,7 +233,7 @@ def test_charts_have_the_numbers_of_a_run(clip):
         assert stages[i]["price_db"] == own["price_db"]
         assert stages[i]["spectral_db"] == own["spectral_snr_db"]
         # by the cubature of charts, which has fewer points
-        assert stages[i]["lab_sd"] == pytest.approx(own["grey_noise"]["sd_normal_law"], rel=0.02)
+        assert stages[i]["lab_sd"] == pytest.approx(own["gray_noise"]["sd_normal_law"], rel=0.02)
         assert chart[i]["mean_delta_e"] == own["color_error_mean"]
     (matrices,) = results.matrices.values()
     for drawn, own in zip(pareto, matrices.to_dict()["sensors"], strict=True):

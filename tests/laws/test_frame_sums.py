@@ -13,7 +13,7 @@ from scipy.ndimage import convolve1d, uniform_filter1d
 from chromanoise.characterization import characterized, light_sample, statistics
 from chromanoise.characterization.statistics import summed
 from chromanoise.imaging.frame_sums import PairSums, high_passed_variance, value_counts
-from chromanoise.io.frames import Frame, FrameLevel, FrameSet, frames_in
+from chromanoise.io.frames import FrameLevel, FrameSet, RawFrame, frames_in
 from outcomes import refused_input
 
 
@@ -22,7 +22,7 @@ def codes(shape, seed=0, high=4096, kind=np.uint16):
 
 
 def frame(values, name="f"):
-    return Frame(path=Path(name), shape=values.shape, read=lambda: values)
+    return RawFrame(path=Path(name), shape=values.shape, read=lambda: values)
 
 
 def stored(folder, *pictures):

@@ -507,7 +507,7 @@ def test_compare_refuses_what_it_cannot_sweep(run, option, value, parts, fields)
 
 def test_gray_noise_in_lab_is_told_with_first_order_beside_it(run):
     _, out, _ = run("analyze", "onyx-rgb-ircut", "--space", "lab", "--json", "-")
-    grey = json.loads(out)["sensors"][0]["grey_noise"]
+    grey = json.loads(out)["sensors"][0]["gray_noise"]
     assert grey["space"] == "CIELAB"
     assert grey["mean"]["L*"] == pytest.approx(49.5, abs=0.2)  # 18 % gray: 116 * .18^(1/3) - 16
     assert grey["sd"]["L*"] == pytest.approx(grey["sd_first_order"]["L*"], rel=0.05)
@@ -524,7 +524,7 @@ def test_where_the_first_order_fails_it_says_so(run):
 
 def test_a_saturated_sensor_has_no_gray_noise(run):
     arguments = ("analyze", "onyx-rgbw", "--space", "luv", "--lux", 1e5, "--time-ms", 12)
-    assert json.loads(run(*arguments, "--json", "-")[1])["sensors"][0]["grey_noise"] is None
+    assert json.loads(run(*arguments, "--json", "-")[1])["sensors"][0]["gray_noise"] is None
     assert run(*arguments)[0] == 0
 
 

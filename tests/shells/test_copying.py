@@ -93,7 +93,7 @@ def test_a_study_copied_from_compare_gives_its_digits(run, copied, options):
 
 @pytest.mark.parametrize(
     "options",
-    [("--method", "lmmse", "--prior", "chart"), ("--pareto", "0.1:10:3", *GIVEN), ("--time-ms", 2)],
+    [("--matrix", "lmmse", "--prior", "chart"), ("--pareto", "0.1:10:3", *GIVEN), ("--time-ms", 2)],
 )
 def test_a_study_copied_from_matrix_gives_its_digits(run, copied, options):
     (result,) = copied("matrix", "onyx-rgbw", *options).values()

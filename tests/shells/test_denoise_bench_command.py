@@ -10,7 +10,7 @@ from chromanoise.report import write_denoising_report
 from chromanoise.study.denoising_cells import denoising_benchmark
 from outcomes import refused, refused_input
 
-SMALL = {"--sensor": "onyx-rgbw", "--levels": "10", "--crop": "64", "--method": "none"}
+SMALL = {"--sensor": "onyx-rgbw", "--levels": "10", "--crop": "64", "--denoise": "none"}
 
 
 def words_of(**changed):
@@ -20,7 +20,7 @@ def words_of(**changed):
 
 def test_cells_report_and_pictures_are_of_the_same_methods(done, tmp_path):
     methods = ("none", "lmmse")
-    words = [*words_of(), "--method", "lmmse"]
+    words = [*words_of(), "--denoise", "lmmse"]
     out = done("denoise-bench", *words, "-o", tmp_path / "out", "--json", tmp_path / "a")
     cells = json.loads((tmp_path / "a").read_text("utf-8"))["cells"]
     assert [cell["method"] for cell in cells] == list(methods)

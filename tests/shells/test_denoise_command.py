@@ -25,7 +25,7 @@ K = 0.4095
 AT = ["--lux", "10", "--time-ms", "12"]
 KNOWN = ["--mosaic", "RG/GB", "--black-level", "100", "--gain-dn-per-e", "0.5"]
 KNOWN += ["--read-noise-e", "5", "--bits", "12"]
-METHOD = ["--method", "lmmse"]
+METHOD = ["--denoise", "lmmse"]
 
 
 @pytest.fixture(scope="module")
@@ -67,10 +67,10 @@ def test_a_dng_of_simulate_gives_the_color_of_simulate_with_denoising(done, simu
 
 def test_the_noise_profile_of_a_dng_is_the_noise_of_its_pixel(simulated):
     frames = frames_in(simulated / f"{SENSOR}.dng")
-    plan = prepared_denoising(frames, None, {}, method="lmmse")
+    plan = prepared_denoising(frames, None, {}, denoise="lmmse")
     assert plan.noise.gain_e_per_dn == pytest.approx((10_000 / 4095) * 4095 / (4095 - 64))
     own = {"gain_dn_per_e": 1 / plan.noise.gain_e_per_dn, "time_ms": 12.0}
-    pixel = prepared_denoising(frames, SENSOR, own, method="lmmse")
+    pixel = prepared_denoising(frames, SENSOR, own, denoise="lmmse")
     assert "NoiseProfile" in plan.noise.source
     assert "NoiseProfile" not in pixel.noise.source
     one, other = (found.noise.law.coefficients for found in (pixel, plan))
@@ -81,7 +81,7 @@ def test_the_noise_profile_of_a_dng_is_the_noise_of_its_pixel(simulated):
 def test_the_codes_are_written_as_tiff_and_as_dng_with_the_same_tags(done, simulated, tmp_path):
     file, folder = simulated / f"{SENSOR}.dng", tmp_path / "out"
     done("denoise", file, *METHOD, "-o", folder)
-    result = cn.denoise(file, method="lmmse")
+    result = cn.denoise(file, denoise="lmmse")
     tags = []
     for path in (file, folder / f"{SENSOR}.denoised.dng"):
         with tifffile.TiffFile(path) as opened:
@@ -147,7 +147,7 @@ def test_noise_is_measured_where_the_picture_is_smoothest(assumed_e, ratio):
 
 def test_a_picture_without_usable_values_has_no_residual():
     result = cn.denoise(
-        np.full((24, 24), 4095, np.uint16), unit="DN", method="lmmse", mosaic="RG/GB", bits=12,
+        np.full((24, 24), 4095, np.uint16), unit="DN", denoise="lmmse", mosaic="RG/GB", bits=12,
         gain_dn_per_e=0.5, read_noise_e=5.0, black_level=100,
     )  # fmt: skip
     assert result.summary["saturated_share"] == 1
@@ -174,7 +174,7 @@ def test_a_wrong_gain_is_reported(done, tmp_path):
 def test_a_dark_picture_is_denoised_to_about_black(seed, sensor, method):
     settings = {"mosaic": "RG/GB", "gain_dn_per_e": 0.5, "read_noise_e": 5.0, "time_ms": 12.0}
     result = cn.denoise(
-        flat(0, seed=seed), unit="DN", method=method, sensor=sensor, black_level=100, **settings
+        flat(0, seed=seed), unit="DN", denoise=method, sensor=sensor, black_level=100, **settings
     )
     assert np.isfinite(result.values_e).all()
     assert np.abs(result.values_e).max() < 2.5
@@ -191,7 +191,7 @@ def test_saturated_pixels_keep_their_code_and_are_counted(tmp_path):
     codes[10, 10:14] = 4095
     codes[20, 20] = 0
     settings = {"mosaic": "RG/GB", "gain_dn_per_e": 0.5, "read_noise_e": 5.0, "bits": 12}
-    result = cn.denoise(codes, unit="DN", method="lmmse", black_level=100, **settings)
+    result = cn.denoise(codes, unit="DN", denoise="lmmse", black_level=100, **settings)
     assert (result.codes[10, 10:14] == 4095).all()
     assert result.codes[20, 20] > 0
     assert result.summary["saturated_share"] == 4 / codes.size
@@ -206,7 +206,7 @@ def test_a_dump_an_array_and_a_file_of_the_same_codes_give_the_same(tmp_path):
     codes.astype("<u2").tofile(tmp_path / "a.raw")
     codes.astype(">u2").tofile(tmp_path / "b.raw")
     settings = {"mosaic": "RG/GB", "gain_dn_per_e": 0.5, "read_noise_e": 5.0, "black_level": 100}
-    settings |= {"method": "lmmse"}
+    settings |= {"denoise": "lmmse"}
     array = cn.denoise(codes, unit="DN", **settings).values_e
     for file, more in (
         ("a.npy", {}),
@@ -219,7 +219,7 @@ def test_a_dump_an_array_and_a_file_of_the_same_codes_give_the_same(tmp_path):
 def test_electrons_need_neither_gain_nor_black_level():
     values_e = (flat(300).astype(np.float64) - 100) * 2
     result = cn.denoise(
-        values_e, unit="e-", mosaic="RG/GB", read_noise_e=5.0, method="lmmse", prnu=0.01
+        values_e, unit="e-", mosaic="RG/GB", read_noise_e=5.0, denoise="lmmse", prnu=0.01
     )
     assert result.codes is None
     np.testing.assert_array_equal(result.noise.law.floor_e2, [25.0] * 3)
@@ -231,7 +231,7 @@ def test_a_burst_is_merged_before_it_is_denoised(tmp_path):
         np.save(tmp_path / f"{seed}.npy", flat(300, seed=seed))
     settings = {"mosaic": "RG/GB", "gain_dn_per_e": 0.5, "read_noise_e": 5.0, "black_level": 100}
     files = [tmp_path / f"{seed}.npy" for seed in range(4)]
-    one, four = (cn.denoise(files[:n], method="lmmse", **settings) for n in (1, 4))
+    one, four = (cn.denoise(files[:n], denoise="lmmse", **settings) for n in (1, 4))
     assert (one.summary["frames"], four.summary["frames"]) == (1, 4)
     assert four.values_e.std() < 0.75 * one.values_e.std()
     mean = np.mean([np.load(file) for file in files], axis=0)
@@ -299,9 +299,9 @@ def test_half_of_a_noise_does_not_give_way_to_the_noise_profile(simulated, given
 
 def test_the_summary_records_only_settings_that_take_part(simulated):
     file = simulated / f"{SENSOR}.dng"
-    alone = cn.denoise(file, method="lmmse").summary["settings"]
+    alone = cn.denoise(file, denoise="lmmse").summary["settings"]
     assert not {"lux", "f_number", "sensor", "illuminant"} & {*alone}
-    known = cn.denoise(file, sensor=SENSOR, method="lmmse", time_ms=12.0).summary["settings"]
+    known = cn.denoise(file, sensor=SENSOR, denoise="lmmse", time_ms=12.0).summary["settings"]
     assert (known["sensor"], known["lux"], known["time_ms"]) == (SENSOR, None, 12.0)
 
 
@@ -317,7 +317,7 @@ def test_a_high_difference_of_neighbors_does_not_say_that_the_noise_is_wrong(tmp
     codes = flat(texture * 4, shape=texture.shape)
     (note,) = (
         one
-        for one in cn.denoise(codes, unit="DN", method="lmmse", **known).summary["notes"]
+        for one in cn.denoise(codes, unit="DN", denoise="lmmse", **known).summary["notes"]
         if "smoothest" in one
     )
     assert "detail" in note
@@ -352,14 +352,14 @@ def test_an_array_needs_its_unit_and_a_file_none():
     with refused_input(subject="unit", value="DN"):
         cn.denoise("a.npy", unit="DN")
     with refused_input(subject="picture", requirement="integer"):
-        cn.denoise(flat(100) / 2, unit="DN", method="lmmse")
+        cn.denoise(flat(100) / 2, unit="DN", denoise="lmmse")
     with refused_input(subject="picture", requirement="masked"):
-        cn.denoise(np.ma.masked_greater(flat(100), 150), unit="DN", method="lmmse")
+        cn.denoise(np.ma.masked_greater(flat(100), 150), unit="DN", denoise="lmmse")
     below = flat(100).astype(np.int32)
     below[3, 5] = -7
     with refused_input(subject="picture", value=-7):
         cn.denoise(
-            below, unit="DN", method="lmmse", mosaic="RG/GB", gain_dn_per_e=0.5, read_noise_e=5.0,
+            below, unit="DN", denoise="lmmse", mosaic="RG/GB", gain_dn_per_e=0.5, read_noise_e=5.0,
             black_level=100, bits=12,
         )  # fmt: skip
 
@@ -375,7 +375,7 @@ def test_the_name_of_a_sensor_says_nothing_of_its_read_noise(tmp_path):
     curves = [f"{nm},{0.5 * (nm < 600)},0.4,{0.3 * (nm > 500)}" for nm in range(400, 1060, 10)]
     file.write_text("\n".join(["wavelength_nm,R,G,B", *curves]))
     known = {"mosaic": "RG/GB", "black_level": 100, "bits": 12, "gain_dn_per_e": 0.5}
-    known |= {"time_ms": 10.0, "unit": "DN", "method": "lmmse", "sensor": file}
+    known |= {"time_ms": 10.0, "unit": "DN", "denoise": "lmmse", "sensor": file}
     assert cn.denoise(flat(300), read_noise_e=5.0, **known).noise.law.floor_e2[0] > 25
     with refused_input(setting="read_noise_e"):
         cn.denoise(flat(300), **known)

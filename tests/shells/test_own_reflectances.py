@@ -102,7 +102,7 @@ def test_an_18_percent_gray_has_the_electrons_and_the_noise_of_eq_7():
 
 def test_a_patch_leaves_the_chart_as_it_is():
     white, gray = analyzed(chart=True, space="lab"), analyzed(chart=True, space="lab", patch=0.18)
-    for name in ("chart", "color_error_mean", "grey_noise"):
+    for name in ("chart", "color_error_mean", "gray_noise"):
         assert gray[name] == white[name]
     assert gray["color"]["total_error_delta_e"] == white["color"]["total_error_delta_e"]
     assert gray["color"]["snr_db"]["Y"] < white["color"]["snr_db"]["Y"]

@@ -31,11 +31,11 @@ formats = ["png", "xyz"]
 """
 BUDGET = 48
 DESIGN = DESIGN_STARTER.replace("population = 200", "population = 16")
-CROP = ("--sensor", "onyx-rgbw", "--levels", 10, "--crop", 32, "--method", "none")
+CROP = ("--sensor", "onyx-rgbw", "--levels", 10, "--crop", 32, "--denoise", "none")
 DUMP = ("--mosaic", "RG/GB", "--black-level", 100, "--gain-dn-per-e", 0.5, "--read-noise-e", 5)
 FILLS = {  # option of a folder: the words before it, and those with which a stopped run goes on
     ("simulate", "out"): (("cube.npz", "--sensor", "model-rgb", "--time-ms", 12, "-o"), ()),
-    ("denoise", "out"): (("flat.npy", *DUMP, "--bits", 12, "--method", "lmmse", "-o"), ()),
+    ("denoise", "out"): (("flat.npy", *DUMP, "--bits", 12, "--denoise", "lmmse", "-o"), ()),
     ("optimize", "out"): (("design.toml", "--budget", BUDGET, "-o"), ("--resume",)),
     ("run", "out"): (("study.toml", "-o"), ()),
     ("rerun", "out"): (("made", "-o"), ()),

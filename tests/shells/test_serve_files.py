@@ -207,7 +207,7 @@ def test_served_files_of_crosstalk_and_matrix_are_read_and_read_again(uploads, t
         return sensor["raw"]["R"], sensor["color"]["Y"]
 
     first = snr_db()
-    done("matrix", *made[1:], made[0], "--method", "lmmse")
+    done("matrix", *made[1:], made[0], "--matrix", "lmmse")
     second = snr_db()
     mix.write_text("R,G,B\n0.7,0,0\n0.1,1,0.1\n0,0,0.7\n")
     third = snr_db()

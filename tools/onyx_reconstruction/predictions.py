@@ -13,7 +13,7 @@ from jaxtyping import Float
 from chromanoise._check import Array
 from chromanoise.color import colored, kernel_matrix
 from chromanoise.exposure import Exposure, expected_electrons, saturating_exposure
-from chromanoise.geometry import Frame, angles_to_axes_deg, contravariant
+from chromanoise.geometry import DualBasis, angles_to_axes_deg, contravariant
 from chromanoise.metrics import snr_db
 from chromanoise.noise import Measurement, with_noise
 from chromanoise.paper import study as paper
@@ -122,14 +122,14 @@ def signed_snr(prediction: Prediction, printed: PrintedSnr) -> float:
     return float(measurement.mean[i] / np.sqrt(measurement.variance[i]))
 
 
-def _column(sensor: Sensor, exposure: Exposure) -> tuple[dict[str, Measurement], Frame]:
+def _column(sensor: Sensor, exposure: Exposure) -> tuple[dict[str, Measurement], DualBasis]:
     raw = with_noise(expected_electrons(_scene(), sensor, exposure), sensor)
     matrix = kernel_matrix(sensor, exposure, METRIC)
     stages = (raw, contravariant(raw, matrix.frame), colored(raw, matrix))
     return {measurement.kind: measurement for measurement in stages}, matrix.frame
 
 
-def _green_to_y_deg(frame: Frame) -> float:
+def _green_to_y_deg(frame: DualBasis) -> float:
     return float(angles_to_axes_deg(frame, _y_axis())[frame.names.index("G"), 0])
 
 

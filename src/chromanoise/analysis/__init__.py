@@ -35,7 +35,7 @@ if TYPE_CHECKING:
         METHODS,
         MatrixFunction,
         MatrixMaker,
-        Method,
+        MatrixMethod,
         known_matrices,
         matrix_makers,
         trained_names,
@@ -146,9 +146,9 @@ __all__ = [
     "InformationStep",
     "MatrixFunction",
     "MatrixMaker",
+    "MatrixMethod",
     "Merit",
     "Merits",
-    "Method",
     "PipelineNoise",
     "PipelineSettings",
     "PipelineStep",
@@ -206,4 +206,4 @@ __all__ = [
     "trained_names",
     "white_snr_db",
 ]
-__getattr__, __dir__ = lazy_names(__name__)
+__getattr__, __dir__ = lazy_names(__name__, Method="MatrixMethod")

@@ -47,7 +47,7 @@ OwnMatrix = GivenMatrix | Callable[[OperatingPoint], Any]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Method:
+class MatrixMethod:
     """One method of computing a color matrix.
 
     Attributes
@@ -77,16 +77,16 @@ DEFAULT_METHOD = "kernel"
 """Name of the color matrix that every result uses unless another is given."""
 _SAME_EXPOSURE = 1e-12  # relative; a matrix keeps its digits at the exposure for which it was made
 
-METHODS: Mapping[str, Method] = {
-    "kernel": Method(make=kernel, trained=False),
-    "least-squares": Method(make=least_squares),
-    "white-preserving": Method(make=white_preserving),
-    "lmmse": Method(make=lmmse, over_light=lmmse_over_light),
-    "ridge": Method(make=ridge, parameter="strength", bounds=(0.0, 1e6)),
-    "noise-regularized": Method(
+METHODS: Mapping[str, MatrixMethod] = {
+    "kernel": MatrixMethod(make=kernel, trained=False),
+    "least-squares": MatrixMethod(make=least_squares),
+    "white-preserving": MatrixMethod(make=white_preserving),
+    "lmmse": MatrixMethod(make=lmmse, over_light=lmmse_over_light),
+    "ridge": MatrixMethod(make=ridge, parameter="strength", bounds=(0.0, 1e6)),
+    "noise-regularized": MatrixMethod(
         make=noise_regularized, parameter="weight", over_light=lmmse_over_light
     ),
-    "bounded-psi": Method(make=bounded_psi, parameter="limit", bounds=(1e-15, 1e15)),
+    "bounded-psi": MatrixMethod(make=bounded_psi, parameter="limit", bounds=(1e-15, 1e15)),
 }
 """The methods of a color matrix by name."""
 
@@ -113,7 +113,7 @@ class MatrixMaker:
         `ColorMatrix`.
     """
 
-    method: Method
+    method: MatrixMethod
     metric: Metric
     prior: str | Spectra = DEFAULT_PRIOR
     parameters: tuple[tuple[str, float], ...] = ()
@@ -431,7 +431,7 @@ def _in_channel_order(given: GivenMatrix, names: tuple[str, ...]) -> Float[Array
     return np.take(values, [given.channels.index(name) for name in names], axis=axis)
 
 
-def _method(name: str) -> Method:
+def _method(name: str) -> MatrixMethod:
     word = name.partition("=")[0].strip()
     return METHODS[_check.one_of("matrix", word, tuple(METHODS))]
 

@@ -54,7 +54,8 @@ def training_named(
         A name from `chromanoise.spectra.OBSERVERS`.
     """
     if isinstance(prior, str):
-        return replace(PRIORS[prior](illuminant), observer=observer)
+        name = _check.one_of("prior", prior, tuple(PRIORS))
+        return replace(PRIORS[name](illuminant), observer=observer)
     return Training(
         illuminant=illuminant,
         reflectance=prior.values.T,

@@ -10,7 +10,7 @@ from typing import Any
 from chromanoise import _check
 from chromanoise.catalog.names import unknown_name
 from chromanoise.catalog.sensors import SENSOR_NAMES, sensor_named
-from chromanoise.errors import InputError
+from chromanoise.errors import InputError, known_name
 from chromanoise.io.spectra import power_of_photons
 from chromanoise.io.spectra.defects import defects_of
 from chromanoise.spectra import DEFAULT_GRID, Spectra, infrared_parts
@@ -110,6 +110,7 @@ def catalog_entry(name: str, *, folder: Path | None = None) -> Entry:
     '<T>K'
     """
     entries = {entry.provenance.name: entry for entry in catalog_entries(folder=folder)}
+    name = known_name(name, entries)
     if name in entries:
         return entries[name]
     for entry in entries.values():

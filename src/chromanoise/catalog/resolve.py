@@ -21,7 +21,7 @@ from chromanoise.catalog.entries import (
 from chromanoise.catalog.names import unknown_name
 from chromanoise.catalog.sensor_tables import assumed_pixel, sensor_from_table
 from chromanoise.catalog.sensors import KNOWN_SENSORS, sensor_named
-from chromanoise.errors import InputError
+from chromanoise.errors import InputError, known_name
 from chromanoise.io import read_sensor
 from chromanoise.io.spectra import ASK, Answers, library_files, power_of, read_curves
 from chromanoise.io.spectra.parsed import Found
@@ -205,7 +205,7 @@ def resolve_filter(word: Curves, *, answers: Answers = ASK, shift_nm: float = 0.
         answers = replace(answers, quantity="transmittance")
         read = read_curves(file_there(word, "filter"), answers=answers)
         curve = replace(read.curves, notes=(*read.curves.notes, *read.notes, *read.defects))
-    elif (own := own_table(word, "filter")) is not None:
+    elif (own := own_table(word := catalog_word(word, "filter"), "filter")) is not None:
         curve = replace(user_curves(own), source=word, notes=(own.provenance.source,))
     else:
         _refuse_unknown(word, "filter")
@@ -261,7 +261,8 @@ def behind_resolved_filter(
     ('onyx-rgb+ircut-650', array([[0.5, 0.5, 0.5]]))
     """
     curve = resolve_filter(word, answers=answers, shift_nm=shift_nm)
-    name = _called(word) if is_file_word(word, "filter") else str(word)
+    named = is_file_word(word, "filter")
+    name = _called(word) if named else catalog_word(str(word), "filter")
     behind = "" if channel is None else f"{channel} "
     moved = f", shifted by {shift_nm:+g} nm" if shift_nm else ""
     note = "; ".join((f"{behind}behind the filter {name}{moved}", *curve.notes))
@@ -279,6 +280,7 @@ def asked_of_name(word: str) -> tuple[str, ...]:
     InputError
         If the user's folder is invalid.
     """
+    word = catalog_word(word, "sensor")
     own = own_table(word, "sensor")
     if word not in KNOWN_SENSORS and own is None:
         # reading the word later raises the error
@@ -328,6 +330,33 @@ _BUILT_IN: Mapping[WordKind, Callable[[str], bool]] = {
     "filter": is_filter_name,
     "observer": OBSERVERS.__contains__,
 }
+
+
+def catalog_word(word: str, kind: WordKind) -> str:
+    """The name of the catalog that a word is, as `known_name`; a word that is none itself.
+
+    Parameters
+    ----------
+    word
+        A word that is no file.
+    kind
+        What the word refers to.
+
+    Raises
+    ------
+    InputError
+        If the user's folder is invalid.
+
+    Examples
+    --------
+    >>> catalog_word("onyx_rgbw", "sensor"), catalog_word("ircut_650", "filter")
+    ('onyx-rgbw', 'ircut-650')
+    """
+    if _BUILT_IN[kind](word):
+        return word
+    known = known_name(word, catalog_names(_CATALOG_KIND[kind], folder=catalog_folder()))
+    family = word.replace("_", "-")
+    return family if known == word and _BUILT_IN[kind](family) else known
 
 
 def word_beside(word: str, kind: WordKind, folder: Path) -> str:
@@ -404,7 +433,7 @@ def _refuse_unknown(word: str, kind: WordKind) -> None:
 def _files(word: str, kind: WordKind) -> tuple[Path, ...]:
     if is_file_word(word, kind):
         return library_files(file_of(word))
-    table = catalog_file_of(word)
+    table = catalog_file_of(catalog_word(word, kind))
     return () if table is None else (table, table.with_name(SOURCES))
 
 
@@ -420,6 +449,7 @@ def _light(word: Curves, answers: Answers) -> Illuminant:
     if isinstance(word, Found) or is_file_word(word, "light"):
         curve = power_of(read_curves(file_there(word, "light"), answers=answers))
         return illuminant_from(curve, DEFAULT_GRID, name=_called(word), beyond=answers.beyond)
+    word = catalog_word(word, "light")
     own = own_table(word, "illuminant")
     if own is not None:
         return illuminant_from(own_power(own), DEFAULT_GRID, name=word, beyond=answers.beyond)
@@ -428,6 +458,7 @@ def _light(word: Curves, answers: Answers) -> Illuminant:
 
 
 def _catalog_sensor(word: str, answers: Answers, pixel: dict[str, float]) -> Sensor:
+    word = catalog_word(word, "sensor")
     own = own_table(word, "sensor")
     if own is not None:
         curves = user_curves(own)

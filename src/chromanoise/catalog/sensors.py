@@ -19,6 +19,7 @@ from chromanoise.catalog.names import (
     unknown_name,
 )
 from chromanoise.catalog.sensor_tables import CAMERA_NAMES, DEVICE_NAMES, camera_named, device_named
+from chromanoise.errors import known_name
 from chromanoise.io.spectra import ASK, Answers
 from chromanoise.sensor.models import MODELS
 from chromanoise.sensor.mosaic import bayer, rgbw_sparse_4x4
@@ -113,6 +114,7 @@ def sensor_named(
     >>> sensor.names, sensor.qe[15].round(2)                            # at 550 nm, G above W
     (('R', 'G', 'B', 'W'), array([0.05, 0.61, 0.07, 0.54]))
     """
+    name = known_name(name, KNOWN_SENSORS)
     if name not in KNOWN_SENSORS:
         raise unknown_name("sensor", name, KNOWN_SENSORS)
     if name in DEVICE_NAMES:

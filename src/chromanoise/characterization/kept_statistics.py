@@ -16,7 +16,7 @@ from chromanoise._files import write_whole
 from chromanoise.characterization.lights import Sampler
 from chromanoise.characterization.statistics import LightSample, PlaneSample, light_sample
 from chromanoise.errors import InputError
-from chromanoise.io.frames.frame import Frame
+from chromanoise.io.frames.frame import RawFrame
 
 _SCHEMA = "chromanoise frame statistics"
 _MOST_BYTES = 100_000_000
@@ -41,7 +41,7 @@ def resumed(path: Path) -> Sampler:
     """
     kept, writing = _read(path) if os.path.lexists(path) else {}, Lock()
 
-    def sampled(frames: Sequence[Frame], tile: tuple[int, int]) -> LightSample:
+    def sampled(frames: Sequence[RawFrame], tile: tuple[int, int]) -> LightSample:
         key = _key(frames, tile)
         if key not in kept:
             found = light_sample(frames, tile)
@@ -65,7 +65,7 @@ def resumed(path: Path) -> Sampler:
     return sampled
 
 
-def _key(frames: Sequence[Frame], tile: tuple[int, int]) -> str:
+def _key(frames: Sequence[RawFrame], tile: tuple[int, int]) -> str:
     digest = hashlib.sha256(repr(tile).encode())
     for frame in frames:
         facts = frame.path.stat()

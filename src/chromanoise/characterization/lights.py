@@ -21,7 +21,7 @@ from chromanoise.characterization.statistics import (
 )
 from chromanoise.errors import InputError
 from chromanoise.io.frames.consistency import refuse_few, refuse_mixed
-from chromanoise.io.frames.frame import Frame, FrameLevel, FrameSet
+from chromanoise.io.frames.frame import FrameLevel, FrameSet, RawFrame
 from chromanoise.sensor import PhotonTransfer
 from chromanoise.sensor.photon_transfer_table import SAME_TIME
 
@@ -29,7 +29,7 @@ _MOST_BYTES = 400_000_000  # of frames that threads keep in memory
 _FEWEST_STEPS = 8  # codes between the lowest and highest, from which a step is concluded
 _MOST_APART = 0.2  # of the mean, by which flats of one level may differ
 
-Sampler = Callable[[Sequence[Frame], tuple[int, int]], LightSample]
+Sampler = Callable[[Sequence[RawFrame], tuple[int, int]], LightSample]
 """A function that computes the statistics of frames, or returns those of an earlier run."""
 
 Result = TypeVar("Result")
@@ -37,7 +37,7 @@ Key = tuple[str, ...]
 """Names of the frames of one light."""
 
 
-def key_of(frames: Sequence[Frame]) -> Key:
+def key_of(frames: Sequence[RawFrame]) -> Key:
     """The names of the frames with their folders, by which their statistics are found."""
     return tuple(f"{frame.path}[{frame.part}][{frame.index}]" for frame in frames)
 
@@ -63,7 +63,7 @@ def lights_of(
     progress: Callable[[int, int], None],
 ) -> dict[Key, LightSample]:
     """The statistics of each set of frames, read once."""
-    groups: dict[Key, tuple[Frame, ...]] = {}
+    groups: dict[Key, tuple[RawFrame, ...]] = {}
     for level in frames.levels:
         for group in (level.flats, level.darks):
             if len(group) > 1:
@@ -81,14 +81,14 @@ def lights_of(
 
 
 def _sampled(
-    groups: Mapping[Key, tuple[Frame, ...]], tile: tuple[int, int], sampled: Sampler
+    groups: Mapping[Key, tuple[RawFrame, ...]], tile: tuple[int, int], sampled: Sampler
 ) -> Generator[LightSample]:
     """The statistics of each group in turn; a thread per core computes the next ones."""
     return in_threads(lambda group: sampled(group, tile), list(groups.values()))
 
 
 def in_threads(
-    function: Callable[[tuple[Frame, ...]], Result], groups: Sequence[tuple[Frame, ...]]
+    function: Callable[[tuple[RawFrame, ...]], Result], groups: Sequence[tuple[RawFrame, ...]]
 ) -> Generator[Result]:
     """The results of a function of the frames of each group, in turn, computed on all cores."""
     bytes_each = 8 * math.prod(groups[0][0].shape)
@@ -156,7 +156,7 @@ def in_true_codes(
     if step == 1:
         return frames, dict(lights)
 
-    def shifted(group: tuple[Frame, ...]) -> tuple[Frame, ...]:
+    def shifted(group: tuple[RawFrame, ...]) -> tuple[RawFrame, ...]:
         return tuple(
             replace(
                 one,
@@ -185,7 +185,7 @@ def in_true_codes(
 class _Shifted:
     """Reads the codes of a frame as (code - offset) / step."""
 
-    frame: Frame
+    frame: RawFrame
     step_dn: int
     offset_dn: int
 
@@ -271,7 +271,7 @@ def clipped_share(light: LightSample) -> float:
     return max((share for share in shares if share > LEAST_CLIPPED), default=0.0)
 
 
-def _refuse_apart(group: Sequence[Frame], light: LightSample) -> None:
+def _refuse_apart(group: Sequence[RawFrame], light: LightSample) -> None:
     for plane in light.planes:
         means = plane.frame_means_dn
         low, high = int(np.argmin(means)), int(np.argmax(means))
@@ -302,8 +302,8 @@ class LightChange:
     """
 
     share: float
-    low: Frame
-    high: Frame
+    low: RawFrame
+    high: RawFrame
     above_black: bool
 
 

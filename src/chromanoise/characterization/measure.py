@@ -39,7 +39,7 @@ from chromanoise.characterization.statistics import (
 )
 from chromanoise.characterization.verdict import model_verdict
 from chromanoise.errors import InputError
-from chromanoise.io.frames.frame import Frame, FrameLevel, FrameSet
+from chromanoise.io.frames.frame import FrameLevel, FrameSet, RawFrame
 from chromanoise.sensor import Mosaic, PhotonTransfer, TransferFit, photon_transfer_fit
 
 _MOST_AVERAGED = 16  # frames of a level from which fixed patterns are computed
@@ -239,7 +239,7 @@ def _middle(
     return min(among, key=lambda one: abs(mean(one) - black - _HALF * (end - black)))
 
 
-def _darks_of(frames: FrameSet, middle: FrameLevel) -> tuple[Frame, ...]:
+def _darks_of(frames: FrameSet, middle: FrameLevel) -> tuple[RawFrame, ...]:
     """The darks of a level; else those of a spatial series, or the first ones, if there are any."""
     others = sorted(frames.levels, key=lambda one: not one.spatial)
     return middle.darks or next((one.darks for one in others if one.darks), ())
@@ -249,7 +249,7 @@ def _patterns(
     frames: FrameSet, middles: Sequence[FrameLevel], tile: tuple[int, int]
 ) -> dict[tuple[Key, int], FixedPattern]:
     """The patterns of flats and darks at the middle level of each plane, read once."""
-    wanted: dict[Key, tuple[tuple[Frame, ...], set[int]]] = {}
+    wanted: dict[Key, tuple[tuple[RawFrame, ...], set[int]]] = {}
     for i, middle in enumerate(middles):
         for group in (middle.flats, _darks_of(frames, middle)):
             if group:
@@ -261,7 +261,7 @@ def _patterns(
         for group in (level.flats, level.darks)
     }
 
-    def of_planes(group: tuple[Frame, ...]) -> dict[tuple[Key, int], FixedPattern]:
+    def of_planes(group: tuple[RawFrame, ...]) -> dict[tuple[Key, int], FixedPattern]:
         key = key_of(group)
         averaged = group[: _MOST_SPATIAL if key in series else _MOST_AVERAGED]
         totals = summed(averaged, tile)
@@ -276,11 +276,11 @@ def _patterns(
 def _spatial(
     patterns: Patterns,
     own: Mapping[Key, PlaneSample],
-    group: Sequence[Frame],
+    group: Sequence[RawFrame],
     plane: int,
     *,
     high_pass: bool,
-    darks: Sequence[Frame] = (),
+    darks: Sequence[RawFrame] = (),
 ) -> SpatialVariance:
     key = key_of(group)
     return spatial_variance(
@@ -292,7 +292,7 @@ def _spatial(
 
 
 def _with_rows_of_all_darks(
-    frames: FrameSet, own: Mapping[Key, PlaneSample], group: Sequence[Frame]
+    frames: FrameSet, own: Mapping[Key, PlaneSample], group: Sequence[RawFrame]
 ) -> PlaneSample:
     """The statistics of darks, with the row and column noise of all darks.
 

@@ -26,7 +26,7 @@ from chromanoise.imaging.frame_sums import (
     difference_rests,
     product_sum,
 )
-from chromanoise.io.frames.frame import Frame
+from chromanoise.io.frames.frame import RawFrame
 
 _BLOCK_PIXELS = 1 << 19
 SURE_Z = 5.0
@@ -175,7 +175,7 @@ class LightSample:
         )
 
 
-def light_sample(frames: Sequence[Frame], tile: tuple[int, int]) -> LightSample:
+def light_sample(frames: Sequence[RawFrame], tile: tuple[int, int]) -> LightSample:
     """Statistics of two or more frames with the same light.
 
     Parameters
@@ -213,7 +213,7 @@ def light_sample(frames: Sequence[Frame], tile: tuple[int, int]) -> LightSample:
 
 
 def scaled_sample(
-    frames: Sequence[Frame],
+    frames: Sequence[RawFrame],
     tile: tuple[int, int],
     sample: LightSample,
     darks: Sequence[tuple[float, float]],
@@ -290,7 +290,7 @@ def _unlike_light(
 
 
 def _added(
-    frames: Sequence[Frame], tile: tuple[int, int], sums: Sequence[PairSums]
+    frames: Sequence[RawFrame], tile: tuple[int, int], sums: Sequence[PairSums]
 ) -> tuple[Integer[Array, "p m n"], Integer[Array, "p m n"]]:
     """Add each two consecutive frames to their sums; rows in the middle of the first two frames."""
     shape = _whole_cells(frames[0], tile)
@@ -322,7 +322,7 @@ def independent_pairs(frames: int) -> float:
     return 2 * (frames - 1) ** 2 / (3 * frames - 4)
 
 
-def summed(frames: Sequence[Frame], tile: tuple[int, int]) -> list[Integer[Array, "h w"]]:
+def summed(frames: Sequence[RawFrame], tile: tuple[int, int]) -> list[Integer[Array, "h w"]]:
     """The sum of the codes of at most 2^15 frames, one picture for each plane. [DN]
 
     Parameters
@@ -356,7 +356,7 @@ def planes_of(image: Array, tile: tuple[int, int]) -> list[Array]:
 
 
 def _blocks(
-    frames: Sequence[Frame], shape: tuple[int, int], tile: tuple[int, int]
+    frames: Sequence[RawFrame], shape: tuple[int, int], tile: tuple[int, int]
 ) -> Iterator[tuple[int, Iterator[Integer[Array, "n w"]]]]:
     """Rows of all frames, with the number of the first one.
 
@@ -373,7 +373,7 @@ def _blocks(
         yield start, (next(blocks)[: height - start, :width] for blocks in every)
 
 
-def _whole_cells(frame: Frame, tile: tuple[int, int]) -> tuple[int, int]:
+def _whole_cells(frame: RawFrame, tile: tuple[int, int]) -> tuple[int, int]:
     """Rows and columns of the whole periods of the mosaic in a frame."""
     height, width = (size - size % step for size, step in zip(frame.shape, tile, strict=True))
     if height < 4 * tile[0] or width < 4 * tile[1]:

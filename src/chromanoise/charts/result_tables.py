@@ -54,7 +54,7 @@ def outcome_tables(result: Analyses) -> Iterator[Table]:
         if outcome.merits is not None:
             yield merits_table(point, outcome.merits)
     if outputs.space is not None:
-        yield gray_table(result.analyses, [outcome.grey_noise for outcome in result.outcomes])
+        yield gray_table(result.analyses, [outcome.gray_noise for outcome in result.outcomes])
 
 
 def color_table(results: Sequence[Analyses]) -> Table:

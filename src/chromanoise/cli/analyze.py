@@ -66,7 +66,7 @@ from chromanoise.study import Analyses, analyze_study, run
 @copy_option
 def analyze(
     sensors: tuple[str, ...],
-    method: str,
+    matrix: str,
     table: str | None,
     json_target: str | None,
     copy_as: str | None,
@@ -78,7 +78,7 @@ def analyze(
     models of other filter sets: model-rgb-ircut, model-cmy-ircut, model-rgbir ...; all of them:
     `chromanoise catalog sensors`) or a file of QE curves in any format of `chromanoise inspect`.
     """
-    study = analyze_study(sensors, settings, matrix=method)
+    study = analyze_study(sensors, settings, matrix=matrix)
     if copy_as is not None:
         print_copy(copy_as, study)
         return

@@ -25,7 +25,7 @@ from chromanoise.cli.output import (
 from chromanoise.cli.parsing import command
 from chromanoise.cli.progress import progress_of
 from chromanoise.errors import InputError
-from chromanoise.io.frames import Frame, FrameSet
+from chromanoise.io.frames import FrameSet, RawFrame
 from chromanoise.sensor import PhotonTransfer
 
 if TYPE_CHECKING:
@@ -115,7 +115,7 @@ def characterize(
             print_lines([f"Written to {out}: {', '.join(path.name for path in written)}", *omitted])
 
 
-def _frames_of(read: FrameSet | PhotonTransfer) -> list[Frame]:
+def _frames_of(read: FrameSet | PhotonTransfer) -> list[RawFrame]:
     levels = read.levels if isinstance(read, FrameSet) else ()
     return [frame for level in levels for frame in (*level.flats, *level.darks)]
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from chromanoise._check import one_of
+from chromanoise._check import among
 from chromanoise._files import write_whole
 from chromanoise.catalog import idle_answers, own_sensor_of
 from chromanoise.catalog.resolve import file_there, is_file_word, resolve_sensor
@@ -216,7 +216,7 @@ def _header(spectra: Spectra, day: str) -> dict[str, Any]:
 def _one(names: tuple[str, ...], columns: tuple[str, ...], source: str) -> str:
     """The name of the curve for TM-27, which holds one curve."""
     if len(columns) == 1:
-        return one_of(f"curve of {source}", columns[0], names)
+        return among(f"curve of {source}", columns[0], names)
     if len(names) == 1:
         return names[0]
     raise InputError(

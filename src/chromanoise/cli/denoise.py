@@ -14,7 +14,7 @@ from chromanoise.cli.options import (
     with_defaults,
 )
 from chromanoise.cli.output import write_json
-from chromanoise.cli.parsing import command, pair
+from chromanoise.cli.parsing import RenamedOption, command, pair
 from chromanoise.denoising import DENOISING
 from chromanoise.imaging import DEMOSAICING, Work
 from chromanoise.io.frames.dump import DUMP_TYPES
@@ -37,8 +37,9 @@ from chromanoise.study import (
     "pixel gives the noise. Without it only raw codes are written.",
 )
 @click.option(
-    "--method",
-    "denoise",
+    "--denoise",
+    cls=RenamedOption,
+    old="--method",
     type=click.Choice(list(DENOISING)),
     default="guided",
     show_default=True,
@@ -93,7 +94,7 @@ def denoise(
     pictures: tuple[str, ...],
     sensor: str | None,
     denoise: str,
-    method: str,
+    matrix: str,
     white_level: float | None,
     shape: str | None,
     stored: str | None,
@@ -113,7 +114,7 @@ def denoise(
     refuse_unwritable(out)
     frames = frames_of_pictures(pictures, shape=pair("--shape", shape, "x", int), stored=stored)
     plan = prepared_denoising(
-        frames, sensor, settings, method=denoise, matrix=method, white_level=white_level
+        frames, sensor, settings, denoise=denoise, matrix=matrix, white_level=white_level
     )
     refuse_other_denoised(plan, out)
     with whole_folder(out, "denoise") as folder:

@@ -14,7 +14,7 @@ from chromanoise._files import refuse_unwritable, renamed
 from chromanoise.cli.cube_options import cube_options, parsed_cube_options
 from chromanoise.cli.options import WHOLE
 from chromanoise.cli.output import json_option, json_text, print_lines, write_outputs
-from chromanoise.cli.parsing import command
+from chromanoise.cli.parsing import RenamedOption, command
 from chromanoise.cli.progress import progress_of
 from chromanoise.denoising import (
     DENOISING,
@@ -67,8 +67,10 @@ def _levels(_: click.Context, __: click.Parameter, text: str) -> list[float]:
     help="Illuminances [lx], illuminant E.",
 )
 @click.option(
-    "--method",
+    "--denoise",
     "methods",
+    cls=RenamedOption,
+    old="--method",
     multiple=True,
     type=click.Choice(list(DENOISING)),
     help="Denoising method; repeatable. [default: all]",

@@ -18,7 +18,7 @@ from typing import Any
 import click
 
 from chromanoise.cli import paused_collection
-from chromanoise.errors import InputError, did_you_mean
+from chromanoise.errors import InputError, did_you_mean, known_name
 
 COMMANDS = {
     "analyze": "Noise of sensors in raw, spectral and color coordinates, side by side.",
@@ -89,7 +89,18 @@ def _print_version(ctx: click.Context, _: click.Parameter, asked: bool) -> None:
         ctx.exit()
 
 
-@click.command(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"]})
+def _with_hyphens(name: str) -> str:
+    return name.replace("_", "-")
+
+
+@click.command(
+    cls=_Commands,
+    # of the subcommands too: names of options and choices
+    context_settings={
+        "help_option_names": ["-h", "--help"],
+        "token_normalize_func": _with_hyphens,
+    },
+)
 @click.option(
     "--version",
     is_flag=True,
@@ -107,7 +118,8 @@ def run(arguments: list[str] | None = None) -> None:
     stopped: list[bool] = []  # not empty after a stop
     _prepare_output()
     _prepare_libraries()
-    given = sys.argv[1:] if arguments is None else arguments
+    given = list(sys.argv[1:] if arguments is None else arguments)
+    given[:1] = [known_name(word, COMMANDS) for word in given[:1]]
     try:
         with _stop_on_signals(stopped):
             _refuse_unreadable(given)

@@ -23,7 +23,7 @@ from chromanoise.cli.output import (
     table_text,
     write_outputs,
 )
-from chromanoise.cli.parsing import command
+from chromanoise.cli.parsing import RenamedOption, command
 from chromanoise.cli.running import progress_of_step
 from chromanoise.errors import InputError
 from chromanoise.exposure import conditions
@@ -38,8 +38,8 @@ from chromanoise.study import matrix_study, run
 @closed_form_options
 @click.option(
     "--matrix",
-    "--method",
-    "method",
+    cls=RenamedOption,
+    old="--method",
     default=DEFAULT_METHOD,
     show_default=True,
     metavar="NAME[=VALUE]|FILE",
@@ -63,7 +63,7 @@ from chromanoise.study import matrix_study, run
 @copy_option
 def matrix(
     sensor: str,
-    method: str,
+    matrix: str,
     export: str | None,
     weights: str | None,
     table: str | None,
@@ -72,7 +72,7 @@ def matrix(
     **settings: Any,
 ) -> None:
     """The color matrix of SENSOR, with its color error, noise, condition and noise gain."""
-    study = matrix_study(sensor, {**settings, **_span(weights)}, matrix=method)
+    study = matrix_study(sensor, {**settings, **_span(weights)}, matrix=matrix)
     if copy_as is not None:
         print_copy(copy_as, study)
         return

@@ -306,7 +306,6 @@ prior_option = click.option(
 )
 matrix_option = click.option(
     "--matrix",
-    "method",
     default=DEFAULT_METHOD,
     show_default=True,
     metavar="NAME[=VALUE]|FILE",

@@ -10,6 +10,22 @@ import click
 from chromanoise.errors import InputError, did_you_mean
 
 
+class RenamedOption(click.Option):
+    """An option that also works by its old name, for one release, with a warning.
+
+    Parameters
+    ----------
+    declarations, attributes
+        As `click.Option`.
+    old
+        The old name, e.g. ``--method``.
+    """
+
+    def __init__(self, *declarations: Any, old: str, **attributes: Any) -> None:
+        super().__init__(*declarations, **attributes)
+        self.old = old
+
+
 class Command(click.Command):
     """A command whose options are given once, except those that may be repeated."""
 
@@ -24,7 +40,7 @@ class Command(click.Command):
             If there is no such option, or a value is not a number or not one of the choices.
         """
         try:
-            return self._parsed(ctx, args)
+            return self._parsed(ctx, self._by_new_names(args))
         except click.NoSuchOption as error:
             known = [name for one in self.params if _is_shown(one) for name in one.opts]
             help_ = f"see `{ctx.command_path} --help`"
@@ -35,6 +51,19 @@ class Command(click.Command):
             ) from None
         except click.BadParameter as error:
             raise _bad_value(error) or error from None
+
+    def _by_new_names(self, args: list[str]) -> list[str]:
+        """The arguments with the new names of options; one warning for each old name."""
+        new = {one.old: one.opts[0] for one in self.params if isinstance(one, RenamedOption)}
+        end = args.index("--") if "--" in args else len(args)
+        words = [word.partition("=") for word in args[:end]]
+        for old in dict.fromkeys(name for name, _, _ in words if name in new):
+            click.echo(
+                f"chromanoise: {old} is now {new[old]}; the old name works in this release only",
+                err=True,
+            )
+        named = [new.get(name, name) + equals + value for name, equals, value in words]
+        return [*named, *args[end:]]
 
     def _parsed(self, ctx: click.Context, args: list[str]) -> list[str]:
         _, _, order = self.make_parser(ctx).parse_args(args=list(args))

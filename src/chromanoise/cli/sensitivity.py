@@ -73,7 +73,7 @@ from chromanoise.study import sensitivity_study
 @json_option
 def sensitivity(
     sensor: str,
-    method: str,
+    matrix: str,
     objectives: str,
     losses: tuple[str, ...],
     tolerance_nm: float | None,
@@ -90,7 +90,7 @@ def sensitivity(
     SENSOR is as for `chromanoise analyze`, e.g. a sensor file of a design. The exposure time is
     that of the unchanged sensor.
     """
-    study = sensitivity_study(sensor, settings, matrix=method)
+    study = sensitivity_study(sensor, settings, matrix=matrix)
     refuse_taken_inputs({"--json": json_target, "--table": table}, [sensor], settings)
     result = sensitivity_of(
         study,

@@ -120,7 +120,7 @@ from chromanoise.study import (
 def simulate(
     cube: str,
     sensors: tuple[str, ...],
-    method: str,
+    matrix: str,
     out: Path,
     threads: int | None,
     tile: int | None,
@@ -136,7 +136,7 @@ def simulate(
     the same pictures on any number of threads, tiles or machines. A folder with pictures of other
     arguments is refused.
     """
-    study = render_study(cube, sensors, {**settings, **_parsed(settings)}, matrix=method)
+    study = render_study(cube, sensors, {**settings, **_parsed(settings)}, matrix=matrix)
     if copy_as is not None:
         print_copy(copy_as, study)
         return

@@ -7,7 +7,7 @@ from chromanoise._check import Array
 from chromanoise._shapes import Float
 from chromanoise.errors import InputError
 from chromanoise.exposure import Exposure, measurement_vectors
-from chromanoise.geometry import Frame, dual_frame
+from chromanoise.geometry import DualBasis, dual_frame
 from chromanoise.noise import Measurement, through
 from chromanoise.scene import Scene, light
 from chromanoise.sensor import Sensor
@@ -51,12 +51,12 @@ class ColorMatrix:
     coordinates: tuple[str, ...]
     made_by: str
     metric: Metric
-    frame: Frame
+    frame: DualBasis
     observer: str = DEFAULT_OBSERVER
     notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        known_observer(self.observer)
+        object.__setattr__(self, "observer", known_observer(self.observer))
         checked = _check.finite(f"{self.made_by} matrix", "lx/e-", self.matrix)
         if checked.shape != (len(self.coordinates), len(self.channels)):
             raise InputError(

@@ -66,7 +66,7 @@ class Training:
     observer: str = DEFAULT_OBSERVER
 
     def __post_init__(self) -> None:
-        known_observer(self.observer)
+        object.__setattr__(self, "observer", known_observer(self.observer))
         where = f"reflectance of {self.source}"
         rho = _check.non_negative(where, "1", self.reflectance)
         if rho.ndim != 2 or rho.shape[0] == 0:

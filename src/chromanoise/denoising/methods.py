@@ -29,5 +29,4 @@ def denoising_named(name: str) -> DenoisingMethod:
     InputError
         If no method has this name.
     """
-    _check.one_of("method", name, tuple(DENOISING))
-    return DENOISING[name]
+    return DENOISING[_check.one_of("denoise", name, tuple(DENOISING))]

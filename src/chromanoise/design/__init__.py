@@ -1,7 +1,7 @@
 """Search over filters, IR-cut, pixel shares, exposure and matrix of a sensor.
 
 A design file: ``read_design``, ``optimized`` and the `Design` that it returns. In Python: a
-`DesignSpace` of channels and filters, an `Evaluator` of objectives in scenes, a `Problem` of any
+`DesignSpace` of channels and filters, `Objectives` in scenes, a `Problem` of any
 functions, and ``searched_front``, which minimizes it. The effects of small changes of one sensor:
 ``sensitivity_of``.
 """
@@ -13,8 +13,8 @@ from chromanoise._lazy import lazy_names
 if TYPE_CHECKING:
     from chromanoise.design.algorithms import METHODS
     from chromanoise.design.candidates import Candidates
-    from chromanoise.design.document import DesignDocument, with_effort
-    from chromanoise.design.evaluation import Evaluator
+    from chromanoise.design.document import DesignStudy, with_effort
+    from chromanoise.design.evaluation import Objectives
     from chromanoise.design.front import Front, Member, front_of
     from chromanoise.design.front_file import (
         FRONT_SCHEMA,
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from chromanoise.design.result import Design
     from chromanoise.design.scenes import DesignScene
     from chromanoise.design.scheduler import scheduler_at
-    from chromanoise.design.search import Progress, SearchResult, SearchSettings, searched_front
+    from chromanoise.design.search import FrontResult, Progress, SearchOptions, searched_front
     from chromanoise.design.sensitivity import (
         DEFAULT_OBJECTIVES,
         Effect,
@@ -57,12 +57,11 @@ __all__ = [
     "Candidates",
     "Channel",
     "Design",
-    "DesignDocument",
     "DesignScene",
     "DesignSpace",
+    "DesignStudy",
     "Effect",
     "Evaluated",
-    "Evaluator",
     "Filter",
     "Free",
     "Front",
@@ -70,17 +69,18 @@ __all__ = [
     "FrontMember",
     "FrontObjective",
     "FrontReference",
+    "FrontResult",
     "FrontScene",
     "HalfWidths",
     "Linearized",
     "Member",
     "Objective",
+    "Objectives",
     "Parameter",
     "Problem",
     "Progress",
     "Reference",
-    "SearchResult",
-    "SearchSettings",
+    "SearchOptions",
     "Sensitivity",
     "Task",
     "front_of",
@@ -97,4 +97,10 @@ __all__ = [
     "value_of",
     "with_effort",
 ]
-__getattr__, __dir__ = lazy_names(__name__)
+__getattr__, __dir__ = lazy_names(
+    __name__,
+    DesignDocument="DesignStudy",
+    Evaluator="Objectives",
+    SearchResult="FrontResult",
+    SearchSettings="SearchOptions",
+)

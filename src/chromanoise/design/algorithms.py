@@ -412,7 +412,7 @@ class CovarianceMatrixAdaptation:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Method:
+class SearchMethod:
     """A method of the search.
 
     Attributes
@@ -433,19 +433,19 @@ class Method:
     least_parameters: int = 1
 
 
-METHODS: Mapping[str, Method] = {
-    "nsga2": Method(
+METHODS: Mapping[str, SearchMethod] = {
+    "nsga2": SearchMethod(
         algorithm=lambda problem, population, _: Genetic(problem, population, many=False),
         package="pymoo",
         of_several=True,
     ),
-    "nsga3": Method(
+    "nsga3": SearchMethod(
         algorithm=lambda problem, population, _: Genetic(problem, population, many=True),
         package="pymoo",
         of_several=True,
     ),
-    "de": Method(algorithm=lambda problem, _, __: DifferentialEvolution(problem)),
-    "cma-es": Method(
+    "de": SearchMethod(algorithm=lambda problem, _, __: DifferentialEvolution(problem)),
+    "cma-es": SearchMethod(
         algorithm=CovarianceMatrixAdaptation,
         package="cma",
         least_parameters=2,  # of the package

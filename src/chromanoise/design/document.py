@@ -5,7 +5,7 @@ The sensors of the study are the references of the design. The first of them, or
 """
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import Annotated, Any, Literal
 
 from pydantic import (
@@ -32,7 +32,7 @@ from chromanoise.design.search import (
     MOST_SEEDS,
 )
 from chromanoise.design.space import LIBRARY_MODEL, MODELS, PixelShares, Structure, model_numbers
-from chromanoise.errors import InputError, Setting, did_you_mean, refusal
+from chromanoise.errors import InputError, Setting, did_you_mean, known_name, refusal
 from chromanoise.sensor import MOSAIC_NAMES, SILICON_NUMBERS, ModelNumber
 from chromanoise.study import Part, Study
 
@@ -80,9 +80,10 @@ def _number_or_name(given: Any) -> Any:
 
 
 def _known(what: str, names: Sequence[str]) -> AfterValidator:
-    """Refuse other names, with the nearest ones as a remedy."""
+    """The one of ``names`` that a word is; others are refused, with the nearest as a remedy."""
 
-    def checked(name: str, info: Any) -> str:
+    def checked(word: str, info: Any) -> str:
+        name = known_name(word, names)
         if name not in names:
             remedy = did_you_mean(name, list(names), f"known are {', '.join(names)}", most=2)
             raise InputError(info.field_name, f"must be a known {what}", value=name, remedy=remedy)
@@ -162,6 +163,22 @@ class _FilterNumbers(NumbersPart):
         model = getattr(self, "filter", None)
         return {} if model is None else model_numbers(model, self.numbers)
 
+    @classmethod
+    def known_keys(cls, given: Mapping[str, Any]) -> Collection[str]:
+        """The keys of the part, with the numbers of its filter.
+
+        Parameters
+        ----------
+        given
+            Its values by key, not yet checked.
+        """
+        model = known_name(str(given.get("filter", cls.model_fields["filter"].default)), MODELS)
+        numbers = [name.replace("-", "_") for name in given]  # several films or bands
+        return [
+            *super().known_keys(given),
+            *(model_numbers(model, numbers) if model in MODELS else ()),
+        ]
+
 
 class FilterPart(_FilterNumbers):
     """A filter; its further keys are the numbers of its model."""
@@ -184,6 +201,17 @@ class ChannelPart(_FilterNumbers):
 
 class SiliconPart(NumbersPart):
     """The photodiode; its keys are the numbers of its model."""
+
+    @classmethod
+    def known_keys(cls, given: Mapping[str, Any]) -> Collection[str]:
+        """The numbers of silicon.
+
+        Parameters
+        ----------
+        given
+            Its values by key, not yet checked.
+        """
+        return SILICON_NUMBERS
 
     def known_numbers(self) -> Mapping[str, ModelNumber]:
         """The numbers of silicon."""
@@ -272,9 +300,10 @@ class RobustPart(Part):
     samples: Annotated[int, Field(ge=2, le=4096)] = Field(
         _DRAWS.samples, description="Perturbed copies of each candidate, an even number."
     )
-    statistic: Literal["worst", "percentile-95"] = Field(
-        _DRAWS.statistic, description=f"What of the copies counts: {', '.join(STATISTICS)}."
-    )
+    statistic: Annotated[
+        Literal["worst", "percentile-95"],
+        BeforeValidator(lambda word: known_name(str(word), STATISTICS)),
+    ] = Field(_DRAWS.statistic, description=f"What of the copies counts: {', '.join(STATISTICS)}.")
     seed: Annotated[int, Field(ge=0, lt=2**32)] = Field(
         _DRAWS.seed, description="Seed of the deviations."
     )
@@ -401,7 +430,7 @@ class DesignPart(Part):
 _IDLE = ("seed", "sweeps", "pictures", "outputs")
 
 
-class DesignDocument(Study):
+class DesignStudy(Study):
     """A design: the tables of a study, whose sensors are the references, and ``[design]``.
 
     Raises
@@ -413,14 +442,14 @@ class DesignDocument(Study):
     design: DesignPart = Field(description="What is designed.")
 
     @model_validator(mode="after")
-    def _with_effect(self) -> "DesignDocument":
+    def _with_effect(self) -> "DesignStudy":
         errors = [*_idle_tables(self), *_unknown_references(self)]
         if errors:
             raise refusal(errors)
         return self
 
 
-def _idle_tables(document: DesignDocument) -> Iterator[InputError]:
+def _idle_tables(document: DesignStudy) -> Iterator[InputError]:
     for name in _IDLE:
         if name in document.model_fields_set and getattr(document, name):
             yield InputError(
@@ -446,7 +475,7 @@ def _idle_tables(document: DesignDocument) -> Iterator[InputError]:
         )
 
 
-def _unknown_references(document: DesignDocument) -> Iterator[InputError]:
+def _unknown_references(document: DesignStudy) -> Iterator[InputError]:
     names = [part.name for part in document.sensors]
     known = [*dict.fromkeys([*names, *(one.label for one in document.sensors if one.label)])]
     design = document.design
@@ -468,8 +497,8 @@ def _unknown_references(document: DesignDocument) -> Iterator[InputError]:
 
 
 def with_effort(
-    document: DesignDocument, *, budget: int | None = None, seed: int | None = None
-) -> DesignDocument:
+    document: DesignStudy, *, budget: int | None = None, seed: int | None = None
+) -> DesignStudy:
     """The design with another budget or seed of the search; ``None`` keeps that of the document.
 
     Parameters

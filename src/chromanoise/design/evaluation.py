@@ -48,8 +48,8 @@ class Space(Protocol):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Evaluator:
-    """Computes objectives of candidates.
+class Objectives:
+    """Objectives of candidates in scenes.
 
     The fast objectives are computed for the whole batch by `chromanoise.design.kernels`, and equal
     those of the library to rounding. The result for a candidate does not depend on the others, on
@@ -81,8 +81,8 @@ class Evaluator:
         for what, given in (("scenes", self.scenes), ("objectives", self.objectives)):
             if not given:
                 raise InputError(what, "must hold at least one", found="is empty")
-        for name in _check.distinct("objectives", self.objectives):
-            _check.one_of("objective", name, tuple(OBJECTIVES))
+        names = [_check.one_of("objective", name, tuple(OBJECTIVES)) for name in self.objectives]
+        object.__setattr__(self, "objectives", _check.distinct("objectives", names))
         _check.one_of("over_scenes", self.over_scenes, get_args(OverScenes))
         if self.threads is not None and self.threads < 1:
             raise InputError("threads", "must be at least 1", value=self.threads)
@@ -285,7 +285,7 @@ class Evaluator:
             return values.mean(axis=0)
         return np.where(self._higher, values.min(axis=0), values.max(axis=0))
 
-    def _real(self, batch: "_Batch", names: tuple[str, ...]) -> Float[Array, "s m q"]:
+    def _real(self, batch: "SensorBatch", names: tuple[str, ...]) -> Float[Array, "s m q"]:
         return np.array([_values(self, scene, batch, names) for scene in self.scenes])
 
 
@@ -296,7 +296,7 @@ class Linearization:
     Attributes
     ----------
     objectives, objectives_jacobian
-        As `Evaluator.gradient`.
+        As `Objectives.gradient`.
     fullness, fullness_slope
         `share_of_full_well` of the fullest scene.
     separations, separations_jacobian
@@ -314,7 +314,7 @@ class Linearization:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _Batch:
+class SensorBatch:
     """Candidates, or choices from a library with what else was chosen.
 
     ``of`` returns some of them as candidates.
@@ -340,14 +340,14 @@ def _turned(space: Space, values: Float[Array, " d"]) -> Candidates:
     return space.candidates(values + 1j * _COMPLEX_STEP * np.eye(len(values)))
 
 
-def _given(evaluator: Evaluator, candidates: Candidates) -> _Batch:
+def _given(evaluator: Objectives, candidates: Candidates) -> SensorBatch:
     """The batch of candidates, checked."""
     if len(candidates) == 0:
         raise InputError("candidates", "must hold at least one", found="there is none")
     _demand_grid(evaluator, candidates.qe.shape[1])
     dtype = candidates.dtype
     m, _, p = candidates.qe.shape
-    return _Batch(
+    return SensorBatch(
         m=m,
         p=p,
         dtype=dtype,
@@ -359,7 +359,7 @@ def _given(evaluator: Evaluator, candidates: Candidates) -> _Batch:
     )
 
 
-def _chosen(evaluator: Evaluator, choices: Array, curves: Array) -> _Batch:
+def _chosen(evaluator: Objectives, choices: Array, curves: Array) -> SensorBatch:
     """The batch of choices, checked."""
     index, library = _own(choices, np.int64), np.asarray(curves, np.float64)
     _demand_grid(evaluator, len(library))
@@ -379,7 +379,7 @@ def _chosen(evaluator: Evaluator, choices: Array, curves: Array) -> _Batch:
     def of(which: Any) -> Candidates:
         return Candidates(qe=np.moveaxis(library[:, index[which]], 0, 1))
 
-    return _Batch(
+    return SensorBatch(
         m=m,
         p=p,
         dtype=np.dtype(np.float64),
@@ -391,7 +391,7 @@ def _chosen(evaluator: Evaluator, choices: Array, curves: Array) -> _Batch:
     )
 
 
-def _demand_grid(evaluator: Evaluator, n: int) -> None:
+def _demand_grid(evaluator: Objectives, n: int) -> None:
     grid = evaluator.scenes[0].point.illuminant.grid
     if n != grid.n:
         raise InputError(
@@ -409,7 +409,7 @@ def _is_fast(scene: DesignScene, noise_weight_is_free: bool, name: str) -> bool:
 
 
 def _values(
-    evaluator: Evaluator, scene: DesignScene, batch: _Batch, names: tuple[str, ...]
+    evaluator: Objectives, scene: DesignScene, batch: SensorBatch, names: tuple[str, ...]
 ) -> Float[Array, "m q"]:
     """The objectives in one scene."""
     found, independence = _fast(evaluator, scene, batch, names)
@@ -428,9 +428,9 @@ def _values(
 
 
 def _fast(
-    evaluator: Evaluator,
+    evaluator: Objectives,
     scene: DesignScene,
-    batch: _Batch,
+    batch: SensorBatch,
     names: tuple[str, ...],
     matrices: Array | None = None,
 ) -> tuple[Inexact[Array, "m q"], Float[Array, " m"]]:
@@ -488,7 +488,7 @@ def _fast(
     return found, out[-1].real
 
 
-def _noise(scene: DesignScene, batch: _Batch) -> tuple[Array, Array, Array, Array]:
+def _noise(scene: DesignScene, batch: SensorBatch) -> tuple[Array, Array, Array, Array]:
     """Gain of all electrons, law of the variance, dark electrons, factors on the variance."""
     exposure, more = scene.point.exposure, batch.more
     m, p, dtype = batch.m, batch.p, batch.dtype
@@ -500,7 +500,7 @@ def _noise(scene: DesignScene, batch: _Batch) -> tuple[Array, Array, Array, Arra
     return time_s / exposure.time_s, _own(noise[:3], dtype), noise[3], spread
 
 
-def _separations(scene: DesignScene, turned: _Batch) -> Inexact[Array, "pairs d"]:
+def _separations(scene: DesignScene, turned: SensorBatch) -> Inexact[Array, "pairs d"]:
     """D_M of each pair, with an imaginary step of each parameter."""
     from chromanoise.design import kernels
 
@@ -640,7 +640,7 @@ def _method(scene: DesignScene, more: Candidates) -> tuple[int, float, float]:
 
 
 def _by_singular_values(
-    scene: DesignScene, batch: _Batch
+    scene: DesignScene, batch: SensorBatch
 ) -> tuple[Float[Array, "m 3 p"], Float[Array, " m"]]:
     """Matrices and Vora values; NaN and -inf where a channel measures nothing."""
     candidates, arrays = batch.of(slice(None)), scene_arrays(scene)
@@ -656,7 +656,7 @@ def _by_singular_values(
     return np.where(dark[:, None, None], np.nan, matrices), vora
 
 
-def _matrices(scene: DesignScene, batch: _Batch) -> Float[Array, "m 3 p"]:
+def _matrices(scene: DesignScene, batch: SensorBatch) -> Float[Array, "m 3 p"]:
     """The matrices one by one; NaN where a channel measures nothing."""
     candidates = batch.of(slice(None))
     return np.array([_matrix(scene, candidates, i) for i in range(batch.m)])

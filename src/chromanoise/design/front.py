@@ -225,7 +225,7 @@ def front_of(
     problem
         For the names and the better sides.
     values, objectives, violation
-        As in `chromanoise.design.search.SearchResult`.
+        As in `chromanoise.design.search.FrontResult`.
     most
         Largest number of members; extremes and knee are always kept.
     sensor_of

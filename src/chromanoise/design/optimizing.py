@@ -19,11 +19,11 @@ from chromanoise.design.document import (
     BEST_REFERENCE,
     ChannelPart,
     ConstraintPart,
-    DesignDocument,
     DesignPart,
+    DesignStudy,
     FilterPart,
 )
-from chromanoise.design.evaluation import Evaluator
+from chromanoise.design.evaluation import Objectives
 from chromanoise.design.front import Front, front_of
 from chromanoise.design.objectives import OBJECTIVES
 from chromanoise.design.parameters import Parameter
@@ -31,7 +31,7 @@ from chromanoise.design.problem import Evaluated, Linearized, Problem
 from chromanoise.design.robustness import ToleranceDraws, over_tolerances, refuse_exact
 from chromanoise.design.scenes import DesignScene
 from chromanoise.design.scheduler import Scheduler
-from chromanoise.design.search import Progress, SearchResult, SearchSettings, searched_front
+from chromanoise.design.search import FrontResult, Progress, SearchOptions, searched_front
 from chromanoise.design.space import LEAST_QE, Channel, DesignSpace, Filter
 from chromanoise.errors import InputError
 from chromanoise.exposure import OperatingPoint
@@ -126,10 +126,10 @@ class Task:
         The constraints of the document.
     """
 
-    document: DesignDocument
+    document: DesignStudy
     space: DesignSpace
     scenes: tuple[DesignScene, ...]
-    evaluator: Evaluator
+    evaluator: Objectives
     references: tuple[Reference, ...]
     limits: tuple[Limit, ...]
 
@@ -210,7 +210,7 @@ class Evaluation:
     """
 
     space: DesignSpace
-    evaluator: Evaluator
+    evaluator: Objectives
     objectives: int
     limits: tuple[tuple[int, float, float], ...]
     draws: ToleranceDraws | None = None
@@ -288,15 +288,15 @@ class Search:
 
     task: Task
     front: Front
-    result: SearchResult
+    result: FrontResult
     beside: tuple[Mapping[str, float], ...] = ()
 
 
-_SEARCH = tuple(one.name for one in fields(SearchSettings))
+_SEARCH = tuple(one.name for one in fields(SearchOptions))
 _EFFORT = (*_SEARCH, "members")
 
 
-def _identity(document: DesignDocument, arrays: Sequence[Array]) -> str:
+def _identity(document: DesignStudy, arrays: Sequence[Array]) -> str:
     """A hash of a document, of the files of its study, and of the arrays of its other files.
 
     The effort of the search and the title are not in it.
@@ -310,7 +310,7 @@ def _identity(document: DesignDocument, arrays: Sequence[Array]) -> str:
     return digest.hexdigest()
 
 
-def task_of(document: DesignDocument, given: Given = NOTHING_GIVEN) -> Task:
+def task_of(document: DesignStudy, given: Given = NOTHING_GIVEN) -> Task:
     """The space, the scenes, the references and the constraints of a document.
 
     Parameters
@@ -335,7 +335,7 @@ def task_of(document: DesignDocument, given: Given = NOTHING_GIVEN) -> Task:
     if design.robust is not None:
         with keyed("design.robust"):
             refuse_exact(space.parameters)
-    evaluator = Evaluator(scenes=scenes, objectives=names, over_scenes=design.over_scenes)
+    evaluator = Objectives(scenes=scenes, objectives=names, over_scenes=design.over_scenes)
     references = tuple(_reference(point, evaluator) for point in points)
     task = Task(
         document=document,
@@ -354,7 +354,7 @@ def task_of(document: DesignDocument, given: Given = NOTHING_GIVEN) -> Task:
     return task
 
 
-def _base_index(document: DesignDocument) -> int:
+def _base_index(document: DesignStudy) -> int:
     name = document.design.base
     names = [one.name for one in document.sensors]
     labels = [one.label for one in document.sensors]
@@ -364,7 +364,7 @@ def _base_index(document: DesignDocument) -> int:
 
 
 def scenes_of(
-    document: DesignDocument, base: OperatingPoint, given: Given = NOTHING_GIVEN
+    document: DesignStudy, base: OperatingPoint, given: Given = NOTHING_GIVEN
 ) -> tuple[DesignScene, ...]:
     """The scenes of a design; that of its study if it names none.
 
@@ -404,7 +404,7 @@ def scenes_of(
     return tuple(scenes)
 
 
-def space_of(document: DesignDocument, base: Sensor) -> DesignSpace:
+def space_of(document: DesignStudy, base: Sensor) -> DesignSpace:
     """The design space of a document.
 
     Parameters
@@ -461,7 +461,7 @@ def _filter(part: FilterPart | ChannelPart) -> Filter:
     return Filter(model=part.filter, numbers=part.numbers, curves=part.curves)
 
 
-def _library(document: DesignDocument) -> dict[str, Array]:
+def _library(document: DesignStudy) -> dict[str, Array]:
     """The transmittances that the filters of model ``dye`` name."""
     design, answers = document.design, Answers(quantity="transmittance")
     parts: dict[str, FilterPart | ChannelPart] = {}
@@ -486,7 +486,7 @@ def _transmittance(word: str, answers: Answers) -> Array:
         return resolve_filter(word, answers=answers).values[:, 0]
     dyes = dye_transmittances(sensor_named(name, DEFAULT_GRID))
     own = [one.rpartition(":")[2] for one in dyes.names]
-    _check.one_of(f"dye of {name}", channel, own)
+    _check.among(f"dye of {name}", channel, own)
     return dyes.values[:, own.index(channel)]
 
 
@@ -500,7 +500,7 @@ def _key_in(subject: str, channels: Sequence[ChannelPart]) -> str:
     return f"design.{name}" if dot else "design"
 
 
-def impossible(document: DesignDocument) -> list[InputError]:
+def impossible(document: DesignStudy) -> list[InputError]:
     """Errors of a document whose names are all known but whose design cannot be made."""
     try:
         task_of(document)
@@ -509,7 +509,7 @@ def impossible(document: DesignDocument) -> list[InputError]:
     return []
 
 
-def _reference(point: OperatingPoint, evaluator: Evaluator) -> Reference:
+def _reference(point: OperatingPoint, evaluator: Objectives) -> Reference:
     """A sensor of the document, in the scenes of the design with its own pixel."""
     sensor = point.sensor
     scenes = tuple(
@@ -526,7 +526,7 @@ def _reference(point: OperatingPoint, evaluator: Evaluator) -> Reference:
 
 
 def _limit(
-    part: ConstraintPart, document: DesignDocument, references: Sequence[Reference], key: str
+    part: ConstraintPart, document: DesignStudy, references: Sequence[Reference], key: str
 ) -> Limit:
     limit = part.limit
     if not isinstance(limit, str):
@@ -564,7 +564,7 @@ def _refuse_contradiction(limits: Sequence[Limit]) -> None:
                 )
 
 
-def _named(document: DesignDocument, name: str) -> int:
+def _named(document: DesignStudy, name: str) -> int:
     return [one.name for one in document.sensors].index(name)
 
 
@@ -591,7 +591,7 @@ def searched(
         As `chromanoise.design.search.searched_front`.
     """
     design, problem = task.document.design, _with_constraint_sizes(task)
-    settings = SearchSettings(**{name: getattr(design, name) for name in _SEARCH})
+    settings = SearchOptions(**{name: getattr(design, name) for name in _SEARCH})
     found = searched_front(
         problem,
         settings,

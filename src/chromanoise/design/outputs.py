@@ -9,7 +9,7 @@ from pathlib import Path
 from chromanoise import __version__
 from chromanoise._files import claimed_folder, refuse_unwritable
 from chromanoise._inputs import json_file
-from chromanoise.design.document import DesignDocument
+from chromanoise.design.document import DesignStudy
 from chromanoise.design.optimizing import searched, task_of
 from chromanoise.design.result import SENSORS, Design
 from chromanoise.design.scheduler import Scheduler
@@ -27,7 +27,7 @@ _MEMBER = re.compile(r"best-.+|knee|member-[0-9]+")
 
 
 def optimized(
-    document: DesignDocument,
+    document: DesignStudy,
     folder: Path | None,
     *,
     resume: bool = False,

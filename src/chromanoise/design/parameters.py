@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from chromanoise import _check
-from chromanoise.errors import InputError, did_you_mean
+from chromanoise.errors import InputError, did_you_mean, known_name
 from chromanoise.sensor.filters import possible
 
 
@@ -150,6 +150,7 @@ def tied_to(name: str, values: Mapping[str, Value]) -> str:
     """
     chain = [name]
     while isinstance(target := values[chain[-1]], str):
+        target = known_name(target, values)
         if target in chain:
             raise InputError(
                 chain[-1],

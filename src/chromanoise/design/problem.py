@@ -108,7 +108,7 @@ class Problem:
         for better in self.better:
             _check.one_of("better", better, ("higher", "lower"))
         for name in self.integer:
-            _check.one_of("integer parameters", name, self.names)
+            _check.among("integer parameters", name, self.names)
         object.__setattr__(self, "low", _check.finite("Problem.low", "1", self.low))
         object.__setattr__(self, "high", _check.finite("Problem.high", "1", self.high))
         _check.same_length(

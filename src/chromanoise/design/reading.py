@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from chromanoise.catalog.resolve import word_beside
-from chromanoise.design.document import ChannelPart, DesignDocument, FilterPart
+from chromanoise.design.document import ChannelPart, DesignStudy, FilterPart
 from chromanoise.design.optimizing import impossible
 from chromanoise.errors import InputError
 from chromanoise.study import (
@@ -16,7 +16,7 @@ from chromanoise.study import (
 )
 
 
-def read_design(path: Path | str) -> DesignDocument:
+def read_design(path: Path | str) -> DesignStudy:
     """The design in a TOML file.
 
     Parameters
@@ -26,7 +26,7 @@ def read_design(path: Path | str) -> DesignDocument:
 
     Returns
     -------
-    DesignDocument
+    DesignStudy
         With file names relative to the working folder.
 
     Raises
@@ -36,18 +36,18 @@ def read_design(path: Path | str) -> DesignDocument:
     """
     path = Path(path)
 
-    def placed(document: DesignDocument) -> DesignDocument:
+    def placed(document: DesignStudy) -> DesignStudy:
         return _with_files_beside(beside_file(document, path), path)
 
-    def unfit(document: DesignDocument) -> list[InputError]:
+    def unfit(document: DesignStudy) -> list[InputError]:
         document = placed(document)
         return unresolved(document) or impossible(document)
 
     text = document_text(path, "design")
-    return placed(document_from_text(DesignDocument, text, source=str(path), unfit=unfit))
+    return placed(document_from_text(DesignStudy, text, source=str(path), unfit=unfit))
 
 
-def _with_files_beside(document: DesignDocument, path: Path) -> DesignDocument:
+def _with_files_beside(document: DesignStudy, path: Path) -> DesignStudy:
     """The document with files of lights and dyes relative to the working folder."""
     if is_relative_to_working_folder(path):
         return document

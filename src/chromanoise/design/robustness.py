@@ -45,7 +45,8 @@ class ToleranceDraws:
     seed: int = 1
 
     def __post_init__(self) -> None:
-        _check.one_of("statistic", self.statistic, STATISTICS)
+        statistic = _check.one_of("statistic", self.statistic, STATISTICS)
+        object.__setattr__(self, "statistic", statistic)
         if self.samples < 2 or self.samples % 2:
             raise InputError("samples", "must be an even number, at least 2", value=self.samples)
         if self.statistic == "percentile-95" and self.samples < _FEWEST_OF_SHARE:

@@ -44,7 +44,7 @@ _NUMERICAL = (InputError, ArithmeticError, ValueError)  # also of linear solvers
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class SearchSettings:
+class SearchOptions:
     """Method, effort and seed of a search.
 
     Attributes
@@ -80,7 +80,8 @@ class SearchSettings:
     polish: bool | None = None
 
     def __post_init__(self) -> None:
-        _check.one_of("method", self.method, tuple(METHODS))
+        method = _check.one_of("method", self.method, tuple(METHODS))
+        object.__setattr__(self, "method", method)
         if not LEAST_POPULATION <= self.population <= MOST_POPULATION:
             raise InputError(
                 "population",
@@ -99,7 +100,7 @@ class SearchSettings:
         generation_rng(self.seed, 0)
 
 
-DEFAULT_SEARCH = SearchSettings()
+DEFAULT_SEARCH = SearchOptions()
 """Method and effort of a search that names none."""
 
 
@@ -177,7 +178,7 @@ class Convergence:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class SearchResult:
+class FrontResult:
     """The front: feasible candidates of which none dominates another.
 
     Attributes
@@ -211,14 +212,14 @@ class SearchResult:
 
 def searched_front(
     problem: Problem,
-    settings: SearchSettings,
+    settings: SearchOptions,
     *,
     start: Float[Array, "m d"] | None = None,
     checkpoint: Path | None = None,
     resume: bool = False,
     evaluate_on: Scheduler | None = None,
     progress: Callable[[Progress], None] | None = None,
-) -> SearchResult:
+) -> FrontResult:
     """The front of all candidates that a search evaluates.
 
     The first generation is ``start`` and a Latin hypercube. Candidates with an infinite objective
@@ -306,7 +307,7 @@ def searched_front(
             gain = np.nan_to_num(before - _best(problem, archive), nan=0.0, posinf=0.0)
     _refuse_infeasible(problem, archive, f"{now.evaluations} candidates ({state.effort(now)})")
     front = archive.thinned(problem)
-    return SearchResult(
+    return FrontResult(
         values=front.values,
         objectives=front.objectives,
         violation=front.violation,
@@ -324,7 +325,7 @@ class _Populations:
     `state` holds all of them, so that a resumed search continues with the same digits.
     """
 
-    def __init__(self, problem: Problem, settings: SearchSettings) -> None:
+    def __init__(self, problem: Problem, settings: SearchOptions) -> None:
         self._problem, self._settings = problem, settings
         self.seeds = tuple(settings.seed + i for i in range(settings.seeds))
         self.algorithms = [
@@ -464,7 +465,7 @@ def _best(problem: Problem, archive: Archive) -> Float[Array, " q"]:
 
 
 def _first_generation(
-    problem: Problem, settings: SearchSettings, start: Float[Array, "m d"] | None, seed: int
+    problem: Problem, settings: SearchOptions, start: Float[Array, "m d"] | None, seed: int
 ) -> Float[Array, "n d"]:
     given = np.empty((0, len(problem.names))) if start is None else np.asarray(start, dtype=float)
     if given.ndim != 2 or given.shape[1] != len(problem.names):
@@ -497,7 +498,7 @@ def _first_generation(
     return np.concatenate([problem.allowed(given), rest])
 
 
-def _common(problem: Problem, settings: SearchSettings, first: Array) -> dict[str, Any]:
+def _common(problem: Problem, settings: SearchOptions, first: Array) -> dict[str, Any]:
     """What a resumed search must share with the stopped one, by its name in messages."""
     return {
         "method": settings.method,
@@ -519,7 +520,7 @@ def _common(problem: Problem, settings: SearchSettings, first: Array) -> dict[st
 
 def _resumed(
     problem: Problem,
-    settings: SearchSettings,
+    settings: SearchOptions,
     path: Path | None,
     empty: Checkpoint,
     state: _Populations,
@@ -555,7 +556,7 @@ def _agrees(problem: Problem, now: Checkpoint) -> bool:
     return np.allclose(again.objectives, objectives, rtol=_SAME, atol=_SAME)
 
 
-def _progress(now: Checkpoint, settings: SearchSettings) -> Progress:
+def _progress(now: Checkpoint, settings: SearchOptions) -> Progress:
     return Progress(
         generation=now.generation,
         evaluations=now.evaluations,

@@ -366,7 +366,10 @@ def sensitivity_of(
     Root sum of squares: JCGM 100:2008, 5.1.2 (independent parameters, first order). A uniform
     distribution of half width a has the standard deviation a / sqrt(3) (ibid., 4.3.7).
     """
-    losses = dict(losses or {})
+    objectives = [_check.one_of("objectives", name, tuple(OBJECTIVES)) for name in objectives]
+    losses = {
+        _check.one_of("losses", name, objectives): one for name, one in (losses or {}).items()
+    }
     refuse_several(study)
     _refuse_requests(objectives, losses, tolerances, draws)
     variation = Variation(study=study, given=given)
@@ -417,12 +420,10 @@ def _refuse_requests(
     tolerances: HalfWidths | None,
     draws: int,
 ) -> None:
-    for name in _check.distinct("objectives", objectives):
-        _check.one_of("objectives", name, tuple(OBJECTIVES))
+    _check.distinct("objectives", objectives)
     if not objectives:
         raise InputError("objectives", "must name at least one", found="is empty")
     for name, loss in losses.items():
-        _check.one_of("losses", name, tuple(objectives))
         _check.positive(f"loss of {name}", OBJECTIVES[name].unit, loss)
     if draws and tolerances is None:
         raise InputError(

@@ -7,7 +7,7 @@ import numpy as np
 from chromanoise.design.front import Front, Member
 from chromanoise.design.objectives import OBJECTIVES, Objective
 from chromanoise.design.parameters import Parameter
-from chromanoise.design.search import SearchResult
+from chromanoise.design.search import FrontResult
 
 _AT_BOUND = 1e-3  # distance from a bound, as a share of the range, at which the bound holds
 _HALF = (0.45, 0.55)  # ratios that are called half
@@ -132,7 +132,7 @@ def spread_of(objective: Objective, values: Sequence[float]) -> float:
     return round(width / best, 12) if best else float("inf")
 
 
-def rise_of(result: SearchResult) -> float | None:
+def rise_of(result: FrontResult) -> float | None:
     """Relative rise of the hypervolume in the second half of the evaluations; ``None`` if none."""
     milestones = result.convergence.milestones
     last = milestones[-1].hypervolume
@@ -143,7 +143,7 @@ def rise_of(result: SearchResult) -> float | None:
     return (last - before) / before if before else float("inf")
 
 
-def has_converged(result: SearchResult, objectives: Sequence[str]) -> bool | None:
+def has_converged(result: FrontResult, objectives: Sequence[str]) -> bool | None:
     """Whether the seeds agree and the hypervolume rises by at most 2 %; ``None`` for one seed."""
     best = result.convergence.best
     if len(best) < 2:
@@ -160,7 +160,7 @@ def _agreeing(objective: Objective) -> float:
     return AGREEING_DB if objective.unit == "dB" else AGREEING_SHARE
 
 
-def convergence_sentences(result: SearchResult, objectives: Sequence[str]) -> list[str]:
+def convergence_sentences(result: FrontResult, objectives: Sequence[str]) -> list[str]:
     """Sentences on the effort of a search, its convergence, and what to do if not converged.
 
     Parameters

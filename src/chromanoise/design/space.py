@@ -11,7 +11,7 @@ from chromanoise._check import Array
 from chromanoise._shapes import Float, Inexact
 from chromanoise.design.candidates import Candidates, noise_properties, refuse_other_noise
 from chromanoise.design.parameters import Free, Parameter, Value, refuse_outside, tied_to
-from chromanoise.errors import InputError
+from chromanoise.errors import InputError, known_name
 from chromanoise.sensor import (
     Crosstalk,
     Mosaic,
@@ -75,6 +75,9 @@ class Filter:
     model: str
     numbers: Mapping[str, Value] = field(default_factory=dict)
     curves: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "model", known_name(self.model, MODELS))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -195,8 +198,10 @@ class DesignSpace:
         given: dict[str, tuple[Value, ModelNumber]] = {}
         choices: dict[str, tuple[str, ...]] = {}
         for place, numbers, known in self._parts():
-            for name in numbers:
-                _check.one_of(f"number of {place}", name, tuple(known))
+            numbers = {
+                _check.one_of(f"number of {place}", name, tuple(known)): value
+                for name, value in numbers.items()
+            }
             for name, number in known.items():
                 given[f"{place}.{name}"] = (_value(place, name, numbers, number), number)
         for place, one in self._filters():
@@ -288,8 +293,9 @@ class DesignSpace:
         InputError
             If the design has no such number.
         """
-        _check.one_of("number of the design", name, tuple(self._numbers))
-        return self._number(name, values)
+        return self._number(
+            _check.one_of("number of the design", name, tuple(self._numbers)), values
+        )
 
     def _number(self, name: str, values: Inexact[Array, "m d"]) -> Number:
         found = self._numbers[name]
@@ -613,7 +619,7 @@ class DesignSpace:
             )
         _check.distinct(f"curves of {place}", one.curves)
         for name in one.curves:
-            _check.one_of(f"curve of {place}", name, tuple(self.library))
+            _check.among(f"curve of {place}", name, tuple(self.library))
 
     def _refuse_dark_channels(self) -> None:
         """Refuse a channel without QE at all of the bounds, the middle, and random candidates."""
@@ -692,7 +698,7 @@ def _filters_of(channel: Channel) -> Iterator[tuple[str, Filter]]:
 
 
 def _known_numbers(place: str, one: Filter) -> Mapping[str, ModelNumber]:
-    _check.one_of(f"filter of {place}", one.model, MODELS)
+    _check.among(f"filter of {place}", one.model, MODELS)
     if one.curves and one.model != LIBRARY_MODEL:
         raise InputError(
             f"curves of {place}", f"must be omitted for the model {one.model}", value=one.curves
@@ -763,7 +769,7 @@ def _refuse_channels(channels: Sequence[Channel], base: Sensor) -> None:
     _check.distinct("channels", [channel.name for channel in channels])
     for channel in channels:
         if channel.base is not None:
-            _check.one_of(f"channel of {base.name}", channel.base, base.names)
+            _check.among(f"channel of {base.name}", channel.base, base.names)
 
 
 def _resolved(

@@ -61,7 +61,7 @@ class OperatingPoint:
 
     def __post_init__(self) -> None:
         _check.positive("level_lux", "lx", self.level_lux)
-        known_observer(self.observer)
+        object.__setattr__(self, "observer", known_observer(self.observer))
         patches = None if self.pairs is None else self.pairs.patches
         for spectra in (self.chart, self.patch, patches):
             if spectra is not None:

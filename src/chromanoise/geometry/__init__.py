@@ -1,5 +1,6 @@
 """Sensor space: dual basis, contravariant coordinates (eq. 3-4), angles, VIF, ellipses."""
 
+from chromanoise._lazy import old_names
 from chromanoise.geometry.angles import (
     NearestMix,
     angles_between_deg,
@@ -16,14 +17,14 @@ from chromanoise.geometry.ellipse import (
     unit_circle,
 )
 from chromanoise.geometry.frame import (
-    Frame,
+    DualBasis,
     dual_and_orthonormal_bases,
     dual_frame,
     reconstructed_light,
 )
 
 __all__ = [
-    "Frame",
+    "DualBasis",
     "NearestMix",
     "PlaneView",
     "angles_between_deg",
@@ -40,3 +41,4 @@ __all__ = [
     "unit_circle",
     "variance_inflation",
 ]
+__getattr__ = old_names(__name__, Frame="DualBasis")

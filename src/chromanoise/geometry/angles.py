@@ -7,11 +7,11 @@ import numpy as np
 from chromanoise._check import Array
 from chromanoise._linalg import RANK_TOLERANCE, angles_deg, lstsq, matrix_rank, unit_columns
 from chromanoise._shapes import Bool, Float
-from chromanoise.geometry.frame import Frame
+from chromanoise.geometry.frame import DualBasis
 from chromanoise.spectra import Metric
 
 
-def variance_inflation(frame: Frame) -> Float[Array, " p"]:
+def variance_inflation(frame: DualBasis) -> Float[Array, " p"]:
     """VIF_i = |f_i|^2 (G^-1)_ii = 1 / sin^2 phi_i; inf for a linearly dependent channel.
 
     phi_i is the angle between channel i and the span of the others. 1 for orthogonal channels.
@@ -43,7 +43,7 @@ def variance_inflation(frame: Frame) -> Float[Array, " p"]:
     return np.where(_in_span_of_others(frame), np.inf, inflation)
 
 
-def angles_between_deg(frame: Frame) -> Float[Array, "p p"]:
+def angles_between_deg(frame: DualBasis) -> Float[Array, "p p"]:
     """Angle of every pair of channels. [deg]
 
     Parameters
@@ -54,7 +54,7 @@ def angles_between_deg(frame: Frame) -> Float[Array, "p p"]:
     return angles_deg(frame.basis, frame.basis)
 
 
-def angles_to_axes_deg(frame: Frame, axes: Float[Array, "n c"]) -> Float[Array, "p c"]:
+def angles_to_axes_deg(frame: DualBasis, axes: Float[Array, "n c"]) -> Float[Array, "p c"]:
     """Angle of every channel to every color axis, e.g. the columns of H: Table 5's theta. [deg]
 
     Parameters
@@ -92,7 +92,7 @@ class NearestMix:
     metric: Metric
 
 
-def nearest_mix(frame: Frame) -> NearestMix | None:
+def nearest_mix(frame: DualBasis) -> NearestMix | None:
     """The channel closest to a linear combination of the others; ``None`` for a single one.
 
     Parameters
@@ -105,7 +105,7 @@ def nearest_mix(frame: Frame) -> NearestMix | None:
     return min((_mix(frame, i) for i in range(len(frame.names))), key=lambda mix: mix.angle_deg)
 
 
-def _mix(frame: Frame, i: int) -> NearestMix:
+def _mix(frame: DualBasis, i: int) -> NearestMix:
     target = frame.basis[:, i]
     others = np.delete(frame.basis, i, axis=1)
     names = [name for k, name in enumerate(frame.names) if k != i]
@@ -124,7 +124,7 @@ def _mix(frame: Frame, i: int) -> NearestMix:
     )
 
 
-def _in_span_of_others(frame: Frame) -> Bool[Array, " p"]:
+def _in_span_of_others(frame: DualBasis) -> Bool[Array, " p"]:
     """True where omitting the channel does not lower the rank."""
     directions, _ = unit_columns(frame.basis)
     p = directions.shape[1]

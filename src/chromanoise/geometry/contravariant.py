@@ -5,11 +5,11 @@ import numpy as np
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._shapes import Float
-from chromanoise.geometry.frame import Frame
+from chromanoise.geometry.frame import DualBasis
 from chromanoise.noise import Measurement, through
 
 
-def contravariant(raw: Measurement, frame: Frame) -> Measurement:
+def contravariant(raw: Measurement, frame: DualBasis) -> Measurement:
     """Contravariant coordinates G^-1 M with covariance G^-1 D G^-1. [(units of light)^2 per e-]
 
     Parameters
@@ -40,7 +40,7 @@ def contravariant(raw: Measurement, frame: Frame) -> Measurement:
     )
 
 
-def spectral_snr(raw: Measurement, frame: Frame) -> Float[Array, "*px"]:
+def spectral_snr(raw: Measurement, frame: DualBasis) -> Float[Array, "*px"]:
     """Amplitude SNR of the reconstructed spectrum: |L^| / sqrt(E |L^ - E L^|^2).
 
     With mu and D the mean and covariance of the raw channels, its square is

@@ -13,7 +13,7 @@ from chromanoise.spectra import Metric
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Frame:
+class DualBasis:
     """``p`` measurement vectors, their dual basis and their conditioning.
 
     Attributes
@@ -50,7 +50,7 @@ class Frame:
         _check.freeze(self, "basis", "dual", "inverse_gram")
 
 
-def dual_frame(basis: Float[Array, "n p"], *, names: tuple[str, ...], metric: Metric) -> Frame:
+def dual_frame(basis: Float[Array, "n p"], *, names: tuple[str, ...], metric: Metric) -> DualBasis:
     """The dual basis by singular values of the unit-length channels.
 
     Linearly dependent channels are not an error: ``rank`` is less than p, and the pseudo-inverse
@@ -90,7 +90,7 @@ def dual_frame(basis: Float[Array, "n p"], *, names: tuple[str, ...], metric: Me
     whitened = vt.T * inverse / lengths[:, None]
     rank = int((inverse > 0).sum())
     full = rank == basis.shape[1]
-    return Frame(
+    return DualBasis(
         basis=basis,
         dual=(u * inverse) @ vt / lengths,
         inverse_gram=whitened @ whitened.T,
@@ -128,7 +128,7 @@ def _inverted(
     return u, singular, vt, np.where(kept, 1.0 / np.where(kept, singular, 1.0), 0.0)
 
 
-def reconstructed_light(frame: Frame, mean_e: Float[Array, "*px p"]) -> Float[Array, "*px n"]:
+def reconstructed_light(frame: DualBasis, mean_e: Float[Array, "*px p"]) -> Float[Array, "*px n"]:
     """The spectrum reconstructed from the electrons, L^ = F G^-1 M (eq. 4).
 
     Parameters

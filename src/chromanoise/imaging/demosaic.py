@@ -92,7 +92,7 @@ def channel_tile(mosaic: Mosaic, names: Sequence[str]) -> Int[Array, "ty tx"]:
     """
     wanted = _check.distinct("channel names", names)
     for name in mosaic.names:
-        _check.one_of("mosaic channel", name, wanted)
+        _check.among("mosaic channel", name, wanted)
     for name in wanted:
         if name not in mosaic.names:
             raise InputError(

@@ -243,7 +243,7 @@ def lmmse_filters(mosaic: Mosaic, prior: PicturePrior, *, side: int | None = Non
 def _ordered(prior: PicturePrior, names: tuple[str, ...]) -> PicturePrior:
     """The prior with its channels in another order."""
     for name in names:
-        _check.one_of("channel of the prior", name, prior.names)
+        _check.among("channel of the prior", name, prior.names)
     _check.same_length("channels", mosaic=len(names), prior=len(prior.names))
     order = [prior.names.index(name) for name in names]
     return PicturePrior(

@@ -572,7 +572,7 @@ def mosaic_of(operating_point: OperatingPoint, mosaic: Mosaic | None) -> Mosaic:
         )
     mosaic = with_channel_names(mosaic, sensor.names)
     for name in mosaic.names:
-        _check.one_of(f"mosaic channel of {sensor.name}", name, sensor.names)
+        _check.among(f"mosaic channel of {sensor.name}", name, sensor.names)
     return mosaic
 
 

@@ -33,7 +33,7 @@ from chromanoise._check import Array
 from chromanoise._shapes import Float
 from chromanoise.color import ColorMatrix
 from chromanoise.exposure import Exposure, expected_electrons, measurement_vectors
-from chromanoise.geometry import Frame, dual_frame, variance_inflation
+from chromanoise.geometry import DualBasis, dual_frame, variance_inflation
 from chromanoise.metrics.budget_chain import (
     CAUSES,
     CORRELATION,
@@ -100,13 +100,13 @@ def color_budget(
     InputError
         If the matrix has no such coordinate, or its channels are not the sensor's.
     """
-    _check.one_of("coordinate", coordinate, matrix.coordinates)
+    _check.among("coordinate", coordinate, matrix.coordinates)
     _check.same_names("budget", sensor=sensor.names, matrix=matrix.channels)
     i = matrix.coordinates.index(coordinate)
     got = _electrons(scene, sensor, exposure)
     axis = color_axes(sensor.grid, matrix.metric, matrix.observer)[:, i]
 
-    def channels(of: _Electrons, frame: Frame, row: Float[Array, " p"]) -> Channels:
+    def channels(of: _Electrons, frame: DualBasis, row: Float[Array, " p"]) -> Channels:
         return Channels(
             without_infrared=_seen(of.all_e),
             with_infrared=Seen(signal_e=of.visible_e, noise_e=of.all_e, sought_e=of.all_e),
@@ -135,7 +135,7 @@ def color_budget(
 
 
 def contravariant_budget(
-    scene: Scene, sensor: Sensor, exposure: Exposure, frame: Frame, channel: str
+    scene: Scene, sensor: Sensor, exposure: Exposure, frame: DualBasis, channel: str
 ) -> Budget | None:
     """The budget of one contravariant coordinate, or ``None`` where it is undefined.
 
@@ -158,12 +158,12 @@ def contravariant_budget(
     InputError
         If there is no such channel, or the channels of the frame differ from the sensor's.
     """
-    _check.one_of("channel", channel, sensor.names)
+    _check.among("channel", channel, sensor.names)
     _check.same_names("budget", sensor=sensor.names, frame=frame.names)
     i = sensor.names.index(channel)
     got = _electrons(scene, sensor, exposure)
 
-    def channels(of: _Electrons, _: Frame, row: Float[Array, " p"]) -> Channels:
+    def channels(of: _Electrons, _: DualBasis, row: Float[Array, " p"]) -> Channels:
         seen, alone = _seen(of.all_e), np.eye(len(sensor.names))[i]
         return Channels(without_infrared=seen, with_infrared=seen, row=row, single_row=alone)
 
@@ -185,7 +185,7 @@ def contravariant_budget(
     )
 
 
-def weights_one_by_one(axis: Float[Array, " n"], frame: Frame) -> Float[Array, " p"]:
+def weights_one_by_one(axis: Float[Array, " n"], frame: DualBasis) -> Float[Array, " p"]:
     """Weights of the channels for ``axis``, h.f / |f|^2, neglecting the overlap of the channels.
 
     Examples
@@ -229,8 +229,8 @@ def _seen(electrons: Float[Array, " p"]) -> Seen:
 def _chain(
     got: _Electrons,
     sensor: Sensor,
-    channels: Callable[[_Electrons, Frame, Float[Array, " p"]], Channels],
-    frame: Frame,
+    channels: Callable[[_Electrons, DualBasis, Float[Array, " p"]], Channels],
+    frame: DualBasis,
     row: Float[Array, " p"],
 ) -> Chain:
     """The chain of the sensor, and of the same without crosstalk: R X gives the same color."""
@@ -249,7 +249,7 @@ def _chain(
     )
 
 
-def _readings(chain: Chain, frame: Frame, got: _Electrons) -> dict[str, str]:
+def _readings(chain: Chain, frame: DualBasis, got: _Electrons) -> dict[str, str]:
     return shared_readings(
         chain, frame, photons=got.photons, all_e=got.all_e, visible_e=got.visible_e
     )

@@ -16,7 +16,7 @@ from chromanoise._check import Array
 from chromanoise._linalg import congruence, pinv
 from chromanoise._shapes import Float
 from chromanoise.exposure import Exposure, exposure_factor
-from chromanoise.geometry import Frame, variance_inflation
+from chromanoise.geometry import DualBasis, variance_inflation
 from chromanoise.metrics.shapley import Switches, allowed_sets, shapley_values
 from chromanoise.noise import NoiseSources, after_counting, counted_electrons
 from chromanoise.scene import Scene
@@ -396,7 +396,7 @@ def chain_budget(
 
 
 def shared_readings(
-    chain: Chain, frame: Frame, *, photons: float, all_e: Array, visible_e: Array
+    chain: Chain, frame: DualBasis, *, photons: float, all_e: Array, visible_e: Array
 ) -> dict[str, str]:
     """One sentence per cause that explains it in terms of the sensor.
 

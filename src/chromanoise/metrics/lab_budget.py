@@ -38,7 +38,7 @@ from chromanoise._shapes import Float
 from chromanoise.color import LAB, ColorMatrix
 from chromanoise.color.matrices import XYZ
 from chromanoise.exposure import Exposure, expected_electrons, measurement_vectors
-from chromanoise.geometry import Frame, dual_frame
+from chromanoise.geometry import DualBasis, dual_frame
 from chromanoise.metrics.budget import weights_one_by_one
 from chromanoise.metrics.budget_chain import (
     INFRARED,
@@ -233,7 +233,7 @@ def _channels(
     point: _Point,
     sensor: Sensor,
     exposure: Exposure,
-    readout: tuple[Float[Array, "3 p"], Frame],
+    readout: tuple[Float[Array, "3 p"], DualBasis],
     change: Float[Array, " n"],
     i: int,
 ) -> Channels:

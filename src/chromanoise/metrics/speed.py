@@ -384,7 +384,7 @@ def _level_of_row(
 ) -> float:
     """Illuminance that a row of one matrix needs, saturation ignored. [lx]"""
     _check.same_names("illuminance_for_snr", sensor=sensor.names, matrix=matrix.channels)
-    _check.one_of("coordinate", coordinate, matrix.coordinates)
+    _check.among("coordinate", coordinate, matrix.coordinates)
     row = matrix.matrix[matrix.coordinates.index(coordinate)]
     noise = noise_sources(sensor, exposure)
     coupling = after_counting(sensor.crosstalk)

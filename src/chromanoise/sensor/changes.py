@@ -62,7 +62,7 @@ def with_pixel(sensor: Sensor, changes: Mapping[str, Any]) -> Sensor:
     (0.01, 10)
     """
     for name in changes:
-        _check.one_of("field of the pixel", name, sorted(_OF_PIXEL | _OF_CONVERTER))
+        _check.among("field of the pixel", name, sorted(_OF_PIXEL | _OF_CONVERTER))
     pixel = replace(sensor.pixel, **of_the_sum(sensor.pixel, of_pixel(changes)))
     for name, one in PIXEL.items():
         if name in changes and one.needs and not getattr(pixel, one.needs):

@@ -42,7 +42,7 @@ def dye_transmittances(sensor: Sensor, *, white: str = "W") -> Spectra:
     >>> dyes.values[1].round(2)                                               # at 550 nm
     array([0.05, 0.86, 0.04])
     """
-    _check.one_of(f"channel of {sensor.name}", white, sensor.names)
+    _check.among(f"channel of {sensor.name}", white, sensor.names)
     bare = sensor.qe[:, sensor.names.index(white)]
     others = [name for name in sensor.names if name != white]
     if not others or not bare.all():

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Literal, get_args
+from typing import Any, Literal, cast, get_args
 
 import numpy as np
 
@@ -57,7 +57,7 @@ def eld_noise(params: Mapping[str, Any], *, read: ReadNoiseShape, profile: str) 
     -----
     Wei, Fu, Yang & Huang, CVPR (2020), eqs. 8-11.
     """
-    _check.one_of("read", read, get_args(ReadNoiseShape))
+    read = cast(ReadNoiseShape, _check.one_of("read", read, get_args(ReadNoiseShape)))
     one = _mapping(params, profile)
     low, high = _number(params, "Kmin"), _number(params, "Kmax")
     if not 0 < low <= high:

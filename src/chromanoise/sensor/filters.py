@@ -279,7 +279,7 @@ def filter_named(
             notes=(f"{name}: a model with one logistic edge, not a filter that exists",),
         )
     measured = catalog_tables("filter")
-    _check.one_of("filter", name, (*measured, "ircut-650", *others))
+    name = _check.one_of("filter", name, (*measured, "ircut-650", *others))
     entry = measured[name]
     curve = replace(catalog_curves(entry), notes=(entry.source, entry.defects))
     return means_on_grid(shifted(curve, shift_nm), grid, beyond=beyond)

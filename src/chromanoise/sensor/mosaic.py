@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from chromanoise import _check
-from chromanoise.errors import InputError
+from chromanoise.errors import InputError, known_name
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,6 +100,7 @@ def mosaic_named(text: str) -> Mosaic:
     >>> mosaic_named("Red Yellow; Yellow Blue").names
     ('Red', 'Yellow', 'Blue')
     """
+    text = known_name(text, _NAMED)
     if text in _NAMED:
         return _NAMED[text]()
     rows = [row.strip() for row in re.split("[/;]", text)]

@@ -85,7 +85,7 @@ class Sensor:
         _check.same_length("channels", names=len(self.names), qe=qe.shape[1])
         names = _check.distinct(f"channel names of {self.name}", self.names)
         for name in self.mosaic.names if self.mosaic else ():
-            _check.one_of(f"mosaic channel of {self.name}", name, names)
+            _check.among(f"mosaic channel of {self.name}", name, names)
         if self.stacked and float(qe.sum(axis=1).max()) > 1 + 1e-9:
             raise InputError(
                 f"QE of sensor {self.name}",
@@ -155,7 +155,7 @@ def behind_filter(
         If the sensor has no such channel, or a transmittance is outside 0 .. 1.
     """
     if channel is not None:
-        _check.one_of(f"channel of {sensor.name}", channel, sensor.names)
+        _check.among(f"channel of {sensor.name}", channel, sensor.names)
     checked = _check.fraction(f"transmittance before {sensor.name}", "1", transmittance)
     _check.same_length("wavelengths", sensor=sensor.grid.n, transmittance=checked.size)
     notes = (*sensor.notes, note) if note else sensor.notes
@@ -186,7 +186,7 @@ def with_channels(
         If the sensor has no such channel.
     """
     for wanted in names:
-        _check.one_of(f"channel of {sensor.name}", wanted, sensor.names)
+        _check.among(f"channel of {sensor.name}", wanted, sensor.names)
     columns = [sensor.names.index(wanted) for wanted in names]
     return replace(
         sensor,

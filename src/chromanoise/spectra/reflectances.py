@@ -84,7 +84,7 @@ def reflectance_named(name: str, grid: Grid, *, beyond: Beyond = "refuse") -> Sp
     if match := re.fullmatch(r"gray-([\d.]+)", name):
         return _gray(name, match[1], grid)
     measured = catalog_tables("reflectance")
-    _check.one_of("reflectance", name, (*measured, "gray-18"))
+    name = _check.one_of("reflectance", name, (*measured, "gray-18"))
     return on_grid(catalog_curves(measured[name]), grid, beyond=beyond)
 
 

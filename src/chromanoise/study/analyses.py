@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from chromanoise._lazy import warn_of_old_name
 from chromanoise.analysis.analysis import Analysis, analyzed, of_white
 from chromanoise.analysis.camera_pipeline import pipeline_noise
 from chromanoise.analysis.chart_patches import ChartNoise, chart_as_json, chart_noise
@@ -33,22 +34,28 @@ class Outcome:
     ----------
     analysis
         Raw, spectral and color coordinates of a perfect white.
-    grey_noise, chart
+    gray_noise, chart
         ``None`` where not asked for, or where a channel is saturated or white is no color.
     merits
         ``None`` where not asked for.
     pipeline
-        As ``grey_noise``.
+        As ``gray_noise``.
     machine
         ``None`` for an eye.
     """
 
     analysis: Analysis
-    grey_noise: GrayNoise | None
+    gray_noise: GrayNoise | None
     chart: ChartNoise | None
     merits: Merits | None
     pipeline: PipelineNoise | None
     machine: MachineReading | None
+
+    @property
+    def grey_noise(self) -> GrayNoise | None:
+        """The old name of ``gray_noise``."""
+        warn_of_old_name("grey_noise", "gray_noise")
+        return self.gray_noise
 
 
 def analysis_of(
@@ -113,7 +120,7 @@ def outcome_of(
     space = SPACES[outputs.space] if outputs.space is not None else None
     return Outcome(
         analysis=analysis,
-        grey_noise=gray_noise(analysis, space, readout=readout) if space else None,
+        gray_noise=gray_noise(analysis, space, readout=readout) if space else None,
         chart=chart_noise(analysis, readout=readout or UNBOUNDED) if outputs.chart else None,
         merits=merits_of(of_white(analysis), maker=maker) if outputs.merit else None,
         pipeline=_pipeline(analysis, outputs.pipeline, balance_light, readout)
@@ -147,7 +154,8 @@ def outcomes_as_json(outcomes: Sequence[Outcome], outputs: OutputsPart) -> dict[
         if outputs.budget:
             own |= budgets_as_json(outcome.analysis)
         if outputs.space is not None:
-            own["grey_noise"] = gray_noise_as_json(outcome.grey_noise)
+            own["gray_noise"] = gray_noise_as_json(outcome.gray_noise)
+            own["grey_noise"] = own["gray_noise"]  # the old key, in this release only
         if outputs.chart:
             own["chart"] = chart_as_json(outcome.chart)
         if outcome.merits is not None:

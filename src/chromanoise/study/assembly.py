@@ -585,7 +585,7 @@ def sensor_of(part: SensorPart, *, key: str = "sensors.0", given: Given = NOTHIN
     for channel, word in (part.channel_filters or {}).items():
         with keyed(f"{key}.channel_filters", lambda name: f"{key}.{_FILTER_KEYS.get(name, name)}"):
             try:
-                _check.one_of("channel", channel, sensor.names)
+                _check.among("channel", channel, sensor.names)
             except InputError as error:
                 raise error.within("channel_filters") from None
             sensor = behind_resolved_filter(

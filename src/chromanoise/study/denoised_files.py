@@ -25,7 +25,7 @@ from chromanoise.imaging.demosaic import channel_tile
 from chromanoise.imaging.render import ALL_CORES, Picture, RawPicture
 from chromanoise.imaging.row_files import tiff_rows
 from chromanoise.imaging.writers import mosaic_description, write_png, write_xyz_tiff
-from chromanoise.io.frames import Frame
+from chromanoise.io.frames import RawFrame
 from chromanoise.io.frames.stored import StoredPlane
 from chromanoise.sensor import (
     Adc,
@@ -106,7 +106,7 @@ def denoised_picture(plan: DenoisingPlan, *, work: Work = ALL_CORES) -> Denoised
     """
     first, noise, mosaic = plan.pictures[0], plan.noise, plan.mosaic
     codes, clipped = None, {}
-    if isinstance(first, Frame):
+    if isinstance(first, RawFrame):
         codes = _codes(first, plan.bits)
         raw_e, clipped = noise.electrons(codes), _clipped(codes, noise)
     else:
@@ -165,7 +165,7 @@ def _by_plane(names: tuple[str, ...], values: Float[Array, " k"]) -> dict[str, f
     }
 
 
-def _codes(frame: Frame, bits: int | None) -> Array:
+def _codes(frame: RawFrame, bits: int | None) -> Array:
     codes = frame.codes()
     most = int(codes.max())
     for code in (int(codes.min()), most):
@@ -187,9 +187,9 @@ def _codes(frame: Frame, bits: int | None) -> Array:
     return codes
 
 
-def _relative_exposure(first: Frame | Electrons, one: Frame | Electrons) -> float:
+def _relative_exposure(first: RawFrame | Electrons, one: RawFrame | Electrons) -> float:
     """Exposure time over that of the first; 1 where a file does not state it."""
-    times = [each.time_ms if isinstance(each, Frame) else None for each in (first, one)]
+    times = [each.time_ms if isinstance(each, RawFrame) else None for each in (first, one)]
     return 1.0 if times[0] is None or times[1] is None else times[1] / times[0]
 
 
@@ -311,7 +311,7 @@ def refuse_other_denoised(plan: DenoisingPlan, folder: Path) -> None:
     InputError
         If it does.
     """
-    inputs = {true_path(one.path) for one in plan.pictures if isinstance(one, Frame)}
+    inputs = {true_path(one.path) for one in plan.pictures if isinstance(one, RawFrame)}
     for ending in _ENDINGS:
         if true_path(folder / f"{plan.stem}{ending}") in inputs:
             raise InputError(
@@ -355,7 +355,7 @@ def write_denoised(result: DenoisedPicture, folder: Path) -> tuple[list[str], li
         files.append(path.name)
         copied = folder / f"{stem}.denoised.dng"
         first = result.plan.pictures[0]
-        if isinstance(first, Frame) and first.path.suffix.lower() == ".dng":
+        if isinstance(first, RawFrame) and first.path.suffix.lower() == ".dng":
             if _write_copy(copied, first, result.codes):
                 files.append(copied.name)
             else:
@@ -387,7 +387,7 @@ def _write_codes(path: Path, codes: UInt16[Array, "h w"], plan: DenoisingPlan) -
         put(0, codes)
 
 
-def _write_copy(path: Path, frame: Frame, codes: UInt16[Array, "h w"]) -> bool:
+def _write_copy(path: Path, frame: RawFrame, codes: UInt16[Array, "h w"]) -> bool:
     """Copy an uncompressed DNG with other codes; ``False`` for other files."""
     plane = frame.read
     if not isinstance(plane, StoredPlane) or plane.stored.itemsize != codes.itemsize:

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from chromanoise import __version__, _check
+from chromanoise._lazy import renamed_keywords
 from chromanoise.analysis import DEFAULT_METHOD
 from chromanoise.analysis.color_matrices import MatrixMaker
 from chromanoise.catalog import converter_of, is_assumed, read_pixel_source
@@ -24,7 +25,7 @@ from chromanoise.errors import InputError, Setting, refusal
 from chromanoise.exposure import OperatingPoint
 from chromanoise.imaging.demosaic import channel_tile
 from chromanoise.imaging.render import mosaic_of
-from chromanoise.io.frames import Frame
+from chromanoise.io.frames import RawFrame
 from chromanoise.noise import NoiseSources, noise_sources
 from chromanoise.sensor import (
     PIXEL,
@@ -85,7 +86,7 @@ class DenoisingPlan:
         On what was used.
     """
 
-    pictures: tuple[Frame, ...] | tuple[Electrons, ...]
+    pictures: tuple[RawFrame, ...] | tuple[Electrons, ...]
     study: Study
     operating_point: OperatingPoint | None
     maker: MatrixMaker | None
@@ -100,7 +101,7 @@ class DenoisingPlan:
     def stem(self) -> str:
         """Name of the output files without their endings."""
         first = self.pictures[0]
-        return first.path.stem if isinstance(first, Frame) else first.name
+        return first.path.stem if isinstance(first, RawFrame) else first.name
 
     def _settings(self) -> dict[str, Any]:
         """The settings that take part; ``None`` where the file or the picture gives the value."""
@@ -121,14 +122,14 @@ class DenoisingPlan:
 
     def record(self) -> dict[str, Any]:
         """What decides the result, as plain data: version, settings and the bytes of the files."""
-        files = [one.path for one in self.pictures if isinstance(one, Frame)]
+        files = [one.path for one in self.pictures if isinstance(one, RawFrame)]
         existing = [path for path in files if path.is_file()]
         return {
             "version": __version__,
             "settings": self._settings(),
             "bits": self.bits,
             "pictures": [
-                one.name if isinstance(one, Frame) else self.stem for one in self.pictures
+                one.name if isinstance(one, RawFrame) else self.stem for one in self.pictures
             ],
             "sha256": digests_of(existing),
             "method": self.method.name,
@@ -143,12 +144,13 @@ def _value_at(data: Any, key: str) -> Any:
     return data
 
 
+@renamed_keywords(method="denoise")
 def prepared_denoising(
-    pictures: tuple[Frame, ...] | tuple[Electrons, ...],
+    pictures: tuple[RawFrame, ...] | tuple[Electrons, ...],
     sensor: str | None,
     settings: Settings,
     *,
-    method: str,
+    denoise: str,
     matrix: str = DEFAULT_METHOD,
     white_level: float | None = None,
     given: Given = NOTHING_GIVEN,
@@ -163,7 +165,7 @@ def prepared_denoising(
         Name of the catalog, or file; ``None`` if only the pixel or a noise profile is known.
     settings
         By the names of `DenoiseSettings`.
-    method
+    denoise
         Of `DENOISING`.
     matrix
         Of the color.
@@ -185,9 +187,9 @@ def prepared_denoising(
     Mosaic and black level are as given, else of the file, else of the sensor or pixel. An exposure
     time that is not given is that of the file.
     """
-    chosen = denoising_named(method)
+    chosen = denoising_named(denoise)
     first = pictures[0]
-    facts = first if isinstance(first, Frame) else None
+    facts = first if isinstance(first, RawFrame) else None
     settings = {name: value for name, value in settings.items() if value is not None}
     if sensor is None:
         _refuse_idle_without_sensor(settings, matrix)
@@ -213,7 +215,7 @@ def prepared_denoising(
     if mosaic is None or missing:
         raise refusal(missing)
     names = mosaic.names if point is None else point.sensor.names
-    if isinstance(first, Frame):
+    if isinstance(first, RawFrame):
         noise, notes = _noise_of_codes(pixel, names, study, first, black, white)
     else:
         noise, notes = _noise_of_electrons(pixel, names, study, white_level), []
@@ -255,7 +257,7 @@ def _part(study: Study) -> str:
     return study.pictures[0].mosaic or ""
 
 
-def _mosaic(study: Study, facts: Frame | None) -> Mosaic | None:
+def _mosaic(study: Study, facts: RawFrame | None) -> Mosaic | None:
     """The mosaic as given, or else as the file states it."""
     word = _part(study)
     if word == MONOCHROME:
@@ -355,7 +357,7 @@ def _demand_time(dark_current_e_per_s: float, *, timed: bool) -> None:
 def _levels(
     pixel: _Pixel,
     study: Study,
-    facts: Frame | None,
+    facts: RawFrame | None,
     bits: int | None,
     white_level: float | None,
 ) -> tuple[float | None, float | None]:
@@ -374,7 +376,7 @@ def _levels(
 def _missing(
     pixel: _Pixel,
     study: Study,
-    first: Frame | Electrons,
+    first: RawFrame | Electrons,
     mosaic: Mosaic | None,
     black: float | None,
     white: float | None,
@@ -386,11 +388,11 @@ def _missing(
             "the file does not state it: rows, e.g. RG/GB, or none for a monochrome sensor"
         )
     unknown = {
-        "gain_dn_per_e": isinstance(first, Frame) and pixel.converter.gain_e_per_dn is None,
+        "gain_dn_per_e": isinstance(first, RawFrame) and pixel.converter.gain_e_per_dn is None,
         "read_noise_e": pixel.sources is None,
     }
     profile, reason = None, "neither the picture nor a pixel states it"
-    if isinstance(first, Frame):
+    if isinstance(first, RawFrame):
         if black is None:
             lacking["black_level"] = f"neither {first.name} nor the pixel states it"
         profile, part = first.noise_profile, study.sensors[0].pixel
@@ -418,7 +420,7 @@ def _noise_of_codes(
     pixel: _Pixel,
     names: Sequence[str],
     study: Study,
-    first: Frame,
+    first: RawFrame,
     black: float | None,
     white: float | None,
 ) -> tuple[CodeNoise, list[str]]:
@@ -444,7 +446,7 @@ def _noise_of_codes(
     assert first.noise_profile is not None
     assert white is not None
     for name in names:
-        _check.one_of("channel of the sensor", name, tuple(first.noise_profile))
+        _check.among("channel of the sensor", name, tuple(first.noise_profile))
     if study.sensors[0].pixel.file is not None:
         lacks = "gain K [DN/e-]" if gain is None else "read noise [e-]"
         notes.append(f"the {lacks} is not known, so the noise of the {pixel.source} is not used")

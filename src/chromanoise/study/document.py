@@ -5,7 +5,7 @@ file.
 """
 
 import os
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar
 
 from pydantic import (
@@ -34,7 +34,7 @@ from chromanoise.catalog.reflectances import is_reflectance_file
 from chromanoise.catalog.resolve import is_file_word
 from chromanoise.color import SPACES, TONES
 from chromanoise.denoising import DENOISING
-from chromanoise.errors import InputError, Setting, did_you_mean, refusal
+from chromanoise.errors import InputError, Setting, did_you_mean, known_name, refusal
 from chromanoise.exposure import refuse_f_number
 from chromanoise.imaging import DEMOSAICING
 from chromanoise.imaging.formats import FORMATS, MOST_FRAMES
@@ -72,7 +72,7 @@ run holds all defaults, which count as given when they are read.
 
 
 def _known(names: Iterable[str]) -> AfterValidator:
-    """A check that a word is one of ``names``; an error suggests similar names."""
+    """The one of ``names`` that a word is; an error suggests similar names."""
 
     def checked(word: str, info: Any) -> str:
         return _one_of(info.field_name, word, tuple(names))
@@ -80,11 +80,17 @@ def _known(names: Iterable[str]) -> AfterValidator:
     return AfterValidator(checked)
 
 
+def _spelled_as(names: Iterable[str]) -> AfterValidator:
+    """The one of ``names`` that a word is; other words, as files and rows, are kept."""
+    return AfterValidator(lambda word: known_name(word, tuple(names)))
+
+
 def _one_of(field: str, word: str, names: Sequence[str]) -> str:
-    if word not in names:
+    known = known_name(word, names)
+    if known not in names:
         remedy = did_you_mean(word, names, f"known are {', '.join(names)}", most=2, cutoff=0.5)
         raise InputError(field, "must be a known name", value=word, remedy=remedy)
-    return word
+    return known
 
 
 def _within(unit: str, low: float, high: float) -> AfterValidator:
@@ -109,7 +115,8 @@ def _known_matrix(name: str, info: Any) -> str:
         raise InputError(
             info.field_name, f"must be a method, or a file that ends in {kinds}", value=name
         )
-    _one_of(info.field_name, name.partition("=")[0].strip(), tuple(METHODS))
+    word = name.partition("=")[0].strip()
+    name = name.replace(word, _one_of(info.field_name, word, tuple(METHODS)), 1)
     matrix_makers([name], "quanta")  # checks its parameter
     return name
 
@@ -143,6 +150,29 @@ class Part(BaseModel):
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, defer_build=True)
+
+    @classmethod
+    def known_keys(cls, given: Mapping[str, Any]) -> Collection[str]:
+        """The keys of the part.
+
+        Parameters
+        ----------
+        given
+            Its values by key, not yet checked.
+        """
+        return [field.alias or name for name, field in cls.model_fields.items()]
+
+    @model_validator(mode="before")
+    @classmethod
+    def _with_known_keys(cls, given: Any) -> Any:
+        """The values by the names of their keys, in which ``_`` and ``-`` are equal."""
+        if not isinstance(given, dict) or not all(isinstance(key, str) for key in given):
+            return given
+        known, found = cls.known_keys(given), dict[str, Any]()
+        for key, value in given.items():
+            meant = known_name(key, known)
+            found[key if meant in found or meant in given else meant] = value
+        return found
 
 
 class LightPart(Part):
@@ -338,7 +368,7 @@ class SensorPart(Part):
     crosstalk_stage: Literal["light", "charge"] = Field(
         "light", description="Crosstalk before counting (light), or after it (charge: correlated)."
     )
-    mosaic: str | None = Field(
+    mosaic: Annotated[str, _spelled_as(MOSAIC_NAMES)] | None = Field(
         None,
         description="Mosaic, for crosstalk, figures of merit and pictures of the sensor's mosaic: "
         f"{', '.join(MOSAIC_NAMES)}, or rows, e.g. RG/GB or 'Red Yellow; Yellow Blue'; default: "
@@ -475,7 +505,9 @@ class SweepPart(Part):
 class PicturePart(Part):
     """Pictures of one cube with every sensor, as `chromanoise simulate` renders them."""
 
-    cube: str = Field("builtin:checker", description=f"{', '.join(BUILTIN_CUBES)}, or a file.")
+    cube: Annotated[str, _spelled_as(BUILTIN_CUBES)] = Field(
+        "builtin:checker", description=f"{', '.join(BUILTIN_CUBES)}, or a file."
+    )
     key: str | None = Field(None, description="Name of the array in the cube's file.")
     shape: Annotated[tuple[int, int], Field(strict=False)] | None = Field(
         None, description="Rows and columns of a cube stored as a 2-D array."
@@ -493,7 +525,7 @@ class PicturePart(Part):
     bad_pixels: Literal["refuse", "zero"] = Field(
         "refuse", description="Treatment of values that are no reflectance: refuse or zero."
     )
-    mosaic: str | None = Field(
+    mosaic: Annotated[str, _spelled_as(MOSAIC_NAMES)] | None = Field(
         None,
         description=f"sensor (its own), {', '.join(MOSAIC_NAMES)}, or rows as RG/GB; without it "
         "all channels are at every pixel.",

@@ -12,7 +12,7 @@ from chromanoise._inputs import true_path
 from chromanoise._shapes import Float32
 from chromanoise.catalog.resolve import file_of
 from chromanoise.errors import InputError, Setting
-from chromanoise.io.frames import Frame, frames_in
+from chromanoise.io.frames import RawFrame, frames_in
 from chromanoise.io.frames.consistency import mosaic_of_all, refuse_mixed
 from chromanoise.io.frames.dump import DUMP_ENDINGS, DUMP_TYPES, dumped_frame
 
@@ -38,7 +38,7 @@ def frames_of_pictures(
     *,
     shape: tuple[int, int] | None = None,
     stored: str | None = None,
-) -> tuple[Frame, ...]:
+) -> tuple[RawFrame, ...]:
     """The frames of raw files; several are a burst of one scene.
 
     Parameters
@@ -75,7 +75,7 @@ def frames_of_pictures(
                 raise InputError(
                     name, "must be given only for a raw dump", value=value, remedy="omit it"
                 )
-    frames: list[Frame] = []
+    frames: list[RawFrame] = []
     for path in paths:
         if path not in dumps:
             frames += frames_in(path)
@@ -93,7 +93,7 @@ def frames_of_pictures(
     return tuple(frames)
 
 
-def frame_of_array(codes: Array, *, name: str = "picture") -> Frame:
+def frame_of_array(codes: Array, *, name: str = "picture") -> RawFrame:
     """A frame of codes in memory. [DN]
 
     Parameters
@@ -116,7 +116,7 @@ def frame_of_array(codes: Array, *, name: str = "picture") -> Frame:
             value=str(values.dtype),
             remedy=("round them", "give electrons above black, unit='e-'"),
         )
-    return Frame(path=Path(name), shape=(values.shape[0], values.shape[1]), read=lambda: values)
+    return RawFrame(path=Path(name), shape=(values.shape[0], values.shape[1]), read=lambda: values)
 
 
 def electrons_of_array(values_e: Array, *, name: str = "picture") -> Electrons:

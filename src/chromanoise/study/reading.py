@@ -11,7 +11,7 @@ from pydantic import BaseModel, ValidationError
 
 from chromanoise._inputs import regular_file
 from chromanoise.catalog.resolve import file_of, word_beside
-from chromanoise.errors import InputError, did_you_mean, errors_in, refusal
+from chromanoise.errors import InputError, did_you_mean, errors_in, known_name, refusal
 from chromanoise.study.assembly import unresolved
 from chromanoise.study.document import KEEP_IDLE, Study, StudyKind
 from chromanoise.study.hashes import FileWord, with_file_words
@@ -211,7 +211,7 @@ def _document(
     changed: dict[Key, str] = {}
     for change in changes:
         place = f"{change_label} {_short(change)}"
-        changed[_changed(data, change, place)] = place
+        changed |= dict.fromkeys(_spellings(_changed(data, change, place)), place)
     return _validated(kind, data, source, lines, changed, unfit, keep_idle)
 
 
@@ -353,7 +353,7 @@ def _changed(data: dict[str, Any], change: str, place: str) -> Key:
     for i, step in enumerate(steps[:-1]):
         following: Any = [] if isinstance(steps[i + 1], int) else {}
         at = _step(at, step, following, place)
-    last = steps[-1]
+    last = _known_step(at, steps[-1])
     parsed = _parsed(value, place)
     in_list = isinstance(at, list) and isinstance(last, int) and last < len(at)
     if in_list or (isinstance(at, dict) and isinstance(last, str)):
@@ -401,11 +401,17 @@ def _parsed(value: str, place: str) -> Any:
 
 
 def _step(at: Any, step: str | int, following: Any, place: str) -> Any:
+    step = _known_step(at, step)
     if isinstance(at, dict) and isinstance(step, str):
         return at.setdefault(step, following)
     if isinstance(at, list) and isinstance(step, int) and step < len(at):
         return at[step]
     raise _absent(place, str(step))
+
+
+def _known_step(at: Any, step: str | int) -> str | int:
+    """The key that is there already, as `known_name`."""
+    return known_name(step, at) if isinstance(at, dict) and isinstance(step, str) else step
 
 
 def _faults(error: Any, kind: type[Study]) -> list[InputError]:
@@ -505,13 +511,23 @@ def _lines_of_keys(text: str) -> dict[Key, int]:
             if match[1] == "[[":
                 place = counts.get(name, -1) + 1
                 counts[name] = place
-                lines.setdefault(name, number)
+                _put_line(lines, name, number)
                 name = (*name, place)
             table = name
-            lines.setdefault(table, number)
+            _put_line(lines, table, number)
         elif match := re.match(r"\s*([A-Za-z0-9_.\-\"' ]+?)\s*=", line):
-            lines.setdefault((*table, *_keys(match[1])), number)
+            _put_line(lines, (*table, *_keys(match[1])), number)
     return lines
+
+
+def _put_line(lines: dict[Key, int], key: Key, number: int) -> None:
+    for one in _spellings(key):
+        lines.setdefault(one, number)
+
+
+def _spellings(key: Key) -> tuple[Key, Key]:
+    """A key as it is written, and with the names of our keys."""
+    return key, tuple(s.replace("-", "_") if isinstance(s, str) else s for s in key)
 
 
 def _keys(dotted: str) -> tuple[str, ...]:

@@ -221,7 +221,7 @@ _ARGUMENTS = {
     "denoise": (
         "picture",
         "sensor",
-        "method",
+        "denoise",
         "matrix",
         "unit",
         "shape",

@@ -13,7 +13,7 @@ from chromanoise.errors import InputError
 from chromanoise.io.cubes.bounds import refuse_impossible
 from chromanoise.io.cubes.errors import reading, reading_rows
 from chromanoise.io.cubes.npz import npy_array, npz_arrays
-from chromanoise.io.frames.frame import Frame
+from chromanoise.io.frames.frame import RawFrame
 from chromanoise.io.frames.stored import StoredPlane, refuse_shape, whole_codes
 
 _MOST_ARRAYS = 20_000
@@ -23,7 +23,7 @@ _HEADERS = {
 }
 
 
-def npy_frames(path: Path) -> tuple[Frame, ...]:
+def npy_frames(path: Path) -> tuple[RawFrame, ...]:
     """The frame in a ``.npy``, or the stack of frames; each is read in place.
 
     Raises
@@ -47,7 +47,7 @@ def npy_frames(path: Path) -> tuple[Frame, ...]:
             shape=shape,
             by_columns=columns,
         )
-        return (Frame(path=path, shape=shape, read=read),)
+        return (RawFrame(path=path, shape=shape, read=read),)
     if not array.flags.c_contiguous:
         raise InputError(
             str(path),
@@ -56,7 +56,7 @@ def npy_frames(path: Path) -> tuple[Frame, ...]:
             remedy="save numpy.ascontiguousarray(stack)",
         )
     return tuple(
-        Frame(
+        RawFrame(
             path=path,
             shape=shape,
             index=i,
@@ -68,8 +68,8 @@ def npy_frames(path: Path) -> tuple[Frame, ...]:
     )
 
 
-def npz_frames(path: Path) -> tuple[Frame, ...]:
-    """The frames of all arrays in a ``.npz``; `Frame.part` is the name of the array.
+def npz_frames(path: Path) -> tuple[RawFrame, ...]:
+    """The frames of all arrays in a ``.npz``; `RawFrame.part` is the name of the array.
 
     Raises
     ------
@@ -93,7 +93,7 @@ def npz_frames(path: Path) -> tuple[Frame, ...]:
         for i in range(shape[0]) if len(shape) == 3 else (None,):
             read = _Member(path=path, name=name, index=i, shape=shape, stored=dtype)
             sides = (shape[-2], shape[-1])
-            frames.append(Frame(path=path, shape=sides, part=name, index=i, read=read))
+            frames.append(RawFrame(path=path, shape=sides, part=name, index=i, read=read))
     return tuple(frames)
 
 

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from chromanoise.errors import InputError
 from chromanoise.io.frames.consistency import EXAMPLE, refuse_mixed
-from chromanoise.io.frames.frame import Frame, FrameLevel
+from chromanoise.io.frames.frame import FrameLevel, RawFrame
 
 DARK_WORDS = (
     *("dark", "darks", "darkframe", "darkframes", "bias", "biases", "biasframe", "biasframes"),
@@ -49,7 +49,7 @@ class _Named:
         The number of the repeat, as text; empty in a stack.
     """
 
-    frame: Frame
+    frame: RawFrame
     dark: bool
     label: str
     number: str
@@ -60,7 +60,7 @@ _Group = tuple[str, float | None]
 
 
 def levels_by_name(
-    source: str, frames: Sequence[Frame], names: Sequence[str]
+    source: str, frames: Sequence[RawFrame], names: Sequence[str]
 ) -> tuple[tuple[FrameLevel, ...], tuple[str, ...]]:
     """Levels and notes.
 
@@ -119,7 +119,7 @@ def levels_by_name(
 # what one name tells
 
 
-def _named(source: str, frame: Frame, name: str) -> _Named:
+def _named(source: str, frame: RawFrame, name: str) -> _Named:
     if frame.time_ms is None and _FRACTION.search(name):
         raise _question(source, f"the time in the name {name} may be a fraction of a second")
     time, iso = _TIME.findall(name), _ISO.findall(name)

@@ -18,7 +18,7 @@ from chromanoise.io.cubes.errors import reading, reading_rows, refuse_absent_lib
 from chromanoise.io.cubes.tiff import is_plain, refuse_incomplete
 from chromanoise.io.cubes.tiff_pages import decoded_pages
 from chromanoise.io.frames.exif import CFA, CFA_COLORS, exposure_of, mosaic_of, smallest_mosaic
-from chromanoise.io.frames.frame import Frame
+from chromanoise.io.frames.frame import RawFrame
 from chromanoise.io.frames.stored import StoredPlane, refuse_shape, refused_picture
 from chromanoise.io.frames.tiff import opened_tiff
 from chromanoise.sensor import Mosaic
@@ -35,7 +35,7 @@ _NOISE_PROFILE, _PLANE_COLORS = 51041, 50710
 _PROBE = 48  # a multiple of the periods 1, 2, 4, 6, 8 and 16 that LibRaw knows
 
 
-def raw_frames(path: Path) -> tuple[Frame, ...]:
+def raw_frames(path: Path) -> tuple[RawFrame, ...]:
     """The frame in a file of a camera: the visible pixels, without any processing.
 
     An uncompressed DNG is read without LibRaw, strips in place; of another DNG, only the header is
@@ -49,7 +49,7 @@ def raw_frames(path: Path) -> tuple[Frame, ...]:
     """
     from_tags, plane = _of_tags(path)
     if plane is not None:
-        return (Frame(path=path, shape=plane.shape, read=plane, **from_tags),)
+        return (RawFrame(path=path, shape=plane.shape, read=plane, **from_tags),)
     refuse_absent_library("rawpy", str(path), extra="raw")
     size = path.stat().st_size
     with reading(path, "camera raw"):
@@ -69,7 +69,7 @@ def raw_frames(path: Path) -> tuple[Frame, ...]:
         )
     read = _Raw(path=path, shape=shape, pixels=pixels)
     metadata = from_tags if "mosaic" in from_tags else read.header() | from_tags
-    return (Frame(path=path, shape=shape, read=read, **metadata),)
+    return (RawFrame(path=path, shape=shape, read=read, **metadata),)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

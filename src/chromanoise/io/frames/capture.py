@@ -23,7 +23,7 @@ from chromanoise.io.frames.consistency import (
     refuse_mixed,
 )
 from chromanoise.io.frames.formats import frames_in
-from chromanoise.io.frames.frame import Frame, FrameLevel, FrameSet
+from chromanoise.io.frames.frame import FrameLevel, FrameSet, RawFrame
 from chromanoise.io.pixels.source_text import errors_in_file
 from chromanoise.sensor import Mosaic, mosaic_named
 
@@ -42,7 +42,7 @@ _LEAST_ISO, _MOST_ISO = 1e-3, 1e9
 _MOST_BLACK_DN = 1e9
 _PART = re.compile(r"(.+?)((?:\[[^\[\]]{1,100}\]){1,2})")
 
-_FramesOfFile = dict[Path, tuple[Frame, ...]]
+_FramesOfFile = dict[Path, tuple[RawFrame, ...]]
 
 
 def read_capture(path: Path) -> FrameSet:
@@ -147,7 +147,7 @@ def _level(
     path: Path,
     number: int,
     entry: dict[str, Any],
-    pooled: tuple[Frame, ...],
+    pooled: tuple[RawFrame, ...],
     iso: float | None,
     opened: _FramesOfFile,
 ) -> FrameLevel:
@@ -194,7 +194,7 @@ def _number(
     return number
 
 
-def _frames(path: Path, words: Any, where: str, opened: _FramesOfFile) -> tuple[Frame, ...]:
+def _frames(path: Path, words: Any, where: str, opened: _FramesOfFile) -> tuple[RawFrame, ...]:
     """The frames of a list of names and patterns, in its order."""
     if not isinstance(words, list) or not all(isinstance(word, str) and word for word in words):
         raise InputError(
@@ -220,7 +220,7 @@ def _frames(path: Path, words: Any, where: str, opened: _FramesOfFile) -> tuple[
     return tuple(frames)
 
 
-def _of_word(path: Path, word: str, where: str, opened: _FramesOfFile) -> tuple[Frame, ...]:
+def _of_word(path: Path, word: str, where: str, opened: _FramesOfFile) -> tuple[RawFrame, ...]:
     folder = path.parent
     long = any(len(os.fsencode(name)) > 255 for name in word.split("/"))
     if Path(word).is_absolute() or "\0" in word or long or len(word) > _LONGEST_NAME:
@@ -256,15 +256,15 @@ def _of_word(path: Path, word: str, where: str, opened: _FramesOfFile) -> tuple[
     return tuple(frame for file in files for frame in _opened(file, opened))
 
 
-def _opened(file: Path, opened: _FramesOfFile) -> tuple[Frame, ...]:
+def _opened(file: Path, opened: _FramesOfFile) -> tuple[RawFrame, ...]:
     if file not in opened:
         opened[file] = frames_in(file)
     return opened[file]
 
 
 def _parts_of(
-    path: Path, word: str, frames: tuple[Frame, ...], part: str, where: str
-) -> tuple[Frame, ...]:
+    path: Path, word: str, frames: tuple[RawFrame, ...], part: str, where: str
+) -> tuple[RawFrame, ...]:
     """The frames called by name: ``[3]``, ``[flat]`` or ``[flat][3]``."""
     chosen = tuple(
         frame
@@ -296,7 +296,7 @@ def _refuse_repeated(path: Path, levels: list[FrameLevel]) -> None:
                 raise _repeated(path, frame, level.name, "both flat and dark")
 
 
-def _repeated(path: Path, frame: Frame, level: str, found: str) -> InputError:
+def _repeated(path: Path, frame: RawFrame, level: str, found: str) -> InputError:
     return InputError(
         str(path),
         "must use a flat once",
@@ -306,7 +306,7 @@ def _repeated(path: Path, frame: Frame, level: str, found: str) -> InputError:
     )
 
 
-def _one_time(frames: tuple[Frame, ...]) -> float | None:
+def _one_time(frames: tuple[RawFrame, ...]) -> float | None:
     """The exposure time that all frames state. [ms]"""
     times = {frame.time_ms for frame in frames}
     return times.pop() if len(times) == 1 else None
@@ -397,7 +397,7 @@ def _same(one: Any, other: Any) -> bool:
 
 
 def _mosaic(
-    path: Path, table: Mapping[str, Any], frames: list[Frame]
+    path: Path, table: Mapping[str, Any], frames: list[RawFrame]
 ) -> tuple[Mosaic | None, tuple[str, ...]]:
     word = table.get("mosaic")
     if word is None:

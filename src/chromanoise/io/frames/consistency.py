@@ -5,7 +5,7 @@ from typing import Any
 
 from chromanoise.errors import InputError
 from chromanoise.io.cubes.raw_cube import by
-from chromanoise.io.frames.frame import Frame, FrameLevel
+from chromanoise.io.frames.frame import FrameLevel, RawFrame
 from chromanoise.sensor import Mosaic
 
 MOST_LEVELS = 10_000
@@ -16,7 +16,7 @@ EXAMPLE = (
 )
 """Remedy where the grouping of frames is unclear."""
 
-_QUANTITIES: tuple[tuple[str, Callable[[Frame], Any], Callable[[Any], str]], ...] = (
+_QUANTITIES: tuple[tuple[str, Callable[[RawFrame], Any], Callable[[Any], str]], ...] = (
     ("size", lambda frame: frame.shape, lambda shape: f"{by(shape)} pixels"),
     ("camera", lambda frame: frame.camera or None, str),
     ("ISO", lambda frame: frame.iso, lambda iso: f"ISO {iso:g}"),
@@ -25,7 +25,7 @@ _QUANTITIES: tuple[tuple[str, Callable[[Frame], Any], Callable[[Any], str]], ...
 )
 
 
-def refuse_mixed(source: str, frames: Sequence[Frame]) -> None:
+def refuse_mixed(source: str, frames: Sequence[RawFrame]) -> None:
     """Refuse frames of several sizes, cameras, ISO or gain settings, or numbers of bits.
 
     A frame whose file does not state the quantity agrees with all others.
@@ -42,7 +42,7 @@ def refuse_mixed(source: str, frames: Sequence[Frame]) -> None:
             raise _mixed(source, name, known[0], other, (quantity, shown))
 
 
-def mosaic_of_all(source: str, frames: Sequence[Frame]) -> Mosaic | None:
+def mosaic_of_all(source: str, frames: Sequence[RawFrame]) -> Mosaic | None:
     """The mosaic of frames that agree in it; ``None`` if no file states one.
 
     Raises
@@ -102,9 +102,9 @@ def refuse_few(
 def _mixed(
     source: str,
     name: str,
-    one: Frame,
-    other: Frame,
-    how: tuple[Callable[[Frame], Any], Callable[[Any], str]],
+    one: RawFrame,
+    other: RawFrame,
+    how: tuple[Callable[[RawFrame], Any], Callable[[Any], str]],
 ) -> InputError:
     quantity, shown = how
     names = (shown_name(one), shown_name(other))
@@ -117,6 +117,6 @@ def _mixed(
     )
 
 
-def shown_name(frame: Frame) -> str:
+def shown_name(frame: RawFrame) -> str:
     """Folder and name of a frame, for messages."""
     return f"{frame.path.parent.name}/{frame.name}"

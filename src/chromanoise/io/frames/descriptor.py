@@ -10,7 +10,7 @@ from chromanoise.errors import InputError
 from chromanoise.io.cubes.raw_cube import by
 from chromanoise.io.frames.consistency import MOST_LEVELS, mosaic_of_all, refuse_mixed
 from chromanoise.io.frames.formats import frames_in
-from chromanoise.io.frames.frame import Frame, FrameLevel, FrameSet
+from chromanoise.io.frames.frame import FrameLevel, FrameSet, RawFrame
 
 _HEAD_BYTES = 65536
 _LARGEST_BYTES = 16 * 2**20
@@ -205,7 +205,7 @@ def _number(path: Path, line: int, word: str) -> float:
 
 
 def _level(
-    one: _Series, flats: tuple[Frame, ...], darks: tuple[Frame, ...], *, spatial: bool
+    one: _Series, flats: tuple[RawFrame, ...], darks: tuple[RawFrame, ...], *, spatial: bool
 ) -> FrameLevel:
     light = "dark" if one.photons is None else f"{one.photons:g} photons"
     return FrameLevel(
@@ -218,8 +218,8 @@ def _level(
     )
 
 
-def _frames(path: Path, series: _Series, bits: int, shape: tuple[int, int]) -> tuple[Frame, ...]:
-    frames: list[Frame] = []
+def _frames(path: Path, series: _Series, bits: int, shape: tuple[int, int]) -> tuple[RawFrame, ...]:
+    frames: list[RawFrame] = []
     for name in series.files:
         own = Path(name) if name.startswith("/") else Path(*PureWindowsPath(name).parts)
         frames += frames_in(path.parent / own)

@@ -7,7 +7,7 @@ import numpy as np
 
 from chromanoise._inputs import regular_file
 from chromanoise.errors import InputError
-from chromanoise.io.frames.frame import Frame
+from chromanoise.io.frames.frame import RawFrame
 from chromanoise.io.frames.stored import StoredPlane, refuse_shape
 
 DUMP_ENDINGS = (".raw", ".bin")
@@ -16,7 +16,7 @@ DUMP_TYPES: Mapping[str, str] = {"uint8": "u1", "uint16": "<u2", "uint16-be": ">
 """Types of the codes by name: 8 bits, 16 bits little-endian, 16 bits big-endian."""
 
 
-def dumped_frame(path: Path, shape: tuple[int, int], stored: str = "uint16") -> Frame:
+def dumped_frame(path: Path, shape: tuple[int, int], stored: str = "uint16") -> RawFrame:
     """The frame of a raw dump, which is read in place.
 
     Parameters
@@ -46,4 +46,4 @@ def dumped_frame(path: Path, shape: tuple[int, int], stored: str = "uint16") -> 
             remedy="give its rows, columns and type",
         )
     plane = StoredPlane(path=path, size=size, offset=0, stored=dtype, shape=shape)
-    return Frame(path=path, shape=shape, read=plane)
+    return RawFrame(path=path, shape=shape, read=plane)

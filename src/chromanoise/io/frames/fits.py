@@ -13,7 +13,7 @@ from chromanoise._shapes import Integer
 from chromanoise.errors import InputError
 from chromanoise.io.cubes.errors import library, reading
 from chromanoise.io.frames.exif import camera_name
-from chromanoise.io.frames.frame import Frame
+from chromanoise.io.frames.frame import RawFrame
 from chromanoise.io.frames.stored import StoredPlane, refuse_shape, whole_codes
 from chromanoise.sensor import Mosaic
 
@@ -22,7 +22,7 @@ _TYPES = {8: ">u1", 16: ">i2", 32: ">i4", 64: ">i8", -32: ">f4", -64: ">f8"}
 _LARGEST_OFFSET = 2.0**53
 
 
-def fits_frames(path: Path) -> tuple[Frame, ...]:
+def fits_frames(path: Path) -> tuple[RawFrame, ...]:
     """The images of a FITS file; three axes are a stack. Tables are not used.
 
     ``EXPTIME`` or ``EXPOSURE`` is the exposure time in s, ``ISOSPEED`` the ISO, ``GAIN`` the gain
@@ -41,7 +41,7 @@ def fits_frames(path: Path) -> tuple[Frame, ...]:
     """
     library("astropy", str(path), extra="fits")
     fits = importlib.import_module("astropy.io.fits")
-    frames: list[Frame] = []
+    frames: list[RawFrame] = []
     with reading(path, "FITS"), path.open("rb") as file:
         if file.read(10) != b"SIMPLE  = ":
             raise ValueError("no SIMPLE at its start")
@@ -67,7 +67,7 @@ def fits_frames(path: Path) -> tuple[Frame, ...]:
     return tuple(frames)
 
 
-def _of_part(path: Path, number: int, part: Any, first: Any) -> list[Frame]:
+def _of_part(path: Path, number: int, part: Any, first: Any) -> list[RawFrame]:
     header, where = part.header, f"part {number}"
     axes = tuple(int(header[f"NAXIS{i}"]) for i in range(int(header["NAXIS"]), 0, -1))
     refuse_shape(path, where, axes)
@@ -95,7 +95,7 @@ def _of_part(path: Path, number: int, part: Any, first: Any) -> list[Frame]:
             shape=shape,
         )
         read = _Scaled(plane=plane, **_scaling(path, where, header))
-        frames.append(Frame(path=path, shape=shape, read=read, index=i, part=name, **metadata))
+        frames.append(RawFrame(path=path, shape=shape, read=read, index=i, part=name, **metadata))
     return frames
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from chromanoise._inputs import regular_file
 from chromanoise.errors import InputError
-from chromanoise.io.frames.frame import Frame
+from chromanoise.io.frames.frame import RawFrame
 from chromanoise.io.frames.stored import refused_picture
 
 CAMERA_RAW = (
@@ -18,10 +18,10 @@ PICTURES = (".jpg", ".jpeg", ".jpe", ".heic", ".heif", ".webp", ".gif", ".bmp", 
 """Endings of pictures that are never raw frames."""
 
 
-def frames_in(path: Path | str) -> tuple[Frame, ...]:
+def frames_in(path: Path | str) -> tuple[RawFrame, ...]:
     """The raw frames of a file: one, or those of a stack.
 
-    The header is read now, the pixels with `Frame.codes`. The file is never changed.
+    The header is read now, the pixels with `RawFrame.codes`. The file is never changed.
 
     Parameters
     ----------
@@ -75,7 +75,7 @@ def is_frame_name(path: Path) -> bool:
     return _reader(path.suffix.lower()) is not None
 
 
-def _reader(ending: str) -> Callable[[Path], tuple[Frame, ...]] | None:
+def _reader(ending: str) -> Callable[[Path], tuple[RawFrame, ...]] | None:
     """The reader of an ending; each is imported when it is needed."""
     if ending in CAMERA_RAW:
         from chromanoise.io.frames.camera_raw import raw_frames

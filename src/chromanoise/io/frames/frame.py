@@ -15,7 +15,7 @@ from chromanoise.sensor import Mosaic
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Frame:
+class RawFrame:
     """One raw frame of a file; its codes are read when they are needed.
 
     Attributes
@@ -139,8 +139,8 @@ class FrameLevel:
     """
 
     name: str
-    flats: tuple[Frame, ...]
-    darks: tuple[Frame, ...] = ()
+    flats: tuple[RawFrame, ...]
+    darks: tuple[RawFrame, ...] = ()
     time_ms: float | None = None
     photons_per_pixel: float | None = None
     spatial: bool = False

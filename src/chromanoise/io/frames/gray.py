@@ -14,7 +14,7 @@ from chromanoise._shapes import Integer
 from chromanoise.errors import InputError
 from chromanoise.io.cubes.bounds import refuse_impossible
 from chromanoise.io.cubes.errors import reading, reading_rows
-from chromanoise.io.frames.frame import Frame
+from chromanoise.io.frames.frame import RawFrame
 from chromanoise.io.frames.stored import StoredPlane, refuse_shape, refused_picture
 
 _PGM = re.compile(rb"P([25])(?:\s|#[^\n]*\n)+" + rb"(?:\s|#[^\n]*\n)+".join([rb"(\d{1,9})"] * 3))
@@ -24,7 +24,7 @@ _PNG = b"\x89PNG\r\n\x1a\n"
 _MOST_CODE = 65535
 
 
-def pgm_frames(path: Path) -> tuple[Frame, ...]:
+def pgm_frames(path: Path) -> tuple[RawFrame, ...]:
     """The frame in a PGM: plain (P2) or binary (P5), of 8 or 16 bits, most significant byte first.
 
     Raises
@@ -65,7 +65,7 @@ def pgm_frames(path: Path) -> tuple[Frame, ...]:
     plane = StoredPlane(path=path, size=size, offset=offset, stored=stored, shape=shape)
     bits = largest.bit_length() if largest < _MOST_CODE and (largest + 1).bit_count() == 1 else None
     return (
-        Frame(
+        RawFrame(
             path=path,
             shape=shape,
             read=_Pgm(plane=plane, plain=plain, largest=largest),
@@ -127,7 +127,7 @@ def _put(path: Path, codes: Array, done: int, words: list[bytes]) -> int:
     return done + len(numbers)
 
 
-def png_frames(path: Path) -> tuple[Frame, ...]:
+def png_frames(path: Path) -> tuple[RawFrame, ...]:
     """The frame in a PNG of 8 or 16 bits of gray, without gamma.
 
     Raises
@@ -146,7 +146,7 @@ def png_frames(path: Path) -> tuple[Frame, ...]:
     refuse_shape(path, "", (height, width))
     refuse_impossible(path, "pixels", (height, width), np.dtype(f"u{bits // 8}"))
     read = _Png(path=path, shape=(height, width), bits=bits)
-    return (Frame(path=path, shape=(height, width), read=read, bits=8 if bits == 8 else None),)
+    return (RawFrame(path=path, shape=(height, width), read=read, bits=8 if bits == 8 else None),)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

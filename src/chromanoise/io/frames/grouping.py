@@ -12,7 +12,7 @@ from chromanoise.io.frames.capture import CAPTURE, read_capture
 from chromanoise.io.frames.consistency import EXAMPLE, mosaic_of_all, refuse_mixed
 from chromanoise.io.frames.descriptor import is_descriptor, read_descriptor
 from chromanoise.io.frames.formats import frames_in, is_frame_name
-from chromanoise.io.frames.frame import Frame, FrameSet
+from chromanoise.io.frames.frame import FrameSet, RawFrame
 
 _MOST_FILES = 20_000
 _TEXT = (".txt", ".emva")
@@ -78,7 +78,7 @@ def _list_of(path: Path) -> Path | None:
 
 def _by_name(paths: Sequence[Path]) -> FrameSet:
     source = str(paths[0]) if len(paths) == 1 else f"{len(paths)} files and folders"
-    frames: list[Frame] = []
+    frames: list[RawFrame] = []
     names: list[str] = []
     others: list[Path] = []
     seen: set[Path] = set()
@@ -115,7 +115,7 @@ def _by_name(paths: Sequence[Path]) -> FrameSet:
     return FrameSet(source=source, levels=levels, mosaic=mosaic, notes=notes)
 
 
-def _name(frame: Frame, base: Path, *, several: bool) -> str:
+def _name(frame: RawFrame, base: Path, *, several: bool) -> str:
     """The path of a frame in its folder; the folder itself counts if several are given."""
     name = frame_name(frame.path, base, frame.part)
     return f"{true_path(base).name}/{name}" if several and true_path(base).name else name

@@ -18,7 +18,7 @@ from chromanoise.io.cubes.errors import reading
 from chromanoise.io.cubes.tiff import is_plain, refuse_incomplete
 from chromanoise.io.cubes.tiff_pages import decoded_pages
 from chromanoise.io.frames.exif import CFA, exposure_of, mosaic_of
-from chromanoise.io.frames.frame import Frame
+from chromanoise.io.frames.frame import RawFrame
 from chromanoise.io.frames.stored import (
     MOST_FRAMES,
     StoredPlane,
@@ -32,7 +32,7 @@ _BLACK_IS_0, _WHITE_IS_0 = 1, 0
 logging.getLogger("tifffile").addHandler(logging.NullHandler())  # errors are raised here
 
 
-def tiff_frames(path: Path) -> tuple[Frame, ...]:
+def tiff_frames(path: Path) -> tuple[RawFrame, ...]:
     """The pages of a TIFF; reduced pages (thumbnails) are not used.
 
     Uncompressed pages are read in place. Exposure time, ISO and camera come from the Exif tags of
@@ -73,7 +73,9 @@ def opened_tiff(path: Path) -> Iterator[Any]:
         yield file
 
 
-def _frame(path: Path, at: int, page: Any, *, index: int | None, exposure: dict[str, Any]) -> Frame:
+def _frame(
+    path: Path, at: int, page: Any, *, index: int | None, exposure: dict[str, Any]
+) -> RawFrame:
     where = "" if index is None else f"page {index} (from 0)"
     if page.dtype is None or len(page.shape) < 2:
         raise InputError(str(path), "must hold plain numbers", where=where, found="holds none")
@@ -101,7 +103,7 @@ def _frame(path: Path, at: int, page: Any, *, index: int | None, exposure: dict[
         stored = dtype.newbyteorder(page.parent.byteorder)
         read = StoredPlane(path=path, size=size, offset=first, stored=stored, shape=shape)
     bits = int(page.bitspersample)
-    return Frame(
+    return RawFrame(
         path=path,
         shape=shape,
         read=read,

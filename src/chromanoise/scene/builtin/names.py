@@ -28,6 +28,6 @@ def builtin_cube(name: str) -> Cube:
     InputError
         If no built-in cube has this name.
     """
-    _check.one_of("scene", name, BUILTIN_CUBES)
+    name = _check.one_of("scene", name, BUILTIN_CUBES)
     cube: Cube = getattr(import_module("chromanoise.scene.builtin"), _MAKERS[name])()
     return cube

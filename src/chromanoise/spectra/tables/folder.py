@@ -85,7 +85,7 @@ def _table(folder: Path, name: str, provenance: Provenance) -> UserTable:
             value=name,
             where=where,
         )
-    _check.one_of(f"kind in {source}, {where}", provenance.kind, _KINDS)
+    _check.among(f"kind in {source}, {where}", provenance.kind, _KINDS)
     if provenance.kind == "illuminant" and provenance.per is None:
         raise InputError(
             source,

@@ -82,10 +82,10 @@ class Provenance:
     channels: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        _check.one_of(f"kind of {self.name}", self.kind, get_args(Kind))
-        _check.one_of(f"level of {self.name}", self.level, _LEVELS)
+        _check.among(f"kind of {self.name}", self.kind, get_args(Kind))
+        _check.among(f"level of {self.name}", self.level, _LEVELS)
         if self.per is not None:
-            _check.one_of(f"per of {self.name}", self.per, _PERS)
+            _check.among(f"per of {self.name}", self.per, _PERS)
         if self.pixel and not self.pixel_source:
             raise InputError(
                 f"pixel of {self.name}", "must have a source, as every number of the catalog"
@@ -221,12 +221,12 @@ def sections_of(text: str, source: str) -> dict[str, dict[str, Any]]:
 
 def _checked(section: dict[str, Any], place: _Place, keys: tuple[str, ...]) -> None:
     for key in section:
-        _check.one_of(f"key in {', '.join(place)}", key, keys)
+        _check.among(f"key in {', '.join(place)}", key, keys)
     for key in _REQUIRED:
         _text(section, key, place)
     for key, known in (("kind", get_args(Kind)), ("level", _LEVELS), ("per", _PERS)):
         if key in section:
-            _check.one_of(f"{key} in {', '.join(place)}", section[key], known)
+            _check.among(f"{key} in {', '.join(place)}", section[key], known)
     for key in ("done", "mosaic", "pattern", "carried_as"):
         if not isinstance(section.get(key, ""), str):
             raise InputError(
@@ -286,7 +286,7 @@ def _pixel(section: dict[str, Any], place: _Place) -> Iterator[tuple[str, float]
             where=f"{place[1]}, key 'pixel'",
         )
     for key, value in data.items():
-        _check.one_of(f"key of the pixel in {', '.join(place)}", key, (*_PIXEL, "source"))
+        _check.among(f"key of the pixel in {', '.join(place)}", key, (*_PIXEL, "source"))
         if key == "source":
             continue
         if isinstance(value, bool) or not isinstance(value, int | float):
