@@ -105,15 +105,18 @@ def test_the_pixel_of_a_monochrome_camera_has_the_values_of_its_plane():
     result = monochrome()
     plane, pixel = result.planes[0], pixel_of(result)
     assert 1 / pixel.gain_e_per_dn == pytest.approx(plane.gain_dn_per_e, rel=EXACT)
-    for name in ("full_well_e", "dark_current_e_per_s", "dsnu_e", "prnu", "row_noise_e", "qe"):
+    spreads = ("dsnu_e", "prnu", "row_noise_e", "column_noise_e")
+    for name in ("full_well_e", "dark_current_e_per_s", "qe", *spreads):
         assert getattr(pixel, name) == getattr(plane, name)
-    assert pixel.read_noise_e == plane.dark_noise_e
+    shared_e = np.hypot(pixel.row_noise_e, pixel.column_noise_e)
+    assert np.hypot(pixel.read_noise_e, shared_e) == pytest.approx(plane.dark_noise_e, rel=EXACT)
     assert (pixel.bits, pixel.black_level_dn, pixel.pitch_um) == (12, 64, None)
 
 
-def test_row_noise_is_part_of_the_temporal_dark_noise_and_beside_the_read_noise_of_a_pixel():
-    pixel = pixel_of(monochrome(planes=(replace(plane_of(), dark_noise_e=5.0, row_noise_e=3.0),)))
-    assert (pixel.read_noise_e, pixel.row_noise_e) == (4.0, 3.0)
+def test_noise_of_rows_and_columns_is_part_of_the_dark_noise_and_not_of_the_read_noise():
+    plane = replace(plane_of(), dark_noise_e=13.0, row_noise_e=4.0, column_noise_e=3.0)
+    pixel = pixel_of(monochrome(planes=(plane,)))
+    assert (pixel.read_noise_e, pixel.row_noise_e, pixel.column_noise_e) == (12.0, 4.0, 3.0)
 
 
 def test_a_plane_with_half_the_error_has_four_times_the_weight():

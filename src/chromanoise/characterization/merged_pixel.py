@@ -3,8 +3,15 @@
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from operator import attrgetter
+from typing import Any
 
-from chromanoise.characterization.plane_means import read_noise_e, root_mean_square
+from chromanoise.characterization.plane_means import (
+    SHARED,
+    SPREADS,
+    read_noise_e,
+    root_mean_square,
+)
 from chromanoise.characterization.results import Characterization, PlaneNoise
 from chromanoise.errors import InputError
 from chromanoise.io.pixels import pixel_source_toml
@@ -29,8 +36,9 @@ def pixel_of(result: Characterization) -> PixelSource:
     PixelSource
         Gain, read noise, dark current and black level are means over the planes, weighted by the
         inverse squares of their standard errors, or plain means where an error is not known; DSNU,
-        PRNU and row noise are root mean squares; the full well is the lowest. QE is that of a
-        monochrome sensor only, because the planes of a mosaic differ. The pitch is not known.
+        PRNU, row noise and column noise are root mean squares; the full well is the lowest. QE is
+        that of a monochrome sensor only, because the planes of a mosaic differ. The pitch is not
+        known.
 
     Raises
     ------
@@ -39,8 +47,8 @@ def pixel_of(result: Characterization) -> PixelSource:
 
     Notes
     -----
-    The temporal dark noise of EMVA 1288 includes the noise that a row shares; a `Pixel` has row
-    noise besides its read noise, so read noise^2 = sigma_d^2 - row noise^2.
+    The temporal dark noise of EMVA 1288 includes the noise that a row or a column shares; a `Pixel`
+    has row and column noise besides its read noise: read noise^2 = sigma_d^2 - row^2 - column^2.
     """
     if not result.planes:
         raise InputError(result.source, "must have at least one plane", value=0)
@@ -51,7 +59,7 @@ def pixel_of(result: Characterization) -> PixelSource:
         planes,
         "read noise",
         "e-",
-        lambda p: read_noise_e(p, p.row_noise_e),
+        lambda p: read_noise_e(p, *(getattr(p, name) for name in SHARED)),
         lambda p: p.dark_noise_e_se,
     )
     current = _mean(
@@ -64,14 +72,19 @@ def pixel_of(result: Characterization) -> PixelSource:
     black = _mean(
         planes, "black level", "DN", lambda p: p.black_level_dn, lambda p: p.black_level_dn_se
     )
-    dsnu = _root_mean_square(planes, "DSNU", "e-", lambda p: p.dsnu_e)
-    prnu = _root_mean_square(planes, "PRNU", "of the signal", lambda p: p.prnu)
-    row = _root_mean_square(planes, "row noise", "e-", lambda p: p.row_noise_e)
+    spreads = {
+        name: _root_mean_square(
+            planes, one.label, "of the signal" if one.unit == "1" else one.unit, attrgetter(name)
+        )
+        for name, one in SPREADS.items()
+    }
     well = _lowest(planes, "full well", "e-", lambda p: p.full_well_e)
-    merged = [one.note for one in (gain, read, well, current, dsnu, prnu, row, black) if one]
+    merged = [one.note for one in (gain, read, well, current, *spreads.values(), black) if one]
     notes.append(f"{source}: {'; '.join(merged)}")
-    if row is not None and row.value > 0 and read is not None:
-        notes.append(f"{source}: the read noise does not include the row noise")
+    shared = [spreads[name] for name in SHARED]
+    if any(one is not None and one.value > 0 for one in shared) and read is not None:
+        notes.append(f"{source}: the read noise does not include that of rows and columns")
+    values: dict[str, Any] = {name: _value(one) for name, one in spreads.items()}
     whole = _whole_black(black, source, notes)
     return PixelSource(
         source=source,
@@ -81,9 +94,7 @@ def pixel_of(result: Characterization) -> PixelSource:
         bits=_bits(result.bits, source, notes),
         black_level_dn=whole,
         dark_current_e_per_s=_current(current, source, notes),
-        dsnu_e=_value(dsnu),
-        prnu=_value(prnu),
-        row_noise_e=_value(row),
+        **values,
         qe=_qe(planes, source, notes),
         notes=(*notes, *_verdict(result, source)),
     )

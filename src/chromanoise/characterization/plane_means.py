@@ -2,8 +2,10 @@
 
 import math
 from collections.abc import Sequence
+from dataclasses import fields
 
 from chromanoise.characterization.results import PlaneNoise
+from chromanoise.sensor import PIXEL, PIXEL_NOISE
 
 
 def root_mean_square(values: Sequence[float | None]) -> float | None:
@@ -22,16 +24,27 @@ def root_mean_square(values: Sequence[float | None]) -> float | None:
     return math.sqrt(sum(one**2 for one in known) / len(known))
 
 
-def read_noise_e(plane: PlaneNoise, row_noise_e: float | None) -> float | None:
-    """Temporal dark noise without the noise that rows share; ``None`` if it is not known. [e-]
+SPREADS = {
+    name: PIXEL[name]
+    for name in PIXEL_NOISE
+    if PIXEL[name].unit != "e-/s" and name in {one.name for one in fields(PlaneNoise)}
+}
+"""Properties of a pixel that are standard deviations, of which a plane has a measured value."""
+SHARED = tuple(name for name, one in SPREADS.items() if one.growth.rows or one.growth.columns)
+"""Those that a row or a column shares."""
+
+
+def read_noise_e(plane: PlaneNoise, *shared_e: float | None) -> float | None:
+    """Temporal dark noise without what rows and columns share; ``None`` if it is not known. [e-]
 
     Parameters
     ----------
     plane
-        Its dark noise includes the row noise (EMVA 1288, release 4.0).
-    row_noise_e
-        The row noise that a model has besides; ``None`` for none. [e-]
+        Its dark noise includes that of rows and columns (EMVA 1288, release 4.0).
+    shared_e
+        The noise of rows and of columns that a model has besides; ``None`` for none. [e-]
     """
     if plane.dark_noise_e is None:
         return None
-    return math.sqrt(max(plane.dark_noise_e**2 - (row_noise_e or 0.0) ** 2, 0.0))
+    shared_e2 = sum((one or 0.0) ** 2 for one in shared_e)
+    return math.sqrt(max(plane.dark_noise_e**2 - shared_e2, 0.0))

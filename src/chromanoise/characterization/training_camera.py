@@ -2,10 +2,16 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
-from chromanoise.characterization.plane_means import read_noise_e, root_mean_square
+from chromanoise.characterization.plane_means import (
+    SHARED,
+    SPREADS,
+    read_noise_e,
+    root_mean_square,
+)
 from chromanoise.characterization.results import Characterization, PlaneNoise
 from chromanoise.errors import InputError, Setting
 from chromanoise.sensor import CameraNoise, ReadNoiseTable
@@ -21,15 +27,16 @@ def camera_noise(results: Characterization | Sequence[Characterization]) -> Came
     ----------
     results
         One characterization, or one per ISO setting. The first one gives gain, black levels, dark
-        current and PRNU; with several, read noise, row noise and DSNU at other settings are
+        current and PRNU; with several, read, row and column noise and DSNU at other settings are
         interpolated between the means over the planes, and the largest full well is used, because
         at a high ISO the largest code is reached before the full well.
 
     Returns
     -------
     CameraNoise
-        Its channels are the planes. The read noise is the dark noise without the row noise.
-        The dark current is the mean over the planes; DSNU, PRNU and row noise are root mean
+        Its channels are the planes. The read noise is the dark noise without that of rows
+        and columns.
+        The dark current is the mean over the planes; DSNU, PRNU, row and column noise are root mean
         squares, as in `pixel_of`; 0 where not measured.
 
     Raises
@@ -78,6 +85,7 @@ def camera_noise(results: Characterization | Sequence[Characterization]) -> Came
         full_well_e=max(wells, default=None),
         read_noise_law=table(noise_dn),
         row_noise_law=table([one.row_noise_e * gain for one, gain in pairs]),
+        column_noise_law=table([one.column_noise_e * gain for one, gain in pairs]),
         dsnu_law=table([one.dsnu_e * gain for one, gain in pairs]),
     )
 
@@ -91,10 +99,11 @@ def _camera(result: Characterization) -> CameraNoise:
             remedy=Setting("bits"),
         )
     planes = result.planes
-    row_e, dsnu_e, prnu = (
-        root_mean_square([getattr(plane, name) for plane in planes]) or 0.0
-        for name in ("row_noise_e", "dsnu_e", "prnu")
-    )
+    spreads: dict[str, Any] = {
+        name: root_mean_square([getattr(plane, name) for plane in planes]) or 0.0
+        for name in SPREADS
+    }
+    shared_e = [spreads[name] for name in SHARED]
     currents = [one.dark_current_e_per_s for one in planes if one.dark_current_e_per_s is not None]
     wells = [plane.full_well_e for plane in planes if plane.full_well_e is not None]
     return CameraNoise(
@@ -103,7 +112,7 @@ def _camera(result: Characterization) -> CameraNoise:
         iso=result.iso,
         gain_dn_per_e=np.array([plane.gain_dn_per_e for plane in planes]),
         read_noise_e=np.array(
-            [_known(plane, "dark_noise_e", read_noise_e(plane, row_e)) for plane in planes]
+            [_known(plane, "dark_noise_e", read_noise_e(plane, *shared_e)) for plane in planes]
         ),
         black_level_dn=np.array(
             [_known(plane, "black_level_dn", plane.black_level_dn) for plane in planes]
@@ -111,9 +120,7 @@ def _camera(result: Characterization) -> CameraNoise:
         top_code_dn=float(2**result.bits - 1),
         full_well_e=min(wells) if wells else None,
         dark_current_e_per_s=max(0.0, float(np.mean(currents))) if currents else 0.0,
-        dsnu_e=dsnu_e,
-        prnu=prnu,
-        row_noise_e=row_e,
+        **spreads,
     )
 
 

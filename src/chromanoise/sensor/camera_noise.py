@@ -78,9 +78,10 @@ class CameraNoise:
     tail_lambda
         Shapes of the Tukey lambda distribution of the read noise, one of which is used per item;
         empty for normal read noise. The variance is ``read_noise_e`` squared for every shape. [1]
-    read_noise_law, row_noise_law, dsnu_law
+    read_noise_law, row_noise_law, column_noise_law, dsnu_law
         Noise in DN as a function of the gain. Without ``read_noise_law``, a camera has only one
-        ISO setting; without the others, row noise and DSNU in electrons are equal at all gains.
+        ISO setting; without the others, row noise, column noise and DSNU in electrons are equal at
+        all gains.
     gain_range_dn_per_e
         Lowest and highest gain drawn for an item; ``None`` if items use that at ``iso``. [DN/e-]
     black_offsets_dn
@@ -126,6 +127,7 @@ class CameraNoise:
     tail_lambda: tuple[float, ...] = ()
     read_noise_law: ReadNoiseLaw | None = None
     row_noise_law: LogLinearNoise | ReadNoiseTable | None = None
+    column_noise_law: ReadNoiseTable | None = None
     dsnu_law: ReadNoiseTable | None = None
     gain_range_dn_per_e: tuple[float, float] | None = None
     black_offsets_dn: Float[Array, "n p"] | None = None
@@ -297,9 +299,10 @@ class CameraNoise:
         if self.row_noise_law is not None:
             row_dn = self.row_noise_law.noise_dn(gain, score=row_score)
             row_e = float(np.mean(row_dn / gain))
-        dsnu_e = self.dsnu_e
-        if self.dsnu_law is not None:
-            dsnu_e = float(np.mean(self.dsnu_law.noise_dn(gain) / gain))
+        others = {"dsnu_e": self.dsnu_law, "column_noise_e": self.column_noise_law}
+        given: dict[str, Any] = {
+            name: float(np.mean(one.noise_dn(gain) / gain)) for name, one in others.items() if one
+        }
         ratio = float(gain[0] / self.gain_dn_per_e[0])
         return replace(
             self,
@@ -307,7 +310,7 @@ class CameraNoise:
             gain_dn_per_e=gain,
             read_noise_e=read_dn / gain,
             row_noise_e=row_e,
-            dsnu_e=dsnu_e,
+            **given,
             tail_lambda=shapes[:1],
             gain_range_dn_per_e=None,
         )
