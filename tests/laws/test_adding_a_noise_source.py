@@ -1,0 +1,122 @@
+"""A noise source costs two edits, in two files: every interface and every draw then has it."""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import chromanoise
+
+PROPERTY = """    flicker_noise_e: Annotated[
+        float,
+        Property(
+            label="flicker noise", unit="e-", least=0.0, most=_MOST, slider=(0.0, 20.0, 0.2),
+            help="Standard deviation of the flicker of a reading [e-].",
+            growth=Growth(readings=0.5),
+        ),
+    ] = 0.0
+"""
+ENTRY = """    NoiseSource(
+        cause="flicker noise", drawn="reading", term="floor_e2",
+        value=lambda of: of.pixel.flicker_noise_e**2,
+    ),
+"""
+EDITS = {
+    "sensor/pixel.py": ("    black_error_e: Annotated[", PROPERTY),
+    "sensor/noise_source.py": ('    NoiseSource(\n        cause="DSNU"', ENTRY),
+}
+QUESTIONS = """
+import contextlib, io, json
+import numpy as np
+import chromanoise as cn
+from chromanoise.analysis import color_budgets
+from chromanoise.cli.entry import run
+from chromanoise.design.candidates import noise_properties
+from chromanoise.noise import noise_sources, sample_electrons
+from chromanoise.page.fields import described_fields
+from chromanoise.rng import stream
+from chromanoise.sensor import with_binning
+from chromanoise.study import study_from_data
+
+NAME = "onyx-rgb-ircut"
+new = cn.analyze(NAME, lux=10, flicker_noise_e=30)
+known = cn.analyze(NAME, lux=10, read_noise_e=(10**2 + 30**2) ** 0.5)
+sensor = new.analyses[0].sensor
+noise = noise_sources(sensor)
+drawn = sample_electrons(np.full((200_000, 1), 50.0), sensor.pixel, stream(3), noise=noise)
+table = io.StringIO()
+with contextlib.redirect_stdout(table), contextlib.suppress(SystemExit):
+    run(["analyze", NAME, "--lux", "10", "--flicker-noise-e", "30", "--json", "-"])
+sweeps = [{"vary": "flicker-noise-e", "first": 1, "last": 30, "points": 3}]
+study = study_from_data(
+    {"sensors": [{"name": NAME, "pixel": {"flicker_noise_e": 30}}], "sweeps": sweeps}, source="a test"
+)
+swept = cn.run(study)
+try:
+    cn.analyze(NAME, flicker_noise_e=-1)
+    refused = ""
+except cn.InputError as error:
+    refused = error.subject
+print(json.dumps({
+    "of Python": [one.to_dict()["sensors"][0]["color"]["snr_db"] for one in (new, known)],
+    "of the command": json.loads(table.getvalue())["sensors"][0]["color"]["snr_db"],
+    "losses": [
+        {cost.cause: cost.loss_db for cost in one.costs} for one in color_budgets(new.analyses[0])
+    ],
+    "variance drawn": float(drawn.var()),
+    "of four readings": with_binning(sensor, 4, "digital").pixel.flicker_noise_e,
+    "controls": sorted(one["key"] for one in described_fields() if "flicker" in one["key"]),
+    "free in a design": "flicker_noise_e" in noise_properties(),
+    "refused": refused,
+    "swept": "flicker" in json.dumps(swept.to_dict()),
+}))
+"""
+
+
+@pytest.fixture(scope="module")
+def answers(tmp_path_factory):
+    """What a copy of the package with the two edits answers."""
+    folder = tmp_path_factory.mktemp("copy")
+    copy = folder / "chromanoise"
+    ignored = shutil.ignore_patterns("__pycache__", "*.pyi")
+    shutil.copytree(Path(chromanoise.__file__).parent, copy, ignore=ignored)
+    for name, (before, text) in EDITS.items():
+        path = copy / name
+        old = path.read_text(encoding="utf-8")
+        assert old.count(before) == 1
+        path.write_text(old.replace(before, text + before), encoding="utf-8")
+    found = subprocess.run(
+        [sys.executable, "-c", QUESTIONS],
+        env=os.environ | {"PYTHONPATH": str(folder), "CHROMANOISE_CACHE": str(folder / "cache")},
+        cwd=folder, capture_output=True, text=True, timeout=300, check=False,
+    )  # fmt: skip
+    assert found.returncode == 0, found.stderr
+    return json.loads(found.stdout.splitlines()[-1])
+
+
+def test_python_and_the_command_give_the_snr_of_a_read_noise_of_the_same_variance(answers):
+    new, known = answers["of Python"]
+    assert new == pytest.approx(known, abs=1e-9)
+    assert answers["of the command"] == new
+
+
+def test_the_budget_has_its_row_and_ends_at_the_table(answers):
+    for losses in answers["losses"]:
+        assert losses["flicker noise"] > 0.3
+        assert abs(losses["rest"]) < 0.01
+
+
+def test_draws_have_its_variance_and_binning_multiplies_it_by_the_readings(answers):
+    assert answers["variance drawn"] == pytest.approx(50 + 10**2 + 30**2, rel=0.02)
+    assert answers["of four readings"] == pytest.approx(60.0)
+
+
+def test_the_page_a_design_a_sweep_and_the_check_of_bounds_have_it(answers):
+    assert "sensors.pixel.flicker_noise_e" in answers["controls"]
+    assert answers["free in a design"]
+    assert answers["swept"]
+    assert answers["refused"] == "flicker_noise_e"
