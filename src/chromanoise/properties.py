@@ -63,10 +63,10 @@ class Property:
 
     Examples
     --------
-    >>> share = Property(label="PRNU", unit="1", least=0, most=0.2, help="Photo response [1].")
-    >>> share.demand("prnu", 0.3)
+    >>> share = Property(label="duty", unit="1", least=0, most=0.2, help="Share of the time [1].")
+    >>> share.demand("duty", 0.3)
     Traceback (most recent call last):
-    chromanoise.errors.InputError: prnu must be 0 to 0.2, but is 0.3
+    chromanoise.errors.InputError: duty must be 0 to 0.2, but is 0.3
     """
 
     label: str

@@ -52,9 +52,8 @@ table = io.StringIO()
 with contextlib.redirect_stdout(table), contextlib.suppress(SystemExit):
     run(["analyze", NAME, "--lux", "10", "--flicker-noise-e", "30", "--json", "-"])
 sweeps = [{"vary": "flicker-noise-e", "first": 1, "last": 30, "points": 3}]
-study = study_from_data(
-    {"sensors": [{"name": NAME, "pixel": {"flicker_noise_e": 30}}], "sweeps": sweeps}, source="a test"
-)
+one = {"name": NAME, "pixel": {"flicker_noise_e": 30}}
+study = study_from_data({"sensors": [one], "sweeps": sweeps}, source="a test")
 swept = cn.run(study)
 try:
     cn.analyze(NAME, flicker_noise_e=-1)

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
         characterization_from_json,
         is_characterization,
     )
+    from chromanoise.characterization.plane_means import SPREADS
     from chromanoise.characterization.results import (
         QUANTITIES,
         Characterization,
@@ -58,6 +59,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "QUANTITIES",
+    "SPREADS",
     "Characterization",
     "LevelNoise",
     "LightSample",

@@ -8,6 +8,7 @@ from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._linalg import pinv
 from chromanoise._shapes import Float
+from chromanoise.characterization.plane_means import SHARED
 from chromanoise.characterization.results import Characterization, PlaneNoise
 from chromanoise.errors import InputError
 from chromanoise.io.given_matrices import GivenMatrix
@@ -149,7 +150,7 @@ def _letters(plane: str) -> str:
 
 def _shared_dn2(plane: PlaneNoise) -> float:
     """Variance of row and column noise. [DN^2]"""
-    parts = (plane.row_noise_e or 0.0, plane.column_noise_e or 0.0)
+    parts = (getattr(plane, name) or 0.0 for name in SHARED)
     return plane.gain_dn_per_e**2 * sum(part**2 for part in parts)
 
 

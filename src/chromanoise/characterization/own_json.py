@@ -8,6 +8,7 @@ from typing import Any, get_args, get_origin
 import numpy as np
 
 from chromanoise import _check
+from chromanoise.characterization.plane_means import SPREADS
 from chromanoise.characterization.results import (
     SCHEMA,
     SCHEMA_VERSION,
@@ -23,7 +24,7 @@ from chromanoise.sensor import Mosaic, TransferFit
 _MOST = 1e15
 _NOUNS = (PlaneNoise, LevelNoise, TransferFit, ModelVerdict)
 _POSITIVE = (".gain_dn_per_e",)
-_NOT_NEGATIVE = ("_noise_e", ".dsnu_e", ".prnu", "_se")
+_NOT_NEGATIVE = ("_noise_e", "_se", *(f".{name}" for name in SPREADS))
 _REMEDY = "give the file as chromanoise characterize wrote it"
 
 

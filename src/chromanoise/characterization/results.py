@@ -190,31 +190,31 @@ class PlaneNoise:
     name: str
     gain_dn_per_e: float
     gain_dn_per_e_se: float
-    dark_noise_e: float | None
-    dark_noise_e_se: float | None
-    black_level_dn: float | None
-    black_level_dn_se: float | None
-    saturation_dn: float | None
-    saturation_capacity_e: float | None
-    full_well_e: float | None
-    full_well_e_se: float | None
-    dynamic_range_db: float | None
-    qe: float | None
-    qe_se: float | None
-    linearity_error_percent: float | None
-    dark_current_e_per_s: float | None
-    dark_current_e_per_s_se: float | None
-    dsnu_e: float | None
-    dsnu_e_se: float | None
-    dsnu_of_own_frames_e: float | None
-    prnu: float | None
-    prnu_se: float | None
-    row_noise_e: float | None
-    row_noise_e_se: float | None
-    column_noise_e: float | None
-    column_noise_e_se: float | None
-    hot_pixels: int | None
-    bend_z: float | None
+    dark_noise_e: float | None = None
+    dark_noise_e_se: float | None = None
+    black_level_dn: float | None = None
+    black_level_dn_se: float | None = None
+    saturation_dn: float | None = None
+    saturation_capacity_e: float | None = None
+    full_well_e: float | None = None
+    full_well_e_se: float | None = None
+    dynamic_range_db: float | None = None
+    qe: float | None = None
+    qe_se: float | None = None
+    linearity_error_percent: float | None = None
+    dark_current_e_per_s: float | None = None
+    dark_current_e_per_s_se: float | None = None
+    dsnu_e: float | None = None
+    dsnu_e_se: float | None = None
+    dsnu_of_own_frames_e: float | None = None
+    prnu: float | None = None
+    prnu_se: float | None = None
+    row_noise_e: float | None = None
+    row_noise_e_se: float | None = None
+    column_noise_e: float | None = None
+    column_noise_e_se: float | None = None
+    hot_pixels: int | None = None
+    bend_z: float | None = None
     levels: tuple[LevelNoise, ...]
     fit: TransferFit
 

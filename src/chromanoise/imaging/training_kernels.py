@@ -345,13 +345,13 @@ def _finish(electrons, lanes, phase, first, n, use, noisy):
 
 @kernel(error_model="numpy")
 @no_type_check
-def _variance(light, lanes, phase, first, n, use, prnu, variance):
+def _variance(light, lanes, phase, first, n, use, gain_sd, variance):
     """Shot noise, PRNU and what does not depend on light, in the square of the unit."""
     fixed, scale = lanes[7, phase, first : first + n], lanes[9, phase, first : first + n]
     shot = _ONE if use.shot else _ZERO
-    prnu2 = prnu * prnu
+    square = gain_sd * gain_sd
     for j in range(n):
-        variance[j] = (light[j] * (shot + prnu2 * light[j]) + fixed[j]) * scale[j]
+        variance[j] = (light[j] * (shot + square * light[j]) + fixed[j]) * scale[j]
 
 
 @kernel(error_model="numpy")

@@ -147,10 +147,10 @@ class NoiseSources(PixelReading):
 
     Examples
     --------
-    EMVA 1288: 100 e- of light, 20 of the dark, 5 e- of readout, PRNU 2 %.
+    EMVA 1288: 100 e- of light, 20 of the dark, 5 e- of readout, 2 e- of DSNU.
 
     >>> from chromanoise.sensor import Pixel
-    >>> pixel = Pixel(pitch_um=5, full_well_e=10_000, read_noise_e=5.0, prnu=0.02)
+    >>> pixel = Pixel(pitch_um=5, full_well_e=10_000, read_noise_e=5.0, dsnu_e=2.0)
     >>> noise = NoiseSources(pixel=pixel, dark_e=20.0)
     >>> noise.variance_e2(np.array([100.0]))
     array([149.])

@@ -246,7 +246,7 @@ _STEPS = 100
 def described_fields() -> list[Data]:
     """One description for each key of a study that has a control on the page, in their order.
 
-    ``key`` has no index (``sensors.pixel.prnu``). ``kind`` is number, choice, flag, text or
+    ``key`` has no index (``sensors.pixel.dsnu_e``). ``kind`` is number, choice, flag, text or
     channels (a text for each channel); ``file`` is what a file in place of the value holds.
     ``needs`` is a key without which this one has no effect.
     """

@@ -13,6 +13,7 @@ from chromanoise._files import whole_folder
 from chromanoise._palette import CHANNELS, NEUTRALS
 from chromanoise.characterization import (
     QUANTITIES,
+    SPREADS,
     Characterization,
     LevelNoise,
     PlaneNoise,
@@ -220,7 +221,7 @@ def _inline_svg(figure: Any, name: str, title: str) -> str:
     return re.sub(r"<svg ", head, re.sub(r' (width|height)="[\d.]+pt"', "", text, count=2), count=1)
 
 
-_PATTERNS = ("dsnu_e", "prnu", "row_noise_e", "column_noise_e", "hot_pixels")
+_PATTERNS = (*SPREADS, "hot_pixels")
 
 
 def _table(planes: Sequence[PlaneNoise], *, patterns: bool) -> list[tuple[str, str, list[str]]]:

@@ -57,9 +57,9 @@ def with_pixel(sensor: Sensor, changes: Mapping[str, Any]) -> Sensor:
     --------
     >>> from chromanoise.catalog import sensor_named
     >>> from chromanoise.spectra import DEFAULT_GRID
-    >>> noisy = with_pixel(sensor_named("model-rgb", DEFAULT_GRID), {"prnu": 0.01, "bits": 10})
-    >>> noisy.pixel.prnu, noisy.converter.bits
-    (0.01, 10)
+    >>> noisy = with_pixel(sensor_named("model-rgb", DEFAULT_GRID), {"dsnu_e": 2.0, "bits": 10})
+    >>> noisy.pixel.dsnu_e, noisy.converter.bits
+    (2.0, 10)
     """
     for name in changes:
         _check.among("field of the pixel", name, sorted(_OF_PIXEL | _OF_CONVERTER))

@@ -37,7 +37,7 @@ name = "onyx-rgb-ircut"
 # read_noise_e = 2.0                 # pitch_um, full_well_e; they win over the file
 
 [[sweeps]]
-vary = "lux"                         # time-ms, f-number, read-noise-e, prnu, ircut-nm ...
+vary = "lux"                         # time-ms, f-number, read-noise-e, ircut-nm ...
 first = 0.01
 last = 1000
 points = 61
@@ -48,7 +48,7 @@ quantity = "snr-y"                   # snr-x, snr-z, bound, price, delta-e, colo
 # cube = "builtin:checker"           # of `chromanoise catalog scenes`, or a file of reflectances
 # mosaic = "sensor"                  # raw codes and demosaicing; bayer, RG/GB ...
 # denoise = "guided"                 # the electrons, with their known noise, before color
-# frames = 1                         # of a burst; formats, bits, prnu, dsnu_e ...
+# frames = 1                         # of a burst; formats, bits, noise of the pixel ...
 
 [outputs]
 budget = true                        # dB per cause
