@@ -3,6 +3,7 @@
     python tools/pin_studies.py            writes tests/pinned/studies.json.gz
     python tools/pin_studies.py --check    compares with it and prints what differs
     python tools/pin_studies.py --renew    writes new outcomes of the same studies
+    python tools/pin_studies.py --add      stores studies of keys that came later
 
 The studies are drawn at random from the values below, until each key of a study occurs in at least
 `LEAST` valid ones. The file holds the studies, so that it stays a record when the schema changes.
@@ -282,6 +283,24 @@ FIRST: list[dict[str, Any]] = [
 """Studies of keys that are valid only with others."""
 
 
+NOISE = {
+    "column_noise_e": 2.0, "reset_capacitance_ff": 0.5, "rtn_share": 0.02, "rtn_amplitude_e": 30.0
+}  # fmt: skip
+ADDED: list[dict[str, Any]] = [
+    {"sensors": [{**CAMERA, "pixel": NOISE}], "outputs": {"budget": True}},
+    {"sensors": [{**CAMERA, "pixel": NOISE}], "outputs": {"clip": True, "budget": False}},
+    {
+        "sensors": [{**WHITE, "pixel": {**NOISE, "temperature_c": 60.0}}],
+        "sweeps": [{"vary": "column-noise-e", "first": 0.0, "last": 9.0, "points": 3}],
+    },
+    {
+        "sensors": [CAMERA],
+        "pictures": [{"cube": "builtin:checker", "mosaic": "bayer", "raw_only": True, **NOISE}],
+    },
+]
+"""Studies of keys that came after the record; ``--add`` stores those that it does not have."""
+
+
 def with_value(study: dict[str, Any], key: str, value: Any) -> None:
     """Set one key of a study; ``*`` is its first sensor."""
     at: Any = study
@@ -434,12 +453,18 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--check", action="store_true")
     parser.add_argument("--renew", action="store_true")
+    parser.add_argument("--add", action="store_true")
     parser.add_argument("--tolerance", type=float, default=1e-12)
     given = parser.parse_args()
     os.chdir(FOLDER)
     if given.renew:
         studies = [one["study"] for one in stored_records()]
         write_records({"study": study, **outcome_apart(study)} for study in studies)
+    elif given.add:
+        kept = stored_records()
+        known = [one["study"] for one in kept]
+        new = [study for study in ADDED if study not in known]
+        write_records([*kept, *({"study": study, **outcome_apart(study)} for study in new)])
     elif not given.check:
         write_records(records(1))
     else:

@@ -131,7 +131,7 @@ export interface Field extends Partial<Range> {
   kind: "number" | "choice" | "flag" | "text" | "channels";
   default: number | string | boolean | number[] | null;
   /** A key without which it has no effect. */
-  needs: string | null;
+  needs: string[];
   unit?: string;
   options?: string[];
   suggestions?: string[];

@@ -51,13 +51,15 @@ class Property:
         step is a share of a decade. ``None`` for a field without a slider.
     remedy
         What to do with a value out of bounds, where the sentence does not say it.
+    later
+        Whether studies are stored that do not know it: it is hashed only where it is given.
     growth
         How the value grows where pixels are summed (`chromanoise.sensor.binned`).
     logarithmic
         Whether values differ by orders of magnitude: a sweep has equal ratios, and so has a slider
         whose lowest value is above 0.
     needs
-        Name of the field without which this one has no effect; empty for none.
+        Names of the fields without all of which this one has no effect.
     sets_time
         Whether a solved exposure time depends on it.
 
@@ -76,9 +78,10 @@ class Property:
     help: str
     slider: tuple[float, float, float] | None = None
     remedy: str = ""
+    later: bool = False
     growth: Growth = _NONE
     logarithmic: bool = False
-    needs: str = ""
+    needs: tuple[str, ...] = ()
     sets_time: bool = False
 
     def demand(self, name: str, value: Any) -> float:
@@ -163,7 +166,7 @@ def beside_their_needs(properties: Mapping[str, Property]) -> Mapping[str, Prope
 
     def place(name: str) -> tuple[int, bool]:
         needed = properties[name].needs
-        return names.index(needed or name), bool(needed)
+        return names.index(needed[0] if needed else name), bool(needed)
 
     return {name: properties[name] for name in sorted(names, key=place)}
 
@@ -181,7 +184,11 @@ def partial_class(name: str, properties: Mapping[str, Property]) -> type:
         Its fields by name, in order.
     """
     given = [(field, Annotated[float | None, one], None) for field, one in properties.items()]
-    return make_dataclass(name, given, frozen=True, slots=True, kw_only=True)
+    found = make_dataclass(name, given, frozen=True, slots=True, kw_only=True)
+    lines = "".join(f"\n{field}\n    {one.help}" for field, one in properties.items())
+    summary = "Values any of which may be given; ``None`` for the others."
+    found.__doc__ = f"{summary}\n\nAttributes\n----------{lines}\n"
+    return found
 
 
 def demand_properties(owner: Any) -> None:

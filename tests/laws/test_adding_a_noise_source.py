@@ -10,13 +10,14 @@ from pathlib import Path
 import pytest
 
 import chromanoise
+from chromanoise.study import hashes, study_from_data, study_hash
 
 PROPERTY = """    flicker_noise_e: Annotated[
         float,
         Property(
             label="flicker noise", unit="e-", least=0.0, most=_MOST, slider=(0.0, 20.0, 0.2),
             help="Standard deviation of the flicker of a reading [e-].",
-            growth=Growth(readings=0.5),
+            growth=Growth(readings=0.5), later=True,
         ),
     ] = 0.0
 """
@@ -40,7 +41,7 @@ from chromanoise.noise import noise_sources, sample_electrons
 from chromanoise.page.fields import described_fields
 from chromanoise.rng import stream
 from chromanoise.sensor import with_binning
-from chromanoise.study import study_from_data
+from chromanoise.study import hashes, study_from_data, study_hash
 
 NAME = "onyx-rgb-ircut"
 new = cn.analyze(NAME, lux=10, flicker_noise_e=30)
@@ -55,6 +56,7 @@ sweeps = [{"vary": "flicker-noise-e", "first": 1, "last": 30, "points": 3}]
 one = {"name": NAME, "pixel": {"flicker_noise_e": 30}}
 study = study_from_data({"sensors": [one], "sweeps": sweeps}, source="a test")
 swept = cn.run(study)
+hashes.__version__ = "a version"
 try:
     cn.analyze(NAME, flicker_noise_e=-1)
     refused = ""
@@ -71,6 +73,7 @@ print(json.dumps({
     "controls": sorted(one["key"] for one in described_fields() if "flicker" in one["key"]),
     "free in a design": "flicker_noise_e" in noise_properties(),
     "refused": refused,
+    "hash": study_hash(study_from_data({"sensors": [{"name": NAME}]}, source="a test")),
     "swept": "flicker" in json.dumps(swept.to_dict()),
 }))
 """
@@ -119,3 +122,9 @@ def test_the_page_a_design_a_sweep_and_the_check_of_bounds_have_it(answers):
     assert answers["free in a design"]
     assert answers["swept"]
     assert answers["refused"] == "flicker_noise_e"
+
+
+def test_a_study_without_it_keeps_its_hash(answers, monkeypatch):
+    monkeypatch.setattr(hashes, "__version__", "a version")
+    study = study_from_data({"sensors": [{"name": "onyx-rgb-ircut"}]}, source="a test")
+    assert answers["hash"] == study_hash(study)

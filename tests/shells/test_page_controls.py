@@ -43,10 +43,12 @@ def is_of_another_card(where):
 def is_drawn(where):
     """Whether a drawing shows it: not so the file of a sensor, the picture, a run and its seed.
 
-    A full well shows where it is full, and a bias where it shifts a color by a digit.
+    A full well shows where it is full, a bias where it shifts a color by a digit, and one half of
+    telegraph noise with the other.
     """
     drawn = where.startswith(("light.", "exposure.", "sensors.", "matrices."))
-    return drawn and not where.endswith(("peak_qe", "full_well_e", "black_error_e"))
+    alone = ("peak_qe", "full_well_e", "black_error_e", "rtn_share", "rtn_amplitude_e")
+    return drawn and not where.endswith(alone)
 
 
 @pytest.mark.parametrize("way", [moved_by_mouse, moved_by_key])

@@ -14,7 +14,7 @@ from chromanoise.io.sensor_json import sensor_from_json, sensor_json
 from chromanoise.page.pictures import PictureReplies
 from chromanoise.page.studies import Studies, files_of, served_data
 from chromanoise.page.uploads import Uploads
-from chromanoise.sensor import Converter
+from chromanoise.sensor import EXTRA_NOISE, Converter
 from chromanoise.study import read_study, study_from_data
 from outcomes import refused
 
@@ -29,8 +29,8 @@ PRNU = 5 %
 DSNU = 12 e-
 dark current = 2000 e-/s
 """
-TOLD = {"dark_current_e_per_s": 2000.0, "dsnu_e": 12.0, "prnu": 0.05, "row_noise_e": 0.0}
-TOLD |= {"black_error_e": 0.0}
+TOLD = dict.fromkeys(EXTRA_NOISE, 0.0)
+TOLD |= {"dark_current_e_per_s": 2000.0, "dsnu_e": 12.0, "prnu": 0.05}
 DARK_E2 = 40 + 6**2 + 12**2  # 2000 e-/s for 20 ms, read noise, DSNU
 SIDE = 160
 

@@ -153,7 +153,7 @@ def _package(module: str, method: str, planes: NoisyPlanes, *, least_px: int) ->
         return import_module(module)
     except ImportError:
         raise InputError(
-            "method",
+            "denoise",
             f"needs the package {module.partition('.')[0]}, which is not installed",
             value=method,
             remedy=("install it with pip install 'chromanoise[denoise]'", "take another method"),

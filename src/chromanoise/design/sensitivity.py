@@ -373,7 +373,7 @@ def sensitivity_of(
     refuse_several(study)
     _refuse_requests(objectives, losses, tolerances, draws)
     variation = Variation(study=study, given=given)
-    ((matrix_name, maker),) = makers_of(study).items()
+    ((matrix_name, maker),) = makers_of(study, given).items()
     point = variation.point
     kept = maker(point) if keep_matrix else None
     entries = tuple(OBJECTIVES[name] for name in objectives)

@@ -97,7 +97,7 @@ def _control(one: Property, part: str) -> Data:
         "label": one.label[:1].upper() + one.label[1:],
         **slider,
         **(_LOGARITHMIC if one.logarithmic and slider.get("low", 0) > 0 else {}),
-        **({"needs": f"{part}.{one.needs}"} if one.needs else {}),
+        **({"needs": [f"{part}.{name}" for name in one.needs]} if one.needs else {}),
     }
 
 
@@ -126,7 +126,7 @@ _REFINED: Mapping[str, Data] = {
         for name, one in PIXEL.items()
     },
     "sensors.pixel.binning": {"label": "Binned pixels", "low": 1, "high": 16, "step": 1},
-    "sensors.pixel.binning_mode": {"label": "Binning mode", "needs": "sensors.pixel.binning"},
+    "sensors.pixel.binning_mode": {"label": "Binning mode", "needs": ["sensors.pixel.binning"]},
     "sensors.pixel.bits": {
         "label": "Bits of the converter",
         "hint": "none",
@@ -151,25 +151,25 @@ _REFINED: Mapping[str, Data] = {
         "file": "crosstalk",
         "example": "0, 0.02, 0\n0.02, 0.92, 0.02\n0, 0.02, 0",
     },
-    "sensors.crosstalk_stage": {"label": "Crosstalk of", "needs": "sensors.crosstalk"},
+    "sensors.crosstalk_stage": {"label": "Crosstalk of", "needs": ["sensors.crosstalk"]},
     "sensors.mosaic": {
         "label": "Mosaic of the neighbors",
         "suggestions": list(MOSAIC_NAMES),
-        "needs": "sensors.crosstalk",
+        "needs": ["sensors.crosstalk"],
         "hint": "its own; e.g. bayer, RG/GB",
     },
     "sensors.filter": {"label": "Filter on the sensor", "file": "spectrum", "hint": _BEFORE},
     "sensors.channel_filters": {"label": "Filter of channel", "file": "spectrum", "hint": _BEFORE},
     "sensors.filter_wavelength_unit": {
         "label": "Unit of the filter's wavelengths",
-        "needs": "sensors.filter",
+        "needs": ["sensors.filter"],
     },
     "sensors.shift_ircut_nm": {
         "label": "Shift of the filter on the sensor",
         "low": -50.0,
         "high": 50.0,
         "step": 1.0,
-        "needs": "sensors.filter",
+        "needs": ["sensors.filter"],
     },
     "sensors.ircut_nm": {"label": "IR-cut edge", "low": 600.0, "high": 1050.0, "step": 5.0},
     "sensors.shift_nm": {"label": "Shift of the filters", "low": -50.0, "high": 50.0, "step": 1.0},
@@ -319,9 +319,9 @@ def _begins(key: str, beginning: str) -> bool:
     return not beginning or f"{key}.".startswith(f"{beginning}.")
 
 
-def _needs(key: str) -> str | None:
-    own = next((one for start, one in _NEEDING.items() if _begins(key, start)), None)
-    return None if own == key else own
+def _needs(key: str) -> list[str]:
+    own = (one for start, one in _NEEDING.items() if _begins(key, start))
+    return [one for one in own if one != key]
 
 
 def _kind(types: set[str], words: Any, refined: Data) -> str:

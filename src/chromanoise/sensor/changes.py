@@ -65,13 +65,14 @@ def with_pixel(sensor: Sensor, changes: Mapping[str, Any]) -> Sensor:
         _check.among("field of the pixel", name, sorted(_OF_PIXEL | _OF_CONVERTER))
     pixel = replace(sensor.pixel, **of_the_sum(sensor.pixel, of_pixel(changes)))
     for name, one in PIXEL.items():
-        if name in changes and one.needs and not getattr(pixel, one.needs):
+        if name in changes and one.needs and not any(getattr(pixel, n) for n in one.needs):
+            labels = " or ".join(PIXEL[n].label for n in one.needs)
             raise InputError(
                 name,
-                f"must be given only for a pixel with {PIXEL[one.needs].label}",
+                f"must be given only for a pixel with {labels}",
                 value=changes[name],
                 found=f"{sensor.name} has none",
-                remedy=(Setting(one.needs), "omit it"),
+                remedy=(*map(Setting, one.needs), "omit it"),
             )
     known = {name: value for name, value in changes.items() if name in _OF_CONVERTER}
     converter = replace(sensor.converter, **known)

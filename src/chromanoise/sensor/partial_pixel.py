@@ -17,3 +17,4 @@ PixelSettings = TypedDict(
     total=False,
 )
 """Keyword arguments for the values of a pixel."""
+PixelSettings.__doc__ = "Keyword arguments for the values of a pixel."

@@ -155,6 +155,7 @@ class Pixel:
         float,
         Property(
             label="column noise", unit="e-", least=0.0, most=_MOST, slider=(0.0, 20.0, 0.2),
+            later=True,
             help="Noise common to a column, new in each frame [e-].",
             growth=Growth(readings=0.5, rows=0.5),
         ),
@@ -163,6 +164,7 @@ class Pixel:
         float,
         Property(
             label="reset capacitance", unit="fF", least=0.0, most=1e6, slider=(0.0, 20.0, 0.1),
+            later=True,
             help="Capacitance whose reset is read with its noise (kTC) [fF]; 0 with correlated "
             "double sampling.",
             growth=Growth(readings=1),
@@ -173,6 +175,7 @@ class Pixel:
         Property(
             label="share of pixels with telegraph noise", unit="1", least=0.0, most=1.0,
             slider=(0.0, 0.2, 0.001),
+            later=True,
             help="Share of the pixels with random telegraph noise, e.g. 0.01 for 1 % [1].",
             remedy="write 1 percent as 0.01",
         ),
@@ -182,6 +185,7 @@ class Pixel:
         Property(
             label="amplitude of telegraph noise", unit="e-", least=0.0, most=_MOST,
             slider=(0.0, 100.0, 1.0),
+            later=True,
             help="Distance of the two levels of random telegraph noise [e-].",
             growth=Growth(readings=0.5),
         ),
@@ -200,7 +204,7 @@ class Pixel:
         Property(
             label="temperature of the sensor", unit="C", least=_COLDEST_C, most=_HOTTEST_C,
             slider=(-40.0, 100.0, 1.0),
-            needs="dark_current_e_per_s", sets_time=True,
+            needs=("dark_current_e_per_s", "reset_capacitance_ff"), sets_time=True,
             help="Temperature of the sensor [C]; default: the reference temperature.",
         ),
     ] = None  # fmt: skip
@@ -209,7 +213,7 @@ class Pixel:
         Property(
             label="reference temperature", unit="C", least=_COLDEST_C, most=_HOTTEST_C,
             slider=(-40.0, 100.0, 1.0),
-            needs="dark_current_e_per_s", sets_time=True,
+            needs=("dark_current_e_per_s",), sets_time=True,
             help="Reference temperature of the dark current [C]; default: {default:g}.",
         ),
     ] = 25.0  # fmt: skip
@@ -218,7 +222,7 @@ class Pixel:
         Property(
             label="dark-current doubling temperature", unit="K", least=3.0, most=30.0,
             slider=(3.0, 30.0, 0.5),
-            needs="dark_current_e_per_s", sets_time=True,
+            needs=("dark_current_e_per_s",), sets_time=True,
             help="Temperature increase that doubles the dark current [K]; default: {default:g}.",
         ),
     ] = 7.0  # fmt: skip

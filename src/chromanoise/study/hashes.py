@@ -23,6 +23,7 @@ from chromanoise.catalog.resolve import (
 from chromanoise.errors import InputError
 from chromanoise.io.given_matrices import is_matrix_file
 from chromanoise.io.spectra.envi import DATA_SUFFIXES, envi_pair
+from chromanoise.sensor import PIXEL
 from chromanoise.study.document import BALANCE_WORDS, SensorPart, Study, StudyKind
 
 Kind = Literal[
@@ -292,14 +293,20 @@ def cube_files(path: Path) -> list[Path]:
 
 
 _LATER = ("shift_ircut_nm",)
-"""Keys of a sensor that are hashed only if they are set: a study without them keeps its hash."""
+"""Keys of a sensor that are hashed only if they are set: a study without them keeps its hash. Of a
+pixel, `Property.later` says so."""
 
 
 def _hash_of(study: Study, digests: Mapping[str, str]) -> str:
     data = study_as_json(study)
-    for name in _LATER:
-        for part in data["sensors"]:
+    for part in data["sensors"]:
+        for name in _LATER:
             if part[name] == SensorPart.model_fields[name].default:
+                del part[name]
+    later = [name for name, one in PIXEL.items() if one.later]
+    for part in (*(one["pixel"] for one in data["sensors"]), *data["pictures"]):
+        for name in later:
+            if name in part and part[name] is None:
                 del part[name]
     content = [__version__, data, dict(digests)]
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()

@@ -87,6 +87,15 @@ function fieldGroup(choices, name, fields, i) {
 }
 
 /**
+ * Whether a study has none of some keys.
+ *
+ * @param {Study} study
+ * @param {string[]} keys
+ * @param {number} i
+ */
+const absent = (study, keys, i) => keys.every((key) => valueAt(study, pathOf(key, i)) === null);
+
+/**
  * @param {Choices} choices
  * @param {Field} field
  * @param {number} i
@@ -94,13 +103,14 @@ function fieldGroup(choices, name, fields, i) {
  */
 function fieldRow(choices, field, i) {
   const path = pathOf(field.key, i);
-  const idle = choices.fields.filter(({ needs }) => needs === field.key);
+  const idle = choices.fields.filter(({ needs }) => needs.includes(field.key));
   /** @type {Write} */
   const write = (value, how = "step") =>
     changeStudy((study) => {
       setAt(study, path, value);
       // what has no effect without this goes with it
-      if (value === null) for (const { key } of idle) setAt(study, pathOf(key, i), null);
+      if (value !== null) return;
+      for (const { key, needs } of idle) if (absent(study, needs, i)) setAt(study, pathOf(key, i), null);
     }, how);
   const { row, show } = MAKERS[field.kind](choices, field, i, write);
   const bar = field.file && field.kind !== "channels" ? fileBar(field, path, row, write) : null;
@@ -109,7 +119,7 @@ function fieldRow(choices, field, i) {
   /** @type {Show} */
   const shown = (study, head) => {
     const value = valueAt(study, path);
-    row.hidden = field.needs !== null && value === null && valueAt(study, pathOf(field.needs, i)) === null;
+    row.hidden = field.needs.length > 0 && value === null && absent(study, field.needs, i);
     if (row.hidden) return;
     show(study, head);
     bar?.show(value);
