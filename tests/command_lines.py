@@ -120,6 +120,7 @@ VALUES = {  # by the name of an option or argument; a command's own as "command.
     "column_noise_e": ["1"],
     "hot_pixels": ["3"],
     "hot_pixel_e_per_s": ["100"],
+    "shading": ["0.1"],
     "bend": ["0.1"],
     "drift": ["-0.001"],
     "neighbor_correlation": ["0.2"],
