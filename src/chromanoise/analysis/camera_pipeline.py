@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -56,7 +57,6 @@ from chromanoise.noise import (
     Measurement,
     Readout,
     after_counting,
-    counted_electrons,
     demand_independent_channels,
     few_electrons,
     noise_sources,
@@ -300,16 +300,11 @@ def _dark_noise_e(point: OperatingPoint) -> Float[Array, " p"]:
 
 def _noise_profile(point: OperatingPoint, white_e: float) -> Float[Array, "p 2"]:
     """S and O of each channel on a gray: PRNU and pattern left out, the variance is linear."""
-    sensor = replace(point.sensor, pixel=replace(point.sensor.pixel, prnu=0.0))
     gray = electrons_at(point, reflectance=GRAY)
-    dark, lit = (
-        with_noise(mean, sensor, point.exposure, linear=True).variance
-        for mean in (np.zeros_like(gray), gray)
-    )
-    coupling = after_counting(sensor.crosstalk)
-    noise = noise_sources(sensor, point.exposure)
-    lit = lit - noise.pattern_e2(counted_electrons(gray, coupling))
-    slope = (lit - dark) / np.where(gray > 0, gray, 1.0)
+    read = partial(with_noise, sensor=point.sensor, exposure=point.exposure, linear=True)
+    dark = read(np.zeros_like(gray)).variance
+    still, lit = (read(mean, kind="temporal").variance for mean in (np.zeros_like(gray), gray))
+    slope = (lit - still) / np.where(gray > 0, gray, 1.0)
     return np.stack([slope / white_e, dark / white_e**2], axis=-1)
 
 

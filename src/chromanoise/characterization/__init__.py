@@ -54,12 +54,17 @@ if TYPE_CHECKING:
         light_sample,
     )
     from chromanoise.characterization.training_camera import camera_noise
-    from chromanoise.characterization.virtual_camera import PlaneTruth, VirtualCamera
+    from chromanoise.characterization.virtual_camera import (
+        USUAL_CAMERA,
+        PlaneTruth,
+        VirtualCamera,
+    )
     from chromanoise.characterization.virtual_frames import photon_transfer_frames
 
 __all__ = [
     "QUANTITIES",
     "SPREADS",
+    "USUAL_CAMERA",
     "Characterization",
     "LevelNoise",
     "LightSample",

@@ -7,7 +7,7 @@ from typing import Any
 import click
 
 from chromanoise._files import OWN_FILES, refuse_unwritable
-from chromanoise.characterization import VirtualCamera, photon_transfer_frames
+from chromanoise.characterization import USUAL_CAMERA, VirtualCamera, photon_transfer_frames
 from chromanoise.characterization.virtual_frames import FRAME_FORMATS
 from chromanoise.cli.options import WHOLE, Command
 from chromanoise.cli.parsing import command
@@ -16,10 +16,6 @@ from chromanoise.properties import properties_of
 
 _COLOR = {"R": 0.7, "G": 1.0, "B": 0.6}  # sensitivities of a color camera under white light
 
-_USUAL = VirtualCamera(
-    read_noise_e=3, dark_current_e_per_s=30, dsnu_e=1.5, prnu=0.008, row_noise_e=0.5
-)
-
 
 def _property_options(command: Command) -> Command:
     """Add an option for each property of the camera."""
@@ -27,7 +23,7 @@ def _property_options(command: Command) -> Command:
         command = click.option(
             f"--{name.replace('_', '-')}",
             type=float,
-            default=f"{getattr(_USUAL, name):g}",
+            default=f"{getattr(USUAL_CAMERA, name):g}",
             show_default=True,
             help=one.help,
         )(command)
