@@ -469,12 +469,6 @@ class VirtualCamera:
         return np.asarray(stream(self.seed, source, number).standard_normal(shape))
 
 
-USUAL_CAMERA = VirtualCamera(
-    read_noise_e=3, dark_current_e_per_s=30, dsnu_e=1.5, prnu=0.008, row_noise_e=0.5
-)
-"""A camera with the noise of many."""
-
-
 def _blur_share(correlation: float) -> float:
     """The a at which white noise blurred by (a, 1 - 2a, a) has this correlation of neighbors.
 
@@ -495,3 +489,9 @@ def whole(name: str, value: Any, least: int, greatest: int) -> int:
     if isinstance(value, bool) or not least <= value <= greatest or int(value) != value:
         raise InputError(name, f"must be a whole number from {least} to {greatest}", value=value)
     return int(value)
+
+
+USUAL_CAMERA = VirtualCamera(
+    read_noise_e=3, dark_current_e_per_s=30, dsnu_e=1.5, prnu=0.008, row_noise_e=0.5
+)
+"""A camera with the noise of many."""
