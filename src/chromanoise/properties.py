@@ -52,14 +52,14 @@ class Property:
     remedy
         What to do with a value out of bounds, where the sentence does not say it.
     later
-        Whether studies are stored that do not know it: it is hashed only where it is given.
+        Whether it was added after studies were stored: it is hashed only where it is given.
     growth
         How the value grows where pixels are summed (`chromanoise.sensor.binned`).
     logarithmic
         Whether values differ by orders of magnitude: a sweep has equal ratios, and so has a slider
         whose lowest value is above 0.
     needs
-        Names of the fields without all of which this one has no effect.
+        Names of fields. It has no effect if all of these are 0.
     sets_time
         Whether a solved exposure time depends on it.
 

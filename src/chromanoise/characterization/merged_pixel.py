@@ -83,7 +83,7 @@ def pixel_of(result: Characterization) -> PixelSource:
     notes.append(f"{source}: {'; '.join(merged)}")
     shared = [spreads[name] for name in SHARED]
     if any(one is not None and one.value > 0 for one in shared) and read is not None:
-        notes.append(f"{source}: the read noise does not include that of rows and columns")
+        notes.append(f"{source}: the read noise excludes row and column noise")
     values: dict[str, Any] = {name: _value(one) for name, one in spreads.items()}
     whole = _whole_black(black, source, notes)
     return PixelSource(

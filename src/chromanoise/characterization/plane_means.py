@@ -35,7 +35,7 @@ SHARED = tuple(name for name, one in SPREADS.items() if one.growth.rows or one.g
 
 
 def read_noise_e(plane: PlaneNoise, *shared_e: float | None) -> float | None:
-    """Temporal dark noise without what rows and columns share; ``None`` if it is not known. [e-]
+    """Temporal dark noise without row and column noise; ``None`` if it is not known. [e-]
 
     Parameters
     ----------

@@ -56,7 +56,7 @@ def row_offset_e(at_row, draw):
 @kernel(inline="always")
 @no_type_check
 def readout_offset_e(pixel, column, channel, draw):
-    """What the readout of one pixel adds besides read noise: that of its column, and its level."""
+    """Column noise and telegraph noise of one pixel."""
     offset = _ZERO
     if draw.column_e > _ZERO:
         offset = draw.column_e * normal_of(column, COLUMN, draw.frame, 0, draw.key)
@@ -124,7 +124,7 @@ def _imperfect_means(mean, pixel, n, channels, draw, dark_e):
 @kernel(error_model="numpy")
 @no_type_check
 def _imperfect_readout(electrons, pixel, column, n, channels, draw, shared_e):
-    """The dark signal that differs from pixel to pixel, and what a row or a column shares."""
+    """DSNU, and row, column and telegraph noise."""
     more = has_readout_offsets(draw)
     for c in range(channels.shape[0]):
         for i in range(n):

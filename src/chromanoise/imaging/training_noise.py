@@ -396,7 +396,7 @@ class NoiseSampler:
         pattern: int,
         item: int,
     ) -> Float32[Array, "ih iw"]:
-        """Offsets of this item: one row of those of the columns, and the levels of pixels."""
+        """Column offsets and levels of telegraph noise of this item."""
         from chromanoise.imaging.philox import COLUMN
         from chromanoise.imaging.training_kernels import draw_levels, draw_pattern
 

@@ -22,7 +22,7 @@ def sample_electrons(
 ) -> Float[Array, "*px p"]:
     """One noisy acquisition of every entry, unclipped: may be below 0 or above full well. [e-]
 
-    Each entry is a separate pixel, with independent PRNU, DSNU and row noise. If crosstalk before
+    All sources are independent between entries, row and column noise too. If crosstalk before
     counting makes a fixed pattern, each pixel has a random place of the mosaic. Crosstalk after
     counting is not drawn.
 

@@ -396,7 +396,7 @@ class NoiseSources(PixelReading):
         return ((1 - share, 0.0), (share / 2, away_e), (share / 2, -away_e))
 
     def over_levels(self, read: Callable[[float], Moments]) -> Moments:
-        """Moments of one reading over the pixels with one level and with two.
+        """Moments of one reading, averaged over the levels of telegraph noise.
 
         Parameters
         ----------

@@ -73,8 +73,8 @@ class CameraNoise:
     column_noise_e
         The same of the pixels of a column. [e-]
     levels
-        Share of the pixels that read one of two levels, each in half of the frames, and how far
-        both are from their mean: random telegraph noise. [1], [e-]
+        Random telegraph noise: fraction of the pixels that switch between two levels, and half the
+        difference of the levels. [1], [e-]
     tail_lambda
         Shapes of the Tukey lambda distribution of the read noise, one of which is used per item;
         empty for normal read noise. The variance is ``read_noise_e`` squared for every shape. [1]

@@ -112,18 +112,18 @@ class PixelReading:
         )
 
     def sd(self, drawn: Drawn) -> float:
-        """Standard deviation of the sources that are drawn in one way together. [e-], of gain [1]
+        """Standard deviation of all sources that are drawn in one way. [e-], of gain [1]
 
         Parameters
         ----------
         drawn
-            The way.
+            How the sources are drawn.
         """
         return math.sqrt(self.coefficient("square" if drawn == "gain" else "floor_e2", (drawn,)))
 
     @property
     def levels(self) -> tuple[float, float]:
-        """Share of the pixels with two levels [1], and how far each is from their mean. [e-]"""
+        """Fraction of the pixels with two levels [1], and half the difference of the two. [e-]"""
         for one in SOURCES:
             if one.drawn == "levels" and "levels" not in self.without and one.value(self):
                 share = one.share(self)
@@ -179,13 +179,13 @@ SOURCES = (
     NoiseSource(
         cause="reset noise", drawn="reading", term="floor_e2",
         value=lambda of: reset_noise_e2(of.pixel.reset_capacitance_ff, of.pixel.temperature_k),
-        words="kTC of the floating node",
+        words="kTC of the sense node",
     ),
     NoiseSource(
         cause="telegraph noise", drawn="levels", term="floor_e2",
         value=lambda of: of.pixel.rtn_share * (of.pixel.rtn_amplitude_e / 2) ** 2,
         share=lambda of: of.pixel.rtn_share,
-        words="a few pixels between two levels",
+        words="pixels that switch between two levels",
     ),
     NoiseSource(
         cause="DSNU", drawn="pattern", term="floor_e2", value=lambda of: of.pixel.dsnu_e**2,

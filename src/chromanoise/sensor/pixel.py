@@ -59,11 +59,11 @@ class Pixel:
     column_noise_e
         Standard deviation of the offset that all pixels of a column share, new in each frame. [e-]
     reset_capacitance_ff
-        Capacitance of the node that is reset, whose noise is in every reading; 0 with correlated
-        double sampling, which subtracts it. [fF]
+        Sense-node capacitance. Its kTC noise is in every reading; 0 if correlated double sampling
+        cancels it. [fF]
     rtn_share, rtn_amplitude_e
-        Share of the pixels with random telegraph noise, and the distance of their two levels, each
-        of which is read in half of the frames. [1], [e-]
+        Fraction of the pixels with random telegraph noise, and the difference between their two
+        levels, with a duty cycle of 50 %. [1], [e-]
     black_error_e
         Error of the subtracted black level: a bias of every reading, of either sign. [e-]
     temperature_c
@@ -147,7 +147,7 @@ class Pixel:
         float,
         Property(
             label="row noise", unit="e-", least=0.0, most=_MOST, slider=(0.0, 20.0, 0.2),
-            help="Noise common to a row [e-].",
+            help="Row noise, rms, new in each frame [e-].",
             growth=Growth(readings=0.5, columns=0.5),
         ),
     ] = 0.0  # fmt: skip
@@ -156,37 +156,37 @@ class Pixel:
         Property(
             label="column noise", unit="e-", least=0.0, most=_MOST, slider=(0.0, 20.0, 0.2),
             later=True,
-            help="Noise common to a column, new in each frame [e-].",
+            help="Column noise, rms, new in each frame [e-].",
             growth=Growth(readings=0.5, rows=0.5),
         ),
     ] = 0.0  # fmt: skip
     reset_capacitance_ff: Annotated[
         float,
         Property(
-            label="reset capacitance", unit="fF", least=0.0, most=1e6, slider=(0.0, 20.0, 0.1),
-            later=True,
-            help="Capacitance whose reset is read with its noise (kTC) [fF]; 0 with correlated "
-            "double sampling.",
+            label="sense-node capacitance (kTC)", unit="fF", least=0.0, most=1e6,
+            slider=(0.0, 20.0, 0.1), later=True,
+            help="Sense-node capacitance, for reset noise (kTC) [fF]; 0 if correlated double "
+            "sampling cancels it.",
             growth=Growth(readings=1),
         ),
     ] = 0.0  # fmt: skip
     rtn_share: Annotated[
         float,
         Property(
-            label="share of pixels with telegraph noise", unit="1", least=0.0, most=1.0,
+            label="fraction of RTN pixels", unit="1", least=0.0, most=1.0,
             slider=(0.0, 0.2, 0.001),
             later=True,
-            help="Share of the pixels with random telegraph noise, e.g. 0.01 for 1 % [1].",
+            help="Fraction of the pixels with random telegraph noise (RTN), e.g. 0.01 for 1 % [1].",
             remedy="write 1 percent as 0.01",
         ),
     ] = 0.0  # fmt: skip
     rtn_amplitude_e: Annotated[
         float,
         Property(
-            label="amplitude of telegraph noise", unit="e-", least=0.0, most=_MOST,
+            label="RTN amplitude", unit="e-", least=0.0, most=_MOST,
             slider=(0.0, 100.0, 1.0),
-            later=True,
-            help="Distance of the two levels of random telegraph noise [e-].",
+            later=True, needs=("rtn_share",),
+            help="RTN amplitude: difference between the two levels [e-].",
             growth=Growth(readings=0.5),
         ),
     ] = 0.0  # fmt: skip
@@ -205,7 +205,8 @@ class Pixel:
             label="temperature of the sensor", unit="C", least=_COLDEST_C, most=_HOTTEST_C,
             slider=(-40.0, 100.0, 1.0),
             needs=("dark_current_e_per_s", "reset_capacitance_ff"), sets_time=True,
-            help="Temperature of the sensor [C]; default: the reference temperature.",
+            help="Temperature of the sensor, for dark current and reset noise [C]; default: the "
+            "reference temperature.",
         ),
     ] = None  # fmt: skip
     dark_reference_c: Annotated[
@@ -291,7 +292,7 @@ EXTRA_NOISE = tuple(field.name for field in fields(Pixel) if field.default == 0.
 
 
 def shot_and_read_only(pixel: Pixel) -> Pixel:
-    """The pixel without dark current, DSNU, PRNU, row noise and black-level error.
+    """The pixel with shot noise and read noise only.
 
     Parameters
     ----------
