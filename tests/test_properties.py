@@ -65,7 +65,7 @@ class Lamp:
     warmth_k: Annotated[
         float,
         Property(
-            label="warmth", unit="K", least=1, most=9, needs="power_w",
+            label="warmth", unit="K", least=1, most=9, needs=("power_w",),
             help="Warmth [K]; default: {default:g}.",
         ),
     ] = 7.0  # fmt: skip

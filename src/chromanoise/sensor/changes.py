@@ -13,7 +13,7 @@ from chromanoise.errors import InputError, Setting
 from chromanoise.sensor.adc import Converter, refuse_coarse_codes
 from chromanoise.sensor.crosstalk import Crosstalk
 from chromanoise.sensor.filters import ir_cut
-from chromanoise.sensor.pixel import PIXEL, BinningMode, Pixel, binned, of_the_sum
+from chromanoise.sensor.pixel import PAPER_PIXEL, PIXEL, BinningMode, Pixel, binned, of_the_sum
 from chromanoise.sensor.sensor import Sensor
 
 MOST_SHIFT_NM = 200.0
@@ -65,7 +65,8 @@ def with_pixel(sensor: Sensor, changes: Mapping[str, Any]) -> Sensor:
         _check.among("field of the pixel", name, sorted(_OF_PIXEL | _OF_CONVERTER))
     pixel = replace(sensor.pixel, **of_the_sum(sensor.pixel, of_pixel(changes)))
     for name, one in PIXEL.items():
-        if name in changes and one.needs and not any(getattr(pixel, n) for n in one.needs):
+        idle = one.needs and not any(getattr(pixel, needed) for needed in one.needs)
+        if idle and changes.get(name, none := getattr(PAPER_PIXEL, name)) != none:
             labels = " or ".join(PIXEL[n].label for n in one.needs)
             raise InputError(
                 name,
