@@ -508,7 +508,7 @@ def _separations(scene: DesignScene, turned: SensorBatch) -> Inexact[Array, "pai
     rows_e = arrays.chart_e if arrays.paired_e is None else arrays.paired_e
     gain, law, _, spread = _noise(scene, turned)
     e = gain * np.moveaxis(turned.qe @ rows_e.T, 0, -1)  # channel, patch, parameter
-    variance = kernels.variance_of.py_func(law, ..., e, e * e) * (0.5 * spread.T[:, None])
+    variance = kernels.variance_of(law, ..., e, e * e) * (0.5 * spread.T[:, None])
     one, other = arrays.pairs.T
     with np.errstate(divide="ignore", invalid="ignore"):
         apart, noise = (e[:, one] - e[:, other]) ** 2, variance[:, one] + variance[:, other]

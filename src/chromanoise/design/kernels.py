@@ -370,11 +370,13 @@ def _vora_value(lower, scale, e, at, scratch, value):
                 value[k] += scratch[c, k] * scratch[c, k] * (1 / 3)
 
 
-@_inlined
 @no_type_check
 def variance_of(law, k, mean, squared):
     """Variance by the rows floor, slope and square of a law, at a mean and a mean square."""
     return law[0, k] + law[1, k] * mean + law[2, k] * squared
+
+
+_variance = _inlined(variance_of)
 
 
 @_compiled
@@ -392,7 +394,7 @@ def _penalized(e, at, method, strength, weight, law, spread, g):
         return
     for c in range(p):
         for k in range(LANES):
-            noise = variance_of(law, k, e[at, c, k], g[c, c, k])
+            noise = _variance(law, k, e[at, c, k], g[c, c, k])
             g[c, c, k] += weight[k] * (noise * spread[c, k])
 
 
@@ -406,7 +408,7 @@ def _luminance_snr(e, matrix, law, spread, least, value):
         variance = e[0, 0, k] * 0.0
         for c in range(p):
             mean = e[0, c, k]
-            own = variance_of(law, k, mean, mean * mean)
+            own = _variance(law, k, mean, mean * mean)
             weight = matrix[1, c, k]
             y += weight * mean
             variance += weight * weight * (own * spread[c, k])
@@ -481,7 +483,7 @@ def _add_noise_of(e, row, matrix, slope, law, spread, noise):
     for c in range(p):
         for k in range(LANES):
             mean = e[row, c, k]
-            own = variance_of(law, k, mean, mean * mean) * spread[c, k]
+            own = _variance(law, k, mean, mean * mean) * spread[c, k]
             x, y, z = (
                 slope[0, k] * matrix[0, c, k],
                 slope[1, k] * matrix[1, c, k],
@@ -572,7 +574,7 @@ def _separations(e, at, many, pairs, law, spread, full, wanted, variance, scratc
         for c in range(p):
             for k in range(LANES):
                 electrons = e[at + i, c, k]
-                own = variance_of(law, k, electrons, electrons * electrons)
+                own = _variance(law, k, electrons, electrons * electrons)
                 variance[i, c, k] = own * (0.5 * spread[c, k])
     for i in range(pairs.shape[0]):
         one, other = pairs[i, 0], pairs[i, 1]
