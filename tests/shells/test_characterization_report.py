@@ -228,6 +228,7 @@ def test_analyze_takes_the_pixel_file_as_the_values_in_it(done, tmp_path):
         "dsnu-e": pixel.dsnu_e,
         "prnu": pixel.prnu,
         "row-noise-e": 3.0,
+        "column-noise-e": pixel.column_noise_e,
         "bits": 12,
         "gain-dn-per-e": 1 / pixel.gain_e_per_dn,
     }
