@@ -129,6 +129,18 @@ def test_color_pictures_have_the_variance_of_the_closed_form(cause):
     variance_is(((np.array(values) - mean_e) ** 2).mean(), expected)
 
 
+def test_channels_of_a_color_picture_have_column_offsets_of_their_own():
+    sensor = with_pixel(sensor_named("onyx-rgb-ircut", DEFAULT_GRID), {"column_noise_e": 300.0})
+    one = OperatingPoint(
+        sensor=sensor, exposure=EXPOSURE, illuminant=equal_energy(DEFAULT_GRID), level_lux=2.0
+    )
+    cube = flat_cube(DEFAULT_GRID.wavelength_nm, 1.0, height=16, width=2000)
+    columns = rendered_electrons(cube, one, work=Work(threads=1)).values_e.mean(axis=0)
+    correlation = np.corrcoef(columns.T)
+    assert abs(correlation[np.triu_indices(3, 1)]).max() < 5 / np.sqrt(2000)
+    assert columns.std(axis=0) == pytest.approx([300.0] * 3, rel=5 / np.sqrt(2 * 2000))
+
+
 @pytest.mark.parametrize("cause", OF_PIXEL)
 def test_training_data_have_the_variance_of_the_closed_form(cause):
     pixel = pixel_with_only(cause)

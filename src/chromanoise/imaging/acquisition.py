@@ -55,11 +55,16 @@ def row_offset_e(at_row, draw):
 
 @kernel(inline="always")
 @no_type_check
-def readout_offset_e(pixel, column, channel, draw):
-    """Column noise and telegraph noise of one pixel."""
+def readout_offset_e(pixel, column, channel, several, draw):
+    """Column noise and telegraph noise of one pixel.
+
+    The colors of a mosaic share the offset of a column; ``several`` channels at every pixel are
+    read in columns of their own.
+    """
     offset = _ZERO
     if draw.column_e > _ZERO:
-        offset = draw.column_e * normal_of(column, COLUMN, draw.frame, 0, draw.key)
+        own = channel if several else 0
+        offset = draw.column_e * normal_of(column, COLUMN, draw.frame, own, draw.key)
     if draw.level_share > _ZERO:
         at, none = np.uint64(pixel), np.uint64(0)
         which = word_at(at, np.uint64(PIXEL_LEVELS), none, channel, draw.key) & _LOW
@@ -125,12 +130,12 @@ def _imperfect_means(mean, pixel, n, channels, draw, dark_e):
 @no_type_check
 def _imperfect_readout(electrons, pixel, column, n, channels, draw, shared_e):
     """DSNU, and row, column and telegraph noise."""
-    more = has_readout_offsets(draw)
+    more, several = has_readout_offsets(draw), channels.shape[0] > 1
     for c in range(channels.shape[0]):
         for i in range(n):
             offset = shared_e
             if more:
-                own_e = readout_offset_e(pixel + i, column + i, channels[c, i], draw)
+                own_e = readout_offset_e(pixel + i, column + i, channels[c, i], several, draw)
                 offset = offset + own_e
             if draw.pattern_e > _ZERO:
                 z = normal_of(pixel + i, PIXEL_OFFSET, 0, channels[c, i], draw.key)

@@ -138,12 +138,12 @@ def _mixed(values, row, column, places, shares):
 @no_type_check
 def _read_out(electrons, pixel, column, n, channels, draw, row_e):
     """Add what the readout adds: channels (p, n or more) as in `acquire`."""
-    more = has_readout_offsets(draw)
+    more, several = has_readout_offsets(draw), channels.shape[0] > 1
     for c in range(channels.shape[0]):
         for i in range(n):
             added = row_e
             if more:
-                own_e = readout_offset_e(pixel + i, column + i, channels[c, i], draw)
+                own_e = readout_offset_e(pixel + i, column + i, channels[c, i], several, draw)
                 added = added + own_e
             if draw.noisy and draw.reading_e > _ZERO:
                 z = normal_of(pixel + i, READOUT, draw.frame, channels[c, i], draw.key)

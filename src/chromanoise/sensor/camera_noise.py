@@ -73,7 +73,7 @@ class CameraNoise:
     column_noise_e
         The same of the pixels of a column. [e-]
     levels
-        Random telegraph noise: fraction of the pixels that switch between two levels, and half the
+        Random telegraph noise: share of the pixels that switch between two levels, and half the
         difference of the levels. [1], [e-]
     tail_lambda
         Shapes of the Tukey lambda distribution of the read noise, one of which is used per item;

@@ -123,7 +123,7 @@ class PixelReading:
 
     @property
     def levels(self) -> tuple[float, float]:
-        """Fraction of the pixels with two levels [1], and half the difference of the two. [e-]"""
+        """Share of the pixels with two levels [1], and half the difference of the two. [e-]"""
         for one in SOURCES:
             if one.drawn == "levels" and "levels" not in self.without and one.value(self):
                 share = one.share(self)

@@ -62,7 +62,7 @@ class Pixel:
         Sense-node capacitance. Its kTC noise is in every reading; 0 if correlated double sampling
         cancels it. [fF]
     rtn_share, rtn_amplitude_e
-        Fraction of the pixels with random telegraph noise, and the difference between their two
+        Share of the pixels with random telegraph noise, and the difference between their two
         levels, with a duty cycle of 50 %. [1], [e-]
     black_error_e
         Error of the subtracted black level: a bias of every reading, of either sign. [e-]
@@ -163,7 +163,7 @@ class Pixel:
     reset_capacitance_ff: Annotated[
         float,
         Property(
-            label="sense-node capacitance (kTC)", unit="fF", least=0.0, most=1e6,
+            label="reset capacitance", unit="fF", least=0.0, most=1e6,
             slider=(0.0, 20.0, 0.1), later=True,
             help="Sense-node capacitance, for reset noise (kTC) [fF]; 0 if correlated double "
             "sampling cancels it.",
@@ -173,10 +173,10 @@ class Pixel:
     rtn_share: Annotated[
         float,
         Property(
-            label="fraction of RTN pixels", unit="1", least=0.0, most=1.0,
+            label="share of RTN pixels", unit="1", least=0.0, most=1.0,
             slider=(0.0, 0.2, 0.001),
             later=True,
-            help="Fraction of the pixels with random telegraph noise (RTN), e.g. 0.01 for 1 % [1].",
+            help="Share of the pixels with random telegraph noise (RTN), e.g. 0.01 for 1 % [1].",
             remedy="write 1 percent as 0.01",
         ),
     ] = 0.0  # fmt: skip
@@ -185,8 +185,9 @@ class Pixel:
         Property(
             label="RTN amplitude", unit="e-", least=0.0, most=_MOST,
             slider=(0.0, 100.0, 1.0),
-            later=True, needs=("rtn_share",),
-            help="RTN amplitude: difference between the two levels [e-].",
+            later=True,
+            help="RTN amplitude: difference between the two levels [e-]; without a share of pixels "
+            "there is no noise.",
             growth=Growth(readings=0.5),
         ),
     ] = 0.0  # fmt: skip
