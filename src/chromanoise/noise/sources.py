@@ -290,7 +290,8 @@ class NoiseSources(PixelReading):
         mean = np.asarray(mean_e, dtype=np.float64)
         if not self.step_e:
             return np.zeros(mean.shape, dtype=bool)
-        light, readout, sd = self.of_one_reading(mean)
+        smooth = replace(self, without=self.without | {"levels"})  # most pixels have one level
+        light, readout, sd = smooth.of_one_reading(mean)
         return additive_rounding_fails(
             light, counted_e=light + self.dark_e / self.readings, read_noise_e=sd,
             step_e=readout.step_e,
@@ -440,7 +441,7 @@ class NoiseSources(PixelReading):
     @property
     def temporal(self) -> "NoiseSources":
         """The sources without the fixed patterns, which are the same in every frame."""
-        return replace(self, without=FIXED, pattern=None)
+        return replace(self, without=self.without | FIXED, pattern=None)
 
     @property
     def has_fixed_pattern(self) -> bool:

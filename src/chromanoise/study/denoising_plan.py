@@ -339,7 +339,9 @@ def _pixel_of_part(study: Study) -> _Pixel:
     _demand_time(dark, timed=time_ms is not None)
     given = {name: own for name in PIXEL if (own := value(name)) is not None}
     pixel = Pixel(**{"pitch_um": 1.0, "full_well_e": PIXEL["full_well_e"].most} | given)
-    sources = NoiseSources(pixel=pixel, dark_e=dark * 1e-3 * (time_ms or 0.0))
+    sources = NoiseSources(
+        pixel=pixel, dark_e=pixel.dark_electrons_e(time_s=1e-3 * (time_ms or 0.0))
+    )
     return _Pixel(sources=sources, converter=converter, source=where)
 
 
