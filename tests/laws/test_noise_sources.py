@@ -197,3 +197,12 @@ def test_the_budget_ends_at_the_snr_of_the_table_and_names_the_source(cause):
         assert abs(losses["rest"]) < 0.01  # the color error of the matrix
         assert budget.snr_db == pytest.approx(in_table, abs=1e-9)
         assert cause == "shot noise" or losses[cause] > 0
+
+
+def test_a_coarse_step_is_seen_beside_a_few_telegraph_pixels():
+    pixel = replace(QUIET, rtn_share=0.02, rtn_amplitude_e=100.0)
+    noise = replace(noise_sources(camera(pixel), EXPOSURE), step_e=6.0)
+    bias, variance = noise.rounded(np.array([1.0]))
+    drawn = sample_electrons(np.full(400_000, 1.0), pixel, stream(11), noise=noise)
+    assert 1.0 + bias[0] == pytest.approx(drawn.mean(), abs=5 * drawn.std() / 400_000**0.5)
+    assert variance[0] == pytest.approx(drawn.var(), rel=0.05)

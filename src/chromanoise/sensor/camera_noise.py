@@ -163,6 +163,9 @@ class CameraNoise:
             _check.within("full_well_e", "e-", self.full_well_e, 1e-3, MOST_E)
         for name in _PLAIN:
             PIXEL[name].demand(name, getattr(self, name))
+        _check.same_length("levels", given=len(self.levels), share_and_half_difference=2)
+        PIXEL["rtn_share"].demand("share of levels", self.levels[0])
+        PIXEL["rtn_amplitude_e"].demand("half difference of levels", self.levels[1])
         self._check_laws()
 
     def _check_laws(self) -> None:
