@@ -1,4 +1,4 @@
-"""A noise source costs two edits, in two files: every interface and every draw then has it."""
+"""A noise source costs two edits, in two files; tools write its stub and man pages."""
 
 import json
 import os
