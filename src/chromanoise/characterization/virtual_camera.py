@@ -179,14 +179,7 @@ class VirtualCamera:
     dsnu_e: Annotated[float, replace(PIXEL["dsnu_e"], most=_MOST_E)] = 0.0
     prnu: Annotated[float, PIXEL["prnu"]] = 0.0
     row_noise_e: Annotated[float, replace(PIXEL["row_noise_e"], most=_MOST_E)] = 0.0
-    column_noise_e: Annotated[
-        float,
-        Property(
-            label="column noise", unit="e-", least=0.0, most=_MOST_E,
-            help="Column noise: standard deviation of the offset of a column, new in each frame "
-            "[e-].",
-        ),
-    ] = 0.0  # fmt: skip
+    column_noise_e: Annotated[float, replace(PIXEL["column_noise_e"], most=_MOST_E)] = 0.0
     hot_pixels: int = 0
     hot_pixel_e_per_s: Annotated[
         float,

@@ -175,7 +175,10 @@ class NoiseSources(PixelReading):
         if self.pattern is not None and self.pattern.counted:
             square = square + pattern
         powers = {"floor_e2": np.ones_like(mean), "slope_e": mean, "square": square}
-        found = {one.cause: one.value(self) * powers[one.term] for one in SOURCES}
+        found = {
+            one.cause: (one.drawn not in self.without) * one.value(self) * powers[one.term]
+            for one in SOURCES
+        }
         return found | {PATTERN: pattern}
 
     def pattern_e2(self, mean_e: Float[Array, "*px p"]) -> Float[Array, "*px p"]:
@@ -452,7 +455,11 @@ class NoiseSources(PixelReading):
     @property
     def beyond_shot_and_read(self) -> bool:
         """Whether there is any source besides shot noise and read noise, or a bias."""
-        more = any(one.value(self) for one in SOURCES if one.cause not in (SHOT, READ))
+        more = any(
+            one.value(self)
+            for one in SOURCES
+            if one.cause not in (SHOT, READ) and one.drawn not in self.without
+        )
         return more or self.pattern is not None or bool(self.black_error_e)
 
 

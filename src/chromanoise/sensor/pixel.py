@@ -215,7 +215,7 @@ class Pixel:
         Property(
             label="reference temperature", unit="C", least=_COLDEST_C, most=_HOTTEST_C,
             slider=(-40.0, 100.0, 1.0),
-            needs=("dark_current_e_per_s",), sets_time=True,
+            needs=("dark_current_e_per_s", "reset_capacitance_ff"), sets_time=True,
             help="Reference temperature of the dark current [C]; default: {default:g}.",
         ),
     ] = 25.0  # fmt: skip
@@ -283,13 +283,10 @@ PIXEL_REQUIRED = required_of(Pixel)
 """Names of the properties that a pixel must have."""
 PAPER_PIXEL = Pixel(pitch_um=10.0, full_well_e=10_000.0, read_noise_e=10.0)
 """Table 1 of Clouet, Vaillant & Alleysson (CIC27, 2019)."""
-PIXEL_NOISE = tuple(
-    name for name, one in PIXEL.items() if one.least == 0 == getattr(PAPER_PIXEL, name)
-)
-"""Names of the properties that add noise: 0 by default, and never negative."""
-
 EXTRA_NOISE = tuple(field.name for field in fields(Pixel) if field.default == 0.0)
 """Fields of `Pixel` that add noise or bias beyond shot and read noise; 0 by default."""
+PIXEL_NOISE = tuple(name for name in EXTRA_NOISE if PIXEL[name].least == 0)
+"""Those that add noise."""
 
 
 def shot_and_read_only(pixel: Pixel) -> Pixel:
