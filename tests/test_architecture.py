@@ -142,3 +142,14 @@ def test_every_name_that_a_benchmark_imports_is_there(path):
             module = importlib.import_module(node.module)
             for alias in node.names:
                 assert hasattr(module, alias.name), f"{node.module}.{alias.name}"
+
+
+MOST_MODULES = {"prnu": 14, "row_noise_e": 8}
+"""Modules that may name a property of the pixel; a number here may only fall."""
+
+
+@pytest.mark.parametrize("name", MOST_MODULES)
+def test_a_property_of_the_pixel_is_named_in_few_modules(name):
+    sources = [*PACKAGE.rglob("*.py"), *PACKAGE.rglob("*.js")]
+    naming = [one for one in sources if re.search(rf"\b{name}\b", one.read_text("utf-8"))]
+    assert len(naming) <= MOST_MODULES[name], sorted(naming)
