@@ -26,9 +26,11 @@ COMMANDS = (("analyze", "analyze"), ("compare", "compare"), ("simulate", "render
 VALUES = {name: PIXEL[name].slider[1] for name in NAMES}  # allowed, and no default
 
 
-def test_the_stub_has_the_fields_of_the_pixel():
+@pytest.mark.parametrize("name", make_stubs.STUBS)
+def test_a_stub_has_the_fields_that_are_declared(name):
     """`python tools/make_stubs.py` writes it anew."""
-    assert make_stubs.STUB.read_text(encoding="utf-8") == make_stubs.stub()
+    stored = (make_stubs.PACKAGE / name).read_text(encoding="utf-8")
+    assert stored == make_stubs.STUBS[name]()
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -107,11 +109,14 @@ def test_a_value_out_of_the_bounds_of_the_pixel_is_refused_in_a_study(name):
         ("prnu=0.01, temperature_c=30.0, lux=4.0", True),
         ("prnu='much'", False),
         ("prnv=0.01", False),
+        ("equal='saturation', iso=[100.0], labels=['a']", True),
+        ("equal='time'", False),
+        ("outputs=1", False),
     ],
 )
 def test_a_type_checker_knows_the_settings_of_functions(call, accepted, tmp_path):
     line = f"import chromanoise as cn; cn.analyze('onyx-rgbw', {call})"
     run = [sys.executable, "-m", "mypy", "-c", line]
-    env = os.environ | {"MYPYPATH": str(make_stubs.STUB.parents[2])}
+    env = os.environ | {"MYPYPATH": str(make_stubs.PACKAGE.parent)}
     done = subprocess.run(run, cwd=tmp_path, env=env, check=False, capture_output=True)
     assert (done.returncode == 0) is accepted

@@ -163,7 +163,7 @@ def test_the_rule_of_documentation_finds_each_lack():
 def test_help_lists_each_setting_with_the_description_of_the_study(name):
     shown = pydoc.render_doc(getattr(cn, name), renderer=pydoc.plaintext)
     for one in described_settings(name):
-        assert one.description
+        assert one.of.field.description
         assert f"{one.name}: " in shown.splitlines()[2]
         assert all(line in shown for line in str(one).split("\n"))
 

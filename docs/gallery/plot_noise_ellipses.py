@@ -13,7 +13,7 @@ import numpy as np
 import chromanoise as cn
 
 names = ["onyx-rgbw", "onyx-rgb-ircut"]
-study = cn.study.analyze_study(names, {"lux": 10.0, "time_ms": 12.0})
+study = cn.study.study_of("analyze", names, {"lux": 10.0, "time_ms": 12.0})
 data = cn.charts.drawing("ellipses", cn.charts.shown(study))
 
 with cn.figures.chromanoise_style():

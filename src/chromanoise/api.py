@@ -48,23 +48,18 @@ from chromanoise.study import (
     Results,
     SensitivitySettings,
     Study,
-    analyze_study,
-    compare_study,
     denoised_picture,
     described_settings,
     electrons_of_array,
     frame_of_array,
     frames_of_pictures,
     in_arguments,
-    map_study,
-    matrix_study,
+    interface_of,
     prepared_denoising,
     read_study,
-    render_study,
-    sensitivity_study,
+    study_of,
 )
 from chromanoise.study import run as run_of
-from chromanoise.study.settings import OF_CURVES
 
 if TYPE_CHECKING:
     from chromanoise.design import Design, DesignStudy, Progress
@@ -87,7 +82,7 @@ def _with_listed_settings(function: Function) -> Function:
             one.name,
             inspect.Parameter.KEYWORD_ONLY,
             default=one.default,
-            annotation=one.annotation if one.default is not None else one.annotation | None,
+            annotation=one.of.type if one.default is not None else one.of.type | None,
         )
         for one in settings
     ]
@@ -146,7 +141,7 @@ def analyze(
     """
 
     def made(names: list[str], rest: dict[str, Any], named: _Named) -> Study:
-        return analyze_study(names, rest, matrix=named.matrix(matrix))
+        return study_of("analyze", names, rest, matrices=[named.matrix(matrix)])
 
     results = _results("analyze", made, sensors, settings)
     (result,) = results.analyses.values()
@@ -186,7 +181,7 @@ def compare(
     """
 
     def made(names: list[str], rest: dict[str, Any], named: _Named) -> Study:
-        return compare_study(names, rest, matrices=named.matrices(matrices))
+        return study_of("compare", names, rest, matrices=named.matrices(matrices))
 
     (result,) = _results("compare", made, sensors, settings).sweeps
     return result
@@ -232,7 +227,7 @@ def compare_map(
     """
 
     def made(names: list[str], rest: dict[str, Any], named: _Named) -> Study:
-        return map_study(names, rest, matrices=named.matrices(matrices))
+        return study_of("compare_map", names, rest, matrices=named.matrices(matrices))
 
     (result,) = _results("compare_map", made, sensors, settings).maps
     return result
@@ -374,7 +369,7 @@ def matrix(
     """
 
     def made(names: list[str], rest: dict[str, Any], named: _Named) -> Study:
-        return matrix_study(names[0], rest, matrix=named.matrix(matrix))
+        return study_of("matrix", names, rest, matrices=[named.matrix(matrix)])
 
     (found,) = _results("matrix", made, [sensor], settings).matrices.values()
     (result,) = found.results
@@ -498,7 +493,8 @@ def render(
     """
 
     def made(names: list[str], rest: dict[str, Any], named: _Named) -> Study:
-        return render_study(named.cube(cube), names, rest, matrix=named.matrix(matrix))
+        word = named.cube(cube)
+        return study_of("render", names, rest, matrices=[named.matrix(matrix)], cube=word)
 
     (result,) = _results("render", made, sensors, settings, folder=folder).pictures
     return result
@@ -606,7 +602,7 @@ def sensitivity(
         named = _Named()
         names, rest = named.of([sensor], settings)
         return sensitivity_of(
-            sensitivity_study(names[0], rest, matrix=named.matrix(matrix)),
+            study_of("sensitivity", names, rest, matrices=[named.matrix(matrix)]),
             given=named.given,
             objectives=objectives,
             losses=losses,
@@ -753,7 +749,7 @@ class _Named:
         """The value of a setting as a study stores it."""
         if name == "channel_filters" and isinstance(value, Mapping):
             return {str(key): self._curves("filter", one) for key, one in value.items()}
-        return self._curves(name, value) if name in OF_CURVES else _plain(value)
+        return self._curves(name, value) if interface_of(name).curves else _plain(value)
 
     def _curves(self, name: str, value: Any) -> Any:
         if value is None or isinstance(value, str | Path | bool | int | float | np.generic):

@@ -1,7 +1,8 @@
-"""Properties of physical things, each declared once: on the field of its class.
+"""Properties of physical things and keys of a study, each declared once: on the field of its class.
 
-A field is annotated with a `Property`, which carries its bounds, its unit and its words. Whatever
-reads, sweeps, searches or documents the field takes them from there.
+A field of a physical thing is annotated with a `Property`, which carries its bounds, its unit and
+its words. A field of a study carries an `Interface`. Whatever reads, sweeps, searches, shows or
+documents the field takes them from there.
 """
 
 import math
@@ -119,6 +120,60 @@ class Property:
 
     def __get_pydantic_json_schema__(self, core: Any, handler: Any) -> dict[str, Any]:
         return dict(handler(core)) | {"minimum": self.least, "maximum": self.most}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Interface:
+    """How interfaces offer a key of a study, beyond its type, its default and its description.
+
+    Attributes
+    ----------
+    keyword
+        Its name as an argument of Python and as an option; empty: that of its field; ``None``: it
+        is set in a study file, or on the page, alone.
+    option
+        Name of its option, where it differs.
+    part
+        Its place in ``option``, where this one takes several settings, e.g. ``FIRST``.
+    flags
+        Its two values, each with the option that gives it, in place of one option with a value.
+    metavar
+        Form of the value in the help of the option.
+    paths, curves
+        Whether Python also takes a path; a path or the curves themselves.
+    each
+        Whether it has one value per sensor, in their order.
+    label
+        Of the control on the page.
+    slider
+        As `Property.slider`.
+    logarithmic
+        Whether the slider is.
+    hint
+        What an empty control stands for.
+    file
+        What a file in place of the value holds: ``spectrum``, ``pixel`` or ``crosstalk``.
+    suggestions
+        Values of a text.
+    needs
+        Names of fields of the same part, without which it has no effect.
+    """
+
+    keyword: str | None = ""
+    option: str = ""
+    part: str = ""
+    flags: tuple[tuple[str, str], ...] = ()
+    metavar: str | None = None
+    paths: bool = False
+    curves: bool = False
+    each: bool = False
+    label: str = ""
+    slider: tuple[float, float] | tuple[float, float, float] | None = None
+    logarithmic: bool = False
+    hint: str | None = None
+    file: str = ""
+    suggestions: tuple[str, ...] = ()
+    needs: tuple[str, ...] = ()
 
 
 @cache

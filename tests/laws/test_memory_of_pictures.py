@@ -17,7 +17,7 @@ from chromanoise.study import (
     makers_of,
     operating_points_of,
     prepared_cameras,
-    render_study,
+    study_of,
     taken_pictures,
 )
 
@@ -66,7 +66,7 @@ def sparse_cube(folder: Path, height: int) -> str:
 def written(folder: Path, height: int) -> None:
     folder.mkdir()
     cube = sparse_cube(folder, height)
-    study = render_study(cube, ("onyx-rgbw",), {"formats": ("xyz", "srgb16")})
+    study = study_of("render", ("onyx-rgbw",), {"formats": ("xyz", "srgb16")}, cube=cube)
     cube, cameras = prepared_cameras(study, 0, operating_points_of(study), makers_of(study))
     for one in taken_pictures(study, 0, cube, cameras, work=Work(threads=2), folder=folder):
         del one

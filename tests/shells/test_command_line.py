@@ -22,7 +22,7 @@ from chromanoise.figures import write_figures
 from chromanoise.scene import flat_field
 from chromanoise.sensor import behind_ir_cut, with_shifted_curves
 from chromanoise.spectra import DEFAULT_GRID, equal_energy
-from chromanoise.study import FUNCTIONS, OTHER_NAMES, Study, default_of, described_settings
+from chromanoise.study import FUNCTIONS, Study, default_of, described_settings, interface_of
 from outcomes import refused
 
 demo = import_module("chromanoise.cli.demo")
@@ -617,11 +617,11 @@ def test_the_help_shows_the_defaults_of_the_study(run, command, function):
 )
 def test_every_setting_is_an_option_or_a_part_of_one(command, function):
     options = {one.name: one for one in commands.get_command(Context(commands), command).params}
-    assert set(FUNCTIONS[function]) <= {*options, *OTHER_NAMES}
+    assert all(name in options or interface_of(name).part for name in FUNCTIONS[function])
     for name in ("ircut_nm", "shift_nm"):
         assert options[name].opts == [f"--{name.replace('_', '-')}"]
         described = next(one for one in described_settings(function) if one.name == name)
-        assert options[name].help.startswith(described.description)
+        assert options[name].help.startswith(described.of.field.description)
 
 
 def test_an_added_ir_cut_and_a_shift_change_the_sensor(run):

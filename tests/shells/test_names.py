@@ -25,7 +25,7 @@ from chromanoise.imaging import DEMOSAICING
 from chromanoise.scene import BUILTIN_CUBES
 from chromanoise.sensor import MOSAIC_NAMES, mosaic_named
 from chromanoise.spectra import DEFAULT_GRID, OBSERVERS
-from chromanoise.study import analyze_study, compare_study, render_study, study_from_data
+from chromanoise.study import study_from_data, study_of
 from chromanoise.study.hashes import study_hash
 from chromanoise.study.reading import study_from_text
 
@@ -33,16 +33,16 @@ SENSOR = "onyx-rgbw"
 
 
 def analyzed(**settings):
-    return analyze_study([SENSOR], settings)
+    return study_of("analyze", [SENSOR], settings)
 
 
 def swept(**settings):
     given = {"vary": "lux", "first": 1.0, "last": 2.0} | settings
-    return compare_study([SENSOR], given).sweeps[0]
+    return study_of("compare", [SENSOR], given).sweeps[0]
 
 
 def rendered(cube="builtin:checker", **settings):
-    return render_study(cube, [SENSOR], settings).pictures[0]
+    return study_of("render", [SENSOR], settings, cube=cube).pictures[0]
 
 
 def designed(**given):
@@ -62,10 +62,15 @@ REGISTRIES = {
     "matrix": (
         METHODS,
         lambda name: (
-            analyze_study([SENSOR], {}, matrix=with_parameter(name)).matrices[0].partition("=")[0]
+            study_of("analyze", [SENSOR], {}, matrices=[with_parameter(name)])
+            .matrices[0]
+            .partition("=")[0]
         ),
     ),
-    "prior": (PRIORS, lambda name: analyze_study([SENSOR], {"prior": name}, matrix="lmmse").prior),
+    "prior": (
+        PRIORS,
+        lambda name: study_of("analyze", [SENSOR], {"prior": name}, matrices=["lmmse"]).prior,
+    ),
     "space": (SPACES, lambda name: analyzed(space=name).outputs.space),
     "observer": (OBSERVERS, lambda name: analyzed(observer=name).observer),
     "denoising": (DENOISING, lambda name: rendered(denoise=name).denoise),

@@ -77,7 +77,7 @@ def test_a_description_has_unit_range_and_default_of_the_study():
 
 
 def test_a_field_without_a_line_of_its_own_is_described_by_its_schema(monkeypatch):
-    monkeypatch.setattr("chromanoise.page.fields._REFINED", {})
+    monkeypatch.setattr("chromanoise.page.fields._refined", lambda key: {})
     plain = {one["key"]: one for one in described_fields()}
     assert plain.keys() == FIELDS.keys()
     prnu = plain["sensors.pixel.prnu"]

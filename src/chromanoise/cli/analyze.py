@@ -10,14 +10,10 @@ from chromanoise.charts.result_tables import outcome_tables
 from chromanoise.cli import tables
 from chromanoise.cli.copying import print_copy
 from chromanoise.cli.options import (
-    closed_form_options,
     copy_option,
     matrix_option,
-    pipeline_options,
-    prior_option,
-    shared_options,
     table_option,
-    with_defaults,
+    with_settings,
 )
 from chromanoise.cli.output import (
     json_option,
@@ -30,37 +26,15 @@ from chromanoise.cli.output import (
 from chromanoise.cli.parsing import command
 from chromanoise.cli.reader_tables import print_machine_readings
 from chromanoise.cli.running import progress_of_step
-from chromanoise.color import SPACES
 from chromanoise.exposure import conditions
 from chromanoise.io.table import Table
-from chromanoise.study import Analyses, analyze_study, run
+from chromanoise.study import Analyses, run, study_of
 
 
 @command()
-@with_defaults("analyze")
+@with_settings("analyze")
 @click.argument("sensors", nargs=-1, required=True, metavar="SENSOR...")
-@shared_options
-@closed_form_options
-@click.option(
-    "--clip",
-    is_flag=True,
-    help="Exact moments of electrons clipped between 0 and full well, instead of eq. 7.",
-)
 @matrix_option
-@prior_option
-@click.option("--chart", is_flag=True, help="Color error and noise of each ColorChecker patch.")
-@click.option("--budget", is_flag=True, help="SNR loss per cause, in dB.")
-@click.option(
-    "--merit",
-    is_flag=True,
-    help="Figures of merit: Neugebauer, Vora, SMI, SNR10, ISO speed, visual noise, bits ...",
-)
-@click.option(
-    "--space",
-    type=click.Choice(list(SPACES)),
-    help="Noise of an 18 % gray in this color space.",
-)
-@pipeline_options
 @table_option
 @json_option
 @copy_option
@@ -78,7 +52,7 @@ def analyze(
     models of other filter sets: model-rgb-ircut, model-cmy-ircut, model-rgbir ...; all of them:
     `chromanoise catalog sensors`) or a file of QE curves in any format of `chromanoise inspect`.
     """
-    study = analyze_study(sensors, settings, matrix=matrix)
+    study = study_of("analyze", sensors, settings, matrices=[matrix])
     if copy_as is not None:
         print_copy(copy_as, study)
         return

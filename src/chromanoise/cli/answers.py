@@ -24,7 +24,7 @@ def _keep_older_unit(ctx: click.Context, _: click.Parameter, given: bool | None)
     ctx.meta[_OLDER_UNIT] = None if given is None else ("um" if given else "nm")
 
 
-def _wavelength_unit(ctx: click.Context, _: click.Parameter, unit: str | None) -> str | None:
+def wavelength_unit(ctx: click.Context, _: click.Parameter, unit: str | None) -> str | None:
     """The unit from ``--wavelength-unit``, or from its older names ``--um`` and ``--nm``."""
     older: str | None = ctx.meta.get(_OLDER_UNIT)
     if unit and older and unit != older:
@@ -37,53 +37,52 @@ def _wavelength_unit(ctx: click.Context, _: click.Parameter, unit: str | None) -
     return unit or older
 
 
-def _answers(scale: str) -> tuple[Any, ...]:
-    """The options that supply what a file lacks; ``scale`` is the name of one of their settings."""
-    return (
-        click.option(
-            "--percent/--fraction",
-            scale,
-            default=None,
-            callback=pair_of("percent", "fraction"),
-            help="Whether the values are percent or fractions.",
-        ),
-        click.option(
-            "--relative/--absolute",
-            "level",
-            default=None,
-            callback=pair_of("relative", "absolute"),
-            help="Whether the curves are relative or absolute.",
-        ),
-        click.option(
-            "--photons/--energy",
-            "per",
-            default=None,
-            callback=pair_of("photon", "energy"),
-            help="Whether the curves are per photon or per energy.",
-        ),
-        click.option(
-            "--um/--nm",
-            "older_unit",
-            default=None,
-            hidden=True,
-            is_eager=True,
-            expose_value=False,
-            callback=_keep_older_unit,
-        ),
-        click.option(
-            "--wavelength-unit",
-            type=click.Choice(get_args(Unit)),
-            callback=_wavelength_unit,
-            help="Unit of the wavelengths, where the file does not declare it.",
-        ),
-        click.option(
-            "--negatives",
-            type=click.Choice(get_args(Negatives)),
-            help="Small negative values, e.g. from digitizing: refuse them, or set them to 0. "
-            f"[default: {Answers().negatives}]",
-        ),
-        click.option("--peak-qe", type=float, help="Highest QE of a sensor with relative curves."),
-    )
+older_units = click.option(
+    "--um/--nm",
+    "older_unit",
+    default=None,
+    hidden=True,
+    is_eager=True,
+    expose_value=False,
+    callback=_keep_older_unit,
+)
+_ANSWERS = (
+    click.option(
+        "--percent/--fraction",
+        "scale",
+        default=None,
+        callback=pair_of("percent", "fraction"),
+        help="Whether the values are percent or fractions.",
+    ),
+    click.option(
+        "--relative/--absolute",
+        "level",
+        default=None,
+        callback=pair_of("relative", "absolute"),
+        help="Whether the curves are relative or absolute.",
+    ),
+    click.option(
+        "--photons/--energy",
+        "per",
+        default=None,
+        callback=pair_of("photon", "energy"),
+        help="Whether the curves are per photon or per energy.",
+    ),
+    older_units,
+    click.option(
+        "--wavelength-unit",
+        type=click.Choice(get_args(Unit)),
+        callback=wavelength_unit,
+        help="Unit of the wavelengths, where the file does not declare it.",
+    ),
+    click.option(
+        "--negatives",
+        type=click.Choice(get_args(Negatives)),
+        help="Small negative values, e.g. from digitizing: refuse them, or set them to 0. "
+        f"[default: {Answers().negatives}]",
+    ),
+    click.option("--peak-qe", type=float, help="Highest QE of a sensor with relative curves."),
+)
 
 
 _OF_ONE_FILE = (
@@ -104,12 +103,7 @@ _OF_ONE_FILE = (
 
 def answering(command: Command) -> Command:
     """Add the options that supply what a file of spectra lacks."""
-    return _with(command, _answers("scale"))
-
-
-def about_sensors(command: Command) -> Command:
-    """Add the same options for the files of sensors, as settings of a study."""
-    return _with(command, _answers("qe_scale"))
+    return _with(command, _ANSWERS)
 
 
 def of_one_file(command: Command) -> Command:

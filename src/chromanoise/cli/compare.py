@@ -4,16 +4,13 @@ from typing import Any
 
 import click
 
-from chromanoise.analysis import DEFAULT_METHOD, PRIORS, QUANTITIES, SWEEPS
+from chromanoise.analysis import DEFAULT_METHOD, PRIORS, SWEEPS
 from chromanoise.cli import tables
 from chromanoise.cli.copying import print_copy
 from chromanoise.cli.options import (
-    WHOLE,
-    closed_form_options,
     copy_option,
-    shared_options,
     table_option,
-    with_defaults,
+    with_settings,
 )
 from chromanoise.cli.output import (
     json_option,
@@ -27,17 +24,15 @@ from chromanoise.cli.parsing import command
 from chromanoise.cli.running import progress_of_step
 from chromanoise.errors import InputError
 from chromanoise.exposure import conditions
-from chromanoise.study import Comparison, ComparisonMap, compare_study, default_of, map_study, run
+from chromanoise.study import Comparison, ComparisonMap, default_of, run, study_of
 
 _VARY, _FIRST, _LAST = (default_of("compare", name) for name in ("vary", "first", "last"))
 _START = f"{_VARY}={_FIRST:g}:{_LAST:g}"
 
 
 @command()
-@with_defaults("compare")
+@with_settings("compare")
 @click.argument("sensors", nargs=-1, required=True, metavar="SENSOR...")
-@shared_options
-@closed_form_options
 @click.option(
     "--sweep",
     metavar="NAME=FIRST:LAST",
@@ -45,18 +40,12 @@ _START = f"{_VARY}={_FIRST:g}:{_LAST:g}"
     "An ircut-nm of 1200 or more is a sensor without the added filter. "
     f"[default: {_START}]",
 )
-@click.option("--points", type=WHOLE, help="Number of values of the sweep.")
 @click.option(
     "--and",
     "second",
     metavar="NAME=FIRST:LAST[:POINTS]",
     help="A second parameter of --sweep that varies too: values on a grid, and the best sensor at "
     f"each pair of values. POINTS is {default_of('compare_map', 'second_points')} by default.",
-)
-@click.option(
-    "--quantity",
-    type=click.Choice(list(QUANTITIES)),
-    help="Quantity to compare.",
 )
 @click.option(
     "--matrix",
@@ -92,10 +81,9 @@ def compare(
     """
     settings |= _span(sweep, "--sweep")
     makers = matrices.split(",")
-    if second is None:
-        study = compare_study(sensors, settings, matrices=makers)
-    else:
-        study = map_study(sensors, settings | _second_span(second), matrices=makers)
+    function = "compare" if second is None else "compare_map"
+    settings |= {} if second is None else _second_span(second)
+    study = study_of(function, sensors, settings, matrices=makers)
     if copy_as is not None:
         print_copy(copy_as, study)
         return

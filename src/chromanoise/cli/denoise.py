@@ -9,9 +9,7 @@ from chromanoise._files import refuse_unwritable, whole_folder
 from chromanoise.cli.options import (
     WHOLE,
     matrix_option,
-    prior_option,
-    shared_options,
-    with_defaults,
+    with_settings,
 )
 from chromanoise.cli.output import write_json
 from chromanoise.cli.parsing import RenamedOption, command, pair
@@ -29,7 +27,7 @@ from chromanoise.study import (
 
 
 @command()
-@with_defaults("denoise")
+@with_settings("denoise")
 @click.argument("pictures", nargs=-1, required=True, metavar="PICTURE")
 @click.option(
     "--sensor",
@@ -45,9 +43,7 @@ from chromanoise.study import (
     show_default=True,
     help="Denoising method.",
 )
-@shared_options
 @matrix_option
-@prior_option
 @click.option(
     "--mosaic",
     metavar="NAME|ROWS|none",

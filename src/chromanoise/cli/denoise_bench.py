@@ -11,8 +11,7 @@ import click
 
 from chromanoise import __version__, _check
 from chromanoise._files import refuse_unwritable, renamed
-from chromanoise.cli.cube_options import cube_options, parsed_cube_options
-from chromanoise.cli.options import WHOLE
+from chromanoise.cli.options import WHOLE, with_settings
 from chromanoise.cli.output import json_option, json_text, print_lines, write_outputs
 from chromanoise.cli.parsing import RenamedOption, command
 from chromanoise.cli.progress import progress_of
@@ -49,6 +48,7 @@ def _levels(_: click.Context, __: click.Parameter, text: str) -> list[float]:
 
 
 @command()
+@with_settings("render", only=("key", "shape", "wavelengths", "scale"))
 @click.argument("cubes", nargs=-1, metavar="[CUBE...]")
 @click.option(
     "--sensor",
@@ -85,7 +85,6 @@ def _levels(_: click.Context, __: click.Parameter, text: str) -> list[float]:
 @click.option(
     "--crop", type=WHOLE, help="Use only the middle of a scene, a square with this side [px]."
 )
-@cube_options
 @click.option("--seed", type=WHOLE, default=0, show_default=True, help="Seed of the noise.")
 @click.option("--processes", type=WHOLE, default=1, show_default=True, help="Number of processes.")
 @click.option(
@@ -147,7 +146,7 @@ def denoise_bench(
 
 
 def _scene(cube: str, crop: int | None, of_cubes: dict[str, Any]) -> BenchmarkScene:
-    part = PicturePart(cube=cube, **(of_cubes | parsed_cube_options(of_cubes)))
+    part = PicturePart(cube=cube, **of_cubes)
     stored = cube_of(part)
     name = cube if cube.startswith("builtin:") else Path(cube).name
     try:

@@ -9,12 +9,9 @@ from chromanoise.charts.result_tables import pareto_table
 from chromanoise.cli import tables
 from chromanoise.cli.copying import print_copy
 from chromanoise.cli.options import (
-    closed_form_options,
     copy_option,
-    prior_option,
-    shared_options,
     table_option,
-    with_defaults,
+    with_settings,
 )
 from chromanoise.cli.output import (
     json_option,
@@ -28,14 +25,12 @@ from chromanoise.cli.running import progress_of_step
 from chromanoise.errors import InputError
 from chromanoise.exposure import conditions
 from chromanoise.io.matrices import matrix_writer
-from chromanoise.study import matrix_study, run
+from chromanoise.study import run, study_of
 
 
 @command()
-@with_defaults("matrix")
+@with_settings("matrix")
 @click.argument("sensor")
-@shared_options
-@closed_form_options
 @click.option(
     "--matrix",
     cls=RenamedOption,
@@ -46,7 +41,6 @@ from chromanoise.study import matrix_study, run
     help=f"Method of the matrix: {known_matrices()}; lmmse gives one per light "
     "level; or a file: CSV, JSON, CLF, DNG, DCP.",
 )
-@prior_option
 @click.option(
     "--export",
     help="Write it to FILE.csv, .json, .clf (OpenColorIO) or .dcp.json (camera-profile names).",
@@ -72,7 +66,7 @@ def matrix(
     **settings: Any,
 ) -> None:
     """The color matrix of SENSOR, with its color error, noise, condition and noise gain."""
-    study = matrix_study(sensor, {**settings, **_span(weights)}, matrix=matrix)
+    study = study_of("matrix", [sensor], {**settings, **_span(weights)}, matrices=[matrix])
     if copy_as is not None:
         print_copy(copy_as, study)
         return

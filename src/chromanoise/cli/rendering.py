@@ -5,16 +5,6 @@ from collections.abc import Mapping
 from chromanoise.errors import InputError, Setting, StudyError, errors_in, setting_of_study
 
 _NONE: Mapping[str, str] = {}
-_PARTS = {
-    "first": "FIRST",
-    "last": "LAST",
-    "second_first": "FIRST",
-    "second_last": "LAST",
-    "second_points": "POINTS",
-    "pareto_first": "FIRST",
-    "pareto_last": "LAST",
-    "pareto_points": "POINTS",
-}  # names in the help of options that take several settings
 _OF_A_FILE = ("run", "rerun", "report", "serve", "optimize")  # a study or design has the settings
 
 
@@ -39,6 +29,8 @@ def sentences(error: InputError, command: str = "", options: Mapping[str, str] =
 
 
 def _sentence(error: InputError, command: str, options: Mapping[str, str]) -> str:
+    from chromanoise.study import interface_of  # only where there is an error
+
     subject = error.subject
     if command in _OF_A_FILE and "." in error.setting:
         own = error.setting if subject == error.setting_name else subject
@@ -46,8 +38,9 @@ def _sentence(error: InputError, command: str, options: Mapping[str, str]) -> st
     if error.setting:
         name = _flat(error.setting, command)
         if name is not None and subject in (name, error.setting_name, "matrix"):
-            part = f"{_PARTS[name]} of " if name in _PARTS else ""
-            subject = part + _option(name, command, error.value)
+            part = interface_of(name).part
+            option = _option(name, command, error.value)
+            subject = f"{part} of {option}" if part in ("FIRST", "LAST", "POINTS") else option
     else:
         subject = options.get(subject, subject)
     return error.sentence(subject=subject, render=lambda setting: _remedy(setting, command))
@@ -67,10 +60,10 @@ def options_text(setting: Setting, command: str = "") -> str:
     command
         Name of the command.
     """
-    from chromanoise.study import FLAGS
+    from chromanoise.study import flags_of
 
     name = _flat(setting.name, command) or setting.name
-    flags = FLAGS.get(name)
+    flags = flags_of(name)
     values = [str(value) for value in setting.values]
     if flags:
         return " or ".join(flags[value] for value in values or flags)
@@ -90,15 +83,7 @@ def _option(name: str, command: str, value: object = None) -> str:
 
 def _flat(key: str, command: str) -> str | None:
     """The setting for a key of a study in this command; a key without dots is a setting."""
-    from chromanoise.study import (
-        ANALYSIS,
-        COMPARISON,
-        FUNCTIONS,
-        MAPS,
-        MATRIX,
-        RENDERING,
-        argument_of,
-    )
+    from chromanoise.study import FUNCTIONS, argument_of
 
     if key.startswith("matrices"):
         return "matrix"
@@ -106,7 +91,13 @@ def _flat(key: str, command: str) -> str | None:
         return "sensors"
     if key == "pictures.0.cube":
         return "cube"
-    own = {"simulate": RENDERING, "denoise": FUNCTIONS["denoise"]}
-    names = own.get(command) or {**ANALYSIS, **COMPARISON, **MAPS, **MATRIX}
+    own = {"simulate": "render", "denoise": "denoise"}.get(command)
+    names = FUNCTIONS[own] if own else _of_all(("analyze", "compare", "compare_map", "matrix"))
     alone = "qe_scale" if key == "scale" else key  # for commands that read one file
     return argument_of(key, names) or (None if "." in key else alone)
+
+
+def _of_all(functions: tuple[str, ...]) -> dict[str, tuple[str, ...]]:
+    from chromanoise.study import FUNCTIONS
+
+    return {name: keys for one in functions for name, keys in FUNCTIONS[one].items()}

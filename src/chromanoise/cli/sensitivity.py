@@ -9,12 +9,9 @@ import click
 from chromanoise.cli import tables
 from chromanoise.cli.options import (
     WHOLE,
-    closed_form_options,
     matrix_option,
-    prior_option,
-    shared_options,
     table_option,
-    with_defaults,
+    with_settings,
 )
 from chromanoise.cli.output import (
     json_option,
@@ -27,16 +24,13 @@ from chromanoise.cli.parsing import command
 from chromanoise.design import DEFAULT_OBJECTIVES, OBJECTIVES, half_widths, sensitivity_of
 from chromanoise.errors import InputError
 from chromanoise.io.table import Column, Table
-from chromanoise.study import sensitivity_study
+from chromanoise.study import study_of
 
 
 @command()
-@with_defaults("sensitivity")
+@with_settings("sensitivity")
 @click.argument("sensor")
-@shared_options
-@closed_form_options
 @matrix_option
-@prior_option
 @click.option(
     "--objectives",
     default=",".join(DEFAULT_OBJECTIVES),
@@ -90,7 +84,7 @@ def sensitivity(
     SENSOR is as for `chromanoise analyze`, e.g. a sensor file of a design. The exposure time is
     that of the unchanged sensor.
     """
-    study = sensitivity_study(sensor, settings, matrix=matrix)
+    study = study_of("sensitivity", [sensor], settings, matrices=[matrix])
     refuse_taken_inputs({"--json": json_target, "--table": table}, [sensor], settings)
     result = sensitivity_of(
         study,

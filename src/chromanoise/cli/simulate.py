@@ -11,26 +11,20 @@ import click
 from chromanoise import __version__
 from chromanoise._files import claimed_folder, refuse_unwritable
 from chromanoise.cli.copying import print_copy
-from chromanoise.cli.cube_options import cube_options, parsed_cube_options
 from chromanoise.cli.options import (
     WHOLE,
     copy_option,
     matrix_option,
-    prior_option,
-    shared_options,
-    with_defaults,
+    with_settings,
 )
 from chromanoise.cli.output import write_json
 from chromanoise.cli.parsing import command
 from chromanoise.cli.progress import progress_of
-from chromanoise.denoising import DENOISING
 from chromanoise.exposure import conditions
-from chromanoise.imaging import DEMOSAICING, Work
+from chromanoise.imaging import Work
 from chromanoise.imaging.capture import any_picture, is_held
 from chromanoise.imaging.distributed import cluster
-from chromanoise.imaging.formats import FORMATS
 from chromanoise.scene.rows import row_source
-from chromanoise.sensor import MOSAIC_NAMES
 from chromanoise.study import (
     Study,
     TakenPicture,
@@ -38,14 +32,14 @@ from chromanoise.study import (
     operating_points_of,
     prepared_cameras,
     refuse_other_pictures,
-    render_study,
     study_as_json,
+    study_of,
     taken_pictures,
 )
 
 
 @command()
-@with_defaults("render")
+@with_settings("render")
 @click.argument("cube", metavar="CUBE")
 @click.option(
     "--sensor",
@@ -54,53 +48,7 @@ from chromanoise.study import (
     required=True,
     help="A name of `chromanoise catalog sensors`, or a file; repeatable.",
 )
-@shared_options
 @matrix_option
-@prior_option
-@click.option(
-    "--mosaic",
-    metavar="NAME|ROWS",
-    help=f"Raw codes of one channel per pixel: sensor (its own), {', '.join(MOSAIC_NAMES)}, or "
-    "rows, e.g. RG/GB or 'R G/IR B'. Without it all channels are at every pixel, as in the paper.",
-)
-@click.option(
-    "--demosaic",
-    type=click.Choice(list(DEMOSAICING)),
-    help="Demosaicing method; gradient and lmmse are trained on the ColorChecker. "
-    "[default: bilinear]",
-)
-@click.option(
-    "--denoise",
-    type=click.Choice(list(DENOISING)),
-    help="Denoise the electrons with their known noise, before the color matrix; raw codes are "
-    "not denoised. [default: no denoising]",
-)
-@click.option("--raw-only", is_flag=True, help="Write only the raw codes of the mosaic, no color.")
-@click.option(
-    "--bits", type=WHOLE, help="Bits of the ADC, 8 to 16. [default: from --pixel, else 12]"
-)
-@click.option(
-    "--black-level", type=WHOLE, help="Code without light. [default: from --pixel, else 0]"
-)
-@click.option("--frames", type=WHOLE, help="Frames of a burst.")
-@click.option(
-    "--seed",
-    type=WHOLE,
-    help="Seed of the noise; sensors with different names have independent noise.",
-)
-@click.option("--clip", is_flag=True, help="Clip electrons between 0 and full well.")
-@click.option(
-    "--format",
-    "formats",
-    metavar="NAME[,NAME...]",
-    help=f"File formats: {', '.join(FORMATS)}. [default: png,xyz, and raw,dng of a mosaic]",
-)
-@cube_options
-@click.option(
-    "--bad-pixels",
-    type=click.Choice(["refuse", "zero"]),
-    help="Values that are no reflectance (NaN, negative, above 2): refuse them, or use 0.",
-)
 @click.option("--threads", type=WHOLE, help="Number of threads. [default: one per core]")
 @click.option("--tile", type=WHOLE, help="Rows in memory at a time. [default: 8 MB to 1 GB]")
 @click.option(
@@ -136,7 +84,7 @@ def simulate(
     the same pictures on any number of threads, tiles or machines. A folder with pictures of other
     arguments is refused.
     """
-    study = render_study(cube, sensors, {**settings, **_parsed(settings)}, matrix=matrix)
+    study = study_of("render", sensors, settings, matrices=[matrix], cube=cube)
     if copy_as is not None:
         print_copy(copy_as, study)
         return
@@ -187,14 +135,6 @@ def _taken(
         write_json(summary, str(folder / "summary.json"))
     click.echo(f"at {conditions(points)}", err=True)
     return lines
-
-
-def _parsed(settings: dict[str, Any]) -> dict[str, Any]:
-    """The options that are text of several values."""
-    formats = settings["formats"]
-    return parsed_cube_options(settings) | {
-        "formats": None if formats is None else formats.split(",")
-    }
 
 
 def _line(taken: TakenPicture, out: Path) -> str:

@@ -10,50 +10,8 @@ from typing import Any
 from chromanoise.analysis import DEFAULT_METHOD
 from chromanoise.errors import InputError
 from chromanoise.study.document import Study
-from chromanoise.study.setting_help import default_of
-from chromanoise.study.settings import (
-    ANALYSIS,
-    COMPARISON,
-    MAPS,
-    MATRIX,
-    PER_SENSOR,
-    RENDERING,
-    analyze_study,
-    compare_study,
-    map_study,
-    matrix_study,
-    render_study,
-)
+from chromanoise.study.settings import FUNCTIONS, default_of, flags_of, interface_of, study_of
 from chromanoise.study.toml_text import refuse_objects, study_as_toml
-
-FLAGS: Mapping[str, Mapping[str, str]] = {
-    "qe_scale": {"percent": "--percent", "fraction": "--fraction"},
-    "level": {"relative": "--relative", "absolute": "--absolute"},
-    "per": {"photon": "--photons", "energy": "--energy"},
-    "illuminant_per": {"photon": "--illuminant-photons", "energy": "--illuminant-energy"},
-}
-"""Settings that are flags of the command line, by their values."""
-
-OTHER_NAMES: Mapping[str, str] = {
-    "columns": "column",
-    "channel_filters": "channel_filter",
-    "formats": "format",
-    "vary": "sweep",
-    "first": "sweep",
-    "last": "sweep",
-    "all_priors": "prior",
-    "second_vary": "and",
-    "second_first": "and",
-    "second_last": "and",
-    "second_points": "and",
-    "pareto_first": "pareto",
-    "pareto_last": "pareto",
-    "pareto_points": "pareto",
-    "sensors": "sensor",
-    "labels": "label",
-}
-"""Settings whose option has another name."""
-
 
 _WIDEST = 80
 _DIGITS = 8  # of the digest in the name of a folder
@@ -89,16 +47,12 @@ class Call:
         InputError
             If the call would be refused.
         """
-        settings, names = dict(self.settings), list(self.names)
-        if self.function == "compare":
-            return compare_study(names, settings, matrices=self.matrix)
-        if self.function == "compare_map":
-            return map_study(names, settings, matrices=self.matrix)
-        if self.function == "matrix":
-            return matrix_study(names[0], settings, matrix=self.matrix[0])
-        if self.function == "render":
-            return render_study(names[0], names[1:], settings, matrix=self.matrix[0])
-        return analyze_study(names, settings, matrix=self.matrix[0])
+        cube, sensors = ("", self.names) if self.function != "render" else _cut(self.names)
+        return study_of(self.function, sensors, self.settings, matrices=self.matrix, cube=cube)
+
+
+def _cut(names: tuple[str, ...]) -> tuple[str, tuple[str, ...]]:
+    return names[0], names[1:]
 
 
 def call_of(study: Study) -> Call | None:
@@ -216,19 +170,16 @@ def option_of(name: str, value: object = None) -> str:
     >>> option_of("time_ms"), option_of("per", "energy"), option_of("formats")
     ('--time-ms', '--energy', '--format')
     """
-    flag = FLAGS.get(name, {}).get(str(value))
-    return flag or f"--{OTHER_NAMES.get(name, name).replace('_', '-')}"
+    flag = flags_of(name).get(str(value))
+    option = _REPEATED.get(name) or interface_of(name).option or name
+    return flag or f"--{option.replace('_', '-')}"
+
+
+_REPEATED = {"columns": "column", "sensors": "sensor"}  # no settings of a study
 
 
 def _candidate(function: str, study: Study) -> Call | None:
     sensors = tuple(sensor.name for sensor in study.sensors)
-    tables = {
-        "analyze": ANALYSIS,
-        "compare": COMPARISON,
-        "compare_map": MAPS,
-        "matrix": MATRIX,
-        "render": RENDERING,
-    }
     if function == "render" and len(study.pictures) != 1:
         return None
     compares = function in ("compare", "compare_map")
@@ -240,7 +191,7 @@ def _candidate(function: str, study: Study) -> Call | None:
         return None
     names = (study.pictures[0].cube, *sensors) if function == "render" else sensors
     base = Call(function=function, names=names, matrix=study.matrices, settings={}).study()
-    settings = _settings(study, base, tables[function])
+    settings = _settings(study, base, FUNCTIONS[function])
     if settings.pop("all_priors", False):
         settings["prior"] = "all"
     return Call(function=function, names=names, matrix=study.matrices, settings=settings)
@@ -250,7 +201,7 @@ def _settings(study: Study, base: Study, names: Mapping[str, tuple[str, ...]]) -
     """The settings in which a study differs from that of the call without settings."""
     found: dict[str, Any] = {}
     for name, keys in names.items():
-        if name in PER_SENSOR:
+        if interface_of(name).each:
             own = [getattr(one, keys[0].rpartition(".")[2]) for one in study.sensors]
             pairs = zip(own, study.sensors, strict=True)
             found |= {name: [value or one.name for value, one in pairs]} if any(own) else {}
@@ -324,11 +275,11 @@ def _options(settings: Mapping[str, Any]) -> list[str]:
         words += ["--pareto", f"{span}:{points}" if points is not None else span]
     for name, value in given.items():
         option = option_of(name, value)
-        if name in PER_SENSOR:
+        if interface_of(name).each:
             words += [word for one in value for word in (option, one)]
         elif isinstance(value, Mapping):
             words += [part for key, own in value.items() for part in (option, f"{key}={own}")]
-        elif value is True or option in FLAGS.get(name, {}).values():
+        elif value is True or option in flags_of(name).values():
             words.append(option)
         elif value is not False:
             words += [option, _word(name, value)]

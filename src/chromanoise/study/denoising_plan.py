@@ -46,7 +46,7 @@ from chromanoise.study.assembly import (
 from chromanoise.study.document import Study
 from chromanoise.study.hashes import digests_of, study_as_json
 from chromanoise.study.raw_inputs import Electrons
-from chromanoise.study.settings import FUNCTIONS, Settings, denoise_study
+from chromanoise.study.settings import FUNCTIONS, Settings, study_of
 
 MONOCHROME = "none"
 """The mosaic of a sensor without color filters."""
@@ -199,7 +199,7 @@ def prepared_denoising(
         and not {"time_ms", "saturate"} & {*settings}
     ):
         settings["time_ms"] = facts.time_ms
-    study = denoise_study(sensor or "", settings, matrix=matrix)
+    study = study_of("denoise", [sensor or ""], settings, matrices=[matrix])
     point, maker, mosaic = None, None, _mosaic(study, facts)
     if sensor is not None:
         (point,) = operating_points_of(study, given)

@@ -17,6 +17,7 @@ from pydantic import (
     field_validator,
     model_validator,
 )
+from pydantic.fields import FieldInfo
 
 from chromanoise import _check
 from chromanoise.analysis.color_matrices import (
@@ -40,7 +41,7 @@ from chromanoise.imaging import DEMOSAICING
 from chromanoise.imaging.formats import FORMATS, MOST_FRAMES
 from chromanoise.io.given_matrices import MATRIX_ENDINGS, is_matrix_file
 from chromanoise.io.spectra.parsed import Negatives, Unit
-from chromanoise.properties import Property, beside_their_needs
+from chromanoise.properties import Interface, Property, beside_their_needs
 from chromanoise.scene import BUILTIN_CUBES
 from chromanoise.sensor import (
     MOSAIC_NAMES,
@@ -71,18 +72,47 @@ run holds all defaults, which count as given when they are read.
 """
 
 
-def _known(names: Iterable[str]) -> AfterValidator:
-    """The one of ``names`` that a word is; an error suggests similar names."""
+class Known:
+    """A check that a word is one of ``names``; an error suggests similar ones.
 
-    def checked(word: str, info: Any) -> str:
-        return _one_of(info.field_name, word, tuple(names))
+    Parameters
+    ----------
+    names
+        Known names.
+    others
+        Whether other words are kept, e.g. files, or a function that checks them.
+    """
 
-    return AfterValidator(checked)
+    def __init__(
+        self, names: Iterable[str], *, others: bool | Callable[[str, str], str] = False
+    ) -> None:
+        self.names, self.others = tuple(names), others
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        return AfterValidator(self._checked).__get_pydantic_core_schema__(source, handler)
+
+    def _checked(self, word: str, info: Any) -> str:
+        known = known_name(word, self.names)
+        if known in self.names or self.others is True:
+            return known
+        if self.others:
+            return self.others(str(info.field_name), word)
+        return _one_of(str(info.field_name), word, self.names)
 
 
-def _spelled_as(names: Iterable[str]) -> AfterValidator:
-    """The one of ``names`` that a word is; other words, as files and rows, are kept."""
-    return AfterValidator(lambda word: known_name(word, tuple(names)))
+def setting(default: Any, description: str, **interface: Any) -> Any:
+    """A field of a part that interfaces offer.
+
+    Parameters
+    ----------
+    default, description
+        Of the key.
+    interface
+        Of its `Interface`.
+    """
+    made: FieldInfo = Field(default, description=description)
+    made.metadata.append(Interface(**interface))
+    return made
 
 
 def _one_of(field: str, word: str, names: Sequence[str]) -> str:
@@ -121,14 +151,14 @@ def _known_matrix(name: str, info: Any) -> str:
     return name
 
 
-def _known_prior(name: str, info: Any) -> str:
+def _own_prior(field: str, name: str) -> str:
     own = is_reflectance_file(name) or is_object_word(name)
-    return name if own else _one_of(info.field_name, name, tuple(PRIORS))
+    return name if own else _one_of(field, name, tuple(PRIORS))
 
 
-def _known_observer(name: str, info: Any) -> str:
-    own = name in OBSERVERS or is_object_word(name) or is_file_word(name, "observer")
-    return name if own else _one_of(info.field_name, name, tuple(OBSERVERS))
+def _own_observer(field: str, name: str) -> str:
+    own = is_object_word(name) or is_file_word(name, "observer")
+    return name if own else _one_of(field, name, tuple(OBSERVERS))
 
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
@@ -138,9 +168,11 @@ _Shift = Annotated[float, Field(ge=-MOST_SHIFT_NM, le=MOST_SHIFT_NM)]
 Beyond = Literal["refuse", "zero", "hold"]
 BALANCE_WORDS = ("gray", "illuminant")
 """White balances that name no illuminant of their own."""
-_NEGATIVES = (
-    "Small negative values in the file, e.g. from digitizing: refuse them or set them to 0."
-)
+_NEGATIVES = {
+    "description": "Small negative values in the file, e.g. from digitizing: refuse them, or set "
+    "them to 0.",
+    "label": "Small negative values",
+}
 
 
 class Part(BaseModel):
@@ -178,37 +210,63 @@ class Part(BaseModel):
 class LightPart(Part):
     """The light on the scene."""
 
-    illuminant: str = Field(
-        "E", description="E, A, G173, D65 ..., 3200K, LED660, A+0.5xLED850, or a file."
+    illuminant: str = setting(
+        "E",
+        "E, A, G173 (daylight to 1050 nm), D65 and other CIE names, halogen, led-white, 3200K, "
+        "LED660, A+0.5xLED850 (with an infrared diode), a file of one curve, or another of "
+        "`chromanoise catalog illuminants`.",
+        curves=True,
     )
-    level_lux: Annotated[Positive, _within("lx", 1e-15, 1e15)] = Field(
-        10.0, description="Illuminance [lx]."
+    level_lux: Annotated[Positive, _within("lx", 1e-15, 1e15)] = setting(
+        10.0, "Illuminance [lx].", keyword="lux"
     )
-    beyond: Beyond = Field(
+    beyond: Beyond = setting(
         "refuse",
-        description="Values outside the range of the curve: refuse, zero or hold.",
+        "Values of the illuminant outside the range of its curve. CIE tables end at 780 nm or "
+        "before (D60 at 830 nm); E and A have no limit.",
+        keyword="illuminant_beyond",
     )
-    per: Literal["photon", "energy"] | None = Field(
-        None, description="Whether its file counts photons or energy, if it does not declare it."
+    per: Literal["photon", "energy"] | None = setting(
+        None,
+        "Whether the illuminant's file is in photons or energy, if it does not declare it.",
+        keyword="illuminant_per",
+        flags=(("photon", "--illuminant-photons"), ("energy", "--illuminant-energy")),
+        label="The file counts",
     )
-    column: str | None = Field(None, description="Name of the curve in its file.")
-    wavelength_unit: Unit | None = Field(
-        None, description="Unit of the wavelengths, where its file does not declare it."
+    column: str | None = setting(
+        None,
+        "Name of the illuminant's curve in its file.",
+        keyword="illuminant_column",
+        label="Column of the file",
     )
-    negatives: Negatives = Field("refuse", description=_NEGATIVES)
+    wavelength_unit: Unit | None = setting(
+        None,
+        "Unit of the wavelengths in the illuminant's file, where it does not declare it.",
+        keyword="illuminant_wavelength_unit",
+        label="Unit of the wavelengths",
+    )
+    negatives: Negatives = setting("refuse", **_NEGATIVES)
 
 
 SomePart = TypeVar("SomePart", bound=Part)
 
 
 def _with_properties(
-    properties: Mapping[str, Property], default: str = "."
+    properties: Mapping[str, Property], default: str = ".", **interface: Any
 ) -> Callable[[type[SomePart]], type[SomePart]]:
     """A decorator that adds properties, each of which may be given, after the fields of a part."""
     added: dict[str, Any] = {
         name: (
             Annotated[float, one] | None,
-            Field(None, description=one.help.removesuffix(".") + default),
+            setting(
+                None,
+                one.help.removesuffix(".") + default,
+                label=one.label[:1].upper() + one.label[1:],
+                slider=one.slider,
+                logarithmic=one.logarithmic and one.slider is not None and one.slider[0] > 0,
+                needs=one.needs,
+                **interface,
+            ),
         )
         for name, one in properties.items()
     }
@@ -223,28 +281,51 @@ def _with_properties(
 
 @_with_properties(beside_their_needs(PIXEL))
 class _FileAndPixelPart(Part, _PixelNames):
-    file: str | None = Field(
+    file: str | None = setting(
         None,
-        description="EMVA 1288 sheet, DNG noise profile or photon transfer table; the keys "
-        "below override it.",
+        "EMVA 1288 sheet, DNG noise profile or photon transfer table; values that it lacks stay "
+        "the sensor's own, and single values beside it override it.",
+        keyword="pixel",
+        metavar="FILE",
+        paths=True,
+        label="File of the pixel",
+        hint="none",
+        file="pixel",
     )
 
 
 class PixelPart(_FileAndPixelPart):
     """Changes to the sensor's pixel."""
 
-    bits: Annotated[int, Field(ge=8, le=16)] | None = Field(
-        None, description="Bits of the converter; its step adds quantization noise."
-    )
-    gain_dn_per_e: Annotated[Positive, _within("DN/e-", 1e-15, 1e12)] | None = Field(
-        None, description="Gain K of the converter [DN/e-]; default: full well at the top code."
-    )
-    binning: Annotated[int, Field(ge=1, le=MOST_BINNING)] | None = Field(
-        None, description="Pixels of one channel that are summed, e.g. 4 for 2 x 2."
-    )
-    binning_mode: BinningMode | None = Field(
+    bits: Annotated[int, Field(ge=8, le=16)] | None = setting(
         None,
-        description="charge: one reading of the sum (default); digital: as many readings, summed.",
+        "Bits of the converter; its step adds quantization noise.",
+        label="Bits of the converter",
+        slider=(8, 16, 1),
+        hint="none",
+    )
+    gain_dn_per_e: Annotated[Positive, _within("DN/e-", 1e-15, 1e12)] | None = setting(
+        None,
+        "Gain K of the converter [DN/e-]; default: full well at the top code.",
+        label="Gain K",
+        slider=(0.001, 100.0, 0.02),
+        logarithmic=True,
+        hint="from bits",
+    )
+    binning: Annotated[int, Field(ge=1, le=MOST_BINNING)] | None = setting(
+        None,
+        "Pixels of one channel that are summed, e.g. 4 for 2 x 2; the other values stay those of "
+        "one pixel.",
+        metavar="N",
+        label="Binned pixels",
+        slider=(1, 16, 1),
+    )
+    binning_mode: BinningMode | None = setting(
+        None,
+        "charge: the sum is read once (default). digital: each pixel is read, and the readings are "
+        "summed.",
+        label="Binning mode",
+        needs=("binning",),
     )
 
     @model_validator(mode="after")
@@ -263,21 +344,35 @@ class PixelPart(_FileAndPixelPart):
 class AnswersPart(Part):
     """Metadata that a file of QE curves lacks."""
 
-    scale: Literal["percent", "fraction"] | None = Field(
-        None, description="Whether the QE values are percent or fractions."
-    )
-    level: Literal["relative", "absolute"] | None = Field(
-        None, description="Whether the curves are relative or absolute."
-    )
-    per: Literal["photon", "energy"] | None = Field(
+    scale: Literal["percent", "fraction"] | None = setting(
         None,
-        description="Whether the curves are per photon or per energy.",
+        "Whether the QE values are percent or fractions.",
+        keyword="qe_scale",
+        flags=(("percent", "--percent"), ("fraction", "--fraction")),
+        label="QE values are",
     )
-    wavelength_unit: Unit | None = Field(
-        None, description="Unit of its wavelengths, where the file does not declare it."
+    level: Literal["relative", "absolute"] | None = setting(
+        None,
+        "Whether the curves are relative or absolute.",
+        flags=(("relative", "--relative"), ("absolute", "--absolute")),
+        label="Curves are",
     )
-    peak_qe: Annotated[float, Field(gt=0, le=1)] | None = Field(
-        None, description="Highest QE of relative curves [e-/photon]."
+    per: Literal["photon", "energy"] | None = setting(
+        None,
+        "Whether the curves are per photon or per energy.",
+        flags=(("photon", "--photons"), ("energy", "--energy")),
+        label="Curves are per",
+    )
+    wavelength_unit: Unit | None = setting(
+        None,
+        "Unit of the wavelengths, where the file does not declare it.",
+        label="Unit of the wavelengths",
+    )
+    peak_qe: Annotated[float, Field(gt=0, le=1)] | None = setting(
+        None,
+        "Highest QE of a sensor with relative curves [e-/photon].",
+        label="Peak QE of relative curves",
+        slider=(0.05, 1.0, 0.01),
     )
 
 
@@ -293,32 +388,56 @@ def _printable(text: str, info: Any) -> str:
 class ReflectancesPart(Part):
     """The reflectances that replace the ColorChecker and the perfect white."""
 
-    chart: str | None = Field(
+    chart: str | None = setting(
         None,
-        description="File of reflectances for color error, noise per patch and total error; "
-        "default: the ColorChecker.",
+        "File of reflectances for color error, noise per patch and total error instead of the "
+        "ColorChecker.",
+        keyword="chart_file",
+        metavar="FILE",
+        curves=True,
+        label="Chart",
+        hint="the ColorChecker",
+        file="spectrum",
     )
-    patch: float | str | None = Field(
+    patch: float | str | None = setting(
         None,
-        description="The patch that is analyzed: a number, e.g. 0.18, a patch of the ColorChecker "
-        "or of the catalog, FILE or FILE:NAME; default: a perfect white.",
+        "The patch that is analyzed instead of a perfect white: a number, e.g. 0.18, a patch of "
+        "the ColorChecker (dark skin) or of the catalog (lawn), or a curve of a file.",
+        metavar="NUMBER|NAME|FILE[:NAME]",
+        curves=True,
+        label="Patch",
+        hint="perfect white; e.g. 0.18",
+        file="spectrum",
     )
-    pairs: str | None = Field(
+    pairs: str | None = setting(
         None,
-        description="Pairs of patches that a machine must tell apart: a CSV file with the header "
+        "Pairs of patches that a machine must tell apart: a CSV file with the header "
         "first,second and two patches of the ColorChecker or of the catalog per line, or a file of "
         "reflectances, all of whose pairs are taken; default: all pairs of the chart.",
+        metavar="FILE",
+        curves=True,
+        label="Pairs for a machine",
+        hint="all pairs",
+        file="spectrum",
     )
-    scale: Literal["percent", "fraction"] | None = Field(
-        None, description="Whether the files of reflectances are percent or fractions."
-    )
-    wavelength_unit: Unit | None = Field(
-        None, description="Unit of the wavelengths in files of reflectances without one."
-    )
-    beyond: Beyond | None = Field(
+    scale: Literal["percent", "fraction"] | None = setting(
         None,
-        description="Values outside the range of the curves, also of the prior: refuse, zero or "
-        "hold; default: that of the first sensor.",
+        "Whether the files of reflectances are percent or fractions.",
+        keyword="reflectance_scale",
+        label="Reflectances are",
+    )
+    wavelength_unit: Unit | None = setting(
+        None,
+        "Unit of the wavelengths in files of reflectances without one.",
+        keyword="reflectance_wavelength_unit",
+        label="Unit of the wavelengths",
+    )
+    beyond: Beyond | None = setting(
+        None,
+        "Values outside the range of the curves of reflectances, also of the prior: refuse, zero "
+        "or hold; default: that of the first sensor.",
+        keyword="reflectance_beyond",
+        label="Outside the range of the curves",
     )
 
     @field_validator("patch", mode="before")
@@ -332,6 +451,9 @@ class ReflectancesPart(Part):
         return _check.within("patch", "1", float(given), 0.0, 1.0)
 
 
+_BEFORE = "none; e.g. ircut-650"
+
+
 class SensorPart(Part):
     """One sensor."""
 
@@ -339,46 +461,97 @@ class SensorPart(Part):
         description="Name of the catalog, or a file of QE curves, relative to the study's folder."
     )
     label: Annotated[str, Field(max_length=_LONGEST_LABEL), AfterValidator(_printable)] | None = (
-        Field(None, description="Text in place of the name in tables and charts.")
+        setting(
+            None,
+            "Text in place of the name of a sensor in tables and charts; one per sensor, in their "
+            "order.",
+            keyword="labels",
+            option="label",
+            each=True,
+            label="Label",
+            hint="its name",
+        )
     )
-    beyond: Beyond = Field(
+    beyond: Beyond = setting(
         "refuse",
-        description="Values outside the range of the curves: refuse, zero or hold.",
+        "Values outside the range of the curves, where the file does not cover 400-1050 nm: "
+        "refuse, zero or hold.",
+        label="Outside the range of the curves",
     )
     answers: AnswersPart = Field(AnswersPart(), description="Metadata that its file lacks.")
     pixel: PixelPart = Field(PixelPart(), description="Changes to its pixel.")
-    filter: str | None = Field(
-        None, description="Filter on the sensor: ircut-650 or another of the catalog, or a file."
-    )
-    channel_filters: dict[str, str] | None = Field(
-        None, description="Filters of single channels, as filter: R = ircut-650, W = a file."
-    )
-    filter_wavelength_unit: Unit | None = Field(
-        None, description="Unit of the wavelengths, where the filter's file does not declare it."
-    )
-    shift_ircut_nm: _Shift = Field(
-        0.0, description="Shift of the filter in wavelength, positive towards red [nm]."
-    )
-    negatives: Negatives = Field("refuse", description=_NEGATIVES)
-    crosstalk: float | str | None = Field(
+    filter: str | None = setting(
         None,
-        description="Share of the light of a pixel that ends in its four neighbors, or a file: a "
-        "table with one row and column per channel, or a kernel of neighbors without names.",
+        "Filter on the sensor: ircut-650, ircut-650/20, ircut-schott, another of `chromanoise "
+        "catalog filters`, or a file of one transmittance.",
+        metavar="NAME|FILE",
+        curves=True,
+        label="Filter on the sensor",
+        hint=_BEFORE,
+        file="spectrum",
     )
-    crosstalk_stage: Literal["light", "charge"] = Field(
-        "light", description="Crosstalk before counting (light), or after it (charge: correlated)."
-    )
-    mosaic: Annotated[str, _spelled_as(MOSAIC_NAMES)] | None = Field(
+    channel_filters: dict[str, str] | None = setting(
         None,
-        description="Mosaic, for crosstalk, figures of merit and pictures of the sensor's mosaic: "
+        "Filters of single channels, as filter, e.g. R=ircut-650.",
+        option="channel-filter",
+        metavar="CHANNEL=NAME|FILE",
+        curves=True,
+        label="Filter of channel",
+        hint=_BEFORE,
+        file="spectrum",
+    )
+    filter_wavelength_unit: Unit | None = setting(
+        None,
+        "Unit of the wavelengths in the filter's file, where it does not declare it.",
+        label="Unit of the filter's wavelengths",
+        needs=("filter",),
+    )
+    shift_ircut_nm: _Shift = setting(
+        0.0,
+        "Shift of the filter in wavelength, positive towards red [nm].",
+        label="Shift of the filter on the sensor",
+        slider=(-50.0, 50.0, 1.0),
+        needs=("filter",),
+    )
+    negatives: Negatives = setting("refuse", **_NEGATIVES)
+    crosstalk: float | str | None = setting(
+        None,
+        "Share of the light of a pixel that ends in its four neighbors (needs a mosaic), or a "
+        "file: a table with one row and column per channel, or a kernel of neighbors.",
+        metavar="SHARE|FILE",
+        paths=True,
+        label="Crosstalk to the neighbors",
+        slider=(0.0, 0.5, 0.01),
+        file="crosstalk",
+    )
+    crosstalk_stage: Literal["light", "charge"] = setting(
+        "light",
+        "Crosstalk before counting (light), or after it (charge: interpixel capacitance, which "
+        "correlates the readings).",
+        label="Crosstalk of",
+        needs=("crosstalk",),
+    )
+    mosaic: Annotated[str, Known(MOSAIC_NAMES, others=True)] | None = setting(
+        None,
+        "Mosaic, for crosstalk, figures of merit and pictures of the sensor's mosaic: "
         f"{', '.join(MOSAIC_NAMES)}, or rows, e.g. RG/GB or 'Red Yellow; Yellow Blue'; default: "
         "that of the sensor.",
+        metavar="NAME|ROWS",
+        label="Mosaic of the neighbors",
+        hint="its own; e.g. bayer, RG/GB",
+        needs=("crosstalk",),
     )
-    ircut_nm: Annotated[float, Field(ge=450, le=2000)] | None = Field(
-        None, description="Edge of an added model IR-cut [nm]."
+    ircut_nm: Annotated[float, Field(ge=450, le=2000)] | None = setting(
+        None,
+        "Edge of an added model IR-cut [nm].",
+        label="IR-cut edge",
+        slider=(600.0, 1050.0, 5.0),
     )
-    shift_nm: _Shift = Field(
-        0.0, description="Shift of all curves in wavelength, positive towards red [nm]."
+    shift_nm: _Shift = setting(
+        0.0,
+        "Shift of all curves in wavelength, positive towards red [nm].",
+        label="Shift of the filters",
+        slider=(-50.0, 50.0, 1.0),
     )
 
     @field_validator("crosstalk", mode="before")
@@ -395,23 +568,28 @@ class SensorPart(Part):
 class ExposurePart(Part):
     """Exposure time, lens, and the rule by which the sensors are compared."""
 
-    equal: Literal["exposure", "saturation", "light"] = Field(
+    equal: Literal["exposure", "saturation", "light"] = setting(
         "exposure",
-        description="Same for all sensors: exposure time; saturation; light per set of channels.",
+        "What is equal for all sensors. exposure: the time. saturation: the share of full well, "
+        "each with its own time. light: time x pixel area x number of channels, so a 4-channel "
+        "sensor gets 3/4 of the time of a 3-channel one.",
     )
-    time_ms: Annotated[Positive, _within("ms", 1e-12, 1e15)] | None = Field(
+    time_ms: Annotated[Positive, _within("ms", 1e-12, 1e15)] | None = setting(
+        None, "Exposure time [ms], the same for all sensors; solved if omitted."
+    )
+    saturate: Annotated[float, Field(gt=0, le=1), _within("of full well", 1e-9, 1.0)] = setting(
+        0.99,
+        "Share of full well that the most sensitive channel reaches on a perfect white, if the "
+        "time is solved.",
+    )
+    f_number: Annotated[Positive, AfterValidator(_of_a_lens)] = setting(1.8, "Aperture f/#.")
+    magnification: Finite | None = setting(
         None,
-        description="Exposure time of all sensors [ms]; solved if omitted.",
-    )
-    saturate: Annotated[float, Field(gt=0, le=1), _within("of full well", 1e-9, 1.0)] = Field(
-        0.99, description="Share of full well that a perfect white fills, if the time is solved."
-    )
-    f_number: Annotated[Positive, AfterValidator(_of_a_lens)] = Field(
-        1.8, description="f-number of the lens."
-    )
-    magnification: Finite | None = Field(
-        None,
-        description="Magnification of the lens; if given, the camera equation is used.",
+        "Use the camera equation 1/(1 + 4 f#^2 (1 + |m|)^2) instead of the paper's distant scene, "
+        "1/(4 f#^2).",
+        label="Magnification of the lens",
+        slider=(-1.0, 0.0, 0.01),
+        hint="distant scene",
     )
 
     @model_validator(mode="after")
@@ -445,25 +623,49 @@ _MOST_VALUES = 1_000_000
 class SecondSweepPart(Part):
     """A second parameter of a sweep: the quantity on a grid of pairs of values."""
 
-    vary: Annotated[str, _known(SWEEPS)] = Field(description="What varies too, as in the sweep.")
-    first: Finite = Field(description="Lowest value of the second parameter, in its unit.")
-    last: Finite = Field(description="Highest value of the second parameter.")
-    points: Annotated[int, Field(ge=2, le=100_000)] = Field(
-        21, description="Number of values of the second parameter."
+    vary: Annotated[str, Known(SWEEPS)] = setting(
+        ..., "What varies too, as in the sweep.", keyword="second_vary", option="and", part="NAME"
+    )
+    first: Finite = setting(
+        ...,
+        "Lowest value of the second parameter, in its unit.",
+        keyword="second_first",
+        option="and",
+        part="FIRST",
+    )
+    last: Finite = setting(
+        ...,
+        "Highest value of the second parameter.",
+        keyword="second_last",
+        option="and",
+        part="LAST",
+    )
+    points: Annotated[int, Field(ge=2, le=100_000)] = setting(
+        21,
+        "Number of values of the second parameter.",
+        keyword="second_points",
+        option="and",
+        part="POINTS",
     )
 
 
 class SweepPart(Part):
     """One parameter that varies, or two, and the quantity to compute."""
 
-    vary: Annotated[str, _known(SWEEPS)] = Field(description=f"What varies: {', '.join(SWEEPS)}.")
-    first: Finite = Field(description="Lowest value, in the unit of the sweep.")
-    last: Finite = Field(description="Highest value.")
-    points: Annotated[int, Field(ge=2, le=100_000)] = Field(61, description="Number of values.")
-    quantity: Annotated[str, _known(QUANTITIES)] = Field(
-        "snr-y", description=f"One of {', '.join(QUANTITIES)}."
+    vary: Annotated[str, Known(SWEEPS)] = setting(
+        ..., f"What varies: {', '.join(SWEEPS)}.", option="sweep", part="NAME"
     )
-    all_priors: bool = Field(False, description="Also the band of crossovers over all priors.")
+    first: Finite = setting(
+        ..., "Lowest value, in the unit of the sweep.", option="sweep", part="FIRST"
+    )
+    last: Finite = setting(..., "Highest value.", option="sweep", part="LAST")
+    points: Annotated[int, Field(ge=2, le=100_000)] = setting(61, "Number of values of the sweep.")
+    quantity: Annotated[str, Known(QUANTITIES)] = setting(
+        "snr-y", f"Quantity to compare: {', '.join(QUANTITIES)}."
+    )
+    all_priors: bool = setting(
+        False, "Also the band of crossovers over all priors.", option="prior", part="all"
+    )
     second: SecondSweepPart | None = Field(
         None, description="A second parameter that varies: values on a grid, and a heat map."
     )
@@ -500,58 +702,82 @@ class SweepPart(Part):
 
 
 @_with_properties(
-    {name: PIXEL[name] for name in PIXEL_NOISE}, "; default: from pixel.file, else 0."
+    {name: PIXEL[name] for name in PIXEL_NOISE},
+    "; default: from pixel.file, else 0.",
+    keyword=None,
 )
 class PicturePart(Part):
     """Pictures of one cube with every sensor, as `chromanoise simulate` renders them."""
 
-    cube: Annotated[str, _spelled_as(BUILTIN_CUBES)] = Field(
+    cube: Annotated[str, Known(BUILTIN_CUBES, others=True)] = Field(
         "builtin:checker", description=f"{', '.join(BUILTIN_CUBES)}, or a file."
     )
-    key: str | None = Field(None, description="Name of the array in the cube's file.")
-    shape: Annotated[tuple[int, int], Field(strict=False)] | None = Field(
-        None, description="Rows and columns of a cube stored as a 2-D array."
+    key: str | None = setting(None, "Name of the array in a MAT, NPZ, HDF5, NetCDF or Zarr cube.")
+    shape: Annotated[tuple[int, int], Field(strict=False)] | None = setting(
+        None, "Rows and columns of a cube stored as a 2-D array.", metavar="ROWSxCOLUMNS"
     )
-    wavelengths: Annotated[tuple[float, float], Field(strict=False)] | str | None = Field(
+    wavelengths: Annotated[tuple[float, float], Field(strict=False)] | str | None = setting(
         None,
-        description="If the cube does not declare them: first and last band [nm], or a text file "
-        "with one wavelength per band.",
+        "If the cube does not declare them: first and last band [nm], evenly spaced, or a text "
+        "file that lists one wavelength per band.",
+        metavar="FIRST:LAST|FILE",
     )
-    scale: Positive | None = Field(None, description="Reflectance per stored unit.")
-    beyond: Beyond = Field(
+    scale: Positive | None = setting(
+        None,
+        "Reflectance per stored unit of the cube, e.g. 0.0001.",
+        label="Reflectance per stored unit",
+        slider=(1e-5, 10.0),
+        logarithmic=True,
+    )
+    beyond: Beyond = setting(
         "refuse",
-        description="Reflectances outside the range of the cube: refuse, zero or hold.",
+        "Values outside the range of the cube's reflectances, and of the sensors' curves: refuse, "
+        "zero or hold.",
     )
-    bad_pixels: Literal["refuse", "zero"] = Field(
-        "refuse", description="Treatment of values that are no reflectance: refuse or zero."
+    bad_pixels: Literal["refuse", "zero"] = setting(
+        "refuse",
+        "Values that are no reflectance (NaN, negative, above 2): refuse them, or use 0.",
+        label="Invalid reflectances",
     )
-    mosaic: Annotated[str, _spelled_as(MOSAIC_NAMES)] | None = Field(
+    mosaic: Annotated[str, Known(MOSAIC_NAMES, others=True)] | None = setting(
         None,
-        description=f"sensor (its own), {', '.join(MOSAIC_NAMES)}, or rows as RG/GB; without it "
-        "all channels are at every pixel.",
+        f"Raw codes of one channel per pixel: sensor (its own), {', '.join(MOSAIC_NAMES)}, or "
+        "rows, e.g. RG/GB or 'R G/IR B'. Without it all channels are at every pixel, as in the "
+        "paper.",
+        metavar="NAME|ROWS",
     )
-    demosaic: Annotated[str, _known(DEMOSAICING)] | None = Field(
-        None, description=f"One of {', '.join(DEMOSAICING)}; default with a mosaic: bilinear."
-    )
-    raw_only: bool = Field(False, description="Only the raw codes of the mosaic, without color.")
-    bits: Annotated[int, Field(ge=8, le=16)] | None = Field(
-        None, description="Bits of the converter, with a mosaic; default: from pixel.file, else 12."
-    )
-    black_level: Annotated[int, Field(ge=0, lt=2**16)] | None = Field(
+    demosaic: Annotated[str, Known(DEMOSAICING)] | None = setting(
         None,
-        description="Code without light, with a mosaic; default: from pixel.file, else 0.",
+        f"Demosaicing method: {', '.join(DEMOSAICING)}; gradient and lmmse are trained on the "
+        "ColorChecker; default with a mosaic: bilinear.",
     )
-    frames: Annotated[int, Field(ge=1, le=MOST_FRAMES)] = Field(1, description="Frames of a burst.")
-    denoise: Annotated[str, _known(DENOISING)] | None = Field(
+    raw_only: bool = setting(False, "Only the raw codes of the mosaic, without color.")
+    bits: Annotated[int, Field(ge=8, le=16)] | None = setting(
+        None, "Bits of the converter, 8 to 16, with a mosaic; default: from pixel.file, else 12."
+    )
+    black_level: Annotated[int, Field(ge=0, lt=2**16)] | None = setting(
+        None, "Code without light, with a mosaic; default: from pixel.file, else 0."
+    )
+    frames: Annotated[int, Field(ge=1, le=MOST_FRAMES)] = setting(1, "Frames of a burst.")
+    denoise: Annotated[str, Known(DENOISING)] | None = setting(
         None,
-        description="Denoising of the electrons, with their known noise, before the color "
-        f"matrix: one of {', '.join(DENOISING)}; default: none.",
+        "Denoising of the electrons with their known noise, before the color matrix: "
+        f"{', '.join(DENOISING)}; raw codes are not denoised; default: none.",
     )
     formats: (
-        Annotated[tuple[Annotated[str, _known(FORMATS)], ...], Field(strict=False, min_length=1)]
+        Annotated[tuple[Annotated[str, Known(FORMATS)], ...], Field(strict=False, min_length=1)]
         | None
-    ) = Field(None, description=f"{', '.join(FORMATS)}; default: png and xyz, or raw and dng.")
-    clip: bool = Field(False, description="Clip electrons between 0 and full well.")
+    ) = setting(
+        None,
+        f"File formats: {', '.join(FORMATS)}; default: png and xyz, or raw and dng of a mosaic.",
+        option="format",
+        metavar="NAME[,NAME...]",
+    )
+    clip: bool = setting(
+        False,
+        "Clip electrons between 0 and full well.",
+        label="Clip electrons in the picture",
+    )
 
     @field_validator("wavelengths", mode="before")
     @classmethod
@@ -605,41 +831,90 @@ _OF_MOSAIC = ("demosaic", "raw_only", "bits", "black_level")
 class ParetoPart(Part):
     """Curve of color error against noise, for a range of weights of the noise."""
 
-    first: Positive = Field(description="Lowest weight; 1 is LMMSE, towards 0 is least squares.")
-    last: Positive = Field(description="Highest weight.")
-    points: Annotated[int, Field(ge=2, le=100_000)] = Field(13, description="Number of weights.")
+    first: Positive = setting(
+        ...,
+        "Lowest weight; 1 is LMMSE, towards 0 is least squares.",
+        keyword="pareto_first",
+        option="pareto",
+        part="FIRST",
+    )
+    last: Positive = setting(
+        ..., "Highest weight.", keyword="pareto_last", option="pareto", part="LAST"
+    )
+    points: Annotated[int, Field(ge=2, le=100_000)] = setting(
+        13, "Number of weights.", keyword="pareto_points", option="pareto", part="POINTS"
+    )
 
 
 class PipelinePart(Part):
     """The camera's own pipeline: noise of the ColorChecker after each of its steps."""
 
-    run: bool = Field(
-        False, description="Noise of each patch after each step of the camera's pipeline."
+    run: bool = setting(
+        False,
+        "Noise of each ColorChecker patch after each step of the camera's own pipeline: raw, "
+        "white-balanced, XYZ, linear sRGB, exposure, saturation, tone, Y'CbCr, Lab; at each ISO "
+        "also dynamic range and noise profile.",
+        keyword="pipeline",
+        label="Noise after each step",
     )
-    white_balance: Annotated[tuple[Positive, ...], Field(strict=False)] | str = Field(
-        "gray",
-        description="gray: equal raw of an 18 % gray; illuminant: of the light; another "
-        "illuminant, or a file; or one gain per channel.",
+    white_balance: Annotated[tuple[Positive, ...], Field(strict=False)] | str = setting(
+        BALANCE_WORDS[0],
+        "White balance of the pipeline: gains from an 18 % gray as it is read (gray), from the "
+        "illuminant, from another illuminant (D65, 3200K, a file ...), or given, one per channel.",
+        metavar="gray|illuminant|NAME|R,G,B...",
+        curves=True,
+        suggestions=(*BALANCE_WORDS, "D65"),
+        hint="gray, D65, or gains",
     )
-    white_balance_pixels: Annotated[int, Field(ge=1, le=10**9)] | None = Field(
-        None, description="Gray pixels from which the gains are estimated; default: exact gains."
+    white_balance_pixels: Annotated[int, Field(ge=1, le=10**9)] | None = setting(
+        None,
+        "Also the noise of gains that are estimated from so many gray pixels per channel; default: "
+        "exact gains.",
+        label="Gray pixels for the gains",
+        slider=(10, 10**6, 0.1),
+        logarithmic=True,
+        hint="exact",
     )
-    exposure_gain: Positive = Field(1.0, description="Gain of linear RGB.")
-    saturation: NotNegative = Field(
-        1.0, description="Saturation around Rec. 709 luma; 0 is gray, 1 changes nothing."
+    exposure_gain: Positive = setting(
+        1.0, "Gain of linear RGB.", slider=(0.1, 10.0, 0.02), logarithmic=True
     )
-    tone: float | str = Field(
-        "srgb", description=f"Tone curve: {', '.join(TONES)}, or a gamma, e.g. 2.2."
+    saturation: NotNegative = setting(
+        1.0,
+        "Saturation of linear RGB around Rec. 709 luma; 0 is gray, 1 changes nothing.",
+        label="Color saturation",
+        slider=(0.0, 2.0),
     )
-    luma: Literal["bt709", "bt601"] = Field("bt709", description="Weights of Y'CbCr.")
-    iso: Annotated[tuple[Positive, ...], Field(strict=False, min_length=1, max_length=100)] = Field(
-        (BASE_ISO,),
-        description="ISO settings; gain and exposure are those of the base ISO times and divided "
-        "by the same factor.",
+    tone: float | str = setting(
+        "srgb",
+        f"Tone curve: {', '.join(TONES)}, or the gamma of a power law, e.g. 2.2.",
+        metavar=f"{'|'.join(TONES)}|GAMMA",
+        label="Tone curve",
+        suggestions=(*TONES, "2.2"),
     )
-    base_iso: Positive = Field(BASE_ISO, description="ISO of the sensor as it is given.")
-    iso_read_noise_e: Annotated[tuple[NotNegative, ...], Field(strict=False)] | None = Field(
-        None, description="Read noise at each ISO [e-]; default: the same at all."
+    luma: Literal["bt709", "bt601"] = setting("bt709", "Weights of Y'CbCr.")
+    iso: Annotated[tuple[Positive, ...], Field(strict=False, min_length=1, max_length=100)] = (
+        setting(
+            (BASE_ISO,),
+            "ISO settings, e.g. 100,400,1600; gain and exposure are those of the base ISO times "
+            "and divided by the same factor.",
+            metavar="LIST",
+            label="ISO settings",
+            hint="e.g. 100, 200, 400",
+        )
+    )
+    base_iso: Positive = setting(
+        BASE_ISO,
+        "ISO of the sensor as it is given.",
+        label="Base ISO",
+        slider=(10.0, 3200.0),
+        logarithmic=True,
+    )
+    iso_read_noise_e: Annotated[tuple[NotNegative, ...], Field(strict=False)] | None = setting(
+        None,
+        "Read noise at each ISO [e-]; default: the same at all.",
+        metavar="LIST",
+        label="Read noise at each ISO",
+        hint="the same",
     )
 
     @field_validator("white_balance", mode="before")
@@ -707,25 +982,46 @@ def pipeline_settings(part: PipelinePart, light: Illuminant | None = None) -> Pi
 class OutputsPart(Part):
     """The outputs of a run."""
 
-    analyses: bool = Field(True, description="Every stage of each sensor, per matrix.")
-    clip: bool = Field(
-        False, description="In the analyses, moments of electrons clipped between 0 and full well."
-    )
-    budget: bool = Field(
+    analyses: bool = setting(
         True,
-        description="SNR loss per cause [dB]: X, Y, Z, contravariant, L*, a*, b*.",
+        "Every stage of each sensor, per matrix.",
+        keyword=None,
+        label="Every stage, per matrix",
     )
-    merit: bool = Field(False, description="Figures of merit: Vora, SMI, ISO speed, bits ...")
-    chart: bool = Field(False, description="Color error and noise of every ColorChecker patch.")
-    space: Annotated[str, _known(SPACES)] | None = Field(
-        None, description="Noise of an 18 % gray in this color space."
+    clip: bool = setting(
+        False,
+        "Exact moments of electrons clipped between 0 and full well, instead of eq. 7.",
+        label="Clip electrons (without budget)",
     )
-    reader: Literal["eye", "machine"] = Field(
+    budget: bool = setting(
+        True,
+        "SNR loss per cause [dB]: X, Y, Z, contravariant, L*, a*, b*.",
+        label="SNR budget",
+    )
+    merit: bool = setting(
+        False,
+        "Figures of merit: Neugebauer, Vora, SMI, SNR10, ISO speed, visual noise, bits ...",
+        label="Figures of merit",
+    )
+    chart: bool = setting(
+        False,
+        "Color error and noise of each patch of the chart, by default the ColorChecker.",
+        label="Every patch of the chart",
+    )
+    space: Annotated[str, Known(SPACES)] | None = setting(
+        None, "Noise of an 18 % gray in this color space.", label="Noise of gray in"
+    )
+    reader: Literal["eye", "machine"] = setting(
         "eye",
-        description="Who looks: an eye, by color and its noise, or a machine, by the distance of "
-        "patches in raw values.",
+        "Who looks: an eye, by color and its noise, or a machine, by the distance of patches in "
+        "raw values.",
     )
-    matrix: bool = Field(False, description="Each color matrix, its color error and noise.")
+    matrix: bool = setting(
+        False,
+        "Each color matrix, its color error and noise.",
+        keyword=None,
+        label="Each matrix, its error and noise",
+    )
     pipeline: PipelinePart = Field(
         PipelinePart(), description="The camera's own pipeline, from raw to Y'CbCr and Lab."
     )
@@ -765,17 +1061,27 @@ class Study(Part):
     schema_number: Annotated[int, Field(ge=SCHEMA, le=SCHEMA)] = Field(
         SCHEMA, alias="schema", description=f"Version of this format: {SCHEMA}."
     )
-    title: str = Field("", description="Title of the study.")
-    metric: Annotated[str, _known(METRICS)] = Field(
+    title: str = setting("", "Title of the study.", keyword=None, label="Title")
+    metric: Annotated[str, Known(METRICS)] = setting(
         "quanta",
-        description="Whether spectra are expressed in photons (quanta) or in energy.",
+        "Whether spectra are expressed in photons (quanta) or in energy.",
+        label="Metric: spectra in",
     )
-    observer: Annotated[str, AfterValidator(_known_observer)] = Field(
+    observer: Annotated[str, Known(OBSERVERS, others=_own_observer)] = setting(
         DEFAULT_OBSERVER,
-        description=f"Observer of the colors: {', '.join(OBSERVERS)}, or a file of color-matching "
-        "functions x, y, z; a lux is always CIE 1931.",
+        f"Observer of the colors: {', '.join(OBSERVERS)}, or a file of color-matching functions x, "
+        "y, z; a lux is always CIE 1931.",
+        metavar="NAME|FILE",
+        curves=True,
+        label="Observer",
+        file="spectrum",
     )
-    seed: Annotated[int, Field(ge=0, lt=2**32)] = Field(0, description="Seed of all random noise.")
+    seed: Annotated[int, Field(ge=0, lt=2**32)] = setting(
+        0,
+        "Seed of all random noise; sensors with different names have independent noise.",
+        label="Seed of the noise",
+        slider=(0, 99, 1),
+    )
     light: LightPart = Field(LightPart(), description="The light on the scene.")
     exposure: ExposurePart = Field(ExposurePart(), description="Exposure time and lens.")
     sensors: Annotated[
@@ -789,9 +1095,13 @@ class Study(Part):
         (DEFAULT_METHOD,),
         description=f"Color matrices: {', '.join(METHODS)}; ridge=0.01; or files.",
     )
-    prior: Annotated[str, AfterValidator(_known_prior)] = Field(
+    prior: Annotated[str, Known(PRIORS, others=_own_prior)] = setting(
         DEFAULT_PRIOR,
-        description=f"Training set of trained matrices: {', '.join(PRIORS)}; or a file.",
+        f"Training set of trained matrices: {', '.join(PRIORS)}; or a file of reflectances.",
+        metavar="NAME|FILE",
+        curves=True,
+        label="Prior of trained matrices",
+        file="spectrum",
     )
     reflectances: ReflectancesPart = Field(
         ReflectancesPart(), description="Own reflectances as chart and as patch."

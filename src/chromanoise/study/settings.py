@@ -1,435 +1,387 @@
-"""The settings of commands and functions: one flat name per key of a study.
+"""The settings of commands and functions: flat names of keys of a study.
 
-`analyze_study`, `compare_study`, `matrix_study` and `render_study` build the study from such
-settings, for the command line and for Python alike.
+`FUNCTIONS` lists them, made from the fields of `Study`. `study_of` builds the study from their
+values, for the command line and for Python alike.
 """
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from copy import deepcopy
+from dataclasses import dataclass
+from functools import reduce
 from pathlib import Path
-from typing import Annotated, Any, Literal, TypedDict, get_type_hints
+from types import MappingProxyType, UnionType
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
+
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
 
 from chromanoise.analysis import DEFAULT_METHOD
 from chromanoise.catalog.objects import shown_word
 from chromanoise.errors import InputError, did_you_mean, errors_in, refusal
-from chromanoise.io.spectra.parsed import Negatives, Unit
-from chromanoise.sensor import PIXEL, PixelSettings
-from chromanoise.spectra import Illuminant
-from chromanoise.study.document import Study
+from chromanoise.properties import Interface
+from chromanoise.study.document import Known, Study
 from chromanoise.study.reading import study_from_data
 
 Settings = Mapping[str, Any]
-Extrapolation = Literal["refuse", "zero", "hold"]
-Per = Literal["photon", "energy"]
 
 
-class _BeforePixel(TypedDict, total=False):
-    illuminant: Annotated[str | Path | Illuminant | object, "light.illuminant"]
-    lux: Annotated[float, "light.level_lux"]
-    illuminant_beyond: Annotated[Extrapolation, "light.beyond"]
-    illuminant_per: Annotated[Per, "light.per"]
-    illuminant_column: Annotated[str, "light.column"]
-    illuminant_wavelength_unit: Annotated[Unit, "light.wavelength_unit"]
-    equal: Annotated[Literal["exposure", "saturation", "light"], "exposure.equal"]
-    time_ms: Annotated[float, "exposure.time_ms"]
-    saturate: Annotated[float, "exposure.saturate"]
-    f_number: Annotated[float, "exposure.f_number"]
-    magnification: Annotated[float, "exposure.magnification"]
-    metric: Annotated[str, "metric"]
-    observer: Annotated[str | object, "observer"]
-    prior: Annotated[str | Path | object, "prior"]
-    labels: Annotated[Sequence[str], "sensors.*.label"]
-    beyond: Annotated[Extrapolation, "sensors.*.beyond"]
-    negatives: Annotated[Negatives, "sensors.*.negatives", "light.negatives"]
-    qe_scale: Annotated[Literal["percent", "fraction"], "sensors.*.answers.scale"]
-    level: Annotated[Literal["relative", "absolute"], "sensors.*.answers.level"]
-    per: Annotated[Per, "sensors.*.answers.per"]
-    wavelength_unit: Annotated[Unit, "sensors.*.answers.wavelength_unit"]
-    peak_qe: Annotated[float, "sensors.*.answers.peak_qe"]
-    pixel: Annotated[str | Path, "sensors.*.pixel.file"]
+@dataclass(frozen=True, slots=True, kw_only=True)
+class KeyOfStudy:
+    """A key of a study that holds a value.
 
-
-class SharedSettings(_BeforePixel, PixelSettings, total=False):
-    """Settings of light, exposure and sensors.
-
-    Each is annotated with its keys in a study, or else with the property of the pixel that it is.
+    Attributes
+    ----------
+    key
+        With ``*`` for a sensor and ``0`` for an entry of another list: ``sensors.*.pixel.dsnu_e``.
+    field
+        Its type, default and description.
+    interface
+        How interfaces offer it; ``None`` for a key of study files alone.
     """
 
-    bits: Annotated[int, "sensors.*.pixel.bits"]
-    gain_dn_per_e: Annotated[float, "sensors.*.pixel.gain_dn_per_e"]
-    binning: Annotated[int, "sensors.*.pixel.binning"]
-    binning_mode: Annotated[Literal["charge", "digital"], "sensors.*.pixel.binning_mode"]
-    crosstalk: Annotated[float | str | Path, "sensors.*.crosstalk"]
-    crosstalk_stage: Annotated[Literal["light", "charge"], "sensors.*.crosstalk_stage"]
-    mosaic: Annotated[str, "sensors.*.mosaic"]
-    filter: Annotated[str | Path | object, "sensors.*.filter"]
-    channel_filters: Annotated[Mapping[str, str | Path | object], "sensors.*.channel_filters"]
-    filter_wavelength_unit: Annotated[Unit, "sensors.*.filter_wavelength_unit"]
-    shift_ircut_nm: Annotated[float, "sensors.*.shift_ircut_nm"]
-    ircut_nm: Annotated[float, "sensors.*.ircut_nm"]
-    shift_nm: Annotated[float, "sensors.*.shift_nm"]
+    key: str
+    field: FieldInfo
+    interface: Interface | None
+
+    @property
+    def keyword(self) -> str | None:
+        """Its flat name as a setting; ``None`` if it is none."""
+        if self.interface is None or self.interface.keyword is None:
+            return None
+        return self.interface.keyword or self.key.rpartition(".")[2]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of which its word is one; other words may be possible too."""
+        found = [one for one in _inside(self) if isinstance(one, Known)]
+        return found[0].names if found else ()
+
+    @property
+    def others(self) -> bool:
+        """Whether it takes other words than `names`."""
+        return any(one.others for one in _inside(self) if isinstance(one, Known))
+
+    @property
+    def type(self) -> Any:
+        """Type of its value in Python, without ``None``."""
+        if self.interface is not None and self.interface.each:
+            return Sequence[str]
+        return _of_python(self.field.annotation, self.interface or Interface())
 
 
-class _ReflectanceSettings(SharedSettings, total=False):
-    """Settings of own reflectances, which pictures do not use."""
-
-    chart_file: Annotated[str | Path | object, "reflectances.chart"]
-    patch: Annotated[float | str | Path | object, "reflectances.patch"]
-    pairs: Annotated[str | Path | object, "reflectances.pairs"]
-    reflectance_scale: Annotated[Literal["percent", "fraction"], "reflectances.scale"]
-    reflectance_wavelength_unit: Annotated[Unit, "reflectances.wavelength_unit"]
-    reflectance_beyond: Annotated[Extrapolation, "reflectances.beyond"]
+def _inside(one: KeyOfStudy) -> list[Any]:
+    """The metadata and the types of a field, also those inside a union."""
+    return [*one.field.metadata, *_parts_of(one.field.annotation)]
 
 
-class AnalysisSettings(_ReflectanceSettings, total=False):
-    """Settings of an analysis."""
-
-    clip: Annotated[bool, "outputs.clip"]
-    chart: Annotated[bool, "outputs.chart"]
-    budget: Annotated[bool, "outputs.budget"]
-    merit: Annotated[bool, "outputs.merit"]
-    space: Annotated[str, "outputs.space"]
-    reader: Annotated[Literal["eye", "machine"], "outputs.reader"]
-    pipeline: Annotated[bool, "outputs.pipeline.run"]
-    white_balance: Annotated[str | Sequence[float], "outputs.pipeline.white_balance"]
-    white_balance_pixels: Annotated[int, "outputs.pipeline.white_balance_pixels"]
-    exposure_gain: Annotated[float, "outputs.pipeline.exposure_gain"]
-    saturation: Annotated[float, "outputs.pipeline.saturation"]
-    tone: Annotated[str | float, "outputs.pipeline.tone"]
-    luma: Annotated[Literal["bt709", "bt601"], "outputs.pipeline.luma"]
-    iso: Annotated[Sequence[float], "outputs.pipeline.iso"]
-    base_iso: Annotated[float, "outputs.pipeline.base_iso"]
-    iso_read_noise_e: Annotated[Sequence[float], "outputs.pipeline.iso_read_noise_e"]
+def _parts_of(annotation: Any) -> list[Any]:
+    """A type with all types and metadata inside it."""
+    return [annotation, *(part for one in get_args(annotation) for part in _parts_of(one))]
 
 
-class SweepSettings(_ReflectanceSettings, total=False):
-    """Settings of a sweep."""
-
-    vary: Annotated[str, "sweeps.0.vary"]
-    first: Annotated[float, "sweeps.0.first"]
-    last: Annotated[float, "sweeps.0.last"]
-    points: Annotated[int, "sweeps.0.points"]
-    quantity: Annotated[str, "sweeps.0.quantity"]
+_MAPPING: Any = Mapping  # types of values, which type checkers do not follow
+_SEQUENCE: Any = Sequence
+_TUPLE: Any = tuple
 
 
-class ComparisonSettings(SweepSettings, total=False):
-    """Settings of a comparison."""
-
-    all_priors: Annotated[bool, "sweeps.0.all_priors"]
-
-
-class MapSettings(SweepSettings, total=False):
-    """Settings of a comparison over two parameters."""
-
-    second_vary: Annotated[str, "sweeps.0.second.vary"]
-    second_first: Annotated[float, "sweeps.0.second.first"]
-    second_last: Annotated[float, "sweeps.0.second.last"]
-    second_points: Annotated[int, "sweeps.0.second.points"]
-
-
-class MatrixSettings(_ReflectanceSettings, total=False):
-    """Settings of a color matrix, and of its curve of color error against noise."""
-
-    pareto_first: Annotated[float, "outputs.pareto.first"]
-    pareto_last: Annotated[float, "outputs.pareto.last"]
-    pareto_points: Annotated[int, "outputs.pareto.points"]
+def _of_python(annotation: Any, interface: Interface) -> Any:
+    origin, inside = get_origin(annotation), get_args(annotation)
+    if origin is Annotated:
+        return _of_python(inside[0], interface)
+    if origin in (Union, UnionType):
+        kinds = [_of_python(one, interface) for one in inside if one is not type(None)]
+        return reduce(lambda a, b: a | b, kinds)
+    if origin is dict:
+        return _MAPPING[str, _of_python(inside[1], interface)]
+    if origin is tuple:
+        ends = [_of_python(one, Interface()) for one in inside if one is not ...]
+        return _SEQUENCE[ends[0]] if ... in inside else _TUPLE[*ends]
+    if annotation is str and interface.curves:
+        return str | Path | object
+    return str | Path if annotation is str and interface.paths else annotation
 
 
-class SensitivitySettings(_ReflectanceSettings, total=False):
-    """Settings of a sensitivity."""
+def _walked(model: type[BaseModel], prefix: str) -> Iterator[KeyOfStudy]:
+    for name, field in model.model_fields.items():
+        key = f"{prefix}{field.alias or name}"
+        inside = _parts_of(field.annotation)
+        part = next((p for p in inside if isinstance(p, type) and issubclass(p, BaseModel)), None)
+        if part is not None:
+            many = any(get_origin(p) is tuple for p in inside)
+            index = ("*." if name == "sensors" else "0.") if many else ""
+            yield from _walked(part, f"{key}.{index}")
+            continue
+        interface = next((one for one in field.metadata if isinstance(one, Interface)), None)
+        yield KeyOfStudy(key=key, field=field, interface=interface)
 
 
-class DenoiseSettings(SharedSettings, total=False):
-    """Settings of a picture of another camera. Its file may give mosaic, bits and black level."""
-
-    mosaic: Annotated[str, "pictures.0.mosaic"]
-    demosaic: Annotated[str, "pictures.0.demosaic"]
-    bits: Annotated[int, "pictures.0.bits", "sensors.*.pixel.bits"]
-    black_level: Annotated[int, "pictures.0.black_level"]
+KEYS: Mapping[str, KeyOfStudy] = MappingProxyType({one.key: one for one in _walked(Study, "")})
+"""The keys of a study that hold values, in the order of its classes."""
 
 
-class RenderSettings(SharedSettings, total=False):
-    """Settings of pictures; ``beyond`` applies to the cube too, ``scale`` only to the cube."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Function:
+    """A function of Python: the beginnings of the keys that it sets, its other arguments.
 
-    seed: Annotated[int, "seed"]
-    beyond: Annotated[Extrapolation, "pictures.0.beyond", "sensors.*.beyond"]
-    key: Annotated[str, "pictures.0.key"]
-    shape: Annotated[tuple[int, int], "pictures.0.shape"]
-    wavelengths: Annotated[tuple[float, float] | str, "pictures.0.wavelengths"]
-    scale: Annotated[float, "pictures.0.scale"]
-    bad_pixels: Annotated[Literal["refuse", "zero"], "pictures.0.bad_pixels"]
-    mosaic: Annotated[str, "pictures.0.mosaic"]
-    demosaic: Annotated[str, "pictures.0.demosaic"]
-    raw_only: Annotated[bool, "pictures.0.raw_only"]
-    bits: Annotated[int, "pictures.0.bits", "sensors.*.pixel.bits"]
-    black_level: Annotated[int, "pictures.0.black_level"]
-    frames: Annotated[int, "pictures.0.frames"]
-    denoise: Annotated[str, "pictures.0.denoise"]
-    formats: Annotated[Sequence[str], "pictures.0.formats"]
-    clip: Annotated[bool, "pictures.0.clip"]
+    ``start`` is its study before settings are applied.
+    """
+
+    keys: tuple[str, ...]
+    arguments: tuple[str, ...]
+    start: Mapping[str, Any]
+    without: tuple[str, ...] = ()
+
+    def settings(self) -> Mapping[str, tuple[str, ...]]:
+        """The keys by the names of its settings; pictures precede sensors, and these the light."""
+        found: dict[str, tuple[str, ...]] = {}
+        for beginning in self.keys:
+            for key, one in KEYS.items():
+                excluded = any(_begins(key, no) for no in self.without)
+                if one.keyword is not None and _begins(key, beginning) and not excluded:
+                    found[one.keyword] = (*found.get(one.keyword, ()), key)
+        order = ("pictures", "sensors", "light")
+        return MappingProxyType(
+            {
+                name: tuple(sorted(keys, key=lambda one: order.index(one.partition(".")[0])))
+                if len(keys) > 1
+                else keys
+                for name, keys in found.items()
+            }
+        )
 
 
-def settings_keys(kind: type) -> Mapping[str, tuple[str, ...]]:
-    """The names of settings, each with its keys in a study.
+def _begins(key: str, beginning: str) -> bool:
+    return f"{key}.".startswith(f"{beginning}.")
+
+
+_OF_RAW = ("mosaic", "demosaic", "bits", "black_level")  # its file may give them, too
+_POINT = ("light", "exposure", "metric", "observer", "prior", "sensors")
+_OF_CURVES = (*_POINT, "reflectances")
+_NO_ANALYSES = {"outputs": {"analyses": False}}
+_SWEEP = {"vary": "lux", "first": 0.01, "last": 1000.0}
+_DECLARED = {
+    "analyze": _Function(
+        keys=(*_OF_CURVES, "outputs"),
+        without=("outputs.pareto",),
+        arguments=("matrix",),
+        start={"outputs": {"budget": False}},
+    ),
+    "compare": _Function(
+        keys=(*_OF_CURVES, "sweeps"),
+        without=("sweeps.0.second",),
+        arguments=("matrices",),
+        start={**_NO_ANALYSES, "sweeps": [_SWEEP]},
+    ),
+    "compare_map": _Function(
+        keys=(*_OF_CURVES, "sweeps"),
+        without=("sweeps.0.all_priors",),
+        arguments=("matrices",),
+        start={
+            **_NO_ANALYSES,
+            "sweeps": [_SWEEP | {"second": {"vary": "f-number", "first": 1.4, "last": 8.0}}],
+        },
+    ),
+    "denoise": _Function(
+        keys=(*_POINT, *(f"pictures.0.{name}" for name in _OF_RAW)),
+        without=("sensors.*.mosaic",),
+        arguments=(
+            *("picture", "sensor", "denoise", "matrix", "unit", "shape", "stored"),
+            *("white_level", "threads"),
+        ),
+        start={**_NO_ANALYSES, "pictures": [{"mosaic": "sensor"}]},
+    ),
+    "matrix": _Function(
+        keys=(*_OF_CURVES, "outputs.pareto"),
+        arguments=("sensor", "matrix"),
+        start={"outputs": {"analyses": False, "matrix": True}},
+    ),
+    "render": _Function(
+        keys=(*_POINT, "seed", "pictures"),
+        without=("sensors.*.mosaic",),
+        arguments=("cube", "matrix", "folder"),
+        start=_NO_ANALYSES,
+    ),
+    "sensitivity": _Function(
+        keys=_OF_CURVES,
+        arguments=(
+            *("sensor", "matrix", "objectives", "losses", "tolerance_nm", "tolerance_percent"),
+            *("draws", "seed", "keep_matrix"),
+        ),
+        start=_NO_ANALYSES,
+    ),
+}
+FUNCTIONS: Mapping[str, Mapping[str, tuple[str, ...]]] = MappingProxyType(
+    {name: one.settings() for name, one in _DECLARED.items()}
+)
+"""Keys of a study by the settings of each function of ``import chromanoise as cn``."""
+_ANY = {name: keys for one in ("render", *_DECLARED) for name, keys in FUNCTIONS[one].items()}
+
+
+def interface_of(name: str) -> Interface:
+    """How interfaces offer a setting of any function.
 
     Parameters
     ----------
-    kind
-        `SharedSettings` or a class derived from it.
+    name
+        Its flat name; for another name an `Interface` without entries.
 
     Examples
     --------
-    >>> settings_keys(SharedSettings)["lux"]
-    ('light.level_lux',)
+    >>> interface_of("per").flags
+    ('--photons', '--energy')
     """
-    hints = get_type_hints(kind, include_extras=True)
-    return {
-        name: (f"sensors.*.pixel.{name}",) if name in PIXEL else hint.__metadata__
-        for name, hint in hints.items()
-    }
+    found = KEYS[_ANY[name][0]].interface if name in _ANY else None
+    return found or Interface()
 
 
-SHARED = settings_keys(SharedSettings)
-"""Keys of a study by the settings that all functions have."""
-ANALYSIS = settings_keys(AnalysisSettings)
-"""Keys of a study by the settings of ``analyze``."""
-COMPARISON = settings_keys(ComparisonSettings)
-"""Keys of a study by the settings of ``compare``."""
-_DENOISE = settings_keys(DenoiseSettings)
-MAPS = settings_keys(MapSettings)
-"""Keys of a study by the settings of ``compare_map``."""
-MATRIX = settings_keys(MatrixSettings)
-"""Keys of a study by the settings of ``matrix``."""
-RENDERING = settings_keys(RenderSettings)
-"""Keys of a study by the settings of ``render``."""
-SENSITIVITY = settings_keys(SensitivitySettings)
-FUNCTIONS = {
-    "analyze": ANALYSIS,
-    "compare": COMPARISON,
-    "compare_map": MAPS,
-    "denoise": _DENOISE,
-    "matrix": MATRIX,
-    "render": RENDERING,
-    "sensitivity": SENSITIVITY,
-}
-"""The settings of each function of ``import chromanoise as cn``."""
-_ARGUMENTS = {
-    "analyze": ("matrix",),
-    "compare": ("matrices",),
-    "compare_map": ("matrices",),
-    "denoise": (
-        "picture",
-        "sensor",
-        "denoise",
-        "matrix",
-        "unit",
-        "shape",
-        "stored",
-        "white_level",
-        "threads",
-    ),
-    "matrix": ("sensor", "matrix"),
-    "render": ("cube", "matrix", "folder"),
-    "sensitivity": (
-        "sensor",
-        "matrix",
-        "objectives",
-        "losses",
-        "tolerance_nm",
-        "tolerance_percent",
-        "draws",
-        "seed",
-        "keep_matrix",
-    ),
-}
-STARTS: Mapping[str, dict[str, Any]] = {
-    "analyze": {"outputs": {"budget": False}},
-    "compare": {
-        "outputs": {"analyses": False},
-        "sweeps": [{"vary": "lux", "first": 0.01, "last": 1000.0}],
-    },
-    "compare_map": {
-        "outputs": {"analyses": False},
-        "sweeps": [
-            {
-                "vary": "lux",
-                "first": 0.01,
-                "last": 1000.0,
-                "second": {"vary": "f-number", "first": 1.4, "last": 8.0},
-            }
-        ],
-    },
-    "denoise": {"outputs": {"analyses": False}, "pictures": [{"mosaic": "sensor"}]},
-    "matrix": {"outputs": {"analyses": False, "matrix": True}},
-    "render": {"outputs": {"analyses": False}},
-    "sensitivity": {"outputs": {"analyses": False}},
-}
-"""The study of each function before its settings are applied."""
-
-
-def analyze_study(
-    sensors: Sequence[str], settings: Settings, *, matrix: str = DEFAULT_METHOD
-) -> Study:
-    """The study of one analysis: every stage of each sensor with one color matrix.
+def flags_of(name: str) -> Mapping[str, str]:
+    """The options of a setting by its values; empty where its option takes a value.
 
     Parameters
     ----------
-    sensors
-        Names of the catalog, or files.
-    settings
-        By the names of `AnalysisSettings`; ``None`` for the default.
-    matrix
-        Method of the matrix.
+    name
+        Its flat name.
 
-    Raises
-    ------
-    InputError
-        If a value cannot be used, or has no effect.
+    Examples
+    --------
+    >>> flags_of("per")
+    {'photon': '--photons', 'energy': '--energy'}
     """
-    _refuse_unknown(settings, "analyze")
-    return _study(sensors, settings, "analyze", {"matrices": [matrix]})
+    return dict(interface_of(name).flags)
 
 
-def compare_study(
-    sensors: Sequence[str], settings: Settings, *, matrices: Sequence[str] = (DEFAULT_METHOD,)
-) -> Study:
-    """The study of one comparison: a quantity of all sensors as a function of one parameter.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DescribedSetting:
+    """A setting of a function, for its docstring and its option.
+
+    Attributes
+    ----------
+    name
+        Name of the argument.
+    default
+        What the function starts with, else the default of the key.
+    of
+        Its key.
+    """
+
+    name: str
+    default: Any
+    of: KeyOfStudy
+
+    def __str__(self) -> str:
+        """Two lines in numpydoc format."""
+        default = "" if self.default is None else f", default {self.default!r}"
+        return f"{self.name} : {_type_text(self.of.type)}{default}\n    {self.of.field.description}"
+
+
+def described_settings(function: str) -> tuple[DescribedSetting, ...]:
+    """The settings of a function with types, defaults and descriptions.
 
     Parameters
     ----------
-    sensors
-        Names of the catalog, or files.
-    settings
-        By the names of `ComparisonSettings`. With ``prior`` equal to ``all``, the crossovers over
-        all priors are computed too.
-    matrices
-        Their methods.
+    function
+        A name of `FUNCTIONS`, e.g. ``analyze``.
 
-    Raises
-    ------
-    InputError
-        If a value cannot be used, has no effect, or is the parameter that varies.
+    Examples
+    --------
+    >>> print(next(one for one in described_settings("analyze") if one.name == "lux"))
+    lux : float, default 10.0
+        Illuminance [lx].
     """
-    _refuse_unknown(settings, "compare")
-    matrices = [name.strip() for name in matrices]
-    if settings.get("prior") == "all":
-        settings = {**settings, "prior": None, "all_priors": True}
-    return _study(sensors, settings, "compare", {"matrices": matrices})
-
-
-def map_study(
-    sensors: Sequence[str], settings: Settings, *, matrices: Sequence[str] = (DEFAULT_METHOD,)
-) -> Study:
-    """The study of one comparison over two parameters: a quantity of all sensors on a grid.
-
-    Parameters
-    ----------
-    sensors
-        Names of the catalog, or files.
-    settings
-        By the names of `MapSettings`.
-    matrices
-        Their methods.
-
-    Raises
-    ------
-    InputError
-        If a value cannot be used, has no effect, or is a parameter that varies.
-    """
-    _refuse_unknown(settings, "compare_map")
-    return _study(
-        sensors, settings, "compare_map", {"matrices": [name.strip() for name in matrices]}
+    return tuple(
+        DescribedSetting(name=name, default=default_of(function, name), of=KEYS[keys[0]])
+        for name, keys in FUNCTIONS[function].items()
     )
 
 
-def matrix_study(sensor: str, settings: Settings, *, matrix: str = DEFAULT_METHOD) -> Study:
-    """The study of one color matrix.
+def default_of(function: str, name: str) -> Any:
+    """The default of a setting: what the function starts with, else that of the study.
 
     Parameters
     ----------
-    sensor
-        Name of the catalog, or file.
-    settings
-        By the names of `MatrixSettings`.
-    matrix
-        Method of the matrix.
+    function
+        A name of `FUNCTIONS`, e.g. ``analyze``.
+    name
+        The flat name of the setting.
 
-    Raises
-    ------
-    InputError
-        If a value cannot be used, or has no effect.
+    Examples
+    --------
+    >>> default_of("analyze", "f_number"), default_of("compare", "last")
+    (1.8, 1000.0)
     """
-    _refuse_unknown(settings, "matrix")
-    return _study([sensor], settings, "matrix", {"matrices": [matrix]})
+    key = FUNCTIONS[function][name][0]
+    at: Any = _DECLARED[function].start
+    for step in key.split("."):
+        at = at[int(step)] if isinstance(at, list) else at.get(step, {})
+    if at not in ({}, None):
+        return at
+    field = KEYS[key].field
+    return None if field.is_required() else field.get_default()
 
 
-def sensitivity_study(sensor: str, settings: Settings, *, matrix: str = DEFAULT_METHOD) -> Study:
-    """The study of one sensor at its operating point, of which parameters then change.
-
-    Parameters
-    ----------
-    sensor
-        Name of the catalog, or file.
-    settings
-        By the names of `SensitivitySettings`.
-    matrix
-        Method of the matrix.
-
-    Raises
-    ------
-    InputError
-        If a value cannot be used, or has no effect.
-    """
-    _refuse_unknown(settings, "sensitivity")
-    return _study([sensor], settings, "sensitivity", {"matrices": [matrix]})
-
-
-def denoise_study(sensor: str, settings: Settings, *, matrix: str = DEFAULT_METHOD) -> Study:
-    """The study of a picture of another camera: its sensor, its light, its mosaic.
-
-    Parameters
-    ----------
-    sensor
-        Name of the catalog, or file; empty where only the pixel is known.
-    settings
-        By the names of `DenoiseSettings`.
-    matrix
-        Method of the matrix.
-
-    Raises
-    ------
-    InputError
-        If a value cannot be used, or has no effect.
-    """
-    _refuse_unknown(settings, "denoise")
-    return _study([sensor], settings, "denoise", {"matrices": [matrix]})
-
-
-def render_study(
-    cube: str, sensors: Sequence[str], settings: Settings, *, matrix: str = DEFAULT_METHOD
+def study_of(
+    function: str,
+    sensors: Sequence[str],
+    settings: Settings,
+    *,
+    matrices: Sequence[str] = (DEFAULT_METHOD,),
+    cube: str = "",
 ) -> Study:
-    """The study of the pictures of one cube.
+    """The study that a function of Python, or its command, computes.
 
     Parameters
     ----------
-    cube
-        A built-in cube, or a file.
+    function
+        A name of `FUNCTIONS`, e.g. ``analyze``.
     sensors
-        Names of the catalog, or files.
+        Names of the catalog, or files; empty for ``denoise`` where only the pixel is known.
     settings
-        By the names of `RenderSettings`.
-    matrix
-        Method of the matrix.
+        By the names of ``FUNCTIONS[function]``; ``None`` for the default. In ``compare`` with
+        ``prior`` equal to ``all``, the crossovers over all priors are computed too.
+    matrices
+        Methods of the color matrices, or files.
+    cube
+        Of ``render``: a built-in cube, or a file.
 
     Raises
     ------
     InputError
-        If a value cannot be used, or has no effect.
+        If a setting is unknown, has no effect, or is a parameter that varies; or if a value cannot
+        be used.
+
+    Examples
+    --------
+    >>> study_of("analyze", ["onyx-rgbw"], {"lux": 3.0}).light.level_lux
+    3.0
     """
-    _refuse_unknown(settings, "render")
-    data: dict[str, Any] = {"matrices": [matrix], "pictures": [{"cube": cube}]}
-    study = _study(sensors, settings, "render", data)
+    _refuse_unknown(settings, function)
+    names = FUNCTIONS[function]
+    data = deepcopy(dict(_DECLARED[function].start)) | {
+        "sensors": [{"name": name} for name in sensors],
+        "matrices": [name.strip() for name in matrices],
+    }
+    given = dict(settings)
+    if "all_priors" in names and given.get("prior") == "all":
+        given |= {"prior": None, "all_priors": True}
+    if function == "render":
+        data["pictures"] = [{"cube": cube}]
+    for name, value in given.items():
+        for key in names[name] if value is not None else ():
+            places = _places(key, len(sensors))
+            each = interface_of(name).each
+            values = _one_each(name, value, sensors) if each else [value] * len(places)
+            for place, one in zip(places, values, strict=True):
+                _put(data, place, one)
+    try:
+        study = study_from_data(data)
+    except InputError as error:
+        raise refusal([_called_flat(one, names, {}) for one in errors_in(error)]) from None
+    return _with_the_mosaic(study, given) if function == "render" else study
+
+
+def _with_the_mosaic(study: Study, settings: Settings) -> Study:
+    """The study, whose sensors have the mosaic of the picture where crosstalk needs one."""
     mosaic = settings.get("mosaic")
     if settings.get("crosstalk") is None or mosaic in (None, "sensor"):
         return study
@@ -437,26 +389,10 @@ def render_study(
     return study.model_copy(update={"sensors": tuple(parts)})
 
 
-OF_CURVES = (
-    "illuminant",
-    "observer",
-    "prior",
-    "chart_file",
-    "patch",
-    "pairs",
-    "filter",
-    "channel_filters",
-    "white_balance",
-)
-"""Settings that name curves: Python also takes the curves themselves."""
-
-PER_SENSOR = ("labels",)
-"""Settings with one value per sensor, in the order of the sensors."""
-
 _GENERAL = {"sensors": "sensors.*", "pictures": "pictures.0"}
 
 
-def argument_of(key: str, names: Mapping[str, tuple[str, ...]] = SHARED) -> str | None:
+def argument_of(key: str, names: Mapping[str, tuple[str, ...]] = _ANY) -> str | None:
     """The flat name of a key of a study; ``None`` if it has none.
 
     Parameters
@@ -474,28 +410,6 @@ def argument_of(key: str, names: Mapping[str, tuple[str, ...]] = SHARED) -> str 
     general = re.sub(r"^(sensors|pictures)\.\d+", lambda m: _GENERAL[m[1]], key)
     general = re.sub(r"\.\d+$", "", general)  # an entry of a list
     return next((name for name, keys in names.items() if general in keys), None)
-
-
-def _study(
-    sensors: Sequence[str],
-    settings: Settings,
-    function: str,
-    more: dict[str, Any],
-) -> Study:
-    names, data = FUNCTIONS[function], deepcopy(STARTS[function]) | more
-    data["sensors"] = [{"name": name} for name in sensors]
-    for name, value in settings.items():
-        for key in names[name] if value is not None else ():
-            places = _places(key, len(sensors))
-            values = (
-                _one_each(name, value, sensors) if name in PER_SENSOR else [value] * len(places)
-            )
-            for place, one in zip(places, values, strict=True):
-                _put(data, place, one)
-    try:
-        return study_from_data(data)
-    except InputError as error:
-        raise refusal([_called_flat(one, names, {}) for one in errors_in(error)]) from None
 
 
 def _one_each(name: str, values: Any, sensors: Sequence[str]) -> list[Any]:
@@ -536,7 +450,7 @@ def in_arguments(error: InputError, function: str) -> InputError:
     """
     positional = {
         "matrices": "matrices" if function in ("compare", "compare_map") else "matrix",
-        "sensors": "sensor" if "sensor" in _ARGUMENTS[function] else "sensors",
+        "sensors": "sensor" if "sensor" in _DECLARED[function].arguments else "sensors",
         "pictures": "cube",
     }
     names = FUNCTIONS[function]
@@ -562,16 +476,18 @@ def _called_flat(
 
 def _refuse_unknown(settings: Settings, function: str) -> None:
     """Refuse names that are no settings of the function, and suggest similar ones."""
-    known = [*FUNCTIONS[function], *_ARGUMENTS[function]]
+    known = [*FUNCTIONS[function], *_DECLARED[function].arguments]
     for name in settings:
         if name in FUNCTIONS[function]:
             continue
         if name == "method":  # as the option is called too
-            (matrix,) = (one for one in _ARGUMENTS[function] if one.startswith("matri"))
+            (matrix,) = (one for one in _DECLARED[function].arguments if one.startswith("matri"))
             raise InputError(
                 name, f"is not an argument of {function}", remedy=f"did you mean {matrix}?"
             )
-        others = [other for other in FUNCTIONS if name in (*FUNCTIONS[other], *_ARGUMENTS[other])]
+        others = [
+            other for other in FUNCTIONS if name in (*FUNCTIONS[other], *_DECLARED[other].arguments)
+        ]
         otherwise = f"known: {', '.join(known)}"
         if others:
             otherwise = f"it is one of {' and '.join(others)}"
@@ -591,3 +507,19 @@ def _put(data: dict[str, Any], place: Sequence[str | int], value: Any) -> None:
     for step in place[:-1]:
         at = at[step] if isinstance(step, int) else at.setdefault(step, {})
     at[place[-1]] = value
+
+
+def _type_text(annotation: Any) -> str:
+    """A type in the form used in docstrings."""
+    if get_origin(annotation) is Literal:
+        return " or ".join(repr(value) for value in get_args(annotation))
+    if get_origin(annotation) in (Union, UnionType):
+        return " or ".join(_type_text(one) for one in get_args(annotation))
+    if get_origin(annotation) is tuple:
+        return f"({', '.join(_type_text(one) for one in get_args(annotation))})"
+    if get_origin(annotation) is Mapping:
+        key, value = map(_type_text, get_args(annotation))
+        return f"mapping of {key} to {value}"
+    if get_args(annotation):
+        return f"sequence of {_type_text(get_args(annotation)[0])}"
+    return str(annotation.__name__)
