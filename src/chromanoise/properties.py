@@ -157,6 +157,8 @@ class Interface:
         Values of a text.
     needs
         Names of fields of the same part, without which it has no effect.
+    later
+        As `Property.later`.
     """
 
     keyword: str | None = ""
@@ -174,6 +176,7 @@ class Interface:
     file: str = ""
     suggestions: tuple[str, ...] = ()
     needs: tuple[str, ...] = ()
+    later: bool = False
 
 
 @cache

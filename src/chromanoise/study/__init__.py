@@ -61,6 +61,7 @@ if TYPE_CHECKING:
         study_as_json,
         study_hash,
     )
+    from chromanoise.study.keys import KEYS, KeyOfStudy
     from chromanoise.study.keywords import (
         AnalysisSettings,
         ComparisonSettings,
@@ -114,9 +115,7 @@ if TYPE_CHECKING:
     )
     from chromanoise.study.settings import (
         FUNCTIONS,
-        KEYS,
         DescribedSetting,
-        KeyOfStudy,
         argument_of,
         default_of,
         described_settings,

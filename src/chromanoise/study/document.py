@@ -265,6 +265,7 @@ def _with_properties(
                 slider=one.slider,
                 logarithmic=one.logarithmic and one.slider is not None and one.slider[0] > 0,
                 needs=one.needs,
+                later=one.later,
                 **interface,
             ),
         )
@@ -512,6 +513,7 @@ class SensorPart(Part):
         label="Shift of the filter on the sensor",
         slider=(-50.0, 50.0, 1.0),
         needs=("filter",),
+        later=True,
     )
     negatives: Negatives = setting("refuse", **_NEGATIVES)
     crosstalk: float | str | None = setting(

@@ -2,7 +2,7 @@
 
 import hashlib
 import json
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -23,8 +23,8 @@ from chromanoise.catalog.resolve import (
 from chromanoise.errors import InputError
 from chromanoise.io.given_matrices import is_matrix_file
 from chromanoise.io.spectra.envi import DATA_SUFFIXES, envi_pair
-from chromanoise.sensor import PIXEL
-from chromanoise.study.document import BALANCE_WORDS, SensorPart, Study, StudyKind
+from chromanoise.study.document import BALANCE_WORDS, Study, StudyKind
+from chromanoise.study.keys import KEYS
 
 Kind = Literal[
     "light",
@@ -292,24 +292,25 @@ def cube_files(path: Path) -> list[Path]:
     return pair
 
 
-_LATER = ("shift_ircut_nm",)
-"""Keys of a sensor that are hashed only if they are set: a study without them keeps its hash. Of a
-pixel, `Property.later` says so."""
-
-
 def _hash_of(study: Study, digests: Mapping[str, str]) -> str:
     data = study_as_json(study)
-    for part in data["sensors"]:
-        for name in _LATER:
-            if part[name] == SensorPart.model_fields[name].default:
-                del part[name]
-    later = [name for name, one in PIXEL.items() if one.later]
-    for part in (*(one["pixel"] for one in data["sensors"]), *data["pictures"]):
-        for name in later:
-            if name in part and part[name] is None:
-                del part[name]
+    for one in KEYS.values():
+        if one.interface is not None and one.interface.later:
+            *path, name = one.key.split(".")
+            for part in _parts_at(data, path):
+                if part[name] == one.field.default:  # a study without it keeps its hash
+                    del part[name]
     content = [__version__, data, dict(digests)]
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
+
+
+def _parts_at(data: Any, path: Sequence[str]) -> list[dict[str, Any]]:
+    """The parts of a study with a path, whose steps ``*`` and ``0`` are all entries of a list."""
+    parts = [data]
+    for step in path:
+        inside = [part if step in ("*", "0") else [part[step]] for part in parts]
+        parts = [one for found in inside for one in found if one is not None]
+    return parts
 
 
 def _digest(file: Path) -> str:
