@@ -298,7 +298,17 @@ def _own_color_matrix(
     metric: Metric,
 ) -> ColorMatrix:
     """What a function of one's own returns, as a color matrix of the sensor and the observer."""
-    made = function(operating_point)
+    try:
+        made = function(operating_point)
+    except InputError as error:
+        raise error.within(f"matrix of {name}") from error
+    except Exception as error:  # a function of the user's may raise anything
+        raise InputError(
+            f"function {name}",
+            "must return a matrix",
+            value=str(error),
+            found=f"raised {type(error).__name__}: {error}",
+        ) from error
     if isinstance(made, ColorMatrix):
         channels = operating_point.sensor.names
         if made.channels != channels or made.observer != operating_point.observer:
