@@ -120,6 +120,12 @@ export interface Slider extends Range {
   unit: string;
 }
 
+/** The parameter of a color matrix. */
+export interface Parameter extends Range {
+  label: string;
+  start: number;
+}
+
 /** One field of a study, from which a control is made. */
 export interface Field extends Partial<Range> {
   key: string;
@@ -195,13 +201,17 @@ export interface Choices {
   illuminant_ends_nm: Record<string, number>;
   scenes?: string[];
   denoising: { name: string; what: string }[];
-  matrices: { name: string; parameter: string | null }[];
+  matrices: { name: string; parameter: Parameter | null }[];
   priors: string[];
   coordinates?: string[];
   sliders: Slider[];
   fields: Field[];
   /** Of a study, by key; none where the default is no value. */
   defaults: Record<string, string | number | boolean>;
+  /** The largest numbers of entries in lists of a study, and the number of seeds. */
+  most: { sensors: number; matrices: number; seeds: number };
+  /** Words of infrared diodes beside a light; the first is the usual one. */
+  infrared_lights: string[];
   hints?: Record<string, string>;
   sweeps: KnownSweep[];
   quantities: { name: string; what: string }[];

@@ -312,7 +312,7 @@ def denoise(
         )
         return denoised_picture(plan, work=Work(threads=threads))
     except InputError as error:
-        raise in_arguments(error, "denoise") from None
+        raise in_arguments(error, "denoise") from error.__cause__
 
 
 def _raw_pictures(
@@ -612,7 +612,7 @@ def sensitivity(
             keep_matrix=keep_matrix,
         )
     except InputError as error:
-        raise in_arguments(error, "sensitivity") from None
+        raise in_arguments(error, "sensitivity") from error.__cause__
 
 
 def _results(
@@ -630,7 +630,7 @@ def _results(
         study = made(names, rest, named)
         return run_of(study, given=named.given, folder=_folder(folder))
     except InputError as error:
-        raise in_arguments(error, function) from None
+        raise in_arguments(error, function) from error.__cause__
 
 
 def _folder(folder: str | Path | None) -> Path | None:

@@ -5,6 +5,7 @@ terms: the command line names the option, a study file the line and key, the pag
 `str` gives the message for Python, with parameters as keywords.
 """
 
+import json
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
@@ -353,7 +354,8 @@ def setting_of_study(setting: Setting) -> str:
     if setting.omit:
         return str(setting)
     values = " or ".join(
-        f'"{value}"' if isinstance(value, str) else f"{value:g}" for value in setting.values
+        f"{value:g}" if isinstance(value, float) else json.dumps(value, ensure_ascii=False)
+        for value in setting.values
     )
     return f"set {setting.name} = {values}" if values else f"set {setting.name}"
 

@@ -205,3 +205,58 @@ def test_a_setting_of_curves_or_steps_that_are_not_there_is_refused(run, words, 
 def test_a_filter_or_a_catalog_sensor_that_ends_early_may_be_extrapolated(run):
     assert run("analyze", "ar0132at-rgbw", "--peak-qe", 0.3, "--beyond", "zero")[0] == 0
     assert run("analyze", "onyx-rgbw", "--filter", "ircut-650", "--beyond", "zero")[0] == 0
+
+
+WARM = ("reset_capacitance_ff", "dark_current_e_per_s")
+
+
+@pytest.mark.parametrize("needed", WARM)
+def test_a_temperature_has_an_effect_where_what_it_needs_varies(needed):
+    at = {"points": 3, "quantity": "snr-y"}
+    sweep = {"vary": needed, "first": 0.5, "last": 2.0}
+    found = cn.compare("onyx-rgbw", **at, **sweep, time_ms=10.0, temperature_c=60.0)
+    single, cold = (
+        cn.analyze("onyx-rgbw", time_ms=10.0, temperature_c=warmth, **{needed: 2.0}).color_snr_db()[
+            "onyx-rgbw"
+        ]["Y"]
+        for warmth in (60.0, 0.0)
+    )
+    assert found.curves[0].value[-1] == pytest.approx(single, rel=1e-12)
+    assert single < cold
+    with refused_input(subject="temperature_c", value=60.0):
+        cn.compare("onyx-rgbw", **at, vary="prnu", first=0.0, last=0.1, temperature_c=60.0)
+
+
+@pytest.mark.parametrize("needed", WARM)
+def test_a_zero_turns_off_a_value_of_a_file_beside_its_temperature(tmp_path, needed):
+    plain = cn.analyze("onyx-rgbw").color_snr_db()
+    file = tmp_path / "pixel.toml"
+    file.write_text(
+        f'schema = "chromanoise pixel"\nschema_version = 1\n{needed} = 5.0\ntemperature_c = 40\n'
+    )
+    assert cn.analyze("onyx-rgbw", pixel=file).color_snr_db() != plain
+    off = cn.analyze("onyx-rgbw", pixel=file, **{needed: 0.0})
+    assert off.color_snr_db() == plain
+
+
+@pytest.mark.parametrize(
+    ("unclipped", "remedies"),
+    [
+        ({"budget": True}, [("clip", True), ("budget", False)]),
+        ({"merit": True}, [("clip", True), ("merit", False)]),
+        ({"budget": True, "merit": True}, [("clip", True)]),
+    ],
+)
+def test_clipped_moments_beside_outputs_of_eq_7_name_what_resolves_it(unclipped, remedies):
+    with refused_input(subject="clip") as caught:
+        cn.analyze("onyx-rgbw", clip=True, **unclipped)
+    assert [(one.name, one.omit) for one in caught.value.remedy] == remedies
+
+
+def test_a_study_file_that_clips_is_refused_with_the_line_that_turns_its_default_budget_off(
+    run, tmp_path
+):
+    file = tmp_path / "study.toml"
+    file.write_text('[[sensors]]\nname = "onyx-rgbw"\n[outputs]\nclip = true\n')
+    refused(run("run", file), "set outputs.budget = false", setting="outputs.clip")
+    refused(run("analyze", "onyx-rgbw", "--clip", "--budget"), "omit --clip", "omit --budget")

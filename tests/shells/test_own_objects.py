@@ -418,6 +418,35 @@ def test_a_matrix_that_does_not_fit_is_refused(matrix, fields):
         cn.analyze("onyx-rgbw", matrix=matrix)
 
 
+@pytest.mark.parametrize("raised", [ZeroDivisionError("by zero"), KeyError("R"), RuntimeError()])
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda own: cn.analyze("onyx-rgbw", matrix=own),
+        lambda own: cn.compare("onyx-rgbw", matrices=[own], points=2),
+        lambda own: cn.matrix("onyx-rgbw", matrix=own),
+        lambda own: cn.sensitivity("onyx-rgbw", matrix=own, objectives=["delta_e"]),
+    ],
+    ids=["analyze", "compare", "matrix", "sensitivity"],
+)
+def test_an_error_of_a_function_of_a_matrix_names_it_and_is_the_cause(raised, call):
+    def my_matrix(point):
+        raise raised
+
+    with refused_input(subject="function my_matrix", value=str(raised)) as caught:
+        call(my_matrix)
+    assert caught.value.__cause__ is raised
+    assert type(raised).__name__ in caught.value.found
+
+
+def test_an_input_error_in_a_function_of_a_matrix_keeps_its_subject():
+    def my_matrix(point):
+        return cn.matrix("no-such-sensor")
+
+    with refused_input(subject="matrix of my_matrix", value="no-such-sensor"):
+        cn.analyze("onyx-rgbw", matrix=my_matrix)
+
+
 def test_a_matrix_for_other_channels_is_refused():
     other = cn.matrix("onyx-rgb-ircut").matrix
     with refused_input(subject="matrix of own matrix"):

@@ -6,7 +6,6 @@ import pytest
 
 from chromanoise.page.fields import ELSEWHERE, SECTION_HINTS, described_fields, study_defaults
 from chromanoise.page.files import asset
-from chromanoise.page.studies import MOST_SENSORS
 from chromanoise.study import study_as_json, study_from_data
 from chromanoise.study.document import PixelPart, SensorPart, Study
 from shells.browser import FIXTURES, answer_to, at_rest, open_drawers, state_of, study_of
@@ -123,7 +122,7 @@ def written(page, control, field):
     return control.press("Enter")
 
 
-def test_the_script_of_the_page_has_the_defaults_and_limits_of_the_library():
+def test_the_script_of_the_page_has_the_defaults_of_the_library():
     """An empty study has the defaults; the script names the keys whose default it needs."""
     scripts = {name: asset(f"app/{name}.js").decode() for name in ("exposure", "light", "reader")}
     asked = re.findall(r'saidAt\(study, "(\w+)\.(\w+)"\)', " ".join(scripts.values()))
@@ -131,8 +130,6 @@ def test_the_script_of_the_page_has_the_defaults_and_limits_of_the_library():
     defaults = study_defaults()
     assert len(set(asked)) >= 6
     assert all(defaults[f"{part}.{key}"] == values[part][key] for part, key in asked)
-    sensors = asset("app/sensors.js").decode()
-    assert int(re.search(r"MOST = (\d+)", sensors).group(1)) == MOST_SENSORS
 
 
 def test_every_control_of_a_sensor_changes_the_study_without_a_fault(window):

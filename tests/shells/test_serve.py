@@ -127,7 +127,7 @@ def test_choices_hold_sensors_lights_and_sliders(client):
     names = [sensor["name"] for sensor in data["sensors"]]
     assert {"onyx-rgbw", "onyx-rgb-ircut", "model-rgbir"} <= set(names)
     assert {"E", "A", "G173"} <= set(data["illuminants"])
-    assert {"light.level_lux", "matrices.weight"} <= {s["key"] for s in data["sliders"]}
+    assert {"light.level_lux", "light.infrared"} <= {s["key"] for s in data["sliders"]}
     assert {"sensors.ircut_nm", "observer"} <= {one["key"] for one in data["fields"]}
     assert study_from_data(data["study"], source="the page's own").sensors
 

@@ -64,6 +64,10 @@ class MatrixMethod:
     bounds
         Lowest and highest value of the parameter; above the highest, the gains are too small for
         double precision.
+    label
+        Name of the parameter in controls.
+    usual
+        Lowest, highest and first value of a control of the parameter.
     """
 
     make: Callable[..., ColorMatrix]
@@ -71,6 +75,8 @@ class MatrixMethod:
     trained: bool = True
     over_light: Callable[..., Array] | None = None
     bounds: tuple[float, float] = (0.0, 1e15)
+    label: str = ""
+    usual: tuple[float, float, float] = (1e-3, 1e3, 1.0)
 
 
 DEFAULT_METHOD = "kernel"
@@ -82,11 +88,26 @@ METHODS: Mapping[str, MatrixMethod] = {
     "least-squares": MatrixMethod(make=least_squares),
     "white-preserving": MatrixMethod(make=white_preserving),
     "lmmse": MatrixMethod(make=lmmse, over_light=lmmse_over_light),
-    "ridge": MatrixMethod(make=ridge, parameter="strength", bounds=(0.0, 1e6)),
-    "noise-regularized": MatrixMethod(
-        make=noise_regularized, parameter="weight", over_light=lmmse_over_light
+    "ridge": MatrixMethod(
+        make=ridge,
+        parameter="strength",
+        bounds=(0.0, 1e6),
+        label="Strength of the ridge",
+        usual=(1e-6, 10.0, 0.01),
     ),
-    "bounded-psi": MatrixMethod(make=bounded_psi, parameter="limit", bounds=(1e-15, 1e15)),
+    "noise-regularized": MatrixMethod(
+        make=noise_regularized,
+        parameter="weight",
+        over_light=lmmse_over_light,
+        label="Weight of the noise",
+    ),
+    "bounded-psi": MatrixMethod(
+        make=bounded_psi,
+        parameter="limit",
+        bounds=(1e-15, 1e15),
+        label="Largest noise gain Ψ",
+        usual=(1.0, 20.0, 6.5),
+    ),
 }
 """The methods of a color matrix by name."""
 
@@ -298,7 +319,17 @@ def _own_color_matrix(
     metric: Metric,
 ) -> ColorMatrix:
     """What a function of one's own returns, as a color matrix of the sensor and the observer."""
-    made = function(operating_point)
+    try:
+        made = function(operating_point)
+    except InputError as error:
+        raise error.within(f"matrix of {name}") from error
+    except Exception as error:  # a function of the user's may raise anything
+        raise InputError(
+            f"function {name}",
+            "must return a matrix",
+            value=str(error),
+            found=f"raised {type(error).__name__}: {error}",
+        ) from error
     if isinstance(made, ColorMatrix):
         channels = operating_point.sensor.names
         if made.channels != channels or made.observer != operating_point.observer:

@@ -1,6 +1,6 @@
 """Replace the pixel of a sensor by one from a file: TOML, data sheet, noise profile, table."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import asdict, replace
 from functools import partial
 from pathlib import Path
@@ -169,11 +169,13 @@ def _own_sensor(word: Curves) -> Sensor | None:
     return own_sensor_of(file_there(word, "sensor"))
 
 
-def _sensor(word: Curves, answers: Answers, changes: Mapping[str, Any]) -> Sensor:
+def _sensor(
+    word: Curves, answers: Answers, varied: Collection[str], changes: Mapping[str, Any]
+) -> Sensor:
     own = _own_sensor(word)
     if own is None:
-        return resolve_sensor(word, answers=answers, **changes)
-    return with_pixel(own, changes)
+        return resolve_sensor(word, answers=answers, varied=varied, **changes)
+    return with_pixel(own, changes, varied=varied)
 
 
 def sensor_with_pixel(
@@ -181,6 +183,7 @@ def sensor_with_pixel(
     *,
     answers: Answers = ASK,
     file: str | None = None,
+    varied: Collection[str] = (),
     **given: float | None,
 ) -> Sensor:
     """A sensor from `resolve_sensor` or from our own JSON, with the pixel of a file.
@@ -191,6 +194,8 @@ def sensor_with_pixel(
         As for `resolve_sensor`.
     file
         A file for `read_pixel_source`; ``None`` keeps the sensor's pixel.
+    varied
+        As for `chromanoise.sensor.with_pixel`.
     given
         Fields of `Pixel` and of `Converter`. They override the file, which overrides the sensor's
         pixel; ``None`` does not.
@@ -200,13 +205,14 @@ def sensor_with_pixel(
     InputError
         As for `resolve_sensor` and `read_pixel_source`, or if the file gives no value.
     """
-    return _on_pixel(partial(_sensor, word, answers), file, given)
+    return _on_pixel(partial(_sensor, word, answers, varied), file, given)
 
 
 def on_pixel(
     sensor: Sensor,
     *,
     file: str | None = None,
+    varied: Collection[str] = (),
     **given: float | None,
 ) -> Sensor:
     """A sensor with the pixel of a file; see `sensor_with_pixel`.
@@ -215,7 +221,7 @@ def on_pixel(
     ----------
     sensor
         The sensor whose pixel is replaced.
-    file, given
+    file, varied, given
         As for `sensor_with_pixel`.
 
     Raises
@@ -223,7 +229,7 @@ def on_pixel(
     InputError
         As for `sensor_with_pixel`.
     """
-    return _on_pixel(partial(with_pixel, sensor), file, given)
+    return _on_pixel(partial(with_pixel, sensor, varied=varied), file, given)
 
 
 def _on_pixel(

@@ -2,7 +2,7 @@
 
 import os
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal, overload
@@ -62,7 +62,9 @@ Curves = str | Found
 """A word, or the curves of an object of Python in place of a file."""
 
 
-def resolve_sensor(word: Curves, *, answers: Answers = ASK, **changes: Any) -> Sensor:
+def resolve_sensor(
+    word: Curves, *, answers: Answers = ASK, varied: Collection[str] = (), **changes: Any
+) -> Sensor:
     """A sensor of the catalog or from a file of curves, with the given pixel values.
 
     Parameters
@@ -71,6 +73,8 @@ def resolve_sensor(word: Curves, *, answers: Answers = ASK, **changes: Any) -> S
         A name in the catalog or the user's folder, a file (`is_file_word`), or curves in memory.
     answers
         Metadata that the file or the catalog's table lacks.
+    varied
+        As for `chromanoise.sensor.with_pixel`.
     changes
         Fields of `Pixel` and `Converter`, which override the sensor's values; ``None`` does not.
         A file of curves has none: its default is the paper's pixel.
@@ -82,10 +86,10 @@ def resolve_sensor(word: Curves, *, answers: Answers = ASK, **changes: Any) -> S
     """
     given = {key: value for key, value in changes.items() if value is not None}
     if isinstance(word, str) and not is_file_word(word, "sensor"):
-        return with_pixel(_catalog_sensor(word, answers, of_pixel(given)), given)
+        return with_pixel(_catalog_sensor(word, answers, of_pixel(given)), given, varied=varied)
     sensor = read_sensor(file_there(word, "sensor"), DEFAULT_GRID, PAPER_PIXEL, answers=answers)
     note = assumed_pixel(sensor.name, sensor.pixel, given)
-    return with_pixel(replace(sensor, notes=(*sensor.notes, *note)), given)
+    return with_pixel(replace(sensor, notes=(*sensor.notes, *note)), given, varied=varied)
 
 
 def resolve_illuminant(word: Curves, *, answers: Answers = ASK) -> Illuminant:

@@ -47,6 +47,8 @@ def _sentence(error: InputError, command: str, options: Mapping[str, str]) -> st
 
 
 def _remedy(setting: Setting, command: str) -> str:
+    if list(map(str, setting.values)) == ["False"]:  # of an option that has no value
+        return f"omit {options_text(Setting(setting.name), command)}"
     return f"{'omit' if setting.omit else 'give'} {options_text(setting, command)}"
 
 

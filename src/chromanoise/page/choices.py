@@ -6,7 +6,7 @@ from functools import lru_cache
 from typing import Any
 
 from chromanoise import __version__
-from chromanoise.analysis.color_matrices import METHODS
+from chromanoise.analysis.color_matrices import DEFAULT_METHOD, METHODS, MatrixMethod
 from chromanoise.analysis.comparison.quantities import QUANTITIES
 from chromanoise.analysis.comparison.sweeps import SWEEPS
 from chromanoise.analysis.priors import PRIORS
@@ -20,8 +20,10 @@ from chromanoise.errors import InputError
 from chromanoise.exposure import EQUAL_TERMS
 from chromanoise.io.spectra import Answers
 from chromanoise.page.fields import SECTION_HINTS, described_fields, study_defaults
+from chromanoise.page.studies import MOST_MATRICES, MOST_SENSORS
 from chromanoise.scene import BUILTIN_CUBES
 from chromanoise.spectra import DEFAULT_GRID, INFRARED_FROM_NM, METRICS
+from chromanoise.study.document import study_schema
 
 _FORMULAS = ("3200K", "5000K", "6500K", "LED660")  # examples of lamps given by a formula
 _SLIDERS = (
@@ -30,7 +32,6 @@ _SLIDERS = (
     ("exposure.time_ms", "Exposure time", "ms", 0.1, 1000.0, "log", 0.01),
     ("exposure.saturate", "Share of full well", "1", 0.05, 1.0, "linear", 0.01),
     ("exposure.f_number", "f-number", "f/#", 1.0, 16.0, "log", 0.01),
-    ("matrices.weight", "Weight of the noise in the matrix", "1", 0.001, 1000.0, "log", 0.02),
 )
 _RANGES: Mapping[str, tuple[float, float]] = {  # of a new heat map, where no control has them
     "lux": (0.01, 10_000.0),
@@ -68,7 +69,10 @@ def choices() -> dict[str, Any]:
             for one in DENOISING.values()
             if not one.baseline  # baselines are other packages, for `denoise-bench`
         ],
-        "matrices": [{"name": name, "parameter": m.parameter} for name, m in METHODS.items()],
+        "matrices": [
+            {"name": name, "parameter": _parameter(one) if one.parameter else None}
+            for name, one in METHODS.items()
+        ],
         "priors": list(PRIORS),
         "spaces": list(SPACES),
         "metrics": list(METRICS),
@@ -82,12 +86,30 @@ def choices() -> dict[str, Any]:
         "quantities": [{"name": one.name, "what": one.what} for one in QUANTITIES.values()],
         "coordinates": ["X", "Y", "Z", "L*", "a*", "b*"],
         "infrared_from_nm": INFRARED_FROM_NM,
-        "infrared_light": "LED850",
+        "infrared_lights": ["LED850", "LED940"],
         "sliders": sliders,
         "fields": fields,
-        "defaults": study_defaults(),
+        "defaults": study_defaults() | {"matrices": DEFAULT_METHOD},
+        "most": {
+            "sensors": MOST_SENSORS,
+            "matrices": MOST_MATRICES,
+            "seeds": study_schema()["properties"]["seed"]["exclusiveMaximum"],
+        },
         "hints": dict(SECTION_HINTS),
         "sections": [asdict(section) for section in SECTIONS],
+    }
+
+
+def _parameter(method: MatrixMethod) -> dict[str, Any]:
+    """The control of the parameter of a color matrix."""
+    low, high, start = method.usual
+    return {
+        "label": method.label,
+        "low": low,
+        "high": high,
+        "start": start,
+        "scale": "log",
+        "step": 0.02,
     }
 
 

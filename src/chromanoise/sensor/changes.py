@@ -1,6 +1,6 @@
 """Changes to a sensor: its pixel, an added IR-cut filter, or a shift in wavelength."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import fields, replace
 from typing import Any
 
@@ -36,7 +36,9 @@ def of_pixel(changes: Mapping[str, Any]) -> dict[str, Any]:
     return {name: value for name, value in changes.items() if name in _OF_PIXEL}
 
 
-def with_pixel(sensor: Sensor, changes: Mapping[str, Any]) -> Sensor:
+def with_pixel(
+    sensor: Sensor, changes: Mapping[str, Any], *, varied: Collection[str] = ()
+) -> Sensor:
     """The sensor with other values of its pixel and converter.
 
     Parameters
@@ -45,13 +47,16 @@ def with_pixel(sensor: Sensor, changes: Mapping[str, Any]) -> Sensor:
         Any sensor.
     changes
         Values by the names of the fields of `Pixel` and `Converter`; of one pixel, if the
-        sensor's are binned.
+        sensor's are binned. A 0 among them is a value: a temperature beside a dark current of 0 is
+        valid.
+    varied
+        Names of fields that get other values later.
 
     Raises
     ------
     InputError
-        If a value is out of range, there is no such field, or a temperature is given for a pixel
-        without dark current.
+        If a value is out of range, there is no such field, or a value has no effect, e.g. a
+        temperature of a pixel without dark current.
 
     Examples
     --------
@@ -65,7 +70,9 @@ def with_pixel(sensor: Sensor, changes: Mapping[str, Any]) -> Sensor:
         _check.among("field of the pixel", name, sorted(_OF_PIXEL | _OF_CONVERTER))
     pixel = replace(sensor.pixel, **of_the_sum(sensor.pixel, of_pixel(changes)))
     for name, one in PIXEL.items():
-        idle = one.needs and not any(getattr(pixel, needed) for needed in one.needs)
+        idle = one.needs and not any(
+            getattr(pixel, needed) or needed in changes or needed in varied for needed in one.needs
+        )
         if idle and changes.get(name, none := getattr(PAPER_PIXEL, name)) != none:
             labels = " or ".join(PIXEL[n].label for n in one.needs)
             raise InputError(

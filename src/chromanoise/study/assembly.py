@@ -1,7 +1,7 @@
 """Resolve the names in a study to objects: lights, sensors, exposures, cubes."""
 
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -34,6 +34,7 @@ from chromanoise.io.spectra import Answers
 from chromanoise.io.spectra.parsed import Found
 from chromanoise.scene import Cube, Scene, builtin_cube, flat_field
 from chromanoise.sensor import (
+    PIXEL,
     Sensor,
     behind_ir_cut,
     crosstalk_of_share,
@@ -144,7 +145,8 @@ def operating_points_of(study: Study, given: Given = NOTHING_GIVEN) -> list[Oper
     refuse_idle(study, given)
     illuminant = illuminant_of(study, given)
     sensors = [
-        sensor_of(part, key=f"sensors.{i}", given=given) for i, part in enumerate(study.sensors)
+        sensor_of(part, key=f"sensors.{i}", given=given, varied=_varied(study))
+        for i, part in enumerate(study.sensors)
     ]
     return with_distinct_names(operating_points_in(study, illuminant, sensors, given))
 
@@ -545,7 +547,19 @@ def _reflectance_key(name: str) -> str:
     return f"reflectances.{name}" if name in ReflectancesPart.model_fields else name
 
 
-def sensor_of(part: SensorPart, *, key: str = "sensors.0", given: Given = NOTHING_GIVEN) -> Sensor:
+def _varied(study: Study) -> set[str]:
+    """The fields of a pixel that the sweeps of a study vary."""
+    names = {one.vary for part in study.sweeps for one in (part, part.second) if one is not None}
+    return {name.replace("-", "_") for name in names} & {*PIXEL}
+
+
+def sensor_of(
+    part: SensorPart,
+    *,
+    key: str = "sensors.0",
+    given: Given = NOTHING_GIVEN,
+    varied: Collection[str] = (),
+) -> Sensor:
     """A sensor of the study: shifted first, then behind its filter and the added IR-cut.
 
     Parameters
@@ -556,6 +570,8 @@ def sensor_of(part: SensorPart, *, key: str = "sensors.0", given: Given = NOTHIN
         Its key, for errors.
     given
         Objects in place of names.
+    varied
+        As for `chromanoise.sensor.with_pixel`.
 
     Raises
     ------
@@ -567,9 +583,11 @@ def sensor_of(part: SensorPart, *, key: str = "sensors.0", given: Given = NOTHIN
     pixel = _pixel_changes(part.pixel)
     with keyed(f"{key}.name", lambda name: own.get(name, f"{key}.{name}"), own):
         if part.name in given.sensors:
-            sensor = on_pixel(given.sensors[part.name], **pixel)
+            sensor = on_pixel(given.sensors[part.name], varied=varied, **pixel)
         else:
-            sensor = sensor_with_pixel(given.of(part.name), answers=_answers(part), **pixel)
+            sensor = sensor_with_pixel(
+                given.of(part.name), answers=_answers(part), varied=varied, **pixel
+            )
     if part.pixel.binning is not None:
         with keyed(f"{key}.pixel.binning"):
             sensor = with_binning(sensor, part.pixel.binning, part.pixel.binning_mode or "charge")
@@ -670,7 +688,7 @@ def keyed(
             raise
         place = (own or {}).get(error.subject, key)
         named = error.called(_STUDY_NAMES.get(error.subject, error.subject))
-        raise named.inside(place, names) from None
+        raise named.inside(place, names) from error.__cause__
 
 
 def unresolved(study: Study) -> list[InputError]:
@@ -695,7 +713,8 @@ def unresolved(study: Study) -> list[InputError]:
     for make in (observer_of, chart_of, patch_of, pairs_of, prior_of):
         tried(partial(make, study))
     sensors = [
-        tried(partial(sensor_of, part, key=f"sensors.{i}")) for i, part in enumerate(study.sensors)
+        tried(partial(sensor_of, part, key=f"sensors.{i}", varied=_varied(study)))
+        for i, part in enumerate(study.sensors)
     ]
     found += [*duplicates(study), *repeated_labels(study), *idle_settings(study)]
     for i, picture in enumerate(study.pictures):

@@ -1033,13 +1033,17 @@ class OutputsPart(Part):
 
     @model_validator(mode="after")
     def _that_go_together(self) -> "OutputsPart":
-        if self.clip and (self.budget or self.merit):
+        unclipped = [name for name in ("budget", "merit") if getattr(self, name)]
+        if self.clip and unclipped:
             raise InputError(
                 "clip",
-                "must not be given with budget or merit, which follow eq. 7",
+                f"must not be given with {' or '.join(unclipped)}: eq. 7 has no clipping",
                 value=self.clip,
                 found=None,
-                remedy="omit one of them",
+                remedy=(
+                    Setting("clip", omit=True),
+                    *(Setting(name, (False,)) for name in unclipped if len(unclipped) == 1),
+                ),
             )
         if self.pareto is not None and not self.matrix:
             raise InputError(

@@ -3,8 +3,8 @@
 import { button, choice, el, fillChoice, within } from "app/dom.js";
 import { complain } from "app/faults.js";
 import { lampless } from "app/light.js";
-import { matricesOf, MOST_MATRICES } from "app/matrix.js";
-import { setAt } from "app/paths.js";
+import { matricesOf } from "app/matrix.js";
+import { most, setAt } from "app/paths.js";
 import { setCube } from "app/scene.js";
 import { exchange } from "app/sensors.js";
 import { changeStudy, current, replaceStudy } from "app/state.js";
@@ -169,7 +169,7 @@ function matrixUses(id, use) {
   const names = matricesOf(current().study);
   const others = names.filter((name) => name !== id);
   const first = use("Use as the color matrix", (study) => (study.matrices = [id, ...others.filter((name) => name !== names[0])]));
-  if (others.length >= MOST_MATRICES) return [first];
+  if (others.length >= most.matrices) return [first];
   return [first, use("Add as a color matrix", (study) => (study.matrices = [...others, id]))];
 }
 

@@ -9,7 +9,7 @@ import { changeStudy } from "app/state.js";
 import { sent, UNHEARD } from "app/upload.js";
 import { learn, shownName } from "app/uploads.js";
 
-/** @import { Choices, Field, Head, Study, UploadedFile } from "answers" */
+/** @import { Choices, Field, Head, Range, Study, UploadedFile } from "answers" */
 /** @typedef {(study: Study, head: Head | null) => void} Show */
 /** @typedef {{ row: HTMLElement, show: Show }} Row */
 /** @typedef {(value: unknown, how?: "step" | "slide") => void} Write */
@@ -140,7 +140,7 @@ const MAKERS = { number: numberRow, choice: choiceRow, flag: choiceRow, text: te
 function numberRow(choices, field, i, write) {
   const path = pathOf(field.key, i);
   const inPixel = field.key.startsWith("sensors.pixel.");
-  const range = { low: 0, high: 1, ...field };
+  const range = /** @type {Field & Range} */ (field);
   const control = slider({
     label: field.label,
     unit: shownUnit(field),

@@ -5,7 +5,7 @@ import * as cloud from "app/cloud.js";
 import { attribute, button, byId, choice, el, fillChoice, freshId, say, within } from "app/dom.js";
 import { matricesOf } from "app/matrix.js";
 import { pack, tableOf } from "app/panels.js";
-import { MOST } from "app/sensors.js";
+import { most } from "app/paths.js";
 import { changeStudy, current, subscribe } from "app/state.js";
 import { sent } from "app/upload.js";
 import { remember, shownName } from "app/uploads.js";
@@ -153,7 +153,7 @@ function frontPanel() {
   /** @param {Study} study */
   function show(study) {
     const places = study.sensors.map(({ name }, i) => [String(i), `in place of sensor ${i + 1}, ${shownName(name)}`]);
-    const beside = study.sensors.length < MOST ? [["beside", "beside the others"]] : [];
+    const beside = study.sensors.length < most.sensors ? [["beside", "beside the others"]] : [];
     const now = [["last", "in place of the last loaded one"], ...beside, ...places];
     const kept = now.some(([value]) => value === target.select.value) ? target.select.value : "last";
     fillChoice(target.select, now, kept);
@@ -196,7 +196,7 @@ const pixelOf = ({ pixel }) => (Object.keys(pixel).length ? { pixel } : {});
 function seat({ sensors }, sensor, target) {
   const before = sensors.findIndex(({ name }) => name === sensor.name);
   const last = sensors.findLastIndex(({ name }) => members.has(name));
-  const full = sensors.length >= MOST ? sensors.length - 1 : -1;
+  const full = sensors.length >= most.sensors ? sensors.length - 1 : -1;
   const i = target === "beside" ? full : target === "last" ? (last < 0 ? full : last) : Number(target);
   if (before >= 0 && before !== i) return;
   if (i < 0) sensors.push(sensor);

@@ -12,7 +12,6 @@ import { uploaded } from "app/uploads.js";
 /** @typedef {{ base: string, ratio: number, diode: string | null }} LightParts */
 
 const WITH_INFRARED = /^(.+)\+([0-9.]+(?:e[-+]?\d+)?)x(LED\d+)$/i;
-const DIODES = ["LED850", "LED940"];
 const OTHER = "other…";
 
 /** How a light continues whose table ends early, with what that means for the sensors. */
@@ -40,7 +39,7 @@ export function lightParts(name) {
  * @param {LightParts} parts
  */
 export function lightName({ base, ratio, diode }) {
-  return ratio > 0 ? `${base}+${ratio}x${diode ?? DIODES[0]}` : base;
+  return ratio > 0 ? `${base}+${ratio}x${diode}` : base;
 }
 
 /**
@@ -59,7 +58,8 @@ export function lampless(light = {}) {
  * @returns {Group}
  */
 export function lightControls(choices) {
-  let diode = DIODES[0];
+  const diodes = choices.infrared_lights;
+  let diode = diodes[0];
   /**
    * @param {Partial<LightParts>} part
    * @param {How} how
@@ -89,15 +89,12 @@ export function lightControls(choices) {
     change({ base: name }, "step", { beyond });
   });
   const ratio = slider({
-    label: "Infrared in the light",
-    unit: "W/W",
-    range: infraredRange(choices),
-    where: "light.infrared",
+    ...described(choices, "light.infrared"),
     on: (value) => change({ ratio: value ?? 0 }, "slide"),
   });
   const lamp = choice({
     label: "Infrared diode",
-    options: DIODES,
+    options: diodes,
     value: diode,
     on: (name) => {
       diode = name;
@@ -118,7 +115,7 @@ export function lightControls(choices) {
     base.show(waiting ?? now.base);
     showContinuation(waiting ?? now.base, waiting ? null : answered(study.light));
     ratio.show(now.ratio);
-    fillChoice(lamp.select, DIODES, diode);
+    fillChoice(lamp.select, diodes, diode);
     level.show(saidAt(study, "light.level_lux"));
   };
   return { node, show };
@@ -159,12 +156,6 @@ function continuationChoice(choices, on) {
     return say(meant, `${name} ends at ${end} nm. ${beyond ? CONTINUED[beyond] : asked}`);
   };
   return { row, show };
-}
-
-/** @param {Choices} choices */
-function infraredRange(choices) {
-  const told = rangeOf(choices, "light.infrared");
-  return told ?? { low: 0, high: 2, scale: "linear", step: 0.02 };
 }
 
 /**

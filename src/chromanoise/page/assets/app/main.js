@@ -364,7 +364,7 @@ async function withMapControls(choices) {
 async function start() {
   narrowButtons();
   const choices = await choicesOfServer();
-  useDefaults(choices.defaults);
+  useDefaults(choices);
   startFrom(choices.study);
   byId("version").textContent = `chromanoise ${choices.version}`;
   page.showControls = controls(byId("controls"), choices);

@@ -2,6 +2,7 @@
 
 import { attribute, brief, choice, el, fillChoice, freshId, say } from "app/dom.js";
 import { complain } from "app/faults.js";
+import { defaultOf } from "app/paths.js";
 import { shownUnit } from "app/slider.js";
 import { changeStudy } from "app/state.js";
 
@@ -38,7 +39,7 @@ export function mapControls(choices) {
     up.show(map?.second ?? null, `${place}.second`);
     attribute(quantity.select, "data-where", `${place}.quantity`);
     const names = choices.quantities.map(({ name, what }) => [name, what]);
-    fillChoice(quantity.select, names, map?.quantity ?? "snr-y");
+    fillChoice(quantity.select, names, map?.quantity ?? defaultOf("sweeps.quantity"));
     for (const row of [up.node, quantity.row]) row.hidden = map === null;
   };
   return { node: el("div", { class: "map-tools" }, across.node, up.node, quantity.row), show };

@@ -1,24 +1,13 @@
 /** Controls of the color matrices: how each is made, with which parameter, from which prior. */
 
 import { attribute, button, choice, el, fillChoice, say } from "app/dom.js";
-import { rangeOf } from "app/paths.js";
+import { defaultOf, most } from "app/paths.js";
 import { slider } from "app/slider.js";
 import { changeStudy } from "app/state.js";
 import { uploaded } from "app/uploads.js";
 
-/** @import { Choices, Range, State, Study } from "answers" */
+/** @import { Choices, State, Study } from "answers" */
 /** @import { Group } from "app/controls.js" */
-/** @typedef {Range & { label: string, start: number }} Parameter */
-
-export const MOST_MATRICES = 4;
-const STANDARD = "kernel";
-
-/** @type {Record<string, Parameter>} */
-const PARAMETERS = {
-  weight: { label: "Weight of the noise", low: 0.001, high: 1000, start: 1 },
-  strength: { label: "Strength of the ridge", low: 1e-6, high: 10, start: 0.01 },
-  limit: { label: "Largest noise gain \u03a8", low: 1, high: 20, start: 6.5 },
-};
 
 /**
  * The parts of a matrix's name: `noise-regularized=1` is a method and its parameter.
@@ -36,14 +25,14 @@ export function matrixParts(name) {
  * @param {Study} study
  */
 export function isTrained({ matrices = [] }) {
-  return matrices.some((name) => matrixParts(name).method !== STANDARD && !isFile(name));
+  return matrices.some((name) => matrixParts(name).method !== defaultOf("matrices") && !isFile(name));
 }
 
 /** @param {string} name */
 const isFile = (name) => /\.[a-z]\w*$/i.test(name);
 
 /** @param {Study} study */
-export const matricesOf = ({ matrices }) => (matrices?.length ? matrices : [STANDARD]);
+export const matricesOf = ({ matrices }) => (matrices?.length ? matrices : [defaultOf("matrices")]);
 
 /**
  * The group of controls: `node` and `show(state)`.
@@ -65,7 +54,7 @@ export function matrixControls(choices) {
       list.replaceChildren(...cards.map((card) => card.node));
     }
     names.forEach((_, i) => cards[i].show(names));
-    attribute(add, "disabled", names.length >= MOST_MATRICES);
+    attribute(add, "disabled", names.length >= most.matrices);
     say(said, names.length > 1 ? "'Over the light level' shows all matrices; the other charts use the first." : "");
   };
   return { node: el("div", {}, list, add, said), show };
@@ -195,21 +184,15 @@ function removed(node, i) {
  * @param {number} i
  */
 function without(names, i) {
-  const rest = names.filter((_, k) => k !== i);
-  return rest.length ? rest : [STANDARD];
+  return matricesOf({ sensors: [], matrices: names.filter((_, k) => k !== i) });
 }
 
 /**
  * @param {Choices} choices
  * @param {string} method
- * @returns {Parameter | null}
  */
 function parameterOf(choices, method) {
-  const name = choices.matrices.find((one) => one.name === method)?.parameter ?? null;
-  if (name === null) return null;
-  const told = name === "weight" ? rangeOf(choices, "matrices.weight") : null;
-  const known = PARAMETERS[name] ?? { label: name, low: 1e-3, high: 1e3, start: 1 };
-  return { scale: "log", ...known, ...told, start: known.start };
+  return choices.matrices.find((one) => one.name === method)?.parameter ?? null;
 }
 
 /**

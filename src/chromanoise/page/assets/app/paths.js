@@ -39,13 +39,27 @@ const isEmpty = (table) => (Array.isArray(table) ? table.every(isEmpty) : Object
 /** @type {Choices["defaults"]} */
 const defaults = {};
 
+/** The largest numbers of sensors and matrices, and the number of seeds; the server sets them. */
+export const most = { sensors: 0, matrices: 0, seeds: 0 };
+
 /**
- * Takes the defaults of a study, by key, from the server.
+ * Takes the defaults and the limits of a study from the server.
  *
- * @param {Choices["defaults"]} served
+ * @param {Choices} choices
  */
-export function useDefaults(served) {
-  Object.assign(defaults, served);
+export function useDefaults(choices) {
+  Object.assign(defaults, choices.defaults);
+  Object.assign(most, choices.most);
+}
+
+/**
+ * The default of a value; null where a study has none.
+ *
+ * @param {string} path
+ * @returns {any}
+ */
+export function defaultOf(path) {
+  return defaults[path.replace(/\.\d+/g, "")] ?? null;
 }
 
 /**
@@ -56,7 +70,7 @@ export function useDefaults(served) {
  * @returns {any}
  */
 export function saidAt(study, path) {
-  return valueAt(study, path) ?? defaults[path] ?? null;
+  return valueAt(study, path) ?? defaultOf(path);
 }
 
 /**

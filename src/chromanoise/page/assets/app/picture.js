@@ -2,6 +2,7 @@
 
 import { Refused } from "app/ask.js";
 import { attribute, brief, button, choice, el, fillChoice, say, within } from "app/dom.js";
+import { most, saidAt } from "app/paths.js";
 import { setDenoising } from "app/scene.js";
 import { changeStudy, current } from "app/state.js";
 import { shownName } from "app/uploads.js";
@@ -125,7 +126,7 @@ class View {
    * @param {Study} study
    */
   #offer(study) {
-    const { sensors, seed = 0 } = study;
+    const { sensors } = study;
     const method = methodOf(study);
     const kinds = method ? ["noisy", "denoised", "still"] : ["noisy", "still"];
     const values = sensors.flatMap((_, i) => kinds.map((kind) => `${i} ${kind}`));
@@ -139,7 +140,7 @@ class View {
     fillChoice(this.method.select, [NO_METHOD, ...known], method ?? "");
     this.method.row.hidden = !method && known.length === 0;
     this.#describe(method);
-    say(this.seed, `seed ${seed}`);
+    say(this.seed, `seed ${saidAt(study, "seed")}`);
   }
 
   /**
@@ -315,7 +316,7 @@ function sentence(text) {
 
 /** @param {Study} study */
 function nextSeed(study) {
-  study.seed = ((study.seed ?? 0) + 1) % 2 ** 32;
+  study.seed = (saidAt(study, "seed") + 1) % most.seeds;
 }
 
 /**

@@ -1,13 +1,13 @@
 /** Control of the scene: which cube the picture shows, and what lies beyond its bands. */
 
 import { choice, el, fillChoice } from "app/dom.js";
+import { defaultOf, saidAt } from "app/paths.js";
 import { changeStudy } from "app/state.js";
 import { asksFor, uploaded } from "app/uploads.js";
 
 /** @import { Choices, PicturePart, State, Study } from "answers" */
 /** @import { Group } from "app/controls.js" */
 
-const STANDARD = "builtin:checker";
 const BEYOND = [
   ["hold", "hold last value"],
   ["zero", "black"],
@@ -22,7 +22,7 @@ const OF_THE_CUBE = ["key", "shape", "wavelengths", "scale", "beyond"];
  * @param {Study} study
  */
 export function cubeOf(study) {
-  return study.pictures?.[0]?.cube ?? STANDARD;
+  return saidAt(study, "pictures.0.cube");
 }
 
 /**
@@ -60,7 +60,7 @@ export function setDenoising(study, method) {
  */
 function setPicture(study, picture) {
   const rest = study.pictures?.slice(1) ?? [];
-  const plain = picture.cube === STANDARD && Object.keys(picture).length === 1;
+  const plain = picture.cube === defaultOf("pictures.0.cube") && Object.keys(picture).length === 1;
   if (plain && rest.length === 0) delete study.pictures;
   else study.pictures = [picture, ...rest];
 }
@@ -86,12 +86,11 @@ export function sceneControls(choices) {
   });
   /** @param {State} state */
   const show = ({ study }) => {
-    const known = choices.scenes?.length ? choices.scenes : [STANDARD];
     const cube = cubeOf(study);
-    const said = study.pictures?.[0]?.beyond;
-    fillChoice(scene.select, [...known, ...uploaded("cube", cube)], cube);
+    const said = saidAt(study, "pictures.0.beyond");
+    fillChoice(scene.select, [...(choices.scenes ?? []), ...uploaded("cube", cube)], cube);
     // without a choice the ends are held; the control shows it
-    ends.row.hidden = (said ?? "refuse") === "refuse" && !asksFor("cube", cube, "beyond");
+    ends.row.hidden = said === defaultOf("pictures.0.beyond") && !asksFor("cube", cube, "beyond");
     fillChoice(ends.select, BEYOND, BEYOND.some(([word]) => word === said) ? said : "hold");
   };
   return { node: el("div", {}, scene.row, ends.row), show };

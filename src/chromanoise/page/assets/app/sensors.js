@@ -2,6 +2,7 @@
 
 import { attribute, brief, button, choice, drawer, el, fillChoice, say } from "app/dom.js";
 import { countSet, fieldGroups } from "app/fields.js";
+import { most } from "app/paths.js";
 import { changeStudy } from "app/state.js";
 import { shownName, uploaded } from "app/uploads.js";
 import { mark, sensorLines } from "draw/look.js";
@@ -11,7 +12,6 @@ import { svg } from "draw/svg.js";
 /** @import { Group } from "app/controls.js" */
 
 const FEWEST = 1;
-export const MOST = 10;
 
 /** Drawn, because few fonts have a sign for a copy. */
 const TWO_SHEETS = "M2.5 2.5h8v8h-8z M5.5 10.5v3h8v-8h-3";
@@ -41,8 +41,8 @@ export function sensorControls(choices) {
     }
     const lines = sensorLines(sensors.map(({ name }) => name));
     cards.forEach((card, i) => card.show(study, head, lines[i].color));
-    attribute(add, "disabled", sensors.length >= MOST);
-    say(said, add.disabled ? `Limit: ${MOST} sensors.` : "");
+    attribute(add, "disabled", sensors.length >= most.sensors);
+    say(said, add.disabled ? `Limit: ${most.sensors} sensors.` : "");
   };
   return { node: el("div", {}, list, add, said), show };
 }
@@ -126,7 +126,7 @@ function sensorCard(choices, i) {
     say(inner.aside, count ? `${count} set` : "");
     inner.show(study, head);
     attribute(up, "disabled", i === 0);
-    attribute(again, "disabled", sensors.length >= MOST);
+    attribute(again, "disabled", sensors.length >= most.sensors);
     attribute(away, "disabled", sensors.length <= FEWEST);
   };
   return { node, show };
