@@ -2,6 +2,7 @@
 
 import inspect
 import os
+import re
 import subprocess
 import sys
 from dataclasses import MISSING, dataclass, fields
@@ -103,20 +104,23 @@ def test_a_value_out_of_the_bounds_of_the_pixel_is_refused_in_a_study(name):
 
 
 @pytest.mark.evidence
-@pytest.mark.parametrize(
-    ("call", "accepted"),
-    [
-        ("prnu=0.01, temperature_c=30.0, lux=4.0", True),
-        ("prnu='much'", False),
-        ("prnv=0.01", False),
-        ("equal='saturation', iso=[100.0], labels=['a']", True),
-        ("equal='time'", False),
-        ("outputs=1", False),
-    ],
-)
-def test_a_type_checker_knows_the_settings_of_functions(call, accepted, tmp_path):
-    line = f"import chromanoise as cn; cn.analyze('onyx-rgbw', {call})"
-    run = [sys.executable, "-m", "mypy", "-c", line]
+CALLS = {
+    "cn.analyze('onyx-rgbw', prnu=0.01, temperature_c=30.0, lux=4.0)": True,
+    "cn.analyze('onyx-rgbw', prnu='much')": False,
+    "cn.analyze('onyx-rgbw', prnv=0.01)": False,
+    "cn.analyze('onyx-rgbw', equal='saturation', iso=[100.0], labels=['a'])": True,
+    "cn.analyze('onyx-rgbw', equal='time')": False,
+    "cn.analyze('onyx-rgbw', points=3)": False,
+    "given: cn.study.ComparisonSettings = {'points': 3}; cn.compare('onyx-rgbw', **given)": True,
+    "other: cn.study.ComparisonSettings = {'point': 3}": False,
+}
+
+
+def test_a_type_checker_knows_the_settings_of_functions(tmp_path):
+    lines = ["import chromanoise as cn", *CALLS]
+    (tmp_path / "calls.py").write_text("\n".join(lines))
+    run = [sys.executable, "-m", "mypy", "calls.py"]
     env = os.environ | {"MYPYPATH": str(make_stubs.PACKAGE.parent)}
-    done = subprocess.run(run, cwd=tmp_path, env=env, check=False, capture_output=True)
-    assert (done.returncode == 0) is accepted
+    done = subprocess.run(run, cwd=tmp_path, env=env, check=False, capture_output=True, text=True)
+    refused = {int(found) for found in re.findall(r"^calls\.py:(\d+): error", done.stdout, re.M)}
+    assert refused == {lines.index(call) + 1 for call, accepted in CALLS.items() if not accepted}

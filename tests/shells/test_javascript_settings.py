@@ -1,4 +1,4 @@
-"""JavaScript has no bound, default or range of a setting: the server sends them with the controls."""
+"""JavaScript has no bound, default or range of a setting: the server sends them to the page."""
 
 import re
 from pathlib import Path
