@@ -103,7 +103,6 @@ def test_a_value_out_of_the_bounds_of_the_pixel_is_refused_in_a_study(name):
         study_from_data({"sensors": [{"name": "onyx-rgbw", "pixel": {name: wrong}}]})
 
 
-@pytest.mark.evidence
 CALLS = {
     "cn.analyze('onyx-rgbw', prnu=0.01, temperature_c=30.0, lux=4.0)": True,
     "cn.analyze('onyx-rgbw', prnu='much')": False,
@@ -116,6 +115,7 @@ CALLS = {
 }
 
 
+@pytest.mark.evidence
 def test_a_type_checker_knows_the_settings_of_functions(tmp_path):
     lines = ["import chromanoise as cn", *CALLS]
     (tmp_path / "calls.py").write_text("\n".join(lines))
