@@ -48,13 +48,22 @@ def of_pixel() -> str:
 
 def of_keywords() -> str:
     """The stub of the keywords of each function of Python."""
-    text = _KEYWORDS_HEAD
+    written = {
+        function: {one.name: _source(one.of.type) for one in described_settings(function)}
+        for function in NAMES
+    }
+    shared = set.intersection(*(set(lines.items()) for lines in written.values()))
+    text = _KEYWORDS_HEAD + _class("_Shared(TypedDict", written["analyze"], shared)
     for function, name in NAMES.items():
-        lines = [
-            f"    {one.name}: {_source(one.of.type)}\n" for one in described_settings(function)
-        ]
-        text += f"\nclass {name}(TypedDict, total=False):\n{''.join(lines)}"
+        own = set(written[function].items()) - shared
+        text += _class(f"{name}(_Shared", written[function], own)
     return text
+
+
+def _class(head: str, lines: Mapping[str, str], of: set[tuple[str, str]]) -> str:
+    """A class with those of the lines, in their order."""
+    own = [f"    {name}: {kind}\n" for name, kind in lines.items() if (name, kind) in of]
+    return f"\nclass {head}, total=False):\n{''.join(own) or '    pass' + chr(10)}"
 
 
 def _source(kind: Any) -> str:

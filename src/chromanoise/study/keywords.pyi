@@ -6,7 +6,7 @@ from typing import Literal, TypedDict
 
 NAMES: Mapping[str, str]
 
-class AnalysisSettings(TypedDict, total=False):
+class _Shared(TypedDict, total=False):
     illuminant: str | Path | object
     lux: float
     illuminant_beyond: Literal["hold", "refuse", "zero"]
@@ -58,6 +58,8 @@ class AnalysisSettings(TypedDict, total=False):
     mosaic: str
     ircut_nm: float
     shift_nm: float
+
+class AnalysisSettings(_Shared, total=False):
     chart_file: str | Path | object
     patch: float | str | Path | object
     pairs: str | Path | object
@@ -81,58 +83,7 @@ class AnalysisSettings(TypedDict, total=False):
     base_iso: float
     iso_read_noise_e: Sequence[float]
 
-class ComparisonSettings(TypedDict, total=False):
-    illuminant: str | Path | object
-    lux: float
-    illuminant_beyond: Literal["hold", "refuse", "zero"]
-    illuminant_per: Literal["energy", "photon"]
-    illuminant_column: str
-    illuminant_wavelength_unit: Literal["1/cm", "angstrom", "nm", "um"]
-    negatives: Literal["refuse", "zero"]
-    equal: Literal["exposure", "light", "saturation"]
-    time_ms: float
-    saturate: float
-    f_number: float
-    magnification: float
-    metric: str
-    observer: str | Path | object
-    prior: str | Path | object
-    labels: Sequence[str]
-    beyond: Literal["hold", "refuse", "zero"]
-    qe_scale: Literal["fraction", "percent"]
-    level: Literal["absolute", "relative"]
-    per: Literal["energy", "photon"]
-    wavelength_unit: Literal["1/cm", "angstrom", "nm", "um"]
-    peak_qe: float
-    pixel: str | Path
-    pitch_um: float
-    full_well_e: float
-    read_noise_e: float
-    dark_current_e_per_s: float
-    temperature_c: float
-    dark_reference_c: float
-    dark_doubling_k: float
-    dsnu_e: float
-    prnu: float
-    row_noise_e: float
-    column_noise_e: float
-    reset_capacitance_ff: float
-    rtn_share: float
-    rtn_amplitude_e: float
-    black_error_e: float
-    bits: int
-    gain_dn_per_e: float
-    binning: int
-    binning_mode: Literal["charge", "digital"]
-    filter: str | Path | object
-    channel_filters: Mapping[str, str | Path | object]
-    filter_wavelength_unit: Literal["1/cm", "angstrom", "nm", "um"]
-    shift_ircut_nm: float
-    crosstalk: float | str | Path
-    crosstalk_stage: Literal["charge", "light"]
-    mosaic: str
-    ircut_nm: float
-    shift_nm: float
+class ComparisonSettings(_Shared, total=False):
     chart_file: str | Path | object
     patch: float | str | Path | object
     pairs: str | Path | object
@@ -146,58 +97,7 @@ class ComparisonSettings(TypedDict, total=False):
     quantity: str
     all_priors: bool
 
-class MapSettings(TypedDict, total=False):
-    illuminant: str | Path | object
-    lux: float
-    illuminant_beyond: Literal["hold", "refuse", "zero"]
-    illuminant_per: Literal["energy", "photon"]
-    illuminant_column: str
-    illuminant_wavelength_unit: Literal["1/cm", "angstrom", "nm", "um"]
-    negatives: Literal["refuse", "zero"]
-    equal: Literal["exposure", "light", "saturation"]
-    time_ms: float
-    saturate: float
-    f_number: float
-    magnification: float
-    metric: str
-    observer: str | Path | object
-    prior: str | Path | object
-    labels: Sequence[str]
-    beyond: Literal["hold", "refuse", "zero"]
-    qe_scale: Literal["fraction", "percent"]
-    level: Literal["absolute", "relative"]
-    per: Literal["energy", "photon"]
-    wavelength_unit: Literal["1/cm", "angstrom", "nm", "um"]
-    peak_qe: float
-    pixel: str | Path
-    pitch_um: float
-    full_well_e: float
-    read_noise_e: float
-    dark_current_e_per_s: float
-    temperature_c: float
-    dark_reference_c: float
-    dark_doubling_k: float
-    dsnu_e: float
-    prnu: float
-    row_noise_e: float
-    column_noise_e: float
-    reset_capacitance_ff: float
-    rtn_share: float
-    rtn_amplitude_e: float
-    black_error_e: float
-    bits: int
-    gain_dn_per_e: float
-    binning: int
-    binning_mode: Literal["charge", "digital"]
-    filter: str | Path | object
-    channel_filters: Mapping[str, str | Path | object]
-    filter_wavelength_unit: Literal["1/cm", "angstrom", "nm", "um"]
-    shift_ircut_nm: float
-    crosstalk: float | str | Path
-    crosstalk_stage: Literal["charge", "light"]
-    mosaic: str
-    ircut_nm: float
-    shift_nm: float
+class MapSettings(_Shared, total=False):
     chart_file: str | Path | object
     patch: float | str | Path | object
     pairs: str | Path | object
@@ -214,113 +114,11 @@ class MapSettings(TypedDict, total=False):
     second_last: float
     second_points: int
 
-class DenoiseSettings(TypedDict, total=False):
-    illuminant: str | Path | object
-    lux: float
-    illuminant_beyond: Literal["hold", "refuse", "zero"]
-    illuminant_per: Literal["energy", "photon"]
-    illuminant_column: str
-    illuminant_wavelength_unit: Literal["1/cm", "angstrom", "nm", "um"]
-    negatives: Literal["refuse", "zero"]
-    equal: Literal["exposure", "light", "saturation"]
-    time_ms: float
-    saturate: float
-    f_number: float
-    magnification: float
-    metric: str
-    observer: str | Path | object
-    prior: str | Path | object
-    labels: Sequence[str]
-    beyond: Literal["hold", "refuse", "zero"]
-    qe_scale: Literal["fraction", "percent"]
-    level: Literal["absolute", "relative"]
-    per: Literal["energy", "photon"]
-    wavelength_unit: Literal["1/cm", "angstrom", "nm", "um"]
-    peak_qe: float
-    pixel: str | Path
-    pitch_um: float
-    full_well_e: float
-    read_noise_e: float
-    dark_current_e_per_s: float
-    temperature_c: float
-    dark_reference_c: float
-    dark_doubling_k: float
-    dsnu_e: float
-    prnu: float
-    row_noise_e: float
-    column_noise_e: float
-    reset_capacitance_ff: float
-    rtn_share: float
-    rtn_amplitude_e: float
-    black_error_e: float
-    bits: int
-    gain_dn_per_e: float
-    binning: int
-    binning_mode: Literal["charge", "digital"]
-    filter: str | Path | object
-    channel_filters: Mapping[str, str | Path | object]
-    filter_wavelength_unit: Literal["1/cm", "angstrom", "nm", "um"]
-    shift_ircut_nm: float
-    crosstalk: float | str | Path
-    crosstalk_stage: Literal["charge", "light"]
-    ircut_nm: float
-    shift_nm: float
-    mosaic: str
+class DenoiseSettings(_Shared, total=False):
     demosaic: str
     black_level: int
 
-class MatrixSettings(TypedDict, total=False):
-    illuminant: str | Path | object
-    lux: float
-    illuminant_beyond: Literal["hold", "refuse", "zero"]
-    illuminant_per: Literal["energy", "photon"]
-    illuminant_column: str
-    illuminant_wavelength_unit: Literal["1/cm", "angstrom", "nm", "um"]
-    negatives: Literal["refuse", "zero"]
-    equal: Literal["exposure", "light", "saturation"]
-    time_ms: float
-    saturate: float
-    f_number: float
-    magnification: float
-    metric: str
-    observer: str | Path | object
-    prior: str | Path | object
-    labels: Sequence[str]
-    beyond: Literal["hold", "refuse", "zero"]
-    qe_scale: Literal["fraction", "percent"]
-    level: Literal["absolute", "relative"]
-    per: Literal["energy", "photon"]
-    wavelength_unit: Literal["1/cm", "angstrom", "nm", "um"]
-    peak_qe: float
-    pixel: str | Path
-    pitch_um: float
-    full_well_e: float
-    read_noise_e: float
-    dark_current_e_per_s: float
-    temperature_c: float
-    dark_reference_c: float
-    dark_doubling_k: float
-    dsnu_e: float
-    prnu: float
-    row_noise_e: float
-    column_noise_e: float
-    reset_capacitance_ff: float
-    rtn_share: float
-    rtn_amplitude_e: float
-    black_error_e: float
-    bits: int
-    gain_dn_per_e: float
-    binning: int
-    binning_mode: Literal["charge", "digital"]
-    filter: str | Path | object
-    channel_filters: Mapping[str, str | Path | object]
-    filter_wavelength_unit: Literal["1/cm", "angstrom", "nm", "um"]
-    shift_ircut_nm: float
-    crosstalk: float | str | Path
-    crosstalk_stage: Literal["charge", "light"]
-    mosaic: str
-    ircut_nm: float
-    shift_nm: float
+class MatrixSettings(_Shared, total=False):
     chart_file: str | Path | object
     patch: float | str | Path | object
     pairs: str | Path | object
@@ -331,64 +129,13 @@ class MatrixSettings(TypedDict, total=False):
     pareto_last: float
     pareto_points: int
 
-class RenderSettings(TypedDict, total=False):
-    illuminant: str | Path | object
-    lux: float
-    illuminant_beyond: Literal["hold", "refuse", "zero"]
-    illuminant_per: Literal["energy", "photon"]
-    illuminant_column: str
-    illuminant_wavelength_unit: Literal["1/cm", "angstrom", "nm", "um"]
-    negatives: Literal["refuse", "zero"]
-    equal: Literal["exposure", "light", "saturation"]
-    time_ms: float
-    saturate: float
-    f_number: float
-    magnification: float
-    metric: str
-    observer: str | Path | object
-    prior: str | Path | object
-    labels: Sequence[str]
-    beyond: Literal["hold", "refuse", "zero"]
-    qe_scale: Literal["fraction", "percent"]
-    level: Literal["absolute", "relative"]
-    per: Literal["energy", "photon"]
-    wavelength_unit: Literal["1/cm", "angstrom", "nm", "um"]
-    peak_qe: float
-    pixel: str | Path
-    pitch_um: float
-    full_well_e: float
-    read_noise_e: float
-    dark_current_e_per_s: float
-    temperature_c: float
-    dark_reference_c: float
-    dark_doubling_k: float
-    dsnu_e: float
-    prnu: float
-    row_noise_e: float
-    column_noise_e: float
-    reset_capacitance_ff: float
-    rtn_share: float
-    rtn_amplitude_e: float
-    black_error_e: float
-    bits: int
-    gain_dn_per_e: float
-    binning: int
-    binning_mode: Literal["charge", "digital"]
-    filter: str | Path | object
-    channel_filters: Mapping[str, str | Path | object]
-    filter_wavelength_unit: Literal["1/cm", "angstrom", "nm", "um"]
-    shift_ircut_nm: float
-    crosstalk: float | str | Path
-    crosstalk_stage: Literal["charge", "light"]
-    ircut_nm: float
-    shift_nm: float
+class RenderSettings(_Shared, total=False):
     seed: int
     key: str
     shape: tuple[int, int]
     wavelengths: tuple[float, float] | str
     scale: float
     bad_pixels: Literal["refuse", "zero"]
-    mosaic: str
     demosaic: str
     raw_only: bool
     black_level: int
@@ -397,58 +144,7 @@ class RenderSettings(TypedDict, total=False):
     formats: Sequence[str]
     clip: bool
 
-class SensitivitySettings(TypedDict, total=False):
-    illuminant: str | Path | object
-    lux: float
-    illuminant_beyond: Literal["hold", "refuse", "zero"]
-    illuminant_per: Literal["energy", "photon"]
-    illuminant_column: str
-    illuminant_wavelength_unit: Literal["1/cm", "angstrom", "nm", "um"]
-    negatives: Literal["refuse", "zero"]
-    equal: Literal["exposure", "light", "saturation"]
-    time_ms: float
-    saturate: float
-    f_number: float
-    magnification: float
-    metric: str
-    observer: str | Path | object
-    prior: str | Path | object
-    labels: Sequence[str]
-    beyond: Literal["hold", "refuse", "zero"]
-    qe_scale: Literal["fraction", "percent"]
-    level: Literal["absolute", "relative"]
-    per: Literal["energy", "photon"]
-    wavelength_unit: Literal["1/cm", "angstrom", "nm", "um"]
-    peak_qe: float
-    pixel: str | Path
-    pitch_um: float
-    full_well_e: float
-    read_noise_e: float
-    dark_current_e_per_s: float
-    temperature_c: float
-    dark_reference_c: float
-    dark_doubling_k: float
-    dsnu_e: float
-    prnu: float
-    row_noise_e: float
-    column_noise_e: float
-    reset_capacitance_ff: float
-    rtn_share: float
-    rtn_amplitude_e: float
-    black_error_e: float
-    bits: int
-    gain_dn_per_e: float
-    binning: int
-    binning_mode: Literal["charge", "digital"]
-    filter: str | Path | object
-    channel_filters: Mapping[str, str | Path | object]
-    filter_wavelength_unit: Literal["1/cm", "angstrom", "nm", "um"]
-    shift_ircut_nm: float
-    crosstalk: float | str | Path
-    crosstalk_stage: Literal["charge", "light"]
-    mosaic: str
-    ircut_nm: float
-    shift_nm: float
+class SensitivitySettings(_Shared, total=False):
     chart_file: str | Path | object
     patch: float | str | Path | object
     pairs: str | Path | object
