@@ -12,7 +12,7 @@ export OPENBLAS_NUM_THREADS ?= 1
 # kept bytecode: else every process that a test starts compiles all sources again
 export PYTHONDONTWRITEBYTECODE =
 
-.PHONY: demo test lowest lint lint-python lint-js bench docs docs-pictures linkcheck evidence reconstruct format clean clean-kernels
+.PHONY: demo test lowest lint lint-python lint-js bench docs docs-pictures linkcheck evidence reconstruct format size clean clean-kernels
 
 demo: $(VENV)/.installed
 	$(BIN)/chromanoise demo
@@ -31,6 +31,9 @@ lowest: $(LOWEST)/.installed
 
 evidence: $(VENV)/.dev
 	$(BIN)/python -m pytest -m evidence
+
+size: $(VENV)/.dev
+	$(BIN)/python tools/size.py
 
 lint: lint-python lint-js
 

@@ -6,8 +6,11 @@ import re
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
+
+import size
 
 ROOT = Path(__file__).parents[1]
 PACKAGE = ROOT / "src" / "chromanoise"
@@ -153,3 +156,16 @@ def test_a_property_of_the_pixel_is_named_in_few_modules(name):
     sources = [*PACKAGE.rglob("*.py"), *PACKAGE.rglob("*.js")]
     naming = [one for one in sources if re.search(rf"\b{name}\b", one.read_text("utf-8"))]
     assert len(naming) <= MOST_MODULES[name], sorted(naming)
+
+
+def test_no_room_is_larger_than_its_ceiling():
+    """`make size` writes `docs/size.toml` anew: its difference shows what a change costs."""
+    assert not size.larger(size.sizes())
+
+
+def test_a_line_more_is_found(monkeypatch):
+    grown = {name: dict(one) for name, one in size.sizes().items()}
+    stored = {name: dict(one) for name, one in grown.items()}
+    grown["noise"]["code"] += 1
+    monkeypatch.setattr(size, "LEDGER", SimpleNamespace(read_text=lambda **_: size.ledger(stored)))
+    assert [sentence.partition(" ")[0] for sentence in size.larger(grown)] == ["noise"]
