@@ -1,5 +1,6 @@
 """Each noise source of the list: closed form, distribution, all draws and the budget agree."""
 
+from contextlib import contextmanager
 from dataclasses import replace
 
 import numpy as np
@@ -7,11 +8,13 @@ import pytest
 
 from chromanoise.analysis import analyzed, color_budgets
 from chromanoise.catalog import sensor_named
+from chromanoise.color import LAB, ElectronSource, exact, noisy_color
 from chromanoise.exposure import Exposure, OperatingPoint
 from chromanoise.imaging import Work, acquired
 from chromanoise.imaging.render import rendered_electrons
 from chromanoise.metrics import snr_db
 from chromanoise.noise import (
+    NoiseSources,
     Readout,
     few_electrons,
     monte_carlo,
@@ -31,6 +34,7 @@ from chromanoise.sensor import (
     CameraNoise,
     Mosaic,
     Pixel,
+    binned,
     with_pixel,
 )
 from chromanoise.sensor.noise_source import FIXED, SOURCES
@@ -221,3 +225,80 @@ def test_a_coarse_step_is_seen_beside_a_few_telegraph_pixels():
     drawn = sample_electrons(np.full(400_000, 1.0), pixel, stream(11), noise=noise)
     assert 1.0 + bias[0] == pytest.approx(drawn.mean(), abs=5 * drawn.std() / 400_000**0.5)
     assert variance[0] == pytest.approx(drawn.var(), rel=0.05)
+
+
+TELEGRAPH = replace(QUIET, rtn_share=0.01, rtn_amplitude_e=100.0)
+
+
+@pytest.mark.parametrize(
+    ("pixel", "step_e"),
+    [
+        (TELEGRAPH, 0.0),
+        (TELEGRAPH, 4.0),
+        (binned(replace(TELEGRAPH, rtn_share=0.2), 16, "digital"), 0.0),
+    ],
+)
+def test_exact_moments_of_a_color_have_the_levels_of_telegraph_noise(pixel, step_e):
+    noise = NoiseSources(pixel=pixel, step_e=step_e)
+    source = ElectronSource(mean_e=np.array([10.0]), matrix=np.full((3, 1), 0.02), noise=noise)
+    found = exact(noisy_color(source, np.ones(3)), LAB)
+    drawn_e = sample_electrons(np.full(1_000_000, 10.0), pixel, stream(2), noise=noise)
+    drawn = LAB.from_xyz(np.outer(drawn_e, [0.02] * 3), np.ones(3))[:, 0]
+    kurtosis = ((drawn - drawn.mean()) ** 4).mean() / drawn.var() ** 2
+    sd_se = np.hypot(drawn.std() * np.sqrt((kurtosis - 1) / 4 / drawn.size), found.sd_error[0])
+    assert abs(np.sqrt(found.covariance[0, 0]) - drawn.std()) < 5 * sd_se
+    mean_se = np.hypot(drawn.std() / drawn.size**0.5, found.mean_error[0])
+    noiseless = LAB.from_xyz(np.full((1, 3), 0.2), np.ones(3))[0, 0]
+    assert abs(found.bias[0] + noiseless - drawn.mean()) < 5 * mean_se
+
+
+@pytest.mark.parametrize("readings", [1, 4, 16])
+def test_each_of_several_readings_has_its_own_telegraph_level(readings):
+    pixel = binned(replace(TELEGRAPH, read_noise_e=5.0), readings, "digital")
+    noise, mean = NoiseSources(pixel=pixel), np.array([10.0])
+    # fourth cumulants of independent variables add: of a level s a^4 - 3 (s a^2)^2, of a count M
+    share, away_e = 0.01, 50.0
+    of_levels = readings * (share * away_e**4 - 3 * (share * away_e**2) ** 2)
+    variance = readings * (5.0**2 + share * away_e**2) + 10.0
+    kurtosis = 3 + (of_levels + 10.0) / variance**2
+    found = reading_distribution(mean, noise)
+    first = found.probability[0] @ found.values_e
+    second, fourth = (found.probability[0] @ (found.values_e - first) ** k for k in (2, 4))
+    assert second == pytest.approx(variance, rel=1e-9)
+    assert fourth / second**2 == pytest.approx(kurtosis, rel=1e-9)
+    drawn = sample_electrons(np.full(1_000_000, 10.0), pixel, stream(8), noise=noise)
+    assert drawn.var() == pytest.approx(variance, rel=5 * np.sqrt((kurtosis - 1) / drawn.size))
+    assert ((drawn - 10.0) ** 4).mean() / variance**2 == pytest.approx(kurtosis, rel=0.03)
+
+
+def test_a_table_of_wide_telegraph_levels_takes_no_longer_than_that_of_narrow_ones():
+    def cells(amplitude_e):
+        pixel = replace(TELEGRAPH, rtn_amplitude_e=amplitude_e)
+        with counted_products() as products:
+            reading_distribution(np.array([10.0]), NoiseSources(pixel=pixel))
+        return sum(products)
+
+    assert cells(5000.0) < 1.01 * cells(50.0)
+
+
+@contextmanager
+def counted_products():
+    """The number of products of each convolution."""
+    found, own = [], np.convolve
+
+    def counted(one, other):
+        found.append(one.size * other.size)
+        return own(one, other)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(np, "convolve", counted)
+        yield found
+
+
+@pytest.mark.parametrize(("share", "is_one"), [(5e-4, True), (0.01, False)])
+def test_one_code_is_that_of_more_than_999_of_1000_readings(share, is_one):
+    pixel = replace(QUIET, read_noise_e=1.0, rtn_share=share, rtn_amplitude_e=2000.0)
+    noise, mean = NoiseSources(pixel=pixel, step_e=100.0), np.array([5.0])
+    drawn = sample_electrons(np.full(100_000, 5.0), pixel, stream(4), noise=noise)
+    assert ((drawn == 0).mean() > 0.999) == is_one
+    assert noise.gives_one_code(mean)[0] == is_one

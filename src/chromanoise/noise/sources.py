@@ -130,6 +130,8 @@ def crosstalk_pattern(crosstalk: Crosstalk | None) -> CrosstalkPattern | None:
 
 _ONE_CODE = 0.999  # share of the readings
 _STEPS_OF_ONE_CODE = 5.0  # below as many standard deviations per step no code has that share
+_MOST_LEVELS = 101  # more levels of telegraph noise are as good as normal noise
+_LEAST_SHARE = 1e-15  # of a level that counts
 _WEAK = 1e-3  # a channel with less of the electrons of the strongest one decides no color
 
 
@@ -293,8 +295,7 @@ class NoiseSources(PixelReading):
         mean = np.asarray(mean_e, dtype=np.float64)
         if not self.step_e:
             return np.zeros(mean.shape, dtype=bool)
-        smooth = replace(self, without=self.without | {"levels"})  # most pixels have one level
-        light, readout, sd = smooth.of_one_reading(mean)
+        light, readout, sd = self.without_levels.of_one_reading(mean)  # most pixels have one level
         return additive_rounding_fails(
             light, counted_e=light + self.dark_e / self.readings, read_noise_e=sd,
             step_e=readout.step_e,
@@ -337,8 +338,7 @@ class NoiseSources(PixelReading):
                 bias[..., i] = np.where(at, read_e.mean(axis=-1) - mean[..., i], 0.0)
                 variance[..., i] = np.where(at, spread + read_e.var(axis=-1), variance[..., i])
         elif coarse.any():
-            smooth = replace(own, without=own.without | {"levels"})
-            light, readout, sd = smooth.of_one_reading(mean)
+            light, readout, sd = own.smooth.of_one_reading(mean)
             counted = (light + own.dark_e / own.readings)[coarse]
             read = own.over_levels(
                 lambda shift_e: read_moments(
@@ -363,12 +363,14 @@ class NoiseSources(PixelReading):
         found = np.zeros(mean.shape, dtype=bool)
         if not self.step_e:
             return found
-        light, readout, sd = self.of_one_reading(mean)
+        light, readout, sd = self.without_levels.of_one_reading(mean)
         counted = light + self.dark_e / self.readings
         near = counted + sd**2 < (readout.step_e / _STEPS_OF_ONE_CODE) ** 2
         if near.any():
             found[near] = (
-                largest_code_share(counted[near], read_noise_e=sd[near], readout=readout)
+                largest_code_share(
+                    counted[near], read_noise_e=sd[near], readout=readout, shifts=self.shifts
+                )
                 > _ONE_CODE
             )
         return found
@@ -392,12 +394,35 @@ class NoiseSources(PixelReading):
 
     @property
     def shifts(self) -> tuple[tuple[float, float], ...]:
-        """The levels of one reading: their shares of pixels and frames, and where they are. [e-]"""
+        """Levels of one of the ``readings``: their shares of pixels and frames, and places. [e-]
+
+        Of readings that are summed without rounding each has its own level. One level where there
+        is no telegraph noise, or so many that they are normal noise: see `smooth`.
+        """
         share, away_e = self.levels
+        summed = int(self.pixel.summed_readings)
+        n, away_e = summed // self.readings, away_e / math.sqrt(summed)
         if not share:
             return ((1.0, 0.0),)
-        away_e = away_e / math.sqrt(self.readings)
-        return ((1 - share, 0.0), (share / 2, away_e), (share / 2, -away_e))
+        if n == 1:
+            return ((1 - share, 0.0), (share / 2, away_e), (share / 2, -away_e))
+        of_one = np.zeros(2 * n + 1)
+        of_one[[0, 1, -1]] = 1 - share, share / 2, share / 2
+        shares = np.fft.fftshift(np.fft.irfft(np.fft.rfft(of_one) ** n, of_one.size))
+        kept = np.flatnonzero(shares > _LEAST_SHARE)
+        if kept.size > _MOST_LEVELS:
+            return ((1.0, 0.0),)
+        return tuple(zip(shares[kept].tolist(), (away_e * (kept - n)).tolist(), strict=True))
+
+    @property
+    def without_levels(self) -> "NoiseSources":
+        """The sources without telegraph noise."""
+        return replace(self, without=self.without | {"levels"})
+
+    @property
+    def smooth(self) -> "NoiseSources":
+        """The sources that are added as one normal variable to each of the levels (`shifts`)."""
+        return self if len(self.shifts) == 1 else self.without_levels
 
     def over_levels(self, read: Callable[[float], Moments]) -> Moments:
         """Moments of one reading, averaged over the levels of telegraph noise.
