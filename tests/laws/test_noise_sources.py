@@ -45,6 +45,7 @@ TIME_S, STEP_E, BLACK_DN = 0.02, 0.25, 4000
 GRID = Grid.uniform(500, 600, 10)
 EXPOSURE = Exposure(time_s=TIME_S, f_number=8.0)
 QUIET = Pixel(pitch_um=5, full_well_e=1e5, read_noise_e=0.5)
+TELEGRAPH = replace(QUIET, rtn_share=0.01, rtn_amplitude_e=100.0)
 AMOUNTS = {"rtn_share": 0.2, "rtn_amplitude_e": 30.0, "prnu": 0.15, "dark_current_e_per_s": 5000.0}
 """Enough for the source to be most of the noise; else a third of the slider's range."""
 OF_PIXEL = [one.cause for one in SOURCES if one.drawn not in ("rounding", "place")]
@@ -149,6 +150,39 @@ def test_color_pictures_have_the_variance_of_the_closed_form(cause):
     variance_is(((np.array(values) - mean_e) ** 2).mean(), expected, cause)
 
 
+@pytest.mark.parametrize("cause", OF_PIXEL)
+def test_pictures_without_shot_and_read_noise_have_all_other_sources(cause):
+    pixel, values, adc = pixel_with_only(cause), [], Adc(bits=16, gain_e_per_dn=STEP_E)
+    for number in range(FRAMES):
+        one = point(pixel, f"sensor {number}")
+        color = rendered_electrons(flat(), one, noisy=False, work=Work(threads=1))
+        raw = acquired(
+            flat(), one, mosaic=Mosaic(((one.sensor.names[0],),)), noisy=False,
+            adc=replace(adc, black_level_dn=BLACK_DN), work=Work(threads=1),
+        )  # fmt: skip
+        values.append((color.values_e[..., 0], STEP_E * (raw.codes.astype(float) - BLACK_DN)))
+    mean_e, away = float(color.mean_e[0]), np.array(values) - color.mean_e[0]
+    parts = noise_sources(camera(pixel), EXPOSURE).by_source(np.array([mean_e]))
+    left_out = ("shot noise", "read noise", "dark current")
+    expected = sum(part[0] for name, part in parts.items() if name not in left_out)
+    for found, rounding_e2 in zip((away**2).mean(axis=(0, 2, 3)), (0, STEP_E**2 / 12), strict=True):
+        if expected:
+            variance_is(found, expected + rounding_e2, cause)
+        assert expected or found <= STEP_E**2 / 4
+
+
+def test_color_pictures_of_summed_readings_have_a_telegraph_level_for_each():
+    pixel = binned(replace(TELEGRAPH, read_noise_e=5.0), 16, "digital")
+    pictures = [rendered_electrons(flat(), point(pixel), frame=i) for i in range(FRAMES)]
+    away = np.array([one.values_e[..., 0] for one in pictures]) - pictures[0].mean_e[0]
+    noise = NoiseSources(pixel=pixel)
+    found = reading_distribution(pictures[0].mean_e, noise)
+    kurtosis = found.probability[0] @ (found.values_e - pictures[0].mean_e[0]) ** 4
+    variance = noise.variance_e2(pictures[0].mean_e)[0]
+    assert (away**2).mean() == pytest.approx(variance, rel=0.02)
+    assert (away**4).mean() == pytest.approx(kurtosis, rel=0.05)
+
+
 def test_channels_of_a_color_picture_have_column_offsets_of_their_own():
     sensor = with_pixel(sensor_named("onyx-rgb-ircut", DEFAULT_GRID), {"column_noise_e": 300.0})
     one = OperatingPoint(
@@ -225,9 +259,6 @@ def test_a_coarse_step_is_seen_beside_a_few_telegraph_pixels():
     drawn = sample_electrons(np.full(400_000, 1.0), pixel, stream(11), noise=noise)
     assert 1.0 + bias[0] == pytest.approx(drawn.mean(), abs=5 * drawn.std() / 400_000**0.5)
     assert variance[0] == pytest.approx(drawn.var(), rel=0.05)
-
-
-TELEGRAPH = replace(QUIET, rtn_share=0.01, rtn_amplitude_e=100.0)
 
 
 @pytest.mark.parametrize(
