@@ -90,6 +90,25 @@ def readout_offset_e(pixel, channel, column_e, draw):
 
 @kernel(error_model="numpy")
 @no_type_check
+def add_readout_offsets(values, several, draw):
+    """Add row, column and telegraph noise to a picture (rows, columns, p) f4, in place.
+
+    several: whether all channels of a pixel are read, not only that of a mosaic.
+    """
+    rows, columns, p = values.shape
+    columns_e = column_offsets_e(p if several else 1, columns, draw)
+    for row in range(rows):
+        row_e = row_offset_e(row, draw)
+        for column in range(columns):
+            for c in range(p):
+                own = c if several else 0
+                column_e = columns_e[own, column] if columns_e.size > 0 else _ZERO
+                at = row * columns + column
+                values[row, column, c] += row_e + readout_offset_e(at, c, column_e, draw)
+
+
+@kernel(error_model="numpy")
+@no_type_check
 def acquire(mean, pixel, n, channels, draw, row_e, columns_e, room, electrons):
     """Electrons (n * p,) from mean (n * p,): p values of ``n`` pixels, one after the other.
 
