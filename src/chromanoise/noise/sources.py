@@ -49,7 +49,6 @@ from chromanoise.sensor.noise_source import (
     READ,
     READ_OUT,
     SHOT,
-    SOURCES,
     NoiseKind,
     PixelReading,
 )
@@ -164,7 +163,7 @@ class NoiseSources(PixelReading):
     readings: int = 1
 
     def by_source(self, mean_e: Float[Array, "*px p"]) -> Mapping[str, Float[Array, "*px p"]]:
-        """Variance per source, in the order of `SOURCES`; those that are 0 included. [e-^2]
+        """Variance per source, in the order of ``sources``; those that are 0 included. [e-^2]
 
         Parameters
         ----------
@@ -179,7 +178,7 @@ class NoiseSources(PixelReading):
         powers = {"floor_e2": np.ones_like(mean), "slope_e": mean, "square": square}
         found = {
             one.cause: (one.drawn not in self.without) * one.value(self) * powers[one.term]
-            for one in SOURCES
+            for one in self.sources
         }
         return found | {PATTERN: pattern}
 
@@ -474,7 +473,7 @@ class NoiseSources(PixelReading):
     @property
     def has_fixed_pattern(self) -> bool:
         """Whether a source is the same in every frame."""
-        fixed = any(one.value(self) for one in SOURCES if one.drawn in FIXED)
+        fixed = any(one.value(self) for one in self.sources if one.drawn in FIXED)
         return self.pattern is not None or (fixed and not self.without >= FIXED)
 
     @property
@@ -482,7 +481,7 @@ class NoiseSources(PixelReading):
         """Whether there is any source besides shot noise and read noise, or a bias."""
         more = any(
             one.value(self)
-            for one in SOURCES
+            for one in self.sources
             if one.cause not in (SHOT, READ) and one.drawn not in self.without
         )
         return more or self.pattern is not None or bool(self.black_error_e)

@@ -231,7 +231,8 @@ def _pieces(one: Any) -> Iterator[bytes]:
     if type(one) in (str, bytes, NoneType):
         yield repr(one).encode()
     elif is_dataclass(one):
-        yield from _pieces({field.name: getattr(one, field.name) for field in fields(one)})
+        own = getattr(one, "own_noise", ())  # of a class of pixels
+        yield from _pieces([own, {field.name: getattr(one, field.name) for field in fields(one)}])
     elif isinstance(one, np.ndarray | Number) and np.asarray(one).dtype.kind in "biuf":
         yield from (repr(np.shape(one)).encode(), np.asarray(one, dtype=np.float64).tobytes())
     elif isinstance(one, Mapping):
