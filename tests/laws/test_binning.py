@@ -30,7 +30,12 @@ PIXEL = {
     "prnu": 0.03,
     "row_noise_e": 3.0,
     "black_error_e": 2.0,
+    "column_noise_e": 2.5,
+    "reset_capacitance_ff": 0.1,
+    "rtn_share": 0.1,
+    "rtn_amplitude_e": 20.0,
 }
+RESET_E = 55.021 * (0.1 / 19.2 * 298.15 / 293.15) ** 0.5  # Nyquist: 19.2 fF at 20 C
 STEP_E = 6.0
 TIME_S = 0.01
 BLOCKS = {2: (1, 2), 4: (2, 2), 6: (2, 3), 9: (3, 3)}  # rows and columns
@@ -57,16 +62,19 @@ def drawn_sums(mean_e, n, mode, rng):
     charge = rng.poisson(mean_e * gain) + rng.poisson(dark, shape)
     charge = charge + PIXEL["dsnu_e"] * rng.standard_normal(shape)
 
-    def read(charge, row):
-        noise = PIXEL["read_noise_e"] * rng.standard_normal(charge.shape)
-        return STEP_E * np.round((charge + noise + row) / STEP_E)
+    def read(charge, *shared):
+        noise = np.hypot(PIXEL["read_noise_e"], RESET_E) * rng.standard_normal(charge.shape)
+        level = 10.0 * rng.choice([-1, 0, 1], charge.shape, p=[0.05, 0.9, 0.05])
+        return STEP_E * np.round((charge + noise + level + sum(shared)) / STEP_E)
 
     if mode == "charge":
         whole = charge.sum(axis=(1, 2))
         row = PIXEL["row_noise_e"] * rng.standard_normal(DRAWS)
-        return read(whole, row) - n * dark + PIXEL["black_error_e"]
+        column = PIXEL["column_noise_e"] * rng.standard_normal(DRAWS)
+        return read(whole, row, column) - n * dark + PIXEL["black_error_e"]
     row = PIXEL["row_noise_e"] * rng.standard_normal((DRAWS, rows, 1))
-    each = read(charge, np.broadcast_to(row, shape)) - dark + PIXEL["black_error_e"]
+    column = PIXEL["column_noise_e"] * rng.standard_normal((DRAWS, 1, columns))
+    each = read(charge, row, column) - dark + PIXEL["black_error_e"]
     return each.sum(axis=(1, 2))
 
 

@@ -91,6 +91,28 @@ def test_readings_of_a_mosaic_have_the_covariance_of_mixed_counts():
     assert expected[5, 6] > 0.1 * expected[5, 5]  # neighbors are correlated
 
 
+@pytest.mark.parametrize(
+    ("source", "shared"),
+    [
+        ({"column_noise_e": 30.0}, True),
+        ({"rtn_share": 0.2, "rtn_amplitude_e": 60.0}, False),
+        ({"reset_capacitance_ff": 8.0}, False),
+    ],
+    ids=str,
+)
+def test_readings_have_what_the_readout_adds_after_crosstalk(source, shared):
+    sensor, frames, side = coupled(**source), 6, 256
+    codes = [codes_of(sensor, flat(side), frame=frame) for frame in range(frames)]
+    electrons = 0.05 * (np.array(codes, dtype=float) - 2000)
+    expected = seen_by(sensor).reading_variance + 0.05**2 / 12
+    draws = frames * (side / 2 if shared else side**2 / 4)
+    assert expected[0] > 2 * seen_by(coupled()).reading_variance[0]
+    for (row, column), channel in (((0, 0), 0), ((0, 1), 1), ((1, 1), 2)):
+        values = electrons[:, row::2, column::2]
+        variance = ((values - seen_by(sensor).mean[channel]) ** 2).mean()
+        assert variance == pytest.approx(expected[channel], rel=5 * np.sqrt(2 / draws))
+
+
 def test_colors_have_the_covariance_of_readings_that_a_matrix_correlates():
     sensor = coupled(**NOISE)
     picture = rendered(flat(512), point_of(sensor), seed=9)

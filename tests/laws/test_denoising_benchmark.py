@@ -14,7 +14,7 @@ import pytest
 from chromanoise.denoising import benchmark_cells, benchmark_scene, markdown_table, verdict
 from chromanoise.imaging import Work
 from chromanoise.scene import flat_cube
-from chromanoise.sensor import Crosstalk, with_crosstalk
+from chromanoise.sensor import Crosstalk, with_crosstalk, with_pixel
 from chromanoise.study.denoising_cells import benchmark_camera, denoising_benchmark
 from outcomes import refused_input
 
@@ -125,6 +125,33 @@ def test_without_detail_demosaicking_makes_no_error():
     )
     assert cell.flats is None
     assert cell.quality.false_color is None
+
+
+@pytest.mark.parametrize("mosaic", ["", ":bayer"])
+@pytest.mark.parametrize(
+    "source",
+    [
+        {"row_noise_e": 300.0},
+        {"column_noise_e": 300.0},
+        {"rtn_share": 0.1, "rtn_amplitude_e": 3000.0},
+    ],
+    ids=lambda source: next(iter(source)),
+)
+def test_rows_columns_and_telegraph_pixels_have_their_own_offsets(source, mosaic):
+    cube = flat_cube(np.array([400.0, 1050.0]), 0.3, height=64, width=64)
+    camera = benchmark_camera(f"onyx-rgb-ircut{mosaic}", level_lux=10.0)
+    sensor = with_pixel(camera.point.sensor, {**source, "full_well_e": 1e6})
+    camera = replace(camera, point=replace(camera.point, sensor=sensor))
+    (cell,) = benchmark_cells(benchmark_scene(cube, name="flat"), camera, ["none"])
+    green = cell.srgb[..., 1].astype(float)
+    if "rtn_share" in source:
+        away = (np.abs(green - np.median(green)) > 25).mean()
+        assert 0.05 < away < (0.6 if mosaic else 0.35)  # demosaicking spreads a level
+        return
+    own, other = (
+        green.mean(axis=axis).var() for axis in ((1, 0) if "row" in str(source) else (0, 1))
+    )
+    assert own > 0.7 * green.var() > 10 * other
 
 
 def test_grays_have_their_true_colors(cells):

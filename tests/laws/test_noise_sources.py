@@ -1,5 +1,6 @@
 """Each noise source of the list: closed form, distribution, all draws and the budget agree."""
 
+from contextlib import contextmanager
 from dataclasses import replace
 
 import numpy as np
@@ -7,11 +8,13 @@ import pytest
 
 from chromanoise.analysis import analyzed, color_budgets
 from chromanoise.catalog import sensor_named
+from chromanoise.color import LAB, ElectronSource, exact, noisy_color
 from chromanoise.exposure import Exposure, OperatingPoint
 from chromanoise.imaging import Work, acquired
 from chromanoise.imaging.render import rendered_electrons
 from chromanoise.metrics import snr_db
 from chromanoise.noise import (
+    NoiseSources,
     Readout,
     few_electrons,
     monte_carlo,
@@ -31,6 +34,7 @@ from chromanoise.sensor import (
     CameraNoise,
     Mosaic,
     Pixel,
+    binned,
     with_pixel,
 )
 from chromanoise.sensor.noise_source import FIXED, SOURCES
@@ -41,6 +45,7 @@ TIME_S, STEP_E, BLACK_DN = 0.02, 0.25, 4000
 GRID = Grid.uniform(500, 600, 10)
 EXPOSURE = Exposure(time_s=TIME_S, f_number=8.0)
 QUIET = Pixel(pitch_um=5, full_well_e=1e5, read_noise_e=0.5)
+TELEGRAPH = replace(QUIET, rtn_share=0.01, rtn_amplitude_e=100.0)
 AMOUNTS = {"rtn_share": 0.2, "rtn_amplitude_e": 30.0, "prnu": 0.15, "dark_current_e_per_s": 5000.0}
 """Enough for the source to be most of the noise; else a third of the slider's range."""
 OF_PIXEL = [one.cause for one in SOURCES if one.drawn not in ("rounding", "place")]
@@ -145,6 +150,39 @@ def test_color_pictures_have_the_variance_of_the_closed_form(cause):
     variance_is(((np.array(values) - mean_e) ** 2).mean(), expected, cause)
 
 
+@pytest.mark.parametrize("cause", OF_PIXEL)
+def test_pictures_without_shot_and_read_noise_have_all_other_sources(cause):
+    pixel, values, adc = pixel_with_only(cause), [], Adc(bits=16, gain_e_per_dn=STEP_E)
+    for number in range(FRAMES):
+        one = point(pixel, f"sensor {number}")
+        color = rendered_electrons(flat(), one, noisy=False, work=Work(threads=1))
+        raw = acquired(
+            flat(), one, mosaic=Mosaic(((one.sensor.names[0],),)), noisy=False,
+            adc=replace(adc, black_level_dn=BLACK_DN), work=Work(threads=1),
+        )  # fmt: skip
+        values.append((color.values_e[..., 0], STEP_E * (raw.codes.astype(float) - BLACK_DN)))
+    mean_e, away = float(color.mean_e[0]), np.array(values) - color.mean_e[0]
+    parts = noise_sources(camera(pixel), EXPOSURE).by_source(np.array([mean_e]))
+    left_out = ("shot noise", "read noise", "dark current")
+    expected = sum(part[0] for name, part in parts.items() if name not in left_out)
+    for found, rounding_e2 in zip((away**2).mean(axis=(0, 2, 3)), (0, STEP_E**2 / 12), strict=True):
+        if expected:
+            variance_is(found, expected + rounding_e2, cause)
+        assert expected or found <= STEP_E**2 / 4
+
+
+def test_color_pictures_of_summed_readings_have_a_telegraph_level_for_each():
+    pixel = binned(replace(TELEGRAPH, read_noise_e=5.0), 16, "digital")
+    pictures = [rendered_electrons(flat(), point(pixel), frame=i) for i in range(FRAMES)]
+    away = np.array([one.values_e[..., 0] for one in pictures]) - pictures[0].mean_e[0]
+    noise = NoiseSources(pixel=pixel)
+    found = reading_distribution(pictures[0].mean_e, noise)
+    kurtosis = found.probability[0] @ (found.values_e - pictures[0].mean_e[0]) ** 4
+    variance = noise.variance_e2(pictures[0].mean_e)[0]
+    assert (away**2).mean() == pytest.approx(variance, rel=0.02)
+    assert (away**4).mean() == pytest.approx(kurtosis, rel=0.05)
+
+
 def test_channels_of_a_color_picture_have_column_offsets_of_their_own():
     sensor = with_pixel(sensor_named("onyx-rgb-ircut", DEFAULT_GRID), {"column_noise_e": 300.0})
     one = OperatingPoint(
@@ -221,3 +259,77 @@ def test_a_coarse_step_is_seen_beside_a_few_telegraph_pixels():
     drawn = sample_electrons(np.full(400_000, 1.0), pixel, stream(11), noise=noise)
     assert 1.0 + bias[0] == pytest.approx(drawn.mean(), abs=5 * drawn.std() / 400_000**0.5)
     assert variance[0] == pytest.approx(drawn.var(), rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("pixel", "step_e"),
+    [
+        (TELEGRAPH, 0.0),
+        (TELEGRAPH, 4.0),
+        (binned(replace(TELEGRAPH, rtn_share=0.2), 16, "digital"), 0.0),
+    ],
+)
+def test_exact_moments_of_a_color_have_the_levels_of_telegraph_noise(pixel, step_e):
+    noise = NoiseSources(pixel=pixel, step_e=step_e)
+    source = ElectronSource(mean_e=np.array([10.0]), matrix=np.full((3, 1), 0.02), noise=noise)
+    found = exact(noisy_color(source, np.ones(3)), LAB)
+    drawn_e = sample_electrons(np.full(1_000_000, 10.0), pixel, stream(2), noise=noise)
+    drawn = LAB.from_xyz(np.outer(drawn_e, [0.02] * 3), np.ones(3))[:, 0]
+    kurtosis = ((drawn - drawn.mean()) ** 4).mean() / drawn.var() ** 2
+    sd_se = np.hypot(drawn.std() * np.sqrt((kurtosis - 1) / 4 / drawn.size), found.sd_error[0])
+    assert abs(np.sqrt(found.covariance[0, 0]) - drawn.std()) < 5 * sd_se
+    mean_se = np.hypot(drawn.std() / drawn.size**0.5, found.mean_error[0])
+    noiseless = LAB.from_xyz(np.full((1, 3), 0.2), np.ones(3))[0, 0]
+    assert abs(found.bias[0] + noiseless - drawn.mean()) < 5 * mean_se
+
+
+@pytest.mark.parametrize("readings", [1, 4, 16])
+def test_each_of_several_readings_has_its_own_telegraph_level(readings):
+    pixel = binned(replace(TELEGRAPH, read_noise_e=5.0), readings, "digital")
+    noise, mean = NoiseSources(pixel=pixel), np.array([10.0])
+    # fourth cumulants of independent variables add: of a level s a^4 - 3 (s a^2)^2, of a count M
+    share, away_e = 0.01, 50.0
+    of_levels = readings * (share * away_e**4 - 3 * (share * away_e**2) ** 2)
+    variance = readings * (5.0**2 + share * away_e**2) + 10.0
+    kurtosis = 3 + (of_levels + 10.0) / variance**2
+    found = reading_distribution(mean, noise)
+    first = found.probability[0] @ found.values_e
+    second, fourth = (found.probability[0] @ (found.values_e - first) ** k for k in (2, 4))
+    assert second == pytest.approx(variance, rel=1e-9)
+    assert fourth / second**2 == pytest.approx(kurtosis, rel=1e-9)
+    drawn = sample_electrons(np.full(1_000_000, 10.0), pixel, stream(8), noise=noise)
+    assert drawn.var() == pytest.approx(variance, rel=5 * np.sqrt((kurtosis - 1) / drawn.size))
+    assert ((drawn - 10.0) ** 4).mean() / variance**2 == pytest.approx(kurtosis, rel=0.03)
+
+
+def test_a_table_of_wide_telegraph_levels_takes_no_longer_than_that_of_narrow_ones():
+    def cells(amplitude_e):
+        pixel = replace(TELEGRAPH, rtn_amplitude_e=amplitude_e)
+        with counted_products() as products:
+            reading_distribution(np.array([10.0]), NoiseSources(pixel=pixel))
+        return sum(products)
+
+    assert cells(5000.0) < 1.01 * cells(50.0)
+
+
+@contextmanager
+def counted_products():
+    """The number of products of each convolution."""
+    found, own = [], np.convolve
+
+    def counted(one, other):
+        found.append(one.size * other.size)
+        return own(one, other)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(np, "convolve", counted)
+        yield found
+
+
+@pytest.mark.parametrize(("share", "is_one"), [(5e-4, True), (0.01, False)])
+def test_one_code_is_that_of_more_than_999_of_1000_readings(share, is_one):
+    pixel = replace(QUIET, read_noise_e=1.0, rtn_share=share, rtn_amplitude_e=2000.0)
+    noise, mean = NoiseSources(pixel=pixel, step_e=100.0), np.array([5.0])
+    drawn = sample_electrons(np.full(100_000, 5.0), pixel, stream(4), noise=noise)
+    assert ((drawn == 0).mean() > 0.999) == is_one
+    assert noise.gives_one_code(mean)[0] == is_one

@@ -21,7 +21,7 @@ from outcomes import refused_input
 
 SUMS = vectorize(lambda mean, variance, z: read_quantile_of_many(mean, variance, z))
 LESS_ONE = vectorize(lambda x: exponential_less_one(x))
-PARTS = ("shot", "read", "dark", "prnu", "dsnu", "row", "quantize", "clamp")
+PARTS = ("shot", "read", "dark", "prnu", "dsnu", "row", "column", "levels", "quantize", "clamp")
 OFF = dict.fromkeys(PARTS, False)
 
 
@@ -53,6 +53,8 @@ FULL = {
     "dsnu_e": 3.0,
     "prnu": 0.02,
     "row_noise_e": 2.0,
+    "column_noise_e": 1.5,
+    "levels": (0.2, 5.0),
 }
 
 
@@ -298,6 +300,8 @@ def test_exact_moments_without_clipping_have_the_stated_variance():
         ("prnu", (0.02 * 400) ** 2),
         ("dsnu", 9.0),
         ("row", 4.0),
+        ("column", 2.25),
+        ("levels", 0.2 * 5.0**2),
         ("quantize", 1 / 12 / 1.0),
     ],
 )
@@ -317,15 +321,26 @@ def test_without_any_part_the_picture_stays_as_it_is():
     assert not sample.variance.any()
 
 
-@pytest.mark.parametrize("part", ["read", "dark", "prnu", "dsnu", "row"])
+@pytest.mark.parametrize("part", ["read", "dark", "prnu", "dsnu", "row", "column", "levels"])
 def test_one_part_alone_has_its_own_variance(part):
     camera = mono(read_e=3.0, **FULL)
     add_noise = cn.noise.sampler(camera, **(OFF | {part: True}), seed=8)
-    sample = add_noise(np.full((2000, 200), 400.0), unit="electron", time_s=2.0)
-    rows = 2000 if part == "row" else 400_000
-    assert sample.noisy.var() / sample.variance[0, 0] == pytest.approx(1, abs=5 * (2 / rows) ** 0.5)
-    if part == "row":
-        assert not np.ptp(sample.noisy, axis=1).any()
+    sample = add_noise(np.full((800, 900), 400.0), unit="electron", time_s=2.0)
+    draws, kurtosis = {"row": 800, "column": 900}.get(part, 720_000), 5 if part == "levels" else 3
+    error = 5 * ((kurtosis - 1) / draws) ** 0.5
+    assert sample.noisy.var() / sample.variance[0, 0] == pytest.approx(1, abs=error)
+    if part in ("row", "column"):
+        assert not np.ptp(sample.noisy, axis=1 if part == "row" else 0).any()
+
+
+def test_channels_of_a_pixel_share_the_offset_of_their_row_and_have_own_column_offsets():
+    camera, clean = color(row_noise_e=4.0, column_noise_e=3.0), np.full((900, 1000, 3), 100.0)
+    parts = [cn.noise.sampler(camera, **(OFF | {part: True})) for part in ("row", "column")]
+    rows, columns = (one(clean, unit="electron").noisy.astype(float) - 100 for one in parts)
+    assert not np.ptp(rows, axis=(1, 2)).any()
+    assert not np.ptp(columns, axis=0).any()
+    correlation = np.corrcoef(columns[0].T)
+    assert np.abs(correlation[np.triu_indices(3, 1)]).max() < 5 / 1000**0.5
 
 
 def test_switching_a_source_leaves_the_words_of_the_others():

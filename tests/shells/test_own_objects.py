@@ -2,6 +2,7 @@
 
 import json
 import pickle
+import tomllib
 import warnings
 from dataclasses import replace
 
@@ -10,7 +11,9 @@ import pytest
 
 import chromanoise as cn
 from chromanoise.analysis import matrix_makers
+from chromanoise.catalog import sensor_named
 from chromanoise.catalog.objects import object_word
+from chromanoise.design import DESIGN_STARTER, DesignStudy, task_of
 from chromanoise.errors import errors_in
 from chromanoise.page.answers import ChartReplies
 from chromanoise.page.requests import QuestionError
@@ -18,8 +21,15 @@ from chromanoise.page.studies import Studies
 from chromanoise.page.uploads import Uploads
 from chromanoise.scene import builtin_cube
 from chromanoise.sensor import PAPER_PIXEL
-from chromanoise.spectra import DEFAULT_GRID, OwnObserver, observer_table
-from chromanoise.study import study_as_command, study_as_python, study_as_toml, study_from_data
+from chromanoise.spectra import DEFAULT_GRID, Grid, OwnObserver, observer_table
+from chromanoise.study import (
+    Given,
+    study_as_command,
+    study_as_python,
+    study_as_toml,
+    study_from_data,
+    study_hash,
+)
 from outcomes import refused, refused_input
 
 pd = pytest.importorskip("pandas")
@@ -495,3 +505,53 @@ def test_a_study_of_an_object_is_not_written_as_text(written, data):
         written(study)
     with refused_input(subject="cam"):
         cn.run(study)
+
+
+def own_camera(*, qe=0.5, names=("R", "G", "B"), grid=DEFAULT_GRID, **pixel):
+    centers_nm = np.array([600.0, 540.0, 460.0])
+    bells = np.exp(-(((grid.wavelength_nm[:, None] - centers_nm) / 40) ** 2))
+    return cn.Sensor(
+        name="own", grid=grid, qe=qe * bells, names=names, pixel=replace(PAPER_PIXEL, **pixel)
+    )
+
+
+def own_matrix(factor):
+    return lambda point: factor * np.ones((3, 3))
+
+
+OTHERS = {
+    "values": (own_camera(), own_camera(qe=np.nextafter(0.5, 1))),
+    "wavelengths": (own_camera(), own_camera(grid=Grid.uniform(400, 1050, 10))),
+    "names": (own_camera(), own_camera(names=("R", "W", "B"))),
+    "pixel": (own_camera(), own_camera(prnu=0.01)),
+    "a matrix": (np.eye(3), np.eye(3) * 2),
+    "the shape of a matrix": (np.zeros((3, 2)), np.zeros((2, 3))),
+    "a function": (own_matrix(1.0), own_matrix(2.0)),
+    "its code": (lambda point: point.level_lux * 2, lambda point: point.level_lux * 3),
+    "an observer": tuple(
+        OwnObserver("mine", replace(observer_table("cie-1931-2"), source="mine", values=values))
+        for values in (
+            observer_table("cie-1931-2").values,
+            observer_table("cie-1931-2").values * [1.0, 1.0, 1.01],
+        )
+    ),
+}
+
+
+@pytest.mark.parametrize(("one", "other"), OTHERS.values(), ids=OTHERS)
+def test_the_hash_of_a_study_depends_on_the_numbers_of_its_objects(one, other):
+    study = study_from_data({"sensors": [{"name": object_word("own")}]}, source="a test")
+    hashes = {study_hash(study, objects={object_word("own"): each}) for each in (one, other, one)}
+    assert len(hashes) == 2
+    assert study_hash(study) not in hashes
+
+
+def test_a_search_of_another_sensor_object_has_another_identity():
+    part = {"name": object_word("own")}
+    document = DesignStudy.model_validate({**tomllib.loads(DESIGN_STARTER), "sensors": [part]})
+    start, identities = sensor_named("onyx-rgbw", DEFAULT_GRID), []
+    for factor in (0.5, 0.5, 0.6):
+        own = replace(start, name="own", qe=start.qe * factor)
+        task = task_of(document, Given(sensors={object_word("own"): own}))
+        identities.append(task.identity)
+    assert identities[0] == identities[1] != identities[2]

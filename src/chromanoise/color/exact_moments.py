@@ -15,13 +15,14 @@ import numpy as np
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._linalg import qr
-from chromanoise._shapes import Bool, Float, Int64
+from chromanoise._shapes import Bool, Float
 from chromanoise.color.cubatures import cubature
 from chromanoise.color.noisy_colors import ElectronSource, NoisyColor
 from chromanoise.color.propagation import SpaceMoments
 from chromanoise.color.spaces import Space
 from chromanoise.errors import InputError
 from chromanoise.noise import (
+    NoiseSources,
     counted_readout,
     few_electrons,
     poisson_gaussian_ppf,
@@ -76,8 +77,7 @@ def exact(color: NoisyColor, space: Space, *, points: int = 2**16) -> SpaceMomen
     """
     source = _source(color)
     channels = source.mean_e.shape[-1]
-    coordinates = channels if source.noise.pattern is None else 2 * channels
-    most = _MOST_VALUES // max(1, coordinates)
+    most = _MOST_VALUES // max(1, channels * (1 + _has_cases(source)))
     if points < 2 or points & (points - 1) or points > most:
         raise InputError(
             "points",
@@ -204,12 +204,12 @@ def _moments(
 ) -> tuple[Array, Array, Array, Array]:
     """Mean, covariance, and the standard errors of mean and standard deviation over the nets."""
     pattern, p = source.noise.pattern, mean_e.size
-    net = _nets(p if pattern is None else 2 * p, points)
+    several = _has_cases(source)
+    net = _nets(p * (1 + several), points)
     normal = net[..., :p] @ turn.T
     for i in range(p):
         places = mean_e[i : i + 1] if pattern is None else pattern.means_e(mean_e, i)
-        chosen = _places(net[..., p + i], places.size) if places.size > 1 else None
-        normal[..., i] = _read(normal[..., i], places, chosen, source)
+        normal[..., i] = _read(normal[..., i], places, net[..., p + i] if several else None, source)
     means, covariances = [], []
     for read in normal:
         away = of(read @ source.matrix.T)
@@ -224,27 +224,39 @@ def _moments(
     return np.mean(means, axis=0), 0.5 * (covariance + covariance.T), mean_error, sd_error
 
 
-def _places(normal: Float[Array, "k n"], count: int) -> Int64[Array, "k n"]:
-    """A place of the mosaic for each point, all equally often."""
-    from scipy.special import ndtr
+def _has_cases(source: ElectronSource) -> bool:
+    """Whether a channel has places with different light, or levels of telegraph noise."""
+    return source.noise.pattern is not None or len(_of_sum(source).shifts) > 1
 
-    return np.minimum((ndtr(normal) * count).astype(np.int64), count - 1)
+
+def _of_sum(source: ElectronSource) -> NoiseSources:
+    """The noise at one place, of readings that are summed taken as one."""
+    return replace(source.noise, pattern=None, readings=1)
 
 
 def _read(
     normal: Float[Array, "k n"],
     places_e: Float[Array, " m"],
-    chosen: Int64[Array, "k n"] | None,
+    choice: Float[Array, "k n"] | None,
     source: ElectronSource,
 ) -> Float[Array, "k n"]:
-    """Readings of one channel, whose light may differ from place to place."""
-    noise, found = replace(source.noise, pattern=None), np.empty_like(normal)
+    """Readings of one channel; a standard normal ``choice`` is its place and level."""
+    from scipy.special import ndtr
+
+    noise, found = _of_sum(source), np.empty_like(normal)
     counted, readout = counted_readout(places_e, noise, source.readout)
-    added = np.sqrt(np.broadcast_to(noise.added_variance_e2(places_e), places_e.shape))
-    for place, (mean, sd) in enumerate(zip(counted.tolist(), added.tolist(), strict=True)):
-        here = np.ones(normal.shape, dtype=bool) if chosen is None else chosen == place
+    added = np.sqrt(np.broadcast_to(noise.smooth.added_variance_e2(places_e), places_e.shape))
+    cases = [
+        (share / places_e.size, shift_e, mean, sd)
+        for mean, sd in zip(counted.tolist(), added.tolist(), strict=True)
+        for share, shift_e in noise.shifts
+    ]
+    ends = np.cumsum([share for share, *_ in cases])[:-1]
+    chosen = 0 if choice is None else np.searchsorted(ends, ndtr(choice))
+    for number, (_, shift_e, mean, sd) in enumerate(cases):
+        here = np.broadcast_to(chosen == number, normal.shape)
         electrons = poisson_gaussian_ppf(normal[here], mean, read_noise_e=sd)
-        found[here] = read_values(electrons, readout)
+        found[here] = read_values(electrons + shift_e, readout)
     return found
 
 
@@ -253,10 +265,8 @@ def _turned(
 ) -> Float[Array, "p p"]:
     """The rotation whose first column alone changes the first coordinate, and so on."""
     matrix = source.matrix
-    if not np.all(
-        replace(source.noise, pattern=None).added_variance_e2(mean_e)
-    ):  # single electrons make steps, which a net averages best along its axes
-        return np.eye(mean_e.size)
+    if not np.all(_of_sum(source).smooth.added_variance_e2(mean_e)):
+        return np.eye(mean_e.size)  # a net averages steps of single electrons best along its axes
     moments = sensor_moments(mean_e, source.noise, source.readout)
     slope = space.jacobian(matrix @ moments.mean, white)
     moving = slope @ matrix * np.sqrt(moments.variance)

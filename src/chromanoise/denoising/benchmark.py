@@ -29,7 +29,7 @@ from chromanoise.errors import InputError
 from chromanoise.exposure import OperatingPoint, white_scene
 from chromanoise.imaging import DEMOSAICING, demosaicked, electrons_of_cube, noisy_electrons
 from chromanoise.imaging.demosaic import channel_tile
-from chromanoise.imaging.plans import white_lux_of
+from chromanoise.imaging.plans import draw_of, white_lux_of
 from chromanoise.imaging.render import ALL_CORES
 from chromanoise.imaging.work import Work
 from chromanoise.metrics import (
@@ -44,6 +44,7 @@ from chromanoise.noise import after_counting, noise_sources
 from chromanoise.scene import Cube, Scene
 from chromanoise.scene.cube import reflectance_rows
 from chromanoise.sensor import Mosaic, VarianceLaw
+from chromanoise.sensor.noise_source import ALL, Drawn
 from chromanoise.spectra import interpolation_matrix
 
 PIXELS_PER_DEGREE = 60.0
@@ -51,6 +52,7 @@ PIXELS_PER_DEGREE = 60.0
 
 _WARM_PX = 64
 _SEED_BITS = 64  # of `noisy_electrons`
+_SHARED: tuple[Drawn, ...] = ("row", "column", "levels")  # drawn as in pictures
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -235,7 +237,8 @@ def benchmark_cells(
 
     Notes
     -----
-    The noise is drawn as shot noise and a Gaussian readout with the whole variance of the floor.
+    Row, column and telegraph noise are drawn as in pictures, all other noise as shot noise and a
+    Gaussian readout with the variance of the floor.
     Reflectances hold their last value where the cube does not cover the grid; invalid ones are 0.
     """
     chosen = [denoising_named(name) for name in methods]
@@ -258,11 +261,14 @@ def benchmark_cells(
             found="has it",
         )
     label = f"{scene.name} {camera.name} {point.level_lux!r}"
-    noisy_e = noisy_electrons(
-        mean_e,
-        read_noise_e=float(np.sqrt(noise.floor_e2())),
-        seed=zlib.crc32(label.encode()) << 32 ^ seed,
-    )
+    key = zlib.crc32(label.encode()) << 32 ^ seed
+    white_e2 = noise.coefficient("floor_e2", ALL, _SHARED)
+    noisy_e = noisy_electrons(mean_e, read_noise_e=float(np.sqrt(white_e2)), seed=key)
+    if noise.coefficient("floor_e2", _SHARED):
+        from chromanoise.imaging.acquisition import add_readout_offsets
+
+        draw = draw_of(point, seed=0)._replace(key=np.uint64(key), black_error_e=np.float32(0.0))
+        add_readout_offsets(noisy_e, camera.mosaic is None, draw)
     compare = _Comparison(scene, camera, mean_e)
     cells = []
     for method in chosen:

@@ -11,9 +11,9 @@ import numpy as np
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._shapes import Inexact
-from chromanoise.properties import Property
+from chromanoise.properties import Property, properties_of
 from chromanoise.sensor import PIXEL, Sensor, quantization_step_e
-from chromanoise.sensor.noise_source import SOURCES, Term
+from chromanoise.sensor.noise_source import Term, sources_of
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -120,11 +120,13 @@ def noise_of(
         ``floor_e2``, ``slope_e`` and ``square`` of `chromanoise.sensor.VarianceLaw`, and the mean
         number of dark electrons [e-]: complex where an argument is.
     """
-    own = {name: getattr(sensor.pixel, name) for name in PIXEL}
+    kind = type(sensor.pixel)
+    own = {name: getattr(sensor.pixel, name) for name in properties_of(kind)}
     known = SimpleNamespace(**own, temperature_k=sensor.pixel.temperature_k)
     known.__dict__.update(pixel)
     dark_e = known.dark_current_e_per_s * sensor.pixel.temperature_factor * time_s
     step_e = quantization_step_e(sensor.converter, sensor.pixel)
     of: Any = SimpleNamespace(pixel=known, dark_e=dark_e, step_e=step_e)  # arrays for numbers
-    law = (sum(one.value(of) for one in SOURCES if one.term == term) for term in get_args(Term))
+    sources = sources_of(kind)
+    law = (sum(one.value(of) for one in sources if one.term == term) for term in get_args(Term))
     return np.array(np.broadcast_arrays(*law, dark_e))

@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -124,6 +125,8 @@ class Task:
         The sensors of the document.
     limits
         The constraints of the document.
+    given
+        Objects of Python in place of names.
     """
 
     document: DesignStudy
@@ -132,6 +135,7 @@ class Task:
     evaluator: Objectives
     references: tuple[Reference, ...]
     limits: tuple[Limit, ...]
+    given: Given = NOTHING_GIVEN
 
     @property
     def objectives(self) -> tuple[str, ...]:
@@ -190,7 +194,8 @@ class Task:
     def identity(self) -> str:
         """A hash of all that determines the objectives; the effort of the search is not in it."""
         lights = [one.point.illuminant.irradiance for one in self.scenes]
-        return _identity(self.document, [*self.space.library.values(), *lights])
+        arrays = [*self.space.library.values(), *lights]
+        return _identity(self.document, arrays, self.given.objects)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -296,15 +301,15 @@ _SEARCH = tuple(one.name for one in fields(SearchOptions))
 _EFFORT = (*_SEARCH, "members")
 
 
-def _identity(document: DesignStudy, arrays: Sequence[Array]) -> str:
-    """A hash of a document, of the files of its study, and of the arrays of its other files.
+def _identity(document: DesignStudy, arrays: Sequence[Array], objects: Mapping[str, Any]) -> str:
+    """A hash of a document, of its study's files and objects, and of arrays of its other files.
 
     The effort of the search and the title are not in it.
     """
     effort = {name: DesignPart.model_fields[name].default for name in _EFFORT}
     design = document.design.model_copy(update=effort)
     plain = document.model_copy(update={"design": design, "title": ""})
-    digest = hashlib.sha256(study_hash(plain).encode())
+    digest = hashlib.sha256(study_hash(plain, objects=objects).encode())
     for one in arrays:
         digest.update(np.ascontiguousarray(one, dtype=np.float64).tobytes())
     return digest.hexdigest()
@@ -347,6 +352,7 @@ def task_of(document: DesignStudy, given: Given = NOTHING_GIVEN) -> Task:
             _limit(part, document, references, f"design.constraints.{i}")
             for i, part in enumerate(design.constraints)
         ),
+        given=given,
     )
     _refuse_contradiction(task.limits)
     with keyed("design.method"):

@@ -1,8 +1,9 @@
 # mypy: disable-error-code="no-untyped-def,no-untyped-call,misc"
 """One noisy acquisition of a run of pixels: from expected electrons to electrons after readout.
 
-In physical order: PRNU, dark electrons, shot noise and read noise (`noise_blocks`), DSNU, and row
-noise. The mean of the dark electrons is subtracted, as sensors do with their shielded pixels.
+In physical order: PRNU, dark electrons, shot noise and read noise (`noise_blocks`), DSNU, and row,
+column and telegraph noise. The mean of the dark electrons is subtracted, as sensors do with their
+shielded pixels.
 
 Functions without annotations are compiled, serial, and release the GIL; ``draw`` is
 a `Draw`.
@@ -24,6 +25,7 @@ from chromanoise.imaging.philox import (
     PIXEL_GAIN,
     PIXEL_LEVELS,
     PIXEL_OFFSET,
+    READING,
     READOUT,
     ROW,
     groups_of,
@@ -53,42 +55,66 @@ def row_offset_e(at_row, draw):
     return draw.black_error_e
 
 
-@kernel(inline="always")
+@kernel(error_model="numpy")
 @no_type_check
-def readout_offset_e(pixel, column, channel, several, draw):
-    """Column noise and telegraph noise of one pixel.
+def column_offsets_e(channels, columns, draw):
+    """Column noise (channels, columns) f4; no columns without any.
 
-    The colors of a mosaic share the offset of a column; ``several`` channels at every pixel are
+    The colors of a mosaic share the offset of a column (one channel); channels at every pixel are
     read in columns of their own.
     """
-    offset = _ZERO
-    if draw.column_e > _ZERO:
-        own = channel if several else 0
-        offset = draw.column_e * normal_of(column, COLUMN, draw.frame, own, draw.key)
-    if draw.level_share > _ZERO:
-        at, none = np.uint64(pixel), np.uint64(0)
-        which = word_at(at, np.uint64(PIXEL_LEVELS), none, channel, draw.key) & _LOW
-        if _F(which) * _TO_SHARE < draw.level_share:
-            word = word_at(at, np.uint64(LEVEL), draw.frame, channel, draw.key)
-            up = (word & _ONE_BIT) == _ONE_BIT
-            offset = offset + (draw.level_e if up else -draw.level_e)
-    return offset
+    if draw.column_e == _ZERO:
+        return np.empty((channels, 0), np.float32)
+    offsets = np.empty((channels, columns), np.float32)
+    for c in range(channels):
+        for i in range(columns):
+            offsets[c, i] = draw.column_e * normal_of(i, COLUMN, draw.frame, c, draw.key)
+    return offsets
 
 
 @kernel(inline="always")
 @no_type_check
-def has_readout_offsets(draw):
-    """Whether `readout_offset_e` is ever other than 0."""
-    return draw.column_e > _ZERO or draw.level_share > _ZERO
+def readout_offset_e(pixel, channel, column_e, draw):
+    """Column noise ``column_e`` and telegraph noise of one pixel."""
+    offset, at, none = column_e, np.uint64(pixel), np.uint64(0)
+    if draw.levels_e > _ZERO:
+        for reading in range(draw.readings):
+            own = channel + reading * READING
+            which = word_at(at, np.uint64(PIXEL_LEVELS), none, own, draw.key) & _LOW
+            if _F(which) * _TO_SHARE < draw.level_share:
+                word = word_at(at, np.uint64(LEVEL), draw.frame, own, draw.key)
+                up = (word & _ONE_BIT) == _ONE_BIT
+                offset = offset + (draw.levels_e if up else -draw.levels_e)
+    return offset
 
 
 @kernel(error_model="numpy")
 @no_type_check
-def acquire(mean, pixel, column, n, channels, draw, row_e, room, electrons):
+def add_readout_offsets(values, several, draw):
+    """Add row, column and telegraph noise to a picture (rows, columns, p) f4, in place.
+
+    several: whether all channels of a pixel are read, not only that of a mosaic.
+    """
+    rows, columns, p = values.shape
+    columns_e = column_offsets_e(p if several else 1, columns, draw)
+    for row in range(rows):
+        row_e = row_offset_e(row, draw)
+        for column in range(columns):
+            for c in range(p):
+                own = c if several else 0
+                column_e = columns_e[own, column] if columns_e.size > 0 else _ZERO
+                at = row * columns + column
+                values[row, column, c] += row_e + readout_offset_e(at, c, column_e, draw)
+
+
+@kernel(error_model="numpy")
+@no_type_check
+def acquire(mean, pixel, n, channels, draw, row_e, columns_e, room, electrons):
     """Electrons (n * p,) from mean (n * p,): p values of ``n`` pixels, one after the other.
 
     channels (p, n or more) int64: which channel each value is; one, the one over each pixel, or
-    all. pixel, column: number of the first one in the whole picture, and its column.
+    all. pixel: number of the first one in the whole picture. columns_e: `column_offsets_e` from the
+    column of this one on.
     """
     words, block = room
     lanes = n * channels.shape[0]
@@ -105,9 +131,12 @@ def acquire(mean, pixel, column, n, channels, draw, row_e, room, electrons):
     else:
         for j in range(lanes):
             electrons[j] = mean[j]
-    offsets = draw.pattern_e > _ZERO or has_readout_offsets(draw)
+        if draw.reading_e > _ZERO:
+            _fill_words(pixel, n, channels, READOUT, draw, words)
+            draw_readout(words, lanes, lanes, draw.reading_e, block, electrons)
+    offsets = draw.pattern_e > _ZERO or columns_e.size > 0 or draw.levels_e > _ZERO
     if dark_e > _ZERO or offsets or row_e != _ZERO:
-        _imperfect_readout(electrons, pixel, column, n, channels, draw, row_e - dark_e)
+        _imperfect_readout(electrons, pixel, n, channels, draw, row_e - dark_e, columns_e)
 
 
 @kernel(error_model="numpy")
@@ -128,15 +157,12 @@ def _imperfect_means(mean, pixel, n, channels, draw, dark_e):
 
 @kernel(error_model="numpy")
 @no_type_check
-def _imperfect_readout(electrons, pixel, column, n, channels, draw, shared_e):
+def _imperfect_readout(electrons, pixel, n, channels, draw, shared_e, columns_e):
     """DSNU, and row, column and telegraph noise."""
-    more, several = has_readout_offsets(draw), channels.shape[0] > 1
     for c in range(channels.shape[0]):
         for i in range(n):
-            offset = shared_e
-            if more:
-                own_e = readout_offset_e(pixel + i, column + i, channels[c, i], several, draw)
-                offset = offset + own_e
+            column_e = columns_e[c, i] if columns_e.size > 0 else _ZERO
+            offset = shared_e + readout_offset_e(pixel + i, channels[c, i], column_e, draw)
             if draw.pattern_e > _ZERO:
                 z = normal_of(pixel + i, PIXEL_OFFSET, 0, channels[c, i], draw.key)
                 offset = offset + draw.pattern_e * z

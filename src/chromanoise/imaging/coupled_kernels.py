@@ -15,7 +15,7 @@ import numpy as np
 from chromanoise.imaging.accumulators import hold_at_well
 from chromanoise.imaging.acquisition import (
     acquire,
-    has_readout_offsets,
+    column_offsets_e,
     normal_of,
     readout_offset_e,
     room_for_run,
@@ -40,6 +40,7 @@ def count_rows(mean, tile, first_row, draw, light, counted):
     """
     rows, columns, _ = mean.shape
     over, room = channels_over(tile, columns), room_for_run(1)
+    columns_e = column_offsets_e(1, columns, draw)
     some, electrons = np.empty(RUN, np.float32), np.empty(RUN, np.float32)
     for row in range(rows):
         at_row = first_row + row
@@ -51,7 +52,7 @@ def count_rows(mean, tile, first_row, draw, light, counted):
                 some[i] = mean[row, first + i, channel[i]]
                 light[row, first + i] = some[i]
             pixel, one = at_row * columns + first, channel.reshape(1, -1)
-            acquire(some, pixel, first, n, one, draw, _ZERO, room, electrons)
+            acquire(some, pixel, n, one, draw, _ZERO, columns_e, room, electrons)
             for i in range(n):
                 counted[row, first + i] = electrons[i]
 
@@ -66,6 +67,7 @@ def coupled_raw_rows(light, counted, places, shares, tile, first_row, draw, adc,
     """
     rows, columns = codes.shape
     over, electrons = channels_over(tile, columns), np.empty(RUN, np.float32)
+    columns_e = column_offsets_e(1, columns, draw)
     for row in range(rows):
         at_row = first_row + row
         own, row_e = over[at_row % tile.shape[0]], row_offset_e(at_row, draw)
@@ -76,7 +78,8 @@ def coupled_raw_rows(light, counted, places, shares, tile, first_row, draw, adc,
                 electrons[i] = _mixed(counted, row, first + i, places, shares)
                 counts[row, 0, channel[i]] += _mixed(light, row, first + i, places, shares)
             pixel = at_row * columns + first
-            _read_out(electrons, pixel, first, n, channel.reshape(1, -1), draw, row_e)
+            here_e = columns_e[:, first:]
+            _read_out(electrons, pixel, n, channel.reshape(1, -1), draw, row_e, here_e)
             codes_of_run(electrons, channel, adc, counts[row], codes[row, first:])
 
 
@@ -97,6 +100,7 @@ def coupled_color_rows(
     room, every = room_for_run(p), np.empty((p, RUN), np.int64)
     for c in range(p):
         every[c] = c
+    none_e, columns_e = column_offsets_e(p, columns, inside), column_offsets_e(p, columns, draw)
     for row in range(rows):
         at_row = first_row + row
         row_e = row_offset_e(at_row, draw)
@@ -106,14 +110,14 @@ def coupled_color_rows(
                 for i in range(n):
                     some[c * n + i] = mean[row, first + i, c]
                     counts[row, 0, c] += some[c * n + i]
-            acquire(some, pixel, first, n, every, inside, _ZERO, room, counted)
+            acquire(some, pixel, n, every, inside, _ZERO, none_e, room, counted)
             for c in range(p):
                 for i in range(n):
                     total = _ZERO
                     for k in range(p):
                         total += coupling[c, k] * counted[k * n + i]
                     electrons[c * n + i] = total
-            _read_out(electrons, pixel, first, n, every, draw, row_e)
+            _read_out(electrons, pixel, n, every, draw, row_e, columns_e[:, first:])
             hold_at_well(electrons, n, p, well, counts[row])
             there, shown = xyz[row, first:], srgb[row, first:]
             colors_of_run(electrons, n, p, matrices, table, colors, entry, there, shown)
@@ -136,16 +140,13 @@ def _mixed(values, row, column, places, shares):
 
 @kernel(error_model="numpy")
 @no_type_check
-def _read_out(electrons, pixel, column, n, channels, draw, row_e):
-    """Add what the readout adds: channels (p, n or more) as in `acquire`."""
-    more, several = has_readout_offsets(draw), channels.shape[0] > 1
+def _read_out(electrons, pixel, n, channels, draw, row_e, columns_e):
+    """Add what the readout adds: channels and columns_e as in `acquire`."""
     for c in range(channels.shape[0]):
         for i in range(n):
-            added = row_e
-            if more:
-                own_e = readout_offset_e(pixel + i, column + i, channels[c, i], several, draw)
-                added = added + own_e
-            if draw.noisy and draw.reading_e > _ZERO:
+            column_e = columns_e[c, i] if columns_e.size > 0 else _ZERO
+            added = row_e + readout_offset_e(pixel + i, channels[c, i], column_e, draw)
+            if draw.reading_e > _ZERO:
                 z = normal_of(pixel + i, READOUT, draw.frame, channels[c, i], draw.key)
                 added = added + draw.reading_e * z
             electrons[c * n + i] = electrons[c * n + i] + added

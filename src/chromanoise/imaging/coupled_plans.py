@@ -13,6 +13,7 @@ from chromanoise.imaging.light import Light, on_rows
 from chromanoise.imaging.plans import ColorPlan, Counts, RawPlan, plan_for_rows, srgb_table
 from chromanoise.imaging.records import Draw, RowsInMemory
 from chromanoise.imaging.work import Block, row_pieces
+from chromanoise.sensor.noise_source import READ_OUT
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -139,11 +140,8 @@ def _means(
 
 
 def _without_readout(draw: Draw) -> Draw:
-    nothing = np.float32(0.0)
-    return draw._replace(
-        reading_e=nothing, row_e=nothing, column_e=nothing, level_share=nothing,
-        black_error_e=nothing,
-    )  # fmt: skip
+    drawn = {f"{one}_e" for one in READ_OUT} & set(Draw._fields)
+    return draw._replace(**dict.fromkeys((*drawn, "black_error_e"), np.float32(0.0)))
 
 
 def _values(plan: RawPlan | ColorPlan) -> dict[str, Any]:

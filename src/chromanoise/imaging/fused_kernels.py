@@ -15,7 +15,12 @@ from typing import no_type_check
 import numpy as np
 
 from chromanoise.imaging.accumulators import count_means, hold_at_well, strands_for, total_means
-from chromanoise.imaging.acquisition import acquire, room_for_run, row_offset_e
+from chromanoise.imaging.acquisition import (
+    acquire,
+    column_offsets_e,
+    room_for_run,
+    row_offset_e,
+)
 from chromanoise.imaging.blocks import RUN
 from chromanoise.imaging.color_kernels import colors_of_run
 from chromanoise.imaging.kernel_cache import kernel
@@ -75,6 +80,7 @@ def raw_rows(stored, tile, first_row, draw, adc, codes, counts):
     room, strands = room_for_run(1), strands_for(tile.shape[1])
     over = channels_over(tile, columns)
     tables = tables_over(over, tile.shape[1], stored)
+    columns_e = column_offsets_e(1, columns, draw)
     together = rows_of_tile(stored.lay, columns)
     for top in range(0, rows, together):
         some = min(together, rows - top)
@@ -92,8 +98,8 @@ def raw_rows(stored, tile, first_row, draw, adc, codes, counts):
                     stop = min(run + RUN, n)
                     pixel, channel = at_row * columns + first + run, own[run:stop]
                     some_light, one = light[run:stop], channel.reshape(1, -1)
-                    at = first + run
-                    acquire(some_light, pixel, at, stop - run, one, draw, row_e, room, electrons)
+                    m, here_e = stop - run, columns_e[:, first + run :]
+                    acquire(some_light, pixel, m, one, draw, row_e, here_e, room, electrons)
                     codes_of_run(electrons, channel, adc, counts[row], codes[row, first + run :])
 
 
@@ -129,6 +135,7 @@ def color_rows(stored, first_row, draw, well, matrices, table, xyz, srgb, counts
     every = np.empty((p, RUN), np.int64)
     for c in range(p):
         every[c] = c
+    columns_e = column_offsets_e(p, columns, draw)
     together = rows_of_tile(stored.lay, columns)
     for top in range(0, rows, together):
         some = min(together, rows - top)
@@ -147,7 +154,8 @@ def color_rows(stored, first_row, draw, well, matrices, table, xyz, srgb, counts
                     for c in range(p):
                         _copy(sums[c * TILE + k * n + run :], mean[c * m : (c + 1) * m])
                     at, pixel = first + run, at_row * columns + first + run
-                    acquire(mean, pixel, at, m, every, draw, row_e, room, electrons)
+                    here_e = columns_e[:, at:]
+                    acquire(mean, pixel, m, every, draw, row_e, here_e, room, electrons)
                     hold_at_well(electrons, m, p, well, counts[row])
                     there, shown = xyz[row, at:], srgb[row, at:]
                     colors_of_run(electrons, m, p, matrices, table, colors, entry, there, shown)

@@ -11,7 +11,8 @@ word  bits     what
 1     16 .. 31 purpose: ``LIGHT``, ``PIXEL_GAIN`` ..., so that options that are
                switched on leave the words of all other noise as they were
 2     0 .. 31  frame
-3     0 .. 13  group of four channels: channel // 4; the rest is 0
+3     0 .. 13  group of four channels: channel // 4
+3     16 .. 29 number of the reading in a sum; the rest is 0
 ====  =======  ==================================================================
 
 The key is the seed, low half first. The pixel index counts along the rows of the whole picture.
@@ -35,6 +36,8 @@ columns; which pixels have two levels, and which level a reading has."""
 
 PER_CALL = 4
 """Number of channels that share one call of the cipher, one word each."""
+READING = 1 << 18
+"""Added to a channel for each further reading of a sum."""
 
 _WORD = np.uint64(0xFFFFFFFF)
 _HALF = np.uint64(32)

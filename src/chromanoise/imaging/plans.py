@@ -4,6 +4,7 @@ A plan contains plain numbers and a source of rows, so that it can be pickled, a
 computes bit-identical results for its block.
 """
 
+import math
 import zlib
 from dataclasses import dataclass, replace
 from functools import cache
@@ -40,6 +41,8 @@ def draw_of(
 ) -> Draw:
     """Noise parameters of an operating point; the noise depends on the name of the sensor.
 
+    If ``noisy`` is false, there is no shot noise and no read noise; all other sources stay.
+
     Raises
     ------
     InputError
@@ -50,6 +53,8 @@ def draw_of(
             raise InputError(name, "must be a whole number from 0 to 2^32 - 1", value=value)
     pixel = operating_point.sensor.pixel
     noise = noise_sources(operating_point.sensor, operating_point.exposure)
+    if not noisy:
+        noise = replace(noise, pixel=replace(pixel, read_noise_e=0.0))
     dark_e = _check.within(
         "electrons of the dark current",
         "e-",
@@ -66,7 +71,8 @@ def draw_of(
         row_e=np.float32(noise.sd("row")),
         column_e=np.float32(noise.sd("column")),
         level_share=np.float32(share),
-        level_e=np.float32(level_e),
+        levels_e=np.float32(level_e / math.sqrt(pixel.summed_readings)),
+        readings=int(pixel.summed_readings),
         dark_e=np.float32(dark_e),
         black_error_e=np.float32(pixel.black_error_e),
         noisy=noisy,

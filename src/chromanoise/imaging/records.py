@@ -42,11 +42,13 @@ class Draw(NamedTuple):
     row_e: np.float32
     column_e: np.float32
     level_share: np.float32
-    level_e: np.float32
+    levels_e: np.float32
+    readings: int
+    """Readings that are summed, each with its own level."""
     dark_e: np.float32
     black_error_e: np.float32
     noisy: bool
-    """Whether there is shot noise and read noise; the other sources do not depend on it."""
+    """Whether there is shot noise."""
     key: np.uint64
     frame: np.uint64
 

@@ -186,8 +186,8 @@ def rendered(
         Sensors with different names have different noise: that of `noisy_electrons` with the
         seed crc32(name) 2^32 + seed.
     noisy
-        If false, there is no shot noise (also none of dark electrons) and no read noise; PRNU,
-        DSNU and row noise stay.
+        If false, there is no shot noise (also none of dark electrons) and no read noise. All
+        other sources stay: fixed patterns, and row, column, reset and telegraph noise.
     clip
         Whether electrons are clipped to 0 and full well, as in a real sensor, unlike the paper.
     beyond
@@ -279,7 +279,7 @@ def rendered_electrons(
     frame
         Which picture of a burst.
     noisy
-        Whether noise is added.
+        As `rendered`.
     clip
         Whether values are clipped at black and at full well.
     beyond

@@ -62,8 +62,21 @@ def sensor_json(sensor: Sensor) -> str:
 
 
 def sensor_data(sensor: Sensor) -> dict[str, Any]:
-    """All data of the sensor, with all digits."""
+    """All data of the sensor, with all digits.
+
+    Raises
+    ------
+    InputError
+        If its pixel has noise sources of its own, which a file does not hold.
+    """
     grid, pixel = sensor.grid, sensor.pixel
+    if pixel.own_noise:
+        raise InputError(
+            f"sensor {sensor.name}",
+            "must have no noise sources of its own to be written",
+            value=[one.cause for one in pixel.own_noise],
+            remedy="write the sensor with a Pixel of chromanoise",
+        )
     return {
         "schema": _SENSOR_SCHEMA,
         "schema_version": SCHEMA_VERSION,

@@ -6,7 +6,7 @@ weights for X, Y, Z and the contravariant coordinates, `chromanoise.metrics.lab_
 b*.
 """
 
-from collections.abc import Sequence
+from collections.abc import Container, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -21,7 +21,15 @@ from chromanoise.metrics.shapley import Switches, allowed_sets, shapley_values
 from chromanoise.noise import NoiseSources, after_counting, counted_electrons
 from chromanoise.scene import Scene
 from chromanoise.sensor import Crosstalk, Sensor, pixels_of
-from chromanoise.sensor.noise_source import PATTERN, READ, READ_OUT, SHOT, SOURCES
+from chromanoise.sensor.noise_source import (
+    ALL,
+    PATTERN,
+    READ,
+    READ_OUT,
+    SHOT,
+    SOURCES,
+    Drawn,
+)
 from chromanoise.spectra import INFRARED_FROM_NM, is_infrared
 from chromanoise.units import decibel
 
@@ -31,10 +39,7 @@ CROSSTALK = "crosstalk"
 CAUSES = (FILTERS, READ_NOISE, WEIGHTS, CORRELATION, INFRARED)
 """The causes of every budget; `causes_of` adds those of the sensor's own noise sources."""
 _SLOPE_STEP = 1e-3
-MORE_NOISE = tuple(one.cause for one in SOURCES if one.cause not in (SHOT, READ))
 QUANTIZATION = next(one.cause for one in SOURCES if one.drawn == "rounding")
-_AFTER = tuple(one.cause for one in SOURCES if one.drawn in READ_OUT)
-_BEFORE = tuple(one.cause for one in SOURCES if one.drawn not in READ_OUT and one.cause != SHOT)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -207,12 +212,17 @@ def causes_of(chain: Chain, *, infrared: bool = True) -> tuple[str, ...]:
         Whether the budget separates the infrared.
     """
     values = replace(chain.noise, pattern=None).by_source(np.ones(1))
-    own = {name for name in MORE_NOISE if values[name].any()}
+    own = {name for name in _more_noise(chain.noise) if values[name].any()}
     own |= set() if chain.noise.pattern is None else {PATTERN}
-    more = tuple(name for name in MORE_NOISE if name in own)
+    more = tuple(name for name in _more_noise(chain.noise) if name in own)
     mixed = (CROSSTALK,) if chain.before_crosstalk is not None else ()
     end = CAUSES[2:] if infrared else CAUSES[2:-1]
     return (*CAUSES[:2], *more, *mixed, *end)
+
+
+def _more_noise(noise: NoiseSources) -> list[str]:
+    """The sources besides shot noise and read noise."""
+    return [one.cause for one in noise.sources if one.cause not in (SHOT, READ)]
 
 
 def noise_causes(chain: Chain) -> frozenset[str]:
@@ -299,10 +309,11 @@ def _added_e2(
     noise: NoiseSources,
     mean_e: Float[Array, " p"],
     sets: Sequence[Switches],
-    names: Sequence[str] = (READ_NOISE, *MORE_NOISE),
+    drawn: Container[Drawn] = ALL,
 ) -> Float[Array, "s p"]:
-    """Variance of the sources ``names`` that each set switches on, without shot noise. [e-^2]"""
+    """Variance of sources that each set switches on, without shot noise. [e-^2]"""
     values = noise.by_source(mean_e)
+    names = [one.cause for one in noise.sources if one.drawn in drawn and one.cause != SHOT]
     on = np.array([[name in each for name in names] for each in sets])
     return (on[..., None] * np.stack([values[name] for name in names])).sum(axis=1)
 
@@ -340,8 +351,8 @@ def _coupled_snrs_db(
 ) -> Float[Array, " s"]:
     """The same with crosstalk after counting, which correlates the readings. [dB]"""
     counted = counted_electrons(seen.noise_e, coupling)
-    inside = counted + _added_e2(noise, counted, sets, _BEFORE)
-    after = _added_e2(noise, counted, sets, _AFTER)
+    inside = counted + _added_e2(noise, counted, sets, ALL - READ_OUT)
+    after = _added_e2(noise, counted, sets, READ_OUT)
     if row is None:
         covariance = congruence(coupling, _diagonal(inside)) + _diagonal(after)
         rows = pinv("noise with crosstalk", covariance) @ seen.sought_e
@@ -379,7 +390,8 @@ def chain_budget(
     """
     order = (*((FILTERS, later) for later in causes[1:]), (WEIGHTS, CORRELATION))
     if _is_rounded(chain):  # what a coarse step loses depends on the noise that is rounded
-        before = (name for name in (READ_NOISE, *MORE_NOISE) if name != QUANTIZATION)
+        noise = (READ_NOISE, *_more_noise(chain.noise))
+        before = (name for name in noise if name != QUANTIZATION)
         order += tuple((name, QUANTIZATION) for name in before if name in causes)
     sets = allowed_sets(causes, order)
     worth = dict(zip(sets, chain_snrs_db(chain, sets).tolist(), strict=True))
@@ -420,7 +432,9 @@ def shared_readings(
     psi = np.degrees(np.arccos(np.clip(best @ own / np.sqrt((best @ best) * (own @ own)), -1, 1)))
     infrared = 1 - visible_e.sum() / all_e.sum()
     part = {name: float(100 * each.mean() / variance.mean()) for name, each in sources.items()}
-    more = {name: f"{part[name]:.1f} % of the mean noise variance" for name in MORE_NOISE}
+    more = {
+        name: f"{part[name]:.1f} % of the mean noise variance" for name in _more_noise(chain.noise)
+    }
     if _is_rounded(chain):
         before_e2 = float((variance - sources[QUANTIZATION]).mean())
         after_e2 = float(chain.noise.rounded(all_e)[1].mean())

@@ -103,7 +103,7 @@ def reading_distribution(
     mean_e
         Expected electrons of the light, from 0 to `MOST_COUNTED_E`. [e-]
     noise
-        The noise sources; those that are not counted are one Gaussian, as in `sensor_moments`.
+        The noise sources, as in `sensor_moments`.
     readout
         Bounds and step; ``None`` for no bounds and the step of ``noise``.
 
@@ -141,9 +141,9 @@ def reading_distribution(
             remedy="take `sensor_moments`, whose mean and variance are exact",
         )
     counted, bounds = counted_readout(mean, noise, readout or Readout())
-    shifts = noise.shifts if noise.readings == 1 else ((1.0, 0.0),)
-    smooth = replace(noise, without=noise.without | {"levels"}) if len(shifts) > 1 else noise
-    added = np.sqrt(np.broadcast_to(smooth.added_variance_e2(mean), mean.shape))
+    of_sum = replace(noise, readings=1)
+    shifts = of_sum.shifts
+    added = np.sqrt(np.broadcast_to(of_sum.smooth.added_variance_e2(mean), mean.shape))
     step = bounds.step_e
     low, high = _reach(counted, added, shifts)
     if high - low > _MOST_REACH_E:
@@ -223,17 +223,20 @@ def _continuous(
 ) -> tuple[Float[Array, " x"], Float[Array, "k x"]]:
     """Density times cell; single electrons lie on the grid."""
     low, high = _reach(counted, added, shifts)
-    most = max(shift for _, shift in shifts)
     per_e = math.ceil(_PER_READ_NOISE / float(added.min()))
     values = low + np.arange((high - low) * per_e + 1) / per_e
     table = np.zeros((counted.size, values.size))
     for row, mean, sd in zip(table, counted, added, strict=True):
         counts, shares = count_law(float(mean))
-        row[((counts - low) * per_e).astype(np.int64)] = shares
-        reach = math.ceil((FARTHEST * sd + most) * per_e)
-        around = np.arange(-reach, reach + 1) / (sd * per_e)
-        bell = sum(w * np.exp(-0.5 * (around - shift / sd) ** 2) for w, shift in shifts)
-        row[:] = np.convolve(row, bell)[reach : reach + values.size]
+        own = np.zeros((counts.size - 1) * per_e + 1)
+        own[::per_e] = shares
+        reach = math.floor(FARTHEST * sd * per_e)
+        around = np.arange(-reach, reach + 1)
+        for weight, shift in shifts:
+            whole = round(shift * per_e)
+            bell = np.exp(-0.5 * ((around + whole - shift * per_e) / (sd * per_e)) ** 2)
+            start = int(counts[0] - low) * per_e + whole - reach
+            row[start : start + own.size + 2 * reach] += weight * np.convolve(own, bell)
     return values, table
 
 
@@ -254,10 +257,13 @@ def _rounded(
                 at = np.floor((counts + offset + shift) / step + 0.5).astype(np.int64) - first
                 np.add.at(row, at, weight * shares)
                 continue
-            edges = (codes[:, None] - 0.5) * step - (counts + offset + shift)
+            lowest = counts[0] + offset + shift - FARTHEST * sd
+            highest = counts[-1] + offset + shift + FARTHEST * sd
+            start, stop = math.floor(lowest / step) - first, math.ceil(highest / step) + 2 - first
+            edges = (codes[start:stop, None] - 0.5) * step - (counts + offset + shift)
             below, above = ndtr(edges / sd), ndtr(-edges / sd)
             between = np.where(edges[:-1] > 0, above[:-1] - above[1:], below[1:] - below[:-1])
-            row[:-1] += weight * (between @ shares)
+            row[start : stop - 1] += weight * (between @ shares)
     return codes * step, table
 
 

@@ -27,8 +27,8 @@ def sensor_moments(mean_e: Float[Array, "*px p"], noise: NoiseSources, readout: 
     mean_e
         Expected electrons of the light, >= 0. [e-]
     noise
-        The noise sources. Light and dark electrons are counted (Poisson); the other sources are
-        added as one normal variable per channel with their variance.
+        The noise sources. Light and dark electrons are counted (Poisson), telegraph noise has its
+        levels; the others are added as one normal variable per channel with their variance.
     readout
         Bounds after the subtraction of the mean dark signal, full well before it; the step is
         that of the converter, unless another is given. Each of several summed readings has an
@@ -47,8 +47,7 @@ def sensor_moments(mean_e: Float[Array, "*px p"], noise: NoiseSources, readout: 
     mean, n = _check.non_negative("mean_e", "e-", mean_e), noise.readings
     if noise.pattern is not None:
         return _over_places(mean, noise, noise.pattern, readout)
-    smooth = replace(noise, without=noise.without | {"levels"})
-    light, one, sd = smooth.of_one_reading(mean)
+    light, one, sd = noise.smooth.of_one_reading(mean)
     bounds = Readout(
         black_e=readout.black_e / n,
         full_well_e=readout.full_well_e / n + one.offset_e,

@@ -254,7 +254,11 @@ def additive_rounding_fails(
 
 
 def largest_code_share(
-    mean_e: Float[Array, " m"], *, read_noise_e: Float[Array, " m"], readout: Readout
+    mean_e: Float[Array, " m"],
+    *,
+    read_noise_e: Float[Array, " m"],
+    readout: Readout,
+    shifts: tuple[tuple[float, float], ...],
 ) -> Float[Array, " m"]:
     """Share of the readings that have the most frequent code, for steps far above the noise. [1]
 
@@ -262,6 +266,8 @@ def largest_code_share(
     ----------
     mean_e, read_noise_e, readout
         As `read_moments`; the step is above 0.
+    shifts
+        As `chromanoise.noise.NoiseSources.shifts`.
     """
     from scipy.special import ndtr
 
@@ -271,7 +277,8 @@ def largest_code_share(
 
     def given_counts(count: Float[Array, " w"], row: Int[Array, " w"]) -> Float[Array, "5 w"]:
         codes = middle[row] + np.array([[-1.5], [-0.5], [0.5], [1.5]])
-        below = ndtr((codes * step - (count + offset)) / sd[row])
+        edges = codes * step - (count + offset)
+        below = sum(share * ndtr((edges - shift_e) / sd[row]) for share, shift_e in shifts)
         return np.concatenate([np.zeros((2, count.size)), np.diff(below, axis=0)])
 
     return over_counts_each(mean_e, given_counts)[2:].max(axis=0)

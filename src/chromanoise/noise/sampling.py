@@ -1,5 +1,7 @@
 """Random noisy acquisitions: Poisson electrons plus Gaussian read noise."""
 
+import math
+
 import numpy as np
 
 from chromanoise import _check
@@ -70,10 +72,12 @@ def sample_electrons(
             electrons += sd * rng.standard_normal(mean_e.shape)
     share, away_e = noise.levels
     if share:
-        level = rng.choice(
-            [0.0, away_e, -away_e], mean_e.shape, p=[1 - share, share / 2, share / 2]
-        )
-        electrons += level
+        chances, summed = [1 - share, share / 2, share / 2], int(noise.pixel.summed_readings)
+        if summed == 1:
+            electrons += rng.choice([0.0, away_e, -away_e], mean_e.shape, p=chances)
+        else:
+            _, up, down = np.moveaxis(rng.multinomial(summed, chances, mean_e.shape), -1, 0)
+            electrons += (up - down) * away_e / math.sqrt(summed)
     electrons += noise.black_error_e - noise.dark_e
     if noise.step_e:
         electrons = noise.step_e * np.floor(electrons / noise.step_e + 0.5)

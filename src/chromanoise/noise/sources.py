@@ -49,7 +49,6 @@ from chromanoise.sensor.noise_source import (
     READ,
     READ_OUT,
     SHOT,
-    SOURCES,
     NoiseKind,
     PixelReading,
 )
@@ -130,6 +129,8 @@ def crosstalk_pattern(crosstalk: Crosstalk | None) -> CrosstalkPattern | None:
 
 _ONE_CODE = 0.999  # share of the readings
 _STEPS_OF_ONE_CODE = 5.0  # below as many standard deviations per step no code has that share
+_MOST_LEVELS = 101  # more levels of telegraph noise are as good as normal noise
+_LEAST_SHARE = 1e-15  # of a level that counts
 _WEAK = 1e-3  # a channel with less of the electrons of the strongest one decides no color
 
 
@@ -162,7 +163,7 @@ class NoiseSources(PixelReading):
     readings: int = 1
 
     def by_source(self, mean_e: Float[Array, "*px p"]) -> Mapping[str, Float[Array, "*px p"]]:
-        """Variance per source, in the order of `SOURCES`; those that are 0 included. [e-^2]
+        """Variance per source, in the order of ``sources``; those that are 0 included. [e-^2]
 
         Parameters
         ----------
@@ -177,7 +178,7 @@ class NoiseSources(PixelReading):
         powers = {"floor_e2": np.ones_like(mean), "slope_e": mean, "square": square}
         found = {
             one.cause: (one.drawn not in self.without) * one.value(self) * powers[one.term]
-            for one in SOURCES
+            for one in self.sources
         }
         return found | {PATTERN: pattern}
 
@@ -293,8 +294,7 @@ class NoiseSources(PixelReading):
         mean = np.asarray(mean_e, dtype=np.float64)
         if not self.step_e:
             return np.zeros(mean.shape, dtype=bool)
-        smooth = replace(self, without=self.without | {"levels"})  # most pixels have one level
-        light, readout, sd = smooth.of_one_reading(mean)
+        light, readout, sd = self.without_levels.of_one_reading(mean)  # most pixels have one level
         return additive_rounding_fails(
             light, counted_e=light + self.dark_e / self.readings, read_noise_e=sd,
             step_e=readout.step_e,
@@ -337,8 +337,7 @@ class NoiseSources(PixelReading):
                 bias[..., i] = np.where(at, read_e.mean(axis=-1) - mean[..., i], 0.0)
                 variance[..., i] = np.where(at, spread + read_e.var(axis=-1), variance[..., i])
         elif coarse.any():
-            smooth = replace(own, without=own.without | {"levels"})
-            light, readout, sd = smooth.of_one_reading(mean)
+            light, readout, sd = own.smooth.of_one_reading(mean)
             counted = (light + own.dark_e / own.readings)[coarse]
             read = own.over_levels(
                 lambda shift_e: read_moments(
@@ -363,12 +362,14 @@ class NoiseSources(PixelReading):
         found = np.zeros(mean.shape, dtype=bool)
         if not self.step_e:
             return found
-        light, readout, sd = self.of_one_reading(mean)
+        light, readout, sd = self.without_levels.of_one_reading(mean)
         counted = light + self.dark_e / self.readings
         near = counted + sd**2 < (readout.step_e / _STEPS_OF_ONE_CODE) ** 2
         if near.any():
             found[near] = (
-                largest_code_share(counted[near], read_noise_e=sd[near], readout=readout)
+                largest_code_share(
+                    counted[near], read_noise_e=sd[near], readout=readout, shifts=self.shifts
+                )
                 > _ONE_CODE
             )
         return found
@@ -392,12 +393,35 @@ class NoiseSources(PixelReading):
 
     @property
     def shifts(self) -> tuple[tuple[float, float], ...]:
-        """The levels of one reading: their shares of pixels and frames, and where they are. [e-]"""
+        """Levels of one of the ``readings``: their shares of pixels and frames, and places. [e-]
+
+        Of readings that are summed without rounding each has its own level. One level where there
+        is no telegraph noise, or so many that they are normal noise: see `smooth`.
+        """
         share, away_e = self.levels
+        summed = int(self.pixel.summed_readings)
+        n, away_e = summed // self.readings, away_e / math.sqrt(summed)
         if not share:
             return ((1.0, 0.0),)
-        away_e = away_e / math.sqrt(self.readings)
-        return ((1 - share, 0.0), (share / 2, away_e), (share / 2, -away_e))
+        if n == 1:
+            return ((1 - share, 0.0), (share / 2, away_e), (share / 2, -away_e))
+        of_one = np.zeros(2 * n + 1)
+        of_one[[0, 1, -1]] = 1 - share, share / 2, share / 2
+        shares = np.fft.fftshift(np.fft.irfft(np.fft.rfft(of_one) ** n, of_one.size))
+        kept = np.flatnonzero(shares > _LEAST_SHARE)
+        if kept.size > _MOST_LEVELS:
+            return ((1.0, 0.0),)
+        return tuple(zip(shares[kept].tolist(), (away_e * (kept - n)).tolist(), strict=True))
+
+    @property
+    def without_levels(self) -> "NoiseSources":
+        """The sources without telegraph noise."""
+        return replace(self, without=self.without | {"levels"})
+
+    @property
+    def smooth(self) -> "NoiseSources":
+        """The sources that are added as one normal variable to each of the levels (`shifts`)."""
+        return self if len(self.shifts) == 1 else self.without_levels
 
     def over_levels(self, read: Callable[[float], Moments]) -> Moments:
         """Moments of one reading, averaged over the levels of telegraph noise.
@@ -449,7 +473,7 @@ class NoiseSources(PixelReading):
     @property
     def has_fixed_pattern(self) -> bool:
         """Whether a source is the same in every frame."""
-        fixed = any(one.value(self) for one in SOURCES if one.drawn in FIXED)
+        fixed = any(one.value(self) for one in self.sources if one.drawn in FIXED)
         return self.pattern is not None or (fixed and not self.without >= FIXED)
 
     @property
@@ -457,7 +481,7 @@ class NoiseSources(PixelReading):
         """Whether there is any source besides shot noise and read noise, or a bias."""
         more = any(
             one.value(self)
-            for one in SOURCES
+            for one in self.sources
             if one.cause not in (SHOT, READ) and one.drawn not in self.without
         )
         return more or self.pattern is not None or bool(self.black_error_e)

@@ -1,8 +1,12 @@
-"""The noise sources of a pixel: add a source to `SOURCES`, and its property to `Pixel`."""
+"""The noise sources of a pixel: add a source to `SOURCES`, and its property to `Pixel`.
+
+Outside of this package, add both to a subclass of `Pixel`, the source in its ``own_noise``.
+"""
 
 import math
 from collections.abc import Callable, Container, Iterable
 from dataclasses import dataclass
+from functools import cache
 from typing import Any, Literal, get_args
 
 from chromanoise import _check
@@ -39,7 +43,7 @@ READ_OUT = frozenset[Drawn]({"reading", "levels", "row", "column", "rounding", "
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NoiseSource:
-    """One source of noise. Table, budget, exact distribution and all draws walk `SOURCES`.
+    """One source of noise. Table, budget, exact distribution and all draws walk `sources_of`.
 
     Attributes
     ----------
@@ -83,7 +87,7 @@ class PixelReading:
     Raises
     ------
     InputError
-        If a number is negative or not finite.
+        If a number is negative or not finite, or as `sources_of`.
     """
 
     pixel: Pixel
@@ -94,6 +98,13 @@ class PixelReading:
     def __post_init__(self) -> None:
         for name in ("dark_e", "step_e"):
             object.__setattr__(self, name, _check.not_negative(name, "e-", getattr(self, name)))
+        for one in self.sources[len(SOURCES) :]:
+            _check.not_negative(f"coefficient of {one.cause}", one.term, one.value(self))
+
+    @property
+    def sources(self) -> tuple[NoiseSource, ...]:
+        """The sources of the pixel, in the order of tables and budgets."""
+        return sources_of(type(self.pixel))
 
     def coefficient(self, term: str, drawn: Container[Drawn], but: Iterable[Drawn] = ()) -> float:
         """A coefficient of the law of the variance. [e-^2], [e-] or [1]
@@ -107,7 +118,7 @@ class PixelReading:
         """
         return sum(
             one.value(self)
-            for one in SOURCES
+            for one in self.sources
             if one.term == term and one.drawn in drawn and one.drawn not in (*but, *self.without)
         )
 
@@ -124,7 +135,7 @@ class PixelReading:
     @property
     def levels(self) -> tuple[float, float]:
         """Share of the pixels with two levels [1], and half the difference of the two. [e-]"""
-        for one in SOURCES:
+        for one in self.sources:
             if one.drawn == "levels" and "levels" not in self.without and one.value(self):
                 share = one.share(self)
                 return share, math.sqrt(one.value(self) / share)
@@ -205,3 +216,26 @@ SOURCES = (
 The law of the crosstalk pattern is `CrosstalkPattern.variance_e2`, of the light of all channels.
 """
 SHOT, READ = SOURCES[0].cause, SOURCES[1].cause
+
+
+@cache
+def sources_of(owner: type[Pixel]) -> tuple[NoiseSource, ...]:
+    """`SOURCES`, then the ``own_noise`` of a subclass of `Pixel`.
+
+    Parameters
+    ----------
+    owner
+        `Pixel` or a subclass.
+
+    Raises
+    ------
+    InputError
+        If two sources have one name, or one is drawn in a way that only `SOURCES` can have.
+    """
+    for one in owner.own_noise:
+        _check.one_of(f"drawn of {one.cause}", one.drawn, (*NORMAL, "gain"))
+        term = "square" if one.drawn == "gain" else "floor_e2"
+        _check.one_of(f"term of {one.cause}", one.term, (term,))
+    found = (*SOURCES, *owner.own_noise)
+    _check.distinct("causes of noise", [one.cause for one in found])
+    return found

@@ -8,7 +8,7 @@ shot noise, and its mean is subtracted. All are 0 by default, as in the paper.
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
-from typing import Annotated, Any, Literal, get_args
+from typing import Annotated, Any, ClassVar, Literal, get_args
 
 from chromanoise import _check
 from chromanoise.errors import InputError
@@ -39,6 +39,8 @@ def _pixels(name: str, count: float) -> int:
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pixel:
     """One pixel design, the same for all channels.
+
+    A subclass may add noise sources: ``own_noise``, with a `Property` on a field of each.
 
     Attributes
     ----------
@@ -89,6 +91,9 @@ class Pixel:
     >>> warm.dark_electrons_e(time_s=2.0)      # 14 K above the reference: two doublings
     40.0
     """
+
+    own_noise: ClassVar[tuple[Any, ...]] = ()
+    """`chromanoise.sensor.noise_source.NoiseSource`s of a subclass."""
 
     pitch_um: Annotated[
         float,
@@ -283,7 +288,13 @@ PIXEL_REQUIRED = required_of(Pixel)
 """Names of the properties that a pixel must have."""
 PAPER_PIXEL = Pixel(pitch_um=10.0, full_well_e=10_000.0, read_noise_e=10.0)
 """Table 1 of Clouet, Vaillant & Alleysson (CIC27, 2019)."""
-EXTRA_NOISE = tuple(field.name for field in fields(Pixel) if field.default == 0.0)
+
+
+def _extra_noise_of(owner: type[Pixel]) -> tuple[str, ...]:
+    return tuple(field.name for field in fields(owner) if field.default == 0.0)
+
+
+EXTRA_NOISE = _extra_noise_of(Pixel)
 """Fields of `Pixel` that add noise or bias beyond shot and read noise; 0 by default."""
 PIXEL_NOISE = tuple(name for name in EXTRA_NOISE if PIXEL[name].least == 0)
 """Those that add noise."""
@@ -297,18 +308,19 @@ def shot_and_read_only(pixel: Pixel) -> Pixel:
     pixel
         The pixel.
     """
-    return replace(pixel, **dict.fromkeys(EXTRA_NOISE, 0.0), temperature_c=None)
+    return replace(pixel, **dict.fromkeys(_extra_noise_of(type(pixel)), 0.0), temperature_c=None)
 
 
 def extra_noise(pixel: Pixel) -> dict[str, float]:
-    """The values of `EXTRA_NOISE` that are not 0, by name.
+    """The values of `EXTRA_NOISE`, and of own noise, that are not 0, by name.
 
     Parameters
     ----------
     pixel
         The pixel.
     """
-    return {name: value for name in EXTRA_NOISE if (value := getattr(pixel, name))}
+    names = _extra_noise_of(type(pixel))
+    return {name: value for name in names if (value := getattr(pixel, name))}
 
 
 def binned(pixel: Pixel, pixels: int, mode: BinningMode = "charge") -> Pixel:
@@ -360,7 +372,7 @@ def binned(pixel: Pixel, pixels: int, mode: BinningMode = "charge") -> Pixel:
     if pixels == 1:
         return pixel
     shell = replace(pixel, summed_pixels=pixels, summed_readings=1 if mode == "charge" else pixels)
-    grown = (name for name, one in PIXEL.items() if any(one.growth))
+    grown = (name for name, one in properties_of(type(pixel)).items() if any(one.growth))
     return replace(shell, **of_the_sum(shell, {name: getattr(pixel, name) for name in grown}))
 
 
@@ -384,9 +396,10 @@ def of_the_sum(pixel: Pixel, values: Mapping[str, Any]) -> dict[str, Any]:
     n, read = int(pixel.summed_pixels), int(pixel.summed_readings)
     rows = max(rows for rows in range(1, math.isqrt(read) + 1) if read % rows == 0)
     counts = Growth(pixels=n, readings=read, rows=rows, columns=read // rows)
+    known = properties_of(type(pixel))
 
     def grown(name: str, value: Any) -> Any:
-        growth = PIXEL[name].growth if name in PIXEL else Growth()
+        growth = known[name].growth if name in known else Growth()
         if not any(growth):
             return value
         return value * math.prod(count**power for count, power in zip(counts, growth, strict=True))
@@ -405,7 +418,7 @@ def of_one_reading(pixel: Pixel, readings: int) -> Pixel:
         How many are summed.
     """
     changes = {}
-    for name, one in PIXEL.items():
+    for name, one in properties_of(type(pixel)).items():
         power, value = one.growth.pixels + one.growth.readings, getattr(pixel, name)
         if power and value:
             changes[name] = min(value / readings**power, one.most)  # a bound is one after rounding

@@ -74,6 +74,11 @@ class Given:
     illuminants: Mapping[str, Illuminant] = field(default_factory=dict)
     others: Mapping[str, Any] = field(default_factory=dict)
 
+    @property
+    def objects(self) -> Mapping[str, Any]:
+        """All objects, by the words of the study."""
+        return {**self.sensors, **self.illuminants, **self.others}
+
     def of(self, word: Any) -> Any:
         """What a word refers to: an object in ``others``, or the word itself.
 

@@ -3,9 +3,13 @@
 import hashlib
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, is_dataclass
+from numbers import Number
 from pathlib import Path
+from types import CodeType, FunctionType, MappingProxyType, NoneType
 from typing import Any, Literal
+
+import numpy as np
 
 from chromanoise import __version__
 from chromanoise._inputs import regular_file
@@ -176,8 +180,12 @@ _FILES = {
 }
 
 
-def study_hash(study: Study, digests: Mapping[str, str] | None = None) -> str:
-    """SHA-256 of the version, the study, and the content of its files.
+def study_hash(
+    study: Study,
+    digests: Mapping[str, str] | None = None,
+    objects: Mapping[str, Any] = MappingProxyType({}),
+) -> str:
+    """SHA-256 of the version, the study, and the content of its files and objects.
 
     Parameters
     ----------
@@ -185,13 +193,63 @@ def study_hash(study: Study, digests: Mapping[str, str] | None = None) -> str:
         Study whose words are listed.
     digests
         Of its files, where they are known already; `file_digests` otherwise.
+    objects
+        Objects of Python that the study names, by their words.
 
     Raises
     ------
     InputError
         If one of the files cannot be read.
     """
-    return _hash_of(study, file_digests(study) if digests is None else digests)
+    found = dict(file_digests(study) if digests is None else digests)
+    return _hash_of(study, found | {word: object_digest(one) for word, one in objects.items()})
+
+
+def object_digest(one: Any) -> str:
+    """SHA-256 of the numbers, names and functions of an object of Python.
+
+    Of a function its code and the values in it count, not the functions that it calls.
+
+    Parameters
+    ----------
+    one
+        Curves, a sensor, a cube, a matrix, a function ...
+
+    Examples
+    --------
+    >>> object_digest([1, 2.0]) == object_digest((1.0, 2.0)), object_digest(1) == object_digest("1")
+    (True, False)
+    """
+    digest = hashlib.sha256()
+    for piece in _pieces(one):
+        digest.update(f"{len(piece)} ".encode() + piece)
+    return digest.hexdigest()
+
+
+def _pieces(one: Any) -> Iterator[bytes]:
+    """The numbers of an object as float64, everything else as text, in order."""
+    if type(one) in (str, bytes, NoneType):
+        yield repr(one).encode()
+    elif is_dataclass(one):
+        own = getattr(one, "own_noise", ())  # of a class of pixels
+        yield from _pieces([own, {field.name: getattr(one, field.name) for field in fields(one)}])
+    elif isinstance(one, np.ndarray | Number) and np.asarray(one).dtype.kind in "biuf":
+        yield from (repr(np.shape(one)).encode(), np.asarray(one, dtype=np.float64).tobytes())
+    elif isinstance(one, Mapping):
+        yield from _pieces(list(one.items()))
+    elif isinstance(one, frozenset):
+        yield from _pieces(sorted(map(repr, one)))
+    elif isinstance(one, Iterable) and not isinstance(one, str):
+        for value in one:
+            yield from _pieces(value)
+        yield b"end"
+    elif isinstance(one, FunctionType):
+        captured = [cell.cell_contents for cell in one.__closure__ or ()]
+        yield from _pieces([one.__code__, captured, one.__defaults__, one.__kwdefaults__])
+    elif isinstance(one, CodeType):
+        yield from _pieces([one.co_code, one.co_names, one.co_consts])
+    else:
+        yield from _pieces([type(one).__qualname__, getattr(one, "__dict__", repr(one))])
 
 
 def file_digests(study: Study) -> dict[str, str]:
