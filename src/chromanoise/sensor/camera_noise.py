@@ -72,9 +72,9 @@ class CameraNoise:
         Standard deviation of the offset that all pixels of a row share, new in each frame. [e-]
     column_noise_e
         The same of the pixels of a column. [e-]
-    levels
-        Random telegraph noise: share of the pixels that switch between two levels, and half the
-        difference of the levels. [1], [e-]
+    rtn_share, rtn_amplitude_e
+        Random telegraph noise: share of the pixels that switch between two levels, and the
+        difference between the levels. [1], [e-]
     tail_lambda
         Shapes of the Tukey lambda distribution of the read noise, one of which is used per item;
         empty for normal read noise. The variance is ``read_noise_e`` squared for every shape. [1]
@@ -123,7 +123,8 @@ class CameraNoise:
     prnu: float = 0.0
     row_noise_e: float = 0.0
     column_noise_e: float = 0.0
-    levels: tuple[float, float] = (0.0, 0.0)
+    rtn_share: float = 0.0
+    rtn_amplitude_e: float = 0.0
     tail_lambda: tuple[float, ...] = ()
     read_noise_law: ReadNoiseLaw | None = None
     row_noise_law: LogLinearNoise | ReadNoiseTable | None = None
@@ -163,9 +164,6 @@ class CameraNoise:
             _check.within("full_well_e", "e-", self.full_well_e, 1e-3, MOST_E)
         for name in _PLAIN:
             PIXEL[name].demand(name, getattr(self, name))
-        _check.same_length("levels", given=len(self.levels), share_and_half_difference=2)
-        PIXEL["rtn_share"].demand("share of levels", self.levels[0])
-        PIXEL["rtn_amplitude_e"].demand("half difference of levels", self.levels[1])
         self._check_laws()
 
     def _check_laws(self) -> None:
@@ -420,7 +418,8 @@ class CameraNoise:
             prnu=reading.sd("gain"),
             row_noise_e=reading.sd("row"),
             column_noise_e=reading.sd("column"),
-            levels=reading.levels,
+            rtn_share=pixel.rtn_share,
+            rtn_amplitude_e=pixel.rtn_amplitude_e,
             black_offsets_dn=np.full((1, _channels(sensor, count)), error_dn) if error_dn else None,
         )
 
