@@ -2,10 +2,11 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import fields
+from dataclasses import replace
 
-from chromanoise.characterization.results import PlaneNoise
-from chromanoise.sensor import PIXEL, PIXEL_NOISE
+from chromanoise.characterization.results import MEASURED, PlaneNoise
+from chromanoise.sensor import PAPER_PIXEL, PIXEL
+from chromanoise.sensor.noise_source import SOURCES, Drawn, PixelReading
 
 
 def root_mean_square(values: Sequence[float | None]) -> float | None:
@@ -24,13 +25,16 @@ def root_mean_square(values: Sequence[float | None]) -> float | None:
     return math.sqrt(sum(one**2 for one in known) / len(known))
 
 
-SPREADS = {
-    name: PIXEL[name]
-    for name in PIXEL_NOISE
-    if PIXEL[name].unit != "e-/s" and name in {one.name for one in fields(PlaneNoise)}
-}
-"""Properties of a pixel that are standard deviations, of which a plane has a measured value."""
-SHARED = tuple(name for name, one in SPREADS.items() if one.growth.rows or one.growth.columns)
+def _drawn(name: str) -> set[Drawn]:
+    """How the noise of a property of the pixel is drawn, by the list of sources."""
+    without = PixelReading(pixel=PAPER_PIXEL)
+    with_it = PixelReading(pixel=replace(PAPER_PIXEL, **{name: PIXEL[name].most}))
+    return {one.drawn for one in SOURCES if one.value(with_it) != one.value(without)}
+
+
+SPREADS = {name: PIXEL[name] for name in MEASURED if _drawn(name)}
+"""Measured properties of a pixel that are standard deviations."""
+SHARED = tuple(name for name in SPREADS if _drawn(name) <= {"row", "column"})
 """Those that a row or a column shares."""
 
 

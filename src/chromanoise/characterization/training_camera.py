@@ -80,13 +80,16 @@ def camera_noise(results: Characterization | Sequence[Characterization]) -> Came
 
     pairs = list(zip(cameras_by_gain, gains, strict=True))
     wells = [one.full_well_e for one in cameras if one.full_well_e is not None]
+    laws = {
+        f"{name.removesuffix('_e')}_law": table([getattr(one, name) * gain for one, gain in pairs])
+        for name in SPREADS
+        if SPREADS[name].unit == "e-"
+    }
     return replace(
         cameras[0],
         full_well_e=max(wells, default=None),
         read_noise_law=table(noise_dn),
-        row_noise_law=table([one.row_noise_e * gain for one, gain in pairs]),
-        column_noise_law=table([one.column_noise_e * gain for one, gain in pairs]),
-        dsnu_law=table([one.dsnu_e * gain for one, gain in pairs]),
+        **laws,
     )
 
 

@@ -66,6 +66,7 @@ class PlaneTruth(PartialPixel):
     dark_noise_e: float
     black_level_dn: float
     saturation_dn: float
+    full_well_e: float
     dynamic_range_db: float
     qe: float
     dsnu_of_pixels_e: float
@@ -118,14 +119,15 @@ class VirtualCamera(PartialPixel):
     Raises
     ------
     InputError
-        If a number is out of range, the pitch is given, the black level is not below the largest code, there is not one
-        gain or sensitivity per channel, or the frame is smaller than two periods of the mosaic.
+        If a number is out of range, the pitch is given, the black level is not below the largest
+        code, there is not one gain or sensitivity per channel, or the frame is smaller than two
+        periods of the mosaic.
 
     Notes
     -----
-    Fixed patterns (PRNU, DSNU, hot pixels, pixels with telegraph noise) depend on the seed and the shape only. Each source of
-    noise in each frame has its own random stream, so that frames can be drawn in any order. The
-    model of the camera is that of EMVA 1288, release 4.0, sections 2 to 4.
+    Fixed patterns (PRNU, DSNU, hot pixels, pixels with telegraph noise) depend on the seed and the
+    shape only. Each source of noise in each frame has its own random stream, so that frames can be
+    drawn in any order. The model of the camera is that of EMVA 1288, release 4.0, sections 2 to 4.
 
     Examples
     --------
@@ -482,9 +484,7 @@ def whole(name: str, value: Any, least: int, greatest: int) -> int:
 
 
 PROPERTIES = {
-    name: one
-    for name, one in properties_of(VirtualCamera).items()  # type: ignore[arg-type] # Hashable
-    if name not in _GEOMETRY
+    name: one for name, one in properties_of(VirtualCamera).items() if name not in _GEOMETRY
 }
 """The properties of a virtual camera by name."""
 USUAL_CAMERA = VirtualCamera(
