@@ -80,7 +80,7 @@ def camera_noise(results: Characterization | Sequence[Characterization]) -> Came
 
     pairs = list(zip(cameras_by_gain, gains, strict=True))
     wells = [one.full_well_e for one in cameras if one.full_well_e is not None]
-    laws = {
+    laws: dict[str, Any] = {
         f"{name.removesuffix('_e')}_law": table([getattr(one, name) * gain for one, gain in pairs])
         for name in SPREADS
         if SPREADS[name].unit == "e-"
