@@ -8,9 +8,12 @@ from typing import Any
 import numpy as np
 
 from chromanoise import _check
+from chromanoise._check import Array
+from chromanoise._shapes import Float
 from chromanoise.characterization.results import Characterization, PlaneNoise
 from chromanoise.errors import InputError, Setting
-from chromanoise.sensor.noise_profile import ROUNDING_DN2
+from chromanoise.sensor import VarianceLaw
+from chromanoise.sensor.noise_profile import shot_and_dark
 
 _RGB = ("R", "G", "B")
 _HAAR = 0.25  # variance of white noise in the diagonal band of darktable's Haar transform
@@ -18,29 +21,21 @@ _STATED = "write {} in capture.toml, as in the files of the camera"
 _TOP_16 = 16  # bits of the scale of libcamera's tuning files
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Normalized:
     """S and O of each plane, variance = S x + O, x = 0 at black and 1 at white level."""
 
     names: tuple[str, ...]
-    shot: tuple[float, ...]
-    dark: tuple[float, ...]
+    pairs: Float[Array, "p 2"]
     black_dn: float
     white_dn: float
 
-    def of_colors(self) -> dict[str, tuple[float, float]]:
+    def of_colors(self) -> dict[str, list[float]]:
         """Mean S and O of the planes of each color: red, green, blue, or as they appear."""
-        found: dict[str, list[tuple[float, float]]] = {}
-        for name, shot, dark in zip(self.names, self.shot, self.dark, strict=True):
-            found.setdefault(color_of_plane(name), []).append((shot, dark))
-        order = _RGB if set(found) == set(_RGB) else tuple(found)
-        return {
-            color: (
-                sum(shot for shot, _ in found[color]) / len(found[color]),
-                sum(dark for _, dark in found[color]) / len(found[color]),
-            )
-            for color in order
-        }
+        colors = [color_of_plane(name) for name in self.names]
+        order = _RGB if set(colors) == set(_RGB) else tuple(dict.fromkeys(colors))
+        of = np.array(colors)
+        return {color: self.pairs[of == color].mean(axis=0).tolist() for color in order}
 
 
 def color_of_plane(name: str) -> str:
@@ -95,8 +90,8 @@ def noise_profile_json(
     profile = _normalized(result, white_level_dn)
     colors = profile.of_colors()
     return {
-        "S": list(profile.shot),
-        "O": list(profile.dark),
+        "S": profile.pairs[:, 0].tolist(),
+        "O": profile.pairs[:, 1].tolist(),
         "channels": list(profile.names),
         "black_level_dn": profile.black_dn,
         "white_level_dn": profile.white_dn,
@@ -349,11 +344,13 @@ def _normalized(result: Characterization, white_level_dn: float | None) -> _Norm
     black = sum(blacks) / len(blacks)
     white = _white_dn(result) if white_level_dn is None else float(white_level_dn)
     span = _check.positive(f"white minus black level of {result.source}", "DN", white - black)
-    dark = [_dark_noise_dn2(plane) / span**2 for plane in result.planes]
+    of_codes = VarianceLaw(
+        floor_e2=np.array([_dark_noise_dn2(plane) for plane in result.planes]),
+        slope_e=np.array([plane.gain_dn_per_e for plane in result.planes]),
+    )
     return _Normalized(
         names=tuple(plane.name for plane in result.planes),
-        shot=tuple(plane.gain_dn_per_e / span for plane in result.planes),
-        dark=tuple(dark),
+        pairs=shot_and_dark(of_codes.in_units_of(span)),
         black_dn=black,
         white_dn=white,
     )
@@ -371,9 +368,9 @@ def _white_dn(result: Characterization) -> float:
 
 def _dark_noise_dn2(plane: PlaneNoise) -> float:
     """Variance of the codes without light, rounding included. [DN^2]"""
-    if plane.dark_noise_e is None or not math.isfinite(plane.dark_noise_e):
+    if plane.dark_variance_dn2 is None or not math.isfinite(plane.dark_variance_dn2):
         raise _unknown(f"dark noise of plane {plane.name}", "take frames without light")
-    return (plane.gain_dn_per_e * plane.dark_noise_e) ** 2 + ROUNDING_DN2
+    return plane.dark_variance_dn2
 
 
 def _black_of(plane: PlaneNoise) -> float:

@@ -13,6 +13,7 @@ from chromanoise._shapes import Float
 from chromanoise.io.result import Result, axes_of, figures
 from chromanoise.io.table import Column, Entry, Table
 from chromanoise.sensor import PIXEL, Mosaic, PartialPixel, TransferFit
+from chromanoise.sensor.noise_profile import ROUNDING_DN2
 
 SCHEMA = "chromanoise characterization"
 SCHEMA_VERSION = 1
@@ -190,6 +191,13 @@ class PlaneNoise(PartialPixel):
     bend_z: float | None = None
     levels: tuple[LevelNoise, ...]
     fit: TransferFit
+
+    @property
+    def dark_variance_dn2(self) -> float | None:
+        """Variance of the codes without light, rounding included; ``None`` if unknown. [DN^2]"""
+        if self.dark_noise_e is None:
+            return None
+        return (self.gain_dn_per_e * self.dark_noise_e) ** 2 + ROUNDING_DN2
 
 
 MEASURED = tuple(name for name in PIXEL if f"{name}_se" in {one.name for one in fields(PlaneNoise)})
