@@ -408,12 +408,4 @@ def plane_names(mosaic: Mosaic | None) -> tuple[str, ...]:
     >>> plane_names(bayer()), plane_names(None)
     (('R', 'G1', 'G2', 'B'), ('mono',))
     """
-    if mosaic is None:
-        return ("mono",)
-    channels = [name for row in mosaic.pattern for name in row]
-    seen: dict[str, int] = {}
-    names = []
-    for channel in channels:
-        seen[channel] = seen.get(channel, 0) + 1
-        names.append(channel if channels.count(channel) == 1 else f"{channel}{seen[channel]}")
-    return tuple(names)
+    return ("mono",) if mosaic is None else mosaic.place_names

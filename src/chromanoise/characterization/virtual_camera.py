@@ -280,7 +280,7 @@ class VirtualCamera(PartialPixel):
 
     def planes(self) -> tuple[PlaneTruth, ...]:
         """The true values of each plane, in the order of the pixels of one period."""
-        period = self.pattern.pattern
+        high, wide = self.pattern.shape
         maps = (
             self._channel_map(self.gain_dn_per_e),
             self.qe * self._light_map(),
@@ -289,8 +289,8 @@ class VirtualCamera(PartialPixel):
             self._hot_map(),
         )
         return tuple(
-            self._plane_truth(name, *(one[y :: len(period), x :: len(period[0])] for one in maps))
-            for (y, x), name in _plane_names(period).items()
+            self._plane_truth(name, *(one[i // wide :: high, i % wide :: wide] for one in maps))
+            for i, name in enumerate(plane_names(self.pattern))
         )
 
     def _plane_truth(
@@ -340,10 +340,9 @@ class VirtualCamera(PartialPixel):
         shape: Any = self.shape
         if len(shape) != 2:
             raise InputError("shape", "must be rows and columns [px]", value=shape)
-        period = self.pattern.pattern
         rows, columns = (
             whole("shape", side, 2 * least, _MOST_SIDE)
-            for side, least in zip(shape, (len(period), len(period[0])), strict=True)
+            for side, least in zip(shape, self.pattern.shape, strict=True)
         )
         if rows * columns > _MOST_PIXELS:
             raise InputError("shape", f"must hold at most {_MOST_PIXELS} pixels", value=shape)
@@ -447,8 +446,7 @@ class VirtualCamera(PartialPixel):
         a = _blur_share(self.neighbor_correlation)
         if not a:
             return noise_e
-        period = self.pattern.pattern
-        for axis, step in ((0, len(period)), (1, len(period[0]))):
+        for axis, step in enumerate(self.pattern.shape):
             beside = np.roll(noise_e, step, axis) + np.roll(noise_e, -step, axis)
             noise_e = (1 - 2 * a) * noise_e + a * beside
         return noise_e
@@ -468,12 +466,6 @@ def _blur_share(correlation: float) -> float:
     """
     c = correlation
     return (2 * c + 1 - math.sqrt(1 - 2 * c**2)) / (6 * c + 4)
-
-
-def _plane_names(period: tuple[tuple[str, ...], ...]) -> dict[tuple[int, int], str]:
-    """Names of the planes by their place in the period."""
-    cells = [(y, x) for y, row in enumerate(period) for x in range(len(row))]
-    return dict(zip(cells, plane_names(Mosaic(period)), strict=True))
 
 
 def whole(name: str, value: Any, least: int, greatest: int) -> int:

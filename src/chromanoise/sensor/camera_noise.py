@@ -393,7 +393,8 @@ class CameraNoise:
         -----
         EMVA 1288, release 4.0, the linear camera model: K = 1 / (electrons per code).
         """
-        pixel, count = sensor.pixel, len(sensor.names)
+        pixel = sensor.pixel
+        names = sensor.names if sensor.mosaic is None else sensor.mosaic.names
         if pixel.summed_readings != 1:
             raise InputError(
                 f"sensor {sensor.name}",
@@ -406,11 +407,11 @@ class CameraNoise:
         reading = PixelReading(pixel=pixel)
         error_dn = pixel.black_error_e / adc.gain_e_per_dn
         return cls(
-            names=sensor.names if sensor.mosaic is None else sensor.mosaic.names,
+            names=names,
             mosaic=sensor.mosaic,
-            gain_dn_per_e=np.full(_channels(sensor, count), 1 / adc.gain_e_per_dn),
-            read_noise_e=np.full(_channels(sensor, count), reading.sd("reading")),
-            black_level_dn=np.full(_channels(sensor, count), float(adc.black_level_dn)),
+            gain_dn_per_e=np.full(len(names), 1 / adc.gain_e_per_dn),
+            read_noise_e=np.full(len(names), reading.sd("reading")),
+            black_level_dn=np.full(len(names), float(adc.black_level_dn)),
             top_code_dn=float(adc.top_code),
             full_well_e=pixel.full_well_e,
             dark_current_e_per_s=pixel.dark_electrons_e(time_s=1.0),
@@ -420,7 +421,7 @@ class CameraNoise:
             column_noise_e=reading.sd("column"),
             rtn_share=pixel.rtn_share,
             rtn_amplitude_e=pixel.rtn_amplitude_e,
-            black_offsets_dn=np.full((1, _channels(sensor, count)), error_dn) if error_dn else None,
+            black_offsets_dn=np.full((1, len(names)), error_dn) if error_dn else None,
         )
 
     @classmethod
@@ -467,8 +468,8 @@ class CameraNoise:
         and quantization, each as a function of K. The quantization noise, uniform over one step,
         is here the rounding to codes.
         """
-        eld = eld_noise(params, read=read, profile=profile)
-        gain = math.sqrt(math.prod(eld.gain_range_dn_per_e))
+        gains, of_eld = eld_noise(params, read=read, profile=profile)
+        gain = math.sqrt(math.prod(gains))
         start = cls(
             names=("R", "G1", "G2", "B"),
             mosaic=Mosaic((("R", "G1"), ("G2", "B"))),
@@ -476,22 +477,13 @@ class CameraNoise:
             read_noise_e=np.zeros(4),
             black_level_dn=np.full(4, float(black_level_dn)),
             top_code_dn=float(top_code_dn),
-            tail_lambda=eld.tail_lambda,
-            read_noise_law=eld.read_noise_law,
-            row_noise_law=eld.row_noise_law,
-            black_offsets_dn=eld.black_offsets_dn,
+            **of_eld,
         )
         own = start.at_gain(start.gain_dn_per_e)
-        return replace(
-            own, tail_lambda=eld.tail_lambda, gain_range_dn_per_e=eld.gain_range_dn_per_e
-        )
+        return replace(own, tail_lambda=start.tail_lambda, gain_range_dn_per_e=gains)
 
 
 _PLAIN = tuple(name for name in PIXEL_NOISE if name in {one.name for one in fields(CameraNoise)})
-
-
-def _channels(sensor: Sensor, count: int) -> int:
-    return count if sensor.mosaic is None else len(sensor.mosaic.names)
 
 
 def _chosen(shapes: Sequence[float], share: float) -> float | None:
