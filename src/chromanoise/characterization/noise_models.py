@@ -10,14 +10,13 @@ import numpy as np
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._shapes import Float
-from chromanoise.characterization.results import Characterization, PlaneNoise
+from chromanoise.characterization.results import STATED, Characterization, PlaneNoise, by_iso
 from chromanoise.errors import InputError, Setting
 from chromanoise.sensor import VarianceLaw
 from chromanoise.sensor.noise_profile import shot_and_dark
 
 _RGB = ("R", "G", "B")
 _HAAR = 0.25  # variance of white noise in the diagonal band of darktable's Haar transform
-_STATED = "write {} in capture.toml, as in the files of the camera"
 _TOP_16 = 16  # bits of the scale of libcamera's tuning files
 
 
@@ -142,31 +141,7 @@ def noise_profiles_json(results: Sequence[Characterization]) -> dict[str, Any]:
     InputError
         If the cameras differ, an ISO is missing or repeated, or as `noise_profile_json`.
     """
-    return {"profiles": [{"iso": iso, **noise_profile_json(one)} for iso, one in _by_iso(results)]}
-
-
-def _by_iso(results: Sequence[Characterization]) -> list[tuple[float, Characterization]]:
-    """The results of one camera with their ISO settings, in increasing order."""
-    if not results:
-        raise InputError("results", "must hold at least one characterization", value=0)
-    for name in ("camera", "bits", "mosaic"):
-        other = next((o for o in results if getattr(o, name) != getattr(results[0], name)), None)
-        if other is not None:
-            raise InputError(
-                "results",
-                f"must be of one camera, but the {name} differs",
-                value=(str(getattr(results[0], name)), str(getattr(other, name))),
-                where=other.source,
-            )
-    found = [(one.iso, one) for one in results if one.iso is not None]
-    if len({iso for iso, _ in found}) < len(results):
-        raise InputError(
-            "iso",
-            "must be known and different in each of several noise profiles",
-            value=[one.iso for one in results],
-            remedy=_STATED.format("iso = 100"),
-        )
-    return sorted(found, key=lambda pair: pair[0])
+    return {"profiles": [{"iso": iso, **noise_profile_json(one)} for iso, one in by_iso(results)]}
 
 
 def darktable_json(
@@ -204,7 +179,7 @@ def darktable_json(
     first = next(iter(every), None)
     if first is not None:
         maker, model = _maker_and_model(first, maker, model)
-    ordered = _by_iso(every)
+    ordered = by_iso(every)
     profiles = [_darktable_profile(one, iso, f"{model} iso {iso:g}") for iso, one in ordered]
     sources = ", ".join(one.source for _, one in ordered)
     comment = f"chromanoise, from raw frames of {sources}; not demosaiced, no white balance"
@@ -274,7 +249,7 @@ def libcamera_json(
     if len(every) == 1:
         gains = [(gain, every[0])]
     else:
-        ordered = _by_iso(every)
+        ordered = by_iso(every)
         gains = [(gain * iso / ordered[0][0], one) for iso, one in ordered]
     scale = 2.0 ** (_TOP_16 - _bits(gains[0][1]))
     constant, slope = _straight_noise([(scale / own, one) for own, one in gains])
@@ -407,6 +382,6 @@ def _maker_and_model(
                 "must be known for a darktable profile",
                 value=result.camera,
                 found="is not",
-                remedy=_STATED.format('camera = "Maker Model"'),
+                remedy=STATED.format('camera = "Maker Model"'),
             )
     return maker, model

@@ -1,6 +1,7 @@
 """Results of a characterization: one per plane of the mosaic, and a verdict."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, fields, is_dataclass
 from pathlib import Path
 from typing import Any
@@ -10,11 +11,14 @@ import numpy as np
 from chromanoise import __version__, _check
 from chromanoise._check import Array
 from chromanoise._shapes import Float
+from chromanoise.errors import InputError
 from chromanoise.io.result import Result, axes_of, figures
 from chromanoise.io.table import Column, Entry, Table
 from chromanoise.sensor import PIXEL, Mosaic, PartialPixel, TransferFit
 from chromanoise.sensor.noise_profile import ROUNDING_DN2
 
+STATED = "write {} in capture.toml, as in the files of the camera"
+"""Remedy for a fact that neither the frames nor their description state."""
 SCHEMA = "chromanoise characterization"
 SCHEMA_VERSION = 1
 
@@ -349,6 +353,41 @@ class Characterization(Result):
             for plane in self.planes
         )
         return f"<Characterization: {planes}; {self._holds()}>"
+
+
+def by_iso(results: Sequence[Characterization]) -> list[tuple[float, Characterization]]:
+    """The noise of one camera at each ISO setting, in increasing order.
+
+    Parameters
+    ----------
+    results
+        One characterization per ISO setting.
+
+    Raises
+    ------
+    InputError
+        If there is none, the cameras differ, or an ISO is missing or repeated.
+    """
+    if not results:
+        raise InputError("results", "must hold at least one characterization", value=0)
+    for name in ("camera", "bits", "mosaic"):
+        other = next((o for o in results if getattr(o, name) != getattr(results[0], name)), None)
+        if other is not None:
+            raise InputError(
+                "results",
+                f"must be of one camera, but the {name} differs",
+                value=(str(getattr(results[0], name)), str(getattr(other, name))),
+                where=other.source,
+            )
+    found = [(one.iso, one) for one in results if one.iso is not None]
+    if len({iso for iso, _ in found}) < len(results):
+        raise InputError(
+            "iso",
+            "must be known and different in each of several characterizations",
+            value=[one.iso for one in results],
+            remedy=STATED.format("iso = 100"),
+        )
+    return sorted(found, key=lambda pair: pair[0])
 
 
 def characterization_as_json(result: Characterization) -> dict[str, Any]:
