@@ -104,6 +104,15 @@ def test_a_number_that_is_not_defined_is_null():
 # --- the pixel
 
 
+def test_a_measured_prnu_beyond_that_of_any_pixel_is_written_and_refused_where_it_is_read(tmp_path):
+    result = monochrome(planes=(replace(plane_of(), prnu=0.3),))  # shading of a small plane
+    assert pixel_of(result).prnu == 0.3
+    path = tmp_path / "pixel.toml"
+    path.write_text(pixel_toml(result), encoding="utf-8")
+    with refused_input(subject=str(path), where="prnu", value=0.3, requirement="0 to 0.2"):
+        read_pixel_source(path)
+
+
 def test_the_pixel_of_a_monochrome_camera_has_the_values_of_its_plane():
     result = monochrome()
     plane, pixel = result.planes[0], pixel_of(result)

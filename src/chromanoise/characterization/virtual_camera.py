@@ -206,6 +206,7 @@ class VirtualCamera(PartialPixel):
                 object.__setattr__(self, name, getattr(_QUIET, name))
             elif value is not None:
                 object.__setattr__(self, name, one.demand(name, value))
+        _ = self.reading  # refuses a pixel that cannot be
         object.__setattr__(self, "bits", whole("bits", self.bits, 8, 16))
         object.__setattr__(self, "seed", whole("seed", self.seed, 0, (1 << 128) - 1))
         object.__setattr__(self, "shape", self._checked_shape())

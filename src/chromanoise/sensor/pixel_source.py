@@ -55,9 +55,9 @@ class PixelSource(PartialPixel):
         for name, unit in (("gain_e_per_dn", "e-/DN"), ("qe_at_nm", "nm")):
             if getattr(self, name) is not None:
                 _check.positive(f"{name} {where}", unit, getattr(self, name))
-        for name, one in PIXEL.items():
+        for name in PIXEL_REQUIRED:
             if getattr(self, name) is not None:
-                one.demand(f"{name} {where}", getattr(self, name))
+                PIXEL[name].demand(f"{name} {where}", getattr(self, name))
         if self.qe is not None:
             _refuse_percent(f"qe {where}", self.qe)
 
