@@ -9,8 +9,7 @@ from chromanoise._check import Array
 from chromanoise._linalg import pinv
 from chromanoise._shapes import Float
 from chromanoise.characterization.noise_models import color_of_plane
-from chromanoise.characterization.plane_means import SHARED
-from chromanoise.characterization.results import Characterization, PlaneNoise
+from chromanoise.characterization.results import SHARED, Characterization, PlaneNoise
 from chromanoise.errors import InputError
 from chromanoise.io.given_matrices import GivenMatrix
 

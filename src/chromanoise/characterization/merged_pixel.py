@@ -6,13 +6,7 @@ from dataclasses import dataclass
 from operator import attrgetter
 from typing import Any
 
-from chromanoise.characterization.plane_means import (
-    SHARED,
-    SPREADS,
-    read_noise_e,
-    root_mean_square,
-)
-from chromanoise.characterization.results import Characterization, PlaneNoise
+from chromanoise.characterization.results import SHARED, SPREADS, Characterization, PlaneNoise
 from chromanoise.errors import InputError
 from chromanoise.io.pixels import pixel_source_toml
 from chromanoise.sensor import PixelSource
@@ -114,6 +108,38 @@ def pixel_toml(result: Characterization) -> str:
         As `pixel_of`.
     """
     return pixel_source_toml(pixel_of(result))
+
+
+def root_mean_square(values: Sequence[float | None]) -> float | None:
+    """Root of the mean square of the known values: the noise of all planes together.
+
+    Values that are ``None`` or not finite are left out; ``None`` if none is known.
+
+    Examples
+    --------
+    >>> root_mean_square([1.0, 7.0, None]), root_mean_square([None])
+    (5.0, None)
+    """
+    known = [one for one in values if one is not None and math.isfinite(one)]
+    if len(known) < 2:
+        return known[0] if known else None
+    return math.sqrt(sum(one**2 for one in known) / len(known))
+
+
+def read_noise_e(plane: PlaneNoise, *shared_e: float | None) -> float | None:
+    """Temporal dark noise without row and column noise; ``None`` if it is not known. [e-]
+
+    Parameters
+    ----------
+    plane
+        Its dark noise includes that of rows and columns (EMVA 1288, release 4.0).
+    shared_e
+        The noise of rows and of columns that a model has besides; ``None`` for none. [e-]
+    """
+    if plane.dark_noise_e is None:
+        return None
+    shared_e2 = sum((one or 0.0) ** 2 for one in shared_e)
+    return math.sqrt(max(plane.dark_noise_e**2 - shared_e2, 0.0))
 
 
 @dataclass(frozen=True, slots=True)

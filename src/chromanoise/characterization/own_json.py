@@ -7,10 +7,10 @@ from typing import Annotated, Any, get_args, get_origin
 import numpy as np
 
 from chromanoise import _check
-from chromanoise.characterization.plane_means import SPREADS
 from chromanoise.characterization.results import (
     SCHEMA,
     SCHEMA_VERSION,
+    SPREADS,
     Characterization,
     LevelNoise,
     ModelVerdict,

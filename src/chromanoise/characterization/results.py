@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import dataclass, fields, is_dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -14,8 +14,9 @@ from chromanoise._shapes import Float
 from chromanoise.errors import InputError
 from chromanoise.io.result import Result, axes_of, figures
 from chromanoise.io.table import Column, Entry, Table
-from chromanoise.sensor import PIXEL, Mosaic, PartialPixel, TransferFit
+from chromanoise.sensor import PAPER_PIXEL, PIXEL, Mosaic, PartialPixel, TransferFit
 from chromanoise.sensor.noise_profile import ROUNDING_DN2
+from chromanoise.sensor.noise_source import SOURCES, Drawn, PixelReading
 
 STATED = "write {} in capture.toml, as in the files of the camera"
 """Remedy for a fact that neither the frames nor their description state."""
@@ -206,6 +207,19 @@ class PlaneNoise(PartialPixel):
 
 MEASURED = tuple(name for name in PIXEL if f"{name}_se" in {one.name for one in fields(PlaneNoise)})
 """Properties of a pixel that are measured."""
+
+
+def _drawn(name: str) -> set[Drawn]:
+    """How the noise of a property of the pixel is drawn, by the list of sources."""
+    without = PixelReading(pixel=PAPER_PIXEL)
+    with_it = PixelReading(pixel=replace(PAPER_PIXEL, **{name: PIXEL[name].most}))
+    return {one.drawn for one in SOURCES if one.value(with_it) != one.value(without)}
+
+
+SPREADS = {name: PIXEL[name] for name in MEASURED if _drawn(name)}
+"""Measured properties of a pixel that are standard deviations."""
+SHARED = tuple(name for name in SPREADS if _drawn(name) <= {"row", "column"})
+"""Those that a row or a column shares."""
 QUANTITIES = tuple(
     Quantity(name=name, unit=unit, field=field)
     for name, unit, field in (

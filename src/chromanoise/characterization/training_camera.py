@@ -6,13 +6,14 @@ from typing import Any
 
 import numpy as np
 
-from chromanoise.characterization.plane_means import (
+from chromanoise.characterization.merged_pixel import read_noise_e, root_mean_square
+from chromanoise.characterization.results import (
     SHARED,
     SPREADS,
-    read_noise_e,
-    root_mean_square,
+    Characterization,
+    PlaneNoise,
+    by_iso,
 )
-from chromanoise.characterization.results import Characterization, PlaneNoise, by_iso
 from chromanoise.errors import InputError, Setting
 from chromanoise.sensor import CameraNoise, ReadNoiseTable
 

@@ -264,7 +264,8 @@ class VirtualCamera(PartialPixel):
         """
         whole("number", number, 0, 1_000_000_000)
         dark_e = self._dark_electrons(_check.within("time_ms", "ms", time_ms, 0.0, 1e8))
-        light_e = self._light_electrons(self._photons(photons_per_pixel, electrons, dark, number))
+        photons = self._photons(photons_per_pixel, electrons, dark, number)
+        light_e = photons * self.qe * self._light_map()
         reading = self.reading
         expected_e = self._response_e(light_e + dark_e)
         charge_e = stream(self.seed, _LIGHT, number).poisson(light_e).astype(np.float64)
@@ -380,9 +381,6 @@ class VirtualCamera(PartialPixel):
         light = _check.within(name, "1", value, 0.0, 1e12) / (self.qe if name == "electrons" else 1)
         drift = math.exp(min(number * math.log1p(self.drift), 700.0))
         return _check.within("photons_per_pixel with drift", "1", light * drift, 0.0, 1e15)
-
-    def _light_electrons(self, photons: float) -> Float[Array, "h w"]:
-        return np.asarray(photons * self.qe * self._light_map())
 
     def _dark_electrons(self, time_ms: float) -> Float[Array, "h w"]:
         pixel = self.reading.pixel

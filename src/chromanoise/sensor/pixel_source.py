@@ -58,15 +58,13 @@ class PixelSource(PartialPixel):
         for name in PIXEL_REQUIRED:
             if getattr(self, name) is not None:
                 PIXEL[name].demand(f"{name} {where}", getattr(self, name))
-        if self.qe is not None:
-            _refuse_percent(f"qe {where}", self.qe)
-
-
-def _refuse_percent(name: str, qe: float) -> None:
-    if not 0.0 <= qe <= 1.0:
-        raise InputError(
-            name, "must be 0 to 1 [e-/photon]", value=qe, remedy="divide percent by 100"
-        )
+        if self.qe is not None and not 0.0 <= self.qe <= 1.0:
+            raise InputError(
+                f"qe {where}",
+                "must be 0 to 1 [e-/photon]",
+                value=self.qe,
+                remedy="divide percent by 100",
+            )
 
 
 PIXEL_FILES = (
