@@ -52,7 +52,7 @@ def refuse_unusable(frames: FrameSet) -> None:
     """
     if not any(level.flats and not level.spatial for level in frames.levels):
         raise InputError(frames.source, "must have frames with light", found="has dark frames only")
-    refuse_mixed(frames.source, [f for one in frames.levels for f in (*one.flats, *one.darks)])
+    refuse_mixed(frames.source, [f for one in frames.levels for f in one.frames])
     refuse_few(frames.source, frames.levels, ("flats", "darks"))
 
 

@@ -48,24 +48,16 @@ def pixel_of(result: Characterization) -> PixelSource:
         raise InputError(result.source, "must have at least one plane", value=0)
     planes, source = result.planes, _source_name(result)
     notes: list[str] = []
-    gain = _mean(planes, "gain", "DN/e-", lambda p: p.gain_dn_per_e, lambda p: p.gain_dn_per_e_se)
+    gain = _mean(planes, "gain", "DN/e-", "gain_dn_per_e")
     read = _mean(
         planes,
         "read noise",
         "e-",
+        "dark_noise_e",
         lambda p: read_noise_e(p, *(getattr(p, name) for name in SHARED)),
-        lambda p: p.dark_noise_e_se,
     )
-    current = _mean(
-        planes,
-        "dark current",
-        "e-/s",
-        lambda p: p.dark_current_e_per_s,
-        lambda p: p.dark_current_e_per_s_se,
-    )
-    black = _mean(
-        planes, "black level", "DN", lambda p: p.black_level_dn, lambda p: p.black_level_dn_se
-    )
+    current = _mean(planes, "dark current", "e-/s", "dark_current_e_per_s")
+    black = _mean(planes, "black level", "DN", "black_level_dn")
     spreads = {
         name: _root_mean_square(
             planes, one.label, "of the signal" if one.unit == "1" else one.unit, attrgetter(name)
@@ -163,12 +155,13 @@ def _known(planes: Sequence[PlaneNoise], take: Take) -> list[tuple[PlaneNoise, f
 
 
 def _mean(
-    planes: Sequence[PlaneNoise], name: str, unit: str, take: Take, error: Take
+    planes: Sequence[PlaneNoise], name: str, unit: str, field: str, take: Take | None = None
 ) -> _Merged | None:
-    known = _known(planes, take)
+    """The mean of a field, or of what is taken from it, by the standard errors of the field."""
+    known = _known(planes, take or attrgetter(field))
     if not known:
         return None
-    errors = [error(plane) for plane, _ in known]
+    errors = [getattr(plane, f"{field}_se") for plane, _ in known]
     found = [float(one) for one in errors if one is not None and one > 0]
     weighted = len(found) == len(known)
     weights = [1 / one**2 for one in found] if weighted else [1.0] * len(known)
