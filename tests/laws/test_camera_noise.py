@@ -266,6 +266,8 @@ def test_eld_parameters_that_are_no_dictionary_are_refused():
         ("prnu", 2.0),
         ("dsnu_e", -1.0),
         ("row_noise_e", float("inf")),
+        ("rtn_share", 1.5),
+        ("rtn_amplitude_e", -1.0),
         ("tail_lambda", (-0.5,)),
         ("mosaic", Mosaic((("R", "G"),))),
         ("black_offsets_dn", np.full((2, 3), np.nan)),

@@ -33,7 +33,7 @@ from chromanoise.io.pixels import (
     read_noise_profile,
     read_photon_transfer_csv,
 )
-from chromanoise.sensor import photon_transfer_fit
+from chromanoise.sensor import PIXEL, photon_transfer_fit
 from outcomes import refused_input
 
 EXACT = 1e-13
@@ -82,7 +82,10 @@ def test_the_json_has_every_field_with_all_digits():
     result = color()
     data = json.loads(json.dumps(characterization_as_json(result)))
     for plane, own in zip(data["planes"], result.planes, strict=True):
-        assert set(plane) == {field.name for field in fields(PlaneNoise)}
+        errors = {name.removesuffix("_se") for name in plane if name.endswith("_se")}
+        unmeasured = set(PIXEL) - errors
+        assert set(plane) == {field.name for field in fields(PlaneNoise)} - unmeasured
+        assert {"prnu", "full_well_e", "row_noise_e", "dark_current_e_per_s"} <= errors
         assert plane["gain_dn_per_e"] == own.gain_dn_per_e
         assert plane["levels"] == [asdict(level) for level in own.levels]
         assert plane["fit"]["residual_z"] == own.fit.residual_z.tolist()
@@ -99,6 +102,15 @@ def test_a_number_that_is_not_defined_is_null():
 
 
 # --- the pixel
+
+
+def test_a_measured_prnu_beyond_that_of_any_pixel_is_written_and_refused_where_it_is_read(tmp_path):
+    result = monochrome(planes=(replace(plane_of(), prnu=0.3),))  # shading of a small plane
+    assert pixel_of(result).prnu == 0.3
+    path = tmp_path / "pixel.toml"
+    path.write_text(pixel_toml(result), encoding="utf-8")
+    with refused_input(subject=str(path), where="prnu", value=0.3, requirement="0 to 0.2"):
+        read_pixel_source(path)
 
 
 def test_the_pixel_of_a_monochrome_camera_has_the_values_of_its_plane():

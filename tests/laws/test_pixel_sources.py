@@ -18,7 +18,7 @@ from chromanoise.io.pixels.darktable import (
 )
 from chromanoise.io.pixels.emva import pixel_from_emva, read_emva_sheet
 from chromanoise.io.pixels.photon_transfer_csv import read_photon_transfer_csv
-from chromanoise.sensor import Adc
+from chromanoise.sensor import Adc, Pixel
 from chromanoise.sensor.noise_profile import (
     noise_profile,
     pixel_from_noise_profile,
@@ -80,6 +80,14 @@ def test_what_no_source_says_is_asked_and_one_answer_each_makes_the_pixel():
         pixel_from(silent, pitch_um=2.0, read_noise_e=1.0)
     pixel = pixel_from(silent, pitch_um=2.0, read_noise_e=1.0, full_well_e=5000.0)
     assert (pixel.pitch_um, pixel.full_well_e, pixel.read_noise_e) == (2.0, 5000.0, 1.0)
+
+
+def test_the_pixel_of_a_source_has_all_of_its_values():
+    sheet = PixelSource(source="a sheet", pitch_um=3.0, full_well_e=9000.0, dsnu_e=1.5, prnu=0.01)
+    pixel = pixel_from(sheet, read_noise_e=2.0, row_noise_e=0.5)
+    assert pixel == Pixel(
+        pitch_um=3.0, full_well_e=9000.0, read_noise_e=2.0, dsnu_e=1.5, prnu=0.01, row_noise_e=0.5
+    )
 
 
 def test_an_answer_never_overrides_a_source():

@@ -119,8 +119,10 @@ def test_drawn_row_noise_is_that_of_the_setting():
 def test_missing_values_are_refused_by_name():
     with refused_input(subject="results"):
         camera_noise([])
-    with refused_input(subject="results", value=[100.0, 100.0]):
+    with refused_input(subject="iso", value=[100.0, 100.0]):
         camera_noise([result(), result()])
+    with refused_input(subject="results", where="other"):
+        camera_noise([result(), replace(result(iso=200.0), camera="Beta", source="other")])
     with refused_input(subject="dark_noise_e", where="plane R"):
         camera_noise([result(dark_noise_e=None)])
     with refused_input(subject="characterization of frames", setting="bits"):

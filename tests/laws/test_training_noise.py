@@ -509,6 +509,16 @@ def test_bad_calls_name_the_parameter():
         refused_call(mono(full_well_e=900.0, dark_current_e_per_s=1000.0), time_s=2.0)
 
 
+def test_telegraph_noise_is_switched_off_by_the_old_keyword_too_with_a_warning():
+    camera = mono(rtn_share=0.5, rtn_amplitude_e=40.0)
+    with pytest.warns(FutureWarning, match="levels is now telegraph"):
+        old = cn.noise.sampler(camera, levels=False)
+    assert old == cn.noise.sampler(camera, telegraph=False)
+    clean = np.full((4, 4), 100.0)
+    lit = [one(clean, unit="electron").variance[0, 0] for one in (cn.noise.sampler(camera), old)]
+    assert lit[0] - lit[1] == pytest.approx(0.5 * 20.0**2, rel=1e-6)
+
+
 # ---- PyTorch ----
 
 

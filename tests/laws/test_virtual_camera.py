@@ -3,6 +3,7 @@
 import io
 import math
 import tomllib
+from dataclasses import asdict
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from scipy import stats
 import chromanoise as cn
 from chromanoise.characterization import VirtualCamera, photon_transfer_frames
 from chromanoise.characterization.virtual_frames import FRAME_FORMATS
+from chromanoise.sensor.noise_source import SOURCES
 from goodness import chi_square_score, correlation_z
 from outcomes import refused_input
 
@@ -108,6 +110,69 @@ def test_row_and_column_noise_is_one_gaussian_offset_per_line_and_frame(axis):
     chi2 = (both**2).sum() / (20.0**2 + 1 / 12)
     assert abs(stats.norm.isf(stats.chi2(both.size).sf(chi2))) < 5
     assert abs(correlation_z(*lines)) < 5
+
+
+LIGHT_E, TIME_MS = 400.0, 30.0
+TEMPORAL_E2 = {
+    "shot noise": ({}, LIGHT_E),
+    "read noise": ({"read_noise_e": 12.0}, LIGHT_E + 144.0),
+    "dark current": ({"dark_current_e_per_s": 5000.0}, LIGHT_E + 150.0),
+    "quantization": ({"gain_dn_per_e": 0.25}, LIGHT_E + 16 / 12),
+    "row noise": ({"row_noise_e": 11.0}, LIGHT_E + 121.0),
+    "column noise": ({"column_noise_e": 11.0}, LIGHT_E + 121.0),
+    "reset noise": ({"reset_capacitance_ff": 19.2, "temperature_c": 20.0}, LIGHT_E + 55.021**2),
+    "telegraph noise": ({"rtn_share": 0.3, "rtn_amplitude_e": 40.0}, LIGHT_E + 0.3 * 400.0),
+    "DSNU": ({"dsnu_e": 20.0}, LIGHT_E),
+    "PRNU": ({"prnu": 0.1}, LIGHT_E),
+}
+"""Settings of a camera with one source besides shot noise, and its temporal variance. [e-^2]
+
+Reset noise of 19.2 fF at 20 C: 55.021 e-, k T C by the constants of the SI.
+"""
+
+
+def test_every_source_but_that_of_the_places_of_a_mosaic_has_its_case():
+    assert {one.cause for one in SOURCES if one.drawn != "place"} == set(TEMPORAL_E2)
+
+
+@pytest.mark.parametrize("cause", TEMPORAL_E2)
+def test_the_frames_of_a_camera_differ_by_the_temporal_variance_of_each_source(cause):
+    settings, variance_e2 = TEMPORAL_E2[cause]
+    camera = quiet(**{"shape": (100, 100), "gain_dn_per_e": 4.0, "bits": 16, "seed": 1} | settings)
+    frames = [
+        camera.frame(electrons=LIGHT_E, time_ms=TIME_MS, number=n) / camera.gain_dn_per_e
+        for n in range(80)
+    ]
+    halves = [np.square(a - b).mean() / 2 for a, b in zip(frames[::2], frames[1::2], strict=True)]
+    expected = variance_e2 + (1 / 12 / 4.0**2 if cause != "quantization" else 0.0)
+    error = np.std(halves, ddof=1) / math.sqrt(len(halves))
+    assert abs(np.mean(halves) - expected) < 5 * error
+    assert error < 0.02 * expected
+
+
+def test_the_same_pixels_switch_between_two_levels_in_every_frame():
+    camera = quiet(rtn_share=0.1, rtn_amplitude_e=40.0)
+    codes = [camera.frame(time_ms=1.0, dark=True, number=n).astype(int) - 500 for n in range(20)]
+    assert {*np.unique(codes)} == {-20, 0, 20}
+    switching = np.abs(codes).max(axis=0) > 0
+    assert (np.abs(codes)[:, switching] == 20).all()
+    count, chance = switching.size, 0.1
+    assert abs(switching.sum() - count * chance) < 5 * math.sqrt(count * chance * (1 - chance))
+    up = (np.array(codes)[:, switching] > 0).mean()
+    assert abs(up - 0.5) < 5 * 0.5 / math.sqrt(20 * switching.sum())
+
+
+def test_the_dark_current_of_a_warm_camera_is_that_at_its_temperature():
+    warm = {"temperature_c": 39.0, "dark_reference_c": 25.0, "dark_doubling_k": 7.0}  # 2 doublings
+    camera = quiet(dark_current_e_per_s=1000.0, **warm)
+    codes = camera.frame(time_ms=30.0, dark=True) - 500.0
+    assert abs(codes.mean() - 120.0) < 5 * math.sqrt(120.0 / codes.size)
+    assert camera.planes()[0].dark_current_e_per_s == 4000.0
+
+
+def test_an_error_of_the_black_level_shifts_every_code():
+    assert (quiet(black_error_e=-7.0).frame(time_ms=1.0, dark=True) == 493).all()
+    assert quiet(black_error_e=-7.0).planes()[0].black_level_dn == 493.0
 
 
 def test_hot_pixels_have_their_excess_current_and_stay_at_their_places():
@@ -274,6 +339,9 @@ def test_noise_of_two_frames_is_independent():
         ({"black_level_dn": 4095.0}, "black_level_dn"),
         ({"qe": 1.1}, "qe"),
         ({"prnu": 1.0}, "prnu"),
+        ({"pitch_um": 3.0}, "pitch_um"),
+        ({"black_error_e": 20_000.0}, "black_error_e"),
+        ({"rtn_share": 1.5}, "rtn_share"),
         ({"neighbor_correlation": 0.7}, "neighbor_correlation"),
         ({"shape": (1, 5)}, "shape"),
         ({"shape": (3, 9), "mosaic": "RG/GB"}, "shape"),
@@ -377,7 +445,7 @@ def test_the_truth_gives_the_camera_back(tmp_path):
     values = {k: tuple(v) if isinstance(v, list) else v for k, v in truth["camera"].items()}
     assert VirtualCamera(**values) == NOISY
     for plane, written in zip(NOISY.planes(), truth["planes"], strict=True):
-        assert {name: getattr(plane, name) for name in plane.__slots__} == written
+        assert {name: one for name, one in asdict(plane).items() if one is not None} == written
 
 
 def test_a_folder_whose_frames_fail_is_absent(tmp_path, monkeypatch):

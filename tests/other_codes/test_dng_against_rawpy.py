@@ -15,12 +15,12 @@ from chromanoise.imaging.dng import (
     RawProfile,
     camera_matrix,
     dng_rows,
-    noise_profile,
     raw_profile,
     write_dng,
 )
 from chromanoise.scene import Scene, flat_cube
 from chromanoise.sensor import Adc, Mosaic, bayer, rgbw_2x2, rgbw_sparse_4x4
+from chromanoise.sensor.noise_profile import noise_profile
 from chromanoise.spectra import cie_illuminant
 from outcomes import refused_input
 from strategies import GRID, bell_qe, pixel_with, sensor_of

@@ -9,9 +9,12 @@ import pytest
 import tifffile
 from PIL import Image
 
+import chromanoise as cn
 from chromanoise.catalog import sensor_with_pixel
+from chromanoise.errors import errors_in
 from chromanoise.io.sensor_json import sensor_from_json, sensor_json
 from chromanoise.page.pictures import PictureReplies
+from chromanoise.page.requests import QuestionError
 from chromanoise.page.studies import Studies, files_of, served_data
 from chromanoise.page.uploads import Uploads
 from chromanoise.sensor import EXTRA_NOISE, Converter
@@ -251,3 +254,47 @@ def test_a_pixel_file_of_an_impossible_camera_is_refused_in_one_sentence(run, he
     (here / "sheet.txt").write_text(text)
     refused(run(*ASKED, "--pixel", "sheet.txt", "-o", "o"), "sheet.txt", part)
     assert not (here / "o").exists()
+
+
+SENTENCES = [
+    ("prnu", 0.3, "must be 0 to 0.2", ("write 1 percent as 0.01",)),
+    ("rtn_share", 5, "must be 0 to 1", ("write 1 percent as 0.01",)),
+    ("read_noise_e", -2, "must be 0 to 1e+12 [e-]", ()),
+    ("full_well_e", 0, "must be 0.001 to 1e+15 [e-]", ()),
+    ("black_error_e", 1e16, "must be -1e+15 to 1e+15 [e-]", ()),
+    ("temperature_c", -300, "must be -273.15 to 300 [C]", ()),
+]
+
+
+@pytest.mark.parametrize(("name", "value", "requirement", "remedy"), SENTENCES)
+def test_a_value_out_of_bounds_has_one_sentence_in_every_interface(
+    run, here, name, value, requirement, remedy
+):
+    (here / "p.toml").write_text(
+        f'schema = "chromanoise pixel"\nschema_version = 1\n{name} = {value}\n'
+    )
+    (here / "s.toml").write_text(
+        f'[[sensors]]\nname = "onyx-rgb"\n[sensors.pixel]\n{name} = {value}\n'
+    )
+    sensor = ("analyze", "onyx-rgb")
+    errors = {
+        "option": run(*sensor, f"--{name.replace('_', '-')}={value}").errors,
+        "pixel file": run(*sensor, "--pixel", "p.toml").errors,
+        "study": run("run", "s.toml", "-o", "o").errors,
+    }
+    with pytest.raises(cn.InputError) as caught:
+        cn.analyze("onyx-rgb", **{name: value})
+    errors["keyword"] = errors_in(caught.value)
+    found = {
+        where: [(one.requirement, one.value, one.remedy) for one in each]
+        for where, each in errors.items()
+    }
+    assert found == {key: [(requirement, value, remedy)] for key in errors}
+    with pytest.raises(QuestionError) as asked:
+        Studies(Uploads()).study_as_given(
+            {"sensors": [{"name": "onyx-rgb", "pixel": {name: value}}]}
+        )
+    (fault,) = asked.value.faults
+    assert fault[1].removeprefix(f"{name.replace('_', ' ')} ") == "; ".join(
+        [f"{requirement}, but is {value:g}", *remedy]
+    )

@@ -13,6 +13,7 @@ from chromanoise.catalog.sensors import SENSOR_NAMES, sensor_named
 from chromanoise.errors import InputError, known_name
 from chromanoise.io.spectra import power_of_photons
 from chromanoise.io.spectra.defects import defects_of
+from chromanoise.sensor import PIXEL_REQUIRED
 from chromanoise.spectra import DEFAULT_GRID, Spectra, infrared_parts
 from chromanoise.spectra.tables import catalog_curves, formulas, sources
 from chromanoise.spectra.tables.folder import UserTable, user_curves, user_tables
@@ -218,9 +219,7 @@ def pixel_summary(entry: Entry) -> str:
     """The pixel of a sensor in one phrase, with the source of each number."""
     provenance = entry.provenance
     known = ", ".join(f"{key} {value:g}" for key, value in provenance.pixel.items())
-    absent = [
-        key for key in ("pitch_um", "full_well_e", "read_noise_e") if key not in provenance.pixel
-    ]
+    absent = [key for key in PIXEL_REQUIRED if key not in provenance.pixel]
     default = f"{', '.join(absent)} from the paper's pixel" if absent else ""
     phrases = (f"{known} ({provenance.pixel_source})" if known else "", default)
     return "; ".join(phrase for phrase in phrases if phrase)

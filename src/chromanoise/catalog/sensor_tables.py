@@ -11,7 +11,7 @@ from chromanoise.errors import InputError, Setting
 from chromanoise.io.spectra import Answers, ParsedSpectra, qe_of
 from chromanoise.io.spectra.parsed import Quantity
 from chromanoise.sensor.mosaic import mosaic_named
-from chromanoise.sensor.pixel import PAPER_PIXEL, Pixel
+from chromanoise.sensor.pixel import PAPER_PIXEL, PIXEL, PIXEL_REQUIRED, Pixel
 from chromanoise.sensor.sensor import Sensor
 from chromanoise.spectra import Grid, Spectra, means_on_grid, refuse_outside
 from chromanoise.spectra.tables import catalog_curves, catalog_tables, formulas
@@ -175,11 +175,11 @@ def assumed_pixel(name: str, pixel: Pixel, known: Collection[str]) -> tuple[str,
     >>> assumed_pixel("my.csv", PAPER_PIXEL, {"pitch_um"})
     ('full well and read noise of my.csv not given: using 10000 e-, 10 e-',)
     """
-    missing = [field for field in _ASSUMED if field not in known]
+    missing = [field for field in PIXEL_REQUIRED if field not in known]
     if not missing:
         return ()
-    values = ", ".join(f"{getattr(pixel, field):g} {_ASSUMED[field][1]}" for field in missing)
-    words = [_ASSUMED[field][0] for field in missing]
+    values = ", ".join(f"{getattr(pixel, field):g} {PIXEL[field].unit}" for field in missing)
+    words = [PIXEL[field].label for field in missing]
     listed = " and ".join(filter(None, (", ".join(words[:-1]), words[-1])))
     return (f"{listed} of {name} {_USING}{values}",)
 
@@ -192,17 +192,11 @@ def is_assumed(sensor: Sensor, name: str) -> bool:
     sensor
         Of the catalog or a file.
     name
-        ``pitch_um``, ``full_well_e`` or ``read_noise_e``.
+        One of `chromanoise.sensor.PIXEL_REQUIRED`.
     """
     return any(
-        _USING in note and _ASSUMED[name][0] in note.partition(" of ")[0] for note in sensor.notes
+        _USING in note and PIXEL[name].label in note.partition(" of ")[0] for note in sensor.notes
     )
 
 
 _USING = "not given: using "
-
-_ASSUMED = {
-    "pitch_um": ("pixel pitch", "um"),
-    "full_well_e": ("full well", "e-"),
-    "read_noise_e": ("read noise", "e-"),
-}

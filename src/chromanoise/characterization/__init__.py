@@ -31,9 +31,9 @@ if TYPE_CHECKING:
         characterization_from_json,
         is_characterization,
     )
-    from chromanoise.characterization.plane_means import SPREADS
     from chromanoise.characterization.results import (
         QUANTITIES,
+        SPREADS,
         Characterization,
         LevelNoise,
         ModelVerdict,

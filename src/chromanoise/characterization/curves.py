@@ -120,8 +120,8 @@ def plane_curves(plane: PlaneNoise) -> PlaneCurves | None:
 
 def _dark_dn2(plane: PlaneNoise) -> float:
     """Variance without light: of the dark noise, or that of the darkest level with darks."""
-    if plane.dark_noise_e is not None:
-        return (plane.gain_dn_per_e * plane.dark_noise_e) ** 2 + ROUNDING_DN2
+    if plane.dark_variance_dn2 is not None:
+        return plane.dark_variance_dn2
     known = [one.dark_variance_dn2 for one in plane.levels if one.dark_variance_dn2 is not None]
     return known[0] if known else ROUNDING_DN2
 

@@ -7,7 +7,6 @@ from xml.etree import ElementTree
 
 from chromanoise.characterization.planes import dynamic_range_db, threshold_e
 from chromanoise.characterization.results import Characterization, LevelNoise, PlaneNoise
-from chromanoise.sensor.noise_profile import ROUNDING_DN2
 
 STANDARD = "EMVA Standard 1288, Release 4.0 Linear"
 
@@ -149,12 +148,12 @@ def _heading(result: Characterization, plane: PlaneNoise) -> list[str]:
 def _rows(result: Characterization, plane: PlaneNoise) -> list[_Row]:
     """The values of the summary sheet that are known."""
     gain, dark, well = plane.gain_dn_per_e, plane.dark_noise_e, plane.saturation_capacity_e
-    least = threshold_e(gain, dark)
+    least, dark_dn2 = threshold_e(gain, dark), plane.dark_variance_dn2
     values: dict[str, tuple[float | None, float | None]] = {
         "QE": (plane.qe, plane.qe_se),
         "K": (gain, plane.gain_dn_per_e_se),
         "sigma_d": (dark, plane.dark_noise_e_se),
-        "sigma_y_dark": (_dark_dn(plane), None),
+        "sigma_y_dark": (None if dark_dn2 is None else math.sqrt(dark_dn2), None),
         "u_e_sat": (well, None),
         "full_well": (plane.full_well_e, plane.full_well_e_se),
         "u_e_min": (least, None),
@@ -206,12 +205,6 @@ _FORM = (  # section and name in XML, name in text, symbol, unit, meaning
     ("converter", "black_level", "black level", "mu_y.dark", "DN", "Black level"),
     ("converter", "bits", "bits", "bits", "bit", "Bits of the converter"),
 )
-
-
-def _dark_dn(plane: PlaneNoise) -> float | None:
-    if plane.dark_noise_e is None:
-        return None
-    return math.sqrt((plane.gain_dn_per_e * plane.dark_noise_e) ** 2 + ROUNDING_DN2)
 
 
 def _photons(electrons: float | None, qe: float | None) -> float | None:

@@ -52,7 +52,7 @@ def refuse_unusable(frames: FrameSet) -> None:
     """
     if not any(level.flats and not level.spatial for level in frames.levels):
         raise InputError(frames.source, "must have frames with light", found="has dark frames only")
-    refuse_mixed(frames.source, [f for one in frames.levels for f in (*one.flats, *one.darks)])
+    refuse_mixed(frames.source, [f for one in frames.levels for f in one.frames])
     refuse_few(frames.source, frames.levels, ("flats", "darks"))
 
 
@@ -70,7 +70,7 @@ def lights_of(
                 groups.setdefault(key_of(group), group)
     whole, done, lights = sum(map(len, groups.values())), 0, {}
     progress(done, whole)
-    with closing(_sampled(groups, tile, sampled)) as samples:
+    with closing(in_threads(lambda group: sampled(group, tile), [*groups.values()])) as samples:
         for (key, group), light in zip(groups.items(), samples, strict=True):
             _refuse_apart(group, light)
             lights[key] = light
@@ -78,13 +78,6 @@ def lights_of(
             progress(done, whole)
     _refuse_bright_darks(frames, lights)
     return lights
-
-
-def _sampled(
-    groups: Mapping[Key, tuple[RawFrame, ...]], tile: tuple[int, int], sampled: Sampler
-) -> Generator[LightSample]:
-    """The statistics of each group in turn; a thread per core computes the next ones."""
-    return in_threads(lambda group: sampled(group, tile), list(groups.values()))
 
 
 def in_threads(

@@ -8,8 +8,8 @@ from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._linalg import pinv
 from chromanoise._shapes import Float
-from chromanoise.characterization.plane_means import SHARED
-from chromanoise.characterization.results import Characterization, PlaneNoise
+from chromanoise.characterization.noise_models import color_of_plane
+from chromanoise.characterization.results import SHARED, Characterization, PlaneNoise
 from chromanoise.errors import InputError
 from chromanoise.io.given_matrices import GivenMatrix
 
@@ -113,7 +113,7 @@ def variance_through_file(result: Characterization, given: GivenMatrix) -> Matri
     InputError
         As `variance_through`, or if no level is below saturation in all planes.
     """
-    own = tuple(dict.fromkeys(_letters(plane.name) for plane in result.planes))
+    own = tuple(dict.fromkeys(color_of_plane(plane.name) for plane in result.planes))
     channels = given.channels or own
     values = given.values
     if given.kind == "from-xyz":
@@ -140,12 +140,8 @@ def _white_e(result: Characterization) -> dict[str, float]:
     for plane in result.planes:
         level = plane.levels[fitted[-1]]
         above = level.mean_dn - (level.dark_mean_dn or 0.0)
-        electrons.setdefault(_letters(plane.name), []).append(above / plane.gain_dn_per_e)
+        electrons.setdefault(color_of_plane(plane.name), []).append(above / plane.gain_dn_per_e)
     return {name: float(np.mean(values)) for name, values in electrons.items()}
-
-
-def _letters(plane: str) -> str:
-    return plane.rstrip("0123456789")
 
 
 def _shared_dn2(plane: PlaneNoise) -> float:
@@ -180,4 +176,4 @@ def _by_plane(
 
 def _channel_of(plane: str, channels: tuple[str, ...]) -> str:
     """The channel of a plane: ``G`` for ``G1``, unless there is a channel ``G1``."""
-    return plane if plane in channels else _letters(plane)
+    return plane if plane in channels else color_of_plane(plane)

@@ -79,7 +79,7 @@ def characterized(
     to half of saturation.
     """
     refuse_unusable(frames)
-    tile = (1, 1) if frames.mosaic is None else _tile(frames.mosaic)
+    tile = (1, 1) if frames.mosaic is None else frames.mosaic.shape
     given, lights = in_true_codes(frames, lights_of(frames, tile, sampled, progress))
     frames = unclipped(given, lights)
     lights = at_one_light(frames, lights, tile)
@@ -163,12 +163,8 @@ def _fit(table: PhotonTransfer, black_dn: float | None) -> TransferFit:
 
 def named_mosaic(mosaic: Mosaic) -> Mosaic:
     """The mosaic with the names of the planes."""
-    names, width = plane_names(mosaic), len(mosaic.pattern[0])
+    names, (_, width) = mosaic.place_names, mosaic.shape
     return Mosaic(tuple(names[i : i + width] for i in range(0, len(names), width)))
-
-
-def _tile(mosaic: Mosaic) -> tuple[int, int]:
-    return len(mosaic.pattern), len(mosaic.pattern[0])
 
 
 def _hidden_notes(

@@ -6,13 +6,7 @@ from dataclasses import dataclass
 from operator import attrgetter
 from typing import Any
 
-from chromanoise.characterization.plane_means import (
-    SHARED,
-    SPREADS,
-    read_noise_e,
-    root_mean_square,
-)
-from chromanoise.characterization.results import Characterization, PlaneNoise
+from chromanoise.characterization.results import SHARED, SPREADS, Characterization, PlaneNoise
 from chromanoise.errors import InputError
 from chromanoise.io.pixels import pixel_source_toml
 from chromanoise.sensor import PixelSource
@@ -54,24 +48,16 @@ def pixel_of(result: Characterization) -> PixelSource:
         raise InputError(result.source, "must have at least one plane", value=0)
     planes, source = result.planes, _source_name(result)
     notes: list[str] = []
-    gain = _mean(planes, "gain", "DN/e-", lambda p: p.gain_dn_per_e, lambda p: p.gain_dn_per_e_se)
+    gain = _mean(planes, "gain", "DN/e-", "gain_dn_per_e")
     read = _mean(
         planes,
         "read noise",
         "e-",
+        "dark_noise_e",
         lambda p: read_noise_e(p, *(getattr(p, name) for name in SHARED)),
-        lambda p: p.dark_noise_e_se,
     )
-    current = _mean(
-        planes,
-        "dark current",
-        "e-/s",
-        lambda p: p.dark_current_e_per_s,
-        lambda p: p.dark_current_e_per_s_se,
-    )
-    black = _mean(
-        planes, "black level", "DN", lambda p: p.black_level_dn, lambda p: p.black_level_dn_se
-    )
+    current = _mean(planes, "dark current", "e-/s", "dark_current_e_per_s")
+    black = _mean(planes, "black level", "DN", "black_level_dn")
     spreads = {
         name: _root_mean_square(
             planes, one.label, "of the signal" if one.unit == "1" else one.unit, attrgetter(name)
@@ -116,6 +102,38 @@ def pixel_toml(result: Characterization) -> str:
     return pixel_source_toml(pixel_of(result))
 
 
+def root_mean_square(values: Sequence[float | None]) -> float | None:
+    """Root of the mean square of the known values: the noise of all planes together.
+
+    Values that are ``None`` or not finite are left out; ``None`` if none is known.
+
+    Examples
+    --------
+    >>> root_mean_square([1.0, 7.0, None]), root_mean_square([None])
+    (5.0, None)
+    """
+    known = [one for one in values if one is not None and math.isfinite(one)]
+    if len(known) < 2:
+        return known[0] if known else None
+    return math.sqrt(sum(one**2 for one in known) / len(known))
+
+
+def read_noise_e(plane: PlaneNoise, *shared_e: float | None) -> float | None:
+    """Temporal dark noise without row and column noise; ``None`` if it is not known. [e-]
+
+    Parameters
+    ----------
+    plane
+        Its dark noise includes that of rows and columns (EMVA 1288, release 4.0).
+    shared_e
+        The noise of rows and of columns that a model has besides; ``None`` for none. [e-]
+    """
+    if plane.dark_noise_e is None:
+        return None
+    shared_e2 = sum((one or 0.0) ** 2 for one in shared_e)
+    return math.sqrt(max(plane.dark_noise_e**2 - shared_e2, 0.0))
+
+
 @dataclass(frozen=True, slots=True)
 class _Merged:
     value: float
@@ -137,12 +155,13 @@ def _known(planes: Sequence[PlaneNoise], take: Take) -> list[tuple[PlaneNoise, f
 
 
 def _mean(
-    planes: Sequence[PlaneNoise], name: str, unit: str, take: Take, error: Take
+    planes: Sequence[PlaneNoise], name: str, unit: str, field: str, take: Take | None = None
 ) -> _Merged | None:
-    known = _known(planes, take)
+    """The mean of a field, or of what is taken from it, by the standard errors of the field."""
+    known = _known(planes, take or attrgetter(field))
     if not known:
         return None
-    errors = [error(plane) for plane, _ in known]
+    errors = [getattr(plane, f"{field}_se") for plane, _ in known]
     found = [float(one) for one in errors if one is not None and one > 0]
     weighted = len(found) == len(known)
     weights = [1 / one**2 for one in found] if weighted else [1.0] * len(known)

@@ -8,39 +8,33 @@ from typing import Any
 import numpy as np
 
 from chromanoise import _check
-from chromanoise.characterization.results import Characterization, PlaneNoise
+from chromanoise._check import Array
+from chromanoise._shapes import Float
+from chromanoise.characterization.results import STATED, Characterization, PlaneNoise, by_iso
 from chromanoise.errors import InputError, Setting
-from chromanoise.sensor.noise_profile import ROUNDING_DN2
+from chromanoise.sensor import VarianceLaw
+from chromanoise.sensor.noise_profile import shot_and_dark
 
 _RGB = ("R", "G", "B")
 _HAAR = 0.25  # variance of white noise in the diagonal band of darktable's Haar transform
-_STATED = "write {} in capture.toml, as in the files of the camera"
 _TOP_16 = 16  # bits of the scale of libcamera's tuning files
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Normalized:
     """S and O of each plane, variance = S x + O, x = 0 at black and 1 at white level."""
 
     names: tuple[str, ...]
-    shot: tuple[float, ...]
-    dark: tuple[float, ...]
+    pairs: Float[Array, "p 2"]
     black_dn: float
     white_dn: float
 
-    def of_colors(self) -> dict[str, tuple[float, float]]:
+    def of_colors(self) -> dict[str, list[float]]:
         """Mean S and O of the planes of each color: red, green, blue, or as they appear."""
-        found: dict[str, list[tuple[float, float]]] = {}
-        for name, shot, dark in zip(self.names, self.shot, self.dark, strict=True):
-            found.setdefault(color_of_plane(name), []).append((shot, dark))
-        order = _RGB if set(found) == set(_RGB) else tuple(found)
-        return {
-            color: (
-                sum(shot for shot, _ in found[color]) / len(found[color]),
-                sum(dark for _, dark in found[color]) / len(found[color]),
-            )
-            for color in order
-        }
+        colors = [color_of_plane(name) for name in self.names]
+        order = _RGB if set(colors) == set(_RGB) else tuple(dict.fromkeys(colors))
+        of = np.array(colors)
+        return {color: self.pairs[of == color].mean(axis=0).tolist() for color in order}
 
 
 def color_of_plane(name: str) -> str:
@@ -95,8 +89,8 @@ def noise_profile_json(
     profile = _normalized(result, white_level_dn)
     colors = profile.of_colors()
     return {
-        "S": list(profile.shot),
-        "O": list(profile.dark),
+        "S": profile.pairs[:, 0].tolist(),
+        "O": profile.pairs[:, 1].tolist(),
         "channels": list(profile.names),
         "black_level_dn": profile.black_dn,
         "white_level_dn": profile.white_dn,
@@ -147,31 +141,7 @@ def noise_profiles_json(results: Sequence[Characterization]) -> dict[str, Any]:
     InputError
         If the cameras differ, an ISO is missing or repeated, or as `noise_profile_json`.
     """
-    return {"profiles": [{"iso": iso, **noise_profile_json(one)} for iso, one in _by_iso(results)]}
-
-
-def _by_iso(results: Sequence[Characterization]) -> list[tuple[float, Characterization]]:
-    """The results of one camera with their ISO settings, in increasing order."""
-    if not results:
-        raise InputError("results", "must hold at least one characterization", value=0)
-    for name in ("camera", "bits", "mosaic"):
-        other = next((o for o in results if getattr(o, name) != getattr(results[0], name)), None)
-        if other is not None:
-            raise InputError(
-                "results",
-                f"must be of one camera, but the {name} differs",
-                value=(str(getattr(results[0], name)), str(getattr(other, name))),
-                where=other.source,
-            )
-    found = [(one.iso, one) for one in results if one.iso is not None]
-    if len({iso for iso, _ in found}) < len(results):
-        raise InputError(
-            "iso",
-            "must be known and different in each of several noise profiles",
-            value=[one.iso for one in results],
-            remedy=_STATED.format("iso = 100"),
-        )
-    return sorted(found, key=lambda pair: pair[0])
+    return {"profiles": [{"iso": iso, **noise_profile_json(one)} for iso, one in by_iso(results)]}
 
 
 def darktable_json(
@@ -209,7 +179,7 @@ def darktable_json(
     first = next(iter(every), None)
     if first is not None:
         maker, model = _maker_and_model(first, maker, model)
-    ordered = _by_iso(every)
+    ordered = by_iso(every)
     profiles = [_darktable_profile(one, iso, f"{model} iso {iso:g}") for iso, one in ordered]
     sources = ", ".join(one.source for _, one in ordered)
     comment = f"chromanoise, from raw frames of {sources}; not demosaiced, no white balance"
@@ -279,7 +249,7 @@ def libcamera_json(
     if len(every) == 1:
         gains = [(gain, every[0])]
     else:
-        ordered = _by_iso(every)
+        ordered = by_iso(every)
         gains = [(gain * iso / ordered[0][0], one) for iso, one in ordered]
     scale = 2.0 ** (_TOP_16 - _bits(gains[0][1]))
     constant, slope = _straight_noise([(scale / own, one) for own, one in gains])
@@ -349,11 +319,13 @@ def _normalized(result: Characterization, white_level_dn: float | None) -> _Norm
     black = sum(blacks) / len(blacks)
     white = _white_dn(result) if white_level_dn is None else float(white_level_dn)
     span = _check.positive(f"white minus black level of {result.source}", "DN", white - black)
-    dark = [_dark_noise_dn2(plane) / span**2 for plane in result.planes]
+    of_codes = VarianceLaw(
+        floor_e2=np.array([_dark_noise_dn2(plane) for plane in result.planes]),
+        slope_e=np.array([plane.gain_dn_per_e for plane in result.planes]),
+    )
     return _Normalized(
         names=tuple(plane.name for plane in result.planes),
-        shot=tuple(plane.gain_dn_per_e / span for plane in result.planes),
-        dark=tuple(dark),
+        pairs=shot_and_dark(of_codes.in_units_of(span)),
         black_dn=black,
         white_dn=white,
     )
@@ -371,9 +343,9 @@ def _white_dn(result: Characterization) -> float:
 
 def _dark_noise_dn2(plane: PlaneNoise) -> float:
     """Variance of the codes without light, rounding included. [DN^2]"""
-    if plane.dark_noise_e is None or not math.isfinite(plane.dark_noise_e):
+    if plane.dark_variance_dn2 is None or not math.isfinite(plane.dark_variance_dn2):
         raise _unknown(f"dark noise of plane {plane.name}", "take frames without light")
-    return (plane.gain_dn_per_e * plane.dark_noise_e) ** 2 + ROUNDING_DN2
+    return plane.dark_variance_dn2
 
 
 def _black_of(plane: PlaneNoise) -> float:
@@ -410,6 +382,6 @@ def _maker_and_model(
                 "must be known for a darktable profile",
                 value=result.camera,
                 found="is not",
-                remedy=_STATED.format('camera = "Maker Model"'),
+                remedy=STATED.format('camera = "Maker Model"'),
             )
     return maker, model

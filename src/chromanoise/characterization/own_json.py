@@ -1,21 +1,21 @@
 """Read a characterization back from the JSON of ``chromanoise characterize``."""
 
-from collections.abc import Callable, Mapping
-from dataclasses import fields
+from collections.abc import Mapping
 from types import UnionType
-from typing import Any, get_args, get_origin
+from typing import Annotated, Any, get_args, get_origin
 
 import numpy as np
 
 from chromanoise import _check
-from chromanoise.characterization.plane_means import SPREADS
 from chromanoise.characterization.results import (
     SCHEMA,
     SCHEMA_VERSION,
+    SPREADS,
     Characterization,
     LevelNoise,
     ModelVerdict,
     PlaneNoise,
+    written_fields,
 )
 from chromanoise.errors import InputError
 from chromanoise.io.pixels.source_text import finite_number
@@ -97,6 +97,8 @@ def _wrong_unless(kind: type, value: Any, source: str, where: str) -> Any:
 
 def _value(kind: Any, value: Any, source: str, where: str) -> Any:
     """A value of the type of a field of the nouns."""
+    if get_origin(kind) is Annotated:
+        kind = get_args(kind)[0]
     if isinstance(kind, UnionType):
         first = next(one for one in get_args(kind) if one is not type(None))
         return None if value is None else _value(first, value, source, where)
@@ -113,12 +115,12 @@ def _value(kind: Any, value: Any, source: str, where: str) -> Any:
     return _array(value, 1, source, where)
 
 
-def _noun(kind: Callable[..., Any], value: Any, source: str, where: str) -> Any:
+def _noun(kind: type, value: Any, source: str, where: str) -> Any:
     held = _wrong_unless(dict, value, source, where)
     return kind(
         **{
-            one.name: _value(one.type, held.get(one.name), source, f"{where}.{one.name}")
-            for one in fields(kind)  # type: ignore[arg-type]
+            name: _value(one, held.get(name), source, f"{where}.{name}")
+            for name, one in written_fields(kind).items()
         }
     )
 

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -15,7 +16,7 @@ from chromanoise.characterization.lights import (
     key_of,
 )
 from chromanoise.characterization.linearity import linearity
-from chromanoise.characterization.results import LevelNoise, PlaneNoise
+from chromanoise.characterization.results import MEASURED, LevelNoise, PlaneNoise
 from chromanoise.characterization.spatial import SpatialVariance
 from chromanoise.characterization.statistics import PlaneSample, mean_shared
 from chromanoise.io.frames.frame import FrameLevel, FrameSet
@@ -100,44 +101,53 @@ def plane_noise(
         _Value() if hidden else _shared(own, frames, which, gain, relative)
         for which in ("row", "column")
     )
-    black = _black_level(own, frames, fit, 0.0 if dsnu.value is None else dsnu.value * gain)
     full = _full_well(lit, own, fit, dark_of)
-    levels = _levels(lit, own, fit, dark_of, dark=bool(darks_of(frames)))
-    noise = fit.read_noise_e
-    return PlaneNoise(
+    pixel = {"full_well_e": full, "dsnu_e": dsnu, "prnu": prnu}
+    pixel |= {"row_noise_e": row, "column_noise_e": column}
+    if hidden:
+        pixel["dark_current_e_per_s"] = _Value()
+    return plane_of_fit(
+        fit,
+        **{name: one.value for name, one in pixel.items()},
+        **{f"{name}_se": one.se for name, one in pixel.items()},
         name=name,
-        gain_dn_per_e=gain,
-        gain_dn_per_e_se=fit.gain_se,
-        dark_noise_e=noise,
-        dark_noise_e_se=fit.read_noise_se,
-        black_level_dn=fit.black_dn,
-        black_level_dn_se=black,
-        saturation_dn=fit.saturation_dn,
-        saturation_capacity_e=fit.saturation_capacity_e,
-        full_well_e=full.value,
-        full_well_e_se=full.se,
-        dynamic_range_db=dynamic_range_db(fit.saturation_capacity_e, threshold_e(gain, noise)),
-        qe=fit.qe,
-        qe_se=fit.qe_se,
+        black_level_dn_se=_black_level(
+            own, frames, fit, 0.0 if dsnu.value is None else dsnu.value * gain
+        ),
         linearity_error_percent=_linearity_error(lit, own, fit, dark_of),
-        dark_current_e_per_s=None if hidden else fit.dark_current_e_per_s,
-        dark_current_e_per_s_se=None if hidden else fit.dark_current_se,
-        dsnu_e=dsnu.value,
-        dsnu_e_se=dsnu.se,
         dsnu_of_own_frames_e=None
         if dark_alone is None or dsnu.value is None
         else math.sqrt(max(dark_alone.variance_dn2, 0.0)) / gain,
-        prnu=prnu.value,
-        prnu_se=prnu.se,
-        row_noise_e=row.value,
-        row_noise_e_se=row.se,
-        column_noise_e=column.value,
-        column_noise_e_se=column.se,
         hot_pixels=hot,
-        bend_z=fit.bend_z,
-        levels=levels,
-        fit=fit,
+        levels=_levels(lit, own, fit, dark_of, dark=bool(darks_of(frames))),
     )
+
+
+def plane_of_fit(fit: TransferFit, **values: Any) -> PlaneNoise:
+    """The results of a plane: those of its photon transfer, and others.
+
+    Parameters
+    ----------
+    fit
+        The photon transfer.
+    values
+        Other fields of `PlaneNoise`, also in place of those of the fit.
+    """
+    own = ("gain_dn_per_e", "saturation_dn", "saturation_capacity_e", "qe", "qe_se", "bend_z")
+    of_fit: dict[str, Any] = {name: getattr(fit, name, None) for name in (*own, *MEASURED)}
+    of_fit |= {
+        "gain_dn_per_e_se": fit.gain_se,
+        "dark_noise_e": fit.read_noise_e,
+        "dark_noise_e_se": fit.read_noise_se,
+        "black_level_dn": fit.black_dn,
+        "dynamic_range_db": dynamic_range_db(
+            fit.saturation_capacity_e, threshold_e(fit.gain_dn_per_e, fit.read_noise_e)
+        ),
+        "dark_current_e_per_s_se": fit.dark_current_se,
+        "prnu_se": fit.prnu_se,
+        "fit": fit,
+    }
+    return PlaneNoise(**of_fit | values)
 
 
 def _dark_of(frames: FrameSet, own: Mapping[Key, PlaneSample], fit: TransferFit) -> DarkOf:

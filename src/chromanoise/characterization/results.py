@@ -1,7 +1,8 @@
 """Results of a characterization: one per plane of the mosaic, and a verdict."""
 
 import math
-from dataclasses import dataclass, fields, is_dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, is_dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -10,10 +11,15 @@ import numpy as np
 from chromanoise import __version__, _check
 from chromanoise._check import Array
 from chromanoise._shapes import Float
+from chromanoise.errors import InputError
 from chromanoise.io.result import Result, axes_of, figures
 from chromanoise.io.table import Column, Entry, Table
-from chromanoise.sensor import Mosaic, TransferFit
+from chromanoise.sensor import PAPER_PIXEL, PIXEL, Mosaic, PartialPixel, TransferFit
+from chromanoise.sensor.noise_profile import ROUNDING_DN2
+from chromanoise.sensor.noise_source import SOURCES, Drawn, PixelReading
 
+STATED = "write {} in capture.toml, as in the files of the camera"
+"""Remedy for a fact that neither the frames nor their description state."""
 SCHEMA = "chromanoise characterization"
 SCHEMA_VERSION = 1
 
@@ -53,38 +59,19 @@ class Quantity:
         plane
             Measured noise of one plane of the mosaic.
         """
-        scale = 100 if self.field in _IN_PERCENT else 1
+        scale = 100 if self.is_share else 1
         value, error = (None if one is None else scale * one for one in self.of(plane))
         return value, error
 
     @property
+    def is_share(self) -> bool:
+        """Whether tables for readers have it in percent."""
+        return self.field == "qe" or (self.field in PIXEL and self.unit == "1")
+
+    @property
     def shown_unit(self) -> str:
         """The unit in tables for readers: percent for shares, empty for counts."""
-        return "%" if self.field in _IN_PERCENT else self.unit.removeprefix("1")
-
-
-_IN_PERCENT = ("qe", "prnu")
-QUANTITIES = tuple(
-    Quantity(name=name, unit=unit, field=field)
-    for name, unit, field in (
-        ("gain K", "DN/e-", "gain_dn_per_e"),
-        ("dark noise", "e-", "dark_noise_e"),
-        ("black level", "DN", "black_level_dn"),
-        ("full well", "e-", "full_well_e"),
-        ("saturation", "DN", "saturation_dn"),
-        ("dynamic range", "dB", "dynamic_range_db"),
-        ("QE", "e-/photon", "qe"),
-        ("linearity error", "%", "linearity_error_percent"),
-        ("dark current", "e-/s", "dark_current_e_per_s"),
-        ("DSNU", "e-", "dsnu_e"),
-        ("PRNU", "1", "prnu"),
-        ("row noise", "e-", "row_noise_e"),
-        ("column noise", "e-", "column_noise_e"),
-        ("hot pixels", "1", "hot_pixels"),
-        ("bend of the variance, z", "1", "bend_z"),
-    )
-)
-"""The values of a plane in the order of tables."""
+        return "%" if self.is_share else self.unit.removeprefix("1")
 
 
 def _defined(value: float | None) -> float | None:
@@ -139,8 +126,14 @@ class LevelNoise:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class PlaneNoise:
+class PlaneNoise(PartialPixel):
     """Noise of one plane of the mosaic, named as in EMVA 1288; ``_se`` are standard errors.
+
+    The properties of `Pixel` that have a standard error below, and: DSNU and PRNU are fixed-pattern
+    noise; row and column noise is what all pixels of a row, or column, share in the dark. The full
+    well is that of a saturated level, if there is one; otherwise of the mean code at the largest
+    variance, with a standard error that includes the spacing of the levels. The dark current is
+    from darks at three or more exposure times.
 
     Attributes
     ----------
@@ -156,10 +149,8 @@ class PlaneNoise:
         Mean code at the largest variance, and QE times the photons of that level (EMVA 1288:
         mu_e.sat = eta mu_p.sat); if the photons are not known, the electrons of that code. [DN],
         [e-]
-    full_well_e, full_well_e_se
-        Electrons at which the codes saturate: of a saturated level, if there is one; otherwise of
-        the mean code at the largest variance, with a standard error that includes the spacing of
-        the levels. [e-]
+    full_well_e_se, dark_current_e_per_s_se, dsnu_e_se, prnu_se, row_noise_e_se, column_noise_e_se
+        Standard errors of the properties of the pixel, in their units.
     dynamic_range_db
         20 log10 of the ratio of the saturation capacity to the absolute sensitivity threshold
         sqrt(dark noise^2 + 1 / (12 K^2)) + 0.5 e- (EMVA 1288: mu_e.sat / mu_e.min). [dB]
@@ -167,16 +158,10 @@ class PlaneNoise:
         Electrons per photon, where ``photons_per_pixel`` is given. [e-/photon]
     linearity_error_percent
         Largest deviation of the mean from a straight line over light. [%]
-    dark_current_e_per_s, dark_current_e_per_s_se
-        From darks at three or more exposure times. [e-/s]
-    dsnu_e, dsnu_e_se, prnu, prnu_se
-        Fixed-pattern noise of the dark offset, and of the sensitivity. [e-], [1]
     dsnu_of_own_frames_e
         DSNU after subtraction of the temporal noise of the averaged darks only, as in the reference
         code of EMVA 1288. For ``dsnu_e``, the subtracted row and column noise is the mean over all
         darks, because two frames have few rows; with a spatial series both are equal. [e-]
-    row_noise_e, row_noise_e_se, column_noise_e, column_noise_e_se
-        Temporal noise that all pixels of a row, or column, share, in the dark. [e-]
     hot_pixels
         Pixels whose dark mean is far above that of the others. [1]
     bend_z
@@ -196,27 +181,62 @@ class PlaneNoise:
     black_level_dn_se: float | None = None
     saturation_dn: float | None = None
     saturation_capacity_e: float | None = None
-    full_well_e: float | None = None
     full_well_e_se: float | None = None
     dynamic_range_db: float | None = None
     qe: float | None = None
     qe_se: float | None = None
     linearity_error_percent: float | None = None
-    dark_current_e_per_s: float | None = None
     dark_current_e_per_s_se: float | None = None
-    dsnu_e: float | None = None
     dsnu_e_se: float | None = None
     dsnu_of_own_frames_e: float | None = None
-    prnu: float | None = None
     prnu_se: float | None = None
-    row_noise_e: float | None = None
     row_noise_e_se: float | None = None
-    column_noise_e: float | None = None
     column_noise_e_se: float | None = None
     hot_pixels: int | None = None
     bend_z: float | None = None
     levels: tuple[LevelNoise, ...]
     fit: TransferFit
+
+    @property
+    def dark_variance_dn2(self) -> float | None:
+        """Variance of the codes without light, rounding included; ``None`` if unknown. [DN^2]"""
+        if self.dark_noise_e is None:
+            return None
+        return (self.gain_dn_per_e * self.dark_noise_e) ** 2 + ROUNDING_DN2
+
+
+MEASURED = tuple(name for name in PIXEL if f"{name}_se" in {one.name for one in fields(PlaneNoise)})
+"""Properties of a pixel that are measured."""
+
+
+def _drawn(name: str) -> set[Drawn]:
+    """How the noise of a property of the pixel is drawn, by the list of sources."""
+    without = PixelReading(pixel=PAPER_PIXEL)
+    with_it = PixelReading(pixel=replace(PAPER_PIXEL, **{name: PIXEL[name].most}))
+    return {one.drawn for one in SOURCES if one.value(with_it) != one.value(without)}
+
+
+SPREADS = {name: PIXEL[name] for name in MEASURED if _drawn(name)}
+"""Measured properties of a pixel that are standard deviations."""
+SHARED = tuple(name for name in SPREADS if _drawn(name) <= {"row", "column"})
+"""Those that a row or a column shares."""
+QUANTITIES = tuple(
+    Quantity(name=name, unit=unit, field=field)
+    for name, unit, field in (
+        ("gain K", "DN/e-", "gain_dn_per_e"),
+        ("dark noise", "e-", "dark_noise_e"),
+        ("black level", "DN", "black_level_dn"),
+        ("full well", "e-", "full_well_e"),
+        ("saturation", "DN", "saturation_dn"),
+        ("dynamic range", "dB", "dynamic_range_db"),
+        ("QE", "e-/photon", "qe"),
+        ("linearity error", "%", "linearity_error_percent"),
+        *((PIXEL[one].label, PIXEL[one].unit, one) for one in MEASURED if one != "full_well_e"),
+        ("hot pixels", "1", "hot_pixels"),
+        ("bend of the variance, z", "1", "bend_z"),
+    )
+)
+"""The values of a plane in the order of tables."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -349,6 +369,41 @@ class Characterization(Result):
         return f"<Characterization: {planes}; {self._holds()}>"
 
 
+def by_iso(results: Sequence[Characterization]) -> list[tuple[float, Characterization]]:
+    """The noise of one camera at each ISO setting, in increasing order.
+
+    Parameters
+    ----------
+    results
+        One characterization per ISO setting.
+
+    Raises
+    ------
+    InputError
+        If there is none, the cameras differ, or an ISO is missing or repeated.
+    """
+    if not results:
+        raise InputError("results", "must hold at least one characterization", value=0)
+    for name in ("camera", "bits", "mosaic"):
+        other = next((o for o in results if getattr(o, name) != getattr(results[0], name)), None)
+        if other is not None:
+            raise InputError(
+                "results",
+                f"must be of one camera, but the {name} differs",
+                value=(str(getattr(results[0], name)), str(getattr(other, name))),
+                where=other.source,
+            )
+    found = [(one.iso, one) for one in results if one.iso is not None]
+    if len({iso for iso, _ in found}) < len(results):
+        raise InputError(
+            "iso",
+            "must be known and different in each of several characterizations",
+            value=[one.iso for one in results],
+            remedy=STATED.format("iso = 100"),
+        )
+    return sorted(found, key=lambda pair: pair[0])
+
+
 def characterization_as_json(result: Characterization) -> dict[str, Any]:
     """All numbers of a characterization with all digits, as plain data for ``json.dumps``.
 
@@ -361,17 +416,30 @@ def characterization_as_json(result: Characterization) -> dict[str, Any]:
     -------
     dict
         ``schema``, ``schema_version``, ``version`` and the fields of `Characterization`; the
-        mosaic is a list of rows, ``planes`` a list of objects with the fields of `PlaneNoise`. A
-        value that is not known or not finite is ``None``.
+        mosaic is a list of rows, ``planes`` a list of objects with the fields of `PlaneNoise` but
+        the properties of a pixel that are not measured. A value that is not known or not finite is
+        ``None``.
     """
     head = {"schema": SCHEMA, "schema_version": SCHEMA_VERSION, "version": __version__}
     mosaic = [list(row) for row in result.mosaic.pattern] if result.mosaic else None
     return {**head, **_plain(result), "mosaic": mosaic}
 
 
+def written_fields(kind: type) -> dict[str, Any]:
+    """Types of the fields that JSON has, by name.
+
+    Parameters
+    ----------
+    kind
+        `Characterization` or a class of its values.
+    """
+    hidden = {*PIXEL} - {*MEASURED} if issubclass(kind, PartialPixel) else set()
+    return {one.name: one.type for one in fields(kind) if one.name not in hidden}
+
+
 def _plain(value: Any) -> Any:
     if is_dataclass(value):
-        return {field.name: _plain(getattr(value, field.name)) for field in fields(value)}
+        return {name: _plain(getattr(value, name)) for name in written_fields(type(value))}
     if isinstance(value, np.ndarray | np.generic):
         return _plain(value.tolist())
     if isinstance(value, list | tuple):
@@ -393,12 +461,4 @@ def plane_names(mosaic: Mosaic | None) -> tuple[str, ...]:
     >>> plane_names(bayer()), plane_names(None)
     (('R', 'G1', 'G2', 'B'), ('mono',))
     """
-    if mosaic is None:
-        return ("mono",)
-    channels = [name for row in mosaic.pattern for name in row]
-    seen: dict[str, int] = {}
-    names = []
-    for channel in channels:
-        seen[channel] = seen.get(channel, 0) + 1
-        names.append(channel if channels.count(channel) == 1 else f"{channel}{seen[channel]}")
-    return tuple(names)
+    return ("mono",) if mosaic is None else mosaic.place_names

@@ -8,13 +8,8 @@ import numpy as np
 
 from chromanoise.characterization.kept_statistics import resumed
 from chromanoise.characterization.measure import characterized
-from chromanoise.characterization.planes import dynamic_range_db, threshold_e
-from chromanoise.characterization.results import (
-    Characterization,
-    LevelNoise,
-    ModelVerdict,
-    PlaneNoise,
-)
+from chromanoise.characterization.planes import plane_of_fit
+from chromanoise.characterization.results import Characterization, LevelNoise, ModelVerdict
 from chromanoise.characterization.statistics import light_sample
 from chromanoise.characterization.verdict import bend_sentences
 from chromanoise.errors import InputError
@@ -150,29 +145,7 @@ def characterized_table(table: PhotonTransfer) -> Characterization:
     lit = np.flatnonzero(~table.dark)
     lit = lit[np.argsort(table.mean_dn[lit], kind="stable")]
     levels = [_level(table, int(row), fit.gain_dn_per_e, fit.fitted) for row in lit]
-    plane = PlaneNoise(
-        name="mono",
-        gain_dn_per_e=fit.gain_dn_per_e,
-        gain_dn_per_e_se=fit.gain_se,
-        dark_noise_e=fit.read_noise_e,
-        dark_noise_e_se=fit.read_noise_se,
-        black_level_dn=fit.black_dn,
-        saturation_dn=fit.saturation_dn,
-        saturation_capacity_e=fit.saturation_capacity_e,
-        full_well_e=fit.full_well_e,
-        dynamic_range_db=dynamic_range_db(
-            fit.saturation_capacity_e, threshold_e(fit.gain_dn_per_e, fit.read_noise_e)
-        ),
-        qe=fit.qe,
-        qe_se=fit.qe_se,
-        dark_current_e_per_s=fit.dark_current_e_per_s,
-        dark_current_e_per_s_se=fit.dark_current_se,
-        prnu=fit.prnu,
-        prnu_se=fit.prnu_se,
-        bend_z=fit.bend_z,
-        levels=tuple(levels),
-        fit=fit,
-    )
+    plane = plane_of_fit(fit, name="mono", levels=tuple(levels))
     used = np.abs(fit.residual_z) * fit.fitted
     worst = int(used.argmax())
     sentences = tuple(bend_sentences([plane]))

@@ -6,13 +6,14 @@ from typing import Any
 
 import numpy as np
 
-from chromanoise.characterization.plane_means import (
+from chromanoise.characterization.merged_pixel import read_noise_e, root_mean_square
+from chromanoise.characterization.results import (
     SHARED,
     SPREADS,
-    read_noise_e,
-    root_mean_square,
+    Characterization,
+    PlaneNoise,
+    by_iso,
 )
-from chromanoise.characterization.results import Characterization, PlaneNoise
 from chromanoise.errors import InputError, Setting
 from chromanoise.sensor import CameraNoise, ReadNoiseTable
 
@@ -42,28 +43,18 @@ def camera_noise(results: Characterization | Sequence[Characterization]) -> Came
     Raises
     ------
     InputError
-        If there is no result, if a plane has no dark noise or black level, if the bits are not
-        known, or if one of several results has no ISO or the ISO of another.
+        As `by_iso` for several results, if there is none, if a plane has no dark noise or black
+        level, or if the bits are not known.
 
     Notes
     -----
     EMVA 1288, release 4.0: the temporal dark noise includes the row noise.
     """
-    if isinstance(results, Characterization):
-        results = [results]
-    if not results:
-        raise InputError("results", "must hold at least one characterization", value=0)
-    cameras = [_camera(one) for one in results]
-    if len(cameras) == 1:
-        return cameras[0]
-    isos = [one.iso for one in cameras]
-    if None in isos or len(set(isos)) < len(isos):
-        raise InputError(
-            "results",
-            "must have different ISO settings, none of them missing",
-            value=isos,
-            found=f"have {', '.join('none' if one is None else f'{one:g}' for one in isos)}",
-        )
+    every = [results] if isinstance(results, Characterization) else list(results)
+    if len(every) == 1:
+        return _camera(every[0])
+    by_iso(every)
+    cameras = [_camera(one) for one in every]
     cameras_by_gain = sorted(cameras, key=lambda one: float(one.gain_dn_per_e.mean()))
     gains = [float(one.gain_dn_per_e.mean()) for one in cameras_by_gain]
     noise_dn = [float((one.read_noise_e * one.gain_dn_per_e).mean()) for one in cameras_by_gain]
@@ -80,13 +71,16 @@ def camera_noise(results: Characterization | Sequence[Characterization]) -> Came
 
     pairs = list(zip(cameras_by_gain, gains, strict=True))
     wells = [one.full_well_e for one in cameras if one.full_well_e is not None]
+    laws: dict[str, Any] = {
+        f"{name.removesuffix('_e')}_law": table([getattr(one, name) * gain for one, gain in pairs])
+        for name in SPREADS
+        if SPREADS[name].unit == "e-"
+    }
     return replace(
         cameras[0],
         full_well_e=max(wells, default=None),
         read_noise_law=table(noise_dn),
-        row_noise_law=table([one.row_noise_e * gain for one, gain in pairs]),
-        column_noise_law=table([one.column_noise_e * gain for one, gain in pairs]),
-        dsnu_law=table([one.dsnu_e * gain for one, gain in pairs]),
+        **laws,
     )
 
 

@@ -12,6 +12,7 @@ from chromanoise.characterization.results import ModelVerdict, PlaneNoise
 from chromanoise.characterization.statistics import BAND_PIXELS, LEAST_CLIPPED, SURE_Z, LightSample
 from chromanoise.io.frames.frame import FrameLevel, FrameSet
 
+_WIDE_DN2 = 4.0  # above it few pixels share the largest code
 _LEAST_BEND = 0.02  # change of the slope over the fit that is worth telling
 _LEAST_CORRELATION = 0.01
 _LEAST_DRIFT = 1e-3  # of the mean
@@ -176,16 +177,11 @@ def _lights(
         for one in plane.levels:
             many = one.clipped_share * pixels > _LEAST_PIXELS
             clipped = one.clipped_share > LEAST_CLIPPED and many
-            if one.fitted and clipped and _wide(one.variance_dn2):
+            if one.fitted and clipped and one.variance_dn2 > _WIDE_DN2:
                 yield (
                     f"{plane.name}: {100 * one.clipped_share:.2g} % of the pixels of "
                     f"{_level(frames, one.name).flats[0].name} are at its top code: it is clipped"
                 )
-
-
-def _wide(variance_dn2: float) -> bool:
-    """Whether codes spread so far that few pixels share the largest one."""
-    return variance_dn2 > 4.0
 
 
 def _level(frames: FrameSet, name: str) -> FrameLevel:

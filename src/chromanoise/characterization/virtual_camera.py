@@ -3,7 +3,7 @@
 The camera is drawn source by source, from photons to codes, and uses no formula of the photon
 transfer. One pixel with the mean electrons mu of light and d of dark current reads
 
-    code = round(black level + K (f(min(N, full well)) + read + DSNU + row + column)),
+    code = round(black level + K (f(min(N, full well)) + read + DSNU + row + column + telegraph)),
 
 limited to 0 and 2^bits - 1, where N is Poisson with the mean mu + d, and
 f(e) = e - bend e^2 / (2 full well).
@@ -22,17 +22,22 @@ from chromanoise.characterization.results import plane_names
 from chromanoise.errors import InputError
 from chromanoise.properties import Property, properties_of
 from chromanoise.rng import stream
-from chromanoise.sensor import PIXEL, Mosaic, mosaic_named
+from chromanoise.sensor import PIXEL, PIXEL_NOISE, Mosaic, PartialPixel, Pixel, mosaic_named
+from chromanoise.sensor.noise_source import READ_OUT, PixelReading
 
-_PRNU, _DSNU, _HOT, _LIGHT, _DARK, _READ, _ROWS, _COLUMNS = range(8)  # random streams
+_PRNU, _DSNU, _HOT, _LIGHT, _DARK, _READ, _ROWS, _COLUMNS, _SWITCHING, _LEVELS = range(10)
+"""Random streams."""
 
 _MOST_SIDE, _MOST_PIXELS = 65_535, 1 << 28
-_MOST_E, _MOST_WELL_E = 1e6, 1e9
+_GEOMETRY = ("pitch_um",)  # properties of a pixel that have no effect on codes
+_QUIET = Pixel(pitch_um=1.0, full_well_e=12_000.0, read_noise_e=0.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class PlaneTruth:
+class PlaneTruth(PartialPixel):
     """True values of one plane of a virtual camera, named as in `PlaneNoise`.
+
+    The noise of `Pixel`, with the dark current at the temperature of the camera, and:
 
     Attributes
     ----------
@@ -50,14 +55,8 @@ class PlaneTruth:
         20 log10 of the full well over the absolute sensitivity threshold (`PlaneNoise`). [dB]
     qe
         Electrons per photon, mean over the plane's pixels. [e-/photon]
-    dark_current_e_per_s
-        Of the pixels that are not hot. [e-/s]
-    dsnu_e, prnu
-        Standard deviations that the pixels are drawn with. [e-], [1]
     dsnu_of_pixels_e, prnu_of_pixels
         Standard deviations of the pixels that were drawn. [e-], [1]
-    row_noise_e, column_noise_e
-        As `VirtualCamera`. [e-]
     hot_pixels
         In this plane. [1]
     """
@@ -70,19 +69,17 @@ class PlaneTruth:
     full_well_e: float
     dynamic_range_db: float
     qe: float
-    dark_current_e_per_s: float
-    dsnu_e: float
-    prnu: float
     dsnu_of_pixels_e: float
     prnu_of_pixels: float
-    row_noise_e: float
-    column_noise_e: float
     hot_pixels: int
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class VirtualCamera:
+class VirtualCamera(PartialPixel):
     """A camera whose noise is known. Every non-ideality is 0 by default.
+
+    The properties of `Pixel` but the pitch, and those below. The mean of the dark electrons stays
+    in the codes. By default the full well is 12,000 e- and the read noise 0.
 
     Attributes
     ----------
@@ -93,10 +90,6 @@ class VirtualCamera:
     gain_dn_per_e
         System gain K at low light: one number, or one per channel of the mosaic in the order of
         their first appearance. [DN/e-]
-    read_noise_e
-        Standard deviation of the readout, rounding not included. [e-]
-    full_well_e
-        Electrons at which a pixel saturates. [e-]
     bits
         Bits of the codes, 8 to 16.
     black_level_dn
@@ -105,15 +98,6 @@ class VirtualCamera:
         Electrons per photon of a channel with sensitivity 1. [e-/photon]
     sensitivity
         Sensitivity of the channels relative to ``qe``: one number, or one per channel. [1]
-    dark_current_e_per_s
-        Electrons generated without light. Their mean stays in the codes. [e-/s]
-    dsnu_e
-        Standard deviation of the offset of the pixels. [e-]
-    prnu
-        Standard deviation of the relative sensitivity of the pixels. [1]
-    row_noise_e, column_noise_e
-        Standard deviation of the offset that all pixels of a row, or of a column, share in one
-        frame. It differs from frame to frame. [e-]
     hot_pixels, hot_pixel_e_per_s
         Number of pixels with excess dark current, and the excess of each. [1], [e-/s]
     bend
@@ -135,14 +119,15 @@ class VirtualCamera:
     Raises
     ------
     InputError
-        If a number is out of range, the black level is not below the largest code, there is not one
-        gain or sensitivity per channel, or the frame is smaller than two periods of the mosaic.
+        If a number is out of range, the pitch is given, the black level is not below the largest
+        code, there is not one gain or sensitivity per channel, or the frame is smaller than two
+        periods of the mosaic.
 
     Notes
     -----
-    Fixed patterns (PRNU, DSNU, hot pixels) depend on the seed and the shape only. Each source of
-    noise in each frame has its own random stream, so that frames can be drawn in any order. The
-    model of the camera is that of EMVA 1288, release 4.0, sections 2 to 4.
+    Fixed patterns (PRNU, DSNU, hot pixels, pixels with telegraph noise) depend on the seed and the
+    shape only. Each source of noise in each frame has its own random stream, so that frames can be
+    drawn in any order. The model of the camera is that of EMVA 1288, release 4.0, sections 2 to 4.
 
     Examples
     --------
@@ -155,10 +140,6 @@ class VirtualCamera:
     shape: tuple[int, int] = (240, 320)
     mosaic: str | None = None
     gain_dn_per_e: float | tuple[float, ...] = 0.25
-    read_noise_e: Annotated[float, replace(PIXEL["read_noise_e"], most=_MOST_E)] = 0.0
-    full_well_e: Annotated[
-        float, replace(PIXEL["full_well_e"], least=1.0, most=_MOST_WELL_E)
-    ] = 12_000.0  # fmt: skip
     bits: int = 12
     black_level_dn: float = 0.0
     qe: Annotated[
@@ -170,21 +151,17 @@ class VirtualCamera:
     ] = 0.5  # fmt: skip
     sensitivity: float | tuple[float, ...] = 1.0
     dark_current_e_per_s: Annotated[
-        float,
+        float | None,
         replace(
-            PIXEL["dark_current_e_per_s"], most=_MOST_WELL_E,
+            PIXEL["dark_current_e_per_s"],
             help="Dark current [e-/s]; the longest exposure is 100 ms.",
         ),
-    ] = 0.0  # fmt: skip
-    dsnu_e: Annotated[float, replace(PIXEL["dsnu_e"], most=_MOST_E)] = 0.0
-    prnu: Annotated[float, PIXEL["prnu"]] = 0.0
-    row_noise_e: Annotated[float, replace(PIXEL["row_noise_e"], most=_MOST_E)] = 0.0
-    column_noise_e: Annotated[float, replace(PIXEL["column_noise_e"], most=_MOST_E)] = 0.0
+    ] = None  # fmt: skip
     hot_pixels: int = 0
     hot_pixel_e_per_s: Annotated[
         float,
         Property(
-            label="excess of a hot pixel", unit="e-/s", least=0.0, most=_MOST_WELL_E,
+            label="excess of a hot pixel", unit="e-/s", least=0.0, most=1e9,
             help="Additional dark current of each hot pixel [e-/s].",
         ),
     ] = 1000.0  # fmt: skip
@@ -220,8 +197,16 @@ class VirtualCamera:
     seed: int = 0
 
     def __post_init__(self) -> None:
+        for name in _GEOMETRY:
+            if getattr(self, name) is not None:
+                raise InputError(name, "must be omitted, because codes do not depend on it")
         for name, one in properties_of(type(self)).items():  # type: ignore[arg-type] # Hashable
-            object.__setattr__(self, name, one.demand(name, getattr(self, name)))
+            value = getattr(self, name)
+            if value is None and name not in _GEOMETRY:
+                object.__setattr__(self, name, getattr(_QUIET, name))
+            elif value is not None:
+                object.__setattr__(self, name, one.demand(name, value))
+        _ = self.reading  # refuses a pixel that cannot be
         object.__setattr__(self, "bits", whole("bits", self.bits, 8, 16))
         object.__setattr__(self, "seed", whole("seed", self.seed, 0, (1 << 128) - 1))
         object.__setattr__(self, "shape", self._checked_shape())
@@ -236,6 +221,12 @@ class VirtualCamera:
     def pattern(self) -> Mosaic:
         """The mosaic; one channel, ``mono``, without one."""
         return Mosaic((("mono",),)) if self.mosaic is None else mosaic_named(self.mosaic)
+
+    @property
+    def reading(self) -> PixelReading:
+        """A reading of the pixel without dark electrons and rounding."""
+        values = {name: getattr(self, name) for name in PIXEL if name not in _GEOMETRY}
+        return PixelReading(pixel=replace(_QUIET, **values))
 
     @property
     def top_code(self) -> int:
@@ -273,25 +264,25 @@ class VirtualCamera:
         """
         whole("number", number, 0, 1_000_000_000)
         dark_e = self._dark_electrons(_check.within("time_ms", "ms", time_ms, 0.0, 1e8))
-        light_e = self._light_electrons(self._photons(photons_per_pixel, electrons, dark, number))
+        photons = self._photons(photons_per_pixel, electrons, dark, number)
+        light_e = photons * self.qe * self._light_map()
+        reading = self.reading
         expected_e = self._response_e(light_e + dark_e)
         charge_e = stream(self.seed, _LIGHT, number).poisson(light_e).astype(np.float64)
         charge_e += stream(self.seed, _DARK, number).poisson(dark_e)
         noise_e = self._response_e(charge_e) - expected_e
-        if self.read_noise_e:
-            noise_e += self.read_noise_e * self._normal(_READ, number, self.shape)
+        noise_e += self._normal(_READ, number, self.shape, reading.sd("reading"))
         signal_e = expected_e + self._blurred(noise_e) + self._offsets_e()
         rows, columns = self.shape
-        if self.row_noise_e:
-            signal_e += self.row_noise_e * self._normal(_ROWS, number, (rows, 1))
-        if self.column_noise_e:
-            signal_e += self.column_noise_e * self._normal(_COLUMNS, number, (1, columns))
+        signal_e += self._normal(_ROWS, number, (rows, 1), reading.sd("row"))
+        signal_e += self._normal(_COLUMNS, number, (1, columns), reading.sd("column"))
+        signal_e += self._level_offsets_e(number)
         codes = np.rint(self.black_level_dn + self._channel_map(self.gain_dn_per_e) * signal_e)
         return np.asarray(np.clip(codes, 0, self.top_code).astype(np.uint16))
 
     def planes(self) -> tuple[PlaneTruth, ...]:
         """The true values of each plane, in the order of the pixels of one period."""
-        period = self.pattern.pattern
+        high, wide = self.pattern.shape
         maps = (
             self._channel_map(self.gain_dn_per_e),
             self.qe * self._light_map(),
@@ -300,8 +291,8 @@ class VirtualCamera:
             self._hot_map(),
         )
         return tuple(
-            self._plane_truth(name, *(one[y :: len(period), x :: len(period[0])] for one in maps))
-            for (y, x), name in _plane_names(period).items()
+            self._plane_truth(name, *(one[i // wide :: high, i % wide :: wide] for one in maps))
+            for i, name in enumerate(plane_names(self.pattern))
         )
 
     def _plane_truth(
@@ -313,14 +304,16 @@ class VirtualCamera:
         offsets_e: Float[Array, "h w"],
         hot: Int[Array, "h w"],
     ) -> PlaneTruth:
-        gain = float(gains[0, 0])
-        full_well_e, saturation_dn = self._saturation(gain)
+        gain, reading = float(gains[0, 0]), self.reading
+        full_well_e, saturation_dn = self._saturation(gain, reading.pixel.full_well_e)
         a = _blur_share(self.neighbor_correlation)
         kept = (2 * a**2 + (1 - 2 * a) ** 2) ** 2
-        dark_noise_e = math.sqrt(
-            kept * self.read_noise_e**2 + self.row_noise_e**2 + self.column_noise_e**2
-        )
+        others_e2 = reading.coefficient("floor_e2", READ_OUT, but=("reading",))
+        dark_noise_e = math.sqrt(kept * reading.sd("reading") ** 2 + others_e2)
+        noise = {name: getattr(self, name) for name in PIXEL_NOISE}
+        noise["dark_current_e_per_s"] = reading.pixel.dark_electrons_e(time_s=1.0)
         return PlaneTruth(
+            **noise,
             name=name,
             gain_dn_per_e=gain,
             dark_noise_e=dark_noise_e,
@@ -330,19 +323,14 @@ class VirtualCamera:
             dynamic_range_db=20
             * math.log10(full_well_e / (math.sqrt(dark_noise_e**2 + 1 / (12 * gain**2)) + 0.5)),
             qe=float(qe.mean()),
-            dark_current_e_per_s=self.dark_current_e_per_s,
-            dsnu_e=self.dsnu_e,
-            prnu=self.prnu,
             dsnu_of_pixels_e=float(offsets_e.std()),
             prnu_of_pixels=float(response.std()),
-            row_noise_e=self.row_noise_e,
-            column_noise_e=self.column_noise_e,
             hot_pixels=int(hot.sum()),
         )
 
-    def _saturation(self, gain: float) -> tuple[float, float]:
+    def _saturation(self, gain: float, well_e: float) -> tuple[float, float]:
         """Electrons and mean code at saturation: by the full well, or by the largest code."""
-        bend, well_e = self.bend, self.full_well_e
+        bend = self.bend
         at_well_dn = self.black_level_dn + gain * well_e * (1 - bend / 2)
         if at_well_dn <= self.top_code:
             return well_e, at_well_dn
@@ -354,10 +342,9 @@ class VirtualCamera:
         shape: Any = self.shape
         if len(shape) != 2:
             raise InputError("shape", "must be rows and columns [px]", value=shape)
-        period = self.pattern.pattern
         rows, columns = (
             whole("shape", side, 2 * least, _MOST_SIDE)
-            for side, least in zip(shape, (len(period), len(period[0])), strict=True)
+            for side, least in zip(shape, self.pattern.shape, strict=True)
         )
         if rows * columns > _MOST_PIXELS:
             raise InputError("shape", f"must hold at most {_MOST_PIXELS} pixels", value=shape)
@@ -395,11 +382,9 @@ class VirtualCamera:
         drift = math.exp(min(number * math.log1p(self.drift), 700.0))
         return _check.within("photons_per_pixel with drift", "1", light * drift, 0.0, 1e15)
 
-    def _light_electrons(self, photons: float) -> Float[Array, "h w"]:
-        return np.asarray(photons * self.qe * self._light_map())
-
     def _dark_electrons(self, time_ms: float) -> Float[Array, "h w"]:
-        current = self.dark_current_e_per_s + self.hot_pixel_e_per_s * self._hot_map()
+        pixel = self.reading.pixel
+        current = pixel.dark_electrons_e(time_s=1.0) + self.hot_pixel_e_per_s * self._hot_map()
         return np.asarray(1e-3 * time_ms * current)
 
     def _light_map(self) -> Float[Array, "h w"]:
@@ -409,14 +394,21 @@ class VirtualCamera:
         )
 
     def _pixel_sensitivity(self) -> Float[Array, "h w"]:
-        if not self.prnu:
-            return np.ones(self.shape)
-        return np.maximum(1 + self.prnu * self._normal(_PRNU, 0, self.shape), 0.0)
+        return np.maximum(1 + self._normal(_PRNU, 0, self.shape, self.reading.sd("gain")), 0.0)
 
     def _offsets_e(self) -> Float[Array, "h w"]:
-        if not self.dsnu_e:
+        """What is the same in every frame: DSNU and the error of the black level."""
+        own_e = self._normal(_DSNU, 0, self.shape, self.reading.sd("pattern"))
+        return np.asarray(own_e + self.reading.pixel.black_error_e)
+
+    def _level_offsets_e(self, number: int) -> Float[Array, "h w"]:
+        """Offsets of the pixels with telegraph noise; 0 for the others."""
+        share, away_e = self.reading.levels
+        if not share:
             return np.zeros(self.shape)
-        return np.asarray(self.dsnu_e * self._normal(_DSNU, 0, self.shape))
+        switching = stream(self.seed, _SWITCHING).random(self.shape) < share
+        up = stream(self.seed, _LEVELS, number).integers(0, 2, self.shape)
+        return np.asarray(switching * away_e * (2 * up - 1))
 
     def _hot_map(self) -> Int[Array, "h w"]:
         """1 at hot pixels."""
@@ -444,22 +436,26 @@ class VirtualCamera:
 
     def _response_e(self, charge_e: Float[Array, "h w"]) -> Float[Array, "h w"]:
         """Electrons that a straight response would need for the same code."""
-        kept = np.minimum(charge_e, self.full_well_e)
-        return np.asarray(kept - self.bend * kept**2 / (2 * self.full_well_e))
+        well_e = self.reading.pixel.full_well_e
+        kept = np.minimum(charge_e, well_e)
+        return np.asarray(kept - self.bend * kept**2 / (2 * well_e))
 
     def _blurred(self, noise_e: Float[Array, "h w"]) -> Float[Array, "h w"]:
         """The noise blurred within each plane; opposite edges of the frame are neighbors."""
         a = _blur_share(self.neighbor_correlation)
         if not a:
             return noise_e
-        period = self.pattern.pattern
-        for axis, step in ((0, len(period)), (1, len(period[0]))):
+        for axis, step in enumerate(self.pattern.shape):
             beside = np.roll(noise_e, step, axis) + np.roll(noise_e, -step, axis)
             noise_e = (1 - 2 * a) * noise_e + a * beside
         return noise_e
 
-    def _normal(self, source: int, number: int, shape: tuple[int, int]) -> Float[Array, "h w"]:
-        return np.asarray(stream(self.seed, source, number).standard_normal(shape))
+    def _normal(
+        self, source: int, number: int, shape: tuple[int, int], sd: float
+    ) -> Float[Array, "h w"]:
+        if not sd:
+            return np.zeros(shape)
+        return np.asarray(sd * stream(self.seed, source, number).standard_normal(shape))
 
 
 def _blur_share(correlation: float) -> float:
@@ -471,12 +467,6 @@ def _blur_share(correlation: float) -> float:
     return (2 * c + 1 - math.sqrt(1 - 2 * c**2)) / (6 * c + 4)
 
 
-def _plane_names(period: tuple[tuple[str, ...], ...]) -> dict[tuple[int, int], str]:
-    """Names of the planes by their place in the period."""
-    cells = [(y, x) for y, row in enumerate(period) for x in range(len(row))]
-    return dict(zip(cells, plane_names(Mosaic(period)), strict=True))
-
-
 def whole(name: str, value: Any, least: int, greatest: int) -> int:
     """A whole number in a range; raises `InputError` otherwise."""
     if isinstance(value, bool) or not least <= value <= greatest or int(value) != value:
@@ -484,6 +474,10 @@ def whole(name: str, value: Any, least: int, greatest: int) -> int:
     return int(value)
 
 
+PROPERTIES = {
+    name: one for name, one in properties_of(VirtualCamera).items() if name not in _GEOMETRY
+}
+"""The properties of a virtual camera by name."""
 USUAL_CAMERA = VirtualCamera(
     read_noise_e=3, dark_current_e_per_s=30, dsnu_e=1.5, prnu=0.008, row_noise_e=0.5
 )

@@ -85,7 +85,7 @@ def photon_transfer_frames(
     EMVA 1288, release 4.0, section 6: flats and darks of equally spaced exposures.
     """
     _check.one_of("file_format", file_format, FRAME_FORMATS)
-    written = _FORMATS[file_format]()
+    written = _FORMATS[file_format]
     _check.one_of("varied", varied, ("time", "light"))
     _check.within("longest_time_ms", "ms", longest_time_ms, 1e-3, 1e7)
     _check.within("brightest", "1", brightest, 0.01, 10.0)
@@ -135,41 +135,31 @@ def _names(stem: str, count: int, first: int, ending: str) -> dict[str, int]:
 
 # ---- files ----
 
-_Writer = Callable[[UInt16[Array, "h w"], VirtualCamera], bytes]
+Codes = UInt16[Array, "h w"]
 
 
-def _npy() -> _Writer:
-    def content(codes: UInt16[Array, "h w"], _: VirtualCamera) -> bytes:
-        kept = io.BytesIO()
-        np.save(kept, codes)
-        return kept.getvalue()
-
-    return content
+def _npy(codes: Codes, _: VirtualCamera) -> bytes:
+    kept = io.BytesIO()
+    np.save(kept, codes)
+    return kept.getvalue()
 
 
-def _tiff() -> _Writer:
+def _tiff(codes: Codes, _: VirtualCamera) -> bytes:
     from tifffile import imwrite
 
-    def content(codes: UInt16[Array, "h w"], _: VirtualCamera) -> bytes:
-        kept = io.BytesIO()
-        imwrite(kept, codes, photometric="minisblack", metadata=None, software="chromanoise")
-        return kept.getvalue()
-
-    return content
+    kept = io.BytesIO()
+    imwrite(kept, codes, photometric="minisblack", metadata=None, software="chromanoise")
+    return kept.getvalue()
 
 
-def _pgm() -> _Writer:
+def _pgm(codes: Codes, camera: VirtualCamera) -> bytes:
     """Netpbm's PGM, binary: most significant byte first, 1 byte per code up to 255."""
-
-    def content(codes: UInt16[Array, "h w"], camera: VirtualCamera) -> bytes:
-        rows, columns = codes.shape
-        header = f"P5\n{columns} {rows}\n{camera.top_code}\n".encode()
-        return header + codes.astype(">u2" if camera.top_code > 255 else "u1").tobytes()
-
-    return content
+    rows, columns = codes.shape
+    header = f"P5\n{columns} {rows}\n{camera.top_code}\n".encode()
+    return header + codes.astype(">u2" if camera.top_code > 255 else "u1").tobytes()
 
 
-def _fits() -> _Writer:
+def _fits(codes: Codes, _: VirtualCamera) -> bytes:
     try:
         fits = importlib.import_module("astropy.io.fits")
     except ImportError:
@@ -178,16 +168,12 @@ def _fits() -> _Writer:
             "fits needs the package astropy",
             remedy=("install it with: pip install 'chromanoise[fits]'", "use another format"),
         ) from None
-
-    def content(codes: UInt16[Array, "h w"], _: VirtualCamera) -> bytes:
-        kept = io.BytesIO()
-        fits.PrimaryHDU(codes).writeto(kept)
-        return kept.getvalue()
-
-    return content
+    kept = io.BytesIO()
+    fits.PrimaryHDU(codes).writeto(kept)
+    return kept.getvalue()
 
 
-_FORMATS: Mapping[str, Callable[[], _Writer]] = {
+_FORMATS: Mapping[str, Callable[[Codes, VirtualCamera], bytes]] = {
     "npy": _npy,
     "tiff": _tiff,
     "pgm": _pgm,

@@ -8,22 +8,23 @@ import click
 
 from chromanoise._files import OWN_FILES, refuse_unwritable
 from chromanoise.characterization import USUAL_CAMERA, VirtualCamera, photon_transfer_frames
+from chromanoise.characterization.virtual_camera import PROPERTIES
 from chromanoise.characterization.virtual_frames import FRAME_FORMATS
 from chromanoise.cli.options import WHOLE, Command
 from chromanoise.cli.parsing import command
 from chromanoise.errors import InputError
-from chromanoise.properties import properties_of
 
 _COLOR = {"R": 0.7, "G": 1.0, "B": 0.6}  # sensitivities of a color camera under white light
 
 
 def _property_options(command: Command) -> Command:
     """Add an option for each property of the camera."""
-    for name, one in reversed([*properties_of(VirtualCamera).items()]):
+    for name, one in reversed([*PROPERTIES.items()]):
+        usual = getattr(USUAL_CAMERA, name)
         command = click.option(
             f"--{name.replace('_', '-')}",
             type=float,
-            default=f"{getattr(USUAL_CAMERA, name):g}",
+            default=None if usual is None else f"{usual:g}",
             show_default=True,
             help=one.help,
         )(command)

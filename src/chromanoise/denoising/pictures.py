@@ -8,7 +8,7 @@ from chromanoise._check import Array
 from chromanoise._linalg import inv
 from chromanoise._shapes import Float, Float32, Int
 from chromanoise.denoising.method import DenoisingMethod
-from chromanoise.denoising.planes import NoisyPlanes, names_of_places, packed, unpacked
+from chromanoise.denoising.planes import NoisyPlanes, packed, unpacked
 from chromanoise.denoising.strips import denoised_planes
 from chromanoise.exposure import OperatingPoint
 from chromanoise.imaging import (
@@ -101,8 +101,7 @@ def planes_of_mosaic(
     if step_e is not None:
         noise = replace(noise, step_e=step_e)
     chart = chart_electrons(operating_point)[:, channels]
-    names = names_of_places(sensor.names, channels)
-    planes = _planes(planes_e, chart, noise.law(), names)
+    planes = _planes(planes_e, chart, noise.law(), mosaic.place_names)
     return replace(planes, prior_e2=planes.prior_e2 * place_correlation(tile))
 
 
@@ -191,9 +190,8 @@ def denoised_mosaic(
         adc.gain_e_per_dn
     )
     planes = planes_of_mosaic(raw_e, point, raw.mosaic, step_e=adc.gain_e_per_dn)
-    tile = raw.mosaic.pattern
-    shape = (len(tile), len(tile[0]))
-    return unpacked(denoised_planes(planes, method, work=work), shape, raw.codes.shape)
+    clean = denoised_planes(planes, method, work=work)
+    return unpacked(clean, raw.mosaic.shape, raw.codes.shape)
 
 
 def captured_with(

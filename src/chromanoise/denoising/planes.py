@@ -3,7 +3,6 @@
 A mosaic becomes one plane per place of its tile, so the methods have no code for mosaics.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -205,20 +204,3 @@ def _completed(count: int, whole: int, period: int) -> Array:
     places = np.arange(whole)
     places[count:] -= period
     return places
-
-
-def names_of_places(names: Sequence[str], channels: Sequence[int]) -> tuple[str, ...]:
-    """Names of planes of a mosaic: that of the channel, numbered where it has several places.
-
-    Examples
-    --------
-    >>> names_of_places(("R", "G", "B"), (0, 1, 1, 2))
-    ('R', 'G1', 'G2', 'B')
-    """
-    seen: dict[int, int] = {}
-    out = []
-    for channel in channels:
-        seen[channel] = seen.get(channel, 0) + 1
-        several = list(channels).count(channel) > 1
-        out.append(f"{names[channel]}{seen[channel]}" if several else names[channel])
-    return tuple(out)

@@ -13,6 +13,7 @@ from chromanoise._shapes import Float32, Shaped
 from chromanoise.errors import InputError, Setting
 from chromanoise.noise import NoiseSources
 from chromanoise.sensor import VarianceLaw
+from chromanoise.sensor.noise_profile import shot_and_dark
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -109,8 +110,8 @@ class CodeNoise:
         if self.saturation_dn is None:
             return data
         range_e = _range_dn(self.black_level_dn, self.saturation_dn) * self.gain_e_per_dn
-        floor, slope, _ = law.in_units_of(range_e).coefficients.tolist()
-        return data | {"S": slope, "O": floor}
+        shot, dark = shot_and_dark(law.in_units_of(range_e)).tolist()
+        return data | {"S": shot, "O": dark}
 
 
 def code_noise(
@@ -203,14 +204,13 @@ def code_noise_of_profile(
         _check.not_negative(f"O of channel {name} of {source}", "1", dark)
     range_dn = _range_dn(black_level_dn, white_level_dn)
     gain = 1 / (pairs[:, 0].mean() * range_dn)
+    of_range = VarianceLaw(floor_e2=pairs[:, 1], slope_e=pairs[:, 0])
     return CodeNoise(
         names=tuple(names),
         gain_e_per_dn=float(gain),
         black_level_dn=float(black_level_dn),
         saturation_dn=float(white_level_dn),
-        temporal=VarianceLaw(
-            floor_e2=pairs[:, 1] * (range_dn * gain) ** 2, slope_e=pairs[:, 0] * range_dn * gain
-        ),
+        temporal=of_range.in_units_of(1 / (range_dn * gain)),
         spatial=VarianceLaw(),
         source=source,
     )

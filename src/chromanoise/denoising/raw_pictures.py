@@ -11,7 +11,7 @@ from chromanoise._shapes import Bool, Float, Float32
 from chromanoise.denoising.burst import BurstFrame, merged_frames
 from chromanoise.denoising.method import DenoisingMethod
 from chromanoise.denoising.pictures import place_correlation, planes_of_mosaic
-from chromanoise.denoising.planes import NoisyPlanes, names_of_places, packed, unpacked
+from chromanoise.denoising.planes import NoisyPlanes, packed, unpacked
 from chromanoise.denoising.raw_noise import CodeNoise
 from chromanoise.denoising.strips import denoised_planes
 from chromanoise.errors import InputError, Setting
@@ -132,7 +132,7 @@ def neutral_planes(raw_e: Float32[Array, "h w"], mosaic: Mosaic, noise: CodeNois
         law=noise.law.take(channels),
         prior_e2=np.outer(mean, mean) * _SPREAD**2 * alike,
         prior_mean_e=mean,
-        names=names_of_places(noise.names, channels),
+        names=mosaic.place_names,
     )
 
 
@@ -193,9 +193,8 @@ def denoised_raw(
         planes, kept = burst.planes, burst.used == 0
     clean = denoised_planes(planes, method, work=work)
     clean[kept] = planes.values_e[kept]
-    shape = (tile.shape[0], tile.shape[1])
     return DenoisedRaw(
-        values_e=unpacked(clean, shape, (raw_e.shape[0], raw_e.shape[1])),
+        values_e=unpacked(clean, mosaic.shape, (raw_e.shape[0], raw_e.shape[1])),
         names=planes.names,
         residual=residual_ratio(planes, clean, kept),
         measured=measured_noise_ratio(planes, kept),

@@ -27,7 +27,7 @@ from chromanoise.imaging.blocks import parts_of_rows
 from chromanoise.imaging.row_files import PutRows, tiff_rows
 from chromanoise.noise import noise_sources
 from chromanoise.sensor import Adc, Mosaic
-from chromanoise.sensor.noise_profile import noise_profile
+from chromanoise.sensor.noise_profile import shot_and_dark
 
 _COLOR_CODES = {"R": 0, "G": 1, "B": 2, "C": 3, "M": 4, "Y": 5, "W": 6}  # tag 50710
 _LIGHT_SOURCES = {"A": 17, "D55": 20, "D65": 21, "D75": 22, "D50": 23}  # Exif LightSource
@@ -137,9 +137,9 @@ def raw_profile(
             found="gives none",
         )
     white_level_dn = _white_level_dn(operating_point, adc)
-    unrounded = replace(noise_sources(sensor, operating_point.exposure), step_e=0.0)
-    noise_e = float(np.sqrt(unrounded.law().floor_e2))
-    noise = noise_profile(adc, read_noise_e=noise_e, white_level_dn=white_level_dn)
+    gain = adc.gain_e_per_dn
+    noise = replace(noise_sources(sensor, operating_point.exposure), step_e=gain).law()
+    of_range = noise.in_units_of(gain * (white_level_dn - adc.black_level_dn))
     return RawProfile(
         sensor_name=sensor.name,
         channels=sensor.names,
@@ -148,7 +148,7 @@ def raw_profile(
         white_level_dn=white_level_dn,
         color_matrix=camera_matrix(matrix.matrix, white),
         as_shot_neutral=white / white.max(),
-        noise_profile=np.tile(noise, (len(sensor.names), 1)),
+        noise_profile=np.tile(shot_and_dark(of_range), (len(sensor.names), 1)),
         illuminant=lamp.name,
     )
 

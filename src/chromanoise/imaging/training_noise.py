@@ -15,6 +15,7 @@ import numpy as np
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._lazy import renamed_keywords
 from chromanoise._shapes import Float, Float32
 from chromanoise.errors import InputError, Setting
 from chromanoise.imaging.blocks import new_rows
@@ -91,7 +92,7 @@ class NoiseSampler:
     ----------
     camera
         The noise model.
-    shot, read, dark, prnu, dsnu, row, column, levels, quantize, clamp
+    shot, read, dark, prnu, dsnu, row, column, telegraph, quantize, clamp
         Whether each part is used, as `sampler`.
     seed
         0 to 2^64 - 1.
@@ -107,7 +108,7 @@ class NoiseSampler:
     dsnu: bool = True
     row: bool = True
     column: bool = True
-    levels: bool = True
+    telegraph: bool = True
     quantize: bool = True
     clamp: bool = True
     seed: int = 0
@@ -262,7 +263,7 @@ class NoiseSampler:
         light = _check.non_negative("clean", "e-", (flat - zero) * per_unit)
         noise = self._noise(camera, dark_e).astype(np.float64)
         added = (noise[1] * light) ** 2 + noise[2] ** 2 + self._dsnu_e(camera) ** 2
-        share, level_e = camera.levels if self.levels else (0.0, 0.0)
+        share, level_e = self._levels(camera)
         added = added + self._item_e2(camera) - share * level_e**2
         spread = np.sqrt(added + (read**2 if use.read else 0.0))
         levels = ((1 - share, 0.0), (share / 2, level_e), (share / 2, -level_e))
@@ -327,6 +328,10 @@ class NoiseSampler:
     def _dsnu_e(self, camera: CameraNoise) -> float:
         return camera.dsnu_e if self.dsnu else 0.0
 
+    def _levels(self, camera: CameraNoise) -> tuple[float, float]:
+        """Share of the pixels with two levels [1], and half the difference of the two. [e-]"""
+        return (camera.rtn_share if self.telegraph else 0.0), camera.rtn_amplitude_e / 2
+
     def _lanes(
         self,
         camera: CameraNoise,
@@ -385,7 +390,7 @@ class NoiseSampler:
 
     def _item_e2(self, camera: CameraNoise) -> float:
         """Variance of the offsets of one item that are not those of its rows. [e-^2]"""
-        share, level_e = camera.levels if self.levels else (0.0, 0.0)
+        share, level_e = self._levels(camera)
         return (camera.column_noise_e**2 if self.column else 0.0) + share * level_e**2
 
     def _item_map(
@@ -400,7 +405,7 @@ class NoiseSampler:
         from chromanoise.imaging.philox import COLUMN
         from chromanoise.imaging.training_kernels import draw_levels, draw_pattern
 
-        share, level_e = camera.levels if self.levels else (0.0, 0.0)
+        share, level_e = self._levels(camera)
         found, key = _EMPTY, np.uint64(self.seed)
         if self.column and camera.column_noise_e:
             found = np.empty((1, shape[1]), np.float32)
@@ -461,6 +466,7 @@ class _Patterns:
         return found
 
 
+@renamed_keywords(levels="telegraph")
 def sampler(
     camera: CameraNoise,
     *,
@@ -471,7 +477,7 @@ def sampler(
     dsnu: bool = True,
     row: bool = True,
     column: bool = True,
-    levels: bool = True,
+    telegraph: bool = True,
     quantize: bool = True,
     clamp: bool = True,
     seed: int = 0,
@@ -489,7 +495,7 @@ def sampler(
         Whether dark electrons are counted; their mean is subtracted.
     prnu, dsnu
         Whether sensitivity and dark signal differ from pixel to pixel.
-    row, column, levels
+    row, column, telegraph
         Whether there is row noise, column noise, and random telegraph noise.
     quantize
         Whether the codes are rounded to whole numbers.
@@ -540,7 +546,7 @@ def sampler(
         dsnu=dsnu,
         row=row,
         column=column,
-        levels=levels,
+        telegraph=telegraph,
         quantize=quantize,
         clamp=clamp,
         seed=seed,

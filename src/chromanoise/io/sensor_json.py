@@ -1,6 +1,6 @@
 """Write sensors and spectra as JSON of this library, and read sensors from it."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import fields
 from typing import Any, cast, get_args
 
@@ -18,14 +18,12 @@ from chromanoise.io.spectra.own_json import (
     word_of,
     words_of,
 )
-from chromanoise.sensor import Converter, Mosaic, Pixel, Sensor
+from chromanoise.sensor import PIXEL, PIXEL_REQUIRED, Converter, Mosaic, Pixel, Sensor
 from chromanoise.sensor.sensor import Origin
 from chromanoise.spectra import Grid, Spectra
 
 _SENSOR_SCHEMA = "chromanoise sensor"
-_REQUIRED = ("pitch_um", "full_well_e", "read_noise_e")
-_COUNTS = ("summed_pixels", "summed_readings")
-_OPTIONAL = tuple(f.name for f in fields(Pixel) if f.name not in (*_REQUIRED, *_COUNTS))
+_COUNTS = tuple(field.name for field in fields(Pixel) if field.name not in PIXEL)
 _LARGEST_GRID = 1_000_000
 
 
@@ -87,12 +85,10 @@ def sensor_data(sensor: Sensor) -> dict[str, Any]:
         "stacked": sensor.stacked,
         "mosaic": [list(row) for row in sensor.mosaic.pattern] if sensor.mosaic else None,
         "pixel": {
-            **{name: getattr(pixel, name) for name in _REQUIRED},
             **{
                 field.name: value
                 for field in fields(pixel)
                 if (value := getattr(pixel, field.name)) != field.default
-                and field.name not in _REQUIRED
             },
             **sensor.converter.known,
         },
@@ -113,7 +109,7 @@ def sensor_from_json(text: str, *, source: str = "sensor") -> Sensor:
     held = held_json(text, _SENSOR_SCHEMA, source=source)
     try:
         grid, pixel, mosaic = held["grid_nm"], held["pixel"], held["mosaic"]
-        wells = {name: number_of(pixel[name]) for name in _REQUIRED}
+        required = {name: number_of(pixel[name]) for name in PIXEL_REQUIRED}
         own = Grid(*(number_of(grid[key]) for key in ("start", "stop", "step")))
         if own.n > _LARGEST_GRID:
             raise InputError(
@@ -128,8 +124,7 @@ def sensor_from_json(text: str, *, source: str = "sensor") -> Sensor:
             qe=array_of(held["qe"], 2),
             names=words_of(held["channels"]),
             pixel=Pixel(
-                **wells,
-                **_held(pixel, _OPTIONAL, number_of),
+                **_held(pixel, PIXEL, number_of) | required,
                 **_held(pixel, _COUNTS, _whole),
             ),
             converter=Converter(
@@ -157,7 +152,7 @@ def _whole(value: Any) -> int:
     return int(value)
 
 
-def _held(data: dict[str, Any], names: Sequence[str], kind: Callable[[Any], Any]) -> dict[str, Any]:
+def _held(data: dict[str, Any], names: Iterable[str], kind: Callable[[Any], Any]) -> dict[str, Any]:
     """The values of these names, if present."""
     return {name: kind(data[name]) for name in names if name in data}
 

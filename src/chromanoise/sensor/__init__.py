@@ -11,12 +11,12 @@ from chromanoise.sensor.adc import (
     code_step_e,
     quantization_step_e,
 )
-from chromanoise.sensor.analog_gain import with_analog_gain
 from chromanoise.sensor.changes import (
     MOST_SHIFT_NM,
     behind_ir_cut,
     moved_curve,
     of_pixel,
+    with_analog_gain,
     with_binning,
     with_crosstalk,
     with_pixel,

@@ -72,9 +72,9 @@ class CameraNoise:
         Standard deviation of the offset that all pixels of a row share, new in each frame. [e-]
     column_noise_e
         The same of the pixels of a column. [e-]
-    levels
-        Random telegraph noise: share of the pixels that switch between two levels, and half the
-        difference of the levels. [1], [e-]
+    rtn_share, rtn_amplitude_e
+        Random telegraph noise: share of the pixels that switch between two levels, and the
+        difference between the levels. [1], [e-]
     tail_lambda
         Shapes of the Tukey lambda distribution of the read noise, one of which is used per item;
         empty for normal read noise. The variance is ``read_noise_e`` squared for every shape. [1]
@@ -123,7 +123,8 @@ class CameraNoise:
     prnu: float = 0.0
     row_noise_e: float = 0.0
     column_noise_e: float = 0.0
-    levels: tuple[float, float] = (0.0, 0.0)
+    rtn_share: float = 0.0
+    rtn_amplitude_e: float = 0.0
     tail_lambda: tuple[float, ...] = ()
     read_noise_law: ReadNoiseLaw | None = None
     row_noise_law: LogLinearNoise | ReadNoiseTable | None = None
@@ -163,9 +164,6 @@ class CameraNoise:
             _check.within("full_well_e", "e-", self.full_well_e, 1e-3, MOST_E)
         for name in _PLAIN:
             PIXEL[name].demand(name, getattr(self, name))
-        _check.same_length("levels", given=len(self.levels), share_and_half_difference=2)
-        PIXEL["rtn_share"].demand("share of levels", self.levels[0])
-        PIXEL["rtn_amplitude_e"].demand("half difference of levels", self.levels[1])
         self._check_laws()
 
     def _check_laws(self) -> None:
@@ -395,7 +393,8 @@ class CameraNoise:
         -----
         EMVA 1288, release 4.0, the linear camera model: K = 1 / (electrons per code).
         """
-        pixel, count = sensor.pixel, len(sensor.names)
+        pixel = sensor.pixel
+        names = sensor.names if sensor.mosaic is None else sensor.mosaic.names
         if pixel.summed_readings != 1:
             raise InputError(
                 f"sensor {sensor.name}",
@@ -408,11 +407,11 @@ class CameraNoise:
         reading = PixelReading(pixel=pixel)
         error_dn = pixel.black_error_e / adc.gain_e_per_dn
         return cls(
-            names=sensor.names if sensor.mosaic is None else sensor.mosaic.names,
+            names=names,
             mosaic=sensor.mosaic,
-            gain_dn_per_e=np.full(_channels(sensor, count), 1 / adc.gain_e_per_dn),
-            read_noise_e=np.full(_channels(sensor, count), reading.sd("reading")),
-            black_level_dn=np.full(_channels(sensor, count), float(adc.black_level_dn)),
+            gain_dn_per_e=np.full(len(names), 1 / adc.gain_e_per_dn),
+            read_noise_e=np.full(len(names), reading.sd("reading")),
+            black_level_dn=np.full(len(names), float(adc.black_level_dn)),
             top_code_dn=float(adc.top_code),
             full_well_e=pixel.full_well_e,
             dark_current_e_per_s=pixel.dark_electrons_e(time_s=1.0),
@@ -420,8 +419,9 @@ class CameraNoise:
             prnu=reading.sd("gain"),
             row_noise_e=reading.sd("row"),
             column_noise_e=reading.sd("column"),
-            levels=reading.levels,
-            black_offsets_dn=np.full((1, _channels(sensor, count)), error_dn) if error_dn else None,
+            rtn_share=pixel.rtn_share,
+            rtn_amplitude_e=pixel.rtn_amplitude_e,
+            black_offsets_dn=np.full((1, len(names)), error_dn) if error_dn else None,
         )
 
     @classmethod
@@ -468,8 +468,8 @@ class CameraNoise:
         and quantization, each as a function of K. The quantization noise, uniform over one step,
         is here the rounding to codes.
         """
-        eld = eld_noise(params, read=read, profile=profile)
-        gain = math.sqrt(math.prod(eld.gain_range_dn_per_e))
+        gains, of_eld = eld_noise(params, read=read, profile=profile)
+        gain = math.sqrt(math.prod(gains))
         start = cls(
             names=("R", "G1", "G2", "B"),
             mosaic=Mosaic((("R", "G1"), ("G2", "B"))),
@@ -477,22 +477,13 @@ class CameraNoise:
             read_noise_e=np.zeros(4),
             black_level_dn=np.full(4, float(black_level_dn)),
             top_code_dn=float(top_code_dn),
-            tail_lambda=eld.tail_lambda,
-            read_noise_law=eld.read_noise_law,
-            row_noise_law=eld.row_noise_law,
-            black_offsets_dn=eld.black_offsets_dn,
+            **of_eld,
         )
         own = start.at_gain(start.gain_dn_per_e)
-        return replace(
-            own, tail_lambda=eld.tail_lambda, gain_range_dn_per_e=eld.gain_range_dn_per_e
-        )
+        return replace(own, tail_lambda=start.tail_lambda, gain_range_dn_per_e=gains)
 
 
 _PLAIN = tuple(name for name in PIXEL_NOISE if name in {one.name for one in fields(CameraNoise)})
-
-
-def _channels(sensor: Sensor, count: int) -> int:
-    return count if sensor.mosaic is None else len(sensor.mosaic.names)
 
 
 def _chosen(shapes: Sequence[float], share: float) -> float | None:

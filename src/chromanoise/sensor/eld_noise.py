@@ -2,14 +2,11 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any, Literal, cast, get_args
 
 import numpy as np
 
 from chromanoise import _check
-from chromanoise._check import Array
-from chromanoise._shapes import Float
 from chromanoise.errors import InputError, Setting
 from chromanoise.sensor.read_noise import LogLinearNoise
 
@@ -17,31 +14,10 @@ ReadNoiseShape = Literal["tukey-lambda", "gaussian"]
 """Distribution of ELD's read noise."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class EldNoise:
-    """The parameters of ELD that a noise model uses.
-
-    Attributes
-    ----------
-    gain_range_dn_per_e
-        Lowest and highest gain. [DN/e-]
-    tail_lambda
-        Shapes of the Tukey lambda distribution; empty for normal read noise. [1]
-    read_noise_law, row_noise_law
-        Noise over the gain; no row noise if ``None``.
-    black_offsets_dn
-        Rows of the color bias of R, G1, G2, B; ``None`` without. [DN]
-    """
-
-    gain_range_dn_per_e: tuple[float, float]
-    tail_lambda: tuple[float, ...]
-    read_noise_law: LogLinearNoise
-    row_noise_law: LogLinearNoise | None
-    black_offsets_dn: Float[Array, "n 4"] | None
-
-
-def eld_noise(params: Mapping[str, Any], *, read: ReadNoiseShape, profile: str) -> EldNoise:
-    """The parameters of ELD in a dictionary.
+def eld_noise(
+    params: Mapping[str, Any], *, read: ReadNoiseShape, profile: str
+) -> tuple[tuple[float, float], dict[str, Any]]:
+    """The range of the gain [DN/e-], and fields of `CameraNoise`, of the parameters of ELD.
 
     Parameters
     ----------
@@ -89,13 +65,12 @@ def eld_noise(params: Mapping[str, Any], *, read: ReadNoiseShape, profile: str) 
                 found=f"has shape {given.shape}",
             )
         offsets = given[:, [0, 1, 3, 2]]
-    return EldNoise(
-        gain_range_dn_per_e=(low, high),
-        tail_lambda=shapes,
-        read_noise_law=_log_linear(one, "G_scale" if heavy else "g_scale", tukey_scale=heavy),
-        row_noise_law=_log_linear(one, "R_scale") if "R_scale" in one else None,
-        black_offsets_dn=offsets,
-    )
+    return (low, high), {
+        "tail_lambda": shapes,
+        "read_noise_law": _log_linear(one, "G_scale" if heavy else "g_scale", tukey_scale=heavy),
+        "row_noise_law": _log_linear(one, "R_scale") if "R_scale" in one else None,
+        "black_offsets_dn": offsets,
+    }
 
 
 def _mapping(params: Mapping[str, Any], key: str) -> Mapping[str, Any]:

@@ -10,7 +10,7 @@ import numpy as np
 from chromanoise._check import Array
 from chromanoise._shapes import Float
 from chromanoise.sensor.filters import ir_cut, layered_silicon_qe, resin_filter, silicon_qe
-from chromanoise.sensor.mosaic import Mosaic, bayer, rgbw_sparse_4x4
+from chromanoise.sensor.mosaic import Mosaic, bayer, mosaic_named, rgb_ir, rgbw_sparse_4x4
 from chromanoise.sensor.pixel import PAPER_PIXEL
 from chromanoise.sensor.sensor import Sensor
 from chromanoise.spectra import Grid
@@ -78,11 +78,7 @@ def three_layer(grid: Grid) -> Sensor:
     )
 
 
-def _rows(*rows: str) -> Mosaic:
-    return Mosaic(tuple(tuple(row.split()) for row in rows))
-
-
-_CMY, _RYB, _RCCB = _rows("C Y", "Y M"), _rows("R Y", "Y B"), _rows("R W", "W B")
+_CMY, _RYB, _RCCB = mosaic_named("CY/YM"), mosaic_named("RY/YB"), mosaic_named("RW/WB")
 
 MODELS: Mapping[str, Callable[[Grid], Sensor]] = {
     "model-mono": _resin_sensor("model-mono", "W", cut=False, mosaic=None),
@@ -96,11 +92,9 @@ MODELS: Mapping[str, Callable[[Grid], Sensor]] = {
         "model-rgbwir",
         ("R", "G", "B", "W", "IR"),
         cut=False,
-        mosaic=_rows("R W G W", "W IR W IR", "G W B W", "W IR W IR"),
+        mosaic=mosaic_named("R W G W/W IR W IR/G W B W/W IR W IR"),
     ),
-    "model-rgbir": _resin_sensor(
-        "model-rgbir", ("R", "G", "B", "IR"), cut=False, mosaic=_rows("R G", "IR B")
-    ),
+    "model-rgbir": _resin_sensor("model-rgbir", ("R", "G", "B", "IR"), cut=False, mosaic=rgb_ir()),
     "model-cmy-ircut": _resin_sensor("model-cmy-ircut", "CMY", cut=True, mosaic=_CMY),
     "model-cmy": _resin_sensor("model-cmy", "CMY", cut=False, mosaic=_CMY),
     "model-ryb-ircut": _resin_sensor("model-ryb-ircut", "RYB", cut=True, mosaic=_RYB),

@@ -45,6 +45,26 @@ class Mosaic:
         """The channels that occur, in order of first appearance."""
         return tuple(dict.fromkeys(name for row in self.pattern for name in row))
 
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Rows and columns of the block."""
+        return len(self.pattern), len(self.pattern[0])
+
+    @property
+    def place_names(self) -> tuple[str, ...]:
+        """Names of the places of the block, row by row: repeated channels are numbered.
+
+        Examples
+        --------
+        >>> bayer().place_names
+        ('R', 'G1', 'G2', 'B')
+        """
+        channels = [name for row in self.pattern for name in row]
+        return tuple(
+            name if channels.count(name) == 1 else f"{name}{channels[: i + 1].count(name)}"
+            for i, name in enumerate(channels)
+        )
+
 
 def bayer() -> Mosaic:
     """2 x 2, half of it green (Bayer, US 3,971,065)."""

@@ -13,11 +13,13 @@ from chromanoise._shapes import Float
 from chromanoise.errors import InputError
 from chromanoise.sensor.adc import Adc
 from chromanoise.sensor.pixel_source import PixelSource
+from chromanoise.sensor.variance_law import VarianceLaw
 
 ROUNDING_DN2 = 1 / 12
 """Variance that rounding to whole codes adds (Sheppard). [DN^2]"""
 
 _ALIKE = 0.05  # S of channels with the same converter differs by less than this
+_RANGE = "{}: {:.4g} e- lie between black and white; the full well may be larger"
 
 
 def noise_profile(
@@ -52,8 +54,24 @@ def noise_profile(
     """
     read = _check.not_negative("read_noise_e", "e-", read_noise_e) / adc.gain_e_per_dn
     white_level_dn = adc.top_code if white_level_dn is None else white_level_dn
-    range_dn = white_level_dn - adc.black_level_dn
-    return np.array([1 / (adc.gain_e_per_dn * range_dn), (read**2 + ROUNDING_DN2) / range_dn**2])
+    of_codes = VarianceLaw(floor_e2=read**2 + ROUNDING_DN2, slope_e=1 / adc.gain_e_per_dn)
+    return shot_and_dark(of_codes.in_units_of(white_level_dn - adc.black_level_dn))
+
+
+def shot_and_dark(law: VarianceLaw) -> Float[Array, "*p 2"]:
+    """S and O of a law in units of the range from black to white. [1]
+
+    Parameters
+    ----------
+    law
+        `VarianceLaw.in_units_of` this range; PRNU is left out.
+
+    Examples
+    --------
+    >>> shot_and_dark(VarianceLaw(floor_e2=9.0, slope_e=1.0).in_units_of(1000.0)).tolist()
+    [0.001, 9e-06]
+    """
+    return law.coefficients[[1, 0]].T
 
 
 def pixel_from_noise_profile(
@@ -96,18 +114,12 @@ def pixel_from_noise_profile(
     >>> source.gain_e_per_dn, round(source.read_noise_e, 3)
     (2.0, 40.0)
     """
-    values = _check.finite(f"noise profile of {source}", "1", profile)
-    names = tuple(channels) or tuple(str(i) for i in range(len(values)))
-    _check.same_length("channels", profile=len(values), names=len(names))
-    _refuse_odd(values, names, black_level_dn, white_level_dn, source)
+    shot, dark = _of_all_channels(profile, channels, black_level_dn, white_level_dn, source)
     range_dn = float(white_level_dn) - float(black_level_dn)
-    shot, dark = (float(v) for v in values.mean(axis=0))
     gain = 1 / (shot * range_dn)
     read_dn2 = dark * range_dn**2 - ROUNDING_DN2
     adc, notes = _converter(gain, float(black_level_dn), float(white_level_dn), source)
-    remarks = [
-        f"{source}: {1 / shot:.4g} e- lie between black and white; the full well may be larger"
-    ]
+    remarks = [_RANGE.format(source, 1 / shot)]
     if read_dn2 < 0:
         remarks.append(
             f"{source}: O is {dark:.3g}, less than rounding alone makes "
@@ -151,25 +163,26 @@ def pixel_without_levels(
     >>> round(pixel_without_levels(np.array([[2e-4, 1e-6]])).read_noise_e, 9)    # 5000 e- sqrt(O)
     5.0
     """
-    values = _check.finite(f"noise profile of {source}", "1", profile)
-    names = tuple(channels) or tuple(str(i) for i in range(len(values)))
-    _refuse_odd(values, names, 0.0, 1.0, source)
-    shot, dark = (float(v) for v in values.mean(axis=0))
+    shot, dark = _of_all_channels(profile, channels, 0.0, 1.0, source)
     _check.not_negative(f"O of {source}", "1", dark)
     return PixelSource(
         source=source,
         read_noise_e=float(np.sqrt(dark)) / shot,
         notes=(
-            f"{source}: {1 / shot:.4g} e- lie between black and white; the full well may be larger",
+            _RANGE.format(source, 1 / shot),
             f"{source}: has no BlackLevel and WhiteLevel, so its gain stays unknown and the read "
             "noise includes rounding to codes",
         ),
     )
 
 
-def _refuse_odd(
-    values: Array, names: Sequence[str], black_dn: float, white_dn: float, source: str
-) -> None:
+def _of_all_channels(
+    profile: Array, channels: Sequence[str], black_dn: float, white_dn: float, source: str
+) -> tuple[float, float]:
+    """Mean S and O of the channels, which must be those of one converter."""
+    values = _check.finite(f"noise profile of {source}", "1", profile)
+    names = tuple(channels) or tuple(str(i) for i in range(len(values)))
+    _check.same_length("channels", profile=len(values), names=len(names))
     if values.ndim != 2 or values.shape[1] != 2 or not len(values):
         raise InputError(
             source,
@@ -192,6 +205,8 @@ def _refuse_odd(
             found=f"S is {listed}, so the codes were multiplied, as by a white balance",
             remedy="give S and O of one channel that was not multiplied, usually green",
         )
+    shot, dark = values.mean(axis=0).tolist()
+    return shot, dark
 
 
 def _converter(

@@ -15,10 +15,11 @@ import numpy as np
 from chromanoise._check import Array
 from chromanoise.errors import InputError
 from chromanoise.sensor.noise_profile import ROUNDING_DN2
-from chromanoise.sensor.photon_transfer_levels import Levels, levels_of
 from chromanoise.sensor.photon_transfer_regression import (
+    Levels,
     Regression,
     dark_mean_error2,
+    levels_of,
     residuals_z,
     rounding_error2,
     straight_fit,

@@ -5,11 +5,12 @@ values are never guessed.
 """
 
 from dataclasses import dataclass
+from typing import Unpack
 
 from chromanoise import _check
 from chromanoise.errors import InputError, Setting
 from chromanoise.sensor.adc import Adc
-from chromanoise.sensor.partial_pixel import PartialPixel
+from chromanoise.sensor.partial_pixel import PartialPixel, PixelSettings
 from chromanoise.sensor.pixel import PIXEL, PIXEL_REQUIRED, Pixel
 
 
@@ -56,17 +57,14 @@ class PixelSource(PartialPixel):
                 _check.positive(f"{name} {where}", unit, getattr(self, name))
         for name in PIXEL_REQUIRED:
             if getattr(self, name) is not None:
-                check = _check.positive if PIXEL[name].least > 0 else _check.not_negative
-                check(f"{name} {where}", PIXEL[name].unit, getattr(self, name))
-        if self.qe is not None:
-            _refuse_percent(f"qe {where}", self.qe)
-
-
-def _refuse_percent(name: str, qe: float) -> None:
-    if not 0.0 <= qe <= 1.0:
-        raise InputError(
-            name, "must be 0 to 1 [e-/photon]", value=qe, remedy="divide percent by 100"
-        )
+                PIXEL[name].demand(f"{name} {where}", getattr(self, name))
+        if self.qe is not None and not 0.0 <= self.qe <= 1.0:
+            raise InputError(
+                f"qe {where}",
+                "must be 0 to 1 [e-/photon]",
+                value=self.qe,
+                remedy="divide percent by 100",
+            )
 
 
 PIXEL_FILES = (
@@ -98,21 +96,15 @@ def open_questions(source: PixelSource) -> tuple[str, ...]:
     )
 
 
-def pixel_from(
-    source: PixelSource,
-    *,
-    pitch_um: float | None = None,
-    full_well_e: float | None = None,
-    read_noise_e: float | None = None,
-) -> Pixel:
+def pixel_from(source: PixelSource, **answers: Unpack[PixelSettings]) -> Pixel:
     """The pixel of a source, with answers to its open questions.
 
     Parameters
     ----------
     source
         The known values.
-    pitch_um, full_well_e, read_noise_e
-        Answers, each only for a value that the source does not give. [um], [e-], [e-]
+    answers
+        Properties of `Pixel`, each only if the source does not give it.
 
     Raises
     ------
@@ -125,27 +117,22 @@ def pixel_from(
     >>> pixel_from(sheet, read_noise_e=2) == Pixel(pitch_um=3, full_well_e=9000, read_noise_e=2)
     True
     """
-    answers = {"pitch_um": pitch_um, "full_well_e": full_well_e, "read_noise_e": read_noise_e}
-    known: dict[str, float] = {}
+    own = {name: getattr(source, name) for name in PIXEL if getattr(source, name) is not None}
     for name, answer in answers.items():
-        own = getattr(source, name)
-        if own is not None and answer is not None:
+        if name in own and answer is not None:
             raise InputError(
                 name,
                 f"must be omitted where {source.source} gives it",
                 value=answer,
-                found=f"{answer:g} is given besides {own:g}",
+                found=f"{answer:g} is given besides {own[name]:g}",
                 remedy=("omit it", "correct the source"),
             )
-        value = answer if own is None else own
-        if value is not None:
-            known[name] = float(value)
-    still = [question for question in open_questions(source) if question.split(":")[0] not in known]
-    if still:
-        missing = [question.split(":")[0] for question in still]
+    known = own | {name: one for name, one in answers.items() if one is not None}
+    missing = [name for name in PIXEL_REQUIRED if name not in known]
+    if missing:
         raise InputError(
             source.source,
-            "must give pitch_um, full_well_e and read_noise_e for a pixel",
+            f"must give {', '.join(PIXEL_REQUIRED[:-1])} and {PIXEL_REQUIRED[-1]} for a pixel",
             found=f"gives no {' and no '.join(missing)}",
             remedy=Setting(missing[0]) if len(missing) == 1 else "set each of them",
         )

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from chromanoise.errors import InputError
-from chromanoise.io.frames.consistency import EXAMPLE, refuse_mixed
+from chromanoise.io.frames.consistency import EXAMPLE, refuse_few, refuse_mixed
 from chromanoise.io.frames.frame import FrameLevel, RawFrame
 
 DARK_WORDS = (
@@ -226,16 +226,9 @@ def _refuse_unclear_flats(
             f"each of {len(groups)} names and exposure times has 1 flat, e.g. "
             f"{groups[single[0]][0].frame.name}, so that it is unclear which flats form a level",
         )
-    if single:
-        key = single[0]
-        raise InputError(
-            source,
-            "must have at least 2 flats, because one gives no temporal variance",
-            value=1,
-            found=f"has 1, {groups[key][0].frame.name}",
-            where=f"level {_title(key)!r}",
-            remedy=("take another", EXAMPLE),
-        )
+    for key in single:
+        flat = groups[key][0].frame
+        refuse_few(source, [FrameLevel(name=_title(key), flats=(flat,), darks=())])
     most = max((len(group) for group in groups.values()), default=0)
     if len(groups) == 1 and most > 2:
         raise _question(

@@ -5,7 +5,6 @@ import os
 import re
 import tomllib
 from collections.abc import Mapping
-from dataclasses import replace
 from itertools import islice
 from pathlib import Path, PurePath
 from typing import Any
@@ -87,7 +86,7 @@ def read_capture(path: Path) -> FrameSet:
     stated = {"bits": _bits(path, table), "camera": _camera(path, table)}
     levels = [_with(path, level, stated) for level in levels]
     levels, black_remarks = _with_black(path, table, levels)
-    used = [frame for level in levels for frame in (*level.flats, *level.darks)]
+    used = [frame for level in levels for frame in level.frames]
     refuse_mixed(str(path), used)
     mosaic, remarks = _mosaic(path, table, used)
     flats = sum(len(level.flats) for level in levels)
@@ -347,7 +346,7 @@ def _iso(path: Path, table: Mapping[str, Any], at: str) -> float | None:
 def _with(path: Path, level: FrameLevel, stated: Mapping[str, Any]) -> FrameLevel:
     """The level with what the list states of its frames, which must not state anything else."""
     known = {name: value for name, value in stated.items() if value}
-    for frame in (*level.flats, *level.darks):
+    for frame in level.frames:
         for name, value in known.items():
             own = getattr(frame, name)
             if own and name != "bits" and not _same(own, value):
@@ -358,11 +357,7 @@ def _with(path: Path, level: FrameLevel, stated: Mapping[str, Any]) -> FrameLeve
                     where=name,
                     remedy=(f"correct {name}", f"omit {name}"),
                 )
-    return replace(
-        level,
-        flats=tuple(replace(frame, **known) for frame in level.flats),
-        darks=tuple(replace(frame, **known) for frame in level.darks),
-    )
+    return level.stating(**known)
 
 
 def _with_black(
@@ -372,16 +367,9 @@ def _with_black(
     black = _number(path, table, "black_level_dn", "DN", _MOST_BLACK_DN, "")
     if black is None:
         return levels, ()
-    frames = [frame for level in levels for frame in (*level.flats, *level.darks)]
+    frames = [frame for level in levels for frame in level.frames]
     other = next((one for one in frames if one.black_level_dn not in (None, black)), None)
-    found = [
-        replace(
-            level,
-            flats=tuple(replace(frame, black_level_dn=black) for frame in level.flats),
-            darks=tuple(replace(frame, black_level_dn=black) for frame in level.darks),
-        )
-        for level in levels
-    ]
+    found = [level.stating(black_level_dn=black) for level in levels]
     if other is None:
         return found, ()
     note = f"the black level of {black:g} DN in {path.name} is used, although {other.name} states "

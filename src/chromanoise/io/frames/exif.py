@@ -27,8 +27,8 @@ def exposure_of(page: Any) -> dict[str, Any]:
     """
     exif = _value(page, _EXIF)
     exif = exif if isinstance(exif, dict) else {}
-    time_s = _number(_first(exif.get("ExposureTime"), _value(page, _TIME)))
-    iso = _number(_first(*(exif.get(name) for name in _ISO_NAMES), _value(page, _ISO)))
+    time_s = number_of_tag(_first(exif.get("ExposureTime"), _value(page, _TIME)))
+    iso = number_of_tag(_first(*(exif.get(name) for name in _ISO_NAMES), _value(page, _ISO)))
     return {
         "time_ms": None if time_s is None or not 0 < time_s <= _LONGEST_S else 1000 * time_s,
         "iso": None if iso is None or not 0 < iso <= _LARGEST_ISO else iso,
@@ -104,8 +104,16 @@ def _first(*values: Any) -> Any:
     return next((value for value in values if value is not None), None)
 
 
-def _number(value: Any) -> float | None:
-    """A number, a fraction of two numbers, or the first of several numbers."""
+def number_of_tag(value: Any) -> float | None:
+    """A finite number, a fraction of two numbers, or the first of several; ``None`` otherwise.
+
+    Examples
+    --------
+    >>> number_of_tag((1, 4)), number_of_tag("12.5"), number_of_tag(True)
+    (0.25, 12.5, None)
+    """
+    if isinstance(value, bool):
+        return None
     try:
         if isinstance(value, (tuple, list)) and len(value) == 2 and value[1]:
             value = value[0] / value[1]

@@ -12,7 +12,7 @@ from chromanoise._check import Array, printable
 from chromanoise._shapes import Integer
 from chromanoise.errors import InputError
 from chromanoise.io.cubes.errors import library, reading
-from chromanoise.io.frames.exif import camera_name
+from chromanoise.io.frames.exif import camera_name, number_of_tag
 from chromanoise.io.frames.frame import RawFrame
 from chromanoise.io.frames.stored import StoredPlane, refuse_shape, whole_codes
 from chromanoise.sensor import Mosaic
@@ -134,7 +134,7 @@ class _Scaled:
 
 
 def _scaling(path: Path, where: str, header: Any) -> dict[str, Any]:
-    zero, scale = _number(header.get("BZERO", 0)), _number(header.get("BSCALE", 1))
+    zero, scale = number_of_tag(header.get("BZERO", 0)), number_of_tag(header.get("BSCALE", 1))
     if zero is None or scale is None or abs(zero) > _LARGEST_OFFSET or not scale:
         raise InputError(
             str(path),
@@ -142,7 +142,7 @@ def _scaling(path: Path, where: str, header: Any) -> dict[str, Any]:
             where=where,
             value=(header.get("BZERO"), header.get("BSCALE")),
         )
-    blank = _number(header.get("BLANK")) if "BLANK" in header else None
+    blank = number_of_tag(header.get("BLANK")) if "BLANK" in header else None
     return {"zero": zero, "scale": scale, "blank": None if blank is None else int(blank)}
 
 
@@ -153,11 +153,14 @@ def _metadata(header: Any, first: Any) -> dict[str, Any]:
         found = (source.get(key) for source in (header, first) for key in keys)
         return next((one for one in found if one is not None), None)
 
-    time_s, iso = _number(value("EXPTIME", "EXPOSURE")), _number(value("ISOSPEED", "ISO"))
+    time_s, iso = (
+        number_of_tag(value("EXPTIME", "EXPOSURE")),
+        number_of_tag(value("ISOSPEED", "ISO")),
+    )
     return {
         "time_ms": None if time_s is None or time_s < 0 else 1000 * time_s,
         "iso": None if iso is None or iso <= 0 else iso,
-        "gain_setting": _number(value("GAIN")),
+        "gain_setting": number_of_tag(value("GAIN")),
         "camera": camera_name("", str(value("INSTRUME") or "")),
         "mosaic": _mosaic(header if "BAYERPAT" in header else first, int(header["NAXIS2"])),
     }
@@ -167,7 +170,7 @@ def _mosaic(header: Any, rows: int) -> Mosaic | None:
     pattern = str(header.get("BAYERPAT", "")).strip().upper()
     if len(pattern) != 4 or not set(pattern) <= set("RGBCMYW"):
         return None
-    x, y = (_number(header.get(key, 0)) for key in ("XBAYROFF", "YBAYROFF"))
+    x, y = (number_of_tag(header.get(key, 0)) for key in ("XBAYROFF", "YBAYROFF"))
     columns_off, rows_off = int(x or 0) % 2, int(y or 0) % 2
     if str(header.get("ROWORDER", "")).strip().upper() == "BOTTOM-UP":
         rows_off, step = rows - 1 - rows_off, -1
@@ -179,13 +182,3 @@ def _mosaic(header: Any, rows: int) -> Mosaic | None:
             for r in (0, 1)
         )
     )
-
-
-def _number(value: Any) -> float | None:
-    if isinstance(value, bool):
-        return None
-    try:
-        number = float(value)
-    except (TypeError, ValueError, OverflowError):
-        return None
-    return number if math.isfinite(number) else None

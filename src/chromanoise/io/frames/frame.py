@@ -1,7 +1,7 @@
 """Raw frames of a camera, and how they belong together: levels of light, each with its darks."""
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -144,6 +144,24 @@ class FrameLevel:
     time_ms: float | None = None
     photons_per_pixel: float | None = None
     spatial: bool = False
+
+    @property
+    def frames(self) -> tuple[RawFrame, ...]:
+        """Flats and darks."""
+        return (*self.flats, *self.darks)
+
+    def stating(self, **facts: Any) -> "FrameLevel":
+        """The level whose frames have other values.
+
+        Parameters
+        ----------
+        facts
+            By the names of fields of `RawFrame`.
+        """
+        flats, darks = (
+            tuple(replace(one, **facts) for one in group) for group in (self.flats, self.darks)
+        )
+        return replace(self, flats=flats, darks=darks)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

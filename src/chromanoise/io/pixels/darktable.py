@@ -99,7 +99,7 @@ def read_darktable_noise(path: Path | str, *, maker: str, model: str, iso: float
     entries = profiles if isinstance(profiles, list) else []
     mine = [e for e in entries if isinstance(e, dict) and finite_number(e.get("iso")) == iso]
     if not mine:
-        isos = sorted({str(e.get("iso")) for e in entries if isinstance(e, dict)}, key=_by_size)
+        isos = sorted(sorted({str(e.get("iso")) for e in entries if isinstance(e, dict)}), key=len)
         raise InputError(
             "iso",
             f"must be listed in {path} for {camera}",
@@ -206,7 +206,3 @@ def _three(values: Any, path: Path, where: str) -> Float[Array, " 3"]:
     if len(numbers) != 3 or len(entries) != 3:
         raise InputError(str(path), "must be three finite numbers", value=values, where=where)
     return np.array(numbers)
-
-
-def _by_size(text: str) -> tuple[int, str]:
-    return len(text), text

@@ -28,12 +28,14 @@ def contradictions(values: Mapping[str, float], source: str) -> tuple[str, ...]:
     >>> contradictions({"saturation": 10_000.0, "snr_max": 50.0}, "a sheet")
     ('a sheet: SNR_max^2 = 2500, but u_e.sat [e-] gives 1e+04; one is wrong',)
     """
-    n = values
-    notes = [
-        f"{source}: {what} = {stated(n):.4g}, but {other} gives {expected(n):.4g}; one is wrong"
-        for needs, what, stated, other, expected in _LAWS
-        if all(key in n for key in needs.split()) and not alike(stated(n), expected(n))
-    ]
+    n = dict(values)
+    if "snr_max" in n:
+        n["snr_max"] **= 2
+    notes = []
+    for (stated, *needs), what, other, expected in _LAWS:
+        if n.keys() >= {stated, *needs} and not alike(n[stated], expected(n)):
+            found = f"{what} = {n[stated]:.4g}, but {other} gives {expected(n):.4g}"
+            notes.append(f"{source}: {found}; one is wrong")
     codes = 2 ** n["bits"] - 1 if 8 <= n.get("bits", 0) <= 16 else 0.0
     top = n.get("gain", 0.0) * n.get("saturation", 0.0) + n.get("black", 0.0)
     if codes and top > (1 + _TOLERANCE) * codes:
@@ -44,66 +46,46 @@ def contradictions(values: Mapping[str, float], source: str) -> tuple[str, ...]:
     return tuple(notes)
 
 
-_Law = tuple[
-    str,
-    str,
-    Callable[[Mapping[str, float]], float],
-    str,
-    Callable[[Mapping[str, float]], float],
-]
+def _threshold_e(n: Mapping[str, float]) -> float:
+    return sqrt(n["read_noise"] ** 2 + ROUNDING_DN2 / n["gain"] ** 2) + 0.5
 
 
-def _rounding_e2(n: Mapping[str, float]) -> float:
-    return ROUNDING_DN2 / n["gain"] ** 2
-
-
-_LAWS: tuple[_Law, ...] = (
+_Law = tuple[tuple[str, ...], str, str, Callable[[Mapping[str, float]], float]]
+_LAWS: tuple[_Law, ...] = (  # needed values, of which the first is stated; what gives it
+    (("snr_max", "saturation"), "SNR_max^2", "u_e.sat [e-]", lambda n: n["saturation"]),
     (
-        "snr_max saturation",
-        "SNR_max^2",
-        lambda n: n["snr_max"] ** 2,
-        "u_e.sat [e-]",
-        lambda n: n["saturation"],
-    ),
-    (
-        "dynamic_range saturation threshold",
+        ("dynamic_range", "saturation", "threshold"),
         "DR",
-        lambda n: n["dynamic_range"],
         "u_e.sat / u_e.min",
         lambda n: n["saturation"] / max(n["threshold"], 1e-300),
     ),
     (
-        "dynamic_range saturation read_noise gain",
+        ("dynamic_range", "saturation", "read_noise", "gain"),
         "DR",
-        lambda n: n["dynamic_range"],
         "u_e.sat over the threshold of sigma_d",
-        lambda n: n["saturation"] / (sqrt(n["read_noise"] ** 2 + _rounding_e2(n)) + 0.5),
+        lambda n: n["saturation"] / _threshold_e(n),
     ),
     (
-        "threshold read_noise gain",
+        ("threshold", "read_noise", "gain"),
         "u_e.min [e-]",
-        lambda n: n["threshold"],
         "sqrt(sigma_d^2 + 1/(12 K^2)) + 1/2",
-        lambda n: sqrt(n["read_noise"] ** 2 + _rounding_e2(n)) + 0.5,
+        _threshold_e,
     ),
     (
-        "dark_noise read_noise gain",
+        ("dark_noise", "read_noise", "gain"),
         "sigma_y.dark [e-]",
-        lambda n: n["dark_noise"],
         "sqrt(sigma_d^2 + 1/(12 K^2))",
-        lambda n: sqrt(n["read_noise"] ** 2 + _rounding_e2(n)),
+        lambda n: sqrt(n["read_noise"] ** 2 + ROUNDING_DN2 / n["gain"] ** 2),
     ),
     (
-        "saturation photons_full qe",
+        ("saturation", "photons_full", "qe"),
         "u_e.sat [e-]",
-        lambda n: n["saturation"],
         "QE u_p.sat",
         lambda n: n["qe"] * n["photons_full"],
     ),
     (
-        "threshold photons_threshold qe",
+        ("threshold", "photons_threshold", "qe"),
         "u_e.min [e-]",
-        lambda n: n["threshold"],
         "QE u_p.min",
         lambda n: n["qe"] * n["photons_threshold"],
     ),

@@ -166,7 +166,9 @@ def _values(held: dict[str, Any], path: Path) -> dict[str, Any]:
         number = finite_number(held[key])
         if number is None:
             raise InputError(str(path), "must be a finite number", value=held[key], where=key)
-        if key not in PIXEL or PIXEL[key].least >= 0:
+        if key in PIXEL:
+            PIXEL[key].demand(f"{key} of {path.name}", number)
+        else:
             _check.not_negative(f"{key} of {path.name}", _UNIT_OF.get(key, ""), number)
         values[key] = number
     if _GAIN in values:
