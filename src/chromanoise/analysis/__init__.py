@@ -22,14 +22,8 @@ if TYPE_CHECKING:
         lab_budgets,
         missing_lab_budgets,
     )
-    from chromanoise.analysis.camera_pipeline import (
-        pipeline_noise,
-    )
-    from chromanoise.analysis.chart_patches import (
-        ChartNoise,
-        chart_as_json,
-        chart_noise,
-    )
+    from chromanoise.analysis.camera_pipeline import pipeline_noise
+    from chromanoise.analysis.chart_patches import ChartNoise, chart_as_json, chart_noise
     from chromanoise.analysis.color_matrices import (
         DEFAULT_METHOD,
         METHODS,
@@ -40,11 +34,7 @@ if TYPE_CHECKING:
         matrix_makers,
         trained_names,
     )
-    from chromanoise.analysis.color_space_noise import (
-        GrayNoise,
-        gray_noise,
-        gray_noise_as_json,
-    )
+    from chromanoise.analysis.color_space_noise import GrayNoise, gray_noise, gray_noise_as_json
     from chromanoise.analysis.comparison.bands import (
         CrossoverBand,
         band_sentence,
@@ -58,51 +48,20 @@ if TYPE_CHECKING:
         crossovers,
         crossovers_or_reasons,
     )
-    from chromanoise.analysis.comparison.curves import (
-        Curve,
-        compared,
-    )
-    from chromanoise.analysis.comparison.quantities import (
-        QUANTITIES,
-        Quantity,
-    )
-    from chromanoise.analysis.comparison.sweeps import (
-        SWEEPS,
-        Sweep,
-        swept_values,
-    )
-    from chromanoise.analysis.export import (
-        analyses_as_json,
-        budgets_as_json,
-        comparison_as_json,
-    )
-    from chromanoise.analysis.figures_of_merit.entries import (
-        Merit,
-        Viewing,
-    )
-    from chromanoise.analysis.figures_of_merit.merits import (
-        Merits,
-        merits_as_json,
-        merits_of,
-    )
+    from chromanoise.analysis.comparison.curves import Curve, compared
+    from chromanoise.analysis.comparison.quantities import QUANTITIES, Quantity
+    from chromanoise.analysis.comparison.sweeps import SWEEPS, Sweep, swept_values
+    from chromanoise.analysis.export import analyses_as_json, budgets_as_json, comparison_as_json
+    from chromanoise.analysis.figures_of_merit.entries import Merit, Viewing
+    from chromanoise.analysis.figures_of_merit.merits import Merits, merits_as_json, merits_of
     from chromanoise.analysis.information import (
         About,
         InformationChain,
         InformationStep,
         information_chain,
     )
-    from chromanoise.analysis.operating_point import (
-        Stages,
-        electrons_at,
-        noisy_color_at,
-        stages_at,
-    )
-    from chromanoise.analysis.pareto import (
-        matrix_as_json,
-        noise_weights,
-        pareto_of,
-        white_snr_db,
-    )
+    from chromanoise.analysis.operating_point import Stages, electrons_at, noisy_color_at, stages_at
+    from chromanoise.analysis.pareto import matrix_as_json, noise_weights, pareto_of, white_snr_db
     from chromanoise.analysis.pipeline_results import (
         BASE_ISO,
         GainStep,
@@ -112,11 +71,7 @@ if TYPE_CHECKING:
         WhiteBalanceNoise,
         pipeline_as_json,
     )
-    from chromanoise.analysis.priors import (
-        DEFAULT_PRIOR,
-        PRIORS,
-        Prior,
-    )
+    from chromanoise.analysis.priors import DEFAULT_PRIOR, PRIORS, Prior
     from chromanoise.analysis.total_error import (
         TotalError,
         better_matrix,

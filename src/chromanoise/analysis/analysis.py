@@ -9,17 +9,10 @@ import numpy as np
 
 from chromanoise import _check, _notebook
 from chromanoise._check import Array
-from chromanoise._shapes import (
-    Bool,
-    Float,
-)
+from chromanoise._shapes import Bool, Float
 from chromanoise.analysis.operating_point import Stages, stages_at
 from chromanoise.analysis.undefined import defined
-from chromanoise.color import (
-    ColorMatrix,
-    colored,
-    kernel_matrix,
-)
+from chromanoise.color import ColorMatrix, colored, kernel_matrix
 from chromanoise.errors import InputError
 from chromanoise.exposure import Exposure, OperatingPoint, conditions, white_scene
 from chromanoise.geometry import (
@@ -31,12 +24,7 @@ from chromanoise.geometry import (
     variance_inflation,
 )
 from chromanoise.io.table import number_text
-from chromanoise.metrics import (
-    chart_color_error,
-    color_snr_loss_db,
-    signal_snr_db,
-    snr_db,
-)
+from chromanoise.metrics import chart_color_error, color_snr_loss_db, signal_snr_db, snr_db
 from chromanoise.metrics.snr import LEAST_COLOR
 from chromanoise.noise import (
     Measurement,

@@ -11,11 +11,7 @@ from chromanoise.color.cubatures import (
     gaussian_expectation,
     mean_ciede2000,
 )
-from chromanoise.color.differences import (
-    balanced_cielab,
-    cie1976_difference,
-    ciede2000_difference,
-)
+from chromanoise.color.differences import balanced_cielab, cie1976_difference, ciede2000_difference
 from chromanoise.color.exact_moments import exact, exact_where_needed, normal_fails
 from chromanoise.color.fitted import (
     ParetoCurve,

@@ -17,12 +17,7 @@ from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._shapes import Float
 from chromanoise.color.differences import lab_of_cube_roots
-from chromanoise.color.picture import (
-    SRGB_TOE,
-    XYZ_TO_LINEAR_SRGB,
-    adapted_to_d65,
-    srgb_from_linear,
-)
+from chromanoise.color.picture import SRGB_TOE, XYZ_TO_LINEAR_SRGB, adapted_to_d65, srgb_from_linear
 from chromanoise.errors import InputError
 
 _DELTA = 6 / 29  # CIE 015:2018, eq. 8.7: below its cube the cube root becomes a line

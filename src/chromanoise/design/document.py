@@ -25,12 +25,7 @@ from chromanoise.design.evaluation import OverScenes
 from chromanoise.design.objectives import OBJECTIVES
 from chromanoise.design.parameters import Free, Value
 from chromanoise.design.robustness import STATISTICS, ToleranceDraws
-from chromanoise.design.search import (
-    DEFAULT_SEARCH,
-    LEAST_POPULATION,
-    MOST_POPULATION,
-    MOST_SEEDS,
-)
+from chromanoise.design.search import DEFAULT_SEARCH, LEAST_POPULATION, MOST_POPULATION, MOST_SEEDS
 from chromanoise.design.space import LIBRARY_MODEL, MODELS, PixelShares, Structure, model_numbers
 from chromanoise.errors import InputError, Setting, did_you_mean, known_name, refusal
 from chromanoise.sensor import MOSAIC_NAMES, SILICON_NUMBERS, ModelNumber

@@ -38,13 +38,7 @@ from chromanoise.exposure import OperatingPoint
 from chromanoise.io.spectra import Answers
 from chromanoise.sensor import Sensor, dye_transmittances, mosaic_named, with_channel_names
 from chromanoise.spectra import DEFAULT_GRID
-from chromanoise.study import (
-    NOTHING_GIVEN,
-    Given,
-    keyed,
-    operating_points_of,
-    study_hash,
-)
+from chromanoise.study import NOTHING_GIVEN, Given, keyed, operating_points_of, study_hash
 from chromanoise.study.assembly import light_answers_of, prior_of
 
 FULLEST = 0.99

@@ -33,11 +33,7 @@ from chromanoise.sensor.filter_models import (
     ModelNumber,
     with_defaults,
 )
-from chromanoise.sensor.filters import (
-    LEAST_LENGTH_NM,
-    LEAST_LENGTH_UM,
-    Number,
-)
+from chromanoise.sensor.filters import LEAST_LENGTH_NM, LEAST_LENGTH_UM, Number
 from chromanoise.spectra import Grid
 
 MOST_CHANNELS = 16

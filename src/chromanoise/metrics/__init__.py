@@ -6,11 +6,7 @@ Of pictures: color difference, S-CIELAB, PSNR, SSIM, edge sharpness, false color
 from typing import TYPE_CHECKING
 
 from chromanoise._lazy import lazy_names
-from chromanoise.metrics.accuracy import (
-    chart_ciede2000,
-    chart_color_error,
-    chart_lab,
-)
+from chromanoise.metrics.accuracy import chart_ciede2000, chart_color_error, chart_lab
 from chromanoise.metrics.budget import (
     Budget,
     Cost,
@@ -34,15 +30,8 @@ from chromanoise.metrics.filters import (
     vora_value,
 )
 from chromanoise.metrics.information import information_bits
-from chromanoise.metrics.lab_budget import (
-    faintest_change,
-    lab_budget,
-)
-from chromanoise.metrics.matrix_report import (
-    MatrixReport,
-    effective_filters,
-    matrix_report,
-)
+from chromanoise.metrics.lab_budget import faintest_change, lab_budget
+from chromanoise.metrics.matrix_report import MatrixReport, effective_filters, matrix_report
 from chromanoise.metrics.separation import (
     gaussian_pair_probabilities,
     gaussian_separation_probability,
@@ -51,17 +40,8 @@ from chromanoise.metrics.separation import (
     pair_distances,
     separation_probability,
 )
-from chromanoise.metrics.smi import (
-    Metamerism,
-    metamerism,
-    sensor_metamerism,
-)
-from chromanoise.metrics.snr import (
-    color_snr_loss_db,
-    optimal_linear_snr_db,
-    signal_snr_db,
-    snr_db,
-)
+from chromanoise.metrics.smi import Metamerism, metamerism, sensor_metamerism
+from chromanoise.metrics.snr import color_snr_loss_db, optimal_linear_snr_db, signal_snr_db, snr_db
 from chromanoise.metrics.speed import (
     ISO_12232_2019,
     NoiseSpeedModel,
@@ -70,11 +50,7 @@ from chromanoise.metrics.speed import (
     light_for_snr,
     noise_speed,
 )
-from chromanoise.metrics.tonal import (
-    color_sensitivity_bits,
-    tonal_levels,
-    tonal_range_bits,
-)
+from chromanoise.metrics.tonal import color_sensitivity_bits, tonal_levels, tonal_range_bits
 from chromanoise.metrics.visual_noise import (
     ISO_15739_2017,
     VisualNoise,
@@ -103,14 +79,8 @@ if TYPE_CHECKING:
         psnr_db,
         structural_similarity,
     )
-    from chromanoise.metrics.quality import (
-        PictureQuality,
-        picture_quality,
-    )
-    from chromanoise.metrics.scielab import (
-        scielab_difference,
-        scielab_filtered,
-    )
+    from chromanoise.metrics.quality import PictureQuality, picture_quality
+    from chromanoise.metrics.scielab import scielab_difference, scielab_filtered
 
 __all__ = [
     "ISO_12232_2019",

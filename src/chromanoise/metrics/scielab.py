@@ -12,11 +12,7 @@ from chromanoise._linalg import inv
 from chromanoise._shapes import Float
 from chromanoise.color import cie1976_difference
 from chromanoise.errors import InputError
-from chromanoise.metrics.pictures import (
-    LabDifference,
-    picture_color_difference,
-    same_pictures,
-)
+from chromanoise.metrics.pictures import LabDifference, picture_color_difference, same_pictures
 
 OPPONENT_FROM_XYZ = (
     (0.2787336, 0.7218031, -0.1065520),

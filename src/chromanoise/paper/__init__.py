@@ -13,25 +13,10 @@ if TYPE_CHECKING:
         table_5_finding,
         verdict,
     )
-    from chromanoise.paper.layout import (
-        PaperTable,
-        as_printed,
-        paper_tables,
-    )
-    from chromanoise.paper.planes import (
-        PaperPlanes,
-        paper_planes,
-    )
-    from chromanoise.paper.reproduction import (
-        Cell,
-        Reproduction,
-        reproduced,
-        witnessed_columns,
-    )
-    from chromanoise.paper.study import (
-        PaperStudy,
-        paper_study,
-    )
+    from chromanoise.paper.layout import PaperTable, as_printed, paper_tables
+    from chromanoise.paper.planes import PaperPlanes, paper_planes
+    from chromanoise.paper.reproduction import Cell, Reproduction, reproduced, witnessed_columns
+    from chromanoise.paper.study import PaperStudy, paper_study
 
 __all__ = [
     "Cell",

@@ -8,35 +8,16 @@ from typing import Any
 import numpy as np
 
 from chromanoise._check import Array
-from chromanoise._shapes import (
-    Bool,
-    Float,
-)
-from chromanoise.analysis.color_space_noise import (
-    GRAY,
-)
+from chromanoise._shapes import Bool, Float
+from chromanoise.analysis.color_space_noise import GRAY
 from chromanoise.analysis.contrast_detection import best_channel_probability
 from chromanoise.analysis.information import raw_information
-from chromanoise.analysis.operating_point import (
-    Stages,
-    electrons_at,
-    noisy_color_at,
-    stages_at,
-)
+from chromanoise.analysis.operating_point import Stages, electrons_at, noisy_color_at, stages_at
 from chromanoise.analysis.separation import median_distances
 from chromanoise.analysis.total_error import total_errors
-from chromanoise.color import (
-    LAB,
-    ColorMatrix,
-    cubature,
-    propagate,
-)
-from chromanoise.exposure import (
-    OperatingPoint,
-)
-from chromanoise.metrics import (
-    chart_color_error,
-)
+from chromanoise.color import LAB, ColorMatrix, cubature, propagate
+from chromanoise.exposure import OperatingPoint
+from chromanoise.metrics import chart_color_error
 from chromanoise.metrics.accuracy import mean_chart_errors
 from chromanoise.noise import saturated, signal_limit_e
 

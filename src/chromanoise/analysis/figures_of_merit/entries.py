@@ -8,14 +8,9 @@ import numpy as np
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise._shapes import (
-    Float,
-)
+from chromanoise._shapes import Float
 from chromanoise.analysis.analysis import Analysis
-from chromanoise.analysis.operating_point import (
-    electrons_at,
-    stages_at,
-)
+from chromanoise.analysis.operating_point import electrons_at, stages_at
 from chromanoise.errors import InputError
 from chromanoise.metrics.snr import LEAST_COLOR
 from chromanoise.noise import saturated

@@ -3,11 +3,7 @@
 from chromanoise._check import Array
 from chromanoise._shapes import Float
 from chromanoise.analysis.analysis import Analysis
-from chromanoise.analysis.figures_of_merit.entries import (
-    Merit,
-    merit_or_reason,
-    refuse_full,
-)
+from chromanoise.analysis.figures_of_merit.entries import Merit, merit_or_reason, refuse_full
 from chromanoise.color import LAB, scene_xyz
 from chromanoise.exposure import expected_electrons, measurement_vectors, white_scene
 from chromanoise.metrics import (

@@ -21,12 +21,7 @@ from chromanoise.analysis.figures_of_merit.entries import (
 )
 from chromanoise.color import LINEAR_SRGB, LUV
 from chromanoise.exposure import OperatingPoint
-from chromanoise.imaging import (
-    FilterBank,
-    bilinear_filters,
-    flat_field_noise,
-    noise_power_spectrum,
-)
+from chromanoise.imaging import FilterBank, bilinear_filters, flat_field_noise, noise_power_spectrum
 from chromanoise.metrics import (
     ISO_12232_2019,
     ISO_15739_2017,
