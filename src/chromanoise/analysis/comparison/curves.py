@@ -15,7 +15,6 @@ from chromanoise.analysis.comparison.quantities import (
     color_error,
     color_errors,
     is_saturated,
-    is_saturated_over_levels,
 )
 from chromanoise.analysis.comparison.sweeps import SWEEPS, Sweep
 from chromanoise.exposure import OperatingPoint
@@ -158,7 +157,7 @@ def _over_levels(
         return None
     if quantity.over_levels is None:
         return None
-    full = is_saturated_over_levels(contestant, values)
+    full = is_saturated(contestant, values)
     first = maker(SWEEPS["lux"].at(contestant, float(values[0])))
     matrices = maker.over_levels(contestant, values)
     if matrices is not None:
