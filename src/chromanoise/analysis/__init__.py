@@ -52,8 +52,13 @@ if TYPE_CHECKING:
     from chromanoise.analysis.comparison.quantities import QUANTITIES, Quantity
     from chromanoise.analysis.comparison.sweeps import SWEEPS, Sweep, swept_values
     from chromanoise.analysis.export import analyses_as_json, budgets_as_json, comparison_as_json
-    from chromanoise.analysis.figures_of_merit.entries import Merit, Viewing
-    from chromanoise.analysis.figures_of_merit.merits import Merits, merits_as_json, merits_of
+    from chromanoise.analysis.figures_of_merit.merits import (
+        Merit,
+        Merits,
+        Viewing,
+        merits_as_json,
+        merits_of,
+    )
     from chromanoise.analysis.information import (
         About,
         InformationChain,

@@ -14,8 +14,7 @@ import numpy as np
 from chromanoise._check import Array
 from chromanoise.analysis import MatrixMaker, analyzed, electrons_at, stages_at, total_errors
 from chromanoise.analysis.color_space_noise import GRAY
-from chromanoise.analysis.figures_of_merit.entries import Viewing
-from chromanoise.analysis.figures_of_merit.light import visual_merits
+from chromanoise.analysis.figures_of_merit.merits import Viewing, visual_merits
 from chromanoise.analysis.information import raw_information
 from chromanoise.analysis.separation import pairs_of
 from chromanoise.color import ColorMatrix, first_order

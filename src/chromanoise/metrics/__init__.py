@@ -12,13 +12,13 @@ from chromanoise.metrics.budget import (
     Cost,
     color_budget,
     contravariant_budget,
-    shapley_values,
+    faintest_change,
+    lab_budget,
 )
 from chromanoise.metrics.contrast_detection import (
     contrast_detection_probability,
     exact_contrast_detection_probability,
 )
-from chromanoise.metrics.exact_separation import exact_separation_probability
 from chromanoise.metrics.filters import (
     best_readout,
     figure_of_merit,
@@ -30,9 +30,9 @@ from chromanoise.metrics.filters import (
     vora_value,
 )
 from chromanoise.metrics.information import information_bits
-from chromanoise.metrics.lab_budget import faintest_change, lab_budget
 from chromanoise.metrics.matrix_report import MatrixReport, effective_filters, matrix_report
 from chromanoise.metrics.separation import (
+    exact_separation_probability,
     gaussian_pair_probabilities,
     gaussian_separation_probability,
     independent_coordinates,
@@ -40,6 +40,7 @@ from chromanoise.metrics.separation import (
     pair_distances,
     separation_probability,
 )
+from chromanoise.metrics.shapley import shapley_values
 from chromanoise.metrics.smi import Metamerism, metamerism, sensor_metamerism
 from chromanoise.metrics.snr import color_snr_loss_db, optimal_linear_snr_db, signal_snr_db, snr_db
 from chromanoise.metrics.speed import (
@@ -72,15 +73,17 @@ if TYPE_CHECKING:
     from chromanoise.metrics.pictures import (
         FalseColor,
         LabDifference,
+        PictureQuality,
         false_color,
         flat_noise_sd,
         near_edges,
         picture_color_difference,
+        picture_quality,
         psnr_db,
+        scielab_difference,
+        scielab_filtered,
         structural_similarity,
     )
-    from chromanoise.metrics.quality import PictureQuality, picture_quality
-    from chromanoise.metrics.scielab import scielab_difference, scielab_filtered
 
 __all__ = [
     "ISO_12232_2019",
