@@ -8,8 +8,7 @@ import pytest
 from chromanoise.design.candidates import Candidates, noise_properties
 from chromanoise.design.evaluation import Objectives
 from chromanoise.design.objectives import FAST, OBJECTIVES, Candidate, value_of
-from chromanoise.design.parameters import Parameter
-from chromanoise.design.robustness import ToleranceDraws, over_tolerances
+from chromanoise.design.parameters import Parameter, ToleranceDraws, over_tolerances
 from chromanoise.design.scenes import DesignScene, candidate_point
 from chromanoise.exposure import Exposure, OperatingPoint
 from chromanoise.metrics import chart_ciede2000

@@ -3,7 +3,6 @@
 from typing import TYPE_CHECKING
 
 from chromanoise._lazy import lazy_names
-from chromanoise.color.chromaticity import XYY, xyy
 from chromanoise.color.cubatures import (
     Cubature,
     cubature,
@@ -66,11 +65,13 @@ from chromanoise.color.spaces import (
     LUV,
     SPACES,
     SRGB,
+    XYY,
     Space,
     cielab,
     cieluv,
     encoded_srgb,
     linear_srgb,
+    xyy,
 )
 from chromanoise.color.training import (
     Training,

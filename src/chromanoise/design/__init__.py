@@ -28,10 +28,9 @@ if TYPE_CHECKING:
     )
     from chromanoise.design.objectives import OBJECTIVES, Candidate, Objective, value_of
     from chromanoise.design.optimizing import Reference, Task, searched, task_of
-    from chromanoise.design.outputs import optimized
+    from chromanoise.design.outputs import optimized, read_design
     from chromanoise.design.parameters import Free, Parameter
     from chromanoise.design.problem import Evaluated, Linearized, Problem
-    from chromanoise.design.reading import read_design
     from chromanoise.design.result import Design
     from chromanoise.design.scenes import DesignScene
     from chromanoise.design.scheduler import scheduler_at

@@ -23,8 +23,7 @@ from chromanoise.design.algorithms import METHODS
 from chromanoise.design.candidates import noise_properties
 from chromanoise.design.evaluation import OverScenes
 from chromanoise.design.objectives import OBJECTIVES
-from chromanoise.design.parameters import Free, Value
-from chromanoise.design.robustness import STATISTICS, ToleranceDraws
+from chromanoise.design.parameters import STATISTICS, Free, ToleranceDraws, Value
 from chromanoise.design.search import DEFAULT_SEARCH, LEAST_POPULATION, MOST_POPULATION, MOST_SEEDS
 from chromanoise.design.space import LIBRARY_MODEL, MODELS, PixelShares, Structure, model_numbers
 from chromanoise.errors import InputError, Setting, did_you_mean, known_name, refusal

@@ -26,9 +26,8 @@ from chromanoise.design.document import (
 from chromanoise.design.evaluation import Objectives
 from chromanoise.design.front import Front, front_of
 from chromanoise.design.objectives import OBJECTIVES
-from chromanoise.design.parameters import Parameter
+from chromanoise.design.parameters import Parameter, ToleranceDraws, over_tolerances, refuse_exact
 from chromanoise.design.problem import Evaluated, Linearized, Problem
-from chromanoise.design.robustness import ToleranceDraws, over_tolerances, refuse_exact
 from chromanoise.design.scenes import DesignScene
 from chromanoise.design.scheduler import Scheduler
 from chromanoise.design.search import FrontResult, Progress, SearchOptions, searched_front

@@ -19,9 +19,8 @@ from chromanoise.design.algorithms import (
     generation_rng,
     latin_hypercube,
 )
-from chromanoise.design.archive import Archive, empty_archive, misses_of
 from chromanoise.design.checkpoint import Checkpoint, read_checkpoint, write_checkpoint
-from chromanoise.design.front import hypervolume, thinned
+from chromanoise.design.front import Archive, empty_archive, hypervolume, misses_of, thinned
 from chromanoise.design.polish import improved
 from chromanoise.design.problem import Evaluated, Problem, checked_evaluation
 from chromanoise.design.scheduler import Scheduler

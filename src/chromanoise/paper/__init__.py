@@ -5,7 +5,6 @@ from typing import TYPE_CHECKING
 from chromanoise._lazy import lazy_names
 
 if TYPE_CHECKING:
-    from chromanoise.paper.export import reproduction_as_json
     from chromanoise.paper.findings import (
         luminance_budget,
         metric_remark,
@@ -13,10 +12,10 @@ if TYPE_CHECKING:
         table_5_finding,
         verdict,
     )
-    from chromanoise.paper.layout import PaperTable, as_printed, paper_tables
     from chromanoise.paper.planes import PaperPlanes, paper_planes
     from chromanoise.paper.reproduction import Cell, Reproduction, reproduced, witnessed_columns
     from chromanoise.paper.study import PaperStudy, paper_study
+    from chromanoise.paper.tables import PaperTable, as_printed, paper_tables, reproduction_as_json
 
 __all__ = [
     "Cell",
