@@ -12,6 +12,7 @@ from chromanoise._check import Array
 from chromanoise._linalg import lstsq
 from chromanoise._shapes import Float
 from chromanoise.analysis.color_matrices import MatrixMaker
+from chromanoise.analysis.undefined import plain_fields
 from chromanoise.color import ColorMatrix
 from chromanoise.design.objectives import OBJECTIVES, Candidate, Objective, value_of
 from chromanoise.errors import InputError
@@ -407,12 +408,8 @@ class Sensitivity(Result):
             "matrix": self.matrix,
             "keeps_matrix": self.keeps_matrix,
             "objectives": {
-                one.name: {
-                    "value": self.value[one.name],
-                    "unit": one.unit,
-                    "what": one.what,
-                    "better": one.better,
-                }
+                one.name: {"value": self.value[one.name]}
+                | plain_fields(one, "unit", "what", "better")
                 for one in self.objectives
             },
             "parameters": [self._entry(i, effect) for i, effect in enumerate(self.effects)],
@@ -423,11 +420,8 @@ class Sensitivity(Result):
         if (spread := self.spread) is not None:
             data["spread"] = {
                 name: {
-                    "total": spread.total[name],
-                    "worst": spread.worst[name],
-                    "drawn": spread.drawn[name],
-                    "explained": spread.explained[name],
-                    "undefined": spread.undefined[name],
+                    key: getattr(spread, key)[name]
+                    for key in ("total", "worst", "drawn", "explained", "undefined")
                 }
                 for name in spread.total
             }
@@ -437,9 +431,7 @@ class Sensitivity(Result):
     def _entry(self, i: int, effect: Effect) -> dict[str, Any]:
         """The i-th parameter in `to_dict`."""
         entry: dict[str, Any] = {
-            "name": effect.parameter.name,
-            "what": effect.parameter.what,
-            "unit": effect.parameter.unit,
+            **plain_fields(effect.parameter, "name", "what", "unit"),
             "effects": dict(effect.slope),
         }
         if self.losses:

@@ -1,4 +1,4 @@
-"""The cells of a reproduction: laid out as the paper's tables, as tables for files, as plain data."""
+"""The cells of a reproduction: in the layout of the paper, as tables for files, as plain data."""
 
 from dataclasses import asdict, dataclass
 from typing import Any

@@ -13,7 +13,7 @@ from chromanoise.analysis.color_matrices import MatrixFunction
 from chromanoise.analysis.comparison.curves import Curve
 from chromanoise.analysis.comparison.quantities import Quantity, color_error
 from chromanoise.analysis.comparison.sweeps import Sweep
-from chromanoise.analysis.undefined import defined
+from chromanoise.analysis.undefined import plain_fields
 from chromanoise.errors import InputError
 from chromanoise.exposure import OperatingPoint
 
@@ -255,13 +255,10 @@ def _next_share(a: Point, b: Point, c: Point, tolerance: float) -> float:
 
 def crossover_as_json(crossover: Crossover) -> dict[str, Any]:
     """One crossover as plain data, with its sentence."""
-    data = {
-        key: getattr(crossover, key)
-        for key in ("first", "second", "matrix", "better_first", "first_at", "last_at")
-    }
-    errors = [[defined(ours), defined(theirs)] for ours, theirs in crossover.color_error]
-    sentence = crossover_sentence(crossover)
-    return data | {"at": list(crossover.at), "color_error": errors, "sentence": sentence}
+    return plain_fields(
+        crossover,
+        *("first", "second", "matrix", "better_first", "first_at", "last_at", "at", "color_error"),
+    ) | {"sentence": crossover_sentence(crossover)}
 
 
 def crossover_sentence(crossover: Crossover) -> str:

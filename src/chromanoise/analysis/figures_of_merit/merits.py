@@ -16,6 +16,7 @@ from chromanoise.analysis.analysis import Analysis
 from chromanoise.analysis.color_matrices import MatrixFunction
 from chromanoise.analysis.color_space_noise import GRAY
 from chromanoise.analysis.operating_point import electrons_at, stages_at
+from chromanoise.analysis.undefined import plain_fields
 from chromanoise.color import LAB, LINEAR_SRGB, LUV, scene_xyz
 from chromanoise.errors import InputError
 from chromanoise.exposure import (
@@ -679,22 +680,12 @@ def merits_as_json(merits: Merits) -> dict[str, Any]:
         Figures of merit of a sensor in use.
     """
     return {
-        "matrix": merits.matrix,
-        "metric": merits.metric,
-        "observer": merits.observer,
-        "viewing": {
-            "pixel_pitch_mm": merits.viewing.pixel_pitch_mm,
-            "distance_mm": merits.viewing.distance_mm,
-            "pixels_per_degree": viewed_pixels_per_degree(merits.viewing),
-        },
+        **plain_fields(merits, "matrix", "metric", "observer"),
+        "viewing": plain_fields(merits.viewing)
+        | {"pixels_per_degree": viewed_pixels_per_degree(merits.viewing)},
         "values": {
-            entry.name: {
-                "value": entry.value,
-                "unit": entry.unit,
-                "what": entry.what,
-                "source": entry.source,
-                "missing": entry.missing or None,
-            }
+            entry.name: plain_fields(entry, "value", "unit", "what", "source")
+            | {"missing": entry.missing or None}
             for entry in merits.entries
         },
     }
