@@ -324,23 +324,22 @@ def raw_snr_db(analysis: Analysis) -> dict[str, float | None]:
     analysis
         Results of one sensor.
     """
-    hidden = dict(zip(analysis.sensor.names, analysis.without_snr.tolist(), strict=True))
-    return _unless_hidden(snr_db(analysis.raw), hidden)
+    return _raw_snr_db(analysis, analysis.raw)
 
 
 def temporal_raw_snr_db(analysis: Analysis) -> dict[str, float | None]:
     """As `raw_snr_db`, without fixed-pattern noise (DSNU, PRNU, crosstalk). [dB]"""
+    return _raw_snr_db(analysis, analysis.temporal_raw)
+
+
+def _raw_snr_db(analysis: Analysis, raw: Measurement) -> dict[str, float | None]:
     hidden = dict(zip(analysis.sensor.names, analysis.without_snr.tolist(), strict=True))
-    return _unless_hidden(snr_db(analysis.temporal_raw), hidden)
+    return _unless_hidden(snr_db(raw), hidden)
 
 
 def temporal_color_snr_db(analysis: Analysis) -> dict[str, float | None]:
     """As `color_snr_db`, without fixed-pattern noise (DSNU, PRNU, crosstalk). [dB]"""
-    lost = bool(analysis.without_snr.any())
-    color = colored(analysis.temporal_raw, analysis.matrix)
-    decibels = signal_snr_db(color, analysis.truth_xyz)
-    named = {name: np.asarray(decibels[i]) for i, name in enumerate(color.names)}
-    return _unless_hidden(named, dict.fromkeys(named, lost))
+    return _color_ratios(analysis, colored(analysis.temporal_raw, analysis.matrix))
 
 
 def contravariant_snr_db(analysis: Analysis) -> dict[str, float | None]:
@@ -378,10 +377,13 @@ def color_snr_db(analysis: Analysis) -> dict[str, float | None]:
 
 @lru_cache(maxsize=64)  # called for every check of a white
 def _color_snr_db(analysis: Analysis) -> Mapping[str, float | None]:
-    lost = bool(analysis.without_snr.any())
-    decibels = signal_snr_db(analysis.color, analysis.truth_xyz)
-    named = {name: np.asarray(decibels[i]) for i, name in enumerate(analysis.color.names)}
-    return _unless_hidden(named, dict.fromkeys(named, lost))
+    return _color_ratios(analysis, analysis.color)
+
+
+def _color_ratios(analysis: Analysis, color: Measurement) -> dict[str, float | None]:
+    decibels = signal_snr_db(color, analysis.truth_xyz)
+    found = {name: np.asarray(decibels[i]) for i, name in enumerate(color.names)}
+    return _unless_hidden(found, dict.fromkeys(found, bool(analysis.without_snr.any())))
 
 
 def diagnosis(analysis: Analysis) -> tuple[str, ...]:

@@ -289,7 +289,15 @@ def searched_front(
                 algorithm=state.state(),
             )
             if progress:
-                progress(_progress(now, settings))
+                progress(
+                    Progress(
+                        generation=now.generation,
+                        evaluations=now.evaluations,
+                        budget=settings.budget,
+                        values=now.archive.values,
+                        objectives=now.archive.objectives,
+                    )
+                )
             if checkpoint and time.monotonic() > written + _WRITTEN_EVERY_S:
                 write_checkpoint(checkpoint, now)
                 written = time.monotonic()
@@ -553,16 +561,6 @@ def _agrees(problem: Problem, now: Checkpoint) -> bool:
         return True
     again = checked_evaluation(problem, values, problem.evaluate)
     return np.allclose(again.objectives, objectives, rtol=_SAME, atol=_SAME)
-
-
-def _progress(now: Checkpoint, settings: SearchOptions) -> Progress:
-    return Progress(
-        generation=now.generation,
-        evaluations=now.evaluations,
-        budget=settings.budget,
-        values=now.archive.values,
-        objectives=now.archive.objectives,
-    )
 
 
 def _refuse_infeasible(problem: Problem, archive: Archive, searched: str) -> None:

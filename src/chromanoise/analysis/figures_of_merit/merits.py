@@ -1,6 +1,5 @@
 """Figures of merit, each with its source: of the filters, and of the sensor in its light."""
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
@@ -16,7 +15,7 @@ from chromanoise.analysis.analysis import Analysis
 from chromanoise.analysis.color_matrices import MatrixFunction
 from chromanoise.analysis.color_space_noise import GRAY
 from chromanoise.analysis.operating_point import electrons_at, stages_at
-from chromanoise.analysis.undefined import plain_fields
+from chromanoise.analysis.undefined import defined, plain_fields
 from chromanoise.color import LAB, LINEAR_SRGB, LUV, scene_xyz
 from chromanoise.errors import InputError
 from chromanoise.exposure import (
@@ -148,14 +147,12 @@ def merit_or_reason(
         The reason in that case.
     """
     try:
-        value = of()
+        value, missing = defined(of()), never
     except InputError as refusal:
-        return Merit(
-            name=name, what=what, unit=unit, value=None, source=source, missing=str(refusal)
-        )
-    if value is None or not math.isfinite(value):
-        return Merit(name=name, what=what, unit=unit, value=None, source=source, missing=never)
-    return Merit(name=name, what=what, unit=unit, value=float(value), source=source)
+        value, missing = None, str(refusal)
+    if value is not None:
+        value, missing = float(value), ""
+    return Merit(name=name, what=what, unit=unit, value=value, source=source, missing=missing)
 
 
 def white_electrons(analysis: Analysis) -> Float[Array, " p"]:
@@ -219,31 +216,31 @@ def filter_merits(analysis: Analysis) -> tuple[Merit, ...]:
     q = filter_quality(filters, eye)
     angles = principal_angles_deg(filters, eye)
     qualities = (
-        Merit(
-            name=f"neugebauer_q_{channel}",
-            what=f"Neugebauer's q of {channel}",
-            unit="1",
-            value=float(value),
-            source="Neugebauer 1956",
+        merit_or_reason(
+            f"neugebauer_q_{channel}",
+            f"Neugebauer's q of {channel}",
+            "1",
+            "Neugebauer 1956",
+            of=partial(float, value),
         )
         for channel, value in zip(sensor.names, q, strict=True)
     )
     between = (
-        Merit(
-            name=f"principal_angle_{i}",
-            what=f"principal angle {i} between sensor and eye",
-            unit="deg",
-            value=float(angle),
-            source="Bjorck & Golub 1973",
+        merit_or_reason(
+            f"principal_angle_{i}",
+            f"principal angle {i} between sensor and eye",
+            "deg",
+            "Bjorck & Golub 1973",
+            of=partial(float, angle),
         )
         for i, angle in enumerate(angles, start=1)
     )
-    vora = Merit(
-        name="vora_value",
-        what="Vora value",
-        unit="1",
-        value=vora_value(filters, eye),
-        source="Vora & Trussell 1993",
+    vora = merit_or_reason(
+        "vora_value",
+        "Vora value",
+        "1",
+        "Vora & Trussell 1993",
+        of=partial(vora_value, filters, eye),
     )
     return (*qualities, vora, *between)
 
