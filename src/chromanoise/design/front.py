@@ -1,7 +1,7 @@
 """Sets of costs of which none dominates another: the front, its thinning, extremes and knee."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -317,12 +317,11 @@ class Archive:
     def thinned(self, problem: Problem) -> "Archive":
         """The archive with at most `LARGEST` members."""
         chosen = thinned(problem.costs(self.objectives), LARGEST)
-        return Archive(
+        return replace(
+            self,
             values=self.values[chosen],
             objectives=self.objectives[chosen],
             violation=self.violation[chosen],
-            nearest=self.nearest,
-            least=self.least,
         )
 
 

@@ -40,7 +40,7 @@ Value = float | Free | str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Parameter:
+class Parameter(Free):
     """One free number of a design space: one coordinate of a search.
 
     Attributes
@@ -74,10 +74,6 @@ class Parameter:
 
     name: str
     unit: str
-    low: float
-    high: float
-    start: float | None = None
-    tolerance: float = 0.0
     least: float = -math.inf
     most: float = math.inf
     choices: tuple[str, ...] = ()

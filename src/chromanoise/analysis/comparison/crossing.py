@@ -116,7 +116,21 @@ def crossovers_or_reasons(
     contestants, makers, curves
         As for `crossovers`.
     """
-    return tuple(_crossover_or_reason(*pair) for pair in _pairs(contestants, makers, curves))
+    found: list[Crossover | Incomparable] = []
+    for maker, one, other in _pairs(contestants, makers, curves):
+        try:
+            found.append(_crossover(maker, one, other))
+        except InputError as error:
+            first, second = one[1], other[1]
+            pair = Incomparable(
+                first=first.sensor,
+                second=second.sensor,
+                matrix=first.matrix,
+                labels=(first.label, second.label),
+                why=str(error),
+            )
+            found.append(pair)
+    return tuple(found)
 
 
 _Side = tuple[OperatingPoint, Curve]
@@ -131,22 +145,6 @@ def _pairs(
         mine = [curve for curve in curves if curve.matrix == name]
         for one, other in combinations(zip(contestants, mine, strict=True), 2):
             yield maker, one, other
-
-
-def _crossover_or_reason(
-    maker: MatrixFunction, one: _Side, other: _Side
-) -> Crossover | Incomparable:
-    try:
-        return _crossover(maker, one, other)
-    except InputError as error:
-        first, second = one[1], other[1]
-        return Incomparable(
-            first=first.sensor,
-            second=second.sensor,
-            matrix=first.matrix,
-            labels=(first.label, second.label),
-            why=str(error),
-        )
 
 
 def _value_at(

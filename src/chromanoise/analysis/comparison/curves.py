@@ -113,36 +113,27 @@ def compared(
     progress(values.size * sum(curve is not None for curve in found))
     slow = [(one, maker) for (one, _, maker), curve in zip(pairs, found, strict=True) if not curve]
     rest = iter(_one_by_one(slow, values, sweep, quantity, progress))
-    return tuple(
-        _curve(one, name, curve or next(rest), values, sweep, quantity)
-        for (one, name, _), curve in zip(pairs, found, strict=True)
-    )
+    curves = []
+    for (one, name, _), curve in zip(pairs, found, strict=True):
+        value, errors, full = curve or next(rest)
+        curves.append(
+            Curve(
+                sensor=one.sensor.name,
+                label=one.sensor.label,
+                matrix=name,
+                time_s=one.exposure.time_s,
+                sweep=sweep,
+                quantity=quantity,
+                at=values,
+                value=value,
+                saturated=full,
+                color_error=errors,
+            )
+        )
+    return tuple(curves)
 
 
 _OverSweep = tuple[Float[Array, " k"], Float[Array, " k"], Bool[Array, " k"]]
-
-
-def _curve(
-    contestant: OperatingPoint,
-    matrix: str,
-    found: _OverSweep,
-    values: Float[Array, " k"],
-    sweep: Sweep,
-    quantity: Quantity,
-) -> Curve:
-    value, errors, full = found
-    return Curve(
-        sensor=contestant.sensor.name,
-        label=contestant.sensor.label,
-        matrix=matrix,
-        time_s=contestant.exposure.time_s,
-        sweep=sweep,
-        quantity=quantity,
-        at=values,
-        value=value,
-        saturated=full,
-        color_error=errors,
-    )
 
 
 def _over_levels(
