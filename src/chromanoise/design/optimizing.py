@@ -285,8 +285,7 @@ class Search:
     beside: tuple[Mapping[str, float], ...] = ()
 
 
-_SEARCH = tuple(one.name for one in fields(SearchOptions))
-_EFFORT = (*_SEARCH, "members")
+_EFFORT = (*(one.name for one in fields(SearchOptions)), "members")
 
 
 def _identity(document: DesignStudy, arrays: Sequence[Array]) -> str:
@@ -584,10 +583,9 @@ def searched(
         As `chromanoise.design.search.searched_front`.
     """
     design, problem = task.document.design, _with_constraint_sizes(task)
-    settings = SearchOptions(**{name: getattr(design, name) for name in _SEARCH})
     found = searched_front(
         problem,
-        settings,
+        design.search,
         start=_start(task.space.parameters),
         checkpoint=checkpoint,
         resume=resume,
