@@ -16,7 +16,7 @@ import numpy as np
 import chromanoise as cn
 from chromanoise.design import Design, DesignStudy, read_design
 from chromanoise.design.algorithms import latin_hypercube
-from chromanoise.design.archive import misses_of
+from chromanoise.design.front import misses_of
 from chromanoise.design.objectives import OBJECTIVES
 from chromanoise.design.optimizing import task_of
 from chromanoise.design.polish import _Descent, _far_apart

@@ -17,6 +17,8 @@ def lazy_names(package: str, **old: str) -> tuple[Callable[[str], object], Calla
 
     The names are those that its ``__init__`` imports under ``if TYPE_CHECKING:``, so that type
     checkers and this function read the same lines. A name that is a submodule is imported as one.
+    A package without ``__all__`` exports the names that it imports as themselves (PEP 484), here
+    or at once; they are its ``__all__``.
 
     Parameters
     ----------
@@ -39,14 +41,16 @@ def lazy_names(package: str, **old: str) -> tuple[Callable[[str], object], Calla
         from chromanoise._lazy import lazy_names
 
         if TYPE_CHECKING:
-            from chromanoise.spectra.grid import Grid
+            from chromanoise.spectra.grid import Grid as Grid
 
-        __all__ = ["Grid"]
         __getattr__, __dir__ = lazy_names(__name__)
     """
-    module_of, otherwise = _type_checking_imports(package), old_names(package, **old)
+    module_of, public = _imports(package)
+    otherwise = old_names(package, **old)
 
     def imported(name: str) -> object:
+        if name == "__all__" and public:
+            return public
         if name not in module_of:
             return otherwise(name, stacklevel=4)
         module, attribute = module_of[name]
@@ -143,17 +147,24 @@ def warn_of_old_name(old: str, new: str, *, stacklevel: int = 3) -> None:
     warnings.warn(sentence, FutureWarning, stacklevel=stacklevel)
 
 
-def _type_checking_imports(package: str) -> dict[str, tuple[str, str]]:
-    """Module and attribute by name, of the imports under ``if TYPE_CHECKING:``."""
+def _imports(package: str) -> tuple[dict[str, tuple[str, str]], list[str]]:
+    """Module and attribute of the names for type checkers; the names imported as themselves."""
     spec = sys.modules[package].__spec__ or util.find_spec(package)
     source = spec.loader.get_source(package) if spec and spec.loader else None  # type: ignore[attr-defined]
     if source is None:
         raise ImportError(f"{package}: its source is needed to import its names", name=package)
-    return {
-        alias.asname or alias.name: (node.module or "", alias.name)
-        for block in ast.parse(source).body
+    body = ast.parse(source).body
+    later = [
+        node
+        for block in body
         if isinstance(block, ast.If) and ast.unparse(block.test) == "TYPE_CHECKING"
         for node in block.body
-        if isinstance(node, ast.ImportFrom)
-        for alias in node.names
-    }
+    ]
+    module_of, public = {}, []
+    for node in (*body, *later):
+        for alias in node.names if isinstance(node, ast.ImportFrom) else ():
+            if node in later:
+                module_of[alias.asname or alias.name] = (node.module or "", alias.name)
+            if alias.asname == alias.name:
+                public.append(alias.name)
+    return module_of, sorted(public)

@@ -25,7 +25,7 @@ from chromanoise.color.training import training_response
 from chromanoise.exposure import Exposure, expected_electrons
 from chromanoise.io.crosstalk import read_crosstalk
 from chromanoise.metrics import color_budget, lab_budget, snr_db
-from chromanoise.metrics.budget_chain import moved_share
+from chromanoise.metrics.budget import moved_share
 from chromanoise.noise import Readout, clipped_measurement, with_noise
 from chromanoise.scene import flat_field
 from chromanoise.sensor import (

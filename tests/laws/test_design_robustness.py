@@ -7,9 +7,8 @@ import pytest
 
 from chromanoise.design import read_design
 from chromanoise.design.optimizing import searched, task_of
-from chromanoise.design.parameters import Parameter
+from chromanoise.design.parameters import Parameter, ToleranceDraws, over_tolerances
 from chromanoise.design.result import Design
-from chromanoise.design.robustness import ToleranceDraws, over_tolerances
 from chromanoise.errors import errors_in
 from outcomes import refused_input
 

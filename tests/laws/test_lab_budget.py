@@ -12,8 +12,7 @@ from chromanoise.catalog.sensors import SENSOR_NAMES
 from chromanoise.color import LAB, NoisyColor, colored, first_order, kernel_matrix, propagate
 from chromanoise.exposure import Exposure, expected_electrons
 from chromanoise.metrics import faintest_change, lab_budget
-from chromanoise.metrics.budget import CAUSES, color_budget
-from chromanoise.metrics.budget_chain import counting_snr_db
+from chromanoise.metrics.budget import CAUSES, color_budget, counting_snr_db
 from chromanoise.noise import with_noise
 from chromanoise.scene import Scene, flat_field, light
 from chromanoise.sensor import Pixel, Sensor, with_channels

@@ -31,6 +31,7 @@ from typing import TYPE_CHECKING
 from {package}._lazy import lazy_names
 if TYPE_CHECKING:
     from math import tau as circle
+    from math import e as e
     from sample.heavy import made
     from sample import heavy
 __getattr__, __dir__ = lazy_names(__name__)
@@ -58,6 +59,11 @@ def test_a_name_is_imported_on_its_first_use_and_then_kept(sample):
 def test_a_name_may_be_renamed_or_be_a_submodule(sample):
     assert sample.circle == pytest.approx(6.283185307179586)
     assert sample.heavy is import_module("sample.heavy")
+
+
+def test_names_that_are_imported_as_themselves_are_the_public_ones(sample):
+    assert sample.__all__ == ["e"]
+    assert not hasattr(import_module("sample.heavy"), "__all__")
 
 
 def test_dir_lists_names_before_they_are_imported(sample):

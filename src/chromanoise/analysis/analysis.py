@@ -9,17 +9,10 @@ import numpy as np
 
 from chromanoise import _check, _notebook
 from chromanoise._check import Array
-from chromanoise._shapes import (
-    Bool,
-    Float,
-)
+from chromanoise._shapes import Bool, Float
 from chromanoise.analysis.operating_point import Stages, stages_at
 from chromanoise.analysis.undefined import defined
-from chromanoise.color import (
-    ColorMatrix,
-    colored,
-    kernel_matrix,
-)
+from chromanoise.color import ColorMatrix, colored, kernel_matrix
 from chromanoise.errors import InputError
 from chromanoise.exposure import Exposure, OperatingPoint, conditions, white_scene
 from chromanoise.geometry import (
@@ -31,12 +24,7 @@ from chromanoise.geometry import (
     variance_inflation,
 )
 from chromanoise.io.table import number_text
-from chromanoise.metrics import (
-    chart_color_error,
-    color_snr_loss_db,
-    signal_snr_db,
-    snr_db,
-)
+from chromanoise.metrics import chart_color_error, color_snr_loss_db, signal_snr_db, snr_db
 from chromanoise.metrics.snr import LEAST_COLOR
 from chromanoise.noise import (
     Measurement,
@@ -336,23 +324,22 @@ def raw_snr_db(analysis: Analysis) -> dict[str, float | None]:
     analysis
         Results of one sensor.
     """
-    hidden = dict(zip(analysis.sensor.names, analysis.without_snr.tolist(), strict=True))
-    return _unless_hidden(snr_db(analysis.raw), hidden)
+    return _raw_snr_db(analysis, analysis.raw)
 
 
 def temporal_raw_snr_db(analysis: Analysis) -> dict[str, float | None]:
     """As `raw_snr_db`, without fixed-pattern noise (DSNU, PRNU, crosstalk). [dB]"""
+    return _raw_snr_db(analysis, analysis.temporal_raw)
+
+
+def _raw_snr_db(analysis: Analysis, raw: Measurement) -> dict[str, float | None]:
     hidden = dict(zip(analysis.sensor.names, analysis.without_snr.tolist(), strict=True))
-    return _unless_hidden(snr_db(analysis.temporal_raw), hidden)
+    return _unless_hidden(snr_db(raw), hidden)
 
 
 def temporal_color_snr_db(analysis: Analysis) -> dict[str, float | None]:
     """As `color_snr_db`, without fixed-pattern noise (DSNU, PRNU, crosstalk). [dB]"""
-    lost = bool(analysis.without_snr.any())
-    color = colored(analysis.temporal_raw, analysis.matrix)
-    decibels = signal_snr_db(color, analysis.truth_xyz)
-    named = {name: np.asarray(decibels[i]) for i, name in enumerate(color.names)}
-    return _unless_hidden(named, dict.fromkeys(named, lost))
+    return _color_ratios(analysis, colored(analysis.temporal_raw, analysis.matrix))
 
 
 def contravariant_snr_db(analysis: Analysis) -> dict[str, float | None]:
@@ -390,10 +377,13 @@ def color_snr_db(analysis: Analysis) -> dict[str, float | None]:
 
 @lru_cache(maxsize=64)  # called for every check of a white
 def _color_snr_db(analysis: Analysis) -> Mapping[str, float | None]:
-    lost = bool(analysis.without_snr.any())
-    decibels = signal_snr_db(analysis.color, analysis.truth_xyz)
-    named = {name: np.asarray(decibels[i]) for i, name in enumerate(analysis.color.names)}
-    return _unless_hidden(named, dict.fromkeys(named, lost))
+    return _color_ratios(analysis, analysis.color)
+
+
+def _color_ratios(analysis: Analysis, color: Measurement) -> dict[str, float | None]:
+    decibels = signal_snr_db(color, analysis.truth_xyz)
+    found = {name: np.asarray(decibels[i]) for i, name in enumerate(color.names)}
+    return _unless_hidden(found, dict.fromkeys(found, bool(analysis.without_snr.any())))
 
 
 def diagnosis(analysis: Analysis) -> tuple[str, ...]:

@@ -31,12 +31,7 @@ from chromanoise.color import (
 )
 from chromanoise.errors import InputError, Setting
 from chromanoise.exposure import Exposure, OperatingPoint, expected_electrons, white_scene
-from chromanoise.io.given_matrices import (
-    GivenMatrix,
-    is_matrix_file,
-    matrix_of_array,
-    read_matrix,
-)
+from chromanoise.io.given_matrices import GivenMatrix, is_matrix_file, matrix_of_array, read_matrix
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import Metric, Spectra, chart_title
 

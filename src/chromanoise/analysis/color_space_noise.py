@@ -1,6 +1,5 @@
 """Noise of a sensor on a mid-gray in a color space."""
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -8,14 +7,10 @@ import numpy as np
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise._shapes import (
-    Float,
-)
+from chromanoise._shapes import Float
 from chromanoise.analysis.analysis import Analysis, color_snr_db, of_white
-from chromanoise.analysis.operating_point import (
-    noisy_color_at,
-    stages_at,
-)
+from chromanoise.analysis.operating_point import noisy_color_at, stages_at
+from chromanoise.analysis.undefined import named, plain
 from chromanoise.color import (
     FIRST_ORDER_TOLERANCE,
     ColorNoise,
@@ -130,14 +125,14 @@ def gray_noise_as_json(noise: GrayNoise | None) -> dict[str, Any] | None:
     return {
         "space": found.measurement.kind,
         "reflectance": noise.reflectance,
-        "mean": _named(names, found.measurement.mean),
-        "sd": _named(names, found.sd),
-        "sd_own_error": _named(names, found.sd_error),
-        "sd_first_order": _named(names, noise.first_order.sd),
-        "sd_normal_law": _named(names, noise.normal.sd),
-        "bias": _named(names, found.bias),
-        "chroma_sd": None if found.chroma_sd is None else float(found.chroma_sd),
-        "delta_e_mean": None if found.delta_e is None else float(found.delta_e),
+        "mean": named(names, found.measurement.mean),
+        "sd": named(names, found.sd),
+        "sd_own_error": named(names, found.sd_error),
+        "sd_first_order": named(names, noise.first_order.sd),
+        "sd_normal_law": named(names, noise.normal.sd),
+        "bias": named(names, found.bias),
+        "chroma_sd": plain(found.chroma_sd),
+        "delta_e_mean": plain(found.delta_e),
         "first_order_holds": noise.first_order_holds,
         "normal_law_holds": noise.normal_holds,
     }
@@ -145,7 +140,3 @@ def gray_noise_as_json(noise: GrayNoise | None) -> dict[str, Any] | None:
 
 def _holds(error: Float[Array, " 3"]) -> bool:
     return bool((np.abs(error) <= FIRST_ORDER_TOLERANCE).all())
-
-
-def _named(names: tuple[str, ...], values: Iterable[float]) -> dict[str, float]:
-    return {name: float(value) for name, value in zip(names, values, strict=True)}

@@ -12,10 +12,7 @@ from chromanoise.analysis.operating_point import electrons_at, stages_at
 from chromanoise.analysis.undefined import defined
 from chromanoise.color import ColorMatrix
 from chromanoise.exposure import OperatingPoint
-from chromanoise.metrics import (
-    contrast_detection_probability,
-    exact_contrast_detection_probability,
-)
+from chromanoise.metrics import contrast_detection_probability, exact_contrast_detection_probability
 from chromanoise.noise import (
     after_counting,
     channel_distribution,

@@ -1,7 +1,7 @@
 """Results as plain data for ``json.dumps``; undefined values are ``None``."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
 
@@ -21,7 +21,7 @@ from chromanoise.analysis.comparison.crossing import Crossover, crossover_as_jso
 from chromanoise.analysis.comparison.curves import Curve
 from chromanoise.analysis.comparison.ranking import Rank, ranked, ranking_as_json
 from chromanoise.analysis.total_error import mean_total_error
-from chromanoise.analysis.undefined import defined
+from chromanoise.analysis.undefined import defined, named, plain_fields
 from chromanoise.metrics import Budget
 
 
@@ -67,23 +67,12 @@ def comparison_as_json(curves: Sequence[Curve], crossed: Sequence[Crossover]) ->
     sweep, quantity = curves[0].sweep, curves[0].quantity
     return {
         "version": __version__,
-        "sweep": {
-            "name": sweep.name,
-            "what": sweep.what,
-            "unit": sweep.unit,
-            "values": curves[0].at.tolist(),
-        },
-        "quantity": {"name": quantity.name, "what": quantity.what, "unit": quantity.unit},
+        "sweep": plain_fields(sweep, "name", "what", "unit") | {"values": curves[0].at.tolist()},
+        "quantity": plain_fields(quantity, "name", "what", "unit"),
         "curves": [
-            {
-                "sensor": curve.sensor,
-                "label": curve.label,
-                "matrix": curve.matrix,
-                "time_ms": 1e3 * curve.time_s,
-                "value": [defined(value) for value in curve.value.tolist()],
-                "saturated": curve.saturated.tolist(),
-                "color_error": [defined(value) for value in curve.color_error.tolist()],
-            }
+            plain_fields(curve, "sensor", "label", "matrix")
+            | {"time_ms": 1e3 * curve.time_s}
+            | plain_fields(curve, "value", "saturated", "color_error")
             for curve in curves
         ],
         "crossovers": [crossover_as_json(c) for c in crossed],
@@ -129,7 +118,7 @@ def _analysis(analysis: Analysis) -> dict[str, Any]:
             "snr_db": color_snr_db(analysis),
             "temporal_snr_db": temporal_color_snr_db(analysis),
             "total_error_delta_e": mean_total_error(analysis),
-            "mean_lux": _named(axes, analysis.color.mean),
+            "mean_lux": named(axes, analysis.color.mean),
             "covariance_lux2": analysis.color.covariance.tolist(),
         },
         "bound_db": analysis.optimal_linear_snr_db,
@@ -159,12 +148,8 @@ def _channels(analysis: Analysis) -> list[dict[str, Any]]:
             "vif": defined(float(analysis.vif[i])),
             "saturated": bool(analysis.saturated[i]),
             "full_share": float(analysis.full_share[i]),
-            "angle_deg": _named(names, analysis.between_deg[i]),
-            "angle_to_axis_deg": _named(("x", "y", "z"), analysis.to_axes_deg[i]),
+            "angle_deg": named(names, analysis.between_deg[i]),
+            "angle_to_axis_deg": named(("x", "y", "z"), analysis.to_axes_deg[i]),
         }
         for i, name in enumerate(names)
     ]
-
-
-def _named(names: Iterable[str], values: Iterable[float]) -> dict[str, float]:
-    return {name: float(value) for name, value in zip(names, values, strict=True)}

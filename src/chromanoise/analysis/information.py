@@ -12,7 +12,7 @@ from chromanoise._shapes import Float
 from chromanoise.analysis.analysis import Analysis
 from chromanoise.analysis.operating_point import electrons_at
 from chromanoise.analysis.priors import DEFAULT_PRIOR, training_named
-from chromanoise.analysis.undefined import defined
+from chromanoise.analysis.undefined import plain_fields
 from chromanoise.color import ColorMatrix
 from chromanoise.color.training import shares
 from chromanoise.exposure import OperatingPoint
@@ -245,15 +245,9 @@ def raw_information(point: OperatingPoint, level_lux: Float[Array, " k"] | None 
 def information_as_json(chain: InformationChain) -> dict[str, Any]:
     """The chain of one light level; an infinite number of bits is ``None``."""
     return {
-        "about": chain.about,
-        "prior": chain.prior,
+        **plain_fields(chain, "about", "prior"),
         "steps": [
-            {
-                "step": step.name,
-                "bits": defined(float(step.bits)),
-                "lost_bits": defined(float(step.lost_bits)),
-            }
-            for step in chain.steps
+            {"step": step.name} | plain_fields(step, "bits", "lost_bits") for step in chain.steps
         ],
     }
 

@@ -1,6 +1,5 @@
 """Color error against noise at an operating point, and matrix reports as plain data."""
 
-from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -10,7 +9,7 @@ from chromanoise._check import Array
 from chromanoise._shapes import Float
 from chromanoise.analysis.analysis import reflectance_notes
 from chromanoise.analysis.priors import DEFAULT_PRIOR, refuse_unknown_prior, training_named
-from chromanoise.analysis.undefined import defined
+from chromanoise.analysis.undefined import defined, plain_fields
 from chromanoise.color import ColorMatrix, ParetoCurve, pareto
 from chromanoise.errors import InputError
 from chromanoise.exposure import OperatingPoint
@@ -128,8 +127,7 @@ def matrix_as_json(
     curve
         Color error against noise; ``None`` if it was not asked.
     """
-    data, sensor = asdict(report), operating_point.sensor
-    snr = report.snr_db or {}
+    sensor = operating_point.sensor
     return {
         "version": __version__,
         "sensor": sensor.name,
@@ -138,18 +136,9 @@ def matrix_as_json(
         "level_lux": operating_point.level_lux,
         "observer": matrix.observer,
         "time_ms": 1e3 * operating_point.exposure.time_s,
-        "matrix": {
-            "made_by": matrix.made_by,
-            "metric": matrix.metric,
-            "channels": list(matrix.channels),
-            "coordinates": list(matrix.coordinates),
-            "lux_per_e": matrix.matrix.tolist(),
-        },
-        "report": {
-            **data,
-            "condition": defined(report.condition),
-            "snr_db": {name: defined(value) for name, value in snr.items()} or None,
-        },
+        "matrix": plain_fields(matrix, "made_by", "metric", "channels", "coordinates")
+        | {"lux_per_e": matrix.matrix.tolist()},
+        "report": plain_fields(report),
         "pareto": None if curve is None else _points(curve, report),
         "notes": [
             *sensor.notes,

@@ -1,6 +1,6 @@
 """Settings and results of the camera's own pipeline, and the results as plain data."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,7 +9,7 @@ import numpy as np
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._shapes import Float
-from chromanoise.analysis.undefined import defined
+from chromanoise.analysis.undefined import named, plain, plain_fields
 from chromanoise.color import tone_curve
 from chromanoise.color.pipeline import LumaStandard
 from chromanoise.errors import InputError
@@ -246,11 +246,8 @@ def pipeline_as_json(found: PipelineNoise | None) -> dict[str, Any] | None:
         balance = balance.name
     return {
         "white_balance": balance if isinstance(balance, str) else list(balance),
-        "gains": _named(found.channels, found.gains),
-        "exposure_gain": settings.exposure_gain,
-        "saturation": settings.saturation,
-        "tone": settings.tone,
-        "luma": settings.luma,
+        "gains": named(found.channels, found.gains),
+        **plain_fields(settings, "exposure_gain", "saturation", "tone", "luma"),
         "steps": _steps_as_json(found.steps, found.patches),
         "iso": [_gain_as_json(one, found) for one in found.iso],
         "white_balance_noise": _balance_noise_as_json(found),
@@ -261,16 +258,12 @@ def pipeline_as_json(found: PipelineNoise | None) -> dict[str, Any] | None:
 def _gain_as_json(one: GainStep, found: PipelineNoise) -> dict[str, Any]:
     channels = found.channels
     return {
-        "iso": one.iso,
-        "gain": one.gain,
-        "gain_dn_per_e": one.gain_dn_per_e,
-        "read_noise_e": one.read_noise_e,
-        "white_level_e": one.white_level_e,
-        "dynamic_range_db": _defined(channels, one.dynamic_range_db),
-        "dynamic_range_stops": _defined(channels, one.dynamic_range_stops),
-        "emva_dynamic_range_db": _named(channels, one.emva_dynamic_range_db),
+        **plain_fields(one, "iso", "gain", "gain_dn_per_e", "read_noise_e", "white_level_e"),
+        "dynamic_range_db": plain(named(channels, one.dynamic_range_db)),
+        "dynamic_range_stops": plain(named(channels, one.dynamic_range_stops)),
+        "emva_dynamic_range_db": named(channels, one.emva_dynamic_range_db),
         "noise_profile": {
-            name: _named(channels, one.noise_profile[:, i]) for i, name in enumerate(("S", "O"))
+            name: named(channels, one.noise_profile[:, i]) for i, name in enumerate(("S", "O"))
         },
         "steps": _steps_as_json(one.steps, found.patches),
     }
@@ -282,7 +275,7 @@ def _balance_noise_as_json(found: PipelineNoise) -> dict[str, Any] | None:
         return None
     return {
         "pixels": noise.pixels,
-        "gains_sd": _named(found.channels, np.sqrt(np.diagonal(noise.gains_covariance))),
+        "gains_sd": named(found.channels, np.sqrt(np.diagonal(noise.gains_covariance))),
         "gains_covariance": noise.gains_covariance.tolist(),
         "patches": [
             {"patch": name, "lab_covariance": covariance.tolist(), "delta_e": float(delta_e)}
@@ -308,11 +301,3 @@ def _steps_as_json(steps: Sequence[PipelineStep], patches: Sequence[str]) -> lis
         }
         for step in steps
     ]
-
-
-def _defined(names: Sequence[str], values: Float[Array, " p"]) -> Mapping[str, float | None]:
-    return {name: defined(value) for name, value in _named(names, values).items()}
-
-
-def _named(names: Sequence[str], values: Float[Array, " p"]) -> Mapping[str, float]:
-    return {name: float(value) for name, value in zip(names, values, strict=True)}

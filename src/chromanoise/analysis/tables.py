@@ -5,11 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from chromanoise import _check
-from chromanoise.analysis.analysis import (
-    Analysis,
-    color_snr_db,
-    mean_color_error,
-)
+from chromanoise.analysis.analysis import Analysis, color_snr_db, mean_color_error
 from chromanoise.analysis.comparison.curves import Curve
 from chromanoise.analysis.comparison.maps import QuantityMap, best_of, by_matrix
 from chromanoise.analysis.pipeline_results import GainStep, PipelineNoise

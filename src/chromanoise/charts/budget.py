@@ -12,7 +12,7 @@ from chromanoise.exposure import conditions, expected_electrons
 from chromanoise.metrics import (
     Budget,
 )
-from chromanoise.metrics.budget_chain import (
+from chromanoise.metrics.budget import (
     REST,
     WEIGHTS,
     without_infrared,

@@ -5,7 +5,7 @@ from typing import Any
 
 from chromanoise.analysis.analysis import Analysis
 from chromanoise.analysis.color_matrices import trained_names
-from chromanoise.analysis.comparison.quantities import color_snr
+from chromanoise.analysis.comparison.quantities import SNR_Y
 from chromanoise.analysis.pareto import noise_weights, pareto_of
 from chromanoise.analysis.priors import training_named
 from chromanoise.analysis.undefined import defined
@@ -79,7 +79,7 @@ def _sensor(
         analysis.matrix,
         level_lux=operating_point.level_lux,
     )
-    snr = defined(color_snr(operating_point, analysis.matrix, coordinate="Y"))
+    snr = defined(SNR_Y.of(operating_point, analysis.matrix))
     now = {"color_error": error, "snr_db": snr}
     return {"name": operating_point.sensor.label, "points": points, "now": now, "why_not": full}
 

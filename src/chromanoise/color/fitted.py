@@ -12,15 +12,7 @@ import numpy as np
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise._linalg import (
-    RANK_TOLERANCE,
-    covariance_root,
-    lstsq,
-    pinv,
-    qr,
-    svd,
-    whitening,
-)
+from chromanoise._linalg import RANK_TOLERANCE, covariance_root, lstsq, pinv, qr, svd, whitening
 from chromanoise._shapes import Float
 from chromanoise.color.differences import balanced_cielab, cie1976_difference
 from chromanoise.color.matrices import ColorMatrix, kernel_matrix

@@ -17,7 +17,12 @@ from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._linalg import congruence, inv
 from chromanoise._shapes import Float
-from chromanoise.color.picture import D65_WHITE, XYZ_TO_LINEAR_SRGB
+from chromanoise.color.picture import (
+    D65_WHITE,
+    SRGB_TOE,
+    XYZ_TO_LINEAR_SRGB,
+    srgb_from_linear,
+)
 from chromanoise.color.spaces import LAB, Space, linear_srgb
 from chromanoise.errors import InputError
 from chromanoise.noise import Measurement, through
@@ -37,7 +42,7 @@ TONES = ("srgb", "rec709", "linear")
 
 _STEEPEST = 1e-6  # a power law has no slope at 0; below this value, the slope at this value
 _GAMMA = (0.1, 10.0)
-_SRGB_TOE, _REC709_TOE = 0.0031308, 0.018
+_REC709_TOE = 0.018
 
 
 # ---- white balance ----
@@ -456,14 +461,9 @@ def rendered_lab_space(*, exposure_gain: float, saturation: float) -> Space:
     return Space(name=LAB.name, coordinates=LAB.coordinates, from_xyz=from_xyz, jacobian=jacobian)
 
 
-def _srgb(x: Array) -> Array:
-    power = 1.055 * np.maximum(x, _SRGB_TOE) ** (1 / 2.4) - 0.055
-    return np.where(x <= _SRGB_TOE, 12.92 * x, power)
-
-
 def _srgb_slope(x: Array) -> Array:
-    power = 1.055 / 2.4 * np.maximum(x, _SRGB_TOE) ** (1 / 2.4 - 1)
-    return np.where(x <= _SRGB_TOE, 12.92, power)
+    power = 1.055 / 2.4 * np.maximum(x, SRGB_TOE) ** (1 / 2.4 - 1)
+    return np.where(x <= SRGB_TOE, 12.92, power)
 
 
 def _rec709(x: Array) -> Array:
@@ -483,7 +483,7 @@ def _power_slope(x: Array, *, exponent: float) -> Array:
 
 
 _NAMED = {
-    "srgb": ToneCurve(name="sRGB", of=_srgb, slope=_srgb_slope),
+    "srgb": ToneCurve(name="sRGB", of=srgb_from_linear, slope=_srgb_slope),
     "rec709": ToneCurve(name="Rec. 709", of=_rec709, slope=_rec709_slope),
     "linear": ToneCurve(name="linear", of=np.array, slope=np.ones_like),
 }

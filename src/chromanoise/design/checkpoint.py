@@ -18,7 +18,7 @@ import numpy as np
 from chromanoise._check import Array
 from chromanoise._files import write_kept
 from chromanoise._inputs import json_of, regular_file
-from chromanoise.design.archive import Archive
+from chromanoise.design.front import Archive
 from chromanoise.errors import InputError
 
 _FORM = 2

@@ -6,6 +6,7 @@ The sensors of the study are the references of the design. The first of them, or
 
 import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import fields
 from typing import Annotated, Any, Literal
 
 from pydantic import (
@@ -13,7 +14,6 @@ from pydantic import (
     BeforeValidator,
     ConfigDict,
     Field,
-    ValidationError,
     create_model,
     model_validator,
 )
@@ -23,14 +23,8 @@ from chromanoise.design.algorithms import METHODS
 from chromanoise.design.candidates import noise_properties
 from chromanoise.design.evaluation import OverScenes
 from chromanoise.design.objectives import OBJECTIVES
-from chromanoise.design.parameters import Free, Value
-from chromanoise.design.robustness import STATISTICS, ToleranceDraws
-from chromanoise.design.search import (
-    DEFAULT_SEARCH,
-    LEAST_POPULATION,
-    MOST_POPULATION,
-    MOST_SEEDS,
-)
+from chromanoise.design.parameters import STATISTICS, Free, ToleranceDraws, Value
+from chromanoise.design.search import DEFAULT_SEARCH, SearchOptions
 from chromanoise.design.space import LIBRARY_MODEL, MODELS, PixelShares, Structure, model_numbers
 from chromanoise.errors import InputError, Setting, did_you_mean, known_name, refusal
 from chromanoise.sensor import MOSAIC_NAMES, SILICON_NUMBERS, ModelNumber
@@ -377,16 +371,10 @@ class DesignPart(Part):
     method: Annotated[str, _known("method", tuple(METHODS))] = Field(
         DEFAULT_SEARCH.method, description=f"Search: {', '.join(METHODS)}."
     )
-    budget: Annotated[int, Field(ge=1, le=10**12)] = Field(
-        DEFAULT_SEARCH.budget, description="Number of evaluated candidates."
-    )
-    population: Annotated[int, Field(ge=LEAST_POPULATION, le=MOST_POPULATION)] = Field(
-        DEFAULT_SEARCH.population, description="Candidates per generation."
-    )
-    seed: Annotated[int, Field(ge=0, lt=2**32)] = Field(
-        DEFAULT_SEARCH.seed, description="Seed of the search."
-    )
-    seeds: Annotated[int, Field(ge=1, le=MOST_SEEDS)] = Field(
+    budget: int = Field(DEFAULT_SEARCH.budget, description="Number of evaluated candidates.")
+    population: int = Field(DEFAULT_SEARCH.population, description="Candidates per generation.")
+    seed: int = Field(DEFAULT_SEARCH.seed, description="Seed of the search.")
+    seeds: int = Field(
         DEFAULT_SEARCH.seeds,
         description="Number of independent populations, which share the budget; their agreement "
         "measures the convergence.",
@@ -401,15 +389,14 @@ class DesignPart(Part):
     )
 
     @model_validator(mode="after")
-    def _one_population(self) -> "DesignPart":
-        if self.budget < self.population:
-            raise InputError(
-                "budget",
-                f"must be at least one population of {self.population} sensors",
-                value=self.budget,
-                remedy=(Setting("budget", (self.population,)), "lower design.population"),
-            )
+    def _possible_search(self) -> "DesignPart":
+        _ = self.search
         return self
+
+    @property
+    def search(self) -> SearchOptions:
+        """Method and effort of the search."""
+        return SearchOptions(**{one.name: getattr(self, one.name) for one in fields(SearchOptions)})
 
     @model_validator(mode="after")
     def _different_objectives(self) -> "DesignPart":
@@ -517,15 +504,6 @@ def with_effort(
     """
     given = {"budget": budget, "seed": seed}
     changes = {name: value for name, value in given.items() if value is not None}
-    data = document.design.model_dump(exclude_unset=True) | changes
-    try:
-        design = DesignPart.model_validate(data)
-    except ValidationError as error:
-        (first, *_) = error.errors(include_url=False)
-        raised = first.get("ctx", {}).get("error")
-        if isinstance(raised, InputError):
-            raise raised from None
-        name = str(first["loc"][-1])
-        said = str(first["msg"]).replace("Input should be", "must be")
-        raise InputError(name, said, value=changes.get(name)) from None
+    design = document.design.model_copy(update=changes)
+    _ = design.search  # checks it
     return document.model_copy(update={"design": design})

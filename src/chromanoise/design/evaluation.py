@@ -405,7 +405,7 @@ def _demand_grid(evaluator: Objectives, n: int) -> None:
 def _is_fast(scene: DesignScene, noise_weight_is_free: bool, name: str) -> bool:
     """Whether the kernels compute it; not so SNR10 of a matrix that depends on the light."""
     adapts = scene.maker.method.over_light is not None or noise_weight_is_free
-    return name in FAST and not (name == "snr10_lux" and adapts)
+    return OBJECTIVES[name].fast and not (name == "snr10_lux" and adapts)
 
 
 def _values(
@@ -439,7 +439,8 @@ def _fast(
 
     columns = [name for name in names if _is_fast(scene, batch.weighted, name)]
     wanted = np.array([name in columns for name in FAST])
-    rows = _rows(scene, frozenset(_GROUPS_OF[name] for name in columns) | {_matrix_group(scene)})
+    groups = {OBJECTIVES[name].rows or "" for name in columns}
+    rows = _rows(scene, frozenset(groups | {_matrix_group(scene)}))
     sensor, more, m, p, dtype = scene.point.sensor, batch.more, batch.m, batch.p, batch.dtype
     gain, law, dark_e, spread = _noise(scene, batch)
     well_e, range_e = sensor.pixel.full_well_e - dark_e, code_range_e(sensor)
@@ -561,21 +562,6 @@ class _Rows:
     pairs: Array
     training_xyz: Array
     truth: Array
-
-
-_GROUPS_OF = {
-    "snr_y_db": "",
-    "noise_delta_e": "chart",
-    "total_delta_e": "chart",
-    "delta_e": "chart",
-    "ciede2000": "chart",
-    "vora": "orthonormal",
-    "least_separation": "paired",
-    "mean_separation": "paired",
-    "infrared_share": "infrared",
-    "snr10_lux": "",
-    "share_of_full_well": "",
-}
 
 
 @lru_cache(maxsize=64)

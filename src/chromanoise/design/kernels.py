@@ -29,8 +29,8 @@ TOGETHER = 8
 _APART = 8  # unused lanes, so that what one lane reads or writes spreads over all sets of the cache
 
 COLUMNS = (*FAST, "independence")
-(_SNR_Y, _NOISE, _TOTAL, _DELTA_E, _CIEDE2000, _VORA, _LEAST, _MEAN, _INFRARED, _LUX) = range(10)
-_FULLNESS, _INDEPENDENCE = 10, 11
+_SNR_Y, _NOISE, _TOTAL, _DELTA_E, _CIEDE2000, _VORA, _LUX = range(7)
+_LEAST, _MEAN, _INFRARED, _FULLNESS, _INDEPENDENCE = range(7, 12)
 
 GROUPS = ("infrared", "chart", "paired", "training", "axes", "orthonormal")
 (_AT_INFRARED, _AT_CHART, _AT_PAIRED, _AT_TRAINING, _AT_AXES, _AT_EYE, _AT_END) = range(7)

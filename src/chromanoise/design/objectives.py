@@ -1,21 +1,20 @@
 """The objectives of a design: one table, each with the library's function.
 
-To add an objective, add an entry to `OBJECTIVES`. The evaluator calls its function for each
+To add an objective, write a function below `_objective`. The evaluator calls it for each
 candidate, which takes some milliseconds. `chromanoise.design.kernels` computes those of `FAST` for
-a whole batch; tests compare them with the function of the entry.
+a whole batch; tests compare them with the function.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
 from chromanoise._check import Array
 from chromanoise.analysis import MatrixMaker, analyzed, electrons_at, stages_at, total_errors
 from chromanoise.analysis.color_space_noise import GRAY
-from chromanoise.analysis.figures_of_merit.entries import Viewing
-from chromanoise.analysis.figures_of_merit.light import visual_merits
+from chromanoise.analysis.figures_of_merit.merits import Viewing, visual_merits
 from chromanoise.analysis.information import raw_information
 from chromanoise.analysis.separation import pairs_of
 from chromanoise.color import ColorMatrix, first_order
@@ -34,21 +33,6 @@ from chromanoise.spectra import INFRARED_FROM_NM, color_axes, is_infrared
 
 SNR10 = 10.0
 """The amplitude ratio of SNR10, 20 dB."""
-
-FAST = (
-    "snr_y_db",
-    "noise_delta_e",
-    "total_delta_e",
-    "delta_e",
-    "ciede2000",
-    "vora",
-    "least_separation",
-    "mean_separation",
-    "infrared_share",
-    "snr10_lux",
-    "share_of_full_well",
-)
-"""Objectives that the kernels compute for a whole batch, in the order of their columns."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -90,6 +74,9 @@ class Objective:
         The function that computes it; ``None`` or not finite where it is undefined.
     source
         Standard or paper.
+    rows
+        The rows of a scene that its kernel needs beside the white (`kernels.GROUPS`), empty if
+        none; ``None`` without a kernel.
     of_saturated
         Whether it is defined if a channel is saturated on a perfect white.
     of_noise
@@ -102,14 +89,15 @@ class Objective:
     unit: str
     better: Literal["higher", "lower"]
     of: Callable[[Candidate], float | None]
-    source: str
+    source: str = ""
+    rows: str | None = None
     of_saturated: bool = False
     of_noise: bool = True
 
     @property
     def fast(self) -> bool:
         """Whether it is computed for a whole batch."""
-        return self.name in FAST
+        return self.rows is not None
 
     @property
     def undefined(self) -> float:
@@ -135,88 +123,6 @@ def value_of(objective: Objective, candidate: Candidate) -> float:
     return float(value)
 
 
-def _snr_y_db(candidate: Candidate) -> float:
-    at = stages_at(candidate.point, candidate.matrix)
-    return float(at.color_snr_db[candidate.matrix.coordinates.index("Y")])
-
-
-def _noise_delta_e(candidate: Candidate) -> float | None:
-    error = total_errors(candidate.point, candidate.matrix, method=first_order)
-    return None if error is None else _rms(error.noise)
-
-
-def _total_delta_e(candidate: Candidate) -> float | None:
-    error = total_errors(candidate.point, candidate.matrix, method=first_order)
-    return None if error is None else _rms(error.total)
-
-
-def _delta_e(candidate: Candidate) -> float | None:
-    return _mean_error(candidate, chart_color_error)
-
-
-def _ciede2000(candidate: Candidate) -> float | None:
-    return _mean_error(candidate, chart_ciede2000)
-
-
-def _vora(candidate: Candidate) -> float:
-    point, metric = candidate.point, candidate.matrix.metric
-    filters = measurement_vectors(point.sensor, point.exposure, metric)
-    return vora_value(filters, color_axes(point.sensor.grid, metric, point.observer))
-
-
-def _least_separation(candidate: Candidate) -> float | None:
-    distance = _distances(candidate.point, candidate.matrix)
-    return None if distance is None else float(distance.min())
-
-
-def _mean_separation(candidate: Candidate) -> float | None:
-    distance = _distances(candidate.point, candidate.matrix)
-    return None if distance is None else float(distance.mean())
-
-
-def _infrared_share(candidate: Candidate) -> float | None:
-    point = candidate.point
-    infrared = is_infrared(point.sensor.grid).astype(np.float64)
-    white_e, infrared_e = electrons_at(point), electrons_at(point, reflectance=infrared)
-    if not (white_e > 0).all():
-        return None
-    return float((infrared_e / white_e).max())
-
-
-def _snr10_lux(candidate: Candidate) -> float | None:
-    point, maker = candidate.point, candidate.maker
-    given = (point.sensor, point.illuminant, point.exposure)
-    if maker.method.over_light is None:
-        return illuminance_for_snr(*given, candidate.matrix, snr=SNR10, reflectance=GRAY)
-    return illuminance_for_snr_adapted(
-        *given,
-        lambda lux: maker(replace(point, level_lux=lux)),
-        snr=SNR10,
-        reflectance=GRAY,
-    )
-
-
-def _share_of_full_well(candidate: Candidate) -> float:
-    point = candidate.point
-    limit_e = signal_limit_e(point.sensor, point.exposure)
-    return float(electrons_at(point).max() / limit_e) if limit_e > 0 else np.inf
-
-
-def _smi(candidate: Candidate) -> float:
-    return sensor_metamerism(candidate.point.sensor).index
-
-
-def _visual_noise(candidate: Candidate) -> float | None:
-    point = candidate.point
-    white = analyzed(white_scene(point), point.sensor, point.exposure, matrix=candidate.matrix)
-    merit, _ = visual_merits(white, Viewing())
-    return merit.value
-
-
-def _information_bits(candidate: Candidate) -> float:
-    return float(raw_information(candidate.point))
-
-
 def _mean_error(candidate: Candidate, errors: Callable[..., Array | None]) -> float | None:
     point = candidate.point
     found = errors(point.sensor, candidate.matrix, point.exposure, point.illuminant, point.chart)
@@ -234,142 +140,224 @@ def _rms(values: Array) -> float:
     return float(np.sqrt((values**2).mean()))
 
 
-_ENTRIES = (
-    Objective(
-        name="snr_y_db",
-        short="SNR of Y",
-        what="SNR of Y of a perfect white",
-        unit="dB",
-        better="higher",
-        of=_snr_y_db,
-        source="Clouet, Vaillant & Alleysson 2019, eq. 5-7",
-    ),
-    Objective(
-        name="noise_delta_e",
-        short="noise in CIELAB",
-        what="RMS noise in CIELAB over the chart",
-        unit="Delta E*ab",
-        better="lower",
-        of=_noise_delta_e,
-        source="JCGM 102:2011, 6.2 (first order)",
-    ),
-    Objective(
-        name="total_delta_e",
-        short="total error",
-        what="RMS of bias and noise in CIELAB over the chart",
-        unit="Delta E*ab",
-        better="lower",
-        of=_total_delta_e,
-        source="JCGM 102:2011, 6.2 (first order)",
-    ),
-    Objective(
-        name="delta_e",
-        short="color error",
-        what="mean color error over the chart, white balanced",
-        unit="Delta E*ab",
-        better="lower",
-        of=_delta_e,
-        source="CIE 015:2018, eq. 8.21",
-    ),
-    Objective(
-        name="ciede2000",
-        short="CIEDE2000",
-        what="mean CIEDE2000 over the chart, white balanced",
-        unit="1",
-        better="lower",
-        of=_ciede2000,
-        source="CIE 142-2001 (ISO/CIE 11664-6)",
-    ),
-    Objective(
-        name="vora",
-        short="Vora value",
-        what="Vora value",
-        unit="1",
-        better="higher",
-        of=_vora,
-        source="Vora & Trussell 1993",
-        of_saturated=True,
-        of_noise=False,
-    ),
-    Objective(
-        name="smi",
-        short="SMI",
-        what="sensitivity metamerism index",
-        unit="1",
-        better="higher",
-        of=_smi,
-        source="ISO 17321-1:2012",
-        of_saturated=True,
-        of_noise=False,
-    ),
-    Objective(
-        name="visual_noise",
-        short="visual noise",
-        what="visual noise of a gray, all channels in each pixel",
-        unit="CIELUV",
-        better="lower",
-        of=_visual_noise,
-        source="ISO 15739:2017",
-    ),
-    Objective(
-        name="snr10_lux",
-        short="SNR10",
-        what="illuminance at which Y of a gray has an SNR of 10",
-        unit="lx",
-        better="lower",
-        of=_snr10_lux,
-        source="Alakarhu, IISW 2007",
-        of_saturated=True,
-    ),
-    Objective(
-        name="information_bits",
-        short="information",
-        what="information of one pixel with all channels about the spectrum",
-        unit="bit",
-        better="higher",
-        of=_information_bits,
-        source="Cover & Thomas 2006, 9.4",
-    ),
-    Objective(
-        name="least_separation",
-        short="least separation",
-        what="least distance between two patches in raw values",
-        unit="1",
-        better="higher",
-        of=_least_separation,
-        source="ICRU Report 54 (1996)",
-    ),
-    Objective(
-        name="mean_separation",
-        short="mean separation",
-        what="mean distance between two patches in raw values",
-        unit="1",
-        better="higher",
-        of=_mean_separation,
-        source="ICRU Report 54 (1996)",
-    ),
-    Objective(
-        name="infrared_share",
-        short="infrared share",
-        what=f"share of the electrons of a white beyond {INFRARED_FROM_NM:g} nm, worst channel",
-        unit="1",
-        better="lower",
-        of=_infrared_share,
-        source="",
-        of_saturated=True,
-        of_noise=False,
-    ),
-    Objective(
-        name="share_of_full_well",
-        short="share of full well",
-        what="electrons of a white as a share of full well or top code, fullest channel",
-        unit="1",
-        better="lower",
-        of=_share_of_full_well,
-        source="EMVA 1288, release 4.0",
-        of_saturated=True,
-        of_noise=False,
-    ),
+_Function = Callable[[Candidate], float | None]
+OBJECTIVES: dict[str, Objective] = {}
+"""Objectives by name: `_objective` enters a function by its name."""
+
+
+def _objective(
+    short: str, what: str, unit: str, better: Literal["higher", "lower"], **more: Any
+) -> Callable[[_Function], _Function]:
+    """A decorator that enters the function `Objective.of` with what describes it."""
+
+    def entered(of: _Function) -> _Function:
+        name = of.__name__.removeprefix("_")
+        OBJECTIVES[name] = Objective(
+            name=name, short=short, what=what, unit=unit, better=better, of=of, **more
+        )
+        return of
+
+    return entered
+
+
+@_objective(
+    "SNR of Y",
+    "SNR of Y of a perfect white",
+    "dB",
+    "higher",
+    source="Clouet, Vaillant & Alleysson 2019, eq. 5-7",
+    rows="",
 )
-OBJECTIVES: Mapping[str, Objective] = {entry.name: entry for entry in _ENTRIES}
-"""Objectives by name."""
+def _snr_y_db(candidate: Candidate) -> float:
+    at = stages_at(candidate.point, candidate.matrix)
+    return float(at.color_snr_db[candidate.matrix.coordinates.index("Y")])
+
+
+@_objective(
+    "noise in CIELAB",
+    "RMS noise in CIELAB over the chart",
+    "Delta E*ab",
+    "lower",
+    source="JCGM 102:2011, 6.2 (first order)",
+    rows="chart",
+)
+def _noise_delta_e(candidate: Candidate) -> float | None:
+    error = total_errors(candidate.point, candidate.matrix, method=first_order)
+    return None if error is None else _rms(error.noise)
+
+
+@_objective(
+    "total error",
+    "RMS of bias and noise in CIELAB over the chart",
+    "Delta E*ab",
+    "lower",
+    source="JCGM 102:2011, 6.2 (first order)",
+    rows="chart",
+)
+def _total_delta_e(candidate: Candidate) -> float | None:
+    error = total_errors(candidate.point, candidate.matrix, method=first_order)
+    return None if error is None else _rms(error.total)
+
+
+@_objective(
+    "color error",
+    "mean color error over the chart, white balanced",
+    "Delta E*ab",
+    "lower",
+    source="CIE 015:2018, eq. 8.21",
+    rows="chart",
+)
+def _delta_e(candidate: Candidate) -> float | None:
+    return _mean_error(candidate, chart_color_error)
+
+
+@_objective(
+    "CIEDE2000",
+    "mean CIEDE2000 over the chart, white balanced",
+    "1",
+    "lower",
+    source="CIE 142-2001 (ISO/CIE 11664-6)",
+    rows="chart",
+)
+def _ciede2000(candidate: Candidate) -> float | None:
+    return _mean_error(candidate, chart_ciede2000)
+
+
+@_objective(
+    "Vora value",
+    "Vora value",
+    "1",
+    "higher",
+    source="Vora & Trussell 1993",
+    rows="orthonormal",
+    of_saturated=True,
+    of_noise=False,
+)
+def _vora(candidate: Candidate) -> float:
+    point, metric = candidate.point, candidate.matrix.metric
+    filters = measurement_vectors(point.sensor, point.exposure, metric)
+    return vora_value(filters, color_axes(point.sensor.grid, metric, point.observer))
+
+
+@_objective(
+    "SMI",
+    "sensitivity metamerism index",
+    "1",
+    "higher",
+    source="ISO 17321-1:2012",
+    of_saturated=True,
+    of_noise=False,
+)
+def _smi(candidate: Candidate) -> float:
+    return sensor_metamerism(candidate.point.sensor).index
+
+
+@_objective(
+    "visual noise",
+    "visual noise of a gray, all channels in each pixel",
+    "CIELUV",
+    "lower",
+    source="ISO 15739:2017",
+)
+def _visual_noise(candidate: Candidate) -> float | None:
+    point = candidate.point
+    white = analyzed(white_scene(point), point.sensor, point.exposure, matrix=candidate.matrix)
+    merit, _ = visual_merits(white, Viewing())
+    return merit.value
+
+
+@_objective(
+    "SNR10",
+    "illuminance at which Y of a gray has an SNR of 10",
+    "lx",
+    "lower",
+    source="Alakarhu, IISW 2007",
+    rows="",
+    of_saturated=True,
+)
+def _snr10_lux(candidate: Candidate) -> float | None:
+    point, maker = candidate.point, candidate.maker
+    given = (point.sensor, point.illuminant, point.exposure)
+    if maker.method.over_light is None:
+        return illuminance_for_snr(*given, candidate.matrix, snr=SNR10, reflectance=GRAY)
+    return illuminance_for_snr_adapted(
+        *given,
+        lambda lux: maker(replace(point, level_lux=lux)),
+        snr=SNR10,
+        reflectance=GRAY,
+    )
+
+
+@_objective(
+    "information",
+    "information of one pixel with all channels about the spectrum",
+    "bit",
+    "higher",
+    source="Cover & Thomas 2006, 9.4",
+)
+def _information_bits(candidate: Candidate) -> float:
+    return float(raw_information(candidate.point))
+
+
+@_objective(
+    "least separation",
+    "least distance between two patches in raw values",
+    "1",
+    "higher",
+    source="ICRU Report 54 (1996)",
+    rows="paired",
+)
+def _least_separation(candidate: Candidate) -> float | None:
+    distance = _distances(candidate.point, candidate.matrix)
+    return None if distance is None else float(distance.min())
+
+
+@_objective(
+    "mean separation",
+    "mean distance between two patches in raw values",
+    "1",
+    "higher",
+    source="ICRU Report 54 (1996)",
+    rows="paired",
+)
+def _mean_separation(candidate: Candidate) -> float | None:
+    distance = _distances(candidate.point, candidate.matrix)
+    return None if distance is None else float(distance.mean())
+
+
+@_objective(
+    "infrared share",
+    f"share of the electrons of a white beyond {INFRARED_FROM_NM:g} nm, worst channel",
+    "1",
+    "lower",
+    rows="infrared",
+    of_saturated=True,
+    of_noise=False,
+)
+def _infrared_share(candidate: Candidate) -> float | None:
+    point = candidate.point
+    infrared = is_infrared(point.sensor.grid).astype(np.float64)
+    white_e, infrared_e = electrons_at(point), electrons_at(point, reflectance=infrared)
+    if not (white_e > 0).all():
+        return None
+    return float((infrared_e / white_e).max())
+
+
+@_objective(
+    "share of full well",
+    "electrons of a white as a share of full well or top code, fullest channel",
+    "1",
+    "lower",
+    source="EMVA 1288, release 4.0",
+    rows="",
+    of_saturated=True,
+    of_noise=False,
+)
+def _share_of_full_well(candidate: Candidate) -> float:
+    point = candidate.point
+    limit_e = signal_limit_e(point.sensor, point.exposure)
+    return float(electrons_at(point).max() / limit_e) if limit_e > 0 else np.inf
+
+
+FAST = tuple(name for name, one in OBJECTIVES.items() if one.fast)
+"""Objectives that the kernels compute for a whole batch, in the order of their columns."""

@@ -27,9 +27,8 @@ from chromanoise.design.document import (
 from chromanoise.design.evaluation import Objectives
 from chromanoise.design.front import Front, front_of
 from chromanoise.design.objectives import OBJECTIVES
-from chromanoise.design.parameters import Parameter
+from chromanoise.design.parameters import Parameter, ToleranceDraws, over_tolerances, refuse_exact
 from chromanoise.design.problem import Evaluated, Linearized, Problem
-from chromanoise.design.robustness import ToleranceDraws, over_tolerances, refuse_exact
 from chromanoise.design.scenes import DesignScene
 from chromanoise.design.scheduler import Scheduler
 from chromanoise.design.search import FrontResult, Progress, SearchOptions, searched_front
@@ -39,13 +38,7 @@ from chromanoise.exposure import OperatingPoint
 from chromanoise.io.spectra import Answers
 from chromanoise.sensor import Sensor, dye_transmittances, mosaic_named, with_channel_names
 from chromanoise.spectra import DEFAULT_GRID
-from chromanoise.study import (
-    NOTHING_GIVEN,
-    Given,
-    keyed,
-    operating_points_of,
-    study_hash,
-)
+from chromanoise.study import NOTHING_GIVEN, Given, keyed, operating_points_of, study_hash
 from chromanoise.study.assembly import light_answers_of, prior_of
 
 FULLEST = 0.99
@@ -297,8 +290,7 @@ class Search:
     beside: tuple[Mapping[str, float], ...] = ()
 
 
-_SEARCH = tuple(one.name for one in fields(SearchOptions))
-_EFFORT = (*_SEARCH, "members")
+_EFFORT = (*(one.name for one in fields(SearchOptions)), "members")
 
 
 def _identity(document: DesignStudy, arrays: Sequence[Array], objects: Mapping[str, Any]) -> str:
@@ -597,10 +589,9 @@ def searched(
         As `chromanoise.design.search.searched_front`.
     """
     design, problem = task.document.design, _with_constraint_sizes(task)
-    settings = SearchOptions(**{name: getattr(design, name) for name in _SEARCH})
     found = searched_front(
         problem,
-        settings,
+        design.search,
         start=_start(task.space.parameters),
         checkpoint=checkpoint,
         resume=resume,

@@ -16,8 +16,7 @@ import numpy as np
 from chromanoise._check import Array
 from chromanoise._linalg import lstsq
 from chromanoise._shapes import Float, Int64
-from chromanoise.design.archive import misses_of
-from chromanoise.design.front import extremes, knee, non_dominated, thinned
+from chromanoise.design.front import extremes, knee, misses_of, non_dominated, thinned
 from chromanoise.design.problem import Evaluated, Problem, checked_evaluation
 
 _RADIUS, _LARGEST_RADIUS, _LEAST_RADIUS = 0.2, 0.3, 1e-5  # of the box, as shares of the ranges

@@ -17,13 +17,7 @@ from chromanoise.errors import InputError
 from chromanoise.exposure import OperatingPoint, measurement_vectors
 from chromanoise.noise import demand_independent_channels
 from chromanoise.scene import Scene, light
-from chromanoise.spectra import (
-    Metric,
-    Spectra,
-    chart_on,
-    color_axes,
-    is_infrared,
-)
+from chromanoise.spectra import Metric, Spectra, chart_on, color_axes, is_infrared
 
 _ROUNDING = 1e-16  # of the largest singular value of a training set
 

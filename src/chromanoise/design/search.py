@@ -19,22 +19,22 @@ from chromanoise.design.algorithms import (
     generation_rng,
     latin_hypercube,
 )
-from chromanoise.design.archive import Archive, empty_archive, misses_of
 from chromanoise.design.checkpoint import Checkpoint, read_checkpoint, write_checkpoint
-from chromanoise.design.front import hypervolume, thinned
+from chromanoise.design.front import Archive, empty_archive, hypervolume, misses_of, thinned
 from chromanoise.design.polish import improved
 from chromanoise.design.problem import Evaluated, Problem, checked_evaluation
 from chromanoise.design.scheduler import Scheduler
 from chromanoise.errors import InputError, Setting
 
-LEAST_POPULATION = 4
-"""Fewest candidates per generation: differential evolution combines three besides the parent."""
 MOST_POPULATION = 100_000
-"""Most candidates per generation."""
+_BOUNDS = {
+    "budget": (1, 10**12),
+    "population": (4, MOST_POPULATION),  # differential evolution combines three and the parent
+    "seed": (0, 2**32 - 1),
+    "seeds": (1, 16),
+}
 _WRITTEN_EVERY_S = 2.0
 _SAME = 1e-9  # relative difference of a candidate evaluated on another machine
-MOST_SEEDS = 16
-"""Most independent populations of a search."""
 _FIRST_POLISH = 20  # generations of a population; the next ones are after twice as many, and so on
 _EVALUATIONS_PER_GRADIENT = 25  # a gradient takes about as long
 _LEAST_GRADIENTS = 150  # per objective, of the polish at the end
@@ -69,7 +69,7 @@ class SearchOptions:
     ------
     InputError
         If the method is unknown, the population is not 4 to 100,000, the budget is less than one
-        population, the seed is not an integer >= 0, or the seeds are not 1 to 16.
+        population, the seed is not 0 to 2^32 - 1, or the seeds are not 1 to 16.
     """
 
     method: str = "nsga2"
@@ -82,12 +82,11 @@ class SearchOptions:
     def __post_init__(self) -> None:
         method = _check.one_of("method", self.method, tuple(METHODS))
         object.__setattr__(self, "method", method)
-        if not LEAST_POPULATION <= self.population <= MOST_POPULATION:
-            raise InputError(
-                "population",
-                f"must be {LEAST_POPULATION} to {MOST_POPULATION}",
-                value=self.population,
-            )
+        for name, (least, most) in _BOUNDS.items():
+            value = getattr(self, name)
+            if not (isinstance(value, int) and least <= value <= most):
+                demand = f"must be a whole number, {least} to {most}"
+                raise InputError(name, demand, value=value)
         if self.budget < self.population:
             raise InputError(
                 "budget",
@@ -95,9 +94,6 @@ class SearchOptions:
                 value=self.budget,
                 remedy=(Setting("budget", (self.population,)), Setting("population")),
             )
-        if not 1 <= self.seeds <= MOST_SEEDS:
-            raise InputError("seeds", f"must be 1 to {MOST_SEEDS}", value=self.seeds)
-        generation_rng(self.seed, 0)
 
 
 DEFAULT_SEARCH = SearchOptions()
@@ -290,7 +286,15 @@ def searched_front(
                 algorithm=state.state(),
             )
             if progress:
-                progress(_progress(now, settings))
+                progress(
+                    Progress(
+                        generation=now.generation,
+                        evaluations=now.evaluations,
+                        budget=settings.budget,
+                        values=now.archive.values,
+                        objectives=now.archive.objectives,
+                    )
+                )
             if checkpoint and time.monotonic() > written + _WRITTEN_EVERY_S:
                 write_checkpoint(checkpoint, now)
                 written = time.monotonic()
@@ -554,16 +558,6 @@ def _agrees(problem: Problem, now: Checkpoint) -> bool:
         return True
     again = checked_evaluation(problem, values, problem.evaluate)
     return np.allclose(again.objectives, objectives, rtol=_SAME, atol=_SAME)
-
-
-def _progress(now: Checkpoint, settings: SearchOptions) -> Progress:
-    return Progress(
-        generation=now.generation,
-        evaluations=now.evaluations,
-        budget=settings.budget,
-        values=now.archive.values,
-        objectives=now.archive.objectives,
-    )
 
 
 def _refuse_infeasible(problem: Problem, archive: Archive, searched: str) -> None:

@@ -1,7 +1,7 @@
 """Spaces of sensors that can be made: filters, silicon, mosaic and exposure with free numbers."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from typing import Literal, get_args
 
 import numpy as np
@@ -33,11 +33,7 @@ from chromanoise.sensor.filter_models import (
     ModelNumber,
     with_defaults,
 )
-from chromanoise.sensor.filters import (
-    LEAST_LENGTH_NM,
-    LEAST_LENGTH_UM,
-    Number,
-)
+from chromanoise.sensor.filters import LEAST_LENGTH_NM, LEAST_LENGTH_UM, Number
 from chromanoise.spectra import Grid
 
 MOST_CHANNELS = 16
@@ -802,21 +798,15 @@ def _resolved(
             refuse_outside(name, number.unit, float(bound), number.least, number.most)
         numbers[name] = index[source] if isinstance(value, Free) else float(value)
     parameters = tuple(
-        _parameter(name, value, given[name][1], choices.get(name, ()))
-        for name, value in free.items()
+        Parameter(
+            name=name,
+            unit=number.unit,
+            **asdict(free[name]),
+            least=number.least,
+            most=number.most,
+            choices=choices.get(name, ()),
+        )
+        for name, (_, number) in given.items()
+        if name in free
     )
     return parameters, numbers
-
-
-def _parameter(name: str, free: Free, number: ModelNumber, choices: tuple[str, ...]) -> Parameter:
-    return Parameter(
-        name=name,
-        unit=number.unit,
-        low=free.low,
-        high=free.high,
-        start=free.start,
-        tolerance=free.tolerance,
-        least=number.least,
-        most=number.most,
-        choices=choices,
-    )

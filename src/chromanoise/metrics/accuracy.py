@@ -6,12 +6,7 @@ import numpy as np
 
 from chromanoise._check import Array, frozen
 from chromanoise._shapes import Float
-from chromanoise.color import (
-    ColorMatrix,
-    balanced_cielab,
-    cie1976_difference,
-    ciede2000_difference,
-)
+from chromanoise.color import ColorMatrix, balanced_cielab, cie1976_difference, ciede2000_difference
 from chromanoise.exposure import Exposure, expected_electrons
 from chromanoise.scene import Scene, light
 from chromanoise.sensor import Sensor

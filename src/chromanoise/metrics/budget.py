@@ -20,63 +20,511 @@ Dark current, quantization, row noise, DSNU, PRNU, crosstalk and the pattern of 
 only if the sensor has them. The pattern exists in a mosaic in which pixels of one channel have
 different neighbors, and only together with the cause crosstalk.
 
-For L*, a* and b*, where the signal is a change of the color, see `chromanoise.metrics.lab_budget`.
+`lab_budget` goes from all photons to one unit of L*, a* or b*. A white has a* = 0, so the signal is
+not a* itself but a change of it: the SNR here is one unit over the standard deviation, 1 / sigma,
+to first order at a given color. The signal is a change of the light that changes this coordinate by
+one and leaves the other two constant. Of all such changes `faintest_change` is used: the one with
+the lowest SNR for an ideal detector that counts every photon with its wavelength. So no cause
+includes a loss that no detector could avoid. Photon counting gives sqrt(p N) where the change is
+the light itself, as above.
+
+============ =============================================== ==================================
+cause        off                                             on
+============ =============================================== ==================================
+filters      every photon is counted with its wavelength     the sensor's quantum efficiencies
+read noise   none                                            the pixel's
+weights      the best linear readout, D^-1 dmu               the coordinate's own weights h.f/|f|^2
+correlation  channels weighted one by one                    channels unmixed: J C
+infrared     an ideal IR-cut at 700 nm                       its electrons add noise
+============ =============================================== ==================================
+
+h = H J^T is the coordinate's gradient with respect to light, J the Jacobian of CIELAB at the
+sensor's own mean, with the sensor's own white. The remainder, "rest", is the error of the color
+matrix: the measured change is r.dmu units instead of one. A matrix that desaturates colors has a
+gain here, because it scales signal and noise down together. Orders and losses are computed as
+above.
+
+The infrared carries almost no signal here, because H is almost zero there.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Container, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
-from chromanoise import _check
+from chromanoise import _check, _notebook
 from chromanoise._check import Array
+from chromanoise._linalg import RANK_TOLERANCE, congruence, inv, pinv, svd, unit_columns
 from chromanoise._shapes import Float
-from chromanoise.color import ColorMatrix
-from chromanoise.exposure import Exposure, expected_electrons, measurement_vectors
+from chromanoise.color import LAB, ColorMatrix
+from chromanoise.color.matrices import XYZ
+from chromanoise.exposure import Exposure, expected_electrons, exposure_factor, measurement_vectors
 from chromanoise.geometry import DualBasis, dual_frame, variance_inflation
-from chromanoise.metrics.budget_chain import (
-    CAUSES,
-    CORRELATION,
-    FILTERS,
-    INFRARED,
-    READ_NOISE,
-    REST,
-    WEIGHTS,
-    Budget,
-    Chain,
-    Channels,
-    Cost,
-    Seen,
-    causes_of,
-    chain_budget,
-    chain_snr_db,
-    counting_snr_db,
-    noise_causes,
-    photons_on_pixels,
-    shared_readings,
-    without_infrared,
+from chromanoise.metrics.shapley import Switches, allowed_sets, shapley_values
+from chromanoise.noise import (
+    NoiseSources,
+    after_counting,
+    counted_electrons,
+    noise_sources,
+    with_noise,
 )
-from chromanoise.metrics.shapley import Switches, shapley_values
-from chromanoise.noise import noise_sources
-from chromanoise.scene import Scene, light
-from chromanoise.sensor import Sensor, without_crosstalk
-from chromanoise.spectra import color_axes
+from chromanoise.scene import Scene, flat_field, light
+from chromanoise.sensor import Crosstalk, Sensor, pixels_of, without_crosstalk
+from chromanoise.sensor.noise_source import ALL, PATTERN, READ, READ_OUT, SHOT, SOURCES, Drawn
+from chromanoise.spectra import INFRARED_FROM_NM, color_axes, is_infrared
+from chromanoise.units import decibel
 
-__all__ = [
-    "CAUSES",
-    "CORRELATION",
-    "FILTERS",
-    "INFRARED",
-    "READ_NOISE",
-    "REST",
-    "WEIGHTS",
-    "Budget",
-    "Cost",
-    "Switches",
-    "color_budget",
-    "contravariant_budget",
-    "shapley_values",
-]
+FILTERS, READ_NOISE, WEIGHTS = "filters", READ, "weights"
+CORRELATION, INFRARED, REST = "correlation", "infrared", "rest"
+CROSSTALK = "crosstalk"
+CAUSES = (FILTERS, READ_NOISE, WEIGHTS, CORRELATION, INFRARED)
+"""The causes of every budget; `causes_of` adds those of the sensor's own noise sources."""
+_SLOPE_STEP = 1e-3
+QUANTIZATION = next(one.cause for one in SOURCES if one.drawn == "rounding")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Cost:
+    """The loss of SNR that one cause makes.
+
+    Attributes
+    ----------
+    cause
+        One of `CAUSES`, or "rest".
+    loss_db
+        Its Shapley value; negative where the cause raises the SNR. [dB]
+    reading
+        One sentence that explains the loss in terms of the sensor.
+    """
+
+    cause: str
+    loss_db: float
+    reading: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Budget:
+    """The SNR budget of one coordinate, starting from all photons.
+
+    Attributes
+    ----------
+    coordinate
+        X, Y or Z; M^R for the contravariant coordinate of channel R; L*, a* or b*.
+    photons_db
+        SNR of an ideal detector that counts every photon on the p pixels with its wavelength:
+        sqrt(p N) where the signal is the light itself. [dB]
+    costs
+        One per cause and the rest; their sum is ``photons_db`` minus ``snr_db``.
+    optimal_linear_snr_db
+        The best SNR of any linear readout of the real channels. [dB]
+    snr_db
+        SNR of the coordinate; for L*, a* and b* one unit over its standard deviation. [dB]
+    """
+
+    coordinate: str
+    photons_db: float
+    costs: tuple[Cost, ...]
+    optimal_linear_snr_db: float
+    snr_db: float
+
+    def _repr_html_(self) -> str:
+        start = ["all photons on the pixels", f"{self.photons_db:.2f}", "every photon counted"]
+        end = [f"SNR of {self.coordinate}", f"{self.snr_db:.2f}", ""]
+        causes = [[cost.cause, f"{-cost.loss_db:+.2f}", cost.reading] for cost in self.costs]
+        best = self.optimal_linear_snr_db
+        return _notebook.shown(
+            f"Budget of {self.coordinate}; no linear readout exceeds {best:.2f} dB",
+            _notebook.table(["", "dB", "why"], [start, *causes, end]),
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Seen:
+    """Electrons of the signal, and electrons that contribute shot noise.
+
+    Attributes
+    ----------
+    signal_e
+        Electrons of the signal. [e-]
+    noise_e
+        Electrons whose shot noise counts. [e-]
+    sought_e
+        The signal for which the best linear readout is optimized. [e-]
+    is_change
+        Whether signals are changes of the electrons, which coarse rounding multiplies by the slope
+        of the rounded mean. Otherwise signals are electrons, which it replaces by the rounded mean.
+    """
+
+    signal_e: Float[Array, " p"]
+    noise_e: Float[Array, " p"]
+    sought_e: Float[Array, " p"]
+    is_change: bool = False
+
+    def __post_init__(self) -> None:
+        _check.freeze(self, "signal_e", "noise_e", "sought_e")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Channels:
+    """Signals, noise and weights of the channels, after crosstalk or before it.
+
+    Attributes
+    ----------
+    without_infrared, with_infrared
+        Signal and noise with the cause "infrared" off, and on.
+    row
+        The coordinate's row of the color matrix, applied to the unmixed channels.
+    single_row
+        The coordinate's weights where the overlap of the channels is neglected.
+    """
+
+    without_infrared: Seen
+    with_infrared: Seen
+    row: Float[Array, " p"]
+    single_row: Float[Array, " p"]
+
+    def __post_init__(self) -> None:
+        _check.freeze(self, "row", "single_row")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Chain:
+    """All that the causes switch between.
+
+    Attributes
+    ----------
+    photons_db
+        SNR at the start of the chain: `counting_snr_db`. [dB]
+    channels
+        The channels of the sensor.
+    before_crosstalk
+        The channels with the cause "crosstalk" off; ``None`` without that cause.
+    noise
+        The noise sources of each pixel.
+    crosstalk
+        Of the sensor; no cause if it cannot be inverted, as the curves without it are unknown.
+    """
+
+    photons_db: float
+    channels: Channels
+    before_crosstalk: Channels | None
+    noise: NoiseSources
+    crosstalk: Crosstalk | None = None
+
+
+def rounded_share(seen: Seen, noise: NoiseSources) -> Float[Array, " p"]:
+    """Ratio of the signal of each channel after rounding to that before; 1 for a fine step. [1]
+
+    Parameters
+    ----------
+    seen
+        Electrons of the signal and of the noise.
+    noise
+        The noise sources of each pixel.
+    """
+    mean = seen.noise_e
+    if not noise.rounding_is_coarse(mean).any():
+        return np.ones_like(mean)
+    if not seen.is_change:
+        return 1 + noise.rounded(mean)[0] / np.where(mean > 0, mean, 1.0)
+    step = _SLOPE_STEP * np.sqrt(1 + mean)
+    below, above = np.maximum(mean - step, 0.0), mean + step
+    return 1 + (noise.rounded(above)[0] - noise.rounded(below)[0]) / (above - below)
+
+
+def _is_rounded(chain: Chain) -> bool:
+    """Whether rounding depends on the other noise: the step of a channel exceeds its noise."""
+    if after_counting(chain.crosstalk) is not None:
+        return False
+    seen = [chain.channels.with_infrared, chain.channels.without_infrared]
+    if chain.before_crosstalk is not None:
+        seen += [chain.before_crosstalk.with_infrared, chain.before_crosstalk.without_infrared]
+    return any(chain.noise.rounding_is_coarse(one.noise_e).any() for one in seen)
+
+
+def causes_of(chain: Chain, *, infrared: bool = True) -> tuple[str, ...]:
+    """The causes of a budget: those of every sensor, and the noise sources that this one has.
+
+    Parameters
+    ----------
+    chain
+        The chain of a coordinate.
+    infrared
+        Whether the budget separates the infrared.
+    """
+    values = replace(chain.noise, pattern=None).by_source(np.ones(1))
+    own = {name for name in _more_noise(chain.noise) if values[name].any()}
+    own |= set() if chain.noise.pattern is None else {PATTERN}
+    more = tuple(name for name in _more_noise(chain.noise) if name in own)
+    mixed = (CROSSTALK,) if chain.before_crosstalk is not None else ()
+    end = CAUSES[2:] if infrared else CAUSES[2:-1]
+    return (*CAUSES[:2], *more, *mixed, *end)
+
+
+def _more_noise(noise: NoiseSources) -> list[str]:
+    """The sources besides shot noise and read noise."""
+    return [one.cause for one in noise.sources if one.cause not in (SHOT, READ)]
+
+
+def noise_causes(chain: Chain) -> frozenset[str]:
+    """The causes of the best linear readout: filters, crosstalk and all noise of the pixel."""
+    return frozenset(causes_of(chain)) - {WEIGHTS, CORRELATION, INFRARED}
+
+
+def counting_snr_db(
+    light: Float[Array, " n"], change: Float[Array, " n"], photons_per_unit_light: float
+) -> float:
+    """SNR of a change of light for a detector that counts every photon with its wavelength. [dB]
+
+    Parameters
+    ----------
+    light
+        Mean light per wavelength, >= 0; where it is 0, the change must be 0 too.
+    change
+        The signal, in the unit of ``light``.
+    photons_per_unit_light
+        Photons on all pixels together. [photons per unit of light]
+
+    Notes
+    -----
+    Photon counts are independent Poisson variables, so the squared SNRs of the wavelengths add:
+    sum of (k dL)^2 / (k L). For dL = L it is sqrt(k sum L), the square root of the photons.
+
+    Examples
+    --------
+    >>> counting_snr_db(np.array([4.0, 0.0, 6.0]), np.array([4.0, 0.0, 6.0]), 10.0)  # 100 photons
+    20.0
+    """
+    squares = change**2 / np.where(light > 0, light, 1.0)
+    snr = np.sqrt(photons_per_unit_light * squares[light > 0].sum())
+    return float(decibel(np.asarray(snr)))
+
+
+def photons_on_pixels(sensor: Sensor, exposure: Exposure) -> float:
+    """Photons on the pixels of all channels per unit of light and wavelength. [s um2 nm]
+
+    p k of eq. 2, or k for channels that are stacked on one pixel.
+    """
+    return pixels_of(sensor) * exposure_factor(exposure, sensor.pixel, sensor.grid.step_nm)
+
+
+def without_infrared(scene: Scene) -> Scene:
+    """The same scene behind an ideal IR-cut filter at `INFRARED_FROM_NM`."""
+    visible = ~is_infrared(scene.illuminant.grid)
+    return Scene(
+        illuminant=scene.illuminant,
+        level_lux=scene.level_lux,
+        reflectance=scene.reflectance * visible,
+    )
+
+
+def chain_snr_db(chain: Chain, on: Switches) -> float:
+    """SNR of the readout with the given causes switched on. [dB]"""
+    return float(chain_snrs_db(chain, [on])[0])
+
+
+def chain_snrs_db(chain: Chain, sets: Sequence[Switches]) -> Float[Array, " s"]:
+    """SNR of the readout for each set of causes. [dB]"""
+    result = np.full(len(sets), chain.photons_db)
+    groups: dict[tuple[bool, ...], list[int]] = {}
+    rounded = _is_rounded(chain)
+    for i, on in enumerate(sets):
+        if FILTERS in on:
+            key = tuple(cause in on for cause in (CROSSTALK, INFRARED, WEIGHTS, CORRELATION))
+            groups.setdefault(key, []).append(i)
+    for (mixed, infrared, weights, unmixed), rows in groups.items():
+        before = None if mixed else chain.before_crosstalk
+        channels = before or chain.channels
+        seen = channels.with_infrared if infrared else channels.without_infrared
+        weighted = channels.row if unmixed else channels.single_row
+        row = weighted if weights else None
+        coupling, noise = None, replace(chain.noise, pattern=None)
+        if before is None:
+            coupling, noise = after_counting(chain.crosstalk), chain.noise
+        own = [sets[i] for i in rows]
+        result[rows] = _snrs_db(seen, row, coupling, noise, own, rounded=rounded)
+    return result
+
+
+def _added_e2(
+    noise: NoiseSources,
+    mean_e: Float[Array, " p"],
+    sets: Sequence[Switches],
+    drawn: Container[Drawn] = ALL,
+) -> Float[Array, "s p"]:
+    """Variance of sources that each set switches on, without shot noise. [e-^2]"""
+    values = noise.by_source(mean_e)
+    names = [one.cause for one in noise.sources if one.drawn in drawn and one.cause != SHOT]
+    on = np.array([[name in each for name in names] for each in sets])
+    return (on[..., None] * np.stack([values[name] for name in names])).sum(axis=1)
+
+
+def _snrs_db(
+    seen: Seen,
+    row: Float[Array, " p"] | None,
+    coupling: Float[Array, "p p"] | None,
+    noise: NoiseSources,
+    sets: Sequence[Switches],
+    *,
+    rounded: bool,
+) -> Float[Array, " s"]:
+    """SNR of a row, or of the best linear readout where it is ``None``. [dB]"""
+    if coupling is not None:
+        return _coupled_snrs_db(seen, row, coupling, noise, sets)
+    variance = seen.noise_e + _added_e2(noise, seen.noise_e, sets)
+    signal_e, sought_e = seen.signal_e, seen.sought_e
+    if rounded:  # after all other noise: `chain_budget`
+        on = np.array([QUANTIZATION in each for each in sets])[:, None]
+        share = np.where(on, rounded_share(seen, noise), 1.0)
+        variance = np.where(on, noise.rounded(seen.noise_e)[1], variance)
+        signal_e, sought_e = share * signal_e, share * sought_e
+    rows = sought_e / np.where(variance > 0, variance, 1.0) if row is None else row[None]
+    signal = np.abs((rows * signal_e).sum(axis=1))
+    return np.asarray(decibel(signal / np.sqrt((rows**2 * variance).sum(axis=1))))
+
+
+def _coupled_snrs_db(
+    seen: Seen,
+    row: Float[Array, " p"] | None,
+    coupling: Float[Array, "p p"],
+    noise: NoiseSources,
+    sets: Sequence[Switches],
+) -> Float[Array, " s"]:
+    """The same with crosstalk after counting, which correlates the readings. [dB]"""
+    counted = counted_electrons(seen.noise_e, coupling)
+    inside = counted + _added_e2(noise, counted, sets, ALL - READ_OUT)
+    after = _added_e2(noise, counted, sets, READ_OUT)
+    if row is None:
+        covariance = congruence(coupling, _diagonal(inside)) + _diagonal(after)
+        rows = pinv("noise with crosstalk", covariance) @ seen.sought_e
+    else:
+        rows = row[None]
+    variance = ((rows @ coupling) ** 2 * inside + rows**2 * after).sum(axis=1)
+    return np.asarray(decibel(np.abs(rows @ seen.signal_e) / np.sqrt(variance)))
+
+
+def _diagonal(variance: Float[Array, "s p"]) -> Float[Array, "s p p"]:
+    return variance[..., None] * np.eye(variance.shape[-1])
+
+
+def chain_budget(
+    chain: Chain,
+    coordinate: str,
+    causes: tuple[str, ...],
+    readings: dict[str, str],
+    *,
+    optimal_linear_snr_db: float,
+    snr_db: float,
+) -> Budget:
+    """The losses of all causes; the difference that remains to ``snr_db`` is the rest.
+
+    Parameters
+    ----------
+    chain
+        The chain of ``coordinate``.
+    causes
+        The causes that are switched: `causes_of`.
+    readings
+        One sentence per cause and for "rest".
+    optimal_linear_snr_db, snr_db
+        As `Budget`. [dB]
+    """
+    order = (*((FILTERS, later) for later in causes[1:]), (WEIGHTS, CORRELATION))
+    if _is_rounded(chain):  # what a coarse step loses depends on the noise that is rounded
+        noise = (READ_NOISE, *_more_noise(chain.noise))
+        before = (name for name in noise if name != QUANTIZATION)
+        order += tuple((name, QUANTIZATION) for name in before if name in causes)
+    sets = allowed_sets(causes, order)
+    worth = dict(zip(sets, chain_snrs_db(chain, sets).tolist(), strict=True))
+    shares = shapley_values(worth.__getitem__, causes, order)
+    rest = worth[frozenset(causes)] - snr_db
+    costs = [Cost(cause=c, loss_db=-shares[c], reading=readings[c]) for c in causes]
+    return Budget(
+        coordinate=coordinate,
+        photons_db=chain.photons_db,
+        costs=(*costs, Cost(cause=REST, loss_db=rest, reading=readings[REST])),
+        optimal_linear_snr_db=optimal_linear_snr_db,
+        snr_db=snr_db,
+    )
+
+
+def shared_readings(
+    chain: Chain, frame: DualBasis, *, photons: float, all_e: Array, visible_e: Array
+) -> dict[str, str]:
+    """One sentence per cause that explains it in terms of the sensor.
+
+    Parameters
+    ----------
+    chain, frame
+        The chain and the frame of the sensor.
+    photons
+        On all pixels together.
+    all_e, visible_e
+        Mean electrons with and without the infrared. [e-]
+    """
+    vif = variance_inflation(frame)
+    worst = int(np.argmax(vif))
+    counted = counted_electrons(all_e, after_counting(chain.crosstalk))
+    sources = {**chain.noise.by_source(all_e), PATTERN: chain.noise.pattern_e2(counted)}
+    variance = sum(sources.values(), 0.0 * all_e)
+    whitened = np.sqrt(np.where(variance > 0, variance, 1.0))  # avoids 0 / 0
+    channels = chain.channels
+    best, own = channels.with_infrared.sought_e / whitened, channels.single_row * whitened
+    psi = np.degrees(np.arccos(np.clip(best @ own / np.sqrt((best @ best) * (own @ own)), -1, 1)))
+    infrared = 1 - visible_e.sum() / all_e.sum()
+    part = {name: float(100 * each.mean() / variance.mean()) for name, each in sources.items()}
+    more = {
+        name: f"{part[name]:.1f} % of the mean noise variance" for name in _more_noise(chain.noise)
+    }
+    if _is_rounded(chain):
+        before_e2 = float((variance - sources[QUANTIZATION]).mean())
+        after_e2 = float(chain.noise.rounded(all_e)[1].mean())
+        more[QUANTIZATION] = (
+            f"rounding to steps of {chain.noise.step_e:.3g} e-, after all other noise is added, "
+            f"changes the rms noise from {before_e2**0.5:.3g} to {after_e2**0.5:.3g} e-"
+        )
+    unmixed = (
+        f"unmixing multiplies {frame.names[worst]}'s own noise by {vif[worst]:.1f} (VIF), "
+        f"condition {frame.condition:.1f}, metric {frame.metric}"
+    )
+    if chain.crosstalk is not None and chain.before_crosstalk is not None:
+        before = chain.before_crosstalk.with_infrared.noise_e
+        moved = moved_share(chain.crosstalk, before)
+        more[CROSSTALK] = f"{100 * moved:.1f} % of the electrons leave their channel"
+    elif chain.crosstalk is not None:
+        unmixed = "the crosstalk matrix is singular: its loss is in this row and in filters"
+    return {
+        **more,
+        FILTERS: f"{100 * all_e.sum() / photons:.0f} % of the photons become electrons",
+        READ_NOISE: f"{part[READ_NOISE]:.1f} % of the mean noise variance is readout",
+        WEIGHTS: f"this color needs a channel mix {psi:.0f} deg from the lowest-noise one",
+        CORRELATION: unmixed,
+        INFRARED: f"{100 * infrared:.0f} % of the electrons come from beyond "
+        f"{INFRARED_FROM_NM:.0f} nm",
+    }
+
+
+def moved_share(crosstalk: Crosstalk, before_e: Float[Array, " p"]) -> float:
+    """Share of the electrons that crosstalk moves to other channels or loses. [1]
+
+    Parameters
+    ----------
+    crosstalk
+        The crosstalk.
+    before_e
+        Electrons of one pixel of each channel without it. [e-]
+
+    Examples
+    --------
+    Channels that exchange a tenth of equal light: each ends with what it had.
+
+    >>> exchange = Crosstalk(matrix=np.array([[0.9, 0.1], [0.1, 0.9]]), pixels=(1, 1))
+    >>> round(moved_share(exchange, np.array([50.0, 50.0])), 12)
+    0.1
+    """
+    electrons = np.asarray(crosstalk.pixels) * before_e
+    return float(1.0 - np.diagonal(crosstalk.matrix) @ electrons / electrons.sum())
 
 
 def color_budget(
@@ -106,7 +554,8 @@ def color_budget(
     got = _electrons(scene, sensor, exposure)
     axis = color_axes(sensor.grid, matrix.metric, matrix.observer)[:, i]
 
-    def channels(of: _Electrons, frame: DualBasis, row: Float[Array, " p"]) -> Channels:
+    def channels(of_sensor: Sensor, frame: DualBasis, row: Float[Array, " p"]) -> Channels:
+        of = _electrons(scene, of_sensor, exposure)
         return Channels(
             without_infrared=_seen(of.all_e),
             with_infrared=Seen(signal_e=of.visible_e, noise_e=of.all_e, sought_e=of.all_e),
@@ -114,7 +563,8 @@ def color_budget(
             single_row=weights_one_by_one(axis, frame),
         )
 
-    chain = _chain(got, sensor, channels, matrix.frame, matrix.matrix[i])
+    row = matrix.matrix[i]
+    chain = _chain(sensor, exposure, matrix.frame, row, channels, got.photons_db)
     own = chain.channels
     usable = (own.row @ got.all_e, own.row @ got.visible_e, own.single_row @ got.visible_e)
     if not min(usable) > 0:
@@ -163,11 +613,13 @@ def contravariant_budget(
     i = sensor.names.index(channel)
     got = _electrons(scene, sensor, exposure)
 
-    def channels(of: _Electrons, _: DualBasis, row: Float[Array, " p"]) -> Channels:
+    def channels(of_sensor: Sensor, _: DualBasis, row: Float[Array, " p"]) -> Channels:
+        of = _electrons(scene, of_sensor, exposure)
         seen, alone = _seen(of.all_e), np.eye(len(sensor.names))[i]
         return Channels(without_infrared=seen, with_infrared=seen, row=row, single_row=alone)
 
-    chain = _chain(got, sensor, channels, frame, frame.inverse_gram[i])
+    row = frame.inverse_gram[i]
+    chain = _chain(sensor, exposure, frame, row, channels, got.photons_db)
     defined = np.isfinite(variance_inflation(frame)[i]) and chain.channels.row @ got.all_e != 0
     if not (defined and got.all_e[i] > 0):
         return None
@@ -202,8 +654,6 @@ def weights_one_by_one(axis: Float[Array, " n"], frame: DualBasis) -> Float[Arra
 class _Electrons:
     """Photons on all pixels, and the electrons that the channels collect from them."""
 
-    scene: Scene
-    exposure: Exposure
     photons: float
     photons_db: float
     all_e: Float[Array, " p"]
@@ -213,8 +663,6 @@ class _Electrons:
 def _electrons(scene: Scene, sensor: Sensor, exposure: Exposure) -> _Electrons:
     photons, factor = light(scene, "quanta"), photons_on_pixels(sensor, exposure)
     return _Electrons(
-        scene=scene,
-        exposure=exposure,
         photons=factor * float(photons.sum()),
         photons_db=counting_snr_db(photons, photons, factor),
         all_e=expected_electrons(scene, sensor, exposure),
@@ -227,24 +675,25 @@ def _seen(electrons: Float[Array, " p"]) -> Seen:
 
 
 def _chain(
-    got: _Electrons,
     sensor: Sensor,
-    channels: Callable[[_Electrons, DualBasis, Float[Array, " p"]], Channels],
+    exposure: Exposure,
     frame: DualBasis,
-    row: Float[Array, " p"],
+    rows: Array,
+    channels: Callable[[Sensor, DualBasis, Array], Channels],
+    photons_db: float,
 ) -> Chain:
     """The chain of the sensor, and of the same without crosstalk: R X gives the same color."""
     crosstalk, before = sensor.crosstalk, None
     pure = without_crosstalk(sensor) if crosstalk is not None else None
     if crosstalk is not None and pure is not None:
-        basis = measurement_vectors(pure, got.exposure, frame.metric)
+        basis = measurement_vectors(pure, exposure, frame.metric)
         own = dual_frame(basis, names=pure.names, metric=frame.metric)
-        before = channels(_electrons(got.scene, pure, got.exposure), own, row @ crosstalk.matrix)
+        before = channels(pure, own, rows @ crosstalk.matrix)
     return Chain(
-        photons_db=got.photons_db,
-        channels=channels(got, frame, row),
+        photons_db=photons_db,
+        channels=channels(sensor, frame, rows),
         before_crosstalk=before,
-        noise=noise_sources(sensor, got.exposure),
+        noise=noise_sources(sensor, exposure),
         crosstalk=crosstalk,
     )
 
@@ -258,3 +707,207 @@ def _readings(chain: Chain, frame: DualBasis, got: _Electrons) -> dict[str, str]
 def _rest_reading(rest_db: float, coordinate: str) -> str:
     infrared = round(100 * (1 - 10 ** (rest_db / 20)), 1) + 0.0  # avoids -0.0
     return f"{infrared:.1f} % of {coordinate} is infrared that the matrix lets through"
+
+
+_ROUNDING = 1e-10  # of the sum of absolute terms: below, a sum is rounding
+
+
+def faintest_change(
+    light: Float[Array, " n"], axes: Float[Array, "n c"], step: Float[Array, " c"]
+) -> Float[Array, " n"] | None:
+    """The change of light with the lowest photon-counting SNR that changes a color by ``step``.
+
+    Parameters
+    ----------
+    light
+        L, mean photons per wavelength, >= 0.
+    axes
+        H, one column per color coordinate.
+    step
+        dx, the change of the color H^T L.
+
+    Returns
+    -------
+    change
+        dL, in the unit of ``light``; ``None`` where changes of the light cannot change all
+        coordinates independently.
+
+    Raises
+    ------
+    InputError
+        If an entry of ``light`` is negative or not finite.
+
+    Notes
+    -----
+    Photon counting detects dL with SNR^2 ~ sum dL^2 / L. Lagrange: the least such sum under
+    H^T dL = dx has 2 dL / L = H lambda, so dL = L * (H (H^T diag(L) H)^-1 dx). It is computed as
+    the shortest vector dL / sqrt(L) by singular values.
+
+    Examples
+    --------
+    >>> lamp = np.array([4.0, 0.0, 1.0])
+    >>> faintest_change(lamp, np.ones((3, 1)), np.array([5.0])).round(12)     # the light itself
+    array([4., 0., 1.])
+    """
+    root = np.sqrt(_check.non_negative("light", "photons", light))
+    directions, lengths = unit_columns(axes * root[:, None])
+    u, singular, vt = svd("axes of color in light", directions, full_matrices=False)
+    rank = int((singular > RANK_TOLERANCE * singular[0]).sum())
+    if rank < axes.shape[1]:
+        return None
+    return root * (u @ ((vt @ (step / lengths)) / singular))
+
+
+def lab_budget(
+    scene: Scene, sensor: Sensor, exposure: Exposure, matrix: ColorMatrix, coordinate: str = "a*"
+) -> Budget | None:
+    """The budget of L*, a* or b* of one point, or ``None`` where it is undefined.
+
+    It is undefined where X, Y or Z of the sensor's white is not above 0, where changes of the light
+    cannot change the three coordinates independently, or where the measured change is zero or has
+    the opposite sign: a single channel has no a*, and a matrix may reverse a change.
+
+    Parameters
+    ----------
+    scene
+        A scene of one point, e.g. a gray (`flat_field`); its white is a perfect white in the same
+        light.
+    sensor, exposure
+        The sensor and its exposure settings.
+    matrix
+        Any color matrix to X, Y, Z; "correlation" is the step from weights that neglect the
+        overlap of the channels to this matrix.
+    coordinate
+        L*, a* or b*.
+
+    Raises
+    ------
+    InputError
+        If there is no such coordinate, the rows of the matrix are not X, Y, Z, or its channels are
+        not those of the sensor.
+
+    Notes
+    -----
+    First order: sigma^2 = r D r^T with r = J C (JCGM 102:2011, 6.2), as
+    `chromanoise.color.first_order`.
+    """
+    _check.one_of("coordinate", coordinate, LAB.coordinates)
+    _check.same_names("budget", sensor=sensor.names, matrix=matrix.channels)
+    _check.same_names("budget in CIELAB", needed=XYZ, matrix=matrix.coordinates)
+    point = _point(scene, sensor, exposure, matrix)
+    if point is None:
+        return None
+    i = LAB.coordinates.index(coordinate)
+    step = inv(f"slope of {coordinate} of {sensor.name}", point.slope)[:, i]
+    change = faintest_change(point.light, point.axes, step)
+    if change is None:
+        return None
+    chain = _chain(
+        sensor,
+        exposure,
+        matrix.frame,
+        matrix.matrix,
+        partial(_lab_channels, point, exposure, change, i),
+        counting_snr_db(point.light, change, point.photons_per_unit_light),
+    )
+    if not _followed(chain):
+        return None
+    row = chain.channels.row
+    seen = chain.channels.with_infrared
+    share = rounded_share(seen, chain.noise) if after_counting(chain.crosstalk) is None else 1.0
+    gain = float(row @ (share * seen.signal_e))
+    noise = with_noise(point.all_e, sensor, exposure).covariance
+    return chain_budget(
+        chain,
+        coordinate,
+        causes_of(chain),
+        _lab_readings(chain, matrix, point, coordinate, gain),
+        optimal_linear_snr_db=chain_snr_db(chain, noise_causes(chain) | {INFRARED}),
+        snr_db=-10 * float(np.log10(row @ noise @ row)),
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Point:
+    """One color: its light [photons], its electrons, and the Jacobian of CIELAB there."""
+
+    light: Float[Array, " n"]
+    axes: Float[Array, "n 3"]
+    observer: str
+    photons_per_unit_light: float
+    all_e: Float[Array, " p"]
+    visible_e: Float[Array, " p"]
+    slope: Float[Array, "3 3"]
+
+
+def _point(scene: Scene, sensor: Sensor, exposure: Exposure, matrix: ColorMatrix) -> _Point | None:
+    """``None`` where X, Y or Z of the sensor's white is not above 0."""
+    white_scene = flat_field(scene.illuminant, level_lux=scene.level_lux)
+    white = matrix.matrix @ expected_electrons(white_scene, sensor, exposure)
+    if not (white > 0).all():
+        return None
+    all_e = expected_electrons(scene, sensor, exposure)
+    return _Point(
+        light=light(scene, "quanta"),
+        axes=color_axes(sensor.grid, "quanta", matrix.observer),
+        observer=matrix.observer,
+        photons_per_unit_light=photons_on_pixels(sensor, exposure),
+        all_e=all_e,
+        visible_e=expected_electrons(without_infrared(scene), sensor, exposure),
+        slope=LAB.jacobian(matrix.matrix @ all_e, white),
+    )
+
+
+def _lab_channels(
+    point: _Point,
+    exposure: Exposure,
+    change: Float[Array, " n"],
+    i: int,
+    sensor: Sensor,
+    frame: DualBasis,
+    rows: Float[Array, "3 p"],
+) -> Channels:
+    """Signals and weights of one coordinate, for the rows of a matrix and the frame of a sensor."""
+    basis = measurement_vectors(sensor, exposure, "quanta")
+    visible = ~is_infrared(sensor.grid)
+    cut, whole = (change * visible) @ basis, change @ basis
+    noise_e, visible_e = point.light @ basis, (point.light * visible) @ basis
+    axes = color_axes(sensor.grid, frame.metric, point.observer)
+    one_by_one = [weights_one_by_one(axis, frame) for axis in axes.T]
+    return Channels(
+        without_infrared=Seen(signal_e=cut, noise_e=visible_e, sought_e=cut, is_change=True),
+        with_infrared=Seen(signal_e=whole, noise_e=noise_e, sought_e=whole, is_change=True),
+        row=_sum_of(point.slope[i, :, None] * rows),
+        single_row=_sum_of(point.slope[i, :, None] * np.stack(one_by_one)),
+    )
+
+
+def _sum_of(terms: Float[Array, "c p"]) -> Float[Array, " p"]:
+    """Their sum; 0 where they cancel to rounding, as X/Xn - Y/Yn does for a single channel."""
+    total = terms.sum(axis=0)
+    return np.where(np.abs(total) > _ROUNDING * np.abs(terms).sum(axis=0), total, 0.0)
+
+
+def _followed(chain: Chain) -> bool:
+    """Whether the coordinate follows the change, and every readout of the chain detects it.
+
+    Weights that neglect the overlap of channels may reverse the sign; only the size counts there.
+    """
+    of = chain.channels
+    signals = np.stack([of.without_infrared.signal_e, of.with_infrared.signal_e], axis=1)
+    own, single = (_sum_of(row[:, None] * signals) for row in (of.row, of.single_row))
+    return bool((own > 0).all() and (single != 0).all())
+
+
+def _lab_readings(
+    chain: Chain, matrix: ColorMatrix, point: _Point, coordinate: str, gain: float
+) -> dict[str, str]:
+    photons = point.photons_per_unit_light * float(point.light.sum())
+    readings = shared_readings(
+        chain, matrix.frame, photons=photons, all_e=point.all_e, visible_e=point.visible_e
+    )
+    h = point.axes @ point.slope[LAB.coordinates.index(coordinate)]
+    perfect = 10 * float(np.log10(point.photons_per_unit_light / (h**2 @ point.light)))
+    readings[WEIGHTS] += f"; a perfect colorimeter pays {chain.photons_db - perfect:.1f} dB"
+    readings[REST] = f"one unit of {coordinate} comes out as {gain:.2f}"
+    return readings

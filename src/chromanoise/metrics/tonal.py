@@ -4,9 +4,7 @@ import numpy as np
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise._shapes import (
-    Float,
-)
+from chromanoise._shapes import Float
 from chromanoise.errors import InputError
 
 

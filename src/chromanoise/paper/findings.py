@@ -11,8 +11,7 @@ from chromanoise.analysis.analysis import (
 )
 from chromanoise.exposure import expected_electrons
 from chromanoise.metrics import Budget, color_budget
-from chromanoise.metrics.budget import CORRELATION, INFRARED
-from chromanoise.metrics.budget_chain import without_infrared
+from chromanoise.metrics.budget import CORRELATION, INFRARED, without_infrared
 from chromanoise.paper import study as paper
 from chromanoise.paper.study import PaperStudy
 from chromanoise.spectra import INFRARED_FROM_NM

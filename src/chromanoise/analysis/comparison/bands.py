@@ -12,6 +12,7 @@ from chromanoise.analysis.comparison.curves import compared
 from chromanoise.analysis.comparison.quantities import SNR_Y, Quantity
 from chromanoise.analysis.comparison.sweeps import SWEEPS, Sweep
 from chromanoise.analysis.priors import PRIORS
+from chromanoise.analysis.undefined import plain_fields
 from chromanoise.exposure import OperatingPoint
 from chromanoise.spectra import Metric
 
@@ -119,11 +120,8 @@ def bands_as_json(bands: Sequence[CrossoverBand]) -> list[dict[str, Any]]:
         Crossovers over all training sets, one band per pair of sensors.
     """
     return [
-        {
-            "first": band.first,
-            "second": band.second,
-            "matrix": band.matrix,
-            "span": None if band.span is None else list(band.span),
+        plain_fields(band, "first", "second", "matrix", "span")
+        | {
             "by_prior": {
                 prior: crossover_as_json(crossover) for prior, crossover in band.by_prior.items()
             },

@@ -13,7 +13,7 @@ from chromanoise.analysis.color_matrices import MatrixFunction
 from chromanoise.analysis.comparison.curves import Curve
 from chromanoise.analysis.comparison.quantities import Quantity, color_error
 from chromanoise.analysis.comparison.sweeps import Sweep
-from chromanoise.analysis.undefined import defined
+from chromanoise.analysis.undefined import plain_fields
 from chromanoise.errors import InputError
 from chromanoise.exposure import OperatingPoint
 
@@ -116,7 +116,21 @@ def crossovers_or_reasons(
     contestants, makers, curves
         As for `crossovers`.
     """
-    return tuple(_crossover_or_reason(*pair) for pair in _pairs(contestants, makers, curves))
+    found: list[Crossover | Incomparable] = []
+    for maker, one, other in _pairs(contestants, makers, curves):
+        try:
+            found.append(_crossover(maker, one, other))
+        except InputError as error:
+            first, second = one[1], other[1]
+            pair = Incomparable(
+                first=first.sensor,
+                second=second.sensor,
+                matrix=first.matrix,
+                labels=(first.label, second.label),
+                why=str(error),
+            )
+            found.append(pair)
+    return tuple(found)
 
 
 _Side = tuple[OperatingPoint, Curve]
@@ -131,22 +145,6 @@ def _pairs(
         mine = [curve for curve in curves if curve.matrix == name]
         for one, other in combinations(zip(contestants, mine, strict=True), 2):
             yield maker, one, other
-
-
-def _crossover_or_reason(
-    maker: MatrixFunction, one: _Side, other: _Side
-) -> Crossover | Incomparable:
-    try:
-        return _crossover(maker, one, other)
-    except InputError as error:
-        first, second = one[1], other[1]
-        return Incomparable(
-            first=first.sensor,
-            second=second.sensor,
-            matrix=first.matrix,
-            labels=(first.label, second.label),
-            why=str(error),
-        )
 
 
 def _value_at(
@@ -255,13 +253,10 @@ def _next_share(a: Point, b: Point, c: Point, tolerance: float) -> float:
 
 def crossover_as_json(crossover: Crossover) -> dict[str, Any]:
     """One crossover as plain data, with its sentence."""
-    data = {
-        key: getattr(crossover, key)
-        for key in ("first", "second", "matrix", "better_first", "first_at", "last_at")
-    }
-    errors = [[defined(ours), defined(theirs)] for ours, theirs in crossover.color_error]
-    sentence = crossover_sentence(crossover)
-    return data | {"at": list(crossover.at), "color_error": errors, "sentence": sentence}
+    return plain_fields(
+        crossover,
+        *("first", "second", "matrix", "better_first", "first_at", "last_at", "at", "color_error"),
+    ) | {"sentence": crossover_sentence(crossover)}
 
 
 def crossover_sentence(crossover: Crossover) -> str:

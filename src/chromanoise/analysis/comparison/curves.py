@@ -15,7 +15,6 @@ from chromanoise.analysis.comparison.quantities import (
     color_error,
     color_errors,
     is_saturated,
-    is_saturated_over_levels,
 )
 from chromanoise.analysis.comparison.sweeps import SWEEPS, Sweep
 from chromanoise.exposure import OperatingPoint
@@ -114,36 +113,27 @@ def compared(
     progress(values.size * sum(curve is not None for curve in found))
     slow = [(one, maker) for (one, _, maker), curve in zip(pairs, found, strict=True) if not curve]
     rest = iter(_one_by_one(slow, values, sweep, quantity, progress))
-    return tuple(
-        _curve(one, name, curve or next(rest), values, sweep, quantity)
-        for (one, name, _), curve in zip(pairs, found, strict=True)
-    )
+    curves = []
+    for (one, name, _), curve in zip(pairs, found, strict=True):
+        value, errors, full = curve or next(rest)
+        curves.append(
+            Curve(
+                sensor=one.sensor.name,
+                label=one.sensor.label,
+                matrix=name,
+                time_s=one.exposure.time_s,
+                sweep=sweep,
+                quantity=quantity,
+                at=values,
+                value=value,
+                saturated=full,
+                color_error=errors,
+            )
+        )
+    return tuple(curves)
 
 
 _OverSweep = tuple[Float[Array, " k"], Float[Array, " k"], Bool[Array, " k"]]
-
-
-def _curve(
-    contestant: OperatingPoint,
-    matrix: str,
-    found: _OverSweep,
-    values: Float[Array, " k"],
-    sweep: Sweep,
-    quantity: Quantity,
-) -> Curve:
-    value, errors, full = found
-    return Curve(
-        sensor=contestant.sensor.name,
-        label=contestant.sensor.label,
-        matrix=matrix,
-        time_s=contestant.exposure.time_s,
-        sweep=sweep,
-        quantity=quantity,
-        at=values,
-        value=value,
-        saturated=full,
-        color_error=errors,
-    )
 
 
 def _over_levels(
@@ -158,7 +148,7 @@ def _over_levels(
         return None
     if quantity.over_levels is None:
         return None
-    full = is_saturated_over_levels(contestant, values)
+    full = is_saturated(contestant, values)
     first = maker(SWEEPS["lux"].at(contestant, float(values[0])))
     matrices = maker.over_levels(contestant, values)
     if matrices is not None:

@@ -16,7 +16,7 @@ from chromanoise.analysis.comparison.curves import Curve, SweptQuantity, compare
 from chromanoise.analysis.comparison.quantities import SNR_Y, Quantity
 from chromanoise.analysis.comparison.ranking import MOST_PAIRS_SENSORS, leaders_of
 from chromanoise.analysis.comparison.sweeps import Sweep
-from chromanoise.analysis.undefined import defined
+from chromanoise.analysis.undefined import plain_fields
 from chromanoise.errors import InputError
 from chromanoise.exposure import OperatingPoint
 
@@ -207,23 +207,12 @@ def maps_as_json(maps: Sequence[QuantityMap], lines: Sequence[CrossoverLine]) ->
     return {
         "version": __version__,
         **{
-            key: {"name": one.name, "what": one.what, "unit": one.unit, "values": at.tolist()}
+            key: plain_fields(one, "name", "what", "unit") | {"values": at.tolist()}
             for key, (one, at) in sweeps.items()
         },
-        "quantity": {
-            "name": first.quantity.name,
-            "what": first.quantity.what,
-            "unit": first.quantity.unit,
-        },
+        "quantity": plain_fields(first.quantity, "name", "what", "unit"),
         "maps": [
-            {
-                "sensor": one.sensor,
-                "label": one.label,
-                "matrix": one.matrix,
-                "value": [[defined(value) for value in row] for row in one.value.tolist()],
-                "saturated": one.saturated.tolist(),
-            }
-            for one in maps
+            plain_fields(one, "sensor", "label", "matrix", "value", "saturated") for one in maps
         ],
         "best": {
             name: [
@@ -231,13 +220,5 @@ def maps_as_json(maps: Sequence[QuantityMap], lines: Sequence[CrossoverLine]) ->
             ]
             for name, mine in by_matrix(maps).items()
         },
-        "crossovers": [
-            {
-                "first": one.first,
-                "second": one.second,
-                "matrix": one.matrix,
-                "at": [list(values) for values in one.at],
-            }
-            for one in lines
-        ],
+        "crossovers": [plain_fields(one) for one in lines],
     }

@@ -12,6 +12,7 @@ from chromanoise.analysis.comparison.crossing import TIE, Crossover, value_in_wo
 from chromanoise.analysis.comparison.curves import Curve
 from chromanoise.analysis.comparison.quantities import Quantity
 from chromanoise.analysis.comparison.sweeps import Sweep
+from chromanoise.analysis.undefined import plain_fields
 from chromanoise.exposure import OperatingPoint
 from chromanoise.io.table import number_text
 
@@ -328,10 +329,10 @@ def _range_in_words(lead: Lead) -> str:
 def ranking_as_json(ranks: Sequence[Rank]) -> list[dict[str, Any]]:
     """Ranks as plain data, from best to worst for each matrix."""
     names = ("rank", "tied", "sensor", "label", "matrix", "value")
-    return [{name: getattr(one, name) for name in names} for one in ranks]
+    return [plain_fields(one, *names) for one in ranks]
 
 
 def leads_as_json(leading: Sequence[Lead]) -> list[dict[str, Any]]:
     """Leads as plain data."""
     names = ("sensor", "label", "matrix", "first", "last")
-    return [{name: getattr(one, name) for name in names} for one in leading]
+    return [plain_fields(one, *names) for one in leading]

@@ -4,9 +4,10 @@ A sweep changes one parameter of an operating point and nothing else; the exposu
 example, stays.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -15,7 +16,6 @@ from chromanoise._check import Array
 from chromanoise._shapes import Float
 from chromanoise.errors import InputError, Setting
 from chromanoise.exposure import OperatingPoint
-from chromanoise.properties import Property
 from chromanoise.sensor import (
     PIXEL,
     behind_ir_cut,
@@ -42,12 +42,12 @@ class Sweep:
         Description, unit not included.
     unit
         Of its values.
-    logarithmic
-        Whether values have equal ratios instead of equal steps.
     lowest, highest
         Its range. [unit]
     at
         The operating point with that value.
+    logarithmic
+        Whether values have equal ratios instead of equal steps.
     replaces
         Key in a study of the setting that has no effect on the sweep, because every value replaces
         it (``*`` for all sensors); empty if there is none. The light of a study, in contrast,
@@ -61,10 +61,10 @@ class Sweep:
     name: str
     what: str
     unit: str
-    logarithmic: bool
     lowest: float
     highest: float
     at: Callable[[OperatingPoint, float], OperatingPoint]
+    logarithmic: bool = False
     replaces: str = ""
     replaces_light: bool = False
     whole: bool = False
@@ -80,16 +80,38 @@ class Sweep:
         return text if self.unit == "1" else f"{text} {self.unit}"
 
 
+_At = Callable[[OperatingPoint, float], OperatingPoint]
+SWEEPS: dict[str, Sweep] = {}
+"""The parameters that a comparison can vary, by name: `_sweep` enters one."""
+
+
+def _sweep(
+    name: str, what: str, unit: str, lowest: float, highest: float, **more: Any
+) -> Callable[[_At], _At]:
+    """A decorator that enters the function `Sweep.at` with what it varies."""
+
+    def entered(at: _At) -> _At:
+        SWEEPS[name] = Sweep(
+            name=name, what=what, unit=unit, lowest=lowest, highest=highest, at=at, **more
+        )
+        return at
+
+    return entered
+
+
+@_sweep("lux", "illuminance", "lx", 1e-15, 1e15, logarithmic=True)
 def _at_level(operating_point: OperatingPoint, level_lux: float) -> OperatingPoint:
     return replace(operating_point, level_lux=level_lux)
 
 
+@_sweep("time-ms", "exposure time", "ms", 1e-9, 1e12, logarithmic=True, replaces="exposure.time_ms")
 def _at_time(operating_point: OperatingPoint, time_ms: float) -> OperatingPoint:
     return replace(
         operating_point, exposure=replace(operating_point.exposure, time_s=1e-3 * time_ms)
     )
 
 
+@_sweep("f-number", "f-number", "1", 1e-2, 1e6, logarithmic=True)
 def _at_f_number(operating_point: OperatingPoint, f_number: float) -> OperatingPoint:
     return replace(operating_point, exposure=replace(operating_point.exposure, f_number=f_number))
 
@@ -101,23 +123,28 @@ def _at_pixel(operating_point: OperatingPoint, value: float, *, field: str) -> O
     return replace(operating_point, sensor=changed)
 
 
-def _of_pixel(field: str, one: Property) -> Sweep:
-    """The sweep of a property of the pixel.
-
-    One on which the exposure time depends does not replace the setting of the study.
-    """
-    return Sweep(
-        name=field.replace("_", "-"),
-        what=one.label,
-        unit=one.unit,
-        logarithmic=one.logarithmic,
-        lowest=max(one.least, _LEAST_LOGARITHMIC) if one.logarithmic else one.least,
-        highest=one.most,
-        at=partial(_at_pixel, field=field),
-        replaces="" if one.sets_time else f"sensors.*.pixel.{field}",
-    )
+for _field, _one in PIXEL.items():
+    _sweep(
+        _field.replace("_", "-"),
+        _one.label,
+        _one.unit,
+        max(_one.least, _LEAST_LOGARITHMIC) if _one.logarithmic else _one.least,
+        _one.most,
+        logarithmic=_one.logarithmic,
+        # one on which the exposure time depends does not replace the setting of the study
+        replaces="" if _one.sets_time else f"sensors.*.pixel.{_field}",
+    )(partial(_at_pixel, field=_field))
 
 
+@_sweep(
+    "bits",
+    "bits of the converter, its top code at full well",
+    "bit",
+    8.0,
+    16.0,
+    replaces="sensors.*.pixel.bits",
+    whole=True,
+)
 def _at_bits(operating_point: OperatingPoint, bits: float) -> OperatingPoint:
     """A converter whose top code is at full well, in place of any known gain."""
     sensor = operating_point.sensor
@@ -125,6 +152,14 @@ def _at_bits(operating_point: OperatingPoint, bits: float) -> OperatingPoint:
     return replace(operating_point, sensor=replace(sensor, converter=converter))
 
 
+@_sweep(
+    "crosstalk",
+    "share of light that ends in the four neighbors",
+    "1",
+    0.0,
+    1.0,
+    replaces="sensors.*.crosstalk",
+)
 def _at_crosstalk(operating_point: OperatingPoint, share: float) -> OperatingPoint:
     """Crosstalk to the four neighbors, in place of any that the sensor has."""
     sensor = operating_point.sensor
@@ -142,6 +177,7 @@ def _at_crosstalk(operating_point: OperatingPoint, share: float) -> OperatingPoi
     return replace(operating_point, sensor=with_crosstalk(pure, mixing))
 
 
+@_sweep("ircut-nm", "edge of an added IR-cut", "nm", 450.0, 2000.0)
 def _at_ir_cut(operating_point: OperatingPoint, edge_nm: float) -> OperatingPoint:
     """A model IR-cut in addition to any that the sensor has."""
     return replace(
@@ -149,101 +185,17 @@ def _at_ir_cut(operating_point: OperatingPoint, edge_nm: float) -> OperatingPoin
     )
 
 
+@_sweep("kelvin", "temperature of a black body", "K", 1000.0, 50_000.0, replaces_light=True)
 def _at_temperature(operating_point: OperatingPoint, kelvin: float) -> OperatingPoint:
     grid = operating_point.illuminant.grid
     return replace(operating_point, illuminant=black_body(grid, kelvin))
 
 
+@_sweep("infrared", "power of an 850 nm illuminator over the light's", "W/W", 0.0, 1e3)
 def _at_infrared(operating_point: OperatingPoint, ratio: float) -> OperatingPoint:
     """An 850 nm illuminator in addition to the light, at the same illuminance."""
     light = with_infrared(operating_point.illuminant, peak_nm=_ILLUMINATOR_NM, ratio=ratio)
     return replace(operating_point, illuminant=light)
-
-
-SWEEPS: Mapping[str, Sweep] = {
-    sweep.name: sweep
-    for sweep in (
-        Sweep(
-            name="lux",
-            what="illuminance",
-            unit="lx",
-            logarithmic=True,
-            lowest=1e-15,
-            highest=1e15,
-            at=_at_level,
-        ),
-        Sweep(
-            name="time-ms",
-            what="exposure time",
-            unit="ms",
-            logarithmic=True,
-            lowest=1e-9,
-            highest=1e12,
-            at=_at_time,
-            replaces="exposure.time_ms",
-        ),
-        Sweep(
-            name="f-number",
-            what="f-number",
-            unit="1",
-            logarithmic=True,
-            lowest=1e-2,
-            highest=1e6,
-            at=_at_f_number,
-        ),
-        *(_of_pixel(name, one) for name, one in PIXEL.items()),
-        Sweep(
-            name="bits",
-            what="bits of the converter, its top code at full well",
-            unit="bit",
-            logarithmic=False,
-            lowest=8.0,
-            highest=16.0,
-            at=_at_bits,
-            replaces="sensors.*.pixel.bits",
-            whole=True,
-        ),
-        Sweep(
-            name="crosstalk",
-            what="share of light that ends in the four neighbors",
-            unit="1",
-            logarithmic=False,
-            lowest=0.0,
-            highest=1.0,
-            at=_at_crosstalk,
-            replaces="sensors.*.crosstalk",
-        ),
-        Sweep(
-            name="ircut-nm",
-            what="edge of an added IR-cut",
-            unit="nm",
-            logarithmic=False,
-            lowest=450.0,
-            highest=2000.0,
-            at=_at_ir_cut,
-        ),
-        Sweep(
-            name="kelvin",
-            what="temperature of a black body",
-            unit="K",
-            logarithmic=False,
-            lowest=1000.0,
-            highest=50_000.0,
-            at=_at_temperature,
-            replaces_light=True,
-        ),
-        Sweep(
-            name="infrared",
-            what="power of an 850 nm illuminator over the light's",
-            unit="W/W",
-            logarithmic=False,
-            lowest=0.0,
-            highest=1e3,
-            at=_at_infrared,
-        ),
-    )
-}
-"""The parameters that a comparison can vary, by name."""
 
 
 def swept_values(sweep: Sweep, first: float, last: float, points: int) -> Float[Array, " k"]:
