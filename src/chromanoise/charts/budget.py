@@ -9,14 +9,8 @@ from chromanoise.charts.charted_study import Look, Shown, saturation_sentence
 from chromanoise.charts.text import NONE, decimal, signed, table
 from chromanoise.color import LAB
 from chromanoise.exposure import conditions, expected_electrons
-from chromanoise.metrics import (
-    Budget,
-)
-from chromanoise.metrics.budget_chain import (
-    REST,
-    WEIGHTS,
-    without_infrared,
-)
+from chromanoise.metrics import Budget
+from chromanoise.metrics.budget_chain import REST, WEIGHTS, without_infrared
 
 
 def drawn_budget(shown: Shown, look: Look) -> dict[str, Any]:

@@ -23,13 +23,7 @@ from chromanoise.analysis.comparison.ranking import (
 from chromanoise.analysis.comparison.sweeps import SWEEPS, swept_values
 from chromanoise.analysis.undefined import defined
 from chromanoise.charts.charted_study import Look, Shown, unclipped_remark
-from chromanoise.charts.text import (
-    UNDEFINED,
-    brief,
-    decimal,
-    listed,
-    table,
-)
+from chromanoise.charts.text import UNDEFINED, brief, decimal, listed, table
 from chromanoise.exposure import level_in_words, light_and_exposure
 
 LOWEST_LUX, HIGHEST_LUX = 0.01, 10_000.0

@@ -33,12 +33,7 @@ from chromanoise.figures.observers import draw_observer
 from chromanoise.figures.paper import CAPTIONS, paper_figures
 from chromanoise.figures.pareto import draw_pareto
 from chromanoise.figures.pictures import draw_picture
-from chromanoise.figures.results import (
-    draw_analyses,
-    draw_capture,
-    draw_matrices,
-    draw_panels,
-)
+from chromanoise.figures.results import draw_analyses, draw_capture, draw_matrices, draw_panels
 from chromanoise.figures.sensitivities import draw_sensitivities
 from chromanoise.figures.sensitivity import draw_sensitivity
 from chromanoise.figures.study import map_figures, study_figures

@@ -6,14 +6,7 @@ from typing import Any
 
 from matplotlib.axes import Axes
 
-from chromanoise.figures.style import (
-    INK,
-    QUIET,
-    are_many,
-    mark_zero,
-    sensor_lines,
-    sensor_mark,
-)
+from chromanoise.figures.style import INK, QUIET, are_many, mark_zero, sensor_lines, sensor_mark
 
 _LETTERS = 22  # of a line of the legend beside the axes
 

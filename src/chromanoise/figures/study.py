@@ -21,12 +21,7 @@ from chromanoise.figures.ellipses import draw_ellipses
 from chromanoise.figures.maps import draw_maps
 from chromanoise.figures.pareto import draw_pareto
 from chromanoise.figures.sensitivities import draw_sensitivities
-from chromanoise.figures.style import (
-    are_many,
-    chromanoise_style,
-    sensor_dashes,
-    write_sensor,
-)
+from chromanoise.figures.style import are_many, chromanoise_style, sensor_dashes, write_sensor
 
 _WIDE_IN = 6.4
 _LETTERS_PER_IN = 13  # of a title
