@@ -89,6 +89,10 @@ _REBUILT = Symbol(
     unit="photons s⁻¹ µm⁻² nm⁻¹",
     name="light",
 )
+_TWO_SNRS = (
+    Symbol(latex=r"\mathrm{SNR}_{\mathrm{A}}", meaning="color SNR of a sensor", unit="dB"),
+    Symbol(latex=r"\mathrm{SNR}_{\mathrm{B}}", meaning="that of another", unit="dB"),
+)
 _SNR = Symbol(latex=r"\mathrm{SNR}", meaning="signal-to-noise ratio", unit="dB")
 _RAW = Symbol(
     latex="D",
@@ -169,13 +173,7 @@ EXPLANATIONS: Mapping[str, Explanation] = {
             r"\mathrm{SNR}_i = 20 \, \log_{10} \frac{M_i}{\sqrt{D_{ii}}}",
             r"D_{ii} = M_i + \sigma_{\mathrm{rn}}^2",
         ),
-        symbols=(
-            _SNR,
-            _ELECTRONS,
-            _CHANNEL,
-            _VARIANCE,
-            _READ_NOISE,
-        ),
+        symbols=(_SNR, _ELECTRONS, _CHANNEL, _VARIANCE, _READ_NOISE),
         source=f"{_PAPER}, eq. 7",
     ),
     "contravariant": Explanation(
@@ -269,11 +267,7 @@ EXPLANATIONS: Mapping[str, Explanation] = {
             r"b^* = 200 \left( g(Y / Y_{\mathrm{w}}) - g(Z / Z_{\mathrm{w}}) \right)",
         ),
         symbols=(
-            Symbol(
-                latex=r"\sigma_q",
-                meaning="standard deviation of q",
-                unit="1",
-            ),
+            Symbol(latex=r"\sigma_q", meaning="standard deviation of q", unit="1"),
             Symbol(latex="q", meaning="one of L*, a*, b*", unit="1"),
             Symbol(latex=r"\langle q \rangle", meaning="average of q over the noise of X, Y, Z"),
             Symbol(latex="L^*", meaning="lightness", unit="1"),
@@ -446,8 +440,7 @@ EXPLANATIONS: Mapping[str, Explanation] = {
             ),
             Symbol(latex="N_0", meaning="light level of the study", unit="lx"),
             Symbol(latex=r"N_{\times}", meaning="light level of a crossover", unit="lx"),
-            Symbol(latex=r"\mathrm{SNR}_{\mathrm{A}}", meaning="color SNR of a sensor", unit="dB"),
-            Symbol(latex=r"\mathrm{SNR}_{\mathrm{B}}", meaning="that of another", unit="dB"),
+            *_TWO_SNRS,
         ),
         source=f"{_PAPER}, eq. 2 and 7; crossovers: Chandrupatla, Adv. Eng. Softw. 28 (1997) "
         "145-149",
@@ -461,8 +454,7 @@ EXPLANATIONS: Mapping[str, Explanation] = {
         latex=(r"\Delta = \mathrm{SNR}_{\mathrm{A}} - \mathrm{SNR}_{\mathrm{B}}",),
         symbols=(
             Symbol(latex=r"\Delta", meaning="difference that the color shows", unit="dB"),
-            Symbol(latex=r"\mathrm{SNR}_{\mathrm{A}}", meaning="color SNR of a sensor", unit="dB"),
-            Symbol(latex=r"\mathrm{SNR}_{\mathrm{B}}", meaning="that of another", unit="dB"),
+            *_TWO_SNRS,
         ),
         source="this library",
     ),

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.patches import Rectangle
 
 from chromanoise._check import Array
 from chromanoise._shapes import UInt8
@@ -17,16 +18,21 @@ from chromanoise.figures.geometry import (
     draw_measurement,
     draw_uncertainty,
 )
-from chromanoise.figures.mosaics import draw_mosaic
-from chromanoise.figures.observers import draw_observer
-from chromanoise.figures.pictures import draw_picture
+from chromanoise.figures.results import draw_picture
 from chromanoise.figures.sensitivities import draw_sensitivities
-from chromanoise.figures.style import chromanoise_style, sensor_label
+from chromanoise.figures.style import (
+    INK,
+    QUIET,
+    channel_color,
+    chromanoise_style,
+    sensor_label,
+    shade_nir,
+)
 from chromanoise.paper.planes import PaperPlanes
 from chromanoise.paper.study import RGB_12, RGBW_12, PaperStudy
 from chromanoise.paper.views import ChannelPlane
-from chromanoise.sensor import bayer, rgbw_sparse_4x4
-from chromanoise.spectra import cie_1931
+from chromanoise.sensor import Mosaic, bayer, rgbw_sparse_4x4
+from chromanoise.spectra import Spectra, cie_1931
 
 CAPTIONS = {
     "figure-01-mosaics": (
@@ -257,3 +263,87 @@ def _span(ax: Axes) -> tuple[float, float]:
     """Width and height of what is shown, in data units."""
     (left, right), (bottom, top) = ax.get_xlim(), ax.get_ylim()
     return abs(right - left), abs(top - bottom)
+
+
+def draw_mosaic(mosaic: Mosaic, ax: Axes, *, cells: int = 8, title: str = "") -> Axes:
+    """``cells`` x ``cells`` pixels of the mosaic, each with its letter; one block is outlined.
+
+    Parameters
+    ----------
+    mosaic
+        Which channel each pixel has.
+    ax
+        Axes of matplotlib to draw on.
+    cells
+        Number of pixels on a side.
+    title
+        Text above the drawing.
+    """
+    pattern = mosaic.pattern
+    height, width = len(pattern), len(pattern[0])
+    for row in range(cells):
+        for column in range(cells):
+            _draw_cell(ax, row, column, pattern[row % height][column % width])
+    ax.add_patch(Rectangle((0, 0), width, height, fill=False, edgecolor=INK, linewidth=2.6))
+    ax.set(xlim=(-0.08, cells + 0.08), ylim=(cells + 0.08, -0.08), title=title)
+    ax.set_aspect("equal")
+    ax.set_axis_off()
+    return ax
+
+
+def _draw_cell(ax: Axes, row: int, column: int, name: str) -> None:
+    white = name == "W"
+    face = "white" if white else channel_color(name)
+    ax.add_patch(Rectangle((column, row), 1, 1, facecolor=face, edgecolor=QUIET, linewidth=0.6))
+    ax.text(
+        column + 0.5,
+        row + 0.5,
+        name,
+        ha="center",
+        va="center_baseline",
+        color=INK if white else "white",
+        fontweight="bold",
+        fontsize=11,
+    )
+
+
+_LOOKS = {
+    "x": (channel_color("R"), (0, (6, 2))),
+    "y": (channel_color("G"), "solid"),
+    "z": (channel_color("B"), (0, (2, 1.2))),
+}
+
+
+def draw_observer(observer: Spectra, ax: Axes) -> Axes:
+    """The color-matching functions x, y, z over wavelength, each with its letter at its peak.
+
+    Parameters
+    ----------
+    observer
+        The observer of the colors.
+    ax
+        Axes of matplotlib to draw on.
+    """
+    wavelength_nm = observer.wavelength_nm
+    for name, curve in zip(observer.names, observer.values.T, strict=True):
+        color, dashes = _LOOKS[name]
+        ax.plot(wavelength_nm, curve, color=color, linestyle=dashes)
+        peak = int(curve.argmax())
+        ax.annotate(
+            rf"$\overline{{{name}}}$",
+            (wavelength_nm[peak], curve[peak]),
+            xytext=(0, 4),
+            textcoords="offset points",
+            ha="center",
+            color=color,
+            fontsize=12,
+        )
+    shade_nir(ax, wavelength_nm[-1])
+    ax.set(
+        xlim=(wavelength_nm[0], wavelength_nm[-1]),
+        ylim=(0, 1.12 * observer.values.max()),
+        xlabel="wavelength [nm]",
+        ylabel="tristimulus value [1]",
+        title=observer.source,
+    )
+    return ax

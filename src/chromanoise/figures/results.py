@@ -8,6 +8,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.container import BarContainer
 
+from chromanoise._check import Array
+from chromanoise._shapes import UInt8
 from chromanoise.analysis import Analysis, coordinate_budget
 from chromanoise.charts import cause_label
 from chromanoise.charts.charted_study import saturation_sentence
@@ -18,7 +20,6 @@ from chromanoise.figures.budget import budget_limits_db, draw_budget
 from chromanoise.figures.ellipses import draw_ellipses
 from chromanoise.figures.flow import draw_flow
 from chromanoise.figures.pareto import draw_trade
-from chromanoise.figures.pictures import draw_picture
 from chromanoise.figures.style import (
     INK,
     are_many,
@@ -239,4 +240,22 @@ def draw_capture(capture: Capture, ax: Axes) -> Axes:
 def _titled(ax: Axes, what: str, points: Sequence[OperatingPoint]) -> Axes:
     facts = fill(f"at {conditions(points)}", _WIDE, break_on_hyphens=False)
     ax.set_title(f"{what}\n{facts}", loc="left", fontsize=9)
+    return ax
+
+
+def draw_picture(srgb: UInt8[Array, "h w 3"], ax: Axes, *, title: str = "") -> Axes:
+    """Draw a picture without interpolation, which would smooth the noise.
+
+    Parameters
+    ----------
+    srgb
+        Encoded sRGB, 8 bits.
+    ax
+        Axes of matplotlib to draw on.
+    title
+        Text above the drawing.
+    """
+    ax.imshow(srgb, interpolation="none")
+    ax.set_title(title)
+    ax.set_axis_off()
     return ax
