@@ -2,7 +2,7 @@
 
 import { axes, linear, niceStep, panels, wrapped } from "draw/axes.js";
 import { readable } from "draw/hover.js";
-import { caption, legend, note, panelName, sameSensor } from "draw/look.js";
+import { caption, note, panelName, pinnedLegend, sameSensor } from "draw/look.js";
 import { refill } from "draw/refill.js";
 import { figure, figureWidth, line, svg, tenth, words } from "draw/svg.js";
 
@@ -39,9 +39,8 @@ export function draw(element, data, options = {}) {
   const drawn = figure(width, height, data.title, data.description, nodes);
   const ellipse = `Ellipse: ${data.sigmas} standard deviations of the noise.`;
   const key = `Cross: the true color. Line: from it to the color that is measured. ${ellipse}`;
-  const kept = ghosts.length ? [legend([], "line", ghosts.length)] : [];
   readable(element, data.table, () => reads.flatMap((read) => read()));
-  refill(element, caption(data), ...kept, drawn, note(key));
+  refill(element, caption(data), ...pinnedLegend(ghosts), drawn, note(key));
 }
 
 /**

@@ -4,7 +4,7 @@ import { panels, textWidth } from "draw/axes.js";
 import { readable } from "draw/hover.js";
 import { caption, channelColor, legend, note, panelHeading, sameSensor } from "draw/look.js";
 import { ball, eye, greatCircle, silhouette, tips } from "draw/solid.js";
-import { figure, figureWidth, html, line, svg, tenth, words } from "draw/svg.js";
+import { figure, figureWidth, html, line, say, svg, tenth, words } from "draw/svg.js";
 
 /** @import { Axis, Ellipsoid, Options, Vectors, VectorsSensor } from "answers" */
 /** @typedef {(point: number[]) => number[]} Projection */
@@ -223,16 +223,6 @@ function places(data, { look, place, axes }) {
     const scene = data.scene ? [placed(data.scene.at, axes.length, i)] : [];
     return [...own.map((point) => placed(point, row++, i)), ...scene, ...shared];
   });
-}
-
-/**
- * Text is told aloud whenever it is written, so only what changed is written.
- *
- * @param {Element} node
- * @param {string} text
- */
-function say(node, text) {
-  if (node.textContent !== text) node.textContent = text;
 }
 
 /**

@@ -1,7 +1,7 @@
 /** Rows of controls for the fields of a study, made from the descriptions that the server gives. */
 
 import { Refused, understood } from "app/ask.js";
-import { attribute, button, choice, drawer, el, fillChoice, freshId, say } from "app/dom.js";
+import { attribute, button, choice, drawer, el, fillChoice, say, square, uniqueId } from "app/dom.js";
 import { complain } from "app/faults.js";
 import { setAt, valueAt } from "app/paths.js";
 import { shownUnit, slider } from "app/slider.js";
@@ -215,7 +215,7 @@ function choiceRow(_, field, i, write) {
  */
 function textRow(_, field, i, write) {
   const path = pathOf(field.key, i);
-  const id = freshId("text");
+  const id = uniqueId("text");
   const offered = field.suggestions?.length
     ? el("datalist", { id: `${id}-known` }, ...field.suggestions.map((value) => el("option", { value })))
     : null;
@@ -293,7 +293,7 @@ function channelRows(choices, field, i) {
 function fileBar(field, path, row, write) {
   const name = el("span", { class: "file" });
   const of = `${field.label}${path.startsWith("sensors.") ? ` of sensor ${Number(path.split(".")[1]) + 1}` : ""}`;
-  const away = button("\u00d7", () => write(null), { title: "Remove", class: "square", "aria-label": `Remove the file: ${of}` });
+  const away = square("\u00d7", "Remove", `Remove the file: ${of}`, () => write(null));
   const choose = button("Choose a file", () => chosen((file) => bring(field, row, file, write)), {
     ...{ class: "own", "aria-label": `Choose a file: ${of}` },
   });

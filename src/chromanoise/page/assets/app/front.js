@@ -2,7 +2,7 @@
 
 import { Refused, understood } from "app/ask.js";
 import * as cloud from "app/cloud.js";
-import { attribute, button, byId, choice, el, fillChoice, freshId, say, within } from "app/dom.js";
+import { attribute, button, byId, choice, el, fillChoice, say, square, uniqueId, within } from "app/dom.js";
 import { matricesOf } from "app/matrix.js";
 import { pack, tableOf } from "app/panels.js";
 import { MOST } from "app/sensors.js";
@@ -67,12 +67,12 @@ function frontPanel() {
   const fault = el("p", { class: "fault", role: "alert", hidden: true });
   const body = el("div", { class: "body" });
   const sentences = el("ul", { class: "notes" });
-  const table = el("div", { class: "table", id: freshId("table"), hidden: true });
+  const table = el("div", { class: "table", id: uniqueId("table"), hidden: true });
   const toggle = button("Table", () => open(table.hidden === true), {
     ...{ "aria-expanded": "false", "aria-controls": table.id, "aria-label": `Table: ${TITLE}`, class: "toggle" },
   });
-  const away = button("\u00d7", () => close(), { class: "square", title: "Close", "aria-label": `Close: ${TITLE}` });
-  const heading = el("h2", { id: freshId("h-front"), text: TITLE });
+  const away = square("\u00d7", "Close", `Close: ${TITLE}`, close);
+  const heading = el("h2", { id: uniqueId("h-front"), text: TITLE });
   const section = el(
     "section",
     { class: "panel wide", "data-part": "front", "aria-labelledby": heading.id },

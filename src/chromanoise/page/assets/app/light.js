@@ -89,10 +89,7 @@ export function lightControls(choices) {
     change({ base: name }, "step", { beyond });
   });
   const ratio = slider({
-    label: "Infrared in the light",
-    unit: "W/W",
-    range: infraredRange(choices),
-    where: "light.infrared",
+    ...described(choices, "light.infrared"),
     on: (value) => change({ ratio: value ?? 0 }, "slide"),
   });
   const lamp = choice({
@@ -159,12 +156,6 @@ function continuationChoice(choices, on) {
     return say(meant, `${name} ends at ${end} nm. ${beyond ? CONTINUED[beyond] : asked}`);
   };
   return { row, show };
-}
-
-/** @param {Choices} choices */
-function infraredRange(choices) {
-  const told = rangeOf(choices, "light.infrared");
-  return told ?? { low: 0, high: 2, scale: "linear", step: 0.02 };
 }
 
 /**

@@ -1,17 +1,10 @@
 /** The charts as panels: a heading, its equations, a caption, its drawing, its table. */
 
-import { attribute, button, byId, el, freshId, within } from "app/dom.js";
+import { attribute, button, byId, el, uniqueId, within } from "app/dom.js";
 import { changeLook } from "app/state.js";
-import * as budget from "draw/budget.js";
-import * as chart from "draw/chart.js";
-import * as ellipses from "draw/ellipses.js";
-import * as levels from "draw/levels.js";
-import * as pareto from "draw/pareto.js";
+import { CHARTS } from "draw/charts.js";
 import { note } from "draw/look.js";
 import { refill } from "draw/refill.js";
-import * as sensitivities from "draw/sensitivities.js";
-import * as stages from "draw/stages.js";
-import * as vectors from "draw/vectors.js";
 
 /** @import { DrawingModule, Look, Options, Part, Section, SweepMap, Table } from "answers" */
 /** @typedef {Options<any> & { look: Look & { level_lux?: number, level?: string } }} DrawnOptions */
@@ -51,7 +44,7 @@ const map = {
 };
 
 /** @type {{ [P in Part]: DrawingModule<any> }} */
-const DRAWN = { stages, budget, sensitivities, levels, pareto, map, vectors, ellipses, chart };
+const DRAWN = { ...CHARTS, map };
 
 /** The drawn parts. */
 export const PARTS = /** @type {Part[]} */ (Object.keys(DRAWN));
@@ -161,7 +154,7 @@ function panelOf(part, tool) {
   const body = within(section, ".body");
   body.dataset.part = part;
   const title = within(section, "h2").textContent ?? "";
-  const tableId = freshId("table");
+  const tableId = uniqueId("table");
   const table = el("div", { class: "table", id: tableId, hidden: true });
   const toggle = button("Table", () => changeLook((look) => (look.open = flipped(look.open, part))), {
     "aria-expanded": "false",

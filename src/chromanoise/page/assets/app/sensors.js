@@ -1,6 +1,6 @@
 /** Controls of the sensors: one or more, each with all that a study says of it. */
 
-import { attribute, brief, button, choice, drawer, el, fillChoice, say } from "app/dom.js";
+import { attribute, brief, button, choice, drawer, el, fillChoice, say, square } from "app/dom.js";
 import { countSet, fieldGroups } from "app/fields.js";
 import { changeStudy } from "app/state.js";
 import { shownName, uploaded } from "app/uploads.js";
@@ -76,21 +76,9 @@ function sensorCard(choices, i) {
     where: `sensors.${i}`,
     on: (name) => changeStudy((study) => exchange(study, i, name)),
   });
-  const up = button("\u2191", () => changeStudy((study) => swap(study, i)), {
-    "aria-label": `Move sensor ${i + 1} up`,
-    title: "Move up",
-    class: "square",
-  });
-  const again = button("", () => changeStudy((study) => duplicate(study, i)), {
-    "aria-label": `Duplicate sensor ${i + 1}`,
-    title: "Duplicate",
-    class: "square",
-  });
-  const away = button("\u00d7", () => remove(i, node), {
-    "aria-label": `Remove sensor ${i + 1}`,
-    title: "Remove",
-    class: "square",
-  });
+  const up = square("\u2191", "Move up", `Move sensor ${i + 1} up`, () => changeStudy((study) => swap(study, i)));
+  const again = square("", "Duplicate", `Duplicate sensor ${i + 1}`, () => changeStudy((study) => duplicate(study, i)));
+  const away = square("\u00d7", "Remove", `Remove sensor ${i + 1}`, () => remove(i, node));
   again.append(svg("svg", { viewBox: "0 0 16 16", width: 16, height: 16, "aria-hidden": "true" }, [svg("path", { d: TWO_SHEETS, class: "sheets" })]));
   pick.row.prepend(swatch);
   pick.row.append(up, again, away);
