@@ -1,11 +1,12 @@
 """The dB budget of one coordinate as a waterfall chart."""
 
 from collections.abc import Sequence
+from typing import Any
 
 from matplotlib.axes import Axes
 
 from chromanoise.charts.budget import budget_steps
-from chromanoise.figures.style import INK, QUIET, mark_zero, sensor_label
+from chromanoise.figures.style import INK, QUIET, mark_zero, sensor_label, write_beside
 from chromanoise.metrics import Budget
 from chromanoise.sensor import Sensor
 
@@ -42,10 +43,9 @@ def draw_budget(
         start, end = step["from_db"] if is_change else 0.0, step["to_db"]
         fill = {"cost": QUIET, "gain": "none"}.get(step["kind"], INK)
         edge = INK if fill == "none" else fill
-        look = {"facecolor": fill, "edgecolor": edge, "linewidth": 1.2}
+        look: dict[str, Any] = {"facecolor": fill, "edgecolor": edge, "linewidth": 1.2}
         ax.barh(row, abs(end - start), left=min(start, end), height=_HIGH, **look)
-        beside = {"xytext": (4, 0), "textcoords": "offset points", "va": "center_baseline"}
-        ax.annotate(step["text"], (max(start, end), row), **beside)
+        write_beside(ax, step["text"], (max(start, end), row), (4, 0), va="center_baseline")
         if is_change:
             ends = [row - 1 + _HIGH / 2, row - _HIGH / 2]
             ax.plot([start, start], ends, color=QUIET, linewidth=0.8)

@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from chromanoise.charts.front import drawn_front, drawn_sensitivity
 from chromanoise.design import FrontFile, Sensitivity
-from chromanoise.figures.style import INK, QUIET, chromanoise_style
+from chromanoise.figures.style import INK, QUIET, chromanoise_style, write_beside
 
 _REFERENCES = "sD^vP*"
 _MOST_NAMED = 6
@@ -34,17 +34,9 @@ def draw_front(front: FrontFile, ax: Axes) -> Axes:
     named = [one for one in data["members"] if one["mark"] != "member"][:_MOST_NAMED]
     for one in named:
         if None not in (one["values"][x], one["values"][y]):
-            is_knee = one["mark"] == "knee"
-            ax.annotate(
-                one["name"],
-                (one["values"][x], one["values"][y]),
-                xytext=(8, -10) if is_knee else (-8, 0),
-                textcoords="offset points",
-                ha="left" if is_knee else "right",
-                va="center",
-                fontsize=8,
-                color=QUIET,
-            )
+            at, is_knee = (one["values"][x], one["values"][y]), one["mark"] == "knee"
+            by, side = ((8, -10), "left") if is_knee else ((-8, 0), "right")
+            write_beside(ax, one["name"], at, by, ha=side, va="center", fontsize=8, color=QUIET)
     for i, one in enumerate(data["references"]):
         shape = _REFERENCES[i % len(_REFERENCES)]
         ax.plot(*_placed([one], x, y), shape, color=INK, linestyle="none", label=one["name"])

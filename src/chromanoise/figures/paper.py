@@ -1,6 +1,6 @@
 """The ten figures of the paper."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -27,10 +27,11 @@ from chromanoise.figures.style import (
     chromanoise_style,
     sensor_label,
     shade_nir,
+    write_beside,
 )
 from chromanoise.paper.planes import PaperPlanes
 from chromanoise.paper.study import RGB_12, RGBW_12, PaperStudy
-from chromanoise.paper.views import ChannelPlane
+from chromanoise.paper.views import ChannelPlane, MagnifiedNoise
 from chromanoise.sensor import Mosaic, bayer, rgbw_sparse_4x4
 from chromanoise.spectra import Spectra, cie_1931
 
@@ -114,15 +115,19 @@ def paper_figures(
             "figure-01-mosaics": _mosaics(),
             "figure-02-flow": _flow(study),
             "figure-03-measurement": _measurement(plane),
-            "figure-04-contravariant": _contravariant(plane),
+            "figure-04-contravariant": _alone(draw_contravariant, plane),
             "figure-05-observer": _observer(study),
-            "figure-06-projection": _projection(plane),
+            "figure-06-projection": _alone(draw_color_projection, plane),
             "figure-07-sensitivities": _sensitivities(study),
         }
         if pictures is not None:
             figures["figure-08-pictures"] = _pictures(study, pictures)
-        figures["figure-09-correlation"] = _correlation(planes)
-        figures["figure-10-color-axis"] = _color_axis(planes)
+        figures["figure-09-correlation"] = _uncertainties(
+            draw_uncertainty, planes.correlation, ("Weakly correlated: ", "Highly correlated: ")
+        )
+        figures["figure-10-color-axis"] = _uncertainties(
+            draw_color_uncertainty, planes.color_axis, ("Far from y: ", "Near y: ")
+        )
     return figures
 
 
@@ -152,21 +157,15 @@ def _measurement(plane: ChannelPlane) -> Figure:
     return figure
 
 
-def _contravariant(plane: ChannelPlane) -> Figure:
+def _alone(draw: Callable[[ChannelPlane, Axes], Axes], plane: ChannelPlane) -> Figure:
     figure = Figure()
-    _stack(figure, [draw_contravariant(plane, figure.add_subplot())])
+    _stack(figure, [draw(plane, figure.add_subplot())])
     return figure
 
 
 def _observer(study: PaperStudy) -> Figure:
     figure = _framed(6.4, 3.5)
     draw_observer(cie_1931(study.scene.illuminant.grid), figure.add_subplot())
-    return figure
-
-
-def _projection(plane: ChannelPlane) -> Figure:
-    figure = Figure()
-    _stack(figure, [draw_color_projection(plane, figure.add_subplot())])
     return figure
 
 
@@ -194,23 +193,15 @@ def _pictures(
     return figure
 
 
-def _correlation(planes: PaperPlanes) -> Figure:
+def _uncertainties(
+    draw: Callable[..., Axes],
+    pairs: Sequence[tuple[ChannelPlane, MagnifiedNoise]],
+    titles: Sequence[str],
+) -> Figure:
     figure = Figure()
-    titles = ("Weakly correlated: ", "Highly correlated: ")
     panels = [
-        draw_uncertainty(plane, noise, figure.add_subplot(2, 1, i), title=title)
-        for i, ((plane, noise), title) in enumerate(zip(planes.correlation, titles, strict=True), 1)
-    ]
-    _stack(figure, panels)
-    return figure
-
-
-def _color_axis(planes: PaperPlanes) -> Figure:
-    figure = Figure()
-    titles = ("Far from y: ", "Near y: ")
-    panels = [
-        draw_color_uncertainty(plane, noise, figure.add_subplot(2, 1, i), title=title)
-        for i, ((plane, noise), title) in enumerate(zip(planes.color_axis, titles, strict=True), 1)
+        draw(plane, noise, figure.add_subplot(2, 1, i), title=title)
+        for i, ((plane, noise), title) in enumerate(zip(pairs, titles, strict=True), 1)
     ]
     _stack(figure, panels)
     return figure
@@ -329,15 +320,8 @@ def draw_observer(observer: Spectra, ax: Axes) -> Axes:
         color, dashes = _LOOKS[name]
         ax.plot(wavelength_nm, curve, color=color, linestyle=dashes)
         peak = int(curve.argmax())
-        ax.annotate(
-            rf"$\overline{{{name}}}$",
-            (wavelength_nm[peak], curve[peak]),
-            xytext=(0, 4),
-            textcoords="offset points",
-            ha="center",
-            color=color,
-            fontsize=12,
-        )
+        at, look = (wavelength_nm[peak], curve[peak]), {"ha": "center", "fontsize": 12}
+        write_beside(ax, rf"$\overline{{{name}}}$", at, (0, 4), color=color, **look)
     shade_nir(ax, wavelength_nm[-1])
     ax.set(
         xlim=(wavelength_nm[0], wavelength_nm[-1]),

@@ -27,6 +27,7 @@ from chromanoise.figures.style import (
     mark_zero,
     sensor_lines,
     sensor_mark,
+    write_beside,
 )
 from chromanoise.imaging.capture import Capture
 from chromanoise.metrics import Budget
@@ -126,14 +127,8 @@ def _draw_losses(
 def _write_losses(bars: BarContainer, ax: Axes) -> None:
     for bar in bars:
         loss = float(bar.get_width())
-        ax.annotate(
-            decimal(loss),
-            (max(loss, 0.0), bar.get_y() + bar.get_height() / 2),
-            xytext=(3, 0),
-            textcoords="offset points",
-            va="center_baseline",
-            fontsize=7,
-        )
+        at = (max(loss, 0.0), bar.get_y() + bar.get_height() / 2)
+        write_beside(ax, decimal(loss), at, (3, 0), va="center_baseline", fontsize=7)
 
 
 def draw_matrices(results: Sequence[MatrixResult], ax: Axes) -> Axes:
@@ -190,15 +185,8 @@ def _draw_entries(results: Sequence[MatrixResult], ax: Axes) -> None:
             colors = [channel_color(name) for name in one.matrix.channels]
             ax.bar(places, row, width=0.9, color=colors)
             for place, value, channel in zip(places, row, one.matrix.channels, strict=True):
-                ax.annotate(
-                    channel,
-                    (place, value),
-                    xytext=(0, 3 if value >= 0 else -3),
-                    textcoords="offset points",
-                    ha="center",
-                    va="bottom" if value >= 0 else "top",
-                    fontsize=7,
-                )
+                by, side = ((0, 3), "bottom") if value >= 0 else ((0, -3), "top")
+                write_beside(ax, channel, (place, value), by, ha="center", va=side, fontsize=7)
             ticks.append(float(places.mean()))
             names.append(coordinate)
             at = float(places[-1]) + 2.0

@@ -9,7 +9,7 @@ from matplotlib.patches import Arc, Polygon
 
 from chromanoise._check import Array
 from chromanoise._shapes import Float
-from chromanoise.figures.style import FAINT, QUIET
+from chromanoise.figures.style import FAINT, QUIET, write_beside
 
 Dashes = str | tuple[float, tuple[float, ...]]
 
@@ -121,18 +121,10 @@ def write_at(
 ) -> None:
     """``text`` some points away from ``point``, on the side that ``away`` points to."""
     x, y = _direction(np.asarray(away, dtype=float))
-    ax.annotate(
-        text,
-        xy=(float(point[0]), float(point[1])),
-        xytext=(points * x, points * y),
-        textcoords="offset points",
-        ha=_side(x, "left", "right"),
-        va=_side(y, "bottom", "top"),
-        color=color,
-        fontsize=_LABEL_PT,
-        fontweight="bold" if bold else "normal",
-        zorder=7,
-    )
+    sides = {"ha": _side(x, "left", "right"), "va": _side(y, "bottom", "top")}
+    look = {"color": color, "fontweight": "bold" if bold else "normal"}
+    by = (points * x, points * y)
+    write_beside(ax, text, point.tolist(), by, fontsize=_LABEL_PT, zorder=7, **sides, **look)
 
 
 def fit_view(ax: Axes, points: Sequence[Float[Array, " 2"]], *, margin: float = 0.11) -> None:

@@ -166,7 +166,7 @@ def _of_none(upload: Upload, errors: list[InputError]) -> InputError:
 
 def _toml(upload: Upload) -> Data:
     """A pixel if the schema is a text, else a study, whose schema is a number."""
-    _refuse_large_study(upload)
+    _refuse_large(upload, _MOST_STUDY_BYTES, "a study")
     try:
         text = upload.path.read_bytes().decode("utf-8")
     except UnicodeDecodeError:
@@ -182,16 +182,6 @@ def _toml(upload: Upload) -> Data:
             found="has no key of either",
         )
     return _study(upload, text)
-
-
-def _refuse_large_study(upload: Upload) -> None:
-    if upload.size_bytes > _MOST_STUDY_BYTES:
-        raise InputError(
-            upload.label,
-            f"must have at most {_MOST_STUDY_BYTES / 1e6:g} MB, as a study",
-            value=upload.size_bytes,
-            found=f"has {upload.size_bytes / 1e6:.1f} MB",
-        )
 
 
 def _study(upload: Upload, text: str) -> Data:
@@ -235,13 +225,18 @@ def _beyond(ends_nm: list[float], first_nm: float, last_nm: float) -> Data:
 
 
 def _refuse_large_table(upload: Upload) -> None:
-    if upload.size_bytes > MOST_SPECTRUM_BYTES:
+    remedy = "keep one row per nanometer"
+    _refuse_large(upload, MOST_SPECTRUM_BYTES, "spectra on the page", remedy=remedy)
+
+
+def _refuse_large(upload: Upload, most_bytes: int, what: str, **remedy: str) -> None:
+    if upload.size_bytes > most_bytes:
         raise InputError(
             upload.label,
-            f"must have at most {MOST_SPECTRUM_BYTES / 1e6:g} MB, as spectra on the page",
+            f"must have at most {most_bytes / 1e6:g} MB, as {what}",
             value=upload.size_bytes,
             found=f"has {upload.size_bytes / 1e6:.1f} MB",
-            remedy="keep one row per nanometer",
+            **remedy,
         )
 
 

@@ -142,7 +142,7 @@ function fill(table, rows) {
 }
 
 /**
- * One slider at a time: another goes back to the study's own value.
+ * One slider at a time: the others go back to the study's own value.
  *
  * @param {HTMLInputElement | null} moved
  */
@@ -152,7 +152,7 @@ function slid(moved) {
   const said = [];
   for (const slider of sliders) {
     const slide = data.slides[Number(slider.dataset.slide)];
-    if (moved && slider !== moved) slider.value = String(slide.own);
+    if (slider !== moved) slider.value = String(slide.own);
     const at = Number(slider.value);
     slider.setAttribute("aria-valuetext", slide.texts[at]);
     const output = slider.parentElement?.querySelector("output");
@@ -235,7 +235,6 @@ function open(button) {
 const sliders = /** @type {HTMLInputElement[]} */ (all("input[data-slide]"));
 sliders.forEach((slider) => slider.addEventListener("input", () => slid(slider)));
 byId("back").addEventListener("click", () => {
-  sliders.forEach((slider) => (slider.value = String(data.slides[Number(slider.dataset.slide)].own)));
   slid(null);
   sliders[0].focus();
 });
@@ -251,7 +250,6 @@ for (const image of document.images) {
   if (image.closest(".sweep")) image.after(saveImage(image));
 }
 byId("sliders").hidden = false;
-sliders.forEach((slider) => (slider.value = String(data.slides[Number(slider.dataset.slide)].own)));
 show(answer({}));
 slid(null);
 

@@ -65,26 +65,17 @@ export function el(tag, { on = {}, text, ...attributes } = {}, ...children) {
 }
 
 /**
- * Sets an attribute, or takes it away.
+ * Sets an attribute where it changes, for a browser lays out again after every writing, or takes it
+ * away.
  *
  * @param {Element} node
  * @param {string} name
  * @param {Value} value
  */
 export function attribute(node, name, value) {
+  const text = value === true ? "" : String(value);
   if (value === null || value === undefined || value === false) node.removeAttribute(name);
-  else put(node, name, value === true ? "" : String(value));
-}
-
-/**
- * Writes an attribute only where it changes: a browser lays out again after every writing.
- *
- * @param {Element} node
- * @param {string} name
- * @param {string} value
- */
-function put(node, name, value) {
-  if (node.getAttribute(name) !== value) node.setAttribute(name, value);
+  else if (node.getAttribute(name) !== text) node.setAttribute(name, text);
 }
 
 /**

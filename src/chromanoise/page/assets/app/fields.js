@@ -352,7 +352,7 @@ async function bring(field, row, file, write) {
     complain(row, null);
     write(fits.id);
   } catch (error) {
-    complain(row, error instanceof Refused ? error.faults.map(({ sentence }) => sentence).join(" ") : UNHEARD);
+    complain(row, error instanceof Refused ? error.message : UNHEARD);
   }
 }
 

@@ -35,8 +35,7 @@ export async function showServed() {
 
 /** @param {unknown} error */
 function sentenceOf(error) {
-  if (error instanceof Refused) return error.faults.map(({ sentence }) => sentence).join(" ");
-  return "The server does not answer; try again.";
+  return error instanceof Refused ? error.message : "The server does not answer; try again.";
 }
 
 /**

@@ -176,19 +176,11 @@ function raised(study, i) {
  */
 function removed(node, i) {
   const list = /** @type {HTMLElement} */ (node.parentElement);
-  changeStudy((study) => (study.matrices = without(matricesOf(study), i)));
+  changeStudy((study) => {
+    const rest = matricesOf(study).filter((_, k) => k !== i);
+    study.matrices = rest.length ? rest : [STANDARD]; // in place of an only one
+  });
   list.children[Math.min(i, list.children.length - 1)]?.querySelector("select")?.focus();
-}
-
-/**
- * The rest; the standard method in place of an only one.
- *
- * @param {string[]} names
- * @param {number} i
- */
-function without(names, i) {
-  const rest = names.filter((_, k) => k !== i);
-  return rest.length ? rest : [STANDARD];
 }
 
 /**

@@ -101,18 +101,13 @@ export function panels(sections, { seen, tools, resized }) {
     seen();
   });
   const sizes = new ResizeObserver((entries) => {
-    for (const { target, contentRect } of entries) measured(/** @type {Panel} */ (panelFor(target)), contentRect.width);
+    for (const { target, contentRect } of entries) {
+      const [panel, whole] = [/** @type {Panel} */ (panelFor(target)), Math.floor(contentRect.width)];
+      if (whole === panel.width || whole === 0) continue;
+      panel.width = whole;
+      resized(panel);
+    }
   });
-  /**
-   * @param {Panel} panel
-   * @param {number} width
-   */
-  const measured = (panel, width) => {
-    const whole = Math.floor(width);
-    if (whole === panel.width || whole === 0) return;
-    panel.width = whole;
-    resized(panel);
-  };
   for (const part of PARTS) {
     const panel = panelOf(part, tools[part] ?? null);
     made.set(part, panel);
@@ -244,34 +239,36 @@ export function drawAgain({ part, section, data, options }, element) {
 export function showTable(panel, open) {
   attribute(panel.toggle, "aria-expanded", open ? "true" : "false");
   panel.table.hidden = !open;
-  if (!open || panel.data === null) return panel.table.replaceChildren();
-  if (!("table" in panel.data)) return panel.table.replaceChildren();
+  if (!open || panel.data === null || !("table" in panel.data)) return panel.table.replaceChildren();
   return refill(panel.table, tableOf(/** @type {Table} */ (panel.data.table), panel.title));
 }
 
 /**
- * A real table; a wide or long one scrolls by itself, by keyboard as well.
+ * The table of a chart.
  *
  * @param {Table} table
  * @param {string} caption
  */
 export function tableOf({ head, rows }, caption) {
   const first = el("tr", {}, ...head.map((text) => el("th", { scope: "col", text })));
-  const lines = rows.map((row) =>
-    el(
-      "tr",
-      {},
-      ...row.map((cell, i) =>
-        i === 0 ? el("th", { scope: "row", text: cell }) : el("td", { text: cell }),
-      ),
-    ),
-  );
-  const table = el(
-    "table",
-    {},
-    el("caption", { class: "unseen", text: caption }),
-    el("thead", {}, first),
-    el("tbody", {}, ...lines),
-  );
+  /**
+   * @param {string} text
+   * @param {number} i
+   */
+  const cell = (text, i) => (i === 0 ? el("th", { scope: "row", text }) : el("td", { text }));
+  return scrolled(caption, {}, first, rows.map((row) => el("tr", {}, ...row.map(cell))));
+}
+
+/**
+ * A table of rows; a wide or long one scrolls by itself, by keyboard as well.
+ *
+ * @param {string} caption
+ * @param {{ class?: string }} look
+ * @param {HTMLElement} head
+ * @param {HTMLElement[]} rows
+ */
+export function scrolled(caption, look, head, rows) {
+  const named = el("caption", { class: "unseen", text: caption });
+  const table = el("table", look, named, el("thead", {}, head), el("tbody", {}, ...rows));
   return el("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": `Table: ${caption}` }, table);
 }

@@ -48,17 +48,15 @@ export function sensorControls(choices) {
 }
 
 /**
- * Appends a sensor: the next of the catalog that is not shown yet, or the one that is named.
+ * Appends the next sensor of the catalog that is not shown yet.
  *
  * @param {Choices} choices
- * @param {string | null} [name]
- * @param {object} [more]
  */
-export function addSensor(choices, name = null, more = {}) {
+function addSensor(choices) {
   changeStudy((study) => {
     const taken = new Set(study.sensors.map((sensor) => sensor.name));
     const free = choices.sensors.find((sensor) => !taken.has(sensor.name)) ?? choices.sensors[0];
-    study.sensors.push({ name: name ?? free.name, ...more });
+    study.sensors.push({ name: free.name });
   });
 }
 
@@ -74,7 +72,7 @@ function sensorCard(choices, i) {
     hidden: true,
     options: [],
     where: `sensors.${i}`,
-    on: (name) => changeStudy((study) => exchange(study, i, name)),
+    on: (name) => changeStudy((study) => exchange(study, i, { name })),
   });
   const up = square("\u2191", "Move up", `Move sensor ${i + 1} up`, () => changeStudy((study) => swap(study, i)));
   const again = square("", "Duplicate", `Duplicate sensor ${i + 1}`, () => changeStudy((study) => duplicate(study, i)));
@@ -170,18 +168,17 @@ function duplicate({ sensors }, i) {
 }
 
 /**
- * Puts another sensor in the place of one; `more` is what its own file must be told.
+ * Puts another sensor in the place of one, with what its own file must be told.
  *
  * @param {Study} study
  * @param {number} i
- * @param {string} name
- * @param {object} [more]
+ * @param {SensorPart} sensor
  */
-export function exchange(study, i, name, more = {}) {
+export function exchange(study, i, sensor) {
   // answers belong to one file, changes of the pixel to the question
   const { pixel, filter, filter_wavelength_unit, shift_ircut_nm, ircut_nm, shift_nm } = study.sensors[i];
   const kept = Object.entries({ pixel, filter, filter_wavelength_unit, shift_ircut_nm, ircut_nm, shift_nm });
-  study.sensors[i] = { name, ...more, ...Object.fromEntries(kept.filter(([, value]) => value !== undefined)) };
+  study.sensors[i] = { ...sensor, ...Object.fromEntries(kept.filter(([, value]) => value !== undefined)) };
 }
 
 /**
