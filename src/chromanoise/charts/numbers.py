@@ -5,7 +5,7 @@ from typing import Any
 
 from chromanoise import _check
 from chromanoise._csv_cells import csv_text
-from chromanoise.charts.text import table
+from chromanoise.charts.text import brief, table
 
 Row = list[Any]
 
@@ -146,7 +146,16 @@ def _map(record: Mapping[str, Any]) -> list[Row]:
     return [[x["what"], y["what"], *(f"{one['name']} [{unit}]" for one in sensors)], *rows]
 
 
-def _vectors(record: Mapping[str, Any]) -> list[Row]:
+def vector_rows(record: Mapping[str, Any], *, drawn: bool = False) -> list[Row]:
+    """The rows of the chart ``vectors``: half axes as long as they are, or as they are drawn.
+
+    Parameters
+    ----------
+    record
+        Of the chart.
+    drawn
+        Whether half axes are magnified.
+    """
     rows = [["color axes", axis["name"], *axis["at"], None] for axis in record["axes"]]
     rows.append(["scene", "true light", *record["scene"]["at"], record["scene"]["norm_share"]])
     for one in record["sensors"]:
@@ -155,11 +164,11 @@ def _vectors(record: Mapping[str, Any]) -> list[Row]:
             [one["name"], arrow["name"], *arrow["at"], arrow["norm_share"]]
             for arrow in (*one["channels"], *light)
         ]
-        # as long as they are, not as long as they are drawn
+        times = one["magnification"]
         for k, axis in enumerate((one["ellipsoid"] or {}).get("half_axes", ()), 1):
-            what = f"half axis {k} of {record['sigmas']:g} sigma"
-            lengths = [value / one["magnification"] for value in axis]
-            rows.append([one["name"], what, *lengths, None])
+            how = f", ×{brief(times)}" if drawn else f" of {record['sigmas']:g} sigma"
+            lengths = axis if drawn else [value / times for value in axis]
+            rows.append([one["name"], f"half axis {k}{how}", *lengths, None])
     return [["sensor", "vector", "first", "second", "third", "share of squared norm"], *rows]
 
 
@@ -199,7 +208,7 @@ _ROWS: Mapping[str, Callable[[Mapping[str, Any]], list[Row]]] = {
     "levels": _levels,
     "pareto": _pareto,
     "map": _map,
-    "vectors": _vectors,
+    "vectors": vector_rows,
     "ellipses": _ellipses,
     "chart": _chart,
 }

@@ -4,7 +4,6 @@ from collections.abc import Callable, Sequence
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.patches import Rectangle
 
 from chromanoise._check import Array
@@ -25,6 +24,7 @@ from chromanoise.figures.style import (
     QUIET,
     channel_color,
     chromanoise_style,
+    framed_figure,
     sensor_label,
     shade_nir,
     write_beside,
@@ -141,7 +141,7 @@ def _mosaics() -> Figure:
 
 
 def _flow(study: PaperStudy) -> Figure:
-    figure = _framed(8.8, 5.1)
+    figure = framed_figure(8.8, 5.1)
     top, bottom = figure.subplots(2, 1)
     draw_flow(study.columns[RGBW_12], top)
     draw_flow(study.columns[RGB_12], bottom)
@@ -164,13 +164,13 @@ def _alone(draw: Callable[[ChannelPlane, Axes], Axes], plane: ChannelPlane) -> F
 
 
 def _observer(study: PaperStudy) -> Figure:
-    figure = _framed(6.4, 3.5)
+    figure = framed_figure(6.4, 3.5)
     draw_observer(cie_1931(study.scene.illuminant.grid), figure.add_subplot())
     return figure
 
 
 def _sensitivities(study: PaperStudy) -> Figure:
-    figure = _framed(6.4, 5.6)
+    figure = framed_figure(6.4, 5.6)
     top, bottom = figure.subplots(2, 1, sharex=True)
     sensors = [study.columns[column].sensor for column in (RGBW_12, RGB_12)]
     highest = 1.15 * max(float(sensor.qe.max()) for sensor in sensors)
@@ -205,13 +205,6 @@ def _uncertainties(
     ]
     _stack(figure, panels)
     return figure
-
-
-def _framed(width_in: float, height_in: float) -> Figure:
-    """A figure that makes room for the labels of its axes."""
-    room_in = _SIDE_IN / 2
-    engine = ConstrainedLayoutEngine(w_pad=room_in, h_pad=room_in)
-    return Figure(figsize=(width_in, height_in), layout=engine)
 
 
 def _side_by_side(

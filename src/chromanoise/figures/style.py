@@ -10,6 +10,8 @@ from typing import Any
 import matplotlib.style
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.transforms import ScaledTranslation
 
 from chromanoise import _palette
@@ -258,6 +260,12 @@ def spread(wanted: Sequence[float], gap: float) -> list[float]:
 def sensor_label(sensor_name: str, origin: str) -> str:
     """The sensor's name, and whether its curves are a reconstruction or a model."""
     return f"{sensor_name} ({origin})" if origin in ("reconstruction", "model") else sensor_name
+
+
+def framed_figure(width_in: float, height_in: float) -> Figure:
+    """A figure that makes room for the labels of its axes."""
+    engine = ConstrainedLayoutEngine(w_pad=0.075, h_pad=0.075)
+    return Figure(figsize=(width_in, height_in), layout=engine)
 
 
 def write_beside(

@@ -18,7 +18,7 @@ from chromanoise.imaging import Work
 from chromanoise.io.given_matrices import is_matrix_file
 from chromanoise.page.cache import Remembered
 from chromanoise.page.requests import QuestionError, field, malformed, page_sentence
-from chromanoise.page.studies import Stamps, Studies, labeled, spoken, stamps_of
+from chromanoise.page.studies import Stamps, Studies, labeled, made_at, spoken, stamps_of
 from chromanoise.page.uploads import Upload
 from chromanoise.report import sights_of, study_report
 from chromanoise.sensor import Sensor
@@ -216,13 +216,13 @@ def report_reply(studies: Studies, question: Mapping[str, Any], folder: Path) ->
     """
     study, used = studies.read(field(question, "study", dict, {}))
     points = studies.operating_points(study, used)  # faults have the keys of the page's controls
-    try:
+
+    def report() -> str:
         with _beside_files(study, used, folder):
             of = shown(labeled(study, used), operating_points=points)
             return study_report(of, sights_of(of, work=Work(threads=1)))
-    except InputError as error:
-        sentence = spoken(page_sentence(error), used)
-        raise QuestionError((error.setting or "", sentence)) from None
+
+    return made_at("", used, report)
 
 
 @contextmanager
