@@ -19,9 +19,7 @@ def drawn_head(shown: Shown, look: Look) -> dict[str, Any]:
     level = {"level_lux": first.level_lux, "text": level_in_words(first.level_lux, 4)}
     return {
         "verdict": verdict_sentences(
-            shown.analyses,
-            equal=shown.study.exposure.equal,
-            reader=shown.study.outputs.reader,
+            shown.analyses, equal=shown.study.exposure.equal, reader=shown.study.outputs.reader
         ),
         "light": {"name": first.illuminant.name, **level},
         "sensors": sensors,

@@ -408,10 +408,7 @@ EXPLANATIONS: Mapping[str, Explanation] = {
         "them, and the line is where they are equal. For more sensors the color names the best "
         "one. Gray means that there is no value, as where a channel is saturated.",
         latex=(r"\Delta = \mathrm{SNR}_{\mathrm{A}} - \mathrm{SNR}_{\mathrm{B}}",),
-        symbols=(
-            Symbol(r"\Delta", "difference that the color shows", unit="dB"),
-            *_TWO_SNRS,
-        ),
+        symbols=(Symbol(r"\Delta", "difference that the color shows", unit="dB"), *_TWO_SNRS),
         source="this library",
     ),
     "chart": Explanation(
@@ -465,10 +462,7 @@ EXPLANATIONS: Mapping[str, Explanation] = {
         "if their means differ by more than the noise: the distance is that difference in units "
         "of the noise. At a distance of 2, an ideal reader of one pixel is right in 84 % of the "
         "cases. An invertible color matrix does not change the distance.",
-        latex=(
-            r"D_{\mathrm{M}}^2 = d^{\top} S^{-1} d",
-            r"P = \Phi(D_{\mathrm{M}} / 2)",
-        ),
+        latex=(r"D_{\mathrm{M}}^2 = d^{\top} S^{-1} d", r"P = \Phi(D_{\mathrm{M}} / 2)"),
         symbols=(
             Symbol(
                 r"D_{\mathrm{M}}",

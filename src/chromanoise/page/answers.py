@@ -104,11 +104,7 @@ class ChartReplies:
             With all faults of the study.
         """
         study = labeled(*self._studies.read(field(question, "study", dict, {})))
-        makers = {
-            "toml": study_as_toml,
-            "python": study_as_python,
-            "command": study_as_command,
-        }
+        makers = {"toml": study_as_toml, "python": study_as_python, "command": study_as_command}
         return {name: make(study) for name, make in makers.items()}
 
     def _part(self, part: str, asked: "_Asked", used: list[Upload]) -> str:

@@ -14,12 +14,7 @@ from chromanoise.catalog import own_sensor_of
 from chromanoise.catalog.patch_pairs import PAIRS_HEADER, resolve_pairs
 from chromanoise.catalog.pixel_files import read_pixel_source
 from chromanoise.charts.front import drawn_front
-from chromanoise.design import (
-    FRONT_SCHEMA,
-    FrontMember,
-    member_csv,
-    read_front,
-)
+from chromanoise.design import FRONT_SCHEMA, FrontMember, member_csv, read_front
 from chromanoise.errors import InputError, Setting, StudyError, errors_in
 from chromanoise.io.crosstalk import crosstalk_table
 from chromanoise.io.given_matrices import GivenMatrix, is_matrix_file, read_matrix

@@ -113,10 +113,7 @@ def application(
 
 
 def page_server(
-    listening: socket.socket,
-    *,
-    study: dict[str, Any] | None = None,
-    front: Path | None = None,
+    listening: socket.socket, *, study: dict[str, Any] | None = None, front: Path | None = None
 ) -> "Server":
     """The server of the page; ``run(sockets=[listening])`` serves until the process is stopped.
 

@@ -51,11 +51,7 @@ export function draw(element, data, options = {}) {
  */
 function range(data, ghosts) {
   const steps = [data, ...ghosts].flatMap((answer) => answer.sensors.flatMap((s) => s.steps));
-  return niceRange(
-    steps.flatMap((step) => [step.from_db, step.to_db]),
-    5,
-    [0],
-  );
+  return niceRange(steps.flatMap((step) => [step.from_db, step.to_db]), 5, [0]);
 }
 
 /**

@@ -226,12 +226,7 @@ function narrowLegend(curves, ghosts) {
 function crossovers(data, { x, y, top }) {
   const all = found(data);
   const shown = all.filter((cross) => inside(cross.lux, x));
-  const places = spread(
-    shown.map((cross) => x.at(cross.lux)),
-    20,
-    x.from + 9,
-    x.to - 9,
-  );
+  const places = spread(shown.map((cross) => x.at(cross.lux)), 20, x.from + 9, x.to - 9);
   return shown.flatMap((cross, i) => {
     const at = tenth(x.at(cross.lux));
     const d = `M${tenth(places[i])} ${top - 8}L${at} ${top}V${tenth(y.from)}`;

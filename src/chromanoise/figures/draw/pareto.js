@@ -64,10 +64,7 @@ function plane(data, ghosts, width, room) {
     answer.sensors.flatMap((sensor) => [...sensor.points, sensor.now].filter(whole)),
   );
   const tall = Math.round(Math.min(360, Math.max(200, 0.45 * width)));
-  const [left, right] = niceRange(
-    all.map((point) => point.snr_db),
-    5,
-  );
+  const [left, right] = niceRange(all.map((point) => point.snr_db), 5);
   const errors = all.map((point) => point.color_error);
   const x = linear(left, right, ROOM.left, width - room);
   const ends = /** @type {[number, number]} */ ([ROOM.top + tall, ROOM.top]);

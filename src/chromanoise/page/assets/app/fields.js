@@ -14,10 +14,7 @@ import { learn, shownName } from "app/uploads.js";
 /** @typedef {{ row: HTMLElement, show: Show }} Row */
 /** @typedef {(value: unknown, how?: "step" | "slide") => void} Write */
 
-const FLAGS = [
-  ["true", "yes"],
-  ["false", "no"],
-];
+const FLAGS = [["true", "yes"], ["false", "no"]];
 /** Groups that matter only where a word of the study names a file. */
 /** @type {Record<string, string>} */
 const OF_FILES = { "File of the curves": "sensors.name", "File of the light": "light.illuminant" };

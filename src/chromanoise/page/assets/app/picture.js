@@ -16,10 +16,7 @@ const UNSEEN_REST_MS = 4000;
 const BUSY = ".panel[aria-busy]:not([data-part=picture])";
 const SIDES = ["Left", "Right"];
 /** The zoom to begin with: in narrow windows as wide as there is room. */
-const ZOOMS = [
-  ["(max-width: 899px)", "0"],
-  ["(min-width: 2560px)", "2"],
-];
+const ZOOMS = [["(max-width: 899px)", "0"], ["(min-width: 2560px)", "2"]];
 const NO_METHOD = ["", "none"];
 
 /**

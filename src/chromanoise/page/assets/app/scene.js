@@ -8,10 +8,7 @@ import { asksFor, uploaded } from "app/uploads.js";
 /** @import { Group } from "app/controls.js" */
 
 const STANDARD = "builtin:checker";
-const BEYOND = [
-  ["hold", "hold last value"],
-  ["zero", "black"],
-];
+const BEYOND = [["hold", "hold last value"], ["zero", "black"]];
 
 /** What a picture says of its cube. */
 const OF_THE_CUBE = ["key", "shape", "wavelengths", "scale", "beyond"];
