@@ -2,9 +2,9 @@
 
 import { Refused, understood } from "app/ask.js";
 import * as cloud from "app/cloud.js";
-import { attribute, button, byId, choice, el, fillChoice, say, square, uniqueId, within } from "app/dom.js";
+import { attribute, byId, choice, el, fillChoice, say, square, uniqueId, within } from "app/dom.js";
 import { matricesOf } from "app/matrix.js";
-import { pack, tableOf } from "app/panels.js";
+import { pack, tableOf, tablePlace } from "app/panels.js";
 import { MOST } from "app/sensors.js";
 import { changeStudy, current, subscribe } from "app/state.js";
 import { sent } from "app/upload.js";
@@ -66,10 +66,7 @@ function frontPanel() {
   const fault = el("p", { class: "fault", role: "alert", hidden: true });
   const body = el("div", { class: "body" });
   const sentences = el("ul", { class: "notes" });
-  const table = el("div", { class: "table", id: uniqueId("table"), hidden: true });
-  const toggle = button("Table", () => open(table.hidden === true), {
-    ...{ "aria-expanded": "false", "aria-controls": table.id, "aria-label": `Table: ${TITLE}`, class: "toggle" },
-  });
+  const { table, toggle } = tablePlace(TITLE, () => open(table.hidden === true));
   const away = square("\u00d7", "Close", `Close: ${TITLE}`, close);
   const heading = el("h2", { id: uniqueId("h-front"), text: TITLE });
   const section = el(

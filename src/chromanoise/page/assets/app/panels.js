@@ -149,14 +149,7 @@ function panelOf(part, tool) {
   const body = within(section, ".body");
   body.dataset.part = part;
   const title = within(section, "h2").textContent ?? "";
-  const tableId = uniqueId("table");
-  const table = el("div", { class: "table", id: tableId, hidden: true });
-  const toggle = button("Table", () => changeLook((look) => (look.open = flipped(look.open, part))), {
-    "aria-expanded": "false",
-    "aria-controls": tableId,
-    "aria-label": `Table: ${title}`,
-    class: "toggle",
-  });
+  const { table, toggle } = tablePlace(title, () => changeLook((look) => (look.open = flipped(look.open, part))));
   const controls = within(section, ".head .tools");
   if (tool) controls.prepend(tool);
   controls.append(toggle);
@@ -170,6 +163,18 @@ function panelOf(part, tool) {
     show: (data, options) => show(panel, data, options),
   };
   return panel;
+}
+
+/**
+ * The hidden place of a table, and the button that shows and hides it.
+ *
+ * @param {string} title
+ * @param {() => unknown} click
+ */
+export function tablePlace(title, click) {
+  const table = el("div", { class: "table", id: uniqueId("table"), hidden: true });
+  const controls = { "aria-expanded": "false", "aria-controls": table.id, "aria-label": `Table: ${title}` };
+  return { table, toggle: button("Table", click, { ...controls, class: "toggle" }) };
 }
 
 /**
