@@ -359,7 +359,7 @@ export interface BudgetSensor {
   name: string;
   why_not: string | null;
   bound_db: Maybe;
-  steps?: BudgetStep[];
+  steps: BudgetStep[];
 }
 
 export interface Budget extends Chartable {
@@ -409,10 +409,10 @@ export interface EllipsePatch {
   name: string;
   srgb: string;
   truth: number[];
-  center: number[] | null;
-  outline: number[][] | null;
-  half_axes?: number[][];
-  reach?: Maybe;
+  center: number[];
+  outline: number[][];
+  half_axes: number[][];
+  reach: number;
 }
 
 export interface EllipsesSensor {
@@ -666,7 +666,7 @@ export interface DrawingModule<Data> {
 // ---- the data of a report ---------------------------------------------------------------------
 
 /** An ellipse as center, right and up half axis, and its reach. */
-export type PackedPatch = [number[], number[], number[], Maybe];
+export type PackedPatch = [number[], number[], number[], number];
 
 export interface PackedEllipses {
   plane: string;

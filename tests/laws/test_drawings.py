@@ -59,7 +59,7 @@ from chromanoise.geometry import reconstructed_light
 from chromanoise.page.choices import choices
 from chromanoise.page.files import asset
 from chromanoise.report.bundle import drawing_style
-from chromanoise.report.slides import at_value, slides_of
+from chromanoise.report.study_report import at_value, slides_of
 from chromanoise.sensor import behind_ir_cut, with_shifted_curves
 from chromanoise.spectra import DEFAULT_GRID, color_axes, colorchecker
 from chromanoise.study import OutputsPart, outcome_of, outcomes_as_json, run, study_from_data

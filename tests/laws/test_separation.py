@@ -23,7 +23,7 @@ from chromanoise.analysis.separation import (
     raw_outcomes,
     separation_of,
 )
-from chromanoise.charts.machine_verdict import machine_sentences
+from chromanoise.charts.machine import machine_sentences
 from chromanoise.metrics import (
     exact_separation_probability,
     gaussian_separation_probability,

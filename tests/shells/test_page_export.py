@@ -11,7 +11,7 @@ import pytest
 
 from chromanoise.charts import Look, chart_csv, drawing, shown
 from chromanoise.cli.entry import run as run_command
-from chromanoise.page.reports import report_reply
+from chromanoise.page.answers import report_reply
 from chromanoise.page.requests import QuestionError
 from chromanoise.page.services import STUDY
 from chromanoise.page.studies import Studies

@@ -24,7 +24,7 @@ from chromanoise.figures.writing import figure_bytes
 from chromanoise.io.table import written
 from chromanoise.report import sights_of, study_report
 from chromanoise.report.bundle import shortened
-from chromanoise.report.slides import at_value, slides_of
+from chromanoise.report.study_report import at_value, slides_of
 from chromanoise.study import Study, study_from_data, study_from_text, study_hash
 from chromanoise.study import run as run_study
 from shells.browser import FIXTURES

@@ -6,7 +6,7 @@ One module per chart; undefined values are ``None``, with the reason in ``why_no
 from chromanoise.charts.budget import cause_label
 from chromanoise.charts.by_name import DRAWINGS, PARTS, drawing
 from chromanoise.charts.charted_study import Look, Shown, shown, shown_at
-from chromanoise.charts.machine_tables import machine_tables
+from chromanoise.charts.machine import machine_tables
 from chromanoise.charts.numbers import chart_csv, chart_rows
 from chromanoise.charts.verdicts import verdict_sentences
 

@@ -9,14 +9,8 @@ from chromanoise.charts.charted_study import Look, Shown, saturation_sentence
 from chromanoise.charts.text import NONE, decimal, signed, table
 from chromanoise.color import LAB
 from chromanoise.exposure import conditions, expected_electrons
-from chromanoise.metrics import (
-    Budget,
-)
-from chromanoise.metrics.budget import (
-    REST,
-    WEIGHTS,
-    without_infrared,
-)
+from chromanoise.metrics import Budget
+from chromanoise.metrics.budget import REST, WEIGHTS, without_infrared
 
 
 def drawn_budget(shown: Shown, look: Look) -> dict[str, Any]:
@@ -94,7 +88,7 @@ def _sensor(analysis: Analysis, coordinate: str) -> dict[str, Any]:
         "name": analysis.sensor.label,
         "why_not": None if budget else _why_not(analysis, coordinate),
         "bound_db": budget.optimal_linear_snr_db if budget else None,
-        "steps": _steps(budget) if budget else [],
+        "steps": budget_steps(budget) if budget else [],
     }
 
 
@@ -156,7 +150,14 @@ def _table(sensors: list[dict[str, Any]], coordinate: str) -> dict[str, Any]:
     )
 
 
-def _steps(budget: Budget) -> list[dict[str, Any]]:
+def budget_steps(budget: Budget) -> list[dict[str, Any]]:
+    """The bars of a waterfall: all photons, each cause from where the bar before ends, the SNR.
+
+    Parameters
+    ----------
+    budget
+        The budget of one coordinate.
+    """
     at = budget.photons_db
     steps = [_step("all photons", 0.0, at, at, "start", "every photon that hits the pixels")]
     for cost in budget.costs:

@@ -1,11 +1,13 @@
 """Color error and noise of every ColorChecker patch."""
 
+from functools import partial
 from typing import Any
 
 from chromanoise.analysis.analysis import Analysis
 from chromanoise.charts.charted_study import Look, Shown
+from chromanoise.charts.numbers import text_table
 from chromanoise.charts.patches import Patches, hex_colors, patches_of, why_no_patches
-from chromanoise.charts.text import decimal, table
+from chromanoise.charts.text import decimal
 from chromanoise.exposure import conditions
 from chromanoise.spectra import chart_title
 
@@ -18,14 +20,15 @@ def drawn_chart(shown: Shown, look: Look) -> dict[str, Any]:
     sensors = [_sensor(*pair) for pair in zip(shown.analyses, found, strict=True)]
     where = conditions(shown.operating_points)
     chart = chart_title(shown.operating_points[0].chart)
-    return {
+    record: dict[str, Any] = {
         "title": f"Color error and noise of {chart} at {where}",
         "description": _description(patches, sensors),
         "patches": patches,
         "unit": "Delta E*ab",
         "sensors": sensors,
-        "table": _table(patches, sensors),
     }
+    cell = partial(decimal, none="saturated")
+    return record | {"table": text_table("chart", record, str, cell)}
 
 
 def _true_patches(seen: Patches) -> list[dict[str, str]]:
@@ -89,18 +92,3 @@ def _description(patches: list[dict[str, str]], sensors: list[dict[str, Any]]) -
             f"{names[noises.index(noisiest)]} ({decimal(noisiest)})."
         )
     return " ".join(parts)
-
-
-def _table(patches: list[dict[str, str]], sensors: list[dict[str, Any]]) -> dict[str, Any]:
-    head = ["patch"]
-    for sensor in sensors:
-        name = sensor["name"]
-        head += [f"{name} color error [ΔE*ab]", f"{name} color noise [ΔE*ab]"]
-    rows = []
-    for k, patch in enumerate(patches):
-        row = [patch["name"]]
-        for sensor in sensors:
-            own = sensor["patches"][k] if sensor["patches"] else {}
-            row += [decimal(own.get(key), 1, "saturated") for key in ("delta_e", "noise")]
-        rows.append(row)
-    return table(head, rows)

@@ -9,6 +9,7 @@ from chromanoise.charts.ranking import ranking
 from chromanoise.charts.text import NONE, brief, decimal, electrons, table
 from chromanoise.charts.verdicts import verdict_sentences
 from chromanoise.exposure import level_in_words
+from chromanoise.sensor import Sensor
 
 
 def drawn_head(shown: Shown, look: Look) -> dict[str, Any]:
@@ -18,9 +19,7 @@ def drawn_head(shown: Shown, look: Look) -> dict[str, Any]:
     level = {"level_lux": first.level_lux, "text": level_in_words(first.level_lux, 4)}
     return {
         "verdict": verdict_sentences(
-            shown.analyses,
-            equal=shown.study.exposure.equal,
-            reader=shown.study.outputs.reader,
+            shown.analyses, equal=shown.study.exposure.equal, reader=shown.study.outputs.reader
         ),
         "light": {"name": first.illuminant.name, **level},
         "sensors": sensors,
@@ -29,19 +28,28 @@ def drawn_head(shown: Shown, look: Look) -> dict[str, Any]:
     }
 
 
+def sensor_values(sensor: Sensor) -> dict[str, Any]:
+    """Channels, origin and pixel of a sensor as plain data.
+
+    Parameters
+    ----------
+    sensor
+        The sensor.
+    """
+    names = ("pitch_um", "full_well_e", "read_noise_e")
+    pixel = asdict(sensor.pixel)
+    values = {"channels": list(sensor.names), "origin": sensor.origin, "pixel": pixel}
+    return values | {name: pixel[name] for name in names}
+
+
 def _sensor(analysis: Analysis) -> dict[str, Any]:
     sensor, exposure = analysis.sensor, analysis.exposure
     mean = zip(sensor.names, analysis.raw.mean.tolist(), strict=True)
     return {
         "name": sensor.label,
-        "channels": list(sensor.names),
-        "origin": sensor.origin,
+        **sensor_values(sensor),
         "time_ms": 1e3 * exposure.time_s,
         "f_number": exposure.f_number,
-        "pitch_um": sensor.pixel.pitch_um,
-        "full_well_e": sensor.pixel.full_well_e,
-        "read_noise_e": sensor.pixel.read_noise_e,
-        "pixel": asdict(sensor.pixel),
         "saturated": saturated_names(analysis),
         "mean_e": dict(mean),
         "notes": list(diagnosis(analysis)),

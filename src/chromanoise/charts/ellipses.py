@@ -17,18 +17,8 @@ from chromanoise.charts.patches import (
     quick_cubature,
     why_no_patches,
 )
-from chromanoise.charts.text import (
-    NONE,
-    decimal,
-    table,
-)
-from chromanoise.color import (
-    XYY,
-    NoisyColor,
-    cielab,
-    propagate,
-    xyy,
-)
+from chromanoise.charts.text import NONE, decimal, table
+from chromanoise.color import XYY, NoisyColor, cielab, propagate, xyy
 from chromanoise.exposure import conditions
 from chromanoise.geometry import ellipse_half_axes, ellipse_outline
 from chromanoise.noise import Measurement, through

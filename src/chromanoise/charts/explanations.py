@@ -9,7 +9,7 @@ from chromanoise.charts.mathematics import mathml
 _PAPER = "Clouet, Vaillant & Alleysson, CIC27 (2019)"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class Symbol:
     """One symbol of a formula.
 
@@ -56,62 +56,49 @@ class Explanation:
     source: str
 
 
-_ELECTRONS = Symbol(
-    latex="M_i", meaning="electrons that channel i collects on average", unit="e⁻", name="mean_e"
-)
-_MEAN = Symbol(
-    latex="M", meaning="mean electrons of all channels, a vector", unit="e⁻", name="mean_e"
-)
-_CHANNEL = Symbol(latex="i", meaning="a channel of the sensor, for example R")
-_COORDINATE = Symbol(latex="c", meaning="one of X, Y, Z")
+_ELECTRONS = Symbol("M_i", "electrons that channel i collects on average", unit="e⁻", name="mean_e")
+_MEAN = Symbol("M", "mean electrons of all channels, a vector", unit="e⁻", name="mean_e")
+_CHANNEL = Symbol("i", "a channel of the sensor, for example R")
+_COORDINATE = Symbol("c", "one of X, Y, Z")
 _VARIANCE = Symbol(
-    latex="D_{ii}",
-    meaning="variance of channel i; dark current, quantization, DSNU, PRNU and the pattern of "
+    "D_{ii}",
+    "variance of channel i; dark current, quantization, DSNU, PRNU and the pattern of "
     "crosstalk are added where the sensor has them",
     unit="e⁻²",
     name="raw.covariance",
 )
 _READ_NOISE = Symbol(
-    latex=r"\sigma_{\mathrm{rn}}",
-    meaning="read noise, a standard deviation",
-    unit="e⁻",
-    name="read_noise_e",
+    r"\sigma_{\mathrm{rn}}", "read noise, a standard deviation", unit="e⁻", name="read_noise_e"
 )
 _LIGHT = Symbol(
-    latex="L",
-    meaning="light from the scene at each wavelength",
-    unit="photons s⁻¹ µm⁻² nm⁻¹",
-    name="light",
+    "L", "light from the scene at each wavelength", unit="photons s⁻¹ µm⁻² nm⁻¹", name="light"
 )
 _REBUILT = Symbol(
-    latex=r"\hat{L}",
-    meaning="spectrum reconstructed from the electrons",
+    r"\hat{L}",
+    "spectrum reconstructed from the electrons",
     unit="photons s⁻¹ µm⁻² nm⁻¹",
     name="light",
 )
-_SNR = Symbol(latex=r"\mathrm{SNR}", meaning="signal-to-noise ratio", unit="dB")
+_TWO_SNRS = (
+    Symbol(r"\mathrm{SNR}_{\mathrm{A}}", "color SNR of a sensor", unit="dB"),
+    Symbol(r"\mathrm{SNR}_{\mathrm{B}}", "that of another", unit="dB"),
+)
+_SNR = Symbol(r"\mathrm{SNR}", "signal-to-noise ratio", unit="dB")
 _RAW = Symbol(
-    latex="D",
-    meaning="covariance of the raw channels; without crosstalk after counting, their variances "
+    "D",
+    "covariance of the raw channels; without crosstalk after counting, their variances "
     "on the diagonal",
     unit="e⁻²",
     name="raw.covariance",
 )
 _BASIS = Symbol(
-    latex="F",
-    meaning="measurement vectors, one column per channel",
-    unit="e⁻ per unit of L",
-    name="basis",
+    "F", "measurement vectors, one column per channel", unit="e⁻ per unit of L", name="basis"
 )
-_GRAM = Symbol(latex="G", meaning="products of all pairs of channels", name="inverse_gram")
-_TRANSPOSED = Symbol(latex=r"\top", meaning="transposed: rows and columns change places")
-_MATRIX = Symbol(
-    latex="C", meaning="color matrix, from electrons to X, Y, Z", unit="lx/e⁻", name="matrix"
-)
-_NOISE_OF_COLORS = Symbol(
-    latex=r"\Sigma", meaning="covariance of the color, from noise alone", name="covariance"
-)
-_WAVELENGTH = Symbol(latex=r"\lambda", meaning="wavelength", unit="nm", name="wavelength_nm")
+_GRAM = Symbol("G", "products of all pairs of channels", name="inverse_gram")
+_TRANSPOSED = Symbol(r"\top", "transposed: rows and columns change places")
+_MATRIX = Symbol("C", "color matrix, from electrons to X, Y, Z", unit="lx/e⁻", name="matrix")
+_NOISE_OF_COLORS = Symbol(r"\Sigma", "covariance of the color, from noise alone", name="covariance")
+_WAVELENGTH = Symbol(r"\lambda", "wavelength", unit="nm", name="wavelength_nm")
 
 EXPLANATIONS: Mapping[str, Explanation] = {
     "electrons": Explanation(
@@ -128,23 +115,15 @@ EXPLANATIONS: Mapping[str, Explanation] = {
             _ELECTRONS,
             _CHANNEL,
             Symbol(
-                latex=r"\mathrm{QE}",
-                meaning="quantum efficiency with all filters",
-                unit="e⁻/photon",
-                name="qe",
+                r"\mathrm{QE}", "quantum efficiency with all filters", unit="e⁻/photon", name="qe"
             ),
             _LIGHT,
             _WAVELENGTH,
-            Symbol(latex="k", meaning="exposure factor", unit="s µm² nm", name="exposure factor"),
-            Symbol(latex="t", meaning="exposure time", unit="s", name="time_s"),
-            Symbol(latex="a", meaning="pixel pitch", unit="µm", name="pitch_um"),
-            Symbol(
-                latex=r"\delta\lambda",
-                meaning="step between wavelengths",
-                unit="nm",
-                name="step_nm",
-            ),
-            Symbol(latex=r"f_{\#}", meaning="f-number of the lens", unit="1", name="f_number"),
+            Symbol("k", "exposure factor", unit="s µm² nm", name="exposure factor"),
+            Symbol("t", "exposure time", unit="s", name="time_s"),
+            Symbol("a", "pixel pitch", unit="µm", name="pitch_um"),
+            Symbol(r"\delta\lambda", "step between wavelengths", unit="nm", name="step_nm"),
+            Symbol(r"f_{\#}", "f-number of the lens", unit="1", name="f_number"),
         ),
         source=f"{_PAPER}, eq. 1-2",
     ),
@@ -169,13 +148,7 @@ EXPLANATIONS: Mapping[str, Explanation] = {
             r"\mathrm{SNR}_i = 20 \, \log_{10} \frac{M_i}{\sqrt{D_{ii}}}",
             r"D_{ii} = M_i + \sigma_{\mathrm{rn}}^2",
         ),
-        symbols=(
-            _SNR,
-            _ELECTRONS,
-            _CHANNEL,
-            _VARIANCE,
-            _READ_NOISE,
-        ),
+        symbols=(_SNR, _ELECTRONS, _CHANNEL, _VARIANCE, _READ_NOISE),
         source=f"{_PAPER}, eq. 7",
     ),
     "contravariant": Explanation(
@@ -193,8 +166,8 @@ EXPLANATIONS: Mapping[str, Explanation] = {
         symbols=(
             _SNR,
             Symbol(
-                latex="M^i",
-                meaning="contravariant coordinate of channel i",
+                "M^i",
+                "contravariant coordinate of channel i",
                 unit="unit of L squared per e⁻",
                 name="contravariant",
             ),
@@ -238,16 +211,11 @@ EXPLANATIONS: Mapping[str, Explanation] = {
             _MEAN,
             _MATRIX,
             Symbol(
-                latex=r"C_{\mathrm{kernel}}",
-                meaning="the kernel matrix; other matrices are trained on spectra, or given",
+                r"C_{\mathrm{kernel}}",
+                "the kernel matrix; other matrices are trained on spectra, or given",
                 unit="lx/e⁻",
             ),
-            Symbol(
-                latex="H",
-                meaning="color axes x, y, z of the observer",
-                unit="lx per unit of L",
-                name="axes",
-            ),
+            Symbol("H", "color axes x, y, z of the observer", unit="lx per unit of L", name="axes"),
             _RAW,
             _BASIS,
             _GRAM,
@@ -269,21 +237,17 @@ EXPLANATIONS: Mapping[str, Explanation] = {
             r"b^* = 200 \left( g(Y / Y_{\mathrm{w}}) - g(Z / Z_{\mathrm{w}}) \right)",
         ),
         symbols=(
-            Symbol(
-                latex=r"\sigma_q",
-                meaning="standard deviation of q",
-                unit="1",
-            ),
-            Symbol(latex="q", meaning="one of L*, a*, b*", unit="1"),
-            Symbol(latex=r"\langle q \rangle", meaning="average of q over the noise of X, Y, Z"),
-            Symbol(latex="L^*", meaning="lightness", unit="1"),
-            Symbol(latex="a^*", meaning="green to red", unit="1"),
-            Symbol(latex="b^*", meaning="blue to yellow", unit="1"),
-            Symbol(latex="X", meaning="first coordinate of the color", unit="lx"),
-            Symbol(latex="Y", meaning="luminance", unit="lx"),
-            Symbol(latex="Z", meaning="third coordinate of the color", unit="lx"),
-            Symbol(latex=r"X_{\mathrm{w}}", meaning="X of a perfect white; likewise Y and Z"),
-            Symbol(latex="g", meaning="the cube root, with a straight line near black"),
+            Symbol(r"\sigma_q", "standard deviation of q", unit="1"),
+            Symbol("q", "one of L*, a*, b*", unit="1"),
+            Symbol(r"\langle q \rangle", "average of q over the noise of X, Y, Z"),
+            Symbol("L^*", "lightness", unit="1"),
+            Symbol("a^*", "green to red", unit="1"),
+            Symbol("b^*", "blue to yellow", unit="1"),
+            Symbol("X", "first coordinate of the color", unit="lx"),
+            Symbol("Y", "luminance", unit="lx"),
+            Symbol("Z", "third coordinate of the color", unit="lx"),
+            Symbol(r"X_{\mathrm{w}}", "X of a perfect white; likewise Y and Z"),
+            Symbol("g", "the cube root, with a straight line near black"),
         ),
         source="CIE 015:2018, eq. 8.3-8.8; averages: Stroud, Approximate Calculation of Multiple "
         "Integrals (1971), 2.6-2.7",
@@ -300,8 +264,8 @@ EXPLANATIONS: Mapping[str, Explanation] = {
         ),
         symbols=(
             Symbol(
-                latex=r"\mathrm{SNR}_{\mathrm{bound}}",
-                meaning="SNR of the best linear readout; the sum holds for channels whose noise "
+                r"\mathrm{SNR}_{\mathrm{bound}}",
+                "SNR of the best linear readout; the sum holds for channels whose noise "
                 "is independent",
                 unit="dB",
                 name="optimal_linear_snr_db",
@@ -321,14 +285,14 @@ EXPLANATIONS: Mapping[str, Explanation] = {
         "color costs most of the advantage.",
         latex=(r"\Delta = \mathrm{SNR}_{\mathrm{bound}} - \mathrm{SNR}_Y",),
         symbols=(
-            Symbol(latex=r"\Delta", meaning="color SNR loss", unit="dB", name="color_snr_loss_db"),
+            Symbol(r"\Delta", "color SNR loss", unit="dB", name="color_snr_loss_db"),
             Symbol(
-                latex=r"\mathrm{SNR}_{\mathrm{bound}}",
-                meaning="SNR of the best linear readout",
+                r"\mathrm{SNR}_{\mathrm{bound}}",
+                "SNR of the best linear readout",
                 unit="dB",
                 name="optimal_linear_snr_db",
             ),
-            Symbol(latex=r"\mathrm{SNR}_Y", meaning="SNR of Y, the luminance", unit="dB"),
+            Symbol(r"\mathrm{SNR}_Y", "SNR of Y, the luminance", unit="dB"),
         ),
         source="this library; follows from the bound of any linear readout",
     ),
@@ -347,31 +311,21 @@ EXPLANATIONS: Mapping[str, Explanation] = {
         ),
         symbols=(
             Symbol(
-                latex=r"\ell_j",
-                meaning="loss due to cause j, the length of its bar",
-                unit="dB",
-                name="loss_db",
+                r"\ell_j", "loss due to cause j, the length of its bar", unit="dB", name="loss_db"
             ),
-            Symbol(latex="j", meaning="a cause, for example read noise"),
+            Symbol("j", "a cause, for example read noise"),
             Symbol(
-                latex=r"\pi",
-                meaning="an order of the causes; the filters come first, and the weights of the "
+                r"\pi",
+                "an order of the causes; the filters come first, and the weights of the "
                 "color come before the correlation",
             ),
-            Symbol(latex="n", meaning="number of such orders", unit="1"),
+            Symbol("n", "number of such orders", unit="1"),
             Symbol(
-                latex=r"S_{\pi}^{-j}",
-                meaning="SNR with all causes that come before j in that order",
-                unit="dB",
+                r"S_{\pi}^{-j}", "SNR with all causes that come before j in that order", unit="dB"
             ),
-            Symbol(latex=r"S_{\pi}^{+j}", meaning="the same with j too", unit="dB"),
-            Symbol(
-                latex="S_0",
-                meaning="SNR of counting all photons",
-                unit="dB",
-                name="photons_db",
-            ),
-            Symbol(latex=r"\mathrm{SNR}_c", meaning="SNR of the color coordinate c", unit="dB"),
+            Symbol(r"S_{\pi}^{+j}", "the same with j too", unit="dB"),
+            Symbol("S_0", "SNR of counting all photons", unit="dB", name="photons_db"),
+            Symbol(r"\mathrm{SNR}_c", "SNR of the color coordinate c", unit="dB"),
         ),
         source="Shapley, Contributions to the Theory of Games II (1953), 307-317; orders with "
         "precedence: Faigle & Kern, Int. J. Game Theory 21 (1992) 249-266",
@@ -389,8 +343,8 @@ EXPLANATIONS: Mapping[str, Explanation] = {
         ),
         symbols=(
             Symbol(
-                latex=r"\Sigma_L",
-                meaning="covariance of the reconstructed light, the shape of the ellipsoid",
+                r"\Sigma_L",
+                "covariance of the reconstructed light, the shape of the ellipsoid",
                 name="reconstructed.covariance",
             ),
             _BASIS,
@@ -398,17 +352,13 @@ EXPLANATIONS: Mapping[str, Explanation] = {
             _RAW,
             _TRANSPOSED,
             Symbol(
-                latex="s",
-                meaning="share of the norm: how much of a vector lies in the drawn directions",
+                "s",
+                "share of the norm: how much of a vector lies in the drawn directions",
                 unit="1",
                 name="norm_share",
             ),
-            Symbol(latex="v", meaning="any of the drawn vectors", name="norm_share"),
-            Symbol(
-                latex="Q",
-                meaning="orthonormal axes that span x, y, z",
-                name="norm_share",
-            ),
+            Symbol("v", "any of the drawn vectors", name="norm_share"),
+            Symbol("Q", "orthonormal axes that span x, y, z", name="norm_share"),
         ),
         source=f"{_PAPER}, eq. 4",
     ),
@@ -419,8 +369,8 @@ EXPLANATIONS: Mapping[str, Explanation] = {
         "readings. A center far from its cross is a wrong color; a large ellipse is a noisy one.",
         latex=(r"(q - \bar{q})^{\top} \, \Sigma^{-1} \, (q - \bar{q}) = 2^2",),
         symbols=(
-            Symbol(latex="q", meaning="a point of the outline: a*, b* or x, y", unit="1"),
-            Symbol(latex=r"\bar{q}", meaning="mean color with noise, the center", unit="1"),
+            Symbol("q", "a point of the outline: a*, b* or x, y", unit="1"),
+            Symbol(r"\bar{q}", "mean color with noise, the center", unit="1"),
             _NOISE_OF_COLORS,
             _TRANSPOSED,
         ),
@@ -439,15 +389,14 @@ EXPLANATIONS: Mapping[str, Explanation] = {
         symbols=(
             _MEAN,
             Symbol(
-                latex=r"N_{\mathrm{lux}}",
-                meaning="light level (illuminance on the scene)",
+                r"N_{\mathrm{lux}}",
+                "light level (illuminance on the scene)",
                 unit="lx",
                 name="level_lux",
             ),
-            Symbol(latex="N_0", meaning="light level of the study", unit="lx"),
-            Symbol(latex=r"N_{\times}", meaning="light level of a crossover", unit="lx"),
-            Symbol(latex=r"\mathrm{SNR}_{\mathrm{A}}", meaning="color SNR of a sensor", unit="dB"),
-            Symbol(latex=r"\mathrm{SNR}_{\mathrm{B}}", meaning="that of another", unit="dB"),
+            Symbol("N_0", "light level of the study", unit="lx"),
+            Symbol(r"N_{\times}", "light level of a crossover", unit="lx"),
+            *_TWO_SNRS,
         ),
         source=f"{_PAPER}, eq. 2 and 7; crossovers: Chandrupatla, Adv. Eng. Softw. 28 (1997) "
         "145-149",
@@ -459,11 +408,7 @@ EXPLANATIONS: Mapping[str, Explanation] = {
         "them, and the line is where they are equal. For more sensors the color names the best "
         "one. Gray means that there is no value, as where a channel is saturated.",
         latex=(r"\Delta = \mathrm{SNR}_{\mathrm{A}} - \mathrm{SNR}_{\mathrm{B}}",),
-        symbols=(
-            Symbol(latex=r"\Delta", meaning="difference that the color shows", unit="dB"),
-            Symbol(latex=r"\mathrm{SNR}_{\mathrm{A}}", meaning="color SNR of a sensor", unit="dB"),
-            Symbol(latex=r"\mathrm{SNR}_{\mathrm{B}}", meaning="that of another", unit="dB"),
-        ),
+        symbols=(Symbol(r"\Delta", "difference that the color shows", unit="dB"), *_TWO_SNRS),
         source="this library",
     ),
     "chart": Explanation(
@@ -475,15 +420,15 @@ EXPLANATIONS: Mapping[str, Explanation] = {
         latex=(r"\Delta E^*_{ab} = \sqrt{(\Delta L^*)^2 + (\Delta a^*)^2 + (\Delta b^*)^2}",),
         symbols=(
             Symbol(
-                latex=r"\Delta E^*_{ab}",
-                meaning="CIE 1976 color difference; of the error: between the color without "
+                r"\Delta E^*_{ab}",
+                "CIE 1976 color difference; of the error: between the color without "
                 "noise and the true one, each on its own white; of the noise: mean over the noise",
                 unit="1",
                 name="color_error",
             ),
-            Symbol(latex=r"\Delta L^*", meaning="difference of lightness", unit="1"),
-            Symbol(latex=r"\Delta a^*", meaning="difference from green to red", unit="1"),
-            Symbol(latex=r"\Delta b^*", meaning="difference from blue to yellow", unit="1"),
+            Symbol(r"\Delta L^*", "difference of lightness", unit="1"),
+            Symbol(r"\Delta a^*", "difference from green to red", unit="1"),
+            Symbol(r"\Delta b^*", "difference from blue to yellow", unit="1"),
         ),
         source="CIE 015:2018, eq. 8.21",
     ),
@@ -501,13 +446,10 @@ EXPLANATIONS: Mapping[str, Explanation] = {
         symbols=(
             _MATRIX,
             _MEAN,
-            Symbol(latex="x", meaning="true X, Y, Z of a training spectrum", unit="lx"),
-            Symbol(latex=r"\langle \; \rangle", meaning="average over the training spectra"),
+            Symbol("x", "true X, Y, Z of a training spectrum", unit="lx"),
+            Symbol(r"\langle \; \rangle", "average over the training spectra"),
             Symbol(
-                latex="w",
-                meaning="weight of the noise: 0 is least squares, 1 is LMMSE",
-                unit="1",
-                name="weight",
+                "w", "weight of the noise: 0 is least squares, 1 is LMMSE", unit="1", name="weight"
             ),
             _RAW,
             _TRANSPOSED,
@@ -520,26 +462,18 @@ EXPLANATIONS: Mapping[str, Explanation] = {
         "if their means differ by more than the noise: the distance is that difference in units "
         "of the noise. At a distance of 2, an ideal reader of one pixel is right in 84 % of the "
         "cases. An invertible color matrix does not change the distance.",
-        latex=(
-            r"D_{\mathrm{M}}^2 = d^{\top} S^{-1} d",
-            r"P = \Phi(D_{\mathrm{M}} / 2)",
-        ),
+        latex=(r"D_{\mathrm{M}}^2 = d^{\top} S^{-1} d", r"P = \Phi(D_{\mathrm{M}} / 2)"),
         symbols=(
             Symbol(
-                latex=r"D_{\mathrm{M}}",
-                meaning="distance in units of the noise (Mahalanobis)",
+                r"D_{\mathrm{M}}",
+                "distance in units of the noise (Mahalanobis)",
                 unit="1",
                 name="distance",
             ),
-            Symbol(latex="d", meaning="difference of the mean raw values", unit="e⁻"),
-            Symbol(latex="S", meaning="mean covariance of the two patches", unit="e⁻²"),
-            Symbol(
-                latex="P",
-                meaning="share of right answers of an ideal reader",
-                unit="1",
-                name="probability",
-            ),
-            Symbol(latex=r"\Phi", meaning="cumulative normal distribution", unit="1"),
+            Symbol("d", "difference of the mean raw values", unit="e⁻"),
+            Symbol("S", "mean covariance of the two patches", unit="e⁻²"),
+            Symbol("P", "share of right answers of an ideal reader", unit="1", name="probability"),
+            Symbol(r"\Phi", "cumulative normal distribution", unit="1"),
             _TRANSPOSED,
         ),
         source="Mahalanobis, Proc. Nat. Inst. Sci. India 2 (1936) 49-55; ICRU Report 54 (1996)",

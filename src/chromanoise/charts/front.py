@@ -1,12 +1,21 @@
-"""The front of a design search: two of its objectives against each other."""
+"""Charts of a design: the front of a search, and the sensitivity of a sensor to its parameters."""
 
 from typing import Any
 
 from chromanoise import _check
-from chromanoise.charts.text import brief, listed, table
-from chromanoise.design import FrontFile, FrontMember, FrontObjective, FrontReference
+from chromanoise.charts.text import NONE, brief, listed, table
+from chromanoise.design import (
+    Effect,
+    FrontFile,
+    FrontMember,
+    FrontObjective,
+    FrontReference,
+    Sensitivity,
+)
+from chromanoise.exposure import conditions
 
 _DIGITS = 4
+_MOST = 3  # parameters in the description of a sensitivity
 
 
 def drawn_front(front: FrontFile, *, x: str | None = None, y: str | None = None) -> dict[str, Any]:
@@ -131,3 +140,48 @@ def _description(front: FrontFile, sensors: str) -> str:
     names = [one.name for one in front.references]
     beside = f" References: {listed(names)}." if names else ""
     return f"{sensors}; better is {listed(better)}.{beside} {' '.join(front.sentences)}".strip()
+
+
+def drawn_sensitivity(result: Sensitivity) -> dict[str, Any]:
+    """One bar per parameter and objective.
+
+    Returns
+    -------
+    dict
+        ``title``, ``description``; ``objectives`` with their value; ``bars``, one per parameter,
+        with ``effects`` and their ``text`` by objective; ``notes``; ``table``.
+    """
+    bars = [_bar(effect, result) for effect in result.effects]
+    heads = (o.name if o.unit == "1" else f"{o.name} [{o.unit}]" for o in result.objectives)
+    first = result.objectives[0]
+    largest = "; ".join(
+        f"{bar['what']} {bar['text'][first.name]} per {bar['unit']}" for bar in bars[:_MOST]
+    )
+    return {
+        "title": f"Sensitivity of {result.point.sensor.label} at {conditions([result.point])}",
+        "description": f"Largest effects on {first.what}: {largest}.",
+        "objectives": [
+            {"name": one.name, "what": one.what, "unit": one.unit, "value": result.value[one.name]}
+            for one in result.objectives
+        ],
+        "bars": bars,
+        "notes": list(result.notes),
+        "table": table(
+            ["parameter", "change", *heads],
+            [[bar["what"], f"+1 {bar['unit']}", *bar["text"].values()] for bar in bars],
+        ),
+    }
+
+
+def _bar(effect: Effect, result: Sensitivity) -> dict[str, Any]:
+    text = {}
+    for one in result.objectives:
+        slope = brief(effect.slope[one.name])
+        text[one.name] = slope if one.unit == "1" or slope == NONE else f"{slope} {one.unit}"
+    return {
+        "name": effect.parameter.name,
+        "what": effect.parameter.what,
+        "unit": effect.parameter.unit,
+        "effects": dict(effect.slope),
+        "text": text,
+    }

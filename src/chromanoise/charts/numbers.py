@@ -1,10 +1,11 @@
 """The numbers behind each chart as the rows of a CSV file, to full precision."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from chromanoise import _check
 from chromanoise._csv_cells import csv_text
+from chromanoise.charts.text import brief, table
 
 Row = list[Any]
 
@@ -52,6 +53,32 @@ def chart_csv(part: str, record: Mapping[str, Any]) -> str:
     return csv_text(chart_rows(part, record))
 
 
+def text_table(
+    part: str, record: Mapping[str, Any], *texts: Callable[[Any], str]
+) -> dict[str, Any]:
+    """The numbers behind a chart as text.
+
+    Parameters
+    ----------
+    part, record
+        As `chart_rows`.
+    texts
+        The text of a value in each column; the last also in all columns after it.
+    """
+    head, *rows = chart_rows(part, record)
+    each = [*texts, *[texts[-1]] * (len(head) - len(texts))]
+    shown = [[text(value) for text, value in zip(each, row, strict=True)] for row in rows]
+    return table([name.replace("Delta E", "ΔE") for name in head], shown)
+
+
+def _columns(*columns: tuple[str, Sequence[Any]]) -> list[Row]:
+    """Heads with the values under them."""
+    return [
+        [head for head, _ in columns],
+        *map(list, zip(*(one for _, one in columns), strict=True)),
+    ]
+
+
 def _head(record: Mapping[str, Any]) -> list[Row]:
     rows = [
         [one["name"], name, mean_e, one["full_well_e"], one["time_ms"], one["f_number"]]
@@ -83,18 +110,18 @@ def _budget(record: Mapping[str, Any]) -> list[Row]:
 
 
 def _sensitivities(record: Mapping[str, Any]) -> list[Row]:
-    curves = [(one["name"], curve) for one in record["sensors"] for curve in one["channels"]]
-    head = ["wavelength [nm]", f"light {record['light_name']}, relative"]
-    columns = [record["wavelength_nm"], record["light"], *(curve["qe"] for _, curve in curves)]
-    names = [f"{name} {curve['name']} [e-/photon]" for name, curve in curves]
-    return [[*head, *names], *map(list, zip(*columns, strict=True))]
+    light = (f"light {record['light_name']}, relative", record["light"])
+    curves = [
+        (f"{one['name']} {curve['name']} [e-/photon]", curve["qe"])
+        for one in record["sensors"]
+        for curve in one["channels"]
+    ]
+    return _columns(("wavelength [nm]", record["wavelength_nm"]), light, *curves)
 
 
 def _levels(record: Mapping[str, Any]) -> list[Row]:
-    unit, curves = record["unit"], record["curves"]
-    head = ["illuminance [lx]", *(f"{one['name']} [{unit}]" for one in curves)]
-    columns = zip(record["lux"], *(one["values"] for one in curves), strict=True)
-    return [head, *map(list, columns)]
+    curves = [(f"{one['name']} [{record['unit']}]", one["values"]) for one in record["curves"]]
+    return _columns(("illuminance [lx]", record["lux"]), *curves)
 
 
 def _pareto(record: Mapping[str, Any]) -> list[Row]:
@@ -119,7 +146,16 @@ def _map(record: Mapping[str, Any]) -> list[Row]:
     return [[x["what"], y["what"], *(f"{one['name']} [{unit}]" for one in sensors)], *rows]
 
 
-def _vectors(record: Mapping[str, Any]) -> list[Row]:
+def vector_rows(record: Mapping[str, Any], *, drawn: bool = False) -> list[Row]:
+    """The rows of the chart ``vectors``: half axes as long as they are, or as they are drawn.
+
+    Parameters
+    ----------
+    record
+        Of the chart.
+    drawn
+        Whether half axes are magnified.
+    """
     rows = [["color axes", axis["name"], *axis["at"], None] for axis in record["axes"]]
     rows.append(["scene", "true light", *record["scene"]["at"], record["scene"]["norm_share"]])
     for one in record["sensors"]:
@@ -128,11 +164,11 @@ def _vectors(record: Mapping[str, Any]) -> list[Row]:
             [one["name"], arrow["name"], *arrow["at"], arrow["norm_share"]]
             for arrow in (*one["channels"], *light)
         ]
-        # as long as they are, not as long as they are drawn
+        times = one["magnification"]
         for k, axis in enumerate((one["ellipsoid"] or {}).get("half_axes", ()), 1):
-            what = f"half axis {k} of {record['sigmas']:g} sigma"
-            lengths = [value / one["magnification"] for value in axis]
-            rows.append([one["name"], what, *lengths, None])
+            how = f", ×{brief(times)}" if drawn else f" of {record['sigmas']:g} sigma"
+            lengths = axis if drawn else [value / times for value in axis]
+            rows.append([one["name"], f"half axis {k}{how}", *lengths, None])
     return [["sensor", "vector", "first", "second", "third", "share of squared norm"], *rows]
 
 
@@ -154,13 +190,14 @@ def _ellipses(record: Mapping[str, Any]) -> list[Row]:
 
 
 def _chart(record: Mapping[str, Any]) -> list[Row]:
-    head, columns = ["patch"], [[patch["name"] for patch in record["patches"]]]
-    for one in record["sensors"]:
-        for what, key in (("color error", "delta_e"), ("color noise", "noise")):
-            head.append(f"{one['name']} {what} [Delta E*ab]")
-            values = [patch[key] for patch in one["patches"]]
-            columns.append(values or [None] * len(record["patches"]))
-    return [head, *map(list, zip(*columns, strict=True))]
+    names = [patch["name"] for patch in record["patches"]]
+    blank = [dict.fromkeys(("delta_e", "noise"))] * len(names)
+    errors = [
+        (f"{one['name']} {what} [Delta E*ab]", [patch[key] for patch in one["patches"] or blank])
+        for one in record["sensors"]
+        for what, key in (("color error", "delta_e"), ("color noise", "noise"))
+    ]
+    return _columns(("patch", names), *errors)
 
 
 _ROWS: Mapping[str, Callable[[Mapping[str, Any]], list[Row]]] = {
@@ -171,7 +208,7 @@ _ROWS: Mapping[str, Callable[[Mapping[str, Any]], list[Row]]] = {
     "levels": _levels,
     "pareto": _pareto,
     "map": _map,
-    "vectors": _vectors,
+    "vectors": vector_rows,
     "ellipses": _ellipses,
     "chart": _chart,
 }

@@ -1,5 +1,6 @@
 """Training error against noise, over the weight of the noise in the matrix."""
 
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +11,8 @@ from chromanoise.analysis.pareto import noise_weights, pareto_of
 from chromanoise.analysis.priors import training_named
 from chromanoise.analysis.undefined import defined
 from chromanoise.charts.charted_study import Look, Shown, saturation_sentence, unclipped_remark
-from chromanoise.charts.text import brief, decimal, table
+from chromanoise.charts.numbers import text_table
+from chromanoise.charts.text import brief, decimal
 from chromanoise.color import ParetoCurve, training_color_error
 from chromanoise.exposure import OperatingPoint, conditions
 
@@ -31,7 +33,7 @@ def drawn_pareto(shown: Shown, look: Look) -> dict[str, Any]:
         _sensor(operating_point, analysis, pareto_of(operating_point, weights, prior=prior), prior)
         for operating_point, analysis in zip(shown.operating_points, shown.analyses, strict=True)
     ]
-    return {
+    record: dict[str, Any] = {
         "title": (
             f"Training error (mean over {Path(prior).name}) against SNR of Y at "
             f"{conditions(shown.operating_points)}"
@@ -44,8 +46,9 @@ def drawn_pareto(shown: Shown, look: Look) -> dict[str, Any]:
         "trained": bool(trained_names(shown.study.matrices[:1])),
         "logarithmic": _spread_far(sensors),
         "sensors": sensors,
-        "table": _table(sensors),
     }
+    numbers = partial(decimal, digits=2)
+    return record | {"table": text_table("pareto", record, str, _weight, numbers)}
 
 
 def _spread_far(sensors: list[dict[str, Any]]) -> bool:
@@ -104,13 +107,5 @@ def _in_words(point: dict[str, Any]) -> str:
     return f"{decimal(point['snr_db'])} dB at a training error of {decimal(point['color_error'])}"
 
 
-def _table(sensors: list[dict[str, Any]]) -> dict[str, Any]:
-    rows = []
-    for sensor in sensors:
-        named = [(point["text"], point) for point in sensor["points"]]
-        for name, point in (*named, ("now", sensor["now"])):
-            error, snr = decimal(point["color_error"], 2), decimal(point["snr_db"], 2)
-            rows.append([sensor["name"], name, error, snr])
-    return table(
-        ["sensor", "weight of the noise", "training error, mean ΔE*ab", "SNR of Y [dB]"], rows
-    )
+def _weight(value: float | str) -> str:
+    return value if isinstance(value, str) else brief(value)

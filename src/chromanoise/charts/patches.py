@@ -7,14 +7,9 @@ import numpy as np
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise._shapes import (
-    Float,
-)
+from chromanoise._shapes import Float
 from chromanoise.analysis.analysis import Analysis, color_snr_db, of_white
-from chromanoise.analysis.operating_point import (
-    noisy_color_at,
-    stages_at,
-)
+from chromanoise.analysis.operating_point import noisy_color_at, stages_at
 from chromanoise.charts.charted_study import saturation_sentence
 from chromanoise.color import (
     LAB,

@@ -1,14 +1,22 @@
-"""The table of the sensors: rank, SNR, color error, exposure time and electrons of each."""
+"""The table of the sensors (rank, SNR, color error, time), and the raw SNR that compares them."""
 
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
-from chromanoise.analysis.analysis import Analysis, color_snr_db, diagnosis, mean_color_error
+import numpy as np
+
+from chromanoise.analysis.analysis import (
+    Analysis,
+    color_snr_db,
+    diagnosis,
+    mean_color_error,
+    raw_snr_db,
+)
 from chromanoise.analysis.total_error import mean_total_error
 from chromanoise.charts.charted_study import saturated_names
-from chromanoise.charts.raw_comparison import compared_raw_name, compared_raw_snr_db
 from chromanoise.charts.text import NONE, brief, decimal, electrons
 
 
@@ -129,3 +137,43 @@ def _time_ms(analysis: Analysis) -> float:
 
 def _four_digits(value: float) -> str:
     return brief(value, 4)
+
+
+def compared_raw_snr_db(analysis: Analysis, analyses: Sequence[Analysis]) -> float:
+    """Mean raw SNR of the channels that all sensors have; without them the best linear SNR. [dB]
+
+    Infinite for a signal without noise.
+
+    Parameters
+    ----------
+    analysis
+        That of one sensor, without saturated channels.
+    analyses
+        Those of all compared sensors.
+    """
+    shared, snr = _shared(tuple(analyses)), raw_snr_db(analysis)
+    if shared:
+        return float(np.mean([snr[name] for name in shared]))
+    best = analysis.optimal_linear_snr_db
+    return math.inf if best is None else best  # not saturated: it is signal without noise
+
+
+def compared_raw_name(analyses: Sequence[Analysis]) -> str:
+    """What `compared_raw_snr_db` is, in a few words.
+
+    Parameters
+    ----------
+    analyses
+        Those of all compared sensors.
+    """
+    shared = _shared(tuple(analyses))
+    return f"mean of {', '.join(shared)}" if shared else "best linear readout of all channels"
+
+
+@lru_cache(maxsize=16)  # verdict and ranking ask for each sensor
+def _shared(analyses: tuple[Analysis, ...]) -> tuple[str, ...]:
+    """Channels that all sensors have, with signal in all of them."""
+    found = [raw_snr_db(analysis) for analysis in analyses]
+    return tuple(
+        name for name in analyses[0].sensor.names if all(one.get(name) is not None for one in found)
+    )

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 from chromanoise._check import Array
@@ -23,13 +24,8 @@ from chromanoise.analysis.comparison.ranking import (
 from chromanoise.analysis.comparison.sweeps import SWEEPS, swept_values
 from chromanoise.analysis.undefined import defined
 from chromanoise.charts.charted_study import Look, Shown, unclipped_remark
-from chromanoise.charts.text import (
-    UNDEFINED,
-    brief,
-    decimal,
-    listed,
-    table,
-)
+from chromanoise.charts.numbers import text_table
+from chromanoise.charts.text import UNDEFINED, brief, decimal, listed
 from chromanoise.exposure import level_in_words, light_and_exposure
 
 LOWEST_LUX, HIGHEST_LUX = 0.01, 10_000.0
@@ -65,7 +61,7 @@ def drawn_levels(shown: Shown, look: Look) -> dict[str, Any]:
     crossed = [entry for pair in crossovers for entry in _crossed(pair)]
     leaders = lead_sentences(leading) if many else []
     lux = values.tolist()
-    return {
+    record: dict[str, Any] = {
         "title": (
             f"{quantity.what} against illuminance ({light_and_exposure(shown.operating_points)})"
             f"{unclipped_remark(shown)}"
@@ -79,8 +75,9 @@ def drawn_levels(shown: Shown, look: Look) -> dict[str, Any]:
         "curves": drawn,
         "crossovers": crossed,
         "notes": [*leaders, *_notes(drawn, quantity.what)],
-        "table": _table(drawn, lux, quantity.unit),
     }
+    cell = partial(decimal, digits=2, none=UNDEFINED)
+    return record | {"table": text_table("levels", record, brief, cell)}
 
 
 def level_curves(
@@ -149,9 +146,3 @@ def _description(
         )
         parts.append(f"{one['name']} goes from {first} to {last}.")
     return " ".join([*parts, *(one["sentence"] for one in crossed)])
-
-
-def _table(curves: list[dict[str, Any]], lux: list[float], unit: str) -> dict[str, Any]:
-    cells = [[decimal(value, 2, UNDEFINED) for value in one["values"]] for one in curves]
-    rows = zip([brief(level) for level in lux], *cells, strict=True)
-    return table(["illuminance [lx]", *(f"{one['name']} [{unit}]" for one in curves)], list(rows))

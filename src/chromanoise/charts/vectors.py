@@ -15,6 +15,7 @@ from chromanoise._linalg import eigh, qr
 from chromanoise._shapes import Float
 from chromanoise.analysis.analysis import Analysis, metric_of
 from chromanoise.charts.charted_study import Look, Shown, saturation_sentence
+from chromanoise.charts.numbers import vector_rows
 from chromanoise.charts.text import NONE, brief, decimal, listed, percent, table
 from chromanoise.exposure import conditions
 from chromanoise.geometry import reconstructed_light
@@ -118,22 +119,19 @@ def drawn_vectors(shown: Shown, look: Look) -> dict[str, Any]:
         }
         for a, seen, spread in zip(shown.analyses, rebuilt, spreads, strict=True)
     ]
-    drawn = {
+    record: dict[str, Any] = {
+        "title": f"Channels and light as vectors at {conditions(shown.operating_points)}, "
+        f"{metric_of(shown.analyses)}",
         "axes": [
             {"name": name, "at": (frame.T @ unit_axes[:, i]).tolist()}
             for i, name in enumerate(_AXES)
         ],
         "scene": _vector(frame, scene, unit_of_light),
-    }
-    return {
-        "title": f"Channels and light as vectors at {conditions(shown.operating_points)}, "
-        f"{metric_of(shown.analyses)}",
-        **drawn,
         "sigmas": _SIGMAS,
         "magnification": magnification,
         "sensors": [one | _sentences(one) for one in sensors],
-        "table": _table(drawn, sensors),
     }
+    return record | {"table": _table(record)}
 
 
 def _sentences(sensor: dict[str, Any]) -> dict[str, str]:
@@ -154,23 +152,14 @@ def _sentences(sensor: dict[str, Any]) -> dict[str, str]:
     return {"note": note, "description": f"{what} {note}"}
 
 
-def _table(drawn: dict[str, Any], sensors: list[dict[str, Any]]) -> dict[str, Any]:
-    rows = [_row("color axes", axis["name"], axis) for axis in drawn["axes"]]
-    rows.append(_row("scene", "true light", drawn["scene"]))
-    for sensor in sensors:
-        name = sensor["name"]
-        rows += [_row(name, channel["name"], channel) for channel in sensor["channels"]]
-        if sensor["light"]:
-            rows.append(_row(name, "light", sensor["light"]))
-        magnified = f"×{brief(sensor['magnification'])}"
-        for k, axis in enumerate((sensor["ellipsoid"] or {}).get("half_axes", ()), 1):
-            rows.append(_row(name, f"half axis {k}, {magnified}", {"at": axis}))
-    return table(["sensor", "vector", "first", "second", "third", "share of squared norm"], rows)
-
-
-def _row(sensor: str, what: str, vector: dict[str, Any]) -> list[str]:
-    share = percent(vector["norm_share"]) if "norm_share" in vector else NONE
-    return [sensor, what, *(decimal(value, 4) for value in vector["at"]), share]
+def _table(record: dict[str, Any]) -> dict[str, Any]:
+    head, *rows = vector_rows(record, drawn=True)
+    shares = [NONE if row[-1] is None else percent(row[-1]) for row in rows]
+    texts = [
+        [sensor, vector, *(decimal(value, 4) for value in at), share]
+        for (sensor, vector, *at, _), share in zip(rows, shares, strict=True)
+    ]
+    return table(head, texts)
 
 
 def norm_share(frame: Float[Array, "n 3"], vector: Float[Array, " n"]) -> float:

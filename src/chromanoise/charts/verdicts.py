@@ -10,8 +10,8 @@ from chromanoise.analysis.budgets import coordinate_budget
 from chromanoise.analysis.total_error import better_matrix, mean_total_error, total_error_of
 from chromanoise.charts.budget import cause_label
 from chromanoise.charts.charted_study import saturation_sentence
-from chromanoise.charts.machine_verdict import machine_sentences
-from chromanoise.charts.raw_comparison import compared_raw_name, compared_raw_snr_db
+from chromanoise.charts.machine import machine_sentences
+from chromanoise.charts.ranking import compared_raw_name, compared_raw_snr_db
 from chromanoise.charts.text import decimal, signed
 from chromanoise.exposure import conditions
 from chromanoise.metrics import Budget

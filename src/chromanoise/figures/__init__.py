@@ -18,7 +18,7 @@ from chromanoise.figures.characterization import (
 from chromanoise.figures.comparison import draw_color_errors, draw_comparison
 from chromanoise.figures.ellipses import draw_ellipses
 from chromanoise.figures.flow import draw_flow
-from chromanoise.figures.front import draw_front, front_figure
+from chromanoise.figures.front import draw_front, draw_sensitivity, front_figure
 from chromanoise.figures.geometry import (
     draw_color_projection,
     draw_color_uncertainty,
@@ -28,19 +28,16 @@ from chromanoise.figures.geometry import (
     draw_uncertainty,
 )
 from chromanoise.figures.maps import draw_maps
-from chromanoise.figures.mosaics import draw_mosaic
-from chromanoise.figures.observers import draw_observer
-from chromanoise.figures.paper import CAPTIONS, paper_figures
+from chromanoise.figures.paper import CAPTIONS, draw_mosaic, draw_observer, paper_figures
 from chromanoise.figures.pareto import draw_pareto
-from chromanoise.figures.pictures import draw_picture
 from chromanoise.figures.results import (
     draw_analyses,
     draw_capture,
     draw_matrices,
     draw_panels,
+    draw_picture,
 )
 from chromanoise.figures.sensitivities import draw_sensitivities
-from chromanoise.figures.sensitivity import draw_sensitivity
 from chromanoise.figures.study import map_figures, study_figures
 from chromanoise.figures.style import channel_color, chromanoise_style, sensor_lines
 from chromanoise.figures.writing import write_figures

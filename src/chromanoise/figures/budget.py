@@ -1,13 +1,12 @@
 """The dB budget of one coordinate as a waterfall chart."""
 
 from collections.abc import Sequence
+from typing import Any
 
-import numpy as np
 from matplotlib.axes import Axes
 
-from chromanoise.charts import cause_label
-from chromanoise.charts.text import decimal, signed
-from chromanoise.figures.style import INK, QUIET, mark_zero, sensor_label
+from chromanoise.charts.budget import budget_steps
+from chromanoise.figures.style import INK, QUIET, mark_zero, sensor_label, write_beside
 from chromanoise.metrics import Budget
 from chromanoise.sensor import Sensor
 
@@ -17,11 +16,8 @@ _ROOM = 0.16  # of the scale, for the numbers beside the bars
 
 def budget_limits_db(budgets: Sequence[Budget]) -> tuple[float, float]:
     """The scale that holds all bars of some budgets from 0 dB, and the numbers beside them."""
-    ends = [0.0]
-    for budget in budgets:
-        losses = [cost.loss_db for cost in budget.costs]
-        ends += [budget.snr_db, *(budget.photons_db - np.cumsum([0.0, *losses])).tolist()]
-    low, high = min(ends), max(ends)
+    ends = [step["to_db"] for budget in budgets for step in budget_steps(budget)]
+    low, high = min(0.0, *ends), max(0.0, *ends)
     return low - (0.03 * (high - low) if low < 0 else 0.0), high + _ROOM * (high - low)
 
 
@@ -41,27 +37,23 @@ def draw_budget(
     limits_db
         Ends of the scale, where panels share one; ``None`` for those of this budget. [dB]
     """
-    at = budget.photons_db
-    _bar(ax, 0, min(0.0, at), max(0.0, at), INK, decimal(at))
-    for row, cost in enumerate(budget.costs, 1):
-        below = at - cost.loss_db
-        fill = QUIET if cost.loss_db >= 0 else "none"
-        _bar(ax, row, min(at, below), max(at, below), fill, signed(-cost.loss_db))
-        ax.plot([at, at], [row - 1 + _HIGH / 2, row - _HIGH / 2], color=QUIET, linewidth=0.8)
-        at = below
-    last = len(budget.costs) + 1
-    end = budget.snr_db
-    _bar(ax, last, min(0.0, end), max(0.0, end), INK, decimal(end))
-    names = [
-        "all photons",
-        *(cause_label(one.cause, budget.coordinate) for one in budget.costs),
-        f"SNR of {budget.coordinate}",
-    ]
-    ax.set_yticks(range(len(names)), names)
+    steps = budget_steps(budget)
+    for row, step in enumerate(steps):
+        is_change = step["kind"] in ("cost", "gain")
+        start, end = step["from_db"] if is_change else 0.0, step["to_db"]
+        fill = {"cost": QUIET, "gain": "none"}.get(step["kind"], INK)
+        edge = INK if fill == "none" else fill
+        look: dict[str, Any] = {"facecolor": fill, "edgecolor": edge, "linewidth": 1.2}
+        ax.barh(row, abs(end - start), left=min(start, end), height=_HIGH, **look)
+        write_beside(ax, step["text"], (max(start, end), row), (4, 0), va="center_baseline")
+        if is_change:
+            ends = [row - 1 + _HIGH / 2, row - _HIGH / 2]
+            ax.plot([start, start], ends, color=QUIET, linewidth=0.8)
+    ax.set_yticks(range(len(steps)), [step["label"] for step in steps])
     ax.tick_params(axis="y", length=0)
     ax.set(
         xlim=limits_db or budget_limits_db([budget]),
-        ylim=(last + 0.6, -0.6),
+        ylim=(len(steps) - 0.4, -0.6),
         xlabel="SNR [dB]",
         title=sensor_label(sensor.label, sensor.origin),
     )
@@ -69,9 +61,3 @@ def draw_budget(
     ax.grid(visible=True, axis="x", alpha=0.25)
     mark_zero(ax, axis="x")
     return ax
-
-
-def _bar(ax: Axes, row: int, low: float, high: float, fill: str, text: str) -> None:
-    edge = INK if fill == "none" else fill
-    ax.barh(row, high - low, left=low, height=_HIGH, facecolor=fill, edgecolor=edge, linewidth=1.2)
-    ax.annotate(text, (high, row), xytext=(4, 0), textcoords="offset points", va="center_baseline")

@@ -8,12 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from chromanoise.characterization import (
-    Characterization,
-    PlaneCurves,
-    color_of_plane,
-    plane_curves,
-)
+from chromanoise.characterization import Characterization, PlaneCurves, color_of_plane, plane_curves
 from chromanoise.figures.style import INK, QUIET, channel_color, chromanoise_style
 
 _MARKERS = "os^Dv<>Ph*"

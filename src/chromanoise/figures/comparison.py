@@ -1,6 +1,6 @@
 """Sensors over a sweep: a quantity and the color error."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -21,6 +21,7 @@ from chromanoise.figures.style import (
     sensor_lines,
     sensor_mark,
     spread,
+    write_beside,
 )
 
 _NAME_POINTS = 11.0  # from one name at the right to the next
@@ -46,13 +47,10 @@ def draw_comparison(
     title
         Title, which should name the operating point.
     """
-    for curve, style in zip(curves, _styles(curves), strict=True):
-        mark = _mark_of(curve, curves, curve.value, style["color"])
-        ax.plot(curve.at, curve.value, label=f"{curve.label}, {curve.matrix}", **style | mark)
+    _draw_lines(curves, ax, lambda curve: curve.value)
     for crossover in crossovers:
         _mark(crossover, curves, ax)
     quantity = curves[0].quantity
-    _frame(curves, ax)
     ax.set_ylabel(f"{quantity.what} [{quantity.unit}]")
     if quantity.unit == "dB":
         mark_zero(ax)
@@ -75,25 +73,29 @@ def draw_color_errors(curves: Sequence[Curve], ax: Axes) -> Axes:
     ax
         To draw on.
     """
-    for curve, style in zip(curves, _styles(curves), strict=True):
-        mark = _mark_of(curve, curves, curve.color_error, style["color"])
-        ax.plot(curve.at, curve.color_error, **style | mark)
-    _frame(curves, ax)
+    _draw_lines(curves, ax, lambda curve: curve.color_error)
     ax.set_ylabel("mean color error [ΔE*ab]")
     ax.set_ylim(bottom=0)
     return ax
 
 
-def _mark_of(
-    curve: Curve, curves: Sequence[Curve], values: Float[Array, " k"], color: str
-) -> dict[str, Any]:
-    """The mark of a sensor at the end of its curve, where there are several sensors."""
+def _draw_lines(
+    curves: Sequence[Curve], ax: Axes, values_of: Callable[[Curve], Float[Array, " k"]]
+) -> None:
+    """Lines over the sweep, of several sensors with the mark of each at the end of its line."""
     sensors = list(dict.fromkeys(one.label for one in curves))
-    known = np.flatnonzero(np.isfinite(values))
-    if len(sensors) < 2 or not len(known):
-        return {}
-    look = sensor_mark(sensors.index(curve.label), color)
-    return look | {"markevery": [int(known[-1])], "markersize": 5}
+    for curve, style in zip(curves, _styles(curves), strict=True):
+        values = values_of(curve)
+        known = np.flatnonzero(np.isfinite(values))
+        if len(sensors) > 1 and len(known):
+            style |= sensor_mark(sensors.index(curve.label), style["color"])
+            style |= {"markevery": [int(known[-1])], "markersize": 5}
+        ax.plot(curve.at, values, label=f"{curve.label}, {curve.matrix}", **style)
+    sweep = curves[0].sweep
+    if sweep.logarithmic:
+        ax.set_xscale("log")
+    ax.set_xlabel(f"{sweep.what} [{sweep.unit}]")
+    ax.grid(visible=True, alpha=0.25)
 
 
 def _styles(curves: Sequence[Curve]) -> list[dict[str, Any]]:
@@ -148,24 +150,11 @@ def _write_names(curves: Sequence[Curve], ax: Axes) -> None:
         )
 
 
-def _frame(curves: Sequence[Curve], ax: Axes) -> None:
-    sweep = curves[0].sweep
-    if sweep.logarithmic:
-        ax.set_xscale("log")
-    ax.set_xlabel(f"{sweep.what} [{sweep.unit}]")
-    ax.grid(visible=True, alpha=0.25)
-
-
 def _mark(crossover: Crossover, curves: Sequence[Curve], ax: Axes) -> None:
     curve = next(c for c in curves if (c.sensor, c.matrix) == (crossover.first, crossover.matrix))
     for value in crossover.at:
         height = float(np.interp(value, curve.at, curve.value))
         ax.plot(value, height, "o", color=INK, markerfacecolor="none", markersize=8)
-        ax.annotate(
-            f"{brief(value, 2 if value < 100 else 3)} {crossover.sweep.unit}",
-            (value, height),
-            xytext=(-2, 10),
-            textcoords="offset points",
-            color=QUIET,
-            bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 0.5},
-        )
+        box = {"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 0.5}
+        text = f"{brief(value, 2 if value < 100 else 3)} {crossover.sweep.unit}"
+        write_beside(ax, text, (value, height), (-2, 10), color=QUIET, bbox=box)

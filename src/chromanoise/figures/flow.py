@@ -42,8 +42,11 @@ def draw_flow(analysis: Analysis, ax: Axes, *, rows: int = 4) -> Axes:
     for i in range(len(_STAGES) - 1):
         _draw_step(ax, i)
     _write_scene(analysis, ax)
-    for column, texts in enumerate((_electrons, _raw, _contravariant), start=1):
-        _write_column(ax, column, analysis.sensor.names, texts(analysis), channel_color)
+    electrons = [f"{mean:.0f} e$^-$" for mean in analysis.raw.mean]
+    ratios = (raw_snr_db(analysis), contravariant_snr_db(analysis))
+    columns = [electrons, *(list(map(_decibels, one.values())) for one in ratios)]
+    for column, texts in enumerate(columns, start=1):
+        _write_column(ax, column, analysis.sensor.names, texts, channel_color)
     _write_column(ax, 4, analysis.color.names, _color(analysis), lambda _: INK)
     exposure = analysis.exposure
     label = sensor_label(analysis.sensor.name, analysis.sensor.origin)
@@ -115,18 +118,6 @@ def _write_column(
 
 def _row_at(row: int) -> float:
     return _BOX_HEIGHT + (row + 0.8) * _ROW
-
-
-def _electrons(analysis: Analysis) -> list[str]:
-    return [f"{mean:.0f} e$^-$" for mean in analysis.raw.mean]
-
-
-def _raw(analysis: Analysis) -> list[str]:
-    return [_decibels(value) for value in raw_snr_db(analysis).values()]
-
-
-def _contravariant(analysis: Analysis) -> list[str]:
-    return [_decibels(value) for value in contravariant_snr_db(analysis).values()]
 
 
 def _color(analysis: Analysis) -> list[str]:

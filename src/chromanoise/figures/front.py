@@ -1,13 +1,13 @@
-"""The front of a design: its members and references, one objective against another."""
+"""Figures of a design: the front of a search, and the sensitivity of a sensor."""
 
 from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from chromanoise.charts.front import drawn_front
-from chromanoise.design import FrontFile
-from chromanoise.figures.style import INK, QUIET, chromanoise_style
+from chromanoise.charts.front import drawn_front, drawn_sensitivity
+from chromanoise.design import FrontFile, Sensitivity
+from chromanoise.figures.style import INK, QUIET, chromanoise_style, write_beside
 
 _REFERENCES = "sD^vP*"
 _MOST_NAMED = 6
@@ -34,17 +34,9 @@ def draw_front(front: FrontFile, ax: Axes) -> Axes:
     named = [one for one in data["members"] if one["mark"] != "member"][:_MOST_NAMED]
     for one in named:
         if None not in (one["values"][x], one["values"][y]):
-            is_knee = one["mark"] == "knee"
-            ax.annotate(
-                one["name"],
-                (one["values"][x], one["values"][y]),
-                xytext=(8, -10) if is_knee else (-8, 0),
-                textcoords="offset points",
-                ha="left" if is_knee else "right",
-                va="center",
-                fontsize=8,
-                color=QUIET,
-            )
+            at, is_knee = (one["values"][x], one["values"][y]), one["mark"] == "knee"
+            by, side = ((8, -10), "left") if is_knee else ((-8, 0), "right")
+            write_beside(ax, one["name"], at, by, ha=side, va="center", fontsize=8, color=QUIET)
     for i, one in enumerate(data["references"]):
         shape = _REFERENCES[i % len(_REFERENCES)]
         ax.plot(*_placed([one], x, y), shape, color=INK, linestyle="none", label=one["name"])
@@ -76,3 +68,28 @@ def front_figure(front: FrontFile) -> Figure:
         figure = Figure(figsize=_SIZE_IN, layout="constrained")
         draw_front(front, figure.add_subplot())
     return figure
+
+
+_MOST = 15
+
+
+def draw_sensitivity(result: Sensitivity, ax: Axes) -> Axes:
+    """Draw one bar per parameter, the 15 with the largest effect on the first objective.
+
+    Parameters
+    ----------
+    result
+        From `chromanoise.sensitivity`.
+    ax
+        Axes.
+    """
+    drawn = drawn_sensitivity(result)
+    one = drawn["objectives"][0]
+    bars = [bar for bar in drawn["bars"] if bar["effects"][one["name"]] is not None][:_MOST]
+    for row, bar in enumerate(bars):
+        size = bar["effects"][one["name"]]
+        ax.barh(row, size, color=INK if size >= 0 else QUIET)
+    ax.set_yticks(range(len(bars)), [f"{bar['what']}, +1 {bar['unit']}" for bar in bars])
+    ax.invert_yaxis()
+    ax.set(xlabel=f"change of {one['what']} [{one['unit']}]", title=drawn["title"])
+    return ax

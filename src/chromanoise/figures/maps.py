@@ -1,11 +1,13 @@
 """Heat maps of a quantity over two parameters."""
 
 from collections.abc import Sequence
+from itertools import cycle, islice
 from textwrap import fill
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.collections import QuadMesh
 from matplotlib.colors import LinearSegmentedColormap, ListedColormap, TwoSlopeNorm
 from matplotlib.patches import Patch
 from matplotlib.ticker import LogFormatter
@@ -14,7 +16,7 @@ from chromanoise import _palette
 from chromanoise._check import Array
 from chromanoise._shapes import Float
 from chromanoise.analysis.comparison.maps import QuantityMap, best_of
-from chromanoise.figures.style import FAINT, INK, sensor_colors
+from chromanoise.figures.style import FAINT, INK, legend_beside
 
 _LETTERS = 72  # of a line of the title
 _VALUES = LinearSegmentedColormap.from_list("values", _palette.VALUES)
@@ -58,11 +60,14 @@ def draw_maps(maps: Sequence[QuantityMap], ax: Axes, *, title: str = "") -> Axes
 def _draw_values(
     one: QuantityMap, values: Float[Array, "j k"], ax: Axes, *, label: str, **how: Any
 ) -> None:
-    mesh = ax.pcolormesh(
-        one.at, one.second_at, np.ma.masked_invalid(values), shading="nearest", **how
-    )
-    mesh.set_rasterized(True)
+    mesh = _draw_cells(one, np.ma.masked_invalid(values), ax, **how)
     ax.figure.colorbar(mesh, ax=ax, label=label)
+
+
+def _draw_cells(one: QuantityMap, values: Any, ax: Axes, **how: Any) -> QuadMesh:
+    mesh = ax.pcolormesh(one.at, one.second_at, values, shading="nearest", **how)
+    mesh.set_rasterized(True)
+    return mesh
 
 
 def _draw_difference(one: QuantityMap, values: Float[Array, "j k"], ax: Axes) -> None:
@@ -77,22 +82,12 @@ def _draw_difference(one: QuantityMap, values: Float[Array, "j k"], ax: Axes) ->
 
 def _draw_best(maps: Sequence[QuantityMap], ax: Axes) -> None:
     best = best_of(maps)
-    colors = list(sensor_colors(len(maps)))
-    mesh = ax.pcolormesh(
-        maps[0].at,
-        maps[0].second_at,
-        np.ma.masked_less(best, 0),
-        shading="nearest",
-        cmap=ListedColormap(colors),
-        vmin=-0.5,
-        vmax=len(maps) - 0.5,
-    )
-    mesh.set_rasterized(True)
+    colors = [light for light, _ in islice(cycle(_palette.SENSORS), len(maps))]
+    how = {"cmap": ListedColormap(colors), "vmin": -0.5, "vmax": len(maps) - 0.5}
+    _draw_cells(maps[0], np.ma.masked_less(best, 0), ax, **how)
     winners = [i for i in range(len(maps)) if (best == i).any()]
     patches = [Patch(color=colors[i], label=maps[i].label) for i in winners]
-    ax.legend(
-        handles=patches, loc="upper left", bbox_to_anchor=(1.01, 1.0), fontsize=8, frameon=False
-    )
+    legend_beside(ax, fontsize=8, handles=patches)
 
 
 def _frame(one: QuantityMap, ax: Axes) -> None:

@@ -1,10 +1,10 @@
 """The ten figures of the paper."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.patches import Rectangle
 
 from chromanoise._check import Array
 from chromanoise._shapes import UInt8
@@ -17,16 +17,23 @@ from chromanoise.figures.geometry import (
     draw_measurement,
     draw_uncertainty,
 )
-from chromanoise.figures.mosaics import draw_mosaic
-from chromanoise.figures.observers import draw_observer
-from chromanoise.figures.pictures import draw_picture
+from chromanoise.figures.results import draw_picture
 from chromanoise.figures.sensitivities import draw_sensitivities
-from chromanoise.figures.style import chromanoise_style, sensor_label
+from chromanoise.figures.style import (
+    INK,
+    QUIET,
+    channel_color,
+    chromanoise_style,
+    framed_figure,
+    sensor_label,
+    shade_nir,
+    write_beside,
+)
 from chromanoise.paper.planes import PaperPlanes
 from chromanoise.paper.study import RGB_12, RGBW_12, PaperStudy
-from chromanoise.paper.views import ChannelPlane
-from chromanoise.sensor import bayer, rgbw_sparse_4x4
-from chromanoise.spectra import cie_1931
+from chromanoise.paper.views import ChannelPlane, MagnifiedNoise
+from chromanoise.sensor import Mosaic, bayer, rgbw_sparse_4x4
+from chromanoise.spectra import Spectra, cie_1931
 
 CAPTIONS = {
     "figure-01-mosaics": (
@@ -108,15 +115,19 @@ def paper_figures(
             "figure-01-mosaics": _mosaics(),
             "figure-02-flow": _flow(study),
             "figure-03-measurement": _measurement(plane),
-            "figure-04-contravariant": _contravariant(plane),
+            "figure-04-contravariant": _alone(draw_contravariant, plane),
             "figure-05-observer": _observer(study),
-            "figure-06-projection": _projection(plane),
+            "figure-06-projection": _alone(draw_color_projection, plane),
             "figure-07-sensitivities": _sensitivities(study),
         }
         if pictures is not None:
             figures["figure-08-pictures"] = _pictures(study, pictures)
-        figures["figure-09-correlation"] = _correlation(planes)
-        figures["figure-10-color-axis"] = _color_axis(planes)
+        figures["figure-09-correlation"] = _uncertainties(
+            draw_uncertainty, planes.correlation, ("Weakly correlated: ", "Highly correlated: ")
+        )
+        figures["figure-10-color-axis"] = _uncertainties(
+            draw_color_uncertainty, planes.color_axis, ("Far from y: ", "Near y: ")
+        )
     return figures
 
 
@@ -130,7 +141,7 @@ def _mosaics() -> Figure:
 
 
 def _flow(study: PaperStudy) -> Figure:
-    figure = _framed(8.8, 5.1)
+    figure = framed_figure(8.8, 5.1)
     top, bottom = figure.subplots(2, 1)
     draw_flow(study.columns[RGBW_12], top)
     draw_flow(study.columns[RGB_12], bottom)
@@ -146,26 +157,20 @@ def _measurement(plane: ChannelPlane) -> Figure:
     return figure
 
 
-def _contravariant(plane: ChannelPlane) -> Figure:
+def _alone(draw: Callable[[ChannelPlane, Axes], Axes], plane: ChannelPlane) -> Figure:
     figure = Figure()
-    _stack(figure, [draw_contravariant(plane, figure.add_subplot())])
+    _stack(figure, [draw(plane, figure.add_subplot())])
     return figure
 
 
 def _observer(study: PaperStudy) -> Figure:
-    figure = _framed(6.4, 3.5)
+    figure = framed_figure(6.4, 3.5)
     draw_observer(cie_1931(study.scene.illuminant.grid), figure.add_subplot())
     return figure
 
 
-def _projection(plane: ChannelPlane) -> Figure:
-    figure = Figure()
-    _stack(figure, [draw_color_projection(plane, figure.add_subplot())])
-    return figure
-
-
 def _sensitivities(study: PaperStudy) -> Figure:
-    figure = _framed(6.4, 5.6)
+    figure = framed_figure(6.4, 5.6)
     top, bottom = figure.subplots(2, 1, sharex=True)
     sensors = [study.columns[column].sensor for column in (RGBW_12, RGB_12)]
     highest = 1.15 * max(float(sensor.qe.max()) for sensor in sensors)
@@ -188,33 +193,18 @@ def _pictures(
     return figure
 
 
-def _correlation(planes: PaperPlanes) -> Figure:
+def _uncertainties(
+    draw: Callable[..., Axes],
+    pairs: Sequence[tuple[ChannelPlane, MagnifiedNoise]],
+    titles: Sequence[str],
+) -> Figure:
     figure = Figure()
-    titles = ("Weakly correlated: ", "Highly correlated: ")
     panels = [
-        draw_uncertainty(plane, noise, figure.add_subplot(2, 1, i), title=title)
-        for i, ((plane, noise), title) in enumerate(zip(planes.correlation, titles, strict=True), 1)
+        draw(plane, noise, figure.add_subplot(2, 1, i), title=title)
+        for i, ((plane, noise), title) in enumerate(zip(pairs, titles, strict=True), 1)
     ]
     _stack(figure, panels)
     return figure
-
-
-def _color_axis(planes: PaperPlanes) -> Figure:
-    figure = Figure()
-    titles = ("Far from y: ", "Near y: ")
-    panels = [
-        draw_color_uncertainty(plane, noise, figure.add_subplot(2, 1, i), title=title)
-        for i, ((plane, noise), title) in enumerate(zip(planes.color_axis, titles, strict=True), 1)
-    ]
-    _stack(figure, panels)
-    return figure
-
-
-def _framed(width_in: float, height_in: float) -> Figure:
-    """A figure that makes room for the labels of its axes."""
-    room_in = _SIDE_IN / 2
-    engine = ConstrainedLayoutEngine(w_pad=room_in, h_pad=room_in)
-    return Figure(figsize=(width_in, height_in), layout=engine)
 
 
 def _side_by_side(
@@ -257,3 +247,80 @@ def _span(ax: Axes) -> tuple[float, float]:
     """Width and height of what is shown, in data units."""
     (left, right), (bottom, top) = ax.get_xlim(), ax.get_ylim()
     return abs(right - left), abs(top - bottom)
+
+
+def draw_mosaic(mosaic: Mosaic, ax: Axes, *, cells: int = 8, title: str = "") -> Axes:
+    """``cells`` x ``cells`` pixels of the mosaic, each with its letter; one block is outlined.
+
+    Parameters
+    ----------
+    mosaic
+        Which channel each pixel has.
+    ax
+        Axes of matplotlib to draw on.
+    cells
+        Number of pixels on a side.
+    title
+        Text above the drawing.
+    """
+    pattern = mosaic.pattern
+    height, width = len(pattern), len(pattern[0])
+    for row in range(cells):
+        for column in range(cells):
+            _draw_cell(ax, row, column, pattern[row % height][column % width])
+    ax.add_patch(Rectangle((0, 0), width, height, fill=False, edgecolor=INK, linewidth=2.6))
+    ax.set(xlim=(-0.08, cells + 0.08), ylim=(cells + 0.08, -0.08), title=title)
+    ax.set_aspect("equal")
+    ax.set_axis_off()
+    return ax
+
+
+def _draw_cell(ax: Axes, row: int, column: int, name: str) -> None:
+    white = name == "W"
+    face = "white" if white else channel_color(name)
+    ax.add_patch(Rectangle((column, row), 1, 1, facecolor=face, edgecolor=QUIET, linewidth=0.6))
+    ax.text(
+        column + 0.5,
+        row + 0.5,
+        name,
+        ha="center",
+        va="center_baseline",
+        color=INK if white else "white",
+        fontweight="bold",
+        fontsize=11,
+    )
+
+
+_LOOKS = {
+    "x": (channel_color("R"), (0, (6, 2))),
+    "y": (channel_color("G"), "solid"),
+    "z": (channel_color("B"), (0, (2, 1.2))),
+}
+
+
+def draw_observer(observer: Spectra, ax: Axes) -> Axes:
+    """The color-matching functions x, y, z over wavelength, each with its letter at its peak.
+
+    Parameters
+    ----------
+    observer
+        The observer of the colors.
+    ax
+        Axes of matplotlib to draw on.
+    """
+    wavelength_nm = observer.wavelength_nm
+    for name, curve in zip(observer.names, observer.values.T, strict=True):
+        color, dashes = _LOOKS[name]
+        ax.plot(wavelength_nm, curve, color=color, linestyle=dashes)
+        peak = int(curve.argmax())
+        at, look = (wavelength_nm[peak], curve[peak]), {"ha": "center", "fontsize": 12}
+        write_beside(ax, rf"$\overline{{{name}}}$", at, (0, 4), color=color, **look)
+    shade_nir(ax, wavelength_nm[-1])
+    ax.set(
+        xlim=(wavelength_nm[0], wavelength_nm[-1]),
+        ylim=(0, 1.12 * observer.values.max()),
+        xlabel="wavelength [nm]",
+        ylabel="tristimulus value [1]",
+        title=observer.source,
+    )
+    return ax

@@ -10,9 +10,11 @@ from chromanoise.figures.style import (
     INK,
     QUIET,
     are_many,
+    legend_beside,
     mark_zero,
     sensor_lines,
     sensor_mark,
+    write_beside,
 )
 
 _LETTERS = 22  # of a line of the legend beside the axes
@@ -55,7 +57,7 @@ def draw_pareto(data: dict[str, Any], ax: Axes) -> Axes:
     key = f"{weights_note} Mark: the {data['matrix']} matrix."
     ax.set_title(f"{data['title']}\n{key}", loc="left", fontweight="normal", fontsize=9)
     if many:
-        ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), fontsize=7, frameon=False)
+        legend_beside(ax, fontsize=7)
     else:
         ax.legend(loc="best", fontsize=8)
     return ax
@@ -88,18 +90,11 @@ def draw_trade(
     ax.plot(snr_db, color_error, ".", color=look["color"], markersize=4)
     ends = ((0, -1), (-1, 1)) if len(weights) else ()
     for k, side in ends:
-        _write_weight(ax, weights[k], (snr_db[k], color_error[k]), side)
+        quiet = {
+            "ha": "left" if side > 0 else "right",
+            "va": "center",
+            "color": QUIET,
+            "fontsize": 8,
+        }
+        write_beside(ax, weights[k], (snr_db[k], color_error[k]), (5 * side, 7 * side), **quiet)
     return ax
-
-
-def _write_weight(ax: Axes, weight: str, at: tuple[float, float], side: int) -> None:
-    ax.annotate(
-        weight,
-        at,
-        xytext=(5 * side, 7 * side),
-        textcoords="offset points",
-        ha="left" if side > 0 else "right",
-        va="center",
-        color=QUIET,
-        fontsize=8,
-    )

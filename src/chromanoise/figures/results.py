@@ -8,6 +8,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.container import BarContainer
 
+from chromanoise._check import Array
+from chromanoise._shapes import UInt8
 from chromanoise.analysis import Analysis, coordinate_budget
 from chromanoise.charts import cause_label
 from chromanoise.charts.charted_study import saturation_sentence
@@ -18,7 +20,6 @@ from chromanoise.figures.budget import budget_limits_db, draw_budget
 from chromanoise.figures.ellipses import draw_ellipses
 from chromanoise.figures.flow import draw_flow
 from chromanoise.figures.pareto import draw_trade
-from chromanoise.figures.pictures import draw_picture
 from chromanoise.figures.style import (
     INK,
     are_many,
@@ -26,6 +27,7 @@ from chromanoise.figures.style import (
     mark_zero,
     sensor_lines,
     sensor_mark,
+    write_beside,
 )
 from chromanoise.imaging.capture import Capture
 from chromanoise.metrics import Budget
@@ -125,14 +127,8 @@ def _draw_losses(
 def _write_losses(bars: BarContainer, ax: Axes) -> None:
     for bar in bars:
         loss = float(bar.get_width())
-        ax.annotate(
-            decimal(loss),
-            (max(loss, 0.0), bar.get_y() + bar.get_height() / 2),
-            xytext=(3, 0),
-            textcoords="offset points",
-            va="center_baseline",
-            fontsize=7,
-        )
+        at = (max(loss, 0.0), bar.get_y() + bar.get_height() / 2)
+        write_beside(ax, decimal(loss), at, (3, 0), va="center_baseline", fontsize=7)
 
 
 def draw_matrices(results: Sequence[MatrixResult], ax: Axes) -> Axes:
@@ -189,15 +185,8 @@ def _draw_entries(results: Sequence[MatrixResult], ax: Axes) -> None:
             colors = [channel_color(name) for name in one.matrix.channels]
             ax.bar(places, row, width=0.9, color=colors)
             for place, value, channel in zip(places, row, one.matrix.channels, strict=True):
-                ax.annotate(
-                    channel,
-                    (place, value),
-                    xytext=(0, 3 if value >= 0 else -3),
-                    textcoords="offset points",
-                    ha="center",
-                    va="bottom" if value >= 0 else "top",
-                    fontsize=7,
-                )
+                by, side = ((0, 3), "bottom") if value >= 0 else ((0, -3), "top")
+                write_beside(ax, channel, (place, value), by, ha="center", va=side, fontsize=7)
             ticks.append(float(places.mean()))
             names.append(coordinate)
             at = float(places[-1]) + 2.0
@@ -239,4 +228,22 @@ def draw_capture(capture: Capture, ax: Axes) -> Axes:
 def _titled(ax: Axes, what: str, points: Sequence[OperatingPoint]) -> Axes:
     facts = fill(f"at {conditions(points)}", _WIDE, break_on_hyphens=False)
     ax.set_title(f"{what}\n{facts}", loc="left", fontsize=9)
+    return ax
+
+
+def draw_picture(srgb: UInt8[Array, "h w 3"], ax: Axes, *, title: str = "") -> Axes:
+    """Draw a picture without interpolation, which would smooth the noise.
+
+    Parameters
+    ----------
+    srgb
+        Encoded sRGB, 8 bits.
+    ax
+        Axes of matplotlib to draw on.
+    title
+        Text above the drawing.
+    """
+    ax.imshow(srgb, interpolation="none")
+    ax.set_title(title)
+    ax.set_axis_off()
     return ax

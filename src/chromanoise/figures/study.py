@@ -5,7 +5,6 @@ from textwrap import fill
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from chromanoise.analysis import Crossover, coordinate_budget
 from chromanoise.analysis.comparison.ranking import lead_changes, leads
@@ -24,6 +23,7 @@ from chromanoise.figures.sensitivities import draw_sensitivities
 from chromanoise.figures.style import (
     are_many,
     chromanoise_style,
+    framed_figure,
     sensor_dashes,
     write_sensor,
 )
@@ -81,15 +81,10 @@ def map_figures(of: Shown) -> dict[str, Figure]:
     figures = {}
     with chromanoise_style():
         for i, one in enumerate(sweep_maps(of), 1):
-            figures[f"map-{i}"] = figure = _framed(4.2)
+            figures[f"map-{i}"] = figure = framed_figure(_WIDE_IN, 4.2)
             title = f"{one.maps[0].quantity.what}, from {conditions(of.operating_points)}"
             draw_maps(one.maps, figure.add_subplot(), title=title)
     return figures
-
-
-def _framed(height_in: float, width_in: float = _WIDE_IN) -> Figure:
-    engine = ConstrainedLayoutEngine(w_pad=0.075, h_pad=0.075)
-    return Figure(figsize=(width_in, height_in), layout=engine)
 
 
 def _entitle(figure: Figure, part: str, title: str = "") -> None:
@@ -111,7 +106,7 @@ def _panels(
     if are_many(one.sensor.label for one in of.operating_points):
         columns, width_in, row_in = max(2, columns), _WIDEST_IN, 0.7 * row_in
     rows = -(-count // columns)
-    figure = _framed(0.4 + row_in * rows, width_in)
+    figure = framed_figure(width_in, 0.4 + row_in * rows)
     axes = list(figure.subplots(rows, columns, squeeze=False).flat)
     for ax in axes[count:]:
         ax.set_axis_off()
@@ -137,7 +132,7 @@ def _sensitivities(of: Shown) -> Figure:
 def _comparison(of: Shown) -> Figure:
     curves, pairs = level_curves(of)
     many = are_many(curve.label for curve in curves)
-    figure = _framed(5.8, _WIDEST_IN if many else _WIDE_IN)
+    figure = framed_figure(_WIDEST_IN if many else _WIDE_IN, 5.8)
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
     crossed: Sequence[Crossover] = [pair for pair in pairs if isinstance(pair, Crossover)]
     if many:
@@ -197,7 +192,7 @@ def _ellipses(of: Shown) -> Figure | None:
 def _pareto(of: Shown) -> Figure:
     data = drawing("pareto", of)
     many = are_many(sensor["name"] for sensor in data["sensors"])
-    figure = _framed(5.0 if many else 4.2, _WIDEST_IN if many else _WIDE_IN)
+    figure = framed_figure(*((_WIDEST_IN, 5.0) if many else (_WIDE_IN, 4.2)))
     draw_pareto(data, figure.add_subplot())
     _entitle(figure, "pareto")
     return figure

@@ -10,6 +10,8 @@ from typing import Any
 import matplotlib.style
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.transforms import ScaledTranslation
 
 from chromanoise import _palette
@@ -221,12 +223,6 @@ def mark_zero(ax: Axes, *, axis: str = "y") -> None:
         (ax.axhline if axis == "y" else ax.axvline)(0, color=INK, linewidth=0.8, zorder=1)
 
 
-def sensor_colors(count: int) -> tuple[str, ...]:
-    """Colors of areas, one per sensor; they repeat after ten."""
-    colors = [light for light, _ in _palette.SENSORS]
-    return tuple(colors[i % len(colors)] for i in range(count))
-
-
 def matrix_dashes(names: Iterable[str]) -> dict[str, Any]:
     """A dash pattern per matrix, the first solid; for figures with a color per sensor."""
     return dict(zip(dict.fromkeys(names), cycle(("solid", *_OTHER_DASHES)), strict=False))
@@ -266,23 +262,33 @@ def sensor_label(sensor_name: str, origin: str) -> str:
     return f"{sensor_name} ({origin})" if origin in ("reconstruction", "model") else sensor_name
 
 
+def framed_figure(width_in: float, height_in: float) -> Figure:
+    """A figure that makes room for the labels of its axes."""
+    engine = ConstrainedLayoutEngine(w_pad=0.075, h_pad=0.075)
+    return Figure(figsize=(width_in, height_in), layout=engine)
+
+
+def write_beside(
+    ax: Axes, text: str, at: Sequence[float], by: tuple[float, float], **look: Any
+) -> None:
+    """Write a text some points right of and above a place; ``look`` as of ``annotate``."""
+    ax.annotate(text, (at[0], at[1]), xytext=by, textcoords="offset points", **look)
+
+
+def legend_beside(ax: Axes, *, fontsize: float, **more: Any) -> None:
+    """Put the legend at the right of the axes."""
+    place: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": (1.01, 1.0)}
+    ax.legend(**place, fontsize=fontsize, frameon=False, **more)
+
+
 def write_heading(ax: Axes, title: str, facts: str = "") -> None:
     """A bold title, and under it one quiet line of facts."""
     lines = facts.count("\n") + 1 if facts else 0
     ax.set_title(title, pad=8.0 + 12.0 * lines)
     if facts:
-        ax.annotate(
-            facts,
-            xy=(0, 1),
-            xycoords="axes fraction",
-            xytext=(0, 6),
-            textcoords="offset points",
-            ha="left",
-            va="bottom",
-            color=QUIET,
-            fontsize=8,
-            annotation_clip=False,
-        )
+        look: dict[str, Any] = {"ha": "left", "va": "bottom", "color": QUIET, "fontsize": 8}
+        corner: dict[str, Any] = {"xycoords": "axes fraction", "annotation_clip": False}
+        write_beside(ax, facts, (0, 1), (0, 6), **look, **corner)
 
 
 def shade_nir(ax: Axes, last_nm: float) -> None:

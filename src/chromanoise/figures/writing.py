@@ -19,10 +19,7 @@ _FORMATS: dict[str, dict[str, Any]] = {  # without a date, so that equal figures
 
 
 def write_figures(
-    figures: Mapping[str, Figure],
-    folder: Path | str,
-    *,
-    endings: Sequence[str] = tuple(_FORMATS),
+    figures: Mapping[str, Figure], folder: Path | str, *, endings: Sequence[str] = tuple(_FORMATS)
 ) -> tuple[Path, ...]:
     """Write each figure in each format, named by its key; every file is written atomically.
 

@@ -1,24 +1,30 @@
-"""Compute the replies of ``/api/answer`` and cache their parts."""
+"""Compute the replies of ``/api/answer`` and ``/api/report``, and cache their parts."""
 
 import json
 import logging
+import shutil
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import chdir, contextmanager
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 from chromanoise._inputs import json_of
 from chromanoise.charts import DRAWINGS, PARTS, Look, Shown, chart_csv, drawing, shown
 from chromanoise.errors import InputError
 from chromanoise.exposure import OperatingPoint
+from chromanoise.imaging import Work
 from chromanoise.io.given_matrices import is_matrix_file
 from chromanoise.page.cache import Remembered
 from chromanoise.page.requests import QuestionError, field, malformed, page_sentence
-from chromanoise.page.studies import Stamps, Studies, labeled, spoken, stamps_of
+from chromanoise.page.studies import Stamps, Studies, labeled, made_at, spoken, stamps_of
 from chromanoise.page.uploads import Upload
+from chromanoise.report import sights_of, study_report
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import Illuminant
 from chromanoise.study import OutputsPart, Study, study_as_command, study_as_python, study_as_toml
+from chromanoise.study.hashes import file_words, files_of_word
 
 _LOG = logging.getLogger("chromanoise.page")
 _BESIDE: dict[str, Any] = {  # no drawing depends on them
@@ -98,11 +104,7 @@ class ChartReplies:
             With all faults of the study.
         """
         study = labeled(*self._studies.read(field(question, "study", dict, {})))
-        makers = {
-            "toml": study_as_toml,
-            "python": study_as_python,
-            "command": study_as_command,
-        }
+        makers = {"toml": study_as_toml, "python": study_as_python, "command": study_as_command}
         return {name: make(study) for name, make in makers.items()}
 
     def _part(self, part: str, asked: "_Asked", used: list[Upload]) -> str:
@@ -189,3 +191,61 @@ def _wanted(question: Mapping[str, Any]) -> list[str]:
                 "want", f"unknown part {str(part)[:40]!r}; known are {', '.join(DRAWINGS)}"
             )
     return list(dict.fromkeys(wanted))
+
+
+def report_reply(studies: Studies, question: Mapping[str, Any], folder: Path) -> str:
+    """The HTML of ``/api/report``: that of the copied study in a folder with its files.
+
+    Parameters
+    ----------
+    studies
+        Of the page.
+    question
+        With the key ``study``.
+    folder
+        Empty, for the files; whoever made it removes it, because this process may be stopped.
+
+    Raises
+    ------
+    QuestionError
+        With all faults of the study.
+    """
+    study, used = studies.read(field(question, "study", dict, {}))
+    points = studies.operating_points(study, used)  # faults have the keys of the page's controls
+
+    def report() -> str:
+        with _beside_files(study, used, folder):
+            of = shown(labeled(study, used), operating_points=points)
+            return study_report(of, sights_of(of, work=Work(threads=1)))
+
+    return made_at("", used, report)
+
+
+@contextmanager
+def _beside_files(study: Study, used: list[Upload], folder: Path) -> Iterator[None]:
+    """Work in a folder with the files of a study, each under the name that the study gives."""
+    files = [file for one in file_words(study) for file in files_of_word(one)]
+    uploads = {one.path: Path(one.label) for one in used}
+    names = {file: uploads.get(file, file) for file in files}
+    # so deep that a name that begins with .. stays within
+    depth = max((name.parts.count("..") for name in names.values()), default=0)
+    there = folder.joinpath(*"d" * depth)
+    there.mkdir(parents=True, exist_ok=True)
+    for file, name in names.items():
+        if not name.is_absolute():
+            _link(there / name, file.absolute())
+    with chdir(there):
+        yield
+
+
+def _link(link: Path, file: Path) -> None:
+    link.parent.mkdir(parents=True, exist_ok=True)
+    if link.exists():
+        if link.samefile(file):  # two words name one file
+            return
+        remedy = "rename one of them"
+        raise InputError(link.name, "must name one file", found="names two", remedy=remedy)
+    try:
+        link.symlink_to(file)
+    except (OSError, NotImplementedError):
+        shutil.copyfile(file, link)  # Windows allows links to some users only

@@ -13,6 +13,7 @@ from chromanoise.analysis.priors import PRIORS
 from chromanoise.catalog.entries import catalog_entries, catalog_folder
 from chromanoise.catalog.resolve import resolve_illuminant, resolve_sensor
 from chromanoise.charts import DRAWINGS
+from chromanoise.charts.electrons import sensor_values
 from chromanoise.charts.sections import SECTIONS
 from chromanoise.color import SPACES
 from chromanoise.denoising import DENOISING
@@ -121,18 +122,8 @@ def _sensors() -> list[dict[str, Any]]:
             sensor = resolve_sensor(entry.provenance.name)
         except InputError:
             continue  # its table lacks metadata
-        found.append(
-            {
-                "name": sensor.name,
-                "what": entry.provenance.what,
-                "channels": list(sensor.names),
-                "origin": sensor.origin,
-                "pitch_um": sensor.pixel.pitch_um,
-                "full_well_e": sensor.pixel.full_well_e,
-                "read_noise_e": sensor.pixel.read_noise_e,
-                "pixel": asdict(sensor.pixel),
-            }
-        )
+        named = {"name": sensor.name, "what": entry.provenance.what}
+        found.append(named | sensor_values(sensor))
     return found
 
 

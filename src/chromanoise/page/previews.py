@@ -1,25 +1,31 @@
-"""Preview of an uploaded file: how it was parsed, and which metadata it lacks."""
+"""Preview of an uploaded file: how it was parsed, and which metadata it lacks.
+
+Curves, cubes and studies; a front with the data that load its members; for a sensor or a study
+crosstalk, a color matrix, a pixel, pairs.
+"""
 
 import re
+from dataclasses import fields
+from pathlib import PurePosixPath
 from typing import Any
 
+from chromanoise import _check
 from chromanoise.catalog import own_sensor_of
+from chromanoise.catalog.patch_pairs import PAIRS_HEADER, resolve_pairs
+from chromanoise.catalog.pixel_files import read_pixel_source
+from chromanoise.charts.front import drawn_front
+from chromanoise.design import FRONT_SCHEMA, FrontMember, member_csv, read_front
 from chromanoise.errors import InputError, Setting, StudyError, errors_in
+from chromanoise.io.crosstalk import crosstalk_table
+from chromanoise.io.given_matrices import GivenMatrix, is_matrix_file, read_matrix
 from chromanoise.io.spectra import ParsedSpectra, read_curves
 from chromanoise.io.spectra.defects import defects_of_a_light
-from chromanoise.page.fronts import front_preview, is_front
 from chromanoise.page.pictures import cube_of_upload
-from chromanoise.page.recognition import (
-    crosstalk_preview,
-    is_pairs,
-    matrix_preview,
-    pairs_preview,
-    pixel_preview,
-)
 from chromanoise.page.requests import QuestionError, page_sentence
 from chromanoise.page.studies import served_data
 from chromanoise.page.uploads import Upload, in_words
 from chromanoise.scene.rows import row_source
+from chromanoise.sensor import PixelSource
 from chromanoise.spectra import DEFAULT_GRID, Spectra
 from chromanoise.study import Study, study_from_text
 
@@ -155,7 +161,7 @@ def _of_none(upload: Upload, errors: list[InputError]) -> InputError:
 
 def _toml(upload: Upload) -> Data:
     """A pixel if the schema is a text, else a study, whose schema is a number."""
-    _refuse_large_study(upload)
+    _refuse_large(upload, _MOST_STUDY_BYTES, "a study")
     try:
         text = upload.path.read_bytes().decode("utf-8")
     except UnicodeDecodeError:
@@ -171,16 +177,6 @@ def _toml(upload: Upload) -> Data:
             found="has no key of either",
         )
     return _study(upload, text)
-
-
-def _refuse_large_study(upload: Upload) -> None:
-    if upload.size_bytes > _MOST_STUDY_BYTES:
-        raise InputError(
-            upload.label,
-            f"must have at most {_MOST_STUDY_BYTES / 1e6:g} MB, as a study",
-            value=upload.size_bytes,
-            found=f"has {upload.size_bytes / 1e6:.1f} MB",
-        )
 
 
 def _study(upload: Upload, text: str) -> Data:
@@ -224,13 +220,18 @@ def _beyond(ends_nm: list[float], first_nm: float, last_nm: float) -> Data:
 
 
 def _refuse_large_table(upload: Upload) -> None:
-    if upload.size_bytes > MOST_SPECTRUM_BYTES:
+    remedy = "keep one row per nanometer"
+    _refuse_large(upload, MOST_SPECTRUM_BYTES, "spectra on the page", remedy=remedy)
+
+
+def _refuse_large(upload: Upload, most_bytes: int, what: str, **remedy: str) -> None:
+    if upload.size_bytes > most_bytes:
         raise InputError(
             upload.label,
-            f"must have at most {MOST_SPECTRUM_BYTES / 1e6:g} MB, as spectra on the page",
+            f"must have at most {most_bytes / 1e6:g} MB, as {what}",
             value=upload.size_bytes,
             found=f"has {upload.size_bytes / 1e6:.1f} MB",
-            remedy="keep one row per nanometer",
+            **remedy,
         )
 
 
@@ -288,3 +289,138 @@ def _asks(parsed: ParsedSpectra, kind: str) -> list[Data]:
         if key is not None:
             asked.append({"key": key, "question": question.asks, "choices": choices})
     return asked
+
+
+def is_front(upload: Upload) -> bool:
+    """Whether a file declares the schema of a front."""
+    if not upload.path.is_file():
+        return False
+    with upload.path.open("rb") as file:
+        return f'"{FRONT_SCHEMA}"'.encode() in file.read(_HEAD_BYTES)
+
+
+def front_preview(upload: Upload) -> dict[str, Any]:
+    """The content of a front: ``chart``, ``scenes``, and by name the ``members`` with their curves.
+
+    Raises
+    ------
+    InputError
+        If the front or the curves of a member are invalid.
+    """
+    front = read_front(upload.path)
+    sensors = f"{len(front.members)} sensor{'' if len(front.members) == 1 else 's'}"
+    objectives = ", ".join(one.what for one in front.objectives)
+    return {
+        "kind": "front",
+        "preview": [f"A front of {sensors}: {objectives}.", *front.sentences],
+        "front": {
+            "chart": drawn_front(front),
+            "scenes": [one.model_dump(mode="json") for one in front.scenes],
+            "members": {one.name: _member(one) for one in front.members},
+        },
+    }
+
+
+def _member(member: FrontMember) -> dict[str, Any]:
+    return {
+        "file": f"{PurePosixPath(member.sensor).stem or member.name}.csv",
+        "text": member_csv(member),
+        **member.model_dump(mode="json", include={"pixel", "exposure", "matrix"}),
+    }
+
+
+_BESIDE = ("source", "notes", "adc")
+_FROM = {"electrons": "raw electrons", "balanced": "white-balanced raw", "from-xyz": "XYZ"}
+
+
+def crosstalk_preview(upload: Upload) -> Data:
+    """What a file of crosstalk holds.
+
+    Raises
+    ------
+    InputError
+        If it is no table of shares of light.
+    """
+    table = crosstalk_table(upload.path)
+    _check.fraction(f"crosstalk of {upload.label}", "1", table.values)
+    rows, columns = table.values.shape
+    if table.columns:
+        line = f"Crosstalk between the channels {', '.join(table.columns)}."
+    elif rows == columns and rows % 2:
+        line = f"A crosstalk kernel of {rows} x {columns} pixels, for a sensor with a mosaic."
+    else:
+        raise InputError(
+            upload.label,
+            "must have as many rows as columns, an odd number, to be a crosstalk kernel",
+            value=table.values.shape,
+        )
+    return {"kind": "crosstalk", "preview": [line]}
+
+
+def is_pairs(upload: Upload) -> bool:
+    """Whether the file is a list of pairs of patches, which its header tells."""
+    with upload.path.open("rb") as file:
+        start = file.readline(200).decode("utf-8-sig", errors="replace")
+    return tuple(word.strip().lower() for word in start.split(",")) == PAIRS_HEADER
+
+
+def pairs_preview(upload: Upload) -> Data:
+    """What a list of pairs of patches holds.
+
+    Raises
+    ------
+    InputError
+        If a line does not name two known patches.
+    """
+    count = len(resolve_pairs(str(upload.path)).indices)
+    return {"kind": "pairs", "preview": [f"Pairs of patches for a machine: {count}."]}
+
+
+def matrix_preview(upload: Upload) -> Data:
+    """What a file of a color matrix holds.
+
+    Raises
+    ------
+    InputError
+        If it holds none.
+    """
+    if not is_matrix_file(upload.label):
+        raise InputError(upload.label, "must have the ending of a color matrix, e.g. .csv or .json")
+    found = read_matrix(upload.path)
+    rows, columns = found.values.shape
+    line = f"A color matrix, {rows} x {columns}: {_FROM[found.kind]} to {_target(found)}"
+    return {"kind": "matrix", "preview": [f"{line}{_made_for(found)}.", *found.notes]}
+
+
+def _target(found: GivenMatrix) -> str:
+    if found.kind == "from-xyz":
+        return "camera values"
+    return "XYZ [lx/e-]" if found.kind == "electrons" else found.target
+
+
+def _made_for(found: GivenMatrix) -> str:
+    level = "" if found.level_lux is None else f"{found.level_lux:g} lx"
+    kelvin = "" if found.kelvin is None else f"{found.kelvin:g} K"
+    known = [one for one in (found.sensor, found.illuminant, level, kelvin) if one]
+    channels = f"; channels {', '.join(found.channels)}" if found.channels else ""
+    return f"{channels}; made for {', '.join(known)}" if known else channels
+
+
+def pixel_preview(upload: Upload) -> Data:
+    """What a file with the values of a pixel holds.
+
+    Raises
+    ------
+    InputError
+        If it holds none.
+    """
+    found = read_pixel_source(upload.path)
+    known = _known_values(found)
+    line = f"The values of a pixel: {', '.join(known) or 'none that a sensor takes'}."
+    return {"kind": "pixel", "preview": [line, *found.notes]}
+
+
+def _known_values(source: PixelSource) -> list[str]:
+    own = [one.name for one in fields(source) if one.name not in _BESIDE]
+    known = {name: getattr(source, name) for name in own}
+    return [f"{name} = {value:.6g}" for name, value in known.items() if value is not None]

@@ -169,8 +169,7 @@ def refuse_long_lists(data: Mapping | list, where: str = "") -> None:
     inside = data.items() if isinstance(data, dict) else enumerate(data)
     if len(data) > MOST_ENTRIES:
         raise malformed(
-            where,
-            f"{where or 'the study'} has {len(data)} entries; the limit is {MOST_ENTRIES}",
+            where, f"{where or 'the study'} has {len(data)} entries; the limit is {MOST_ENTRIES}"
         )
     for key, value in inside:
         if isinstance(value, dict | list):

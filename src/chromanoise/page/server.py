@@ -97,13 +97,13 @@ def application(
             Route("/", index),
             Route("/assets/{path:path}", asset_reply),
             Route("/api/choices", _replying(_choices)),
-            Route("/api/explanations", _replying(_explanations)),
+            Route("/api/explanations", _replying(_told("explanations"))),
             Route("/api/front", _replying(_front)),
-            Route("/api/story", _replying(_story)),
-            Route("/api/answer", _replying(_answer), methods=["POST"]),
+            Route("/api/story", _replying(_told("story"))),
+            Route("/api/answer", _replying(_told("answer")), methods=["POST"]),
             Route("/api/picture", _replying(_picture), methods=["POST"]),
             Route("/api/upload", _replying(_upload), methods=["POST"]),
-            Route("/api/texts", _replying(_texts), methods=["POST"]),
+            Route("/api/texts", _replying(_told("texts")), methods=["POST"]),
             Route("/api/csv", _replying(_csv), methods=["POST"]),
             Route("/api/report", _replying(_report), methods=["POST"]),
         ],
@@ -113,10 +113,7 @@ def application(
 
 
 def page_server(
-    listening: socket.socket,
-    *,
-    study: dict[str, Any] | None = None,
-    front: Path | None = None,
+    listening: socket.socket, *, study: dict[str, Any] | None = None, front: Path | None = None
 ) -> "Server":
     """The server of the page; ``run(sockets=[listening])`` serves until the process is stopped.
 
@@ -210,30 +207,25 @@ class _ToldFirst(AsciiJSONResponse):
         await send({"type": "http.response.body", "body": b""})
 
 
+def _told(name: str) -> Callable[[Request, _Server], Awaitable[Response]]:
+    """The route that replies with the JSON of a job, which gets the body of a POST."""
+
+    async def told(request: Request, server: _Server) -> Response:
+        is_post = request.method == "POST"
+        given = [await question_of(request, server.bodies)] if is_post else []
+        return _json(await server.done(request, name, *given))
+
+    return told
+
+
 async def _choices(request: Request, server: _Server) -> Response:
     return _json(await server.done(request, "choices", server.front is not None))
-
-
-async def _story(request: Request, server: _Server) -> Response:
-    return _json(await server.done(request, "story"))
-
-
-async def _explanations(request: Request, server: _Server) -> Response:
-    return _json(await server.done(request, "explanations"))
 
 
 async def _front(request: Request, server: _Server) -> Response:
     if server.front is None:
         raise HTTPException(404)
     return _json(await server.done(request, "previewed", upload_at(server.front)))
-
-
-async def _answer(request: Request, server: _Server) -> Response:
-    return _json(await server.done(request, "answer", await question_of(request, server.bodies)))
-
-
-async def _texts(request: Request, server: _Server) -> Response:
-    return _json(await server.done(request, "texts", await question_of(request, server.bodies)))
 
 
 async def _csv(request: Request, server: _Server) -> Response:

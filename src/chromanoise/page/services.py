@@ -7,11 +7,10 @@ from typing import Any
 
 from chromanoise.charts.explanations import EXPLANATIONS, explanation_as_json
 from chromanoise.denoising import DENOISING
-from chromanoise.page.answers import ChartReplies
+from chromanoise.page.answers import ChartReplies, report_reply
 from chromanoise.page.choices import choices
 from chromanoise.page.pictures import PictureReplies
 from chromanoise.page.previews import preview_of
-from chromanoise.page.reports import report_reply
 from chromanoise.page.requests import QuestionError, data_of
 from chromanoise.page.story import story
 from chromanoise.page.studies import Studies, files_of

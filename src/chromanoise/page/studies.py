@@ -24,7 +24,7 @@ from chromanoise.study.assembly import (
     sensor_of,
     unresolved,
 )
-from chromanoise.study.document import SensorPart, without_idle_settings
+from chromanoise.study.document import without_idle_settings
 from chromanoise.study.hashes import (
     FileWord,
     digests_of,
@@ -36,6 +36,7 @@ from chromanoise.study.hashes import (
 Stamps = tuple[tuple[str, tuple[int, int] | None], ...]
 
 T = TypeVar("T")
+N = TypeVar("N", Sensor, Illuminant)
 
 MOST_SENSORS = 10
 MOST_MATRICES = 4
@@ -115,9 +116,9 @@ class Studies:
             If one of them cannot be made, each with its key.
         """
         self._refuse_idle(study, used)
-        illuminant = _at("light.illuminant", used, lambda: self._light(study, used))
+        illuminant = made_at("light.illuminant", used, lambda: self._light(study, used))
         sensors = [self._sensor(study, i, used) for i in range(len(study.sensors))]
-        return _at("exposure", used, lambda: operating_points_in(study, illuminant, sensors))
+        return made_at("exposure", used, lambda: operating_points_in(study, illuminant, sensors))
 
     def complaints(self, data: Mapping[str, Any]) -> list[str]:
         """All errors of a study on this page, each with its key; empty if there are none.
@@ -146,7 +147,7 @@ class Studies:
         """
         digests: dict[str, str] = {}
         for one in file_words(study):
-            digests |= _at(one.where, used, partial(self._digests_of, one))
+            digests |= made_at(one.where, used, partial(self._digests_of, one))
         return study_hash(
             labeled(study, used), {spoken(name, used): digest for name, digest in digests.items()}
         )
@@ -161,7 +162,7 @@ class Studies:
         """
         if len(one.word) > _LONGEST_WORD:
             raise QuestionError((one.where, f"no name has {len(one.word)} letters"))
-        base = _at(one.where, used, partial(_without_diodes, one))
+        base = made_at(one.where, used, partial(_without_diodes, one))
         try:
             found = self._uploads.named(base)
         except QuestionError as error:
@@ -171,7 +172,7 @@ class Studies:
         if base not in self._files and _names_a_file(one, base):
             message = f"{one.word[:80]!r}: drop the file onto the page to use it"
             raise QuestionError((one.where, message))
-        _at(one.where, used, partial(_refuse_irregular, one))
+        made_at(one.where, used, partial(_refuse_irregular, one))
         return one.word
 
     def _digests_of(self, one: FileWord) -> dict[str, str]:
@@ -194,15 +195,15 @@ class Studies:
     def _light(self, study: Study, used: list[Upload]) -> Illuminant:
         words = study.light.model_dump_json(exclude={"level_lux"})
         key = (words, stamps_of(study, "light."), _labels(used))
-        return self._lights.of(key, lambda: _light_named(study, used))
+        return self._lights.of(key, lambda: _named(illuminant_of(study), used))
 
     def _sensor(self, study: Study, i: int, used: list[Upload]) -> Sensor:
         part = study.sensors[i]
         place = f"sensors.{i}."
-        stamps = _at(f"{place}name", used, partial(stamps_of, study, place))
+        stamps = made_at(f"{place}name", used, partial(stamps_of, study, place))
         key = (part.model_dump_json(), stamps, _labels(used))
         try:
-            return self._sensors.of(key, lambda: _sensor_named(part, used))
+            return self._sensors.of(key, lambda: _named(sensor_of(part), used))
         except InputError as error:
             where = error.setting.replace("sensors.0.", place, 1) or f"{place}name"
             raise QuestionError((where, spoken(page_sentence(error), used))) from None
@@ -329,16 +330,9 @@ def _labels(used: list[Upload]) -> tuple[str, ...]:
     return tuple(one.label for one in used)
 
 
-def _light_named(study: Study, used: list[Upload]) -> Illuminant:
-    lamp = illuminant_of(study)
-    notes = tuple(spoken(note, used) for note in lamp.notes)
-    return replace(lamp, name=spoken(lamp.name, used), notes=notes)
-
-
-def _sensor_named(part: SensorPart, used: list[Upload]) -> Sensor:
-    sensor = sensor_of(part)
-    notes = tuple(spoken(note, used) for note in sensor.notes)
-    return replace(sensor, name=spoken(sensor.name, used), notes=notes)
+def _named(noun: N, used: list[Upload]) -> N:
+    notes = tuple(spoken(note, used) for note in noun.notes)
+    return replace(noun, name=spoken(noun.name, used), notes=notes)
 
 
 def spoken(text: str, used: list[Upload]) -> str:
@@ -348,7 +342,14 @@ def spoken(text: str, used: list[Upload]) -> str:
     return text
 
 
-def _at(where: str, used: list[Upload], make: Callable[[], T]) -> T:
+def made_at(where: str, used: list[Upload], make: Callable[[], T]) -> T:
+    """What ``make`` makes; an error as that of a question, at its own key or else at ``where``.
+
+    Raises
+    ------
+    QuestionError
+        If it cannot be made.
+    """
     try:
         return make()
     except InputError as error:

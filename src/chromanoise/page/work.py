@@ -70,13 +70,9 @@ LANES: Mapping[str, Lane] = {
     "reports": Lane(workers=1, memory_bytes=380_000_000),
     "uploads": Lane(workers=1, memory_bytes=240_000_000),
 }
+_QUESTIONS = ("choices", "story", "explanations", "answer", "texts", "csv")
 JOBS: Mapping[str, Job] = {
-    "choices": Job(lane="questions", cpu_s=15, limit_s=30.0),
-    "story": Job(lane="questions", cpu_s=15, limit_s=30.0),
-    "explanations": Job(lane="questions", cpu_s=15, limit_s=30.0),
-    "answer": Job(lane="questions", cpu_s=15, limit_s=30.0),
-    "texts": Job(lane="questions", cpu_s=15, limit_s=30.0),
-    "csv": Job(lane="questions", cpu_s=15, limit_s=30.0),
+    **dict.fromkeys(_QUESTIONS, Job(lane="questions", cpu_s=15, limit_s=30.0)),
     "report": Job(lane="reports", cpu_s=60, limit_s=90.0),
     "picture": Job(lane="pictures", cpu_s=25, limit_s=30.0),
     "previewed": Job(lane="uploads", cpu_s=4, limit_s=12.0, where="file"),

@@ -6,8 +6,7 @@ from chromanoise.report.characterization_report import (
 )
 from chromanoise.report.demo import demo_page
 from chromanoise.report.denoising_report import write_denoising_report
-from chromanoise.report.study_pictures import Sight, sights_of
-from chromanoise.report.study_report import report_data, study_report
+from chromanoise.report.study_report import Sight, report_data, sights_of, study_report
 
 __all__ = [
     "Sight",

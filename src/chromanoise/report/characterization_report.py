@@ -28,7 +28,7 @@ from chromanoise.characterization import (
     pixel_toml,
 )
 from chromanoise.errors import InputError
-from chromanoise.report.templates import filled_template
+from chromanoise.report.bundle import filled_template
 
 _CHARTS = {
     "photon_transfer": (

@@ -20,8 +20,7 @@ from chromanoise.paper import (
     verdict,
 )
 from chromanoise.paper.study import PRINTED_TIMES_MS, RGB_12, RGBW_12, WELL_SHARE
-from chromanoise.report.bundle import data_address
-from chromanoise.report.templates import environment, with_paper_symbols
+from chromanoise.report.bundle import data_address, environment, with_paper_symbols
 
 _EXPLAINED = ("electrons", "raw", "contravariant", "spectral", "color", "bound", "budget")
 _GROUPS = {  # of downloads, in their order: heading, and the files by their endings

@@ -8,7 +8,7 @@ from chromanoise.denoising import DENOISING, BenchmarkCell, verdict_sentences
 from chromanoise.denoising.benchmark import PIXELS_PER_DEGREE
 from chromanoise.errors import InputError
 from chromanoise.imaging import png_bytes
-from chromanoise.report.templates import filled_template
+from chromanoise.report.bundle import filled_template
 
 Value = Callable[[BenchmarkCell], float | None]
 

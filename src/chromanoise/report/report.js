@@ -1,16 +1,9 @@
 /** Draws a report, and draws it anew from its own answers when a slider moves. */
 
-import * as budget from "draw/budget.js";
-import * as chart from "draw/chart.js";
-import * as ellipses from "draw/ellipses.js";
-import * as levels from "draw/levels.js";
-import * as pareto from "draw/pareto.js";
+import { CHARTS } from "draw/charts.js";
 import * as picture from "draw/picture.js";
 import { saveChart, saveImage, savePictures } from "draw/save.js";
-import * as sensitivities from "draw/sensitivities.js";
-import * as stages from "draw/stages.js";
 import { html } from "draw/svg.js";
-import * as vectors from "draw/vectors.js";
 
 /** @typedef {import("answers").Drawn} Drawn */
 /** @typedef {import("answers").Failed} Failed */
@@ -23,8 +16,6 @@ import * as vectors from "draw/vectors.js";
 /** @typedef {{ [P in Part]: Drawn[P] | Failed } & { head: ReportHead }} Told */
 /** @typedef {{ data: Drawn[Part] | Failed, stale: boolean, part: Part }} Shown */
 
-/** @type {{ [P in Part]: import("answers").DrawingModule<any> }} */
-const MODULES = { budget, vectors, stages, levels, ellipses, chart, pareto, sensitivities };
 const PAPER_PX = 976; // of A4 and Letter, where the style of print makes 0.7 of it
 /** @type {ReportData} */
 const data = JSON.parse(await unpacked(byId("data").textContent ?? ""));
@@ -122,7 +113,7 @@ function draw(section) {
   const { data: told, part } = one;
   const element = /** @type {HTMLElement} */ (section.querySelector(".chart"));
   if ("fault" in told) element.replaceChildren(html("p", { class: "d-note" }, told.fault));
-  else MODULES[part].draw(element, told, width ? { width } : {});
+  else CHARTS[part].draw(element, told, width ? { width } : {});
   one.stale = false;
 }
 
@@ -151,7 +142,7 @@ function fill(table, rows) {
 }
 
 /**
- * One slider at a time: another goes back to the study's own value.
+ * One slider at a time: the others go back to the study's own value.
  *
  * @param {HTMLInputElement | null} moved
  */
@@ -161,7 +152,7 @@ function slid(moved) {
   const said = [];
   for (const slider of sliders) {
     const slide = data.slides[Number(slider.dataset.slide)];
-    if (moved && slider !== moved) slider.value = String(slide.own);
+    if (slider !== moved) slider.value = String(slide.own);
     const at = Number(slider.value);
     slider.setAttribute("aria-valuetext", slide.texts[at]);
     const output = slider.parentElement?.querySelector("output");
@@ -211,7 +202,7 @@ function savable(section) {
   if (!part || !heading || !(part in data.csv)) return;
   const menu = saveChart({
     ...{ part, heading: heading.textContent ?? "" },
-    draw: (element) => MODULES[/** @type {Part} */ (part)].draw(element, shownNow(), { width: element.clientWidth, look: { turn } }),
+    draw: (element) => CHARTS[/** @type {Part} */ (part)].draw(element, shownNow(), { width: element.clientWidth, look: { turn } }),
     data: () => /** @type {{ title: string }} */ (/** @type {unknown} */ (shownNow())),
     csv: async () => {
       if (isChanged()) throw new Error("The CSV contains the values of the study itself: move the sliders back to the study first.");
@@ -244,7 +235,6 @@ function open(button) {
 const sliders = /** @type {HTMLInputElement[]} */ (all("input[data-slide]"));
 sliders.forEach((slider) => slider.addEventListener("input", () => slid(slider)));
 byId("back").addEventListener("click", () => {
-  sliders.forEach((slider) => (slider.value = String(data.slides[Number(slider.dataset.slide)].own)));
   slid(null);
   sliders[0].focus();
 });
@@ -260,7 +250,6 @@ for (const image of document.images) {
   if (image.closest(".sweep")) image.after(saveImage(image));
 }
 byId("sliders").hidden = false;
-sliders.forEach((slider) => (slider.value = String(data.slides[Number(slider.dataset.slide)].own)));
 show(answer({}));
 slid(null);
 

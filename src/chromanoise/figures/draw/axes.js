@@ -181,13 +181,7 @@ export function axes(x, y, titles) {
   if (titles.zero === "y" && y.low < 0 && y.high >= 0)
     nodes.push(svg("path", { d: `M${tenth(x.from)} ${tenth(y.at(0))}H${tenth(x.to)}`, class: "d-zero" }));
   nodes.push(
-    svg("path", {
-      d: line([
-        [x.from, bottom],
-        [x.to, bottom],
-      ]),
-      class: "d-axis",
-    }),
+    svg("path", { d: line([[x.from, bottom], [x.to, bottom]]), class: "d-axis" }),
   );
   nodes.push(...across.map((t) => words(x.at(t.value), bottom + 17, t.label, "d-tick", "middle")));
   nodes.push(...up.map((t) => words(x.from - 6, y.at(t.value) + 4, t.label, "d-tick", "end")));

@@ -40,7 +40,7 @@ export function draw(element, data, options = {}) {
   });
   const drawn = figure(width, tops.height, data.title, data.description, nodes);
   readable(element, data.table, () => places(data, boxes, grid, tops.rows), true);
-  const any = data.sensors.some((sensor) => sensor.steps?.length);
+  const any = data.sensors.some((sensor) => sensor.steps.length);
   const kept = ghosts.length ? [legend([], "mark", 0, [pinned()])] : [];
   refill(element, caption(data), ...kept, drawn, ...(any ? [note(KEY)] : []));
 }
@@ -50,12 +50,8 @@ export function draw(element, data, options = {}) {
  * @param {Budget[]} ghosts
  */
 function range(data, ghosts) {
-  const steps = [data, ...ghosts].flatMap((answer) => answer.sensors.flatMap((s) => s.steps ?? []));
-  return niceRange(
-    steps.flatMap((step) => [step.from_db, step.to_db]),
-    5,
-    [0],
-  );
+  const steps = [data, ...ghosts].flatMap((answer) => answer.sensors.flatMap((s) => s.steps));
+  return niceRange(steps.flatMap((step) => [step.from_db, step.to_db]), 5, [0]);
 }
 
 /**
@@ -67,7 +63,7 @@ function range(data, ghosts) {
  * @param {number} pitch
  */
 function layout(sensor, width, [low, high], pitch) {
-  const steps = sensor.steps ?? [];
+  const steps = sensor.steps;
   const longest = Math.max(60, ...steps.map((step) => textWidth(step.label)));
   const beside = width - longest - 64 >= 64;
   const left = beside ? Math.min(longest + 12, 0.5 * width) : 4;
@@ -108,7 +104,7 @@ function rowTops(boxes, grid) {
 function waterfall(sensor, box, at, ghosts) {
   const nodes = [...at.title];
   nodes.push(...box.why.map((text, k) => words(0, 44 + 18 * k, text, "d-quiet")));
-  const steps = sensor.steps ?? [];
+  const steps = sensor.steps;
   if (steps.length) nodes.push(...scale(box));
   for (const ghost of ghosts) nodes.push(...ghostSteps(ghost, sensor, box));
   steps.forEach((step, k) => nodes.push(...bar(step, k, box, steps[k + 1])));
@@ -154,7 +150,7 @@ function span(step, { x }) {
  */
 function places(data, boxes, grid, rows) {
   let row = 0;
-  return data.sensors.flatMap(({ steps = [] }, i) => {
+  return data.sensors.flatMap(({ steps }, i) => {
     const [left, top] = [grid.places[i].left, rows[grid.places[i].row]];
     const first = row;
     row += Math.max(1, steps.length);
@@ -197,7 +193,7 @@ function bar(step, k, box, next) {
  * @param {Layout} box
  */
 function ghostSteps(ghost, sensor, box) {
-  const steps = sensor.steps ?? [];
+  const steps = sensor.steps;
   return (ghost?.steps ?? []).flatMap((step) => {
     const k = steps.findIndex((now) => now.label === step.label);
     if (k < 0 || !known(step.to_db)) return [];

@@ -25,8 +25,7 @@ export function draw(element, data, options = {}) {
   const across = Math.ceil(data.patches.length / COLUMNS);
   const height = across * (plan.tall + GAP) - GAP;
   if (!data.patches.length) {
-    const why = data.sensors.map((sensor) => sensor.why_not ?? `${sensor.name}: saturated`);
-    refill(element, ...why.map((sentence) => note(sentence)));
+    refill(element, ...data.sensors.map((sensor) => note(sensor.why_not ?? "")));
     return;
   }
   readable(element, data.table, () => data.patches.map((_, k) => placeOf(k, plan)));

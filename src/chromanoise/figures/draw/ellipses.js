@@ -2,7 +2,7 @@
 
 import { axes, linear, niceStep, panels, wrapped } from "draw/axes.js";
 import { readable } from "draw/hover.js";
-import { caption, legend, note, panelName, sameSensor } from "draw/look.js";
+import { caption, note, panelName, pinnedLegend, sameSensor } from "draw/look.js";
 import { refill } from "draw/refill.js";
 import { figure, figureWidth, line, svg, tenth, words } from "draw/svg.js";
 
@@ -23,8 +23,7 @@ export function draw(element, data, options = {}) {
   const width = figureWidth(element, options);
   const ghosts = (options.ghosts ?? []).filter((ghost) => ghost.plane === data.plane);
   if (!data.sensors.some((sensor) => sensor.patches.length)) {
-    const why = data.sensors.map((sensor) => note(sensor.why_not ?? `${sensor.name}: saturated`));
-    refill(element, ...why);
+    refill(element, ...data.sensors.map((sensor) => note(sensor.why_not ?? "")));
     return;
   }
   const grid = panels(data.sensors.length, width, data.sensors.length > MOST_WIDE ? 220 : 340);
@@ -39,9 +38,8 @@ export function draw(element, data, options = {}) {
   const drawn = figure(width, height, data.title, data.description, nodes);
   const ellipse = `Ellipse: ${data.sigmas} standard deviations of the noise.`;
   const key = `Cross: the true color. Line: from it to the color that is measured. ${ellipse}`;
-  const kept = ghosts.length ? [legend([], "line", ghosts.length)] : [];
   readable(element, data.table, () => reads.flatMap((read) => read()));
-  refill(element, caption(data), ...kept, drawn, note(key));
+  refill(element, caption(data), ...pinnedLegend(ghosts), drawn, note(key));
 }
 
 /**
@@ -99,10 +97,7 @@ function panel(data, i, { left, top, each, view, ghosts, reads }) {
   inside.push(...patches(sensor.patches, x, y));
   nodes.push(cut(inside, x, y));
   if (sensor.larger) nodes.push(words(x.to - 6, y.to + 16, "larger than the panel", "d-rim", "end"));
-  const absent = sensor.patches.filter((patch) => !patch.outline).length;
   if (!sensor.patches.length) nodes.push(...absence(sensor, x, y));
-  if (absent)
-    nodes.push(words(x.to - 6, y.to + (sensor.larger ? 34 : 16), `${absent} of ${sensor.patches.length} saturated`, "d-rim", "end"));
   return nodes;
 }
 
@@ -126,7 +121,7 @@ function isInside(value, { low, high }) {
 function places({ sensors }, i, x, y) {
   const first = sensors.slice(0, i).reduce((sum, { patches }) => sum + Math.max(1, patches.length), 0);
   return sensors[i].patches.flatMap(({ center }, k) =>
-    center && isInside(center[0], x) && isInside(center[1], y)
+    isInside(center[0], x) && isInside(center[1], y)
       ? [{ x: x.at(center[0]), y: y.at(center[1]), row: first + k, series: i }]
       : [],
   );
@@ -153,7 +148,7 @@ function cut(nodes, x, y) {
  * @param {Scale} y
  */
 function absence(sensor, x, y) {
-  const lines = wrapped(sensor.why_not ?? "saturated", x.to - x.from - 12);
+  const lines = wrapped(sensor.why_not ?? "", x.to - x.from - 12);
   return lines.map((text, k) => words(x.from + 8, y.to + 18 + 18 * k, text, "d-rim"));
 }
 
@@ -182,12 +177,11 @@ function patches(all, x, y) {
   const errors = [];
   const crosses = [];
   const nodes = [];
-  for (const patch of [...all].sort((a, b) => (b.reach ?? 0) - (a.reach ?? 0))) {
+  for (const patch of [...all].sort((a, b) => b.reach - a.reach)) {
     const truth = [x.at(patch.truth[0]), y.at(patch.truth[1])];
     crosses.push(`M${tenth(truth[0] - 4)} ${tenth(truth[1])}h8m-4 -4v8`);
-    if (patch.center) errors.push(line([truth, [x.at(patch.center[0]), y.at(patch.center[1])]]));
-    const d = closed(patch.outline, x, y);
-    if (d) nodes.push(svg("path", { d, fill: patch.srgb, class: "d-ellipse" }));
+    errors.push(line([truth, [x.at(patch.center[0]), y.at(patch.center[1])]]));
+    nodes.push(svg("path", { d: closed(patch.outline, x, y), fill: patch.srgb, class: "d-ellipse" }));
   }
   nodes.push(svg("path", { d: errors.join(""), class: "d-error" }));
   nodes.push(svg("path", { d: crosses.join(""), class: "d-cross-rim" }));
@@ -196,11 +190,10 @@ function patches(all, x, y) {
 }
 
 /**
- * @param {number[][] | null | undefined} outline
+ * @param {number[][]} outline
  * @param {Scale} x
  * @param {Scale} y
  */
 function closed(outline, x, y) {
-  if (!outline?.length) return "";
   return `${line(outline.map((point) => [x.at(point[0]), y.at(point[1])]))}Z`;
 }

@@ -2,7 +2,7 @@
 
 import { axes, fitting, linear, logarithmic, niceRange, spread, textWidth } from "draw/axes.js";
 import { readable } from "draw/hover.js";
-import { areMany, caption, legend, mark, note, sensorDashes, sensorLines, sideNames } from "draw/look.js";
+import { areMany, caption, legend, mark, note, pinnedLegend, sensorDashes, sensorLines, sideNames } from "draw/look.js";
 import { refill } from "draw/refill.js";
 import { figure, figureWidth, html, known, line, svg, tenth, words } from "draw/svg.js";
 
@@ -40,11 +40,7 @@ export function draw(element, data, options = {}) {
   if (beside) nodes.push(...endNames(curves, data.lux, scales, room));
   else nodes.push(...curves.flatMap((curve) => ends(curve, data.lux, scales)));
   const told = figure(width, scales.height, data.title, data.description, nodes);
-  const key = beside
-    ? ghosts.length
-      ? [legend([], "line", ghosts.length)]
-      : []
-    : [narrowLegend(curves, ghosts)];
+  const key = beside ? pinnedLegend(ghosts) : [narrowLegend(curves, ghosts)];
   readable(element, data.table, () => places(data, scales));
   refill(element, caption(data), ...key, told, ...sentences(data));
 }
@@ -230,12 +226,7 @@ function narrowLegend(curves, ghosts) {
 function crossovers(data, { x, y, top }) {
   const all = found(data);
   const shown = all.filter((cross) => inside(cross.lux, x));
-  const places = spread(
-    shown.map((cross) => x.at(cross.lux)),
-    20,
-    x.from + 9,
-    x.to - 9,
-  );
+  const places = spread(shown.map((cross) => x.at(cross.lux)), 20, x.from + 9, x.to - 9);
   return shown.flatMap((cross, i) => {
     const at = tenth(x.at(cross.lux));
     const d = `M${tenth(places[i])} ${top - 8}L${at} ${top}V${tenth(y.from)}`;

@@ -208,6 +208,15 @@ export function legend(names, how = "line", ghosts = 0, more = []) {
 }
 
 /**
+ * The legend of a chart that names its sensors elsewhere: none without pinned answers.
+ *
+ * @param {object[]} ghosts
+ */
+export function pinnedLegend(ghosts) {
+  return ghosts.length ? [legend([], "line", ghosts.length)] : [];
+}
+
+/**
  * @param {string} look
  * @param {string} dash
  * @param {string | null} [color]

@@ -2,7 +2,7 @@
 
 import { axes, fitting, linear, logarithmic, niceRange, textWidth } from "draw/axes.js";
 import { readable } from "draw/hover.js";
-import { areMany, caption, legend, mark, markPath, note, sameSensor, sensorLines, sideNames } from "draw/look.js";
+import { areMany, caption, legend, mark, markPath, note, pinnedLegend, sameSensor, sensorLines, sideNames } from "draw/look.js";
 import { refill } from "draw/refill.js";
 import { figure, figureWidth, known, line, svg, tenth, words } from "draw/svg.js";
 
@@ -49,7 +49,7 @@ export function draw(element, data, options = {}) {
   const made = data.matrix ? ` (${data.matrix})` : "";
   const key = `Numbers: the weight of the noise in the matrix. Large mark: the matrix now${made}.`;
   readable(element, data.table, () => places(data, x, y));
-  const keys = named ? (ghosts.length ? [legend([], "line", ghosts.length)] : []) : [legend(names, "both", ghosts.length)];
+  const keys = named ? pinnedLegend(ghosts) : [legend(names, "both", ghosts.length)];
   refill(element, caption(data), ...keys, told, note(key));
 }
 
@@ -64,10 +64,7 @@ function plane(data, ghosts, width, room) {
     answer.sensors.flatMap((sensor) => [...sensor.points, sensor.now].filter(whole)),
   );
   const tall = Math.round(Math.min(360, Math.max(200, 0.45 * width)));
-  const [left, right] = niceRange(
-    all.map((point) => point.snr_db),
-    5,
-  );
+  const [left, right] = niceRange(all.map((point) => point.snr_db), 5);
   const errors = all.map((point) => point.color_error);
   const x = linear(left, right, ROOM.left, width - room);
   const ends = /** @type {[number, number]} */ ([ROOM.top + tall, ROOM.top]);
@@ -249,22 +246,9 @@ function placed(point, text, look, x, y, taken, gap = 9) {
   const [px, py] = [x.at(point.snr_db), y.at(point.color_error)];
   const wide = textWidth(text, 15) + 2;
   const [left, low] = [-gap - wide, gap + 10];
-  const corners = [
-    [gap, 4],
-    [left, 4],
-    [gap, -6],
-    [left, -6],
-    [gap, 16],
-    [left, 16],
-  ];
-  corners.push(
-    [-wide / 2, -gap - 3],
-    [-wide / 2, low + 3],
-    [gap, -gap],
-    [left, -gap],
-    [gap, low],
-    [left, low],
-  );
+  const beside = /** @param {number} dy */ (dy) => [[gap, dy], [left, dy]];
+  const middle = [-gap - 3, low + 3].map((dy) => [-wide / 2, dy]);
+  const corners = [...[4, -6, 16].flatMap(beside), ...middle, ...[-gap, low].flatMap(beside)];
   for (const [dx, dy] of corners) {
     const box = { left: px + dx, right: px + dx + wide, top: py + dy - 11, bottom: py + dy + 3 };
     if (box.left < x.from || box.right > x.to + 18 || box.bottom > y.from || box.top < 18) continue;

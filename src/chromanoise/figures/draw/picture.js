@@ -2,7 +2,7 @@
 
 import { html } from "draw/svg.js";
 
-/** @import { Options, Table } from "answers" */
+/** @import { Options } from "answers" */
 /** @typedef {{ left: string, right: string, labels: string[] }} Pair */
 
 /** @type {WeakMap<Element, ReturnType<typeof built>>} */
@@ -88,18 +88,4 @@ function show(image, address, label, zoom, captions) {
   image.onload = size;
   if (image.getAttribute("src") !== address) image.src = address;
   else if (image.complete && image.naturalWidth) size();
-}
-
-/**
- * @param {Pair} data
- * @returns {Table}
- */
-export function rows(data) {
-  return {
-    head: ["side", "picture"],
-    rows: [
-      ["left", data.labels[0]],
-      ["right", data.labels[1]],
-    ],
-  };
 }

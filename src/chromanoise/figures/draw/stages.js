@@ -28,11 +28,7 @@ export function draw(element, data, options = {}) {
   const kinds = data.kinds.map((kind) => withGhosts(kind, data, ghosts));
   const shown = kinds.filter((kind) => kind.lines.length);
   const plan = layout(data, shown, width);
-  const key = legend(
-    data.sensors.map((s) => s.name),
-    "mark",
-    ghosts.length,
-  );
+  const key = legend(data.sensors.map((s) => s.name), "mark", ghosts.length);
   const figures = shown.map((kind, k) => section(kind, plan, k));
   const boxes = shown.map((kind, k) => html("div", { class: "d-view" }, [heading(kind), figures[k]]));
   const all = html("div", { class: "d-views d-kinds" }, boxes);

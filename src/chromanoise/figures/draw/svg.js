@@ -48,7 +48,17 @@ function filled(node, attributes, content) {
 }
 
 /**
- * An id that no other figure of this page has.
+ * Writes text only where it changes: a browser lays out again, and tells it aloud, after every writing.
+ *
+ * @param {Node} node
+ * @param {string} text
+ */
+export function say(node, text) {
+  if (node.textContent !== text) node.textContent = text;
+}
+
+/**
+ * An id that nothing else on this page has.
  *
  * @param {string} prefix
  */

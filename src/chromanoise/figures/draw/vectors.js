@@ -3,8 +3,7 @@
 import { panels, textWidth } from "draw/axes.js";
 import { readable } from "draw/hover.js";
 import { caption, channelColor, legend, note, panelHeading, sameSensor } from "draw/look.js";
-import { ball, eye, greatCircle, silhouette, tips } from "draw/solid.js";
-import { figure, figureWidth, html, line, svg, tenth, words } from "draw/svg.js";
+import { figure, figureWidth, html, line, say, svg, tenth, words } from "draw/svg.js";
 
 /** @import { Axis, Ellipsoid, Options, Vectors, VectorsSensor } from "answers" */
 /** @typedef {(point: number[]) => number[]} Projection */
@@ -31,6 +30,7 @@ import { figure, figureWidth, html, line, svg, tenth, words } from "draw/svg.js"
 
 const MOST_WIDE = 4; // of more sensors four are side by side where there is room
 const HOME = [30, 20];
+const STEPS = 48; // of an outline
 /** @type {Record<string, number[]>} */
 const KEYS = { ArrowLeft: [-5, 0], ArrowRight: [5, 0], ArrowUp: [0, 5], ArrowDown: [0, -5] };
 const HELP = "Drag or press the arrow keys to turn; Home turns back; Enter reads the vectors.";
@@ -226,16 +226,6 @@ function places(data, { look, place, axes }) {
 }
 
 /**
- * Text is told aloud whenever it is written, so only what changed is written.
- *
- * @param {Element} node
- * @param {string} text
- */
-function say(node, text) {
-  if (node.textContent !== text) node.textContent = text;
-}
-
-/**
  * @param {Vectors} data
  * @param {VectorsSensor} sensor
  * @param {VectorsSensor[]} before
@@ -379,4 +369,109 @@ function pushed(boxes) {
     }
   }
   return moved;
+}
+
+/**
+ * The way from a point in space to [right, up, toward the eye], for a turn in degrees. At [0, 0]
+ * the first coordinate goes right and the third up.
+ *
+ * @param {number[]} turn
+ * @returns {Projection}
+ */
+function eye([about, above]) {
+  const [a, e] = [about - 90, above].map((degrees) => (degrees * Math.PI) / 180);
+  const [ca, sa, ce, se] = [Math.cos(a), Math.sin(a), Math.cos(e), Math.sin(e)];
+  return ([x, y, z]) => [ca * y - sa * x, ce * z - se * (ca * x + sa * y), se * z + ce * (ca * x + sa * y)];
+}
+
+/**
+ * Nearly the smallest ball that holds all points: its middle goes toward the farthest point, by
+ * less at each step.
+ *
+ * @param {number[][]} points
+ */
+function ball(points) {
+  let middle = points[0];
+  for (let step = 2; step < 40; step += 1) {
+    const { point } = farthest(points, middle);
+    middle = middle.map((v, k) => v + (point[k] - v) / step);
+  }
+  return { middle, reach: Math.max(1e-9, farthest(points, middle).distance) };
+}
+
+/**
+ * @param {number[][]} points
+ * @param {number[]} from
+ */
+function farthest(points, from) {
+  let found = { point: points[0], distance: -1 };
+  for (const point of points) {
+    const distance = Math.hypot(point[0] - from[0], point[1] - from[1], point[2] - from[2]);
+    if (distance > found.distance) found = { point, distance };
+  }
+  return found;
+}
+
+/**
+ * The ends of the half axes: what must stay in view.
+ *
+ * @param {Ellipsoid} ellipsoid
+ */
+function tips({ center, half_axes: half }) {
+  return half.flatMap((axis) => [1, -1].map((side) => center.map((c, k) => c + side * axis[k])));
+}
+
+/**
+ * The silhouette of an ellipsoid as a path: the shadow of a unit ball under the three projected
+ * half axes is the same ellipse as that of a disc under the root of their sum of squares.
+ *
+ * @param {number[][]} half
+ * @param {Projection} look
+ * @param {Projection} place
+ * @param {number[]} center
+ */
+function silhouette(half, look, place, center) {
+  const seen = half.map(look);
+  /**
+   * @param {number} i
+   * @param {number} j
+   */
+  const sum = (i, j) => seen.reduce((total, axis) => total + axis[i] * axis[j], 0);
+  const a = Math.sqrt(sum(0, 0)) || 1e-12;
+  const b = sum(0, 1) / a;
+  const c = Math.sqrt(Math.max(0, sum(1, 1) - b * b));
+  const middle = look(center);
+  const points = circle((cos, sin) => place([middle[0] + a * cos, middle[1] + b * cos + c * sin]));
+  return `${line(points)}Z`;
+}
+
+/**
+ * The great circle of two half axes, parted into what faces the eye and what lies behind.
+ *
+ * @param {number[]} first
+ * @param {number[]} second
+ * @param {Projection} look
+ * @param {Projection} place
+ * @param {number[]} center
+ */
+function greatCircle(first, second, look, place, center) {
+  const [u, v, middle] = [look(first), look(second), look(center)];
+  const front = [];
+  const back = [];
+  for (let k = 0; k <= STEPS; k += 1) {
+    const [cos, sin] = [Math.cos((2 * Math.PI * k) / STEPS), Math.sin((2 * Math.PI * k) / STEPS)];
+    const at = place([0, 1].map((i) => middle[i] + u[i] * cos + v[i] * sin));
+    const near = u[2] * cos + v[2] * sin >= 0;
+    front.push(near ? at : null);
+    back.push(near ? null : at);
+  }
+  return { front: line(front), back: line(back) };
+}
+
+/** @param {(cos: number, sin: number) => number[]} at */
+function circle(at) {
+  return Array.from({ length: STEPS }, (_, k) => {
+    const angle = (2 * Math.PI * k) / STEPS;
+    return at(Math.cos(angle), Math.sin(angle));
+  });
 }

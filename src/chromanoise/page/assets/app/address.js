@@ -1,6 +1,6 @@
 /** A state as text for the address, and back: JSON in base64url. */
 
-/** @import { Look, PicturePart, SensorPart, State, Study } from "answers" */
+/** @import { Look, SensorPart, State, Study } from "answers" */
 
 /**
  * The state as the part of an address behind `#`.
@@ -48,11 +48,11 @@ function json(text) {
 /** What the controls read must be of these kinds; what it says is the server's to judge. */
 /** @type {Record<string, (value: unknown) => boolean>} */
 const KINDS = {
-  light: (light) => unsaid(light) || (isRecord(light) && isText(light.illuminant)),
-  exposure: (exposure) => unsaid(exposure) || isRecord(exposure),
+  light: (light = {}) => isRecord(light) && isText(light.illuminant),
+  exposure: (exposure = {}) => isRecord(exposure),
   sensors: (sensors) => Array.isArray(sensors) && sensors.every(isSensor),
-  matrices: (names) => unsaid(names) || (Array.isArray(names) && names.every((name) => typeof name === "string")),
-  pictures: (pictures) => unsaid(pictures) || (Array.isArray(pictures) && pictures.every(isPicture)),
+  matrices: (names = []) => Array.isArray(names) && names.every((name) => typeof name === "string"),
+  pictures: (pictures = []) => Array.isArray(pictures) && pictures.every((one) => isRecord(one) && isText(one.cube)),
   prior: isText,
 };
 
@@ -62,24 +62,7 @@ const KINDS = {
  */
 function isSensor(sensor) {
   if (!isRecord(sensor) || typeof sensor.name !== "string") return false;
-  const tables = [sensor.pixel, sensor.answers];
-  return isText(sensor.filter) && tables.every((table) => unsaid(table) || isRecord(table));
-}
-
-/**
- * @param {unknown} picture
- * @returns {picture is PicturePart}
- */
-function isPicture(picture) {
-  return isRecord(picture) && isText(picture.cube);
-}
-
-/**
- * @param {unknown} value
- * @returns {value is undefined}
- */
-function unsaid(value) {
-  return value === undefined;
+  return isText(sensor.filter) && [sensor.pixel, sensor.answers].every((table = {}) => isRecord(table));
 }
 
 /**
@@ -96,6 +79,6 @@ function isText(value) {
  * @param {unknown} value
  * @returns {value is Record<string, any>}
  */
-export function isRecord(value) {
+function isRecord(value) {
   return typeof value === "object" && value !== null && !Array.isArray(value);
 }

@@ -42,13 +42,19 @@ const BUSY = "The server is busy; trying again.";
  * @returns {Promise<any>}
  */
 export async function posted(path, question, signal) {
-  const reply = await fetch(path, {
-    method: "POST",
-    headers: { "Content-Type": "application/json" },
-    body: JSON.stringify(question),
-    signal,
-  });
-  return understood(reply);
+  return understood(await reply(path, question, signal));
+}
+
+/**
+ * The reply to posted JSON, of any kind; throws TypeError where nobody answers.
+ *
+ * @param {string} path
+ * @param {unknown} question
+ * @param {AbortSignal} [signal]
+ */
+export function reply(path, question, signal) {
+  const headers = { "Content-Type": "application/json" };
+  return fetch(path, { method: "POST", headers, body: JSON.stringify(question), signal });
 }
 
 /**

@@ -138,7 +138,8 @@ function uses(answer, answers, done, unanswered) {
    */
   const use = (text, edit) => button(text, () => (asksFor(unanswered()) ? null : (changeStudy(edit), done())), { class: "wide" });
   if (answer.kind === "light") {
-    return [use("Use as the light", (study) => useLight(study, answer.id, answers()))];
+    const told = () => ({ illuminant: answer.id, ...stripped(answers(), "light.") });
+    return [use("Use as the light", (study) => (study.light = { ...lampless(study.light), ...told() }))];
   }
   if (answer.kind === "cube") return [use("Show in the picture", (study) => setCube(study, answer.id, answers()))];
   if (answer.kind === "study") {
@@ -156,7 +157,7 @@ function uses(answer, answers, done, unanswered) {
   }
   if (answer.kind !== "sensor") return [];
   const exchanges = current().study.sensors.map((_, i) =>
-    use(`Replace sensor ${i + 1}`, (study) => exchangeFor(study, i, withAnswers(answer.id, answers()))),
+    use(`Replace sensor ${i + 1}`, (study) => exchange(study, i, withAnswers(answer.id, answers()))),
   );
   return [use("Add as a sensor", (study) => study.sensors.push(withAnswers(answer.id, answers()))), ...exchanges];
 }
@@ -171,24 +172,6 @@ function matrixUses(id, use) {
   const first = use("Use as the color matrix", (study) => (study.matrices = [id, ...others.filter((name) => name !== names[0])]));
   if (others.length >= most.matrices) return [first];
   return [first, use("Add as a color matrix", (study) => (study.matrices = [...others, id]))];
-}
-
-/**
- * @param {Study} study
- * @param {string} id
- * @param {Answers} told
- */
-function useLight(study, id, told) {
-  study.light = { ...lampless(study.light), illuminant: id, ...stripped(told, "light.") };
-}
-
-/**
- * @param {Study} study
- * @param {number} i
- * @param {SensorPart} sensor
- */
-function exchangeFor(study, i, { name, ...answers }) {
-  exchange(study, i, name, answers);
 }
 
 /**

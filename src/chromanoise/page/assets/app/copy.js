@@ -1,7 +1,7 @@
 /** The study as something to take along: a link, TOML, Python or a command line. */
 
 import { Refused, posted } from "app/ask.js";
-import { button, byId, el, freshId, within } from "app/dom.js";
+import { button, byId, el, uniqueId, within } from "app/dom.js";
 import { current, link } from "app/state.js";
 
 const KINDS = [
@@ -90,7 +90,7 @@ function offer(name, text) {
 }
 
 function emptyDialog() {
-  const id = freshId("copy");
+  const id = uniqueId("copy");
   const close = button("Close", () => node.close(), { class: "primary" });
   const area = el("textarea", { readonly: true, rows: "12", "aria-labelledby": id, spellcheck: "false" });
   const node = el("dialog", { "aria-labelledby": id }, el("h2", { id, text: "Copy" }), area, close);

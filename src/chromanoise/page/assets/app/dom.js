@@ -1,5 +1,9 @@
 /** Small makers of HTML. Data always goes in as text or attribute, never as markup. */
 
+import { say, uniqueId } from "draw/svg.js";
+
+export { say, uniqueId };
+
 /** @typedef {string | number | boolean | null | undefined} Value */
 /** @typedef {string | string[]} Option a name, or a value and its label */
 /** @typedef {{ [event: string]: (event: any) => unknown }} Listeners */
@@ -21,8 +25,6 @@
  * @property {(value: string) => unknown} on
  * @property {boolean} [hidden]
  */
-
-let made = 0;
 
 /**
  * An element that the page has from the start.
@@ -63,46 +65,17 @@ export function el(tag, { on = {}, text, ...attributes } = {}, ...children) {
 }
 
 /**
- * Sets an attribute, or takes it away.
+ * Sets an attribute where it changes, for a browser lays out again after every writing, or takes it
+ * away.
  *
  * @param {Element} node
  * @param {string} name
  * @param {Value} value
  */
 export function attribute(node, name, value) {
+  const text = value === true ? "" : String(value);
   if (value === null || value === undefined || value === false) node.removeAttribute(name);
-  else put(node, name, value === true ? "" : String(value));
-}
-
-/**
- * Writes an attribute only where it changes: a browser lays out again after every writing.
- *
- * @param {Element} node
- * @param {string} name
- * @param {string} value
- */
-function put(node, name, value) {
-  if (node.getAttribute(name) !== value) node.setAttribute(name, value);
-}
-
-/**
- * Writes text only where it changes.
- *
- * @param {Node} node
- * @param {string} text
- */
-export function say(node, text) {
-  if (node.textContent !== text) node.textContent = text;
-}
-
-/**
- * An id that nothing else on this page has.
- *
- * @param {string} prefix
- */
-export function freshId(prefix) {
-  made += 1;
-  return `${prefix}-${made}`;
+  else if (node.getAttribute(name) !== text) node.setAttribute(name, text);
 }
 
 /**
@@ -111,7 +84,7 @@ export function freshId(prefix) {
  * @param {ChoiceOptions} options
  */
 export function choice({ label, options, value, on, hidden = false, where = null }) {
-  const id = freshId("choice");
+  const id = uniqueId("choice");
   /** @type {HTMLSelectElement} */
   const select = el("select", { id, "data-where": where, on: { change: () => on(select.value) } });
   fillChoice(select, options, value);
@@ -146,7 +119,7 @@ const filled = new WeakMap();
  * @param {RadioOptions} options
  */
 export function radios({ legend, options, value, on, hidden = false }) {
-  const name = freshId("radio");
+  const name = uniqueId("radio");
   const inputs = new Map();
   const marks = options.map(([own, text]) => {
     const input = el("input", { type: "radio", name, value: own, on: { change: () => on(own) } });
@@ -218,7 +191,7 @@ export function reveal(path) {
  * @param {{ label: string, where: string, on: (on: boolean) => unknown }} options
  */
 export function toggle({ label, where, on }) {
-  const id = freshId("switch");
+  const id = uniqueId("switch");
   const named = { id, type: "checkbox", role: "switch", "data-where": where, "aria-describedby": `${id}-hint` };
   /** @type {HTMLInputElement} */
   const input = el("input", { ...named, on: { change: () => on(input.checked) } });
@@ -246,6 +219,18 @@ export function toggle({ label, where, on }) {
  */
 export function button(text, click, attributes = {}) {
   return el("button", { type: "button", text, ...attributes, on: { click } });
+}
+
+/**
+ * A small button with a sign on it.
+ *
+ * @param {string} sign
+ * @param {string} title
+ * @param {string} name for readers of the screen
+ * @param {() => unknown} click
+ */
+export function square(sign, title, name, click) {
+  return button(sign, click, { "aria-label": name, title, class: "square" });
 }
 
 /**

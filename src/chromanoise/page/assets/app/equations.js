@@ -1,7 +1,7 @@
 /** What is behind each `?`: words, formulas, their symbols and the source, in a dialog. */
 
 import { understood } from "app/ask.js";
-import { button, el, freshId, within } from "app/dom.js";
+import { button, el, uniqueId, within } from "app/dom.js";
 
 /** @import { Explanation } from "answers" */
 
@@ -79,7 +79,7 @@ function formula(text) {
 }
 
 function emptyDialog() {
-  const id = freshId("equations");
+  const id = uniqueId("equations");
   const heading = el("h2", { id, text: "Explanation" });
   const close = button("Close", () => node.close(), { class: "primary", autofocus: true });
   const node = el(

@@ -1,6 +1,6 @@
 /** What is saved as files: each chart, the pictures, and the report of the study. */
 
-import { understood } from "app/ask.js";
+import { reply, understood } from "app/ask.js";
 import { keepTelling, tell } from "app/copy.js";
 import { attribute, button, byId, within } from "app/dom.js";
 import { drawAgain } from "app/panels.js";
@@ -61,11 +61,7 @@ async function saveReport(report) {
  * @param {object} question
  */
 async function fileOf(path, question) {
-  const reply = await fetch(path, {
-    method: "POST",
-    headers: { "Content-Type": "application/json" },
-    body: JSON.stringify({ study: current().study, ...question }),
-  });
-  if (reply.ok && !reply.headers.get("Content-Type")?.startsWith("application/json")) return reply.blob();
-  return understood(reply);
+  const file = await reply(path, { study: current().study, ...question });
+  if (file.ok && !file.headers.get("Content-Type")?.startsWith("application/json")) return file.blob();
+  return understood(file);
 }

@@ -10,12 +10,7 @@ import { beforeSliding, changeState, changeStudy } from "app/state.js";
 /** @import { Group } from "app/controls.js" */
 /** @import { SliderOptions } from "app/slider.js" */
 
-const TERMS = [
-  ["exposure", "exposure"],
-  ["saturation", "saturation"],
-  ["light", "light"],
-];
-
+/** The terms of a comparison, with what each means. */
 /** @type {Record<string, string>} */
 const MEANT = {
   exposure: "One exposure time for all sensors.",
@@ -42,7 +37,7 @@ export function exposureControls(choices) {
     });
   const terms = radios({
     legend: "Compare at equal",
-    options: TERMS,
+    options: Object.keys(MEANT).map((term) => [term, term]),
     value: "exposure",
     on: (equal) => changeStudy((study) => setTerms(study, equal)),
   });

@@ -1,6 +1,6 @@
 /** Sentences about what is wrong, each beside the thing that it is about. */
 
-import { attribute, el, freshId, reveal, say } from "app/dom.js";
+import { attribute, el, uniqueId, reveal, say } from "app/dom.js";
 
 /** @import { Fault } from "answers" */
 
@@ -21,7 +21,7 @@ export function complain(row, sentence) {
     if (subject) attribute(subject, "aria-describedby", null);
     return;
   }
-  const told = here ?? el("p", { class: "fault", id: freshId("fault"), role: "alert" });
+  const told = here ?? el("p", { class: "fault", id: uniqueId("fault"), role: "alert" });
   say(told, sentence);
   if (!here) row.append(told);
   if (subject) subject.setAttribute("aria-describedby", told.id);

@@ -1,7 +1,7 @@
 /** Rows of controls for the fields of a study, made from the descriptions that the server gives. */
 
 import { Refused, understood } from "app/ask.js";
-import { attribute, button, choice, drawer, el, fillChoice, freshId, say } from "app/dom.js";
+import { attribute, button, choice, drawer, el, fillChoice, say, square, uniqueId } from "app/dom.js";
 import { complain } from "app/faults.js";
 import { setAt, valueAt } from "app/paths.js";
 import { shownUnit, slider } from "app/slider.js";
@@ -14,10 +14,7 @@ import { learn, shownName } from "app/uploads.js";
 /** @typedef {{ row: HTMLElement, show: Show }} Row */
 /** @typedef {(value: unknown, how?: "step" | "slide") => void} Write */
 
-const FLAGS = [
-  ["true", "yes"],
-  ["false", "no"],
-];
+const FLAGS = [["true", "yes"], ["false", "no"]];
 /** Groups that matter only where a word of the study names a file. */
 /** @type {Record<string, string>} */
 const OF_FILES = { "File of the curves": "sensors.name", "File of the light": "light.illuminant" };
@@ -215,7 +212,7 @@ function choiceRow(_, field, i, write) {
  */
 function textRow(_, field, i, write) {
   const path = pathOf(field.key, i);
-  const id = freshId("text");
+  const id = uniqueId("text");
   const offered = field.suggestions?.length
     ? el("datalist", { id: `${id}-known` }, ...field.suggestions.map((value) => el("option", { value })))
     : null;
@@ -293,7 +290,7 @@ function channelRows(choices, field, i) {
 function fileBar(field, path, row, write) {
   const name = el("span", { class: "file" });
   const of = `${field.label}${path.startsWith("sensors.") ? ` of sensor ${Number(path.split(".")[1]) + 1}` : ""}`;
-  const away = button("\u00d7", () => write(null), { title: "Remove", class: "square", "aria-label": `Remove the file: ${of}` });
+  const away = square("\u00d7", "Remove", `Remove the file: ${of}`, () => write(null));
   const choose = button("Choose a file", () => chosen((file) => bring(field, row, file, write)), {
     ...{ class: "own", "aria-label": `Choose a file: ${of}` },
   });
@@ -352,7 +349,7 @@ async function bring(field, row, file, write) {
     complain(row, null);
     write(fits.id);
   } catch (error) {
-    complain(row, error instanceof Refused ? error.faults.map(({ sentence }) => sentence).join(" ") : UNHEARD);
+    complain(row, error instanceof Refused ? error.message : UNHEARD);
   }
 }
 

@@ -2,9 +2,9 @@
 
 import { Refused, understood } from "app/ask.js";
 import * as cloud from "app/cloud.js";
-import { attribute, button, byId, choice, el, fillChoice, freshId, say, within } from "app/dom.js";
+import { attribute, byId, choice, el, fillChoice, say, square, uniqueId, within } from "app/dom.js";
 import { matricesOf } from "app/matrix.js";
-import { pack, tableOf } from "app/panels.js";
+import { pack, tableOf, tablePlace } from "app/panels.js";
 import { most } from "app/paths.js";
 import { changeStudy, current, subscribe } from "app/state.js";
 import { sent } from "app/upload.js";
@@ -35,8 +35,7 @@ export async function showServed() {
 
 /** @param {unknown} error */
 function sentenceOf(error) {
-  if (error instanceof Refused) return error.faults.map(({ sentence }) => sentence).join(" ");
-  return "The server does not answer; try again.";
+  return error instanceof Refused ? error.message : "The server does not answer; try again.";
 }
 
 /**
@@ -67,12 +66,9 @@ function frontPanel() {
   const fault = el("p", { class: "fault", role: "alert", hidden: true });
   const body = el("div", { class: "body" });
   const sentences = el("ul", { class: "notes" });
-  const table = el("div", { class: "table", id: freshId("table"), hidden: true });
-  const toggle = button("Table", () => open(table.hidden === true), {
-    ...{ "aria-expanded": "false", "aria-controls": table.id, "aria-label": `Table: ${TITLE}`, class: "toggle" },
-  });
-  const away = button("\u00d7", () => close(), { class: "square", title: "Close", "aria-label": `Close: ${TITLE}` });
-  const heading = el("h2", { id: freshId("h-front"), text: TITLE });
+  const { table, toggle } = tablePlace(TITLE, () => open(table.hidden === true));
+  const away = square("\u00d7", "Close", `Close: ${TITLE}`, close);
+  const heading = el("h2", { id: uniqueId("h-front"), text: TITLE });
   const section = el(
     "section",
     { class: "panel wide", "data-part": "front", "aria-labelledby": heading.id },

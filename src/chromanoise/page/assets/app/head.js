@@ -1,6 +1,7 @@
 /** The verdict, and the table of the sensors. */
 
 import { attribute, byId, el, say } from "app/dom.js";
+import { scrolled } from "app/panels.js";
 import { mark, sameSensor, sensorLines } from "draw/look.js";
 import { refill } from "draw/refill.js";
 import { svg } from "draw/svg.js";
@@ -58,7 +59,8 @@ function showSensors(head, ghosts) {
     const earlier = before.map((ghost) => ({ ghost, row: sameSensor(ghost, row, i) }));
     const cells = columns.map(({ key }, k) => {
       const was = COMPARED.has(key) ? earlier.flatMap(({ ghost, row: old }) => textOf(ghost, old, key) ?? []) : [];
-      return cell(key, row.text[k], was.some((text) => text !== row.text[k]) ? was.join(", ") : null);
+      const differs = was.some((text) => text !== row.text[k]);
+      return el("td", { "data-key": key, text: row.text[k] }, differs ? el("small", { text: ` (was ${was.join(", ")})` }) : null);
     });
     const full = row.saturated.length > 0;
     const last = el("td", { "data-key": "saturated", class: full ? "saturated" : null, text: row.saturated.join(", ") || "none" });
@@ -72,15 +74,8 @@ function showSensors(head, ghosts) {
     ...columns.map(({ key, head: text, what }) => sortable(key, text, what)),
     el("th", { scope: "col", text: "saturated" }),
   ];
-  const table = el(
-    "table",
-    { class: "ranking" },
-    el("caption", { class: "unseen", text: TITLE }),
-    el("thead", {}, el("tr", {}, ...heads)),
-    el("tbody", {}, ...order(head.ranking).map((i) => lists[i])),
-  );
-  const scroll = el("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": `Table: ${TITLE}` }, table);
-  showIn(byId("electrons"), scroll, notes);
+  const sorted = order(head.ranking).map((i) => lists[i]);
+  showIn(byId("electrons"), scrolled(TITLE, { class: "ranking" }, el("tr", {}, ...heads), sorted), notes);
 }
 
 const MOST_OPEN = 3;
@@ -104,15 +99,6 @@ function showIn(place, table, notes) {
   remarks.hidden = notes.length === 0;
   say(summary, notes.length === 1 ? "1 note on the sensors" : `${notes.length} notes on the sensors`);
   lines(list, notes);
-}
-
-/**
- * @param {string} key
- * @param {string} text
- * @param {string | null} was
- */
-function cell(key, text, was) {
-  return el("td", { "data-key": key, text }, was === null ? null : el("small", { text: ` (was ${was})` }));
 }
 
 /**

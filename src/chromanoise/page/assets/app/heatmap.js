@@ -25,7 +25,8 @@ export function draw(element, data, options = {}) {
   const plan = layout(data, figureWidth(element, options));
   const nodes = axes(plan.x, plan.y, { y: data.y.what, yTop: ROOM.top - 12, xRoom: 48, levelOnly: true });
   plan.title.forEach((text, i) => nodes.push(words((plan.left + plan.right) / 2, plan.bottom + 35 + 16 * i, text, "d-quiet", "middle")));
-  nodes.push(...scaleOf(data, plan), svg("path", { d: area(plan), class: "d-undefined" }), ...cells(data, plan));
+  const area = `M${plan.left} ${plan.top}H${tenth(plan.right)}V${plan.bottom}H${plan.left}Z`;
+  nodes.push(...scaleOf(data, plan), svg("path", { d: area, class: "d-undefined" }), ...cells(data, plan));
   for (const points of data.equal) nodes.push(...equal(points, plan));
   const root = figure(plan.width, plan.height, data.title, data.description, nodes, { class: "d-figure d-map" });
   readable(element, data.table, () => places(data, plan));
@@ -61,11 +62,6 @@ function layout({ x, y }, width) {
 function centered({ values, logarithmic: log }, from, to, half) {
   const scale = log ? logarithmic : linear;
   return { ...scale(values[0], values[values.length - 1], from + half, to - half), from, to };
-}
-
-/** @param {Layout} plan */
-function area({ left, right, top, bottom }) {
-  return `M${left} ${top}H${tenth(right)}V${bottom}H${left}Z`;
 }
 
 /**

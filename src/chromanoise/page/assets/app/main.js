@@ -288,14 +288,10 @@ function lookedAt(look) {
   }
 }
 
-function printed() {
-  page.printing = true;
-  for (const part of PARTS) redraw(part);
-}
-
-function unprinted() {
-  page.printing = false;
-  for (const part of PARTS) redraw(part);
+/** @param {boolean} printing */
+function print(printing) {
+  page.printing = printing;
+  PARTS.forEach(redraw);
 }
 
 let lastKey = -Infinity;
@@ -330,9 +326,9 @@ function listen() {
   });
   within(document, "[data-skip]").addEventListener("click", skipped);
   window.addEventListener("hashchange", () => notice("broken", readAddress()));
-  window.matchMedia("print").addEventListener("change", ({ matches }) => (matches ? printed() : unprinted()));
-  window.addEventListener("beforeprint", printed);
-  window.addEventListener("afterprint", unprinted);
+  window.matchMedia("print").addEventListener("change", ({ matches }) => print(matches));
+  window.addEventListener("beforeprint", () => print(true));
+  window.addEventListener("afterprint", () => print(false));
 }
 
 /** For so long a server may think before its silence is told. */

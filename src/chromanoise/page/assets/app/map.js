@@ -1,6 +1,6 @@
 /** Controls of the heat map: two parameters with their ranges, and the quantity; all in the study. */
 
-import { attribute, brief, choice, el, fillChoice, freshId, say } from "app/dom.js";
+import { attribute, brief, choice, el, fillChoice, uniqueId, say } from "app/dom.js";
 import { complain } from "app/faults.js";
 import { defaultOf } from "app/paths.js";
 import { shownUnit } from "app/slider.js";
@@ -61,7 +61,7 @@ function parameter(choices, label, spanOf) {
   const unit = el("span", { class: "unit" });
   const ends = /** @type {const} */ (["first", "last"]).map((key) => {
     const word = key === "first" ? "from" : "to";
-    const id = freshId("end");
+    const id = uniqueId("end");
     /** @type {HTMLInputElement} */
     const field = el("input", {
       ...{ id, type: "text", inputmode: "decimal", autocomplete: "off", class: "field" },

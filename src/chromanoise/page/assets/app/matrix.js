@@ -1,6 +1,6 @@
 /** Controls of the color matrices: how each is made, with which parameter, from which prior. */
 
-import { attribute, button, choice, el, fillChoice, say } from "app/dom.js";
+import { attribute, button, choice, el, fillChoice, say, square } from "app/dom.js";
 import { defaultOf, most } from "app/paths.js";
 import { slider } from "app/slider.js";
 import { changeStudy } from "app/state.js";
@@ -72,16 +72,8 @@ function matrixCard(choices, i) {
     where: i ? `matrices.${i}` : "matrices", // the first also stands for all of them
     on: (method) => changeStudy((study) => put(study, i, fresh(choices, method, matricesOf(study)))),
   });
-  const up = button("\u2191", () => changeStudy((study) => raised(study, i)), {
-    "aria-label": `Move matrix ${i + 1} up`,
-    title: "Move up",
-    class: "square",
-  });
-  const away = button("\u00d7", () => removed(node, i), {
-    "aria-label": `Remove matrix ${i + 1}`,
-    title: "Remove",
-    class: "square",
-  });
+  const up = square("\u2191", "Move up", `Move matrix ${i + 1} up`, () => changeStudy((study) => raised(study, i)));
+  const away = square("\u00d7", "Remove", `Remove matrix ${i + 1}`, () => removed(node, i));
   pick.row.append(up, away);
   const place = el("div");
   const node = el("div", { class: "matrix" }, pick.row, place);
@@ -173,18 +165,11 @@ function raised(study, i) {
  */
 function removed(node, i) {
   const list = /** @type {HTMLElement} */ (node.parentElement);
-  changeStudy((study) => (study.matrices = without(matricesOf(study), i)));
+  changeStudy((study) => {
+    const rest = matricesOf(study).filter((_, k) => k !== i);
+    study.matrices = rest.length ? rest : [defaultOf("matrices")]; // in place of an only one
+  });
   list.children[Math.min(i, list.children.length - 1)]?.querySelector("select")?.focus();
-}
-
-/**
- * The rest; the standard method in place of an only one.
- *
- * @param {string[]} names
- * @param {number} i
- */
-function without(names, i) {
-  return matricesOf({ sensors: [], matrices: names.filter((_, k) => k !== i) });
 }
 
 /**

@@ -1,17 +1,10 @@
 /** The charts as panels: a heading, its equations, a caption, its drawing, its table. */
 
-import { attribute, button, byId, el, freshId, within } from "app/dom.js";
+import { attribute, button, byId, el, uniqueId, within } from "app/dom.js";
 import { changeLook } from "app/state.js";
-import * as budget from "draw/budget.js";
-import * as chart from "draw/chart.js";
-import * as ellipses from "draw/ellipses.js";
-import * as levels from "draw/levels.js";
-import * as pareto from "draw/pareto.js";
+import { CHARTS } from "draw/charts.js";
 import { note } from "draw/look.js";
 import { refill } from "draw/refill.js";
-import * as sensitivities from "draw/sensitivities.js";
-import * as stages from "draw/stages.js";
-import * as vectors from "draw/vectors.js";
 
 /** @import { DrawingModule, Look, Options, Part, Section, SweepMap, Table } from "answers" */
 /** @typedef {Options<any> & { look: Look & { level_lux?: number, level?: string } }} DrawnOptions */
@@ -51,7 +44,7 @@ const map = {
 };
 
 /** @type {{ [P in Part]: DrawingModule<any> }} */
-const DRAWN = { stages, budget, sensitivities, levels, pareto, map, vectors, ellipses, chart };
+const DRAWN = { ...CHARTS, map };
 
 /** The drawn parts. */
 export const PARTS = /** @type {Part[]} */ (Object.keys(DRAWN));
@@ -108,18 +101,13 @@ export function panels(sections, { seen, tools, resized }) {
     seen();
   });
   const sizes = new ResizeObserver((entries) => {
-    for (const { target, contentRect } of entries) measured(/** @type {Panel} */ (panelFor(target)), contentRect.width);
+    for (const { target, contentRect } of entries) {
+      const [panel, whole] = [/** @type {Panel} */ (panelFor(target)), Math.floor(contentRect.width)];
+      if (whole === panel.width || whole === 0) continue;
+      panel.width = whole;
+      resized(panel);
+    }
   });
-  /**
-   * @param {Panel} panel
-   * @param {number} width
-   */
-  const measured = (panel, width) => {
-    const whole = Math.floor(width);
-    if (whole === panel.width || whole === 0) return;
-    panel.width = whole;
-    resized(panel);
-  };
   for (const part of PARTS) {
     const panel = panelOf(part, tools[part] ?? null);
     made.set(part, panel);
@@ -161,14 +149,7 @@ function panelOf(part, tool) {
   const body = within(section, ".body");
   body.dataset.part = part;
   const title = within(section, "h2").textContent ?? "";
-  const tableId = freshId("table");
-  const table = el("div", { class: "table", id: tableId, hidden: true });
-  const toggle = button("Table", () => changeLook((look) => (look.open = flipped(look.open, part))), {
-    "aria-expanded": "false",
-    "aria-controls": tableId,
-    "aria-label": `Table: ${title}`,
-    class: "toggle",
-  });
+  const { table, toggle } = tablePlace(title, () => changeLook((look) => (look.open = flipped(look.open, part))));
   const controls = within(section, ".head .tools");
   if (tool) controls.prepend(tool);
   controls.append(toggle);
@@ -182,6 +163,18 @@ function panelOf(part, tool) {
     show: (data, options) => show(panel, data, options),
   };
   return panel;
+}
+
+/**
+ * The hidden place of a table, and the button that shows and hides it.
+ *
+ * @param {string} title
+ * @param {() => unknown} click
+ */
+export function tablePlace(title, click) {
+  const table = el("div", { class: "table", id: uniqueId("table"), hidden: true });
+  const controls = { "aria-expanded": "false", "aria-controls": table.id, "aria-label": `Table: ${title}` };
+  return { table, toggle: button("Table", click, { ...controls, class: "toggle" }) };
 }
 
 /**
@@ -251,34 +244,36 @@ export function drawAgain({ part, section, data, options }, element) {
 export function showTable(panel, open) {
   attribute(panel.toggle, "aria-expanded", open ? "true" : "false");
   panel.table.hidden = !open;
-  if (!open || panel.data === null) return panel.table.replaceChildren();
-  if (!("table" in panel.data)) return panel.table.replaceChildren();
+  if (!open || panel.data === null || !("table" in panel.data)) return panel.table.replaceChildren();
   return refill(panel.table, tableOf(/** @type {Table} */ (panel.data.table), panel.title));
 }
 
 /**
- * A real table; a wide or long one scrolls by itself, by keyboard as well.
+ * The table of a chart.
  *
  * @param {Table} table
  * @param {string} caption
  */
 export function tableOf({ head, rows }, caption) {
   const first = el("tr", {}, ...head.map((text) => el("th", { scope: "col", text })));
-  const lines = rows.map((row) =>
-    el(
-      "tr",
-      {},
-      ...row.map((cell, i) =>
-        i === 0 ? el("th", { scope: "row", text: cell }) : el("td", { text: cell }),
-      ),
-    ),
-  );
-  const table = el(
-    "table",
-    {},
-    el("caption", { class: "unseen", text: caption }),
-    el("thead", {}, first),
-    el("tbody", {}, ...lines),
-  );
+  /**
+   * @param {string} text
+   * @param {number} i
+   */
+  const cell = (text, i) => (i === 0 ? el("th", { scope: "row", text }) : el("td", { text }));
+  return scrolled(caption, {}, first, rows.map((row) => el("tr", {}, ...row.map(cell))));
+}
+
+/**
+ * A table of rows; a wide or long one scrolls by itself, by keyboard as well.
+ *
+ * @param {string} caption
+ * @param {{ class?: string }} look
+ * @param {HTMLElement} head
+ * @param {HTMLElement[]} rows
+ */
+export function scrolled(caption, look, head, rows) {
+  const named = el("caption", { class: "unseen", text: caption });
+  const table = el("table", look, named, el("thead", {}, head), el("tbody", {}, ...rows));
   return el("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": `Table: ${caption}` }, table);
 }

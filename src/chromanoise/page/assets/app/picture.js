@@ -1,6 +1,6 @@
 /** The panel of the noisy picture: two of them with a divider, fetched after the numbers. */
 
-import { Refused } from "app/ask.js";
+import { Refused, reply } from "app/ask.js";
 import { attribute, brief, button, choice, el, fillChoice, say, within } from "app/dom.js";
 import { most, saidAt } from "app/paths.js";
 import { setDenoising } from "app/scene.js";
@@ -17,10 +17,7 @@ const UNSEEN_REST_MS = 4000;
 const BUSY = ".panel[aria-busy]:not([data-part=picture])";
 const SIDES = ["Left", "Right"];
 /** The zoom to begin with: in narrow windows as wide as there is room. */
-const ZOOMS = [
-  ["(max-width: 899px)", "0"],
-  ["(min-width: 2560px)", "2"],
-];
+const ZOOMS = [["(max-width: 899px)", "0"], ["(min-width: 2560px)", "2"]];
 const NO_METHOD = ["", "none"];
 
 /**
@@ -329,18 +326,14 @@ async function picture(study, side, signal) {
   const [sensor, kind] = side.split(" ");
   const asked = structuredClone(study);
   if (!isDenoised(side)) setDenoising(asked, null);
-  const reply = await fetch("/api/picture", {
-    method: "POST",
-    headers: { "Content-Type": "application/json" },
-    // no cube is named: it is that of the study's own first picture, with all that it says of it
-    body: JSON.stringify({ study: asked, sensor: Number(sensor), noisy: kind !== "still", cube: null }),
-    signal,
-  });
-  if (reply.ok && reply.headers.get("Content-Type")?.startsWith("image/")) {
-    const summary = reply.headers.get("X-Chromanoise-Summary");
-    return { blob: await reply.blob(), summary: summary ? JSON.parse(summary) : {} };
+  // no cube is named: it is that of the study's own first picture, with all that it says of it
+  const question = { study: asked, sensor: Number(sensor), noisy: kind !== "still", cube: null };
+  const taken = await reply("/api/picture", question, signal);
+  if (taken.ok && taken.headers.get("Content-Type")?.startsWith("image/")) {
+    const summary = taken.headers.get("X-Chromanoise-Summary");
+    return { blob: await taken.blob(), summary: summary ? JSON.parse(summary) : {} };
   }
-  const told = await reply.json().catch(() => null);
+  const told = await taken.json().catch(() => null);
   const faults = told?.faults?.length ? told.faults : [{ where: "", sentence: "No picture available." }];
   throw new Refused(faults);
 }

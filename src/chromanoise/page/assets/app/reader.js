@@ -21,10 +21,7 @@ const MEANT = {
 export function readerControls() {
   const reader = radios({
     legend: "Who looks",
-    options: [
-      ["eye", "an eye"],
-      ["machine", "a machine"],
-    ],
+    options: [["eye", "an eye"], ["machine", "a machine"]],
     value: "eye",
     on: (chosen) => changeStudy((study) => setAt(study, "outputs.reader", chosen === "eye" ? null : chosen)),
   });

@@ -1,6 +1,6 @@
 /** Controls of the sensors: one or more, each with all that a study says of it. */
 
-import { attribute, brief, button, choice, drawer, el, fillChoice, say } from "app/dom.js";
+import { attribute, brief, button, choice, drawer, el, fillChoice, say, square } from "app/dom.js";
 import { countSet, fieldGroups } from "app/fields.js";
 import { most } from "app/paths.js";
 import { changeStudy } from "app/state.js";
@@ -48,17 +48,15 @@ export function sensorControls(choices) {
 }
 
 /**
- * Appends a sensor: the next of the catalog that is not shown yet, or the one that is named.
+ * Appends the next sensor of the catalog that is not shown yet.
  *
  * @param {Choices} choices
- * @param {string | null} [name]
- * @param {object} [more]
  */
-export function addSensor(choices, name = null, more = {}) {
+function addSensor(choices) {
   changeStudy((study) => {
     const taken = new Set(study.sensors.map((sensor) => sensor.name));
     const free = choices.sensors.find((sensor) => !taken.has(sensor.name)) ?? choices.sensors[0];
-    study.sensors.push({ name: name ?? free.name, ...more });
+    study.sensors.push({ name: free.name });
   });
 }
 
@@ -74,23 +72,11 @@ function sensorCard(choices, i) {
     hidden: true,
     options: [],
     where: `sensors.${i}`,
-    on: (name) => changeStudy((study) => exchange(study, i, name)),
+    on: (name) => changeStudy((study) => exchange(study, i, { name })),
   });
-  const up = button("\u2191", () => changeStudy((study) => swap(study, i)), {
-    "aria-label": `Move sensor ${i + 1} up`,
-    title: "Move up",
-    class: "square",
-  });
-  const again = button("", () => changeStudy((study) => duplicate(study, i)), {
-    "aria-label": `Duplicate sensor ${i + 1}`,
-    title: "Duplicate",
-    class: "square",
-  });
-  const away = button("\u00d7", () => remove(i, node), {
-    "aria-label": `Remove sensor ${i + 1}`,
-    title: "Remove",
-    class: "square",
-  });
+  const up = square("\u2191", "Move up", `Move sensor ${i + 1} up`, () => changeStudy((study) => swap(study, i)));
+  const again = square("", "Duplicate", `Duplicate sensor ${i + 1}`, () => changeStudy((study) => duplicate(study, i)));
+  const away = square("\u00d7", "Remove", `Remove sensor ${i + 1}`, () => remove(i, node));
   again.append(svg("svg", { viewBox: "0 0 16 16", width: 16, height: 16, "aria-hidden": "true" }, [svg("path", { d: TWO_SHEETS, class: "sheets" })]));
   pick.row.prepend(swatch);
   pick.row.append(up, again, away);
@@ -182,18 +168,17 @@ function duplicate({ sensors }, i) {
 }
 
 /**
- * Puts another sensor in the place of one; `more` is what its own file must be told.
+ * Puts another sensor in the place of one, with what its own file must be told.
  *
  * @param {Study} study
  * @param {number} i
- * @param {string} name
- * @param {object} [more]
+ * @param {SensorPart} sensor
  */
-export function exchange(study, i, name, more = {}) {
+export function exchange(study, i, sensor) {
   // answers belong to one file, changes of the pixel to the question
   const { pixel, filter, filter_wavelength_unit, shift_ircut_nm, ircut_nm, shift_nm } = study.sensors[i];
   const kept = Object.entries({ pixel, filter, filter_wavelength_unit, shift_ircut_nm, ircut_nm, shift_nm });
-  study.sensors[i] = { name, ...more, ...Object.fromEntries(kept.filter(([, value]) => value !== undefined)) };
+  study.sensors[i] = { ...sensor, ...Object.fromEntries(kept.filter(([, value]) => value !== undefined)) };
 }
 
 /**

@@ -1,6 +1,6 @@
 /** One number: a labelled native slider, a field to type it in, its unit, and a word beside. */
 
-import { attribute, brief, el, freshId, say } from "app/dom.js";
+import { attribute, brief, el, uniqueId, say } from "app/dom.js";
 import { complain } from "app/faults.js";
 
 /** @import { Range } from "answers" */
@@ -100,7 +100,7 @@ export function slider({ label, unit, range, where, on, own = null, aside = "" }
 /** @param {Omit<SliderOptions, "on">} options */
 function elements({ label, unit, range, where, own, aside }) {
   const scale = scaleOf(range);
-  const id = freshId("slider");
+  const id = uniqueId("slider");
   const ends = { type: "range", min: 0, max: scale.places, step: 1 };
   const track = el("input", { id, ...ends, "data-where": where, class: "track" });
   const fieldName = unit ? `${label} in ${unit}` : `${label}, as a number`;

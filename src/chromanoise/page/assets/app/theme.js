@@ -5,11 +5,7 @@ import { changeLook } from "app/state.js";
 
 /** @import { Look } from "answers" */
 
-const NAMES = [
-  ["auto", "Auto"],
-  ["light", "Light"],
-  ["dark", "Dark"],
-];
+const NAMES = [["auto", "Auto"], ["light", "Light"], ["dark", "Dark"]];
 
 /**
  * Puts the choice into its place; gives `show(look)`.

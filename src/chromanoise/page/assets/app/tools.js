@@ -16,10 +16,7 @@ const MAGNIFICATIONS = ["auto", "1", "2", "5", "10", "20", "50", "100"];
 export function headingTools(choices) {
   const coordinates = choices.coordinates ?? ["X", "Y", "Z"];
   const coordinate = tool("Coordinate", coordinates, (name) => changeLook((look) => (look.coordinate = name)));
-  const planes = [
-    ["ab", "a*b*"],
-    ["xy", "x y"],
-  ];
+  const planes = [["ab", "a*b*"], ["xy", "x y"]];
   const plane = tool("Plane", planes, (name) => changeLook((look) => (look.plane = name)));
   const times = MAGNIFICATIONS.map((text) => [text, text === "auto" ? "size: auto" : `\u00d7${text}`]);
   const magnification = tool("Magnification of the ellipsoid", times, (text) =>
