@@ -1,7 +1,7 @@
 """The arrays of many sensors that a batched evaluation reads, and the noise of their pixels."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from functools import cache
 from types import MappingProxyType, SimpleNamespace
 from typing import Any, get_args
@@ -11,7 +11,7 @@ import numpy as np
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._shapes import Inexact
-from chromanoise.properties import Property, properties_of
+from chromanoise.properties import Property
 from chromanoise.sensor import PIXEL, Sensor, quantization_step_e
 from chromanoise.sensor.noise_source import Term, sources_of
 
@@ -120,13 +120,12 @@ def noise_of(
         ``floor_e2``, ``slope_e`` and ``square`` of `chromanoise.sensor.VarianceLaw`, and the mean
         number of dark electrons [e-]: complex where an argument is.
     """
-    kind = type(sensor.pixel)
-    own = {name: getattr(sensor.pixel, name) for name in properties_of(kind)}
+    own = {one.name: getattr(sensor.pixel, one.name) for one in fields(sensor.pixel)}
     known = SimpleNamespace(**own, temperature_k=sensor.pixel.temperature_k)
     known.__dict__.update(pixel)
     dark_e = known.dark_current_e_per_s * sensor.pixel.temperature_factor * time_s
     step_e = quantization_step_e(sensor.converter, sensor.pixel)
     of: Any = SimpleNamespace(pixel=known, dark_e=dark_e, step_e=step_e)  # arrays for numbers
-    sources = sources_of(kind)
+    sources = sources_of(sensor.pixel)
     law = (sum(one.value(of) for one in sources if one.term == term) for term in get_args(Term))
     return np.array(np.broadcast_arrays(*law, dark_e))

@@ -141,7 +141,8 @@ def _means(
 
 def _without_readout(draw: Draw) -> Draw:
     drawn = {f"{one}_e" for one in READ_OUT} & set(Draw._fields)
-    return draw._replace(**dict.fromkeys((*drawn, "black_error_e"), np.float32(0.0)))
+    nothing: dict[str, Any] = dict.fromkeys((*drawn, "black_error_e"), np.float32(0.0))
+    return draw._replace(**nothing)
 
 
 def _values(plan: RawPlan | ColorPlan) -> dict[str, Any]:

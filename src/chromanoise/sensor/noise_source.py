@@ -6,7 +6,6 @@ Outside of this package, add both to a subclass of `Pixel`, the source in its ``
 import math
 from collections.abc import Callable, Container, Iterable
 from dataclasses import dataclass
-from functools import cache
 from typing import Any, Literal, get_args
 
 from chromanoise import _check
@@ -104,7 +103,7 @@ class PixelReading:
     @property
     def sources(self) -> tuple[NoiseSource, ...]:
         """The sources of the pixel, in the order of tables and budgets."""
-        return sources_of(type(self.pixel))
+        return sources_of(self.pixel)
 
     def coefficient(self, term: str, drawn: Container[Drawn], but: Iterable[Drawn] = ()) -> float:
         """A coefficient of the law of the variance. [e-^2], [e-] or [1]
@@ -218,24 +217,25 @@ The law of the crosstalk pattern is `CrosstalkPattern.variance_e2`, of the light
 SHOT, READ = SOURCES[0].cause, SOURCES[1].cause
 
 
-@cache
-def sources_of(owner: type[Pixel]) -> tuple[NoiseSource, ...]:
-    """`SOURCES`, then the ``own_noise`` of a subclass of `Pixel`.
+def sources_of(pixel: Pixel) -> tuple[NoiseSource, ...]:
+    """`SOURCES`, then the ``own_noise`` of the class of a pixel.
 
     Parameters
     ----------
-    owner
-        `Pixel` or a subclass.
+    pixel
+        Of `Pixel` or a subclass.
 
     Raises
     ------
     InputError
         If two sources have one name, or one is drawn in a way that only `SOURCES` can have.
     """
-    for one in owner.own_noise:
+    if not pixel.own_noise:
+        return SOURCES
+    for one in pixel.own_noise:
         _check.one_of(f"drawn of {one.cause}", one.drawn, (*NORMAL, "gain"))
         term = "square" if one.drawn == "gain" else "floor_e2"
         _check.one_of(f"term of {one.cause}", one.term, (term,))
-    found = (*SOURCES, *owner.own_noise)
+    found = (*SOURCES, *pixel.own_noise)
     _check.distinct("causes of noise", [one.cause for one in found])
     return found

@@ -290,6 +290,10 @@ PAPER_PIXEL = Pixel(pitch_um=10.0, full_well_e=10_000.0, read_noise_e=10.0)
 """Table 1 of Clouet, Vaillant & Alleysson (CIC27, 2019)."""
 
 
+def _properties(pixel: Pixel) -> Mapping[str, Property]:
+    return properties_of(type(pixel))  # type: ignore[arg-type] # Hashable
+
+
 def _extra_noise_of(owner: type[Pixel]) -> tuple[str, ...]:
     return tuple(field.name for field in fields(owner) if field.default == 0.0)
 
@@ -372,7 +376,7 @@ def binned(pixel: Pixel, pixels: int, mode: BinningMode = "charge") -> Pixel:
     if pixels == 1:
         return pixel
     shell = replace(pixel, summed_pixels=pixels, summed_readings=1 if mode == "charge" else pixels)
-    grown = (name for name, one in properties_of(type(pixel)).items() if any(one.growth))
+    grown = (name for name, one in _properties(pixel).items() if any(one.growth))
     return replace(shell, **of_the_sum(shell, {name: getattr(pixel, name) for name in grown}))
 
 
@@ -396,7 +400,7 @@ def of_the_sum(pixel: Pixel, values: Mapping[str, Any]) -> dict[str, Any]:
     n, read = int(pixel.summed_pixels), int(pixel.summed_readings)
     rows = max(rows for rows in range(1, math.isqrt(read) + 1) if read % rows == 0)
     counts = Growth(pixels=n, readings=read, rows=rows, columns=read // rows)
-    known = properties_of(type(pixel))
+    known = _properties(pixel)
 
     def grown(name: str, value: Any) -> Any:
         growth = known[name].growth if name in known else Growth()
@@ -418,7 +422,7 @@ def of_one_reading(pixel: Pixel, readings: int) -> Pixel:
         How many are summed.
     """
     changes = {}
-    for name, one in properties_of(type(pixel)).items():
+    for name, one in _properties(pixel).items():
         power, value = one.growth.pixels + one.growth.readings, getattr(pixel, name)
         if power and value:
             changes[name] = min(value / readings**power, one.most)  # a bound is one after rounding

@@ -233,8 +233,8 @@ def _pieces(one: Any) -> Iterator[bytes]:
     elif is_dataclass(one):
         own = getattr(one, "own_noise", ())  # of a class of pixels
         yield from _pieces([own, {field.name: getattr(one, field.name) for field in fields(one)}])
-    elif isinstance(one, np.ndarray | Number) and np.asarray(one).dtype.kind in "biuf":
-        yield from (repr(np.shape(one)).encode(), np.asarray(one, dtype=np.float64).tobytes())
+    elif isinstance(one, np.ndarray | Number) and (array := np.asarray(one)).dtype.kind in "biuf":
+        yield from (repr(array.shape).encode(), array.astype(np.float64).tobytes())
     elif isinstance(one, Mapping):
         yield from _pieces(list(one.items()))
     elif isinstance(one, frozenset):
