@@ -120,9 +120,8 @@ def noise_of(
         ``floor_e2``, ``slope_e`` and ``square`` of `chromanoise.sensor.VarianceLaw`, and the mean
         number of dark electrons [e-]: complex where an argument is.
     """
-    own = {name: getattr(sensor.pixel, name) for name in PIXEL}
-    known = SimpleNamespace(**own, temperature_k=sensor.pixel.temperature_k)
-    known.__dict__.update(pixel)
+    own = {name: getattr(sensor.pixel, name) for name in (*PIXEL, "temperature_k")}
+    known = SimpleNamespace(**own | dict(pixel))
     dark_e = known.dark_current_e_per_s * sensor.pixel.temperature_factor * time_s
     step_e = quantization_step_e(sensor.converter, sensor.pixel)
     of: Any = SimpleNamespace(pixel=known, dark_e=dark_e, step_e=step_e)  # arrays for numbers
