@@ -17,12 +17,7 @@ from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._linalg import congruence, inv
 from chromanoise._shapes import Float
-from chromanoise.color.picture import (
-    D65_WHITE,
-    SRGB_TOE,
-    XYZ_TO_LINEAR_SRGB,
-    srgb_from_linear,
-)
+from chromanoise.color.picture import D65_WHITE, SRGB_TOE, XYZ_TO_LINEAR_SRGB, srgb_from_linear
 from chromanoise.color.spaces import LAB, Space, linear_srgb
 from chromanoise.errors import InputError
 from chromanoise.noise import Measurement, through

@@ -121,8 +121,7 @@ def noise_of(
         number of dark electrons [e-]: complex where an argument is.
     """
     own = {one.name: getattr(sensor.pixel, one.name) for one in fields(sensor.pixel)}
-    known = SimpleNamespace(**own, temperature_k=sensor.pixel.temperature_k)
-    known.__dict__.update(pixel)
+    known = SimpleNamespace(**own | dict(pixel), temperature_k=sensor.pixel.temperature_k)
     dark_e = known.dark_current_e_per_s * sensor.pixel.temperature_factor * time_s
     step_e = quantization_step_e(sensor.converter, sensor.pixel)
     of: Any = SimpleNamespace(pixel=known, dark_e=dark_e, step_e=step_e)  # arrays for numbers

@@ -535,8 +535,9 @@ def _limit(
         name = choose(values, key=lambda one: values[one])
     else:
         known = [one.label or one.name for one in document.sensors]
-        index = known.index(limit) if limit in known else _named(document, limit)
-        name = references[index].name
+        if limit not in known:
+            known = [one.name for one in document.sensors]
+        name = references[known.index(limit)].name
     if not np.isfinite(values[name]):
         raise InputError(
             part.side,
@@ -560,10 +561,6 @@ def _refuse_contradiction(limits: Sequence[Limit]) -> None:
                     found=f"{most.name} and {least.name} contradict each other",
                     setting="design.constraints",
                 )
-
-
-def _named(document: DesignStudy, name: str) -> int:
-    return [one.name for one in document.sensors].index(name)
 
 
 def searched(

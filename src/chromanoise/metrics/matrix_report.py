@@ -7,7 +7,7 @@ import numpy as np
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._linalg import RANK_TOLERANCE, svd
-from chromanoise._shapes import Bool, Float
+from chromanoise._shapes import Float
 from chromanoise.color import ColorMatrix, colored
 from chromanoise.color.noise_gain import noise_gain, white_normalized
 from chromanoise.exposure import Exposure, expected_electrons, measurement_vectors
@@ -137,35 +137,27 @@ def matrix_report(
     answers = filters * light(white, matrix.metric)[:, None]
     beyond = is_infrared(sensor.grid)
     full = bool(saturated(patch_e, sensor, exposure).any())
+    named_db = dict(zip(matrix.coordinates, decibels.tolist(), strict=True))
     return MatrixReport(
         made_by=matrix.made_by,
         color_error_mean=None if error is None else float(error.mean()),
         color_error_max=None if error is None else float(error.max()),
-        snr_db=None if full else _by_name(matrix.coordinates, decibels),
+        snr_db=None if full else {k: None if np.isnan(v) else v for k, v in named_db.items()},
         condition=_condition(normalized),
         psi=noise_gain(normalized),
         nir_color=_named(matrix, answers[beyond].sum(axis=0), answers[~beyond].sum(axis=0)),
-        nir_norm=_named(matrix, *_norms(filters, beyond)),
+        nir_norm=_named(
+            matrix, *(np.linalg.norm(filters[part], axis=0) for part in (beyond, ~beyond))
+        ),
         chart=chart_title(chart),
         patch="a perfect white" if patch is None else f"patch {patch.names[0]}",
     )
-
-
-def _by_name(names: tuple[str, ...], decibels: Float[Array, " c"]) -> dict[str, float | None]:
-    values = (None if np.isnan(value) else value for value in decibels.tolist())
-    return dict(zip(names, values, strict=True))
 
 
 def _condition(matrix: Float[Array, "c p"]) -> float:
     singular = svd("color matrix", matrix, compute_uv=False)
     full = singular[-1] > RANK_TOLERANCE * singular[0]
     return float(singular[0] / singular[-1]) if full else float("inf")
-
-
-def _norms(
-    filters: Float[Array, "n c"], beyond: Bool[Array, " n"]
-) -> tuple[Float[Array, " c"], Float[Array, " c"]]:
-    return (np.linalg.norm(filters[beyond], axis=0), np.linalg.norm(filters[~beyond], axis=0))
 
 
 def _named(

@@ -13,13 +13,7 @@ from chromanoise.analysis.color_space_noise import GRAY
 from chromanoise.analysis.contrast_detection import best_channel_probability
 from chromanoise.analysis.information import raw_information
 from chromanoise.analysis.operating_point import Stages, electrons_at, noisy_color_at, stages_at
-from chromanoise.analysis.separation import (
-    COLOR,
-    COLOR_WITHOUT,
-    RAW,
-    RAW_WITHOUT,
-    median_distances,
-)
+from chromanoise.analysis.separation import COLOR, COLOR_WITHOUT, RAW, RAW_WITHOUT, median_distances
 from chromanoise.analysis.total_error import total_errors
 from chromanoise.color import LAB, ColorMatrix, cubature, propagate
 from chromanoise.exposure import OperatingPoint
