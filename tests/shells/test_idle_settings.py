@@ -260,3 +260,21 @@ def test_a_study_file_that_clips_is_refused_with_the_line_that_turns_its_default
     file.write_text('[[sensors]]\nname = "onyx-rgbw"\n[outputs]\nclip = true\n')
     refused(run("run", file), "set outputs.budget = false", setting="outputs.clip")
     refused(run("analyze", "onyx-rgbw", "--clip", "--budget"), "omit --clip", "omit --budget")
+
+
+def test_an_rtn_amplitude_needs_a_share_of_pixels_that_have_it():
+    with refused_input(subject="rtn_amplitude_e", value=20.0):
+        cn.analyze("onyx-rgbw", rtn_amplitude_e=20.0)
+    sweep = {"vary": "rtn-share", "first": 0.01, "last": 0.5, "points": 3}
+    found = cn.compare("onyx-rgbw", **sweep, time_ms=10.0, rtn_amplitude_e=200.0)
+    one = cn.analyze("onyx-rgbw", time_ms=10.0, rtn_share=0.5, rtn_amplitude_e=200.0)
+    assert found.curves[0].value[-1] == pytest.approx(one.color_snr_db()["onyx-rgbw"]["Y"], 1e-12)
+
+
+def test_a_share_of_rtn_pixels_without_an_amplitude_is_noted():
+    def notes(**given):
+        (point,) = cn.analyze("onyx-rgbw", rtn_share=0.1, **given).points
+        return [one for one in point.sensor.notes if "RTN" in one]
+
+    assert len(notes()) == 1
+    assert notes(rtn_amplitude_e=20.0) == []

@@ -85,7 +85,12 @@ def with_pixel(
     known = {name: value for name, value in changes.items() if name in _OF_CONVERTER}
     converter = replace(sensor.converter, **known)
     refuse_coarse_codes(converter, pixel)
-    return replace(sensor, pixel=pixel, converter=converter)
+    silent = changes.get("rtn_share") and not pixel.rtn_amplitude_e
+    note = (_NO_TELEGRAPH,) if silent and "rtn_amplitude_e" not in varied else ()
+    return replace(sensor, pixel=pixel, converter=converter, notes=(*sensor.notes, *note))
+
+
+_NO_TELEGRAPH = "no telegraph noise, because the RTN amplitude is 0"
 
 
 def with_binning(sensor: Sensor, pixels: int, mode: BinningMode = "charge") -> Sensor:

@@ -191,9 +191,8 @@ class Pixel:
             label="RTN amplitude", unit="e-", least=0.0, most=_MOST,
             slider=(0.0, 100.0, 1.0),
             later=True,
-            help="RTN amplitude: difference between the two levels [e-]; without a share of pixels "
-            "there is no noise.",
-            growth=Growth(readings=0.5),
+            help="RTN amplitude: difference between the two levels [e-].",
+            growth=Growth(readings=0.5), needs=("rtn_share",),
         ),
     ] = 0.0  # fmt: skip
     black_error_e: Annotated[
