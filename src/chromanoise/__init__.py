@@ -39,61 +39,85 @@ from chromanoise._lazy import lazy_names
 
 if TYPE_CHECKING:
     from chromanoise import (
-        analysis,
-        catalog,
-        characterization,
-        charts,
-        color,
-        denoising,
-        design,
-        exposure,
-        figures,
-        geometry,
-        imaging,
-        io,
-        metrics,
-        noise,
-        paper,
-        scene,
-        sensor,
-        spectra,
-        study,
+        analysis as analysis,
+        catalog as catalog,
+        characterization as characterization,
+        charts as charts,
+        color as color,
+        denoising as denoising,
+        design as design,
+        exposure as exposure,
+        figures as figures,
+        geometry as geometry,
+        imaging as imaging,
+        io as io,
+        metrics as metrics,
+        noise as noise,
+        paper as paper,
+        scene as scene,
+        sensor as sensor,
+        spectra as spectra,
+        study as study,
     )
     from chromanoise.api import (
-        analyze,
-        compare,
-        compare_map,
-        denoise,
-        matrix,
-        optimize,
-        render,
-        run,
-        sensitivity,
+        analyze as analyze,
+        compare as compare,
+        compare_map as compare_map,
+        denoise as denoise,
+        matrix as matrix,
+        optimize as optimize,
+        render as render,
+        run as run,
+        sensitivity as sensitivity,
     )
-    from chromanoise.catalog import sensor_named
-    from chromanoise.characterization import Characterization, characterize
-    from chromanoise.color import ColorMatrix
-    from chromanoise.design import Design, Sensitivity
-    from chromanoise.errors import InputError, Setting
-    from chromanoise.exposure import Exposure, OperatingPoint
-    from chromanoise.io.cubes import read_cube
-    from chromanoise.io.spectra import read_curves
-    from chromanoise.noise import Measurement
-    from chromanoise.scene import Cube, Scene
-    from chromanoise.sensor import Mosaic, Pixel, Sensor
-    from chromanoise.spectra import Grid, Illuminant, Spectra, illuminant_named
+    from chromanoise.catalog import sensor_named as sensor_named
+    from chromanoise.characterization import (
+        Characterization as Characterization,
+        characterize as characterize,
+    )
+    from chromanoise.color import ColorMatrix as ColorMatrix
+    from chromanoise.design import (
+        Design as Design,
+        Sensitivity as Sensitivity,
+    )
+    from chromanoise.errors import (
+        InputError as InputError,
+        Setting as Setting,
+    )
+    from chromanoise.exposure import (
+        Exposure as Exposure,
+        OperatingPoint as OperatingPoint,
+    )
+    from chromanoise.io.cubes import read_cube as read_cube
+    from chromanoise.io.spectra import read_curves as read_curves
+    from chromanoise.noise import Measurement as Measurement
+    from chromanoise.scene import (
+        Cube as Cube,
+        Scene as Scene,
+    )
+    from chromanoise.sensor import (
+        Mosaic as Mosaic,
+        Pixel as Pixel,
+        Sensor as Sensor,
+    )
+    from chromanoise.spectra import (
+        Grid as Grid,
+        Illuminant as Illuminant,
+        Spectra as Spectra,
+        illuminant_named as illuminant_named,
+    )
     from chromanoise.study import (
-        Analyses,
-        Comparison,
-        ComparisonMap,
-        DenoisedPicture,
-        Matrices,
-        MatrixResult,
-        Pictures,
-        Results,
-        Study,
-        read_study,
-        study_from_data,
+        Analyses as Analyses,
+        Comparison as Comparison,
+        ComparisonMap as ComparisonMap,
+        DenoisedPicture as DenoisedPicture,
+        Matrices as Matrices,
+        MatrixResult as MatrixResult,
+        Pictures as Pictures,
+        Results as Results,
+        Study as Study,
+        read_study as read_study,
+        study_from_data as study_from_data,
     )
 
 try:
@@ -102,70 +126,7 @@ except ImportError:  # a source tree that was never installed
     _version = "0+unknown"
 __version__: str = _version
 
-__all__ = [
-    "Analyses",
-    "Characterization",
-    "ColorMatrix",
-    "Comparison",
-    "ComparisonMap",
-    "Cube",
-    "DenoisedPicture",
-    "Design",
-    "Exposure",
-    "Grid",
-    "Illuminant",
-    "InputError",
-    "Matrices",
-    "MatrixResult",
-    "Measurement",
-    "Mosaic",
-    "OperatingPoint",
-    "Pictures",
-    "Pixel",
-    "Results",
-    "Scene",
-    "Sensitivity",
-    "Sensor",
-    "Setting",
-    "Spectra",
-    "Study",
-    "analysis",
-    "analyze",
-    "catalog",
-    "characterization",
-    "characterize",
-    "charts",
-    "color",
-    "compare",
-    "compare_map",
-    "denoise",
-    "denoising",
-    "design",
-    "exposure",
-    "figures",
-    "geometry",
-    "illuminant_named",
-    "imaging",
-    "io",
-    "matrix",
-    "metrics",
-    "noise",
-    "optimize",
-    "paper",
-    "read_cube",
-    "read_curves",
-    "read_study",
-    "render",
-    "run",
-    "scene",
-    "sensitivity",
-    "sensor",
-    "sensor_named",
-    "spectra",
-    "study",
-    "study_from_data",
-]
-__getattr__ = lazy_names(__name__)[0]
+__getattr__, _, __all__ = lazy_names(__name__)
 
 
 def __dir__() -> list[str]:

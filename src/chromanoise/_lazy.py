@@ -12,13 +12,14 @@ _P = ParamSpec("_P")
 _R = TypeVar("_R")
 
 
-def lazy_names(package: str, **old: str) -> tuple[Callable[[str], object], Callable[[], list[str]]]:
-    """``__getattr__`` and ``__dir__`` of a package that imports its names on first use.
+def lazy_names(
+    package: str, **old: str
+) -> tuple[Callable[[str], object], Callable[[], list[str]], list[str]]:
+    """``__getattr__``, ``__dir__`` and ``__all__`` of a package that imports on first use.
 
     The names are those that its ``__init__`` imports under ``if TYPE_CHECKING:``, so that type
     checkers and this function read the same lines. A name that is a submodule is imported as one.
-    A package without ``__all__`` exports the names that it imports as themselves (PEP 484), here
-    or at once; they are its ``__all__``.
+    Public are the names that it imports as themselves (PEP 484), on first use or at once.
 
     Parameters
     ----------
@@ -43,14 +44,12 @@ def lazy_names(package: str, **old: str) -> tuple[Callable[[str], object], Calla
         if TYPE_CHECKING:
             from chromanoise.spectra.grid import Grid as Grid
 
-        __getattr__, __dir__ = lazy_names(__name__)
+        __getattr__, __dir__, __all__ = lazy_names(__name__)
     """
     module_of, public = _imports(package)
     otherwise = old_names(package, **old)
 
     def imported(name: str) -> object:
-        if name == "__all__" and public:
-            return public
         if name not in module_of:
             return otherwise(name, stacklevel=4)
         module, attribute = module_of[name]
@@ -63,7 +62,7 @@ def lazy_names(package: str, **old: str) -> tuple[Callable[[str], object], Calla
     def names() -> list[str]:
         return sorted({*vars(sys.modules[package]), *module_of})
 
-    return imported, names
+    return imported, names, public
 
 
 class _OldName(Protocol):

@@ -9,19 +9,21 @@ import sys
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING or "jaxtyping" in sys.modules:
-    from jaxtyping import Bool as Bool
-    from jaxtyping import Complex as Complex
-    from jaxtyping import Float as Float
-    from jaxtyping import Float32 as Float32
-    from jaxtyping import Float64 as Float64
-    from jaxtyping import Inexact as Inexact
-    from jaxtyping import Int as Int
-    from jaxtyping import Int64 as Int64
-    from jaxtyping import Integer as Integer
-    from jaxtyping import Num as Num
-    from jaxtyping import Shaped as Shaped
-    from jaxtyping import UInt8 as UInt8
-    from jaxtyping import UInt16 as UInt16
+    from jaxtyping import (
+        Bool as Bool,
+        Complex as Complex,
+        Float as Float,
+        Float32 as Float32,
+        Float64 as Float64,
+        Inexact as Inexact,
+        Int as Int,
+        Int64 as Int64,
+        Integer as Integer,
+        Num as Num,
+        Shaped as Shaped,
+        UInt8 as UInt8,
+        UInt16 as UInt16,
+    )
 else:
 
     class _Unchecked:

@@ -57,9 +57,9 @@ from chromanoise.study import (
     interface_of,
     prepared_denoising,
     read_study,
+    run as run_of,
     study_of,
 )
-from chromanoise.study import run as run_of
 
 if TYPE_CHECKING:
     from chromanoise.design import Design, DesignStudy, Progress

@@ -4,8 +4,7 @@ import re
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from chromanoise.catalog import KNOWN_SENSORS, sensor_named
 from chromanoise.catalog.entries import KINDS, catalog_entries, catalog_entry, entries_as_json

@@ -14,8 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import scipy.io
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from chromanoise.errors import InputError
 from chromanoise.io.cubes import read_cube

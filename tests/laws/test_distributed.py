@@ -17,8 +17,14 @@ from chromanoise._files import OWN_FILES
 from chromanoise.cli import main
 from chromanoise.errors import InputError
 from chromanoise.exposure import OperatingPoint
-from chromanoise.imaging import Work, acquired, electrons_of_cube, rendered, shared_rows
-from chromanoise.imaging import distributed as on_clusters
+from chromanoise.imaging import (
+    Work,
+    acquired,
+    distributed as on_clusters,
+    electrons_of_cube,
+    rendered,
+    shared_rows,
+)
 from chromanoise.imaging.distributed import cluster
 from chromanoise.imaging.light import light_of
 from chromanoise.imaging.plans import ElectronPlan, plan_for_rows

@@ -16,8 +16,7 @@ from pathlib import (
 
 import numpy as np
 import pytest
-from hypothesis import example, given
-from hypothesis import strategies as st
+from hypothesis import example, given, strategies as st
 
 import chromanoise
 from chromanoise import _notebook

@@ -2,8 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from chromanoise.catalog import SENSOR_NAMES, sensor_named
 from chromanoise.sensor import ir_cut, resin_filter, silicon_qe

@@ -4,8 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import assume, given
-from hypothesis import strategies as st
+from hypothesis import assume, given, strategies as st
 
 from chromanoise.catalog import sensor_named
 from chromanoise.sensor import ir_cut, resin_filter, silicon_qe

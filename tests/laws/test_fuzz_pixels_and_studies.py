@@ -7,8 +7,7 @@ import time
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
+from hypothesis import HealthCheck, given, settings, strategies as st
 
 from chromanoise.catalog import own_sensor_of, read_pixel_source, sensor_named
 from chromanoise.errors import InputError

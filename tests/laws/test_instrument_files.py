@@ -4,8 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, assume, given, settings
-from hypothesis import strategies as st
+from hypothesis import HealthCheck, assume, given, settings, strategies as st
 
 from chromanoise.catalog.resolve import resolve_filter, resolve_illuminant
 from chromanoise.io.spectra import Answers, qe_of, read_curves

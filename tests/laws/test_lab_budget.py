@@ -2,8 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import assume, given
-from hypothesis import strategies as st
+from hypothesis import assume, given, strategies as st
 from scipy.optimize import minimize
 
 from chromanoise.analysis import analyzed, budgets_as_json, lab_budgets, missing_lab_budgets

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from math import e as e
     from sample.heavy import made
     from sample import heavy
-__getattr__, __dir__ = lazy_names(__name__)
+__getattr__, __dir__, __all__ = lazy_names(__name__)
 """.format(package="chromanoise")
 
 

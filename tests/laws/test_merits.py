@@ -7,8 +7,7 @@ from math import gamma
 import colour
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from chromanoise.analysis import (
     Merit,

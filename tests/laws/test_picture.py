@@ -2,8 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from chromanoise.color import adapted_to_d65, colored, kernel_matrix, srgb_from_xyz
 from chromanoise.exposure import Exposure, OperatingPoint, expected_electrons

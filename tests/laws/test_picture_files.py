@@ -14,8 +14,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 import tifffile
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from PIL import Image
 
 from chromanoise._colour_science import colour_science

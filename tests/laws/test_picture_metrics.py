@@ -5,8 +5,7 @@ from inspect import unwrap
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from scipy.signal import fftconvolve
 
 from chromanoise.color import cie1976_difference, ciede2000_difference, cielab, srgb_from_linear

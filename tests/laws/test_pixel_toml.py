@@ -4,8 +4,7 @@ import math
 from dataclasses import fields
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from chromanoise.catalog import read_pixel_source, sensor_with_pixel
 from chromanoise.io.pixels import pixel_source_toml, read_pixel_toml

@@ -8,8 +8,7 @@ from itertools import permutations
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from chromanoise.scene import Cube, RowSource, bands_within, row_source
 from chromanoise.scene.cube import reflectance_rows

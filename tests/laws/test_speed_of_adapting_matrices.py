@@ -4,8 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from chromanoise.color import ColorMatrix, chart_training, colored, kernel_matrix, lmmse
 from chromanoise.exposure import expected_electrons

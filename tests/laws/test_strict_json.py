@@ -6,8 +6,7 @@ import sys
 from functools import partial
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from chromanoise._inputs import MOST_DEPTH, json_file, json_of
 from chromanoise.catalog import read_pixel_source

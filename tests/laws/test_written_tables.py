@@ -11,8 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from chromanoise._colour_science import colour_science
 from chromanoise._csv_cells import csv_comment, text_of_cell, text_of_comment

@@ -7,8 +7,7 @@ our draws, which it must turn back within their own scatter.
 import numpy as np
 import pytest
 
-from chromanoise.analysis import analyzed as of_white
-from chromanoise.analysis import pipeline_noise
+from chromanoise.analysis import analyzed as of_white, pipeline_noise
 from chromanoise.exposure import Exposure, expected_electrons
 from chromanoise.metrics import light_for_snr, snr_db
 from chromanoise.noise import Readout, read_moments, sample_electrons, with_noise

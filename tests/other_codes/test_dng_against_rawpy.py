@@ -5,8 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import tifffile
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from chromanoise.color import kernel_matrix, linear_srgb
 from chromanoise.exposure import Exposure, OperatingPoint, expected_electrons

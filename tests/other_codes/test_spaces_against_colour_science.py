@@ -3,8 +3,7 @@
 import colour
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from chromanoise.color.spaces import LAB, LINEAR_SRGB, LUV, SRGB
 

@@ -2,8 +2,7 @@
 
 import numpy as np
 import tmm
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from chromanoise.sensor.thin_film import cauchy_index, thin_film_stack
 from chromanoise.spectra import Grid

@@ -12,8 +12,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from chromanoise.paper import PaperStudy, Reproduction, paper_study, reproduced
-from chromanoise.paper import study as paper
+from chromanoise.paper import PaperStudy, Reproduction, paper_study, reproduced, study as paper
 from chromanoise.spectra.tables import packaged_table
 
 REPOSITORY = Path(__file__).parents[2]

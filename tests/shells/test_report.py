@@ -10,8 +10,7 @@ from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from chromanoise.analysis import color_snr_db
 from chromanoise.charts import PARTS, drawing, shown
@@ -25,8 +24,7 @@ from chromanoise.io.table import written
 from chromanoise.report import sights_of, study_report
 from chromanoise.report.bundle import shortened
 from chromanoise.report.study_report import at_value, slides_of
-from chromanoise.study import Study, study_from_data, study_from_text, study_hash
-from chromanoise.study import run as run_study
+from chromanoise.study import Study, run as run_study, study_from_data, study_from_text, study_hash
 from shells.browser import FIXTURES
 
 TITLE = 'Is "1 < 2" & 3 > 2? </script><script>alert(1)</script><!--'

@@ -22,8 +22,7 @@ from chromanoise.analysis.comparison.ranking import MOST_PAIRS_SENSORS, Rank
 from chromanoise.catalog.sensors import RECONSTRUCTION
 from chromanoise.cli.output import print_lines, terminal
 from chromanoise.color import ColorMatrix
-from chromanoise.io.table import Table as Rows
-from chromanoise.io.table import number_text, written
+from chromanoise.io.table import Table as Rows, number_text, written
 from chromanoise.io.table_formats import head as heading
 from chromanoise.metrics import MatrixReport
 from chromanoise.paper import (

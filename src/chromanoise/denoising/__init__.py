@@ -6,91 +6,71 @@ from chromanoise._lazy import lazy_names
 
 if TYPE_CHECKING:
     from chromanoise.denoising.benchmark import (
-        BenchmarkCamera,
-        BenchmarkCell,
-        EdgeSharpness,
-        FlatNoise,
-        Verdict,
-        benchmark_cells,
-        markdown_table,
-        verdict,
-        verdict_sentences,
+        BenchmarkCamera as BenchmarkCamera,
+        BenchmarkCell as BenchmarkCell,
+        EdgeSharpness as EdgeSharpness,
+        FlatNoise as FlatNoise,
+        Verdict as Verdict,
+        benchmark_cells as benchmark_cells,
+        markdown_table as markdown_table,
+        verdict as verdict,
+        verdict_sentences as verdict_sentences,
     )
-    from chromanoise.denoising.benchmark_scenes import BenchmarkScene, benchmark_scene
-    from chromanoise.denoising.burst import Burst, BurstFrame, merged_frames
-    from chromanoise.denoising.linear import LMMSE, WIENER, LinearFilter, filtered, linear_filters
-    from chromanoise.denoising.method import DenoisingMethod
-    from chromanoise.denoising.methods import DENOISING, denoising_named
+    from chromanoise.denoising.benchmark_scenes import (
+        BenchmarkScene as BenchmarkScene,
+        benchmark_scene as benchmark_scene,
+    )
+    from chromanoise.denoising.burst import (
+        Burst as Burst,
+        BurstFrame as BurstFrame,
+        merged_frames as merged_frames,
+    )
+    from chromanoise.denoising.linear import (
+        LMMSE as LMMSE,
+        WIENER as WIENER,
+        LinearFilter as LinearFilter,
+        filtered as filtered,
+        linear_filters as linear_filters,
+    )
+    from chromanoise.denoising.method import DenoisingMethod as DenoisingMethod
+    from chromanoise.denoising.methods import (
+        DENOISING as DENOISING,
+        denoising_named as denoising_named,
+    )
     from chromanoise.denoising.pictures import (
-        captured_with,
-        denoised_electrons,
-        denoised_mosaic,
-        planes_of_electrons,
-        planes_of_mosaic,
+        captured_with as captured_with,
+        denoised_electrons as denoised_electrons,
+        denoised_mosaic as denoised_mosaic,
+        planes_of_electrons as planes_of_electrons,
+        planes_of_mosaic as planes_of_mosaic,
     )
-    from chromanoise.denoising.planes import NoisyPlanes, packed, unpacked
+    from chromanoise.denoising.planes import (
+        NoisyPlanes as NoisyPlanes,
+        packed as packed,
+        unpacked as unpacked,
+    )
     from chromanoise.denoising.prediction import (
-        denoised_bank,
-        denoised_covariance,
-        denoised_noise_spectrum,
+        denoised_bank as denoised_bank,
+        denoised_covariance as denoised_covariance,
+        denoised_noise_spectrum as denoised_noise_spectrum,
     )
-    from chromanoise.denoising.raw_noise import CodeNoise, code_noise, code_noise_of_profile
+    from chromanoise.denoising.raw_noise import (
+        CodeNoise as CodeNoise,
+        code_noise as code_noise,
+        code_noise_of_profile as code_noise_of_profile,
+    )
     from chromanoise.denoising.raw_pictures import (
-        DenoisedRaw,
-        at_brightness,
-        denoised_raw,
-        measured_noise_ratio,
-        neutral_planes,
-        residual_ratio,
+        DenoisedRaw as DenoisedRaw,
+        at_brightness as at_brightness,
+        denoised_raw as denoised_raw,
+        measured_noise_ratio as measured_noise_ratio,
+        neutral_planes as neutral_planes,
+        residual_ratio as residual_ratio,
     )
-    from chromanoise.denoising.stabilization import stabilized, unstabilized
-    from chromanoise.denoising.strips import denoised_planes
+    from chromanoise.denoising.stabilization import (
+        stabilized as stabilized,
+        unstabilized as unstabilized,
+    )
+    from chromanoise.denoising.strips import denoised_planes as denoised_planes
 
-__all__ = [
-    "DENOISING",
-    "LMMSE",
-    "WIENER",
-    "BenchmarkCamera",
-    "BenchmarkCell",
-    "BenchmarkScene",
-    "Burst",
-    "BurstFrame",
-    "CodeNoise",
-    "DenoisedRaw",
-    "DenoisingMethod",
-    "EdgeSharpness",
-    "FlatNoise",
-    "LinearFilter",
-    "NoisyPlanes",
-    "Verdict",
-    "at_brightness",
-    "benchmark_cells",
-    "benchmark_scene",
-    "captured_with",
-    "code_noise",
-    "code_noise_of_profile",
-    "denoised_bank",
-    "denoised_covariance",
-    "denoised_electrons",
-    "denoised_mosaic",
-    "denoised_noise_spectrum",
-    "denoised_planes",
-    "denoised_raw",
-    "denoising_named",
-    "filtered",
-    "linear_filters",
-    "markdown_table",
-    "measured_noise_ratio",
-    "merged_frames",
-    "neutral_planes",
-    "packed",
-    "planes_of_electrons",
-    "planes_of_mosaic",
-    "residual_ratio",
-    "stabilized",
-    "unpacked",
-    "unstabilized",
-    "verdict",
-    "verdict_sentences",
-]
-__getattr__, __dir__ = lazy_names(__name__)
+__getattr__, __dir__, __all__ = lazy_names(__name__)

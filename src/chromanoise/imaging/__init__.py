@@ -9,126 +9,88 @@ from chromanoise._lazy import lazy_names
 
 if TYPE_CHECKING:
     from chromanoise.imaging.demosaic import (
-        FilterBank,
-        bilinear_filters,
-        demosaicked,
-        malvar_filters,
+        FilterBank as FilterBank,
+        bilinear_filters as bilinear_filters,
+        demosaicked as demosaicked,
+        malvar_filters as malvar_filters,
     )
-    from chromanoise.imaging.demosaic_methods import DEMOSAICING, chart_electrons, chart_prior
+    from chromanoise.imaging.demosaic_methods import (
+        DEMOSAICING as DEMOSAICING,
+        chart_electrons as chart_electrons,
+        chart_prior as chart_prior,
+    )
     from chromanoise.imaging.demosaic_noise import (
-        demosaicked_covariance,
-        flat_field_means,
-        flat_field_noise,
-        noise_power_spectrum,
+        demosaicked_covariance as demosaicked_covariance,
+        flat_field_means as flat_field_means,
+        flat_field_noise as flat_field_noise,
+        noise_power_spectrum as noise_power_spectrum,
     )
     from chromanoise.imaging.demosaic_priors import (
-        PicturePrior,
-        gradient_corrected_filters,
-        lmmse_filters,
-        picture_prior,
+        PicturePrior as PicturePrior,
+        gradient_corrected_filters as gradient_corrected_filters,
+        lmmse_filters as lmmse_filters,
+        picture_prior as picture_prior,
     )
-    from chromanoise.imaging.develop import developed, developed_color
-    from chromanoise.imaging.dng import RawProfile, dng_rows, raw_profile, write_dng
-    from chromanoise.imaging.exr import write_linear_exr, write_xyz_exr
+    from chromanoise.imaging.develop import (
+        developed as developed,
+        developed_color as developed_color,
+    )
+    from chromanoise.imaging.dng import (
+        RawProfile as RawProfile,
+        dng_rows as dng_rows,
+        raw_profile as raw_profile,
+        write_dng as write_dng,
+    )
+    from chromanoise.imaging.exr import (
+        write_linear_exr as write_linear_exr,
+        write_xyz_exr as write_xyz_exr,
+    )
     from chromanoise.imaging.noise_equivalent import (
-        information_spectrum,
-        noise_equivalent_quanta,
-        picture_power_spectrum,
+        information_spectrum as information_spectrum,
+        noise_equivalent_quanta as noise_equivalent_quanta,
+        picture_power_spectrum as picture_power_spectrum,
     )
     from chromanoise.imaging.render import (
-        Picture,
-        RawPicture,
-        RenderedElectrons,
-        acquired,
-        colored,
-        electrons_of_cube,
-        rendered,
-        rendered_electrons,
+        Picture as Picture,
+        RawPicture as RawPicture,
+        RenderedElectrons as RenderedElectrons,
+        acquired as acquired,
+        colored as colored,
+        electrons_of_cube as electrons_of_cube,
+        rendered as rendered,
+        rendered_electrons as rendered_electrons,
     )
-    from chromanoise.imaging.sampling import noisy_electrons
-    from chromanoise.imaging.torch_noise import AddCameraNoise, NoisyDataset
-    from chromanoise.imaging.training_noise import NoiseSampler, NoisySample, sampler
+    from chromanoise.imaging.sampling import noisy_electrons as noisy_electrons
+    from chromanoise.imaging.torch_noise import (
+        AddCameraNoise as AddCameraNoise,
+        NoisyDataset as NoisyDataset,
+    )
+    from chromanoise.imaging.training_noise import (
+        NoiseSampler as NoiseSampler,
+        NoisySample as NoisySample,
+        sampler as sampler,
+    )
     from chromanoise.imaging.unprocessing import (
-        Rendering,
-        draw_rendering,
-        linear_from_srgb,
-        mosaicked,
-        process,
-        unprocess,
+        Rendering as Rendering,
+        draw_rendering as draw_rendering,
+        linear_from_srgb as linear_from_srgb,
+        mosaicked as mosaicked,
+        process as process,
+        unprocess as unprocess,
     )
-    from chromanoise.imaging.work import Work
+    from chromanoise.imaging.work import Work as Work
     from chromanoise.imaging.writers import (
-        mosaic_tiff_rows,
-        picture_summary,
-        png_bytes,
-        raw_summary,
-        sixteen_bit_srgb,
-        srgb_tiff_rows,
-        write_mosaic_tiff,
-        write_png,
-        write_srgb_tiff,
-        write_xyz_tiff,
-        xyz_tiff_rows,
+        mosaic_tiff_rows as mosaic_tiff_rows,
+        picture_summary as picture_summary,
+        png_bytes as png_bytes,
+        raw_summary as raw_summary,
+        sixteen_bit_srgb as sixteen_bit_srgb,
+        srgb_tiff_rows as srgb_tiff_rows,
+        write_mosaic_tiff as write_mosaic_tiff,
+        write_png as write_png,
+        write_srgb_tiff as write_srgb_tiff,
+        write_xyz_tiff as write_xyz_tiff,
+        xyz_tiff_rows as xyz_tiff_rows,
     )
 
-__all__ = [
-    "DEMOSAICING",
-    "AddCameraNoise",
-    "FilterBank",
-    "NoiseSampler",
-    "NoisyDataset",
-    "NoisySample",
-    "Picture",
-    "PicturePrior",
-    "RawPicture",
-    "RawProfile",
-    "RenderedElectrons",
-    "Rendering",
-    "Work",
-    "acquired",
-    "bilinear_filters",
-    "chart_electrons",
-    "chart_prior",
-    "colored",
-    "demosaicked",
-    "demosaicked_covariance",
-    "developed",
-    "developed_color",
-    "dng_rows",
-    "draw_rendering",
-    "electrons_of_cube",
-    "flat_field_means",
-    "flat_field_noise",
-    "gradient_corrected_filters",
-    "information_spectrum",
-    "linear_from_srgb",
-    "lmmse_filters",
-    "malvar_filters",
-    "mosaic_tiff_rows",
-    "mosaicked",
-    "noise_equivalent_quanta",
-    "noise_power_spectrum",
-    "noisy_electrons",
-    "picture_power_spectrum",
-    "picture_prior",
-    "picture_summary",
-    "png_bytes",
-    "process",
-    "raw_profile",
-    "raw_summary",
-    "rendered",
-    "rendered_electrons",
-    "sampler",
-    "sixteen_bit_srgb",
-    "srgb_tiff_rows",
-    "unprocess",
-    "write_dng",
-    "write_linear_exr",
-    "write_mosaic_tiff",
-    "write_png",
-    "write_srgb_tiff",
-    "write_xyz_exr",
-    "write_xyz_tiff",
-    "xyz_tiff_rows",
-]
-__getattr__, __dir__ = lazy_names(__name__)
+__getattr__, __dir__, __all__ = lazy_names(__name__)

@@ -6,12 +6,8 @@ from chromanoise._lazy import lazy_names
 
 if TYPE_CHECKING:
     from chromanoise.io.sensors import (
-        read_sensor,
-        read_sensor_csv,
+        read_sensor as read_sensor,
+        read_sensor_csv as read_sensor_csv,
     )
 
-__all__ = [
-    "read_sensor",
-    "read_sensor_csv",
-]
-__getattr__, __dir__ = lazy_names(__name__)
+__getattr__, __dir__, __all__ = lazy_names(__name__)

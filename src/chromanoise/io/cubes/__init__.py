@@ -5,17 +5,10 @@ from typing import TYPE_CHECKING
 from chromanoise._lazy import lazy_names
 
 if TYPE_CHECKING:
-    from chromanoise.io.cubes.dispatch import (
-        read_cube,
-    )
+    from chromanoise.io.cubes.dispatch import read_cube as read_cube
     from chromanoise.io.cubes.xarray_io import (
-        cube_from_xarray,
-        picture_to_xarray,
+        cube_from_xarray as cube_from_xarray,
+        picture_to_xarray as picture_to_xarray,
     )
 
-__all__ = [
-    "cube_from_xarray",
-    "picture_to_xarray",
-    "read_cube",
-]
-__getattr__, __dir__ = lazy_names(__name__)
+__getattr__, __dir__, __all__ = lazy_names(__name__)

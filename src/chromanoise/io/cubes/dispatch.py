@@ -9,16 +9,14 @@ from chromanoise._inputs import regular_file
 from chromanoise.errors import InputError
 from chromanoise.io.cubes.arrays import NAMED, named_arrays
 from chromanoise.io.cubes.errors import reading
-from chromanoise.io.cubes.hdf5 import ENDINGS as HDF5_ENDINGS
-from chromanoise.io.cubes.hdf5 import hdf5_store, is_hdf5
+from chromanoise.io.cubes.hdf5 import ENDINGS as HDF5_ENDINGS, hdf5_store, is_hdf5
 from chromanoise.io.cubes.interpretation import rising, scale_and_notes, wavelengths_and_notes
 from chromanoise.io.cubes.labeled import labeled_cube
 from chromanoise.io.cubes.npz import npy_array
 from chromanoise.io.cubes.picture import picture
 from chromanoise.io.cubes.png_folder import is_png_folder, png_folder_cube
 from chromanoise.io.cubes.raw_cube import Found, refuse_other_shape, unused_key
-from chromanoise.io.cubes.tiff import ENDINGS as TIFF_ENDINGS
-from chromanoise.io.cubes.tiff import tiff_cube
+from chromanoise.io.cubes.tiff import ENDINGS as TIFF_ENDINGS, tiff_cube
 from chromanoise.io.cubes.zarr_store import is_zarr, zarr_store
 from chromanoise.io.spectra.envi import (
     DATA_SUFFIXES,

@@ -6,29 +6,21 @@ from chromanoise._lazy import lazy_names
 
 if TYPE_CHECKING:
     from chromanoise.io.pixels.darktable import (
-        RelativeNoise,
-        pixel_from_darktable,
-        read_darktable_noise,
+        RelativeNoise as RelativeNoise,
+        pixel_from_darktable as pixel_from_darktable,
+        read_darktable_noise as read_darktable_noise,
     )
     from chromanoise.io.pixels.emva import (
-        pixel_from_emva,
-        read_emva_sheet,
+        pixel_from_emva as pixel_from_emva,
+        read_emva_sheet as read_emva_sheet,
     )
-    from chromanoise.io.pixels.noise_profile import read_noise_profile
+    from chromanoise.io.pixels.noise_profile import read_noise_profile as read_noise_profile
     from chromanoise.io.pixels.photon_transfer_csv import (
-        read_photon_transfer_csv,
+        read_photon_transfer_csv as read_photon_transfer_csv,
     )
-    from chromanoise.io.pixels.pixel_toml import pixel_source_toml, read_pixel_toml
+    from chromanoise.io.pixels.pixel_toml import (
+        pixel_source_toml as pixel_source_toml,
+        read_pixel_toml as read_pixel_toml,
+    )
 
-__all__ = [
-    "RelativeNoise",
-    "pixel_from_darktable",
-    "pixel_from_emva",
-    "pixel_source_toml",
-    "read_darktable_noise",
-    "read_emva_sheet",
-    "read_noise_profile",
-    "read_photon_transfer_csv",
-    "read_pixel_toml",
-]
-__getattr__, __dir__ = lazy_names(__name__)
+__getattr__, __dir__, __all__ = lazy_names(__name__)

@@ -5,33 +5,18 @@ from typing import TYPE_CHECKING
 from chromanoise._lazy import lazy_names
 
 if TYPE_CHECKING:
-    from chromanoise.io.spectra.dispatch import (
-        read_curves,
-    )
-    from chromanoise.io.spectra.envi_library import (
-        library_files,
-    )
+    from chromanoise.io.spectra.dispatch import read_curves as read_curves
+    from chromanoise.io.spectra.envi_library import library_files as library_files
     from chromanoise.io.spectra.parsed import (
-        ASK,
-        Answers,
-        ParsedSpectra,
-        Question,
+        ASK as ASK,
+        Answers as Answers,
+        ParsedSpectra as ParsedSpectra,
+        Question as Question,
     )
     from chromanoise.io.spectra.uses import (
-        power_of,
-        power_of_photons,
-        qe_of,
+        power_of as power_of,
+        power_of_photons as power_of_photons,
+        qe_of as qe_of,
     )
 
-__all__ = [
-    "ASK",
-    "Answers",
-    "ParsedSpectra",
-    "Question",
-    "library_files",
-    "power_of",
-    "power_of_photons",
-    "qe_of",
-    "read_curves",
-]
-__getattr__, __dir__ = lazy_names(__name__)
+__getattr__, __dir__, __all__ = lazy_names(__name__)
