@@ -1,16 +1,9 @@
 """A noise source costs two edits, in two files; tools write its stub and man pages."""
 
-import json
-import os
-import shutil
-import subprocess
-import sys
-from pathlib import Path
-
 import pytest
 
-import chromanoise
 from chromanoise.study import hashes, study_from_data, study_hash
+from edited_copies import answers_of_copy
 
 PROPERTY = """    flicker_noise_e: Annotated[
         float,
@@ -82,22 +75,7 @@ print(json.dumps({
 @pytest.fixture(scope="module")
 def answers(tmp_path_factory):
     """What a copy of the package with the two edits answers."""
-    folder = tmp_path_factory.mktemp("copy")
-    copy = folder / "chromanoise"
-    ignored = shutil.ignore_patterns("__pycache__", "*.pyi")
-    shutil.copytree(Path(chromanoise.__file__).parent, copy, ignore=ignored)
-    for name, (before, text) in EDITS.items():
-        path = copy / name
-        old = path.read_text(encoding="utf-8")
-        assert old.count(before) == 1
-        path.write_text(old.replace(before, text + before), encoding="utf-8")
-    found = subprocess.run(
-        [sys.executable, "-c", QUESTIONS],
-        env=os.environ | {"PYTHONPATH": str(folder), "CHROMANOISE_CACHE": str(folder / "cache")},
-        cwd=folder, capture_output=True, text=True, timeout=300, check=False,
-    )  # fmt: skip
-    assert found.returncode == 0, found.stderr
-    return json.loads(found.stdout.splitlines()[-1])
+    return answers_of_copy(tmp_path_factory.mktemp("copy"), EDITS, QUESTIONS)
 
 
 def test_python_and_the_command_give_the_snr_of_a_read_noise_of_the_same_variance(answers):

@@ -1,16 +1,9 @@
 """A setting costs one edit, in one file, and the line that uses it."""
 
-import json
-import os
-import shutil
-import subprocess
-import sys
-from pathlib import Path
-
 import pytest
 
-import chromanoise
 from chromanoise.study import hashes, study_from_data, study_hash
+from edited_copies import answers_of_copy
 
 BEFORE = "    magnification: Finite | None = setting("
 SETTING = """    lens_transmission: Annotated[float, Field(gt=0, le=1)] = setting(
@@ -67,21 +60,9 @@ print(json.dumps({
 @pytest.fixture(scope="module")
 def answers(tmp_path_factory):
     """What a copy of the package with the edit answers."""
-    folder = tmp_path_factory.mktemp("copy")
-    copy = folder / "chromanoise"
-    ignored = shutil.ignore_patterns("__pycache__", "*.pyi")
-    shutil.copytree(Path(chromanoise.__file__).parent, copy, ignore=ignored)
-    path = copy / "study" / "document.py"
-    old = path.read_text(encoding="utf-8")
-    assert old.count(BEFORE) == 1
-    path.write_text(old.replace(BEFORE, SETTING + BEFORE), encoding="utf-8")
-    found = subprocess.run(
-        [sys.executable, "-c", QUESTIONS],
-        env=os.environ | {"PYTHONPATH": str(folder), "CHROMANOISE_CACHE": str(folder / "cache")},
-        cwd=folder, capture_output=True, text=True, timeout=300, check=False,
-    )  # fmt: skip
-    assert found.returncode == 0, found.stderr
-    return json.loads(found.stdout.splitlines()[-1])
+    return answers_of_copy(
+        tmp_path_factory.mktemp("copy"), {"study/document.py": (BEFORE, SETTING)}, QUESTIONS
+    )
 
 
 def test_a_study_its_schema_and_its_copies_have_it(answers):
