@@ -9,15 +9,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from types import MappingProxyType
 
-from chromanoise._check import (
-    Array,
-)
-from chromanoise._shapes import (
-    Float,
-)
-from chromanoise.catalog.names import (
-    unknown_name,
-)
+from chromanoise._check import Array
+from chromanoise._shapes import Float
+from chromanoise.catalog.names import unknown_name
 from chromanoise.catalog.sensor_tables import CAMERA_NAMES, DEVICE_NAMES, camera_named, device_named
 from chromanoise.errors import known_name
 from chromanoise.io.spectra import ASK, Answers

@@ -14,12 +14,7 @@ from chromanoise import __version__
 from chromanoise._csv_cells import csv_text
 from chromanoise.errors import InputError
 from chromanoise.io.spectra.own_json import SCHEMA_VERSION, held_json, named
-from chromanoise.io.table import (
-    Column,
-    Entry,
-    Table,
-    written,
-)
+from chromanoise.io.table import Column, Entry, Table, written
 
 SCHEMA = "chromanoise table"
 

@@ -8,15 +8,8 @@ import numpy as np
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise._shapes import (
-    Bool,
-    Float,
-)
-from chromanoise.errors import (
-    InputError,
-    Remedy,
-    Setting,
-)
+from chromanoise._shapes import Bool, Float
+from chromanoise.errors import InputError, Remedy, Setting
 from chromanoise.spectra.grid import Grid
 
 Beyond = Literal["refuse", "zero", "hold"]

@@ -9,13 +9,8 @@ import numpy as np
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._colour_science import colour_science
-from chromanoise._shapes import (
-    Float,
-)
-from chromanoise.errors import (
-    InputError,
-    Setting,
-)
+from chromanoise._shapes import Float
+from chromanoise.errors import InputError, Setting
 from chromanoise.spectra.curves import (
     SMALL_NEGATIVES,
     Beyond,

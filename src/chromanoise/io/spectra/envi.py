@@ -9,14 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from chromanoise._check import Array
-from chromanoise._shapes import (
-    Float,
-    Shaped,
-)
-from chromanoise.errors import (
-    InputError,
-    Setting,
-)
+from chromanoise._shapes import Float, Shaped
+from chromanoise.errors import InputError, Setting
 from chromanoise.io.spectra.wavelength_lists import NAMED_WAVELENGTH, NM_PER, nanometers
 
 DATA_SUFFIXES = (".sli", ".img", ".raw", ".dat", ".bin", ".bsq", ".bil", ".bip")

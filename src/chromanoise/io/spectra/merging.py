@@ -6,13 +6,8 @@ import numpy as np
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise._shapes import (
-    Float,
-)
-from chromanoise.errors import (
-    InputError,
-    Setting,
-)
+from chromanoise._shapes import Float
+from chromanoise.errors import InputError, Setting
 from chromanoise.io.spectra.parsed import Column, Unit
 from chromanoise.spectra.curves import Beyond
 

@@ -9,13 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from chromanoise._check import Array, printable
-from chromanoise._shapes import (
-    Float,
-)
-from chromanoise.errors import (
-    InputError,
-    Setting,
-)
+from chromanoise._shapes import Float
+from chromanoise.errors import InputError, Setting
 from chromanoise.io.spectra.declared import UNITS, unit_that_fits
 
 Notes = tuple[str, ...]
