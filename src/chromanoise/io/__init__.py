@@ -5,10 +5,7 @@ from typing import TYPE_CHECKING
 from chromanoise._lazy import lazy_names
 
 if TYPE_CHECKING:
-    from chromanoise.io.sensors import (
-        read_sensor,
-        read_sensor_csv,
-    )
+    from chromanoise.io.sensors import read_sensor, read_sensor_csv
 
 __all__ = [
     "read_sensor",

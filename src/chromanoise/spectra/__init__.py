@@ -29,20 +29,18 @@ if TYPE_CHECKING:
         equal_energy,
         halogen,
         illuminant_from,
+        illuminant_named,
+        infrared_parts,
+        is_light_name,
         led,
         led_white,
+        mixed,
         photon_irradiance,
+        with_infrared,
     )
     from chromanoise.spectra.metric import (
         METRICS,
         Metric,
-    )
-    from chromanoise.spectra.mixtures import (
-        illuminant_named,
-        infrared_parts,
-        is_light_name,
-        mixed,
-        with_infrared,
     )
     from chromanoise.spectra.observers import (
         DEFAULT_OBSERVER,
@@ -57,11 +55,10 @@ if TYPE_CHECKING:
         observer_notes,
         observer_table,
     )
-    from chromanoise.spectra.patch_pairs import PatchPairs, all_pairs
-    from chromanoise.spectra.readers import (
-        read_spectra_csv,
-    )
+    from chromanoise.spectra.readers import read_spectra_csv
     from chromanoise.spectra.reflectances import (
+        PatchPairs,
+        all_pairs,
         chart_on,
         chart_title,
         colorchecker,

@@ -5,23 +5,10 @@ from typing import TYPE_CHECKING
 from chromanoise._lazy import lazy_names
 
 if TYPE_CHECKING:
-    from chromanoise.io.spectra.dispatch import (
-        read_curves,
-    )
-    from chromanoise.io.spectra.envi_library import (
-        library_files,
-    )
-    from chromanoise.io.spectra.parsed import (
-        ASK,
-        Answers,
-        ParsedSpectra,
-        Question,
-    )
-    from chromanoise.io.spectra.uses import (
-        power_of,
-        power_of_photons,
-        qe_of,
-    )
+    from chromanoise.io.spectra.dispatch import read_curves
+    from chromanoise.io.spectra.envi_library import library_files
+    from chromanoise.io.spectra.parsed import ASK, Answers, ParsedSpectra, Question
+    from chromanoise.io.spectra.uses import power_of, power_of_photons, qe_of
 
 __all__ = [
     "ASK",

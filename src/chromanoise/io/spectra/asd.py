@@ -8,7 +8,7 @@ import numpy as np
 
 from chromanoise._check import Array
 from chromanoise.errors import InputError
-from chromanoise.io.spectra.parsed import Column, Found, Quantity
+from chromanoise.io.spectra.parsed import Found, Quantity, known_columns
 
 _MARK = re.compile(rb"ASD|as[2-8]")
 _HEADER_BYTES = 484
@@ -77,11 +77,7 @@ def read_asd(path: Path, content: bytes) -> Found:
     return Found(
         source=str(path),
         format=f"ASD binary, version {content[:3].decode('ascii')}",
-        columns=tuple(
-            Column(name=key, unit="", wavelength=at[known], values=values[known])
-            for key, values in curves.items()
-            for known in (np.isfinite(values),)
-        ),
+        columns=known_columns(at, curves.items()),
         wavelength_unit="nm",
         quantity=quantity,
         scale="fraction" if quantity and reference is not None else None,

@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -27,11 +27,8 @@ _AXES = {
 _LAYOUT = (
     "samples", "lines", "bands", "data type", "interleave", "byte order", "header offset",
 )  # fmt: skip
-_NOT_APPLIED = (
-    "bbl",
-    "data ignore value",
-)
-_GAINS = (
+_NOT_APPLIED = ("bbl", "data ignore value")
+GAINS = (
     "data gain values",
     "data offset values",
     "data reflectance gain values",
@@ -88,12 +85,12 @@ def envi_pair(path: Path) -> tuple[Path, Path] | None:
     if path.suffix.lower() == ".hdr":
         return path, _data_beside(path)
     names = [(path.name + ".hdr").lower(), (path.stem + ".hdr").lower()]
-    headers = sorted(_beside(path, set(names)), key=lambda p: names.index(p.name.lower()))
-    return (headers[0], path) if headers else None
+    header = min(_beside(path, names), key=lambda p: names.index(p.name.lower()), default=None)
+    return None if header is None else (header, path)
 
 
 def _data_beside(header: Path) -> Path:
-    names = {(header.stem + ending).lower() for ending in ("", *DATA_SUFFIXES)}
+    names = [(header.stem + ending).lower() for ending in ("", *DATA_SUFFIXES)]
     found = sorted(_beside(header, names))
     if not found:
         raise InputError(
@@ -112,7 +109,7 @@ def _data_beside(header: Path) -> Path:
     return found[0]
 
 
-def _beside(path: Path, names: set[str]) -> list[Path]:
+def _beside(path: Path, names: Collection[str]) -> list[Path]:
     """Other files in the folder of ``path`` with one of the lower-case names."""
     near = (p for p in path.parent.iterdir() if p.name.lower() in names and p.name != path.name)
     return [p for p in near if p.is_file()]
@@ -133,14 +130,12 @@ def read_envi_header(path: Path) -> EnviHeader:
             value=path.stat().st_size,
             found=f"is {path.stat().st_size / 2**20:.0f} MiB",
         )
-    return envi_header(_decoded(path.read_bytes()), source=str(path))
-
-
-def _decoded(raw: bytes) -> str:
+    raw = path.read_bytes()
     try:
-        return raw.decode("utf-8-sig")
+        text = raw.decode("utf-8-sig")
     except UnicodeDecodeError:
-        return raw.decode("latin-1")
+        text = raw.decode("latin-1")
+    return envi_header(text, source=str(path))
 
 
 def envi_header(text: str, *, source: str) -> EnviHeader:
@@ -215,7 +210,7 @@ def envi_pixels(
     count = {axis: _positive(header, axis) for axis in ("lines", "samples", "bands")}
     dtype = _dtype(header)
     offset = header.whole("header offset", default=0)
-    axes = _AXES[_interleave(header)]
+    axes = _axes(header)
     _refuse_compressed(header)
     _refuse_wrong_size(header, data, offset + math.prod(count.values()) * dtype.itemsize)
     shape = tuple(count[axis] for axis in axes)
@@ -260,13 +255,12 @@ def _dtype(header: EnviHeader) -> np.dtype:
     return np.dtype("<>"[order] + _DTYPES[code])
 
 
-def _interleave(header: EnviHeader) -> str:
+def _axes(header: EnviHeader) -> tuple[str, ...]:
     word = header.word("interleave").lower()
     if word not in _AXES:
-        raise InputError(
-            header.source, "must be bsq, bil or bip", value=word, where="key 'interleave'"
-        )
-    return word
+        where = "key 'interleave'"
+        raise InputError(header.source, "must be bsq, bil or bip", value=word, where=where)
+    return _AXES[word]
 
 
 def _refuse_compressed(header: EnviHeader) -> None:
@@ -314,12 +308,12 @@ def envi_scale(header: EnviHeader) -> float | None:
     InputError
         If the header has a gain or offset per band instead, which is not supported.
     """
-    gains = [key for key in _GAINS if key in header.fields]
-    if gains:
+    gain = next((key for key in GAINS if key in header.fields), None)
+    if gain is not None:
         raise InputError(
             header.source,
             "gains and offsets per band are not applied",
-            where=f"key {gains[0]!r}",
+            where=f"key {gain!r}",
             remedy=("apply them and save the cube again", Setting("scale")),
         )
     key = "reflectance scale factor"

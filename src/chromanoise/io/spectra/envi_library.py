@@ -7,12 +7,11 @@ import numpy as np
 from chromanoise._check import Array
 from chromanoise.errors import InputError
 from chromanoise.io.spectra.declared import known_unit
-from chromanoise.io.spectra.envi import EnviHeader, envi_pair, envi_pixels, read_envi_header
-from chromanoise.io.spectra.parsed import Column, Found
-from chromanoise.io.spectra.tables import missing_notes, number_in
+from chromanoise.io.spectra.envi import GAINS, EnviHeader, envi_pair, envi_pixels, read_envi_header
+from chromanoise.io.spectra.parsed import Found, has, known_columns, missing_notes
+from chromanoise.io.spectra.tables import number_in
 
 _LIBRARY = "envi spectral library"
-_GAINS = ("data gain values", "data offset values")
 _LARGEST = 1e30  # USGS libraries mark deleted points by -1.23e34
 _UNSAID = ("", "unknown", "index")
 
@@ -75,44 +74,34 @@ def read_envi_library(header: EnviHeader, data: Path) -> Found:
     NV5 Geospatial, "ENVI Header Files": ``samples`` wavelengths, ``lines`` spectra, one band; the
     data divided by the ``reflectance scale factor`` are reflectances from 0 to 1.
     """
-    gains = [key for key in _GAINS if key in header.fields]
-    if gains:
+    gain = next((key for key in GAINS[:2] if key in header.fields), None)
+    if gain is not None:
         raise InputError(
             header.source,
             "gains and offsets are not applied",
-            where=f"key {gains[0]!r}",
+            where=f"key {gain!r}",
             remedy="apply them and save the library again",
         )
     pixels, notes = envi_pixels(header, data)
     if _is_line_of_spectra(header):
         pixels = pixels.reshape(-1, pixels.shape[2])[:, :, None]
     if pixels.shape[2] != 1:
-        raise InputError(
-            header.source,
-            "must have 1 band, as a spectral library",
-            value=pixels.shape[2],
-            found=f"has {pixels.shape[2]}",
-        )
-    factor = _factor(header)
+        raise has(header.source, "must have 1 band, as a spectral library", pixels.shape[2])
+    text = header.fields.get("reflectance scale factor", "1")
+    factor = number_in(text)
+    if not factor > 0:
+        where = "key 'reflectance scale factor'"
+        raise InputError(header.source, "must be > 0", value=text, where=where)
     table = pixels[:, :, 0].astype(np.float64)
-    known = np.isfinite(table) & (np.abs(table) <= _LARGEST)
+    table[~(np.abs(table) <= _LARGEST)] = np.nan
     wavelength, heading = _wavelengths(header, table.shape[1])
-    names = _names(header, table.shape[0])
-    missing = [
-        text
-        for name, here in zip(names, known, strict=True)
-        for text in missing_notes(
-            name, wavelength, here, "values that are not numbers or marked as deleted"
-        )
-    ]
+    curves = list(zip(_names(header, table.shape[0]), table / factor, strict=True))
+    deleted = "values that are not numbers or marked as deleted"
     said = [header.fields.get(key, "") for key in ("description", "z plot titles")]
     return Found(
         source=header.source,
         format="ENVI spectral library",
-        columns=tuple(
-            Column(name=name, unit="", wavelength=wavelength[here], values=row[here] / factor)
-            for name, row, here in zip(names, table, known, strict=True)
-        ),
+        columns=known_columns(wavelength, curves),
         heading=heading,
         words=" ".join(said),
         quantity="reflectance" if "reflectance scale factor" in header.fields else None,
@@ -121,7 +110,7 @@ def read_envi_library(header: EnviHeader, data: Path) -> Found:
             *notes,
             *((f"divided by the reflectance scale factor {factor:g}",) if factor != 1 else ()),
         ),
-        defects=tuple(missing),
+        defects=missing_notes(wavelength, curves, deleted),
     )
 
 
@@ -142,16 +131,6 @@ def library_files(path: Path) -> tuple[Path, ...]:
     return pair or (path,)
 
 
-def _factor(header: EnviHeader) -> float:
-    text = header.fields.get("reflectance scale factor", "1")
-    factor = number_in(text)
-    if not factor > 0:
-        raise InputError(
-            header.source, "must be > 0", value=text, where="key 'reflectance scale factor'"
-        )
-    return factor
-
-
 def _wavelengths(header: EnviHeader, count: int) -> tuple[Array, str]:
     """The wavelengths that the header lists, and a heading with their unit."""
     cells = [cell.strip() for cell in header.word("wavelength").split(",")]
@@ -166,10 +145,8 @@ def _wavelengths(header: EnviHeader, count: int) -> tuple[Array, str]:
         )
     if np.isnan(numbers).any():
         at = int(np.isnan(numbers).argmax())
-        wrong = cells[at]
-        raise InputError(
-            header.source, "must be a number", value=wrong, where=f"entry {at} of 'wavelength'"
-        )
+        where = f"entry {at} of 'wavelength'"
+        raise InputError(header.source, "must be a number", value=cells[at], where=where)
     unit = header.fields.get("wavelength units", "")
     if unit.lower() in _UNSAID:
         return numbers, ""

@@ -75,9 +75,16 @@ def meaning_of(found: Found, answers: Answers) -> ParsedSpectra:
     scale, factor, scale_note = _scale(found, answers, columns, points, quantity)
     level = _level(found, answers, columns)
     common, cut = on_common(points, answers.beyond, found.source)
-    curves, zeroed = _without_small_negatives(
-        _spectra(found, common, points, factor, quantity), answers
+    spectra = Spectra(
+        wavelength_nm=common[0],
+        values=common[1] * factor,
+        names=tuple(p.name for p in points),
+        quantity=quantity or "spectra",
+        unit="e-/photon" if quantity == "QE" else "1",
+        source=found.source,
     )
+    curves, zeroed = _without_small_negatives(spectra, answers)
+    gaps = {gap for at in (curves, *points) for gap in gaps_nm(at.wavelength_nm)}
     notes = (
         *(*found.notes, *unit_note, *scale_note, *_merge_notes(points), *cut, *zeroed),
         *_unnamed(found, columns, answers),
@@ -92,7 +99,7 @@ def meaning_of(found: Found, answers: Answers) -> ParsedSpectra:
         scale=scale,
         factor=factor,
         step_nm=step_nm(curves.wavelength_nm),
-        gaps_nm=_gaps_nm(curves, points),
+        gaps_nm=tuple(sorted(gaps)),
         merged=sum(p.merged for p in points),
         quantity=quantity,
         level=level,
@@ -103,7 +110,6 @@ def meaning_of(found: Found, answers: Answers) -> ParsedSpectra:
             *_few(found.defects),
             *defects_of(curves, quantity, scale, points, level=level),
         ),
-        questions=(),
         own_form=found.heading == "wavelength_nm",
         said_source=found.said_source,
         said_notes=found.said_notes,
@@ -226,18 +232,14 @@ def _is_ordered(at: Array) -> bool:
     return bool(abs(signs.sum()) >= _MOSTLY * np.count_nonzero(signs))
 
 
-def _unit_of_key(found: Found) -> Unit | None:
-    unit = found.keys.get("wavelength_unit")
-    return wavelength_unit_of(f"[{unit}]") if unit else None
-
-
 def _declared_unit(found: Found) -> Unit | None:
     """The unit that format, heading or key declares; contradicting ones raise an error."""
+    key = found.keys.get("wavelength_unit")
     try:
         units = {
             "its format": found.wavelength_unit,
             "its heading": wavelength_unit_of(found.heading),
-            "its key": _unit_of_key(found),
+            "its key": wavelength_unit_of(f"[{key}]") if key else None,
         }
     except InputError as error:
         raise named(error, found.source) from None
@@ -317,11 +319,9 @@ def _highest(points: Sorted) -> float:
 
 
 def _level(found: Found, answers: Answers, columns: list[Column]) -> Level | None:
-    given = answers.level or found.level
-    if given or answers.peak_qe is not None:
-        return given or "relative"
-    if level_of_key(found.keys):
-        return level_of_key(found.keys)
+    given = answers.level or found.level or ("relative" if answers.peak_qe is not None else None)
+    if given or level_of_key(found.keys):
+        return given or level_of_key(found.keys)
     heads = _heads(found, columns)
     if re.search(r"relative|normali[sz]ed|arbitrary|\ba\.?u\.?(?![a-z])", heads):
         return "relative"
@@ -368,29 +368,6 @@ def _few(sentences: tuple[str, ...]) -> tuple[str, ...]:
     if more <= 1:
         return sentences
     return (*sentences[:_MOST_SENTENCES], f"and {more} more like these")
-
-
-def _spectra(
-    found: Found,
-    common: tuple[Array, Array],
-    points: list[Sorted],
-    factor: float,
-    quantity: Quantity | None,
-) -> Spectra:
-    return Spectra(
-        wavelength_nm=common[0],
-        values=common[1] * factor,
-        names=tuple(p.name for p in points),
-        quantity=quantity or "spectra",
-        unit="e-/photon" if quantity == "QE" else "1",
-        source=found.source,
-    )
-
-
-def _gaps_nm(curves: Spectra, points: list[Sorted]) -> tuple[tuple[float, float], ...]:
-    """The gaps of the common wavelengths and of each curve."""
-    each = (gap for at in points for gap in gaps_nm(at.wavelength_nm))
-    return tuple(sorted({*gaps_nm(curves.wavelength_nm), *each}))
 
 
 def _deviations(

@@ -3,6 +3,7 @@
 import re
 from collections import Counter
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -17,7 +18,7 @@ from chromanoise.io.spectra.declared import (
     with_units,
 )
 from chromanoise.io.spectra.layouts import as_columns, with_plain_wavelengths
-from chromanoise.io.spectra.parsed import Column, Found, Row
+from chromanoise.io.spectra.parsed import Column, Found, Row, has, known_columns, missing_notes
 
 _POINT = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD][+-]?\d{1,4})?\s*%?", re.ASCII)
 _COMMA = re.compile(r"[+-]?(\d+(,\d+)?|,\d+)([eEdD][+-]?\d{1,4})?\s*%?", re.ASCII)
@@ -63,6 +64,14 @@ def number_in(cell: str, *, decimal_comma: bool = False) -> float:
     return value if abs(value) <= _LARGEST else _NAN
 
 
+def finite_number(text: str, source: str, where: str, *, decimal_comma: bool = False) -> float:
+    """The number in a cell, as `number_in`; an error names its place if it is none."""
+    value = number_in(text, decimal_comma=decimal_comma)
+    if value != value:
+        raise InputError(source, "must be a finite number", value=text.strip(), where=where)
+    return value
+
+
 def table_of(
     *,
     source: str,
@@ -94,12 +103,9 @@ def table_of(
     body = [row for row in rows[first:] if any(row.cells)]
     body, after = _without_words_after(body, decimal == ",", where)
     if len(body) < 2:
-        raise InputError(
-            source,
-            "must have at least 2 rows of a wavelength and a value",
-            value=len(body),
-            found=f"has {len(body)} in {len(rows)} {where}s",
-        )
+        need = "must have at least 2 rows of a wavelength and a value"
+        found = f"has {len(body)} in {len(rows)} {where}s"
+        raise InputError(source, need, value=len(body), found=found)
     above = list(rows[:first])
     longest = max(len(_bare(row.cells)) for row in body)
     while delimiter == "blanks" and above and _is_sentence(above[-1], longest):
@@ -280,11 +286,10 @@ def _numbers(
     for i, row in enumerate(body):
         cells = _bare(row.cells)
         if len(cells) > width:
-            raise InputError(
+            raise has(
                 source,
                 f"must have at most {width} cells, as the heading",
-                value=len(cells),
-                found=f"has {len(cells)}",
+                len(cells),
                 where=f"{where} {row.number}",
                 remedy="separate cells with semicolons if commas are decimal signs",
             )
@@ -347,14 +352,8 @@ def _digitized(found: dict, heads: list[tuple[str, ...]], numbers: np.ndarray) -
         name, unit = name_and_unit(heading)
         at, values = numbers[:, 2 * k], numbers[:, 2 * k + 1]
         both = np.isfinite(at) & np.isfinite(values)
-        columns.append(
-            Column(
-                name=name or f"curve {k + 1}",
-                unit=unit,
-                wavelength=at[both],
-                values=values[both],
-            )
-        )
+        name = name or f"curve {k + 1}"
+        columns.append(Column(name=name, unit=unit, wavelength=at[both], values=values[both]))
     note = "each curve has its own list of wavelengths, as digitizers write"
     form = f"{found['format']}, {DIGITIZED}"
     return Found(
@@ -399,28 +398,23 @@ def _shared(
             where=f"{where} {at_lines[int(lost[0])]}",
         )
     if numbers.shape[1] < 2:
-        raise InputError(
-            found["source"],
-            "must have at least 2 columns",
-            value=numbers.shape[1],
-            found=f"has {numbers.shape[1]}",
-        )
+        raise has(found["source"], "must have at least 2 columns", numbers.shape[1])
     names = [name_and_unit(text) if unit is None else (text, unit) for text in head[1:]]
     stems, texts = Counter(name for name, _ in names), Counter(head[1:])
     names = [
         (text, own) if text and stems[stem] > 1 == texts[text] else (stem, own)
         for text, (stem, own) in zip(head[1:], names, strict=True)
     ]
-    columns, missing = [], []
+    columns: list[Column] = []
+    missing: list[str] = []
     sweeps = _sweeps(numbers[:, 0])
     for k, (stem, unit) in enumerate(names):
         for i, rows in enumerate(sweeps, 1):
-            at, values = numbers[rows, 0], numbers[rows, k + 1]
-            known = np.isfinite(values)
             name = stem or f"column {k + 2}"
             name = f"{name} ({i})" if len(sweeps) > 1 else name
-            missing += missing_notes(name, at, known, "empty cells")
-            columns.append(Column(name=name, unit=unit, wavelength=at[known], values=values[known]))
+            curve = [(name, numbers[rows, k + 1])]
+            missing += missing_notes(numbers[rows, 0], curve, "empty cells")
+            columns += [replace(one, unit=unit) for one in known_columns(numbers[rows, 0], curve)]
     listed = f"the wavelengths are listed {len(sweeps)} times: each list is a separate curve"
     return Found(
         **{
@@ -447,15 +441,6 @@ def _sweeps(at: Array) -> list[slice]:
     span = _MOST_OF_RANGE * float(np.ptp(at))
     whole = all(i.stop - i.start >= _FEWEST_IN_LIST and np.ptp(at[i]) >= span for i in rows)
     return rows if whole else [slice(0, at.size)]
-
-
-def missing_notes(name: str, wavelength: Array, known: Array, what: str) -> list[str]:
-    """A sentence if a curve lacks values at some wavelengths, which are in the file's unit."""
-    lost = wavelength[~known]
-    if not lost.size:
-        return []
-    span = f"{lost.min():g}" if lost.size == 1 else f"{lost.min():g}-{lost.max():g}"
-    return [f"{name}: {lost.size} {what} at {span}; straight lines join their neighbors"]
 
 
 def name_and_unit(text: str) -> tuple[str, str]:

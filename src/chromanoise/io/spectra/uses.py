@@ -48,10 +48,8 @@ def qe_of(parsed: ParsedSpectra, answers: Answers) -> Spectra:
     >>> curves = Spectra(wavelength_nm=np.array([400.0, 800.0]), values=np.array([[.5], [1.0]]),
     ...                  names=("mono",), quantity="response", unit="1", source="a sheet")
     >>> parsed = ParsedSpectra(
-    ...     curves=curves, format="text", delimiter="", decimal="", wavelength_unit="nm",
-    ...     scale="as written", factor=1.0, step_nm=400.0, gaps_nm=(), merged=0,
-    ...     quantity="response", level="relative", per="energy", deviations=None, notes=(),
-    ...     defects=(), questions=())
+    ...     curves=curves, format="text", wavelength_unit="nm", scale="as written",
+    ...     quantity="response", level="relative", per="energy")
     >>> qe_of(parsed, Answers(peak_qe=0.6)).values.ravel()  # equal per photon at both
     array([0.6, 0.6])
     """
@@ -71,7 +69,13 @@ def qe_of(parsed: ParsedSpectra, answers: Answers) -> Spectra:
         curves = replace(curves, values=curves.values * per_photon)
         notes = (*notes, "counted per energy: divided by the photons in it")
     if parsed.level == "relative" or (parsed.level is None and looks_normalized(parsed.curves)):
-        curves, notes = _with_height(curves, answers, notes)
+        highest = float(curves.values.max())
+        assert answers.peak_qe is not None  # asked for by `sensor_questions`
+        if highest <= 0:
+            need = "must have a value above 0"
+            raise InputError(curves.source, need, value=highest, found="all are 0 or less")
+        curves = replace(curves, values=curves.values * (answers.peak_qe / highest))
+        notes = (*notes, f"relative curves, scaled to a highest QE of {answers.peak_qe:g}")
     elif parsed.level is None:
         why = "a table headed wavelength_nm" if parsed.quantity is None else "the file declares QE"
         notes = (*notes, f"{_name(parsed)}: {why}, taken as absolute QE per photon")
@@ -83,19 +87,6 @@ def _refuse_open(parsed: ParsedSpectra, questions: Iterable[Question]) -> None:
     open_questions = tuple(questions)
     if open_questions:
         raise UndeclaredError(parsed.curves.source, open_questions)
-
-
-def _with_height(
-    curves: Spectra, answers: Answers, notes: tuple[str, ...]
-) -> tuple[Spectra, tuple[str, ...]]:
-    highest = float(curves.values.max())
-    assert answers.peak_qe is not None  # asked for by `sensor_questions`
-    if highest <= 0:
-        raise InputError(
-            curves.source, "must have a value above 0", value=highest, found="all are 0 or less"
-        )
-    note = f"relative curves, scaled to a highest QE of {answers.peak_qe:g}"
-    return replace(curves, values=curves.values * (answers.peak_qe / highest)), (*notes, note)
 
 
 def power_of(parsed: ParsedSpectra) -> Spectra:
