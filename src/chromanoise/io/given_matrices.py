@@ -9,7 +9,7 @@ import csv
 import io
 import re
 import struct
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -110,9 +110,8 @@ class GivenMatrix:
         values = _check.finite(f"matrix of {self.source}", "1", self.values)
         rows = values.shape[1] if self.kind == "from-xyz" else values.shape[0]
         if values.ndim != 2 or rows != 3:
-            what = (
-                "3 columns (X, Y, Z)" if self.kind == "from-xyz" else "3 rows (X, Y, Z or R, G, B)"
-            )
+            wide = self.kind == "from-xyz"
+            what = "3 columns (X, Y, Z)" if wide else "3 rows (X, Y, Z or R, G, B)"
             raise InputError(
                 f"matrix of {self.source}",
                 f"must have {what}",
@@ -202,7 +201,7 @@ def _csv(source: str, text: str) -> GivenMatrix:
     if len(rows) < 3:
         raise InputError(source, "must hold a matrix of 3 rows", value=len(rows))
     head = rows[0]
-    if _numbers(head):  # numbers only
+    if are_numbers(head):  # numbers only
         return GivenMatrix(
             source=source, kind="balanced", target="sRGB", values=_array(source, rows)
         )
@@ -400,7 +399,8 @@ def _fact(source: str, facts: Mapping[str, Any], key: str) -> float | None:
     return number
 
 
-def _numbers(cells: list[str]) -> bool:
+def are_numbers(cells: Iterable[str]) -> bool:
+    """Whether each cell is a number."""
     try:
         [float(cell) for cell in cells]
     except ValueError:

@@ -13,7 +13,7 @@ from typing import Any
 from chromanoise import __version__
 from chromanoise._csv_cells import csv_text
 from chromanoise.errors import InputError
-from chromanoise.io.spectra.own_json import SCHEMA_VERSION, held_json, named
+from chromanoise.io.spectra.own_json import SCHEMA_VERSION, held_json, named, word_of, words_of
 from chromanoise.io.table import Column, Entry, Table, written
 
 SCHEMA = "chromanoise table"
@@ -111,13 +111,13 @@ def table_from_json(text: str, *, source: str = "table") -> Table:
     held = held_json(text, SCHEMA, source=source)
     try:
         return Table(
-            title=_word(held["title"]),
+            title=word_of(held["title"]),
             columns=tuple(
-                Column(name=_word(c["name"]), unit=_word(c["unit"]), digits=_word(c["digits"]))
+                Column(**{key: word_of(c[key]) for key in ("name", "unit", "digits")})
                 for c in held["columns"]
             ),
             rows=tuple(tuple(_entry(cell) for cell in row) for row in held["rows"]),
-            notes=tuple(_word(note) for note in held["notes"]),
+            notes=words_of(held["notes"]),
         )
     except InputError as error:
         raise named(error, source) from None
@@ -221,12 +221,6 @@ def _latex(text: str) -> str:
 
 def _latex_number(text: str) -> str:
     return f"${text}$" if text.startswith("-") else _latex(text)
-
-
-def _word(value: Any) -> str:
-    if not isinstance(value, str):
-        raise TypeError
-    return value
 
 
 def _entry(value: Any) -> Entry:

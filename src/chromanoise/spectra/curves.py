@@ -310,12 +310,9 @@ def on_grid(spectra: Spectra, grid: Grid, *, beyond: Beyond = "refuse") -> Spect
     """
     what = f"{spectra.quantity} of {spectra.source}"
     matrix, notes = interpolation_matrix(spectra.wavelength_nm, grid, beyond=beyond, what=what)
-    return Spectra(
+    return replace(
+        spectra,
         wavelength_nm=grid.wavelength_nm,
         values=matrix @ spectra.values,
-        names=spectra.names,
-        quantity=spectra.quantity,
-        unit=spectra.unit,
-        source=spectra.source,
         notes=spectra.notes + notes,
     )

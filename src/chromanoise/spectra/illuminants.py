@@ -159,12 +159,8 @@ def led(grid: Grid, peak_nm: float, width_nm: float = 20.0) -> Illuminant:
     Ohno, "Spectral design considerations for white LED color rendering", Opt. Eng. 44 (2005),
     111302, eq. 1.
     """
-    peak = _check.positive("peak_nm", "nm", peak_nm)
-    width = _check.positive("width_nm", "nm", width_nm)
-    if width < 2 * grid.step_nm:
-        raise narrow_diode(width, grid)
-    power = partial(diode_power, peak_nm=peak, width_nm=width)
-    return _from_formula(f"{peak:g} nm LED, {width:g} nm wide", power, grid)
+    power = _diode(grid, peak_nm, width_nm)
+    return _from_formula(f"{peak_nm:g} nm LED, {width_nm:g} nm wide", power, grid)
 
 
 def halogen(grid: Grid) -> Illuminant:
@@ -200,14 +196,14 @@ def led_white(grid: Grid) -> Illuminant:
     return replace(_from_formula("led-white", power, grid), notes=(_WHITE_NOTE,))
 
 
-def narrow_diode(width_nm: float, grid: Grid) -> InputError:
-    """The error for a diode that is too narrow for the grid."""
-    return InputError(
-        "width_nm",
-        f"must be at least {2 * grid.step_nm:g} [nm], two steps of the grid",
-        value=width_nm,
-        remedy="use a finer grid",
-    )
+def _diode(grid: Grid, peak_nm: float, width_nm: float) -> Power:
+    """The power of a diode; one that is too narrow for the grid raises an error."""
+    peak = _check.positive("peak_nm", "nm", peak_nm)
+    width = _check.positive("width_nm", "nm", width_nm)
+    if width < 2 * grid.step_nm:
+        need = f"must be at least {2 * grid.step_nm:g} [nm], two steps of the grid"
+        raise InputError("width_nm", need, value=width, remedy="use a finer grid")
+    return partial(diode_power, peak_nm=peak, width_nm=width)
 
 
 def diode_power(
@@ -290,13 +286,10 @@ def illuminant_from(
         the grid, or has no visible light.
     """
     if len(spectrum.names) != 1:
-        raise InputError(
-            spectrum.source,
-            f"must hold one curve, for illuminant {name}",
-            value=spectrum.names,
-            found=f"holds {len(spectrum.names)}: {', '.join(spectrum.names)}",
-            remedy=Setting("columns"),
-        )
+        need = f"must hold one curve, for illuminant {name}"
+        found = f"holds {len(spectrum.names)}: {', '.join(spectrum.names)}"
+        columns = Setting("columns")
+        raise InputError(spectrum.source, need, value=spectrum.names, found=found, remedy=columns)
     used = used_on_grid(spectrum.wavelength_nm, grid, from_nm=_OBSERVER_START_NM)
     refuse_outside(spectrum, remedy=SMALL_NEGATIVES, used=used)
     # values outside the grid and the observer's range are not used, so they are not checked
@@ -306,20 +299,16 @@ def illuminant_from(
     ends = {} if beyond == "hold" else {"left": 0.0, "right": 0.0}
     lux = _lux_of(lambda at: np.interp(at, known, power, **ends), name)
     narrow = share_in_narrow_lines(spectrum, grid)
-    step = f"{grid.step_nm:g} nm"
     lines = (
-        (
-            f"{spectrum.source}: {100 * narrow:.2g} % of its power is in lines narrower than the "
-            f"wavelength step of {step}; each line is averaged over a step, which keeps its power",
-        )
-        if narrow > _NOTED_IN_LINES
-        else ()
+        f"{spectrum.source}: {100 * narrow:.2g} % of its power is in lines narrower than the "
+        f"wavelength step of {grid.step_nm:g} nm; each line is averaged over a step, which keeps "
+        "its power"
     )
     return Illuminant(
         name=name,
         grid=grid,
         irradiance=resampled.values[:, 0] / lux,
-        notes=(*resampled.notes, *lines),
+        notes=(*resampled.notes, *([lines] if narrow > _NOTED_IN_LINES else [])),
     )
 
 
@@ -585,21 +574,16 @@ def with_infrared(
 
 def _diode_within(grid: Grid, peak_nm: float, width_nm: float) -> Power:
     """The power of a diode that lies within the grid; two widths contain all but 1e-4 of it."""
-    peak, width = (
-        _check.positive("peak_nm", "nm", peak_nm),
-        _check.positive("width_nm", "nm", width_nm),
-    )
-    at = grid.wavelength_nm
-    if width < 2 * grid.step_nm:
-        raise narrow_diode(width, grid)
-    if peak - 2 * width < at[0] or peak + 2 * width > at[-1]:
+    power, (low, high) = _diode(grid, peak_nm, width_nm), grid.wavelength_nm[[0, -1]]
+    if peak_nm - 2 * width_nm < low or peak_nm + 2 * width_nm > high:
+        size = f"{peak_nm:g} nm, {width_nm:g} nm wide"
         raise InputError(
             "peak_nm",
-            f"must be {at[0] + 2 * width:g} to {at[-1] - 2 * width:g} [nm]",
-            value=peak,
-            found=f"an LED of {peak:g} nm, {width:g} nm wide, reaches outside of the grid {grid}",
+            f"must be {low + 2 * width_nm:g} to {high - 2 * width_nm:g} [nm]",
+            value=float(peak_nm),
+            found=f"an LED of {size}, reaches outside of the grid {grid}",
         )
-    return partial(diode_power, peak_nm=peak, width_nm=width)
+    return power
 
 
 def _number(text: str, name: str) -> float:

@@ -7,10 +7,9 @@ title or a comment about the measurement cannot change them.
 import re
 from collections.abc import Iterable, Mapping
 from types import MappingProxyType
-from typing import get_args
 
 from chromanoise.errors import InputError
-from chromanoise.io.spectra.parsed import Level, Per, Quantity, Scale, Unit
+from chromanoise.io.spectra.parsed import Quantity, Scale, Unit
 
 _KEY = re.compile(r"\s*([A-Za-z][A-Za-z _-]{0,40}?)\s*[:=]\s*(\S.*)")
 _OF_WAVELENGTHS = r"(?:wave(?:length)?s?|lambda|x(?:[ _]?axis)?)"
@@ -97,18 +96,6 @@ def scale_of_key(keys: Mapping[str, str]) -> Scale | None:
     if {"percent", "%", "pct"} & set(text):
         return "percent"
     return "fraction" if "fraction" in text else None
-
-
-def level_of_key(keys: Mapping[str, str]) -> Level | None:
-    """``absolute`` or ``relative``, if a key declares it."""
-    word = keys.get("level", "").lower()
-    return next((level for level in get_args(Level) if level == word), None)
-
-
-def per_of_key(keys: Mapping[str, str]) -> Per | None:
-    """``photon`` or ``energy``, if a key declares it."""
-    word = keys.get("per", "").lower()
-    return next((per for per in get_args(Per) if per == word), None)
 
 
 def wavelength_unit_of(heading: str) -> Unit | None:

@@ -3,7 +3,7 @@
 import re
 from collections import Counter
 from dataclasses import replace
-from typing import Literal, get_args
+from typing import Literal, cast, get_args
 
 import numpy as np
 
@@ -11,8 +11,6 @@ from chromanoise._check import Array
 from chromanoise.errors import InputError, Setting
 from chromanoise.io.spectra.declared import (
     is_wavelength_heading,
-    level_of_key,
-    per_of_key,
     quantity_of_key,
     scale_of_key,
     unit_that_fits,
@@ -320,8 +318,9 @@ def _highest(points: Sorted) -> float:
 
 def _level(found: Found, answers: Answers, columns: list[Column]) -> Level | None:
     given = answers.level or found.level or ("relative" if answers.peak_qe is not None else None)
-    if given or level_of_key(found.keys):
-        return given or level_of_key(found.keys)
+    word = found.keys.get("level", "").lower()
+    if given or word in get_args(Level):
+        return given or cast("Level", word)
     heads = _heads(found, columns)
     if re.search(r"relative|normali[sz]ed|arbitrary|\ba\.?u\.?(?![a-z])", heads):
         return "relative"
@@ -331,9 +330,9 @@ def _level(found: Found, answers: Answers, columns: list[Column]) -> Level | Non
 def _per(
     found: Found, answers: Answers, columns: list[Column], quantity: Quantity | None
 ) -> Per | None:
-    given = answers.per or found.per or per_of_key(found.keys)
-    if given:
-        return given
+    given, word = answers.per or found.per, found.keys.get("per", "").lower()
+    if given or word in get_args(Per):
+        return given or cast("Per", word)
     heads = _heads(found, columns)
     if quantity == "QE" or re.search(r"photon|quanta|photlam", heads):
         return "photon"

@@ -93,7 +93,8 @@ def own_spectra(held: Mapping[str, Any], source: str) -> Found:
             remedy="correct them",
         )
     ratio = quantity in ("QE", "reflectance", "transmittance")
-    facts = {"scale": "fraction" if ratio else "as written", **_texts(held)}
+    texts = {key: value for key, value in held.items() if isinstance(value, str)}
+    facts = {"scale": "fraction" if ratio else "as written", **texts}
     return Found(
         source=source,
         format="chromanoise's own JSON, spectra",
@@ -175,10 +176,6 @@ def array_of(values: Any, depth: int) -> Array:
     if not arrays or len({array.size for array in arrays}) > 1:
         raise TypeError("rows of numbers are not equally long")
     return np.stack(arrays)
-
-
-def _texts(held: Mapping[str, Any]) -> dict[str, str]:
-    return {key: value for key, value in held.items() if isinstance(value, str)}
 
 
 def _refuse_other_version(held: Mapping[str, Any], source: str) -> None:

@@ -97,39 +97,35 @@ class Provenance:
 def _refuse_contradiction(provenance: Provenance) -> None:
     """Raise an error if quantity, unit, level and per of a sensor contradict each other."""
     unit = provenance.unit.replace(" ", "")
-    if provenance.quantity == "QE" and provenance.per == "energy":
-        raise InputError(
-            provenance.name,
+    per, response = provenance.per, provenance.quantity == "response"
+    absolute = response and provenance.level == "absolute"
+    for wrong, requirement, remedy in (
+        (
+            provenance.quantity == "QE" and per == "energy",
             "QE is per photon",
-            value=provenance.per,
-            found=f"per is {provenance.per!r}",
-            remedy=("omit per", 'write quantity = "response"'),
-        )
-    if provenance.quantity != "response":
-        return
-    if provenance.per == "photon" and "/W" in unit:
-        raise InputError(
-            provenance.name,
+            ("omit per", 'write quantity = "response"'),
+        ),
+        (
+            response and per == "photon" and "/W" in unit,
             f"{provenance.unit} is per energy",
-            value=provenance.per,
-            found=f"per is {provenance.per!r}",
-            remedy='write per = "energy"',
-        )
-    if provenance.level == "absolute" and unit not in _ABSOLUTE:
+            ('write per = "energy"',),
+        ),
+        (
+            absolute and per == "energy" and unit == "e-/photon",
+            "e-/photon is per photon",
+            ('write per = "photon"',),
+        ),
+    ):
+        if wrong:
+            found = f"per is {per!r}"
+            raise InputError(provenance.name, requirement, value=per, found=found, remedy=remedy)
+    if absolute and unit not in _ABSOLUTE:
         raise InputError(
             provenance.name,
             f"the unit of an absolute response must be {' or '.join(_ABSOLUTE)}",
             value=provenance.unit,
             found=f"is {provenance.unit}",
             remedy=("convert the values", 'write level = "relative"'),
-        )
-    if provenance.level == "absolute" and unit == "e-/photon" and provenance.per == "energy":
-        raise InputError(
-            provenance.name,
-            "e-/photon is per photon",
-            value=provenance.per,
-            found=f"per is {provenance.per!r}",
-            remedy='write per = "photon"',
         )
 
 
