@@ -6,9 +6,9 @@ from chromanoise._lazy import lazy_names
 
 if TYPE_CHECKING:
     from chromanoise.io.spectra.dispatch import read_curves
-    from chromanoise.io.spectra.envi_library import library_files
+    from chromanoise.io.spectra.envi import library_files
     from chromanoise.io.spectra.parsed import ASK, Answers, ParsedSpectra, Question
-    from chromanoise.io.spectra.uses import power_of, power_of_photons, qe_of
+    from chromanoise.io.spectra.questions import power_of, power_of_photons, qe_of
 
 __all__ = [
     "ASK",

@@ -15,8 +15,7 @@ from chromanoise.io.matlab import is_matlab
 from chromanoise.io.spectra.asd import is_asd, read_asd
 from chromanoise.io.spectra.cgats import is_cgats, read_cgats
 from chromanoise.io.spectra.delimited import read_delimited
-from chromanoise.io.spectra.envi import envi_pair
-from chromanoise.io.spectra.envi_library import envi_library, read_envi_library
+from chromanoise.io.spectra.envi import envi_library, envi_pair, read_envi_library
 from chromanoise.io.spectra.fits import read_fits
 from chromanoise.io.spectra.interpretation import meaning_of
 from chromanoise.io.spectra.isetcam import read_isetcam

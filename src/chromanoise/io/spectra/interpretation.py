@@ -54,6 +54,7 @@ _SENSITIVE_NM = (400.0, 1050.0)
 _MOSTLY = 0.5  # of the steps, ascending minus descending
 _FRACTION_AT_MOST, _PERCENT_AT_MOST = 1.5, 100.0
 _MOST_SENTENCES = 3
+_UNNAMED = "its columns have no names: each is taken as a curve, none as a standard deviation"
 
 
 def meaning_of(found: Found, answers: Answers) -> ParsedSpectra:
@@ -82,10 +83,11 @@ def meaning_of(found: Found, answers: Answers) -> ParsedSpectra:
         source=found.source,
     )
     curves, zeroed = _without_small_negatives(spectra, answers)
-    gaps = {gap for at in (curves, *points) for gap in gaps_nm(at.wavelength_nm)}
+    lists = (curves.wavelength_nm, *(one.wavelength_nm for one in points))
+    gaps = {gap for at in lists for gap in gaps_nm(at)}
     notes = (
         *(*found.notes, *unit_note, *scale_note, *_merge_notes(points), *cut, *zeroed),
-        *_unnamed(found, columns, answers),
+        *([] if found.named or len(columns) < 2 or answers.columns else [_UNNAMED]),
     )
     spread = [sorted_points(column, unit, found.source) for column in deviations]
     parsed = ParsedSpectra(
@@ -353,12 +355,6 @@ def _without_small_negatives(curves: Spectra, answers: Answers) -> tuple[Spectra
         f"{curves.values[small].min():.3g}"
     )
     return replace(curves, values=np.where(small, 0.0, curves.values)), (note,)
-
-
-def _unnamed(found: Found, columns: list[Column], answers: Answers) -> tuple[str, ...]:
-    if found.named or len(columns) < 2 or answers.columns:
-        return ()
-    return ("its columns have no names: each is taken as a curve, none as a standard deviation",)
 
 
 def _few(sentences: tuple[str, ...]) -> tuple[str, ...]:

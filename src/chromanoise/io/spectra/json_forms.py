@@ -11,7 +11,7 @@ from chromanoise._check import Array
 from chromanoise._inputs import json_of
 from chromanoise.errors import InputError
 from chromanoise.io.spectra.own_json import SPECTRA_SCHEMA, array_of, number_of, own_spectra
-from chromanoise.io.spectra.parsed import Column, Found, Level
+from chromanoise.io.spectra.parsed import Column, Found, Level, has, known_columns
 from chromanoise.io.spectra.tables import number_in
 
 _WAVELENGTHS = re.compile(r"(?i)(wavelengths?|lambdas?|waves?|wls?|nm)([ _]?\(?\w{1,12}\)?)?")
@@ -158,20 +158,13 @@ def _words(whole: Mapping[str, Any]) -> list[str]:
 def _columns(lists: Mapping[str, Any], at: Array, source: str) -> tuple[Column, ...]:
     columns = []
     for name, given in lists.items():
-        values = array_of(given, 1)
+        values, where = array_of(given, 1), f"key {name[:40]!r}"
         if values.size != at.size:
-            raise InputError(
-                source,
-                f"must have {at.size} values, as many as wavelengths",
-                value=values.size,
-                found=f"has {values.size}",
-                where=f"key {name[:40]!r}",
-            )
+            need = f"must have {at.size} values, as many as wavelengths"
+            raise has(source, need, values.size, where=where)
         if not (np.abs(np.append(values, at)) <= _LARGEST).all():
-            raise InputError(
-                source, "must be finite numbers of at most 1e30", where=f"key {name[:40]!r}"
-            )
-        columns.append(Column(name=name, unit="", wavelength=at, values=values))
+            raise InputError(source, "must be finite numbers of at most 1e30", where=where)
+        columns.append(Column(name=name, wavelength=at, values=values))
     return tuple(columns)
 
 
@@ -201,15 +194,13 @@ def read_rawtoaces(whole: Mapping[str, Any], source: str) -> Found:
         )
     table = np.array(rows, dtype=np.float64)
     names = _names(spectral, table.shape[1] - 1, source)
-    facts = _facts(whole)
+    header = whole.get("header")
+    facts = {k: str(v) for k, v in header.items() if v} if isinstance(header, dict) else {}
     level: Level | None = "relative" if spectral.get("units") == "relative" else None
     return Found(
         source=source,
         format="rawtoaces JSON",
-        columns=tuple(
-            Column(name=name, unit="", wavelength=table[:, 0], values=table[:, k + 1])
-            for k, name in enumerate(names)
-        ),
+        columns=known_columns(table[:, 0], zip(names, table[:, 1:].T, strict=True)),
         words=" ".join(facts.values()),
         wavelength_unit="nm",
         quantity="response" if len(names) == 3 else "power",
@@ -220,11 +211,6 @@ def read_rawtoaces(whole: Mapping[str, Any], source: str) -> Found:
             "light is counted as energy, as rawtoaces does",
         ),
     )
-
-
-def _facts(whole: Mapping[str, Any]) -> dict[str, str]:
-    header = whole.get("header")
-    return {k: str(v) for k, v in header.items() if v} if isinstance(header, dict) else {}
 
 
 def _member(of: Mapping[str, Any], name: str, source: str) -> dict[str, Any]:
@@ -242,30 +228,14 @@ def _row(at: str, values: Any, source: str) -> list[float]:
     cells = values if isinstance(values, list) else [values]
     real = [v for v in cells if isinstance(v, int | float) and not isinstance(v, bool)]
     wavelength = number_in(at)
+    where = f"entry {at[:40]!r} of spectral_data.data.main"
     if wavelength != wavelength or len(real) != len(cells) or not cells:
-        raise InputError(
-            source,
-            "must be a wavelength with a list of numbers",
-            value=values,
-            where=f"entry {at[:40]!r} of spectral_data.data.main",
-        )
-    row = [wavelength, *(_float(v) for v in real)]
-    if not all(abs(v) <= _LARGEST for v in row):
-        raise InputError(
-            source,
-            "must be finite and at most 1e30",
-            value=values,
-            where=f"entry {at[:40]!r} of spectral_data.data.main",
-            remedy="correct it",
-        )
-    return row
-
-
-def _float(value: float) -> float:
-    try:
-        return float(value)
-    except OverflowError:
-        return float("inf")
+        need = "must be a wavelength with a list of numbers"
+        raise InputError(source, need, value=values, where=where)
+    if not all(abs(v) <= _LARGEST for v in real):
+        need = "must be finite and at most 1e30"
+        raise InputError(source, need, value=values, where=where, remedy="correct it")
+    return [wavelength, *map(float, real)]
 
 
 def _names(spectral: dict[str, Any], curves: int, source: str) -> tuple[str, ...]:
