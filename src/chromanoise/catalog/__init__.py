@@ -5,12 +5,7 @@ from typing import TYPE_CHECKING
 from chromanoise._lazy import lazy_names
 
 if TYPE_CHECKING:
-    from chromanoise.catalog.entries import (
-        Entry,
-        catalog_entries,
-        catalog_entry,
-        catalog_file_of,
-    )
+    from chromanoise.catalog.entries import Entry, catalog_entries, catalog_entry, catalog_file_of
     from chromanoise.catalog.pixel_files import (
         converter_of,
         idle_answers,
@@ -19,15 +14,8 @@ if TYPE_CHECKING:
         read_pixel_source,
         sensor_with_pixel,
     )
-    from chromanoise.catalog.sensor_tables import (
-        is_assumed,
-        sensor_from_table,
-    )
-    from chromanoise.catalog.sensors import (
-        KNOWN_SENSORS,
-        SENSOR_NAMES,
-        sensor_named,
-    )
+    from chromanoise.catalog.sensor_tables import is_assumed, sensor_from_table
+    from chromanoise.catalog.sensors import KNOWN_SENSORS, SENSOR_NAMES, sensor_named
 
 __all__ = [
     "KNOWN_SENSORS",

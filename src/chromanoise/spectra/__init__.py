@@ -16,10 +16,7 @@ if TYPE_CHECKING:
         shifted,
         used_on_grid,
     )
-    from chromanoise.spectra.grid import (
-        DEFAULT_GRID,
-        Grid,
-    )
+    from chromanoise.spectra.grid import DEFAULT_GRID, Grid
     from chromanoise.spectra.illuminants import (
         Illuminant,
         astm_g173,
@@ -38,10 +35,7 @@ if TYPE_CHECKING:
         photon_irradiance,
         with_infrared,
     )
-    from chromanoise.spectra.metric import (
-        METRICS,
-        Metric,
-    )
+    from chromanoise.spectra.metric import METRICS, Metric
     from chromanoise.spectra.observers import (
         DEFAULT_OBSERVER,
         INFRARED_FROM_NM,

@@ -209,13 +209,9 @@ def kind_of_zip(names: list[str]) -> tuple[str, str] | None:
 
 def _refuse_kind(path: Path, kind: tuple[str, str] | None) -> None:
     if kind is not None:
-        raise InputError(
-            str(path),
-            "is not a file of spectra",
-            value=kind[0],
-            found=f"is {kind[0]}",
-            remedy=kind[1],
-        )
+        name, remedy = kind
+        need = "is not a file of spectra"
+        raise InputError(str(path), need, value=name, found=f"is {name}", remedy=remedy)
 
 
 def _decoded(path: Path, content: bytes) -> tuple[str, tuple[str, ...]]:
@@ -248,19 +244,13 @@ def _coding(content: bytes) -> tuple[str, tuple[str, ...]]:
         if len(content) % 2 == 0 and count == content.count(0) and count > 0.8 * len(zeros) > 1:
             return coding, (f"read as {coding.upper()}, which the file does not declare",)
     high = len(content.translate(None, bytes(range(128))))
-    if _is_utf8(content) or high > _MOST_HIGH * len(content) or _CONTROL.search(content):
-        return "utf-8-sig", ()
-    return "cp1252", (
-        f"read as Windows-1252, because it is not valid UTF-8 ({high} bytes above 127)",
-    )
-
-
-def _is_utf8(content: bytes) -> bool:
     try:
         content.decode("utf-8")
     except UnicodeDecodeError:
-        return False
-    return True
+        if high <= _MOST_HIGH * len(content) and not _CONTROL.search(content):
+            why = f"because it is not valid UTF-8 ({high} bytes above 127)"
+            return "cp1252", (f"read as Windows-1252, {why}",)
+    return "utf-8-sig", ()
 
 
 @contextmanager

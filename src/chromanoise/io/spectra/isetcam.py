@@ -47,14 +47,8 @@ def read_isetcam(path: Path) -> Found:
         )
     wavelength = _real(path, at_name, arrays[at_name]).ravel()
     if np.isnan(wavelength).any():
-        raise InputError(
-            str(path),
-            "must be finite numbers",
-            value=math.nan,
-            found="has NaN",
-            where=f"array {at_name!r}",
-            remedy=("correct it", "remove it"),
-        )
+        remedy = ("correct it", "remove it")
+        raise _of_nan(path, "has NaN", f"array {at_name!r}", remedy)
     data = _upright(path, _real(path, "data", arrays["data"]), wavelength.size)
     n = wavelength.size
     square = f"data is {n} by {n}: its rows are taken for wavelengths, its columns for curves"
@@ -157,14 +151,7 @@ def _camera_of_jiang(path: Path, arrays: dict) -> Found:
             ),
         )
     if not all(np.isfinite(curve).all() for curve in curves.values()):
-        raise InputError(
-            str(path),
-            "must be finite numbers",
-            value=math.nan,
-            found="have NaN",
-            where="arrays r, g, b",
-            remedy="correct them",
-        )
+        raise _of_nan(path, "have NaN", "arrays r, g, b", ("correct them",))
     return Found(
         source=str(path),
         format="MATLAB, a camera of Jiang et al. (2013)",
@@ -180,34 +167,27 @@ def _camera_of_jiang(path: Path, arrays: dict) -> Found:
     )
 
 
+def _of_nan(path: Path, found: str, where: str, remedy: tuple[str, ...]) -> InputError:
+    need = "must be finite numbers"
+    return InputError(str(path), need, value=math.nan, found=found, where=where, remedy=remedy)
+
+
 def _real(path: Path, name: str, declared: tuple[tuple[int, ...], np.dtype]) -> Array:
-    shape, dtype = declared
+    (shape, dtype), where = declared, f"array {name!r}"
     if dtype.kind not in "fiu" or len(shape) != 2 or min(shape) < 1:
-        raise InputError(
-            str(path),
-            "must be a table of real numbers",
-            value=(shape, str(dtype)),
-            found=f"has the shape {shape} and the type {dtype}",
-            where=f"array {name!r}",
-        )
+        need = "must be a table of real numbers"
+        found = f"has the shape {shape} and the type {dtype}"
+        raise InputError(str(path), need, value=(shape, str(dtype)), found=found, where=where)
     if math.prod(shape) * 8 > _LARGEST_BYTES:
-        raise InputError(
-            str(path),
-            f"must be at most {_LARGEST_BYTES // 2**20} MiB for a table of spectra",
-            value=shape,
-            found=f"has the shape {shape}",
-            where=f"array {name!r}",
-        )
+        need = f"must be at most {_LARGEST_BYTES // 2**20} MiB for a table of spectra"
+        found = f"has the shape {shape}"
+        raise InputError(str(path), need, value=shape, found=found, where=where)
     array = mat_array(path, name, largest_bytes=_LARGEST_BYTES).astype(np.float64)
     beyond = np.abs(array) > 1e30
     if beyond.any():
-        raise InputError(
-            str(path),
-            "must be at most 1e30",
-            value=float(array[beyond][0]),
-            where=f"array {name!r}",
-            remedy="correct it",
-        )
+        value = float(array[beyond][0])
+        need, remedy = "must be at most 1e30", "correct it"
+        raise InputError(str(path), need, value=value, where=where, remedy=remedy)
     return array
 
 
