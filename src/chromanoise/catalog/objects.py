@@ -201,15 +201,11 @@ def _found(
         raise InputError(source, "must have at least one curve", value=0, found="has none")
     made = []
     for name, given in columns:
-        values = _numbers(source, f"curve {name!r}", given)
+        where = f"curve {name!r}"
+        values = _numbers(source, where, given)
         if values.shape != at.shape:
-            raise InputError(
-                source,
-                f"must have {at.size} values, one per wavelength",
-                value=values.shape,
-                found=f"has shape {values.shape}",
-                where=f"curve {name!r}",
-            )
+            need, found = f"must have {at.size} values, one per wavelength", values.shape
+            raise InputError(source, need, value=found, found=f"has shape {found}", where=where)
         bad = ~(np.abs(values) <= _LARGEST)
         if bad.any():
             first = int(np.argmax(bad))
@@ -218,7 +214,7 @@ def _found(
                 f"must be finite numbers of at most {_LARGEST:g}",
                 value=float(values[first]),
                 found=f"is {values[first]:g} ({int(bad.sum())} of {bad.size} values)",
-                where=f"curve {name!r} at {at[first]:g} nm",
+                where=f"{where} at {at[first]:g} nm",
                 remedy="interpolate or remove them",
             )
         made.append(Column(name=name, unit=unit, wavelength=at, values=values))

@@ -5,6 +5,7 @@ import re
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -60,21 +61,18 @@ class EnviHeader:
             return default
         text = self.word(key)
         if not re.fullmatch(r"\+?[0-9]{1,18}", text):
-            raise InputError(
-                self.source,
-                "must be a whole number from 0 to 10^18",
-                value=text,
-                where=f"key {key!r}",
-            )
+            raise self.refused(key, "must be a whole number from 0 to 10^18", text)
         return int(text)
 
     def word(self, key: str) -> str:
         """The text of ``key``; an error if it is absent."""
         if key not in self.fields:
-            raise InputError(
-                self.source, "is missing in the header", where=f"key {key!r}", remedy="add it"
-            )
+            raise self.refused(key, "is missing in the header", remedy="add it")
         return self.fields[key]
+
+    def refused(self, key: str, requirement: str, value: Any = None, **more: Any) -> InputError:
+        """The error about the value of ``key``."""
+        return InputError(self.source, requirement, value=value, where=f"key {key!r}", **more)
 
 
 def envi_pair(path: Path) -> tuple[Path, Path] | None:
@@ -225,56 +223,41 @@ def envi_pixels(
 def _positive(header: EnviHeader, key: str) -> int:
     number = header.whole(key)
     if number < 1:
-        raise InputError(header.source, "must be at least 1", value=number, where=f"key {key!r}")
+        raise header.refused(key, "must be at least 1", number)
     return number
 
 
 def _dtype(header: EnviHeader) -> np.dtype:
     code = header.whole("data type")
     if code in _COMPLEX:
-        raise InputError(
-            header.source,
+        raise header.refused(
+            "data type",
             "must be a type of real numbers",
-            value=code,
+            code,
             found=f"{code} is complex",
-            where="key 'data type'",
             remedy="save real numbers, such as data type 4",
         )
     if code not in _DTYPES:
-        raise InputError(
-            header.source,
-            f"must be one of {', '.join(str(known) for known in _DTYPES)}",
-            value=code,
-            where="key 'data type'",
-        )
+        raise header.refused("data type", f"must be one of {', '.join(map(str, _DTYPES))}", code)
     order = header.whole("byte order", default=0)
     if order not in (0, 1):
-        raise InputError(
-            header.source,
-            "must be 0 (little-endian) or 1 (big-endian)",
-            value=order,
-            where="key 'byte order'",
-        )
+        need = "must be 0 (little-endian) or 1 (big-endian)"
+        raise header.refused("byte order", need, order)
     return np.dtype("<>"[order] + _DTYPES[code])
 
 
 def _axes(header: EnviHeader) -> tuple[str, ...]:
     word = header.word("interleave").lower()
     if word not in _AXES:
-        where = "key 'interleave'"
-        raise InputError(header.source, "must be bsq, bil or bip", value=word, where=where)
+        raise header.refused("interleave", "must be bsq, bil or bip", word)
     return _AXES[word]
 
 
 def _refuse_compressed(header: EnviHeader) -> None:
     if header.whole("file compression", default=0) != 0:
-        raise InputError(
-            header.source,
-            "must be 0, because compressed data is not read",
-            value=header.fields["file compression"],
-            where="key 'file compression'",
-            remedy="save the data uncompressed",
-        )
+        key, need = "file compression", "must be 0, because compressed data is not read"
+        remedy = "save the data uncompressed"
+        raise header.refused(key, need, header.fields[key], remedy=remedy)
 
 
 def _refuse_wrong_size(header: EnviHeader, data: Path, expected: int) -> None:
@@ -313,24 +296,14 @@ def envi_scale(header: EnviHeader) -> float | None:
     """
     gain = next((key for key in GAINS if key in header.fields), None)
     if gain is not None:
-        raise InputError(
-            header.source,
-            "gains and offsets per band are not applied",
-            where=f"key {gain!r}",
-            remedy=("apply them and save the cube again", Setting("scale")),
-        )
+        remedy = ("apply them and save the cube again", Setting("scale"))
+        raise header.refused(gain, "gains and offsets per band are not applied", remedy=remedy)
     key = "reflectance scale factor"
     if key not in header.fields:
         return None
     factor = _number(header, f"key {key!r}", header.word(key))
     if not (factor > 0 and math.isfinite(1 / factor)):
-        raise InputError(
-            header.source,
-            "must be > 0",
-            value=factor,
-            where="key 'reflectance scale factor'",
-            remedy=("correct it", Setting("scale")),
-        )
+        raise header.refused(key, "must be > 0", factor, remedy=("correct it", Setting("scale")))
     return 1 / factor
 
 
@@ -358,12 +331,8 @@ def envi_wavelengths(header: EnviHeader) -> tuple[Float[Array, " m"], tuple[str,
 def _listed_wavelengths(header: EnviHeader) -> list[float]:
     cells = [cell for cell in re.split(r"[,\s]+", header.word("wavelength")) if cell]
     if not cells:
-        raise InputError(
-            header.source,
-            "must not be empty",
-            where="key 'wavelength'",
-            remedy=("fill the list", Setting("wavelengths")),
-        )
+        remedy = ("fill the list", Setting("wavelengths"))
+        raise header.refused("wavelength", "must not be empty", remedy=remedy)
     return [_number(header, f"entry {i} of 'wavelength'", cell) for i, cell in enumerate(cells)]
 
 
@@ -418,13 +387,9 @@ def _library(header_file: Path, data: Path) -> tuple[EnviHeader, Path]:
     header = read_envi_header(header_file)
     kind = header.fields.get("file type", "")
     if kind.lower() != _LIBRARY and not _is_line_of_spectra(header):
-        raise InputError(
-            str(header_file),
-            "must be ENVI Spectral Library, or have one sample or one line",
-            value=kind,
-            where="key 'file type'",
-            remedy="name a file of spectra, not a cube",
-        )
+        need = "must be ENVI Spectral Library, or have one sample or one line"
+        remedy = "name a file of spectra, not a cube"
+        raise header.refused("file type", need, kind, remedy=remedy)
     return header, data
 
 
@@ -451,12 +416,8 @@ def read_envi_library(header: EnviHeader, data: Path) -> Found:
     """
     gain = next((key for key in GAINS[:2] if key in header.fields), None)
     if gain is not None:
-        raise InputError(
-            header.source,
-            "gains and offsets are not applied",
-            where=f"key {gain!r}",
-            remedy="apply them and save the library again",
-        )
+        remedy = "apply them and save the library again"
+        raise header.refused(gain, "gains and offsets are not applied", remedy=remedy)
     pixels, notes = envi_pixels(header, data)
     if _is_line_of_spectra(header):
         pixels = pixels.reshape(-1, pixels.shape[2])[:, :, None]
@@ -465,8 +426,7 @@ def read_envi_library(header: EnviHeader, data: Path) -> Found:
     text = header.fields.get("reflectance scale factor", "1")
     factor = number_in(text)
     if not factor > 0:
-        where = "key 'reflectance scale factor'"
-        raise InputError(header.source, "must be > 0", value=text, where=where)
+        raise header.refused("reflectance scale factor", "must be > 0", text)
     table = pixels[:, :, 0].astype(np.float64)
     table[~(np.abs(table) <= _LARGEST)] = np.nan
     wavelength, heading = _wavelengths(header, table.shape[1])
@@ -511,13 +471,8 @@ def _wavelengths(header: EnviHeader, count: int) -> tuple[Array, str]:
     cells = [cell.strip() for cell in header.word("wavelength").split(",")]
     numbers = np.array([number_in(cell) for cell in cells])
     if numbers.size != count:
-        raise InputError(
-            header.source,
-            f"must list {count} numbers, one per wavelength of the data",
-            value=numbers.size,
-            found=f"lists {numbers.size}",
-            where="key 'wavelength'",
-        )
+        need = f"must list {count} numbers, one per wavelength of the data"
+        raise header.refused("wavelength", need, numbers.size, found=f"lists {numbers.size}")
     if np.isnan(numbers).any():
         at = int(np.isnan(numbers).argmax())
         where = f"entry {at} of 'wavelength'"

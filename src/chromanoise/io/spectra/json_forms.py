@@ -63,12 +63,9 @@ def _camera_of_dcamprof(whole: Mapping[str, Any], source: str) -> Found:
     """A camera. DCamProf multiplies the curves by spectral power, so the response is per energy."""
     missing = [key for key in _SSF.values() if key not in whole]
     if missing:
-        raise InputError(
-            source,
-            f"must have {', '.join(missing)} beside ssf_bands, as a camera of DCamProf",
-            value=tuple(missing),
-            found=f"{', '.join(missing)} is missing",
-        )
+        need = f"must have {', '.join(missing)} beside ssf_bands, as a camera of DCamProf"
+        found = f"{', '.join(missing)} is missing"
+        raise InputError(source, need, value=tuple(missing), found=found)
     at = _bands(whole["ssf_bands"], source)
     name = whole.get("camera_name")
     return Found(
