@@ -15,7 +15,7 @@ from chromanoise._check import Array
 from chromanoise.errors import InputError
 from chromanoise.io.spectra.declared import is_wavelength_heading, wavelength_unit_of
 from chromanoise.io.spectra.merging import in_nm
-from chromanoise.io.spectra.parsed import Column, Found, Quantity
+from chromanoise.io.spectra.parsed import LARGEST, Column, Found, Quantity
 from chromanoise.spectra import Spectra
 
 CURVES = (
@@ -27,7 +27,6 @@ CURVES = (
 _PREFIX = "object:"
 _AXIS = "wavelength_nm"  # as the heading of a CSV file
 _UNNAMED = re.compile(r"\w+ \(\d+\)")  # colour-science: SpectralDistribution (140012345)
-_LARGEST = 1e30  # as in files
 
 
 def object_word(name: str) -> str:
@@ -206,12 +205,12 @@ def _found(
         if values.shape != at.shape:
             need, found = f"must have {at.size} values, one per wavelength", values.shape
             raise InputError(source, need, value=found, found=f"has shape {found}", where=where)
-        bad = ~(np.abs(values) <= _LARGEST)
+        bad = ~(np.abs(values) <= LARGEST)
         if bad.any():
             first = int(np.argmax(bad))
             raise InputError(
                 source,
-                f"must be finite numbers of at most {_LARGEST:g}",
+                f"must be finite numbers of at most {LARGEST:g}",
                 value=float(values[first]),
                 found=f"is {values[first]:g} ({int(bad.sum())} of {bad.size} values)",
                 where=f"{where} at {at[first]:g} nm",

@@ -97,12 +97,8 @@ def _understood(provenance: Provenance, curves: Spectra, answers: Answers) -> Pa
     """The table as if it were parsed from a file with the metadata of its provenance."""
     quantity = provenance.quantity
     if quantity not in get_args(Quantity):
-        raise InputError(
-            provenance.name,
-            "must hold QE or response to be a sensor",
-            value=quantity,
-            found=f"holds {quantity}",
-        )
+        need = "must hold QE or response to be a sensor"
+        raise InputError(provenance.name, need, value=quantity, found=f"holds {quantity}")
     return ParsedSpectra(
         curves=curves,
         format="table",

@@ -13,7 +13,7 @@ from chromanoise._check import Array
 from chromanoise._shapes import Float, Shaped
 from chromanoise.errors import InputError, Setting
 from chromanoise.io.spectra.declared import known_unit
-from chromanoise.io.spectra.parsed import Found, has, known_columns, missing_notes
+from chromanoise.io.spectra.parsed import LARGEST, Found, has, known_columns, missing_notes
 from chromanoise.io.spectra.tables import number_in
 from chromanoise.io.spectra.wavelength_lists import NAMED_WAVELENGTH, NM_PER, nanometers
 
@@ -356,7 +356,6 @@ def _number(header: EnviHeader, where: str, text: str) -> float:
 
 
 _LIBRARY = "envi spectral library"
-_LARGEST = 1e30  # USGS libraries mark deleted points by -1.23e34
 _UNSAID = ("", "unknown", "index")
 
 
@@ -428,7 +427,7 @@ def read_envi_library(header: EnviHeader, data: Path) -> Found:
     if not factor > 0:
         raise header.refused("reflectance scale factor", "must be > 0", text)
     table = pixels[:, :, 0].astype(np.float64)
-    table[~(np.abs(table) <= _LARGEST)] = np.nan
+    table[~(np.abs(table) <= LARGEST)] = np.nan
     wavelength, heading = _wavelengths(header, table.shape[1])
     curves = list(zip(_names(header, table.shape[0]), table / factor, strict=True))
     deleted = "values that are not numbers or marked as deleted"

@@ -12,10 +12,9 @@ import numpy as np
 from chromanoise._check import Array
 from chromanoise.errors import InputError
 from chromanoise.io.spectra.declared import known_unit
-from chromanoise.io.spectra.parsed import Found, has, known_columns, missing_notes
+from chromanoise.io.spectra.parsed import LARGEST, Found, has, known_columns, missing_notes
 
 _WAVELENGTH = re.compile(r"(?i)(wavelengths?|waves?|wl|lambda|lam|loglam)(?![a-z])")
-_LARGEST = 1e30
 _MOST_CURVES = 1000
 
 
@@ -103,7 +102,7 @@ def _numbers(path: Path, part: Any, name: str) -> Array:
     stored, null = np.asarray(part.data)[name], part.columns[name].null
     if stored.dtype.kind in "iu" and null is not None:  # TNULLn is the number before TSCALn, TZEROn
         values[stored.ravel() == null] = np.nan
-    if (np.abs(values) > _LARGEST).any():
+    if (np.abs(values) > LARGEST).any():
         raise InputError(
             str(path),
             "must be at most 1e30",

@@ -20,6 +20,7 @@ from chromanoise.io.spectra.defects import defects_of
 from chromanoise.io.spectra.merging import Sorted, gaps_nm, on_common, sorted_points, step_nm
 from chromanoise.io.spectra.own_json import named
 from chromanoise.io.spectra.parsed import (
+    SENSITIVE_NM,
     Answers,
     Column,
     Found,
@@ -50,7 +51,6 @@ _DEVIATION = (
 )
 _ABSORBANCE = r"(?i)absorban|optical.density|\blog ?\(? ?1 ?/ ?[rt]\b"
 _MOST_UM, _LEAST_NM = 20.0, 100.0
-_SENSITIVE_NM = (400.0, 1050.0)
 _MOSTLY = 0.5  # of the steps, ascending minus descending
 _FRACTION_AT_MOST, _PERCENT_AT_MOST = 1.5, 100.0
 _MOST_SENTENCES = 3
@@ -129,13 +129,9 @@ def _chosen(found: Found, answers: Answers) -> tuple[list[Column], list[Column]]
     names = [c.name for c in curves]
     repeated = [name for name, count in Counter(names).items() if count > 1]
     if repeated:
-        raise InputError(
-            found.source,
-            "must have different names for its curves",
-            value=repeated[0],
-            found=f"{repeated[0]!r} is repeated",
-            remedy="rename one",
-        )
+        need, first = "must have different names for its curves", repeated[0]
+        said = f"{first!r} is repeated"
+        raise InputError(found.source, need, value=first, found=said, remedy="rename one")
     for name in answers.columns:
         if name not in names:
             raise InputError(
@@ -314,7 +310,7 @@ def _scale(
 def _highest(points: Sorted) -> float:
     """The highest value at 400-1050 nm, or at any wavelength if none is there; at least 0."""
     at = points.wavelength_nm
-    here = points.values[(at >= _SENSITIVE_NM[0]) & (at <= _SENSITIVE_NM[1])]
+    here = points.values[(at >= SENSITIVE_NM[0]) & (at <= SENSITIVE_NM[1])]
     return float((here if here.size else points.values).max(initial=0.0))
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from chromanoise._check import Array
 from chromanoise.errors import InputError
 from chromanoise.io.matlab import mat_array, mat_arrays, mat_texts
-from chromanoise.io.spectra.parsed import Found, Quantity, known_columns, missing_notes
+from chromanoise.io.spectra.parsed import LARGEST, Found, Quantity, known_columns, missing_notes
 
 _LARGEST_BYTES = 32 * 2**20
 _WAVELENGTHS = ("wavelength", "wavelength_nm", "wave")
@@ -183,7 +183,7 @@ def _real(path: Path, name: str, declared: tuple[tuple[int, ...], np.dtype]) -> 
         found = f"has the shape {shape}"
         raise InputError(str(path), need, value=shape, found=found, where=where)
     array = mat_array(path, name, largest_bytes=_LARGEST_BYTES).astype(np.float64)
-    beyond = np.abs(array) > 1e30
+    beyond = np.abs(array) > LARGEST
     if beyond.any():
         value = float(array[beyond][0])
         need, remedy = "must be at most 1e30", "correct it"

@@ -11,13 +11,12 @@ from chromanoise._check import Array
 from chromanoise._inputs import json_of
 from chromanoise.errors import InputError
 from chromanoise.io.spectra.own_json import SPECTRA_SCHEMA, array_of, number_of, own_spectra
-from chromanoise.io.spectra.parsed import Column, Found, Level, has, known_columns
+from chromanoise.io.spectra.parsed import LARGEST, Column, Found, Level, has, known_columns
 from chromanoise.io.spectra.tables import number_in
 
 _WAVELENGTHS = re.compile(r"(?i)(wavelengths?|lambdas?|waves?|wls?|nm)([ _]?\(?\w{1,12}\)?)?")
 _UNIT = re.compile(r"(?i)wavelengths?[ _]units?")
 _SSF = {"R": "red_ssf", "G": "green_ssf", "B": "blue_ssf"}
-_LARGEST = 1e30
 
 
 def read_json(text: str, source: str) -> Found:
@@ -87,7 +86,7 @@ def _camera_of_dcamprof(whole: Mapping[str, Any], source: str) -> Found:
 def _spectrum_of_dcamprof(whole: Mapping[str, Any], source: str) -> Found:
     at = _bands(whole["bands"], source)
     scale = number_of(whole.get("scale", 1))
-    if not 0 < scale <= _LARGEST:
+    if not 0 < scale <= LARGEST:
         raise InputError(source, "must be > 0", value=scale, where="key 'scale'")
     (column,) = _columns({str(whole.get("name") or "spectrum"): whole["spectrum"]}, at, source)
     return Found(
@@ -159,7 +158,7 @@ def _columns(lists: Mapping[str, Any], at: Array, source: str) -> tuple[Column, 
         if values.size != at.size:
             need = f"must have {at.size} values, as many as wavelengths"
             raise has(source, need, values.size, where=where)
-        if not (np.abs(np.append(values, at)) <= _LARGEST).all():
+        if not (np.abs(np.append(values, at)) <= LARGEST).all():
             raise InputError(source, "must be finite numbers of at most 1e30", where=where)
         columns.append(Column(name=name, wavelength=at, values=values))
     return tuple(columns)
@@ -229,7 +228,7 @@ def _row(at: str, values: Any, source: str) -> list[float]:
     if wavelength != wavelength or len(real) != len(cells) or not cells:
         need = "must be a wavelength with a list of numbers"
         raise InputError(source, need, value=values, where=where)
-    if not all(abs(v) <= _LARGEST for v in real):
+    if not all(abs(v) <= LARGEST for v in real):
         need = "must be finite and at most 1e30"
         raise InputError(source, need, value=values, where=where, remedy="correct it")
     return [wavelength, *map(float, real)]

@@ -20,6 +20,11 @@ Per = Literal["photon", "energy"]
 Unit = Literal["nm", "um", "angstrom", "1/cm"]
 Negatives = Literal["refuse", "zero"]
 
+LARGEST = 1e30
+"""The largest number of a curve; USGS libraries mark deleted points by -1.23e34."""
+SENSITIVE_NM = (400.0, 1050.0)
+"""Wavelengths to which silicon is sensitive, and at which curves are judged. [nm]"""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Answers:

@@ -14,11 +14,18 @@ import numpy as np
 
 from chromanoise.errors import InputError, Render, Setting
 from chromanoise.io.spectra.defects import defects_of_a_light, judged, looks_normalized
-from chromanoise.io.spectra.parsed import Answers, Level, ParsedSpectra, Quantity, Question, Scale
+from chromanoise.io.spectra.parsed import (
+    SENSITIVE_NM,
+    Answers,
+    Level,
+    ParsedSpectra,
+    Quantity,
+    Question,
+    Scale,
+)
 from chromanoise.spectra.curves import SMALL_NEGATIVES, Spectra
 from chromanoise.units import photons_per_joule
 
-_GRID_NM = (400.0, 1050.0)
 _PER = Setting("per", ("energy", "photon"))
 _READING = (
     r"(?i)(?:.*: )?(?:dark|background|ref|reference)"
@@ -199,7 +206,7 @@ def _negatives(parsed: ParsedSpectra, answers: Answers) -> Iterator[Question]:
 
 def _beyond(parsed: ParsedSpectra, answers: Answers) -> Iterator[Question]:
     low, high = (float(end) for end in parsed.curves.wavelength_nm[[0, -1]])
-    if answers.beyond == "refuse" and (low > _GRID_NM[0] or high < _GRID_NM[1]):
+    if answers.beyond == "refuse" and (low > SENSITIVE_NM[0] or high < SENSITIVE_NM[1]):
         yield Question(
             about="beyond",
             asks=f"the curves cover {low:g}-{high:g} nm of 400-1050 nm: how should they be "

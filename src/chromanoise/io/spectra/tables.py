@@ -20,7 +20,15 @@ from chromanoise.io.spectra.declared import (
     is_wavelength_heading,
     with_units,
 )
-from chromanoise.io.spectra.parsed import Column, Found, Row, has, known_columns, missing_notes
+from chromanoise.io.spectra.parsed import (
+    LARGEST,
+    Column,
+    Found,
+    Row,
+    has,
+    known_columns,
+    missing_notes,
+)
 
 _POINT = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD][+-]?\d{1,4})?\s*%?", re.ASCII)
 _COMMA = re.compile(r"[+-]?(\d+(,\d+)?|,\d+)([eEdD][+-]?\d{1,4})?\s*%?", re.ASCII)
@@ -30,7 +38,6 @@ _COUNTS_ROWS = re.compile(r"(?i)(?:pixels?|index|points?|frame|row|column|no\.?|
 _OTHER_AXIS = re.compile(r"(?i)(?:wave ?numbers?|raman ?shifts?|frequency|(?:photon )?energy)")
 _UNIT = re.compile(r"(.*?)[\s_]*(?:\[([^\[\]]*)\]|\(([^()]*)\))")
 DIGITIZED = "digitized curves"
-_LARGEST = 1e30
 _LONGEST_CELL = 400
 _MOST_CELLS = 2_000_000
 _FEWEST_IN_LIST, _MOST_OF_RANGE = 5, 0.8
@@ -63,7 +70,7 @@ def number_in(cell: str, *, decimal_comma: bool = False) -> float:
         return _NAN
     plain = cell.strip().rstrip("% ").lower().replace("d", "e")
     value = float(plain.replace(",", ".") if decimal_comma else plain)
-    return value if abs(value) <= _LARGEST else _NAN
+    return value if abs(value) <= LARGEST else _NAN
 
 
 def finite_number(text: str, source: str, where: str, *, decimal_comma: bool = False) -> float:
@@ -302,7 +309,7 @@ def _numbers(
             if value != value and cell.lower() not in _MISSING:
                 raise InputError(
                     source,
-                    f"must be a finite number below {_LARGEST:g}",
+                    f"must be a finite number below {LARGEST:g}",
                     value=cell,
                     where=f"{where} {row.number}, column {names[k][:40] or str(k + 1)!r}",
                     remedy=("correct it", "remove the row"),
