@@ -1,7 +1,7 @@
 """Replace the pixel of a sensor by one from a file: TOML, data sheet, noise profile, table."""
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import asdict, replace
+from dataclasses import asdict, fields, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -261,11 +261,7 @@ def converter_of(source: PixelSource) -> Converter:
     try:
         if adc is not None:
             return Converter(**asdict(adc))
-        return Converter(
-            bits=source.bits,
-            gain_e_per_dn=source.gain_e_per_dn,
-            black_level_dn=source.black_level_dn,
-        )
+        return Converter(**{one.name: getattr(source, one.name) for one in fields(Converter)})
     except InputError as error:
         raise error.within(source.source) from None
 

@@ -208,12 +208,8 @@ def _csv(source: str, text: str) -> GivenMatrix:
     names = [row[0] for row in rows[1:]]
     targets: dict[tuple[str, ...], Target] = {("X", "Y", "Z"): "XYZ", ("R", "G", "B"): "sRGB"}
     if tuple(names) not in targets:
-        raise InputError(
-            source,
-            "must have the rows X, Y, Z (or R, G, B for linear sRGB)",
-            value=names,
-            found=f"has {', '.join(names)[:80]}",
-        )
+        need = "must have the rows X, Y, Z (or R, G, B for linear sRGB)"
+        raise InputError(source, need, value=names, found=f"has {', '.join(names)[:80]}")
     absolute = head[0] == "lx/e-"
     return GivenMatrix(
         source=source,
@@ -276,12 +272,8 @@ def _clf(source: str, text: str) -> GivenMatrix:
     steps = [n for n in root if "BitDepth" in " ".join(n.attrib)]
     arrays = [node for node in nodes if _CLF_NAMESPACE.sub("", str(node.tag)) == "Array"]
     if len(arrays) != 1 or len(steps) != 1:
-        raise InputError(
-            source,
-            "must be a CLF of one matrix",
-            value=len(steps),
-            found=f"has {len(steps)} steps and {len(arrays)} arrays",
-        )
+        found = f"has {len(steps)} steps and {len(arrays)} arrays"
+        raise InputError(source, "must be a CLF of one matrix", value=len(steps), found=found)
     (step,), words = steps, (arrays[0].text or "").split()
     depths = {step.attrib.get("inBitDepth"), step.attrib.get("outBitDepth")}
     if not depths <= {"16f", "32f"}:
@@ -389,13 +381,9 @@ def _fact(source: str, facts: Mapping[str, Any], key: str) -> float | None:
     except (TypeError, ValueError, OverflowError):
         number = 0.0
     if not 1 / _LARGEST_FACT <= number <= _LARGEST_FACT:
-        raise InputError(
-            source,
-            f"must be a number of 1e-30 to {_LARGEST_FACT:g}",
-            value=said,
-            where=f"{key} of the matrix",
-            remedy=("correct it", "remove it"),
-        )
+        need, where = f"must be a number of 1e-30 to {_LARGEST_FACT:g}", f"{key} of the matrix"
+        remedy = ("correct it", "remove it")
+        raise InputError(source, need, value=said, where=where, remedy=remedy)
     return number
 
 
@@ -416,10 +404,7 @@ def _array(source: str, rows: Any) -> Float[Array, "a b"]:
             source, "must hold a matrix of numbers", found=f"does not ({str(error)[:80]})"
         ) from None
     if values.ndim != 2 or not values.size:
-        raise InputError(
-            source,
-            "must hold a matrix of rows and columns",
-            value=values.shape,
-            found=f"holds an array of shape {values.shape}",
-        )
+        need = "must hold a matrix of rows and columns"
+        found = f"holds an array of shape {values.shape}"
+        raise InputError(source, need, value=values.shape, found=found)
     return values

@@ -4,8 +4,7 @@ import codecs
 import re
 import warnings
 import zipfile
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -121,8 +120,22 @@ def read_curves(path: Path | str | Found, *, answers: Answers = ASK) -> ParsedSp
     if isinstance(path, Found):
         return _meaning(path, answers)
     path = Path(path)
-    with _errors_of(path):
-        return _meaning(_found(path, _content(path)), answers)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            return _meaning(_found(path, _content(path)), answers)
+    except InputError:
+        raise
+    except OSError as error:
+        raise InputError(str(path), f"cannot be read ({error.strerror or error})") from None
+    except MemoryError:
+        raise InputError(str(path), "is too large for the memory of this machine") from None
+    except Exception:  # parsers raise arbitrary exceptions with unhelpful messages
+        raise InputError(
+            str(path),
+            "cannot be read as a file of spectra: it is damaged, truncated or of an unknown format",
+            remedy=("save it again", "save it as CSV"),
+        ) from None
 
 
 def _meaning(found: Found, answers: Answers) -> ParsedSpectra:
@@ -251,24 +264,3 @@ def _coding(content: bytes) -> tuple[str, tuple[str, ...]]:
             why = f"because it is not valid UTF-8 ({high} bytes above 127)"
             return "cp1252", (f"read as Windows-1252, {why}",)
     return "utf-8-sig", ()
-
-
-@contextmanager
-def _errors_of(path: Path) -> Iterator[None]:
-    """Turn any exception of a parser into an `InputError`."""
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            yield
-    except InputError:
-        raise
-    except OSError as error:
-        raise InputError(str(path), f"cannot be read ({error.strerror or error})") from None
-    except MemoryError:
-        raise InputError(str(path), "is too large for the memory of this machine") from None
-    except Exception:  # parsers raise arbitrary exceptions with unhelpful messages
-        raise InputError(
-            str(path),
-            "cannot be read as a file of spectra: it is damaged, truncated or of an unknown format",
-            remedy=("save it again", "save it as CSV"),
-        ) from None
