@@ -93,11 +93,8 @@ def crosstalk_table(path: Path) -> CrosstalkTable:
     cells = [row[1:] if has_labels else row for row in body]
     columns = head[1:] if cells and len(head) == len(cells[0]) + 1 else head
     if len(cells) != len(columns) or any(len(row) != len(columns) for row in cells):
-        raise InputError(
-            str(path),
-            f"must have {len(columns)} rows of {len(columns)} numbers",
-            value=[len(row) for row in cells],
-        )
+        need = f"must have {len(columns)} rows of {len(columns)} numbers"
+        raise InputError(str(path), need, value=[len(row) for row in cells])
     return CrosstalkTable(
         columns=tuple(columns),
         rows=tuple(row[0] for row in body) if has_labels else tuple(columns),
@@ -129,12 +126,8 @@ def _matrix(
 ) -> Crosstalk:
     for what, given in (("columns", table.columns), ("rows", table.rows)):
         if sorted(given) != sorted(names):
-            raise InputError(
-                str(path),
-                f"must have {what} for the channels {', '.join(names)}",
-                value=given,
-                found=f"has {', '.join(given)[:80]}",
-            )
+            need = f"must have {what} for the channels {', '.join(names)}"
+            raise InputError(str(path), need, value=given, found=f"has {', '.join(given)[:80]}")
     order_rows = [table.rows.index(name) for name in names]
     order_columns = [table.columns.index(name) for name in names]
     pixels = (1,) * len(names)

@@ -328,18 +328,18 @@ def _profile(path: Path, file: Any) -> GivenMatrix:
     }
     used = max(lights, key=lambda name: (lights[name][1] or ("", 0))[1])
     tag, light = lights[used]
+    names = {
+        name: f"{one[0]}, {one[1]} K" if one else "unknown light"
+        for name, (_, one) in lights.items()
+    }
     return GivenMatrix(
         source=source,
         kind="from-xyz",
         target="XYZ",
         values=np.array(tags[tag]).reshape(-1, 3),
         kelvin=None if light is None else light[1],
-        notes=_choice(source, {name: _light(light) for name, (_, light) in lights.items()}, used),
+        notes=_choice(source, names, used),
     )
-
-
-def _light(light: tuple[str, int] | None) -> str:
-    return "unknown light" if light is None else f"{light[0]}, {light[1]} K"
 
 
 def _choice(source: str, lights: Mapping[str, str], used: str) -> tuple[str, ...]:

@@ -134,13 +134,9 @@ def _chosen(found: Found, answers: Answers) -> tuple[list[Column], list[Column]]
         raise InputError(found.source, need, value=first, found=said, remedy="rename one")
     for name in answers.columns:
         if name not in names:
-            raise InputError(
-                found.source,
-                f"must have the curve {name!r}",
-                value=tuple(names),
-                found=f"has {', '.join(names[:20])}",
-                remedy=Setting("columns"),
-            )
+            need, held = f"must have the curve {name!r}", f"has {', '.join(names[:20])}"
+            remedy = Setting("columns")
+            raise InputError(found.source, need, value=tuple(names), found=held, remedy=remedy)
     if answers.columns:
         curves = [curves[names.index(name)] for name in dict.fromkeys(answers.columns)]
     return curves, spread
@@ -149,12 +145,9 @@ def _chosen(found: Found, answers: Answers) -> tuple[list[Column], list[Column]]
 def _refuse_absorbances(found: Found, columns: list[Column]) -> None:
     heads = [f"{c.name} [{c.unit}]" if c.unit else c.name for c in columns]
     if all(re.search(_ABSORBANCE, head) for head in heads):
-        raise InputError(
-            found.source,
-            "must hold transmittances, reflectances or light, not absorbances",
-            value=heads[0],
-            remedy="convert each absorbance A to a transmittance, 10^-A",
-        )
+        need = "must hold transmittances, reflectances or light, not absorbances"
+        remedy = "convert each absorbance A to a transmittance, 10^-A"
+        raise InputError(found.source, need, value=heads[0], remedy=remedy)
 
 
 def _wavelength_unit(
@@ -184,12 +177,9 @@ def _wavelength_unit(
             )
         declared = answer if answer == other else declared  # the numbers contradict the heading
     if answer and declared and answer != declared:
-        raise InputError(
-            "wavelength_unit",
-            f"must be {declared!r}, as {found.source} declares",
-            value=answer,
-            remedy=("omit it", "correct the file"),
-        )
+        need = f"must be {declared!r}, as {found.source} declares"
+        remedy = ("omit it", "correct the file")
+        raise InputError("wavelength_unit", need, value=answer, remedy=remedy)
     if declared or answer:
         return declared or answer or "nm", ()
     listed = is_wavelength_heading(found.heading) or found.format.endswith(DIGITIZED)
@@ -213,13 +203,9 @@ def _contradicted(declared: Unit | None, low: float, high: float) -> Unit | None
 
 
 def _unit_wanted(found: Found, span: str) -> InputError:
-    return InputError(
-        found.source,
-        "must declare the unit of its wavelengths",
-        value=span,
-        found=f"{span} have none",
-        remedy=Setting("wavelength_unit", get_args(Unit)),
-    )
+    need, units = "must declare the unit of its wavelengths", get_args(Unit)
+    remedy = Setting("wavelength_unit", units)
+    return InputError(found.source, need, value=span, found=f"{span} have none", remedy=remedy)
 
 
 def _is_ordered(at: Array) -> bool:
@@ -242,13 +228,8 @@ def _declared_unit(found: Found) -> Unit | None:
     said = {where: unit for where, unit in units.items() if unit}
     if len(set(said.values())) > 1:
         units_text = ", ".join(f"{unit} by {where}" for where, unit in said.items())
-        raise InputError(
-            found.source,
-            "must declare one unit of wavelengths",
-            value=units_text,
-            found=f"declares {units_text}",
-            remedy="correct one",
-        )
+        need, held = "must declare one unit of wavelengths", f"declares {units_text}"
+        raise InputError(found.source, need, value=units_text, found=held, remedy="correct one")
     return next(iter(said.values()), None)
 
 

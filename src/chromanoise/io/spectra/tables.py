@@ -278,12 +278,8 @@ def _refuse_no_wavelengths(
     wrong = np.argwhere(at <= 0)
     if len(wrong):
         i, k = (int(n) for n in wrong[0])
-        raise InputError(
-            source,
-            "the wavelength must be > 0",
-            value=float(at[i, k]),
-            where=f"{where} {body[i].number}",
-        )
+        place = f"{where} {body[i].number}"
+        raise InputError(source, "the wavelength must be > 0", value=float(at[i, k]), where=place)
 
 
 def _numbers(
@@ -401,11 +397,8 @@ def _shared(
 ) -> Found:
     lost = np.flatnonzero(~np.isfinite(numbers[:, 0]))
     if lost.size:
-        raise InputError(
-            found["source"],
-            "has values but no wavelength",
-            where=f"{where} {at_lines[int(lost[0])]}",
-        )
+        place = f"{where} {at_lines[int(lost[0])]}"
+        raise InputError(found["source"], "has values but no wavelength", where=place)
     if numbers.shape[1] < 2:
         raise has(found["source"], "must have at least 2 columns", numbers.shape[1])
     names = [name_and_unit(text) if unit is None else (text, unit) for text in head[1:]]
