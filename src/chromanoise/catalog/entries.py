@@ -31,6 +31,7 @@ KINDS: Mapping[str, str] = {
 FOLDER_VARIABLE = "CHROMANOISE_CATALOG"
 """The environment variable with the path of a user's folder."""
 
+_OF_CURVES = ("quantity", "unit", "level", "per", "done", "defects")
 _FOUND_IN = ("QE", "response", "reflectance", "transmittance")
 
 
@@ -228,19 +229,10 @@ def pixel_summary(entry: Entry) -> str:
 def _as_json(entry: Entry) -> dict[str, Any]:
     provenance = entry.provenance
     data: dict[str, Any] = {
-        "name": provenance.name,
-        "kind": provenance.kind,
-        "what": provenance.what,
-        "source": provenance.source,
-        "license": provenance.license,
+        **{key: getattr(provenance, key) for key in ("name", "kind", "what", "source", "license")},
         "start_nm": entry.start_nm,
         "stop_nm": entry.stop_nm,
-        "quantity": provenance.quantity,
-        "unit": provenance.unit,
-        "level": provenance.level,
-        "per": provenance.per,
-        "done": provenance.done,
-        "defects": provenance.defects,
+        **{key: getattr(provenance, key) for key in _OF_CURVES},
         "found": list(entry.found),
         "asks": list(entry.asks),
         "curves": list(entry.channels),

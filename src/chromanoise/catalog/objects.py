@@ -15,7 +15,7 @@ from chromanoise._check import Array
 from chromanoise.errors import InputError
 from chromanoise.io.spectra.declared import is_wavelength_heading, wavelength_unit_of
 from chromanoise.io.spectra.merging import in_nm
-from chromanoise.io.spectra.parsed import Column, Found, Quantity
+from chromanoise.io.spectra.parsed import LARGEST, Column, Found, Quantity
 from chromanoise.spectra import Spectra
 
 CURVES = (
@@ -27,7 +27,6 @@ CURVES = (
 _PREFIX = "object:"
 _AXIS = "wavelength_nm"  # as the heading of a CSV file
 _UNNAMED = re.compile(r"\w+ \(\d+\)")  # colour-science: SpectralDistribution (140012345)
-_LARGEST = 1e30  # as in files
 
 
 def object_word(name: str) -> str:
@@ -201,24 +200,20 @@ def _found(
         raise InputError(source, "must have at least one curve", value=0, found="has none")
     made = []
     for name, given in columns:
-        values = _numbers(source, f"curve {name!r}", given)
+        where = f"curve {name!r}"
+        values = _numbers(source, where, given)
         if values.shape != at.shape:
-            raise InputError(
-                source,
-                f"must have {at.size} values, one per wavelength",
-                value=values.shape,
-                found=f"has shape {values.shape}",
-                where=f"curve {name!r}",
-            )
-        bad = ~(np.abs(values) <= _LARGEST)
+            need, found = f"must have {at.size} values, one per wavelength", values.shape
+            raise InputError(source, need, value=found, found=f"has shape {found}", where=where)
+        bad = ~(np.abs(values) <= LARGEST)
         if bad.any():
             first = int(np.argmax(bad))
             raise InputError(
                 source,
-                f"must be finite numbers of at most {_LARGEST:g}",
+                f"must be finite numbers of at most {LARGEST:g}",
                 value=float(values[first]),
                 found=f"is {values[first]:g} ({int(bad.sum())} of {bad.size} values)",
-                where=f"curve {name!r} at {at[first]:g} nm",
+                where=f"{where} at {at[first]:g} nm",
                 remedy="interpolate or remove them",
             )
         made.append(Column(name=name, unit=unit, wavelength=at, values=values))

@@ -48,13 +48,10 @@ def resolve_pairs(word: str | Found, *, answers: Answers = ASK) -> PatchPairs:
     if isinstance(word, Found) or lines is None:
         curves = resolve_reflectances(word, answers=answers)
         if len(curves.names) * (len(curves.names) - 1) // 2 > _MOST_PAIRS:
-            raise InputError(
-                curves.source,
-                f"must have at most {_MOST_PAIRS} pairs of curves",
-                value=len(curves.names),
-                found=f"has {len(curves.names)} curves",
-                remedy="name the pairs in a list with the header first,second",
-            )
+            need, count = f"must have at most {_MOST_PAIRS} pairs of curves", len(curves.names)
+            remedy = "name the pairs in a list with the header first,second"
+            found = f"has {count} curves"
+            raise InputError(curves.source, need, value=count, found=found, remedy=remedy)
         return all_pairs(curves)
     patches: dict[str, Spectra] = {}
     column: dict[str, int] = {}

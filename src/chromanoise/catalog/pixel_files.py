@@ -1,7 +1,7 @@
 """Replace the pixel of a sensor by one from a file: TOML, data sheet, noise profile, table."""
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import asdict, replace
+from dataclasses import asdict, fields, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -15,11 +15,7 @@ from chromanoise.catalog.resolve import (
     is_file_word,
     resolve_sensor,
 )
-from chromanoise.characterization import (
-    characterization_from_json,
-    is_characterization,
-    pixel_of,
-)
+from chromanoise.characterization import characterization_from_json, is_characterization, pixel_of
 from chromanoise.errors import InputError, Setting
 from chromanoise.io.pixels import (
     read_emva_sheet,
@@ -27,25 +23,13 @@ from chromanoise.io.pixels import (
     read_photon_transfer_csv,
     read_pixel_toml,
 )
-from chromanoise.io.pixels.noise_profile import (
-    is_noise_profile_text,
-)
+from chromanoise.io.pixels.noise_profile import is_noise_profile_text
 from chromanoise.io.pixels.photon_transfer_csv import is_photon_transfer_text
 from chromanoise.io.pixels.pixel_toml import is_pixel_toml_text
-from chromanoise.io.pixels.source_text import (
-    errors_in_file,
-    source_text,
-)
+from chromanoise.io.pixels.source_text import errors_in_file, source_text
 from chromanoise.io.sensor_json import sensor_from_json
 from chromanoise.io.spectra import ASK, Answers, read_curves
-from chromanoise.sensor import (
-    PIXEL,
-    PIXEL_REQUIRED,
-    Converter,
-    PixelSource,
-    Sensor,
-    with_pixel,
-)
+from chromanoise.sensor import PIXEL, PIXEL_REQUIRED, Converter, PixelSource, Sensor, with_pixel
 
 _HEAD_BYTES = 200  # of the JSON, which name its schema
 _BEFORE_JSON = b"\xef\xbb\xbf \t\r\n"
@@ -277,11 +261,7 @@ def converter_of(source: PixelSource) -> Converter:
     try:
         if adc is not None:
             return Converter(**asdict(adc))
-        return Converter(
-            bits=source.bits,
-            gain_e_per_dn=source.gain_e_per_dn,
-            black_level_dn=source.black_level_dn,
-        )
+        return Converter(**{one.name: getattr(source, one.name) for one in fields(Converter)})
     except InputError as error:
         raise error.within(source.source) from None
 

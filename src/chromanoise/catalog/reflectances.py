@@ -155,12 +155,9 @@ def _refuse_unknown(word: str) -> None:
     known = _known_patches()
     if word not in known:
         otherwise = "give a number, a file, or a patch of the ColorChecker, e.g. dark skin"
-        raise InputError(
-            "patch",
-            "must be a number, a file, or a known name",
-            value=word,
-            remedy=did_you_mean(word, known, otherwise, most=2, cutoff=0.6),
-        )
+        remedy = did_you_mean(word, known, otherwise, most=2, cutoff=0.6)
+        need = "must be a number, a file, or a known name"
+        raise InputError("patch", need, value=word, remedy=remedy)
 
 
 def _known_patches() -> tuple[str, ...]:
@@ -179,14 +176,10 @@ def _one(spectra: Spectra, name: str) -> Spectra:
         )
     wanted = name or spectra.names[0]
     if wanted not in spectra.names:
-        raise InputError(
-            "patch",
-            f"must be a curve of {spectra.source}",
-            value=wanted,
-            remedy=did_you_mean(
-                wanted, spectra.names, f"it has {', '.join(spectra.names[:8])}", most=2, cutoff=0.6
-            ),
-        )
+        otherwise = f"it has {', '.join(spectra.names[:8])}"
+        remedy = did_you_mean(wanted, spectra.names, otherwise, most=2, cutoff=0.6)
+        need = f"must be a curve of {spectra.source}"
+        raise InputError("patch", need, value=wanted, remedy=remedy)
     column = spectra.names.index(wanted)
     return replace(spectra, values=spectra.values[:, [column]], names=(wanted,))
 

@@ -14,7 +14,7 @@ from chromanoise.sensor.mosaic import mosaic_named
 from chromanoise.sensor.pixel import PAPER_PIXEL, PIXEL, PIXEL_REQUIRED, Pixel
 from chromanoise.sensor.sensor import Sensor
 from chromanoise.spectra import Grid, Spectra, means_on_grid, refuse_outside
-from chromanoise.spectra.tables import catalog_curves, catalog_tables, formulas
+from chromanoise.spectra.tables import catalog_tables, formulas
 from chromanoise.spectra.tables.provenance import Provenance
 
 DEVICE_NAMES = tuple(catalog_tables("sensor"))
@@ -26,34 +26,6 @@ CAMERA_NAMES = tuple(
     if provenance.carried_as and not provenance.table
 )
 """Cameras that colour-science includes."""
-
-
-def device_named(name: str, grid: Grid, answers: Answers, pixel: Mapping[str, float]) -> Sensor:
-    """The device of the catalog; ``answers`` supplies metadata that its table lacks.
-
-    Raises
-    ------
-    InputError
-        If the table does not cover the grid or is relative, and ``answers`` lacks the setting.
-    """
-    provenance = catalog_tables("sensor")[name]
-    return sensor_from_table(
-        provenance, catalog_curves(provenance), grid, answers=answers, pixel=pixel
-    )
-
-
-def camera_named(name: str, grid: Grid, answers: Answers, pixel: Mapping[str, float]) -> Sensor:
-    """A camera of colour-science. Its curves are relative and lack the infrared.
-
-    Raises
-    ------
-    InputError
-        Unless ``answers`` gives ``per``, ``peak_qe`` and ``beyond``.
-    """
-    provenance = formulas()[name]
-    return sensor_from_table(
-        provenance, camera_curves(provenance), grid, answers=answers, pixel=pixel
-    )
 
 
 def camera_curves(provenance: Provenance) -> Spectra:
@@ -102,7 +74,8 @@ def sensor_from_table(
     qe = qe_of(_understood(provenance, named, answers), answers)
     refuse_outside(qe, high=1.0, remedy=Setting("peak_qe"))
     resampled = means_on_grid(qe, grid, beyond=answers.beyond)
-    own, assumed = _pixel(provenance, pixel)
+    known = {**provenance.pixel, **pixel}
+    own = replace(PAPER_PIXEL, **known)
     return Sensor(
         name=provenance.name,
         grid=grid,
@@ -114,7 +87,7 @@ def sensor_from_table(
         notes=(
             provenance.source,
             *([] if provenance.defects.strip(" .").lower() == "none" else [provenance.defects]),
-            *assumed,
+            *assumed_pixel(provenance.name, own, known),
             *resampled.notes,
         ),
     )
@@ -124,38 +97,17 @@ def _understood(provenance: Provenance, curves: Spectra, answers: Answers) -> Pa
     """The table as if it were parsed from a file with the metadata of its provenance."""
     quantity = provenance.quantity
     if quantity not in get_args(Quantity):
-        raise InputError(
-            provenance.name,
-            "must hold QE or response to be a sensor",
-            value=quantity,
-            found=f"holds {quantity}",
-        )
+        need = "must hold QE or response to be a sensor"
+        raise InputError(provenance.name, need, value=quantity, found=f"holds {quantity}")
     return ParsedSpectra(
         curves=curves,
         format="table",
-        delimiter="",
-        decimal="",
         wavelength_unit="nm",
         scale="as written",
-        factor=1.0,
-        step_nm=None,
-        gaps_nm=(),
-        merged=0,
         quantity=quantity,  # type: ignore[arg-type]
         level=provenance.level,
         per=provenance.per or ("photon" if quantity == "QE" else answers.per),
-        deviations=None,
-        notes=(),
-        defects=(),
-        questions=(),
     )
-
-
-def _pixel(provenance: Provenance, given: Mapping[str, float]) -> tuple[Pixel, tuple[str, ...]]:
-    """The pixel of the source, with the paper's pixel for missing values, and a note on them."""
-    known = {**provenance.pixel, **given}
-    pixel = replace(PAPER_PIXEL, **known)
-    return pixel, assumed_pixel(provenance.name, pixel, known)
 
 
 def assumed_pixel(name: str, pixel: Pixel, known: Collection[str]) -> tuple[str, ...]:

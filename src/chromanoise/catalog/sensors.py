@@ -9,16 +9,15 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from types import MappingProxyType
 
-from chromanoise._check import (
-    Array,
+from chromanoise._check import Array
+from chromanoise._shapes import Float
+from chromanoise.catalog.names import unknown_name
+from chromanoise.catalog.sensor_tables import (
+    CAMERA_NAMES,
+    DEVICE_NAMES,
+    camera_curves,
+    sensor_from_table,
 )
-from chromanoise._shapes import (
-    Float,
-)
-from chromanoise.catalog.names import (
-    unknown_name,
-)
-from chromanoise.catalog.sensor_tables import CAMERA_NAMES, DEVICE_NAMES, camera_named, device_named
 from chromanoise.errors import known_name
 from chromanoise.io.spectra import ASK, Answers
 from chromanoise.sensor.models import MODELS
@@ -26,7 +25,7 @@ from chromanoise.sensor.mosaic import bayer, rgbw_sparse_4x4
 from chromanoise.sensor.pixel import PAPER_PIXEL
 from chromanoise.sensor.sensor import Sensor, behind_filter, with_channels
 from chromanoise.spectra import DEFAULT_GRID, Grid, on_grid
-from chromanoise.spectra.tables import packaged_table
+from chromanoise.spectra.tables import catalog_curves, catalog_tables, formulas, packaged_table
 
 RECONSTRUCTION = (
     "curves are a reconstruction consistent with the paper's printed figures, not a measurement"
@@ -117,12 +116,13 @@ def sensor_named(
     name = known_name(name, KNOWN_SENSORS)
     if name not in KNOWN_SENSORS:
         raise unknown_name("sensor", name, KNOWN_SENSORS)
-    if name in DEVICE_NAMES:
-        return device_named(name, grid, answers, pixel)
-    if name in CAMERA_NAMES:
-        return camera_named(name, grid, answers, pixel)
-    sensor = _MAKERS[name](grid)
-    return replace(sensor, pixel=replace(sensor.pixel, **pixel))
+    if name in _MAKERS:
+        sensor = _MAKERS[name](grid)
+        return replace(sensor, pixel=replace(sensor.pixel, **pixel))
+    is_device = name in DEVICE_NAMES
+    known = catalog_tables("sensor")[name] if is_device else formulas()[name]
+    curves = catalog_curves(known) if is_device else camera_curves(known)
+    return sensor_from_table(known, curves, grid, answers=answers, pixel=pixel)
 
 
 def _onyx_ir_cut(grid: Grid) -> Float[Array, " n"]:

@@ -11,6 +11,7 @@ from chromanoise import _inputs
 from chromanoise._check import Array
 from chromanoise._shapes import Float
 from chromanoise.errors import InputError, Setting
+from chromanoise.io.given_matrices import are_numbers
 from chromanoise.sensor import Crosstalk, Mosaic, crosstalk_of_kernel
 
 _MOST_BYTES = 100_000
@@ -83,20 +84,17 @@ def crosstalk_table(path: Path) -> CrosstalkTable:
         If the file is no table of numbers, or a matrix with names is not square.
     """
     rows = _rows(path)
-    if _are_numbers(rows[0]):
+    if are_numbers(rows[0]):
         if len({len(row) for row in rows}) > 1:
             raise InputError(str(path), "must have rows of equal length", value=len(rows))
         return CrosstalkTable(columns=(), rows=(), values=_numbers(path, rows, first=0))
     head, body = rows[0], rows[1:]
-    has_labels = bool(body) and not _are_numbers(body[0][:1])
+    has_labels = bool(body) and not are_numbers(body[0][:1])
     cells = [row[1:] if has_labels else row for row in body]
     columns = head[1:] if cells and len(head) == len(cells[0]) + 1 else head
     if len(cells) != len(columns) or any(len(row) != len(columns) for row in cells):
-        raise InputError(
-            str(path),
-            f"must have {len(columns)} rows of {len(columns)} numbers",
-            value=[len(row) for row in cells],
-        )
+        need = f"must have {len(columns)} rows of {len(columns)} numbers"
+        raise InputError(str(path), need, value=[len(row) for row in cells])
     return CrosstalkTable(
         columns=tuple(columns),
         rows=tuple(row[0] for row in body) if has_labels else tuple(columns),
@@ -123,25 +121,13 @@ def _rows(path: Path) -> list[list[str]]:
     return [[cell.strip() for cell in line.split(mark)] for line in used]
 
 
-def _are_numbers(cells: list[str]) -> bool:
-    try:
-        [float(cell) for cell in cells]
-    except ValueError:
-        return False
-    return True
-
-
 def _matrix(
     path: Path, table: CrosstalkTable, names: tuple[str, ...], mosaic: Mosaic | None
 ) -> Crosstalk:
     for what, given in (("columns", table.columns), ("rows", table.rows)):
         if sorted(given) != sorted(names):
-            raise InputError(
-                str(path),
-                f"must have {what} for the channels {', '.join(names)}",
-                value=given,
-                found=f"has {', '.join(given)[:80]}",
-            )
+            need = f"must have {what} for the channels {', '.join(names)}"
+            raise InputError(str(path), need, value=given, found=f"has {', '.join(given)[:80]}")
     order_rows = [table.rows.index(name) for name in names]
     order_columns = [table.columns.index(name) for name in names]
     pixels = (1,) * len(names)
@@ -161,13 +147,9 @@ def _errors_of(path: Path) -> Iterator[None]:
 
 
 def _numbers(path: Path, rows: list[list[str]], *, first: int) -> Float[Array, "r c"]:
-    return np.array([[_number(path, i, c) for c in row] for i, row in enumerate(rows, start=first)])
-
-
-def _number(path: Path, line: int, cell: str) -> float:
-    try:
-        return float(cell)
-    except ValueError:
-        raise InputError(
-            str(path), "must hold numbers", value=cell, where=f"row {line + 1} of the table"
-        ) from None
+    for line, row in enumerate(rows, start=first + 1):
+        for cell in row:
+            if not are_numbers([cell]):
+                where = f"row {line} of the table"
+                raise InputError(str(path), "must hold numbers", value=cell, where=where)
+    return np.array([[float(cell) for cell in row] for row in rows])

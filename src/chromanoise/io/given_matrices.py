@@ -9,7 +9,7 @@ import csv
 import io
 import re
 import struct
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -110,9 +110,8 @@ class GivenMatrix:
         values = _check.finite(f"matrix of {self.source}", "1", self.values)
         rows = values.shape[1] if self.kind == "from-xyz" else values.shape[0]
         if values.ndim != 2 or rows != 3:
-            what = (
-                "3 columns (X, Y, Z)" if self.kind == "from-xyz" else "3 rows (X, Y, Z or R, G, B)"
-            )
+            wide = self.kind == "from-xyz"
+            what = "3 columns (X, Y, Z)" if wide else "3 rows (X, Y, Z or R, G, B)"
             raise InputError(
                 f"matrix of {self.source}",
                 f"must have {what}",
@@ -202,19 +201,15 @@ def _csv(source: str, text: str) -> GivenMatrix:
     if len(rows) < 3:
         raise InputError(source, "must hold a matrix of 3 rows", value=len(rows))
     head = rows[0]
-    if _numbers(head):  # numbers only
+    if are_numbers(head):  # numbers only
         return GivenMatrix(
             source=source, kind="balanced", target="sRGB", values=_array(source, rows)
         )
     names = [row[0] for row in rows[1:]]
     targets: dict[tuple[str, ...], Target] = {("X", "Y", "Z"): "XYZ", ("R", "G", "B"): "sRGB"}
     if tuple(names) not in targets:
-        raise InputError(
-            source,
-            "must have the rows X, Y, Z (or R, G, B for linear sRGB)",
-            value=names,
-            found=f"has {', '.join(names)[:80]}",
-        )
+        need = "must have the rows X, Y, Z (or R, G, B for linear sRGB)"
+        raise InputError(source, need, value=names, found=f"has {', '.join(names)[:80]}")
     absolute = head[0] == "lx/e-"
     return GivenMatrix(
         source=source,
@@ -277,12 +272,8 @@ def _clf(source: str, text: str) -> GivenMatrix:
     steps = [n for n in root if "BitDepth" in " ".join(n.attrib)]
     arrays = [node for node in nodes if _CLF_NAMESPACE.sub("", str(node.tag)) == "Array"]
     if len(arrays) != 1 or len(steps) != 1:
-        raise InputError(
-            source,
-            "must be a CLF of one matrix",
-            value=len(steps),
-            found=f"has {len(steps)} steps and {len(arrays)} arrays",
-        )
+        found = f"has {len(steps)} steps and {len(arrays)} arrays"
+        raise InputError(source, "must be a CLF of one matrix", value=len(steps), found=found)
     (step,), words = steps, (arrays[0].text or "").split()
     depths = {step.attrib.get("inBitDepth"), step.attrib.get("outBitDepth")}
     if not depths <= {"16f", "32f"}:
@@ -337,18 +328,18 @@ def _profile(path: Path, file: Any) -> GivenMatrix:
     }
     used = max(lights, key=lambda name: (lights[name][1] or ("", 0))[1])
     tag, light = lights[used]
+    names = {
+        name: f"{one[0]}, {one[1]} K" if one else "unknown light"
+        for name, (_, one) in lights.items()
+    }
     return GivenMatrix(
         source=source,
         kind="from-xyz",
         target="XYZ",
         values=np.array(tags[tag]).reshape(-1, 3),
         kelvin=None if light is None else light[1],
-        notes=_choice(source, {name: _light(light) for name, (_, light) in lights.items()}, used),
+        notes=_choice(source, names, used),
     )
-
-
-def _light(light: tuple[str, int] | None) -> str:
-    return "unknown light" if light is None else f"{light[0]}, {light[1]} K"
 
 
 def _choice(source: str, lights: Mapping[str, str], used: str) -> tuple[str, ...]:
@@ -390,17 +381,14 @@ def _fact(source: str, facts: Mapping[str, Any], key: str) -> float | None:
     except (TypeError, ValueError, OverflowError):
         number = 0.0
     if not 1 / _LARGEST_FACT <= number <= _LARGEST_FACT:
-        raise InputError(
-            source,
-            f"must be a number of 1e-30 to {_LARGEST_FACT:g}",
-            value=said,
-            where=f"{key} of the matrix",
-            remedy=("correct it", "remove it"),
-        )
+        need, where = f"must be a number of 1e-30 to {_LARGEST_FACT:g}", f"{key} of the matrix"
+        remedy = ("correct it", "remove it")
+        raise InputError(source, need, value=said, where=where, remedy=remedy)
     return number
 
 
-def _numbers(cells: list[str]) -> bool:
+def are_numbers(cells: Iterable[str]) -> bool:
+    """Whether each cell is a number."""
     try:
         [float(cell) for cell in cells]
     except ValueError:
@@ -416,10 +404,7 @@ def _array(source: str, rows: Any) -> Float[Array, "a b"]:
             source, "must hold a matrix of numbers", found=f"does not ({str(error)[:80]})"
         ) from None
     if values.ndim != 2 or not values.size:
-        raise InputError(
-            source,
-            "must hold a matrix of rows and columns",
-            value=values.shape,
-            found=f"holds an array of shape {values.shape}",
-        )
+        need = "must hold a matrix of rows and columns"
+        found = f"holds an array of shape {values.shape}"
+        raise InputError(source, need, value=values.shape, found=found)
     return values

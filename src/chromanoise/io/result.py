@@ -7,7 +7,7 @@ from typing import Any
 
 from chromanoise import _notebook
 from chromanoise.errors import InputError
-from chromanoise.io.table import Table, written
+from chromanoise.io.table import Table, written_rows
 from chromanoise.io.table_formats import head, table_latex
 
 
@@ -74,11 +74,8 @@ class Result(ABC):
     def _html(self, caption: str, notes: Sequence[str] = ()) -> str:
         table = self.to_table()
         heads = [head(column) for column in table.columns]
-        rows = [
-            [written(cell, column.digits) for cell, column in zip(row, table.columns, strict=True)]
-            for row in table.rows
-        ]
-        return _notebook.shown(caption, _notebook.table(heads, rows), notes=notes)
+        shown = _notebook.table(heads, written_rows(table))
+        return _notebook.shown(caption, shown, notes=notes)
 
 
 def figures() -> Any:

@@ -113,6 +113,14 @@ def written(cell: Entry, digits: str) -> str:
     return text.removeprefix("-") if float(text.replace("%", "")) == 0 else text
 
 
+def written_rows(table: Table) -> list[list[str]]:
+    """The cells of all rows as text, with the digits of their columns."""
+    return [
+        [written(cell, column.digits) for cell, column in zip(row, table.columns, strict=True)]
+        for row in table.rows
+    ]
+
+
 def number_text(value: float | None, digits: str = ".2f", none: str = "-") -> str:
     """A number as text; ``none`` for one that is ``None`` or not finite.
 

@@ -13,13 +13,8 @@ from typing import Any
 from chromanoise import __version__
 from chromanoise._csv_cells import csv_text
 from chromanoise.errors import InputError
-from chromanoise.io.spectra.own_json import SCHEMA_VERSION, held_json, named
-from chromanoise.io.table import (
-    Column,
-    Entry,
-    Table,
-    written,
-)
+from chromanoise.io.spectra.own_json import SCHEMA_VERSION, held_json, named, word_of, words_of
+from chromanoise.io.table import Column, Entry, Table, written_rows
 
 SCHEMA = "chromanoise table"
 
@@ -88,7 +83,11 @@ def table_csv(table: Table) -> str:
 
     Text that a spreadsheet would interpret as a formula is prefixed with an apostrophe.
     """
-    return csv_text([map(head, table.columns), *(map(_unsigned_zero, row) for row in table.rows)])
+    rows = (
+        [0.0 if isinstance(cell, float) and cell == 0 else cell for cell in row]  # not -0.0
+        for row in table.rows
+    )
+    return csv_text([map(head, table.columns), *rows])
 
 
 def table_json(table: Table) -> str:
@@ -116,13 +115,13 @@ def table_from_json(text: str, *, source: str = "table") -> Table:
     held = held_json(text, SCHEMA, source=source)
     try:
         return Table(
-            title=_word(held["title"]),
+            title=word_of(held["title"]),
             columns=tuple(
-                Column(name=_word(c["name"]), unit=_word(c["unit"]), digits=_word(c["digits"]))
+                Column(**{key: word_of(c[key]) for key in ("name", "unit", "digits")})
                 for c in held["columns"]
             ),
             rows=tuple(tuple(_entry(cell) for cell in row) for row in held["rows"]),
-            notes=tuple(_word(note) for note in held["notes"]),
+            notes=words_of(held["notes"]),
         )
     except InputError as error:
         raise named(error, source) from None
@@ -136,13 +135,7 @@ def table_markdown(table: Table) -> str:
     """The title and a table in GitHub-flavored Markdown; columns of numbers are right-aligned."""
     heads = " | ".join(_markdown(head(column)) for column in table.columns)
     rules = " | ".join("---:" if _numeric(table, i) else "---" for i in range(len(table.columns)))
-    rows = [
-        " | ".join(
-            _markdown(written(cell, column.digits))
-            for column, cell in zip(table.columns, row, strict=True)
-        )
-        for row in table.rows
-    ]
+    rows = [" | ".join(map(_markdown, row)) for row in written_rows(table)]
     lines = [
         f"**{_markdown(table.title)}**",
         "",
@@ -173,10 +166,10 @@ def table_latex(table: Table, label: str = "") -> str:
     heads = " & ".join(_latex(head(column)) for column in table.columns)
     rows = [
         " & ".join(
-            _latex(cell) if isinstance(cell, str) else _latex_number(written(cell, column.digits))
-            for column, cell in zip(table.columns, row, strict=True)
+            f"${text}$" if text.startswith("-") and not isinstance(cell, str) else _latex(text)
+            for cell, text in zip(cells, texts, strict=True)
         )
-        for row in table.rows
+        for cells, texts in zip(table.rows, written_rows(table), strict=True)
     ]
     lines = [
         r"% needs \usepackage{booktabs}",
@@ -207,10 +200,6 @@ def head(column: Column) -> str:
     return f"{column.name} [{column.unit}]" if column.unit else column.name
 
 
-def _unsigned_zero(cell: Entry) -> Entry:
-    return 0.0 if isinstance(cell, float) and cell == 0 else cell
-
-
 def _numeric(table: Table, i: int) -> bool:
     cells = [row[i] for row in table.rows if row[i] is not None]
     return bool(cells) and not any(isinstance(cell, str | bool) for cell in cells)
@@ -222,16 +211,6 @@ def _markdown(text: str) -> str:
 
 def _latex(text: str) -> str:
     return "".join(_LATEX.get(letter, letter) for letter in " ".join(text.split()))
-
-
-def _latex_number(text: str) -> str:
-    return f"${text}$" if text.startswith("-") else _latex(text)
-
-
-def _word(value: Any) -> str:
-    if not isinstance(value, str):
-        raise TypeError
-    return value
 
 
 def _entry(value: Any) -> Entry:

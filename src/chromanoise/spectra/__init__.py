@@ -29,20 +29,18 @@ if TYPE_CHECKING:
         equal_energy as equal_energy,
         halogen as halogen,
         illuminant_from as illuminant_from,
+        illuminant_named as illuminant_named,
+        infrared_parts as infrared_parts,
+        is_light_name as is_light_name,
         led as led,
         led_white as led_white,
+        mixed as mixed,
         photon_irradiance as photon_irradiance,
+        with_infrared as with_infrared,
     )
     from chromanoise.spectra.metric import (
         METRICS as METRICS,
         Metric as Metric,
-    )
-    from chromanoise.spectra.mixtures import (
-        illuminant_named as illuminant_named,
-        infrared_parts as infrared_parts,
-        is_light_name as is_light_name,
-        mixed as mixed,
-        with_infrared as with_infrared,
     )
     from chromanoise.spectra.observers import (
         DEFAULT_OBSERVER as DEFAULT_OBSERVER,
@@ -57,12 +55,10 @@ if TYPE_CHECKING:
         observer_notes as observer_notes,
         observer_table as observer_table,
     )
-    from chromanoise.spectra.patch_pairs import (
-        PatchPairs as PatchPairs,
-        all_pairs as all_pairs,
-    )
     from chromanoise.spectra.readers import read_spectra_csv as read_spectra_csv
     from chromanoise.spectra.reflectances import (
+        PatchPairs as PatchPairs,
+        all_pairs as all_pairs,
         chart_on as chart_on,
         chart_title as chart_title,
         colorchecker as colorchecker,

@@ -8,15 +8,8 @@ import numpy as np
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise._shapes import (
-    Bool,
-    Float,
-)
-from chromanoise.errors import (
-    InputError,
-    Remedy,
-    Setting,
-)
+from chromanoise._shapes import Bool, Float
+from chromanoise.errors import InputError, Remedy, Setting
 from chromanoise.spectra.grid import Grid
 
 Beyond = Literal["refuse", "zero", "hold"]
@@ -119,30 +112,26 @@ def interpolation_matrix(
     _check.one_of("beyond", beyond, get_args(Beyond))
     known = np.asarray(wavelength_nm, dtype=np.float64)
     wanted = grid.wavelength_nm
+    ends, covers = (float(known[0]), float(known[-1])), f"{known[0]:g}-{known[-1]:g} nm"
     if known[0] > wanted[-1] or known[-1] < wanted[0]:
-        raise InputError(
-            what,
-            f"must meet the grid {grid}",
-            value=(float(known[0]), float(known[-1])),
-            found=f"covers {known[0]:g}-{known[-1]:g} nm",
-            remedy="check that its wavelengths are in nm",
-        )
+        remedy = "check that its wavelengths are in nm"
+        found = f"covers {covers}"
+        raise InputError(what, f"must meet the grid {grid}", value=ends, found=found, remedy=remedy)
     short = (wanted < known[0] - _SLACK_NM) | (wanted > known[-1] + _SLACK_NM)
     notes: tuple[str, ...] = ()
     if short.any():
         if beyond == "refuse":
-            ends = f"{known[0]:g}-{known[-1]:g} nm"
             raise InputError(
                 what,
                 f"must cover the grid {grid}",
-                value=(float(known[0]), float(known[-1])),
-                found=f"covers {ends}; {_spans(wanted, short)} nm are missing",
+                value=ends,
+                found=f"covers {covers}; {_spans(wanted, short)} nm are missing",
                 remedy=(
                     Setting("beyond", ("zero", "hold")),
                     "use a measurement that covers the grid",
                 ),
             )
-        notes = (f"{what}: {beyond} beyond {known[0]:g}-{known[-1]:g} nm",)
+        notes = (f"{what}: {beyond} beyond {covers}",)
     at = np.clip(wanted, known[0], known[-1])
     right = np.clip(np.searchsorted(known, at, side="left"), 1, known.size - 1)
     share = (at - known[right - 1]) / (known[right] - known[right - 1])
@@ -317,12 +306,9 @@ def on_grid(spectra: Spectra, grid: Grid, *, beyond: Beyond = "refuse") -> Spect
     """
     what = f"{spectra.quantity} of {spectra.source}"
     matrix, notes = interpolation_matrix(spectra.wavelength_nm, grid, beyond=beyond, what=what)
-    return Spectra(
+    return replace(
+        spectra,
         wavelength_nm=grid.wavelength_nm,
         values=matrix @ spectra.values,
-        names=spectra.names,
-        quantity=spectra.quantity,
-        unit=spectra.unit,
-        source=spectra.source,
         notes=spectra.notes + notes,
     )

@@ -1,5 +1,9 @@
-"""Light sources, normalized to one lux, so that an illuminance in lux scales them."""
+"""Light sources, by formula or by name, normalized to one lux, so that a level in lux scales them.
 
+A name can add an infrared diode to a light.
+"""
+
+import re
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
@@ -9,13 +13,8 @@ import numpy as np
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._colour_science import colour_science
-from chromanoise._shapes import (
-    Float,
-)
-from chromanoise.errors import (
-    InputError,
-    Setting,
-)
+from chromanoise._shapes import Float
+from chromanoise.errors import InputError, Setting
 from chromanoise.spectra.curves import (
     SMALL_NEGATIVES,
     Beyond,
@@ -24,9 +23,9 @@ from chromanoise.spectra.curves import (
     refuse_outside,
     used_on_grid,
 )
-from chromanoise.spectra.grid import Grid
+from chromanoise.spectra.grid import DEFAULT_GRID, Grid
 from chromanoise.spectra.observers import observer_table
-from chromanoise.spectra.tables import packaged_table
+from chromanoise.spectra.tables import catalog_curves, catalog_tables, formulas, packaged_table
 from chromanoise.units import (
     BOLTZMANN_J_PER_K,
     LIGHT_M_PER_S,
@@ -160,12 +159,8 @@ def led(grid: Grid, peak_nm: float, width_nm: float = 20.0) -> Illuminant:
     Ohno, "Spectral design considerations for white LED color rendering", Opt. Eng. 44 (2005),
     111302, eq. 1.
     """
-    peak = _check.positive("peak_nm", "nm", peak_nm)
-    width = _check.positive("width_nm", "nm", width_nm)
-    if width < 2 * grid.step_nm:
-        raise narrow_diode(width, grid)
-    power = partial(diode_power, peak_nm=peak, width_nm=width)
-    return _from_formula(f"{peak:g} nm LED, {width:g} nm wide", power, grid)
+    power = _diode(grid, peak_nm, width_nm)
+    return _from_formula(f"{peak_nm:g} nm LED, {width_nm:g} nm wide", power, grid)
 
 
 def halogen(grid: Grid) -> Illuminant:
@@ -201,14 +196,14 @@ def led_white(grid: Grid) -> Illuminant:
     return replace(_from_formula("led-white", power, grid), notes=(_WHITE_NOTE,))
 
 
-def narrow_diode(width_nm: float, grid: Grid) -> InputError:
-    """The error for a diode that is too narrow for the grid."""
-    return InputError(
-        "width_nm",
-        f"must be at least {2 * grid.step_nm:g} [nm], two steps of the grid",
-        value=width_nm,
-        remedy="use a finer grid",
-    )
+def _diode(grid: Grid, peak_nm: float, width_nm: float) -> Power:
+    """The power of a diode; one that is too narrow for the grid raises an error."""
+    peak = _check.positive("peak_nm", "nm", peak_nm)
+    width = _check.positive("width_nm", "nm", width_nm)
+    if width < 2 * grid.step_nm:
+        need = f"must be at least {2 * grid.step_nm:g} [nm], two steps of the grid"
+        raise InputError("width_nm", need, value=width, remedy="use a finer grid")
+    return partial(diode_power, peak_nm=peak, width_nm=width)
 
 
 def diode_power(
@@ -291,13 +286,10 @@ def illuminant_from(
         the grid, or has no visible light.
     """
     if len(spectrum.names) != 1:
-        raise InputError(
-            spectrum.source,
-            f"must hold one curve, for illuminant {name}",
-            value=spectrum.names,
-            found=f"holds {len(spectrum.names)}: {', '.join(spectrum.names)}",
-            remedy=Setting("columns"),
-        )
+        need = f"must hold one curve, for illuminant {name}"
+        found = f"holds {len(spectrum.names)}: {', '.join(spectrum.names)}"
+        columns = Setting("columns")
+        raise InputError(spectrum.source, need, value=spectrum.names, found=found, remedy=columns)
     used = used_on_grid(spectrum.wavelength_nm, grid, from_nm=_OBSERVER_START_NM)
     refuse_outside(spectrum, remedy=SMALL_NEGATIVES, used=used)
     # values outside the grid and the observer's range are not used, so they are not checked
@@ -307,20 +299,16 @@ def illuminant_from(
     ends = {} if beyond == "hold" else {"left": 0.0, "right": 0.0}
     lux = _lux_of(lambda at: np.interp(at, known, power, **ends), name)
     narrow = share_in_narrow_lines(spectrum, grid)
-    step = f"{grid.step_nm:g} nm"
     lines = (
-        (
-            f"{spectrum.source}: {100 * narrow:.2g} % of its power is in lines narrower than the "
-            f"wavelength step of {step}; each line is averaged over a step, which keeps its power",
-        )
-        if narrow > _NOTED_IN_LINES
-        else ()
+        f"{spectrum.source}: {100 * narrow:.2g} % of its power is in lines narrower than the "
+        f"wavelength step of {grid.step_nm:g} nm; each line is averaged over a step, which keeps "
+        "its power"
     )
     return Illuminant(
         name=name,
         grid=grid,
         irradiance=resampled.values[:, 0] / lux,
-        notes=(*resampled.notes, *lines),
+        notes=(*resampled.notes, *([lines] if narrow > _NOTED_IN_LINES else [])),
     )
 
 
@@ -391,3 +379,217 @@ def _lux_of(power: Power, name: str) -> float:
             found="has none",
         )
     return lux
+
+
+_FORMULAS: dict[str, Callable[[Grid], Illuminant]] = {
+    "E": equal_energy,
+    "A": cie_a,
+    "halogen": halogen,
+    "led-white": led_white,
+}
+_BLACK_BODY, _LED = r"([\d.]+)\s*K", r"LED([\d.]+)(?:/([\d.]+))?"
+_MIXTURE = re.compile(r"(.+)\+([\d.]+(?:[eE]-?\d+)?)xLED([\d.]+)(?:/([\d.]+))?")
+
+
+def illuminant_named(
+    name: str, grid: Grid = DEFAULT_GRID, *, beyond: Beyond = "refuse"
+) -> Illuminant:
+    """The illuminant with this name.
+
+    Names are E, A, G173 (daylight to 1050 nm), ``halogen``, ``led-white``, the measured lamps of
+    the catalog, any CIE illuminant of colour-science (D65, FL2, LED-B3), ``<T>K`` for a black body,
+    ``LED<peak>`` or ``LED<peak>/<width>`` for a diode, and ``<light>+<ratio>xLED<peak>`` for a
+    light with an added infrared diode (`with_infrared`).
+
+    Parameters
+    ----------
+    name
+        One of these names.
+    grid
+        The target grid. [nm]
+    beyond
+        How to extrapolate a table that does not cover the grid: ``refuse``, ``zero`` or ``hold``.
+
+    Returns
+    -------
+    Illuminant
+        Normalized to one lux. [W m-2 nm-1 lx-1]
+
+    Raises
+    ------
+    InputError
+        If the name is unknown; the message suggests similar names.
+    """
+    return mixed(name, lambda bare: _light_named(bare, grid, beyond))
+
+
+def is_light_name(name: str) -> bool:
+    """Whether `illuminant_named` accepts this name of a light without an added diode.
+
+    Parameters
+    ----------
+    name
+        Name of a light.
+
+    Examples
+    --------
+    >>> [is_light_name(name) for name in ("D65", "5500.5K", "LED850/20", "lamp.dat")]
+    [True, True, True, False]
+    """
+    by_number = re.fullmatch(_BLACK_BODY, name) or re.fullmatch(_LED, name)
+    return bool(by_number) or name in _known_lights()
+
+
+def _known_lights() -> tuple[str, ...]:
+    return (*_FORMULAS, *catalog_tables("illuminant"), *_cie_names())
+
+
+def _cie_names() -> tuple[str, ...]:
+    """The lights of `cie_illuminant`: catalog entries with a range but without a table."""
+    listed = formulas().values()
+    return tuple(sorted(t.name for t in listed if t.kind == "illuminant" and t.range_nm))
+
+
+def mixed(name: str, light: Callable[[str], Illuminant]) -> Illuminant:
+    """The illuminant ``name``, with ``light`` resolving names that have no added diode.
+
+    Parameters
+    ----------
+    name
+        A name as for `illuminant_named`. If it adds several diodes, the ratio of each is relative
+        to everything before it in the name.
+    light
+        Returns the light for a name.
+
+    Raises
+    ------
+    InputError
+        If ``light`` raises it, or if a diode is invalid (`with_infrared`).
+    """
+    parts = infrared_parts(name)
+    if parts is None:
+        return light(name)
+    base, diode = parts
+    return replace(with_infrared(mixed(base, light), **diode), name=name)
+
+
+def infrared_parts(name: str) -> tuple[str, dict[str, float]] | None:
+    """The part of a name before its last diode, and that diode as arguments of `with_infrared`.
+
+    Returns None if the name has no added diode.
+
+    Parameters
+    ----------
+    name
+        Name such as ``A+0.5xLED850``.
+
+    Raises
+    ------
+    InputError
+        If the ratio, peak or width is not a number.
+
+    Examples
+    --------
+    >>> infrared_parts("A+0.5xLED940/50")
+    ('A', {'ratio': 0.5, 'peak_nm': 940.0, 'width_nm': 50.0})
+    >>> infrared_parts("LED940") is None
+    True
+    """
+    match = _MIXTURE.fullmatch(name)
+    if match is None:
+        return None
+    ratio, peak_nm, width_nm = (
+        _number(text, name) for text in (*match.group(2, 3), match[4] or "20")
+    )
+    return match[1], {"ratio": ratio, "peak_nm": peak_nm, "width_nm": width_nm}
+
+
+def _light_named(name: str, grid: Grid, beyond: Beyond) -> Illuminant:
+    if name in _FORMULAS:
+        return _FORMULAS[name](grid)
+    if match := re.fullmatch(_BLACK_BODY, name):
+        kelvin = _check.positive(f"temperature of illuminant {name}", "K", _number(match[1], name))
+        return black_body(grid, kelvin)
+    if match := re.fullmatch(_LED, name):
+        peak_nm, width_nm = (_number(text, name) for text in (match[1], match[2] or "20"))
+        ends = (grid.start_nm, grid.stop_nm)
+        _check.within(f"peak of illuminant {name}", "nm", peak_nm, *ends)
+        _check.positive(f"width of illuminant {name}", "nm", width_nm)
+        return led(grid, peak_nm, width_nm)
+    measured = catalog_tables("illuminant")
+    if name in measured:
+        return illuminant_from(catalog_curves(measured[name]), grid, name=name, beyond=beyond)
+    known = _check.one_of("illuminant", name, _known_lights())
+    return cie_illuminant(known, grid, beyond=beyond)
+
+
+def with_infrared(
+    illuminant: Illuminant, *, peak_nm: float, width_nm: float = 20.0, ratio: float
+) -> Illuminant:
+    """The light plus an infrared diode; the sum is normalized to one lux.
+
+    Parameters
+    ----------
+    illuminant
+        Any light.
+    peak_nm, width_nm
+        Peak and width of the diode, as in `led`. [nm]
+    ratio
+        Radiant power of the diode divided by that of the light, both on the light's grid, >= 0.
+        With 0 the light is returned unchanged. [W/W]
+
+    Raises
+    ------
+    InputError
+        If the ratio is negative, or the diode is too narrow for the grid or extends beyond it.
+
+    Notes
+    -----
+    An infrared diode alone has practically no illuminance, so its level cannot be set in lux.
+    Here its ratio to a light sets its level. The normalization includes the small visible part of
+    the diode.
+
+    Examples
+    --------
+    >>> lamp = equal_energy(Grid.uniform(400, 1050, 5))
+    >>> lit = with_infrared(lamp, peak_nm=850, ratio=0.5)
+    >>> round(float(lit.irradiance.sum() / lamp.irradiance.sum()), 4)      # half as much again
+    1.5
+    """
+    share = _check.within("ratio of infrared", "W/W", ratio, 0.0, 1e6)
+    power = _diode_within(illuminant.grid, peak_nm, width_nm)
+    if share == 0:
+        return illuminant
+    grid = illuminant.grid
+    scale = share * illuminant.irradiance.sum() / power(grid.wavelength_nm).sum()
+    observer = observer_table()
+    seen = LUMEN_PER_WATT * float(observer.values[:, 1] @ power(observer.wavelength_nm))
+    added = scale * power(grid.wavelength_nm)
+    return replace(
+        illuminant,
+        name=f"{illuminant.name} + {share:g} x {peak_nm:g} nm LED, {width_nm:g} nm wide",
+        irradiance=(illuminant.irradiance + added) / (1.0 + scale * seen),
+    )
+
+
+def _diode_within(grid: Grid, peak_nm: float, width_nm: float) -> Power:
+    """The power of a diode that lies within the grid; two widths contain all but 1e-4 of it."""
+    power, (low, high) = _diode(grid, peak_nm, width_nm), grid.wavelength_nm[[0, -1]]
+    if peak_nm - 2 * width_nm < low or peak_nm + 2 * width_nm > high:
+        size = f"{peak_nm:g} nm, {width_nm:g} nm wide"
+        raise InputError(
+            "peak_nm",
+            f"must be {low + 2 * width_nm:g} to {high - 2 * width_nm:g} [nm]",
+            value=float(peak_nm),
+            found=f"an LED of {size}, reaches outside of the grid {grid}",
+        )
+    return power
+
+
+def _number(text: str, name: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise InputError(
+            f"illuminant {name!r}", "must have a number", value=text, found=f"{text!r} is not one"
+        ) from None

@@ -31,27 +31,29 @@ def read_spectra_csv(path: Path | str, *, quantity: str, unit: str) -> Spectra:
         If the file cannot be read or a cell is not a number; the message names file, line and
         column.
     """
-    path = Path(path)
+    text = small_text(Path(path), _LARGEST_BYTES, what=" for a table of spectra", form="CSV UTF-8")
+    return spectra_from_text(text, source=str(path), quantity=quantity, unit=unit)
+
+
+def small_text(path: Path, largest_bytes: int, *, what: str = "", form: str = "UTF-8") -> str:
+    """The UTF-8 text of a file; errors name the largest size, ``what`` for and the right form.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, is larger, or is not UTF-8.
+    """
+    size = regular_file(path).st_size
+    if size > largest_bytes:
+        need = f"must be at most {largest_bytes // 2**20} MiB{what}"
+        raise InputError(str(path), need, value=size, found=f"is {size / 2**20:.1f} MiB")
     try:
-        size = regular_file(path).st_size
-        if size > _LARGEST_BYTES:
-            raise InputError(
-                str(path),
-                f"must be at most {_LARGEST_BYTES // 2**20} MiB for a table of spectra",
-                value=size,
-                found=f"is {size / 2**20:.0f} MiB",
-            )
-        text = path.read_text(encoding="utf-8-sig")
+        return path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as error:
-        raise InputError(
-            str(path),
-            "is not UTF-8 text",
-            where=f"byte {error.start}",
-            remedy="save it as CSV UTF-8",
-        ) from None
+        where, remedy = f"byte {error.start}", f"save it as {form}"
+        raise InputError(str(path), "is not UTF-8 text", where=where, remedy=remedy) from None
     except OSError as error:
         raise InputError(str(path), f"cannot be read ({error.strerror})") from None
-    return spectra_from_text(text, source=str(path), quantity=quantity, unit=unit)
 
 
 def spectra_from_text(text: str, *, source: str, quantity: str, unit: str) -> Spectra:

@@ -8,10 +8,11 @@ import numpy as np
 
 from chromanoise._check import Array
 from chromanoise.errors import InputError
-from chromanoise.io.spectra.parsed import Column, Found, Quantity
+from chromanoise.io.spectra.parsed import Found, Quantity, known_columns
 
 _MARK = re.compile(rb"ASD|as[2-8]")
 _HEADER_BYTES = 484
+_EXPORT = "export it as text with ViewSpec Pro"
 _STORED = ("<f4", "<i4", "<f8")
 _KINDS: tuple[tuple[str, Quantity | None], ...] = (
     ("raw counts", None), ("reflectance", "reflectance"), ("radiance", None), ("no unit", None),
@@ -47,21 +48,14 @@ def read_asd(path: Path, content: bytes) -> Found:
     start_nm, step_nm = struct.unpack_from("<2f", content, 191)
     channels = struct.unpack_from("<H", content, 204)[0]
     if kind >= len(_KINDS) or form >= len(_STORED) or not (start_nm > 0 and step_nm > 0):
-        raise InputError(
-            str(path),
-            "must declare its data type, its numbers and its wavelengths in its header",
-            value=(kind, form, start_nm, step_nm),
-            remedy="export it as text with ViewSpec Pro",
-        )
+        need = "must declare its data type, its numbers and its wavelengths in its header"
+        values = (kind, form, start_nm, step_nm)
+        raise InputError(str(path), need, value=values, remedy=_EXPORT)
     name, quantity = _KINDS[kind]
     if kind and quantity is None:
-        raise InputError(
-            str(path),
-            "must hold reflectance, transmittance or raw counts",
-            value=name,
-            found=f"holds {name}, whose calibration is not applied",
-            remedy="export it as text with ViewSpec Pro",
-        )
+        need = "must hold reflectance, transmittance or raw counts"
+        found = f"holds {name}, whose calibration is not applied"
+        raise InputError(str(path), need, value=name, found=found, remedy=_EXPORT)
     stored = np.dtype(_STORED[form])
     spectrum = _numbers(path, content, _HEADER_BYTES, channels, stored)
     reference = _reference(path, content, _HEADER_BYTES + channels * stored.itemsize, channels)
@@ -77,11 +71,7 @@ def read_asd(path: Path, content: bytes) -> Found:
     return Found(
         source=str(path),
         format=f"ASD binary, version {content[:3].decode('ascii')}",
-        columns=tuple(
-            Column(name=key, unit="", wavelength=at[known], values=values[known])
-            for key, values in curves.items()
-            for known in (np.isfinite(values),)
-        ),
+        columns=known_columns(at, curves.items()),
         wavelength_unit="nm",
         quantity=quantity,
         scale="fraction" if quantity and reference is not None else None,

@@ -5,8 +5,8 @@ import re
 import numpy as np
 
 from chromanoise.errors import InputError
-from chromanoise.io.spectra.parsed import Column, Found, Level, Per, Quantity
-from chromanoise.io.spectra.tables import number_in
+from chromanoise.io.spectra.parsed import Column, Found, Level, Per, Quantity, has
+from chromanoise.io.spectra.tables import finite_number, number_in
 
 _TOKEN = re.compile(r'"[^"\n]*"|\S+')
 _FIELD = re.compile(r"(?:SPEC(?:TRAL)?_?(?:NM)?_?|NM_?|R_)(\d+(?:\.\d+)?)", re.IGNORECASE)
@@ -37,21 +37,29 @@ def read_cgats(text: str, source: str) -> Found:
     """
     tokens = _tokens(text)
     words = [token for _, token in tokens]
-    fields = _between(words, "BEGIN_DATA_FORMAT", "END_DATA_FORMAT", source)
-    start, stop = _span(words, "BEGIN_DATA", "END_DATA", source)
+    fields = words[_between(words, "BEGIN_DATA_FORMAT", "END_DATA_FORMAT", source)]
+    table = _between(words, "BEGIN_DATA", "END_DATA", source)
     facts = _facts(tokens[: words.index("BEGIN_DATA_FORMAT")])
     spectral = [i for i, field in enumerate(fields) if _FIELD.fullmatch(field)]
     wavelength = _wavelengths(facts, [fields[i] for i in spectral], source)
-    sets = _sets(tokens[start:stop], fields, source)
+    sets = _sets(tokens[table], fields, source)
     norm = _norm(facts, source)
-    values = np.array([[_value(row[i], source) for i in spectral] for row in sets]) / norm
+    values = (
+        np.array(
+            [
+                [finite_number(row[i][1], source, f"line {row[i][0]}") for i in spectral]
+                for row in sets
+            ]
+        )
+        / norm
+    )
     quantity, per, level = _KINDS.get(facts.get("MEAS_TYPE", "").upper(), (None, None, None))
     notes = (f"values divided by SPECTRAL_NORM {norm:g}",) if norm != 1 else ()
     return Found(
         source=source,
         format="CGATS",
         columns=tuple(
-            Column(name=_name(row, fields, k), unit="", wavelength=wavelength, values=values[k])
+            Column(name=_name(row, fields, k), wavelength=wavelength, values=values[k])
             for k, row in enumerate(sets)
         ),
         words=" ".join(facts.values()),
@@ -72,19 +80,14 @@ def _tokens(text: str) -> list[_Token]:
     ]
 
 
-def _span(words: list[str], first: str, last: str, source: str) -> tuple[int, int]:
+def _between(words: list[str], first: str, last: str, source: str) -> slice:
     try:
         start = words.index(first) + 1
-        return start, words.index(last, start)
+        return slice(start, words.index(last, start))
     except ValueError:
         raise InputError(
             source, f"must have {first} and {last} around a part of a CGATS file"
         ) from None
-
-
-def _between(words: list[str], first: str, last: str, source: str) -> list[str]:
-    start, stop = _span(words, first, last, source)
-    return words[start:stop]
 
 
 def _facts(tokens: list[_Token]) -> dict[str, str]:
@@ -97,13 +100,8 @@ def _facts(tokens: list[_Token]) -> dict[str, str]:
 
 def _wavelengths(facts: dict[str, str], fields: list[str], source: str) -> np.ndarray:
     if len(fields) < 2:
-        raise InputError(
-            source,
-            "must have at least 2 spectral fields (SPEC_400 ...) in its CGATS table",
-            value=len(fields),
-            found=f"has {len(fields)}",
-            remedy="check that it is a table of spectra",
-        )
+        need = "must have at least 2 spectral fields (SPEC_400 ...) in its CGATS table"
+        raise has(source, need, len(fields), remedy="check that it is a table of spectra")
     named = np.array([float(match[1]) for f in fields if (match := _FIELD.fullmatch(f))])
     ends = [facts.get(key, "") for key in ("SPECTRAL_START_NM", "SPECTRAL_END_NM")]
     if not all(np.isfinite(number_in(end)) for end in ends):
@@ -138,14 +136,6 @@ def _sets(tokens: list[_Token], fields: list[str], source: str) -> list[list[_To
             where=f"line {line}",
         )
     return [tokens[i : i + len(fields)] for i in range(0, len(tokens), len(fields))]
-
-
-def _value(token: _Token, source: str) -> float:
-    number, text = token
-    value = number_in(text)
-    if value != value:
-        raise InputError(source, "must be a finite number", value=text, where=f"line {number}")
-    return value
 
 
 def _name(row: list[_Token], fields: list[str], k: int) -> str:

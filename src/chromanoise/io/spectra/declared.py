@@ -7,10 +7,9 @@ title or a comment about the measurement cannot change them.
 import re
 from collections.abc import Iterable, Mapping
 from types import MappingProxyType
-from typing import get_args
 
 from chromanoise.errors import InputError
-from chromanoise.io.spectra.parsed import Level, Per, Quantity, Scale, Unit
+from chromanoise.io.spectra.parsed import SENSITIVE_NM, Quantity, Scale, Unit
 
 _KEY = re.compile(r"\s*([A-Za-z][A-Za-z _-]{0,40}?)\s*[:=]\s*(\S.*)")
 _OF_WAVELENGTHS = r"(?:wave(?:length)?s?|lambda|x(?:[ _]?axis)?)"
@@ -37,7 +36,6 @@ UNITS: dict[str, Unit] = {
 }  # fmt: skip
 """Units of wavelengths by their names in lower case, singular."""
 
-_SENSITIVE_NM = (400.0, 1050.0)
 _MOST_UM = 20.0
 _NOT_READ = ("m", "mm", "ev", "kev", "hz", "ghz", "thz", "phz", "pixel", "px")
 _WORD = re.compile(r"1/cm|cm\^?-1|cm⁻¹|[^\W\d_]+")
@@ -99,18 +97,6 @@ def scale_of_key(keys: Mapping[str, str]) -> Scale | None:
     return "fraction" if "fraction" in text else None
 
 
-def level_of_key(keys: Mapping[str, str]) -> Level | None:
-    """``absolute`` or ``relative``, if a key declares it."""
-    word = keys.get("level", "").lower()
-    return next((level for level in get_args(Level) if level == word), None)
-
-
-def per_of_key(keys: Mapping[str, str]) -> Per | None:
-    """``photon`` or ``energy``, if a key declares it."""
-    word = keys.get("per", "").lower()
-    return next((per for per in get_args(Per) if per == word), None)
-
-
 def wavelength_unit_of(heading: str) -> Unit | None:
     """The unit named in the heading of the wavelengths or in a declared unit.
 
@@ -167,7 +153,7 @@ def unit_that_fits(low: float, high: float) -> Unit | None:
     >>> [unit_that_fits(*span) for span in ((380, 780), (0.38, 1.1), (3000, 11000), (1000, 3950))]
     ['nm', 'um', None, None]
     """
-    if 0.1 <= low < 1e-3 * _SENSITIVE_NM[1] and high < _MOST_UM:
+    if 0.1 <= low < 1e-3 * SENSITIVE_NM[1] and high < _MOST_UM:
         return "um"
     if 100 <= low < 1000 and _fits(low, high) and not _fits(low / 10, high / 10):
         return "nm"
@@ -175,7 +161,7 @@ def unit_that_fits(low: float, high: float) -> Unit | None:
 
 
 def _fits(low_nm: float, high_nm: float) -> bool:
-    return bool(low_nm < _SENSITIVE_NM[1] and high_nm > _SENSITIVE_NM[0])
+    return bool(low_nm < SENSITIVE_NM[1] and high_nm > SENSITIVE_NM[0])
 
 
 def known_unit(unit: str, source: str) -> Unit:

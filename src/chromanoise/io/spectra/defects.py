@@ -8,10 +8,9 @@ from typing import Literal
 import numpy as np
 
 from chromanoise.io.spectra.merging import Sorted, gaps_nm
-from chromanoise.io.spectra.parsed import Level, Quantity
+from chromanoise.io.spectra.parsed import SENSITIVE_NM, Level, Quantity
 from chromanoise.spectra.curves import Spectra
 
-_JUDGED_NM = (400.0, 1050.0)
 _CHART_PATCHES = 24
 _PUBLISHED_WHITE = 0.881
 _VISIBLE_NM = (500.0, 650.0)
@@ -64,7 +63,7 @@ def judged(curves: Spectra) -> Spectra:
     array([0.1, 0.2])
     """
     at = curves.wavelength_nm
-    here = (at >= _JUDGED_NM[0]) & (at <= _JUDGED_NM[1])
+    here = (at >= SENSITIVE_NM[0]) & (at <= SENSITIVE_NM[1])
     if np.count_nonzero(here) < 2:
         return curves
     return replace(curves, wavelength_nm=at[here], values=curves.values[here])
@@ -212,7 +211,7 @@ def _gaps(points: Sequence[Sorted]) -> Iterator[str]:
             (start, stop)
             for point in points
             for start, stop in gaps_nm(point.wavelength_nm)
-            if stop > _JUDGED_NM[0] and start < _JUDGED_NM[1]
+            if stop > SENSITIVE_NM[0] and start < SENSITIVE_NM[1]
         },
         key=lambda gap: (gap[0] - gap[1], gap[0]),
     )

@@ -17,7 +17,7 @@ from chromanoise.io.spectra.declared import (
     with_units,
 )
 from chromanoise.io.spectra.own_json import UNIT_OF_COLUMN, declared
-from chromanoise.io.spectra.parsed import Found, Row
+from chromanoise.io.spectra.parsed import Found, Row, has
 from chromanoise.io.spectra.tables import is_number, name_and_unit, table_of
 
 _COMMENT = ("#", "%", "//", ";")
@@ -45,15 +45,12 @@ def read_delimited(text: str, source: str) -> Found:
     for number, line in enumerate(re.split(r"\r\n|\r|\n", text), 1):
         bare = line.strip().strip('"')
         if len(line) > _LONGEST_LINE:
-            raise InputError(
-                source,
-                f"must have at most {_LONGEST_LINE} characters",
-                value=len(line),
-                found=f"has {len(line)}",
-                where=f"line {number}",
-            )
+            need = f"must have at most {_LONGEST_LINE} characters"
+            raise has(source, need, len(line), where=f"line {number}")
         if bare.startswith(_COMMENT):
-            comments.append(Row(number=number, cells=(_comment_text(bare),)))
+            said = bare.lstrip("#/; ")  # %ECSV is kept, because it names the format
+            said = said if said.startswith("%ECSV") else said.lstrip("#%/; ")
+            comments.append(Row(number=number, cells=(said,)))
         elif bare:
             lines.append((number, line))
     delimiter = _delimiter(lines[:_JUDGED_LINES])
@@ -79,12 +76,6 @@ def read_delimited(text: str, source: str) -> Found:
     return replace(found, **_said(facts, keys))
 
 
-def _comment_text(line: str) -> str:
-    """A comment without its marks; ``%ECSV`` is kept, because it names the format."""
-    text = line.lstrip("#/; ")
-    return text if text.startswith("%ECSV") else text.lstrip("#%/; ")
-
-
 def _said(facts: Mapping[str, str], keys: Mapping[str, str]) -> dict[str, Any]:
     """Source, notes and keys of a table that this library wrote."""
     notes = tuple(note for note in facts.get("notes", "").split("; ") if note)
@@ -102,16 +93,14 @@ def _delimiter(lines: list[tuple[int, str]]) -> str:
     If no line is such a row, the first one or two cells of each line are ignored as words, and
     then all words of lines with two numbers or more.
     """
+    cells = {name: [split_line(line, name) for _, line in lines] for name in DELIMITERS}
 
     def rows_of_numbers(name: str, words: int) -> int:
-        comma = name != "comma"
-        cells = (split_line(line, name) for _, line in lines)
-        return sum(_is_row(row, words, decimal_comma=comma) for row in cells)
+        return sum(_is_row(row, words, decimal_comma=name != "comma") for row in cells[name])
 
     def rows_with_numbers(name: str) -> int:
         comma = name != "comma"
-        cells = (split_line(line, name) for _, line in lines)
-        return sum(sum(is_number(c, decimal_comma=comma) for c in row) > 1 for row in cells)
+        return sum(sum(is_number(c, decimal_comma=comma) for c in row) > 1 for row in cells[name])
 
     for words in (0, 1, 2):
         if any(rows_of_numbers(name, words) for name in DELIMITERS):

@@ -4,8 +4,7 @@ import codecs
 import re
 import warnings
 import zipfile
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,15 +14,13 @@ from chromanoise.io.matlab import is_matlab
 from chromanoise.io.spectra.asd import is_asd, read_asd
 from chromanoise.io.spectra.cgats import is_cgats, read_cgats
 from chromanoise.io.spectra.delimited import read_delimited
-from chromanoise.io.spectra.envi import envi_pair
-from chromanoise.io.spectra.envi_library import envi_library, read_envi_library
+from chromanoise.io.spectra.envi import envi_library, envi_pair, read_envi_library
 from chromanoise.io.spectra.fits import read_fits
 from chromanoise.io.spectra.interpretation import meaning_of
 from chromanoise.io.spectra.isetcam import read_isetcam
 from chromanoise.io.spectra.jcamp import is_jcamp, read_jcamp
 from chromanoise.io.spectra.json_forms import read_json
-from chromanoise.io.spectra.kinds import kind_of, kind_of_zip
-from chromanoise.io.spectra.parsed import ASK, Answers, Found, ParsedSpectra
+from chromanoise.io.spectra.parsed import ASK, Answers, Found, ParsedSpectra, has
 from chromanoise.io.spectra.tm27 import read_tm27
 from chromanoise.io.spectra.workbook import read_workbook
 
@@ -32,6 +29,55 @@ _LARGEST_LIBRARY_BYTES = 32 * 2**20
 _MOST_CURVES = 10_000
 _MOST_HIGH = 0.1
 _CONTROL = re.compile(rb"[\x00-\x08\x0e-\x1f]")
+BINARY_FORMATS: tuple[tuple[Callable[[bytes], bool], Callable[[Path, bytes], Found]], ...] = (
+    (is_matlab, lambda path, _: read_isetcam(path)),
+    (is_asd, read_asd),
+    (lambda content: content.startswith(b"SIMPLE  ="), read_fits),
+)
+"""How each binary format is recognized by its bytes, and its reader of path and bytes."""
+
+TEXT_FORMATS: tuple[tuple[Callable[[str], bool], Callable[[str, str], Found]], ...] = (
+    (lambda text: text.lstrip().startswith("{"), read_json),
+    (lambda text: text.lstrip().startswith("<"), read_tm27),
+    (is_jcamp, read_jcamp),
+    (is_cgats, read_cgats),
+    (lambda _: True, read_delimited),
+)
+"""How each format of text is recognized, and its reader of text and name; the first one reads."""
+
+_EXPORT = "export the curves as CSV"
+_AVASOFT = "export it as ASCII in AvaSoft"
+_KINDS: tuple[tuple[bytes, str, str], ...] = (
+    (b"\x89PNG\r\n\x1a\n", "a PNG picture", "digitize its curves, and save them as CSV"),
+    (b"\xff\xd8\xff", "a JPEG picture", "digitize its curves, and save them as CSV"),
+    (b"GIF8", "a GIF picture", "digitize its curves, and save them as CSV"),
+    (b"II*\0", "a TIFF picture", "digitize its curves, and save them as CSV"),
+    (b"MM\0*", "a TIFF picture", "digitize its curves, and save them as CSV"),
+    (b"%PDF-", "a PDF document", "copy or digitize its curves, and save them as CSV"),
+    (b"{\\rtf", "an RTF document", "save it as plain text"),
+    (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", "an old Office file (.xls)", "save it as .xlsx or CSV"),
+    (b"\x1f\x8b", "a gzip archive", "unpack it first"),
+    (b"BZh", "a bzip2 archive", "unpack it first"),
+    (b"\xfd7zXZ\0", "an xz archive", "unpack it first"),
+    (b"7z\xbc\xaf\x27\x1c", "a 7z archive", "unpack it first"),
+    (b"SQLite format 3\0", "an SQLite database", _EXPORT),
+    (b"\x89HDF\r\n\x1a\n", "an HDF5 or MATLAB 7.3 file", "save it with -v7, or as CSV"),
+    (b"CDF\x01", "a NetCDF file", _EXPORT),
+    (b"CDF\x02", "a NetCDF file", _EXPORT),
+    (b"\x93NUMPY", "a NumPy array (.npy)", "write wavelengths and values with numpy.savetxt"),
+    (b"PAR1", "a Parquet file", _EXPORT),
+    (b"\x80\x04\x95", "a Python pickle", _EXPORT),
+    (b"AVS8", "a binary file of AvaSoft 8 (Avantes)", _AVASOFT),
+    (b"\0\0\x8cB", "a binary file of AvaSoft 7 (Avantes)", _AVASOFT),
+    (b"\0\0pB", "a binary file of AvaSoft 6 (Avantes)", _AVASOFT),
+    (b"\n\n\xfe\xfe", "a Bruker OPUS file", "export it as a data point table"),
+    (b"WDF1", "a Renishaw WiRE file", _EXPORT),
+    (b"Spectral Data File", "a Thermo OMNIC file (.spa)", _EXPORT),
+    (b"\x7fELF", "a program (ELF)", "name a file of curves"),
+    (b"MZ", "a program (.exe)", "name a file of curves"),
+)
+_HTML = (b"<!doctype html", b"<html")
+_START = 512
 
 
 def read_curves(path: Path | str | Found, *, answers: Answers = ASK) -> ParsedSpectra:
@@ -74,19 +120,28 @@ def read_curves(path: Path | str | Found, *, answers: Answers = ASK) -> ParsedSp
     if isinstance(path, Found):
         return _meaning(path, answers)
     path = Path(path)
-    with _errors_of(path):
-        return _meaning(_found(path, _content(path)), answers)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            return _meaning(_found(path, _content(path)), answers)
+    except InputError:
+        raise
+    except OSError as error:
+        raise InputError(str(path), f"cannot be read ({error.strerror or error})") from None
+    except MemoryError:
+        raise InputError(str(path), "is too large for the memory of this machine") from None
+    except Exception:  # parsers raise arbitrary exceptions with unhelpful messages
+        raise InputError(
+            str(path),
+            "cannot be read as a file of spectra: it is damaged, truncated or of an unknown format",
+            remedy=("save it again", "save it as CSV"),
+        ) from None
 
 
 def _meaning(found: Found, answers: Answers) -> ParsedSpectra:
     if len(found.columns) > _MOST_CURVES:
-        raise InputError(
-            found.source,
-            f"must have at most {_MOST_CURVES} curves",
-            value=len(found.columns),
-            found=f"has {len(found.columns)}",
-            remedy="split them",
-        )
+        need = f"must have at most {_MOST_CURVES} curves"
+        raise has(found.source, need, len(found.columns), remedy="split them")
     return meaning_of(found, answers)
 
 
@@ -109,12 +164,9 @@ def _refuse_large(path: Path, largest: int) -> None:
 
 
 def _found(path: Path, content: bytes) -> Found:
-    if is_matlab(content):
-        return read_isetcam(path)
-    if is_asd(content):
-        return read_asd(path, content)
-    if content.startswith(b"SIMPLE  ="):
-        return read_fits(path, content)
+    for is_binary, read_binary in BINARY_FORMATS:
+        if is_binary(content):
+            return read_binary(path, content)
     library = envi_library(path, content)
     if library is not None:
         _refuse_large(library[1], _LARGEST_LIBRARY_BYTES)
@@ -125,32 +177,54 @@ def _found(path: Path, content: bytes) -> Found:
             _refuse_kind(path, kind_of_zip(archive.namelist()))
         return read_workbook(path)
     text, notes = _decoded(path, content)
-    found = _of_text(text, str(path))
+    found = next(read for is_text, read in TEXT_FORMATS if is_text(text))(text, str(path))
     return replace(found, notes=(*notes, *found.notes))
 
 
-def _of_text(text: str, source: str) -> Found:
-    start = text.lstrip()[:1]
-    if start == "{":
-        return read_json(text, source)
-    if start == "<":
-        return read_tm27(text, source)
-    if is_jcamp(text):
-        return read_jcamp(text, source)
-    if is_cgats(text):
-        return read_cgats(text, source)
-    return read_delimited(text, source)
+def kind_of(content: bytes) -> tuple[str, str] | None:
+    r"""The kind of a file by its first bytes, and a remedy; None if it may be text.
+
+    Examples
+    --------
+    >>> kind_of(b"\x89PNG\r\n\x1a\n..."), kind_of(b"nm,R\n400,0.1\n")
+    (('a PNG picture', 'digitize its curves, and save them as CSV'), None)
+    """
+    for start, name, remedy in _KINDS:
+        if content.startswith(start):
+            return name, remedy
+    if content[1:2] == b"K" and content[3:4] == b"\x80":
+        return "a Thermo Galactic file (.spc)", _EXPORT
+    if content[:_START].lstrip().lower().startswith(_HTML):
+        return "an HTML page", "download the file that it links to, or save its table as CSV"
+    return None
+
+
+def kind_of_zip(names: list[str]) -> tuple[str, str] | None:
+    """The kind of a ZIP archive by the names in it; None for a workbook.
+
+    Examples
+    --------
+    >>> kind_of_zip(["r.npy"])[0], kind_of_zip(["xl/workbook.xml"])
+    ('NumPy arrays (.npz)', None)
+    """
+    if any(name.startswith("xl/") for name in names):
+        return None
+    if names and all(name.endswith(".npy") for name in names):
+        return "NumPy arrays (.npz)", "write wavelengths and values with numpy.savetxt"
+    if any(name.startswith("ps_") and name.endswith(".xml") for name in names):
+        return "an Ocean Optics file (.ProcSpec)", "save it as tab-delimited text in SpectraSuite"
+    if "content.xml" in names:
+        return "an OpenDocument file (.ods)", "save it as .xlsx or CSV"
+    if any(name.startswith("word/") for name in names):
+        return "a Word document", "save its table as CSV"
+    return "a ZIP archive", "unpack it first"
 
 
 def _refuse_kind(path: Path, kind: tuple[str, str] | None) -> None:
     if kind is not None:
-        raise InputError(
-            str(path),
-            "is not a file of spectra",
-            value=kind[0],
-            found=f"is {kind[0]}",
-            remedy=kind[1],
-        )
+        name, remedy = kind
+        need = "is not a file of spectra"
+        raise InputError(str(path), need, value=name, found=f"is {name}", remedy=remedy)
 
 
 def _decoded(path: Path, content: bytes) -> tuple[str, tuple[str, ...]]:
@@ -183,37 +257,10 @@ def _coding(content: bytes) -> tuple[str, tuple[str, ...]]:
         if len(content) % 2 == 0 and count == content.count(0) and count > 0.8 * len(zeros) > 1:
             return coding, (f"read as {coding.upper()}, which the file does not declare",)
     high = len(content.translate(None, bytes(range(128))))
-    if _is_utf8(content) or high > _MOST_HIGH * len(content) or _CONTROL.search(content):
-        return "utf-8-sig", ()
-    return "cp1252", (
-        f"read as Windows-1252, because it is not valid UTF-8 ({high} bytes above 127)",
-    )
-
-
-def _is_utf8(content: bytes) -> bool:
     try:
         content.decode("utf-8")
     except UnicodeDecodeError:
-        return False
-    return True
-
-
-@contextmanager
-def _errors_of(path: Path) -> Iterator[None]:
-    """Turn any exception of a parser into an `InputError`."""
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            yield
-    except InputError:
-        raise
-    except OSError as error:
-        raise InputError(str(path), f"cannot be read ({error.strerror or error})") from None
-    except MemoryError:
-        raise InputError(str(path), "is too large for the memory of this machine") from None
-    except Exception:  # parsers raise arbitrary exceptions with unhelpful messages
-        raise InputError(
-            str(path),
-            "cannot be read as a file of spectra: it is damaged, truncated or of an unknown format",
-            remedy=("save it again", "save it as CSV"),
-        ) from None
+        if high <= _MOST_HIGH * len(content) and not _CONTROL.search(content):
+            why = f"because it is not valid UTF-8 ({high} bytes above 127)"
+            return "cp1252", (f"read as Windows-1252, {why}",)
+    return "utf-8-sig", ()

@@ -1,22 +1,20 @@
-"""ENVI cubes: a text header that describes the layout of a separate data file."""
+"""ENVI cubes and spectral libraries: a text header that describes a separate data file."""
 
 import math
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from chromanoise._check import Array
-from chromanoise._shapes import (
-    Float,
-    Shaped,
-)
-from chromanoise.errors import (
-    InputError,
-    Setting,
-)
+from chromanoise._shapes import Float, Shaped
+from chromanoise.errors import InputError, Setting
+from chromanoise.io.spectra.declared import known_unit
+from chromanoise.io.spectra.parsed import LARGEST, Found, has, known_columns, missing_notes
+from chromanoise.io.spectra.tables import number_in
 from chromanoise.io.spectra.wavelength_lists import NAMED_WAVELENGTH, NM_PER, nanometers
 
 DATA_SUFFIXES = (".sli", ".img", ".raw", ".dat", ".bin", ".bsq", ".bil", ".bip")
@@ -33,11 +31,8 @@ _AXES = {
 _LAYOUT = (
     "samples", "lines", "bands", "data type", "interleave", "byte order", "header offset",
 )  # fmt: skip
-_NOT_APPLIED = (
-    "bbl",
-    "data ignore value",
-)
-_GAINS = (
+_NOT_APPLIED = ("bbl", "data ignore value")
+GAINS = (
     "data gain values",
     "data offset values",
     "data reflectance gain values",
@@ -66,21 +61,18 @@ class EnviHeader:
             return default
         text = self.word(key)
         if not re.fullmatch(r"\+?[0-9]{1,18}", text):
-            raise InputError(
-                self.source,
-                "must be a whole number from 0 to 10^18",
-                value=text,
-                where=f"key {key!r}",
-            )
+            raise self.refused(key, "must be a whole number from 0 to 10^18", text)
         return int(text)
 
     def word(self, key: str) -> str:
         """The text of ``key``; an error if it is absent."""
         if key not in self.fields:
-            raise InputError(
-                self.source, "is missing in the header", where=f"key {key!r}", remedy="add it"
-            )
+            raise self.refused(key, "is missing in the header", remedy="add it")
         return self.fields[key]
+
+    def refused(self, key: str, requirement: str, value: Any = None, **more: Any) -> InputError:
+        """The error about the value of ``key``."""
+        return InputError(self.source, requirement, value=value, where=f"key {key!r}", **more)
 
 
 def envi_pair(path: Path) -> tuple[Path, Path] | None:
@@ -94,12 +86,12 @@ def envi_pair(path: Path) -> tuple[Path, Path] | None:
     if path.suffix.lower() == ".hdr":
         return path, _data_beside(path)
     names = [(path.name + ".hdr").lower(), (path.stem + ".hdr").lower()]
-    headers = sorted(_beside(path, set(names)), key=lambda p: names.index(p.name.lower()))
-    return (headers[0], path) if headers else None
+    header = min(_beside(path, names), key=lambda p: names.index(p.name.lower()), default=None)
+    return None if header is None else (header, path)
 
 
 def _data_beside(header: Path) -> Path:
-    names = {(header.stem + ending).lower() for ending in ("", *DATA_SUFFIXES)}
+    names = [(header.stem + ending).lower() for ending in ("", *DATA_SUFFIXES)]
     found = sorted(_beside(header, names))
     if not found:
         raise InputError(
@@ -118,7 +110,7 @@ def _data_beside(header: Path) -> Path:
     return found[0]
 
 
-def _beside(path: Path, names: set[str]) -> list[Path]:
+def _beside(path: Path, names: Collection[str]) -> list[Path]:
     """Other files in the folder of ``path`` with one of the lower-case names."""
     near = (p for p in path.parent.iterdir() if p.name.lower() in names and p.name != path.name)
     return [p for p in near if p.is_file()]
@@ -139,14 +131,12 @@ def read_envi_header(path: Path) -> EnviHeader:
             value=path.stat().st_size,
             found=f"is {path.stat().st_size / 2**20:.0f} MiB",
         )
-    return envi_header(_decoded(path.read_bytes()), source=str(path))
-
-
-def _decoded(raw: bytes) -> str:
+    raw = path.read_bytes()
     try:
-        return raw.decode("utf-8-sig")
+        text = raw.decode("utf-8-sig")
     except UnicodeDecodeError:
-        return raw.decode("latin-1")
+        text = raw.decode("latin-1")
+    return envi_header(text, source=str(path))
 
 
 def envi_header(text: str, *, source: str) -> EnviHeader:
@@ -221,7 +211,7 @@ def envi_pixels(
     count = {axis: _positive(header, axis) for axis in ("lines", "samples", "bands")}
     dtype = _dtype(header)
     offset = header.whole("header offset", default=0)
-    axes = _AXES[_interleave(header)]
+    axes = _axes(header)
     _refuse_compressed(header)
     _refuse_wrong_size(header, data, offset + math.prod(count.values()) * dtype.itemsize)
     shape = tuple(count[axis] for axis in axes)
@@ -233,57 +223,41 @@ def envi_pixels(
 def _positive(header: EnviHeader, key: str) -> int:
     number = header.whole(key)
     if number < 1:
-        raise InputError(header.source, "must be at least 1", value=number, where=f"key {key!r}")
+        raise header.refused(key, "must be at least 1", number)
     return number
 
 
 def _dtype(header: EnviHeader) -> np.dtype:
     code = header.whole("data type")
     if code in _COMPLEX:
-        raise InputError(
-            header.source,
+        raise header.refused(
+            "data type",
             "must be a type of real numbers",
-            value=code,
+            code,
             found=f"{code} is complex",
-            where="key 'data type'",
             remedy="save real numbers, such as data type 4",
         )
     if code not in _DTYPES:
-        raise InputError(
-            header.source,
-            f"must be one of {', '.join(str(known) for known in _DTYPES)}",
-            value=code,
-            where="key 'data type'",
-        )
+        raise header.refused("data type", f"must be one of {', '.join(map(str, _DTYPES))}", code)
     order = header.whole("byte order", default=0)
     if order not in (0, 1):
-        raise InputError(
-            header.source,
-            "must be 0 (little-endian) or 1 (big-endian)",
-            value=order,
-            where="key 'byte order'",
-        )
+        need = "must be 0 (little-endian) or 1 (big-endian)"
+        raise header.refused("byte order", need, order)
     return np.dtype("<>"[order] + _DTYPES[code])
 
 
-def _interleave(header: EnviHeader) -> str:
+def _axes(header: EnviHeader) -> tuple[str, ...]:
     word = header.word("interleave").lower()
     if word not in _AXES:
-        raise InputError(
-            header.source, "must be bsq, bil or bip", value=word, where="key 'interleave'"
-        )
-    return word
+        raise header.refused("interleave", "must be bsq, bil or bip", word)
+    return _AXES[word]
 
 
 def _refuse_compressed(header: EnviHeader) -> None:
     if header.whole("file compression", default=0) != 0:
-        raise InputError(
-            header.source,
-            "must be 0, because compressed data is not read",
-            value=header.fields["file compression"],
-            where="key 'file compression'",
-            remedy="save the data uncompressed",
-        )
+        key, need = "file compression", "must be 0, because compressed data is not read"
+        remedy = "save the data uncompressed"
+        raise header.refused(key, need, header.fields[key], remedy=remedy)
 
 
 def _refuse_wrong_size(header: EnviHeader, data: Path, expected: int) -> None:
@@ -320,26 +294,16 @@ def envi_scale(header: EnviHeader) -> float | None:
     InputError
         If the header has a gain or offset per band instead, which is not supported.
     """
-    gains = [key for key in _GAINS if key in header.fields]
-    if gains:
-        raise InputError(
-            header.source,
-            "gains and offsets per band are not applied",
-            where=f"key {gains[0]!r}",
-            remedy=("apply them and save the cube again", Setting("scale")),
-        )
+    gain = next((key for key in GAINS if key in header.fields), None)
+    if gain is not None:
+        remedy = ("apply them and save the cube again", Setting("scale"))
+        raise header.refused(gain, "gains and offsets per band are not applied", remedy=remedy)
     key = "reflectance scale factor"
     if key not in header.fields:
         return None
     factor = _number(header, f"key {key!r}", header.word(key))
     if not (factor > 0 and math.isfinite(1 / factor)):
-        raise InputError(
-            header.source,
-            "must be > 0",
-            value=factor,
-            where="key 'reflectance scale factor'",
-            remedy=("correct it", Setting("scale")),
-        )
+        raise header.refused(key, "must be > 0", factor, remedy=("correct it", Setting("scale")))
     return 1 / factor
 
 
@@ -367,12 +331,8 @@ def envi_wavelengths(header: EnviHeader) -> tuple[Float[Array, " m"], tuple[str,
 def _listed_wavelengths(header: EnviHeader) -> list[float]:
     cells = [cell for cell in re.split(r"[,\s]+", header.word("wavelength")) if cell]
     if not cells:
-        raise InputError(
-            header.source,
-            "must not be empty",
-            where="key 'wavelength'",
-            remedy=("fill the list", Setting("wavelengths")),
-        )
+        remedy = ("fill the list", Setting("wavelengths"))
+        raise header.refused("wavelength", "must not be empty", remedy=remedy)
     return [_number(header, f"entry {i} of 'wavelength'", cell) for i, cell in enumerate(cells)]
 
 
@@ -393,3 +353,139 @@ def _number(header: EnviHeader, where: str, text: str) -> float:
     if not math.isfinite(value):
         raise InputError(header.source, "must be a finite number", value=text, where=where)
     return value
+
+
+_LIBRARY = "envi spectral library"
+_UNSAID = ("", "unknown", "index")
+
+
+def envi_library(path: Path, content: bytes) -> tuple[EnviHeader, Path] | None:
+    """Header and data of the library if ``path`` is either of them; None for other files.
+
+    Raises
+    ------
+    InputError
+        If the header is not that of a library, or the other file is missing.
+    """
+    if content.lstrip()[:5].split() == [b"ENVI"]:
+        return _library(*(envi_pair(path.with_suffix(".hdr")) or (path, path)))
+    if path.suffix.lower() != ".sli" and b"\0" not in content:
+        return None
+    pair = envi_pair(path)
+    if pair is None and path.suffix.lower() == ".sli":
+        raise InputError(
+            str(path),
+            "must have its ENVI header in the same folder",
+            value=f"{path.stem}.hdr",
+            found=f"there is no {path.stem}.hdr",
+        )
+    return None if pair is None else _library(*pair)
+
+
+def _library(header_file: Path, data: Path) -> tuple[EnviHeader, Path]:
+    header = read_envi_header(header_file)
+    kind = header.fields.get("file type", "")
+    if kind.lower() != _LIBRARY and not _is_line_of_spectra(header):
+        need = "must be ENVI Spectral Library, or have one sample or one line"
+        remedy = "name a file of spectra, not a cube"
+        raise header.refused("file type", need, kind, remedy=remedy)
+    return header, data
+
+
+def _is_line_of_spectra(header: EnviHeader) -> bool:
+    """Whether a cube is a list of spectra, as isofit stores its libraries."""
+    sides = (header.whole("samples", default=0), header.whole("lines", default=0))
+    return 1 in sides and header.whole("bands", default=0) > 1
+
+
+def read_envi_library(header: EnviHeader, data: Path) -> Found:
+    """The spectra of a library, divided by its reflectance scale factor.
+
+    Raises
+    ------
+    InputError
+        If the header lacks a key or contradicts the data.
+
+    A cube of one sample or one line is a library as well, with its bands as wavelengths.
+
+    Notes
+    -----
+    NV5 Geospatial, "ENVI Header Files": ``samples`` wavelengths, ``lines`` spectra, one band; the
+    data divided by the ``reflectance scale factor`` are reflectances from 0 to 1.
+    """
+    gain = next((key for key in GAINS[:2] if key in header.fields), None)
+    if gain is not None:
+        remedy = "apply them and save the library again"
+        raise header.refused(gain, "gains and offsets are not applied", remedy=remedy)
+    pixels, notes = envi_pixels(header, data)
+    if _is_line_of_spectra(header):
+        pixels = pixels.reshape(-1, pixels.shape[2])[:, :, None]
+    if pixels.shape[2] != 1:
+        raise has(header.source, "must have 1 band, as a spectral library", pixels.shape[2])
+    text = header.fields.get("reflectance scale factor", "1")
+    factor = number_in(text)
+    if not factor > 0:
+        raise header.refused("reflectance scale factor", "must be > 0", text)
+    table = pixels[:, :, 0].astype(np.float64)
+    table[~(np.abs(table) <= LARGEST)] = np.nan
+    wavelength, heading = _wavelengths(header, table.shape[1])
+    curves = list(zip(_names(header, table.shape[0]), table / factor, strict=True))
+    deleted = "values that are not numbers or marked as deleted"
+    said = [header.fields.get(key, "") for key in ("description", "z plot titles")]
+    return Found(
+        source=header.source,
+        format="ENVI spectral library",
+        columns=known_columns(wavelength, curves),
+        heading=heading,
+        words=" ".join(said),
+        quantity="reflectance" if "reflectance scale factor" in header.fields else None,
+        scale="fraction" if "reflectance scale factor" in header.fields else None,
+        notes=(
+            *notes,
+            *((f"divided by the reflectance scale factor {factor:g}",) if factor != 1 else ()),
+        ),
+        defects=missing_notes(wavelength, curves, deleted),
+    )
+
+
+def library_files(path: Path) -> tuple[Path, ...]:
+    """All files that belong to a file of spectra: header and data of a library, or the file.
+
+    Parameters
+    ----------
+    path
+        The file.
+
+    Raises
+    ------
+    InputError
+        If the data file of a header is missing.
+    """
+    pair = envi_pair(path) if path.suffix.lower() in (".sli", ".hdr") and path.exists() else None
+    return pair or (path,)
+
+
+def _wavelengths(header: EnviHeader, count: int) -> tuple[Array, str]:
+    """The wavelengths that the header lists, and a heading with their unit."""
+    cells = [cell.strip() for cell in header.word("wavelength").split(",")]
+    numbers = np.array([number_in(cell) for cell in cells])
+    if numbers.size != count:
+        need = f"must list {count} numbers, one per wavelength of the data"
+        raise header.refused("wavelength", need, numbers.size, found=f"lists {numbers.size}")
+    if np.isnan(numbers).any():
+        at = int(np.isnan(numbers).argmax())
+        where = f"entry {at} of 'wavelength'"
+        raise InputError(header.source, "must be a number", value=cells[at], where=where)
+    unit = header.fields.get("wavelength units", "")
+    if unit.lower() in _UNSAID:
+        return numbers, ""
+    return numbers, f"wavelength [{known_unit(unit, header.source)}]"
+
+
+def _names(header: EnviHeader, count: int) -> tuple[str, ...]:
+    names = [name.strip() for name in header.fields.get("spectra names", "").split(",")]
+    if len(names) == count and all(names):
+        return tuple(
+            name if names.count(name) == 1 else f"{name} ({k + 1})" for k, name in enumerate(names)
+        )
+    return tuple(str(k + 1) for k in range(count))

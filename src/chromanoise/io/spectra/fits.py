@@ -3,6 +3,7 @@
 import importlib
 import io
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,11 +12,9 @@ import numpy as np
 from chromanoise._check import Array
 from chromanoise.errors import InputError
 from chromanoise.io.spectra.declared import known_unit
-from chromanoise.io.spectra.parsed import Column, Found
-from chromanoise.io.spectra.tables import missing_notes
+from chromanoise.io.spectra.parsed import LARGEST, Found, has, known_columns, missing_notes
 
 _WAVELENGTH = re.compile(r"(?i)(wavelengths?|waves?|wl|lambda|lam|loglam)(?![a-z])")
-_LARGEST = 1e30
 _MOST_CURVES = 1000
 
 
@@ -71,31 +70,18 @@ def _table(path: Path, part: Any, place: int, at_name: str) -> Found:
         name: values for name in others if (values := _curve(path, part, name, at)) is not None
     }
     if not 0 < len(curves) <= _MOST_CURVES:
-        raise InputError(
-            str(path),
-            f"must have 1 to {_MOST_CURVES} columns with the length of {at_name!r}",
-            value=len(curves),
-            found=f"has {len(curves)}",
-        )
+        need = f"must have 1 to {_MOST_CURVES} columns with the length of {at_name!r}"
+        raise has(str(path), need, len(curves))
     unit = known_unit(units[at_name], str(path)) if units[at_name] else ""
-    missing = [
-        sentence
-        for name, values in curves.items()
-        for sentence in missing_notes(
-            name, at, np.isfinite(values), "values that are no number (NaN or TNULL)"
-        )
-    ]
     return Found(
         source=str(path),
         format=f"FITS, table in part {place}",
         columns=tuple(
-            Column(name=name, unit=units[name], wavelength=at[known], values=values[known])
-            for name, values in curves.items()
-            for known in (np.isfinite(values),)
+            replace(one, unit=units[one.name]) for one in known_columns(at, curves.items())
         ),
         heading=f"{at_name} [{unit}]" if unit else at_name,
         words=" ".join(str(part.header.get(key, "")) for key in ("EXTNAME", "OBJECT", "TITLE")),
-        defects=tuple(missing),
+        defects=missing_notes(at, curves.items(), "values that are no number (NaN or TNULL)"),
     )
 
 
@@ -116,7 +102,7 @@ def _numbers(path: Path, part: Any, name: str) -> Array:
     stored, null = np.asarray(part.data)[name], part.columns[name].null
     if stored.dtype.kind in "iu" and null is not None:  # TNULLn is the number before TSCALn, TZEROn
         values[stored.ravel() == null] = np.nan
-    if (np.abs(values) > _LARGEST).any():
+    if (np.abs(values) > LARGEST).any():
         raise InputError(
             str(path),
             "must be at most 1e30",

@@ -3,7 +3,7 @@
 import re
 from collections import Counter
 from dataclasses import replace
-from typing import Literal, get_args
+from typing import Literal, cast, get_args
 
 import numpy as np
 
@@ -11,8 +11,6 @@ from chromanoise._check import Array
 from chromanoise.errors import InputError, Setting
 from chromanoise.io.spectra.declared import (
     is_wavelength_heading,
-    level_of_key,
-    per_of_key,
     quantity_of_key,
     scale_of_key,
     unit_that_fits,
@@ -22,6 +20,7 @@ from chromanoise.io.spectra.defects import defects_of
 from chromanoise.io.spectra.merging import Sorted, gaps_nm, on_common, sorted_points, step_nm
 from chromanoise.io.spectra.own_json import named
 from chromanoise.io.spectra.parsed import (
+    SENSITIVE_NM,
     Answers,
     Column,
     Found,
@@ -52,10 +51,10 @@ _DEVIATION = (
 )
 _ABSORBANCE = r"(?i)absorban|optical.density|\blog ?\(? ?1 ?/ ?[rt]\b"
 _MOST_UM, _LEAST_NM = 20.0, 100.0
-_SENSITIVE_NM = (400.0, 1050.0)
 _MOSTLY = 0.5  # of the steps, ascending minus descending
 _FRACTION_AT_MOST, _PERCENT_AT_MOST = 1.5, 100.0
 _MOST_SENTENCES = 3
+_UNNAMED = "its columns have no names: each is taken as a curve, none as a standard deviation"
 
 
 def meaning_of(found: Found, answers: Answers) -> ParsedSpectra:
@@ -75,12 +74,20 @@ def meaning_of(found: Found, answers: Answers) -> ParsedSpectra:
     scale, factor, scale_note = _scale(found, answers, columns, points, quantity)
     level = _level(found, answers, columns)
     common, cut = on_common(points, answers.beyond, found.source)
-    curves, zeroed = _without_small_negatives(
-        _spectra(found, common, points, factor, quantity), answers
+    spectra = Spectra(
+        wavelength_nm=common[0],
+        values=common[1] * factor,
+        names=tuple(p.name for p in points),
+        quantity=quantity or "spectra",
+        unit="e-/photon" if quantity == "QE" else "1",
+        source=found.source,
     )
+    curves, zeroed = _without_small_negatives(spectra, answers)
+    lists = (curves.wavelength_nm, *(one.wavelength_nm for one in points))
+    gaps = {gap for at in lists for gap in gaps_nm(at)}
     notes = (
         *(*found.notes, *unit_note, *scale_note, *_merge_notes(points), *cut, *zeroed),
-        *_unnamed(found, columns, answers),
+        *([] if found.named or len(columns) < 2 or answers.columns else [_UNNAMED]),
     )
     spread = [sorted_points(column, unit, found.source) for column in deviations]
     parsed = ParsedSpectra(
@@ -92,7 +99,7 @@ def meaning_of(found: Found, answers: Answers) -> ParsedSpectra:
         scale=scale,
         factor=factor,
         step_nm=step_nm(curves.wavelength_nm),
-        gaps_nm=_gaps_nm(curves, points),
+        gaps_nm=tuple(sorted(gaps)),
         merged=sum(p.merged for p in points),
         quantity=quantity,
         level=level,
@@ -103,7 +110,6 @@ def meaning_of(found: Found, answers: Answers) -> ParsedSpectra:
             *_few(found.defects),
             *defects_of(curves, quantity, scale, points, level=level),
         ),
-        questions=(),
         own_form=found.heading == "wavelength_nm",
         said_source=found.said_source,
         said_notes=found.said_notes,
@@ -123,22 +129,14 @@ def _chosen(found: Found, answers: Answers) -> tuple[list[Column], list[Column]]
     names = [c.name for c in curves]
     repeated = [name for name, count in Counter(names).items() if count > 1]
     if repeated:
-        raise InputError(
-            found.source,
-            "must have different names for its curves",
-            value=repeated[0],
-            found=f"{repeated[0]!r} is repeated",
-            remedy="rename one",
-        )
+        need, first = "must have different names for its curves", repeated[0]
+        said = f"{first!r} is repeated"
+        raise InputError(found.source, need, value=first, found=said, remedy="rename one")
     for name in answers.columns:
         if name not in names:
-            raise InputError(
-                found.source,
-                f"must have the curve {name!r}",
-                value=tuple(names),
-                found=f"has {', '.join(names[:20])}",
-                remedy=Setting("columns"),
-            )
+            need, held = f"must have the curve {name!r}", f"has {', '.join(names[:20])}"
+            remedy = Setting("columns")
+            raise InputError(found.source, need, value=tuple(names), found=held, remedy=remedy)
     if answers.columns:
         curves = [curves[names.index(name)] for name in dict.fromkeys(answers.columns)]
     return curves, spread
@@ -147,12 +145,9 @@ def _chosen(found: Found, answers: Answers) -> tuple[list[Column], list[Column]]
 def _refuse_absorbances(found: Found, columns: list[Column]) -> None:
     heads = [f"{c.name} [{c.unit}]" if c.unit else c.name for c in columns]
     if all(re.search(_ABSORBANCE, head) for head in heads):
-        raise InputError(
-            found.source,
-            "must hold transmittances, reflectances or light, not absorbances",
-            value=heads[0],
-            remedy="convert each absorbance A to a transmittance, 10^-A",
-        )
+        need = "must hold transmittances, reflectances or light, not absorbances"
+        remedy = "convert each absorbance A to a transmittance, 10^-A"
+        raise InputError(found.source, need, value=heads[0], remedy=remedy)
 
 
 def _wavelength_unit(
@@ -182,12 +177,9 @@ def _wavelength_unit(
             )
         declared = answer if answer == other else declared  # the numbers contradict the heading
     if answer and declared and answer != declared:
-        raise InputError(
-            "wavelength_unit",
-            f"must be {declared!r}, as {found.source} declares",
-            value=answer,
-            remedy=("omit it", "correct the file"),
-        )
+        need = f"must be {declared!r}, as {found.source} declares"
+        remedy = ("omit it", "correct the file")
+        raise InputError("wavelength_unit", need, value=answer, remedy=remedy)
     if declared or answer:
         return declared or answer or "nm", ()
     listed = is_wavelength_heading(found.heading) or found.format.endswith(DIGITIZED)
@@ -211,13 +203,9 @@ def _contradicted(declared: Unit | None, low: float, high: float) -> Unit | None
 
 
 def _unit_wanted(found: Found, span: str) -> InputError:
-    return InputError(
-        found.source,
-        "must declare the unit of its wavelengths",
-        value=span,
-        found=f"{span} have none",
-        remedy=Setting("wavelength_unit", get_args(Unit)),
-    )
+    need, units = "must declare the unit of its wavelengths", get_args(Unit)
+    remedy = Setting("wavelength_unit", units)
+    return InputError(found.source, need, value=span, found=f"{span} have none", remedy=remedy)
 
 
 def _is_ordered(at: Array) -> bool:
@@ -226,31 +214,22 @@ def _is_ordered(at: Array) -> bool:
     return bool(abs(signs.sum()) >= _MOSTLY * np.count_nonzero(signs))
 
 
-def _unit_of_key(found: Found) -> Unit | None:
-    unit = found.keys.get("wavelength_unit")
-    return wavelength_unit_of(f"[{unit}]") if unit else None
-
-
 def _declared_unit(found: Found) -> Unit | None:
     """The unit that format, heading or key declares; contradicting ones raise an error."""
+    key = found.keys.get("wavelength_unit")
     try:
         units = {
             "its format": found.wavelength_unit,
             "its heading": wavelength_unit_of(found.heading),
-            "its key": _unit_of_key(found),
+            "its key": wavelength_unit_of(f"[{key}]") if key else None,
         }
     except InputError as error:
         raise named(error, found.source) from None
     said = {where: unit for where, unit in units.items() if unit}
     if len(set(said.values())) > 1:
         units_text = ", ".join(f"{unit} by {where}" for where, unit in said.items())
-        raise InputError(
-            found.source,
-            "must declare one unit of wavelengths",
-            value=units_text,
-            found=f"declares {units_text}",
-            remedy="correct one",
-        )
+        need, held = "must declare one unit of wavelengths", f"declares {units_text}"
+        raise InputError(found.source, need, value=units_text, found=held, remedy="correct one")
     return next(iter(said.values()), None)
 
 
@@ -312,16 +291,15 @@ def _scale(
 def _highest(points: Sorted) -> float:
     """The highest value at 400-1050 nm, or at any wavelength if none is there; at least 0."""
     at = points.wavelength_nm
-    here = points.values[(at >= _SENSITIVE_NM[0]) & (at <= _SENSITIVE_NM[1])]
+    here = points.values[(at >= SENSITIVE_NM[0]) & (at <= SENSITIVE_NM[1])]
     return float((here if here.size else points.values).max(initial=0.0))
 
 
 def _level(found: Found, answers: Answers, columns: list[Column]) -> Level | None:
-    given = answers.level or found.level
-    if given or answers.peak_qe is not None:
-        return given or "relative"
-    if level_of_key(found.keys):
-        return level_of_key(found.keys)
+    given = answers.level or found.level or ("relative" if answers.peak_qe is not None else None)
+    word = found.keys.get("level", "").lower()
+    if given or word in get_args(Level):
+        return given or cast("Level", word)
     heads = _heads(found, columns)
     if re.search(r"relative|normali[sz]ed|arbitrary|\ba\.?u\.?(?![a-z])", heads):
         return "relative"
@@ -331,9 +309,9 @@ def _level(found: Found, answers: Answers, columns: list[Column]) -> Level | Non
 def _per(
     found: Found, answers: Answers, columns: list[Column], quantity: Quantity | None
 ) -> Per | None:
-    given = answers.per or found.per or per_of_key(found.keys)
-    if given:
-        return given
+    given, word = answers.per or found.per, found.keys.get("per", "").lower()
+    if given or word in get_args(Per):
+        return given or cast("Per", word)
     heads = _heads(found, columns)
     if quantity == "QE" or re.search(r"photon|quanta|photlam", heads):
         return "photon"
@@ -356,41 +334,12 @@ def _without_small_negatives(curves: Spectra, answers: Answers) -> tuple[Spectra
     return replace(curves, values=np.where(small, 0.0, curves.values)), (note,)
 
 
-def _unnamed(found: Found, columns: list[Column], answers: Answers) -> tuple[str, ...]:
-    if found.named or len(columns) < 2 or answers.columns:
-        return ()
-    return ("its columns have no names: each is taken as a curve, none as a standard deviation",)
-
-
 def _few(sentences: tuple[str, ...]) -> tuple[str, ...]:
     """The first sentences, and the number of the others."""
     more = len(sentences) - _MOST_SENTENCES
     if more <= 1:
         return sentences
     return (*sentences[:_MOST_SENTENCES], f"and {more} more like these")
-
-
-def _spectra(
-    found: Found,
-    common: tuple[Array, Array],
-    points: list[Sorted],
-    factor: float,
-    quantity: Quantity | None,
-) -> Spectra:
-    return Spectra(
-        wavelength_nm=common[0],
-        values=common[1] * factor,
-        names=tuple(p.name for p in points),
-        quantity=quantity or "spectra",
-        unit="e-/photon" if quantity == "QE" else "1",
-        source=found.source,
-    )
-
-
-def _gaps_nm(curves: Spectra, points: list[Sorted]) -> tuple[tuple[float, float], ...]:
-    """The gaps of the common wavelengths and of each curve."""
-    each = (gap for at in points for gap in gaps_nm(at.wavelength_nm))
-    return tuple(sorted({*gaps_nm(curves.wavelength_nm), *each}))
 
 
 def _deviations(

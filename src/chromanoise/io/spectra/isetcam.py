@@ -1,7 +1,6 @@
 """MATLAB files of ISETCam (``wavelength``, ``data``), of Psychtoolbox and of camera databases."""
 
 import math
-from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -9,8 +8,7 @@ import numpy as np
 from chromanoise._check import Array
 from chromanoise.errors import InputError
 from chromanoise.io.matlab import mat_array, mat_arrays, mat_texts
-from chromanoise.io.spectra.parsed import Column, Found, Quantity
-from chromanoise.io.spectra.tables import missing_notes
+from chromanoise.io.spectra.parsed import LARGEST, Found, Quantity, known_columns, missing_notes
 
 _LARGEST_BYTES = 32 * 2**20
 _WAVELENGTHS = ("wavelength", "wavelength_nm", "wave")
@@ -49,46 +47,35 @@ def read_isetcam(path: Path) -> Found:
         )
     wavelength = _real(path, at_name, arrays[at_name]).ravel()
     if np.isnan(wavelength).any():
-        raise InputError(
-            str(path),
-            "must be finite numbers",
-            value=math.nan,
-            found="has NaN",
-            where=f"array {at_name!r}",
-            remedy=("correct it", "remove it"),
-        )
+        remedy = ("correct it", "remove it")
+        raise _of_nan(path, "has NaN", f"array {at_name!r}", remedy)
     data = _upright(path, _real(path, "data", arrays["data"]), wavelength.size)
-    square = _square_note(data.shape[1], wavelength.size)
+    n = wavelength.size
+    square = f"data is {n} by {n}: its rows are taken for wavelengths, its columns for curves"
     words = {w: mat_texts(path, w, largest_bytes=_LARGEST_BYTES) for w in _WORDS if w in arrays}
     names, notes = _names(path, arrays, data.shape[1], words.get("name", ()))
     text = " ".join(" ".join(texts) for texts in words.values())
-    known = [np.isfinite(data[:, k]) for k in range(data.shape[1])]
-    missing = [
-        text
-        for name, here in zip(names, known, strict=True)
-        for text in missing_notes(name, wavelength, here, "values that are no number (NaN)")
-    ]
+    curves = list(zip(names, data.T, strict=True))
     comment = " ".join(" ".join(words.get("comment", ())).split())
     return Found(
         source=str(path),
         format="ISETCam MAT",
-        columns=tuple(
-            Column(name=name, unit="", wavelength=wavelength[here], values=data[here, k])
-            for k, (name, here) in enumerate(zip(names, known, strict=True))
-        ),
+        columns=known_columns(wavelength, curves),
         words=text,
-        keys=_keys(words),
+        # comment and name are free text
+        keys={
+            key: " ".join(words[field])
+            for key, field in (("quantity", "type"), ("unit", "units"))
+            if field in words
+        },
         per="photon" if words.get("units") == ("photons",) else None,
-        wavelength_unit=None,
-        defects=tuple(missing),
-        notes=(*notes, *square, *((f"the file says: {comment}",) if comment else ())),
+        defects=missing_notes(wavelength, curves, "values that are no number (NaN)"),
+        notes=(
+            *notes,
+            *([square] if data.shape[1] == n else ()),
+            *((f"the file says: {comment}",) if comment else ()),
+        ),
     )
-
-
-def _keys(words: Mapping[str, tuple[str, ...]]) -> dict[str, str]:
-    """``type`` is the quantity and ``units`` the unit; ``comment`` and ``name`` are free text."""
-    fields = {"quantity": "type", "unit": "units"}
-    return {key: " ".join(words[field]) for key, field in fields.items() if field in words}
 
 
 def _of_psychtoolbox(path: Path, arrays: dict, sampled: list[str]) -> Found:
@@ -128,20 +115,11 @@ def _of_psychtoolbox(path: Path, arrays: dict, sampled: list[str]) -> Found:
         )
     quantity = _OF_PSYCHTOOLBOX[kind]
     at = sampling[0] + sampling[1] * np.arange(data.shape[0])
-    count = data.shape[1]
+    names = [rest] if data.shape[1] == 1 else map(str, range(1, data.shape[1] + 1))
     return Found(
         source=str(path),
         format="Psychtoolbox MAT",
-        columns=tuple(
-            Column(
-                name=rest if count == 1 else str(k + 1),
-                unit="",
-                wavelength=at[known],
-                values=data[known, k],
-            )
-            for k in range(count)
-            for known in (np.isfinite(data[:, k]),)
-        ),
+        columns=known_columns(at, zip(names, data.T, strict=True)),
         wavelength_unit="nm",
         quantity=quantity,
         per="energy" if quantity == "power" else None,
@@ -173,21 +151,11 @@ def _camera_of_jiang(path: Path, arrays: dict) -> Found:
             ),
         )
     if not all(np.isfinite(curve).all() for curve in curves.values()):
-        raise InputError(
-            str(path),
-            "must be finite numbers",
-            value=math.nan,
-            found="have NaN",
-            where="arrays r, g, b",
-            remedy="correct them",
-        )
+        raise _of_nan(path, "have NaN", "arrays r, g, b", ("correct them",))
     return Found(
         source=str(path),
         format="MATLAB, a camera of Jiang et al. (2013)",
-        columns=tuple(
-            Column(name=name.upper(), unit="", wavelength=_JIANG_NM, values=curve)
-            for name, curve in curves.items()
-        ),
+        columns=known_columns(_JIANG_NM, zip("RGB", curves.values(), strict=True)),
         wavelength_unit="nm",
         quantity="response",
         per="energy",
@@ -199,34 +167,27 @@ def _camera_of_jiang(path: Path, arrays: dict) -> Found:
     )
 
 
+def _of_nan(path: Path, found: str, where: str, remedy: tuple[str, ...]) -> InputError:
+    need = "must be finite numbers"
+    return InputError(str(path), need, value=math.nan, found=found, where=where, remedy=remedy)
+
+
 def _real(path: Path, name: str, declared: tuple[tuple[int, ...], np.dtype]) -> Array:
-    shape, dtype = declared
+    (shape, dtype), where = declared, f"array {name!r}"
     if dtype.kind not in "fiu" or len(shape) != 2 or min(shape) < 1:
-        raise InputError(
-            str(path),
-            "must be a table of real numbers",
-            value=(shape, str(dtype)),
-            found=f"has the shape {shape} and the type {dtype}",
-            where=f"array {name!r}",
-        )
+        need = "must be a table of real numbers"
+        found = f"has the shape {shape} and the type {dtype}"
+        raise InputError(str(path), need, value=(shape, str(dtype)), found=found, where=where)
     if math.prod(shape) * 8 > _LARGEST_BYTES:
-        raise InputError(
-            str(path),
-            f"must be at most {_LARGEST_BYTES // 2**20} MiB for a table of spectra",
-            value=shape,
-            found=f"has the shape {shape}",
-            where=f"array {name!r}",
-        )
+        need = f"must be at most {_LARGEST_BYTES // 2**20} MiB for a table of spectra"
+        found = f"has the shape {shape}"
+        raise InputError(str(path), need, value=shape, found=found, where=where)
     array = mat_array(path, name, largest_bytes=_LARGEST_BYTES).astype(np.float64)
-    beyond = np.abs(array) > 1e30
+    beyond = np.abs(array) > LARGEST
     if beyond.any():
-        raise InputError(
-            str(path),
-            "must be at most 1e30",
-            value=float(array[beyond][0]),
-            where=f"array {name!r}",
-            remedy="correct it",
-        )
+        value = float(array[beyond][0])
+        need, remedy = "must be at most 1e30", "correct it"
+        raise InputError(str(path), need, value=value, where=where, remedy=remedy)
     return array
 
 
@@ -243,12 +204,6 @@ def _upright(path: Path, data: Array, n: int) -> Array:
             where="array 'data'",
         )
     return data
-
-
-def _square_note(curves: int, n: int) -> tuple[str, ...]:
-    if curves != n:
-        return ()
-    return (f"data is {n} by {n}: its rows are taken for wavelengths, its columns for curves",)
 
 
 def _names(

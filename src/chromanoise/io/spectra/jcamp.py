@@ -16,7 +16,7 @@ from chromanoise._check import Array
 from chromanoise.errors import InputError
 from chromanoise.io.spectra.declared import known_unit
 from chromanoise.io.spectra.parsed import Column, Found, Unit
-from chromanoise.io.spectra.tables import number_in
+from chromanoise.io.spectra.tables import finite_number
 
 _LABEL = re.compile(r"\s*##(.*?)=(.*)", re.DOTALL)
 _EQUAL_STEPS = re.compile(r"\(?\s*([A-Z])\+\+\(\s*([A-Z])\.\.[A-Z]\s*\)\s*\)?", re.IGNORECASE)
@@ -171,10 +171,7 @@ def _column(table: _Table, name: str, source: str) -> Column:
 
 def _number(table: _Table, label: str, where: str, source: str, default: str = "") -> float:
     text = table.facts.get(label, default)
-    value = number_in(text, decimal_comma="," in text)
-    if value != value:
-        raise InputError(source, "must be a finite number", value=text, where=f"{label} of {where}")
-    return value
+    return finite_number(text, source, f"{label} of {where}", decimal_comma="," in text)
 
 
 def _refuse_other_count(table: _Table, count: int, where: str, source: str) -> None:
@@ -193,13 +190,10 @@ def _pairs(table: _Table, where: str, source: str) -> tuple[Array, Array]:
     numbers: list[float] = []
     for number, line in table.lines:
         parted = re.sub(r",(?=\s|$)", " ", line) if comma else line.replace(",", " ")
-        for cell in parted.replace(";", " ").split():
-            value = number_in(cell, decimal_comma=comma)
-            if value != value:
-                raise InputError(
-                    source, "must be a finite number", value=cell, where=f"line {number}"
-                )
-            numbers.append(value)
+        numbers += [
+            finite_number(cell, source, f"line {number}", decimal_comma=comma)
+            for cell in parted.replace(";", " ").split()
+        ]
     _refuse_other_count(table, (len(numbers) + 1) // 2, where, source)
     if len(numbers) % 2:
         raise InputError(source, "must hold pairs of numbers", value=len(numbers), where=where)

@@ -11,13 +11,12 @@ from chromanoise._check import Array
 from chromanoise._inputs import json_of
 from chromanoise.errors import InputError
 from chromanoise.io.spectra.own_json import SPECTRA_SCHEMA, array_of, number_of, own_spectra
-from chromanoise.io.spectra.parsed import Column, Found
-from chromanoise.io.spectra.rawtoaces import read_rawtoaces
+from chromanoise.io.spectra.parsed import LARGEST, Column, Found, Level, has, known_columns
+from chromanoise.io.spectra.tables import number_in
 
 _WAVELENGTHS = re.compile(r"(?i)(wavelengths?|lambdas?|waves?|wls?|nm)([ _]?\(?\w{1,12}\)?)?")
 _UNIT = re.compile(r"(?i)wavelengths?[ _]units?")
 _SSF = {"R": "red_ssf", "G": "green_ssf", "B": "blue_ssf"}
-_LARGEST = 1e30
 
 
 def read_json(text: str, source: str) -> Found:
@@ -63,12 +62,9 @@ def _camera_of_dcamprof(whole: Mapping[str, Any], source: str) -> Found:
     """A camera. DCamProf multiplies the curves by spectral power, so the response is per energy."""
     missing = [key for key in _SSF.values() if key not in whole]
     if missing:
-        raise InputError(
-            source,
-            f"must have {', '.join(missing)} beside ssf_bands, as a camera of DCamProf",
-            value=tuple(missing),
-            found=f"{', '.join(missing)} is missing",
-        )
+        need = f"must have {', '.join(missing)} beside ssf_bands, as a camera of DCamProf"
+        found = f"{', '.join(missing)} is missing"
+        raise InputError(source, need, value=tuple(missing), found=found)
     at = _bands(whole["ssf_bands"], source)
     name = whole.get("camera_name")
     return Found(
@@ -90,7 +86,7 @@ def _camera_of_dcamprof(whole: Mapping[str, Any], source: str) -> Found:
 def _spectrum_of_dcamprof(whole: Mapping[str, Any], source: str) -> Found:
     at = _bands(whole["bands"], source)
     scale = number_of(whole.get("scale", 1))
-    if not 0 < scale <= _LARGEST:
+    if not 0 < scale <= LARGEST:
         raise InputError(source, "must be > 0", value=scale, where="key 'scale'")
     (column,) = _columns({str(whole.get("name") or "spectrum"): whole["spectrum"]}, at, source)
     return Found(
@@ -158,18 +154,96 @@ def _words(whole: Mapping[str, Any]) -> list[str]:
 def _columns(lists: Mapping[str, Any], at: Array, source: str) -> tuple[Column, ...]:
     columns = []
     for name, given in lists.items():
-        values = array_of(given, 1)
+        values, where = array_of(given, 1), f"key {name[:40]!r}"
         if values.size != at.size:
-            raise InputError(
-                source,
-                f"must have {at.size} values, as many as wavelengths",
-                value=values.size,
-                found=f"has {values.size}",
-                where=f"key {name[:40]!r}",
-            )
-        if not (np.abs(np.append(values, at)) <= _LARGEST).all():
-            raise InputError(
-                source, "must be finite numbers of at most 1e30", where=f"key {name[:40]!r}"
-            )
-        columns.append(Column(name=name, unit="", wavelength=at, values=values))
+            need = f"must have {at.size} values, as many as wavelengths"
+            raise has(source, need, values.size, where=where)
+        if not (np.abs(np.append(values, at)) <= LARGEST).all():
+            raise InputError(source, "must be finite numbers of at most 1e30", where=where)
+        columns.append(Column(name=name, wavelength=at, values=values))
     return tuple(columns)
+
+
+def read_rawtoaces(whole: Mapping[str, Any], source: str) -> Found:
+    """Read the curves of a camera or an illuminant in the format of rawtoaces.
+
+    Raises
+    ------
+    InputError
+        If ``spectral_data`` is missing or has another form.
+
+    Notes
+    -----
+    rawtoaces multiplies the camera's curves by radiant power, so they count light per energy.
+    """
+    spectral = _member(whole, "spectral_data", source)
+    data = _member(_member(spectral, "data", source), "main", source)
+    rows = [_row(at, values, source) for at, values in data.items()]
+    sizes = sorted({str(len(row) - 1) for row in rows})
+    if len(rows) < 2 or len(sizes) != 1:
+        raise InputError(
+            source,
+            "must have 2 wavelengths with the same number of values",
+            value=len(rows),
+            found=f"{len(rows)} have {', '.join(sizes) or 'none'}",
+            where="key 'spectral_data.data.main'",
+        )
+    table = np.array(rows, dtype=np.float64)
+    names = _names(spectral, table.shape[1] - 1, source)
+    header = whole.get("header")
+    facts = {k: str(v) for k, v in header.items() if v} if isinstance(header, dict) else {}
+    level: Level | None = "relative" if spectral.get("units") == "relative" else None
+    return Found(
+        source=source,
+        format="rawtoaces JSON",
+        columns=known_columns(table[:, 0], zip(names, table[:, 1:].T, strict=True)),
+        words=" ".join(facts.values()),
+        wavelength_unit="nm",
+        quantity="response" if len(names) == 3 else "power",
+        per="energy",
+        level=level,
+        notes=(
+            *(f"the file says: {key}: {fact[:200]}" for key, fact in list(facts.items())[:20]),
+            "light is counted as energy, as rawtoaces does",
+        ),
+    )
+
+
+def _member(of: Mapping[str, Any], name: str, source: str) -> dict[str, Any]:
+    member = of.get(name)
+    if not isinstance(member, dict):
+        raise InputError(
+            source,
+            f"must have the object {name!r}, as a rawtoaces file with spectral_data.data.main",
+            value=member,
+        )
+    return member
+
+
+def _row(at: str, values: Any, source: str) -> list[float]:
+    cells = values if isinstance(values, list) else [values]
+    real = [v for v in cells if isinstance(v, int | float) and not isinstance(v, bool)]
+    wavelength = number_in(at)
+    where = f"entry {at[:40]!r} of spectral_data.data.main"
+    if wavelength != wavelength or len(real) != len(cells) or not cells:
+        need = "must be a wavelength with a list of numbers"
+        raise InputError(source, need, value=values, where=where)
+    if not all(abs(v) <= LARGEST for v in real):
+        need = "must be finite and at most 1e30"
+        raise InputError(source, need, value=values, where=where, remedy="correct it")
+    return [wavelength, *map(float, real)]
+
+
+def _names(spectral: dict[str, Any], curves: int, source: str) -> tuple[str, ...]:
+    index = spectral.get("index")
+    names = index.get("main") if isinstance(index, dict) else None
+    if names is None:
+        return tuple(str(k + 1) for k in range(curves))
+    if not isinstance(names, list) or len(names) != curves:
+        raise InputError(
+            source,
+            f"must name the {curves} values of each wavelength",
+            value=names,
+            where="key 'spectral_data.index.main'",
+        )
+    return tuple(str(name) for name in names)

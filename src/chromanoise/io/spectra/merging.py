@@ -6,14 +6,9 @@ import numpy as np
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise._shapes import (
-    Float,
-)
-from chromanoise.errors import (
-    InputError,
-    Setting,
-)
-from chromanoise.io.spectra.parsed import Column, Unit
+from chromanoise._shapes import Float
+from chromanoise.errors import InputError, Setting
+from chromanoise.io.spectra.parsed import Column, Unit, has
 from chromanoise.spectra.curves import Beyond
 
 _WIDE, _WIDE_NM = 2.5, 5.0
@@ -90,13 +85,8 @@ def sorted_points(column: Column, unit: Unit, source: str) -> Sorted:
     rising, values = at[order], column.values[order]
     distinct, first, count = np.unique(rising, return_index=True, return_counts=True)
     if distinct.size < 2:
-        raise InputError(
-            source,
-            "must have at least 2 wavelengths",
-            value=distinct.size,
-            found=f"has {distinct.size}",
-            where=f"curve {column.name!r}",
-        )
+        where = f"curve {column.name!r}"
+        raise has(source, "must have at least 2 wavelengths", distinct.size, where=where)
     spread = np.maximum.reduceat(values, first) - np.minimum.reduceat(values, first)
     means = np.where(spread > 0, np.add.reduceat(values, first) / count, values[first])
     return Sorted(

@@ -10,7 +10,7 @@ from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._inputs import json_of
 from chromanoise.errors import InputError
-from chromanoise.io.spectra.parsed import Column, Found, Level, Per, Quantity, Scaled
+from chromanoise.io.spectra.parsed import LARGEST, Column, Found, Level, Per, Quantity, Scaled
 
 SCHEMA_VERSION = 1
 """The version of every schema; a file of another version is not read."""
@@ -18,8 +18,6 @@ SCHEMA_VERSION = 1
 SPECTRA_SCHEMA = "chromanoise spectra"
 UNIT_OF_COLUMN = {"1": "", "e-/photon": ""}
 """Units that the quantity implies; in a heading, e-/photon would also declare absolute values."""
-
-_LARGEST = 1e30  # as in all other files of spectra
 
 
 def as_json(data: Mapping[str, Any]) -> str:
@@ -84,7 +82,7 @@ def own_spectra(held: Mapping[str, Any], source: str) -> Found:
             found=f"is {values.shape[0]} of {values.shape[1]}",
             where="key 'values'",
         )
-    if not (np.abs(values) <= _LARGEST).all():
+    if not (np.abs(values) <= LARGEST).all():
         raise InputError(
             source,
             "must be finite and at most 1e30",
@@ -93,7 +91,8 @@ def own_spectra(held: Mapping[str, Any], source: str) -> Found:
             remedy="correct them",
         )
     ratio = quantity in ("QE", "reflectance", "transmittance")
-    facts = {"scale": "fraction" if ratio else "as written", **_texts(held)}
+    texts = {key: value for key, value in held.items() if isinstance(value, str)}
+    facts = {"scale": "fraction" if ratio else "as written", **texts}
     return Found(
         source=source,
         format="chromanoise's own JSON, spectra",
@@ -175,10 +174,6 @@ def array_of(values: Any, depth: int) -> Array:
     if not arrays or len({array.size for array in arrays}) > 1:
         raise TypeError("rows of numbers are not equally long")
     return np.stack(arrays)
-
-
-def _texts(held: Mapping[str, Any]) -> dict[str, str]:
-    return {key: value for key, value in held.items() if isinstance(value, str)}
 
 
 def _refuse_other_version(held: Mapping[str, Any], source: str) -> None:

@@ -1,20 +1,15 @@
 """Data classes: what a reader found in a file, the answers of the user, the parsed spectra."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise._shapes import (
-    Float,
-)
-from chromanoise.errors import (
-    InputError,
-    Setting,
-)
+from chromanoise._shapes import Float
+from chromanoise.errors import InputError, Setting
 from chromanoise.spectra.curves import Beyond, Spectra
 
 Quantity = Literal["QE", "response", "reflectance", "transmittance", "power"]
@@ -24,6 +19,11 @@ Level = Literal["absolute", "relative"]
 Per = Literal["photon", "energy"]
 Unit = Literal["nm", "um", "angstrom", "1/cm"]
 Negatives = Literal["refuse", "zero"]
+
+LARGEST = 1e30
+"""The largest number of a curve; USGS libraries mark deleted points by -1.23e34."""
+SENSITIVE_NM = (400.0, 1050.0)
+"""Wavelengths to which silicon is sensitive, and at which curves are judged. [nm]"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -122,7 +122,7 @@ class Column:
     """
 
     name: str
-    unit: str
+    unit: str = ""
     wavelength: Float[Array, " m"]
     values: Float[Array, " m"]
 
@@ -131,16 +131,76 @@ class Column:
         _check.freeze(self, "wavelength", "values")
 
 
+def known_columns(
+    wavelength: Float[Array, " m"], curves: Iterable[tuple[str, Float[Array, " m"]]]
+) -> tuple[Column, ...]:
+    """One column per curve, at those wavelengths at which it has a finite number."""
+    return tuple(
+        Column(name=name, wavelength=wavelength[known], values=values[known])
+        for name, values in curves
+        for known in (np.isfinite(values),)
+    )
+
+
+def missing_notes(
+    wavelength: Float[Array, " m"], curves: Iterable[tuple[str, Float[Array, " m"]]], what: str
+) -> tuple[str, ...]:
+    """A sentence per curve that lacks values at some wavelengths, which are in the file's unit."""
+    notes = []
+    for name, values in curves:
+        lost = wavelength[~np.isfinite(values)]
+        if lost.size:
+            span = f"{lost.min():g}" if lost.size == 1 else f"{lost.min():g}-{lost.max():g}"
+            notes.append(
+                f"{name}: {lost.size} {what} at {span}; straight lines join their neighbors"
+            )
+    return tuple(notes)
+
+
+def has(source: str, requirement: str, found: object, **more: Any) -> InputError:
+    """The error about a count or name that a file has, which is both value and description."""
+    return InputError(source, requirement, value=found, found=f"has {found}", **more)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Found:
+class _Described:
+    """What a file is, as its reader found it and as its curves are interpreted.
+
+    Attributes
+    ----------
+    format
+        The kind of file.
+    delimiter, decimal
+        The cell delimiter and the decimal mark of a text; empty if not applicable.
+    quantity, level, per
+        The quantity of the curves, whether they are absolute or relative, and whether light was
+        counted in photons or energy; None if unknown.
+    notes, defects
+        How the file was processed, and the defects that were detected.
+    said_source, said_notes
+        The source of the curves and the notes on them, as the file declares them.
+    """
+
+    format: str
+    delimiter: str = ""
+    decimal: str = ""
+    quantity: Quantity | None = None
+    level: Level | None = None
+    per: Per | None = None
+    notes: tuple[str, ...] = ()
+    defects: tuple[str, ...] = ()
+    said_source: str = ""
+    said_notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Found(_Described):
     """The content of a file, before units and quantities are interpreted.
 
     Attributes
     ----------
     source
         The name of the file in messages.
-    format
-        The kind of file.
     columns
         The curves.
     heading
@@ -149,48 +209,30 @@ class Found:
         Titles and comments: free text, which has no effect.
     keys
         Declarations of the file, with the names of `declared_keys`.
-    delimiter, decimal
-        The cell delimiter and the decimal mark of a text; empty if not applicable.
-    quantity, level, per, wavelength_unit, scale
-        Metadata that the format itself implies.
+    wavelength_unit, scale
+        What the format itself implies, as also quantity, level and per.
     named
         Whether the file names its curves.
-    notes, defects
-        How the reader processed the file, and the defects that it detected.
-    said_source, said_notes
-        The source of the curves and the notes on them, as the file declares them.
     """
 
     source: str
-    format: str
     columns: tuple[Column, ...]
     heading: str = ""
     words: str = ""
     keys: Mapping[str, str] = field(default_factory=dict)
-    delimiter: str = ""
-    decimal: str = ""
-    quantity: Quantity | None = None
-    level: Level | None = None
-    per: Per | None = None
     wavelength_unit: Unit | None = None
     scale: Scaled | None = None
     named: bool = True
-    notes: tuple[str, ...] = ()
-    defects: tuple[str, ...] = ()
-    said_source: str = ""
-    said_notes: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class ParsedSpectra:
+class ParsedSpectra(_Described):
     """Curves with their metadata, notes on processing, and open questions.
 
     Attributes
     ----------
     curves
         The curves on common increasing wavelengths, multiplied by ``factor``.
-    format, delimiter, decimal
-        The kind of file; its cell delimiter and its decimal mark.
     wavelength_unit
         The unit of the wavelengths in the file.
     scale, factor
@@ -201,39 +243,24 @@ class ParsedSpectra:
         Start and end of each gap that is much wider than the usual step. [nm]
     merged
         The number of points that were merged with others at the same wavelength.
-    quantity, level, per
-        The quantity of the curves, whether they are absolute or relative, and whether light was
-        counted in photons or energy; None if unknown.
     deviations
         Standard deviations, if the file has columns of them.
-    notes, defects, questions
-        How the file was processed, defects of the data, and missing metadata.
+    questions
+        Missing metadata.
     own_form
         Whether the heading is ``wavelength_nm``, as in the documented table of a sensor's QE.
-    said_source, said_notes
-        As in `Found`.
     """
 
     curves: Spectra
-    format: str
-    delimiter: str
-    decimal: str
     wavelength_unit: Unit
     scale: Scaled
-    factor: float
-    step_nm: float | None
-    gaps_nm: tuple[tuple[float, float], ...]
-    merged: int
-    quantity: Quantity | None
-    level: Level | None
-    per: Per | None
-    deviations: Spectra | None
-    notes: tuple[str, ...]
-    defects: tuple[str, ...]
-    questions: tuple[Question, ...]
+    factor: float = 1.0
+    step_nm: float | None = None
+    gaps_nm: tuple[tuple[float, float], ...] = ()
+    merged: int = 0
+    deviations: Spectra | None = None
+    questions: tuple[Question, ...] = ()
     own_form: bool = False
-    said_source: str = ""
-    said_notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         if not np.isfinite(self.factor) or self.factor <= 0:

@@ -1,8 +1,12 @@
-"""Interpret tables of cells from any format: find the rows of numbers and assign the columns."""
+"""Interpret tables of cells from any format: find the rows of numbers and assign the columns.
+
+Spectra may be in rows, and units in the cells of the wavelengths.
+"""
 
 import re
 from collections import Counter
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -16,8 +20,15 @@ from chromanoise.io.spectra.declared import (
     is_wavelength_heading,
     with_units,
 )
-from chromanoise.io.spectra.layouts import as_columns, with_plain_wavelengths
-from chromanoise.io.spectra.parsed import Column, Found, Row
+from chromanoise.io.spectra.parsed import (
+    LARGEST,
+    Column,
+    Found,
+    Row,
+    has,
+    known_columns,
+    missing_notes,
+)
 
 _POINT = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD][+-]?\d{1,4})?\s*%?", re.ASCII)
 _COMMA = re.compile(r"[+-]?(\d+(,\d+)?|,\d+)([eEdD][+-]?\d{1,4})?\s*%?", re.ASCII)
@@ -27,7 +38,6 @@ _COUNTS_ROWS = re.compile(r"(?i)(?:pixels?|index|points?|frame|row|column|no\.?|
 _OTHER_AXIS = re.compile(r"(?i)(?:wave ?numbers?|raman ?shifts?|frequency|(?:photon )?energy)")
 _UNIT = re.compile(r"(.*?)[\s_]*(?:\[([^\[\]]*)\]|\(([^()]*)\))")
 DIGITIZED = "digitized curves"
-_LARGEST = 1e30
 _LONGEST_CELL = 400
 _MOST_CELLS = 2_000_000
 _FEWEST_IN_LIST, _MOST_OF_RANGE = 5, 0.8
@@ -60,7 +70,15 @@ def number_in(cell: str, *, decimal_comma: bool = False) -> float:
         return _NAN
     plain = cell.strip().rstrip("% ").lower().replace("d", "e")
     value = float(plain.replace(",", ".") if decimal_comma else plain)
-    return value if abs(value) <= _LARGEST else _NAN
+    return value if abs(value) <= LARGEST else _NAN
+
+
+def finite_number(text: str, source: str, where: str, *, decimal_comma: bool = False) -> float:
+    """The number in a cell, as `number_in`; an error names its place if it is none."""
+    value = number_in(text, decimal_comma=decimal_comma)
+    if value != value:
+        raise InputError(source, "must be a finite number", value=text.strip(), where=where)
+    return value
 
 
 def table_of(
@@ -94,12 +112,9 @@ def table_of(
     body = [row for row in rows[first:] if any(row.cells)]
     body, after = _without_words_after(body, decimal == ",", where)
     if len(body) < 2:
-        raise InputError(
-            source,
-            "must have at least 2 rows of a wavelength and a value",
-            value=len(body),
-            found=f"has {len(body)} in {len(rows)} {where}s",
-        )
+        need = "must have at least 2 rows of a wavelength and a value"
+        held = f"has {len(body)} in {len(rows)} {where}s"
+        raise InputError(source, need, value=len(body), found=held)
     above = list(rows[:first])
     longest = max(len(_bare(row.cells)) for row in body)
     while delimiter == "blanks" and above and _is_sentence(above[-1], longest):
@@ -263,12 +278,8 @@ def _refuse_no_wavelengths(
     wrong = np.argwhere(at <= 0)
     if len(wrong):
         i, k = (int(n) for n in wrong[0])
-        raise InputError(
-            source,
-            "the wavelength must be > 0",
-            value=float(at[i, k]),
-            where=f"{where} {body[i].number}",
-        )
+        place = f"{where} {body[i].number}"
+        raise InputError(source, "the wavelength must be > 0", value=float(at[i, k]), where=place)
 
 
 def _numbers(
@@ -280,11 +291,10 @@ def _numbers(
     for i, row in enumerate(body):
         cells = _bare(row.cells)
         if len(cells) > width:
-            raise InputError(
+            raise has(
                 source,
                 f"must have at most {width} cells, as the heading",
-                value=len(cells),
-                found=f"has {len(cells)}",
+                len(cells),
                 where=f"{where} {row.number}",
                 remedy="separate cells with semicolons if commas are decimal signs",
             )
@@ -295,7 +305,7 @@ def _numbers(
             if value != value and cell.lower() not in _MISSING:
                 raise InputError(
                     source,
-                    f"must be a finite number below {_LARGEST:g}",
+                    f"must be a finite number below {LARGEST:g}",
                     value=cell,
                     where=f"{where} {row.number}, column {names[k][:40] or str(k + 1)!r}",
                     remedy=("correct it", "remove the row"),
@@ -347,14 +357,8 @@ def _digitized(found: dict, heads: list[tuple[str, ...]], numbers: np.ndarray) -
         name, unit = name_and_unit(heading)
         at, values = numbers[:, 2 * k], numbers[:, 2 * k + 1]
         both = np.isfinite(at) & np.isfinite(values)
-        columns.append(
-            Column(
-                name=name or f"curve {k + 1}",
-                unit=unit,
-                wavelength=at[both],
-                values=values[both],
-            )
-        )
+        name = name or f"curve {k + 1}"
+        columns.append(Column(name=name, unit=unit, wavelength=at[both], values=values[both]))
     note = "each curve has its own list of wavelengths, as digitizers write"
     form = f"{found['format']}, {DIGITIZED}"
     return Found(
@@ -393,34 +397,26 @@ def _shared(
 ) -> Found:
     lost = np.flatnonzero(~np.isfinite(numbers[:, 0]))
     if lost.size:
-        raise InputError(
-            found["source"],
-            "has values but no wavelength",
-            where=f"{where} {at_lines[int(lost[0])]}",
-        )
+        place = f"{where} {at_lines[int(lost[0])]}"
+        raise InputError(found["source"], "has values but no wavelength", where=place)
     if numbers.shape[1] < 2:
-        raise InputError(
-            found["source"],
-            "must have at least 2 columns",
-            value=numbers.shape[1],
-            found=f"has {numbers.shape[1]}",
-        )
+        raise has(found["source"], "must have at least 2 columns", numbers.shape[1])
     names = [name_and_unit(text) if unit is None else (text, unit) for text in head[1:]]
     stems, texts = Counter(name for name, _ in names), Counter(head[1:])
     names = [
         (text, own) if text and stems[stem] > 1 == texts[text] else (stem, own)
         for text, (stem, own) in zip(head[1:], names, strict=True)
     ]
-    columns, missing = [], []
+    columns: list[Column] = []
+    missing: list[str] = []
     sweeps = _sweeps(numbers[:, 0])
     for k, (stem, unit) in enumerate(names):
         for i, rows in enumerate(sweeps, 1):
-            at, values = numbers[rows, 0], numbers[rows, k + 1]
-            known = np.isfinite(values)
             name = stem or f"column {k + 2}"
             name = f"{name} ({i})" if len(sweeps) > 1 else name
-            missing += missing_notes(name, at, known, "empty cells")
-            columns.append(Column(name=name, unit=unit, wavelength=at[known], values=values[known]))
+            curve = [(name, numbers[rows, k + 1])]
+            missing += missing_notes(numbers[rows, 0], curve, "empty cells")
+            columns += [replace(one, unit=unit) for one in known_columns(numbers[rows, 0], curve)]
     listed = f"the wavelengths are listed {len(sweeps)} times: each list is a separate curve"
     return Found(
         **{
@@ -449,15 +445,6 @@ def _sweeps(at: Array) -> list[slice]:
     return rows if whole else [slice(0, at.size)]
 
 
-def missing_notes(name: str, wavelength: Array, known: Array, what: str) -> list[str]:
-    """A sentence if a curve lacks values at some wavelengths, which are in the file's unit."""
-    lost = wavelength[~known]
-    if not lost.size:
-        return []
-    span = f"{lost.min():g}" if lost.size == 1 else f"{lost.min():g}-{lost.max():g}"
-    return [f"{name}: {lost.size} {what} at {span}; straight lines join their neighbors"]
-
-
 def name_and_unit(text: str) -> tuple[str, str]:
     """The name of a column and the unit after it, in brackets or as a percent sign.
 
@@ -479,3 +466,122 @@ def name_and_unit(text: str) -> tuple[str, str]:
     if bare.endswith(" %"):
         return bare[:-2].rstrip(), "%"
     return bare, ""
+
+
+_IN_NM = re.compile(r"(?:spectral data )?(\d+(?:\.\d+)?)\s*[\[(]?nm[\])]?", re.IGNORECASE)
+_PLAIN = re.compile(r"\d+(?:\.\d+)?", re.ASCII)
+_FEWEST_WAVELENGTHS = 5
+_LEAST_NM = 100.0
+
+
+def as_columns(rows: Sequence[Row]) -> tuple[Sequence[Row], tuple[str, ...]]:
+    """Rows with one wavelength per row, and a note if the table was transposed.
+
+    Notes
+    -----
+    Spectra are in rows if the heading has increasing wavelengths after one or more cells of words,
+    and the rows below begin with words, or with whole numbers of which some are too small to be
+    wavelengths. If the heading says ``wavelength`` above numbers, spectra are in columns.
+    """
+    for i, row in enumerate(rows):
+        words = next((k for k, cell in enumerate(row.cells) if _wavelength(cell)), 0)
+        heads = [*map(_wavelength, row.cells[words:])]
+        if words and len(heads) >= _FEWEST_WAVELENGTHS and all(heads) and _rises(heads):
+            below = [other for other in rows[i + 1 :] if any(other.cells)]
+            if _are_spectra(row.cells[:words], heads, below):
+                return _turned(row, words, heads, below)
+            return rows, ()
+    return rows, ()
+
+
+def with_plain_wavelengths(rows: Sequence[Row]) -> tuple[Sequence[Row], tuple[str, ...]]:
+    """Rows such as ``380nm, 0.1`` or ``Spectral Data 380[nm], 0.1`` under a heading with the unit.
+
+    If a spectrum is listed several times with different steps, the list with the most wavelengths
+    is kept, and a note says so.
+
+    Examples
+    --------
+    >>> rows = [Row(number=n, cells=(f"{w}nm", "0.5")) for n, w in ((1, 400), (2, 410))]
+    >>> [row.cells for row in with_plain_wavelengths(rows)[0]]
+    [('wavelength [nm]', 'column 2'), ('400', '0.5'), ('410', '0.5')]
+    """
+    at = [_IN_NM.fullmatch(row.cells[0]) if row.cells else None for row in rows]
+    first = next((i for i, match in enumerate(at) if match), None)
+    if first is None or sum(map(bool, at)) < 2:
+        return rows, ()
+    plain = [
+        Row(number=row.number, cells=(match[1], *row.cells[1:])) if match else row
+        for row, match in zip(rows[first:], at[first:], strict=True)
+    ]
+    plain, notes = _finest(plain, [float(match[1]) if match else None for match in at[first:]])
+    width = len(rows[first].cells)
+    above = rows[first - 1].cells if first and len(rows[first - 1].cells) == width else ()
+    if above and not (is_wavelength_heading(above[0]) or not above[0]):
+        above = ()  # another fact in two cells, such as an integration time
+    names = above[1:] or tuple(f"column {k}" for k in range(2, width + 1))
+    heading = Row(number=rows[first].number, cells=("wavelength [nm]", *names))
+    return [*rows[: first - bool(above)], heading, *plain], notes
+
+
+def _finest(rows: list[Row], at: Sequence[float | None]) -> tuple[list[Row], tuple[str, ...]]:
+    """The rows of the list with the most wavelengths, if the first wavelength comes again."""
+    starts = [i for i, one in enumerate(at) if one is not None and one == at[0]]
+    parts = [range(i, j) for i, j in pairwise([*starts, len(rows)])]
+    counts = [sum(at[i] is not None for i in part) for part in parts]
+    if len(parts) < 2 or len(set(counts)) < len(counts):
+        return rows, ()
+    best = counts.index(max(counts))
+    kept = [rows[i] for i in parts[best] if at[i] is not None]
+    after = [rows[i] for i in parts[-1] if at[i] is None]
+    note = (
+        f"the spectrum is listed {len(parts)} times: the list of {max(counts)} wavelengths is used"
+    )
+    return [*kept, *after], (note,)
+
+
+def _wavelength(cell: str) -> str:
+    """The number of a wavelength in a heading; empty if there is none."""
+    match = _IN_NM.fullmatch(cell)
+    return match[1] if match else cell if _PLAIN.fullmatch(cell) else ""
+
+
+def _rises(heads: Sequence[str]) -> bool:
+    at = [float(head) for head in heads]
+    return all(a < b for a, b in pairwise(at)) and at[0] > 0
+
+
+def _are_spectra(corner: tuple[str, ...], heads: Sequence[str], below: Sequence[Row]) -> bool:
+    if not below or any(len(row.cells) < len(corner) + 2 for row in below):
+        return False
+    columns = list(zip(*(row.cells[: len(corner)] for row in below), strict=True))
+    words = [_mostly_words(column) for column in columns]
+    if any(map(is_wavelength_heading, corner)) and not words[0]:
+        return False
+    if any(words):
+        return True
+    numbers = [float(cell) for cell in columns[0] if _PLAIN.fullmatch(cell)]
+    whole = len(numbers) == len(below) and all(number == int(number) for number in numbers)
+    return whole and min(numbers) < _LEAST_NM <= float(heads[0])
+
+
+def _mostly_words(column: Sequence[str]) -> bool:
+    """Whether more cells hold words than numbers; a single bad number does not count as a name."""
+    return sum(1 for cell in column if not _PLAIN.fullmatch(cell)) > len(column) / 2
+
+
+def _turned(
+    row: Row, words: int, heads: Sequence[str], below: Sequence[Row]
+) -> tuple[Sequence[Row], tuple[str, ...]]:
+    known = next((cell for cell in row.cells[:words] if is_wavelength_heading(cell)), "wavelength")
+    in_nm = any(map(_IN_NM.fullmatch, row.cells[words:]))
+    names = (" ".join(filter(None, other.cells[:words])) for other in below)
+    heading = Row(number=row.number, cells=("wavelength [nm]" if in_nm else known, *names))
+    width = words + len(heads)
+    values = zip(*((other.cells + ("",) * width)[words:width] for other in below), strict=True)
+    turned = [
+        Row(number=row.number, cells=(head, *cells))
+        for head, cells in zip(heads, values, strict=True)
+    ]
+    note = f"its spectra are in rows: {len(below)} at {len(heads)} wavelengths"
+    return [heading, *turned], (note,)

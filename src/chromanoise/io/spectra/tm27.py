@@ -2,13 +2,12 @@
 
 import re
 from typing import Any
-from xml.etree import ElementTree
 
 import numpy as np
 
 from chromanoise.errors import InputError
-from chromanoise.io.spectra.parsed import Column, Found, Level, Per, Quantity
-from chromanoise.io.spectra.tables import number_in
+from chromanoise.io.spectra.parsed import Column, Found, Level, Per, Quantity, has
+from chromanoise.io.spectra.tables import finite_number
 from chromanoise.io.xml_text import xml_root
 
 _QUANTITIES: dict[str, Quantity] = {
@@ -37,19 +36,21 @@ def read_tm27(text: str, source: str) -> Found:
     ANSI/IES TM-27-20, "Standard Format for the Electronic Transfer of Spectral Data"; a
     ``relative`` spectrum is one of power.
     """
-    root = _root(text, source)
+    root = xml_root(text, source)
+    if not root.tag.rpartition("}")[2].upper().startswith("IESTM27"):
+        raise InputError(
+            source,
+            "is XML, but not IES TM-27",
+            value=root.tag,
+            found=f"its root is {root.tag[:60]}",
+        )
     parts = {e.tag.rpartition("}")[2]: (e.text or "").strip() for e in root.iter()}
     points = [e for e in root.iter() if e.tag.rpartition("}")[2] == "SpectralData"]
     if len(points) < 2:
-        raise InputError(
-            source,
-            "must have at least 2 SpectralData",
-            value=len(points),
-            found=f"has {len(points)}",
-        )
+        raise has(source, "must have at least 2 SpectralData", len(points))
     rows = [
-        (_number(e.get("wavelength", ""), k, source), _number(e.text or "", k, source))
-        for k, e in enumerate(points, 1)
+        [finite_number(text, source, f"SpectralData {k}") for text in texts]
+        for k, texts in enumerate(((e.get("wavelength", ""), e.text or "") for e in points), 1)
     ]
     table = np.array(rows, dtype=np.float64)
     quantity_word = parts.get("SpectralQuantity", "").lower()
@@ -65,7 +66,7 @@ def read_tm27(text: str, source: str) -> Found:
     return Found(
         source=source,
         format="IES TM-27",
-        columns=(Column(name=name, unit="", wavelength=table[:, 0], values=table[:, 1]),),
+        columns=(Column(name=name, wavelength=table[:, 0], values=table[:, 1]),),
         words=quantity_word,
         wavelength_unit="nm",
         quantity=quantity,
@@ -80,24 +81,3 @@ def _ours(pattern: str, comments: str) -> Any:
     """The metadata in the comments of a file of this library that TM-27 has no field for."""
     match = re.match(pattern, comments)
     return match[1] if match else None
-
-
-def _root(text: str, source: str) -> ElementTree.Element:
-    root = xml_root(text, source)
-    if not root.tag.rpartition("}")[2].upper().startswith("IESTM27"):
-        raise InputError(
-            source,
-            "is XML, but not IES TM-27",
-            value=root.tag,
-            found=f"its root is {root.tag[:60]}",
-        )
-    return root
-
-
-def _number(text: str, k: int, source: str) -> float:
-    value = number_in(text)
-    if value != value:
-        raise InputError(
-            source, "must be a finite number", value=text.strip(), where=f"SpectralData {k}"
-        )
-    return value

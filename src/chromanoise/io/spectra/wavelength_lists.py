@@ -9,13 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from chromanoise._check import Array, printable
-from chromanoise._shapes import (
-    Float,
-)
-from chromanoise.errors import (
-    InputError,
-    Setting,
-)
+from chromanoise._shapes import Float
+from chromanoise.errors import InputError, Setting
 from chromanoise.io.spectra.declared import UNITS, unit_that_fits
 
 Notes = tuple[str, ...]
@@ -92,7 +87,19 @@ def listed_wavelengths(
     InputError
         If the unit of a list is not known, or two lists differ.
     """
-    (first, notes), *others = [_nanometers_of(path, one) for one in lists]
+    for one in lists:
+        if not 1 <= one.size <= _MOST_WAVELENGTHS:
+            raise InputError(
+                str(path),
+                f"must list 1 to {_MOST_WAVELENGTHS} wavelengths",
+                value=one.size,
+                found=f"lists {one.size}",
+                where=f"array {printable(one.name)!r}",
+                remedy=("correct it", Setting("wavelengths")),
+            )
+    (first, notes), *others = [
+        nanometers(path, one.name, np.ravel(one.numbers()), one.unit) for one in lists
+    ]
     for one, (other, _) in zip(lists[1:], others, strict=True):
         if first.shape != other.shape or not np.allclose(first, other, rtol=_SAME, atol=0):
             raise InputError(
@@ -103,19 +110,6 @@ def listed_wavelengths(
                 remedy=Setting("wavelengths"),
             )
     return first, notes
-
-
-def _nanometers_of(path: Path | str, one: Listed) -> tuple[Float[Array, " m"], Notes]:
-    if not 1 <= one.size <= _MOST_WAVELENGTHS:
-        raise InputError(
-            str(path),
-            f"must list 1 to {_MOST_WAVELENGTHS} wavelengths",
-            value=one.size,
-            found=f"lists {one.size}",
-            where=f"array {printable(one.name)!r}",
-            remedy=("correct it", Setting("wavelengths")),
-        )
-    return nanometers(path, one.name, np.ravel(one.numbers()), one.unit)
 
 
 @np.errstate(all="ignore")  # overflows raise an error later, as out of range

@@ -77,24 +77,16 @@ def _refuse_bombs(path: Path) -> None:
 
 
 def _rows(path: Path, sheet: Any) -> list[Row]:
-    if (sheet.max_row or 0) > _MOST_ROWS or (sheet.max_column or 0) > _MOST_COLUMNS:
-        raise InputError(
-            str(path),
-            f"must have at most {_MOST_ROWS} rows and {_MOST_COLUMNS} columns",
-            value=(sheet.max_row, sheet.max_column),
-            found=f"has {sheet.max_row} and {sheet.max_column}",
-            where=f"sheet {sheet.title!r}",
-        )
+    need = f"must have at most {_MOST_ROWS} rows and {_MOST_COLUMNS} columns"
+    size, where = (sheet.max_row, sheet.max_column), f"sheet {sheet.title!r}"
+    if (size[0] or 0) > _MOST_ROWS or (size[1] or 0) > _MOST_COLUMNS:
+        found = f"has {size[0]} and {size[1]}"
+        raise InputError(str(path), need, value=size, found=found, where=where)
     rows = []
     for number, values in enumerate(sheet.iter_rows(values_only=True), 1):
         if number > _MOST_ROWS or len(values) > _MOST_COLUMNS:
-            raise InputError(
-                str(path),
-                f"must have at most {_MOST_ROWS} rows and {_MOST_COLUMNS} columns",
-                value=(number, len(values)),
-                found="has more",
-                where=f"sheet {sheet.title!r}",
-            )
+            size = (number, len(values))
+            raise InputError(str(path), need, value=size, found="has more", where=where)
         if any(value is not None for value in values):
             rows.append(Row(number=number, cells=tuple(_text(value) for value in values)))
     return rows

@@ -16,7 +16,7 @@ from chromanoise import __version__
 from chromanoise._csv_cells import csv_comment, csv_text
 from chromanoise.errors import InputError
 from chromanoise.io.spectra.own_json import as_json
-from chromanoise.sensor import Mosaic, Sensor
+from chromanoise.sensor import PIXEL_REQUIRED, Mosaic, Sensor
 from chromanoise.spectra import Spectra
 
 _TM27_QUANTITIES = (
@@ -58,7 +58,27 @@ def spectra_csv(spectra: Spectra, facts: Mapping[str, str] | None = None) -> str
     InputError
         If a name cannot be the heading of a column in a CSV.
     """
-    return _csv(spectra, facts or {})
+    for name in spectra.names:
+        if name.strip() != name or len(name.splitlines()) != 1 or "\0" in name:
+            raise InputError(
+                spectra.source,
+                "must have names without outer spaces and line ends, to head columns of a CSV",
+                value=name,
+                found=f"has {name!r}",
+                remedy=("rename it", "write JSON"),
+            )
+    comments = {
+        "version": __version__,
+        "source": _but_folder(spectra.source),
+        "quantity": spectra.quantity,
+        "unit": spectra.unit,
+        "wavelength_unit": "nm",
+        **(facts or {}),
+        "notes": "; ".join(spectra.notes),
+    }
+    rows = zip(spectra.wavelength_nm.tolist(), spectra.values.tolist(), strict=True)
+    table = csv_text([["wavelength_nm", *spectra.names], *([at, *row] for at, row in rows)])
+    return "".join([*(csv_comment(key, value) for key, value in comments.items()), table])
 
 
 def sensor_csv(sensor: Sensor) -> str:
@@ -73,15 +93,13 @@ def sensor_csv(sensor: Sensor) -> str:
         As for `spectra_csv`.
     """
     pixel = sensor.pixel
-    return _csv(
+    return spectra_csv(
         sensor_spectra(sensor),
         {
             **QE_FACTS,
             "origin": sensor.origin,
             "mosaic": mosaic_text(sensor.mosaic),
-            "pitch_um": repr(pixel.pitch_um),
-            "full_well_e": repr(pixel.full_well_e),
-            "read_noise_e": repr(pixel.read_noise_e),
+            **{key: repr(getattr(pixel, key)) for key in PIXEL_REQUIRED},
         },
     )
 
@@ -114,9 +132,15 @@ def sensor_rawtoaces_json(
     proportional to lambda. All channels have the same factor, so their ratios are preserved; the
     absolute scale is lost.
     """
-    header = _rawtoaces_header(sensor, created, manufacturer, license_name)
-    per_energy = photons_as_energy(sensor_spectra(sensor))
-    return rawtoaces_json(per_energy, header)
+    header = rawtoaces_header(
+        sensor.name,
+        created=created,
+        comments="; ".join((f"origin of curves: {sensor.origin}", *sensor.notes)),
+        description="camera spectral sensitivity, QE times wavelength, relative",
+        manufacturer=manufacturer,
+        license_name=license_name,
+    )
+    return rawtoaces_json(photons_as_energy(sensor_spectra(sensor)), header)
 
 
 def photons_as_energy(spectra: Spectra) -> Spectra:
@@ -250,19 +274,6 @@ def spectra_spdx(
     return "\n".join(lines) + "\n"
 
 
-def _rawtoaces_header(
-    sensor: Sensor, created: str, manufacturer: str, license_name: str
-) -> dict[str, Any]:
-    return rawtoaces_header(
-        sensor.name,
-        created=created,
-        comments="; ".join((f"origin of curves: {sensor.origin}", *sensor.notes)),
-        description="camera spectral sensitivity, QE times wavelength, relative",
-        manufacturer=manufacturer,
-        license_name=license_name,
-    )
-
-
 def rawtoaces_header(
     model: str,
     *,
@@ -287,30 +298,6 @@ def rawtoaces_header(
         "comments": comments,
         "license": license_name,
     }
-
-
-def _csv(spectra: Spectra, facts: Mapping[str, str]) -> str:
-    for name in spectra.names:
-        if name.strip() != name or len(name.splitlines()) != 1 or "\0" in name:
-            raise InputError(
-                spectra.source,
-                "must have names without outer spaces and line ends, to head columns of a CSV",
-                value=name,
-                found=f"has {name!r}",
-                remedy=("rename it", "write JSON"),
-            )
-    comments = {
-        "version": __version__,
-        "source": _but_folder(spectra.source),
-        "quantity": spectra.quantity,
-        "unit": spectra.unit,
-        "wavelength_unit": "nm",
-        **facts,
-        "notes": "; ".join(spectra.notes),
-    }
-    rows = zip(spectra.wavelength_nm.tolist(), spectra.values.tolist(), strict=True)
-    table = csv_text([["wavelength_nm", *spectra.names], *([at, *row] for at, row in rows)])
-    return "".join([*(csv_comment(key, value) for key, value in comments.items()), table])
 
 
 def mosaic_text(mosaic: Mosaic | None) -> str:

@@ -7,10 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from chromanoise import _check
-from chromanoise._inputs import regular_file
 from chromanoise.errors import InputError
 from chromanoise.spectra.curves import Spectra
-from chromanoise.spectra.readers import read_spectra_csv
+from chromanoise.spectra.readers import read_spectra_csv, small_text
 from chromanoise.spectra.tables.provenance import Provenance, table_provenances
 
 SOURCES = "SOURCES.toml"
@@ -54,7 +53,7 @@ def user_tables(folder: Path) -> Mapping[str, UserTable]:
             str(folder), "is not a catalog folder", remedy=f"name a folder that holds {SOURCES}"
         )
     source = folder / SOURCES
-    provenances = table_provenances(_text(source), str(source))
+    provenances = table_provenances(small_text(source, _LARGEST_BYTES), str(source))
     tables = {name: _table(folder, name, provenance) for name, provenance in provenances.items()}
     for path in sorted(folder.glob("*.csv")):
         if path.stem not in tables:
@@ -101,22 +100,3 @@ def _table(folder: Path, name: str, provenance: Provenance) -> UserTable:
             str(path), "leads out of its folder", remedy="copy the table into the folder"
         )
     return UserTable(provenance=provenance, path=path)
-
-
-def _text(path: Path) -> str:
-    try:
-        size = regular_file(path).st_size
-        if size > _LARGEST_BYTES:
-            raise InputError(
-                str(path),
-                f"must be at most {_LARGEST_BYTES // 2**20} MiB",
-                value=size,
-                found=f"is {size / 2**20:.1f} MiB",
-            )
-        return path.read_text(encoding="utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise InputError(
-            str(path), "is not UTF-8 text", where=f"byte {error.start}", remedy="save it as UTF-8"
-        ) from None
-    except OSError as error:
-        raise InputError(str(path), f"cannot be read ({error.strerror})") from None

@@ -97,39 +97,35 @@ class Provenance:
 def _refuse_contradiction(provenance: Provenance) -> None:
     """Raise an error if quantity, unit, level and per of a sensor contradict each other."""
     unit = provenance.unit.replace(" ", "")
-    if provenance.quantity == "QE" and provenance.per == "energy":
-        raise InputError(
-            provenance.name,
+    per, response = provenance.per, provenance.quantity == "response"
+    absolute = response and provenance.level == "absolute"
+    for wrong, requirement, remedy in (
+        (
+            provenance.quantity == "QE" and per == "energy",
             "QE is per photon",
-            value=provenance.per,
-            found=f"per is {provenance.per!r}",
-            remedy=("omit per", 'write quantity = "response"'),
-        )
-    if provenance.quantity != "response":
-        return
-    if provenance.per == "photon" and "/W" in unit:
-        raise InputError(
-            provenance.name,
+            ("omit per", 'write quantity = "response"'),
+        ),
+        (
+            response and per == "photon" and "/W" in unit,
             f"{provenance.unit} is per energy",
-            value=provenance.per,
-            found=f"per is {provenance.per!r}",
-            remedy='write per = "energy"',
-        )
-    if provenance.level == "absolute" and unit not in _ABSOLUTE:
+            ('write per = "energy"',),
+        ),
+        (
+            absolute and per == "energy" and unit == "e-/photon",
+            "e-/photon is per photon",
+            ('write per = "photon"',),
+        ),
+    ):
+        if wrong:
+            found = f"per is {per!r}"
+            raise InputError(provenance.name, requirement, value=per, found=found, remedy=remedy)
+    if absolute and unit not in _ABSOLUTE:
         raise InputError(
             provenance.name,
             f"the unit of an absolute response must be {' or '.join(_ABSOLUTE)}",
             value=provenance.unit,
             found=f"is {provenance.unit}",
             remedy=("convert the values", 'write level = "relative"'),
-        )
-    if provenance.level == "absolute" and unit == "e-/photon" and provenance.per == "energy":
-        raise InputError(
-            provenance.name,
-            "e-/photon is per photon",
-            value=provenance.per,
-            found=f"per is {provenance.per!r}",
-            remedy='write per = "photon"',
         )
 
 
@@ -229,21 +225,20 @@ def _checked(section: dict[str, Any], place: _Place, keys: tuple[str, ...]) -> N
             _check.among(f"{key} in {', '.join(place)}", section[key], known)
     for key in ("done", "mosaic", "pattern", "carried_as"):
         if not isinstance(section.get(key, ""), str):
-            raise InputError(
-                place[0], "must be text", value=section[key], where=f"{place[1]}, key {key!r}"
-            )
+            raise _refused(place, f"key {key!r}", "must be text", section[key])
 
 
 def _text(section: dict[str, Any], key: str, place: _Place) -> str:
     value = section.get(key)
     if not isinstance(value, str) or not value.strip():
-        raise InputError(
-            place[0],
-            "must be text that is not empty, because every entry needs a provenance",
-            value=value,
-            where=f"{place[1]}, key {key!r}",
-        )
+        need = "must be text that is not empty, because every entry needs a provenance"
+        raise _refused(place, f"key {key!r}", need, value)
     return value
+
+
+def _refused(place: _Place, where: str, requirement: str, value: Any) -> InputError:
+    source, section = place
+    return InputError(source, requirement, value=value, where=f"{section}, {where}")
 
 
 def _provenance(
@@ -279,23 +274,14 @@ def _range(given: Any, name: str) -> tuple[float, float] | None:
 def _pixel(section: dict[str, Any], place: _Place) -> Iterator[tuple[str, float]]:
     data = section.get("pixel", {})
     if not isinstance(data, dict):
-        raise InputError(
-            place[0],
-            "must be a table, as { pitch_um = 6.0, source = ... }",
-            value=data,
-            where=f"{place[1]}, key 'pixel'",
-        )
+        need = "must be a table, as { pitch_um = 6.0, source = ... }"
+        raise _refused(place, "key 'pixel'", need, data)
     for key, value in data.items():
         _check.among(f"key of the pixel in {', '.join(place)}", key, (*_PIXEL, "source"))
         if key == "source":
             continue
         if isinstance(value, bool) or not isinstance(value, int | float):
-            raise InputError(
-                place[0],
-                "must be a number",
-                value=value,
-                where=f"{place[1]}, key {key!r} of the pixel",
-            )
+            raise _refused(place, f"key {key!r} of the pixel", "must be a number", value)
         allowed = _check.not_negative if key == "read_noise_e" else _check.positive
         allowed(f"{', '.join(place)}: {key}", "um" if key == "pitch_um" else "e-", value)
         yield key, float(value)
