@@ -66,6 +66,13 @@ def hdf5_store(path: Path, *, matlab: bool = False) -> Store:
         If h5py is not installed, or the file is damaged.
     """
     kind = "MATLAB 7.3" if matlab else "HDF5"
+    if not is_hdf5(path):
+        raise InputError(
+            str(path),
+            "must be an HDF5 file, as NetCDF-4 is",
+            found="is in another format",
+            remedy=("convert it (nccopy -k nc4)", "save it again"),
+        )
     refuse_absent_library("h5py", f"{path}: {kind} files")
     with reading(path, kind):
         listed, attributes = _sandbox.sandboxed(_listed, path, path=path, limit_s=_LIMIT_S)
@@ -111,7 +118,8 @@ def hdf5_store(path: Path, *, matlab: bool = False) -> Store:
         numbers=numbers,
         source=source,
         attributes=attributes,
-        matlab=matlab,
+        by_columns=matlab,
+        bands_last=matlab,
     )
 
 

@@ -17,6 +17,7 @@ from chromanoise.errors import (
 )
 from chromanoise.io.cubes.raw_cube import Found, Notes
 from chromanoise.io.cubes.wavelength_file import read_wavelengths
+from chromanoise.scene.cube import Cube
 from chromanoise.scene.rows import ReorderedRows, RowSource, row_source, with_bands
 
 _SHORTEST_NM, _LONGEST_NM = 100.0, 20000.0
@@ -27,7 +28,27 @@ _TWO_OR_ALL = "first and last in nm where they are evenly spaced, or a file that
 _WATT = re.compile(r"(?i:radiance|watt)|(?<![A-Za-z])[mun\u00b5\u03bc]?W(?:c?m|[^A-Za-z]|$)")
 
 
-def scale_and_notes(path: Path | str, found: Found, scale: float | None) -> tuple[float, Notes]:
+def interpreted(
+    source: Path | str,
+    found: Found,
+    *,
+    wavelengths: tuple[float, float] | Path | str | None,
+    scale: float | None,
+) -> Cube:
+    """The cube of ``found``, with what is given in place of what the file declares."""
+    factor, scale_notes = _scale_and_notes(source, found, scale)
+    wavelength, wavelength_notes = _wavelengths_and_notes(source, found, wavelengths)
+    pixels, wavelength, order_notes = _rising(source, found.pixels, wavelength)
+    return Cube(
+        wavelength_nm=wavelength,
+        stored=pixels,
+        scale=factor,
+        source=str(source),
+        notes=(*found.notes, *scale_notes, *wavelength_notes, *order_notes),
+    )
+
+
+def _scale_and_notes(path: Path | str, found: Found, scale: float | None) -> tuple[float, Notes]:
     """Reflectance per stored unit: as given, else from the file, else 1 for real numbers."""
     radiance = _radiance_words(path, found)
     if scale is not None:
@@ -70,7 +91,7 @@ def _radiance_words(path: Path | str, found: Found) -> str:
     return ""
 
 
-def wavelengths_and_notes(
+def _wavelengths_and_notes(
     path: Path | str, found: Found, said: tuple[float, float] | Path | str | None
 ) -> tuple[Float[Array, " m"], Notes]:
     """Centers of the bands [nm]: as given, else from the file."""
@@ -118,7 +139,7 @@ def _spread(ends: tuple[float, float], bands: int) -> tuple[Float[Array, " m"], 
     return np.linspace(first, last, bands), note
 
 
-def rising(
+def _rising(
     path: Path | str, pixels: Shaped[Array, "h w m"] | RowSource, wavelength: Float[Array, " m"]
 ) -> tuple[Shaped[Array, "h w m"] | RowSource, Float[Array, " m"], Notes]:
     """Bands in increasing order, with a note: decreasing or overlapping spectrometers are sorted.

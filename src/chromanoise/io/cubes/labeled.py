@@ -1,7 +1,7 @@
-"""Cubes from files of named arrays with labels: HDF5, NetCDF-4, Zarr.
+"""Cubes from files of named arrays: HDF5, NetCDF-4, Zarr, MATLAB and NumPy archives.
 
-Such files identify their axes by names, by a list of wavelengths, or not at all. Missing metadata
-is assumed and noted; ambiguous metadata raises an error.
+Files with labels identify their axes by names, by a list of wavelengths, or not at all. Missing
+metadata is assumed and noted; ambiguous metadata raises an error.
 """
 
 import math
@@ -19,9 +19,11 @@ from chromanoise.io.cubes.bounds import (
     MOST_INFLATED,
     kind_of,
     memory_bytes,
+    refuse_empty,
     refuse_impossible,
-    refuse_not_numbers,
+    refuse_other_size,
 )
+from chromanoise.io.cubes.errors import reading
 from chromanoise.io.cubes.picture import picture
 from chromanoise.io.cubes.raw_cube import Found, Notes, by, refuse_other_shape
 from chromanoise.io.spectra.wavelength_lists import (
@@ -79,13 +81,18 @@ class Store:
     numbers
         Reads a whole array.
     source
-        Returns the rows of an array, given the axes of rows, columns and bands.
+        Returns the rows of an array, given the axes of rows, columns and bands; None if arrays are
+        read as a whole.
     notes
         Returns notes on an array before it is read.
     attributes
         Attributes of the file as a whole.
-    matlab
-        Whether MATLAB wrote it: axes are already reversed, and pixels are in column order.
+    by_columns
+        Whether pixels in one axis go down the columns first, as in MATLAB.
+    bands_last
+        Whether the axes are rows, columns and bands, in this order.
+    stored_item_bytes
+        As `refuse_impossible`.
     """
 
     path: Path
@@ -93,38 +100,50 @@ class Store:
     bytes: int
     arrays: Mapping[str, Labeled]
     numbers: Callable[[str], Array]
-    source: Callable[[str, Axes], RowSource]
+    source: Callable[[str, Axes], RowSource] | None = None
     notes: Callable[[str], Notes] = lambda _: ()
     attributes: Mapping[str, Any] = field(default_factory=dict)
-    matlab: bool = False
+    by_columns: bool = False
+    bands_last: bool = False
+    stored_item_bytes: int | None = None
+
+
+def array_store(
+    path: Path,
+    kind: str,
+    listed: Callable[[Path], Mapping[str, tuple[tuple[int, ...], np.dtype]]],
+    array: Callable[[Path, str], Array],
+    **how: Any,
+) -> Store:
+    """A file of arrays without labels, in axes (rows, columns, bands)."""
+    with reading(path, kind):
+        arrays = {name: Labeled(shape=s, dtype=dtype) for name, (s, dtype) in listed(path).items()}
+    return Store(
+        path=path,
+        kind=kind,
+        bytes=path.stat().st_size,
+        arrays=arrays,
+        numbers=partial(array, path),
+        bands_last=True,
+        **how,
+    )
 
 
 def labeled_cube(store: Store, key: str | None, shape: tuple[int, int] | None) -> Found:
     """The cube in the array ``key``, or in the only array with three axes, with its metadata."""
     name, chosen = _chosen(store, key)
     array = store.arrays[name]
-    refuse_not_numbers(store.path, name, array.dtype)
-    if min(array.shape, default=1) < 1:
-        raise InputError(
-            str(store.path),
-            "must not be empty",
-            where=f"array {name!r}",
-            value=array.shape,
-            found=f"is {by(array.shape)}",
-            remedy="save it again",
-        )
+    refuse_empty(store.path, name, array.shape, array.dtype)
     wavelengths, count = _wavelengths(store, name)
-    if len(array.shape) == 3:
+    pixels: Array | RowSource
+    if store.source is not None and len(array.shape) == 3:
         axes, notes = _cube_axes(store, name, count)
-        source = store.source(name, axes)
-        _refuse_large_rows(store, name, source)
-        pixels: Array | RowSource = source
+        pixels = store.source(name, axes)
+        _refuse_large_rows(store, name, pixels)
         refuse_other_shape(store.path, pixels, shape)
     else:
-        refuse_impossible(store.path, name, array.shape, array.dtype, size=store.bytes)
-        numbers = store.numbers(name)
         pixels, notes = picture(
-            store.path, f"array {name!r}", numbers, shape, by_columns=store.matlab
+            store.path, f"array {name!r}", _loaded(store, name), shape, by_columns=store.by_columns
         )
     return Found(
         pixels=pixels,
@@ -136,8 +155,22 @@ def labeled_cube(store: Store, key: str | None, shape: tuple[int, int] | None) -
     )
 
 
+def _loaded(store: Store, name: str) -> Array:
+    path, array = store.path, store.arrays[name]
+    item = store.stored_item_bytes
+    refuse_impossible(
+        path, name, array.shape, array.dtype, size=store.bytes, stored_item_bytes=item
+    )
+    with reading(path, store.kind):
+        numbers = store.numbers(name)
+    refuse_other_size(path, f"array {name!r}", numbers.shape, array.shape)
+    return numbers.astype(array.dtype, copy=False)
+
+
 def _chosen(store: Store, key: str | None) -> tuple[str, Notes]:
     """The name of the cube, and how it was found."""
+    if key is None and store.source is None:
+        key = "reflectance"  # without labels nothing is guessed
     if key is not None:
         name = key.strip("/")
         if name in store.arrays:
@@ -168,7 +201,7 @@ def _no_such(store: Store, key: str) -> InputError:
 def _cube_axes(store: Store, name: str, count: int | None) -> tuple[Axes, Notes]:
     """The axes of rows, columns and bands, by their names, else by the wavelengths."""
     array = store.arrays[name]
-    if store.matlab:
+    if store.bands_last:
         return (0, 1, 2), ()
     named = _named_band_axis(array)
     if named is not None:
@@ -236,7 +269,7 @@ def _wavelengths(
     its axes, the attributes of the file, lists in the folder of the array or at the top.
     """
     array = store.arrays[name]
-    band = 2 if store.matlab and len(array.shape) == 3 else _named_band_axis(array)
+    band = 2 if store.bands_last and len(array.shape) == 3 else _named_band_axis(array)
     lengths = array.shape if band is None else array.shape[band : band + 1]
     for lists in (
         _in_attributes(array.attributes),
@@ -275,24 +308,23 @@ def _of_axes(store: Store, name: str) -> list[Listed]:
 
 
 def _in_folder(store: Store, name: str) -> list[Listed]:
+    """Lists of numbers; without labels, one of text, which is refused when it is read."""
     folder = name.rpartition("/")[0]
-    return [
-        _listed(store, known)
+    lists = [
+        known
         for known, array in store.arrays.items()
-        if known != name and is_list(array.shape) and array.dtype.kind in "fiu"
+        if known != name and is_list(array.shape)
         if known.rpartition("/")[0] in (folder, "") and _last(known).lower() in SPECTRAL_NAMES
     ]
+    real = [known for known in lists if store.arrays[known].dtype.kind in "fiu"]
+    return [_listed(store, known) for known in real or (lists if store.source is None else ())]
 
 
 def _listed(store: Store, name: str) -> Listed:
     array = store.arrays[name]
-
-    def numbers() -> Array:
-        refuse_impossible(store.path, name, array.shape, array.dtype, size=store.bytes)
-        return store.numbers(name)
-
     unit = _text(array.attributes.get("units", ""))
-    return Listed(name=name, size=math.prod(array.shape), numbers=numbers, unit=unit)
+    read = partial(_loaded, store, name)
+    return Listed(name=name, size=math.prod(array.shape), numbers=read, unit=unit)
 
 
 def _is_spectral(name: str, array: Labeled) -> bool:

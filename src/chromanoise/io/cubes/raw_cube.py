@@ -24,11 +24,6 @@ class Found:
     notes: Notes = ()
 
 
-def unused_key(key: str | None) -> Notes:
-    """A note that ``key`` is not used, because the file has only one array."""
-    return () if key is None else (f"key {key!r} not used: the file holds one array",)
-
-
 def by(shape: tuple[int, ...]) -> str:
     """A shape as text: 156x9025."""
     return "x".join(str(n) for n in shape) or "scalar"

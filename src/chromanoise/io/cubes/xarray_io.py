@@ -1,5 +1,6 @@
 """Read cubes from, and write pictures to, labeled arrays of xarray."""
 
+from functools import partial
 from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
 
@@ -9,7 +10,7 @@ from chromanoise._check import Array
 from chromanoise._shapes import Float, UInt8
 from chromanoise.errors import InputError
 from chromanoise.io.cubes.errors import library
-from chromanoise.io.cubes.interpretation import rising, scale_and_notes, wavelengths_and_notes
+from chromanoise.io.cubes.interpretation import interpreted
 from chromanoise.io.cubes.labeled import attribute_scale
 from chromanoise.io.cubes.raw_cube import Found, Notes, by
 from chromanoise.io.spectra.wavelength_lists import BAND_NAMES, NM_PER, SPECTRAL_NAMES, nanometers
@@ -73,17 +74,7 @@ def cube_from_xarray(
     ((1, 2, 3), [400.0, 500.0, 600.0])
     """
     source = f"xarray {getattr(array, 'name', None) or 'array'}"
-    found = _found(source, array)
-    factor, scale_notes = scale_and_notes(source, found, scale)
-    wavelength, wavelength_notes = wavelengths_and_notes(source, found, wavelengths)
-    pixels, wavelength, order_notes = rising(source, found.pixels, wavelength)
-    return Cube(
-        wavelength_nm=wavelength,
-        stored=pixels,
-        scale=factor,
-        source=source,
-        notes=(*found.notes, *scale_notes, *wavelength_notes, *order_notes),
-    )
+    return interpreted(source, _found(source, array), wavelengths=wavelengths, scale=scale)
 
 
 def _found(source: str, array: Any) -> Found:
@@ -108,13 +99,11 @@ def _found(source: str, array: Any) -> Found:
     data = array.transpose(rows, columns, axis).data
     pixels: Array | RowSource = data if isinstance(data, np.ndarray) else ArrayRows(array=data)
     texts = (attributes.get(n, "") for n in ("long_name", "standard_name", "description"))
-
-    def read() -> tuple[Array, Notes]:
-        return _coordinate(source, array, axis)
-
     return Found(
         pixels=pixels,
-        wavelengths=read if _is_spectral(array, axis) else None,
+        wavelengths=partial(_coordinate, source, array, axis)
+        if _is_spectral(array, axis)
+        else None,
         scale=lambda: attribute_scale(source, attributes),
         description=" ".join(str(text) for text in texts),
         units=str(attributes.get("units", "")),
