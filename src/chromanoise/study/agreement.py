@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 
 from chromanoise._check import Array
-from chromanoise.errors import InputError
-from chromanoise.study.records import STUDY_FILE, output_files, place_of_files, read_record
+from chromanoise.study.records import STUDY_FILE, output_files, place_of_files, record_if_readable
 
 _ROUNDING = 1e-9
 """Largest relative difference of an analysis expected from other BLAS kernels."""
@@ -75,7 +74,10 @@ def agreement_of(first: Path, second: Path) -> Agreement:
     for name in names:
         if _same_bytes(first / name, second / name):
             continue
-        one, its = (_record(folder / name) for folder in (first, second))
+        one, its = (
+            record_if_readable(folder / name) if name.endswith(".json") else {}
+            for folder in (first, second)
+        )
         if not one or _results(one) != _results(its):
             other.append(name)
         if one.get("place") != its.get("place"):
@@ -148,15 +150,6 @@ def _same_bytes(first: Path, second: Path) -> bool:
         return False
 
 
-def _record(path: Path) -> dict[str, Any]:
-    """What a JSON file of a run says; empty of any other file."""
-    try:
-        record = read_record(path) if path.suffix == ".json" else {}
-    except InputError:
-        return {}
-    return record if isinstance(record, dict) else {}
-
-
 def _numerics(record: dict[str, Any]) -> dict[str, Any]:
     found = record.get("numerics")
     return found if isinstance(found, dict) else {}
@@ -169,7 +162,7 @@ def _results(record: dict[str, Any]) -> dict[str, Any]:
 
 def _differences(first: Path, second: Path) -> Iterator[tuple[float, str]]:
     if second.suffix == ".json":
-        one, other = (_record(path)["result"] for path in (first, second))
+        one, other = (record_if_readable(path)["result"] for path in (first, second))
         yield from _of_data(one, other, "")
     elif second.suffix in (".tiff", ".dng", ".png"):
         yield _of_pixels(_pixels(first), _pixels(second)), ""

@@ -179,7 +179,7 @@ def recorded_run(path: Path) -> RecordedRun:
             remedy=f"use `chromanoise run {file}`",
         )
     record = read_record(file)
-    if not isinstance(record, dict) or "study" not in record or "hash" not in record:
+    if "study" not in record or "hash" not in record:
         raise InputError(
             str(file),
             "must be an output of `chromanoise run`",
@@ -275,7 +275,8 @@ def _place_of(file: Path, record: dict[str, Any], study: Study) -> Path:
     if not _relative(before):
         places = [here]
     else:
-        beside = record if file.name == STUDY_FILE else _beside(file)
+        own = file.parent / STUDY_FILE
+        beside = record if file.name == STUDY_FILE else record_if_readable(own)
         recorded = place_of_files(true_path(file).parent, beside)
         places = [recorded or here, *true_path(file).parents, here]
     faults = []
@@ -293,22 +294,11 @@ def _place_of(file: Path, record: dict[str, Any], study: Study) -> Path:
     raise _changed(file, min(faults, key=len))
 
 
-def _beside(file: Path) -> dict[str, Any]:
-    """The record of the run that wrote the result of a step; empty if it is missing."""
-    try:
-        record = read_record(file.parent / STUDY_FILE)
-    except InputError:
-        return {}
-    return record if isinstance(record, dict) else {}
-
-
 def _refuse_other_study(folder: Path, study: Study, who: dict[str, Any], called: Path) -> None:
     file = folder / STUDY_FILE
     if not file.exists():
         return
     record = read_record(file)
-    if not isinstance(record, dict):
-        record = {}
     before = record.get("files")
     same = all(record.get(key) == who[key] for key in ("version", "study"))
     if same and isinstance(before, dict) and before != who["files"]:
@@ -357,7 +347,7 @@ def refuse_other_record(folder: Path, wanted: Mapping[str, Any]) -> None:
     if not file.exists():
         return
     record = read_record(file)
-    if not isinstance(record, dict) or any(record.get(key) != wanted[key] for key in wanted):
+    if any(record.get(key) != wanted[key] for key in wanted):
         raise _other_results(folder)
 
 
@@ -413,9 +403,7 @@ def _made_by(file: Path, hash_: str) -> bool:
         return False
     try:
         record = read_record(file)
-        if not isinstance(record, dict) or record.get("hash") != hash_:
-            return False
-        if record.get("content") != content_hash(record):
+        if record.get("hash") != hash_ or record.get("content") != content_hash(record):
             return False
     except (InputError, ValueError):  # no JSON any longer, or not a number in it
         return False
@@ -428,7 +416,7 @@ def _made_by(file: Path, hash_: str) -> bool:
 def _pictures_of(file: Path) -> list[str]:
     """The other output files of the step of a result file; none if the file does not exist."""
     record = read_record(file) if file.exists() else {}
-    written = record.get("written") if isinstance(record, dict) else None
+    written = record.get("written")
     return list(written) if isinstance(written, dict) else []
 
 
@@ -447,15 +435,24 @@ def _sha256(file: Path) -> str | None:
         return None
 
 
-def read_record(file: Path) -> Any:
-    """The data of a JSON file that a run wrote.
+def read_record(file: Path) -> dict[str, Any]:
+    """The object in a JSON file that a run wrote; empty if it holds another kind of data.
 
     Raises
     ------
     InputError
         As `json_file`.
     """
-    return json_file(file, most_bytes=_LARGEST_BYTES)
+    data = json_file(file, most_bytes=_LARGEST_BYTES)
+    return data if isinstance(data, dict) else {}
+
+
+def record_if_readable(file: Path) -> dict[str, Any]:
+    """The same; empty if the file cannot be read."""
+    try:
+        return read_record(file)
+    except InputError:
+        return {}
 
 
 def _write(file: Path, record: dict[str, Any]) -> None:
