@@ -6,7 +6,8 @@ metadata is assumed and noted; ambiguous metadata raises an error.
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from contextlib import AbstractContextManager
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from chromanoise._check import Array, printable
+from chromanoise._shapes import Shaped, UInt8
 from chromanoise.errors import InputError, Setting
 from chromanoise.io.cubes.bounds import (
     MOST_INFLATED,
@@ -23,9 +25,8 @@ from chromanoise.io.cubes.bounds import (
     refuse_impossible,
     refuse_other_size,
 )
-from chromanoise.io.cubes.errors import reading
-from chromanoise.io.cubes.picture import picture
-from chromanoise.io.cubes.raw_cube import Found, Notes, by, refuse_other_shape
+from chromanoise.io.cubes.errors import reading, reading_rows
+from chromanoise.io.cubes.raw_cube import Found, Notes, Wavelengths, by, picture, refuse_other_shape
 from chromanoise.io.spectra.wavelength_lists import (
     BAND_NAMES,
     NM_PER,
@@ -35,7 +36,7 @@ from chromanoise.io.spectra.wavelength_lists import (
     is_list,
     listed_wavelengths,
 )
-from chromanoise.scene.rows import RowSource
+from chromanoise.scene.rows import RowSource, block, refuse_other_rows
 
 _MOST_LISTED = 20
 _HARMLESS_BYTES = 64 * 2**20
@@ -260,9 +261,7 @@ def _refuse_large_rows(store: Store, name: str, source: RowSource) -> None:
         )
 
 
-def _wavelengths(
-    store: Store, name: str
-) -> tuple[Callable[[], tuple[Array, Notes]] | None, int | None]:
+def _wavelengths(store: Store, name: str) -> tuple[Wavelengths | None, int | None]:
     """A function that reads the wavelengths, and their number; None if the file has none.
 
     The first of these that has wavelengths is used: the attributes of the array, the coordinates of
@@ -402,3 +401,67 @@ def _passed_over(array: Labeled) -> Notes:
     """A note on attributes for missing values, worded so that the cube recognizes it."""
     named = [name for name in _CLAMPED if name in array.attributes]
     return (f"data ignore value in the file but not applied: {', '.join(named)}",) if named else ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class StoredRows:
+    """Rows of one array in a file or folder of arrays.
+
+    Attributes
+    ----------
+    path, kind
+        The file or folder, and the common name of its format.
+    opened
+        Opens the array for each block of rows. It can be pickled, so that another process can take
+        the source.
+    axes
+        The axes of the array that are rows, columns and bands.
+    shape
+        Numbers of rows, columns and bands.
+    bands
+        The selected stored bands, in order.
+    stored
+        Type of the numbers.
+    chunk_rows
+        The number of rows per stored chunk.
+    """
+
+    path: Path
+    kind: str
+    opened: Callable[[], AbstractContextManager[Any]]
+    axes: Axes
+    shape: tuple[int, int, int]
+    bands: range
+    stored: np.dtype
+    chunk_rows: int
+
+    @property
+    def dtype(self) -> np.dtype:
+        """Type of the numbers from ``rows``, in the byte order of this machine."""
+        return self.stored.newbyteorder("=")
+
+    def rows(
+        self, start: int, stop: int, *, into: UInt8[Array, " bytes"] | None = None
+    ) -> Shaped[Array, "rows w m"]:
+        """The rows ``start`` to ``stop``, with the strides in which they are stored."""
+        refuse_other_rows(str(self.path), self.shape, start, stop)
+        with reading_rows(self.path, self.kind), self.opened() as array:
+            read = block(array, self.axes, start, stop, self.bands)
+        if read.shape != (stop - start, *self.shape[1:]):
+            raise InputError(
+                str(self.path),
+                "must not change while it is being read",
+                value=read.shape,
+                found="was changed",
+                remedy="read it again when no program writes to it",
+            )
+        return read.astype(self.dtype, copy=False)
+
+    def scratch_bytes(self, rows: int) -> int:
+        """The size that ``into`` needs for this number of rows; 0 if it is not used. [bytes]"""
+        return 0
+
+    def with_bands(self, keep: slice) -> "StoredRows":
+        """The same rows with a selection of bands; nothing is read."""
+        bands = self.bands[keep]
+        return replace(self, bands=bands, shape=(*self.shape[:2], len(bands)))

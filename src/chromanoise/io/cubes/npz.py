@@ -13,8 +13,7 @@ from chromanoise._shapes import Shaped
 from chromanoise.errors import InputError
 from chromanoise.io.cubes.errors import reading
 from chromanoise.io.cubes.labeled import Store, array_store
-from chromanoise.io.cubes.picture import picture
-from chromanoise.io.cubes.raw_cube import Found
+from chromanoise.io.cubes.raw_cube import Found, picture
 
 Declared = tuple[tuple[int, ...], np.dtype]
 

@@ -2,12 +2,11 @@
 
 from functools import partial
 from pathlib import Path
-from typing import Any, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from chromanoise._check import Array
-from chromanoise._shapes import Float, UInt8
 from chromanoise.errors import InputError
 from chromanoise.io.cubes.errors import library
 from chromanoise.io.cubes.interpretation import interpreted
@@ -17,26 +16,8 @@ from chromanoise.io.spectra.wavelength_lists import BAND_NAMES, NM_PER, SPECTRAL
 from chromanoise.scene.cube import Cube
 from chromanoise.scene.rows import ArrayRows, RowSource
 
-
-@runtime_checkable
-class ColorPicture(Protocol):
-    """The attributes of a picture that `picture_to_xarray` needs."""
-
-    @property
-    def xyz(self) -> Float[Array, "h w 3"]:
-        """Linear XYZ."""
-
-    @property
-    def srgb(self) -> UInt8[Array, "h w 3"]:
-        """8-bit sRGB."""
-
-    @property
-    def white(self) -> Float[Array, " 3"]:
-        """XYZ of the perfect white."""
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """Assumptions."""
+if TYPE_CHECKING:
+    from chromanoise.imaging.render import Picture
 
 
 def cube_from_xarray(
@@ -142,7 +123,7 @@ def _coordinate(source: str, array: Any, axis: Any) -> tuple[Array, Notes]:
     )
 
 
-def picture_to_xarray(picture: ColorPicture) -> Any:
+def picture_to_xarray(picture: "Picture") -> Any:
     """An ``xarray.Dataset`` of the picture: XYZ and sRGB by row and column, white, notes.
 
     Parameters
