@@ -1,6 +1,5 @@
 """A run on disk: one file per step; existing results of the same study are kept."""
 
-import hashlib
 import json
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -13,13 +12,14 @@ from pydantic import ValidationError
 
 from chromanoise import __version__
 from chromanoise._files import claimed_folder, refuse_unwritable
-from chromanoise._inputs import content_hash, json_file, regular_file, true_path
+from chromanoise._inputs import content_hash, json_file, true_path
 from chromanoise.errors import InputError
 from chromanoise.imaging import Work
 from chromanoise.io.spectra.own_json import named
 from chromanoise.study.document import KEEP_IDLE, Study
 from chromanoise.study.hashes import (
     changes_since,
+    digests_of,
     file_stamps,
     in_catalog,
     provenance,
@@ -428,9 +428,7 @@ def _written(folder: Path) -> dict[str, str | None]:
 def _sha256(file: Path) -> str | None:
     """``None`` of what cannot be read."""
     try:
-        regular_file(file)
-        with file.open("rb") as opened:
-            return hashlib.file_digest(opened, "sha256").hexdigest()
+        return next(iter(digests_of([file]).values()))
     except (OSError, ValueError):  # among them an InputError
         return None
 

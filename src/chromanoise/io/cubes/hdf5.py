@@ -180,15 +180,14 @@ def hdf5_store(path: Path, *, matlab: bool = False) -> Store:
 
     def numbers(name: str) -> Shaped[Array, "..."]:
         size = math.prod(arrays[name].shape) * arrays[name].dtype.itemsize
-        with reading(path, kind):
-            read = _sandbox.sandboxed(
-                _numbers,
-                path,
-                name,
-                path=path,
-                limit_s=_LIMIT_S + size / _SLOWEST_BYTES_PER_S,
-                memory_bytes=_sandbox.MEMORY_BYTES + 2 * size,
-            )
+        read = _sandbox.sandboxed(
+            _numbers,
+            path,
+            name,
+            path=path,
+            limit_s=_LIMIT_S + size / _SLOWEST_BYTES_PER_S,
+            memory_bytes=_sandbox.MEMORY_BYTES + 2 * size,
+        )
         return read.T if matlab else read
 
     def source(name: str, axes: Axes) -> RowSource:

@@ -80,7 +80,7 @@ class Store:
     bytes
         Size of the file.
     numbers
-        Reads a whole array.
+        Reads a whole array; it may raise the exceptions of a library.
     source
         Returns the rows of an array, given the axes of rows, columns and bands; None if arrays are
         read as a whole.

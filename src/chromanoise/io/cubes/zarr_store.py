@@ -173,15 +173,11 @@ def _opened(path: Path, name: str) -> Any:
 
 
 def _numbers(path: Path, name: str) -> Shaped[Array, "..."]:
-    _refuse_large_chunks(path, name)
-    with reading(path, "Zarr"):
-        return np.asarray(_opened(path, name)[...])
+    return np.asarray(_checked(path, name)[...])
 
 
 def _source(path: Path, arrays: Mapping[str, Labeled], name: str, axes: Axes) -> RowSource:
-    _refuse_large_chunks(path, name)
-    with reading(path, "Zarr"):
-        array = _opened(path, name)
+    array = _checked(path, name)
     sizes = arrays[name].shape
     shape = sizes[axes[0]], sizes[axes[1]], sizes[axes[2]]
     return StoredRows(
@@ -225,8 +221,8 @@ def _absent_chunks(path: Path, name: str) -> Notes:
     return ()
 
 
-def _refuse_large_chunks(path: Path, name: str) -> None:
-    """Raise an error for chunks that exceed the memory or are larger than their numbers."""
+def _checked(path: Path, name: str) -> Any:
+    """The array; an error if chunks exceed the memory or are larger than their numbers."""
     with reading(path, "Zarr"):
         array = _opened(path, name)
         size = math.prod(array.shards or array.chunks) * array.dtype.itemsize
@@ -251,6 +247,7 @@ def _refuse_large_chunks(path: Path, name: str) -> None:
             found=f"one has {longest} bytes",
             remedy="save it again, because it is damaged",
         )
+    return array
 
 
 _HARMLESS_BYTES = 64 * 2**20
