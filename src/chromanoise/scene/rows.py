@@ -9,7 +9,8 @@ longer than reading.
 import math
 import mmap
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, BinaryIO, Protocol, runtime_checkable
@@ -91,7 +92,9 @@ class FileRows:
             for k in range(plan.pieces):
                 part = memoryview(buffer.data)[k * plan.length : (k + 1) * plan.length]
                 _read_into(file, at + k * plan.step, part, self.path)
-        numbers = _native(buffer.view(self.stored))
+        numbers = buffer.view(self.stored)
+        if not self.stored.isnative:
+            numbers = numbers.byteswap(inplace=True).view(self.dtype)
         return np.ndarray(shape, self.dtype, numbers, -plan.low, plan.strides)
 
     def scratch_bytes(self, rows: int) -> int:
@@ -174,24 +177,6 @@ class PlaneRows:
         return replace(self, planes=self.planes[keep])
 
 
-def packed_rows(
-    path: Path, offset: int, stored: np.dtype, sizes: Sequence[int], axes: Sequence[int]
-) -> FileRows:
-    """Rows of an array that is stored in the order of C without gaps.
-
-    ``axes`` are those of rows, columns and bands.
-    """
-    steps = [math.prod(sizes[axis + 1 :]) * stored.itemsize for axis in range(3)]
-    row, column, band = axes
-    return FileRows(
-        path=path,
-        offset=offset,
-        stored=stored,
-        shape=(sizes[row], sizes[column], sizes[band]),
-        strides=(steps[row], steps[column], steps[band]),
-    )
-
-
 def refuse_other_rows(source: str, shape: tuple[int, int, int], start: int, stop: int) -> None:
     """Refuse an empty range of rows, or rows outside the image."""
     if not 0 <= start < stop <= shape[0]:
@@ -265,29 +250,29 @@ def _memory(into: Array | None, size: int) -> UInt8[Array, " bytes"]:
     return np.empty(size, dtype=np.uint8)
 
 
-def _opened(path: Path) -> BinaryIO:
+@contextmanager
+def _opened(path: Path) -> Iterator[BinaryIO]:
+    """The file; an error of opening or reading is an `InputError`."""
     try:
-        return path.open("rb", buffering=0)
+        with path.open("rb", buffering=0) as file:
+            yield file
     except OSError as error:
         raise InputError(str(path), f"cannot be read ({reason(error)})") from None
 
 
 def _read_into(file: BinaryIO, at: int, part: memoryview, path: Path) -> None:
     """Fill ``part``; one read may return less than requested, at most 2 GiB."""
-    try:
-        while part:
-            count = _read_some(file, at, part)
-            if not count:
-                raise InputError(
-                    str(path),
-                    "must keep its size while it is read",
-                    value=len(part),
-                    found=f"ended {len(part)} bytes too early",
-                    remedy="copy it again",
-                )
-            at, part = at + count, part[count:]
-    except OSError as error:
-        raise InputError(str(path), f"cannot be read ({reason(error)})") from None
+    while part:
+        count = _read_some(file, at, part)
+        if not count:
+            raise InputError(
+                str(path),
+                "must keep its size while it is read",
+                value=len(part),
+                found=f"ended {len(part)} bytes too early",
+                remedy="copy it again",
+            )
+        at, part = at + count, part[count:]
 
 
 def _read_some(file: BinaryIO, at: int, part: memoryview) -> int:
@@ -295,12 +280,6 @@ def _read_some(file: BinaryIO, at: int, part: memoryview) -> int:
         return os.preadv(file.fileno(), [part], at)
     file.seek(at)
     return int(file.readinto(part))  # type: ignore[attr-defined]
-
-
-def _native(numbers: Shaped[Array, " n"]) -> Shaped[Array, " n"]:
-    if numbers.dtype.isnative:
-        return numbers
-    return numbers.byteswap(inplace=True).view(numbers.dtype.newbyteorder("="))
 
 
 def _gathered(

@@ -256,21 +256,15 @@ def idle_settings(study: Study, given: Given = NOTHING_GIVEN) -> list[InputError
     infrared = infrared_parts(light.illuminant)
     base = light.illuminant if infrared is None else infrared[0]
     if not given.reads(light.illuminant if is_object_word(base) else base, "light"):
-        errors += [
-            _idle(f"light.{name}", getattr(light, name), shown_word(light.illuminant))
-            for name in ("per", "column", "wavelength_unit")
-            if getattr(light, name) is not None
-        ]
+        of_file = {name: getattr(light, name) for name in ("per", "column", "wavelength_unit")}
+        errors += _all_idle("light", of_file, shown_word(light.illuminant))
     own = study.reflectances
     words = [
         word for word in (own.chart, own.patch, own.pairs, study.prior) if isinstance(word, str)
     ]
     if not any(map(given.reads_reflectances, words)):
-        errors += [
-            _idle(f"reflectances.{name}", getattr(own, name), "a study without such a file")
-            for name in ("scale", "wavelength_unit", "beyond")
-            if getattr(own, name) is not None
-        ]
+        of_file = {name: getattr(own, name) for name in ("scale", "wavelength_unit", "beyond")}
+        errors += _all_idle("reflectances", of_file, "a study without such a file")
     for i, part in enumerate(study.sensors):
         unit = part.filter_wavelength_unit
         filters = [*filter(None, [part.filter]), *(part.channel_filters or {}).values()]
@@ -341,6 +335,11 @@ def _idle_of_sensors(
 ) -> InputError:
     words = ", ".join(shown_word(part.name) for part in parts)
     return _idle(f"sensors.{study.sensors.index(parts[0])}.{name}", value, words)
+
+
+def _all_idle(key: str, values: Mapping[str, Any], of: str) -> list[InputError]:
+    given = {name: value for name, value in values.items() if value is not None}
+    return [_idle(f"{key}.{name}", value, of) for name, value in given.items()]
 
 
 def _idle(key: str, value: Any, of: str) -> InputError:
@@ -753,9 +752,8 @@ def cube_of(part: PicturePart, *, key: str = "pictures.0", given: Given = NOTHIN
     """
     how = {name: getattr(part, name) for name in _OF_FILE}
     if part.cube.startswith("builtin:") or is_object_word(part.cube):
-        for name, value in how.items():
-            if value is not None:
-                raise _idle(f"{key}.{name}", value, shown_word(part.cube))
+        for error in _all_idle(key, how, shown_word(part.cube)):
+            raise error
         if is_object_word(part.cube):
             own: Cube = given.of(part.cube)
             return own

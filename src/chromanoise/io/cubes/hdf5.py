@@ -28,8 +28,9 @@ from chromanoise.errors import InputError
 from chromanoise.io.cubes.bounds import memory_bytes
 from chromanoise.io.cubes.errors import library, reading, refuse_absent_library
 from chromanoise.io.cubes.labeled import Axes, Labeled, Store, StoredRows
+from chromanoise.io.cubes.raw_cube import packed_rows
 from chromanoise.io.spectra.wavelength_lists import SPECTRAL_NAMES
-from chromanoise.scene.rows import RowSource, packed_rows
+from chromanoise.scene.rows import RowSource
 
 DEFLATE, SHUFFLE = 1, 2  # HDF5 filter numbers
 

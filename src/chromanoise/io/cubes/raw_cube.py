@@ -1,9 +1,11 @@
 """The content of a file of pixels before it becomes a cube."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+
+import numpy as np
 
 from chromanoise._check import Array
 from chromanoise._shapes import Shaped
@@ -11,7 +13,7 @@ from chromanoise.errors import (
     InputError,
     Setting,
 )
-from chromanoise.scene.rows import RowSource
+from chromanoise.scene.rows import FileRows, RowSource
 
 Notes = tuple[str, ...]
 Wavelengths = Callable[[], tuple[Array, Notes]]
@@ -47,6 +49,24 @@ def refuse_other_shape(
             found=f"is {by(shape)}",
             remedy="omit it",
         )
+
+
+def packed_rows(
+    path: Path, offset: int, stored: np.dtype, sizes: Sequence[int], axes: Sequence[int]
+) -> FileRows:
+    """Rows of an array that is stored in the order of C without gaps.
+
+    ``axes`` are those of rows, columns and bands.
+    """
+    steps = [math.prod(sizes[axis + 1 :]) * stored.itemsize for axis in range(3)]
+    row, column, band = axes
+    return FileRows(
+        path=path,
+        offset=offset,
+        stored=stored,
+        shape=(sizes[row], sizes[column], sizes[band]),
+        strides=(steps[row], steps[column], steps[band]),
+    )
 
 
 def picture(

@@ -14,7 +14,7 @@ from chromanoise._shapes import Shaped
 from chromanoise.errors import InputError, Setting
 from chromanoise.io.cubes.bounds import refuse_not_numbers
 from chromanoise.io.cubes.errors import reading
-from chromanoise.io.cubes.raw_cube import Found, Wavelengths, by, refuse_other_shape
+from chromanoise.io.cubes.raw_cube import Found, Wavelengths, by, packed_rows, refuse_other_shape
 from chromanoise.io.cubes.tiff_pages import decoded_pages
 from chromanoise.io.spectra.wavelength_lists import (
     NAMED_WAVELENGTH,
@@ -23,7 +23,7 @@ from chromanoise.io.spectra.wavelength_lists import (
     nanometers,
 )
 from chromanoise.io.xml_text import xml_root
-from chromanoise.scene.rows import FileRows, PlaneRows, RowSource, packed_rows
+from chromanoise.scene.rows import FileRows, PlaneRows, RowSource
 
 ENDINGS = (".tif", ".tiff")
 _LISTED = re.compile(
