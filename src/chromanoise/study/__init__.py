@@ -11,11 +11,6 @@ from chromanoise._lazy import lazy_names
 
 if TYPE_CHECKING:
     from chromanoise.io.result import Result
-    from chromanoise.study.agreement import (
-        Agreement,
-        agreement_of,
-        agreement_text,
-    )
     from chromanoise.study.analyses import (
         Outcome,
         analysis_of,
@@ -45,7 +40,14 @@ if TYPE_CHECKING:
         refuse_other_denoised,
         write_denoised,
     )
-    from chromanoise.study.denoising_plan import DenoisingPlan, prepared_denoising
+    from chromanoise.study.denoising_plan import (
+        DenoisingPlan,
+        Electrons,
+        electrons_of_array,
+        frame_of_array,
+        frames_of_pictures,
+        prepared_denoising,
+    )
     from chromanoise.study.document import (
         MOST_SENSORS,
         OutputsPart,
@@ -76,12 +78,6 @@ if TYPE_CHECKING:
         prepared_cameras,
         taken_pictures,
     )
-    from chromanoise.study.raw_inputs import (
-        Electrons,
-        electrons_of_array,
-        frame_of_array,
-        frames_of_pictures,
-    )
     from chromanoise.study.reading import (
         beside_file,
         document_from_text,
@@ -92,7 +88,10 @@ if TYPE_CHECKING:
         study_from_text,
     )
     from chromanoise.study.records import (
+        Agreement,
         RecordedRun,
+        agreement_of,
+        agreement_text,
         recorded_run,
         refuse_other_pictures,
         run_study,
