@@ -11,7 +11,7 @@ from chromanoise.exposure import Exposure, expected_electrons
 from chromanoise.scene import BUILTIN_CUBES, SLANTED_EDGES, Scene, builtin_cube, light
 from chromanoise.scene.builtin.dead_leaves import occluding_discs
 from chromanoise.scene.builtin.foliage import foliage_reflectances
-from chromanoise.scene.builtin.occlusion import paint_behind
+from chromanoise.scene.builtin.mixtures import paint_behind
 from chromanoise.spectra import DEFAULT_GRID, color_axes
 
 WAVELENGTH = DEFAULT_GRID.wavelength_nm

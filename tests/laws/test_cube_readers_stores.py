@@ -17,9 +17,9 @@ from hypothesis import given, settings, strategies as st
 from chromanoise import _sandbox
 from chromanoise.errors import InputError
 from chromanoise.io.cubes import cube_from_xarray, picture_to_xarray, read_cube
-from chromanoise.io.cubes.hdf5_chunks import Chunks
+from chromanoise.io.cubes.hdf5 import Chunks
 from chromanoise.scene import row_source
-from chromanoise.scene.file_rows import FileRows, PlaneRows
+from chromanoise.scene.rows import FileRows, PlaneRows
 from outcomes import refused_input
 
 h5py = pytest.importorskip("h5py", reason="comes with chromanoise[cubes]")

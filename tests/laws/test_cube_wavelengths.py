@@ -8,7 +8,7 @@ import scipy.io
 
 from chromanoise.errors import InputError
 from chromanoise.io.cubes import cube_from_xarray, read_cube
-from chromanoise.io.cubes.wavelength_file import read_wavelengths
+from chromanoise.io.cubes.interpretation import read_wavelengths
 from chromanoise.scene.rows import row_source
 from outcomes import refused_input
 

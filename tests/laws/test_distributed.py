@@ -31,7 +31,7 @@ from chromanoise.imaging.plans import ElectronPlan, plan_for_rows
 from chromanoise.imaging.work import row_blocks
 from chromanoise.io.cubes import read_cube
 from chromanoise.scene import Cube
-from chromanoise.scene.file_rows import FileRows
+from chromanoise.scene.rows import FileRows
 from chromanoise.sensor import bayer
 from chromanoise.spectra import equal_energy
 from outcomes import refused_input

@@ -12,8 +12,7 @@ from hypothesis import given, strategies as st
 
 from chromanoise.scene import Cube, RowSource, bands_within, row_source
 from chromanoise.scene.cube import reflectance_rows
-from chromanoise.scene.file_rows import FileRows, PlaneRows
-from chromanoise.scene.rows import ArrayRows
+from chromanoise.scene.rows import ArrayRows, FileRows, PlaneRows
 from chromanoise.spectra import Grid
 from outcomes import refused_input
 

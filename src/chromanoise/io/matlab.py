@@ -9,7 +9,7 @@ import math
 import struct
 import zlib
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import BinaryIO
 
@@ -40,34 +40,30 @@ _PACKED_AS = {
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class _Element:
-    """The bytes of one variable in the file, its tag excluded."""
+class _Variable:
+    """One variable, without its numbers.
 
-    start: int
-    size: int
-    compressed: bool
-    order: str
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Opening:
-    """The header of a variable; its numbers begin ``length`` bytes after its tag."""
+    Attributes
+    ----------
+    name, shape, dtype
+        Name, shape and type; the type of text is ``U``, also if it is stored as numbers.
+    start, size, compressed, order
+        Its bytes in the file, without the tag of version 5 or the header of version 4.
+    length
+        Bytes of its header after the tag, in version 5.
+    stored
+        Type in the file, in version 4; None in version 5, which declares it after the header.
+    """
 
     name: str
     shape: tuple[int, ...]
     dtype: np.dtype
-    length: int
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Variable4:
-    """A variable of version 4: its numbers begin at ``start``, and text is stored as numbers."""
-
-    name: str
-    shape: tuple[int, int]
-    stored: np.dtype
-    text: bool
-    start: int
+    start: int = 0
+    size: int = 0
+    compressed: bool = False
+    order: str = ""
+    length: int = 0
+    stored: np.dtype | None = None
 
 
 def is_matlab(content: bytes) -> bool:
@@ -88,16 +84,11 @@ def mat_arrays(path: Path) -> dict[str, tuple[tuple[int, ...], np.dtype]]:
         If the file has another MATLAB version, or is damaged.
     """
     arrays: dict[str, tuple[tuple[int, ...], np.dtype]] = {}
-    known: Iterator[tuple[str, tuple[int, ...], np.dtype]] = (
-        ((v.name, v.shape, np.dtype("U") if v.text else v.stored) for v in _variables_4(path))
-        if _is_of_level_4(path)
-        else ((opening.name, opening.shape, opening.dtype) for _, opening in _variables(path))
-    )
-    for name, shape, dtype in known:
-        if name in arrays:
-            raise _damage(path, f"the array {name!r} appears twice")
-        if name:  # MATLAB's own workspaces have none
-            arrays[name] = shape, dtype
+    for one in _variables(path):
+        if one.name in arrays:
+            raise _damage(path, f"the array {one.name!r} appears twice")
+        if one.name:  # MATLAB's own workspaces have none
+            arrays[one.name] = one.shape, one.dtype
     return arrays
 
 
@@ -116,21 +107,21 @@ def mat_array(path: Path, name: str, *, largest_bytes: int | None = None) -> Sha
     InputError
         If the numbers do not fit the declared shape, or need more than ``largest_bytes``.
     """
-    if _is_of_level_4(path):
-        return _array_4(path, next(v for v in _variables_4(path) if v.name == name))
-    element, opening = next((e, o) for e, o in _variables(path) if o.name == name)
+    found = next(one for one in _variables(path) if one.name == name)
+    if found.stored is not None:
+        return _array_4(path, found, found.stored)
     with path.open("rb") as file:
-        first = _first_bytes(path, file, element)
-    kind, start, count = _part(first, opening.length, element.order)
-    dtype = np.dtype(element.order + _PACKED_AS[kind]) if kind in _PACKED_AS else np.dtype("O")
-    expected = math.prod(opening.shape) * dtype.itemsize
+        first = _first_bytes(path, file, found)
+    kind, start, count = _part(first, found.length, found.order)
+    dtype = np.dtype(found.order + _PACKED_AS[kind]) if kind in _PACKED_AS else np.dtype("O")
+    expected = math.prod(found.shape) * dtype.itemsize
     if dtype.hasobject or count != expected:  # checked before all of it is inflated
         raise _damage(path, f"the numbers of array {name!r} do not fit its shape")
-    body = _body(path, element, largest_bytes, needed_bytes=start + count)
+    body = _body(path, found, largest_bytes, needed_bytes=start + count)
     if not 0 <= len(body) - start - count < 8:
         raise _damage(path, f"the numbers of array {name!r} do not fit its shape")
-    numbers = np.frombuffer(body, dtype=dtype, count=math.prod(opening.shape), offset=start)
-    return numbers.reshape(opening.shape, order="F")
+    numbers = np.frombuffer(body, dtype=dtype, count=math.prod(found.shape), offset=start)
+    return numbers.reshape(found.shape, order="F")
 
 
 def mat_texts(path: Path, name: str, *, largest_bytes: int | None = None) -> tuple[str, ...]:
@@ -141,17 +132,17 @@ def mat_texts(path: Path, name: str, *, largest_bytes: int | None = None) -> tup
     InputError
         If the variable is damaged, or needs more than ``largest_bytes``.
     """
-    if _is_of_level_4(path):
-        found = next(v for v in _variables_4(path) if v.name == name)
-        rows = _array_4(path, found)[:_MOST_WORDS] if found.text else ()
+    found = next(one for one in _variables(path) if one.name == name)
+    if found.stored is not None:
+        is_text = found.dtype.kind == "U"
+        rows = _array_4(path, found, found.stored)[:_MOST_WORDS] if is_text else ()
         return tuple("".join(map(chr, row.astype(np.uint8))).rstrip() for row in rows)
-    element, opening = next((e, o) for e, o in _variables(path) if o.name == name)
-    body, order = _body(path, element, largest_bytes), element.order
+    body, order = _body(path, found, largest_bytes), found.order
     if _class(body, order) != _CELL:
         return _rows_of_text(path, body, order)
     texts: list[str] = []
-    at = opening.length
-    for _ in range(min(math.prod(opening.shape), _MOST_WORDS)):
+    at = found.length
+    for _ in range(min(math.prod(found.shape), _MOST_WORDS)):
         kind, count = struct.unpack_from(order + "II", body, at)
         if kind != _MATRIX or at + 8 + count > len(body):
             raise _damage(path, f"a cell of {name!r} is no array")
@@ -179,12 +170,13 @@ def _header_4(content: bytes) -> tuple[int, int, int, int, str] | None:
     return None
 
 
-def _is_of_level_4(path: Path) -> bool:
+def _variables(path: Path) -> Iterator[_Variable]:
     with path.open("rb") as file:
-        return _header_4(file.read(20 + 64)) is not None
+        is_of_level_4 = _header_4(file.read(20 + 64)) is not None
+    return (_variables_4 if is_of_level_4 else _variables_5)(path)
 
 
-def _variables_4(path: Path) -> Iterator[_Variable4]:
+def _variables_4(path: Path) -> Iterator[_Variable]:
     size = path.stat().st_size
     with path.open("rb") as file:
         at = 0
@@ -203,21 +195,21 @@ def _variables_4(path: Path) -> Iterator[_Variable4]:
                 raise _damage(path, f"the array {name!r} is longer than the file")
             if imaginary or kind % 10 > _TEXT_OF_LEVEL_4:  # complex or sparse
                 stored = np.dtype("O")
-            yield _Variable4(
+            yield _Variable(
                 name=name,
                 shape=(rows, columns),
+                dtype=np.dtype("U") if kind % 10 == _TEXT_OF_LEVEL_4 else stored,
                 stored=stored,
-                text=kind % 10 == _TEXT_OF_LEVEL_4,
                 start=at + 20 + length,
             )
             at += 20 + length + count
 
 
-def _array_4(path: Path, found: _Variable4) -> Shaped[Array, "..."]:
-    if found.stored.hasobject:
+def _array_4(path: Path, found: _Variable, stored: np.dtype) -> Shaped[Array, "..."]:
+    if stored.hasobject:
         raise _damage(path, f"the array {found.name!r} is complex or sparse, which is not read")
     count = math.prod(found.shape)
-    numbers = np.fromfile(path, dtype=found.stored, count=count, offset=found.start)
+    numbers = np.fromfile(path, dtype=stored, count=count, offset=found.start)
     return numbers.reshape(found.shape, order="F")
 
 
@@ -241,7 +233,7 @@ def _damage(path: Path, what: str) -> InputError:
     return InputError(str(path), f"is damaged or cut short: {what}", remedy="save it again")
 
 
-def _variables(path: Path) -> Iterator[tuple[_Element, _Opening]]:
+def _variables_5(path: Path) -> Iterator[_Variable]:
     size = path.stat().st_size
     with path.open("rb") as file:
         order = _byte_order(path, file.read(_START_BYTES))
@@ -253,9 +245,9 @@ def _variables(path: Path) -> Iterator[tuple[_Element, _Opening]]:
                 return  # zero padding at the end of the file
             if kind not in (_MATRIX, _COMPRESSED) or at + 8 + count > size:
                 raise _damage(path, f"byte {at} begins no array within the file's {size} bytes")
-            compressed = kind == _COMPRESSED
-            element = _Element(start=at + 8, size=count, compressed=compressed, order=order)
-            yield element, _opening(path, _first_bytes(path, file, element), order)
+            place = {"start": at + 8, "size": count, "compressed": kind == _COMPRESSED}
+            unread = _Variable(name="", shape=(), dtype=np.dtype("O"), order=order, **place)
+            yield replace(_opening(path, _first_bytes(path, file, unread), order), **place)
             at += 8 + count
 
 
@@ -271,7 +263,7 @@ def _byte_order(path: Path, start: bytes) -> str:
     return order
 
 
-def _first_bytes(path: Path, file: BinaryIO, element: _Element) -> bytes:
+def _first_bytes(path: Path, file: BinaryIO, element: _Variable) -> bytes:
     file.seek(element.start)
     if not element.compressed:
         return file.read(min(element.size, _OPENING_BYTES))
@@ -287,7 +279,7 @@ def _without_tag(path: Path, inflated: bytes, order: str) -> tuple[bytes, int]:
     return inflated[8:], count
 
 
-def _opening(path: Path, body: bytes, order: str) -> _Opening:
+def _opening(path: Path, body: bytes, order: str) -> _Variable:
     """Flags, dimensions and name; a variable without dimensions counts as an object."""
     kind, start, count = _part(body, 0, order)
     if kind != _FLAGS or count != 8:
@@ -304,7 +296,8 @@ def _opening(path: Path, body: bytes, order: str) -> _Opening:
     if kind not in _NAMES or start + count > len(body):
         raise _damage(path, "an array lacks its name")
     name = body[start : start + count].decode("latin-1")
-    return _Opening(name=name, shape=shape, dtype=_dtype(flags), length=_after(start, count))
+    length = _after(start, count)
+    return _Variable(name=name, shape=shape, dtype=_dtype(flags), order=order, length=length)
 
 
 def _part(body: bytes, at: int, order: str) -> tuple[int, int, int]:
@@ -329,7 +322,7 @@ def _dtype(flags: int) -> np.dtype:
 
 
 def _body(
-    path: Path, element: _Element, largest_bytes: int | None, *, needed_bytes: int | None = None
+    path: Path, element: _Variable, largest_bytes: int | None, *, needed_bytes: int | None = None
 ) -> bytes:
     """All bytes of a variable, inflated only if their declared number is plausible."""
     with path.open("rb") as file:

@@ -11,11 +11,6 @@ from chromanoise._lazy import lazy_names
 
 if TYPE_CHECKING:
     from chromanoise.io.result import Result as Result
-    from chromanoise.study.agreement import (
-        Agreement as Agreement,
-        agreement_of as agreement_of,
-        agreement_text as agreement_text,
-    )
     from chromanoise.study.analyses import (
         Outcome as Outcome,
         analysis_of as analysis_of,
@@ -47,6 +42,10 @@ if TYPE_CHECKING:
     )
     from chromanoise.study.denoising_plan import (
         DenoisingPlan as DenoisingPlan,
+        Electrons as Electrons,
+        electrons_of_array as electrons_of_array,
+        frame_of_array as frame_of_array,
+        frames_of_pictures as frames_of_pictures,
         prepared_denoising as prepared_denoising,
     )
     from chromanoise.study.document import (
@@ -82,12 +81,6 @@ if TYPE_CHECKING:
         prepared_cameras as prepared_cameras,
         taken_pictures as taken_pictures,
     )
-    from chromanoise.study.raw_inputs import (
-        Electrons as Electrons,
-        electrons_of_array as electrons_of_array,
-        frame_of_array as frame_of_array,
-        frames_of_pictures as frames_of_pictures,
-    )
     from chromanoise.study.reading import (
         beside_file as beside_file,
         document_from_text as document_from_text,
@@ -98,7 +91,10 @@ if TYPE_CHECKING:
         study_from_text as study_from_text,
     )
     from chromanoise.study.records import (
+        Agreement as Agreement,
         RecordedRun as RecordedRun,
+        agreement_of as agreement_of,
+        agreement_text as agreement_text,
         recorded_run as recorded_run,
         refuse_other_pictures as refuse_other_pictures,
         run_study as run_study,

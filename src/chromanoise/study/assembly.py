@@ -223,12 +223,10 @@ def repeated_labels(study: Study) -> list[InputError]:
     errors, before = [], set[str]()
     names = Counter(shown_word(one.name) for one in study.sensors)
     for i, part in enumerate(study.sensors):
-        others = (
-            names[part.label] - (shown_word(part.name) == part.label)
-            if part.label is not None
-            else 0
-        )
-        if part.label is not None and (part.label in before or others):
+        if part.label is None:
+            continue
+        others = names[part.label] - (shown_word(part.name) == part.label)
+        if part.label in before or others:
             errors.append(
                 InputError(
                     "label",
@@ -238,7 +236,7 @@ def repeated_labels(study: Study) -> list[InputError]:
                     setting=f"sensors.{i}.label",
                 )
             )
-        before |= {part.label or ""}
+        before.add(part.label)
     return errors
 
 
@@ -251,41 +249,27 @@ def idle_settings(study: Study, given: Given = NOTHING_GIVEN) -> list[InputError
     for name in _OF_ANSWERS:
         values = {getattr(part.answers, name) for part in study.sensors} - {None}
         for value in sorted(values, key=str):
-            sharing = [i for i, s in enumerate(study.sensors) if getattr(s.answers, name) == value]
-            words = [study.sensors[i].name for i in sharing]
-            parts = [study.sensors[i] for i in sharing]
+            parts = [part for part in study.sensors if getattr(part.answers, name) == value]
             if all(
                 part.name in given.sensors
                 or name in idle_answers([given.of(part.name)], _answers(part))
                 for part in parts
             ):
-                errors.append(
-                    _idle(
-                        f"sensors.{sharing[0]}.answers.{name}",
-                        value,
-                        ", ".join(map(shown_word, words)),
-                    )
-                )
+                errors.append(_idle_of_sensors(study, parts, f"answers.{name}", value))
     errors += [*_idle_alone(study), *_idle_treatments(study, given)]
     light = study.light
     infrared = infrared_parts(light.illuminant)
     base = light.illuminant if infrared is None else infrared[0]
     if not given.reads(light.illuminant if is_object_word(base) else base, "light"):
-        errors += [
-            _idle(f"light.{name}", getattr(light, name), shown_word(light.illuminant))
-            for name in ("per", "column", "wavelength_unit")
-            if getattr(light, name) is not None
-        ]
+        of_file = {name: getattr(light, name) for name in ("per", "column", "wavelength_unit")}
+        errors += _all_idle("light", of_file, shown_word(light.illuminant))
     own = study.reflectances
     words = [
         word for word in (own.chart, own.patch, own.pairs, study.prior) if isinstance(word, str)
     ]
     if not any(map(given.reads_reflectances, words)):
-        errors += [
-            _idle(f"reflectances.{name}", getattr(own, name), "a study without such a file")
-            for name in ("scale", "wavelength_unit", "beyond")
-            if getattr(own, name) is not None
-        ]
+        of_file = {name: getattr(own, name) for name in ("scale", "wavelength_unit", "beyond")}
+        errors += _all_idle("reflectances", of_file, "a study without such a file")
     for i, part in enumerate(study.sensors):
         unit = part.filter_wavelength_unit
         filters = [*filter(None, [part.filter]), *(part.channel_filters or {}).values()]
@@ -310,9 +294,7 @@ def _idle_treatments(study: Study, given: Given) -> list[InputError]:
         if name == "negatives" and given.reads(light.illuminant, "light"):
             needed = True
         if parts and not needed:
-            key = f"sensors.{study.sensors.index(parts[0])}.{name}"
-            words = ", ".join(shown_word(one.name) for one in parts)
-            errors.append(_idle(key, getattr(parts[0], name), words))
+            errors.append(_idle_of_sensors(study, parts, name, getattr(parts[0], name)))
     return errors
 
 
@@ -353,6 +335,18 @@ def _idle_alone(study: Study) -> list[InputError]:
     ]
 
 
+def _idle_of_sensors(
+    study: Study, parts: Sequence[SensorPart], name: str, value: Any
+) -> InputError:
+    words = ", ".join(shown_word(part.name) for part in parts)
+    return _idle(f"sensors.{study.sensors.index(parts[0])}.{name}", value, words)
+
+
+def _all_idle(key: str, values: Mapping[str, Any], of: str) -> list[InputError]:
+    given = {name: value for name, value in values.items() if value is not None}
+    return [_idle(f"{key}.{name}", value, of) for name, value in given.items()]
+
+
 def _idle(key: str, value: Any, of: str) -> InputError:
     return InputError(
         key.rpartition(".")[2],
@@ -388,7 +382,7 @@ def operating_points_in(
     """
     light = study.light
     white = flat_field(illuminant, level_lux=light.level_lux)
-    chart, patch, pairs = chart_of(study, given), patch_of(study, given), pairs_of(study, given)
+    reflectances = {name: reflectances_of(study, given, name=name) for name in _REFLECTANCES}
     observer = observer_of(study, given)
     return [
         OperatingPoint(
@@ -397,9 +391,7 @@ def operating_points_in(
             illuminant=illuminant,
             level_lux=light.level_lux,
             observer=observer,
-            chart=chart,
-            patch=patch,
-            pairs=pairs,
+            **reflectances,
         )
         for sensor, exposure in zip(sensors, _exposures(study, white, sensors), strict=True)
     ]
@@ -468,58 +460,29 @@ def light_answers_of(study: Study) -> Answers:
     )
 
 
-def chart_of(study: Study, given: Given = NOTHING_GIVEN) -> Spectra | None:
-    """The reflectances of the study's chart; ``None`` for the ColorChecker.
+_REFLECTANCES: dict[str, tuple[type, Callable[..., Any]]] = {
+    "chart": (Spectra, resolve_reflectances),
+    "patch": (Spectra, resolve_patch),
+    "pairs": (PatchPairs, resolve_pairs),
+}
+
+
+def reflectances_of(study: Study, given: Given = NOTHING_GIVEN, *, name: str) -> Any:
+    """The chart, the patch or the pairs of patches of a study; ``None`` if it names none.
 
     Raises
     ------
     InputError
-        If the file cannot be read, or its curves do not cover the grid and nothing extends them.
+        If the file cannot be read, its curves do not cover the grid and nothing extends them, there
+        is no such patch, or a line of a list does not name two patches.
     """
-    word = study.reflectances.chart
+    word = getattr(study.reflectances, name)
     if word is None:
         return None
-    with keyed("reflectances.chart", _reflectance_key):
+    kind, resolve = _REFLECTANCES[name]
+    with keyed(f"reflectances.{name}", _reflectance_key):
         own = given.of(word)
-        if isinstance(own, Spectra):
-            return own
-        return resolve_reflectances(own, answers=_reflectance_answers(study))
-
-
-def patch_of(study: Study, given: Given = NOTHING_GIVEN) -> Spectra | None:
-    """The reflectance that the study analyzes; ``None`` for a perfect white.
-
-    Raises
-    ------
-    InputError
-        As `chart_of`, or if there is no such patch.
-    """
-    word = study.reflectances.patch
-    if word is None:
-        return None
-    with keyed("reflectances.patch", _reflectance_key):
-        own = given.of(word)
-        if isinstance(own, Spectra):
-            return own
-        return resolve_patch(own, answers=_reflectance_answers(study))
-
-
-def pairs_of(study: Study, given: Given = NOTHING_GIVEN) -> PatchPairs | None:
-    """The pairs of patches that a machine must tell apart; ``None`` for all pairs of the chart.
-
-    Raises
-    ------
-    InputError
-        As `chart_of`, or if a line of a list does not name two patches.
-    """
-    word = study.reflectances.pairs
-    if word is None:
-        return None
-    with keyed("reflectances.pairs", _reflectance_key):
-        own = given.of(word)
-        if isinstance(own, PatchPairs):
-            return own
-        return resolve_pairs(own, answers=_reflectance_answers(study))
+        return own if isinstance(own, kind) else resolve(own, answers=_reflectance_answers(study))
 
 
 def prior_of(study: Study, given: Given = NOTHING_GIVEN) -> str | Spectra:
@@ -528,7 +491,7 @@ def prior_of(study: Study, given: Given = NOTHING_GIVEN) -> str | Spectra:
     Raises
     ------
     InputError
-        As `chart_of`.
+        As `reflectances_of`.
     """
     if study.prior in PRIORS or not trained_names(study.matrices):
         return study.prior if study.prior in PRIORS else DEFAULT_PRIOR
@@ -715,8 +678,10 @@ def unresolved(study: Study) -> list[InputError]:
 
     tried(partial(illuminant_of, study))
     tried(partial(balance_light_of, study))
-    for make in (observer_of, chart_of, patch_of, pairs_of, prior_of):
-        tried(partial(make, study))
+    tried(partial(observer_of, study))
+    for name in _REFLECTANCES:
+        tried(partial(reflectances_of, study, name=name))
+    tried(partial(prior_of, study))
     sensors = [
         tried(partial(sensor_of, part, key=f"sensors.{i}", varied=_varied(study)))
         for i, part in enumerate(study.sensors)
@@ -792,9 +757,8 @@ def cube_of(part: PicturePart, *, key: str = "pictures.0", given: Given = NOTHIN
     """
     how = {name: getattr(part, name) for name in _OF_FILE}
     if part.cube.startswith("builtin:") or is_object_word(part.cube):
-        for name, value in how.items():
-            if value is not None:
-                raise _idle(f"{key}.{name}", value, shown_word(part.cube))
+        for error in _all_idle(key, how, shown_word(part.cube)):
+            raise error
         if is_object_word(part.cube):
             own: Cube = given.of(part.cube)
             return own

@@ -31,8 +31,7 @@ from chromanoise.sensor import (
     Adc,
     Mosaic,
 )
-from chromanoise.study.denoising_plan import DenoisingPlan
-from chromanoise.study.raw_inputs import Electrons
+from chromanoise.study.denoising_plan import DenoisingPlan, Electrons
 from chromanoise.study.records import refuse_other_record
 
 _FEWEST_SIGMAS = 5.0

@@ -105,11 +105,6 @@ def prepared_cameras(
         }
 
 
-def first_frame(study: Study, number: int) -> int:
-    """Of a part of the pictures (from 0): no two parts of a study share their noise."""
-    return sum(part.frames for part in study.pictures[:number])
-
-
 def _keyed(key: str) -> AbstractContextManager[None]:
     """An error inside names the keys of a part of the pictures."""
     own = {name: f"{key}.{name}" for name in PicturePart.model_fields}
@@ -178,7 +173,8 @@ def taken_pictures(
     InputError
         If the cube holds what is no reflectance, or a file cannot be written.
     """
-    part, first = study.pictures[number], first_frame(study, number)
+    part = study.pictures[number]
+    first = sum(one.frames for one in study.pictures[:number])  # no two parts share their noise
     work = replace(work, folder=folder)
     method = None if part.denoise is None else DENOISING[part.denoise]
     for i in range(len(study.sensors)):

@@ -1,25 +1,32 @@
-"""A run on disk: one file per step; existing results of the same study are kept."""
+"""A run on disk: one file per step; existing results of the same study are kept.
 
-import hashlib
+The outputs of two runs of one study agree in all bytes, or up to the largest relative difference of
+their numbers.
+"""
+
+import filecmp
 import json
 import os
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import chdir, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from pydantic import ValidationError
 
 from chromanoise import __version__
+from chromanoise._check import Array
 from chromanoise._files import claimed_folder, refuse_unwritable
-from chromanoise._inputs import content_hash, json_file, regular_file, true_path
+from chromanoise._inputs import content_hash, json_file, true_path
 from chromanoise.errors import InputError
 from chromanoise.imaging import Work
 from chromanoise.io.spectra.own_json import named
 from chromanoise.study.document import KEEP_IDLE, Study
 from chromanoise.study.hashes import (
     changes_since,
+    digests_of,
     file_stamps,
     in_catalog,
     provenance,
@@ -179,7 +186,7 @@ def recorded_run(path: Path) -> RecordedRun:
             remedy=f"use `chromanoise run {file}`",
         )
     record = read_record(file)
-    if not isinstance(record, dict) or "study" not in record or "hash" not in record:
+    if "study" not in record or "hash" not in record:
         raise InputError(
             str(file),
             "must be an output of `chromanoise run`",
@@ -275,7 +282,8 @@ def _place_of(file: Path, record: dict[str, Any], study: Study) -> Path:
     if not _relative(before):
         places = [here]
     else:
-        beside = record if file.name == STUDY_FILE else _beside(file)
+        own = file.parent / STUDY_FILE
+        beside = record if file.name == STUDY_FILE else record_if_readable(own)
         recorded = place_of_files(true_path(file).parent, beside)
         places = [recorded or here, *true_path(file).parents, here]
     faults = []
@@ -293,22 +301,11 @@ def _place_of(file: Path, record: dict[str, Any], study: Study) -> Path:
     raise _changed(file, min(faults, key=len))
 
 
-def _beside(file: Path) -> dict[str, Any]:
-    """The record of the run that wrote the result of a step; empty if it is missing."""
-    try:
-        record = read_record(file.parent / STUDY_FILE)
-    except InputError:
-        return {}
-    return record if isinstance(record, dict) else {}
-
-
 def _refuse_other_study(folder: Path, study: Study, who: dict[str, Any], called: Path) -> None:
     file = folder / STUDY_FILE
     if not file.exists():
         return
     record = read_record(file)
-    if not isinstance(record, dict):
-        record = {}
     before = record.get("files")
     same = all(record.get(key) == who[key] for key in ("version", "study"))
     if same and isinstance(before, dict) and before != who["files"]:
@@ -357,7 +354,7 @@ def refuse_other_record(folder: Path, wanted: Mapping[str, Any]) -> None:
     if not file.exists():
         return
     record = read_record(file)
-    if not isinstance(record, dict) or any(record.get(key) != wanted[key] for key in wanted):
+    if any(record.get(key) != wanted[key] for key in wanted):
         raise _other_results(folder)
 
 
@@ -413,9 +410,7 @@ def _made_by(file: Path, hash_: str) -> bool:
         return False
     try:
         record = read_record(file)
-        if not isinstance(record, dict) or record.get("hash") != hash_:
-            return False
-        if record.get("content") != content_hash(record):
+        if record.get("hash") != hash_ or record.get("content") != content_hash(record):
             return False
     except (InputError, ValueError):  # no JSON any longer, or not a number in it
         return False
@@ -428,7 +423,7 @@ def _made_by(file: Path, hash_: str) -> bool:
 def _pictures_of(file: Path) -> list[str]:
     """The other output files of the step of a result file; none if the file does not exist."""
     record = read_record(file) if file.exists() else {}
-    written = record.get("written") if isinstance(record, dict) else None
+    written = record.get("written")
     return list(written) if isinstance(written, dict) else []
 
 
@@ -440,24 +435,220 @@ def _written(folder: Path) -> dict[str, str | None]:
 def _sha256(file: Path) -> str | None:
     """``None`` of what cannot be read."""
     try:
-        regular_file(file)
-        with file.open("rb") as opened:
-            return hashlib.file_digest(opened, "sha256").hexdigest()
+        return next(iter(digests_of([file]).values()))
     except (OSError, ValueError):  # among them an InputError
         return None
 
 
-def read_record(file: Path) -> Any:
-    """The data of a JSON file that a run wrote.
+def read_record(file: Path) -> dict[str, Any]:
+    """The object in a JSON file that a run wrote; empty if it holds another kind of data.
 
     Raises
     ------
     InputError
         As `json_file`.
     """
-    return json_file(file, most_bytes=_LARGEST_BYTES)
+    data = json_file(file, most_bytes=_LARGEST_BYTES)
+    return data if isinstance(data, dict) else {}
+
+
+def record_if_readable(file: Path) -> dict[str, Any]:
+    """The same; empty if the file cannot be read."""
+    try:
+        return read_record(file)
+    except InputError:
+        return {}
 
 
 def _write(file: Path, record: dict[str, Any]) -> None:
     record = record | {"content": content_hash(record)}
     file.write_text(json.dumps(record, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+
+
+_ROUNDING = 1e-9
+"""Largest relative difference of an analysis expected from other BLAS kernels."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Agreement:
+    """Agreement of a second run with the first.
+
+    Attributes
+    ----------
+    files
+        Number of files that the second run wrote.
+    other_bytes
+        Names of files whose results differ in the first run, or that it lacks. JSON files that
+        differ only in place, machine and their own hash are not among them.
+    place
+        The folder in which the first run looked for its files, if it is another; else empty.
+    relocated
+        Whether the two records have different relative paths to that folder.
+    numerics
+        Names of the entries on machine and libraries that differ.
+    largest
+        Largest relative difference of two numbers, ``|a - b| / max(|a|, |b|)``. [1]
+    where
+        File and place of that number; empty if no number differs.
+    incomparable
+        Files and places where something other than a number differs.
+    """
+
+    files: int
+    other_bytes: tuple[str, ...]
+    place: str
+    relocated: bool
+    numerics: tuple[str, ...]
+    largest: float
+    where: str
+    incomparable: tuple[str, ...]
+
+    @property
+    def agrees(self) -> bool:
+        """Whether all numbers agree to the rounding of other processors and libraries."""
+        return not self.incomparable and self.largest <= _ROUNDING
+
+
+def agreement_of(first: Path, second: Path) -> Agreement:
+    """Agreement of the files of a complete second run with those of the same names in the first.
+
+    Parameters
+    ----------
+    first, second
+        The folders of the runs. The record of a run is compared by its bytes, a result by its
+        numbers, a picture by its pixel values.
+
+    Raises
+    ------
+    InputError
+        If the second run is incomplete.
+    """
+    names = output_files(second)
+    other, place, relocated, numerics = [], "", False, set[str]()
+    for name in names:
+        if _same_bytes(first / name, second / name):
+            continue
+        one, its = (
+            record_if_readable(folder / name) if name.endswith(".json") else {}
+            for folder in (first, second)
+        )
+        if not one or _results(one) != _results(its):
+            other.append(name)
+        if one.get("place") != its.get("place"):
+            relocated = True
+            earlier = place_of_files(first, one)
+            place = "" if earlier == place_of_files(second, its) else str(earlier or "")
+        before, now = map(_numerics, (one, its))
+        if before:  # an unreadable record has none
+            numerics |= {key for key in before | now if before.get(key) != now.get(key)}
+    largest, where, incomparable = 0.0, "", []
+    for name in other:
+        if name == STUDY_FILE:
+            continue
+        try:
+            found = list(_differences(first / name, second / name))
+        except (OSError, ValueError, KeyError):  # missing, or not a file that a run wrote
+            found = [(np.inf, "")]
+        for difference, at in found:
+            if not np.isfinite(difference):
+                incomparable.append(f"{name} {at}".strip())
+            elif difference > largest:
+                largest, where = difference, f"{name} {at}".strip()
+    return Agreement(
+        files=len(names),
+        other_bytes=tuple(other),
+        place=place,
+        relocated=relocated,
+        numerics=tuple(sorted(numerics)),
+        largest=largest,
+        where=where,
+        incomparable=tuple(incomparable),
+    )
+
+
+def agreement_text(found: Agreement) -> str:
+    """The agreement in one sentence.
+
+    Parameters
+    ----------
+    found
+        The compared results.
+    """
+    parts = []
+    if found.place:
+        parts.append(f"the original was made with files in {found.place}")
+    if found.numerics:
+        parts.append(f"machine or libraries of the original differ: {', '.join(found.numerics)}")
+    if not found.other_bytes:
+        what = "the same results" if parts or found.relocated else "the same bytes"
+        return "; ".join([f"all {found.files} files have {what} as the original", *parts])
+    parts.insert(0, f"{len(found.other_bytes)} of {found.files} files differ from the original")
+    if found.incomparable:
+        more = f" and {len(found.incomparable) - 3} more" if len(found.incomparable) > 3 else ""
+        parts.append(f"not comparable: {', '.join(found.incomparable[:3])}{more}")
+    if found.where:
+        size = "within" if found.largest <= _ROUNDING else "above"
+        parts.append(
+            f"the largest relative difference of a number is {found.largest:.1e}, at {found.where}"
+            f" ({size} the {_ROUNDING:g} expected from other processors and libraries)"
+        )
+    elif not found.incomparable:
+        parts.append("all numbers are equal")
+    return "; ".join(parts)
+
+
+def _same_bytes(first: Path, second: Path) -> bool:
+    try:
+        return filecmp.cmp(first, second, shallow=False)
+    except OSError:
+        return False
+
+
+def _numerics(record: dict[str, Any]) -> dict[str, Any]:
+    found = record.get("numerics")
+    return found if isinstance(found, dict) else {}
+
+
+def _results(record: dict[str, Any]) -> dict[str, Any]:
+    """All but what depends on place and machine, and the hash of all."""
+    return {key: record[key] for key in record.keys() - {"place", "numerics", "content"}}
+
+
+def _differences(first: Path, second: Path) -> Iterator[tuple[float, str]]:
+    if second.suffix == ".json":
+        one, other = (record_if_readable(path)["result"] for path in (first, second))
+        yield from _of_data(one, other, "")
+    elif second.suffix in (".tiff", ".dng", ".png"):
+        yield _of_pixels(_pixels(first), _pixels(second)), ""
+    else:
+        yield np.inf, ""
+
+
+def _of_data(one: Any, other: Any, place: str) -> Iterator[tuple[float, str]]:
+    if isinstance(one, dict) and isinstance(other, dict) and one.keys() == other.keys():
+        for key in one:
+            yield from _of_data(one[key], other[key], f"{place}/{key}")
+    elif isinstance(one, list) and isinstance(other, list) and len(one) == len(other):
+        for i, (each, its) in enumerate(zip(one, other, strict=True)):
+            yield from _of_data(each, its, f"{place}/{i}")
+    elif one != other:
+        numbers = all(type(value) in (int, float) for value in (one, other))
+        yield (abs(one - other) / max(abs(one), abs(other)) if numbers else np.inf), place
+
+
+def _pixels(path: Path) -> Array:
+    if path.suffix == ".png":
+        from PIL import Image
+
+        with Image.open(path) as image:
+            return np.asarray(image, dtype=np.float64)
+    import tifffile
+
+    return np.asarray(tifffile.imread(path), dtype=np.float64)
+
+
+def _of_pixels(one: Array, other: Array) -> float:
+    if one.shape != other.shape:
+        return float(np.inf)
+    most = np.maximum(np.abs(one), np.abs(other))
+    return float(np.max(np.abs(one - other) / np.where(most > 0, most, 1.0), initial=0.0))

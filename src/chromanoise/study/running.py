@@ -3,7 +3,6 @@
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -24,7 +23,7 @@ from chromanoise.exposure import OperatingPoint, expected_electrons, white_scene
 from chromanoise.metrics import matrix_report
 from chromanoise.scene import Cube
 from chromanoise.scene.rows import row_source
-from chromanoise.spectra import Illuminant
+from chromanoise.spectra import Illuminant, Spectra
 from chromanoise.study.analyses import outcome_of
 from chromanoise.study.assembly import (
     NOTHING_GIVEN,
@@ -193,132 +192,43 @@ def result_steps(
     InputError
         If a name is unknown or a file cannot be read.
     """
-    return (
-        *_analyses(study, points, makers, balance_light_of(study, given)),
-        *_matrices(study, points, makers, given),
-        *_sweeps(study, points, makers),
-    )
-
-
-def _analyses(
-    study: Study, points: Points, makers: Makers, balance_light: Illuminant | None
-) -> Iterator[Step]:
-    for name in makers if study.outputs.analyses else ():
-        yield Step(
-            name=f"analysis-{file_word(name)}",
-            what=f"every stage with the {name} matrix",
-            parts=len(points),
-            unit="sensors",
-            run=partial(_analysis, study, points, name, makers[name], balance_light),
-        )
-
-
-def _matrices(study: Study, points: Points, makers: Makers, given: Given) -> Iterator[Step]:
-    part = study.outputs.pareto
+    out, named = study.outputs, list(makers.items())
+    balance = balance_light_of(study, given)
     with keyed("outputs.pareto"):
-        weights = noise_weights(part.first, part.last, points=part.points) if part else None
-    for name in makers if study.outputs.matrix else ():
-        yield Step(
-            name=f"matrix-{file_word(name)}",
-            what=f"the {name} matrix of every sensor",
-            parts=len(points),
-            unit="sensors",
-            run=partial(_matrix, study, points, name, makers[name], weights, given),
-        )
-
-
-def _sweeps(study: Study, points: Points, makers: Makers) -> Iterator[Step]:
-    for i, part in enumerate(study.sweeps, 1):
-        if part.second is not None:
-            yield _map_step(study, i, points, makers, part)
-            continue
-        values = _values(part, f"sweeps.{i - 1}")
-        yield Step(
-            name=f"sweep-{i}-{part.vary}-{part.quantity}",
-            what=f"{QUANTITIES[part.quantity].what} over {SWEEPS[part.vary].what}",
-            parts=len(points) * len(makers) * len(values),
-            unit="values",
-            run=partial(_sweep, study, points, makers, part, values),
-        )
-
-
-def _map_step(study: Study, i: int, points: Points, makers: Makers, part: SweepPart) -> Step:
-    assert part.second is not None  # called only with a second parameter
-    sweep, second = SWEEPS[part.vary], SWEEPS[part.second.vary]
-    values, rows = _values_of_both(study, i - 1)
-
-    def made(folder: Path | None, advance: Advance) -> ComparisonMap:
-        return sweep_map(study, points, makers, i - 1, progress=advance)
-
-    return Step(
-        name=f"sweep-{i}-{part.vary}-{part.second.vary}-{part.quantity}",
-        what=f"{QUANTITIES[part.quantity].what} over {sweep.what} and {second.what}",
-        parts=len(points) * len(makers) * len(values) * len(rows),
-        unit="values",
-        run=made,
+        pareto = out.pareto
+        weights = noise_weights(pareto.first, pareto.last, points=pareto.points) if pareto else None
+    return (
+        *(_analysis(study, points, *one, balance) for one in named if out.analyses),
+        *(_matrix(study, points, *one, weights, given) for one in named if out.matrix),
+        *(_sweep(study, points, makers, number) for number in range(len(study.sweeps))),
     )
-
-
-def _pictures(
-    study: Study, points: Points, makers: Makers, work: "Work | None", given: Given
-) -> Iterator[Step]:
-    if not study.pictures:
-        return
-    from chromanoise.imaging import Work  # an analysis starts without the imaging packages
-    from chromanoise.study.pictures import pictures_taken, prepared_cameras
-
-    def taken(
-        number: int,
-        cube: Cube,
-        cameras: "dict[str, list[Camera]]",
-        folder: Path | None,
-        advance: Advance,
-    ) -> Pictures:
-        threads = replace(work or Work(), progress=advance)
-        return pictures_taken(study, number, cube, cameras, work=threads, folder=folder)
-
-    for i, part in enumerate(study.pictures):
-        cube, cameras = prepared_cameras(study, i, points, makers, given)
-        yield Step(
-            name=f"pictures-{i + 1}",
-            what=f"{shown_word(part.cube)} through every sensor",
-            parts=row_source(cube.stored).shape[0] * part.frames * sum(map(len, cameras.values())),
-            unit="rows",
-            run=partial(taken, i, cube, cameras),
-        )
 
 
 def _analysis(
-    study: Study,
-    points: Points,
-    name: str,
-    maker: MatrixMaker,
-    balance_light: Illuminant | None,
-    folder: Path | None,
-    advance: Advance,
-) -> Analyses:
-    outcomes = []
-    for point in points:
-        outcomes.append(outcome_of(point, maker, study.outputs, balance_light=balance_light))
-        advance(1)
-    return Analyses(
-        matrix=name, points=tuple(points), outcomes=tuple(outcomes), outputs=study.outputs
+    study: Study, points: Points, name: str, maker: MatrixMaker, balance_light: Illuminant | None
+) -> Step:
+    def run(folder: Path | None, advance: Advance) -> Analyses:
+        outcomes = []
+        for point in points:
+            outcomes.append(outcome_of(point, maker, study.outputs, balance_light=balance_light))
+            advance(1)
+        return Analyses(
+            matrix=name, points=tuple(points), outcomes=tuple(outcomes), outputs=study.outputs
+        )
+
+    return Step(
+        name=f"analysis-{file_word(name)}",
+        what=f"every stage with the {name} matrix",
+        parts=len(points),
+        unit="sensors",
+        run=run,
     )
 
 
 def _matrix(
-    study: Study,
-    points: Points,
-    name: str,
-    maker: MatrixMaker,
-    weights: Any,
-    given: Given,
-    folder: Path | None,
-    advance: Advance,
-) -> Matrices:
-    results = []
-    prior = prior_of(study, given)
-    for point in points:
+    study: Study, points: Points, name: str, maker: MatrixMaker, weights: Any, given: Given
+) -> Step:
+    def result(point: OperatingPoint, prior: str | Spectra) -> MatrixResult:
         made = maker(point)
         report = matrix_report(
             made,
@@ -331,53 +241,100 @@ def _matrix(
         )
         curve = None if weights is None else pareto_of(point, weights, prior=prior)
         white_e = frozen(expected_electrons(white_scene(point), point.sensor, point.exposure))
-        results.append(
-            MatrixResult(point=point, matrix=made, report=report, white_e=white_e, pareto=curve)
-        )
-        advance(1)
-    return Matrices(method=name, results=tuple(results))
+        return MatrixResult(point=point, matrix=made, report=report, white_e=white_e, pareto=curve)
 
+    def run(folder: Path | None, advance: Advance) -> Matrices:
+        results = []
+        prior = prior_of(study, given)
+        for point in points:
+            results.append(result(point, prior))
+            advance(1)
+        return Matrices(method=name, results=tuple(results))
 
-def _sweep(
-    study: Study,
-    points: Points,
-    makers: Makers,
-    part: SweepPart,
-    values: Any,
-    folder: Path | None,
-    advance: Advance,
-) -> Comparison:
-    sweep, quantity = SWEEPS[part.vary], QUANTITIES[part.quantity]
-    curves = compared(points, makers, values, sweep=sweep, quantity=quantity, progress=advance)
-    bands: tuple[CrossoverBand, ...] = ()
-    if part.all_priors:
-        bands = crossover_bands(
-            points,
-            study.matrices,
-            values,
-            metric=study.metric,  # type: ignore[arg-type]
-            sweep=sweep,
-            quantity=quantity,
-        )
-    crossed = crossovers(points, makers, curves)
-    return Comparison(
-        points=tuple(points),
-        curves=tuple(curves),
-        crossovers=crossed,
-        bands=bands,
-        ranking=ranking(points, makers, quantity),
-        leads=leads(curves, crossed),
-        equal=study.exposure.equal,
-        prior=study.prior,
+    return Step(
+        name=f"matrix-{file_word(name)}",
+        what=f"the {name} matrix of every sensor",
+        parts=len(points),
+        unit="sensors",
+        run=run,
     )
 
 
-def _values_of_both(study: Study, number: int) -> tuple[Any, Any]:
-    """The values of both parameters of a sweep (from 0)."""
+def _sweep(study: Study, points: Points, makers: Makers, number: int) -> Step:
     part = study.sweeps[number]
-    second = part.second
-    assert second is not None  # as `_map_step`
-    return _values(part, f"sweeps.{number}"), _values(second, f"sweeps.{number}.second")
+    sweep, quantity = SWEEPS[part.vary], QUANTITIES[part.quantity]
+    values = _values(part, f"sweeps.{number}")
+
+    def curves(folder: Path | None, advance: Advance) -> Comparison:
+        curves = compared(points, makers, values, sweep=sweep, quantity=quantity, progress=advance)
+        bands: tuple[CrossoverBand, ...] = ()
+        if part.all_priors:
+            bands = crossover_bands(
+                points,
+                study.matrices,
+                values,
+                metric=study.metric,  # type: ignore[arg-type]
+                sweep=sweep,
+                quantity=quantity,
+            )
+        crossed = crossovers(points, makers, curves)
+        return Comparison(
+            points=tuple(points),
+            curves=tuple(curves),
+            crossovers=crossed,
+            bands=bands,
+            ranking=ranking(points, makers, quantity),
+            leads=leads(curves, crossed),
+            equal=study.exposure.equal,
+            prior=study.prior,
+        )
+
+    def map_(folder: Path | None, advance: Advance) -> ComparisonMap:
+        return sweep_map(study, points, makers, number, progress=advance)
+
+    varied, over, count = part.vary, sweep.what, len(values)
+    if part.second is not None:
+        varied = f"{varied}-{part.second.vary}"
+        over = f"{over} and {SWEEPS[part.second.vary].what}"
+        count *= len(_values(part.second, f"sweeps.{number}.second"))
+    return Step(
+        name=f"sweep-{number + 1}-{varied}-{part.quantity}",
+        what=f"{quantity.what} over {over}",
+        parts=len(points) * len(makers) * count,
+        unit="values",
+        run=curves if part.second is None else map_,
+    )
+
+
+def _pictures(
+    study: Study, points: Points, makers: Makers, work: "Work | None", given: Given
+) -> Iterator[Step]:
+    if not study.pictures:
+        return
+    from chromanoise.imaging import Work  # an analysis starts without the imaging packages
+    from chromanoise.study.pictures import prepared_cameras
+
+    for i, part in enumerate(study.pictures):
+        cube, cameras = prepared_cameras(study, i, points, makers, given)
+        yield Step(
+            name=f"pictures-{i + 1}",
+            what=f"{shown_word(part.cube)} through every sensor",
+            parts=row_source(cube.stored).shape[0] * part.frames * sum(map(len, cameras.values())),
+            unit="rows",
+            run=_taken(study, i, cube, cameras, work or Work()),
+        )
+
+
+def _taken(
+    study: Study, number: int, cube: Cube, cameras: "dict[str, list[Camera]]", work: "Work"
+) -> Callable[[Path | None, Advance], Pictures]:
+    from chromanoise.study.pictures import pictures_taken
+
+    def run(folder: Path | None, advance: Advance) -> Pictures:
+        threads = replace(work, progress=advance)
+        return pictures_taken(study, number, cube, cameras, work=threads, folder=folder)
+
+    return run
 
 
 def _values(part: SweepPart | SecondSweepPart, key: str) -> Any:
@@ -417,7 +374,8 @@ def sweep_map(
     """
     part = study.sweeps[number]
     assert part.second is not None  # see ``number``
-    values, rows = _values_of_both(study, number)
+    values = _values(part, f"sweeps.{number}")
+    rows = _values(part.second, f"sweeps.{number}.second")
     quantity = QUANTITIES[part.quantity]
     maps, lines = mapped(
         points,

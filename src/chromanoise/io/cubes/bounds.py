@@ -42,18 +42,9 @@ def refuse_impossible(
         Size of one number before compression, where the file may store it in fewer bytes than
         ``dtype`` has. [bytes]
     """
-    refuse_not_numbers(path, name, dtype)
+    refuse_empty(path, name, shape, dtype)
     count = math.prod(shape)
     size = path.stat().st_size if size is None else size
-    if min(shape, default=1) < 1:
-        raise InputError(
-            str(path),
-            "must not be empty",
-            where=f"array {name!r}",
-            value=shape,
-            found=f"is {by(shape)}",
-            remedy="save it again",
-        )
     if count * (stored_item_bytes or dtype.itemsize) > size * MOST_INFLATED:
         raise InputError(
             str(path),
@@ -63,11 +54,7 @@ def refuse_impossible(
             found=f"is declared as {by(shape)}",
             remedy="save it again, because the file is damaged",
         )
-    refuse_large(path, name, count * dtype.itemsize)
-
-
-def refuse_large(path: Path, name: str, size: int) -> None:
-    """Raise an error for an array that needs more memory than is available."""
+    size = count * dtype.itemsize
     if size > memory_bytes():
         raise InputError(
             str(path),
@@ -76,6 +63,35 @@ def refuse_large(path: Path, name: str, size: int) -> None:
             value=size,
             found=f"needs {_bytes(size)}",
             remedy=IN_PLACE,
+        )
+
+
+def refuse_empty(path: Path, name: str, shape: tuple[int, ...], dtype: np.dtype) -> None:
+    """Raise an error for an array without numbers, or of anything but real numbers."""
+    refuse_not_numbers(path, name, dtype)
+    if min(shape, default=1) < 1:
+        raise InputError(
+            str(path),
+            "must not be empty",
+            where=f"array {name!r}",
+            value=shape,
+            found=f"is {by(shape)}",
+            remedy="save it again",
+        )
+
+
+def refuse_other_size(
+    path: Path, where: str, read: tuple[int, ...], declared: tuple[int, ...]
+) -> None:
+    """Raise an error for numbers of another shape than declared."""
+    if read != declared:
+        raise InputError(
+            str(path),
+            f"must be {by(declared)}, as it declares",
+            where=where,
+            value=read,
+            found=f"is {by(read)}",
+            remedy="save it again, because it is damaged",
         )
 
 

@@ -1,23 +1,22 @@
-"""Read hyperspectral cubes from files; the suffix of the name selects the reader."""
+"""Read hyperspectral cubes from files: a format is one entry of `FORMATS`."""
 
-from dataclasses import replace
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
 from chromanoise._check import reason
 from chromanoise._inputs import regular_file
 from chromanoise.errors import InputError
-from chromanoise.io.cubes.arrays import NAMED, named_arrays
-from chromanoise.io.cubes.errors import reading
 from chromanoise.io.cubes.hdf5 import ENDINGS as HDF5_ENDINGS, hdf5_store, is_hdf5
-from chromanoise.io.cubes.interpretation import rising, scale_and_notes, wavelengths_and_notes
-from chromanoise.io.cubes.labeled import labeled_cube
-from chromanoise.io.cubes.npz import npy_array
-from chromanoise.io.cubes.picture import picture
+from chromanoise.io.cubes.interpretation import interpreted
+from chromanoise.io.cubes.labeled import Store, array_store, labeled_cube
+from chromanoise.io.cubes.npz import npy_cube, npz_store
 from chromanoise.io.cubes.png_folder import is_png_folder, png_folder_cube
-from chromanoise.io.cubes.raw_cube import Found, refuse_other_shape, unused_key
+from chromanoise.io.cubes.raw_cube import Found, refuse_other_shape
 from chromanoise.io.cubes.tiff import ENDINGS as TIFF_ENDINGS, tiff_cube
 from chromanoise.io.cubes.zarr_store import is_zarr, zarr_store
+from chromanoise.io.matlab import mat_array, mat_arrays
 from chromanoise.io.spectra.envi import (
     DATA_SUFFIXES,
     envi_pair,
@@ -54,8 +53,8 @@ def read_cube(
         Rows and columns of an array that stores pixels in one axis. [pixels]
     wavelengths
         Centers of the first and the last band, with the others evenly spaced between; or a text
-        file that lists all (`chromanoise.io.cubes.wavelength_file`). Overrides those of the cube.
-        [nm]
+        file that lists all (`chromanoise.io.cubes.interpretation.read_wavelengths`). Overrides
+        those of the cube. [nm]
     scale
         Reflectance per stored unit. Overrides the file, even if it declares radiance.
 
@@ -82,17 +81,7 @@ def read_cube(
     """
     path = Path(path)
     _refuse_no_file(path)
-    found = _found(path, key, shape)
-    factor, scale_notes = scale_and_notes(path, found, scale)
-    wavelength, wavelength_notes = wavelengths_and_notes(path, found, wavelengths)
-    pixels, wavelength, order_notes = rising(path, found.pixels, wavelength)
-    return Cube(
-        wavelength_nm=wavelength,
-        stored=pixels,
-        scale=factor,
-        source=str(path),
-        notes=(*found.notes, *scale_notes, *wavelength_notes, *order_notes),
-    )
+    return interpreted(path, _found(path, key, shape), wavelengths=wavelengths, scale=scale)
 
 
 def _refuse_no_file(path: Path) -> None:
@@ -113,62 +102,73 @@ def _refuse_no_file(path: Path) -> None:
         raise InputError(str(path), f"cannot be read ({reason(error)})") from None
 
 
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class CubeFormat:
+    """A format of cubes; either ``store`` or ``cube`` reads it.
+
+    Attributes
+    ----------
+    shown
+        Its usual endings, for messages.
+    matches
+        Whether a file or folder has this format.
+    store
+        The named arrays of a file.
+    cube
+        The content of a file of one array, given the shape of the picture.
+    """
+
+    shown: str
+    matches: Callable[[Path], bool]
+    store: Callable[[Path], Store] | None = None
+    cube: Callable[[Path, tuple[int, int] | None], Found] | None = None
+
+
+def _ends(*endings: str) -> Callable[[Path], bool]:
+    return lambda path: path.suffix.lower() in endings and not path.is_dir()
+
+
+def _matlab_store(path: Path) -> Store:
+    """MATLAB 5 files store whole numbers in as few bytes as possible."""
+    if is_hdf5(path):
+        return hdf5_store(path, matlab=True)
+    return array_store(path, "MATLAB", mat_arrays, mat_array, by_columns=True, stored_item_bytes=1)
+
+
+def _is_tiff(path: Path) -> bool:
+    """Whether it is a TIFF, and not the data of an ENVI header."""
+    return _ends(*TIFF_ENDINGS)(path) and envi_pair(path) is None
+
+
+FORMATS = (
+    CubeFormat(shown=".mat", matches=_ends(".mat"), store=_matlab_store),
+    CubeFormat(shown=".npz", matches=_ends(".npz"), store=npz_store),
+    CubeFormat(shown=".npy", matches=_ends(".npy"), cube=npy_cube),
+    CubeFormat(shown=".h5, .nc", matches=_ends(*HDF5_ENDINGS), store=hdf5_store),
+    CubeFormat(shown=".zarr", matches=is_zarr, store=zarr_store),
+    CubeFormat(shown=".tif", matches=_is_tiff, cube=tiff_cube),
+    CubeFormat(shown="a folder of PNGs", matches=is_png_folder, cube=png_folder_cube),
+)
+"""All formats but ENVI, which any other file with a header has."""
+
+
 def _found(path: Path, key: str | None, shape: tuple[int, int] | None) -> Found:
-    """Read ``path`` by its suffix; a file with any other suffix needs an ENVI header."""
-    ending = path.suffix.lower()
-    if path.is_dir():
-        return _folder(path, key, shape)
-    if ending == ".mat" and is_hdf5(path):
-        return labeled_cube(hdf5_store(path, matlab=True), key, shape)
-    if ending in HDF5_ENDINGS:
-        return _hdf5(path, key, shape)
-    if ending in NAMED:
-        return named_arrays(path, key, shape, NAMED[ending])
-    if ending in TIFF_ENDINGS and _header_of(path) is None:
-        return _only_one(tiff_cube(path, shape), key)
-    if ending != ".npy":
-        return _envi(path, key, shape)
-    with reading(path, "NumPy"):
-        array = npy_array(path)
-    pixels, notes = picture(path, "the array", array, shape, by_columns=False)
-    return _only_one(Found(pixels=pixels, notes=notes), key)
-
-
-def _header_of(path: Path) -> Path | None:
-    """The ENVI header with the name of the file, or None."""
-    pair = envi_pair(path)
-    return None if pair is None else pair[0]
-
-
-def _only_one(found: Found, key: str | None) -> Found:
-    return replace(found, notes=(*unused_key(key), *found.notes))
-
-
-def _folder(path: Path, key: str | None, shape: tuple[int, int] | None) -> Found:
-    if is_zarr(path):
-        return labeled_cube(zarr_store(path), key, shape)
-    if is_png_folder(path):
-        return _only_one(png_folder_cube(path, shape), key)
-    raise InputError(
-        str(path),
-        "must be a file, a Zarr store or a folder of one PNG per band",
-        found="is another directory",
-        remedy="name the file of the cube in it",
-    )
-
-
-def _hdf5(path: Path, key: str | None, shape: tuple[int, int] | None) -> Found:
-    if not is_hdf5(path):
+    form = next((one for one in FORMATS if one.matches(path)), None)
+    if form is not None and form.store is not None:
+        return labeled_cube(form.store(path), key, shape)
+    if form is None and path.is_dir():
         raise InputError(
             str(path),
-            "must be an HDF5 file, as NetCDF-4 is",
-            found="is in another format",
-            remedy=("convert it (nccopy -k nc4)", "save it again"),
+            "must be a file, a Zarr store or a folder of one PNG per band",
+            found="is another directory",
+            remedy="name the file of the cube in it",
         )
-    return labeled_cube(hdf5_store(path), key, shape)
+    found = ((form and form.cube) or _envi)(path, shape)
+    unused = () if key is None else (f"key {key!r} not used: the file holds one array",)
+    return replace(found, notes=(*unused, *found.notes))
 
 
-def _envi(path: Path, key: str | None, shape: tuple[int, int] | None) -> Found:
+def _envi(path: Path, shape: tuple[int, int] | None) -> Found:
     try:
         pair = envi_pair(path)
         if pair is None:
@@ -184,7 +184,7 @@ def _envi(path: Path, key: str | None, shape: tuple[int, int] | None) -> Found:
         scale=partial(envi_scale, header),
         description=header.fields.get("description", ""),
         units=" ".join(header.fields.get(name, "") for name in ("data units", "units")),
-        notes=(*unused_key(key), *notes),
+        notes=notes,
     )
 
 
@@ -197,10 +197,11 @@ def _unknown(path: Path) -> InputError:
             f"needs an ENVI header beside it ({' or '.join(names)}) to read its numbers",
             found="has none",
         )
+    *most, last = (form.shown for form in FORMATS)
+    others = ", ".join(most)
     return InputError(
         str(path),
-        "must be a cube in a supported format: ENVI (.hdr and its data), .mat, .npz, .npy, .h5, "
-        ".nc, .zarr, .tif or a folder of PNGs",
+        f"must be a cube in a supported format: ENVI (.hdr and its data), {others} or {last}",
         value=path.suffix,
         found=f"ends in {path.suffix}",
     )

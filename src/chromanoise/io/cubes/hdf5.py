@@ -3,32 +3,127 @@
 Only the file itself is read: links to other files are not followed, and arrays with external data
 raise an error. libhdf5 (2.0.0) crashes or loops on some damaged files, so a file is first opened in
 the child process of `_sandbox`. Uncompressed numbers, and numbers compressed with zlib, are then
-read without libhdf5.
+read without libhdf5, which returns uninitialized memory for a chunk that inflates to too few bytes,
+and reads one chunk at a time. Here an incomplete chunk raises an error, and several threads can
+read.
 """
 
 import itertools
 import math
 import os
+import zlib
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, nullcontext
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 
-from chromanoise import _sandbox
+from chromanoise import _check, _sandbox
 from chromanoise._check import Array, printable
 from chromanoise._shapes import Int64, Shaped
 from chromanoise.errors import InputError
 from chromanoise.io.cubes.bounds import memory_bytes
 from chromanoise.io.cubes.errors import library, reading, refuse_absent_library
-from chromanoise.io.cubes.hdf5_chunks import DEFLATE, SHUFFLE, Chunks
-from chromanoise.io.cubes.labeled import Axes, Labeled, Store
-from chromanoise.io.cubes.stored_rows import StoredRows
+from chromanoise.io.cubes.labeled import Axes, Labeled, Store, StoredRows
+from chromanoise.io.cubes.raw_cube import packed_rows
 from chromanoise.io.spectra.wavelength_lists import SPECTRAL_NAMES
-from chromanoise.scene.file_rows import FileRows
 from chromanoise.scene.rows import RowSource
+
+DEFLATE, SHUFFLE = 1, 2  # HDF5 filter numbers
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Chunks:
+    """An array whose chunks are uncompressed, shuffled or deflated; it supports slicing.
+
+    Attributes
+    ----------
+    path
+        The file.
+    index
+        Of each chunk the first byte in the file, the length in bytes, and which filters were left
+        out (bit k: the k-th); chunks in the order of C.
+    filters
+        HDF5 numbers of the filters, in the order in which they were applied on writing.
+    shape, chunk
+        Length of each axis, of the array and of a chunk.
+    dtype
+        Type of the numbers in the file.
+    """
+
+    path: Path
+    index: Int64[Array, "chunks 3"]
+    filters: tuple[int, ...]
+    shape: tuple[int, ...]
+    chunk: tuple[int, ...]
+    dtype: np.dtype
+
+    def __post_init__(self) -> None:
+        _check.same_length("chunks", index=len(self.index), grid=math.prod(self.grid))
+        _check.freeze(self, "index")
+
+    @property
+    def grid(self) -> tuple[int, ...]:
+        """The number of chunks along each axis."""
+        return tuple(-(-n // long) for n, long in zip(self.shape, self.chunk, strict=True))
+
+    def __getitem__(self, key: Any) -> Shaped[Array, "..."]:
+        """Part of the array, from all chunks that overlap it.
+
+        Parameters
+        ----------
+        key
+            A slice for each axis, which goes up; or ``...`` for the whole array.
+        """
+        key = (slice(None),) * len(self.shape) if key is ... else key
+        wanted = [range(n)[part] for part, n in zip(key, self.shape, strict=True)]
+        spans = [range(one[0], one[-1] + 1) for one in wanted]
+        result = np.empty([len(span) for span in spans], self.dtype.newbyteorder("="))
+        touched = [
+            range(span[0] // long, span[-1] // long + 1)
+            for span, long in zip(spans, self.chunk, strict=True)
+        ]
+        with self.path.open("rb", buffering=0) as file:
+            for at in itertools.product(*touched):
+                overlaps = [
+                    _overlap(k * long, long, span)
+                    for k, long, span in zip(at, self.chunk, spans, strict=True)
+                ]
+                numbers = _chunk(self, file, int(np.ravel_multi_index(at, self.grid)))
+                result[tuple(to for _, to in overlaps)] = numbers[tuple(of for of, _ in overlaps)]
+        return result[tuple(slice(None, None, one.step) for one in wanted)]
+
+
+def _overlap(first: int, long: int, span: range) -> tuple[slice, slice]:
+    """The overlap of a chunk and the requested part: slices of the chunk and of the result."""
+    start, stop = max(first, span.start), min(first + long, span.stop)
+    return slice(start - first, stop - first), slice(start - span.start, stop - span.start)
+
+
+def _chunk(source: Chunks, file: BinaryIO, number: int) -> Shaped[Array, "a b c"]:
+    first, length, left_out = (int(n) for n in source.index[number])
+    file.seek(first)
+    content = file.read(length)
+    needed = math.prod(source.chunk) * source.dtype.itemsize
+    for k, kind in reversed(list(enumerate(source.filters))):
+        if left_out >> k & 1:
+            continue
+        if kind == DEFLATE:
+            content = zlib.decompressobj().decompress(content, needed + 1)
+        elif kind == SHUFFLE and len(content) == needed:
+            content = _in_order(content, source.dtype.itemsize)
+    if len(content) != needed:
+        raise ValueError(f"chunk {number} holds {len(content)} bytes instead of {needed}")
+    return np.frombuffer(content, dtype=source.dtype).reshape(source.chunk)
+
+
+def _in_order(content: bytes, size: int) -> bytes:
+    """Undo the shuffle filter, which stores all first bytes, then all second bytes, ..."""
+    return np.frombuffer(content, np.uint8).reshape(size, -1).T.tobytes()
+
 
 ENDINGS = (".h5", ".hdf5", ".hdf", ".he5", ".nc", ".nc4", ".cdf")
 _SIGNATURE = b"\x89HDF\r\n\x1a\n"
@@ -66,6 +161,13 @@ def hdf5_store(path: Path, *, matlab: bool = False) -> Store:
         If h5py is not installed, or the file is damaged.
     """
     kind = "MATLAB 7.3" if matlab else "HDF5"
+    if not is_hdf5(path):
+        raise InputError(
+            str(path),
+            "must be an HDF5 file, as NetCDF-4 is",
+            found="is in another format",
+            remedy=("convert it (nccopy -k nc4)", "save it again"),
+        )
     refuse_absent_library("h5py", f"{path}: {kind} files")
     with reading(path, kind):
         listed, attributes = _sandbox.sandboxed(_listed, path, path=path, limit_s=_LIMIT_S)
@@ -79,15 +181,14 @@ def hdf5_store(path: Path, *, matlab: bool = False) -> Store:
 
     def numbers(name: str) -> Shaped[Array, "..."]:
         size = math.prod(arrays[name].shape) * arrays[name].dtype.itemsize
-        with reading(path, kind):
-            read = _sandbox.sandboxed(
-                _numbers,
-                path,
-                name,
-                path=path,
-                limit_s=_LIMIT_S + size / _SLOWEST_BYTES_PER_S,
-                memory_bytes=_sandbox.MEMORY_BYTES + 2 * size,
-            )
+        read = _sandbox.sandboxed(
+            _numbers,
+            path,
+            name,
+            path=path,
+            limit_s=_LIMIT_S + size / _SLOWEST_BYTES_PER_S,
+            memory_bytes=_sandbox.MEMORY_BYTES + 2 * size,
+        )
         return read.T if matlab else read
 
     def source(name: str, axes: Axes) -> RowSource:
@@ -111,7 +212,8 @@ def hdf5_store(path: Path, *, matlab: bool = False) -> Store:
         numbers=numbers,
         source=source,
         attributes=attributes,
-        matlab=matlab,
+        by_columns=matlab,
+        bands_last=matlab,
     )
 
 
@@ -232,9 +334,7 @@ def _source(path: Path, name: str, axes: Axes) -> RowSource:
         offset = dataset.id.get_offset() if chunk is None else None
         plain = offset is not None and _lies_as_numpy_has_it(dataset)
         if offset is not None and plain and offset + math.prod(sizes) * size <= end:
-            steps = sizes[1] * sizes[2] * size, sizes[2] * size, size
-            strides = steps[axes[0]], steps[axes[1]], steps[axes[2]]
-            return FileRows(path=path, offset=offset, stored=stored, shape=shape, strides=strides)
+            return packed_rows(path, offset, stored, sizes, axes)
         array = _without_libhdf5(path, file, dataset)
         if array is None:
             dataset[tuple(slice(0, n) for n in chunk or (1,) * dataset.ndim)]

@@ -1,12 +1,13 @@
-"""Cubes from files of named arrays with labels: HDF5, NetCDF-4, Zarr.
+"""Cubes from files of named arrays: HDF5, NetCDF-4, Zarr, MATLAB and NumPy archives.
 
-Such files identify their axes by names, by a list of wavelengths, or not at all. Missing metadata
-is assumed and noted; ambiguous metadata raises an error.
+Files with labels identify their axes by names, by a list of wavelengths, or not at all. Missing
+metadata is assumed and noted; ambiguous metadata raises an error.
 """
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from contextlib import AbstractContextManager
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -14,16 +15,18 @@ from typing import Any
 import numpy as np
 
 from chromanoise._check import Array, printable
+from chromanoise._shapes import Shaped, UInt8
 from chromanoise.errors import InputError, Setting
 from chromanoise.io.cubes.bounds import (
     MOST_INFLATED,
     kind_of,
     memory_bytes,
+    refuse_empty,
     refuse_impossible,
-    refuse_not_numbers,
+    refuse_other_size,
 )
-from chromanoise.io.cubes.picture import picture
-from chromanoise.io.cubes.raw_cube import Found, Notes, by, refuse_other_shape
+from chromanoise.io.cubes.errors import reading, reading_rows
+from chromanoise.io.cubes.raw_cube import Found, Notes, Wavelengths, by, picture, refuse_other_shape
 from chromanoise.io.spectra.wavelength_lists import (
     BAND_NAMES,
     NM_PER,
@@ -33,7 +36,7 @@ from chromanoise.io.spectra.wavelength_lists import (
     is_list,
     listed_wavelengths,
 )
-from chromanoise.scene.rows import RowSource
+from chromanoise.scene.rows import RowSource, block, refuse_other_rows
 
 _MOST_LISTED = 20
 _HARMLESS_BYTES = 64 * 2**20
@@ -77,15 +80,20 @@ class Store:
     bytes
         Size of the file.
     numbers
-        Reads a whole array.
+        Reads a whole array; it may raise the exceptions of a library.
     source
-        Returns the rows of an array, given the axes of rows, columns and bands.
+        Returns the rows of an array, given the axes of rows, columns and bands; None if arrays are
+        read as a whole.
     notes
         Returns notes on an array before it is read.
     attributes
         Attributes of the file as a whole.
-    matlab
-        Whether MATLAB wrote it: axes are already reversed, and pixels are in column order.
+    by_columns
+        Whether pixels in one axis go down the columns first, as in MATLAB.
+    bands_last
+        Whether the axes are rows, columns and bands, in this order.
+    stored_item_bytes
+        As `refuse_impossible`.
     """
 
     path: Path
@@ -93,38 +101,50 @@ class Store:
     bytes: int
     arrays: Mapping[str, Labeled]
     numbers: Callable[[str], Array]
-    source: Callable[[str, Axes], RowSource]
+    source: Callable[[str, Axes], RowSource] | None = None
     notes: Callable[[str], Notes] = lambda _: ()
     attributes: Mapping[str, Any] = field(default_factory=dict)
-    matlab: bool = False
+    by_columns: bool = False
+    bands_last: bool = False
+    stored_item_bytes: int | None = None
+
+
+def array_store(
+    path: Path,
+    kind: str,
+    listed: Callable[[Path], Mapping[str, tuple[tuple[int, ...], np.dtype]]],
+    array: Callable[[Path, str], Array],
+    **how: Any,
+) -> Store:
+    """A file of arrays without labels, in axes (rows, columns, bands)."""
+    with reading(path, kind):
+        arrays = {name: Labeled(shape=s, dtype=dtype) for name, (s, dtype) in listed(path).items()}
+    return Store(
+        path=path,
+        kind=kind,
+        bytes=path.stat().st_size,
+        arrays=arrays,
+        numbers=partial(array, path),
+        bands_last=True,
+        **how,
+    )
 
 
 def labeled_cube(store: Store, key: str | None, shape: tuple[int, int] | None) -> Found:
     """The cube in the array ``key``, or in the only array with three axes, with its metadata."""
     name, chosen = _chosen(store, key)
     array = store.arrays[name]
-    refuse_not_numbers(store.path, name, array.dtype)
-    if min(array.shape, default=1) < 1:
-        raise InputError(
-            str(store.path),
-            "must not be empty",
-            where=f"array {name!r}",
-            value=array.shape,
-            found=f"is {by(array.shape)}",
-            remedy="save it again",
-        )
+    refuse_empty(store.path, name, array.shape, array.dtype)
     wavelengths, count = _wavelengths(store, name)
-    if len(array.shape) == 3:
+    pixels: Array | RowSource
+    if store.source is not None and len(array.shape) == 3:
         axes, notes = _cube_axes(store, name, count)
-        source = store.source(name, axes)
-        _refuse_large_rows(store, name, source)
-        pixels: Array | RowSource = source
+        pixels = store.source(name, axes)
+        _refuse_large_rows(store, name, pixels)
         refuse_other_shape(store.path, pixels, shape)
     else:
-        refuse_impossible(store.path, name, array.shape, array.dtype, size=store.bytes)
-        numbers = store.numbers(name)
         pixels, notes = picture(
-            store.path, f"array {name!r}", numbers, shape, by_columns=store.matlab
+            store.path, f"array {name!r}", _loaded(store, name), shape, by_columns=store.by_columns
         )
     return Found(
         pixels=pixels,
@@ -136,8 +156,22 @@ def labeled_cube(store: Store, key: str | None, shape: tuple[int, int] | None) -
     )
 
 
+def _loaded(store: Store, name: str) -> Array:
+    path, array = store.path, store.arrays[name]
+    item = store.stored_item_bytes
+    refuse_impossible(
+        path, name, array.shape, array.dtype, size=store.bytes, stored_item_bytes=item
+    )
+    with reading(path, store.kind):
+        numbers = store.numbers(name)
+    refuse_other_size(path, f"array {name!r}", numbers.shape, array.shape)
+    return numbers.astype(array.dtype, copy=False)
+
+
 def _chosen(store: Store, key: str | None) -> tuple[str, Notes]:
     """The name of the cube, and how it was found."""
+    if key is None and store.source is None:
+        key = "reflectance"  # without labels nothing is guessed
     if key is not None:
         name = key.strip("/")
         if name in store.arrays:
@@ -168,7 +202,7 @@ def _no_such(store: Store, key: str) -> InputError:
 def _cube_axes(store: Store, name: str, count: int | None) -> tuple[Axes, Notes]:
     """The axes of rows, columns and bands, by their names, else by the wavelengths."""
     array = store.arrays[name]
-    if store.matlab:
+    if store.bands_last:
         return (0, 1, 2), ()
     named = _named_band_axis(array)
     if named is not None:
@@ -227,16 +261,14 @@ def _refuse_large_rows(store: Store, name: str, source: RowSource) -> None:
         )
 
 
-def _wavelengths(
-    store: Store, name: str
-) -> tuple[Callable[[], tuple[Array, Notes]] | None, int | None]:
+def _wavelengths(store: Store, name: str) -> tuple[Wavelengths | None, int | None]:
     """A function that reads the wavelengths, and their number; None if the file has none.
 
     The first of these that has wavelengths is used: the attributes of the array, the coordinates of
     its axes, the attributes of the file, lists in the folder of the array or at the top.
     """
     array = store.arrays[name]
-    band = 2 if store.matlab and len(array.shape) == 3 else _named_band_axis(array)
+    band = 2 if store.bands_last and len(array.shape) == 3 else _named_band_axis(array)
     lengths = array.shape if band is None else array.shape[band : band + 1]
     for lists in (
         _in_attributes(array.attributes),
@@ -275,24 +307,23 @@ def _of_axes(store: Store, name: str) -> list[Listed]:
 
 
 def _in_folder(store: Store, name: str) -> list[Listed]:
+    """Lists of numbers; without labels, one of text, which is refused when it is read."""
     folder = name.rpartition("/")[0]
-    return [
-        _listed(store, known)
+    lists = [
+        known
         for known, array in store.arrays.items()
-        if known != name and is_list(array.shape) and array.dtype.kind in "fiu"
+        if known != name and is_list(array.shape)
         if known.rpartition("/")[0] in (folder, "") and _last(known).lower() in SPECTRAL_NAMES
     ]
+    real = [known for known in lists if store.arrays[known].dtype.kind in "fiu"]
+    return [_listed(store, known) for known in real or (lists if store.source is None else ())]
 
 
 def _listed(store: Store, name: str) -> Listed:
     array = store.arrays[name]
-
-    def numbers() -> Array:
-        refuse_impossible(store.path, name, array.shape, array.dtype, size=store.bytes)
-        return store.numbers(name)
-
     unit = _text(array.attributes.get("units", ""))
-    return Listed(name=name, size=math.prod(array.shape), numbers=numbers, unit=unit)
+    read = partial(_loaded, store, name)
+    return Listed(name=name, size=math.prod(array.shape), numbers=read, unit=unit)
 
 
 def _is_spectral(name: str, array: Labeled) -> bool:
@@ -370,3 +401,67 @@ def _passed_over(array: Labeled) -> Notes:
     """A note on attributes for missing values, worded so that the cube recognizes it."""
     named = [name for name in _CLAMPED if name in array.attributes]
     return (f"data ignore value in the file but not applied: {', '.join(named)}",) if named else ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class StoredRows:
+    """Rows of one array in a file or folder of arrays.
+
+    Attributes
+    ----------
+    path, kind
+        The file or folder, and the common name of its format.
+    opened
+        Opens the array for each block of rows. It can be pickled, so that another process can take
+        the source.
+    axes
+        The axes of the array that are rows, columns and bands.
+    shape
+        Numbers of rows, columns and bands.
+    bands
+        The selected stored bands, in order.
+    stored
+        Type of the numbers.
+    chunk_rows
+        The number of rows per stored chunk.
+    """
+
+    path: Path
+    kind: str
+    opened: Callable[[], AbstractContextManager[Any]]
+    axes: Axes
+    shape: tuple[int, int, int]
+    bands: range
+    stored: np.dtype
+    chunk_rows: int
+
+    @property
+    def dtype(self) -> np.dtype:
+        """Type of the numbers from ``rows``, in the byte order of this machine."""
+        return self.stored.newbyteorder("=")
+
+    def rows(
+        self, start: int, stop: int, *, into: UInt8[Array, " bytes"] | None = None
+    ) -> Shaped[Array, "rows w m"]:
+        """The rows ``start`` to ``stop``, with the strides in which they are stored."""
+        refuse_other_rows(str(self.path), self.shape, start, stop)
+        with reading_rows(self.path, self.kind), self.opened() as array:
+            read = block(array, self.axes, start, stop, self.bands)
+        if read.shape != (stop - start, *self.shape[1:]):
+            raise InputError(
+                str(self.path),
+                "must not change while it is being read",
+                value=read.shape,
+                found="was changed",
+                remedy="read it again when no program writes to it",
+            )
+        return read.astype(self.dtype, copy=False)
+
+    def scratch_bytes(self, rows: int) -> int:
+        """The size that ``into`` needs for this number of rows; 0 if it is not used. [bytes]"""
+        return 0
+
+    def with_bands(self, keep: slice) -> "StoredRows":
+        """The same rows with a selection of bands; nothing is read."""
+        bands = self.bands[keep]
+        return replace(self, bands=bands, shape=(*self.shape[:2], len(bands)))

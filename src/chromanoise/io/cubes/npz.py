@@ -11,6 +11,9 @@ import numpy as np
 from chromanoise._check import Array
 from chromanoise._shapes import Shaped
 from chromanoise.errors import InputError
+from chromanoise.io.cubes.errors import reading
+from chromanoise.io.cubes.labeled import Store, array_store
+from chromanoise.io.cubes.raw_cube import Found, picture
 
 Declared = tuple[tuple[int, ...], np.dtype]
 
@@ -49,10 +52,23 @@ def npz_arrays(path: Path) -> dict[str, Declared]:
     return arrays
 
 
+def npz_store(path: Path) -> Store:
+    """The arrays of a ``.npz``, without their numbers."""
+    return array_store(path, "NPZ", npz_arrays, npz_array)
+
+
 def npz_array(path: Path, name: str) -> Shaped[Array, "..."]:
     """The numbers of one array of a ``.npz``."""
     with zipfile.ZipFile(path) as archive, archive.open(f"{name}.npy") as stream:
         return np.lib.format.read_array(stream, allow_pickle=False)
+
+
+def npy_cube(path: Path, shape: tuple[int, int] | None) -> Found:
+    """The cube in the only array of a ``.npy``."""
+    with reading(path, "NumPy"):
+        array = npy_array(path)
+    pixels, notes = picture(path, "the array", array, shape, by_columns=False)
+    return Found(pixels=pixels, notes=notes)
 
 
 def npy_array(path: Path) -> Shaped[Array, "..."]:

@@ -3,7 +3,6 @@
 import logging
 import math
 import re
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -11,11 +10,11 @@ import numpy as np
 
 from chromanoise._check import Array
 from chromanoise._inputs import json_of
-from chromanoise._shapes import Float, Shaped
+from chromanoise._shapes import Shaped
 from chromanoise.errors import InputError, Setting
 from chromanoise.io.cubes.bounds import refuse_not_numbers
 from chromanoise.io.cubes.errors import reading
-from chromanoise.io.cubes.raw_cube import Found, Notes, by, refuse_other_shape
+from chromanoise.io.cubes.raw_cube import Found, Wavelengths, by, packed_rows, refuse_other_shape
 from chromanoise.io.cubes.tiff_pages import decoded_pages
 from chromanoise.io.spectra.wavelength_lists import (
     NAMED_WAVELENGTH,
@@ -24,8 +23,7 @@ from chromanoise.io.spectra.wavelength_lists import (
     nanometers,
 )
 from chromanoise.io.xml_text import xml_root
-from chromanoise.scene.file_rows import FileRows, PlaneRows
-from chromanoise.scene.rows import RowSource
+from chromanoise.scene.rows import FileRows, PlaneRows, RowSource
 
 ENDINGS = (".tif", ".tiff")
 _LISTED = re.compile(
@@ -136,7 +134,7 @@ def _pixels(
     if many and len(first.shape) == 2:
         notes = ("pages taken as bands",)
         if all(is_plain(page) for page in pages):
-            return PlaneRows(planes=tuple(_plane(path, page) for page in pages)), notes
+            return PlaneRows(planes=tuple(_in_place(path, page) for page in pages)), notes
         return decoded_pages(path, pages).transpose(1, 2, 0), notes
     if many or len(first.shape) != 3 or first.axes not in ("YXS", "SYX"):
         raise InputError(
@@ -171,50 +169,28 @@ def is_plain(page: Any) -> bool:
     )
 
 
-def _stored(page: Any) -> np.dtype:
-    return np.dtype(page.dtype).newbyteorder(page.parent.byteorder)
+def _in_place(path: Path, page: Any, axes: tuple[int, ...] = (0, 1, 2)) -> FileRows:
+    stored = np.dtype(page.dtype).newbyteorder(page.parent.byteorder)
+    sizes = [int(n) for n in (*page.shape, 1)]  # a page without samples is one band
+    return packed_rows(path, page.dataoffsets[0], stored, sizes[:3], axes)
 
 
-def _in_place(path: Path, page: Any, order: tuple[int, ...]) -> FileRows:
-    stored = _stored(page)
-    sizes = [int(n) for n in page.shape]
-    steps = sizes[1] * sizes[2] * stored.itemsize, sizes[2] * stored.itemsize, stored.itemsize
-    row, column, band = order
-    return FileRows(
-        path=path,
-        offset=page.dataoffsets[0],
-        stored=stored,
-        shape=(sizes[row], sizes[column], sizes[band]),
-        strides=(steps[row], steps[column], steps[band]),
-    )
-
-
-def _plane(path: Path, page: Any) -> FileRows:
-    stored = _stored(page)
-    height, width = (int(n) for n in page.shape)
-    size = stored.itemsize
-    return FileRows(
-        path=path,
-        offset=page.dataoffsets[0],
-        stored=stored,
-        shape=(height, width, 1),
-        strides=(width * size, size, size),
-    )
-
-
-def _wavelengths(
-    path: Path, texts: list[str], bands: int
-) -> Callable[[], tuple[Float[Array, " m"], Notes]] | None:
+def _wavelengths(path: Path, texts: list[str], bands: int) -> Wavelengths | None:
     """The wavelengths from the description of the first page, or one from that of each page."""
     listed = _listed(path, texts[0])
     if listed is not None:
         name, values = listed
         return lambda: nanometers(path, name, values, "")
+    return _described(texts, "pages") if len(texts) == bands else None
+
+
+def _described(texts: list[str], what: str) -> Wavelengths | None:
+    """One wavelength from each text; None if a text has none."""
     named = [NAMED_WAVELENGTH.search(text[:10_000]) for text in texts]
-    if len(texts) != bands or None in named:
+    if None in named:
         return None
     found = np.array([float(m[1]) * NM_PER[m[2].lower()] for m in named if m is not None])
-    return lambda: (found, ("wavelengths taken from the descriptions of the pages",))
+    return lambda: (found, (f"wavelengths taken from the descriptions of the {what}",))
 
 
 def _of_gdal(path: Path, text: str) -> dict[tuple[str, int | None], str]:
@@ -238,7 +214,7 @@ def _of_gdal(path: Path, text: str) -> dict[tuple[str, int | None], str]:
 
 def _gdal_wavelengths(
     path: Path, facts: dict[tuple[str, int | None], str], bands: int
-) -> Callable[[], tuple[Float[Array, " m"], Notes]] | None:
+) -> Wavelengths | None:
     """The wavelengths of GDAL's tag: one per band, one list, or those in the descriptions."""
     for name in dict.fromkeys(name for name, _ in facts if name in SPECTRAL_NAMES):
         cells = [facts.get((name, band), "") for band in range(bands)]
@@ -254,20 +230,17 @@ def _gdal_wavelengths(
         return lambda: nanometers(
             path, name, listed[1], unit, unit_key="wavelength_units in GDAL_METADATA"
         )
-    texts = [facts.get(("description", band), "") for band in range(bands)]
-    named = [NAMED_WAVELENGTH.search(text[:10_000]) for text in texts]
-    if None in named:
-        return None
-    found = np.array([float(m[1]) * NM_PER[m[2].lower()] for m in named if m is not None])
-    return lambda: (found, ("wavelengths taken from the descriptions of the bands",))
+    return _described([facts.get(("description", band), "") for band in range(bands)], "bands")
 
 
 def _gdal_scale(path: Path, facts: dict[tuple[str, int | None], str]) -> float | None:
     """Reflectance per stored unit of GDAL's tag; None if it is 1 or not declared."""
     offsets = [text for (name, _), text in facts.items() if name == "offset"]
     scales = [text for (name, _), text in facts.items() if name == "scale"]
-    numbers = [float(text) if _NUMBER.fullmatch(text) else math.nan for text in scales]
-    shifts = [float(text) if _NUMBER.fullmatch(text) else math.nan for text in offsets]
+    numbers, shifts = (
+        [float(text) if _NUMBER.fullmatch(text) else math.nan for text in texts]
+        for texts in (scales, offsets)
+    )
     if any(shift != 0 for shift in shifts) or len(set(numbers)) > 1:
         raise InputError(
             str(path),

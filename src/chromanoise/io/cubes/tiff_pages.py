@@ -12,9 +12,8 @@ from chromanoise import _sandbox
 from chromanoise._check import Array
 from chromanoise._shapes import Shaped
 from chromanoise.errors import InputError
-from chromanoise.io.cubes.bounds import MOST_INFLATED, refuse_impossible
+from chromanoise.io.cubes.bounds import MOST_INFLATED, refuse_impossible, refuse_other_size
 from chromanoise.io.cubes.errors import library
-from chromanoise.io.cubes.raw_cube import by
 
 _LIMIT_S = 60.0
 _SLOWEST_BYTES_PER_S = 1e7
@@ -47,15 +46,7 @@ def decoded_pages(path: Path, pages: list[Any]) -> Shaped[Array, "pages ..."]:
         if decoded is None:
             numbers[k:] = _by_pillow(path, pages[k:])
             break
-        if decoded.shape != declared[1:]:
-            raise InputError(
-                str(path),
-                f"must be {by(declared[1:])}, as it declares",
-                where=f"page {k} (from 0)",
-                value=decoded.shape,
-                found=f"is {by(decoded.shape)}",
-                remedy="save it again",
-            )
+        refuse_other_size(path, f"page {k} (from 0)", decoded.shape, declared[1:])
         numbers[k] = decoded
     return numbers
 

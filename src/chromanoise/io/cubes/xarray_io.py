@@ -1,41 +1,23 @@
 """Read cubes from, and write pictures to, labeled arrays of xarray."""
 
+from functools import partial
 from pathlib import Path
-from typing import Any, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from chromanoise._check import Array
-from chromanoise._shapes import Float, UInt8
 from chromanoise.errors import InputError
 from chromanoise.io.cubes.errors import library
-from chromanoise.io.cubes.interpretation import rising, scale_and_notes, wavelengths_and_notes
+from chromanoise.io.cubes.interpretation import interpreted
 from chromanoise.io.cubes.labeled import attribute_scale
 from chromanoise.io.cubes.raw_cube import Found, Notes, by
 from chromanoise.io.spectra.wavelength_lists import BAND_NAMES, NM_PER, SPECTRAL_NAMES, nanometers
 from chromanoise.scene.cube import Cube
 from chromanoise.scene.rows import ArrayRows, RowSource
 
-
-@runtime_checkable
-class ColorPicture(Protocol):
-    """The attributes of a picture that `picture_to_xarray` needs."""
-
-    @property
-    def xyz(self) -> Float[Array, "h w 3"]:
-        """Linear XYZ."""
-
-    @property
-    def srgb(self) -> UInt8[Array, "h w 3"]:
-        """8-bit sRGB."""
-
-    @property
-    def white(self) -> Float[Array, " 3"]:
-        """XYZ of the perfect white."""
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """Assumptions."""
+if TYPE_CHECKING:
+    from chromanoise.imaging.render import Picture
 
 
 def cube_from_xarray(
@@ -73,17 +55,7 @@ def cube_from_xarray(
     ((1, 2, 3), [400.0, 500.0, 600.0])
     """
     source = f"xarray {getattr(array, 'name', None) or 'array'}"
-    found = _found(source, array)
-    factor, scale_notes = scale_and_notes(source, found, scale)
-    wavelength, wavelength_notes = wavelengths_and_notes(source, found, wavelengths)
-    pixels, wavelength, order_notes = rising(source, found.pixels, wavelength)
-    return Cube(
-        wavelength_nm=wavelength,
-        stored=pixels,
-        scale=factor,
-        source=source,
-        notes=(*found.notes, *scale_notes, *wavelength_notes, *order_notes),
-    )
+    return interpreted(source, _found(source, array), wavelengths=wavelengths, scale=scale)
 
 
 def _found(source: str, array: Any) -> Found:
@@ -108,13 +80,11 @@ def _found(source: str, array: Any) -> Found:
     data = array.transpose(rows, columns, axis).data
     pixels: Array | RowSource = data if isinstance(data, np.ndarray) else ArrayRows(array=data)
     texts = (attributes.get(n, "") for n in ("long_name", "standard_name", "description"))
-
-    def read() -> tuple[Array, Notes]:
-        return _coordinate(source, array, axis)
-
     return Found(
         pixels=pixels,
-        wavelengths=read if _is_spectral(array, axis) else None,
+        wavelengths=partial(_coordinate, source, array, axis)
+        if _is_spectral(array, axis)
+        else None,
         scale=lambda: attribute_scale(source, attributes),
         description=" ".join(str(text) for text in texts),
         units=str(attributes.get("units", "")),
@@ -153,7 +123,7 @@ def _coordinate(source: str, array: Any, axis: Any) -> tuple[Array, Notes]:
     )
 
 
-def picture_to_xarray(picture: ColorPicture) -> Any:
+def picture_to_xarray(picture: "Picture") -> Any:
     """An ``xarray.Dataset`` of the picture: XYZ and sRGB by row and column, white, notes.
 
     Parameters

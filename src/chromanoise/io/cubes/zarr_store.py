@@ -8,7 +8,7 @@ import math
 import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -20,10 +20,8 @@ from chromanoise._shapes import Shaped
 from chromanoise.errors import InputError
 from chromanoise.io.cubes.bounds import MOST_INFLATED, memory_bytes
 from chromanoise.io.cubes.errors import library, reading
-from chromanoise.io.cubes.labeled import Axes, Labeled, Store
+from chromanoise.io.cubes.labeled import Axes, Labeled, Store, StoredRows
 from chromanoise.io.cubes.raw_cube import Notes
-from chromanoise.io.cubes.stored_rows import StoredRows
-from chromanoise.io.cubes.zarr_codecs import guard_codecs
 from chromanoise.scene.rows import RowSource
 
 _HEADERS = (".zarray", "zarr.json")
@@ -175,15 +173,11 @@ def _opened(path: Path, name: str) -> Any:
 
 
 def _numbers(path: Path, name: str) -> Shaped[Array, "..."]:
-    _refuse_large_chunks(path, name)
-    with reading(path, "Zarr"):
-        return np.asarray(_opened(path, name)[...])
+    return np.asarray(_checked(path, name)[...])
 
 
 def _source(path: Path, arrays: Mapping[str, Labeled], name: str, axes: Axes) -> RowSource:
-    _refuse_large_chunks(path, name)
-    with reading(path, "Zarr"):
-        array = _opened(path, name)
+    array = _checked(path, name)
     sizes = arrays[name].shape
     shape = sizes[axes[0]], sizes[axes[1]], sizes[axes[2]]
     return StoredRows(
@@ -227,8 +221,8 @@ def _absent_chunks(path: Path, name: str) -> Notes:
     return ()
 
 
-def _refuse_large_chunks(path: Path, name: str) -> None:
-    """Raise an error for chunks that exceed the memory or are larger than their numbers."""
+def _checked(path: Path, name: str) -> Any:
+    """The array; an error if chunks exceed the memory or are larger than their numbers."""
     with reading(path, "Zarr"):
         array = _opened(path, name)
         size = math.prod(array.shards or array.chunks) * array.dtype.itemsize
@@ -253,3 +247,64 @@ def _refuse_large_chunks(path: Path, name: str) -> None:
             found=f"one has {longest} bytes",
             remedy="save it again, because it is damaged",
         )
+    return array
+
+
+_HARMLESS_BYTES = 64 * 2**20
+_BLOSC_HEADER_BYTES = 16  # the last four are the length of the chunk
+_ZSTD_MAGIC = b"\x28\xb5\x2f\xfd"
+_ZSTD_BLOCK_BYTES = 2**17
+
+
+@cache
+def guard_codecs() -> None:
+    """Make numcodecs reject chunks that are shorter than declared or inflate to too many bytes.
+
+    numcodecs (0.16) reads beyond the end of a Blosc chunk that declares a greater length, which
+    crashes the process, and allocates as much memory as a Zstandard frame declares.
+    """
+    for codec, look in (("blosc.Blosc", _refuse_short_blosc), ("zstd.Zstd", _refuse_large_zstd)):
+        module, _, name = codec.partition(".")
+        kind = getattr(library(f"numcodecs.{module}", "chunks of Zarr folders"), name)
+        kind.decode = _looked_at(kind.decode, look)
+
+
+def _looked_at(unpack: Any, look: Any) -> Any:
+    def decode(codec: Any, buf: Any, out: Any = None) -> Any:
+        look(memoryview(buf).cast("B"))
+        return unpack(codec, buf, out)
+
+    return decode
+
+
+def _refuse_short_blosc(given: memoryview) -> None:
+    declared = int.from_bytes(given[_BLOSC_HEADER_BYTES - 4 : _BLOSC_HEADER_BYTES], "little")
+    if given.nbytes < _BLOSC_HEADER_BYTES or declared > given.nbytes:
+        raise ValueError(f"a chunk has {given.nbytes} bytes, but declares {declared}")
+
+
+def _refuse_large_zstd(given: memoryview) -> None:
+    size = _zstd_bytes(given)
+    if size > max(_HARMLESS_BYTES, given.nbytes * MOST_INFLATED):
+        raise ValueError(f"a chunk of {given.nbytes} bytes unpacks to {size / 2**20:.0f} MiB")
+
+
+def _zstd_bytes(given: memoryview) -> int:
+    """Unpacked size that a frame declares, or the most that its blocks allow (RFC 8878). [bytes]"""
+    if bytes(given[:4]) != _ZSTD_MAGIC or given.nbytes < 5:
+        return 0  # numcodecs rejects it
+    descriptor = given[4]
+    single = descriptor >> 5 & 1
+    at = 6 - single + (0, 1, 2, 4)[descriptor & 3]
+    length = (single, 2, 4, 8)[descriptor >> 6]
+    if length:
+        return int.from_bytes(given[at : at + length], "little")
+    blocks = 0
+    while at + 3 <= given.nbytes:
+        header = int.from_bytes(given[at : at + 3], "little")
+        repeats = header >> 1 & 3 == 1
+        at += 3 + (1 if repeats else header >> 3)
+        blocks += 1
+        if header & 1:
+            break
+    return blocks * _ZSTD_BLOCK_BYTES

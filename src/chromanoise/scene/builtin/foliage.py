@@ -7,8 +7,13 @@ import numpy as np
 from chromanoise._check import Array
 from chromanoise._shapes import Bool, Float, Integer
 from chromanoise.rng import stream
-from chromanoise.scene.builtin.mixtures import gaussian, logistic, mixed_cube, pixel_means
-from chromanoise.scene.builtin.occlusion import paint_behind
+from chromanoise.scene.builtin.mixtures import (
+    gaussian,
+    logistic,
+    mixed_cube,
+    paint_behind,
+    pixel_means,
+)
 from chromanoise.scene.cube import Cube
 from chromanoise.spectra import DEFAULT_GRID
 
