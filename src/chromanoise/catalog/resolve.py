@@ -215,9 +215,9 @@ def resolve_filter(word: Curves, *, answers: Answers = ASK, shift_nm: float = 0.
         _refuse_unknown(word, "filter")
         return filter_named(word, DEFAULT_GRID, beyond=answers.beyond, shift_nm=shift_nm)
     if len(curve.names) != 1:
-        need, remedy = "must hold one curve to be a filter", "save one of them in its own file"
+        need, split = "must hold one curve to be a filter", "save one of them in its own file"
         found = f"holds {len(curve.names)} ({', '.join(curve.names[:8])})"
-        raise InputError(curve.source, need, value=curve.names, found=found, remedy=remedy)
+        raise InputError(curve.source, need, value=curve.names, found=found, remedy=split)
     remedy = "divide percent by 100" if curve.values.max() > 1 else SMALL_NEGATIVES
     used = used_on_grid(curve.wavelength_nm + shift_nm, DEFAULT_GRID)
     refuse_outside(curve, high=1.0, remedy=remedy, used=used)
