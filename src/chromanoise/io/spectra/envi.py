@@ -3,7 +3,7 @@
 import math
 import re
 from collections.abc import Collection, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -429,13 +429,15 @@ def read_envi_library(header: EnviHeader, data: Path) -> Found:
     table = pixels[:, :, 0].astype(np.float64)
     table[~(np.abs(table) <= LARGEST)] = np.nan
     wavelength, heading = _wavelengths(header, table.shape[1])
-    curves = list(zip(_names(header, table.shape[0]), table / factor, strict=True))
+    curves = list(zip(_names(header, table.shape[0]), table, strict=True))
     deleted = "values that are not numbers or marked as deleted"
     said = [header.fields.get(key, "") for key in ("description", "z plot titles")]
     return Found(
         source=header.source,
         format="ENVI spectral library",
-        columns=known_columns(wavelength, curves),
+        columns=tuple(
+            replace(one, values=one.values / factor) for one in known_columns(wavelength, curves)
+        ),
         heading=heading,
         words=" ".join(said),
         quantity="reflectance" if "reflectance scale factor" in header.fields else None,
