@@ -84,9 +84,14 @@ class Known:
     """
 
     def __init__(
-        self, names: Iterable[str], *, others: bool | Callable[[str, str], str] = False
+        self, names: Collection[str], *, others: bool | Callable[[str, str], str] = False
     ) -> None:
-        self.names, self.others = tuple(names), others
+        self._registry, self.others = names, others
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The known names; a method may be registered after the class was made."""
+        return tuple(self._registry)
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
         return AfterValidator(self._checked).__get_pydantic_core_schema__(source, handler)
