@@ -134,13 +134,13 @@ class Interface:
     option
         Name of its option, where it differs.
     part
-        Its place in ``option``, where this one takes several settings, e.g. ``FIRST``.
+        What it is in the value of ``option``, where one option sets several keys, e.g. ``FIRST``.
     flags
         Its two values, each with the option that gives it, in place of one option with a value.
     metavar
         Form of the value in the help of the option.
     paths, curves
-        Whether Python also takes a path; a path or the curves themselves.
+        Whether Python also takes a path; whether it also takes a path or the curves themselves.
     each
         Whether it has one value per sensor, in their order.
     label
@@ -148,9 +148,9 @@ class Interface:
     slider
         As `Property.slider`.
     logarithmic
-        Whether the slider is.
+        Whether the slider is logarithmic.
     hint
-        What an empty control stands for.
+        Text that an empty control shows.
     file
         What a file in place of the value holds: ``spectrum``, ``pixel`` or ``crosstalk``.
     suggestions

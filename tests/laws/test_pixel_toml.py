@@ -8,7 +8,7 @@ from hypothesis import given, strategies as st
 
 from chromanoise.catalog import read_pixel_source, sensor_with_pixel
 from chromanoise.io.pixels import pixel_source_toml, read_pixel_toml
-from chromanoise.sensor import Adc, Pixel, PixelSource
+from chromanoise.sensor import PIXEL, Adc, Pixel, PixelSource
 from outcomes import refused_input
 
 HEAD = 'schema = "chromanoise pixel"\nschema_version = 1\n'
@@ -24,7 +24,12 @@ def file(tmp_path):
     return write
 
 
-values = st.none() | st.floats(1e-3, 1e6)
+def number(name):
+    """A value of a pixel that a file may have."""
+    bounds = (PIXEL[name].least, PIXEL[name].most) if name in PIXEL else (1e-3, 1e6)
+    return st.none() | st.floats(max(bounds[0], 1e-3), min(bounds[1], 1e6))
+
+
 words = st.text(st.characters(exclude_categories=["Cs"]), max_size=12)
 
 
@@ -36,7 +41,7 @@ NUMBERS = (
 
 
 @given(
-    numbers=st.fixed_dictionaries(dict.fromkeys(NUMBERS, values)),
+    numbers=st.fixed_dictionaries({name: number(name) for name in NUMBERS}),
     qe=st.none() | st.floats(0, 1),
     bits=st.none() | st.integers(8, 16),
     black=st.none() | st.integers(0, 200),

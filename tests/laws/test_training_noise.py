@@ -21,7 +21,7 @@ from outcomes import refused_input
 
 SUMS = vectorize(lambda mean, variance, z: read_quantile_of_many(mean, variance, z))
 LESS_ONE = vectorize(lambda x: exponential_less_one(x))
-PARTS = ("shot", "read", "dark", "prnu", "dsnu", "row", "column", "levels", "quantize", "clamp")
+PARTS = ("shot", "read", "dark", "prnu", "dsnu", "row", "column", "telegraph", "quantize", "clamp")
 OFF = dict.fromkeys(PARTS, False)
 
 
@@ -301,7 +301,7 @@ def test_exact_moments_without_clipping_have_the_stated_variance():
         ("dsnu", 9.0),
         ("row", 4.0),
         ("column", 2.25),
-        ("levels", 0.2 * 5.0**2),
+        ("telegraph", 0.2 * 5.0**2),
         ("quantize", 1 / 12 / 1.0),
     ],
 )
@@ -321,12 +321,15 @@ def test_without_any_part_the_picture_stays_as_it_is():
     assert not sample.variance.any()
 
 
-@pytest.mark.parametrize("part", ["read", "dark", "prnu", "dsnu", "row", "column", "levels"])
+@pytest.mark.parametrize("part", ["read", "dark", "prnu", "dsnu", "row", "column", "telegraph"])
 def test_one_part_alone_has_its_own_variance(part):
     camera = mono(read_e=3.0, **FULL)
     add_noise = cn.noise.sampler(camera, **(OFF | {part: True}), seed=8)
     sample = add_noise(np.full((800, 900), 400.0), unit="electron", time_s=2.0)
-    draws, kurtosis = {"row": 800, "column": 900}.get(part, 720_000), 5 if part == "levels" else 3
+    draws, kurtosis = (
+        {"row": 800, "column": 900}.get(part, 720_000),
+        5 if part == "telegraph" else 3,
+    )
     error = 5 * ((kurtosis - 1) / draws) ** 0.5
     assert sample.noisy.var() / sample.variance[0, 0] == pytest.approx(1, abs=error)
     if part in ("row", "column"):

@@ -26,7 +26,7 @@ def _property_options(command: Command) -> Command:
             type=float,
             default=None if usual is None else f"{usual:g}",
             show_default=True,
-            help=one.help,
+            help=one.help.partition("; default:")[0],
         )(command)
     return command
 

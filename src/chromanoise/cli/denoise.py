@@ -45,6 +45,16 @@ from chromanoise.study import (
 )
 @matrix_option
 @click.option(
+    "--lux",
+    type=float,
+    help="Illuminance [lx]. [default: estimated from the mean of the picture]",
+)
+@click.option(
+    "--time-ms",
+    type=float,
+    help="Exposure time [ms]. [default: from the file, else solved from --saturate]",
+)
+@click.option(
     "--mosaic",
     metavar="NAME|ROWS|none",
     help=f"Channel of each pixel from the first one on: {', '.join(MOSAIC_NAMES)}, rows, e.g. "

@@ -181,8 +181,9 @@ def _option_of(one: DescribedSetting) -> click.Option:
         (yes, first), (no, second) = interface.flags
         form |= {"default": None, "callback": pair_of(yes, no)}
         names[0] = f"{first}/{second}"
-    elif kind is bool:
-        form["is_flag"] = True
+    elif kind is bool:  # None where it is not given, so that the default of the study holds
+        form |= {"is_flag": True, "default": None}
+        names[0] += f"/--no-{names[0].removeprefix('--')}" if one.default else ""
     elif interface.each:
         form |= {"multiple": True, "callback": lambda _, __, given: list(given) or None}
     elif get_origin(kind) is Mapping:

@@ -5,12 +5,13 @@ Outside of this package, add both to a subclass of `Pixel`, the source in its ``
 
 import math
 from collections.abc import Callable, Container, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any, Literal, get_args
 
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._shapes import Inexact
+from chromanoise.errors import InputError
 from chromanoise.sensor.pixel import Pixel
 
 NoiseKind = Literal["total", "temporal"]
@@ -238,4 +239,12 @@ def sources_of(pixel: Pixel) -> tuple[NoiseSource, ...]:
         _check.one_of(f"term of {one.cause}", one.term, (term,))
     found = (*SOURCES, *pixel.own_noise)
     _check.distinct("causes of noise", [one.cause for one in found])
+    for one in fields(pixel):
+        if one.name not in _OF_PIXEL and one.default != 0:
+            raise InputError(
+                one.name, "must have the default 0, which is no noise", value=one.default
+            )
     return found
+
+
+_OF_PIXEL = frozenset(one.name for one in fields(Pixel))

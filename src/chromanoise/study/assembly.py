@@ -516,9 +516,10 @@ def _reflectance_key(name: str) -> str:
 
 
 def _varied(study: Study) -> set[str]:
-    """The fields of a pixel that the sweeps of a study vary."""
+    """The fields of a pixel that the sweeps of a study vary, or its pictures replace."""
     names = {one.vary for part in study.sweeps for one in (part, part.second) if one is not None}
-    return {name.replace("-", "_") for name in names} & {*PIXEL}
+    replaced = {name for part in study.pictures for name in part.model_fields_set}
+    return ({name.replace("-", "_") for name in names} | replaced) & {*PIXEL}
 
 
 def sensor_of(

@@ -40,7 +40,7 @@ from chromanoise.exposure import refuse_f_number
 from chromanoise.imaging import DEMOSAICING
 from chromanoise.imaging.formats import FORMATS, MOST_FRAMES
 from chromanoise.io.given_matrices import MATRIX_ENDINGS, is_matrix_file
-from chromanoise.io.spectra.parsed import Negatives, Unit
+from chromanoise.io.spectra.parsed import Level, Negatives, Per, Scale, Unit
 from chromanoise.properties import Interface, Property, beside_their_needs
 from chromanoise.scene import BUILTIN_CUBES
 from chromanoise.sensor import (
@@ -52,6 +52,7 @@ from chromanoise.sensor import (
     BinningMode,
 )
 from chromanoise.spectra import DEFAULT_OBSERVER, METRICS, OBSERVERS, Illuminant
+from chromanoise.spectra.curves import Beyond
 
 if TYPE_CHECKING:
     from chromanoise.sensor import PartialPixel as _PixelNames
@@ -170,12 +171,11 @@ Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 _Shift = Annotated[float, Field(ge=-MOST_SHIFT_NM, le=MOST_SHIFT_NM)]
-Beyond = Literal["refuse", "zero", "hold"]
 BALANCE_WORDS = ("gray", "illuminant")
 """White balances that name no illuminant of their own."""
 _NEGATIVES = {
-    "description": "Small negative values in the file, e.g. from digitizing: refuse them, or set "
-    "them to 0.",
+    "description": "Small negative values in files of curves, e.g. from digitizing: refuse them, "
+    "or set them to 0.",
     "label": "Small negative values",
 }
 
@@ -217,9 +217,10 @@ class LightPart(Part):
 
     illuminant: str = setting(
         "E",
-        "E, A, G173 (daylight to 1050 nm), D65 and other CIE names, halogen, led-white, 3200K, "
-        "LED660, A+0.5xLED850 (with an infrared diode), a file of one curve, or another of "
-        "`chromanoise catalog illuminants`.",
+        "Illuminant: E, A, G173 (daylight to 1050 nm), D65 and other CIE names, halogen, "
+        "led-white, 3200K, LED660, A+0.5xLED850 (A plus an 850 nm LED of 0.5 times its power), a "
+        "file of one curve (any format of `chromanoise inspect`), or another name of `chromanoise "
+        "catalog illuminants`.",
         curves=True,
     )
     level_lux: Annotated[Positive, _within("lx", 1e-15, 1e15)] = setting(
@@ -227,16 +228,16 @@ class LightPart(Part):
     )
     beyond: Beyond = setting(
         "refuse",
-        "Values of the illuminant outside the range of its curve. CIE tables end at 780 nm or "
-        "before (D60 at 830 nm); E and A have no limit.",
+        "Illuminant outside the wavelengths of its curve: refuse, zero, or hold (the value at the "
+        "end). CIE tables end at 780 nm or before (D60 at 830 nm); E and A have no limit.",
         keyword="illuminant_beyond",
     )
-    per: Literal["photon", "energy"] | None = setting(
+    per: Per | None = setting(
         None,
-        "Whether the illuminant's file is in photons or energy, if it does not declare it.",
+        "Whether the illuminant's file gives photons or energy (power), if it does not declare it.",
         keyword="illuminant_per",
         flags=(("photon", "--illuminant-photons"), ("energy", "--illuminant-energy")),
-        label="The file counts",
+        label="Illuminant file in",
     )
     column: str | None = setting(
         None,
@@ -266,12 +267,14 @@ def _with_properties(
             setting(
                 None,
                 one.help.removesuffix(".") + default,
-                label=one.label[:1].upper() + one.label[1:],
-                slider=one.slider,
-                logarithmic=one.logarithmic and one.slider is not None and one.slider[0] > 0,
-                needs=one.needs,
-                later=one.later,
-                **interface,
+                **{
+                    "label": one.label[:1].upper() + one.label[1:],
+                    "slider": one.slider,
+                    "logarithmic": one.logarithmic and bool(one.slider and one.slider[0] > 0),
+                    "needs": one.needs,
+                    "later": one.later,
+                    **interface,
+                },
             ),
         )
         for name, one in properties.items()
@@ -289,8 +292,9 @@ def _with_properties(
 class _FileAndPixelPart(Part, _PixelNames):
     file: str | None = setting(
         None,
-        "EMVA 1288 sheet, DNG noise profile or photon transfer table; values that it lacks stay "
-        "the sensor's own, and single values beside it override it.",
+        "EMVA 1288 data sheet, DNG noise profile or photon transfer table: the pixel of all "
+        "sensors. Values that are not in the file are the sensor's own; values that are set "
+        "separately override the file.",
         keyword="pixel",
         metavar="FILE",
         paths=True,
@@ -312,7 +316,8 @@ class PixelPart(_FileAndPixelPart):
     )
     gain_dn_per_e: Annotated[Positive, _within("DN/e-", 1e-15, 1e12)] | None = setting(
         None,
-        "Gain K of the converter [DN/e-]; default: full well at the top code.",
+        "Gain K of the converter [DN/e-]; default with bits: full well at the top code; without "
+        "bits nothing is quantized.",
         label="Gain K",
         slider=(0.001, 100.0, 0.02),
         logarithmic=True,
@@ -350,24 +355,24 @@ class PixelPart(_FileAndPixelPart):
 class AnswersPart(Part):
     """Metadata that a file of QE curves lacks."""
 
-    scale: Literal["percent", "fraction"] | None = setting(
+    scale: Scale | None = setting(
         None,
         "Whether the QE values are percent or fractions.",
         keyword="qe_scale",
         flags=(("percent", "--percent"), ("fraction", "--fraction")),
         label="QE values are",
     )
-    level: Literal["relative", "absolute"] | None = setting(
+    level: Level | None = setting(
         None,
         "Whether the curves are relative or absolute.",
         flags=(("relative", "--relative"), ("absolute", "--absolute")),
         label="Curves are",
     )
-    per: Literal["photon", "energy"] | None = setting(
+    per: Per | None = setting(
         None,
-        "Whether the curves are per photon or per energy.",
+        "Whether the curves are responses per photon (QE) or per energy (e.g. A/W).",
         flags=(("photon", "--photons"), ("energy", "--energy")),
-        label="Curves are per",
+        label="Response per",
     )
     wavelength_unit: Unit | None = setting(
         None,
@@ -376,7 +381,7 @@ class AnswersPart(Part):
     )
     peak_qe: Annotated[float, Field(gt=0, le=1)] | None = setting(
         None,
-        "Highest QE of a sensor with relative curves [e-/photon].",
+        "Highest QE of all channels [e-/photon], to which relative curves are scaled.",
         label="Peak QE of relative curves",
         slider=(0.05, 1.0, 0.01),
     )
@@ -397,7 +402,7 @@ class ReflectancesPart(Part):
     chart: str | None = setting(
         None,
         "File of reflectances for color error, noise per patch and total error instead of the "
-        "ColorChecker.",
+        "ColorChecker (any format of `chromanoise inspect`).",
         keyword="chart_file",
         metavar="FILE",
         curves=True,
@@ -426,7 +431,7 @@ class ReflectancesPart(Part):
         hint="all pairs",
         file="spectrum",
     )
-    scale: Literal["percent", "fraction"] | None = setting(
+    scale: Scale | None = setting(
         None,
         "Whether the files of reflectances are percent or fractions.",
         keyword="reflectance_scale",
@@ -480,16 +485,16 @@ class SensorPart(Part):
     )
     beyond: Beyond = setting(
         "refuse",
-        "Values outside the range of the curves, where the file does not cover 400-1050 nm: "
-        "refuse, zero or hold.",
+        "Curves outside the wavelengths of their file, where it does not cover 400-1050 nm: "
+        "refuse, zero, or hold (the value at the end).",
         label="Outside the range of the curves",
     )
     answers: AnswersPart = Field(AnswersPart(), description="Metadata that its file lacks.")
     pixel: PixelPart = Field(PixelPart(), description="Changes to its pixel.")
     filter: str | None = setting(
         None,
-        "Filter on the sensor: ircut-650, ircut-650/20, ircut-schott, another of `chromanoise "
-        "catalog filters`, or a file of one transmittance.",
+        "Filter on the sensor: ircut-650, ircut-650/20, ircut-schott, another name of `chromanoise "
+        "catalog filters`, or a file of one transmittance (any format of `chromanoise inspect`).",
         metavar="NAME|FILE",
         curves=True,
         label="Filter on the sensor",
@@ -498,7 +503,7 @@ class SensorPart(Part):
     )
     channel_filters: dict[str, str] | None = setting(
         None,
-        "Filters of single channels, as filter, e.g. R=ircut-650.",
+        "Filter of a single channel: a name or a file of one transmittance, e.g. ircut-650 for R.",
         option="channel-filter",
         metavar="CHANNEL=NAME|FILE",
         curves=True,
@@ -514,7 +519,7 @@ class SensorPart(Part):
     )
     shift_ircut_nm: _Shift = setting(
         0.0,
-        "Shift of the filter in wavelength, positive towards red [nm].",
+        "Shift of the filter in wavelength, positive toward red [nm].",
         label="Shift of the filter on the sensor",
         slider=(-50.0, 50.0, 1.0),
         needs=("filter",),
@@ -523,8 +528,9 @@ class SensorPart(Part):
     negatives: Negatives = setting("refuse", **_NEGATIVES)
     crosstalk: float | str | None = setting(
         None,
-        "Share of the light of a pixel that ends in its four neighbors (needs a mosaic), or a "
-        "file: a table with one row and column per channel, or a kernel of neighbors.",
+        "Share of its light that a pixel loses to its four neighbors, a quarter to each (needs a "
+        "mosaic), or a file: a table with one row and column per channel, or a kernel of "
+        "neighbors.",
         metavar="SHARE|FILE",
         paths=True,
         label="Crosstalk to the neighbors",
@@ -535,29 +541,28 @@ class SensorPart(Part):
         "light",
         "Crosstalk before counting (light), or after it (charge: interpixel capacitance, which "
         "correlates the readings).",
-        label="Crosstalk of",
+        label="Crosstalk stage",
         needs=("crosstalk",),
     )
     mosaic: Annotated[str, Known(MOSAIC_NAMES, others=True)] | None = setting(
         None,
-        "Mosaic, for crosstalk, figures of merit and pictures of the sensor's mosaic: "
+        "Mosaic of the sensor, for crosstalk, figures of merit and pictures: "
         f"{', '.join(MOSAIC_NAMES)}, or rows, e.g. RG/GB or 'Red Yellow; Yellow Blue'; default: "
         "that of the sensor.",
         metavar="NAME|ROWS",
-        label="Mosaic of the neighbors",
+        label="Mosaic",
         hint="its own; e.g. bayer, RG/GB",
-        needs=("crosstalk",),
     )
     ircut_nm: Annotated[float, Field(ge=450, le=2000)] | None = setting(
         None,
-        "Edge of an added model IR-cut [nm].",
+        "Wavelength of half transmittance of an added model IR-cut [nm].",
         label="IR-cut edge",
         slider=(600.0, 1050.0, 5.0),
     )
     shift_nm: _Shift = setting(
         0.0,
-        "Shift of all curves in wavelength, positive towards red [nm].",
-        label="Shift of the filters",
+        "Shift of all QE curves in wavelength, positive toward red [nm].",
+        label="Shift of the QE curves",
         slider=(-50.0, 50.0, 1.0),
     )
 
@@ -578,22 +583,26 @@ class ExposurePart(Part):
     equal: Literal["exposure", "saturation", "light"] = setting(
         "exposure",
         "What is equal for all sensors. exposure: the time. saturation: the share of full well, "
-        "each with its own time. light: time x pixel area x number of channels, so a 4-channel "
-        "sensor gets 3/4 of the time of a 3-channel one.",
+        "each with its own time. light: time x pixel area x pixels per set of channels, so with "
+        "equal pixels a 4-channel mosaic has 3/4 of the time of a 3-channel one.",
     )
     time_ms: Annotated[Positive, _within("ms", 1e-12, 1e15)] | None = setting(
-        None, "Exposure time [ms], the same for all sensors; solved if omitted."
+        None,
+        "Exposure time [ms], the same for all sensors; default: solved from the share of full "
+        "well.",
     )
     saturate: Annotated[float, Field(gt=0, le=1), _within("of full well", 1e-9, 1.0)] = setting(
         0.99,
         "Share of full well that the most sensitive channel reaches on a perfect white, if the "
         "time is solved.",
     )
-    f_number: Annotated[Positive, AfterValidator(_of_a_lens)] = setting(1.8, "Aperture f/#.")
+    f_number: Annotated[Positive, AfterValidator(_of_a_lens)] = setting(
+        1.8, "f-number of the lens."
+    )
     magnification: Finite | None = setting(
         None,
-        "Use the camera equation 1/(1 + 4 f#^2 (1 + |m|)^2) instead of the paper's distant scene, "
-        "1/(4 f#^2).",
+        "Magnification m of the lens [1], with the camera equation 1/(1 + 4 f#^2 (1 + |m|)^2); "
+        "default: the paper's distant scene, 1/(4 f#^2).",
         label="Magnification of the lens",
         slider=(-1.0, 0.0, 0.01),
         hint="distant scene",
@@ -631,7 +640,11 @@ class SecondSweepPart(Part):
     """A second parameter of a sweep: the quantity on a grid of pairs of values."""
 
     vary: Annotated[str, Known(SWEEPS)] = setting(
-        ..., "What varies too, as in the sweep.", keyword="second_vary", option="and", part="NAME"
+        ...,
+        "Second parameter that varies; the names are those of the sweep.",
+        keyword="second_vary",
+        option="and",
+        part="NAME",
     )
     first: Finite = setting(
         ...,
@@ -660,7 +673,7 @@ class SweepPart(Part):
     """One parameter that varies, or two, and the quantity to compute."""
 
     vary: Annotated[str, Known(SWEEPS)] = setting(
-        ..., f"What varies: {', '.join(SWEEPS)}.", option="sweep", part="NAME"
+        ..., f"Parameter that varies: {', '.join(SWEEPS)}.", option="sweep", part="NAME"
     )
     first: Finite = setting(
         ..., "Lowest value, in the unit of the sweep.", option="sweep", part="FIRST"
@@ -671,7 +684,7 @@ class SweepPart(Part):
         "snr-y", f"Quantity to compare: {', '.join(QUANTITIES)}."
     )
     all_priors: bool = setting(
-        False, "Also the band of crossovers over all priors.", option="prior", part="all"
+        False, "Also the range of each crossover over all priors.", option="prior", part="all"
     )
     second: SecondSweepPart | None = Field(
         None, description="A second parameter that varies: values on a grid, and a heat map."
@@ -710,8 +723,9 @@ class SweepPart(Part):
 
 @_with_properties(
     {name: PIXEL[name] for name in PIXEL_NOISE},
-    "; default: from pixel.file, else 0.",
+    "; default: from the file of the pixel, else 0.",
     keyword=None,
+    needs=(),
 )
 class PicturePart(Part):
     """Pictures of one cube with every sensor, as `chromanoise simulate` renders them."""
@@ -738,8 +752,8 @@ class PicturePart(Part):
     )
     beyond: Beyond = setting(
         "refuse",
-        "Values outside the range of the cube's reflectances, and of the sensors' curves: refuse, "
-        "zero or hold.",
+        "Reflectances outside the wavelengths of the cube, and curves of sensors outside those of "
+        "their files: refuse, zero, or hold (the value at the end).",
     )
     bad_pixels: Literal["refuse", "zero"] = setting(
         "refuse",
@@ -760,16 +774,20 @@ class PicturePart(Part):
     )
     raw_only: bool = setting(False, "Only the raw codes of the mosaic, without color.")
     bits: Annotated[int, Field(ge=8, le=16)] | None = setting(
-        None, "Bits of the converter, 8 to 16, with a mosaic; default: from pixel.file, else 12."
+        None,
+        "Bits of the converter, 8 to 16, with a mosaic; default: from the file of the pixel, else "
+        "12.",
     )
     black_level: Annotated[int, Field(ge=0, lt=2**16)] | None = setting(
-        None, "Code without light, with a mosaic; default: from pixel.file, else 0."
+        None, "Code without light, with a mosaic; default: from the file of the pixel, else 0."
     )
-    frames: Annotated[int, Field(ge=1, le=MOST_FRAMES)] = setting(1, "Frames of a burst.")
+    frames: Annotated[int, Field(ge=1, le=MOST_FRAMES)] = setting(
+        1, "Number of frames of a burst, each with new temporal noise and the same fixed pattern."
+    )
     denoise: Annotated[str, Known(DENOISING)] | None = setting(
         None,
         "Denoising of the electrons with their known noise, before the color matrix: "
-        f"{', '.join(DENOISING)}; raw codes are not denoised; default: none.",
+        f"{', '.join(DENOISING)}; raw codes are not denoised; default: no denoising.",
     )
     formats: (
         Annotated[tuple[Annotated[str, Known(FORMATS)], ...], Field(strict=False, min_length=1)]
@@ -791,7 +809,9 @@ class PicturePart(Part):
     def _ends_or_a_file(cls, given: Any) -> Any:
         """Give one error message; the schema alone would give one for each type of value."""
         pair = isinstance(given, list | tuple) and len(given) == 2
-        numbers = pair and all(isinstance(n, int | float) for n in given)
+        numbers = pair and all(
+            isinstance(n, int | float) and not isinstance(n, bool) for n in given
+        )
         if given is None or isinstance(given, str) or numbers:
             return given
         raise ValueError("must be [FIRST, LAST] in nm, or the name of a file that lists them all")
@@ -840,13 +860,13 @@ class ParetoPart(Part):
 
     first: Positive = setting(
         ...,
-        "Lowest weight; 1 is LMMSE, towards 0 is least squares.",
+        "Lowest weight of the noise; 1 is LMMSE, and weights near 0 approach least squares.",
         keyword="pareto_first",
         option="pareto",
         part="FIRST",
     )
     last: Positive = setting(
-        ..., "Highest weight.", keyword="pareto_last", option="pareto", part="LAST"
+        ..., "Highest weight of the noise.", keyword="pareto_last", option="pareto", part="LAST"
     )
     points: Annotated[int, Field(ge=2, le=100_000)] = setting(
         13, "Number of weights.", keyword="pareto_points", option="pareto", part="POINTS"
@@ -866,8 +886,9 @@ class PipelinePart(Part):
     )
     white_balance: Annotated[tuple[Positive, ...], Field(strict=False)] | str = setting(
         BALANCE_WORDS[0],
-        "White balance of the pipeline: gains from an 18 % gray as it is read (gray), from the "
-        "illuminant, from another illuminant (D65, 3200K, a file ...), or given, one per channel.",
+        "White balance of the pipeline. gray: equal raw values of an 18 % gray as it is read. "
+        "illuminant, or the name or file of another one: equal raw values of a white under it. Or "
+        "one gain per channel.",
         metavar="gray|illuminant|NAME|R,G,B...",
         curves=True,
         suggestions=(*BALANCE_WORDS, "D65"),
@@ -875,8 +896,8 @@ class PipelinePart(Part):
     )
     white_balance_pixels: Annotated[int, Field(ge=1, le=10**9)] | None = setting(
         None,
-        "Also the noise of gains that are estimated from so many gray pixels per channel; default: "
-        "exact gains.",
+        "Number of gray pixels per channel from which the gains are estimated, whose noise is "
+        "added; only with white balance gray; default: exact gains.",
         label="Gray pixels for the gains",
         slider=(10, 10**6, 0.1),
         logarithmic=True,
@@ -898,7 +919,7 @@ class PipelinePart(Part):
         label="Tone curve",
         suggestions=(*TONES, "2.2"),
     )
-    luma: Literal["bt709", "bt601"] = setting("bt709", "Weights of Y'CbCr.")
+    luma: Literal["bt709", "bt601"] = setting("bt709", "Luma weights of Y'CbCr.")
     iso: Annotated[tuple[Positive, ...], Field(strict=False, min_length=1, max_length=100)] = (
         setting(
             (BASE_ISO,),
@@ -918,7 +939,7 @@ class PipelinePart(Part):
     )
     iso_read_noise_e: Annotated[tuple[NotNegative, ...], Field(strict=False)] | None = setting(
         None,
-        "Read noise at each ISO [e-]; default: the same at all.",
+        "Read noise at each ISO [e-], one value per ISO setting; default: that of the sensor.",
         metavar="LIST",
         label="Read noise at each ISO",
         hint="the same",
@@ -991,14 +1012,15 @@ class OutputsPart(Part):
 
     analyses: bool = setting(
         True,
-        "Every stage of each sensor, per matrix.",
+        "Signal and noise of each sensor at every stage (raw, spectral, color), for each matrix.",
         keyword=None,
         label="Every stage, per matrix",
     )
     clip: bool = setting(
         False,
-        "Exact moments of electrons clipped between 0 and full well, instead of eq. 7.",
-        label="Clip electrons (without budget)",
+        "Exact mean and variance of electrons clipped between 0 and full well, instead of eq. 7; "
+        "not with budget or merit.",
+        label="Clip electrons (not with budget or merit)",
     )
     budget: bool = setting(
         True,
@@ -1016,18 +1038,18 @@ class OutputsPart(Part):
         label="Every patch of the chart",
     )
     space: Annotated[str, Known(SPACES)] | None = setting(
-        None, "Noise of an 18 % gray in this color space.", label="Noise of gray in"
+        None, "Noise of an 18 % gray in this color space.", label="Color space of the gray's noise"
     )
     reader: Literal["eye", "machine"] = setting(
         "eye",
-        "Who looks: an eye, by color and its noise, or a machine, by the distance of patches in "
-        "raw values.",
+        "Who judges. eye: by color and its noise. machine: by the distance of patches in raw "
+        "values, in units of their noise.",
     )
     matrix: bool = setting(
         False,
-        "Each color matrix, its color error and noise.",
+        "The color matrices, with color error and noise.",
         keyword=None,
-        label="Each matrix, its error and noise",
+        label="Color matrices: error and noise",
     )
     pipeline: PipelinePart = Field(
         PipelinePart(), description="The camera's own pipeline, from raw to Y'CbCr and Lab."
@@ -1076,12 +1098,12 @@ class Study(Part):
     metric: Annotated[str, Known(METRICS)] = setting(
         "quanta",
         "Whether spectra are expressed in photons (quanta) or in energy.",
-        label="Metric: spectra in",
+        label="Spectra in",
     )
     observer: Annotated[str, Known(OBSERVERS, others=_own_observer)] = setting(
         DEFAULT_OBSERVER,
         f"Observer of the colors: {', '.join(OBSERVERS)}, or a file of color-matching functions x, "
-        "y, z; a lux is always CIE 1931.",
+        "y, z; illuminance is always that of CIE 1931.",
         metavar="NAME|FILE",
         curves=True,
         label="Observer",

@@ -4,9 +4,17 @@ import hashlib
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass
+from functools import partial
 from numbers import Number
 from pathlib import Path
-from types import CodeType, FunctionType, MappingProxyType, NoneType
+from types import (
+    BuiltinFunctionType,
+    CodeType,
+    FunctionType,
+    MappingProxyType,
+    MethodType,
+    NoneType,
+)
 from typing import Any, Literal
 
 import numpy as np
@@ -246,6 +254,12 @@ def _pieces(one: Any) -> Iterator[bytes]:
     elif isinstance(one, FunctionType):
         captured = [cell.cell_contents for cell in one.__closure__ or ()]
         yield from _pieces([one.__code__, captured, one.__defaults__, one.__kwdefaults__])
+    elif isinstance(one, MethodType):
+        yield from _pieces([one.__self__, one.__func__])
+    elif isinstance(one, partial):
+        yield from _pieces([one.func, one.args, one.keywords])
+    elif isinstance(one, BuiltinFunctionType):
+        yield from _pieces([one.__module__, one.__qualname__])
     elif isinstance(one, CodeType):
         yield from _pieces([one.co_code, one.co_names, one.co_consts])
     else:
@@ -356,7 +370,7 @@ def _hash_of(study: Study, digests: Mapping[str, str]) -> str:
         if one.interface is not None and one.interface.later:
             *path, name = one.key.split(".")
             for part in _parts_at(data, path):
-                if part[name] == one.field.default:  # a study without it keeps its hash
+                if part[name] == json.loads(json.dumps(one.field.default)):  # as in data
                     del part[name]
     content = [__version__, data, dict(digests)]
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()

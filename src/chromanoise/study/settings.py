@@ -130,8 +130,8 @@ def interface_of(name: str) -> Interface:
 
     Examples
     --------
-    >>> interface_of("per").flags
-    ('--photons', '--energy')
+    >>> interface_of("formats").option
+    'format'
     """
     found = KEYS[_ANY[name][0]].interface if name in _ANY else None
     return found or Interface()
@@ -294,7 +294,7 @@ def _with_the_mosaic(study: Study, settings: Settings) -> Study:
 _GENERAL = {"sensors": "sensors.*", "pictures": "pictures.0"}
 
 
-def argument_of(key: str, names: Mapping[str, tuple[str, ...]] = _ANY) -> str | None:
+def argument_of(key: str, names: Mapping[str, tuple[str, ...]]) -> str | None:
     """The flat name of a key of a study; ``None`` if it has none.
 
     Parameters
@@ -306,8 +306,8 @@ def argument_of(key: str, names: Mapping[str, tuple[str, ...]] = _ANY) -> str | 
 
     Examples
     --------
-    >>> argument_of("sensors.0.answers.per"), argument_of("light.per"), argument_of("title")
-    ('per', 'illuminant_per', None)
+    >>> [argument_of(key, FUNCTIONS["analyze"]) for key in ("sensors.0.answers.per", "title")]
+    ['per', None]
     """
     general = re.sub(r"^(sensors|pictures)\.\d+", lambda m: _GENERAL[m[1]], key)
     general = re.sub(r"\.\d+$", "", general)  # an entry of a list
