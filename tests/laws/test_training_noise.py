@@ -54,7 +54,8 @@ FULL = {
     "prnu": 0.02,
     "row_noise_e": 2.0,
     "column_noise_e": 1.5,
-    "levels": (0.2, 5.0),
+    "rtn_share": 0.2,
+    "rtn_amplitude_e": 10.0,
 }
 
 

@@ -603,7 +603,7 @@ def test_the_help_shows_the_defaults_of_the_study(run, command, function):
     shown = " ".join(run(command, "--help")[1].split())
     study = Study.model_validate({"sensors": [{"name": "x"}]})
     assert f"Illuminance [lx]. [default: {study.light.level_lux:g}]" in shown
-    assert f"Aperture f/#. [default: {study.exposure.f_number:g}]" in shown
+    assert f"f-number of the lens. [default: {study.exposure.f_number:g}]" in shown
     assert f"[default: {study.exposure.equal}]" in shown
     assert default_of(function, "saturate") == study.exposure.saturate
 

@@ -197,7 +197,7 @@ COMMANDS = [
     "chromanoise compare onyx-rgbw --sweep kelvin=2000.0:9000.0 --prior all --matrix lmmse",
     "chromanoise matrix onyx-rgbw --pareto 0.1:10.0:3 --matrix ridge=0.1",
     "chromanoise simulate 'a b.npz' --sensor x.csv --pixel 'p q.txt' --prnu 0.01 --row-noise-e 2.0 "
-    "--bits 10 --gain-dn-per-e 0.5 --mosaic bayer --seed 3 --shape 2x3 --frames 2 --format raw,png",
+    "--bits 10 --gain-dn-per-e 0.5 --seed 3 --shape 2x3 --mosaic bayer --frames 2 --format raw,png",
     "chromanoise simulate a.npz --sensor x.csv --crosstalk 0.1 --mosaic bayer",
     "chromanoise simulate a.npz --sensor x.csv --crosstalk mix.csv --mosaic sensor",
     "chromanoise analyze x.csv --dark-current-e-per-s 5.0 --temperature-c 40.0 "

@@ -157,7 +157,7 @@ def test_every_control_of_a_sensor_changes_the_study_without_a_fault(window):
     assert len(tried) >= 20
     away = page.get_by_role("button", name="none: Crosstalk to the neighbors").first
     question, _ = answer_to(page, away.click)
-    assert not {"crosstalk", "crosstalk_stage", "mosaic"} & set(question["study"]["sensors"][0])
+    assert not {"crosstalk", "crosstalk_stage"} & set(question["study"]["sensors"][0])
 
 
 def test_a_value_of_the_pixel_goes_back_to_the_sensors_own(window):

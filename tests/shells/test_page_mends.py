@@ -248,7 +248,7 @@ def test_the_highest_qe_is_asked_only_of_a_file_of_relative_curves(page, watch):
     result.wait_for()
     assert "highest QE" in result.inner_text()
     assert "--" not in result.inner_text()
-    field = card.get_by_label("Peak QE of relative curves, as a number")
+    field = card.get_by_label("Peak QE of relative curves in e")
     field.fill("0.6")
     question, _ = answer_to(page, lambda: field.press("Enter"))
     assert question["study"]["sensors"][0]["answers"]["peak_qe"] == 0.6

@@ -370,7 +370,7 @@ def _hash_of(study: Study, digests: Mapping[str, str]) -> str:
         if one.interface is not None and one.interface.later:
             *path, name = one.key.split(".")
             for part in _parts_at(data, path):
-                if part[name] == json.loads(json.dumps(one.field.default)):  # as in data
+                if json.dumps(part[name]) == json.dumps(one.field.default):  # tuples are lists
                     del part[name]
     content = [__version__, data, dict(digests)]
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
