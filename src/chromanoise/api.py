@@ -699,8 +699,8 @@ class _Named:
 
     def matrices(self, matrices: Any) -> list[str]:
         """The words of color matrices."""
-        alone = isinstance(matrices, np.ndarray | ColorMatrix) or callable(matrices)
-        return [self.matrix(one) for one in ([matrices] if alone else matrices)]
+        several = isinstance(matrices, list | tuple)
+        return [self.matrix(one) for one in (matrices if several else [matrices])]
 
     def cube(self, cube: Any) -> str:
         """The word of a cube."""

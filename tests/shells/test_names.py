@@ -28,6 +28,7 @@ from chromanoise.spectra import DEFAULT_GRID, OBSERVERS
 from chromanoise.study import study_from_data, study_of
 from chromanoise.study.hashes import study_hash
 from chromanoise.study.reading import study_from_text
+from outcomes import refused_input
 
 SENSOR = "onyx-rgbw"
 
@@ -299,3 +300,20 @@ def test_an_old_name_of_a_class_is_the_class_and_warns_where_it_is_used(package,
     assert Path(caught[0].filename) == Path(__file__)
     assert old not in module.__all__
     assert new in module.__all__
+
+
+def test_a_sensor_is_repeated_in_either_spelling():
+    with refused_input(subject="sensors", value="onyx-rgb"):
+        cn.analyze("onyx_rgb", "onyx-rgb")
+
+
+def test_one_matrix_needs_no_list():
+    sensors, sweep = ("onyx-rgb", "onyx-rgbw"), {"points": 3}
+    alone, listed = (cn.compare(*sensors, matrices=one, **sweep) for one in ("lmmse", ["lmmse"]))
+    assert alone.to_dict() == listed.to_dict()
+
+
+@pytest.mark.parametrize("data", [[], None, "x"])
+def test_a_study_of_python_is_a_mapping(data):
+    with refused_input(subject="study", value=type(data).__name__):
+        study_from_data(data)

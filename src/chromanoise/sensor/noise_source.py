@@ -99,7 +99,15 @@ class PixelReading:
         for name in ("dark_e", "step_e"):
             object.__setattr__(self, name, _check.not_negative(name, "e-", getattr(self, name)))
         for one in self.sources[len(SOURCES) :]:
-            _check.not_negative(f"coefficient of {one.cause}", one.term, one.value(self))
+            try:
+                value = float(one.value(self))
+            except Exception as error:  # of a function that the user wrote
+                raise InputError(
+                    f"value of {one.cause}",
+                    "must return a number for a reading",
+                    found=f"raised {type(error).__name__}: {error}",
+                ) from error
+            _check.not_negative(f"coefficient of {one.cause}", one.term, value)
 
     @property
     def sources(self) -> tuple[NoiseSource, ...]:

@@ -21,6 +21,7 @@ from chromanoise.catalog.reflectances import (
 from chromanoise.catalog.resolve import (
     WordKind,
     behind_resolved_filter,
+    catalog_word,
     file_of,
     is_file_word,
     resolve_illuminant,
@@ -202,7 +203,11 @@ def duplicates(study: Study) -> list[InputError]:
 
     A page shows them, for one of them is about to be changed; a run would compute all of it twice.
     """
-    texts = [part.model_dump_json(exclude={"label"}) for part in study.sensors]
+    named = [
+        part.model_copy(update={"name": catalog_word(part.name, "sensor")})
+        for part in study.sensors
+    ]
+    texts = [part.model_dump_json(exclude={"label"}) for part in named]
     first = {text: i for i, text in reversed(list(enumerate(texts)))}
     return [
         InputError(

@@ -244,7 +244,7 @@ def _toml(text: str, source: str) -> dict[str, Any]:
         raise InputError(source, "is not TOML (an integer has too many digits)") from None
 
 
-def study_from_data(data: Mapping[str, Any], *, source: str = "", keep_idle: bool = False) -> Study:
+def study_from_data(data: Any, *, source: str = "", keep_idle: bool = False) -> Study:
     """The study in plain data, as TOML would give it.
 
     Parameters
@@ -266,6 +266,8 @@ def study_from_data(data: Mapping[str, Any], *, source: str = "", keep_idle: boo
     InputError
         All faults of what it says, each with its key as ``setting``; several as a `StudyError`.
     """
+    if not isinstance(data, Mapping):
+        raise InputError("study", "must be a mapping of keys", value=type(data).__name__)
     return _validated(Study, data, source, {}, {}, lambda study: [], keep_idle)
 
 
