@@ -16,7 +16,10 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 LEDGER = ROOT / "docs" / "size.toml"
 KINDS = ("modules", "code", "docstrings", "javascript")
-_HEAD = "# Lines per folder, written by `make size`. CI fails if a folder has more than its numbers here.\n"
+_HEAD = (
+    "# Lines per folder, written by `make size`. CI fails if a folder has more than its numbers "
+    "here.\n"
+)
 
 
 def sizes() -> dict[str, dict[str, int]]:
