@@ -486,3 +486,12 @@ def test_a_photon_transfer_that_cannot_be_is_refused(tmp_path, result):
 def test_the_names_of_the_virtual_camera_are_public():
     assert cn.characterization.VirtualCamera is VirtualCamera
     assert cn.characterization.photon_transfer_frames is photon_transfer_frames
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("rtn_amplitude_e", 5.0), ("temperature_c", 60.0), ("dark_doubling_k", 5.0)],
+)
+def test_a_value_without_the_one_that_it_needs_is_refused(name, value):
+    with refused_input(subject=name, value=value):
+        replace(USUAL_CAMERA, dark_current_e_per_s=0.0, **{name: value})

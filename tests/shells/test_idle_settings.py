@@ -6,7 +6,7 @@ import pytest
 from pydantic import ValidationError
 
 import chromanoise as cn
-from chromanoise.errors import errors_in
+from chromanoise.errors import InputError, errors_in
 from chromanoise.page.answers import ChartReplies
 from chromanoise.page.services import Services
 from chromanoise.page.studies import Studies
@@ -278,3 +278,12 @@ def test_a_share_of_rtn_pixels_without_an_amplitude_is_noted():
 
     assert len(notes()) == 1
     assert notes(rtn_amplitude_e=20.0) == []
+
+
+def test_a_refused_value_does_not_make_what_needs_it_a_second_fault(tmp_path):
+    pixel = "[sensors.pixel]\nrtn_share = 2\nrtn_amplitude_e = 5\n"
+    (tmp_path / "study.toml").write_text(f'[[sensors]]\nname = "onyx-rgbw"\n{pixel}')
+    with pytest.raises(InputError) as caught:
+        read_study(tmp_path / "study.toml")
+    (error,) = errors_in(caught.value)
+    assert (error.setting, error.value) == ("sensors.0.pixel.rtn_share", 2.0)

@@ -19,7 +19,7 @@ from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._shapes import Float, Int, UInt16
 from chromanoise.characterization.results import plane_names
-from chromanoise.errors import InputError
+from chromanoise.errors import InputError, Setting
 from chromanoise.properties import Property, properties_of
 from chromanoise.rng import stream
 from chromanoise.sensor import PIXEL, PIXEL_NOISE, Mosaic, PartialPixel, Pixel, mosaic_named
@@ -206,6 +206,17 @@ class VirtualCamera(PartialPixel):
                 object.__setattr__(self, name, getattr(_QUIET, name))
             elif value is not None:
                 object.__setattr__(self, name, one.demand(name, value))
+        for name, one in PIXEL.items():
+            idle = one.needs and not any(getattr(self, needed) for needed in one.needs)
+            if idle and getattr(self, name) != getattr(_QUIET, name):
+                labels = " or ".join(PIXEL[needed].label for needed in one.needs)
+                raise InputError(
+                    name,
+                    f"must be given only for a camera with {labels}",
+                    value=getattr(self, name),
+                    found="there is none",
+                    remedy=(*map(Setting, one.needs), "omit it"),
+                )
         _ = self.reading  # refuses a pixel that cannot be
         object.__setattr__(self, "bits", whole("bits", self.bits, 8, 16))
         object.__setattr__(self, "seed", whole("seed", self.seed, 0, (1 << 128) - 1))

@@ -11,7 +11,7 @@ from pydantic import BaseModel, ValidationError
 
 from chromanoise._inputs import regular_file
 from chromanoise.catalog.resolve import file_of, word_beside
-from chromanoise.errors import InputError, did_you_mean, errors_in, known_name, refusal
+from chromanoise.errors import InputError, Setting, did_you_mean, errors_in, known_name, refusal
 from chromanoise.study.assembly import unresolved
 from chromanoise.study.document import KEEP_IDLE, Study, StudyKind
 from chromanoise.study.hashes import FileWord, with_file_words
@@ -297,12 +297,17 @@ def _validated(
         faults = [fault for one in shown for fault in _faults(one, kind)]
         study = _without(kind, data, [one["loc"] for one in shown])
     if study is not None and study.sensors[0].name:
-        faults += unfit(study)
+        left_out = {one.setting for one in faults}  # settings that need one of these are no fault
+        faults += [one for one in unfit(study) if not left_out & _named_in_remedies(one)]
     if faults or study is None:
         ordered = sorted(faults, key=lambda error: _line_of(_key_of(error), lines))
         places = [_place(_key_of(error), lines, changed, source) for error in ordered]
         raise refusal(ordered, places if source else ())
     return study
+
+
+def _named_in_remedies(error: InputError) -> set[str]:
+    return {one.name for one in error.remedy if isinstance(one, Setting)}
 
 
 def _key_of(error: InputError) -> Key:
