@@ -494,4 +494,4 @@ def test_the_names_of_the_virtual_camera_are_public():
 )
 def test_a_value_without_the_one_that_it_needs_is_refused(name, value):
     with refused_input(subject=name, value=value):
-        replace(USUAL_CAMERA, dark_current_e_per_s=0.0, **{name: value})
+        VirtualCamera(shape=(16, 16), dark_current_e_per_s=0.0, **{name: value})
