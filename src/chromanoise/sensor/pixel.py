@@ -93,7 +93,7 @@ class Pixel:
     """
 
     own_noise: ClassVar[tuple[Any, ...]] = ()
-    """`chromanoise.sensor.noise_source.NoiseSource`s of a subclass."""
+    """The noise sources of a subclass, each a `chromanoise.sensor.noise_source.NoiseSource`."""
 
     pitch_um: Annotated[
         float,
