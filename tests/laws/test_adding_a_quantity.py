@@ -79,10 +79,6 @@ def answers(tmp_path_factory):
     return answers_of_copy(tmp_path_factory.mktemp("copy"), EDITS, QUESTIONS)
 
 
-def test_a_quantity_is_one_function_and_so_is_an_objective():
-    assert [text.count("\ndef ") for _, text in EDITS.values()] == [1, 1]
-
-
 def test_python_and_the_command_give_the_share_for_which_the_time_was_solved(answers):
     assert answers["of Python"] == pytest.approx([0.099, 0.99], rel=1e-12)
     assert answers["of the command"] == answers["of Python"]

@@ -203,7 +203,7 @@ def report_reply(studies: Studies, question: Mapping[str, Any], folder: Path) ->
     question
         With the key ``study``.
     folder
-        Empty, for the files; whoever made it removes it, because this process may be stopped.
+        Empty folder for the files. The caller removes it, because this process may be stopped.
 
     Raises
     ------

@@ -42,12 +42,10 @@ class _Function:
                 excluded = any(_begins(key, no) for no in self.without)
                 if one.keyword is not None and _begins(key, beginning) and not excluded:
                     found[one.keyword] = (*found.get(one.keyword, ()), key)
-        order = ("pictures", "sensors", "light")
+        order = {"pictures": 0, "sensors": 1, "light": 2}
         return MappingProxyType(
             {
-                name: tuple(sorted(keys, key=lambda one: order.index(one.partition(".")[0])))
-                if len(keys) > 1
-                else keys
+                name: tuple(sorted(keys, key=lambda key: order.get(key.partition(".")[0], 0)))
                 for name, keys in found.items()
             }
         )
@@ -117,7 +115,7 @@ FUNCTIONS: Mapping[str, Mapping[str, tuple[str, ...]]] = MappingProxyType(
     {name: one.settings() for name, one in _DECLARED.items()}
 )
 """Keys of a study by the settings of each function of ``import chromanoise as cn``."""
-_ANY = {name: keys for one in ("render", *_DECLARED) for name, keys in FUNCTIONS[one].items()}
+_ANY = {name: keys for one in _DECLARED for name, keys in FUNCTIONS[one].items()}
 
 
 def interface_of(name: str) -> Interface:

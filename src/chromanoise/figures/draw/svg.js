@@ -48,7 +48,7 @@ function filled(node, attributes, content) {
 }
 
 /**
- * Writes text only where it changes: a browser lays out again, and tells it aloud, after every writing.
+ * Writes text only where it changes: after every write a browser lays out again, and a screen reader reads the text aloud.
  *
  * @param {Node} node
  * @param {string} text

@@ -46,7 +46,7 @@ export async function posted(path, question, signal) {
 }
 
 /**
- * The reply to posted JSON, of any kind; throws TypeError where nobody answers.
+ * The reply to posted JSON, whatever its status; throws TypeError if the server does not answer.
  *
  * @param {string} path
  * @param {unknown} question

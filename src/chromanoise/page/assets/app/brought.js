@@ -138,8 +138,8 @@ function uses(answer, answers, done, unanswered) {
    */
   const use = (text, edit) => button(text, () => (asksFor(unanswered()) ? null : (changeStudy(edit), done())), { class: "wide" });
   if (answer.kind === "light") {
-    const told = () => ({ illuminant: answer.id, ...stripped(answers(), "light.") });
-    return [use("Use as the light", (study) => (study.light = { ...lampless(study.light), ...told() }))];
+    const light = () => ({ illuminant: answer.id, ...stripped(answers(), "light.") });
+    return [use("Use as the light", (study) => (study.light = { ...lampless(study.light), ...light() }))];
   }
   if (answer.kind === "cube") return [use("Show in the picture", (study) => setCube(study, answer.id, answers()))];
   if (answer.kind === "study") {

@@ -21,10 +21,10 @@ export function complain(row, sentence) {
     if (subject) attribute(subject, "aria-describedby", null);
     return;
   }
-  const told = here ?? el("p", { class: "fault", id: uniqueId("fault"), role: "alert" });
-  say(told, sentence);
-  if (!here) row.append(told);
-  if (subject) subject.setAttribute("aria-describedby", told.id);
+  const shown = here ?? el("p", { class: "fault", id: uniqueId("fault"), role: "alert" });
+  say(shown, sentence);
+  if (!here) row.append(shown);
+  if (subject) subject.setAttribute("aria-describedby", shown.id);
 }
 
 /**

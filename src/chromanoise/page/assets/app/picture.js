@@ -333,7 +333,7 @@ async function picture(study, side, signal) {
     const summary = taken.headers.get("X-Chromanoise-Summary");
     return { blob: await taken.blob(), summary: summary ? JSON.parse(summary) : {} };
   }
-  const told = await taken.json().catch(() => null);
-  const faults = told?.faults?.length ? told.faults : [{ where: "", sentence: "No picture available." }];
+  const answer = await taken.json().catch(() => null);
+  const faults = answer?.faults?.length ? answer.faults : [{ where: "", sentence: "No picture available." }];
   throw new Refused(faults);
 }

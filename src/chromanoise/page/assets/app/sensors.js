@@ -168,7 +168,7 @@ function duplicate({ sensors }, i) {
 }
 
 /**
- * Puts another sensor in the place of one, with what its own file must be told.
+ * Replaces a sensor by another one, with the answers that the file of the new one needs.
  *
  * @param {Study} study
  * @param {number} i
