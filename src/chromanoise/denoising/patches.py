@@ -56,7 +56,7 @@ _CUBIC = (-0.0703125, 0.8671875, 0.2265625, -0.0234375)
 """Weights of a cubic convolution (Keys 1981, a = -1/2), a quarter of a pixel from the second."""
 
 
-def denoise(planes: NoisyPlanes) -> Float32[Array, "h w p"]:
+def patches_estimate(planes: NoisyPlanes) -> Float32[Array, "h w p"]:
     """Estimated means of noisy planes. [e-]
 
     Planes without noise are returned as they are, and not used for the others.
@@ -239,7 +239,7 @@ def _reach_px() -> int:
 PATCHES = DenoisingMethod(
     name="patches",
     what="Non-local Bayes: groups of similar patches of all planes, at four scales.",
-    denoise=denoise,
+    denoise=patches_estimate,
     reach_px=_reach_px(),
     grid_px=_STRIDE << (_LEVELS - 1),
 )

@@ -12,8 +12,7 @@ from queue import SimpleQueue
 from typing import Any
 
 from chromanoise import _sandbox
-from chromanoise.page import processes
-from chromanoise.page.processes import Nursery, ProcessEndedError, Worker
+from chromanoise.page.processes import BEGINS_S, Nursery, ProcessEndedError, Worker
 from chromanoise.page.requests import QuestionError
 from chromanoise.page.uploads import Upload
 
@@ -239,10 +238,8 @@ def _result(answer: tuple[Any, ...], job: Job, lane: Lane) -> Any:
 
 def _stopped(job: Job, ended: ProcessEndedError, lane: Lane) -> QuestionError:
     code = ended.exit_code
-    if not ended.has_begun and ended.seconds >= processes.BEGINS_S:
-        sentence = (
-            f"the computation did not start within {processes.BEGINS_S:g} s; send the request again"
-        )
+    if not ended.has_begun and ended.seconds >= BEGINS_S:
+        sentence = f"the computation did not start within {BEGINS_S:g} s; send the request again"
     elif code in _TOO_LONG or (code is None and ended.seconds >= min(job.cpu_s, job.limit_s)):
         sentence = f"this takes longer than {job.cpu_s} s and was stopped; ask for less"
     elif code == _sandbox.NO_MEMORY:

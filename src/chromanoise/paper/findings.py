@@ -12,8 +12,18 @@ from chromanoise.analysis.analysis import (
 from chromanoise.exposure import expected_electrons
 from chromanoise.metrics import Budget, color_budget
 from chromanoise.metrics.budget import CORRELATION, INFRARED, without_infrared
-from chromanoise.paper import study as paper
-from chromanoise.paper.study import PaperStudy
+from chromanoise.paper.study import (
+    DRAWS,
+    G_N,
+    PRINTED_FULL_WELL_SNR_DB,
+    PRINTED_GREEN_SNR_Y_DB,
+    PRINTED_RAW_SNR_DB,
+    RGB_12,
+    RGB_59,
+    RGBW_12,
+    G,
+    PaperStudy,
+)
 from chromanoise.spectra import INFRARED_FROM_NM
 
 
@@ -25,7 +35,7 @@ def verdict(study: PaperStudy) -> str:
     study
         The study.
     """
-    bare, cut = study.columns[paper.RGBW_12], study.columns[paper.RGB_12]
+    bare, cut = study.columns[RGBW_12], study.columns[RGB_12]
     shared = cut.sensor.names
     raw_gain = np.mean([_db(raw_snr_db(bare)[c]) - _db(raw_snr_db(cut)[c]) for c in shared])
     loss = _db(color_snr_db(cut)["Y"]) - _db(color_snr_db(bare)["Y"])
@@ -91,12 +101,12 @@ def table_5_finding(study: PaperStudy) -> str:
     study
         The study.
     """
-    bare, cut = study.greens[paper.G_N], study.greens[paper.G]
-    columns = (paper.G_N, paper.G)
-    snr_y = [paper.PRINTED_GREEN_SNR_Y_DB[c] for c in columns]
-    full = [paper.PRINTED_FULL_WELL_SNR_DB[c] for c in columns]
-    raw_g = [paper.PRINTED_RAW_SNR_DB["G"][c] for c in (paper.RGBW_12, paper.RGB_59)]
-    error_db = 20 / np.log(10) / np.sqrt(2 * paper.DRAWS)
+    bare, cut = study.greens[G_N], study.greens[G]
+    columns = (G_N, G)
+    snr_y = [PRINTED_GREEN_SNR_Y_DB[c] for c in columns]
+    full = [PRINTED_FULL_WELL_SNR_DB[c] for c in columns]
+    raw_g = [PRINTED_RAW_SNR_DB["G"][c] for c in (RGBW_12, RGB_59)]
+    error_db = 20 / np.log(10) / np.sqrt(2 * DRAWS)
     reach = [100 * np.cos(np.radians(g.to_axes_deg[0, 1])) ** 2 for g in (bare, cut)]
     return (
         "With one channel Y^ is a constant times the raw signal, so SNR_y equals SNR_raw at any "
@@ -122,7 +132,7 @@ def set_aside_reasons(study: PaperStudy) -> tuple[str, ...]:
         The study.
     """
     rgb, rgbw = study.set_aside["onyx-rgb"], study.set_aside["onyx-rgbw-ircut"]
-    kept_rgb, kept_rgbw = study.columns[paper.RGB_59], study.columns[paper.RGBW_12]
+    kept_rgb, kept_rgbw = study.columns[RGB_59], study.columns[RGBW_12]
     return (
         f"{_standing(rgb)} Without white and without IR-cut the NIR turns into false color: "
         f"mean error {_error(rgb)} Delta E*ab, against {_error(kept_rgb)} with the IR-cut and "

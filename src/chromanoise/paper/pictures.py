@@ -2,8 +2,7 @@
 
 from chromanoise.exposure import OperatingPoint
 from chromanoise.imaging import Picture, rendered
-from chromanoise.paper import study as paper
-from chromanoise.paper.study import PaperStudy
+from chromanoise.paper.study import RGB_12, RGBW_12, PaperStudy
 from chromanoise.scene import checker_cube
 
 
@@ -25,6 +24,6 @@ def paper_pictures(study: PaperStudy, *, seed: int = 0) -> tuple[Picture, Pictur
             matrix=analysis.matrix,
             seed=seed,
         )
-        for analysis in (study.columns[paper.RGB_12], study.columns[paper.RGBW_12])
+        for analysis in (study.columns[RGB_12], study.columns[RGBW_12])
     )
     return first, second

@@ -9,8 +9,16 @@ import numpy as np
 from chromanoise.analysis.analysis import Analysis, color_snr_db, contravariant_snr_db, raw_snr_db
 from chromanoise.metrics import snr_db
 from chromanoise.noise import Estimate, monte_carlo, with_noise
-from chromanoise.paper import study as paper
-from chromanoise.paper.study import PaperStudy
+from chromanoise.paper.study import (
+    DRAWS,
+    PRINTED_ANGLE_DEG,
+    PRINTED_CONTRAVARIANT_SNR_DB,
+    PRINTED_FULL_WELL_SNR_DB,
+    PRINTED_GREEN_SNR_Y_DB,
+    PRINTED_RAW_SNR_DB,
+    PRINTED_SNR_Y_DB,
+    PaperStudy,
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -68,7 +76,7 @@ class Reproduction:
 def reproduced(
     study: PaperStudy,
     *,
-    draws: int = paper.DRAWS,
+    draws: int = DRAWS,
     seed: int = 0,
     clip: bool = False,
     progress: Callable[[int], None] = lambda _: None,
@@ -140,14 +148,14 @@ class _Line:
 
 
 _LINES = (
-    *(_Line(2, c, "raw SNR", c, row) for c, row in paper.PRINTED_RAW_SNR_DB.items()),
-    _Line(3, "SNR_Y", "Y SNR", "Y", paper.PRINTED_SNR_Y_DB),
+    *(_Line(2, c, "raw SNR", c, row) for c, row in PRINTED_RAW_SNR_DB.items()),
+    _Line(3, "SNR_Y", "Y SNR", "Y", PRINTED_SNR_Y_DB),
     *(
         _Line(4, f"M^{c}", "contravariant SNR", c, row)
-        for c, row in paper.PRINTED_CONTRAVARIANT_SNR_DB.items()
+        for c, row in PRINTED_CONTRAVARIANT_SNR_DB.items()
     ),
-    _Line(5, "SNR_raw", "raw SNR", "G", paper.PRINTED_FULL_WELL_SNR_DB),
-    _Line(5, "SNR_y", "Y SNR", "Y", paper.PRINTED_GREEN_SNR_Y_DB),
+    _Line(5, "SNR_raw", "raw SNR", "G", PRINTED_FULL_WELL_SNR_DB),
+    _Line(5, "SNR_y", "Y SNR", "Y", PRINTED_GREEN_SNR_Y_DB),
 )
 
 
@@ -223,7 +231,7 @@ def _noiseless_cells(study: PaperStudy) -> Iterator[Cell]:
             column=column,
             quantity="angle",
             unit="deg",
-            paper=paper.PRINTED_ANGLE_DEG[column],
+            paper=PRINTED_ANGLE_DEG[column],
             closed_form=float(analysis.to_axes_deg[0, 1]),
         )
         yield Cell(
@@ -232,6 +240,6 @@ def _noiseless_cells(study: PaperStudy) -> Iterator[Cell]:
             column=column,
             quantity="raw SNR of a full well",
             unit="dB",
-            paper=paper.PRINTED_FULL_WELL_SNR_DB[column],
+            paper=PRINTED_FULL_WELL_SNR_DB[column],
             closed_form=float(snr_db(full_well)["G"]),
         )

@@ -75,8 +75,8 @@ class PhotonTransfer:
             if values is None:
                 continue
             signed = name in ("mean_dn", "dark_mean_dn")
-            check = _check.finite if signed else _check.non_negative
-            values = check(f"{name} of {self.source}", unit, values)
+            demand = _check.finite if signed else _check.non_negative
+            values = demand(f"{name} of {self.source}", unit, values)
             _check.same_length("rows", dark=self.dark.size, **{name: values.size})
             what = f"|{name}|" if signed else name
             _check.within(f"largest {what} of {self.source}", unit, _largest(values), 0, most)
