@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from chromanoise.denoising import NoisyPlanes, denoised_planes
-from chromanoise.denoising.patches import PATCHES, denoise
+from chromanoise.denoising.patches import PATCHES, patches_estimate
 from chromanoise.imaging.work import Work
 from chromanoise.sensor import VarianceLaw
 
@@ -50,27 +50,27 @@ def test_strips_equal_the_whole(tile_rows, width):
     clean = scene(531, width, 2)
     model = {"floor": 20.0, "slope": 1.0, "prnu": 0.01}
     planes = planes_of(noisy(clean, **model), **model)
-    whole = denoise(planes)
+    whole = patches_estimate(planes)
     strips = denoised_planes(planes, PATCHES, work=Work(threads=2, tile_rows=tile_rows))
     np.testing.assert_array_equal(strips, whole)
 
 
 def test_noise_free_values_return_where_the_noise_is_tiny():
     clean = scene(48, 50, 3)
-    estimate = denoise(planes_of(clean, floor=1e-4, slope=1e-6))
+    estimate = patches_estimate(planes_of(clean, floor=1e-4, slope=1e-6))
     assert np.abs(estimate / clean - 1.0).max() < 1e-3
 
 
 def test_noise_free_values_keep_their_detail():
     clean = scene(64, 64, 3)
-    assert rms(denoise(planes_of(clean)) - clean) < 0.1 * rms(noisy(clean) - clean)
+    assert rms(patches_estimate(planes_of(clean)) - clean) < 0.1 * rms(noisy(clean) - clean)
 
 
 @pytest.mark.parametrize(("count", "mean", "least_db"), [(1, 3.0, 29.0), (4, 100.0, 27.0)])
 def test_flats_lose_their_noise(count, mean, least_db):
     clean = np.full((72, 72, count), mean)
     planes = planes_of(noisy(clean), mean=mean)
-    gain = rms(planes.values_e - clean) / rms(denoise(planes) - clean)
+    gain = rms(planes.values_e - clean) / rms(patches_estimate(planes) - clean)
     assert 20.0 * math.log10(gain) > least_db
 
 
@@ -81,7 +81,7 @@ def test_structure_is_estimated_better_than_by_the_best_mean_of_neighbors():
     center = padded[1:-1, 1:-1]
     cross = padded[:-2, 1:-1] + padded[2:, 1:-1] + padded[1:-1, :-2] + padded[1:-1, 2:]
     least = min(rms((center + w * cross) / (1.0 + 4.0 * w) - clean) for w in np.linspace(0, 1, 21))
-    assert rms(denoise(planes) - clean) < 0.4 * least
+    assert rms(patches_estimate(planes) - clean) < 0.4 * least
 
 
 def test_planes_without_noise_return_unchanged_and_help_no_other():
@@ -89,12 +89,12 @@ def test_planes_without_noise_return_unchanged_and_help_no_other():
     planes = planes_of(noisy(clean))
     keep = np.array([1.0, 0.0, 1.0])
     some = replace(planes, law=VarianceLaw(floor_e2=100.0 * keep, slope_e=keep))
-    estimate = denoise(some)
+    estimate = patches_estimate(some)
     np.testing.assert_array_equal(estimate[..., 1], planes.values_e[..., 1])
     other = planes.values_e.copy()
     other[..., 1] = 0.0
     np.testing.assert_array_equal(
-        denoise(replace(some, values_e=other))[..., ::2], estimate[..., ::2]
+        patches_estimate(replace(some, values_e=other))[..., ::2], estimate[..., ::2]
     )
 
 
@@ -108,7 +108,7 @@ def test_the_unit_of_the_values_does_not_matter():
         prior_e2=planes.prior_e2 * 16.0,
         prior_mean_e=planes.prior_mean_e * 4.0,
     )
-    np.testing.assert_allclose(denoise(scaled), 4.0 * denoise(planes), rtol=1e-3)
+    np.testing.assert_allclose(patches_estimate(scaled), 4.0 * patches_estimate(planes), rtol=1e-3)
 
 
 @settings(max_examples=30)
@@ -123,7 +123,7 @@ def test_the_unit_of_the_values_does_not_matter():
 )
 def test_any_planes_give_finite_values(shape, floor, slope, prnu, level, amplitude, seed):
     values = level + amplitude * np.random.default_rng(seed).normal(size=shape)
-    estimate = denoise(planes_of(values, floor=floor, slope=slope, prnu=prnu))
+    estimate = patches_estimate(planes_of(values, floor=floor, slope=slope, prnu=prnu))
     assert estimate.shape == shape
     assert np.isfinite(estimate).all()
     slack = 1e-3 * np.abs(values).max() + 1e-6
