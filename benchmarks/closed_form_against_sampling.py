@@ -9,15 +9,13 @@ from statistics import median
 
 import numpy as np
 
-from chromanoise.catalog import SENSOR_NAMES, sensor_named
+from chromanoise.apps.paper.printed_numbers import RGBW_12, paper_study
 from chromanoise.color import chart_training, colored, kernel_matrix, lmmse_over_light, nir_diverse
-from chromanoise.exposure import Exposure, expected_electrons
 from chromanoise.metrics import snr_db
-from chromanoise.noise import monte_carlo, with_noise
-from chromanoise.paper.study import RGBW_12, paper_study
-from chromanoise.scene import Scene
+from chromanoise.noise import Exposure, expected_electrons, monte_carlo, with_noise
 from chromanoise.sensor import Sensor
-from chromanoise.spectra import DEFAULT_GRID, colorchecker, equal_energy
+from chromanoise.spectra import DEFAULT_GRID, Scene, colorchecker, equal_energy
+from chromanoise.study import SENSOR_NAMES, sensor_named
 
 DRAWS = 1_000_000
 LEVELS_LUX = np.geomspace(0.01, 1000, 200)

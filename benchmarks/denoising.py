@@ -16,10 +16,10 @@ import numpy as np
 from races import raced, ratio
 from skimage.restoration import denoise_nl_means
 
-from chromanoise.denoising import NoisyPlanes, denoised_planes
-from chromanoise.denoising.guided import GUIDED
+from chromanoise.base.rng import stream
+from chromanoise.imaging.denoising import NoisyPlanes, denoised_planes
+from chromanoise.imaging.denoising.guided import GUIDED
 from chromanoise.imaging.work import Work
-from chromanoise.rng import stream
 from chromanoise.sensor import VarianceLaw
 
 SIDE, COUNT, THREADS, ROUNDS = 1024, 4, 2, 3

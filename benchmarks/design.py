@@ -15,12 +15,11 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
-from chromanoise.catalog import sensor_named
-from chromanoise.design.candidates import Candidates
-from chromanoise.design.evaluation import Objectives
-from chromanoise.design.scenes import DesignScene, SceneArrays, scene_arrays
-from chromanoise.exposure import Exposure, OperatingPoint
+from chromanoise.apps.design.evaluation import DesignScene, Objectives, SceneArrays, scene_arrays
+from chromanoise.apps.design.parameters import Candidates
+from chromanoise.noise import Exposure, OperatingPoint
 from chromanoise.spectra import Grid, equal_energy
+from chromanoise.study import sensor_named
 
 GRID = Grid.uniform(400, 1050, 10)
 MANY, FILTERS, ROUNDS, AT_ONCE = 16_384, 200, 5, 256

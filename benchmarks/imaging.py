@@ -21,7 +21,7 @@ from small_mosaic import peak_of_cube, small_cube, small_paths
 from table import Row, Skipped, plain_table
 from whole_pictures import gigabytes_per_second, picture_rows, pictures_race
 
-from chromanoise.errors import InputError
+from chromanoise.base.errors import InputError
 
 THREADS = 2
 _MOST_BYTES = 1e9

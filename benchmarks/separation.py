@@ -10,8 +10,8 @@ import time
 import numpy as np
 
 import chromanoise as cn
-from chromanoise.analysis import Analysis
-from chromanoise.analysis.separation import READINGS, median_distances
+from chromanoise.study import Analysis
+from chromanoise.study.reading_quality import READINGS, median_distances
 
 SENSORS = (
     "onyx-rgbw", "onyx-rgb-ircut", "onyx-rgb", "onyx-rgbw-ircut", "model-rgb-ircut",

@@ -14,11 +14,11 @@ import numpy as np
 from memory import status_bytes
 from subject import CHANNELS, SEED, cube_of, operating_point, textured
 
-from chromanoise.exposure import OperatingPoint
 from chromanoise.imaging import Work, acquired
-from chromanoise.imaging.light import light_of
-from chromanoise.scene import Cube
+from chromanoise.imaging.plans import light_of
+from chromanoise.noise import OperatingPoint
 from chromanoise.sensor import rgbw_2x2
+from chromanoise.spectra import Cube
 
 SIDE, BANDS, BITS = 512, 66, 12
 Doing = Callable[[], object]

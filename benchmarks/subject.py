@@ -9,26 +9,26 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from chromanoise.catalog import sensor_named
 from chromanoise.color import kernel_matrix
-from chromanoise.exposure import Exposure, OperatingPoint
-from chromanoise.imaging.light import Light, light_of
 from chromanoise.imaging.plans import (
     ColorPlan,
     ElectronPlan,
+    Light,
     RawPlan,
     color_block,
     color_matrices,
     color_plan,
     draw_of,
     electron_block,
+    light_of,
     raw_block,
     raw_plan,
 )
 from chromanoise.imaging.work import Work, filled, row_blocks
-from chromanoise.scene import Cube
+from chromanoise.noise import Exposure, OperatingPoint
 from chromanoise.sensor import adc_to_full_well, rgbw_sparse_4x4
-from chromanoise.spectra import DEFAULT_GRID, equal_energy
+from chromanoise.spectra import DEFAULT_GRID, Cube, equal_energy
+from chromanoise.study import sensor_named
 
 BANDS = 131
 CHANNELS = 4

@@ -15,7 +15,7 @@ import numpy as np
 import torch
 from races import Times, raced, ratio
 
-from chromanoise.imaging import sampler
+from chromanoise.apps.training.training_noise import sampler
 from chromanoise.sensor import CameraNoise, bayer
 
 SHAPE = (1500, 2000)

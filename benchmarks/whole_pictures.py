@@ -11,7 +11,7 @@ from subject import BANDS, SEED, engine, large_cubes, operating_point, outputs_f
 from table import Row, Skipped
 
 from chromanoise.imaging import Work, acquired, electrons_of_cube, rendered
-from chromanoise.scene import Cube
+from chromanoise.spectra import Cube
 
 PATHS = {
     "electrons": ("electrons only", 0.70),

@@ -11,12 +11,12 @@ from statistics import median
 
 import numpy as np
 
-from chromanoise.analysis.operating_point import stages_at
-from chromanoise.catalog import SENSOR_NAMES, sensor_named
 from chromanoise.color import chart_training, kernel_matrix, lmmse_over_light, nir_diverse
-from chromanoise.exposure import Exposure, OperatingPoint
+from chromanoise.noise import Exposure, OperatingPoint
 from chromanoise.sensor import Sensor, crosstalk_of_share, with_crosstalk, with_pixel
 from chromanoise.spectra import DEFAULT_GRID, colorchecker, equal_energy
+from chromanoise.study import SENSOR_NAMES, sensor_named
+from chromanoise.study.analysis import stages_at
 
 LEVELS_LUX = np.geomspace(0.01, 1000, 200)
 LAMP = equal_energy(DEFAULT_GRID)

@@ -1,12 +1,10 @@
 """Can I drop the IR-cut? The paper's question for its own sensors, at 10 lx and 12 ms."""
 
-from chromanoise.catalog import sensor_named
 from chromanoise.color import colored, kernel_matrix
-from chromanoise.exposure import Exposure, expected_electrons
 from chromanoise.metrics import color_snr_loss_db, optimal_linear_snr_db, snr_db
-from chromanoise.noise import with_noise
-from chromanoise.scene import flat_field
-from chromanoise.spectra import DEFAULT_GRID, equal_energy
+from chromanoise.noise import Exposure, expected_electrons, with_noise
+from chromanoise.spectra import DEFAULT_GRID, equal_energy, flat_field
+from chromanoise.study import sensor_named
 
 scene = flat_field(equal_energy(DEFAULT_GRID), level_lux=10.0)
 exposure = Exposure(time_s=0.012, f_number=1.8)

@@ -2,12 +2,7 @@
 
 import numpy as np
 
-from chromanoise.characterization import (
-    Characterization,
-    LevelNoise,
-    ModelVerdict,
-    PlaneNoise,
-)
+from chromanoise.apps.camera import Characterization, LevelNoise, ModelVerdict, PlaneNoise
 from chromanoise.sensor import Mosaic, PhotonTransfer, photon_transfer_fit
 
 BAYER = Mosaic((("R", "G1"), ("G2", "B")))

@@ -26,9 +26,9 @@ import numpy as np
 if __name__ == "__main__":  # run as a script, it finds its neighbors and the sources beside it
     sys.path[:0] = [str(Path(__file__).parent), str(Path(__file__).parents[1] / "src")]
 
-from chromanoise._files import OWN_FILES
+from chromanoise.apps.design import DESIGN_STARTER
+from chromanoise.base.files import OWN_FILES
 from chromanoise.cli.entry import COMMANDS, commands, run
-from chromanoise.design import DESIGN_STARTER
 from chromanoise.study import STARTER
 from damage import mutated, random_edits
 

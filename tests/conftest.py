@@ -13,7 +13,7 @@ import pytest
 from beartype import BeartypeConf, beartype
 from hypothesis import settings
 
-from chromanoise._colour_science import colour_science
+from chromanoise.base.colour import colour_science
 
 colour_science()  # first of all: imported bare it sets numpy's print options to those of 1.13
 TESTS = Path(__file__).parent

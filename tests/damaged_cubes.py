@@ -27,11 +27,11 @@ import tifffile
 import zarr
 from PIL import Image
 
-from chromanoise import _sandbox
-from chromanoise.errors import InputError
+from chromanoise.base import sandbox as _sandbox
+from chromanoise.base.errors import InputError
 from chromanoise.io.cubes import read_cube
-from chromanoise.scene import row_source
-from chromanoise.scene.cube import reflectance_rows
+from chromanoise.spectra import row_source
+from chromanoise.spectra.scene import reflectance_rows
 
 NM = (400.0, 450.0, 500.0, 600.0, 700.0)
 CUBE = np.random.default_rng(5).integers(1, 128, size=(3, 4, 5)) / 128

@@ -1,7 +1,6 @@
 """A front of sensors for tests: one sensor of the catalog behind model IR-cuts."""
 
-from chromanoise.analysis.comparison.quantities import QUANTITIES
-from chromanoise.design.front_file import (
+from chromanoise.apps.design.front import (
     FrontCurves,
     FrontFile,
     FrontMember,
@@ -11,6 +10,7 @@ from chromanoise.design.front_file import (
 )
 from chromanoise.study import makers_of, operating_points_of, study_from_data
 from chromanoise.study.document import ExposurePart, LightPart, PixelPart
+from chromanoise.study.sweeps import QUANTITIES
 
 LIGHT = {"illuminant": "A", "level_lux": 5.0}
 EXPOSURE = {"time_ms": 8.0}

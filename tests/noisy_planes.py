@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from chromanoise.denoising import NoisyPlanes
+from chromanoise.imaging.denoising import NoisyPlanes
 from chromanoise.sensor import VarianceLaw
 
 

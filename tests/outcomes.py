@@ -5,7 +5,7 @@ from contextlib import contextmanager
 
 import pytest
 
-from chromanoise.errors import InputError, Setting, errors_in
+from chromanoise.base.errors import InputError, Setting, errors_in
 
 
 class Outcome(tuple):

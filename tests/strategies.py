@@ -5,8 +5,7 @@ from dataclasses import replace
 import numpy as np
 from hypothesis import strategies as st
 
-from chromanoise.exposure import Exposure
-from chromanoise.noise import Measurement
+from chromanoise.noise import Exposure, Measurement
 from chromanoise.sensor import Pixel, Sensor, with_pixel
 from chromanoise.spectra import Grid
 

@@ -58,7 +58,7 @@ def test_analyze_imports_no_library_that_it_does_not_use():
         "    main(['analyze', 'onyx-rgbw'])\n"
         "assert 'onyx-rgbw' in told.getvalue()"
     )
-    assert "chromanoise.analysis.analysis" in imported
+    assert "chromanoise.study.analysis" in imported
     assert not unused & imported
 
 
@@ -99,9 +99,9 @@ def test_every_folder_is_named_in_the_map_of_the_package():
 
 
 def test_no_module_but_one_calls_a_linear_solver():
-    """LAPACK may loop forever over a number that is not finite; `_linalg` checks first."""
+    """LAPACK may loop forever over a number that is not finite; `linalg` checks first."""
     found = set()
-    for path in set(PACKAGE.rglob("*.py")) - {PACKAGE / "_linalg.py"}:
+    for path in set(PACKAGE.rglob("*.py")) - {PACKAGE / "base" / "linalg.py"}:
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             names = []
             if isinstance(node, ast.ImportFrom):
@@ -114,23 +114,23 @@ def test_no_module_but_one_calls_a_linear_solver():
 
 
 def test_no_module_resolves_a_path_with_an_error_for_links_in_a_loop():
-    """`Path.resolve` raises RuntimeError for them; `_inputs.true_path` does not."""
+    """`Path.resolve` raises RuntimeError for them; `inputs.true_path` does not."""
     texts = {path: path.read_text(encoding="utf-8") for path in PACKAGE.rglob("*.py")}
     assert {path.name for path, text in texts.items() if ".resolve()" in text} == set()
 
 
 def test_no_module_but_one_parses_json():
-    """`_inputs.json_of` refuses what a later step could not use; `json.loads` does not."""
+    """`inputs.json_of` refuses what a later step could not use; `json.loads` does not."""
     called = {
         f"{path.name}: {node.attr}"
-        for path in set(PACKAGE.rglob("*.py")) - {PACKAGE / "_inputs.py"}
+        for path in set(PACKAGE.rglob("*.py")) - {PACKAGE / "base" / "inputs.py"}
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
         if isinstance(node, ast.Attribute)
         and ast.unparse(node) in ("json.load", "json.loads", "json.JSONDecoder")
     }
     imported = {
         path.name
-        for path in set(PACKAGE.rglob("*.py")) - {PACKAGE / "_inputs.py"}
+        for path in set(PACKAGE.rglob("*.py")) - {PACKAGE / "base" / "inputs.py"}
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
         if isinstance(node, ast.ImportFrom) and node.module == "json"
     }

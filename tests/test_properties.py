@@ -13,13 +13,12 @@ from click import Context
 
 import chromanoise as cn
 import make_stubs
-from chromanoise.analysis import SWEEPS
+from chromanoise.base.properties import Property, beside_their_needs, partial_class, properties_of
 from chromanoise.cli.entry import commands
 from chromanoise.io.pixels import read_pixel_toml
-from chromanoise.page.fields import described_fields
-from chromanoise.properties import Property, beside_their_needs, partial_class, properties_of
 from chromanoise.sensor import PIXEL, PIXEL_REQUIRED, Pixel, PixelOverrides, PixelSource
-from chromanoise.study import FUNCTIONS, study_from_data
+from chromanoise.study import FUNCTIONS, SWEEPS, study_from_data
+from chromanoise.web.controls import described_fields
 from outcomes import refused_input
 
 NAMES = [one.name for one in fields(Pixel) if not one.name.startswith("summed_")]

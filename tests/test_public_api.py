@@ -45,20 +45,14 @@ NAMES = [
     "Spectra",
     "Study",
     "__version__",
-    "analysis",
     "analyze",
-    "catalog",
-    "characterization",
+    "apps",
     "characterize",
     "charts",
     "color",
     "compare",
     "compare_map",
     "denoise",
-    "denoising",
-    "design",
-    "exposure",
-    "figures",
     "geometry",
     "illuminant_named",
     "imaging",
@@ -67,13 +61,11 @@ NAMES = [
     "metrics",
     "noise",
     "optimize",
-    "paper",
     "read_cube",
     "read_curves",
     "read_study",
     "render",
     "run",
-    "scene",
     "sensitivity",
     "sensor",
     "sensor_named",
@@ -428,8 +420,8 @@ def test_pictures_in_a_folder_are_not_drawn(tmp_path):
 
 def test_a_white_preserving_matrix_gives_the_white_its_illuminance():
     one = cn.matrix("onyx-rgb-ircut", matrix="white-preserving", lux=7.0, time_ms=10.0)
-    electrons = cn.exposure.expected_electrons(
-        cn.exposure.white_scene(one.point), one.point.sensor, one.point.exposure
+    electrons = cn.noise.expected_electrons(
+        cn.noise.white_scene(one.point), one.point.sensor, one.point.exposure
     )
     assert one.white_e.tolist() == electrons.tolist()
     assert one.white_lux == pytest.approx(7.0, rel=1e-4)  # the kernel matrix gives 7.095

@@ -8,7 +8,7 @@ import pytest
 from beartype.roar import BeartypeCallHintViolation
 
 from chromanoise import noise
-from chromanoise._shapes import Float
+from chromanoise.base.shapes import Float
 
 Array = np.ndarray
 checked = jaxtyping.jaxtyped(typechecker=None)  # as the import hook of conftest.py applies it

@@ -388,8 +388,8 @@ _MATRIX_CSV += b"lx/e-,R,G,B\nX,2,0,0\nY,0,1,0\nZ,0,0,1\n"
 
 
 def _sensor_json() -> bytes:
-    from chromanoise.catalog import sensor_named
-    from chromanoise.io.sensor_json import sensor_json
+    from chromanoise.io.sensor_files import sensor_json
+    from chromanoise.study import sensor_named
 
     return sensor_json(sensor_named("onyx-rgb")).encode()
 

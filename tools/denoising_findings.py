@@ -12,12 +12,11 @@ from typing import Any
 
 import numpy as np
 
-from chromanoise._check import Array
-from chromanoise.denoising import DENOISING, denoised_electrons
-from chromanoise.exposure import expected_electrons, white_scene
+from chromanoise.apps.denoising_benchmark.cells import benchmark_camera, denoising_benchmark
+from chromanoise.base.check import Array
 from chromanoise.imaging import noisy_electrons
-from chromanoise.noise import noise_sources
-from chromanoise.study.denoising_cells import benchmark_camera, denoising_benchmark
+from chromanoise.imaging.denoising import DENOISING, denoised_electrons
+from chromanoise.noise import expected_electrons, noise_sources, white_scene
 
 OPEN, CUT = "onyx-rgbw", "onyx-rgb-ircut"
 METHODS = ("none", "lmmse", "guided", "aggregate")

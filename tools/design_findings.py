@@ -14,17 +14,15 @@ from pathlib import Path
 import numpy as np
 
 import chromanoise as cn
-from chromanoise.design import Design, DesignStudy, read_design
-from chromanoise.design.algorithms import latin_hypercube
-from chromanoise.design.front import misses_of
-from chromanoise.design.objectives import OBJECTIVES
-from chromanoise.design.optimizing import task_of
-from chromanoise.design.polish import _Descent, _far_apart
-from chromanoise.design.sentences import convergence_sentences
-from chromanoise.exposure import expected_electrons
-from chromanoise.noise import monte_carlo, noise_sources
-from chromanoise.scene import flat_field
-from chromanoise.scene.builtin.checker import GAP_PX, PATCH_PX
+from chromanoise.apps.design import Design, DesignStudy, read_design
+from chromanoise.apps.design.algorithms import _Descent, _far_apart, latin_hypercube
+from chromanoise.apps.design.design_result import convergence_sentences
+from chromanoise.apps.design.front import misses_of
+from chromanoise.apps.design.objectives import OBJECTIVES
+from chromanoise.apps.design.optimizing import task_of
+from chromanoise.noise import expected_electrons, monte_carlo, noise_sources
+from chromanoise.spectra import flat_field
+from chromanoise.spectra.builtin_scenes import GAP_PX, PATCH_PX
 from chromanoise.study import Analyses
 
 DESIGNS = tuple(sorted(Path("examples/designs").glob("*.toml")))

@@ -5,21 +5,19 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from chromanoise.analysis import compared, crossover_sentence, crossovers, matrix_makers
-from chromanoise.analysis.comparison.quantities import QUANTITIES
-from chromanoise.analysis.operating_point import stages_at
+from chromanoise.apps.paper import PaperStudy, paper_study
+from chromanoise.apps.paper.printed_numbers import RGB_12, RGBW_12, paper_pictures
+from chromanoise.charts import chromanoise_style, draw_color_errors, draw_comparison
+from chromanoise.charts.figure_style import sensor_lines
 from chromanoise.color import kernel_matrix
-from chromanoise.exposure import OperatingPoint, measurement_vectors
-from chromanoise.figures import chromanoise_style, draw_color_errors, draw_comparison
-from chromanoise.figures.style import sensor_lines
 from chromanoise.geometry import dual_frame, ellipse_outline, variance_inflation
 from chromanoise.imaging import write_png
 from chromanoise.metrics import pair_distances
-from chromanoise.noise import through
-from chromanoise.paper import PaperStudy, paper_study
-from chromanoise.paper.pictures import paper_pictures
-from chromanoise.paper.study import RGB_12, RGBW_12
+from chromanoise.noise import OperatingPoint, measurement_vectors, through
 from chromanoise.spectra import DEFAULT_GRID, colorchecker, equal_energy
+from chromanoise.study import compared, crossover_sentence, crossovers, matrix_makers
+from chromanoise.study.analysis import stages_at
+from chromanoise.study.sweeps import QUANTITIES
 
 PICTURES = Path(__file__).parent.parent / "docs" / "pictures"
 GAP_PX = 16

@@ -19,7 +19,7 @@ def man_pages() -> dict[str, str]:
     found = {name: commands.get_command(context, name) for name in COMMANDS}
     for name, command in found.items():
         if command is not None:
-            command.short_help = COMMANDS[name]  # whole, where click cuts it
+            command.short_help = COMMANDS[name][1]  # whole, where click cuts it
     whole = click.Group(
         "chromanoise",
         help=commands.help,

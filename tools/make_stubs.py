@@ -13,7 +13,7 @@ from types import UnionType
 from typing import Any, Literal, Union, get_args, get_origin
 
 import chromanoise
-from chromanoise.properties import beside_their_needs
+from chromanoise.base.properties import beside_their_needs
 from chromanoise.sensor import PIXEL
 from chromanoise.study.keywords import NAMES
 from chromanoise.study.settings import described_settings

@@ -32,7 +32,7 @@ from unittest.mock import patch
 
 import click
 
-from chromanoise import __version__
+from chromanoise.base.version import __version__
 from chromanoise.cli.entry import COMMANDS, commands, run
 from pin_studies import FOLDER
 

@@ -24,9 +24,9 @@ from typing import Any
 from unittest.mock import patch
 
 import chromanoise as cn
-from chromanoise.errors import InputError
+from chromanoise.base.errors import InputError
 from chromanoise.study import study_as_command, study_as_python, study_hash
-from chromanoise.study.toml_text import study_as_toml
+from chromanoise.study.reading import study_as_toml
 
 FOLDER = Path(__file__).resolve().parents[1] / "tests" / "pinned"
 RECORD = FOLDER / "studies.json.gz"

@@ -13,12 +13,17 @@ from typing import Any, get_args
 import numpy as np
 
 import chromanoise as cn
-from chromanoise.analysis import compared, matrix_makers
-from chromanoise.analysis.comparison.quantities import QUANTITIES
-from chromanoise.analysis.information import About, information_chain
-from chromanoise.analysis.priors import PRIORS
-from chromanoise.analysis.separation import RAW, Separation, separation_of
-from chromanoise.exposure import OperatingPoint
+from chromanoise.noise import OperatingPoint
+from chromanoise.study import compared, matrix_makers
+from chromanoise.study.color_matrices import PRIORS
+from chromanoise.study.reading_quality import (
+    RAW,
+    About,
+    Separation,
+    information_chain,
+    separation_of,
+)
+from chromanoise.study.sweeps import QUANTITIES
 
 IR_CUT = "ircut-650"
 SENSORS: dict[str, dict[str, Any]] = {

@@ -37,8 +37,8 @@ import click
 import numpy as np
 from jaxtyping import Float
 
-from chromanoise._check import Array
-from chromanoise._files import write_all_whole
+from chromanoise.base.check import Array
+from chromanoise.base.files import write_all_whole
 from chromanoise.spectra import tables
 from onyx_reconstruction.curves import RGB, WAVELENGTH_NM, Curves, curves_of, ir_cut, rgbw_qe
 from onyx_reconstruction.fit import STARTS, Fit, fitted, misfits_db, polished, start

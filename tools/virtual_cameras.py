@@ -22,8 +22,8 @@ from typing import Any
 import numpy as np
 
 import chromanoise as cn
-from chromanoise.characterization import PlaneTruth, VirtualCamera, photon_transfer_frames
-from chromanoise.rng import stream
+from chromanoise.apps.camera import PlaneTruth, VirtualCamera, photon_transfer_frames
+from chromanoise.base.rng import stream
 
 PARAMETERS = (
     *("gain_dn_per_e", "dark_noise_e", "black_level_dn", "full_well_e", "qe"),

@@ -12,7 +12,7 @@ import matplotlib.pyplot as plt
 import chromanoise as cn
 
 pair = cn.analyze("onyx-rgbw", "onyx-rgb-ircut", lux=10, time_ms=12)
-budgets = [cn.analysis.coordinate_budget(one, "Y") for one in pair.analyses]
+budgets = [cn.study.coordinate_budget(one, "Y") for one in pair.analyses]
 
 with cn.figures.chromanoise_style():
     figure, axes = plt.subplots(2, 1, figsize=(7.2, 5.6), sharex=True, layout="constrained")

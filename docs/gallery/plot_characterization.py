@@ -13,7 +13,7 @@ from tempfile import TemporaryDirectory
 import matplotlib.pyplot as plt
 
 import chromanoise as cn
-from chromanoise.characterization import VirtualCamera, photon_transfer_frames, plane_curves
+from chromanoise.apps.camera import VirtualCamera, photon_transfer_frames, plane_curves
 
 with cn.figures.chromanoise_style():
     figure, axes = plt.subplots(2, 2, figsize=(9.4, 6.2), sharex="col", layout="constrained")

@@ -14,7 +14,7 @@ import chromanoise as cn
 settings = {"lux": 3, "time_ms": 12}
 picture = cn.render("builtin:slanted-edges", "onyx-rgb-ircut", **settings).captures[0].picture
 made = cn.matrix("onyx-rgb-ircut", **settings)
-mean_e = cn.imaging.electrons_of_cube(cn.scene.builtin_cube("builtin:slanted-edges"), made.point)
+mean_e = cn.imaging.electrons_of_cube(cn.spectra.builtin_cube("builtin:slanted-edges"), made.point)
 clean = mean_e @ made.matrix.matrix.T / made.white_lux
 pixel = cn.metrics.picture_color_difference(picture.xyz, clean, picture.white)
 eye = cn.metrics.scielab_difference(picture.xyz, clean, picture.white, pixels_per_degree=60)

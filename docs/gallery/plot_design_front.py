@@ -16,7 +16,7 @@ import chromanoise as cn
 
 with TemporaryDirectory() as folder:
     path = Path(folder, "design.toml")
-    path.write_text(cn.design.DESIGN_STARTER, encoding="utf-8")
+    path.write_text(cn.apps.design.DESIGN_STARTER, encoding="utf-8")
     found = cn.optimize(path, budget=8000)
 
 with cn.figures.chromanoise_style():

@@ -13,7 +13,7 @@ from tempfile import TemporaryDirectory
 import matplotlib.pyplot as plt
 
 import chromanoise as cn
-from chromanoise.characterization import VirtualCamera, photon_transfer_frames
+from chromanoise.apps.camera import VirtualCamera, photon_transfer_frames
 
 camera = VirtualCamera(
     mosaic="RG/GB", sensitivity=(0.7, 1.0, 0.6), gain_dn_per_e=0.3, shape=(160, 160)

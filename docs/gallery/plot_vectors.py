@@ -12,7 +12,7 @@ import matplotlib.pyplot as plt
 
 import chromanoise as cn
 
-planes = cn.paper.paper_planes(cn.paper.paper_study())
+planes = cn.apps.paper.paper_planes(cn.apps.paper.paper_study())
 
 with cn.figures.chromanoise_style():
     figure, axes = plt.subplots(2, 1, figsize=(6.8, 8.4), layout="constrained")

@@ -33,28 +33,21 @@ Equation numbers are those of Clouet, Vaillant & Alleysson, "Physical noise prop
 color image construction: a geometrical interpretation", CIC27 (2019).
 """
 
+import sys
 from typing import TYPE_CHECKING
 
-from chromanoise._lazy import lazy_names
+from chromanoise.base import MovedPackages, __version__, lazy_names, register_above
 
 if TYPE_CHECKING:
     from chromanoise import (
-        analysis as analysis,
-        catalog as catalog,
-        characterization as characterization,
+        apps as apps,
         charts as charts,
         color as color,
-        denoising as denoising,
-        design as design,
-        exposure as exposure,
-        figures as figures,
         geometry as geometry,
         imaging as imaging,
         io as io,
         metrics as metrics,
         noise as noise,
-        paper as paper,
-        scene as scene,
         sensor as sensor,
         spectra as spectra,
         study as study,
@@ -70,39 +63,26 @@ if TYPE_CHECKING:
         run as run,
         sensitivity as sensitivity,
     )
-    from chromanoise.catalog import sensor_named as sensor_named
-    from chromanoise.characterization import (
+    from chromanoise.apps.camera import (
         Characterization as Characterization,
         characterize as characterize,
     )
+    from chromanoise.apps.design import Design as Design, Sensitivity as Sensitivity
+    from chromanoise.base import InputError as InputError, Setting as Setting
     from chromanoise.color import ColorMatrix as ColorMatrix
-    from chromanoise.design import (
-        Design as Design,
-        Sensitivity as Sensitivity,
-    )
-    from chromanoise.errors import (
-        InputError as InputError,
-        Setting as Setting,
-    )
-    from chromanoise.exposure import (
+    from chromanoise.io import read_curves as read_curves
+    from chromanoise.io.cubes import read_cube as read_cube
+    from chromanoise.noise import (
         Exposure as Exposure,
+        Measurement as Measurement,
         OperatingPoint as OperatingPoint,
     )
-    from chromanoise.io.cubes import read_cube as read_cube
-    from chromanoise.io.spectra import read_curves as read_curves
-    from chromanoise.noise import Measurement as Measurement
-    from chromanoise.scene import (
-        Cube as Cube,
-        Scene as Scene,
-    )
-    from chromanoise.sensor import (
-        Mosaic as Mosaic,
-        Pixel as Pixel,
-        Sensor as Sensor,
-    )
+    from chromanoise.sensor import Mosaic as Mosaic, Pixel as Pixel, Sensor as Sensor
     from chromanoise.spectra import (
+        Cube as Cube,
         Grid as Grid,
         Illuminant as Illuminant,
+        Scene as Scene,
         Spectra as Spectra,
         illuminant_named as illuminant_named,
     )
@@ -117,14 +97,14 @@ if TYPE_CHECKING:
         Results as Results,
         Study as Study,
         read_study as read_study,
+        sensor_named as sensor_named,
         study_from_data as study_from_data,
     )
 
-try:
-    from chromanoise._version import version as _version
-except ImportError:  # a source tree that was never installed
-    _version = "0+unknown"
-__version__: str = _version
+sys.meta_path.append(MovedPackages())
+register_above(
+    figures="chromanoise.charts", camera="chromanoise.apps.camera", design="chromanoise.apps.design"
+)
 
 __getattr__, _, __all__ = lazy_names(__name__)
 

@@ -9,29 +9,17 @@ from typing import TYPE_CHECKING, Any, Literal, TypeVar, Unpack
 
 import numpy as np
 
-from chromanoise._lazy import renamed_keywords
-from chromanoise.analysis import DEFAULT_METHOD
-from chromanoise.catalog.objects import (
-    CURVES,
-    curves_of_object,
-    is_of_colour_science,
-    object_word,
-)
+from chromanoise.apps.design import DEFAULT_OBJECTIVES, Sensitivity, half_widths, sensitivity_of
+from chromanoise.base import InputError, Setting, renamed_keywords
 from chromanoise.color import ColorMatrix
-from chromanoise.design import (
-    DEFAULT_OBJECTIVES,
-    Sensitivity,
-    half_widths,
-    sensitivity_of,
-)
-from chromanoise.errors import InputError, Setting
-from chromanoise.exposure import OperatingPoint
 from chromanoise.imaging import Work
-from chromanoise.io.given_matrices import matrix_of_array
-from chromanoise.scene import Cube
+from chromanoise.io import matrix_of_array
+from chromanoise.noise import OperatingPoint
 from chromanoise.sensor import Sensor
-from chromanoise.spectra import Illuminant, OwnObserver, PatchPairs, Spectra
+from chromanoise.spectra import Cube, Illuminant, OwnObserver, PatchPairs, Spectra
 from chromanoise.study import (
+    CURVES,
+    DEFAULT_METHOD,
     Analyses,
     AnalysisSettings,
     Comparison,
@@ -48,6 +36,7 @@ from chromanoise.study import (
     Results,
     SensitivitySettings,
     Study,
+    curves_of_object,
     denoised_picture,
     described_settings,
     electrons_of_array,
@@ -55,6 +44,8 @@ from chromanoise.study import (
     frames_of_pictures,
     in_arguments,
     interface_of,
+    is_of_colour_science,
+    object_word,
     prepared_denoising,
     read_study,
     run as run_of,
@@ -62,9 +53,9 @@ from chromanoise.study import (
 )
 
 if TYPE_CHECKING:
-    from chromanoise.design import Design, DesignStudy, Progress
+    from chromanoise.apps.design import Design, DesignStudy, Progress
     from chromanoise.io.frames import RawFrame
-    from chromanoise.io.spectra.parsed import Found
+    from chromanoise.io.spectra import Found
     from chromanoise.study import Electrons
 
 Matrix = str | Path | np.ndarray | list[Any] | ColorMatrix | Callable[[OperatingPoint], Any]
@@ -259,7 +250,7 @@ def denoise(
         As `analyze`. Its pixel gives the noise, its channels the color; ``None`` for raw codes
         alone.
     denoise
-        A name of `chromanoise.denoising.DENOISING`.
+        A name of `chromanoise.imaging.denoising.DENOISING`.
     matrix
         As `analyze`.
     unit
@@ -425,7 +416,7 @@ def optimize(
     >>> front = cn.optimize("design.toml", budget=2000)        # doctest: +SKIP
     >>> front.members[0].objectives, front.sentences           # doctest: +SKIP
     """
-    from chromanoise.design import (  # takes a second, which the other functions do not need
+    from chromanoise.apps.design import (
         DesignStudy,
         optimized,
         read_design,
@@ -436,7 +427,7 @@ def optimize(
     if not isinstance(design, str | Path | DesignStudy):
         raise InputError(
             "design",
-            "must be a file or the result of cn.design.read_design",
+            "must be a file or the result of cn.apps.design.read_design",
             value=design,
             remedy="write a file with chromanoise init --design",
         )
@@ -557,7 +548,7 @@ def sensitivity(
     matrix
         As `analyze`.
     objectives
-        Names of ``chromanoise.design.OBJECTIVES``; the first one orders the table.
+        Names of ``chromanoise.apps.design.OBJECTIVES``; the first one orders the table.
     losses
         Loss by objective, each in the unit of its objective: the change of each parameter that
         costs so much is computed.

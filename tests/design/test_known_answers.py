@@ -5,15 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from chromanoise.catalog import sensor_named
-from chromanoise.design.candidates import Candidates
-from chromanoise.design.evaluation import Objectives
-from chromanoise.design.problem import Evaluated, Problem
-from chromanoise.design.scenes import DesignScene
-from chromanoise.design.search import SearchOptions, searched_front
-from chromanoise.exposure import Exposure, OperatingPoint
+from chromanoise.apps.design.evaluation import DesignScene, Objectives
+from chromanoise.apps.design.front import Evaluated, Problem
+from chromanoise.apps.design.parameters import Candidates
+from chromanoise.apps.design.search import SearchOptions, searched_front
+from chromanoise.noise import Exposure, OperatingPoint
 from chromanoise.sensor import ir_cut, resin_filter, silicon_qe
 from chromanoise.spectra import DEFAULT_GRID, cie_1931, illuminant_named
+from chromanoise.study import sensor_named
 
 NM = DEFAULT_GRID.wavelength_nm
 SILICON = silicon_qe(DEFAULT_GRID, depth_um=4.0)[:, None]

@@ -7,13 +7,12 @@ function of the physics of the library is used.
 import numpy as np
 import pytest
 
-from chromanoise.analysis.priors import training_named
-from chromanoise.catalog import sensor_named
-from chromanoise.design.candidates import Candidates
-from chromanoise.design.evaluation import Objectives
-from chromanoise.design.scenes import DesignScene
-from chromanoise.exposure import Exposure, OperatingPoint
+from chromanoise.apps.design.evaluation import DesignScene, Objectives
+from chromanoise.apps.design.parameters import Candidates
+from chromanoise.noise import Exposure, OperatingPoint
 from chromanoise.spectra import DEFAULT_GRID, Grid, cie_1931, colorchecker, illuminant_named
+from chromanoise.study import sensor_named
+from chromanoise.study.color_matrices import training_named
 
 H, C = 6.62607015e-34, 299792458.0  # SI, exact
 KM = 683.002

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import chromanoise as cn
-from chromanoise.charts.front import drawn_sensitivity
+from chromanoise.apps.design.front_charts import drawn_sensitivity
 from chromanoise.cli.entry import commands
 from chromanoise.sensor import moved_curve
 from outcomes import refused_input

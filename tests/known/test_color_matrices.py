@@ -4,17 +4,14 @@ import colour
 import numpy as np
 import pytest
 
-from chromanoise.catalog import sensor_named
 from chromanoise.color import colored, kernel_matrix
-from chromanoise.color.fitted import least_squares, lmmse
-from chromanoise.color.noise_gain import noise_gain, white_normalized
-from chromanoise.color.root_polynomial_matrix import root_polynomial, root_polynomial_color
+from chromanoise.color.matrices import least_squares, lmmse, noise_gain, white_normalized
+from chromanoise.color.root_polynomials import root_polynomial, root_polynomial_color
 from chromanoise.color.training import Training, chart_training, training_response
-from chromanoise.exposure import Exposure, expected_electrons
-from chromanoise.metrics.matrix_report import matrix_report
-from chromanoise.noise import with_noise
-from chromanoise.scene import flat_field
-from chromanoise.spectra import DEFAULT_GRID, equal_energy, photon_irradiance
+from chromanoise.metrics.accuracy import matrix_report
+from chromanoise.noise import Exposure, expected_electrons, with_noise
+from chromanoise.spectra import DEFAULT_GRID, equal_energy, flat_field, photon_irradiance
+from chromanoise.study import sensor_named
 from strategies import EXPOSURE, GRID, bell_qe, sensor_of, white_channel
 
 PAPER_EXPOSURE = Exposure(time_s=0.012, f_number=1.8)

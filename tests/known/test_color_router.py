@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from chromanoise.sensor.color_router import router_collection, router_shares
+from chromanoise.sensor.filter_models import router_collection, router_shares
 from chromanoise.spectra import Grid, cie_1931
 
 GRID = Grid.uniform(400, 700, 5)

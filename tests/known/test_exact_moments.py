@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from chromanoise.noise import Readout, monte_carlo, read_moments
-from chromanoise.noise.expectation import expectation
-from chromanoise.noise.gaussian import coded_moments
+from chromanoise.noise.readout import coded_moments, expectation
 from strategies import pixel_with
 
 MEANS = np.array([0.0, 0.5, 3.0, 30.0, 9_900.0, 10_000.0, 12_000.0])

@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from chromanoise.color import kernel_matrix
-from chromanoise.exposure import measurement_vectors
-from chromanoise.metrics.filters import (
+from chromanoise.metrics.accuracy import metamerism, sensor_metamerism
+from chromanoise.metrics.filter_merit import (
     best_readout,
     figure_of_merit,
     filter_quality,
@@ -16,7 +16,7 @@ from chromanoise.metrics.filters import (
     second_moment,
     vora_value,
 )
-from chromanoise.metrics.smi import metamerism, sensor_metamerism
+from chromanoise.noise import measurement_vectors
 from chromanoise.spectra import Grid, color_axes
 from strategies import EXPOSURE, GRID, bell_qe, sensor_of
 

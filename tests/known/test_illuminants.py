@@ -6,7 +6,6 @@ import colour
 import numpy as np
 import pytest
 
-from chromanoise.scene import flat_field, light
 from chromanoise.spectra import (
     DEFAULT_GRID,
     Grid,
@@ -17,8 +16,10 @@ from chromanoise.spectra import (
     cie_illuminant,
     color_axes,
     equal_energy,
+    flat_field,
     illuminant_named,
     led,
+    light,
 )
 from chromanoise.spectra.tables import packaged_table
 

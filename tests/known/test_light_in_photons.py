@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from chromanoise.exposure import Exposure, expected_electrons, exposure_factor
-from chromanoise.scene import flat_field
+from chromanoise.noise import Exposure, expected_electrons, exposure_factor
 from chromanoise.sensor import PAPER_PIXEL
 from chromanoise.spectra import (
     Grid,
     Spectra,
     cie_1931,
     equal_energy,
+    flat_field,
     illuminant_from,
     photon_irradiance,
 )

@@ -3,12 +3,9 @@
 import numpy as np
 import pytest
 
-from chromanoise.analysis import analyzed
-from chromanoise.catalog import sensor_named
+from chromanoise.base.errors import errors_in
 from chromanoise.color import kernel_matrix, scene_xyz
-from chromanoise.errors import errors_in
-from chromanoise.exposure import Exposure, OperatingPoint, conditions
-from chromanoise.scene import flat_field, light
+from chromanoise.noise import Exposure, OperatingPoint, conditions
 from chromanoise.spectra import (
     DEFAULT_GRID,
     OBSERVERS,
@@ -17,7 +14,10 @@ from chromanoise.spectra import (
     cie_illuminant,
     color_axes,
     equal_energy,
+    flat_field,
+    light,
 )
+from chromanoise.study import analyzed, sensor_named
 from outcomes import refused_input
 
 CIE = Grid.uniform(360, 830, 1)

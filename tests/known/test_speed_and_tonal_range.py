@@ -5,9 +5,13 @@ import pytest
 from scipy.integrate import dblquad, quad
 
 from chromanoise.color import colored, kernel_matrix
-from chromanoise.exposure import Exposure, expected_electrons
 from chromanoise.metrics import snr_db
-from chromanoise.metrics.information import information_bits
+from chromanoise.metrics.snr import (
+    color_sensitivity_bits,
+    information_bits,
+    tonal_levels,
+    tonal_range_bits,
+)
 from chromanoise.metrics.speed import (
     ISO_12232_2019,
     NoiseSpeedModel,
@@ -15,16 +19,10 @@ from chromanoise.metrics.speed import (
     light_for_snr,
     noise_speed,
 )
-from chromanoise.metrics.tonal import (
-    color_sensitivity_bits,
-    tonal_levels,
-    tonal_range_bits,
-)
 from chromanoise.metrics.visual_noise import contrast_sensitivity, pixels_per_degree
-from chromanoise.noise import with_noise
-from chromanoise.scene import flat_field
+from chromanoise.noise import Exposure, expected_electrons, with_noise
 from chromanoise.sensor import Pixel
-from chromanoise.spectra import equal_energy
+from chromanoise.spectra import equal_energy, flat_field
 from strategies import EXPOSURE, GRID, bell_qe, pixel_with, sensor_of, white_channel
 
 LAMP = equal_energy(GRID)

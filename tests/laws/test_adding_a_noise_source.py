@@ -27,12 +27,12 @@ QUESTIONS = """
 import contextlib, io, json
 import numpy as np
 import chromanoise as cn
-from chromanoise.analysis import color_budgets
+from chromanoise.study import color_budgets
 from chromanoise.cli.entry import run
-from chromanoise.design.candidates import noise_properties
+from chromanoise.apps.design.parameters import noise_properties
 from chromanoise.noise import noise_sources, sample_electrons
-from chromanoise.page.fields import described_fields
-from chromanoise.rng import stream
+from chromanoise.web.controls import described_fields
+from chromanoise.base.rng import stream
 from chromanoise.sensor import with_binning
 from chromanoise.study import hashes, study_from_data, study_hash
 

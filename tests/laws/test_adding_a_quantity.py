@@ -18,8 +18,8 @@ def _headroom(candidate: Candidate) -> float:
 
 """
 EDITS = {
-    "analysis/comparison/quantities.py": ("def is_saturated(", QUANTITY),
-    "design/objectives.py": ("FAST = tuple(", OBJECTIVE),
+    "study/sweeps.py": ("def is_saturated(", QUANTITY),
+    "apps/design/objectives.py": ("FAST = tuple(", OBJECTIVE),
 }
 QUESTIONS = """
 import contextlib, io, json
@@ -27,8 +27,8 @@ from pathlib import Path
 import numpy as np
 import chromanoise as cn
 from chromanoise.cli.entry import run
-from chromanoise.design import Candidates, DesignScene, DesignStudy, Objectives
-from chromanoise.page.choices import choices
+from chromanoise.apps.design import Candidates, DesignScene, DesignStudy, Objectives
+from chromanoise.web.controls import choices
 from chromanoise.study import operating_points_of, study_from_data, study_schema
 
 def printed(*words):

@@ -15,7 +15,7 @@ QUESTIONS = """
 import contextlib, inspect, io, json
 import chromanoise as cn
 from chromanoise.cli.entry import run
-from chromanoise.page.fields import described_fields
+from chromanoise.web.controls import described_fields
 from chromanoise.study import (
     hashes, study_as_command, study_as_python, study_as_toml, study_from_data, study_hash, study_of,
     study_schema,

@@ -13,7 +13,7 @@ import chromanoise
 
 BEFORE = "    (is_cgats, read_cgats),\n"
 ENTRY = "    (toy.is_toy, toy.read_toy),\n"
-IMPORT = "from chromanoise.io.spectra.cgats import"
+IMPORT = "from chromanoise.io.spectra.delimited import"
 MODULE = '''"""A format of pairs after the word TOY."""
 
 import numpy as np
@@ -36,7 +36,7 @@ QUESTIONS = """
 import contextlib, io, json
 import numpy as np
 import chromanoise as cn
-from chromanoise.catalog.resolve import resolve_sensor
+from chromanoise.study.resolve import resolve_sensor
 from chromanoise.cli.entry import run
 from chromanoise.io.spectra import read_curves
 

@@ -4,12 +4,9 @@ import numpy as np
 import pytest
 
 import chromanoise as cn
-from chromanoise.analysis.operating_point import electrons_at
-from chromanoise.catalog import sensor_named
-from chromanoise.exposure import Exposure
-from chromanoise.io.sensor_json import sensor_from_json, sensor_json
-from chromanoise.noise import noise_sources, sample_electrons, with_noise
-from chromanoise.rng import stream
+from chromanoise.base.rng import stream
+from chromanoise.io.sensor_files import sensor_from_json, sensor_json
+from chromanoise.noise import Exposure, noise_sources, sample_electrons, with_noise
 from chromanoise.sensor import (
     Converter,
     Pixel,
@@ -20,6 +17,8 @@ from chromanoise.sensor import (
     with_pixel,
 )
 from chromanoise.spectra import DEFAULT_GRID
+from chromanoise.study import sensor_named
+from chromanoise.study.analysis import electrons_at
 from outcomes import refused_input
 
 DRAWS = 100_000

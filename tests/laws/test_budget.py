@@ -7,17 +7,15 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from chromanoise.catalog import sensor_named
+from chromanoise.apps.paper import paper_study
+from chromanoise.apps.paper.printed_numbers import RGB_12, RGBW_12
 from chromanoise.color import kernel_matrix
-from chromanoise.exposure import Exposure, expected_electrons
 from chromanoise.metrics import optimal_linear_snr_db
 from chromanoise.metrics.budget import CAUSES, color_budget, contravariant_budget, shapley_values
-from chromanoise.noise import with_noise
-from chromanoise.paper import paper_study
-from chromanoise.paper.study import RGB_12, RGBW_12
-from chromanoise.scene import flat_field
+from chromanoise.noise import Exposure, expected_electrons, with_noise
 from chromanoise.sensor import Pixel, Sensor, with_channels
-from chromanoise.spectra import DEFAULT_GRID, equal_energy
+from chromanoise.spectra import DEFAULT_GRID, equal_energy, flat_field
+from chromanoise.study import sensor_named
 from outcomes import refused_input
 
 AT = DEFAULT_GRID.wavelength_nm

@@ -20,12 +20,11 @@ import numpy as np
 import pytest
 
 from chromanoise.color import kernel_matrix
-from chromanoise.exposure import Exposure
 from chromanoise.metrics import lab_budget, optimal_linear_snr_db
 from chromanoise.metrics.budget import color_budget, contravariant_budget
-from chromanoise.scene import flat_field
+from chromanoise.noise import Exposure
 from chromanoise.sensor import Pixel, Sensor
-from chromanoise.spectra import Grid, Illuminant
+from chromanoise.spectra import Grid, Illuminant, flat_field
 from strategies import raw_of
 
 GRID = Grid.uniform(450, 850, 100)

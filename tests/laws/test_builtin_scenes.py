@@ -6,13 +6,18 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from chromanoise.catalog.resolve import resolve_illuminant, resolve_sensor
-from chromanoise.exposure import Exposure, expected_electrons
-from chromanoise.scene import BUILTIN_CUBES, SLANTED_EDGES, Scene, builtin_cube, light
-from chromanoise.scene.builtin.dead_leaves import occluding_discs
-from chromanoise.scene.builtin.foliage import foliage_reflectances
-from chromanoise.scene.builtin.mixtures import paint_behind
-from chromanoise.spectra import DEFAULT_GRID, color_axes
+from chromanoise.noise import Exposure, expected_electrons
+from chromanoise.spectra import (
+    BUILTIN_CUBES,
+    DEFAULT_GRID,
+    SLANTED_EDGES,
+    Scene,
+    builtin_cube,
+    color_axes,
+    light,
+)
+from chromanoise.spectra.builtin_scenes import foliage_reflectances, occluding_discs, paint_behind
+from chromanoise.study.resolve import resolve_illuminant, resolve_sensor
 
 WAVELENGTH = DEFAULT_GRID.wavelength_nm
 SYNTHETIC = BUILTIN_CUBES[1:]

@@ -6,23 +6,23 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from chromanoise.catalog import KNOWN_SENSORS, sensor_named
-from chromanoise.catalog.entries import KINDS, catalog_entries, catalog_entry, entries_as_json
-from chromanoise.errors import InputError, Setting
-from chromanoise.exposure import expected_electrons, saturating_exposure
+from chromanoise.base.errors import InputError, Setting
 from chromanoise.io.spectra import ASK, Answers
-from chromanoise.noise import with_noise
-from chromanoise.scene import BUILTIN_CUBES, flat_field
+from chromanoise.noise import expected_electrons, saturating_exposure, with_noise
 from chromanoise.sensor import PAPER_PIXEL, filter_named
 from chromanoise.spectra import (
+    BUILTIN_CUBES,
     DEFAULT_GRID,
     Grid,
+    flat_field,
     illuminant_named,
     infrared_parts,
     reflectance_named,
     with_infrared,
 )
 from chromanoise.spectra.tables import formulas, packaged_table, sources
+from chromanoise.study import KNOWN_SENSORS, sensor_named
+from chromanoise.study.catalog import KINDS, catalog_entries, catalog_entry, entries_as_json
 from outcomes import refused_input
 
 ALL = Answers(beyond="zero", peak_qe=0.5, per="energy")

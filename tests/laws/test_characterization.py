@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import chromanoise as cn
-from chromanoise.characterization import (
+from chromanoise.apps.camera import (
     VirtualCamera,
     characterized,
     emva_sheet,
@@ -18,10 +18,14 @@ from chromanoise.characterization import (
     variance_through,
     variance_through_file,
 )
-from chromanoise.characterization.spatial import fixed_pattern, hot_pixels, spatial_variance
-from chromanoise.characterization.statistics import scaled_sample
+from chromanoise.apps.camera.statistics import (
+    fixed_pattern,
+    hot_pixels,
+    scaled_sample,
+    spatial_variance,
+)
 from chromanoise.io.frames import FrameLevel, FrameSet, RawFrame, read_frame_set
-from chromanoise.io.given_matrices import GivenMatrix
+from chromanoise.io.matrix_files import GivenMatrix
 from chromanoise.sensor import Mosaic, bayer
 from outcomes import refused_input
 

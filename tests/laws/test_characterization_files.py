@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from characterizations import BLACK_DN, DARK_E, color, monochrome, plane_of
-from chromanoise.catalog import read_pixel_source, sensor_with_pixel
-from chromanoise.characterization import (
+from chromanoise.apps.camera import (
     ModelVerdict,
     PlaneNoise,
     characterization_as_json,
@@ -34,6 +33,7 @@ from chromanoise.io.pixels import (
     read_photon_transfer_csv,
 )
 from chromanoise.sensor import PIXEL, photon_transfer_fit
+from chromanoise.study import read_pixel_source, sensor_with_pixel
 from outcomes import refused_input
 
 EXACT = 1e-13

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from characterizations import color, monochrome, plane_of
-from chromanoise.characterization import QUANTITIES
+from chromanoise.apps.camera import QUANTITIES
 from virtual_cameras import findings, scores, small_camera
 
 PATTERNS = ("dsnu_e", "prnu", "row_noise_e", "column_noise_e")

@@ -5,14 +5,11 @@ from functools import cache
 import numpy as np
 import pytest
 
-from chromanoise.analysis import analyzed, chart_as_json, chart_noise, matrix_makers
-from chromanoise.catalog import sensor_named
+from chromanoise.base.rng import stream
 from chromanoise.color import kernel_matrix
-from chromanoise.exposure import Exposure, OperatingPoint
-from chromanoise.noise import sample_electrons
-from chromanoise.rng import stream
-from chromanoise.scene import Scene, flat_field
-from chromanoise.spectra import DEFAULT_GRID, colorchecker, equal_energy
+from chromanoise.noise import Exposure, OperatingPoint, sample_electrons
+from chromanoise.spectra import DEFAULT_GRID, Scene, colorchecker, equal_energy, flat_field
+from chromanoise.study import analyzed, chart_as_json, chart_noise, matrix_makers, sensor_named
 
 LAMP = equal_energy(DEFAULT_GRID)
 DRAWS = 20_000
@@ -33,7 +30,7 @@ def test_patches_drawn_and_taken_to_lab_scatter_as_predicted():
     """CIELAB by colour-science's own function, noise by drawing: another road to both."""
     import colour
 
-    from chromanoise.exposure import expected_electrons
+    from chromanoise.noise import expected_electrons
 
     analysis = seen()
     chart = charted()
@@ -61,7 +58,7 @@ def test_an_error_free_patch_exists_only_where_sensor_and_eye_agree():
 
 
 def test_the_mean_of_the_chart_is_the_color_error_of_the_analysis():
-    from chromanoise.analysis import mean_color_error
+    from chromanoise.study import mean_color_error
 
     analysis = seen()
     assert charted().color_error.mean() == pytest.approx(mean_color_error(analysis))

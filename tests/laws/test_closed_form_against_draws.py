@@ -3,13 +3,18 @@
 import numpy as np
 import pytest
 
-from chromanoise.catalog import sensor_named
 from chromanoise.color import chart_training, kernel_matrix, lmmse, nir_diverse
-from chromanoise.exposure import Exposure, expected_electrons
-from chromanoise.noise import Readout, clipped_measurement, monte_carlo, with_noise
-from chromanoise.scene import flat_field
+from chromanoise.noise import (
+    Exposure,
+    Readout,
+    clipped_measurement,
+    expected_electrons,
+    monte_carlo,
+    with_noise,
+)
 from chromanoise.sensor import PAPER_PIXEL, Sensor
-from chromanoise.spectra import DEFAULT_GRID, equal_energy
+from chromanoise.spectra import DEFAULT_GRID, equal_energy, flat_field
+from chromanoise.study import sensor_named
 
 LAMP = equal_energy(DEFAULT_GRID)
 AT = DEFAULT_GRID.wavelength_nm

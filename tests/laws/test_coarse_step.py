@@ -8,25 +8,8 @@ from hypothesis import given, strategies as st
 from scipy import stats
 
 import chromanoise as cn
-from chromanoise.analysis import (
-    analyzed,
-    color_budgets,
-    color_snr_db,
-    contravariant_budgets,
-    contravariant_snr_db,
-    diagnosis,
-    lab_budgets,
-    raw_snr_db,
-)
-from chromanoise.analysis.contrast_detection import (
-    BRIGHT,
-    DARK,
-    TOLERANCE,
-    contrast_detection_of,
-)
-from chromanoise.catalog import sensor_named
-from chromanoise.exposure import Exposure
 from chromanoise.noise import (
+    Exposure,
     Readout,
     few_electrons,
     monte_carlo,
@@ -37,7 +20,6 @@ from chromanoise.noise import (
     with_noise,
 )
 from chromanoise.noise.sources import crosstalk_pattern
-from chromanoise.scene import flat_field
 from chromanoise.sensor import (
     PAPER_PIXEL,
     Crosstalk,
@@ -47,7 +29,19 @@ from chromanoise.sensor import (
     with_crosstalk,
     with_pixel,
 )
-from chromanoise.spectra import DEFAULT_GRID, equal_energy
+from chromanoise.spectra import DEFAULT_GRID, equal_energy, flat_field
+from chromanoise.study import (
+    analyzed,
+    color_budgets,
+    color_snr_db,
+    contravariant_budgets,
+    contravariant_snr_db,
+    diagnosis,
+    lab_budgets,
+    raw_snr_db,
+    sensor_named,
+)
+from chromanoise.study.reading_quality import BRIGHT, DARK, TOLERANCE, contrast_detection_of
 from noise_samples import noise_of
 from outcomes import refused_input
 

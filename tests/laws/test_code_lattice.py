@@ -7,9 +7,11 @@ import pytest
 from hypothesis import given, strategies as st
 from scipy import stats
 
-from chromanoise.exposure import Exposure, OperatingPoint
+from chromanoise.base.rng import stream
 from chromanoise.imaging import Work, acquired
 from chromanoise.noise import (
+    Exposure,
+    OperatingPoint,
     Readout,
     clipped_measurement,
     clipping_readout,
@@ -20,11 +22,9 @@ from chromanoise.noise import (
     sample_electrons,
     sensor_moments,
 )
-from chromanoise.noise.exact import counted_readout
-from chromanoise.rng import stream
-from chromanoise.scene import flat_cube
+from chromanoise.noise.distribution import counted_readout
 from chromanoise.sensor import Adc, Converter, Mosaic
-from chromanoise.spectra import Grid, equal_energy
+from chromanoise.spectra import Grid, equal_energy, flat_cube
 from noise_samples import noise_of
 from strategies import pixel_with, white_channel
 

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from chromanoise.catalog import sensor_named
+from chromanoise.base.errors import InputError
 from chromanoise.color import kernel_matrix
-from chromanoise.errors import InputError
-from chromanoise.exposure import Exposure
 from chromanoise.metrics import chart_color_error
+from chromanoise.noise import Exposure
 from chromanoise.sensor import PAPER_PIXEL, Sensor
 from chromanoise.spectra import DEFAULT_GRID, Grid, cie_1931, cie_a, equal_energy
+from chromanoise.study import sensor_named
 
 EXPOSURE = Exposure(time_s=0.01)
 

@@ -8,19 +8,20 @@ import pytest
 from hypothesis import given, strategies as st
 from scipy.optimize import minimize
 
-from chromanoise.catalog import sensor_named
 from chromanoise.color import colored
-from chromanoise.color.fitted import (
+from chromanoise.color.matrices import (
+    bounded_psi,
     kernel,
     least_squares,
     lmmse,
     lmmse_over_light,
+    noise_gain,
     noise_regularized,
     pareto,
     ridge,
+    white_normalized,
     white_preserving,
 )
-from chromanoise.color.noise_gain import bounded_psi, noise_gain, white_normalized
 from chromanoise.color.training import (
     Training,
     chart_training,
@@ -29,12 +30,12 @@ from chromanoise.color.training import (
     smooth_training,
     training_response,
 )
-from chromanoise.exposure import Exposure, measurement_vectors
 from chromanoise.metrics import chart_color_error, snr_db
-from chromanoise.metrics.matrix_report import effective_filters, matrix_report
-from chromanoise.noise import with_noise
+from chromanoise.metrics.accuracy import effective_filters, matrix_report
+from chromanoise.noise import Exposure, measurement_vectors, with_noise
 from chromanoise.sensor import PAPER_PIXEL, Sensor, with_channels
 from chromanoise.spectra import DEFAULT_GRID, cie_1931, cie_a, color_axes, equal_energy
+from chromanoise.study import sensor_named
 from outcomes import refused_input
 from strategies import EXPOSURE, GRID, bell_qe, sensor_of, sensors
 

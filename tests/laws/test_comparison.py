@@ -5,7 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from chromanoise.analysis import (
+from chromanoise.color import kernel_matrix
+from chromanoise.noise import Exposure, OperatingPoint, expected_electrons, white_scene
+from chromanoise.sensor import Pixel, Sensor
+from chromanoise.spectra import DEFAULT_GRID, equal_energy, flat_field
+from chromanoise.study import (
     QUANTITIES,
     SWEEPS,
     MatrixMaker,
@@ -18,15 +22,10 @@ from chromanoise.analysis import (
     crossovers,
     crossovers_or_reasons,
     matrix_makers,
+    sensor_named,
     swept_values,
 )
-from chromanoise.analysis.comparison.quantities import SNR_Y
-from chromanoise.catalog import sensor_named
-from chromanoise.color import kernel_matrix
-from chromanoise.exposure import Exposure, OperatingPoint, expected_electrons, white_scene
-from chromanoise.scene import flat_field
-from chromanoise.sensor import Pixel, Sensor
-from chromanoise.spectra import DEFAULT_GRID, equal_energy
+from chromanoise.study.sweeps import SNR_Y
 from outcomes import refused_input
 
 LAMP = equal_energy(DEFAULT_GRID)

@@ -5,7 +5,9 @@ import pytest
 from scipy.stats import poisson
 
 import chromanoise as cn
-from chromanoise.analysis.contrast_detection import (
+from chromanoise.metrics import contrast_detection_probability, exact_contrast_detection_probability
+from chromanoise.noise import reading_distribution
+from chromanoise.study.reading_quality import (
     BRIGHT,
     DARK,
     TARGET,
@@ -13,11 +15,6 @@ from chromanoise.analysis.contrast_detection import (
     best_channel_probability,
     contrast_detection_of,
 )
-from chromanoise.metrics import (
-    contrast_detection_probability,
-    exact_contrast_detection_probability,
-)
-from chromanoise.noise import reading_distribution
 from noise_samples import noise_of
 from outcomes import refused_input
 

@@ -6,13 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from chromanoise.catalog import sensor_named
 from chromanoise.color import colored, kernel_matrix
-from chromanoise.exposure import Exposure, OperatingPoint, expected_electrons
 from chromanoise.imaging import DEMOSAICING, Work, acquired, developed, developed_color, rendered
 from chromanoise.imaging.capture import CaptureSettings, camera_for
-from chromanoise.noise import with_noise
-from chromanoise.scene import Cube, flat_cube, flat_field
+from chromanoise.noise import Exposure, OperatingPoint, expected_electrons, with_noise
 from chromanoise.sensor import (
     Adc,
     Crosstalk,
@@ -23,7 +20,8 @@ from chromanoise.sensor import (
     with_crosstalk,
     with_pixel,
 )
-from chromanoise.spectra import DEFAULT_GRID, equal_energy
+from chromanoise.spectra import DEFAULT_GRID, Cube, equal_energy, flat_cube, flat_field
+from chromanoise.study import sensor_named
 
 LAMP = equal_energy(DEFAULT_GRID)
 EXPOSURE = Exposure(time_s=0.002)

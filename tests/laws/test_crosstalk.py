@@ -8,8 +8,6 @@ import pytest
 from hypothesis import given, strategies as st
 
 import chromanoise as cn
-from chromanoise.analysis import analyzed, chart_noise, gray_noise, merits_of
-from chromanoise.catalog import sensor_named
 from chromanoise.color import (
     LAB,
     chart_training,
@@ -21,12 +19,10 @@ from chromanoise.color import (
     pareto,
 )
 from chromanoise.color.training import training_response
-from chromanoise.exposure import Exposure, expected_electrons
-from chromanoise.io.crosstalk import read_crosstalk
+from chromanoise.io.matrix_files import read_crosstalk
 from chromanoise.metrics import color_budget, lab_budget, snr_db
 from chromanoise.metrics.budget import moved_share
-from chromanoise.noise import Readout, clipped_measurement, with_noise
-from chromanoise.scene import flat_field
+from chromanoise.noise import Exposure, Readout, clipped_measurement, expected_electrons, with_noise
 from chromanoise.sensor import (
     Crosstalk,
     Mosaic,
@@ -39,8 +35,16 @@ from chromanoise.sensor import (
     with_pixel,
     without_crosstalk,
 )
-from chromanoise.spectra import DEFAULT_GRID, equal_energy
-from chromanoise.study import operating_points_of, study_from_data
+from chromanoise.spectra import DEFAULT_GRID, equal_energy, flat_field
+from chromanoise.study import (
+    analyzed,
+    chart_noise,
+    gray_noise,
+    merits_of,
+    operating_points_of,
+    sensor_named,
+    study_from_data,
+)
 from outcomes import refused_input
 from strategies import bell_qe, pixel_with, sensor_of
 

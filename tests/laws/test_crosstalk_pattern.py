@@ -9,17 +9,14 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from chromanoise.analysis import analyzed, diagnosis, raw_snr_db
-from chromanoise.analysis.analysis import temporal_raw_snr_db
-from chromanoise.analysis.budgets import color_budgets, contravariant_budgets, lab_budgets
-from chromanoise.analysis.camera_pipeline import pipeline_noise
-from chromanoise.catalog import sensor_named
 from chromanoise.color import LAB, ElectronSource, exact, kernel_matrix, noisy_color, propagate
-from chromanoise.exposure import Exposure, OperatingPoint, expected_electrons
 from chromanoise.imaging import DEMOSAICING, acquired, developed, developed_color
 from chromanoise.metrics import illuminance_for_snr
 from chromanoise.noise import (
+    Exposure,
+    OperatingPoint,
     channel_distribution,
+    expected_electrons,
     few_electrons,
     mean_noise_covariance,
     monte_carlo,
@@ -27,9 +24,8 @@ from chromanoise.noise import (
     sensor_moments,
     with_noise,
 )
-from chromanoise.noise.exact import Readout
+from chromanoise.noise.readout import Readout
 from chromanoise.noise.sources import CrosstalkPattern, crosstalk_pattern
-from chromanoise.scene import flat_cube, flat_field
 from chromanoise.sensor import (
     Adc,
     Crosstalk,
@@ -40,7 +36,11 @@ from chromanoise.sensor import (
     with_crosstalk,
     with_pixel,
 )
-from chromanoise.spectra import DEFAULT_GRID, equal_energy
+from chromanoise.spectra import DEFAULT_GRID, equal_energy, flat_cube, flat_field
+from chromanoise.study import analyzed, diagnosis, raw_snr_db, sensor_named
+from chromanoise.study.analysis import temporal_raw_snr_db
+from chromanoise.study.camera_pipeline import pipeline_noise
+from chromanoise.study.color_noise import color_budgets, contravariant_budgets, lab_budgets
 from noise_samples import noise_of
 
 LAMP = equal_energy(DEFAULT_GRID)

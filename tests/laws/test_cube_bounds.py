@@ -14,10 +14,10 @@ import zlib
 import numpy as np
 import pytest
 
-from chromanoise._check import reason
-from chromanoise.errors import InputError
-from chromanoise.io.cubes import bounds, read_cube
-from chromanoise.scene.rows import row_source
+from chromanoise.base.check import reason
+from chromanoise.base.errors import InputError
+from chromanoise.io.cubes import raw_cube as bounds, read_cube
+from chromanoise.spectra.scene_rows import row_source
 from outcomes import refused_input
 
 h5py = pytest.importorskip("h5py", reason="comes with chromanoise[cubes]")
@@ -323,9 +323,9 @@ BOMBS = [
 ]
 READS = """
 import resource, sys
-from chromanoise.errors import InputError
+from chromanoise.base.errors import InputError
 from chromanoise.io.cubes import read_cube
-from chromanoise.scene import row_source
+from chromanoise.spectra import row_source
 import h5py, zarr, tifffile, PIL.Image
 import numpy as np
 resource.setrlimit(resource.RLIMIT_CORE, (0, 0))

@@ -16,10 +16,10 @@ import pytest
 import scipy.io
 from hypothesis import given, settings, strategies as st
 
-from chromanoise.errors import InputError
+from chromanoise.base.errors import InputError
 from chromanoise.io.cubes import read_cube
-from chromanoise.scene import Cube
-from chromanoise.scene.rows import row_source
+from chromanoise.spectra import Cube
+from chromanoise.spectra.scene_rows import row_source
 from outcomes import refused_input
 
 REAL = Path(__file__).resolve().parents[2].parent / "shared" / "data" / "cubes"
@@ -826,7 +826,7 @@ def test_memory_that_runs_out_is_said(tmp_path, monkeypatch):
 
 
 def test_importing_the_scene_does_not_import_scipy():
-    result = "import sys, chromanoise.scene; print('scipy' in sys.modules)"
+    result = "import sys, chromanoise.spectra; print('scipy' in sys.modules)"
     out = subprocess.run([sys.executable, "-c", result], capture_output=True, text=True, check=True)
     assert out.stdout.strip() == "False"
 

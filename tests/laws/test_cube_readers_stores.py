@@ -14,12 +14,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from chromanoise import _sandbox
-from chromanoise.errors import InputError
+from chromanoise.base import sandbox as _sandbox
+from chromanoise.base.errors import InputError
 from chromanoise.io.cubes import cube_from_xarray, picture_to_xarray, read_cube
 from chromanoise.io.cubes.hdf5 import Chunks
-from chromanoise.scene import row_source
-from chromanoise.scene.rows import FileRows, PlaneRows
+from chromanoise.spectra import row_source
+from chromanoise.spectra.scene_rows import FileRows, PlaneRows
 from outcomes import refused_input
 
 h5py = pytest.importorskip("h5py", reason="comes with chromanoise[cubes]")
@@ -251,7 +251,7 @@ def test_attributes_that_forbid_the_cube_are_told(tmp_path, attributes, fields):
 
 
 def test_a_fill_value_is_noted_and_its_nan_refused_with_that_note(tmp_path):
-    from chromanoise.scene.cube import reflectance_rows
+    from chromanoise.spectra.scene import reflectance_rows
 
     cube = numbers() / 128
     cube[1, 1, 1] = np.nan
@@ -474,7 +474,7 @@ def test_an_absent_package_is_told_with_what_installs_it(tmp_path, name, monkeyp
 
 
 def test_importing_the_scene_imports_no_library_of_files():
-    values = "import sys, chromanoise.scene; print(sorted(sys.modules))"
+    values = "import sys, chromanoise.spectra; print(sorted(sys.modules))"
     out = subprocess.run([sys.executable, "-c", values], capture_output=True, text=True, check=True)
     for name in ("h5py", "zarr", "xarray", "tifffile", "PIL"):
         assert f"'{name}'" not in out.stdout

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 import scipy.io
 
-from chromanoise.errors import InputError
+from chromanoise.base.errors import InputError
 from chromanoise.io.cubes import cube_from_xarray, read_cube
-from chromanoise.io.cubes.interpretation import read_wavelengths
-from chromanoise.scene.rows import row_source
+from chromanoise.io.cubes.cube_metadata import read_wavelengths
+from chromanoise.spectra.scene_rows import row_source
 from outcomes import refused_input
 
 h5py = pytest.importorskip("h5py", reason="comes with chromanoise[cubes]")

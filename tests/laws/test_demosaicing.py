@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from chromanoise.catalog import sensor_named
-from chromanoise.exposure import Exposure, expected_electrons
+from chromanoise.base.rng import stream
 from chromanoise.imaging.demosaic import (
     FilterBank,
     bilinear_filters,
@@ -14,18 +13,19 @@ from chromanoise.imaging.demosaic import (
     demosaicked,
     malvar_filters,
 )
-from chromanoise.imaging.demosaic_noise import demosaicked_covariance, noise_power_spectrum
-from chromanoise.imaging.demosaic_priors import (
+from chromanoise.imaging.demosaic_methods import (
     PicturePrior,
+    demosaicked_covariance,
     gradient_corrected_filters,
     lmmse_filters,
+    noise_power_spectrum,
     picture_prior,
 )
 from chromanoise.metrics.visual_noise import visual_noise_from_spectrum, visual_noise_of_picture
-from chromanoise.rng import stream
-from chromanoise.scene import Scene
+from chromanoise.noise import Exposure, expected_electrons
 from chromanoise.sensor import Mosaic, bayer, rgbw_2x2, rgbw_sparse_4x4
-from chromanoise.spectra import DEFAULT_GRID, colorchecker, equal_energy
+from chromanoise.spectra import DEFAULT_GRID, Scene, colorchecker, equal_energy
+from chromanoise.study import sensor_named
 from outcomes import refused_input
 
 FABRY_PEROT = Mosaic(tuple(tuple(row) for row in ("abc", "def", "ghi")))
@@ -422,7 +422,7 @@ def test_visual_noise_of_demosaicked_flat_fields_is_as_predicted(bank):
 
 @every_bank
 def test_compiled_demosaicing_gives_the_same_bits_for_any_block_of_rows(bank):
-    from chromanoise.imaging.kernels_demosaic import demosaicked_rows, surrounded_rows, taps_of
+    from chromanoise.imaging.demosaic_kernels import demosaicked_rows, surrounded_rows, taps_of
 
     raw, taps = 1000.0 * stream(9).random((23, 17)), taps_of(bank)
     whole = demosaicked_rows(surrounded_rows(raw, bank, 0, 23), taps, 0)

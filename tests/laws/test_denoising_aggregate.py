@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from chromanoise.denoising import DENOISING, denoised_planes
-from chromanoise.denoising.aggregate import AGGREGATE, LEAST_SNR
-from chromanoise.denoising.guided import USUAL, WIDE, guided_estimate
+from chromanoise.base.rng import stream
 from chromanoise.imaging import Work
-from chromanoise.rng import stream
+from chromanoise.imaging.denoising import DENOISING, denoised_planes
+from chromanoise.imaging.denoising.guided import USUAL, WIDE, guided_estimate
+from chromanoise.imaging.denoising.patches import AGGREGATE, LEAST_SNR
 from chromanoise.sensor import VarianceLaw
 from noisy_planes import planes_of
 

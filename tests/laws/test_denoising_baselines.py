@@ -5,9 +5,15 @@ import sys
 import numpy as np
 import pytest
 
-from chromanoise.denoising import DENOISING, NoisyPlanes, denoised_planes, stabilized, unstabilized
-from chromanoise.denoising.baselines import BASELINES
-from chromanoise.rng import stream
+from chromanoise.base.rng import stream
+from chromanoise.imaging.denoising import (
+    DENOISING,
+    NoisyPlanes,
+    denoised_planes,
+    stabilized,
+    unstabilized,
+)
+from chromanoise.imaging.denoising.methods import BASELINES
 from chromanoise.sensor import VarianceLaw
 from outcomes import refused_input
 

@@ -11,11 +11,16 @@ from multiprocessing import get_context
 import numpy as np
 import pytest
 
-from chromanoise.denoising import benchmark_cells, benchmark_scene, markdown_table, verdict
+from chromanoise.apps.denoising_benchmark.benchmark import (
+    benchmark_cells,
+    benchmark_scene,
+    markdown_table,
+    verdict,
+)
+from chromanoise.apps.denoising_benchmark.cells import benchmark_camera, denoising_benchmark
 from chromanoise.imaging import Work
-from chromanoise.scene import flat_cube
 from chromanoise.sensor import Crosstalk, with_crosstalk, with_pixel
-from chromanoise.study.denoising_cells import benchmark_camera, denoising_benchmark
+from chromanoise.spectra import flat_cube
 from outcomes import refused_input
 
 FIELDS = {

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from chromanoise.denoising import BurstFrame, merged_frames
-from chromanoise.rng import stream
+from chromanoise.base.rng import stream
+from chromanoise.imaging.denoising import BurstFrame, merged_frames
 from chromanoise.sensor import VarianceLaw
 from noisy_planes import planes_of
 from outcomes import refused_input
@@ -148,7 +148,7 @@ def test_rows_that_are_tested_together_change_no_bit(monkeypatch):
     planes = camera(p=2)
     values = draw_frames(planes, np.full((150, 40, 2), 50.0), stream(4), (1.0, 2.0))
     whole = merged(planes, values, (1.0, 2.0), false_alarm=0.2, window_px=5)
-    monkeypatch.setattr("chromanoise.denoising.burst._ROWS", 7)
+    monkeypatch.setattr("chromanoise.imaging.denoising.raw_pictures._ROWS", 7)
     parts = merged(planes, values, (1.0, 2.0), false_alarm=0.2, window_px=5)
     assert (whole.planes.values_e == parts.planes.values_e).all()
     assert (whole.used == parts.used).all()

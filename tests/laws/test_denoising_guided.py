@@ -7,14 +7,14 @@ import pytest
 from hypothesis import given, strategies as st
 from scipy.ndimage import uniform_filter
 
-from chromanoise.catalog import sensor_named
+from chromanoise.base.rng import stream
 from chromanoise.color import kernel_matrix
-from chromanoise.denoising import NoisyPlanes, denoised_planes
-from chromanoise.denoising.guided import GUIDED, denoise
-from chromanoise.denoising.guided_kernels import add_estimates
+from chromanoise.imaging.denoising import NoisyPlanes, denoised_planes
+from chromanoise.imaging.denoising.guided import GUIDED, denoise
+from chromanoise.imaging.denoising.guided_kernels import add_estimates
 from chromanoise.imaging.work import Work
-from chromanoise.rng import stream
 from chromanoise.sensor import VarianceLaw
+from chromanoise.study import sensor_named
 from strategies import EXPOSURE
 
 LARGEST_WINDOW = 11 * 11

@@ -7,7 +7,9 @@ import pytest
 from hypothesis import given, settings, strategies as st
 from scipy.signal import fftconvolve
 
-from chromanoise.denoising import (
+from chromanoise.base.rng import stream
+from chromanoise.imaging import Work
+from chromanoise.imaging.denoising import (
     LMMSE,
     WIENER,
     LinearFilter,
@@ -16,8 +18,6 @@ from chromanoise.denoising import (
     linear_filters,
     packed,
 )
-from chromanoise.imaging import Work
-from chromanoise.rng import stream
 from chromanoise.sensor import VarianceLaw
 from noisy_planes import planes_of
 from outcomes import refused_input

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from chromanoise.denoising import NoisyPlanes, denoised_planes
-from chromanoise.denoising.patches import PATCHES, patches_estimate
+from chromanoise.imaging.denoising import NoisyPlanes, denoised_planes
+from chromanoise.imaging.denoising.patches import PATCHES, patches_estimate
 from chromanoise.imaging.work import Work
 from chromanoise.sensor import VarianceLaw
 

@@ -3,15 +3,7 @@
 import numpy as np
 import pytest
 
-from chromanoise.denoising import (
-    denoised_bank,
-    denoised_covariance,
-    denoised_noise_spectrum,
-    filtered,
-    linear_filters,
-    packed,
-    unpacked,
-)
+from chromanoise.base.rng import stream
 from chromanoise.imaging import (
     bilinear_filters,
     demosaicked,
@@ -20,8 +12,16 @@ from chromanoise.imaging import (
     noise_power_spectrum,
 )
 from chromanoise.imaging.demosaic import channel_tile
+from chromanoise.imaging.denoising import (
+    denoised_bank,
+    denoised_covariance,
+    denoised_noise_spectrum,
+    filtered,
+    linear_filters,
+    packed,
+    unpacked,
+)
 from chromanoise.noise import Measurement, through
-from chromanoise.rng import stream
 from chromanoise.sensor import bayer, rgbw_2x2
 from noisy_planes import planes_of
 from outcomes import refused_input

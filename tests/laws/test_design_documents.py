@@ -5,23 +5,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from chromanoise.catalog import sensor_named
-from chromanoise.design import (
-    DESIGN_STARTER,
-    OBJECTIVES,
-    DesignStudy,
-    optimized,
-    read_design,
-)
-from chromanoise.design.algorithms import METHODS
-from chromanoise.design.candidates import noise_properties
-from chromanoise.design.optimizing import task_of
-from chromanoise.design.parameters import Free
-from chromanoise.design.search import MOST_POPULATION
-from chromanoise.errors import errors_in
+from chromanoise.apps.design import DESIGN_STARTER, OBJECTIVES, DesignStudy, optimized, read_design
+from chromanoise.apps.design.algorithms import METHODS
+from chromanoise.apps.design.optimizing import task_of
+from chromanoise.apps.design.parameters import Free, noise_properties
+from chromanoise.apps.design.search import MOST_POPULATION
+from chromanoise.base.errors import errors_in
 from chromanoise.sensor import dye_transmittances
 from chromanoise.sensor.filter_models import FILTER_MODELS
 from chromanoise.spectra import DEFAULT_GRID
+from chromanoise.study import sensor_named
 from outcomes import refused_input
 
 EXAMPLES = Path(__file__).parents[2] / "examples/designs"

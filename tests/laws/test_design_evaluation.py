@@ -5,13 +5,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from chromanoise.design.candidates import Candidates, noise_properties
-from chromanoise.design.evaluation import Objectives
-from chromanoise.design.objectives import FAST, OBJECTIVES, Candidate, value_of
-from chromanoise.design.parameters import Parameter, ToleranceDraws, over_tolerances
-from chromanoise.design.scenes import DesignScene, candidate_point
-from chromanoise.exposure import Exposure, OperatingPoint
+from chromanoise.apps.design.evaluation import DesignScene, Objectives, candidate_point
+from chromanoise.apps.design.objectives import FAST, OBJECTIVES, Candidate, value_of
+from chromanoise.apps.design.parameters import (
+    Candidates,
+    Parameter,
+    ToleranceDraws,
+    noise_properties,
+    over_tolerances,
+)
 from chromanoise.metrics import chart_ciede2000
+from chromanoise.noise import Exposure, OperatingPoint
 from chromanoise.sensor import PIXEL, Converter, Crosstalk, Pixel, Sensor
 from chromanoise.spectra import (
     OBSERVERS,

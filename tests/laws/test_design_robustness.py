@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from chromanoise.design import read_design
-from chromanoise.design.optimizing import searched, task_of
-from chromanoise.design.parameters import Parameter, ToleranceDraws, over_tolerances
-from chromanoise.design.result import Design
-from chromanoise.errors import errors_in
+from chromanoise.apps.design import read_design
+from chromanoise.apps.design.design_result import Design
+from chromanoise.apps.design.optimizing import searched, task_of
+from chromanoise.apps.design.parameters import Parameter, ToleranceDraws, over_tolerances
+from chromanoise.base.errors import errors_in
 from outcomes import refused_input
 
 WIDE = Parameter(name="x", unit="nm", low=0.0, high=10.0, tolerance=2.0)

@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 
 import design_problems
-from chromanoise.design.problem import Evaluated
-from chromanoise.design.scheduler import scheduler_at
-from chromanoise.design.search import SearchOptions, searched_front
+from chromanoise.apps.design.front import Evaluated
+from chromanoise.apps.design.search import SearchOptions, scheduler_at, searched_front
 from design_problems import bnh
 from outcomes import refused_input
 

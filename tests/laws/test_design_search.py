@@ -7,14 +7,12 @@ import pytest
 import scipy.optimize
 from hypothesis import HealthCheck, given, settings, strategies as st
 
-import chromanoise.design.search as searching
-from chromanoise.design import algorithms
-from chromanoise.design.algorithms import METHODS
-from chromanoise.design.front import non_dominated
-from chromanoise.design.polish import improved
-from chromanoise.design.problem import Evaluated, Problem
-from chromanoise.design.search import SearchOptions, searched_front
-from chromanoise.errors import InputError
+import chromanoise.apps.design.search as searching
+from chromanoise.apps.design import algorithms
+from chromanoise.apps.design.algorithms import METHODS, improved
+from chromanoise.apps.design.front import Evaluated, Problem, non_dominated
+from chromanoise.apps.design.search import SearchOptions, searched_front
+from chromanoise.base.errors import InputError
 from design_problems import bnh, bowl, dtlz2, half_plane, problem_of, rosenbrock, zdt1
 from outcomes import refused_input
 

@@ -9,10 +9,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from chromanoise.catalog import sensor_named
-from chromanoise.design.candidates import noise_properties
-from chromanoise.design.parameters import Free, Parameter
-from chromanoise.design.space import LEAST_SHARE, Channel, DesignSpace, Filter
+from chromanoise.apps.design.parameters import Free, Parameter, noise_properties
+from chromanoise.apps.design.space import LEAST_SHARE, Channel, DesignSpace, Filter
 from chromanoise.sensor import (
     BinningMode,
     bayer,
@@ -23,6 +21,7 @@ from chromanoise.sensor import (
     with_crosstalk,
 )
 from chromanoise.spectra import Grid
+from chromanoise.study import sensor_named
 from outcomes import refused_input
 
 GRID = Grid.uniform(400, 1050, 10)

@@ -7,11 +7,9 @@ import pytest
 from scipy.stats import norm, poisson
 
 import chromanoise as cn
-from chromanoise.analysis import analyzed, color_snr_db, contravariant_snr_db, diagnosis, raw_snr_db
-from chromanoise.exposure import Exposure, saturating_exposure
-from chromanoise.noise import Readout
-from chromanoise.scene import flat_field
-from chromanoise.spectra import Grid, equal_energy
+from chromanoise.noise import Exposure, Readout, saturating_exposure
+from chromanoise.spectra import Grid, equal_energy, flat_field
+from chromanoise.study import analyzed, color_snr_db, contravariant_snr_db, diagnosis, raw_snr_db
 from strategies import bell_qe, sensor_of, white_channel
 
 GRID = Grid.uniform(400, 700, 10)

@@ -13,27 +13,25 @@ import numpy as np
 import pytest
 import tifffile
 
-from chromanoise._files import OWN_FILES
+from chromanoise.base.errors import InputError
+from chromanoise.base.files import OWN_FILES
 from chromanoise.cli import main
-from chromanoise.errors import InputError
-from chromanoise.exposure import OperatingPoint
 from chromanoise.imaging import (
     Work,
     acquired,
     distributed as on_clusters,
     electrons_of_cube,
     rendered,
-    shared_rows,
+    work as shared_rows,
 )
 from chromanoise.imaging.distributed import cluster
-from chromanoise.imaging.light import light_of
-from chromanoise.imaging.plans import ElectronPlan, plan_for_rows
+from chromanoise.imaging.plans import ElectronPlan, light_of, plan_for_rows
 from chromanoise.imaging.work import row_blocks
 from chromanoise.io.cubes import read_cube
-from chromanoise.scene import Cube
-from chromanoise.scene.rows import FileRows
+from chromanoise.noise import OperatingPoint
 from chromanoise.sensor import bayer
-from chromanoise.spectra import equal_energy
+from chromanoise.spectra import Cube, equal_energy
+from chromanoise.spectra.scene_rows import FileRows
 from outcomes import refused_input
 from processes import command, wait_for
 from strategies import EXPOSURE, GRID, bell_qe, sensor_of, with_pixel_of

@@ -3,73 +3,55 @@
 import json
 import re
 from dataclasses import replace
-from fractions import (
-    Fraction,
-)
-from functools import (
-    cache,
-    partial,
-)
-from pathlib import (
-    Path,
-)
+from fractions import Fraction
+from functools import cache, partial
+from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import example, given, strategies as st
 
 import chromanoise
-from chromanoise import _notebook
-from chromanoise._palette import CHANNELS, INK
-from chromanoise.analysis import (
+from chromanoise.base import notebook as _notebook
+from chromanoise.base.errors import InputError
+from chromanoise.base.palette import CHANNELS, INK
+from chromanoise.charts import PARTS, Look, Shown, drawing, shown
+from chromanoise.charts.ellipses import hex_colors, in_plane, patches_of
+from chromanoise.charts.figure_style import channel_color
+from chromanoise.charts.numbers import brief, decimal
+from chromanoise.charts.vectors import color_frame, half_axes, round_magnification
+from chromanoise.charts.verdicts import verdict_sentences
+from chromanoise.color import LAB, XYY, ElectronSource, encoded_srgb, exact, noisy_color, propagate
+from chromanoise.geometry import reconstructed_light
+from chromanoise.noise import expected_electrons, level_in_words, white_scene
+from chromanoise.sensor import behind_ir_cut, with_shifted_curves
+from chromanoise.spectra import DEFAULT_GRID, color_axes, colorchecker
+from chromanoise.study import (
     QUANTITIES,
     SWEEPS,
+    OutputsPart,
     compared,
     crossover_sentence,
     crossovers,
     gray_noise,
     gray_noise_as_json,
     noise_weights,
+    outcome_of,
+    outcomes_as_json,
+    run,
+    sensor_named,
+    study_from_data,
     swept_values,
 )
-from chromanoise.analysis.color_matrices import METHODS, matrix_makers
-from chromanoise.analysis.comparison.quantities import fullest_level_lux, is_saturated
-from chromanoise.analysis.priors import training_named
-from chromanoise.catalog import sensor_named
-from chromanoise.charts import PARTS, Look, Shown, drawing, shown
-from chromanoise.charts.ellipses import in_plane
-from chromanoise.charts.patches import hex_colors, patches_of
-from chromanoise.charts.text import brief, decimal
-from chromanoise.charts.vectors import color_frame, half_axes, round_magnification
-from chromanoise.charts.verdicts import verdict_sentences
-from chromanoise.color import (
-    LAB,
-    XYY,
-    ElectronSource,
-    encoded_srgb,
-    exact,
-    noisy_color,
-    propagate,
-)
-from chromanoise.errors import InputError
-from chromanoise.exposure import expected_electrons, level_in_words, white_scene
-from chromanoise.figures.style import channel_color
-from chromanoise.geometry import reconstructed_light
-from chromanoise.page.choices import choices
-from chromanoise.page.files import asset
-from chromanoise.report.bundle import drawing_style
-from chromanoise.report.study_report import at_value, slides_of
-from chromanoise.sensor import behind_ir_cut, with_shifted_curves
-from chromanoise.spectra import DEFAULT_GRID, color_axes, colorchecker
-from chromanoise.study import OutputsPart, outcome_of, outcomes_as_json, run, study_from_data
-from chromanoise.study.assembly import (
-    operating_points_of,
-    sensor_of,
-)
+from chromanoise.study.assembly import operating_points_of, sensor_of
+from chromanoise.study.color_matrices import METHODS, matrix_makers, training_named
+from chromanoise.study.sweeps import fullest_level_lux, is_saturated
+from chromanoise.web.controls import choices
+from chromanoise.web.report_bundle import drawing_style
+from chromanoise.web.report_of_study import at_value, slides_of
+from chromanoise.web.requests import asset
 from noise_samples import noise_of
-from outcomes import (
-    refused_input,
-)
+from outcomes import refused_input
 
 BOTH = ("onyx-rgbw", "onyx-rgb-ircut")
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import chromanoise as cn
-from chromanoise._palette import DIFFERENCES, VALUES
+from chromanoise.base.palette import DIFFERENCES, VALUES
 from chromanoise.charts import drawing, shown
 from chromanoise.charts.maps import MOST_VALUES
 from chromanoise.study import study_from_data

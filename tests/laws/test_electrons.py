@@ -4,19 +4,30 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from chromanoise.errors import InputError
-from chromanoise.exposure import (
+from chromanoise.base.errors import InputError
+from chromanoise.noise import (
     Exposure,
     band_weights,
     expected_electrons,
     measurement_vectors,
+    saturated,
     saturating_exposure,
     time_to_saturation,
 )
-from chromanoise.noise import saturated
-from chromanoise.scene import Cube, Scene, flat_field, light
 from chromanoise.sensor import Pixel, behind_filter, with_channels
-from chromanoise.spectra import DEFAULT_GRID, METRICS, Grid, cie_a, color_axes, equal_energy, led
+from chromanoise.spectra import (
+    DEFAULT_GRID,
+    METRICS,
+    Cube,
+    Grid,
+    Scene,
+    cie_a,
+    color_axes,
+    equal_energy,
+    flat_field,
+    led,
+    light,
+)
 from outcomes import refused_input
 from strategies import EXPOSURE, GRID, reflectances, sensor_of, sensors, white_channel
 
@@ -170,7 +181,7 @@ def test_a_cube_sampled_elsewhere_has_the_electrons_of_the_line_it_samples(senso
 
 
 def test_stored_integers_are_scaled_to_reflectance():
-    from chromanoise.scene.cube import reflectance_rows
+    from chromanoise.spectra.scene import reflectance_rows
 
     cube = Cube(
         wavelength_nm=np.array([400.0, 700.0]),

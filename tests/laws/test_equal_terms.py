@@ -3,17 +3,16 @@
 import numpy as np
 import pytest
 
-from chromanoise.catalog import SENSOR_NAMES, sensor_named
-from chromanoise.exposure import (
+from chromanoise.noise import (
     equal_exposure,
     equal_light,
     equal_saturation,
     expected_electrons,
     exposure_factor,
 )
-from chromanoise.scene import flat_field
 from chromanoise.sensor import PAPER_PIXEL, Sensor
-from chromanoise.spectra import DEFAULT_GRID, equal_energy
+from chromanoise.spectra import DEFAULT_GRID, equal_energy, flat_field
+from chromanoise.study import SENSOR_NAMES, sensor_named
 from outcomes import refused_input
 
 WHITE = flat_field(equal_energy(DEFAULT_GRID), level_lux=10.0)

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from chromanoise.errors import InputError
+from chromanoise.base.errors import InputError
 from chromanoise.noise import Readout, read_moments, with_noise
-from chromanoise.noise.exact import clipped_measurement
-from chromanoise.noise.expectation import expectation
+from chromanoise.noise.distribution import clipped_measurement
+from chromanoise.noise.readout import expectation
 from outcomes import refused_input
 from strategies import pixel_with, white_channel
 

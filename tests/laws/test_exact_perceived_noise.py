@@ -7,8 +7,6 @@ import pytest
 from hypothesis import example, given, strategies as st
 from scipy import stats
 
-from chromanoise.analysis import analyzed, gray_noise
-from chromanoise.catalog import sensor_named
 from chromanoise.color import (
     LAB,
     LINEAR_SRGB,
@@ -30,16 +28,17 @@ from chromanoise.color import (
     relative_sd_error,
 )
 from chromanoise.color.spaces import linear_srgb
-from chromanoise.exposure import Exposure, expected_electrons
 from chromanoise.noise import (
+    Exposure,
     Measurement,
     Readout,
+    expected_electrons,
     poisson_gaussian_ppf,
     read_moments,
     read_values,
 )
-from chromanoise.scene import flat_field
-from chromanoise.spectra import DEFAULT_GRID
+from chromanoise.spectra import DEFAULT_GRID, flat_field
+from chromanoise.study import analyzed, gray_noise, sensor_named
 from laws.test_closed_form_against_draws import CASES, EXPOSURE, IDS, LAMP, SENSORS
 from noise_samples import noise_of
 from outcomes import refused_input

@@ -7,9 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from chromanoise.charts.explanations import EXPLANATIONS, explanation_as_json
-from chromanoise.charts.mathematics import mathml
-from chromanoise.charts.sections import SECTIONS
+from chromanoise.charts.by_name import SECTIONS
+from chromanoise.charts.explanations import EXPLANATIONS, explanation_as_json, mathml
 
 NOMENCLATURE = Path(__file__).parents[2] / "docs" / "nomenclature.md"
 _MATHML = "{http://www.w3.org/1998/Math/MathML}"

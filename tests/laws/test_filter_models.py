@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from chromanoise.catalog import SENSOR_NAMES, sensor_named
 from chromanoise.sensor import ir_cut, resin_filter, silicon_qe
 from chromanoise.spectra import DEFAULT_GRID, Grid
+from chromanoise.study import SENSOR_NAMES, sensor_named
 from outcomes import refused_input
 
 FINE = Grid.uniform(400, 1050, 1)

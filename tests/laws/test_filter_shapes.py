@@ -6,23 +6,29 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, strategies as st
 
-from chromanoise.catalog import sensor_named
 from chromanoise.sensor import ir_cut, resin_filter, silicon_qe
-from chromanoise.sensor.color_router import router_collection, router_shares
-from chromanoise.sensor.dyes import dye_transmittances
-from chromanoise.sensor.filter_models import FILTER_MODELS, SILICON_NUMBERS
-from chromanoise.sensor.filter_shapes import (
+from chromanoise.sensor.filter_models import (
+    FILTER_MODELS,
+    SILICON_NUMBERS,
+    alternating_stack,
+    cauchy_index,
+    router_collection,
+    router_shares,
+    thin_film_stack,
+)
+from chromanoise.sensor.filters import (
     beer_lambert,
     dual_band_filter,
     dye_of_bands,
     fabry_perot_filter,
     gaussian_filter,
+    layered_silicon_qe,
     long_pass,
     raised_cosine_filter,
 )
-from chromanoise.sensor.filters import layered_silicon_qe
-from chromanoise.sensor.thin_film import alternating_stack, cauchy_index, thin_film_stack
+from chromanoise.sensor.sensor import dye_transmittances
 from chromanoise.spectra import Grid
+from chromanoise.study import sensor_named
 from outcomes import refused_input
 
 GRID = Grid.uniform(400, 1050, 10)

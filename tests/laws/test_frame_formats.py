@@ -10,7 +10,7 @@ import pytest
 import tifffile
 from PIL import Image
 
-from chromanoise.errors import InputError
+from chromanoise.base.errors import InputError
 from chromanoise.io.frames import frames_in
 from chromanoise.sensor import Mosaic, bayer
 from frame_files import (

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from chromanoise.errors import InputError
+from chromanoise.base.errors import InputError
 from chromanoise.io.frames import read_frame_set
 from chromanoise.sensor import Mosaic, bayer
 from damage import mutated, random_edits

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from scipy.ndimage import convolve1d, uniform_filter1d
 
-from chromanoise.characterization import characterized, light_sample, statistics
-from chromanoise.characterization.statistics import summed
+from chromanoise.apps.camera import characterized, light_sample, statistics
+from chromanoise.apps.camera.statistics import summed
 from chromanoise.imaging.frame_sums import PairSums, high_passed_variance, value_counts
 from chromanoise.io.frames import FrameLevel, FrameSet, RawFrame, frames_in
 from outcomes import refused_input

@@ -9,28 +9,26 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings, strategies as st
 
-from chromanoise.catalog import own_sensor_of, read_pixel_source, sensor_named
-from chromanoise.errors import InputError
+from chromanoise.base.errors import InputError
+from chromanoise.base.inputs import content_hash
 from chromanoise.io.pixels import RelativeNoise, read_darktable_noise
-from chromanoise.io.sensor_json import sensor_json, spectra_json
+from chromanoise.io.result_tables import Column, Table, table_from_json, table_json
+from chromanoise.io.sensor_files import sensor_json, spectra_json
 from chromanoise.io.spectra import ParsedSpectra, read_curves
 from chromanoise.io.spectra.writing import sensor_spectra
-from chromanoise.io.table import (
-    Column,
-    Table,
-)
-from chromanoise.io.table_formats import table_from_json, table_json
 from chromanoise.sensor import PixelSource, Sensor
 from chromanoise.spectra import Grid
 from chromanoise.study import (
     STARTER,
     Study,
+    own_sensor_of,
     provenance,
+    read_pixel_source,
     read_study,
+    sensor_named,
     study_from_text,
     study_of_output,
 )
-from chromanoise.study.records import content_hash
 from damage import TOKENS, mutated, random_edits
 
 SHEET = """# a camera

@@ -7,13 +7,6 @@ import numpy as np
 import pytest
 
 from chromanoise.color import kernel_matrix
-from chromanoise.exposure import (
-    Exposure,
-    OperatingPoint,
-    band_weights,
-    expected_electrons,
-    white_scene,
-)
 from chromanoise.imaging import (
     Work,
     acquired,
@@ -29,10 +22,17 @@ from chromanoise.imaging import (
 )
 from chromanoise.imaging.blocks import flattened
 from chromanoise.imaging.plans import draw_of
-from chromanoise.noise import Readout, read_moments
-from chromanoise.scene import Cube, flat_cube, flat_field
+from chromanoise.noise import (
+    Exposure,
+    OperatingPoint,
+    Readout,
+    band_weights,
+    expected_electrons,
+    read_moments,
+    white_scene,
+)
 from chromanoise.sensor import Adc, Mosaic, adc_to_full_well, bayer, rgbw_sparse_4x4
-from chromanoise.spectra import cie_a
+from chromanoise.spectra import Cube, cie_a, flat_cube, flat_field
 from outcomes import refused_input
 from strategies import GRID, bell_qe, pixel_with, sensor_of, with_pixel_of
 

@@ -3,11 +3,10 @@
 import numpy as np
 import pytest
 
-from chromanoise.exposure import Exposure, OperatingPoint
 from chromanoise.imaging import acquired, rendered
-from chromanoise.scene import Cube, flat_cube
+from chromanoise.noise import Exposure, OperatingPoint
 from chromanoise.sensor import Adc, Mosaic, bayer
-from chromanoise.spectra import cie_a
+from chromanoise.spectra import Cube, cie_a, flat_cube
 from goodness import correlation_z
 from outcomes import refused_input
 from strategies import GRID, bell_qe, pixel_with, sensor_of, with_pixel_of

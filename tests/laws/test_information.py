@@ -6,16 +6,20 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from chromanoise.analysis import PRIORS, information_chain
-from chromanoise.analysis.priors import training_named
 from chromanoise.color import kernel_matrix
 from chromanoise.color.training import shares
-from chromanoise.exposure import Exposure, OperatingPoint, expected_electrons
 from chromanoise.metrics import information_bits
-from chromanoise.noise import mean_noise_covariance, with_noise
-from chromanoise.scene import Scene
+from chromanoise.noise import (
+    Exposure,
+    OperatingPoint,
+    expected_electrons,
+    mean_noise_covariance,
+    with_noise,
+)
 from chromanoise.sensor import Converter, Crosstalk, Pixel
-from chromanoise.spectra import Grid, equal_energy
+from chromanoise.spectra import Grid, Scene, equal_energy
+from chromanoise.study import PRIORS, information_chain
+from chromanoise.study.color_matrices import training_named
 from outcomes import refused_input
 from strategies import mixes, sensor_of
 

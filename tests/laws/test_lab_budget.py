@@ -5,17 +5,28 @@ import pytest
 from hypothesis import assume, given, strategies as st
 from scipy.optimize import minimize
 
-from chromanoise.analysis import analyzed, budgets_as_json, lab_budgets, missing_lab_budgets
-from chromanoise.catalog import sensor_named
-from chromanoise.catalog.sensors import SENSOR_NAMES
 from chromanoise.color import LAB, NoisyColor, colored, first_order, kernel_matrix, propagate
-from chromanoise.exposure import Exposure, expected_electrons
 from chromanoise.metrics import faintest_change, lab_budget
 from chromanoise.metrics.budget import CAUSES, color_budget, counting_snr_db
-from chromanoise.noise import with_noise
-from chromanoise.scene import Scene, flat_field, light
+from chromanoise.noise import Exposure, expected_electrons, with_noise
 from chromanoise.sensor import Pixel, Sensor, with_channels
-from chromanoise.spectra import DEFAULT_GRID, Illuminant, color_axes, equal_energy
+from chromanoise.spectra import (
+    DEFAULT_GRID,
+    Illuminant,
+    Scene,
+    color_axes,
+    equal_energy,
+    flat_field,
+    light,
+)
+from chromanoise.study import (
+    analyzed,
+    budgets_as_json,
+    lab_budgets,
+    missing_lab_budgets,
+    sensor_named,
+)
+from chromanoise.study.catalog import SENSOR_NAMES
 from outcomes import refused_input
 
 AT = DEFAULT_GRID.wavelength_nm

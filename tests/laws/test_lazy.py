@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from chromanoise._lazy import lazy_names
+from chromanoise.base.lazy import lazy_names
 
 PACKAGE = Path(import_module("chromanoise").__file__ or "").parent
 LAZY = sorted(
@@ -28,7 +28,7 @@ def imports_at_once(package):
 WHOLLY_LAZY = [package for package in LAZY if not imports_at_once(package)]
 SAMPLE = """
 from typing import TYPE_CHECKING
-from {package}._lazy import lazy_names
+from {package}.base.lazy import lazy_names
 if TYPE_CHECKING:
     from math import tau as circle
     from math import e as e

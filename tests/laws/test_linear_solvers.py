@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from chromanoise import _linalg
+from chromanoise.base import linalg as _linalg
 from outcomes import refused_input
 
 ONE = ("cholesky", "eigh", "eigvalsh", "inv", "matrix_rank", "pinv", "qr", "svd")

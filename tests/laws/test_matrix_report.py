@@ -5,12 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from chromanoise.catalog import sensor_named
 from chromanoise.color import kernel_matrix
-from chromanoise.exposure import Exposure, expected_electrons
 from chromanoise.metrics import matrix_report
-from chromanoise.scene import flat_field, light
-from chromanoise.spectra import DEFAULT_GRID, black_body, cie_1931, equal_energy
+from chromanoise.noise import Exposure, expected_electrons
+from chromanoise.spectra import DEFAULT_GRID, black_body, cie_1931, equal_energy, flat_field, light
+from chromanoise.study import sensor_named
 from strategies import sensor_of, white_channel
 
 AT = DEFAULT_GRID.wavelength_nm

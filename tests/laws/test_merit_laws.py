@@ -5,7 +5,8 @@ import pytest
 from hypothesis import assume, given, settings, strategies as st
 
 from chromanoise.color import kernel_matrix
-from chromanoise.metrics.filters import (
+from chromanoise.metrics.accuracy import metamerism, sensor_metamerism
+from chromanoise.metrics.filter_merit import (
     best_readout,
     figure_of_merit,
     filter_quality,
@@ -14,18 +15,17 @@ from chromanoise.metrics.filters import (
     second_moment,
     vora_value,
 )
-from chromanoise.metrics.information import information_bits
-from chromanoise.metrics.smi import metamerism, sensor_metamerism
+from chromanoise.metrics.snr import (
+    color_sensitivity_bits,
+    information_bits,
+    tonal_levels,
+    tonal_range_bits,
+)
 from chromanoise.metrics.speed import (
     NoiseSpeedModel,
     illuminance_for_snr,
     light_for_snr,
     noise_speed,
-)
-from chromanoise.metrics.tonal import (
-    color_sensitivity_bits,
-    tonal_levels,
-    tonal_range_bits,
 )
 from chromanoise.metrics.visual_noise import (
     ISO_15739_2017,

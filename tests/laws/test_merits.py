@@ -9,7 +9,24 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from chromanoise.analysis import (
+from chromanoise.base.errors import InputError
+from chromanoise.color import chart_training, cielab, colored, lmmse
+from chromanoise.imaging import bilinear_filters, demosaicked
+from chromanoise.metrics import matrix_report, visual_noise_of_picture
+from chromanoise.noise import OperatingPoint, expected_electrons, saturating_exposure, with_noise
+from chromanoise.sensor import Mosaic, Pixel, bayer, crosstalk_of_share, with_crosstalk, with_pixel
+from chromanoise.spectra import (
+    DEFAULT_GRID,
+    Grid,
+    Scene,
+    color_axes,
+    colorchecker,
+    equal_energy,
+    flat_field,
+    illuminant_named,
+)
+from chromanoise.spectra.curves import photons_per_unit
+from chromanoise.study import (
     Merit,
     Viewing,
     analyzed,
@@ -19,33 +36,9 @@ from chromanoise.analysis import (
     merits_of,
     noise_weights,
     pareto_of,
+    sensor_named,
     white_snr_db,
 )
-from chromanoise.catalog import sensor_named
-from chromanoise.color import chart_training, cielab, colored, lmmse
-from chromanoise.errors import InputError
-from chromanoise.exposure import OperatingPoint, expected_electrons, saturating_exposure
-from chromanoise.imaging import bilinear_filters, demosaicked
-from chromanoise.metrics import matrix_report, visual_noise_of_picture
-from chromanoise.noise import with_noise
-from chromanoise.scene import Scene, flat_field
-from chromanoise.sensor import (
-    Mosaic,
-    Pixel,
-    bayer,
-    crosstalk_of_share,
-    with_crosstalk,
-    with_pixel,
-)
-from chromanoise.spectra import (
-    DEFAULT_GRID,
-    Grid,
-    color_axes,
-    colorchecker,
-    equal_energy,
-    illuminant_named,
-)
-from chromanoise.spectra.metric import photons_per_unit
 from outcomes import refused_input
 from strategies import EXPOSURE, GRID, bell_qe, pixel_with, sensor_of, sensors, white_channel
 

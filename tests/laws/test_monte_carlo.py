@@ -4,19 +4,18 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
+from chromanoise.base.rng import stream
 from chromanoise.color import colored, kernel_matrix
-from chromanoise.exposure import expected_electrons
 from chromanoise.metrics import snr_db
 from chromanoise.noise import (
     clipped_at_well,
+    expected_electrons,
     monte_carlo,
     raw_covariance,
     sample_electrons,
     with_noise,
 )
-from chromanoise.rng import stream
-from chromanoise.scene import flat_field
-from chromanoise.spectra import equal_energy
+from chromanoise.spectra import equal_energy, flat_field
 from strategies import EXPOSURE, GRID, bell_qe, pixel_with, raw_of, sensor_of
 
 means = st.lists(st.floats(1.0, 5e4), min_size=3, max_size=3).map(np.array)

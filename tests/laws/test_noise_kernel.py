@@ -14,12 +14,7 @@ from scipy import stats
 
 import reference_noise as reference
 from chromanoise.imaging.sampling import noisy_electrons
-from goodness import (
-    chi_square_score,
-    correlation_z,
-    kolmogorov_p_at,
-    scores_of_moments,
-)
+from goodness import chi_square_score, correlation_z, kolmogorov_p_at, scores_of_moments
 from outcomes import refused_input
 
 MEANS = (0.0, 0.1, 1.0, 5.0, 10.0, 30.0, 100.0, 1000.0, 10_000.0)
@@ -50,7 +45,7 @@ def test_the_words_are_those_published_with_philox():
         (ones, (0x408F276D, 0x41C83B0E, 0xA20BC7C6, 0x6D5451FD)),
         (digits_of_pi, (0xD16CFE09, 0x94FDCCEB, 0x5001E420, 0x24126EA1)),
     ]
-    from chromanoise.imaging.philox import philox4x32
+    from chromanoise.imaging.noise_draws import philox4x32
 
     for (counter, key), words in known:
         compiled = philox4x32(*(np.uint64(word) for word in (*counter, *key)))

@@ -6,27 +6,25 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from chromanoise.analysis import analyzed, color_budgets
-from chromanoise.catalog import sensor_named
+from chromanoise.apps.training.training_noise import sampler
+from chromanoise.base.rng import stream
 from chromanoise.color import LAB, ElectronSource, exact, noisy_color
-from chromanoise.exposure import Exposure, OperatingPoint
 from chromanoise.imaging import Work, acquired
 from chromanoise.imaging.render import rendered_electrons
 from chromanoise.metrics import snr_db
 from chromanoise.noise import (
+    Exposure,
     NoiseSources,
+    OperatingPoint,
     Readout,
     few_electrons,
     monte_carlo,
     noise_sources,
     reading_distribution,
     sample_electrons,
-    sampler,
     sensor_moments,
     with_noise,
 )
-from chromanoise.rng import stream
-from chromanoise.scene import flat_cube, flat_field
 from chromanoise.sensor import (
     EXTRA_NOISE,
     PIXEL,
@@ -38,7 +36,8 @@ from chromanoise.sensor import (
     with_pixel,
 )
 from chromanoise.sensor.noise_source import FIXED, SOURCES
-from chromanoise.spectra import DEFAULT_GRID, Grid, equal_energy
+from chromanoise.spectra import DEFAULT_GRID, Grid, equal_energy, flat_cube, flat_field
+from chromanoise.study import analyzed, color_budgets, sensor_named
 from strategies import white_channel
 
 TIME_S, STEP_E, BLACK_DN = 0.02, 0.25, 4000

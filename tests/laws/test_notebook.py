@@ -6,14 +6,11 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
-from chromanoise._notebook import table
-from chromanoise.analysis import analyzed, color_budgets
-from chromanoise.catalog import sensor_named
-from chromanoise.exposure import Exposure
-from chromanoise.noise import Measurement
-from chromanoise.scene import flat_field
+from chromanoise.base.notebook import table
+from chromanoise.noise import Exposure, Measurement
 from chromanoise.sensor import Pixel, Sensor
-from chromanoise.spectra import DEFAULT_GRID, equal_energy
+from chromanoise.spectra import DEFAULT_GRID, equal_energy, flat_field
+from chromanoise.study import analyzed, color_budgets, sensor_named
 
 PIXEL = Pixel(pitch_um=3.0, full_well_e=5000.0, read_noise_e=2.0)
 SENSOR = sensor_named("onyx-rgbw", DEFAULT_GRID)

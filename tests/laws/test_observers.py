@@ -8,26 +8,14 @@ import pytest
 from hypothesis import given, strategies as st
 
 import chromanoise as cn
-from chromanoise.analysis import (
-    analyzed,
-    color_budgets,
-    diagnosis,
-    lab_budgets,
-    matrix_makers,
-    merits_of,
-)
-from chromanoise.analysis.comparison.quantities import QUANTITIES, color_error, color_errors
-from chromanoise.analysis.priors import training_named
-from chromanoise.catalog import sensor_named
 from chromanoise.charts import drawing
 from chromanoise.charts.charted_study import shown
 from chromanoise.charts.vectors import color_frame
 from chromanoise.color import kernel_matrix, least_squares, nir_diverse, scene_xyz
 from chromanoise.color.training import training_response
-from chromanoise.exposure import Exposure, OperatingPoint, measurement_vectors, white_scene
 from chromanoise.geometry import angles_to_axes_deg
 from chromanoise.metrics import chart_color_error, matrix_report
-from chromanoise.scene import flat_field
+from chromanoise.noise import Exposure, OperatingPoint, measurement_vectors, white_scene
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import (
     DEFAULT_GRID,
@@ -37,7 +25,19 @@ from chromanoise.spectra import (
     color_axes,
     color_matching_functions,
     equal_energy,
+    flat_field,
 )
+from chromanoise.study import (
+    analyzed,
+    color_budgets,
+    diagnosis,
+    lab_budgets,
+    matrix_makers,
+    merits_of,
+    sensor_named,
+)
+from chromanoise.study.color_matrices import training_named
+from chromanoise.study.sweeps import QUANTITIES, color_error, color_errors
 from strategies import EXPOSURE, GRID, PIXEL, sensor_of, sensors
 
 OTHERS = [name for name in OBSERVERS if name != "cie-1931-2"]

@@ -5,21 +5,20 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from chromanoise.analysis import analyzed, coordinate_budget, electrons_at, stages_at
-from chromanoise.analysis.comparison.quantities import QUANTITIES
-from chromanoise.catalog import sensor_named
 from chromanoise.color import kernel_matrix
-from chromanoise.exposure import (
+from chromanoise.noise import (
     Exposure,
     OperatingPoint,
+    Readout,
     conditions,
     expected_electrons,
     light_and_exposure,
+    read_moments,
     white_scene,
 )
-from chromanoise.noise import Readout, read_moments
-from chromanoise.scene import Scene
-from chromanoise.spectra import DEFAULT_GRID, colorchecker, equal_energy
+from chromanoise.spectra import DEFAULT_GRID, Scene, colorchecker, equal_energy
+from chromanoise.study import analyzed, coordinate_budget, electrons_at, sensor_named, stages_at
+from chromanoise.study.sweeps import QUANTITIES
 from outcomes import refused_input
 
 LAMP = equal_energy(DEFAULT_GRID)

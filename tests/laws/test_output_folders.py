@@ -13,15 +13,15 @@ from pathlib import Path
 import pytest
 
 import chromanoise
-from chromanoise import _files
-from chromanoise._files import (
+from chromanoise.base import files as _files
+from chromanoise.base.errors import InputError
+from chromanoise.base.files import (
     OWN_FILES,
     claimed_folder,
     refuse_unwritable,
     whole_folder,
     write_kept,
 )
-from chromanoise.errors import InputError
 from outcomes import refused_input
 
 NEW = {"a.png": "new a", "b.png": "new b", "summary.json": "new"}
@@ -375,7 +375,7 @@ def test_a_kept_file_is_known_at_every_moment_of_its_replacement(tmp_path, monke
 STOPPED = """
 import os, sys
 from pathlib import Path
-from chromanoise._files import whole_folder
+from chromanoise.base.files import whole_folder
 
 SEEN = {"open", "os.link", "os.mkdir", "os.remove", "os.rename", "os.rmdir", "os.scandir",
         "os.truncate", "os.utime", "os.chmod", "ctypes.dlsym", "shutil.rmtree"}

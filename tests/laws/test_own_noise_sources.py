@@ -7,27 +7,26 @@ import numpy as np
 import pytest
 
 import chromanoise as cn
-from chromanoise.catalog import sensor_named
-from chromanoise.catalog.objects import object_word
-from chromanoise.design.candidates import noise_of
+from chromanoise.apps.design.parameters import noise_of
+from chromanoise.apps.training.training_noise import sampler
+from chromanoise.base.properties import Growth, Property
+from chromanoise.base.rng import stream
 from chromanoise.imaging import Work
 from chromanoise.imaging.render import rendered_electrons
-from chromanoise.io.sensor_json import sensor_json
+from chromanoise.io.sensor_files import sensor_json
 from chromanoise.noise import (
     NoiseSources,
     monte_carlo,
     noise_sources,
     reading_distribution,
     sample_electrons,
-    sampler,
     with_noise,
 )
-from chromanoise.properties import Growth, Property
-from chromanoise.rng import stream
 from chromanoise.sensor import CameraNoise, Pixel, binned, shot_and_read_only, with_pixel
 from chromanoise.sensor.noise_source import NoiseSource
 from chromanoise.spectra import DEFAULT_GRID
-from chromanoise.study import study_from_data, study_hash
+from chromanoise.study import sensor_named, study_from_data, study_hash
+from chromanoise.study.resolve import object_word
 from laws.test_noise_sources import EXPOSURE, FRAMES, camera, flat, pictures, point
 from outcomes import refused_input
 

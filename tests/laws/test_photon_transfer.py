@@ -5,16 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from chromanoise.errors import InputError
+from chromanoise.base.errors import InputError
 from chromanoise.io.pixels.photon_transfer_csv import (
     is_photon_transfer_text,
     read_photon_transfer_csv,
 )
-from chromanoise.sensor.photon_transfer import (
-    PhotonTransfer,
-    photon_transfer_fit,
-    pixel_from_photon_transfer,
-)
+from chromanoise.sensor.photon_transfer import photon_transfer_fit, pixel_from_photon_transfer
+from chromanoise.sensor.photon_transfer_regression import PhotonTransfer
 from outcomes import refused_input
 
 PIXELS = 1500

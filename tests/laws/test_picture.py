@@ -5,12 +5,10 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from chromanoise.color import adapted_to_d65, colored, kernel_matrix, srgb_from_xyz
-from chromanoise.exposure import Exposure, OperatingPoint, expected_electrons
 from chromanoise.imaging import Work, rendered
 from chromanoise.metrics import snr_db
-from chromanoise.noise import with_noise
-from chromanoise.scene import BUILTIN_CUBES, Cube, builtin_cube, flat_cube, flat_field
-from chromanoise.spectra import cie_a
+from chromanoise.noise import Exposure, OperatingPoint, expected_electrons, with_noise
+from chromanoise.spectra import BUILTIN_CUBES, Cube, builtin_cube, cie_a, flat_cube, flat_field
 from strategies import GRID, bell_qe, pixel_with, sensor_of
 
 LAMP = cie_a(GRID)

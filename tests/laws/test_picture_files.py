@@ -17,11 +17,10 @@ import tifffile
 from hypothesis import given, settings, strategies as st
 from PIL import Image
 
-from chromanoise._colour_science import colour_science
-from chromanoise._files import whole_folder
-from chromanoise.exposure import OperatingPoint
+from chromanoise.base.colour import colour_science
+from chromanoise.base.files import whole_folder
 from chromanoise.imaging import acquired, rendered
-from chromanoise.imaging.exr import write_linear_exr, write_xyz_exr
+from chromanoise.imaging.row_files import write_linear_exr, write_xyz_exr
 from chromanoise.imaging.writers import (
     mosaic_tiff_rows,
     picture_summary,
@@ -34,9 +33,9 @@ from chromanoise.imaging.writers import (
     write_xyz_tiff,
     xyz_tiff_rows,
 )
-from chromanoise.scene import flat_cube
+from chromanoise.noise import OperatingPoint
 from chromanoise.sensor import Adc, bayer, rgbw_sparse_4x4
-from chromanoise.spectra import cie_a
+from chromanoise.spectra import cie_a, flat_cube
 from outcomes import refused_input
 from strategies import EXPOSURE, GRID, bell_qe, sensor_of
 

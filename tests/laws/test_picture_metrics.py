@@ -20,7 +20,7 @@ from chromanoise.metrics import (
     scielab_filtered,
     structural_similarity,
 )
-from chromanoise.metrics.pictures import GAUSSIANS, OPPONENT_FROM_XYZ
+from chromanoise.metrics.fidelity import GAUSSIANS, OPPONENT_FROM_XYZ
 from outcomes import refused_input
 
 D65 = np.array([0.95047, 1.0, 1.08883])

@@ -7,14 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from chromanoise.analysis import (
-    PipelineSettings,
-    analyzed,
-    chart_noise,
-    pipeline_as_json,
-    pipeline_noise,
-)
-from chromanoise.catalog import sensor_named
+from chromanoise.base.rng import stream
 from chromanoise.color import (
     LAB,
     SRGB,
@@ -38,10 +31,14 @@ from chromanoise.color import (
     with_exposure_gain,
     with_saturation,
 )
-from chromanoise.exposure import Exposure, expected_electrons
-from chromanoise.noise import Measurement, noise_sources, sample_electrons, through
-from chromanoise.rng import stream
-from chromanoise.scene import Scene, flat_field
+from chromanoise.noise import (
+    Exposure,
+    Measurement,
+    expected_electrons,
+    noise_sources,
+    sample_electrons,
+    through,
+)
 from chromanoise.sensor import (
     Adc,
     Crosstalk,
@@ -52,7 +49,22 @@ from chromanoise.sensor import (
     with_crosstalk,
     with_pixel,
 )
-from chromanoise.spectra import DEFAULT_GRID, black_body, colorchecker, equal_energy
+from chromanoise.spectra import (
+    DEFAULT_GRID,
+    Scene,
+    black_body,
+    colorchecker,
+    equal_energy,
+    flat_field,
+)
+from chromanoise.study import (
+    PipelineSettings,
+    analyzed,
+    chart_noise,
+    pipeline_as_json,
+    pipeline_noise,
+    sensor_named,
+)
 from outcomes import refused_input
 from strategies import raw_of
 

@@ -2,15 +2,10 @@
 
 import pytest
 
-from chromanoise.errors import InputError
-from chromanoise.io.pixels import (
-    read_emva_sheet,
-    read_noise_profile,
-)
+from chromanoise.base.errors import InputError
+from chromanoise.io.pixels import read_emva_sheet, read_noise_profile
 from chromanoise.io.pixels.emva import pixel_from_emva
-from chromanoise.io.pixels.noise_profile import (
-    is_noise_profile_text,
-)
+from chromanoise.io.pixels.noise_profiles import is_noise_profile_text
 from chromanoise.io.pixels.photon_transfer_csv import (
     is_photon_transfer_text,
     read_photon_transfer_csv,

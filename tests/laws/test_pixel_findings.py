@@ -6,13 +6,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from chromanoise.catalog import sensor_named
 from chromanoise.color import kernel_matrix
-from chromanoise.exposure import Exposure, expected_electrons
 from chromanoise.geometry import dual_frame
-from chromanoise.scene import flat_field
+from chromanoise.noise import Exposure, expected_electrons
 from chromanoise.sensor import behind_filter, ir_cut
-from chromanoise.spectra import DEFAULT_GRID, equal_energy
+from chromanoise.spectra import DEFAULT_GRID, equal_energy, flat_field
+from chromanoise.study import sensor_named
 
 TEXT = (Path(__file__).parents[2] / "docs" / "findings.md").read_text(encoding="utf-8")
 SENSORS = ("onyx-rgbw", "onyx-rgb-ircut", "mt9v024-rgb")

@@ -8,17 +8,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 import chromanoise as cn
-from chromanoise.analysis import (
-    analyzed,
-    color_budgets,
-    color_snr_db,
-    contravariant_budgets,
-    lab_budgets,
-    raw_snr_db,
-)
-from chromanoise.analysis.analysis import temporal_color_snr_db, temporal_raw_snr_db
-from chromanoise.analysis.operating_point import noisy_color_at, stages_at
-from chromanoise.catalog import SENSOR_NAMES, sensor_named
+from chromanoise.base.properties import demand_properties
 from chromanoise.color import (
     LAB,
     ElectronSource,
@@ -29,24 +19,20 @@ from chromanoise.color import (
     noisy_color,
     propagate,
 )
-from chromanoise.exposure import (
-    Exposure,
-    OperatingPoint,
-    expected_electrons,
-    saturating_exposure,
-)
 from chromanoise.geometry import contravariant
 from chromanoise.imaging import acquired
 from chromanoise.metrics import illuminance_for_snr, noise_speed, snr_db
 from chromanoise.noise import (
+    Exposure,
+    OperatingPoint,
     Readout,
+    expected_electrons,
     monte_carlo,
     noise_sources,
+    saturating_exposure,
     sensor_moments,
     with_noise,
 )
-from chromanoise.properties import demand_properties
-from chromanoise.scene import flat_cube, flat_field
 from chromanoise.sensor import (
     PAPER_PIXEL,
     PIXEL,
@@ -61,7 +47,23 @@ from chromanoise.sensor import (
     with_crosstalk,
     with_pixel,
 )
-from chromanoise.spectra import DEFAULT_GRID, equal_energy
+from chromanoise.spectra import DEFAULT_GRID, equal_energy, flat_cube, flat_field
+from chromanoise.study import (
+    SENSOR_NAMES,
+    analyzed,
+    color_budgets,
+    color_snr_db,
+    contravariant_budgets,
+    lab_budgets,
+    raw_snr_db,
+    sensor_named,
+)
+from chromanoise.study.analysis import (
+    noisy_color_at,
+    stages_at,
+    temporal_color_snr_db,
+    temporal_raw_snr_db,
+)
 from noise_samples import noise_of
 from outcomes import refused_input
 from strategies import GRID, pixel_with
@@ -804,8 +806,8 @@ def test_a_sweep_over_light_saturates_where_light_and_dark_electrons_fill_the_we
     own = cn.compare("onyx-rgb-ircut", vary="lux", first=1.0, last=100.0, points=200, **hot)
     (curve,) = own.curves
     point = cn.analyze("onyx-rgb-ircut", **hot).points[0]
-    electrons = cn.exposure.expected_electrons(
-        cn.exposure.white_scene(point), point.sensor, point.exposure
+    electrons = cn.noise.expected_electrons(
+        cn.noise.white_scene(point), point.sensor, point.exposure
     )
     full_lux = 10 * (10_000.0 - 2_200.0) / electrons.max()
     np.testing.assert_array_equal(curve.saturated, curve.at > full_lux)

@@ -6,28 +6,20 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from chromanoise.errors import InputError
-from chromanoise.io.pixels import (
-    read_noise_profile,
-)
-from chromanoise.io.pixels.darktable import (
+from chromanoise.base.errors import InputError
+from chromanoise.io.pixels import read_noise_profile
+from chromanoise.io.pixels.emva import pixel_from_emva, read_emva_sheet
+from chromanoise.io.pixels.noise_profiles import (
     RelativeNoise,
     pixel_from_darktable,
     read_darktable_noise,
 )
-from chromanoise.io.pixels.emva import pixel_from_emva, read_emva_sheet
 from chromanoise.io.pixels.photon_transfer_csv import read_photon_transfer_csv
 from chromanoise.sensor import Adc, Pixel
-from chromanoise.sensor.noise_profile import (
-    noise_profile,
-    pixel_from_noise_profile,
-)
-from chromanoise.sensor.photon_transfer import (
-    PhotonTransfer,
-    photon_transfer_fit,
-    pixel_from_photon_transfer,
-)
-from chromanoise.sensor.pixel_source import PixelSource, open_questions, pixel_from
+from chromanoise.sensor.camera_noise import noise_profile, pixel_from_noise_profile
+from chromanoise.sensor.changes import PixelSource, open_questions, pixel_from
+from chromanoise.sensor.photon_transfer import photon_transfer_fit, pixel_from_photon_transfer
+from chromanoise.sensor.photon_transfer_regression import PhotonTransfer
 from outcomes import refused_input
 
 RNG_SEED = 1288

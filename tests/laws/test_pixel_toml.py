@@ -6,9 +6,9 @@ from dataclasses import fields
 import pytest
 from hypothesis import given, strategies as st
 
-from chromanoise.catalog import read_pixel_source, sensor_with_pixel
 from chromanoise.io.pixels import pixel_source_toml, read_pixel_toml
 from chromanoise.sensor import PIXEL, Adc, Pixel, PixelSource
+from chromanoise.study import read_pixel_source, sensor_with_pixel
 from outcomes import refused_input
 
 HEAD = 'schema = "chromanoise pixel"\nschema_version = 1\n'

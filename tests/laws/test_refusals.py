@@ -7,28 +7,38 @@ import jaxtyping
 import numpy as np
 import pytest
 
-from chromanoise.analysis import analyzed
-from chromanoise.catalog import sensor_named
-from chromanoise.errors import InputError, Setting
-from chromanoise.exposure import Exposure, OperatingPoint, expected_electrons, time_to_saturation
+from chromanoise.base.errors import InputError, Setting
 from chromanoise.geometry import dual_frame
 from chromanoise.imaging import Work, rendered
 from chromanoise.io import read_sensor_csv
-from chromanoise.noise import Measurement, monte_carlo, raw_covariance
-from chromanoise.scene import Cube, Scene, builtin_cube, flat_cube, flat_field
+from chromanoise.noise import (
+    Exposure,
+    Measurement,
+    OperatingPoint,
+    expected_electrons,
+    monte_carlo,
+    raw_covariance,
+    time_to_saturation,
+)
 from chromanoise.sensor import Mosaic, Pixel, behind_filter, with_channels
 from chromanoise.spectra import (
     DEFAULT_GRID,
+    Cube,
     Grid,
     Illuminant,
+    Scene,
     Spectra,
     black_body,
+    builtin_cube,
     equal_energy,
+    flat_cube,
+    flat_field,
     illuminant_from,
     illuminant_named,
     led,
     read_spectra_csv,
 )
+from chromanoise.study import analyzed, sensor_named
 from outcomes import refused_input
 from strategies import EXPOSURE, GRID, PIXEL, sensor_of, white_channel
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from chromanoise.page.cache import Remembered
+from chromanoise.web.page_studies import Remembered
 
 
 def test_a_value_is_made_once_while_it_is_among_the_latest():

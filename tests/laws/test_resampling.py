@@ -5,16 +5,17 @@ import pytest
 from hypothesis import given, strategies as st
 
 from chromanoise.io import read_sensor_csv
-from chromanoise.scene import flat_field, light
 from chromanoise.spectra import (
     DEFAULT_GRID,
     Grid,
     Spectra,
     cie_1931,
     color_axes,
+    flat_field,
     illuminant_from,
     illuminant_named,
     interpolation_matrix,
+    light,
     means_on_grid,
     on_grid,
     read_spectra_csv,

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given, strategies as st
 
 from chromanoise.color import colored
-from chromanoise.color.fitted import least_squares
-from chromanoise.color.root_polynomial_matrix import (
+from chromanoise.color.matrices import least_squares
+from chromanoise.color.root_polynomials import (
     root_jacobian,
     root_polynomial,
     root_polynomial_color,

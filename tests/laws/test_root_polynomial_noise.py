@@ -6,7 +6,7 @@ from hypothesis import given, strategies as st
 from scipy import stats
 from scipy.special import gamma
 
-from chromanoise.color.root_polynomial_matrix import (
+from chromanoise.color.root_polynomials import (
     RootPolynomial,
     root_first_order_error,
     root_polynomial_bias,

@@ -10,10 +10,9 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from chromanoise.scene import Cube, RowSource, bands_within, row_source
-from chromanoise.scene.cube import reflectance_rows
-from chromanoise.scene.rows import ArrayRows, FileRows, PlaneRows
-from chromanoise.spectra import Grid
+from chromanoise.spectra import Cube, Grid, RowSource, bands_within, row_source
+from chromanoise.spectra.scene import reflectance_rows
+from chromanoise.spectra.scene_rows import ArrayRows, FileRows, PlaneRows
 from outcomes import refused_input
 
 slices = st.builds(
@@ -215,7 +214,7 @@ def test_streaming_holds_little_memory(tmp_path):
             file.write(bytes(2**20))
     result = (
         "import resource, sys\n"
-        "from chromanoise.io.cubes import read_cube\nfrom chromanoise.scene import row_source\n"
+        "from chromanoise.io.cubes import read_cube\nfrom chromanoise.spectra import row_source\n"
         "source = row_source(read_cube(sys.argv[1], wavelengths=(400, 800)).stored)\n"
         "source.rows(0, 1)\n"
         "most = lambda: resource.getrusage(resource.RUSAGE_SELF).ru_maxrss\n"

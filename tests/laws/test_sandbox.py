@@ -15,9 +15,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from chromanoise import _check, _sandbox
-from chromanoise._sandbox import sandboxed
-from chromanoise.errors import InputError
+from chromanoise.base import check as _check, sandbox as _sandbox
+from chromanoise.base.errors import InputError
+from chromanoise.base.sandbox import sandboxed
 
 PATH = Path("/cube.xyz")
 LOOPS = (re.fullmatch, "(a+)+b", "a" * 60)  # for years, and holds the interpreter lock
@@ -131,7 +131,7 @@ def test_threads_take_turns():
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="needs os.fork")
 def test_a_fork_has_a_child_process_of_its_own():
     program = (
-        "import os; from pathlib import Path; from chromanoise._sandbox import sandboxed\n"
+        "import os; from pathlib import Path; from chromanoise.base.sandbox import sandboxed\n"
         "def told(): return sandboxed(os.getpid, path=Path('/a'))\n"
         "first = told()\n"
         "pid = os.fork()\n"
@@ -147,7 +147,7 @@ def test_a_fork_has_a_child_process_of_its_own():
 @pytest.mark.parametrize("busy", [False, True])
 def test_the_child_process_ends_when_its_parent_is_killed(busy):
     program = (
-        "import os, re; from pathlib import Path; from chromanoise._sandbox import sandboxed\n"
+        "import os, re; from pathlib import Path; from chromanoise.base.sandbox import sandboxed\n"
         "print(sandboxed(os.getpid, path=Path('/a')), flush=True)\n"
         f"busy = {busy}\n"
         "sandboxed(re.fullmatch, '(a+)+b', 'a' * 60, path=Path('/a'), limit_s=1) if busy else "

@@ -5,7 +5,6 @@ import pytest
 from hypothesis import given, strategies as st
 
 from chromanoise.color import colored, kernel_matrix
-from chromanoise.exposure import expected_electrons, measurement_vectors
 from chromanoise.geometry import (
     angles_to_axes_deg,
     contravariant,
@@ -16,9 +15,8 @@ from chromanoise.geometry import (
     variance_inflation,
 )
 from chromanoise.metrics import snr_db
-from chromanoise.noise import through, with_noise
-from chromanoise.scene import Scene, light
-from chromanoise.spectra import METRICS, color_axes, equal_energy
+from chromanoise.noise import expected_electrons, measurement_vectors, through, with_noise
+from chromanoise.spectra import METRICS, Scene, color_axes, equal_energy, light
 from strategies import EXPOSURE, GRID, bell_qe, mixes, raw_of, reflectances, sensor_of, sensors
 
 metrics = st.sampled_from(METRICS)

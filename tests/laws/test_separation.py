@@ -11,18 +11,7 @@ from scipy.optimize import minimize_scalar
 from scipy.stats import multivariate_normal, norm, poisson
 
 import chromanoise as cn
-from chromanoise.analysis.contrast_detection import contrast_detection_of
-from chromanoise.analysis.separation import (
-    COLOR,
-    COLOR_WITHOUT,
-    RAW,
-    RAW_WITHOUT,
-    READINGS,
-    median_distances,
-    raw_outcomes,
-    separation_of,
-)
-from chromanoise.charts.machine import machine_sentences
+from chromanoise.charts.verdicts import machine_sentences
 from chromanoise.metrics import (
     exact_separation_probability,
     gaussian_separation_probability,
@@ -41,6 +30,17 @@ from chromanoise.noise import (
     through,
 )
 from chromanoise.spectra import PatchPairs, colorchecker
+from chromanoise.study.reading_quality import (
+    COLOR,
+    COLOR_WITHOUT,
+    RAW,
+    RAW_WITHOUT,
+    READINGS,
+    contrast_detection_of,
+    median_distances,
+    raw_outcomes,
+    separation_of,
+)
 from noise_samples import noise_of
 from outcomes import refused_input
 

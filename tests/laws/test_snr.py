@@ -6,11 +6,9 @@ from hypothesis import assume, given, strategies as st
 from hypothesis.extra.numpy import arrays
 
 from chromanoise.color import colored, kernel_matrix
-from chromanoise.exposure import Exposure, expected_electrons
 from chromanoise.metrics import color_snr_loss_db, optimal_linear_snr_db, snr_db
-from chromanoise.noise import raw_covariance, through, with_noise
-from chromanoise.scene import flat_field
-from chromanoise.spectra import METRICS, equal_energy
+from chromanoise.noise import Exposure, expected_electrons, raw_covariance, through, with_noise
+from chromanoise.spectra import METRICS, equal_energy, flat_field
 from strategies import GRID, bell_qe, pixel_with, raw_of, sensor_of, sensors
 
 metrics = st.sampled_from(METRICS)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.io import savemat
 
-from chromanoise.errors import Setting
+from chromanoise.base.errors import Setting
 from chromanoise.io.spectra import Answers, qe_of, read_curves
 from chromanoise.io.spectra.writing import spectra_csv, spectra_spdx
 from chromanoise.spectra import Spectra

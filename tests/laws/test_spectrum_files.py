@@ -10,7 +10,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings, strategies as st
 
 import chromanoise as cn
-from chromanoise.errors import InputError, Setting
+from chromanoise.base.errors import InputError, Setting
 from chromanoise.io import read_sensor
 from chromanoise.io.spectra import Answers, power_of, qe_of, read_curves
 from chromanoise.sensor import PAPER_PIXEL

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from scipy.io import savemat
 
-from chromanoise.errors import InputError
+from chromanoise.base.errors import InputError
 from chromanoise.io.spectra import Answers, qe_of, read_curves
 from outcomes import refused_input
 from spectrum_samples import AT_NM, GREEN, RED
@@ -409,7 +409,7 @@ def test_a_table_is_read_in_every_supported_character_encoding(file, coding):
 
 
 def test_no_message_of_a_third_party_parser_is_shown(file, monkeypatch):
-    from chromanoise.io.spectra import dispatch as door
+    from chromanoise.io import curve_files as door
 
     def broken(*_):
         raise TypeError("expected <class 'int'>")

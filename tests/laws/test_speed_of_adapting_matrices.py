@@ -7,11 +7,9 @@ import pytest
 from hypothesis import given, strategies as st
 
 from chromanoise.color import ColorMatrix, chart_training, colored, kernel_matrix, lmmse
-from chromanoise.exposure import expected_electrons
 from chromanoise.metrics.speed import illuminance_for_snr, illuminance_for_snr_adapted
-from chromanoise.noise import with_noise
-from chromanoise.scene import flat_field
-from chromanoise.spectra import equal_energy
+from chromanoise.noise import expected_electrons, with_noise
+from chromanoise.spectra import equal_energy, flat_field
 from outcomes import refused_input
 from strategies import EXPOSURE, GRID, bell_qe, pixel_with, sensor_of, sensors, white_channel
 

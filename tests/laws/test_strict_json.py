@@ -8,17 +8,16 @@ from functools import partial
 import pytest
 from hypothesis import given, strategies as st
 
-from chromanoise._inputs import MOST_DEPTH, json_file, json_of
-from chromanoise.catalog import read_pixel_source
-from chromanoise.catalog.resolve import resolve_sensor
-from chromanoise.characterization.kept_statistics import resumed
-from chromanoise.design import read_front
-from chromanoise.errors import InputError
-from chromanoise.io.given_matrices import read_matrix
-from chromanoise.io.sensor_json import sensor_from_json, sensor_json
+from chromanoise.apps.camera.measure import resumed
+from chromanoise.apps.design import read_front
+from chromanoise.base.errors import InputError
+from chromanoise.base.inputs import MOST_DEPTH, json_file, json_of
+from chromanoise.io.matrix_files import read_matrix
+from chromanoise.io.result_tables import table_from_json
+from chromanoise.io.sensor_files import sensor_from_json, sensor_json
 from chromanoise.io.spectra import read_curves
-from chromanoise.io.table_formats import table_from_json
-from chromanoise.study import recorded_run
+from chromanoise.study import read_pixel_source, recorded_run
+from chromanoise.study.resolve import resolve_sensor
 from outcomes import refused_input
 from strategies import white_channel
 

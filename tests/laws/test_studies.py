@@ -12,9 +12,8 @@ from hypothesis import given, settings, strategies as st
 from pydantic import BaseModel
 
 import chromanoise
-from chromanoise._files import OWN_FILES
-from chromanoise.catalog import sensor_with_pixel
-from chromanoise.errors import InputError, errors_in
+from chromanoise.base.errors import InputError, errors_in
+from chromanoise.base.files import OWN_FILES
 from chromanoise.sensor import PIXEL
 from chromanoise.study import (
     STARTER,
@@ -23,6 +22,7 @@ from chromanoise.study import (
     read_study,
     run_plan,
     run_study,
+    sensor_with_pixel,
     study_as_python,
     study_as_toml,
     study_from_data,

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 import chromanoise as cn
-from chromanoise.analysis import SWEEPS, swept_values
-from chromanoise.study import study_from_data
+from chromanoise.study import SWEEPS, study_from_data, swept_values
 from outcomes import refused_input
 
 PAIR = ("onyx-rgbw", "onyx-rgb-ircut")

@@ -6,13 +6,12 @@ import numpy as np
 import pytest
 
 import chromanoise as cn
-from chromanoise._colour_science import colour_science
-from chromanoise.analysis import better_matrix, mean_total_error, total_errors
-from chromanoise.analysis.operating_point import electrons_at
+from chromanoise.base.colour import colour_science
+from chromanoise.base.rng import stream
 from chromanoise.color import scene_xyz
-from chromanoise.rng import stream
-from chromanoise.scene import Scene
-from chromanoise.spectra import colorchecker
+from chromanoise.spectra import Scene, colorchecker
+from chromanoise.study import better_matrix, mean_total_error, total_errors
+from chromanoise.study.analysis import electrons_at
 
 DRAWS = 20_000
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import chromanoise as cn
-from chromanoise.characterization.results import Characterization, ModelVerdict, PlaneNoise
-from chromanoise.characterization.training_camera import camera_noise
+from chromanoise.apps.camera.characterization import Characterization, ModelVerdict, PlaneNoise
+from chromanoise.apps.camera.measured_pixel import camera_noise
 from chromanoise.sensor import Mosaic, TransferFit
 from outcomes import refused_input
 
@@ -73,7 +73,7 @@ def test_the_model_has_the_values_of_the_planes():
 
 def test_the_dark_variance_of_a_sample_is_that_of_the_measured_dark_noise():
     """5 e- of dark noise, of which 3 e- are row noise."""
-    add_noise = cn.noise.sampler(camera_noise([result()]), quantize=False)
+    add_noise = cn.apps.training.sampler(camera_noise([result()]), quantize=False)
     assert add_noise(np.zeros((2, 2)), unit="electron").variance[0, 0] == pytest.approx(25.0)
 
 
@@ -110,7 +110,7 @@ def test_drawn_row_noise_is_that_of_the_setting():
     high = result(iso=6400.0, gain_dn_per_e=32.0, dark_noise_e=1.0, row_noise_e=0.8)
     camera = camera_noise([result(row_noise_e=3.0), high])
     clean = np.zeros((256, 4000))
-    add_noise = cn.noise.sampler(camera, quantize=False, seed=4)
+    add_noise = cn.apps.training.sampler(camera, quantize=False, seed=4)
     drawn = np.asarray(add_noise(clean, unit="electron", iso=6400).noisy)
     rows = drawn.mean(axis=1).var(ddof=1) - (1.0 - 0.64) / clean.shape[1]
     assert abs(rows / 0.64 - 1) < 5 * (2 / 255) ** 0.5

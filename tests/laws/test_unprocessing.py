@@ -4,15 +4,15 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from chromanoise.imaging import (
+from chromanoise.apps.training.unprocessing import (
     Rendering,
-    bilinear_filters,
     draw_rendering,
     linear_from_srgb,
     process,
     unprocess,
 )
-from chromanoise.rng import stream
+from chromanoise.base.rng import stream
+from chromanoise.imaging import bilinear_filters
 from chromanoise.sensor import Mosaic, bayer
 from outcomes import refused_input
 

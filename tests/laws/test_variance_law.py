@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from chromanoise.rng import stream
+from chromanoise.base.rng import stream
 from chromanoise.sensor import VarianceLaw
 from outcomes import refused_input
 

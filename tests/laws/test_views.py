@@ -4,20 +4,19 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from chromanoise.analysis import analyzed
-from chromanoise.exposure import measurement_vectors
-from chromanoise.paper import paper_study
-from chromanoise.paper.study import RGB_59, RGBW_12
-from chromanoise.paper.views import (
+from chromanoise.apps.paper import paper_study
+from chromanoise.apps.paper.printed_numbers import RGB_59, RGBW_12
+from chromanoise.apps.paper.views import (
     channel_plane,
     fitting_magnification,
     magnified_noise,
     narrowest_pair,
     widest_pair,
 )
-from chromanoise.scene import Scene, flat_field, light
+from chromanoise.noise import measurement_vectors
 from chromanoise.sensor import with_channels
-from chromanoise.spectra import METRICS, color_axes, equal_energy
+from chromanoise.spectra import METRICS, Scene, color_axes, equal_energy, flat_field, light
+from chromanoise.study import analyzed
 from outcomes import refused_input
 from strategies import EXPOSURE, GRID, bell_qe, sensor_of, sensors
 

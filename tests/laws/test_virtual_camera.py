@@ -12,8 +12,8 @@ from PIL import Image
 from scipy import stats
 
 import chromanoise as cn
-from chromanoise.characterization import VirtualCamera, photon_transfer_frames
-from chromanoise.characterization.virtual_frames import FRAME_FORMATS
+from chromanoise.apps.camera import VirtualCamera, photon_transfer_frames
+from chromanoise.apps.camera.virtual_camera import FRAME_FORMATS
 from chromanoise.sensor.noise_source import SOURCES
 from goodness import chi_square_score, correlation_z
 from outcomes import refused_input
@@ -484,8 +484,8 @@ def test_a_photon_transfer_that_cannot_be_is_refused(tmp_path, result):
 
 
 def test_the_names_of_the_virtual_camera_are_public():
-    assert cn.characterization.VirtualCamera is VirtualCamera
-    assert cn.characterization.photon_transfer_frames is photon_transfer_frames
+    assert cn.apps.camera.VirtualCamera is VirtualCamera
+    assert cn.apps.camera.photon_transfer_frames is photon_transfer_frames
 
 
 @pytest.mark.parametrize(

@@ -4,9 +4,13 @@ import numpy as np
 import pytest
 
 import chromanoise as cn
-from chromanoise.exposure import Exposure, time_to_saturation
-from chromanoise.noise import clipping_readout, saturated, sensor_moments
-from chromanoise.scene import flat_field
+from chromanoise.noise import (
+    Exposure,
+    clipping_readout,
+    saturated,
+    sensor_moments,
+    time_to_saturation,
+)
 from chromanoise.sensor import (
     Converter,
     Pixel,
@@ -16,7 +20,7 @@ from chromanoise.sensor import (
     with_binning,
     with_pixel,
 )
-from chromanoise.spectra import equal_energy
+from chromanoise.spectra import equal_energy, flat_field
 from noise_samples import noise_of
 from outcomes import refused_input
 from strategies import GRID, pixel_with, white_channel

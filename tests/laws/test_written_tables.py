@@ -13,21 +13,25 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from chromanoise._colour_science import colour_science
-from chromanoise._csv_cells import csv_comment, text_of_cell, text_of_comment
-from chromanoise.analysis import compared
-from chromanoise.analysis.tables import (
-    analyses_as_table,
-    curves_as_table,
-)
-from chromanoise.catalog import sensor_named
+from chromanoise.apps.paper import paper_study, paper_tables, reproduced
+from chromanoise.apps.paper.reproduction import paper_as_table
+from chromanoise.base.colour import colour_science
+from chromanoise.base.errors import InputError
+from chromanoise.base.files import csv_comment, text_of_cell, text_of_comment
 from chromanoise.color import kernel_matrix
-from chromanoise.errors import InputError
-from chromanoise.exposure import Exposure, OperatingPoint
 from chromanoise.io import read_sensor_csv
-from chromanoise.io.given_matrices import read_matrix
-from chromanoise.io.matrices import MadeMatrix, matrix_csv
-from chromanoise.io.sensor_json import sensor_from_json, sensor_json, spectra_json
+from chromanoise.io.matrix_files import MadeMatrix, matrix_csv, read_matrix
+from chromanoise.io.result_tables import (
+    Column,
+    Table,
+    table_csv,
+    table_from_json,
+    table_json,
+    table_latex,
+    table_markdown,
+    written,
+)
+from chromanoise.io.sensor_files import sensor_from_json, sensor_json, spectra_json
 from chromanoise.io.spectra import read_curves
 from chromanoise.io.spectra.writing import (
     sensor_csv,
@@ -36,24 +40,11 @@ from chromanoise.io.spectra.writing import (
     spectra_csv,
     spectra_spdx,
 )
-from chromanoise.io.table import (
-    Column,
-    Table,
-    written,
-)
-from chromanoise.io.table_formats import (
-    table_csv,
-    table_from_json,
-    table_json,
-    table_latex,
-    table_markdown,
-)
-from chromanoise.paper import paper_study, paper_tables, reproduced
-from chromanoise.paper.tables import (
-    paper_as_table,
-)
+from chromanoise.noise import Exposure, OperatingPoint
 from chromanoise.sensor import Mosaic, Pixel, Sensor
 from chromanoise.spectra import DEFAULT_GRID, Grid, Spectra, equal_energy, read_spectra_csv
+from chromanoise.study import compared, sensor_named
+from chromanoise.study.analysis_tables import analyses_as_table, curves_as_table
 from outcomes import refused_input
 
 SMALL = Grid.uniform(400, 420, 10)

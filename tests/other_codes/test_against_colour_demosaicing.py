@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from chromanoise.base.rng import stream
 from chromanoise.imaging.demosaic import bilinear_filters, demosaicked, malvar_filters
-from chromanoise.rng import stream
 from chromanoise.sensor import Mosaic
 
 with np.printoptions():  # imported, it sets numpy's print options to those of 1.13 for all

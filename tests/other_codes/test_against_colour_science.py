@@ -5,17 +5,12 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from chromanoise.color import (
-    adapted_to_d65,
-    balanced_cielab,
-    cie1976_difference,
-    srgb_from_xyz,
-)
-from chromanoise.scene import Scene, flat_field, light
+from chromanoise.color import adapted_to_d65, balanced_cielab, cie1976_difference, srgb_from_xyz
 from chromanoise.spectra import (
     DEFAULT_GRID,
     OBSERVERS,
     Grid,
+    Scene,
     black_body,
     cie_1931,
     cie_a,
@@ -24,8 +19,10 @@ from chromanoise.spectra import (
     color_matching_functions,
     colorchecker,
     equal_energy,
+    flat_field,
     illuminant_named,
     is_light_name,
+    light,
 )
 from chromanoise.spectra.tables import packaged_table
 

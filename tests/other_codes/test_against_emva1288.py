@@ -7,16 +7,22 @@ our draws, which it must turn back within their own scatter.
 import numpy as np
 import pytest
 
-from chromanoise.analysis import analyzed as of_white, pipeline_noise
-from chromanoise.exposure import Exposure, expected_electrons
+from chromanoise.base.rng import stream
+from chromanoise.base.units import photons_per_joule
 from chromanoise.metrics import light_for_snr, snr_db
-from chromanoise.noise import Readout, read_moments, sample_electrons, with_noise
-from chromanoise.rng import stream
-from chromanoise.scene import flat_field
+from chromanoise.noise import (
+    Exposure,
+    Readout,
+    expected_electrons,
+    read_moments,
+    sample_electrons,
+    with_noise,
+)
 from chromanoise.sensor import Converter, Pixel, Sensor
-from chromanoise.sensor.photon_transfer import PhotonTransfer, photon_transfer_fit
-from chromanoise.spectra import Grid, Illuminant, equal_energy
-from chromanoise.units import photons_per_joule
+from chromanoise.sensor.photon_transfer import photon_transfer_fit
+from chromanoise.sensor.photon_transfer_regression import PhotonTransfer
+from chromanoise.spectra import Grid, Illuminant, equal_energy, flat_field
+from chromanoise.study import analyzed as of_white, pipeline_noise
 
 NEEDS = "needs the package emva1288"
 camera = pytest.importorskip("emva1288.camera.routines", reason=NEEDS)

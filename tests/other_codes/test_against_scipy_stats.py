@@ -5,10 +5,10 @@ import pytest
 from hypothesis import given, settings, strategies as st
 from scipy import stats
 
+from chromanoise.base.rng import stream
 from chromanoise.geometry import ellipse_outline
 from chromanoise.metrics import optimal_linear_snr_db
 from chromanoise.noise import monte_carlo, sample_electrons
-from chromanoise.rng import stream
 from strategies import pixel_with, raw_of
 
 DRAWS = 20_000

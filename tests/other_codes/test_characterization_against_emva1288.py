@@ -7,7 +7,7 @@ import pytest
 from PIL import Image
 
 import chromanoise as cn
-from chromanoise.characterization import VirtualCamera, characterized, photon_transfer_frames
+from chromanoise.apps.camera import VirtualCamera, characterized, photon_transfer_frames
 from chromanoise.io.frames import read_frame_set
 
 NEEDS = "needs the package emva1288"

@@ -8,19 +8,12 @@ import tifffile
 from hypothesis import given, settings, strategies as st
 
 from chromanoise.color import kernel_matrix, linear_srgb
-from chromanoise.exposure import Exposure, OperatingPoint, expected_electrons
 from chromanoise.imaging import acquired
-from chromanoise.imaging.dng import (
-    RawProfile,
-    camera_matrix,
-    dng_rows,
-    raw_profile,
-    write_dng,
-)
-from chromanoise.scene import Scene, flat_cube
+from chromanoise.imaging.dng import RawProfile, camera_matrix, dng_rows, raw_profile, write_dng
+from chromanoise.noise import Exposure, OperatingPoint, expected_electrons
 from chromanoise.sensor import Adc, Mosaic, bayer, rgbw_2x2, rgbw_sparse_4x4
-from chromanoise.sensor.noise_profile import noise_profile
-from chromanoise.spectra import cie_illuminant
+from chromanoise.sensor.camera_noise import noise_profile
+from chromanoise.spectra import Scene, cie_illuminant, flat_cube
 from outcomes import refused_input
 from strategies import GRID, bell_qe, pixel_with, sensor_of
 

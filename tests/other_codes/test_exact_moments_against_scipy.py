@@ -7,7 +7,7 @@ import pytest
 from scipy import integrate, stats
 
 from chromanoise.noise import Readout, read_moments
-from chromanoise.noise.expectation import expectation
+from chromanoise.noise.readout import expectation
 
 
 def survival(mean_e, noise_e):

@@ -7,8 +7,8 @@ from hypothesis import given
 from scipy.linalg import subspace_angles
 from scipy.optimize import minimize
 
-from chromanoise.metrics.filters import principal_angles_deg, vora_value
-from chromanoise.metrics.smi import metamerism
+from chromanoise.metrics.accuracy import metamerism
+from chromanoise.metrics.filter_merit import principal_angles_deg, vora_value
 from chromanoise.metrics.visual_noise import visual_noise_of_picture, visual_noise_of_white
 from strategies import GRID, sensors
 

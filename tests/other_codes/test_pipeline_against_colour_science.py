@@ -9,14 +9,23 @@ import colour
 import numpy as np
 import pytest
 
-from chromanoise.analysis import PipelineSettings, analyzed, matrix_makers, pipeline_noise
-from chromanoise.catalog import sensor_named
-from chromanoise.exposure import Exposure, OperatingPoint, expected_electrons
-from chromanoise.noise import noise_sources, sample_electrons
-from chromanoise.rng import stream
-from chromanoise.scene import Scene, flat_field
+from chromanoise.base.rng import stream
+from chromanoise.noise import (
+    Exposure,
+    OperatingPoint,
+    expected_electrons,
+    noise_sources,
+    sample_electrons,
+)
 from chromanoise.sensor import with_pixel
-from chromanoise.spectra import DEFAULT_GRID, colorchecker, equal_energy
+from chromanoise.spectra import DEFAULT_GRID, Scene, colorchecker, equal_energy, flat_field
+from chromanoise.study import (
+    PipelineSettings,
+    analyzed,
+    matrix_makers,
+    pipeline_noise,
+    sensor_named,
+)
 
 LAMP = equal_energy(DEFAULT_GRID)
 RHO = colorchecker(DEFAULT_GRID).values.T

@@ -10,9 +10,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from chromanoise.exposure import Exposure
 from chromanoise.metrics import light_for_snr, snr_db
-from chromanoise.noise import noise_sources, saturated, with_noise
+from chromanoise.noise import Exposure, noise_sources, saturated, with_noise
 from chromanoise.sensor import Converter, Pixel, Sensor
 from chromanoise.spectra import Grid
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 from scipy.io import loadmat, savemat
 
-from chromanoise._colour_science import colour_science
+from chromanoise.base.colour import colour_science
 from chromanoise.io.spectra import Answers, read_curves
 
 REPOSITORY = Path(__file__).parents[2]

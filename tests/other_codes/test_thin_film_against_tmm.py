@@ -4,7 +4,7 @@ import numpy as np
 import tmm
 from hypothesis import given, settings, strategies as st
 
-from chromanoise.sensor.thin_film import cauchy_index, thin_film_stack
+from chromanoise.sensor.filter_models import cauchy_index, thin_film_stack
 from chromanoise.spectra import Grid
 
 GRID = Grid.uniform(400, 1050, 50)

@@ -8,10 +8,8 @@ import numpy as np
 import pytest
 
 import chromanoise as cn
-from chromanoise.analysis import analyzed, coordinate_budget, matrix_makers
-from chromanoise.design.objectives import OBJECTIVES, Candidate
-from chromanoise.metrics.budget import INFRARED
-from chromanoise.paper import (
+from chromanoise.apps.design.objectives import OBJECTIVES, Candidate
+from chromanoise.apps.paper import (
     paper_study,
     paper_tables,
     reproduced,
@@ -19,8 +17,10 @@ from chromanoise.paper import (
     table_5_finding,
     verdict,
 )
-from chromanoise.paper.findings import nir_share
+from chromanoise.apps.paper.reproduction import nir_share
+from chromanoise.metrics.budget import INFRARED
 from chromanoise.spectra import cie_1931
+from chromanoise.study import analyzed, coordinate_budget, matrix_makers
 
 
 @pytest.fixture(scope="module")

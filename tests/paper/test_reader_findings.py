@@ -13,8 +13,8 @@ import pytest
 from scipy.stats import norm
 
 import chromanoise as cn
-from chromanoise.analysis import electrons_at
 from chromanoise.spectra import colorchecker
+from chromanoise.study import electrons_at
 
 DOCS = Path(__file__).parents[2] / "docs"
 FINDINGS = (DOCS / "findings.md").read_text(encoding="utf-8")

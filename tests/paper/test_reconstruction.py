@@ -12,7 +12,13 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from chromanoise.paper import PaperStudy, Reproduction, paper_study, reproduced, study as paper
+from chromanoise.apps.paper import (
+    PaperStudy,
+    Reproduction,
+    paper_study,
+    printed_numbers as paper,
+    reproduced,
+)
 from chromanoise.spectra.tables import packaged_table
 
 REPOSITORY = Path(__file__).parents[2]

@@ -2,8 +2,8 @@
 
 import pytest
 
+from chromanoise.base.errors import InputError, errors_in
 from chromanoise.cli import entry, main
-from chromanoise.errors import InputError, errors_in
 from outcomes import Outcome
 
 

@@ -37,7 +37,7 @@ def drawn_pitches(shown: Shown, look: Look) -> dict[str, Any]:
         "table": {"head": ["sensor", "pitch [um]"], "rows": rows},
     }
 ''',
-    "figures/draw/pitches.js": """/** Pitch of the pixels, as sentences. */
+    "charts/draw/pitches.js": """/** Pitch of the pixels, as sentences. */
 
 import { note } from "draw/look.js";
 import { refill } from "draw/refill.js";
@@ -51,17 +51,15 @@ export function draw(element, data) {
 EDITS = {  # by file: what is inserted, each before a text
     "charts/by_name.py": [
         (
-            "from chromanoise.charts.pareto",
+            "from chromanoise.charts.pareto_curves",
             "from chromanoise.charts.pitches import drawn_pitches\n",
         ),
         ('    "pareto": drawn_pareto,', '    "pitches": drawn_pitches,\n'),
-    ],
-    "charts/sections.py": [
         (
             '    Section(\n        part="sensitivities"',
             '    Section(part="pitches", heading="Pitches", shows="How large the pixels are.",\n'
             '            explanations=("electrons",)),\n',
-        )
+        ),
     ],
     "charts/numbers.py": [
         (
@@ -69,7 +67,7 @@ EDITS = {  # by file: what is inserted, each before a text
             '    "pitches": lambda of: [["sensor", "pitch [um]"], *of["table"]["rows"]],\n',
         )
     ],
-    "figures/study.py": [
+    "charts/figures_of_study.py": [
         ('            "pareto": _pareto(of),', '            "pitches": _pitches(of),\n'),
         (
             "def _pareto(",

@@ -17,7 +17,7 @@ MODULE = '''"""``chromanoise list-channels``: names of channels."""
 import click
 
 import chromanoise as cn
-from chromanoise.cli.parsing import command
+from chromanoise.cli.options import command
 
 
 @command()

@@ -6,17 +6,17 @@ import re
 import numpy as np
 import pytest
 
-from chromanoise.catalog.entries import KINDS, catalog_entries, catalog_file_of
-from chromanoise.catalog.resolve import (
+from chromanoise.base.errors import InputError
+from chromanoise.io.spectra import Answers
+from chromanoise.spectra import DEFAULT_GRID, photon_irradiance
+from chromanoise.study import provenance, study_from_text
+from chromanoise.study.catalog import KINDS, catalog_entries, catalog_file_of
+from chromanoise.study.resolve import (
     illuminant_files,
     resolve_illuminant,
     resolve_sensor,
     sensor_files,
 )
-from chromanoise.errors import InputError
-from chromanoise.io.spectra import Answers
-from chromanoise.spectra import DEFAULT_GRID, photon_irradiance
-from chromanoise.study import provenance, study_from_text
 from outcomes import refused
 
 SECTION = """[{name}]

@@ -10,17 +10,12 @@ from pathlib import Path
 import pytest
 
 from characterizations import color, monochrome, plane_of
-from chromanoise._files import OWN_FILES, claimed_folder
-from chromanoise.catalog import read_pixel_source
-from chromanoise.characterization import (
-    ModelVerdict,
-    characterization_as_json,
-    pixel_of,
-    pixel_toml,
-)
+from chromanoise.apps.camera import ModelVerdict, characterization_as_json, pixel_of, pixel_toml
+from chromanoise.base.files import OWN_FILES, claimed_folder
 from chromanoise.io.pixels import read_emva_sheet, read_photon_transfer_csv
-from chromanoise.report import characterization_report, write_characterization
-from chromanoise.report.characterization_report import file_names, omitted_files
+from chromanoise.study import read_pixel_source
+from chromanoise.web import characterization_report, write_characterization
+from chromanoise.web.further_reports import file_names, omitted_files
 from outcomes import refused_input
 
 ALWAYS = {"pixel.toml", "characterization.json", "report.html"}

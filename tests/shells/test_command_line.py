@@ -13,16 +13,21 @@ from click import Context
 from matplotlib.figure import Figure
 from PIL import Image
 
-from chromanoise._files import OWN_FILES
-from chromanoise.analysis import analyzed
-from chromanoise.catalog import sensor_named
+from chromanoise.base.files import OWN_FILES
+from chromanoise.charts import write_figures
 from chromanoise.cli.entry import commands
-from chromanoise.exposure import Exposure, expected_electrons
-from chromanoise.figures import write_figures
-from chromanoise.scene import flat_field
+from chromanoise.noise import Exposure, expected_electrons
 from chromanoise.sensor import behind_ir_cut, with_shifted_curves
-from chromanoise.spectra import DEFAULT_GRID, equal_energy
-from chromanoise.study import FUNCTIONS, Study, default_of, described_settings, interface_of
+from chromanoise.spectra import DEFAULT_GRID, equal_energy, flat_field
+from chromanoise.study import (
+    FUNCTIONS,
+    Study,
+    analyzed,
+    default_of,
+    described_settings,
+    interface_of,
+    sensor_named,
+)
 from outcomes import refused
 
 demo = import_module("chromanoise.cli.demo")
@@ -338,7 +343,7 @@ def test_a_narrow_band_counts_by_its_area_wherever_it_stands(run, tmp_path, offs
 def test_json_on_standard_output_stays_json_when_figures_are_written_too(
     run, tmp_path, monkeypatch
 ):
-    monkeypatch.setattr("chromanoise.figures.paper_figures", lambda *_: {"one": Figure()})
+    monkeypatch.setattr("chromanoise.charts.paper_figures", lambda *_: {"one": Figure()})
     code, out, err = run("reproduce", "--draws", 10, "--json", "-", "--out", tmp_path / "figures")
     assert code == 0
     assert json.loads(out)["draws"] == 10

@@ -16,9 +16,9 @@ import numpy as np
 import pytest
 
 import command_lines
-from chromanoise._files import whole_folder
-from chromanoise.cli import progress
-from chromanoise.errors import InputError
+from chromanoise.base.errors import InputError
+from chromanoise.base.files import whole_folder
+from chromanoise.cli import output as progress
 from outcomes import refused
 
 main = import_module("chromanoise.cli.entry")

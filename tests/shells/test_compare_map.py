@@ -7,10 +7,9 @@ import numpy as np
 import pytest
 
 import chromanoise as cn
-from chromanoise.charts import shown
-from chromanoise.figures import draw_maps, study_figures
-from chromanoise.report import study_report
+from chromanoise.charts import draw_maps, shown, study_figures
 from chromanoise.study import study_from_data
+from chromanoise.web import study_report
 from outcomes import refused
 
 PAIR = ("onyx-rgbw", "onyx-rgb-ircut")

@@ -7,12 +7,12 @@ import re
 import numpy as np
 import pytest
 
-from chromanoise.catalog import sensor_named
-from chromanoise.io.sensor_json import sensor_from_json
+from chromanoise.io.result_tables import table_from_json
+from chromanoise.io.sensor_files import sensor_from_json
 from chromanoise.io.spectra import read_curves
-from chromanoise.io.table_formats import table_from_json
 from chromanoise.sensor import PAPER_PIXEL
 from chromanoise.spectra import DEFAULT_GRID
+from chromanoise.study import sensor_named
 from outcomes import refused
 
 pytestmark = pytest.mark.usefixtures("here")

@@ -5,7 +5,7 @@ import tomllib
 import numpy as np
 import pytest
 
-from chromanoise._files import OWN_FILES
+from chromanoise.base.files import OWN_FILES
 from outcomes import refused
 
 pytestmark = pytest.mark.usefixtures("here")

@@ -5,9 +5,9 @@ import re
 
 import pytest
 
-from chromanoise._files import OWN_FILES
-from chromanoise.report import write_denoising_report
-from chromanoise.study.denoising_cells import denoising_benchmark
+from chromanoise.apps.denoising_benchmark.cells import denoising_benchmark
+from chromanoise.base.files import OWN_FILES
+from chromanoise.web import write_denoising_report
 from outcomes import refused, refused_input
 
 SMALL = {"--sensor": "onyx-rgbw", "--levels": "10", "--crop": "64", "--denoise": "none"}

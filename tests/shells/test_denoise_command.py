@@ -7,14 +7,14 @@ import pytest
 import tifffile
 
 import chromanoise as cn
-from chromanoise.denoising import (
+from chromanoise.imaging import chart_electrons
+from chromanoise.imaging.denoising import (
     NoisyPlanes,
     at_brightness,
     code_noise_of_profile,
     measured_noise_ratio,
     neutral_planes,
 )
-from chromanoise.imaging import chart_electrons
 from chromanoise.io.frames import frames_in
 from chromanoise.sensor import MOSAIC_NAMES, VarianceLaw, mosaic_named
 from chromanoise.study import operating_points_of, prepared_denoising

@@ -4,10 +4,9 @@ import json
 
 import pytest
 
-from chromanoise.page.requests import QuestionError
-from chromanoise.page.services import Services
-from chromanoise.page.uploads import Uploads
 from chromanoise.study import study_from_text
+from chromanoise.web.requests import QuestionError, Uploads
+from chromanoise.web.worker import Services
 from fronts import front_of_ir_cuts
 
 XYZ = ("X,1.5,0.1,0.2", "Y,0.6,0.9,0.1", "Z,0.1,0.2,1.1")

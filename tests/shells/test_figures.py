@@ -13,32 +13,32 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 from PIL import Image
 
-from chromanoise.analysis import analyzed, color_snr_db
 from chromanoise.api import analyze, compare, matrix, render
-from chromanoise.catalog import sensor_named
-from chromanoise.errors import InputError
-from chromanoise.figures import (
+from chromanoise.apps.paper import paper_planes, paper_study
+from chromanoise.apps.paper.figures_of_paper import (
     CAPTIONS,
+    draw_color_projection,
+    draw_contravariant,
+    draw_measurement,
+    draw_mosaic,
+    draw_uncertainty,
+    paper_figures,
+)
+from chromanoise.apps.paper.printed_numbers import RGB_12, RGB_59, RGBW_12
+from chromanoise.apps.paper.views import channel_plane, magnified_noise
+from chromanoise.base.errors import InputError
+from chromanoise.charts import (
     chromanoise_style,
     draw_analyses,
     draw_capture,
-    draw_color_projection,
-    draw_contravariant,
     draw_matrices,
-    draw_measurement,
-    draw_mosaic,
     draw_sensitivities,
-    draw_uncertainty,
-    paper_figures,
     write_figures,
 )
-from chromanoise.figures.style import channel_color, sensor_dashes, sensor_label
-from chromanoise.figures.writing import figure_bytes
-from chromanoise.paper import paper_planes, paper_study
-from chromanoise.paper.study import RGB_12, RGB_59, RGBW_12
-from chromanoise.paper.views import channel_plane, magnified_noise
+from chromanoise.charts.figure_style import channel_color, figure_bytes, sensor_dashes, sensor_label
 from chromanoise.sensor import bayer
 from chromanoise.spectra import DEFAULT_GRID
+from chromanoise.study import analyzed, color_snr_db, sensor_named
 
 STILL = ("figure-03-measurement", "figure-04-contravariant", "figure-06-projection")
 NOISY = ("figure-09-correlation", "figure-10-color-axis")

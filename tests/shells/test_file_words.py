@@ -6,14 +6,14 @@ import os
 import numpy as np
 import pytest
 
-from chromanoise.catalog.resolve import (
+from chromanoise.io.spectra import Answers
+from chromanoise.study import read_study, study_hash
+from chromanoise.study.resolve import (
     illuminant_files,
     is_file_word,
     resolve_filter,
     resolve_illuminant,
 )
-from chromanoise.io.spectra import Answers
-from chromanoise.study import read_study, study_hash
 from outcomes import refused
 
 CAMERA = "wavelength_nm,R,G,B\n400,0.1,0.1,0.5\n700,0.6,0.2,0.1\n1050,0.1,0.1,0.1\n"

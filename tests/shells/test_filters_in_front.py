@@ -6,13 +6,12 @@ import numpy as np
 import pytest
 
 import chromanoise as cn
-from chromanoise.catalog import sensor_named
-from chromanoise.catalog.resolve import behind_resolved_filter, filter_files, resolve_filter
 from chromanoise.io.spectra import Answers
 from chromanoise.spectra import DEFAULT_GRID
 from chromanoise.spectra.tables import catalog_curves, catalog_tables
 from chromanoise.study import (
     provenance,
+    sensor_named,
     study_as_command,
     study_as_python,
     study_from_data,
@@ -21,6 +20,7 @@ from chromanoise.study import (
 )
 from chromanoise.study.assembly import sensor_of
 from chromanoise.study.document import SensorPart
+from chromanoise.study.resolve import behind_resolved_filter, filter_files, resolve_filter
 from outcomes import refused, refused_input
 
 SOURCES = """[gray-glass]

@@ -8,7 +8,7 @@ import pytest
 import tifffile
 
 import chromanoise as cn
-from chromanoise.io.given_matrices import is_matrix_file, read_matrix
+from chromanoise.io.matrix_files import is_matrix_file, read_matrix
 from outcomes import refused_input
 
 SENSOR = "onyx-rgb-ircut"
@@ -73,7 +73,7 @@ def test_a_row_normalized_matrix_to_srgb_keeps_white(tmp_path):
     path = tmp_path / "isp.csv"
     path.write_text("to linear sRGB,R,G,B\nR,1,0,0\nG,0,1,0\nB,0,0,1\n")
     lux = first(str(path))["color"]["mean_lux"]
-    white = cn.color.scene_xyz(cn.exposure.white_scene(cn.analyze(SENSOR, lux=10).points[0]))
+    white = cn.color.scene_xyz(cn.noise.white_scene(cn.analyze(SENSOR, lux=10).points[0]))
     assert list(lux.values()) == pytest.approx(white.tolist(), rel=2e-4)  # sRGB's published digits
 
 
@@ -243,7 +243,7 @@ def test_json_that_is_no_matrix_of_channels_is_refused(tmp_path, data, fields):
 
 
 def test_the_ending_tells_a_file_from_a_method():
-    assert not any(map(is_matrix_file, cn.analysis.METHODS))
+    assert not any(map(is_matrix_file, cn.study.METHODS))
     assert not is_matrix_file("ridge=0.01")
 
 

@@ -6,11 +6,7 @@ import pytest
 from pydantic import ValidationError
 
 import chromanoise as cn
-from chromanoise.errors import InputError, errors_in
-from chromanoise.page.answers import ChartReplies
-from chromanoise.page.services import Services
-from chromanoise.page.studies import Studies
-from chromanoise.page.uploads import Uploads
+from chromanoise.base.errors import InputError, errors_in
 from chromanoise.study import (
     read_study,
     run_study,
@@ -21,6 +17,10 @@ from chromanoise.study import (
     study_of_output,
 )
 from chromanoise.study.document import KEEP_IDLE, without_idle_settings
+from chromanoise.web.answers import ChartReplies
+from chromanoise.web.page_studies import Studies
+from chromanoise.web.requests import Uploads
+from chromanoise.web.worker import Services
 from outcomes import refused, refused_input
 
 ONE = [{"name": "onyx-rgbw"}]

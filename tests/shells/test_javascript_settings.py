@@ -6,13 +6,13 @@ from pathlib import Path
 import pytest
 
 import chromanoise
-from chromanoise.analysis.color_matrices import DEFAULT_METHOD
-from chromanoise.page.fields import study_defaults
 from chromanoise.study import study_schema
+from chromanoise.study.color_matrices import DEFAULT_METHOD
+from chromanoise.web.controls import study_defaults
 
 ROOT = Path(chromanoise.__file__).parent
 SCRIPTS = sorted(
-    (*ROOT.glob("page/assets/**/*.js"), *ROOT.glob("figures/draw/*.js"), *ROOT.glob("report/*.js"))
+    (*ROOT.glob("web/assets/**/*.js"), *ROOT.glob("charts/draw/*.js"), *ROOT.glob("report/*.js"))
 )
 NUMBER = r"-?\b\d+(?:\.\d+)?(?:e[-+]?\d+)?\b"
 RANGE = re.compile(rf"\b(?:low|high|start|first|last|least|most|fewest)\s*:\s*{NUMBER}")

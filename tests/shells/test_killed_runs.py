@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from chromanoise._files import OWN_FILES
+from chromanoise.base.files import OWN_FILES
 from processes import command, wait_for
 
 pytestmark = pytest.mark.evidence

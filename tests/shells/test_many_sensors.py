@@ -7,13 +7,11 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
-from chromanoise.analysis import coordinate_budget
-from chromanoise.charts import drawing, shown
-from chromanoise.figures import chromanoise_style, draw_budget, study_figures
-from chromanoise.figures.budget import budget_limits_db
-from chromanoise.figures.style import sensor_mark
-from chromanoise.report import study_report
-from chromanoise.study import study_from_text
+from chromanoise.charts import chromanoise_style, draw_budget, drawing, shown, study_figures
+from chromanoise.charts.figure_style import sensor_mark
+from chromanoise.charts.result_figures import budget_limits_db
+from chromanoise.study import coordinate_budget, study_from_text
+from chromanoise.web import study_report
 from shells.browser import FIXTURES
 from shells.test_page_looks import cut_off, overlapping
 

@@ -7,14 +7,13 @@ import xml.etree.ElementTree as ElementTree
 import numpy as np
 import pytest
 
-from chromanoise.catalog import sensor_named
+from chromanoise.base.errors import InputError
 from chromanoise.cli import main
 from chromanoise.color import kernel_matrix
-from chromanoise.errors import InputError
-from chromanoise.exposure import Exposure, expected_electrons
-from chromanoise.io.matrices import MadeMatrix, balanced, matrix_clf
-from chromanoise.scene import flat_field
-from chromanoise.spectra import DEFAULT_GRID, equal_energy
+from chromanoise.io.matrix_files import MadeMatrix, balanced, matrix_clf
+from chromanoise.noise import Exposure, expected_electrons
+from chromanoise.spectra import DEFAULT_GRID, equal_energy, flat_field
+from chromanoise.study import sensor_named
 from outcomes import refused
 
 EXPOSURE = Exposure(time_s=0.0119)

@@ -4,18 +4,17 @@ import json
 
 import pytest
 
-from chromanoise.analysis import (
+from chromanoise.noise import Exposure, OperatingPoint
+from chromanoise.spectra import DEFAULT_GRID, equal_energy, flat_field
+from chromanoise.study import (
     analyzed,
     matrix_makers,
     merits_as_json,
     merits_of,
     noise_weights,
     pareto_of,
+    sensor_named,
 )
-from chromanoise.catalog import sensor_named
-from chromanoise.exposure import Exposure, OperatingPoint
-from chromanoise.scene import flat_field
-from chromanoise.spectra import DEFAULT_GRID, equal_energy
 from outcomes import refused
 
 LAMP = equal_energy(DEFAULT_GRID)

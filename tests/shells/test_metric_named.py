@@ -5,12 +5,12 @@ import re
 import pytest
 
 import chromanoise as cn
-from chromanoise.analysis.analysis import contravariant_snr_db, diagnosis
 from chromanoise.charts import drawing, shown
 from chromanoise.charts.charted_study import Look
 from chromanoise.charts.result_tables import budget_tables, channels_table
-from chromanoise.page.story import story
 from chromanoise.study import study_from_data
+from chromanoise.study.analysis import contravariant_snr_db, diagnosis
+from chromanoise.web.story import story
 
 METRICS = ("quanta", "energy")
 PAIR = ("onyx-rgbw", "onyx-rgb-ircut")

@@ -9,25 +9,24 @@ import pytest
 from click.testing import CliRunner
 
 import chromanoise as cn
-from chromanoise import charts, sensor_named
-from chromanoise.analysis import PRIORS, QUANTITIES, SWEEPS
-from chromanoise.analysis.color_matrices import METHODS, matrix_makers
-from chromanoise.catalog.resolve import catalog_word
+from chromanoise import charts
+from chromanoise.apps.design import OBJECTIVES, SearchOptions
+from chromanoise.apps.design.algorithms import METHODS as SEARCHES
+from chromanoise.apps.design.design_document import DesignPart
+from chromanoise.apps.design.space import MODELS, Filter
+from chromanoise.base.errors import InputError, known_name
 from chromanoise.cli.entry import COMMANDS, commands
 from chromanoise.color import SPACES
-from chromanoise.denoising import DENOISING, denoising_named
-from chromanoise.design import OBJECTIVES, SearchOptions
-from chromanoise.design.algorithms import METHODS as SEARCHES
-from chromanoise.design.document import DesignPart
-from chromanoise.design.space import MODELS, Filter
-from chromanoise.errors import InputError, known_name
 from chromanoise.imaging import DEMOSAICING
-from chromanoise.scene import BUILTIN_CUBES
+from chromanoise.imaging.denoising import DENOISING, denoising_named
 from chromanoise.sensor import MOSAIC_NAMES, mosaic_named
-from chromanoise.spectra import DEFAULT_GRID, OBSERVERS
-from chromanoise.study import study_from_data, study_of
+from chromanoise.spectra import BUILTIN_CUBES, DEFAULT_GRID, OBSERVERS
+from chromanoise.study import PRIORS, QUANTITIES, SWEEPS, study_from_data, study_of
+from chromanoise.study.catalog import sensor_named
+from chromanoise.study.color_matrices import METHODS, matrix_makers
 from chromanoise.study.hashes import study_hash
 from chromanoise.study.reading import study_from_text
+from chromanoise.study.resolve import catalog_word
 from outcomes import refused_input
 
 SENSOR = "onyx-rgbw"

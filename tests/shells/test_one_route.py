@@ -14,12 +14,11 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 import chromanoise as cn
+from chromanoise.base.errors import InputError, errors_in
 from chromanoise.cli.entry import commands
-from chromanoise.errors import InputError, errors_in
-from chromanoise.page.answers import ChartReplies
-from chromanoise.page.requests import QuestionError
-from chromanoise.page.studies import Studies
-from chromanoise.page.uploads import Uploads
+from chromanoise.web.answers import ChartReplies
+from chromanoise.web.page_studies import Studies
+from chromanoise.web.requests import QuestionError, Uploads
 
 SENSORS = ["onyx-rgbw", "onyx-rgb-ircut", "onyx-rgb", "model-mono", "model-rgbir", "cam.csv"]
 FLAGS = {

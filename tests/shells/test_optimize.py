@@ -8,8 +8,8 @@ import sys
 import pytest
 
 import chromanoise as cn
-from chromanoise._files import OWN_FILES
-from chromanoise.design import DESIGN_STARTER
+from chromanoise.apps.design import DESIGN_STARTER
+from chromanoise.base.files import OWN_FILES
 from outcomes import refused
 
 SHORT = DESIGN_STARTER.replace("population = 200", "population = 16")

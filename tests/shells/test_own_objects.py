@@ -10,26 +10,24 @@ import numpy as np
 import pytest
 
 import chromanoise as cn
-from chromanoise.analysis import matrix_makers
-from chromanoise.catalog import sensor_named
-from chromanoise.catalog.objects import object_word
-from chromanoise.design import DESIGN_STARTER, DesignStudy, task_of
-from chromanoise.errors import errors_in
-from chromanoise.page.answers import ChartReplies
-from chromanoise.page.requests import QuestionError
-from chromanoise.page.studies import Studies
-from chromanoise.page.uploads import Uploads
-from chromanoise.scene import builtin_cube
+from chromanoise.apps.design import DESIGN_STARTER, DesignStudy, task_of
+from chromanoise.base.errors import errors_in
 from chromanoise.sensor import PAPER_PIXEL
-from chromanoise.spectra import DEFAULT_GRID, Grid, OwnObserver, observer_table
+from chromanoise.spectra import DEFAULT_GRID, Grid, OwnObserver, builtin_cube, observer_table
 from chromanoise.study import (
     Given,
+    matrix_makers,
+    sensor_named,
     study_as_command,
     study_as_python,
     study_as_toml,
     study_from_data,
     study_hash,
 )
+from chromanoise.study.resolve import object_word
+from chromanoise.web.answers import ChartReplies
+from chromanoise.web.page_studies import Studies
+from chromanoise.web.requests import QuestionError, Uploads
 from outcomes import refused, refused_input
 
 pd = pytest.importorskip("pandas")

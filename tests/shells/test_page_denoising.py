@@ -5,10 +5,10 @@ import json
 import numpy as np
 import pytest
 
-from chromanoise.denoising import DENOISING, DenoisingMethod
-from chromanoise.page.choices import choices
-from chromanoise.page.services import STUDY, Services
-from chromanoise.page.uploads import Kept
+from chromanoise.imaging.denoising import DENOISING, DenoisingMethod
+from chromanoise.web.controls import choices
+from chromanoise.web.requests import Kept
+from chromanoise.web.worker import STUDY, Services
 from shells.browser import FIXTURES, comes, held, let_go, study_of, until
 
 address, browser, watch, window, page = FIXTURES

@@ -11,12 +11,11 @@ import pytest
 
 from chromanoise.charts import Look, chart_csv, drawing, shown
 from chromanoise.cli.entry import run as run_command
-from chromanoise.page.answers import report_reply
-from chromanoise.page.requests import QuestionError
-from chromanoise.page.services import STUDY
-from chromanoise.page.studies import Studies
-from chromanoise.page.uploads import Kept, Upload, Uploads
 from chromanoise.study import study_from_data
+from chromanoise.web.answers import report_reply
+from chromanoise.web.page_studies import Studies
+from chromanoise.web.requests import Kept, QuestionError, Upload, Uploads
+from chromanoise.web.worker import STUDY
 from shells.browser import FIXTURES, at_rest, until
 from shells.test_page_looks import RULES, axe, faults_of_access
 from shells.test_serve import FILE, SENSOR, sentence_of

@@ -4,10 +4,10 @@ import re
 
 import pytest
 
-from chromanoise.page.fields import ELSEWHERE, SECTION_HINTS, described_fields, study_defaults
-from chromanoise.page.files import asset
 from chromanoise.study import study_as_json, study_from_data
 from chromanoise.study.document import PixelPart, SensorPart, Study
+from chromanoise.web.controls import ELSEWHERE, SECTION_HINTS, described_fields, study_defaults
+from chromanoise.web.requests import asset
 from shells.browser import FIXTURES, answer_to, at_rest, open_drawers, state_of, study_of
 
 address, browser, watch, window, page = FIXTURES
@@ -76,7 +76,7 @@ def test_a_description_has_unit_range_and_default_of_the_study():
 
 
 def test_a_field_without_a_line_of_its_own_is_described_by_its_schema(monkeypatch):
-    monkeypatch.setattr("chromanoise.page.fields._refined", lambda key: {})
+    monkeypatch.setattr("chromanoise.web.controls._refined", lambda key: {})
     plain = {one["key"]: one for one in described_fields()}
     assert plain.keys() == FIELDS.keys()
     prnu = plain["sensors.pixel.prnu"]

@@ -3,7 +3,7 @@
 import pytest
 
 from chromanoise.charts import drawing, shown
-from chromanoise.charts.sections import SECTIONS
+from chromanoise.charts.by_name import SECTIONS
 from chromanoise.study import study_from_data
 from shells.browser import FIXTURES, answer_to, at_rest, until
 from shells.test_page_looks import axe, faults_of_access

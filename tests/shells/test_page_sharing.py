@@ -10,16 +10,7 @@ import sys
 import numpy as np
 
 from served_page import served, stopped
-from shells.browser import (
-    FIXTURES,
-    answer_to,
-    at_rest,
-    packed,
-    shown,
-    state_of,
-    study_of,
-    until,
-)
+from shells.browser import FIXTURES, answer_to, at_rest, packed, shown, state_of, study_of, until
 
 address, browser, watch, window, page = FIXTURES
 

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 import chromanoise as cn
-from chromanoise.analysis.analysis import color_snr_db, contravariant_snr_db, raw_snr_db
+from chromanoise.apps.paper.reproduction import nir_share
 from chromanoise.charts import shown
-from chromanoise.page.choices import choices
-from chromanoise.page.services import STUDY
-from chromanoise.page.story import ALIKE_FROM_NM, story
-from chromanoise.paper.findings import nir_share
 from chromanoise.study import study_from_data
+from chromanoise.study.analysis import color_snr_db, contravariant_snr_db, raw_snr_db
+from chromanoise.web.controls import choices
+from chromanoise.web.story import ALIKE_FROM_NM, story
+from chromanoise.web.worker import STUDY
 from shells.browser import FIXTURES, answer_to, state_of, study_of, until
 
 address, browser, watch, window, page = FIXTURES

@@ -24,16 +24,15 @@ import tifffile
 
 from attack_page import _tree, attacked, memory_bytes
 from attack_questions import FILES, damaged
-from chromanoise import _sandbox
-from chromanoise.catalog import sensor_named
-from chromanoise.errors import InputError
+from chromanoise.base import sandbox as _sandbox
+from chromanoise.base.errors import InputError
 from chromanoise.io.matlab import mat_array
-from chromanoise.io.sensor_json import sensor_json
-from chromanoise.page import processes, requests, work, worker
-from chromanoise.page.requests import Bodies, QuestionError
-from chromanoise.page.services import Services
-from chromanoise.page.uploads import Kept, Uploads
-from chromanoise.page.work import Workers
+from chromanoise.io.sensor_files import sensor_json
+from chromanoise.study import sensor_named
+from chromanoise.web import requests, work, work as processes, worker
+from chromanoise.web.requests import Bodies, Kept, QuestionError, Uploads
+from chromanoise.web.work import Workers
+from chromanoise.web.worker import Services
 from served_page import served
 
 LANE = work.LANES["questions"]

@@ -6,8 +6,8 @@ import json
 import pytest
 
 import chromanoise as cn
-from chromanoise.analysis import PipelineSettings, pipeline_as_json, pipeline_noise
 from chromanoise.spectra import DEFAULT_GRID, black_body
+from chromanoise.study import PipelineSettings, pipeline_as_json, pipeline_noise
 from outcomes import refused, refused_input
 
 OPTIONS = (

@@ -10,15 +10,13 @@ import tifffile
 from PIL import Image
 
 import chromanoise as cn
-from chromanoise.catalog import sensor_with_pixel
-from chromanoise.errors import errors_in
-from chromanoise.io.sensor_json import sensor_from_json, sensor_json
-from chromanoise.page.pictures import PictureReplies
-from chromanoise.page.requests import QuestionError
-from chromanoise.page.studies import Studies, files_of, served_data
-from chromanoise.page.uploads import Uploads
+from chromanoise.base.errors import errors_in
+from chromanoise.io.sensor_files import sensor_from_json, sensor_json
 from chromanoise.sensor import EXTRA_NOISE, Converter
-from chromanoise.study import read_study, study_from_data
+from chromanoise.study import read_study, sensor_with_pixel, study_from_data
+from chromanoise.web.page_studies import Studies, files_of, served_data
+from chromanoise.web.previews import PictureReplies
+from chromanoise.web.requests import QuestionError, Uploads
 from outcomes import refused
 
 SHEET = """\

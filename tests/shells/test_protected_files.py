@@ -15,9 +15,9 @@ import numpy as np
 import pytest
 
 import chromanoise as cn
-from chromanoise._files import OWN_FILES
+from chromanoise.apps.design import DESIGN_STARTER
+from chromanoise.base.files import OWN_FILES
 from chromanoise.cli import entry
-from chromanoise.design import DESIGN_STARTER
 from outcomes import refused_input
 from processes import command, wait_for
 

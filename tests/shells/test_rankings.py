@@ -1,7 +1,7 @@
 """The ranking of many sensors on the terminal."""
 
 import chromanoise as cn
-from chromanoise.analysis.comparison.ranking import lead_sentences
+from chromanoise.study.ranking import lead_sentences
 
 FIVE = ("onyx-rgbw", "onyx-rgb-ircut", "onyx-rgb", "onyx-rgbw-ircut", "model-rgb-ircut")
 

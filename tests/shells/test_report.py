@@ -12,19 +12,23 @@ from pathlib import Path
 import pytest
 from hypothesis import given, strategies as st
 
-from chromanoise.analysis import color_snr_db
-from chromanoise.charts import PARTS, drawing, shown
-from chromanoise.charts.explanations import EXPLANATIONS
-from chromanoise.charts.mathematics import mathml
-from chromanoise.charts.sections import SECTIONS
+from chromanoise.charts import PARTS, drawing, shown, study_figures
+from chromanoise.charts.by_name import SECTIONS
+from chromanoise.charts.explanations import EXPLANATIONS, mathml
+from chromanoise.charts.figure_style import figure_bytes
 from chromanoise.cli.entry import run as run_command
-from chromanoise.figures import study_figures
-from chromanoise.figures.writing import figure_bytes
-from chromanoise.io.table import written
-from chromanoise.report import sights_of, study_report
-from chromanoise.report.bundle import shortened
-from chromanoise.report.study_report import at_value, slides_of
-from chromanoise.study import Study, run as run_study, study_from_data, study_from_text, study_hash
+from chromanoise.io.result_tables import written
+from chromanoise.study import (
+    Study,
+    color_snr_db,
+    run as run_study,
+    study_from_data,
+    study_from_text,
+    study_hash,
+)
+from chromanoise.web import sights_of, study_report
+from chromanoise.web.report_bundle import shortened
+from chromanoise.web.report_of_study import at_value, slides_of
 from shells.browser import FIXTURES
 
 TITLE = 'Is "1 < 2" & 3 > 2? </script><script>alert(1)</script><!--'

@@ -15,10 +15,10 @@ import pytest
 import tifffile
 
 import chromanoise
-from chromanoise._files import OWN_FILES
-from chromanoise.errors import InputError
+from chromanoise.base.errors import InputError
+from chromanoise.base.files import OWN_FILES
+from chromanoise.base.inputs import content_hash
 from chromanoise.study import agreement_of, agreement_text, read_study, run_study
-from chromanoise.study.records import content_hash
 from outcomes import refused, refused_input
 
 STUDY = """\
@@ -291,7 +291,7 @@ def test_only_another_place_or_machine_in_the_record_is_no_difference_of_results
 
 def record_of(folder, **variables):
     source = Path(chromanoise.__file__).parents[1]
-    script = "from chromanoise.study.numeric_libraries import numerics; print(repr(numerics()))"
+    script = "from chromanoise.study.hashes import numerics; print(repr(numerics()))"
     done = subprocess.run(
         [sys.executable, "-c", script], cwd=folder, capture_output=True, text=True, check=True,
         env={**os.environ, "PYTHONPATH": str(source), **variables}, timeout=60,

@@ -17,11 +17,9 @@ import pytest
 
 from chromanoise.charts import PARTS, drawing, shown
 from chromanoise.charts.explanations import EXPLANATIONS
-from chromanoise.page.files import asset
-from chromanoise.page.middleware import JSON_BYTES, UPLOAD_BYTES
-from chromanoise.page.server import listening_socket, page_server
-from chromanoise.page.uploads import MOST_FILES, Uploads
 from chromanoise.study import study_from_data, study_from_text
+from chromanoise.web.requests import JSON_BYTES, MOST_FILES, UPLOAD_BYTES, Uploads, asset
+from chromanoise.web.server import listening_socket, page_server
 from outcomes import refused
 from processes import IGNORING, command
 
@@ -549,7 +547,7 @@ def test_a_study_that_cannot_be_read_is_told_before_anything_is_served(run, tmp_
 
 
 def test_importing_the_page_imports_nothing_heavy():
-    script = "import sys, chromanoise.page\nprint('\\n'.join(sys.modules))"
+    script = "import sys, chromanoise.web\nprint('\\n'.join(sys.modules))"
     done = subprocess.run(
         [sys.executable, "-c", script], capture_output=True, text=True, check=True
     )
@@ -558,7 +556,7 @@ def test_importing_the_page_imports_nothing_heavy():
 
 
 def test_the_server_is_ready_before_what_computes_is_imported():
-    script = "import sys, chromanoise.page.server\nprint('\\n'.join(sys.modules))"
+    script = "import sys, chromanoise.web.server\nprint('\\n'.join(sys.modules))"
     done = subprocess.run(
         [sys.executable, "-c", script], capture_output=True, text=True, check=True
     )

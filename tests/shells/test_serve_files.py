@@ -9,16 +9,15 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from chromanoise.errors import InputError
-from chromanoise.page import answers as answering
-from chromanoise.page.answers import ChartReplies
-from chromanoise.page.pictures import PictureReplies
-from chromanoise.page.requests import QuestionError
-from chromanoise.page.services import Services
-from chromanoise.page.studies import MOST_SENSORS, Studies, files_of, served_data
-from chromanoise.page.uploads import Uploads
+from chromanoise.base.errors import InputError
 from chromanoise.study import read_study, run_study, study_from_data, study_from_text, study_hash
 from chromanoise.study.hashes import file_words, with_file_words
+from chromanoise.web import answers as answering
+from chromanoise.web.answers import ChartReplies
+from chromanoise.web.page_studies import MOST_SENSORS, Studies, files_of, served_data
+from chromanoise.web.previews import PictureReplies
+from chromanoise.web.requests import QuestionError, Uploads
+from chromanoise.web.worker import Services
 from outcomes import refused, refused_input
 
 NM = range(400, 1051, 10)
@@ -412,7 +411,7 @@ def test_the_digest_of_a_cube_is_taken_once_while_it_stays_the_same(uploads, tmp
     path.write_text('[[sensors]]\nname = "onyx-rgb"\n[[pictures]]\ncube = "wall.npz"\n')
     result, answers, _ = serving(uploads, path)
     first = asked(answers, result, "head")["hash"]
-    from chromanoise.page import studies
+    from chromanoise.web import page_studies as studies
 
     monkeypatch.setattr(studies, "digests_of", None)
     assert asked(answers, result, "head")["hash"] == first

@@ -12,15 +12,13 @@ import pytest
 import tifffile
 from PIL import Image
 
-from chromanoise._files import OWN_FILES
-from chromanoise.catalog import sensor_named
-from chromanoise.errors import InputError
-from chromanoise.exposure import OperatingPoint, saturating_exposure
+from chromanoise.base.errors import InputError
+from chromanoise.base.files import OWN_FILES
 from chromanoise.imaging import DEMOSAICING, acquired, developed, rendered
 from chromanoise.imaging.capture import write_capture
 from chromanoise.io.cubes import read_cube
-from chromanoise.io.sensor_json import sensor_json
-from chromanoise.scene import flat_field
+from chromanoise.io.sensor_files import sensor_json
+from chromanoise.noise import OperatingPoint, saturating_exposure
 from chromanoise.sensor import (
     EXTRA_NOISE,
     Mosaic,
@@ -30,7 +28,8 @@ from chromanoise.sensor import (
     rgbw_sparse_4x4,
     with_pixel,
 )
-from chromanoise.spectra import DEFAULT_GRID, equal_energy
+from chromanoise.spectra import DEFAULT_GRID, equal_energy, flat_field
+from chromanoise.study import sensor_named
 from outcomes import refused
 from processes import IGNORING, command, wait_for
 
@@ -640,7 +639,7 @@ def test_a_stem_that_leads_elsewhere_is_refused_before_anything_is_written(
         shots.append(taken)
         return [], []
 
-    monkeypatch.setattr("chromanoise.study.pictures.write_capture", kept)
+    monkeypatch.setattr("chromanoise.study.running.write_capture", kept)
     out = tmp_path / "out"
     assert run("simulate", "builtin:checker", "--sensor", "model-rgb", "-o", out)[0] == 0
     (taken,) = shots

@@ -196,7 +196,7 @@ site = loaded(ROOT / "docs/_ext/public_names.py")
 
 
 def test_every_package_with_public_names_is_in_the_reference():
-    shells = {"chromanoise.cli", "chromanoise.page"}
+    shells = {"chromanoise.cli", "chromanoise.web"}
     found = {
         module.name
         for module in pkgutil.walk_packages(cn.__path__, "chromanoise.")

@@ -5,8 +5,8 @@ import re
 
 import pytest
 
-from chromanoise.catalog.pixel_files import read_pixel_source
 from chromanoise.io.spectra import read_curves
+from chromanoise.study.pixel_files import read_pixel_source
 from outcomes import refused
 
 CAMERA = "wavelength_nm,R\n400,0.1\n1050,{end}\n"

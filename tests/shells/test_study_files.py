@@ -4,12 +4,16 @@ import json
 
 import pytest
 
-from chromanoise._files import OWN_FILES
-from chromanoise.analysis import analyses_as_json, analyzed, budgets_as_json, matrix_makers
-from chromanoise.catalog import sensor_named
-from chromanoise.exposure import OperatingPoint, saturating_exposure
-from chromanoise.scene import flat_field
-from chromanoise.spectra import DEFAULT_GRID, equal_energy
+from chromanoise.base.files import OWN_FILES
+from chromanoise.noise import OperatingPoint, saturating_exposure
+from chromanoise.spectra import DEFAULT_GRID, equal_energy, flat_field
+from chromanoise.study import (
+    analyses_as_json,
+    analyzed,
+    budgets_as_json,
+    matrix_makers,
+    sensor_named,
+)
 from outcomes import refused
 
 FEW = ("--set", "sweeps.0.points=3")

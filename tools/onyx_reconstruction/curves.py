@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Float
 from scipy.interpolate import BSpline
 
-from chromanoise._check import Array
+from chromanoise.base.check import Array
 from chromanoise.spectra import DEFAULT_GRID
 
 GRID = DEFAULT_GRID

@@ -6,10 +6,10 @@ import numpy as np
 from jaxtyping import Float
 from scipy.optimize import least_squares
 
-from chromanoise._check import Array
-from chromanoise.paper import study as paper
-from chromanoise.rng import stream
-from chromanoise.units import from_decibel
+from chromanoise.apps.paper import printed_numbers as paper
+from chromanoise.base.check import Array
+from chromanoise.base.rng import stream
+from chromanoise.base.units import from_decibel
 from onyx_reconstruction.curves import (
     FILTER_COUNT,
     SPLINE_COUNT,

@@ -10,16 +10,20 @@ from functools import cache
 import numpy as np
 from jaxtyping import Float
 
-from chromanoise._check import Array
+from chromanoise.apps.paper import printed_numbers as paper
+from chromanoise.base.check import Array
 from chromanoise.color import colored, kernel_matrix
-from chromanoise.exposure import Exposure, expected_electrons, saturating_exposure
 from chromanoise.geometry import DualBasis, angles_to_axes_deg, contravariant
 from chromanoise.metrics import snr_db
-from chromanoise.noise import Measurement, with_noise
-from chromanoise.paper import study as paper
-from chromanoise.scene import Scene, flat_field
+from chromanoise.noise import (
+    Exposure,
+    Measurement,
+    expected_electrons,
+    saturating_exposure,
+    with_noise,
+)
 from chromanoise.sensor import PAPER_PIXEL, Sensor, behind_filter, with_channels
-from chromanoise.spectra import Metric, color_axes, equal_energy
+from chromanoise.spectra import Metric, Scene, color_axes, equal_energy, flat_field
 from onyx_reconstruction.curves import GRID, RGB, Curves, ir_cut, rgbw_qe
 
 METRIC: Metric = "quanta"

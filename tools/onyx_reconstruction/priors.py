@@ -12,7 +12,7 @@ import numpy as np
 from jaxtyping import Float
 from scipy.interpolate import PchipInterpolator
 
-from chromanoise._check import Array
+from chromanoise.base.check import Array
 from onyx_reconstruction.curves import GRID, RGB, WAVELENGTH_NM, Curves, logit, rgbw_qe
 
 # fmt: off

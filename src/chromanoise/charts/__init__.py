@@ -3,24 +3,87 @@
 One module per chart; undefined values are ``None``, with the reason in ``why_not``.
 """
 
-from chromanoise.charts.budget import cause_label
-from chromanoise.charts.by_name import DRAWINGS, PARTS, drawing
-from chromanoise.charts.charted_study import Look, Shown, shown, shown_at
-from chromanoise.charts.machine import machine_tables
-from chromanoise.charts.numbers import chart_csv, chart_rows
-from chromanoise.charts.verdicts import verdict_sentences
+from typing import TYPE_CHECKING
 
-__all__ = [
-    "DRAWINGS",
-    "PARTS",
-    "Look",
-    "Shown",
-    "cause_label",
-    "chart_csv",
-    "chart_rows",
-    "drawing",
-    "machine_tables",
-    "shown",
-    "shown_at",
-    "verdict_sentences",
-]
+from chromanoise.base.lazy import lazy_names
+
+if TYPE_CHECKING:
+    from chromanoise.charts.budget import cause_label as cause_label
+    from chromanoise.charts.by_name import (
+        DRAWINGS as DRAWINGS,
+        PARTS as PARTS,
+        SECTIONS,
+        Section,
+        drawing as drawing,
+    )
+    from chromanoise.charts.charted_study import (
+        Look as Look,
+        Shown as Shown,
+        shown as shown,
+        shown_at as shown_at,
+    )
+    from chromanoise.charts.explanations import (
+        EXPLANATIONS,
+        coordinate_mathml,
+        explanation_as_json,
+        mathml,
+    )
+    from chromanoise.charts.figure_style import (
+        FAINT,
+        INK,
+        QUIET,
+        as_index,
+        channel_color as channel_color,
+        chromanoise_style as chromanoise_style,
+        figure_bytes,
+        framed_figure,
+        paled,
+        sensor_label,
+        sensor_lines as sensor_lines,
+        shade_nir,
+        write_beside,
+        write_figures as write_figures,
+        write_heading,
+    )
+    from chromanoise.charts.figures_of_study import (
+        draw_color_errors as draw_color_errors,
+        draw_comparison as draw_comparison,
+        draw_maps as draw_maps,
+        draw_sensitivities as draw_sensitivities,
+        map_figures as map_figures,
+        study_figures as study_figures,
+    )
+    from chromanoise.charts.numbers import (
+        NONE,
+        brief,
+        chart_csv as chart_csv,
+        chart_rows as chart_rows,
+        decimal,
+        electrons,
+        listed,
+        table,
+    )
+    from chromanoise.charts.result_figures import (
+        draw_analyses as draw_analyses,
+        draw_budget as draw_budget,
+        draw_capture as draw_capture,
+        draw_ellipses as draw_ellipses,
+        draw_flow as draw_flow,
+        draw_matrices as draw_matrices,
+        draw_panels as draw_panels,
+        draw_pareto as draw_pareto,
+        draw_picture as draw_picture,
+    )
+    from chromanoise.charts.result_tables import (
+        channels_table,
+        color_table,
+        outcome_tables,
+        pareto_table,
+    )
+    from chromanoise.charts.verdicts import (
+        machine_tables as machine_tables,
+        sensor_values,
+        verdict_sentences as verdict_sentences,
+    )
+
+__getattr__, __dir__, __all__ = lazy_names(__name__)

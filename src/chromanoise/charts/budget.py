@@ -2,15 +2,13 @@
 
 from typing import Any
 
-from chromanoise import _check
-from chromanoise.analysis.analysis import Analysis, color_snr_db, metric_of
-from chromanoise.analysis.budgets import coordinate_budget
+from chromanoise.base import check
 from chromanoise.charts.charted_study import Look, Shown, saturation_sentence
-from chromanoise.charts.text import NONE, decimal, signed, table
+from chromanoise.charts.numbers import NONE, decimal, signed, table
 from chromanoise.color import LAB
-from chromanoise.exposure import conditions, expected_electrons
-from chromanoise.metrics import Budget
-from chromanoise.metrics.budget import REST, WEIGHTS, without_infrared
+from chromanoise.metrics import REST, WEIGHTS, Budget, without_infrared
+from chromanoise.noise import conditions, expected_electrons
+from chromanoise.study import Analysis, color_snr_db, coordinate_budget, metric_of
 
 
 def drawn_budget(shown: Shown, look: Look) -> dict[str, Any]:
@@ -30,7 +28,7 @@ def drawn_budget(shown: Shown, look: Look) -> dict[str, Any]:
             *(f"M^{channel}" for channel in analysis.sensor.names),
         )
     )
-    _check.one_of("coordinate", look.coordinate, tuple(known))
+    check.one_of("coordinate", look.coordinate, tuple(known))
     sensors = [_sensor(analysis, look.coordinate) for analysis in shown.analyses]
     return {
         "title": (

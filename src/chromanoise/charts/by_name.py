@@ -1,20 +1,123 @@
-"""Every chart of a study, by name."""
+"""Charts of a study as sections of page and report: order, headings and captions.
+
+Every chart of a study, by name.
+"""
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import Any
 
-from chromanoise import _check
+from chromanoise.base import check
 from chromanoise.charts.budget import drawn_budget
 from chromanoise.charts.charted_study import Look, Shown
 from chromanoise.charts.color_checker import drawn_chart
-from chromanoise.charts.electrons import drawn_head
 from chromanoise.charts.ellipses import drawn_ellipses
+from chromanoise.charts.levels import drawn_levels
 from chromanoise.charts.maps import drawn_map
-from chromanoise.charts.pareto import drawn_pareto
+from chromanoise.charts.pareto_curves import drawn_pareto
 from chromanoise.charts.sensitivities import drawn_sensitivities
-from chromanoise.charts.snr_over_light import drawn_levels
 from chromanoise.charts.stages import drawn_stages
 from chromanoise.charts.vectors import drawn_vectors
+from chromanoise.charts.verdicts import drawn_head
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Section:
+    """One chart as a section of the page and of the report.
+
+    Attributes
+    ----------
+    part
+        A name from `chromanoise.charts.DRAWINGS`, or ``picture``.
+    heading
+        Its heading.
+    shows
+        What it shows, in one sentence.
+    explanations
+        Keys of `chromanoise.charts.explanations.EXPLANATIONS`, for its ``?``.
+    """
+
+    part: str
+    heading: str
+    shows: str
+    explanations: tuple[str, ...]
+
+
+SECTIONS: tuple[Section, ...] = (
+    Section(
+        part="picture",
+        heading="The picture",
+        shows="The same scene, light and time through each sensor.",
+        explanations=("picture", "color"),
+    ),
+    Section(
+        part="head",
+        heading="Sensors",
+        shows="The rank follows the SNR of Y; the electrons are those of a perfect white.",
+        explanations=("electrons", "color", "price"),
+    ),
+    Section(
+        part="budget",
+        heading="SNR budget",
+        shows="From every photon that hits the pixels down to one color coordinate: what each "
+        "cause costs.",
+        explanations=("budget", "bound", "price"),
+    ),
+    Section(
+        part="vectors",
+        heading="Channels as vectors",
+        shows="The smaller the angle between two channels, the noisier their unmixing, and the "
+        "larger the ellipsoid of uncertainty around the light.",
+        explanations=("vectors",),
+    ),
+    Section(
+        part="stages",
+        heading="SNR from raw to color",
+        shows="The SNR of the same light at each stage: channels as read, unmixed, and as color.",
+        explanations=("raw", "contravariant", "spectral", "color", "lab", "bound", "price"),
+    ),
+    Section(
+        part="levels",
+        heading="Over the light level",
+        shows="With the same exposure time; circles mark where two sensors are equally good.",
+        explanations=("levels", "color"),
+    ),
+    Section(
+        part="map",
+        heading="Two parameters",
+        shows="One quantity for every combination of two parameters.",
+        explanations=("map", "color"),
+    ),
+    Section(
+        part="ellipses",
+        heading="Noise ellipses of the chart",
+        shows="For every patch of the chart: the cross is its true color, the ellipse shows how "
+        "far noise moves it.",
+        explanations=("ellipses",),
+    ),
+    Section(
+        part="chart",
+        heading="Color error and noise",
+        shows="For every patch: how far its mean color is off, and how far noise moves it.",
+        explanations=("chart",),
+    ),
+    Section(
+        part="pareto",
+        heading="Training error against SNR",
+        shows="What other matrices achieve: each point is a matrix with another weight of the "
+        "noise. The training error is the color error averaged over the prior, not over the "
+        "chart.",
+        explanations=("pareto",),
+    ),
+    Section(
+        part="sensitivities",
+        heading="Sensitivities",
+        shows="The quantum efficiency of each channel, and the light; the near infrared is shaded.",
+        explanations=("electrons",),
+    ),
+)
+"""In the order of the page and of the report."""
+
 
 PARTS: Mapping[str, Callable[[Shown, Look], dict[str, Any]]] = {
     "head": drawn_head,
@@ -49,4 +152,4 @@ def drawing(part: str, of: Shown, look: Look | None = None) -> dict[str, Any]:
     InputError
         If there is no such chart, or an option does not fit the study.
     """
-    return DRAWINGS[_check.one_of("part", part, tuple(DRAWINGS))](of, look or Look())
+    return DRAWINGS[check.one_of("part", part, tuple(DRAWINGS))](of, look or Look())

@@ -3,13 +3,17 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from chromanoise import _check
-from chromanoise.analysis.analysis import Analysis
-from chromanoise.analysis.color_matrices import MatrixMaker
-from chromanoise.exposure import OperatingPoint
-from chromanoise.study.analyses import analysis_of
-from chromanoise.study.assembly import makers_of, operating_points_of, with_distinct_names
-from chromanoise.study.document import Study
+from chromanoise.base import check
+from chromanoise.noise import OperatingPoint
+from chromanoise.study import (
+    Analysis,
+    MatrixMaker,
+    Study,
+    analysis_of,
+    makers_of,
+    operating_points_of,
+    with_distinct_names,
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -34,7 +38,7 @@ class Shown:
     analyses: tuple[Analysis, ...]
 
     def __post_init__(self) -> None:
-        _check.same_length(
+        check.same_length(
             "sensors", operating_points=len(self.operating_points), analyses=len(self.analyses)
         )
 
@@ -58,9 +62,9 @@ class Look:
     magnification: float | None = None
 
     def __post_init__(self) -> None:
-        _check.one_of("plane of ellipses", self.plane, ("ab", "xy"))
+        check.one_of("plane of ellipses", self.plane, ("ab", "xy"))
         if self.magnification is not None:
-            _check.positive("magnification of ellipsoids", "1", self.magnification)
+            check.positive("magnification of ellipsoids", "1", self.magnification)
 
 
 def shown(study: Study, *, operating_points: Sequence[OperatingPoint] | None = None) -> Shown:

@@ -3,13 +3,12 @@
 from functools import partial
 from typing import Any
 
-from chromanoise.analysis.analysis import Analysis
 from chromanoise.charts.charted_study import Look, Shown
-from chromanoise.charts.numbers import text_table
-from chromanoise.charts.patches import Patches, hex_colors, patches_of, why_no_patches
-from chromanoise.charts.text import decimal
-from chromanoise.exposure import conditions
+from chromanoise.charts.ellipses import Patches, hex_colors, patches_of, why_no_patches
+from chromanoise.charts.numbers import decimal, text_table
+from chromanoise.noise import conditions
 from chromanoise.spectra import chart_title
+from chromanoise.study import Analysis
 
 
 def drawn_chart(shown: Shown, look: Look) -> dict[str, Any]:

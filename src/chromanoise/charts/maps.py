@@ -6,18 +6,20 @@ from typing import Any
 
 import numpy as np
 
-from chromanoise._check import Array
-from chromanoise._palette import DIFFERENCES, SENSORS, VALUES, color_between
-from chromanoise._shapes import Float
-from chromanoise.analysis.comparison.maps import CrossoverLine, QuantityMap, best_of
-from chromanoise.analysis.comparison.sweeps import Sweep
-from chromanoise.analysis.undefined import defined
+from chromanoise.base import DIFFERENCES, SENSORS, VALUES, Array, Float, color_between
 from chromanoise.charts.charted_study import Look, Shown, unclipped_remark
-from chromanoise.charts.text import UNDEFINED, brief, decimal, percent, table
-from chromanoise.exposure import conditions
-from chromanoise.study.document import Study
-from chromanoise.study.results import ComparisonMap
-from chromanoise.study.running import sweep_map
+from chromanoise.charts.numbers import UNDEFINED, brief, decimal, percent, table
+from chromanoise.noise import conditions
+from chromanoise.study import (
+    ComparisonMap,
+    CrossoverLine,
+    QuantityMap,
+    Study,
+    Sweep,
+    best_of,
+    defined,
+    sweep_map,
+)
 
 MOST_VALUES = (25, 17)
 """Largest number of values of the first and of the second parameter in `drawn_map`."""

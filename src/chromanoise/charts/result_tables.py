@@ -7,26 +7,32 @@ from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
-from chromanoise._check import Array
-from chromanoise.analysis.analysis import Analysis, contravariant_snr_db, metric_of, raw_snr_db
-from chromanoise.analysis.budgets import (
-    color_budgets,
-    contravariant_budgets,
-    lab_budgets,
-    missing_lab_budgets,
-)
-from chromanoise.analysis.chart_patches import ChartNoise
-from chromanoise.analysis.color_space_noise import GRAY, GrayNoise
-from chromanoise.analysis.figures_of_merit.merits import Merits
-from chromanoise.analysis.pareto import white_snr_db
-from chromanoise.analysis.pipeline_results import GainStep, PipelineNoise, PipelineStep
+from chromanoise.base import Array
 from chromanoise.charts.budget import cause_label
 from chromanoise.color import ParetoCurve
-from chromanoise.exposure import OperatingPoint, conditions
-from chromanoise.io.table import Column, Entry, Table, number_text
+from chromanoise.io import Column, Entry, Table, number_text
 from chromanoise.metrics import Budget, MatrixReport
+from chromanoise.noise import OperatingPoint, conditions
 from chromanoise.spectra import DEFAULT_OBSERVER, chart_title
-from chromanoise.study.results import Analyses
+from chromanoise.study import (
+    GRAY,
+    Analyses,
+    Analysis,
+    ChartNoise,
+    GainStep,
+    GrayNoise,
+    Merits,
+    PipelineNoise,
+    PipelineStep,
+    color_budgets,
+    contravariant_budgets,
+    contravariant_snr_db,
+    lab_budgets,
+    metric_of,
+    missing_lab_budgets,
+    raw_snr_db,
+    white_snr_db,
+)
 
 _NAMED_WEIGHTS = {0.0: "least squares", 1.0: "LMMSE"}
 _CODES = 255

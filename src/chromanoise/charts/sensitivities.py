@@ -3,7 +3,7 @@
 from typing import Any
 
 from chromanoise.charts.charted_study import Look, Shown
-from chromanoise.charts.text import decimal, listed, table
+from chromanoise.charts.numbers import decimal, listed, table
 from chromanoise.spectra import INFRARED_FROM_NM
 
 

@@ -2,21 +2,22 @@
 
 from typing import Any
 
-from chromanoise.analysis.analysis import (
+from chromanoise.charts.charted_study import Look, Shown, saturation_sentence
+from chromanoise.charts.ellipses import quick_cubature
+from chromanoise.charts.numbers import NONE, UNDEFINED, brief, decimal, table
+from chromanoise.color import LAB, propagate
+from chromanoise.noise import conditions
+from chromanoise.study import (
+    GRAY,
     Analysis,
     color_snr_db,
     contravariant_snr_db,
     metric_of,
+    noisy_color_at,
     of_white,
     raw_snr_db,
+    stages_at,
 )
-from chromanoise.analysis.color_space_noise import GRAY
-from chromanoise.analysis.operating_point import noisy_color_at, stages_at
-from chromanoise.charts.charted_study import Look, Shown, saturation_sentence
-from chromanoise.charts.patches import quick_cubature
-from chromanoise.charts.text import NONE, UNDEFINED, brief, decimal, table
-from chromanoise.color import LAB, propagate
-from chromanoise.exposure import conditions
 
 _KINDS = (  # key, title, unit, what it is of
     ("raw", "raw SNR", "dB", "per channel, as read"),

@@ -10,17 +10,13 @@ from typing import Any
 
 import numpy as np
 
-from chromanoise._check import Array
-from chromanoise._linalg import eigh, qr
-from chromanoise._shapes import Float
-from chromanoise.analysis.analysis import Analysis, metric_of
+from chromanoise.base import Array, Float, eigh, qr
 from chromanoise.charts.charted_study import Look, Shown, saturation_sentence
-from chromanoise.charts.numbers import vector_rows
-from chromanoise.charts.text import NONE, brief, decimal, listed, percent, table
-from chromanoise.exposure import conditions
+from chromanoise.charts.numbers import NONE, brief, decimal, listed, percent, table, vector_rows
 from chromanoise.geometry import reconstructed_light
-from chromanoise.scene import light
-from chromanoise.spectra import color_axes
+from chromanoise.noise import conditions
+from chromanoise.spectra import color_axes, light
+from chromanoise.study import Analysis, metric_of
 
 _AXES = ("x", "y", "z")
 _SIGMAS = 2.0

@@ -1,23 +1,364 @@
-"""Sentences that compare sensors: raw SNR, luminance SNR, their difference and its causes."""
+"""Results for a machine that reads raw values: the verdict in sentences, and tables.
 
-from collections.abc import Mapping, Sequence
+The table of the sensors (rank, SNR, color error, time), and the raw SNR that compares them.
+
+Sentences that compare sensors: raw SNR, luminance SNR, their difference and its causes.
+
+The head of a page: verdict, light, and settings and electrons of each sensor.
+"""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from functools import lru_cache
 from itertools import chain
-from typing import Literal
+from typing import Any, Literal
 
-from chromanoise import _check
-from chromanoise.analysis.analysis import Analysis, color_snr_db, mean_color_error
-from chromanoise.analysis.budgets import coordinate_budget
-from chromanoise.analysis.total_error import better_matrix, mean_total_error, total_error_of
+import numpy as np
+
+from chromanoise.base import check
 from chromanoise.charts.budget import cause_label
-from chromanoise.charts.charted_study import saturation_sentence
-from chromanoise.charts.machine import machine_sentences
-from chromanoise.charts.ranking import compared_raw_name, compared_raw_snr_db
-from chromanoise.charts.text import decimal, signed
-from chromanoise.exposure import conditions
-from chromanoise.metrics import Budget
-from chromanoise.metrics.budget import CORRELATION, FILTERS, INFRARED, REST, WEIGHTS
-from chromanoise.sensor.noise_source import SOURCES
+from chromanoise.charts.charted_study import Look, Shown, saturated_names, saturation_sentence
+from chromanoise.charts.numbers import NONE, brief, decimal, electrons, signed, table
+from chromanoise.metrics import CORRELATION, FILTERS, INFRARED, REST, WEIGHTS, Budget
+from chromanoise.noise import conditions, level_in_words
+from chromanoise.sensor import SOURCES, Sensor
 from chromanoise.spectra import chart_title
+from chromanoise.study import (
+    BRIGHT,
+    DARK,
+    RAW,
+    RAW_WITHOUT,
+    READINGS,
+    TARGET,
+    TOLERANCE,
+    Analysis,
+    MachineReading,
+    PairOutcome,
+    RawOutcome,
+    better_matrix,
+    color_snr_db,
+    coordinate_budget,
+    diagnosis,
+    mean_color_error,
+    mean_total_error,
+    pairs_of,
+    raw_outcomes,
+    raw_snr_db,
+    total_error_of,
+)
+
+_TIE = 0.005  # relative difference that is no lead
+
+_Labeled = tuple[str, RawOutcome]
+_PairOf = Callable[[RawOutcome], PairOutcome]
+
+
+def machine_sentences(analyses: Sequence[Analysis]) -> list[str]:
+    """Distances of the pairs of patches in raw values: median and worst, with their probability.
+
+    One sentence with brightness, one without. Sensors with a saturated patch are omitted. A
+    decision that is nearly chance is marked as such.
+
+    Parameters
+    ----------
+    analyses
+        Analyses under one light.
+    """
+    outcomes = [(one.sensor.label, raw_outcomes(one)) for one in analyses]
+    found = [(label, both) for label, both in outcomes if both is not None]
+    if not found:
+        return []
+    point = analyses[0].point
+    patches = chart_title(point.chart) if point.pairs is None else point.pairs.patches.source
+    count = len(pairs_of(point).indices)
+    what = f"the {count} pairs of {patches}" if count > 1 else f"the pair of {patches}"
+    return [
+        f"{start}: {_sentence([(label, both[reading]) for label, both in found], count)}."
+        for start, reading in (
+            (f"For a machine that reads raw values, over {what}", RAW),
+            ("Without brightness", RAW_WITHOUT),
+        )
+    ]
+
+
+def _sentence(found: Sequence[_Labeled], count: int) -> str:
+    if count == 1:
+        return _compared(found, lambda one: one.median)
+    median = _compared(found, lambda one: one.median)
+    worst = _compared(found, lambda one: one.worst)
+    return f"in the median pair {median}; in the worst pair {worst}"
+
+
+def _compared(found: Sequence[_Labeled], pair: _PairOf) -> str:
+    """The best sensor for this pair and the second best."""
+    ranked = sorted(found, key=lambda one: -pair(one[1]).distance)
+    (best, of_best), *others = [(label, pair(one)) for label, one in ranked]
+    if not others:
+        return f"{best} has the distance {_text(of_best)}"
+    if of_best.near_chance:
+        return f"every sensor has at most the distance {_text(of_best)}"
+    second, of_second = others[0]
+    tied = of_best.distance - of_second.distance <= _TIE * of_best.distance
+    lead = f"{best} and {second} are equal" if tied else f"{best} is better"
+    against = "" if tied else f" for {second}"
+    return f"{lead}, distance {_text(of_best)} against {_text(of_second)}{against}"
+
+
+def _text(pair: PairOutcome) -> str:
+    """A distance with the pair, the probability of a right answer, and whether it is chance."""
+    size = f"{pair.distance:#.3g}" if pair.distance < 100 else f"{pair.distance:.0f}"
+    percent = 100 * pair.probability
+    right = f"{percent:.0f} % right" if percent < 99.5 else "over 99 % right"
+    parts = [" / ".join(pair.names)] if pair.names else []
+    parts += [right] + (["nearly chance"] if pair.near_chance else [])
+    return f"{size} ({', '.join(parts)})"
+
+
+_ABOUT = {"spectrum": "spectrum", "visible": "visible light"}
+_HEADS = ("raw", "color", "raw, no brightness", "color, no brightness")
+
+
+def machine_tables(readings: Sequence[MachineReading]) -> list[dict[str, Any]]:
+    """Tables of distances, contrast detection and information, each with ``title`` and ``note``.
+
+    Parameters
+    ----------
+    readings
+        One per sensor.
+    """
+    return [_separations(readings), _contrasts(readings), _information(readings)]
+
+
+def _separations(readings: Sequence[MachineReading]) -> dict[str, Any]:
+    rows: list[list[str]] = []
+    for reading in readings:
+        found = reading.separation
+        if found is None:
+            rows.append([reading.label, "a patch is saturated", *("" for _ in READINGS)])
+            continue
+        medians = [(found.median_distance(n), found.median_probability(n)) for n in READINGS]
+        count = len(found.pairs.indices)
+        rows.append([reading.label, f"median of {count}", *map(_distance, medians)])
+        at, names = found.worst, found.pairs.names[found.worst]
+        worst = [(found.distance[n][at], found.probability[n][at]) for n in READINGS]
+        rows.append(["", f"worst: {names[0]} / {names[1]}", *map(_distance, worst)])
+    return {
+        "title": "Distance of patches for a machine (probability)",
+        "head": ["sensor", "pairs", *_HEADS],
+        "rows": rows,
+        "note": "Distance of two patches in units of their noise (Mahalanobis), for an ideal "
+        "reader of one pixel; in parentheses the probability that it names the right one of the "
+        "two (0.5 is chance). Medians of distances and of probabilities are taken separately.",
+    }
+
+
+def _contrasts(readings: Sequence[MachineReading]) -> dict[str, Any]:
+    rows = []
+    for reading in readings:
+        found = reading.contrast
+        if found is None:
+            rows.append([reading.label, "saturated", "", ""])
+            continue
+        channels = ", ".join(f"{name} {p:.3f}" for name, p in found.channels.items())
+        luminance = "" if math.isnan(found.luminance) else f"{found.luminance:.3f}"
+        level = "none" if math.isnan(found.level_lux) else f"{found.level_lux:.3g}"
+        rows.append([reading.label, channels, luminance, level])
+    return {
+        "title": "Contrast detection probability for a machine (CDP)",
+        "head": ["sensor", "raw channels", "Y", f"least lux for CDP {TARGET:g}"],
+        "rows": rows,
+        "note": f"Grays of {100 * BRIGHT:g} and {100 * DARK:g} % on one pixel each: the share of "
+        f"readings whose Weber contrast is within {100 * TOLERANCE:g} % of the true one (idea of "
+        "IEEE P2020). Y has none where a channel has fewer than 200 electrons. The last column is "
+        "for the best raw channel, with the time kept.",
+    }
+
+
+def _information(readings: Sequence[MachineReading]) -> dict[str, Any]:
+    every = [name for reading in readings for one in reading.information for name in one.bits]
+    steps = list(dict.fromkeys(every))
+    rows = []
+    for reading in readings:
+        if not reading.information:
+            rows.append([reading.label, "saturated", *("" for _ in steps)])
+        for one in reading.information:
+            bits = [f"{float(one.bits[n]):.2f}" if n in one.bits else "" for n in steps]
+            rows.append([reading.label, _ABOUT[one.about], *bits])
+    source = next((one.prior for reading in readings for one in reading.information), "none")
+    return {
+        "title": "Information for a machine [bit per pixel]",
+        "head": ["sensor", "about", *steps],
+        "rows": rows,
+        "note": f"Least information about reflectances ({source}) that is left after each step, "
+        "for a linear reader of one pixel of each channel.",
+    }
+
+
+def _distance(value: tuple[float, float]) -> str:
+    distance, probability = value
+    digits = "#.3g" if distance < 100 else ".0f"
+    return f"{distance:{digits}} ({probability:.3f})"
+
+
+@dataclass(frozen=True, slots=True)
+class _Column:
+    """A column: ``better`` is ``higher`` or ``lower``, ``None`` where neither is."""
+
+    key: str
+    head: str
+    what: str
+    better: str | None
+    value: Callable[[Analysis], float | None]
+    text: Callable[[float], str] = decimal
+
+
+def ranking(analyses: Sequence[Analysis]) -> dict[str, Any]:
+    """Columns and rows of the table, in the order of the sensors, with their notes.
+
+    A rank is that of the SNR of Y as it is shown, so equal numbers share a rank. A sensor that is
+    saturated or has no luminance has no rank and no SNR.
+
+    Parameters
+    ----------
+    analyses
+        Analyses under one light.
+    """
+    columns = _columns(analyses)
+    return {
+        "columns": [
+            {"key": one.key, "head": one.head, "what": one.what, "better": one.better}
+            for one in columns
+        ],
+        "rows": [_row(analysis, columns) for analysis in analyses],
+        "notes": _notes(analyses),
+    }
+
+
+def _columns(analyses: Sequence[Analysis]) -> list[_Column]:
+    able = [one for one in analyses if _luminance_db(one) is not None]
+    shown = sorted((round(_luminance_db(one) or 0.0, 1) for one in able), reverse=True)
+
+    def rank(analysis: Analysis) -> float | None:
+        luminance_db = _luminance_db(analysis)
+        return None if luminance_db is None else 1.0 + shown.index(round(luminance_db, 1))
+
+    def raw_db(analysis: Analysis) -> float | None:
+        found = (
+            compared_raw_snr_db(analysis, able) if _luminance_db(analysis) is not None else math.inf
+        )
+        return found if math.isfinite(found) else None
+
+    raw = f"raw SNR: {compared_raw_name(able)}" if able else "raw SNR"
+    loss, error = "best linear SNR minus the SNR of Y", "mean CIE 1976 difference"
+    return [
+        _Column("rank", "rank", "rank by the SNR of Y", "lower", rank, brief),
+        _Column("raw_db", "raw SNR [dB]", raw, "higher", raw_db),
+        _Column("luminance_db", "SNR of Y [dB]", "SNR of luminance", "higher", _luminance_db),
+        _Column("loss_db", "color SNR loss [dB]", loss, "lower", _loss_db),
+        _Column(
+            "color_error", "color error [ΔE]", f"{error}, without noise", "lower", mean_color_error
+        ),
+        _Column(
+            "total_error",
+            "total color error [ΔE]",
+            f"{error}, with noise",
+            "lower",
+            mean_total_error,
+        ),
+        _Column("time_ms", "time [ms]", "exposure time", None, _time_ms, _four_digits),
+        _Column("f_number", "f-number", "f-number", None, lambda one: one.exposure.f_number, brief),
+        *map(_channel, dict.fromkeys(name for one in analyses for name in one.sensor.names)),
+    ]
+
+
+def _channel(name: str) -> _Column:
+    def mean_e(analysis: Analysis) -> float | None:
+        names = analysis.sensor.names
+        return float(analysis.raw.mean[names.index(name)]) if name in names else None
+
+    what = f"mean electrons of channel {name}, perfect white"
+    return _Column(f"mean_e.{name}", f"{name} [e⁻]", what, None, mean_e, electrons)
+
+
+def _row(analysis: Analysis, columns: Sequence[_Column]) -> dict[str, Any]:
+    values = [one.value(analysis) for one in columns]
+    texts = [
+        NONE if value is None else one.text(value)
+        for one, value in zip(columns, values, strict=True)
+    ]
+    return {
+        "name": analysis.sensor.label,
+        "values": values,
+        "text": texts,
+        "saturated": saturated_names(analysis),
+    }
+
+
+def _notes(analyses: Sequence[Analysis]) -> list[str]:
+    """The remarks on the sensors, each once, with the sensors that it applies to."""
+    named: dict[str, list[str]] = {}
+    for analysis in analyses:
+        for note in diagnosis(analysis):
+            named.setdefault(note, []).append(analysis.sensor.label)
+    return [f"{', '.join(names)}: {note}" for note, names in named.items()]
+
+
+def _luminance_db(analysis: Analysis) -> float | None:
+    return color_snr_db(analysis)["Y"]
+
+
+def _loss_db(analysis: Analysis) -> float | None:
+    return None if _luminance_db(analysis) is None else analysis.color_snr_loss_db
+
+
+def _time_ms(analysis: Analysis) -> float:
+    return 1e3 * analysis.exposure.time_s
+
+
+def _four_digits(value: float) -> str:
+    return brief(value, 4)
+
+
+def compared_raw_snr_db(analysis: Analysis, analyses: Sequence[Analysis]) -> float:
+    """Mean raw SNR of the channels that all sensors have; without them the best linear SNR. [dB]
+
+    Infinite for a signal without noise.
+
+    Parameters
+    ----------
+    analysis
+        That of one sensor, without saturated channels.
+    analyses
+        Those of all compared sensors.
+    """
+    shared, snr = _shared(tuple(analyses)), raw_snr_db(analysis)
+    if shared:
+        return float(np.mean([snr[name] for name in shared]))
+    best = analysis.optimal_linear_snr_db
+    return math.inf if best is None else best  # not saturated: it is signal without noise
+
+
+def compared_raw_name(analyses: Sequence[Analysis]) -> str:
+    """What `compared_raw_snr_db` is, in a few words.
+
+    Parameters
+    ----------
+    analyses
+        Those of all compared sensors.
+    """
+    shared = _shared(tuple(analyses))
+    return f"mean of {', '.join(shared)}" if shared else "best linear readout of all channels"
+
+
+@lru_cache(maxsize=16)  # verdict and ranking ask for each sensor
+def _shared(analyses: tuple[Analysis, ...]) -> tuple[str, ...]:
+    """Channels that all sensors have, with signal in all of them."""
+    found = [raw_snr_db(analysis) for analysis in analyses]
+    return tuple(
+        name for name in analyses[0].sensor.names if all(one.get(name) is not None for one in found)
+    )
+
 
 _TIE_DB = 0.05  # differences below one decimal
 _WORTH_DB = 0.3  # least loss of a cause that is reported
@@ -54,7 +395,7 @@ def verdict_sentences(
     analyses
         Analyses under one light.
     equal
-        Terms of the comparison, from `chromanoise.exposure.EQUAL_TERMS`; named in the text unless
+        Terms of the comparison, from `chromanoise.noise.EQUAL_TERMS`; named in the text unless
         all sensors have the same exposure time.
     reader
         Whose sentence comes first.
@@ -64,7 +405,7 @@ def verdict_sentences(
     InputError
         If ``equal`` is unknown.
     """
-    _check.one_of("terms of a comparison", equal, tuple(_TERMS))
+    check.one_of("terms of a comparison", equal, tuple(_TERMS))
     left_out = [sentence for a in analyses if (sentence := _left_out(a))]
     able = [a for a in analyses if _left_out(a) is None]
     sentences = [*left_out, *(sentence for a in able if (sentence := _too_noisy(a)))]
@@ -91,11 +432,11 @@ def _for_an_eye(
     if len(able) < 2:
         return sentences
     best_raw = max(able, key=lambda a: compared_raw_snr_db(a, able))
-    best_color = max(able, key=_luminance_db)
-    if abs(_luminance_db(best_raw) - _luminance_db(best_color)) < _TIE_DB:
+    best_color = max(able, key=_known_luminance_db)
+    if abs(_known_luminance_db(best_raw) - _known_luminance_db(best_color)) < _TIE_DB:
         best_color = best_raw  # equal: the leader in raw is named once
     others = [a for a in able if a is not best_color]
-    rival = best_raw if best_raw is not best_color else max(others, key=_luminance_db)
+    rival = best_raw if best_raw is not best_color else max(others, key=_known_luminance_db)
     first = _setting(analyses, equal) + _contest(best_color, rival, best_raw, able)
     return [first, *_reasons(best_color, rival), _colors(able), *sentences]
 
@@ -119,14 +460,14 @@ def _left_out(analysis: Analysis) -> str | None:
 
 def _alone(analysis: Analysis) -> str:
     return (
-        f"{analysis.sensor.label} has {_luminance_db(analysis):.1f} dB of "
-        f"luminance SNR for an eye, {decimal(_loss_db(analysis))} dB below the best linear "
+        f"{analysis.sensor.label} has {_known_luminance_db(analysis):.1f} dB of "
+        f"luminance SNR for an eye, {decimal(_known_loss_db(analysis))} dB below the best linear "
         f"readout{_largest(analysis)}; {_error(analysis)}."
     )
 
 
 def _contest(winner: Analysis, rival: Analysis, best_raw: Analysis, able: list[Analysis]) -> str:
-    gap = _luminance_db(winner) - _luminance_db(rival)
+    gap = _known_luminance_db(winner) - _known_luminance_db(rival)
     if best_raw is winner:
         same = abs(gap) < _TIE_DB
         color = (
@@ -149,12 +490,12 @@ def _raw_lead(first: Analysis, second: Analysis, able: Sequence[Analysis]) -> st
 
 
 def _pair(first: Analysis, second: Analysis) -> str:
-    return f"SNR of Y {_luminance_db(first):.1f} against {_luminance_db(second):.1f} dB"
+    return f"SNR of Y {_known_luminance_db(first):.1f} against {_known_luminance_db(second):.1f} dB"
 
 
 def _reasons(winner: Analysis, loser: Analysis) -> list[str]:
     """Causes that cost the loser more than the winner: two, or as many as explain the gap."""
-    gap = _luminance_db(winner) - _luminance_db(loser)
+    gap = _known_luminance_db(winner) - _known_luminance_db(loser)
     good, bad = (_costs(coordinate_budget(a, "Y")) for a in (winner, loser))
     if gap < _TIE_DB or not (good and bad):
         return []
@@ -214,7 +555,7 @@ def _costs(budget: Budget | None) -> dict[str, float]:
 
 def _largest(analysis: Analysis) -> str:
     """The largest loss relative to the best linear SNR, which already contains read noise."""
-    costs, whole_db = _costs(coordinate_budget(analysis, "Y")), _loss_db(analysis)
+    costs, whole_db = _costs(coordinate_budget(analysis, "Y")), _known_loss_db(analysis)
     found = [(costs[cause], cause) for cause in _BELOW_THE_BOUND if cause in costs]
     if not found or min(whole_db, max(found)[0]) < _WORTH_DB:
         return ""
@@ -227,13 +568,13 @@ def _setting(analyses: Sequence[Analysis], equal: str) -> str:
     return f"At {conditions([one.point for one in analyses])},{_TERMS[equal]}"
 
 
-def _luminance_db(analysis: Analysis) -> float:
+def _known_luminance_db(analysis: Analysis) -> float:
     found = color_snr_db(analysis)["Y"]
     assert found is not None  # called only for analyses with a value
     return found
 
 
-def _loss_db(analysis: Analysis) -> float:
+def _known_loss_db(analysis: Analysis) -> float:
     loss_db = analysis.color_snr_loss_db
     assert loss_db is not None  # called only for analyses with a value
     return loss_db
@@ -268,3 +609,66 @@ def _too_noisy(analysis: Analysis) -> str | None:
         f"{analysis.sensor.label}: the color noise is {own.noise.mean():.0f} ΔE*ab. The matrix "
         f"{name} reduces the total color error from {own.total.mean():.0f} to {error:.0f} ΔE*ab."
     )
+
+
+def drawn_head(shown: Shown, look: Look) -> dict[str, Any]:
+    """The verdict in sentences, the light, and the settings of each sensor."""
+    first = shown.analyses[0].scene
+    sensors = [_sensor(analysis) for analysis in shown.analyses]
+    level = {"level_lux": first.level_lux, "text": level_in_words(first.level_lux, 4)}
+    return {
+        "verdict": verdict_sentences(
+            shown.analyses, equal=shown.study.exposure.equal, reader=shown.study.outputs.reader
+        ),
+        "light": {"name": first.illuminant.name, **level},
+        "sensors": sensors,
+        "table": _table(sensors),
+        "ranking": ranking(shown.analyses),
+    }
+
+
+def sensor_values(sensor: Sensor) -> dict[str, Any]:
+    """Channels, origin and pixel of a sensor as plain data.
+
+    Parameters
+    ----------
+    sensor
+        The sensor.
+    """
+    names = ("pitch_um", "full_well_e", "read_noise_e")
+    pixel = asdict(sensor.pixel)
+    values = {"channels": list(sensor.names), "origin": sensor.origin, "pixel": pixel}
+    return values | {name: pixel[name] for name in names}
+
+
+def _sensor(analysis: Analysis) -> dict[str, Any]:
+    sensor, exposure = analysis.sensor, analysis.exposure
+    mean = zip(sensor.names, analysis.raw.mean.tolist(), strict=True)
+    return {
+        "name": sensor.label,
+        **sensor_values(sensor),
+        "time_ms": 1e3 * exposure.time_s,
+        "f_number": exposure.f_number,
+        "saturated": saturated_names(analysis),
+        "mean_e": dict(mean),
+        "notes": list(diagnosis(analysis)),
+    }
+
+
+def _table(sensors: list[dict[str, Any]]) -> dict[str, Any]:
+    """Every setting of each sensor, and its electrons from a perfect white."""
+    channels = list(dict.fromkeys(name for one in sensors for name in one["channels"]))
+    pixel = ("curves", "pixel [µm]", "full well [e⁻]", "read noise [e⁻]")
+    units = [f"{name} [e⁻]" for name in channels]
+    rows = []
+    for one in sensors:
+        mean = [electrons(one["mean_e"][c]) if c in one["mean_e"] else NONE for c in channels]
+        full = ", ".join(one["saturated"]) or "none"
+        rows.append(
+            [
+                *(one["name"], one["origin"], brief(one["pitch_um"])),
+                *(decimal(one["full_well_e"], 0), brief(one["read_noise_e"])),
+                *(brief(one["time_ms"], 4), brief(one["f_number"]), *mean, full),
+            ]
+        )
+    return table(["sensor", *pixel, "time [ms]", "f-number", *units, "saturated"], rows)

@@ -1,9 +1,14 @@
-"""The command ``chromanoise``, and the conversion of errors to messages and exit codes."""
+"""``chromanoise --version``: the version, and which packages are installed for it.
+
+The command ``chromanoise``, and the conversion of errors to messages and exit codes.
+"""
 
 import codecs
 import gc
 import json
 import os
+import platform
+import re
 import signal
 import sys
 import threading
@@ -12,39 +17,121 @@ import warnings
 from _thread import interrupt_main
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from importlib import import_module
+from importlib import import_module, metadata
 from typing import Any
 
 import click
 
+from chromanoise.base import InputError, __version__, did_you_mean, known_name
 from chromanoise.cli import paused_collection
-from chromanoise.errors import InputError, did_you_mean, known_name
+
+_NEEDS = re.compile(r"([A-Za-z0-9._-]+)[^;]*(?:;.*extra\s*==\s*['\"]([^'\"]+)['\"])?")
+_FOR_DEVELOPERS = ("bench", "dev", "docs")
+
+
+def installation() -> str:
+    """Version, Python, system, and each package that chromanoise uses, by extra.
+
+    ``missing`` packages belong to extras: ``pip install "chromanoise[NAME]"`` installs them.
+    """
+    lines = [
+        f"chromanoise {__version__}",
+        f"Python {platform.python_version()} on {platform.system()} {platform.machine()}",
+    ]
+    groups: dict[str, list[str]] = {}
+    for package, extra in _needs():
+        groups.setdefault(extra, []).append(f"{package} {_version(package)}")
+    width = max(map(len, groups), default=0)
+    lines += [f"{name:<{width}}  {', '.join(found)}" for name, found in groups.items()]
+    return "\n".join(lines)
+
+
+def _needs() -> Iterator[tuple[str, str]]:
+    """Each package with its extra; none if only the source is here, not an installation."""
+    try:
+        needs = metadata.requires("chromanoise") or []
+    except metadata.PackageNotFoundError:
+        return
+    for need in needs:
+        match = _NEEDS.match(need)
+        if match and match[2] not in _FOR_DEVELOPERS and match[1] != "chromanoise":
+            yield match[1], match[2] or "required"
+
+
+def _version(package: str) -> str:
+    try:
+        return metadata.version(package)
+    except metadata.PackageNotFoundError:
+        return "missing"
+
 
 COMMANDS = {
-    "analyze": "Noise of sensors in raw, spectral and color coordinates, side by side.",
-    "simulate": "Render a hyperspectral cube through sensors to noisy color pictures.",
-    "denoise": "Denoise raw pictures of any camera with their known noise; color with a sensor.",
-    "compare": "Sensors over one or two parameters, as light or read noise: curves, crossovers.",
-    "matrix": "A sensor's color matrix: color error, noise, condition; to CSV, JSON, CLF, profile.",
-    "sensitivity": "What 1 nm or 1 % of each parameter of a sensor changes; tolerance budget.",
-    "optimize": "Search filters, IR-cut, exposure and matrix of a sensor for the best trade-offs.",
-    "init": "A commented study or design file to start from.",
-    "run": "Run a study file: analyses, sweeps, pictures, with provenance.",
-    "rerun": "Run the study of an output once more and compare the results.",
-    "study": "A commented study file; --schema lists all keys, for editors.",
-    "catalog": "Built-in sensors, lights and filters, with source, range and known defects.",
-    "inspect": "How a file of spectra is parsed, what looks wrong, and what it does not declare.",
-    "convert": "Curves of a file or a sensor as CSV, JSON, rawtoaces' JSON or IES TM-27.",
-    "serve": "A local web page with sliders.",
-    "reproduce": "The paper's Tables 2-5 next to ours, and its ten figures.",
-    "report": "A study as one self-contained HTML file: charts, tables, equations, sliders.",
-    "demo": "All results of the paper on one page: out/demo/index.html.",
-    "characterize": "Noise of a camera from its own raw frames, as a pixel file and a report.",
-    "denoise-bench": "Denoising methods compared over scenes, sensors and light levels; a report.",
-    "cite": "How to cite chromanoise and the paper; --bibtex for BibTeX.",
-    "demo-frames": "Raw frames of a virtual camera with known noise, to try a characterization.",
+    "analyze": (
+        "analyses",
+        "Noise of sensors in raw, spectral and color coordinates, side by side.",
+    ),
+    "simulate": (
+        "simulate",
+        "Render a hyperspectral cube through sensors to noisy color pictures.",
+    ),
+    "denoise": (
+        "denoise",
+        "Denoise raw pictures of any camera with their known noise; color with a sensor.",
+    ),
+    "compare": (
+        "analyses",
+        "Sensors over one or two parameters, as light or read noise: curves, crossovers.",
+    ),
+    "matrix": (
+        "analyses",
+        "A sensor's color matrix: color error, noise, condition; to CSV, JSON, CLF, profile.",
+    ),
+    "sensitivity": (
+        "design_commands",
+        "What 1 nm or 1 % of each parameter of a sensor changes; tolerance budget.",
+    ),
+    "optimize": (
+        "design_commands",
+        "Search filters, IR-cut, exposure and matrix of a sensor for the best trade-offs.",
+    ),
+    "init": ("study_files", "A commented study or design file to start from."),
+    "run": ("study_files", "Run a study file: analyses, sweeps, pictures, with provenance."),
+    "rerun": ("study_files", "Run the study of an output once more and compare the results."),
+    "study": ("study_files", "A commented study file; --schema lists all keys, for editors."),
+    "catalog": (
+        "catalog_command",
+        "Built-in sensors, lights and filters, with source, range and known defects.",
+    ),
+    "inspect": (
+        "readers",
+        "How a file of spectra is parsed, what looks wrong, and what it does not declare.",
+    ),
+    "convert": (
+        "readers",
+        "Curves of a file or a sensor as CSV, JSON, rawtoaces' JSON or IES TM-27.",
+    ),
+    "serve": ("serve", "A local web page with sliders."),
+    "reproduce": ("demo", "The paper's Tables 2-5 next to ours, and its ten figures."),
+    "report": (
+        "study_files",
+        "A study as one self-contained HTML file: charts, tables, equations, sliders.",
+    ),
+    "demo": ("demo", "All results of the paper on one page: out/demo/index.html."),
+    "characterize": (
+        "characterize",
+        "Noise of a camera from its own raw frames, as a pixel file and a report.",
+    ),
+    "denoise-bench": (
+        "denoise",
+        "Denoising methods compared over scenes, sensors and light levels; a report.",
+    ),
+    "cite": ("demo", "How to cite chromanoise and the paper; --bibtex for BibTeX."),
+    "demo-frames": (
+        "characterize",
+        "Raw frames of a virtual camera with known noise, to try a characterization.",
+    ),
 }
-"""Each command with its line of help."""
+"""Each command with its module and its line of help."""
 
 
 class _Commands(click.Group):
@@ -57,7 +144,7 @@ class _Commands(click.Group):
         if cmd_name not in COMMANDS:
             return None
         name = cmd_name.replace("-", "_")
-        path = f"chromanoise.cli.{name}"
+        path = f"chromanoise.cli.{COMMANDS[cmd_name][0]}"
         with paused_collection():
             known = path in sys.modules
             module = import_module(path)
@@ -78,13 +165,11 @@ class _Commands(click.Group):
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         with formatter.section("Commands"):
-            formatter.write_dl(list(COMMANDS.items()))
+            formatter.write_dl([(name, text) for name, (_, text) in COMMANDS.items()])
 
 
 def _print_version(ctx: click.Context, _: click.Parameter, asked: bool) -> None:
     if asked and not ctx.resilient_parsing:
-        from chromanoise.cli.installed import installation
-
         click.echo(installation())
         ctx.exit()
 
@@ -150,7 +235,7 @@ def _sentence(error: BaseException, command: str) -> str | None:
         case click.ClickException():
             return error.format_message()
         case InputError():
-            from chromanoise.cli.rendering import sentences
+            from chromanoise.cli.output import sentences
 
             return sentences(error, command, _options_of(command))
         case ArithmeticError() | RuntimeWarning():

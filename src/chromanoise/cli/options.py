@@ -1,19 +1,260 @@
-"""Options of the settings of a study, made from its keys, and options that commands share."""
+"""Commands that refuse an option that is given twice, and name what they refuse.
 
+Options that supply what a file of spectra lacks.
+
+Options of the settings of a study, made from its keys, and options that commands share.
+"""
+
+import re
+from collections import Counter
 from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import suppress
+from dataclasses import fields
+from functools import partial
 from typing import Any, Literal, TypeVar, get_args, get_origin
 
 import click
 
-from chromanoise.analysis import DEFAULT_METHOD, known_matrices
-from chromanoise.catalog.resolve import file_of
-from chromanoise.cli.answers import older_units, pair_of, wavelength_unit
-from chromanoise.cli.parsing import pair
-from chromanoise.errors import InputError
-from chromanoise.study import DescribedSetting, described_settings, option_of
+from chromanoise.base import InputError, did_you_mean
+from chromanoise.io.spectra import Answers, Negatives, Unit
+from chromanoise.study import (
+    DEFAULT_METHOD,
+    DescribedSetting,
+    described_settings,
+    file_of,
+    known_matrices,
+    option_of,
+)
 
-Command = TypeVar("Command", bound=Callable[..., Any])
+Decorated = TypeVar("Decorated", bound=Callable[..., Any])
+
+
+class RenamedOption(click.Option):
+    """An option that also works by its old name, for one release, with a warning.
+
+    Parameters
+    ----------
+    declarations, attributes
+        As `click.Option`.
+    old
+        The old name, e.g. ``--method``.
+    """
+
+    def __init__(self, *declarations: Any, old: str, **attributes: Any) -> None:
+        super().__init__(*declarations, **attributes)
+        self.old = old
+
+
+class Command(click.Command):
+    """A command whose options are given once, except those that may be repeated."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Parse the arguments.
+
+        Raises
+        ------
+        click.UsageError
+            If an option is repeated that has one value: click keeps the last one.
+        InputError
+            If there is no such option, or a value is not a number or not one of the choices.
+        """
+        try:
+            return self._parsed(ctx, self._by_new_names(args))
+        except click.NoSuchOption as error:
+            known = [name for one in self.params if _is_shown(one) for name in one.opts]
+            help_ = f"see `{ctx.command_path} --help`"
+            raise InputError(
+                error.option_name,
+                f"must be an option of `{ctx.command_path}`",
+                remedy=did_you_mean(error.option_name, known, help_, most=2, cutoff=0.6),
+            ) from None
+        except click.BadParameter as error:
+            raise _bad_value(error) or error from None
+
+    def _by_new_names(self, args: list[str]) -> list[str]:
+        """The arguments with the new names of options; one warning for each old name."""
+        new = {one.old: one.opts[0] for one in self.params if isinstance(one, RenamedOption)}
+        end = args.index("--") if "--" in args else len(args)
+        words = [word.partition("=") for word in args[:end]]
+        for old in dict.fromkeys(name for name, _, _ in words if name in new):
+            click.echo(
+                f"chromanoise: {old} is now {new[old]}; the old name works in this release only",
+                err=True,
+            )
+        named = [new.get(name, name) + equals + value for name, equals, value in words]
+        return [*named, *args[end:]]
+
+    def _parsed(self, ctx: click.Context, args: list[str]) -> list[str]:
+        _, _, order = self.make_parser(ctx).parse_args(args=list(args))
+        for parameter, count in Counter(order).items():
+            once = isinstance(parameter, click.Option) and not parameter.multiple
+            if once and not parameter.is_eager and count > 1:
+                name = " or ".join((*parameter.opts, *parameter.secondary_opts))
+                raise click.UsageError(f"{name} must be given once, but is given {count} times")
+        return super().parse_args(ctx, args)
+
+
+def _is_shown(parameter: click.Parameter) -> bool:
+    return isinstance(parameter, click.Option) and not parameter.hidden
+
+
+def _bad_value(error: click.BadParameter) -> InputError | None:
+    """The error of a value that is no number or no choice; ``None`` for other errors."""
+    kind: Any = error.param.type if error.param is not None else None
+    quoted = re.match(r"(?s)'(.*)' is not ", error.message)
+    if error.param is None or quoted is None:
+        return None
+    name = max(error.param.opts, key=len) if isinstance(error.param, click.Option) else ""
+    name = name or error.param.human_readable_name
+    if isinstance(kind, click.Choice):
+        choices = [str(one) for one in kind.choices]
+        remedy = did_you_mean(quoted[1], choices, "", most=1)
+        return InputError(
+            name, f"must be {' or '.join(choices)}", value=quoted[1], remedy=remedy or ()
+        )
+    demand = {click.FLOAT: "a number", click.INT: "a whole number"}.get(kind)
+    return None if demand is None else InputError(name, f"must be {demand}", value=quoted[1])
+
+
+def pair(option: str, text: str | None, separator: str, kind: Any) -> Any:
+    """Two numbers with a separator between them; ``None`` for ``None``.
+
+    Raises
+    ------
+    InputError
+        If the text is anything else.
+    """
+    if text is None:
+        return None
+    parts = text.split(separator)
+    try:
+        first, second = (kind(part) for part in parts)
+    except ValueError:
+        raise InputError(
+            option, f"must be two numbers with {separator!r} between them", value=text
+        ) from None
+    return first, second
+
+
+command = partial(click.command, cls=Command)
+
+
+_OLDER_UNIT = "chromanoise.wavelength_unit"
+
+
+def pair_of(yes: str, no: str) -> Callable[[click.Context, click.Parameter, bool | None], Any]:
+    """The value of a pair of flags; ``None`` if none of them is given."""
+    return lambda _, __, given: None if given is None else (yes if given else no)
+
+
+def _keep_older_unit(ctx: click.Context, _: click.Parameter, given: bool | None) -> None:
+    ctx.meta[_OLDER_UNIT] = None if given is None else ("um" if given else "nm")
+
+
+def wavelength_unit(ctx: click.Context, _: click.Parameter, unit: str | None) -> str | None:
+    """The unit from ``--wavelength-unit``, or from its older names ``--um`` and ``--nm``."""
+    older: str | None = ctx.meta.get(_OLDER_UNIT)
+    if unit and older and unit != older:
+        raise InputError(
+            "--wavelength-unit",
+            f"must agree with --{older}",
+            value=unit,
+            remedy="give one of them",
+        )
+    return unit or older
+
+
+older_units = click.option(
+    "--um/--nm",
+    "older_unit",
+    default=None,
+    hidden=True,
+    is_eager=True,
+    expose_value=False,
+    callback=_keep_older_unit,
+)
+_ANSWERS = (
+    click.option(
+        "--percent/--fraction",
+        "scale",
+        default=None,
+        callback=pair_of("percent", "fraction"),
+        help="Whether the values are percent or fractions.",
+    ),
+    click.option(
+        "--relative/--absolute",
+        "level",
+        default=None,
+        callback=pair_of("relative", "absolute"),
+        help="Whether the curves are relative or absolute.",
+    ),
+    click.option(
+        "--photons/--energy",
+        "per",
+        default=None,
+        callback=pair_of("photon", "energy"),
+        help="Whether the curves are per photon or per energy.",
+    ),
+    older_units,
+    click.option(
+        "--wavelength-unit",
+        type=click.Choice(get_args(Unit)),
+        callback=wavelength_unit,
+        help="Unit of the wavelengths, where the file does not declare it.",
+    ),
+    click.option(
+        "--negatives",
+        type=click.Choice(get_args(Negatives)),
+        help="Small negative values, e.g. from digitizing: refuse them, or set them to 0. "
+        f"[default: {Answers().negatives}]",
+    ),
+    click.option("--peak-qe", type=float, help="Highest QE of a sensor with relative curves."),
+)
+
+
+_OF_ONE_FILE = (
+    click.option(
+        "--quantity",
+        type=click.Choice(["QE", "response", "reflectance", "transmittance", "power"]),
+        help="Quantity of the curves in the file.",
+    ),
+    click.option("--column", "columns", multiple=True, help="Only this curve; may be repeated."),
+    click.option(
+        "--beyond",
+        type=click.Choice(["refuse", "zero", "hold"]),
+        help="Values of a curve at wavelengths that only other curves of the file cover. "
+        "[default: refuse]",
+    ),
+)
+
+
+def answering(command: Decorated) -> Decorated:
+    """Add the options that supply what a file of spectra lacks."""
+    return _with(command, _ANSWERS)
+
+
+def of_one_file(command: Decorated) -> Decorated:
+    """Add the options of a command that reads one file of spectra."""
+    return _with(command, _OF_ONE_FILE)
+
+
+def _with(command: Decorated, options: Sequence[Callable[[Decorated], Decorated]]) -> Decorated:
+    for option in reversed(options):
+        command = option(command)
+    return command
+
+
+def answers_of(settings: Mapping[str, Any]) -> Answers:
+    """The `Answers` among the settings of a command; omitted options are left out.
+
+    Parameters
+    ----------
+    settings
+        By the fields of `Answers`.
+    """
+    names = {one.name for one in fields(Answers)}
+    given = {k: v for k, v in settings.items() if k in names and v not in (None, ())}
+    return Answers(**given)
 
 
 class _WholeNumber(click.ParamType):
@@ -127,7 +368,7 @@ matrix_option = click.option(
 )
 
 
-def with_settings(function: str, only: Collection[str] = ()) -> Callable[[Command], Command]:
+def with_settings(function: str, only: Collection[str] = ()) -> Callable[[Decorated], Decorated]:
     """Add an option for each setting of a function, and the defaults to their help.
 
     An option that the command has written itself, because its form or its meaning differs, takes
@@ -141,7 +382,7 @@ def with_settings(function: str, only: Collection[str] = ()) -> Callable[[Comman
         Names of settings, if not all are options of the command.
     """
 
-    def added(command: Command) -> Command:
+    def added(command: Decorated) -> Decorated:
         command = command if only else older_units(command)
         parameters: list[click.Parameter] = vars(command)["__click_params__"]
         own = {one.name: one for one in reversed(parameters)}

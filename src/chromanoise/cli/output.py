@@ -1,20 +1,30 @@
-"""Write JSON and tables to a file or to standard output."""
+"""Write JSON and tables to a file or to standard output.
+
+Render errors for the command line, with options in place of settings.
+
+Progress of a computation: an estimate of its duration, and a bar on a terminal.
+"""
 
 import json
 import os
-from collections.abc import Callable, Iterable, Mapping, Sequence
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import click
 from rich.console import Console
 
-from chromanoise._files import write_all_whole
-from chromanoise.errors import InputError
-from chromanoise.io.table import (
-    Table,
+from chromanoise.base import (
+    InputError,
+    Setting,
+    StudyError,
+    errors_in,
+    setting_of_study,
+    write_all_whole,
 )
-from chromanoise.io.table_formats import table_writer
+from chromanoise.io import Table, table_writer
 
 _ANOTHER = "name another file"
 
@@ -108,3 +118,166 @@ def print_lines(lines: Iterable[str]) -> None:
     """Print sentences, each on a line of its own."""
     for line in lines:
         terminal().print(line, soft_wrap=True)
+
+
+_NONE: Mapping[str, str] = {}
+_OF_A_FILE = ("run", "rerun", "report", "serve", "optimize")  # a study or design has the settings
+
+
+def sentences(error: InputError, command: str = "", options: Mapping[str, str] = _NONE) -> str:
+    """One sentence per error, with options in place of settings.
+
+    Parameters
+    ----------
+    error
+        An error of the library.
+    command
+        Name of the command. Some settings have different options in different commands.
+    options
+        Options of the command by parameter name, also those that are no setting of a study, e.g.
+        ``threads``.
+    """
+    if isinstance(error, StudyError) and error.places:  # a study file: its terms, not options
+        lines = error.sentences()
+    else:
+        lines = [_sentence(one, command, options) for one in errors_in(error)]
+    return "\n".join(dict.fromkeys(lines))
+
+
+def _sentence(error: InputError, command: str, options: Mapping[str, str]) -> str:
+    from chromanoise.study import interface_of  # only where there is an error
+
+    subject = error.subject
+    if command in _OF_A_FILE and "." in error.setting:
+        own = error.setting if subject == error.setting_name else subject
+        return error.sentence(subject=own, render=setting_of_study)
+    if error.setting:
+        name = _flat(error.setting, command)
+        if name is not None and subject in (name, error.setting_name, "matrix"):
+            part = interface_of(name).part
+            option = _option(name, command, error.value)
+            subject = f"{part} of {option}" if part in ("FIRST", "LAST", "POINTS") else option
+    else:
+        subject = options.get(subject, subject)
+    return error.sentence(subject=subject, render=lambda setting: _remedy(setting, command))
+
+
+def _remedy(setting: Setting, command: str) -> str:
+    if list(map(str, setting.values)) == ["False"]:  # of an option that has no value
+        return f"omit {options_text(Setting(setting.name), command)}"
+    return f"{'omit' if setting.omit else 'give'} {options_text(setting, command)}"
+
+
+def options_text(setting: Setting, command: str = "") -> str:
+    """A setting as options of the command line: ``--energy or --photons``, ``--beyond zero``.
+
+    Parameters
+    ----------
+    setting
+        A setting named by a key of a study or by a parameter of a reader.
+    command
+        Name of the command.
+    """
+    from chromanoise.study import flags_of
+
+    name = _flat(setting.name, command) or setting.name
+    flags = flags_of(name)
+    values = [str(value) for value in setting.values]
+    if flags:
+        return " or ".join(flags[value] for value in values or flags)
+    if values == ["True"]:
+        return _option(name, command)
+    return f"{_option(name, command)} {' or '.join(values)}".strip()
+
+
+def _option(name: str, command: str, value: object = None) -> str:
+    """The option of a setting, or the argument."""
+    from chromanoise.study import option_of
+
+    if name == "cube" or (name == "sensors" and command not in ("simulate", "denoise")):
+        return {"cube": "CUBE", "sensors": "SENSOR"}[name]
+    return option_of(name, value)
+
+
+def _flat(key: str, command: str) -> str | None:
+    """The setting for a key of a study in this command; a key without dots is a setting."""
+    from chromanoise.study import FUNCTIONS, argument_of
+
+    if key.startswith("matrices"):
+        return "matrix"
+    if key.startswith("sensors.") and key.endswith(".name"):
+        return "sensors"
+    if key == "pictures.0.cube":
+        return "cube"
+    own = {"simulate": "render", "denoise": "denoise"}.get(command)
+    names = FUNCTIONS[own] if own else _of_all(("analyze", "compare", "compare_map", "matrix"))
+    alone = "qe_scale" if key == "scale" else key  # for commands that read one file
+    return argument_of(key, names) or (None if "." in key else alone)
+
+
+def _of_all(functions: tuple[str, ...]) -> dict[str, tuple[str, ...]]:
+    from chromanoise.study import FUNCTIONS
+
+    return {name: keys for one in functions for name, keys in FUNCTIONS[one].items()}
+
+
+_MEASURED_S = 1.0  # time measured before the total is estimated
+_LONG_S = 30.0  # below this, no estimate is printed
+
+
+@contextmanager
+def progress_of(what: str, parts: int, unit: str) -> Iterator[Callable[[int], None]]:
+    """Yield a function to be called with each number of newly finished parts, out of ``parts``.
+
+    After the first second of work, a line on standard error gives the estimated total time if that
+    is more than half a minute. A terminal also shows a bar.
+    """
+    console = Console(stderr=True, highlight=False, markup=False, emoji=False, soft_wrap=True)
+    start, finished, estimated = time.monotonic(), 0, False
+    first: tuple[float, int] | None = None  # the first parts include what is prepared once
+
+    def advance(count: int) -> None:
+        nonlocal finished, estimated, first
+        finished += count
+        now = time.monotonic()
+        if first is None:
+            first = (now, finished) if finished else None
+            return
+        if not estimated and finished > first[1] and now - first[0] >= _MEASURED_S:
+            estimated = True
+            whole = first[0] - start + (now - first[0]) / (finished - first[1]) * (parts - first[1])
+            if whole > _LONG_S:
+                console.print(f"{what}: takes about {duration(whole)}")
+
+    if not console.is_terminal:
+        yield advance
+        return
+    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+    rate = TextColumn("{task.completed}/{task.total} " + unit + ", {task.fields[speed]:.0f}/s")
+    with Progress(
+        BarColumn(), rate, TimeRemainingColumn(), console=console, transient=True
+    ) as progress:
+        task = progress.add_task(unit, total=parts, speed=0.0)
+
+        def advance_bar(count: int) -> None:
+            advance(count)
+            progress.advance(task, count)
+            speed = progress.tasks[0].speed or 0.0
+            progress.update(task, speed=speed)
+
+        yield advance_bar
+
+
+def duration(seconds: float) -> str:
+    """A duration in a readable unit.
+
+    Examples
+    --------
+    >>> duration(42.3), duration(150.0), duration(90000.0), duration(2e6)
+    ('42 s', '2.5 min', '25 h', '23 days')
+    """
+    for unit, length, most in (("s", 1, 90), ("min", 60, 90 * 60), ("h", 3600, 48 * 3600)):
+        if seconds < most:
+            return f"{seconds / length:.2g} {unit}"
+    return f"{seconds / 86400:.2g} days"

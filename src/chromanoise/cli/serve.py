@@ -7,8 +7,8 @@ from pathlib import Path
 
 import click
 
-from chromanoise.cli.parsing import command
-from chromanoise.errors import InputError
+from chromanoise.base import InputError
+from chromanoise.cli.options import command
 
 
 @command()
@@ -31,11 +31,11 @@ def serve(study: Path | None, port: int, front: Path | None, opened: bool) -> No
 
     The server listens on this machine only and uses no network. Ctrl-C ends it.
     """
-    from chromanoise.page.server import listening_socket, page_server
+    from chromanoise.web import listening_socket, page_server
 
     data = _study(study)
     if front is not None:
-        from chromanoise.design import read_front
+        from chromanoise.apps.design import read_front
 
         read_front(front)  # an invalid one ends the command
     try:
@@ -78,8 +78,8 @@ def _study(path: Path | None) -> dict[str, object] | None:
     """The initial study as plain data; an invalid study raises an error."""
     if path is None:
         return None
-    from chromanoise.page.studies import served_data
     from chromanoise.study import read_study
+    from chromanoise.web import served_data
 
     study = read_study(path)
     try:

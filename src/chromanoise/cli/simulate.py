@@ -8,23 +8,13 @@ from typing import Any
 
 import click
 
-from chromanoise import __version__
-from chromanoise._files import claimed_folder, refuse_unwritable
-from chromanoise.cli.copying import print_copy
-from chromanoise.cli.options import (
-    WHOLE,
-    copy_option,
-    matrix_option,
-    with_settings,
-)
-from chromanoise.cli.output import write_json
-from chromanoise.cli.parsing import command
-from chromanoise.cli.progress import progress_of
-from chromanoise.exposure import conditions
-from chromanoise.imaging import Work
-from chromanoise.imaging.capture import any_picture, is_held
-from chromanoise.imaging.distributed import cluster
-from chromanoise.scene.rows import row_source
+from chromanoise.base import __version__, claimed_folder, refuse_unwritable
+from chromanoise.cli.analyses import print_copy
+from chromanoise.cli.options import WHOLE, command, copy_option, matrix_option, with_settings
+from chromanoise.cli.output import progress_of, write_json
+from chromanoise.imaging import Work, any_picture, cluster, is_held
+from chromanoise.noise import conditions
+from chromanoise.spectra import row_source
 from chromanoise.study import (
     Study,
     TakenPicture,

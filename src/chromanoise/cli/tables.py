@@ -1,31 +1,16 @@
-"""Print results as tables on a terminal."""
+"""Print results as tables on a terminal.
+
+The tables for a machine on a terminal.
+"""
 
 from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 from rich.table import Table
 
-from chromanoise.analysis import (
-    Analysis,
-    color_snr_db,
-    contravariant_snr_db,
-    diagnosis,
-    mean_color_error,
-    mean_total_error,
-    metric_of,
-    raw_snr_db,
-)
-from chromanoise.analysis.comparison.bands import CrossoverBand, band_sentence
-from chromanoise.analysis.comparison.curves import Curve
-from chromanoise.analysis.comparison.maps import QuantityMap, best_of, by_matrix
-from chromanoise.analysis.comparison.ranking import MOST_PAIRS_SENSORS, Rank
-from chromanoise.catalog.sensors import RECONSTRUCTION
-from chromanoise.cli.output import print_lines, terminal
-from chromanoise.color import ColorMatrix
-from chromanoise.io.table import Table as Rows, number_text, written
-from chromanoise.io.table_formats import head as heading
-from chromanoise.metrics import MatrixReport
-from chromanoise.paper import (
+from chromanoise.apps.paper import (
+    PRINTED_TIMES_MS,
+    WELL_SHARE,
     Cell,
     PaperTable,
     Reproduction,
@@ -36,7 +21,31 @@ from chromanoise.paper import (
     table_5_finding,
     verdict,
 )
-from chromanoise.paper.study import PRINTED_TIMES_MS, WELL_SHARE
+from chromanoise.charts import machine_tables
+from chromanoise.cli.output import print_lines, terminal
+from chromanoise.color import ColorMatrix
+from chromanoise.io import Table as Rows, head as heading, number_text, written
+from chromanoise.metrics import MatrixReport
+from chromanoise.study import (
+    MOST_PAIRS_SENSORS,
+    RECONSTRUCTION,
+    Analysis,
+    CrossoverBand,
+    Curve,
+    MachineReading,
+    QuantityMap,
+    Rank,
+    band_sentence,
+    best_of,
+    by_matrix,
+    color_snr_db,
+    contravariant_snr_db,
+    diagnosis,
+    mean_color_error,
+    mean_total_error,
+    metric_of,
+    raw_snr_db,
+)
 
 _WIDE = 6  # most channels in one row
 _SHOWN = 6  # number of printed values of a sweep
@@ -347,3 +356,25 @@ def _cell(cell: Cell | None) -> str:
         text += f" | {cell.monte_carlo:.2f} ± {cell.monte_carlo_se:.2f}"
     text += f" {cell.unit}"
     return f"{text}, {100 * cell.clipped_share:.1f} % clipped" if cell.clipped_share > 0 else text
+
+
+_TEXTS = 2  # columns of text before those of numbers
+
+
+def print_machine_readings(readings: Sequence[MachineReading]) -> None:
+    """Print distances of patches, contrast detection and information.
+
+    Parameters
+    ----------
+    readings
+        One per sensor.
+    """
+    console = terminal()
+    for one in machine_tables(readings):
+        table = Table(title=one["title"], title_justify="left")
+        for i, head in enumerate(one["head"]):
+            table.add_column(head, justify="left" if i < _TEXTS else "right")
+        for row in one["rows"]:
+            table.add_row(*row)
+        console.print(table)
+        console.print(one["note"], soft_wrap=True)

@@ -2,115 +2,78 @@
 
 from typing import TYPE_CHECKING
 
-from chromanoise._lazy import lazy_names
-from chromanoise.color.cubatures import (
-    Cubature as Cubature,
-    cubature as cubature,
-    gaussian_cubature as gaussian_cubature,
-    gaussian_expectation as gaussian_expectation,
-    mean_ciede2000 as mean_ciede2000,
-)
-from chromanoise.color.differences import (
-    balanced_cielab as balanced_cielab,
-    cie1976_difference as cie1976_difference,
-    ciede2000_difference as ciede2000_difference,
-)
-from chromanoise.color.exact_moments import (
-    exact as exact,
-    exact_where_needed as exact_where_needed,
-    normal_fails as normal_fails,
-)
-from chromanoise.color.fitted import (
-    ParetoCurve as ParetoCurve,
-    kernel as kernel,
-    least_squares as least_squares,
-    lmmse as lmmse,
-    lmmse_over_light as lmmse_over_light,
-    noise_regularized as noise_regularized,
-    pareto as pareto,
-    ridge as ridge,
-    training_color_error as training_color_error,
-    white_preserving as white_preserving,
-)
-from chromanoise.color.linearized import first_order as first_order
-from chromanoise.color.matrices import (
-    ColorMatrix as ColorMatrix,
-    colored as colored,
-    kernel_matrix as kernel_matrix,
-    scene_xyz as scene_xyz,
-)
-from chromanoise.color.noise_gain import (
-    bounded_psi as bounded_psi,
-    noise_gain as noise_gain,
-    white_normalized as white_normalized,
-)
-from chromanoise.color.noisy_colors import (
-    UNBOUNDED as UNBOUNDED,
-    ElectronSource as ElectronSource,
-    NoisyColor as NoisyColor,
-    noisy_color as noisy_color,
-)
-from chromanoise.color.picture import (
-    adapted_to_d65 as adapted_to_d65,
-    srgb_from_linear as srgb_from_linear,
-    srgb_from_xyz as srgb_from_xyz,
-)
-from chromanoise.color.pipeline import (
-    LUMA_WEIGHTS as LUMA_WEIGHTS,
-    TONES as TONES,
-    ToneCurve as ToneCurve,
-    black_subtracted as black_subtracted,
-    checked_gains as checked_gains,
-    encoded as encoded,
-    encoded_space as encoded_space,
-    gains_covariance as gains_covariance,
-    gray_gains as gray_gains,
-    luma_chroma as luma_chroma,
-    luma_chroma_matrix as luma_chroma_matrix,
-    matrix_for_balanced as matrix_for_balanced,
-    reference_channel as reference_channel,
-    rendered_lab_space as rendered_lab_space,
-    rendering_matrix as rendering_matrix,
-    saturation_matrix as saturation_matrix,
-    tone_curve as tone_curve,
-    white_balanced as white_balanced,
-    with_exposure_gain as with_exposure_gain,
-    with_saturation as with_saturation,
-)
-from chromanoise.color.propagation import (
-    FIRST_ORDER_TOLERANCE as FIRST_ORDER_TOLERANCE,
-    ColorNoise as ColorNoise,
-    Method as Method,
-    SpaceMoments as SpaceMoments,
-    propagate as propagate,
-    relative_sd_error as relative_sd_error,
-)
-from chromanoise.color.spaces import (
-    LAB as LAB,
-    LINEAR_SRGB as LINEAR_SRGB,
-    LUV as LUV,
-    SPACES as SPACES,
-    SRGB as SRGB,
-    XYY as XYY,
-    Space as Space,
-    cielab as cielab,
-    cieluv as cieluv,
-    encoded_srgb as encoded_srgb,
-    linear_srgb as linear_srgb,
-    xyy as xyy,
-)
-from chromanoise.color.training import (
-    Training as Training,
-    TrainingResponse as TrainingResponse,
-    chart_training as chart_training,
-    light_second_moment as light_second_moment,
-    nir_diverse as nir_diverse,
-    smooth_training as smooth_training,
-    training_response as training_response,
-)
+from chromanoise.base.lazy import lazy_names
 
 if TYPE_CHECKING:
-    from chromanoise.color.root_polynomial_matrix import (
+    from chromanoise.color.color_moments import (
+        Cubature as Cubature,
+        cubature as cubature,
+        exact as exact,
+        exact_where_needed as exact_where_needed,
+        first_order as first_order,
+        gaussian_cubature as gaussian_cubature,
+        gaussian_expectation as gaussian_expectation,
+        mean_ciede2000 as mean_ciede2000,
+        normal_fails as normal_fails,
+    )
+    from chromanoise.color.matrices import (
+        XYZ,
+        ColorMatrix as ColorMatrix,
+        ParetoCurve as ParetoCurve,
+        bounded_psi as bounded_psi,
+        colored as colored,
+        kernel as kernel,
+        kernel_matrix as kernel_matrix,
+        least_squares as least_squares,
+        lmmse as lmmse,
+        lmmse_over_light as lmmse_over_light,
+        noise_gain as noise_gain,
+        noise_regularized as noise_regularized,
+        pareto as pareto,
+        penalized_matrix,
+        ridge as ridge,
+        scene_xyz as scene_xyz,
+        training_color_error as training_color_error,
+        white_normalized as white_normalized,
+        white_preserving as white_preserving,
+    )
+    from chromanoise.color.pipeline import (
+        LUMA_WEIGHTS as LUMA_WEIGHTS,
+        RGB,
+        TONES as TONES,
+        LumaStandard,
+        ToneCurve as ToneCurve,
+        black_subtracted as black_subtracted,
+        checked_gains as checked_gains,
+        encoded as encoded,
+        encoded_space as encoded_space,
+        gains_covariance as gains_covariance,
+        gray_gains as gray_gains,
+        luma_chroma as luma_chroma,
+        luma_chroma_matrix as luma_chroma_matrix,
+        matrix_for_balanced as matrix_for_balanced,
+        reference_channel as reference_channel,
+        rendered_lab_space as rendered_lab_space,
+        rendering_matrix as rendering_matrix,
+        saturation_matrix as saturation_matrix,
+        tone_curve as tone_curve,
+        white_balanced as white_balanced,
+        with_exposure_gain as with_exposure_gain,
+        with_saturation as with_saturation,
+    )
+    from chromanoise.color.propagation import (
+        FIRST_ORDER_TOLERANCE as FIRST_ORDER_TOLERANCE,
+        UNBOUNDED as UNBOUNDED,
+        ColorNoise as ColorNoise,
+        ElectronSource as ElectronSource,
+        Method as Method,
+        NoisyColor as NoisyColor,
+        SpaceMoments as SpaceMoments,
+        noisy_color as noisy_color,
+        propagate as propagate,
+        relative_sd_error as relative_sd_error,
+    )
+    from chromanoise.color.root_polynomials import (
         RootPolynomial as RootPolynomial,
         root_first_order_error as root_first_order_error,
         root_jacobian as root_jacobian,
@@ -118,6 +81,36 @@ if TYPE_CHECKING:
         root_polynomial_bias as root_polynomial_bias,
         root_polynomial_color as root_polynomial_color,
         root_polynomial_color_exact as root_polynomial_color_exact,
+    )
+    from chromanoise.color.spaces import (
+        LAB as LAB,
+        LINEAR_SRGB as LINEAR_SRGB,
+        LUV as LUV,
+        SPACES as SPACES,
+        SRGB as SRGB,
+        XYY as XYY,
+        Space as Space,
+        adapted_to_d65 as adapted_to_d65,
+        balanced_cielab as balanced_cielab,
+        cie1976_difference as cie1976_difference,
+        ciede2000_difference as ciede2000_difference,
+        cielab as cielab,
+        cieluv as cieluv,
+        encoded_srgb as encoded_srgb,
+        linear_srgb as linear_srgb,
+        srgb_from_linear as srgb_from_linear,
+        srgb_from_xyz as srgb_from_xyz,
+        xyy as xyy,
+    )
+    from chromanoise.color.training import (
+        Training as Training,
+        TrainingResponse as TrainingResponse,
+        chart_training as chart_training,
+        light_second_moment as light_second_moment,
+        nir_diverse as nir_diverse,
+        shares,
+        smooth_training as smooth_training,
+        training_response as training_response,
     )
 
 __getattr__, __dir__, __all__ = lazy_names(__name__)

@@ -13,13 +13,16 @@ from typing import Literal
 
 import numpy as np
 
-from chromanoise import _check
-from chromanoise._check import Array
-from chromanoise._linalg import congruence, inv
-from chromanoise._shapes import Float
-from chromanoise.color.picture import D65_WHITE, SRGB_TOE, XYZ_TO_LINEAR_SRGB, srgb_from_linear
-from chromanoise.color.spaces import LAB, Space, linear_srgb
-from chromanoise.errors import InputError
+from chromanoise.base import Array, Float, InputError, check, congruence, inv
+from chromanoise.color.spaces import (
+    D65_WHITE,
+    LAB,
+    SRGB_TOE,
+    XYZ_TO_LINEAR_SRGB,
+    Space,
+    linear_srgb,
+    srgb_from_linear,
+)
 from chromanoise.noise import Measurement, through
 
 RGB = ("R", "G", "B")
@@ -77,8 +80,8 @@ def gray_gains(gray_e: Float[Array, " p"], names: Sequence[str]) -> Float[Array,
     >>> gray_gains(np.array([50.0, 100.0, 25.0]), ("R", "G", "B"))
     array([2., 1., 4.])
     """
-    gray = _check.finite("gray", "e-", gray_e)
-    _check.same_length("channels", gray_e=gray.size, names=len(names))
+    gray = check.finite("gray", "e-", gray_e)
+    check.same_length("channels", gray_e=gray.size, names=len(names))
     dark = [(name, float(m)) for name, m in zip(names, gray, strict=True) if not m > 0]
     if dark:
         raise InputError(
@@ -248,7 +251,7 @@ def saturation_matrix(saturation: float) -> Float[Array, "3 3"]:
     >>> saturation_matrix(0.0) @ np.array([1.0, 0.0, 0.0])
     array([0.2126, 0.2126, 0.2126])
     """
-    s = _check.not_negative("saturation", "1", saturation)
+    s = check.not_negative("saturation", "1", saturation)
     return np.asarray(s * np.eye(3) + (1 - s) * LUMA_WEIGHTS["bt709"])
 
 
@@ -308,8 +311,8 @@ def tone_curve(tone: str | float) -> ToneCurve:
     [0.5371, 0.4899, 0.25, 0.5]
     """
     if isinstance(tone, str):
-        return _NAMED[_check.one_of("tone", tone, TONES)]
-    gamma = _check.within("tone", "as a gamma", tone, *_GAMMA)
+        return _NAMED[check.one_of("tone", tone, TONES)]
+    gamma = check.within("tone", "as a gamma", tone, *_GAMMA)
     return ToneCurve(
         name=f"gamma {gamma:g}",
         of=partial(_power, exponent=1 / gamma),
@@ -360,7 +363,7 @@ def luma_chroma_matrix(standard: LumaStandard = "bt709") -> Float[Array, "3 3"]:
     >>> luma_chroma_matrix("bt601").round(4)[1]
     array([-0.1687, -0.3313,  0.5   ])
     """
-    luma = LUMA_WEIGHTS[_check.one_of("luma", standard, tuple(LUMA_WEIGHTS))]
+    luma = LUMA_WEIGHTS[check.one_of("luma", standard, tuple(LUMA_WEIGHTS))]
     red, _, blue = np.eye(3)
     return np.stack([luma, (blue - luma) / (2 - 2 * luma[2]), (red - luma) / (2 - 2 * luma[0])])
 
@@ -400,7 +403,7 @@ def rendering_matrix(
     InputError
         As `linear_srgb` and `saturation_matrix`, or if the gain is not above 0.
     """
-    gain = _check.positive("exposure_gain", "1", exposure_gain)
+    gain = check.positive("exposure_gain", "1", exposure_gain)
     return np.asarray(gain * saturation_matrix(saturation) @ linear_srgb(np.eye(3), white).T)
 
 

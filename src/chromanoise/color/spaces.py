@@ -1,4 +1,8 @@
-"""Color spaces with their Jacobians for the propagation of noise.
+"""Color differences between balanced colors, for which white is X = Y = Z = 1.
+
+Conversion of linear XYZ to sRGB pixels.
+
+Color spaces with their Jacobians for the propagation of noise.
 
 Every map is exact for physical colors and continues beyond them without clipping: noise makes X, Y
 and Z negative or larger than white, and clipping would hide it. The docstring of each map defines
@@ -13,12 +17,182 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from chromanoise import _check
-from chromanoise._check import Array
-from chromanoise._shapes import Float
-from chromanoise.color.differences import lab_of_cube_roots
-from chromanoise.color.picture import SRGB_TOE, XYZ_TO_LINEAR_SRGB, adapted_to_d65, srgb_from_linear
-from chromanoise.errors import InputError
+from chromanoise.base import Array, Float, InputError, check, colour_science, inv
+
+
+def balanced_cielab(xyz: Float[Array, "*px 3"]) -> Float[Array, "*px 3"]:
+    """CIE 1976 L*, a*, b* of colors divided by their white.
+
+    Parameters
+    ----------
+    xyz
+        X/Xn, Y/Yn, Z/Zn; also below 0, where the linear segment continues. [1]
+
+    Notes
+    -----
+    CIE 015:2018, eq. 8.3-8.8, as `chromanoise.color.cielab`. The cube root is a power here, as in
+    colour-science; it differs from ``np.cbrt`` in the last digit, and so would published results.
+
+    Examples
+    --------
+    >>> balanced_cielab(np.array([0.125, 0.125, 0.125])).round(12)       # 116 / 2 - 16
+    array([42.,  0.,  0.])
+    """
+    power = np.sign(xyz) * np.abs(xyz) ** (1 / 3)
+    return lab_of_cube_roots(np.where(xyz > (24 / 116) ** 3, power, 841 / 108 * xyz + 16 / 116))
+
+
+def lab_of_cube_roots(roots: Float[Array, "*px 3"]) -> Float[Array, "*px 3"]:
+    """L*, a*, b* from the f of X/Xn, Y/Yn and Z/Zn (CIE 015:2018, eq. 8.3-8.5).
+
+    Examples
+    --------
+    >>> lab_of_cube_roots(np.array([0.5, 0.5, 0.5]))
+    array([42.,  0.,  0.])
+    """
+    x, y, z = np.moveaxis(roots, -1, 0)
+    return np.stack([116 * y - 16, 500 * (x - y), 200 * (y - z)], axis=-1)
+
+
+def cie1976_difference(
+    first: Float[Array, "*#px 3"], second: Float[Array, "*#px 3"]
+) -> Float[Array, "..."]:
+    """CIE 1976 color difference of two colors given as L*, a*, b*. [Delta E*ab]
+
+    Parameters
+    ----------
+    first, second
+        L*, a*, b*; their leading axes are broadcast.
+
+    Notes
+    -----
+    CIE 015:2018, eq. 8.21.
+
+    Examples
+    --------
+    >>> cie1976_difference(np.array([50.0, 3.0, 4.0]), np.array([50.0, 0.0, 0.0]))
+    array(5.)
+    """
+    return np.asarray(np.linalg.norm(first - second, axis=-1))
+
+
+def ciede2000_difference(
+    first: Float[Array, "*#px 3"], second: Float[Array, "*#px 3"]
+) -> Float[Array, "..."]:
+    """CIEDE2000 color difference of two colors given as L*, a*, b*. [1]
+
+    Parameters
+    ----------
+    first, second
+        L*, a*, b*; their leading axes are broadcast.
+
+    Notes
+    -----
+    CIE 142-2001 (ISO/CIE 11664-6), by colour-science.
+
+    Examples
+    --------
+    Pair 7 of Sharma, Wu & Dalal, Color Res. Appl. 30, 21 (2005), table 1.
+
+    >>> first, second = np.array([50.0, 0.0, 0.0]), np.array([50.0, -1.0, 2.0])
+    >>> round(float(ciede2000_difference(first, second)), 4)
+    2.3669
+    """
+    return np.asarray(colour_science().difference.delta_E_CIE2000(first, second))
+
+
+SRGB_TOE = 0.0031308
+"""Linear value up to which sRGB is encoded by a line (IEC 61966-2-1)."""
+
+D65_WHITE = np.array([0.95047, 1.0, 1.08883])
+"""XYZ of the sRGB white (IEC 61966-2-1)."""
+
+XYZ_TO_LINEAR_SRGB = np.array(
+    [
+        [3.2406, -1.5372, -0.4986],
+        [-0.9689, 1.8758, 0.0415],
+        [0.0557, -0.2040, 1.0570],
+    ]
+)
+"""IEC 61966-2-1:1999, as printed."""
+
+BRADFORD = np.array(
+    [
+        [0.8951, 0.2664, -0.1614],
+        [-0.7502, 1.7135, 0.0367],
+        [0.0389, -0.0685, 1.0296],
+    ]
+)
+"""Cone response of the Bradford transform (Lam 1985; ICC.1:2022, annex E)."""
+
+
+def adapted_to_d65(xyz: Float[Array, "*px 3"], white: Float[Array, " 3"]) -> Float[Array, "*px 3"]:
+    """XYZ adapted from ``white`` to D65: von Kries scaling in Bradford's cone space.
+
+    Parameters
+    ----------
+    xyz
+        Linear, Y = 1 for the white.
+    white
+        XYZ of a perfect white under the light of the picture.
+
+    Raises
+    ------
+    InputError
+        If the white is no color that an eye can adapt to.
+
+    Examples
+    --------
+    >>> adapted_to_d65(np.array([1.0, 1.0, 1.0]), np.ones(3)).round(5)
+    array([0.95047, 1.     , 1.08883])
+    """
+    cones = BRADFORD @ white
+    if not (cones > 0).all():
+        found = white.round(4).tolist()
+        raise InputError(
+            "white",
+            "must be a color that an eye can adapt to (Bradford's cone responses > 0)",
+            value=found,
+            found=f"is XYZ = {found}: the sensor and its matrix do not see this light",
+            remedy="take another lamp or matrix",
+        )
+    gain = (BRADFORD @ D65_WHITE) / cones
+    return xyz @ (inv("BRADFORD", BRADFORD) @ np.diag(gain) @ BRADFORD).T
+
+
+def srgb_from_xyz(xyz: Float[Array, "*px 3"]) -> Float[Array, "*px 3"]:
+    """Encoded sRGB, 0 .. 1, with out-of-gamut colors clipped (IEC 61966-2-1).
+
+    Parameters
+    ----------
+    xyz
+        Relative to D65, Y = 1 for white.
+
+    Examples
+    --------
+    >>> srgb_from_xyz(D65_WHITE * np.array([[1.0], [0.18], [0.0]])).round(3)
+    array([[1.   , 1.   , 1.   ],
+           [0.461, 0.461, 0.461],
+           [0.   , 0.   , 0.   ]])
+    """
+    return srgb_from_linear(np.clip(xyz @ XYZ_TO_LINEAR_SRGB.T, 0.0, 1.0))
+
+
+def srgb_from_linear(linear: Float[Array, "*px"]) -> Float[Array, "*px"]:
+    """Encoded sRGB of linear values; the line continues below 0, the power law above 1.
+
+    Parameters
+    ----------
+    linear
+        Linear values; 1 is the white. [1]
+
+    Notes
+    -----
+    IEC 61966-2-1:1999. The two pieces differ by 2e-8 at 0.0031308, as in the standard.
+    """
+    power = np.maximum(linear, SRGB_TOE) ** (1 / 2.4)
+    return np.where(linear <= SRGB_TOE, 12.92 * linear, 1.055 * power - 0.055)
+
 
 _DELTA = 6 / 29  # CIE 015:2018, eq. 8.7: below its cube the cube root becomes a line
 _UV = np.array([1.0, 15.0, 3.0])  # CIE 015:2018, eq. 8.25: X + 15 Y + 3 Z
@@ -47,7 +221,7 @@ class Space:
     jacobian: Callable[[Array, Array], Array]
 
     def __post_init__(self) -> None:
-        _check.distinct("coordinates of a color space", (self.name, *self.coordinates))
+        check.distinct("coordinates of a color space", (self.name, *self.coordinates))
 
     @property
     def has_color_difference(self) -> bool:
@@ -232,7 +406,7 @@ def _chromaticity_slope(xyz: Float[Array, "*px 3"]) -> Float[Array, "*px 2 3"]:
 
 
 def _white(white: Float[Array, " 3"]) -> Float[Array, " 3"]:
-    checked = _check.finite("white XYZ", "that of the color", white)
+    checked = check.finite("white XYZ", "that of the color", white)
     if not (checked > 0).all():
         found = checked.round(4).tolist()
         raise InputError(

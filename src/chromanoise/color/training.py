@@ -6,23 +6,20 @@ from itertools import product
 
 import numpy as np
 
-from chromanoise import _check
-from chromanoise._check import Array
-from chromanoise._linalg import eigh
-from chromanoise._shapes import Float
-from chromanoise.errors import InputError
-from chromanoise.exposure import Exposure, expected_electrons
-from chromanoise.noise import mean_noise_covariance
-from chromanoise.scene import Scene, flat_field, light
+from chromanoise.base import Array, Float, InputError, check, eigh
+from chromanoise.noise import Exposure, expected_electrons, mean_noise_covariance
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import (
     DEFAULT_OBSERVER,
     INFRARED_FROM_NM,
     Illuminant,
     Metric,
+    Scene,
     color_axes,
     colorchecker,
+    flat_field,
     known_observer,
+    light,
 )
 
 _FEWEST_E = 1e-280  # of a white; noise over fewer electrons overflows double precision
@@ -68,7 +65,7 @@ class Training:
     def __post_init__(self) -> None:
         object.__setattr__(self, "observer", known_observer(self.observer))
         where = f"reflectance of {self.source}"
-        rho = _check.non_negative(where, "1", self.reflectance)
+        rho = check.non_negative(where, "1", self.reflectance)
         if rho.ndim != 2 or rho.shape[0] == 0:
             raise InputError(
                 where,
@@ -76,18 +73,18 @@ class Training:
                 value=rho.shape,
                 found=f"has shape {rho.shape}",
             )
-        _check.same_length(
+        check.same_length(
             "wavelengths", illuminant=self.illuminant.grid.n, reflectance=rho.shape[1]
         )
-        _check.same_length("reflectances", names=len(self.names), reflectance=rho.shape[0])
-        object.__setattr__(self, "names", _check.distinct(f"names of {self.source}", self.names))
-        object.__setattr__(self, "reflectance", _check.frozen(rho))
+        check.same_length("reflectances", names=len(self.names), reflectance=rho.shape[0])
+        object.__setattr__(self, "names", check.distinct(f"names of {self.source}", self.names))
+        object.__setattr__(self, "reflectance", check.frozen(rho))
         if self.weights is None:
             return
-        weights = _check.non_negative(f"weights of {self.source}", "1", self.weights)
-        _check.same_length("reflectances", names=len(self.names), weights=weights.size)
-        _check.positive(f"sum of the weights of {self.source}", "1", float(weights.sum()))
-        object.__setattr__(self, "weights", _check.frozen(weights))
+        weights = check.non_negative(f"weights of {self.source}", "1", self.weights)
+        check.same_length("reflectances", names=len(self.names), weights=weights.size)
+        check.positive(f"sum of the weights of {self.source}", "1", float(weights.sum()))
+        object.__setattr__(self, "weights", check.frozen(weights))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -119,9 +116,9 @@ class TrainingResponse:
     observer: str = DEFAULT_OBSERVER
 
     def __post_init__(self) -> None:
-        _check.same_length("reflectances", electrons=len(self.electrons), xyz=len(self.xyz))
-        _check.same_length("channels", white=self.white_e.size, electrons=self.electrons.shape[1])
-        _check.freeze(self, "share", "electrons", "xyz", "white_e", "white_xyz", "noise_e2")
+        check.same_length("reflectances", electrons=len(self.electrons), xyz=len(self.xyz))
+        check.same_length("channels", white=self.white_e.size, electrons=self.electrons.shape[1])
+        check.freeze(self, "share", "electrons", "xyz", "white_e", "white_xyz", "noise_e2")
 
 
 def chart_training(illuminant: Illuminant) -> Training:
@@ -184,8 +181,8 @@ def smooth_training(
            [0.001353, 0.006065, 0.01    ]])
     """
     at = illuminant.grid.wavelength_nm
-    width = _check.positive("width_nm of the smoothness prior", "nm", width_nm)
-    spread = _check.not_negative("sd of the smoothness prior", "1", sd)
+    width = check.positive("width_nm of the smoothness prior", "nm", width_nm)
+    spread = check.not_negative("sd of the smoothness prior", "1", sd)
     prior = np.exp(-0.5 * ((at[:, None] - at) / width) ** 2)
     variance, directions = eigh("smoothness prior", prior)
     kept = variance > _KEPT_VARIANCE * variance[-1]

@@ -4,9 +4,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from chromanoise._check import Array
-from chromanoise._linalg import RANK_TOLERANCE, angles_deg, lstsq, matrix_rank, unit_columns
-from chromanoise._shapes import Bool, Float
+from chromanoise.base import (
+    RANK_TOLERANCE,
+    Array,
+    Bool,
+    Float,
+    angles_deg,
+    lstsq,
+    matrix_rank,
+    unit_columns,
+)
 from chromanoise.geometry.frame import DualBasis
 from chromanoise.spectra import Metric
 

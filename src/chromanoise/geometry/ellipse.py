@@ -4,10 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from chromanoise import _check
-from chromanoise._check import Array
-from chromanoise._linalg import cholesky
-from chromanoise._shapes import Float
+from chromanoise.base import Array, Float, check, cholesky
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -26,7 +23,7 @@ class PlaneView:
     vectors: Float[Array, "2 2"]
 
     def __post_init__(self) -> None:
-        _check.freeze(self, "axes", "vectors")
+        check.freeze(self, "axes", "vectors")
 
     def seen(self, light: Float[Array, "*px n"]) -> Float[Array, "*px 2"]:
         """Orthogonal projection of any spectra into the plane.

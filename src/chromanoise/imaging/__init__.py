@@ -5,81 +5,120 @@ Kernels are compiled on their first call and cached; importing this package comp
 
 from typing import TYPE_CHECKING
 
-from chromanoise._lazy import lazy_names
+from chromanoise.base.lazy import lazy_names
 
 if TYPE_CHECKING:
+    from chromanoise.imaging.acquisition import add_readout_offsets
+    from chromanoise.imaging.blocks import new_rows
+    from chromanoise.imaging.capture import (
+        Camera,
+        Capture,
+        CaptureSettings,
+        any_picture,
+        camera_for,
+        capture_summary,
+        is_held,
+        write_capture,
+    )
     from chromanoise.imaging.demosaic import (
         FilterBank as FilterBank,
         bilinear_filters as bilinear_filters,
+        channel_tile,
         demosaicked as demosaicked,
         malvar_filters as malvar_filters,
     )
     from chromanoise.imaging.demosaic_methods import (
         DEMOSAICING as DEMOSAICING,
+        PicturePrior as PicturePrior,
         chart_electrons as chart_electrons,
         chart_prior as chart_prior,
-    )
-    from chromanoise.imaging.demosaic_noise import (
         demosaicked_covariance as demosaicked_covariance,
         flat_field_means as flat_field_means,
         flat_field_noise as flat_field_noise,
-        noise_power_spectrum as noise_power_spectrum,
-    )
-    from chromanoise.imaging.demosaic_priors import (
-        PicturePrior as PicturePrior,
         gradient_corrected_filters as gradient_corrected_filters,
         lmmse_filters as lmmse_filters,
+        noise_power_spectrum as noise_power_spectrum,
         picture_prior as picture_prior,
     )
     from chromanoise.imaging.develop import (
         developed as developed,
         developed_color as developed_color,
     )
+    from chromanoise.imaging.distributed import client_of, cluster
     from chromanoise.imaging.dng import (
         RawProfile as RawProfile,
         dng_rows as dng_rows,
         raw_profile as raw_profile,
         write_dng as write_dng,
     )
-    from chromanoise.imaging.exr import (
-        write_linear_exr as write_linear_exr,
-        write_xyz_exr as write_xyz_exr,
+    from chromanoise.imaging.dot_kernels import fused
+    from chromanoise.imaging.formats import FORMATS, MOST_FRAMES
+    from chromanoise.imaging.frame_sums import (
+        SMOOTHED,
+        PairSums,
+        ScaledPairSums,
+        add_plane,
+        difference_rests,
+        high_passed_variance,
+        product_sum,
+        value_counts,
+    )
+    from chromanoise.imaging.kernel_cache import kernel
+    from chromanoise.imaging.noise_draws import (
+        ALIASES,
+        COLUMN,
+        LANES,
+        LEVEL,
+        LIGHT,
+        PIXEL_GAIN,
+        PIXEL_LEVELS,
+        PIXEL_OFFSET,
+        READOUT,
+        ROW,
+        cell_of,
+        count_few,
+        count_refused,
+        exponential_less_one,
+        few_more,
+        leading_count,
+        list_low,
+        minus_log,
+        normal_of_words,
+        normal_quantile,
+        place_of,
+        poisson_quantile_of_many,
+        read_quantile_of_many,
+        room_for,
+        start_of,
+        words_at,
     )
     from chromanoise.imaging.noise_equivalent import (
         information_spectrum as information_spectrum,
         noise_equivalent_quanta as noise_equivalent_quanta,
         picture_power_spectrum as picture_power_spectrum,
     )
+    from chromanoise.imaging.plans import draw_of, white_lux_of
     from chromanoise.imaging.render import (
+        ALL_CORES,
         Picture as Picture,
         RawPicture as RawPicture,
         RenderedElectrons as RenderedElectrons,
         acquired as acquired,
         colored as colored,
         electrons_of_cube as electrons_of_cube,
+        mosaic_of,
         rendered as rendered,
         rendered_electrons as rendered_electrons,
     )
+    from chromanoise.imaging.row_files import (
+        tiff_rows,
+        write_linear_exr as write_linear_exr,
+        write_xyz_exr as write_xyz_exr,
+    )
     from chromanoise.imaging.sampling import noisy_electrons as noisy_electrons
-    from chromanoise.imaging.torch_noise import (
-        AddCameraNoise as AddCameraNoise,
-        NoisyDataset as NoisyDataset,
-    )
-    from chromanoise.imaging.training_noise import (
-        NoiseSampler as NoiseSampler,
-        NoisySample as NoisySample,
-        sampler as sampler,
-    )
-    from chromanoise.imaging.unprocessing import (
-        Rendering as Rendering,
-        draw_rendering as draw_rendering,
-        linear_from_srgb as linear_from_srgb,
-        mosaicked as mosaicked,
-        process as process,
-        unprocess as unprocess,
-    )
     from chromanoise.imaging.work import Work as Work
     from chromanoise.imaging.writers import (
+        mosaic_description,
         mosaic_tiff_rows as mosaic_tiff_rows,
         picture_summary as picture_summary,
         png_bytes as png_bytes,

@@ -1,5 +1,10 @@
-# mypy: disable-error-code="no-untyped-def,no-untyped-call,misc"
-"""One noisy acquisition of a run of pixels: from expected electrons to electrons after readout.
+"""Counts per row for the summary of an image: expected electrons, and pixels above full well.
+
+Sums are float64 and split into many partial sums, because additions to one sum depend on each
+other. Partial sums restart with every tile of a row, so results are bit-identical for any choice of
+blocks and threads.
+
+One noisy acquisition of a run of pixels: from expected electrons to electrons after readout.
 
 In physical order: PRNU, dark electrons, shot noise and read noise (`noise_blocks`), DSNU, and row,
 column and telegraph noise. The mean of the dark electrons is subtracted, as sensors do with their
@@ -7,17 +12,44 @@ shielded pixels.
 
 Functions without annotations are compiled, serial, and release the GIL; ``draw`` is
 a `Draw`.
+
+Eq. 5 for a run of pixels: electrons to XYZ and to sRGB codes, one channel after the other.
+
+Functions without annotations are compiled, serial, and release the GIL.
+
+Expected electrons of a tile, in the order that noise and color use.
+
+A tile is some thousand pixels of a row, or of several short rows that are contiguous in memory:
+memory access is faster for long runs in one band. ``stored`` is the block as stored in memory,
+`RowsInMemory`; ``sums`` (p * `TILE`,) and ``fours`` (p / 4, `TILE`, 4), p being rounded up to 4,
+are buffers for all channels.
+
+Functions without annotations are compiled, serial, and release the GIL.
 """
 
 from typing import no_type_check
 
 import numpy as np
 
-from chromanoise.imaging.blocks import RUN
+from chromanoise.imaging.blocks import (
+    RUN,
+    RUN_LANES,
+    RowsInMemory,
+    four_apart,
+    four_together,
+    three_together,
+)
+from chromanoise.imaging.dot_kernels import (
+    TILE,
+    fused,
+    means_of_mosaic,
+    means_of_mosaic_planes,
+    means_of_pixels,
+    means_of_planes,
+    weights_over_columns,
+)
 from chromanoise.imaging.kernel_cache import kernel
-from chromanoise.imaging.noise_blocks import draw_light, draw_readout, room_for
-from chromanoise.imaging.noise_draws import normal_quantile
-from chromanoise.imaging.philox import (
+from chromanoise.imaging.noise_draws import (
     COLUMN,
     LEVEL,
     LIGHT,
@@ -28,13 +60,90 @@ from chromanoise.imaging.philox import (
     READING,
     READOUT,
     ROW,
+    draw_light,
+    draw_readout,
     groups_of,
+    normal_quantile,
+    room_for,
     word_at,
     words_at,
 )
 
+# mypy: disable-error-code="no-untyped-def,no-untyped-call,misc"
+
+
+STRANDS = 64
+"""At most, if the columns of a mosaic do not repeat later."""
+
+_ZERO = np.float32(0.0)
+
+
+@kernel(error_model="numpy")
+@no_type_check
+def strands_for(period):
+    """Strands of a row whose channels repeat after ``period`` pixels: a whole number of periods."""
+    return np.empty(max(STRANDS // period, 1) * period)
+
+
+@kernel(error_model="numpy")
+@no_type_check
+def total_means(mean, strands):
+    """Sum of the means of one channel."""
+    _fill_strands(mean, strands)
+    total = 0.0
+    for k in range(min(strands.size, mean.size)):
+        total += strands[k]
+    return total
+
+
+@kernel(error_model="numpy")
+@no_type_check
+def count_means(mean, channel, strands, counts):
+    """Add the means of pixels to those of the channel over each: counts (3, p)."""
+    _fill_strands(mean, strands)
+    for k in range(min(strands.size, mean.size)):
+        counts[0, channel[k]] += strands[k]
+
+
+@kernel(error_model="numpy")
+@no_type_check
+def _fill_strands(mean, strands):
+    """Strand k: the sum of values k, k + size, k + 2 size ..."""
+    for k in range(strands.size):
+        strands[k] = 0.0
+    for first in range(0, mean.size, strands.size):
+        here = mean[first : first + strands.size]
+        for k in range(here.size):
+            strands[k] += here[k]
+
+
+@kernel(error_model="numpy")
+@no_type_check
+def _count_above(electrons, most_e):
+    """How many exceed full well; counted in 32 bits, as wide as the electrons, to vectorize."""
+    above = np.int32(0)
+    for i in range(electrons.size):
+        above = np.int32(above + np.int32(electrons[i] > most_e))
+    return above
+
+
+@kernel(error_model="numpy")
+@no_type_check
+def hold_at_well(electrons, n, p, well, counts):
+    """Count what lies above full well, and clip it to 0 and full well."""
+    most_e, held = well
+    for c in range(p):
+        counts[1, c] += _count_above(electrons[c * n : (c + 1) * n], most_e)
+    if held:
+        for j in range(n * p):
+            electrons[j] = min(max(electrons[j], _ZERO), most_e)
+
+
+# mypy: disable-error-code="no-untyped-def,no-untyped-call,misc"
+
+
 _F = np.float32
-_ZERO, _ONE = _F(0.0), _F(1.0)
+_ONE = _F(1.0)
 _TO_SHARE, _LOW, _ONE_BIT = _F(2.0**-32), np.uint64(0xFFFFFFFF), np.uint64(1)
 
 
@@ -209,3 +318,216 @@ def _words_of_one(pixel, channel, purpose, frame, key, words):
     """The word of the one channel of each pixel: that which it has when all are rendered."""
     for i in range(channel.size):
         words[i] = word_at(np.uint64(pixel + i), np.uint64(purpose), frame, channel[i], key)
+
+
+# mypy: disable-error-code="no-untyped-def,no-untyped-call,misc"
+
+
+ENCODED = 16384
+"""Number of entries in the table of sRGB codes."""
+
+_HALF = _F(0.5)
+
+
+@kernel(error_model="numpy")
+@no_type_check
+def colors_of_run(electrons, n, p, matrices, table, colors, entry, xyz, srgb):
+    """Eq. 5 for a run, channel after channel; sRGB codes are looked up.
+
+    colors f4 and entry i4 have room for three values of each pixel.
+    """
+    _products(electrons, n, p, matrices[:3], colors)
+    three_together(colors[:n], colors[n : 2 * n], colors[2 * n : 3 * n], xyz.reshape(-1))
+    _products(electrons, n, p, matrices[3:], colors)
+    _entries(colors[: 3 * n], entry[: 3 * n])
+    _codes(table, entry[:n], entry[n : 2 * n], entry[2 * n : 3 * n], srgb)
+
+
+@kernel(error_model="numpy")
+@no_type_check
+def _products(electrons, n, p, rows, colors):
+    """Three rows of a matrix times the channels: colors (3 * n,), one color after the other."""
+    odd = p % 2
+    for k in range(3):
+        color, row = colors[k * n : (k + 1) * n], rows[k]
+        if odd:
+            _weighted(electrons[:n], row[0], color)
+        else:
+            _weighted_pair(electrons[:n], electrons[n : 2 * n], row[0], row[1], color)
+        for c in range(2 - odd, p, 2):
+            here, next_one = electrons[c * n : (c + 1) * n], electrons[(c + 1) * n : (c + 2) * n]
+            _add_weighted_pair(here, next_one, row[c], row[c + 1], color)
+
+
+@kernel(error_model="numpy")
+@no_type_check
+def _weighted(values, weight, out):
+    for i in range(out.size):
+        out[i] = values[i] * weight
+
+
+@kernel(error_model="numpy")
+@no_type_check
+def _weighted_pair(values, others, weight, other, out):
+    for i in range(out.size):
+        out[i] = fused(others[i], other, values[i] * weight)
+
+
+@kernel(error_model="numpy")
+@no_type_check
+def _add_weighted_pair(values, others, weight, other, out):
+    for i in range(out.size):
+        out[i] = fused(others[i], other, fused(values[i], weight, out[i]))
+
+
+@kernel(error_model="numpy")
+@no_type_check
+def _codes(table, first, second, third, srgb):
+    for i in range(first.size):
+        srgb[i, 0] = table[np.uint32(first[i])]
+        srgb[i, 1] = table[np.uint32(second[i])]
+        srgb[i, 2] = table[np.uint32(third[i])]
+
+
+@kernel(error_model="numpy")
+@no_type_check
+def color_of_electrons(electrons, matrices, table, xyz, srgb):
+    """Eq. 5 for rows of electrons (rows, columns, p): xyz and srgb as `color_rows`."""
+    rows, columns, p = electrons.shape
+    run = np.empty(RUN * p, np.float32)
+    colors, entry = np.empty(3 * RUN, np.float32), np.empty(3 * RUN, np.int32)
+    for row in range(rows):
+        for first in range(0, columns, RUN):
+            n = min(RUN, columns - first)
+            for i in range(n):
+                for c in range(p):
+                    run[c * n + i] = electrons[row, first + i, c]
+            colors_of_run(
+                run, n, p, matrices, table, colors, entry, xyz[row, first:], srgb[row, first:]
+            )
+
+
+@kernel(error_model="numpy")
+@no_type_check
+def _entries(screen, entry):
+    """Where in the table of codes a linear value stands; held to 0 .. 1."""
+    for i in range(screen.size):
+        within = screen[i] if screen[i] > _ZERO else _ZERO  # also for NaN
+        within = within if within < _ONE else _ONE
+        entry[i] = np.int32(within * _F(ENCODED - 1) + _HALF)
+
+
+# mypy: disable-error-code="no-untyped-def,no-untyped-call,misc"
+
+
+@kernel(error_model="numpy")
+@no_type_check
+def with_own_weights(stored):
+    """The same rows with a copy of their weights."""
+    return RowsInMemory(stored.flat, stored.lay, stored.weights.copy(), stored.seen)
+
+
+@kernel(inline="always")
+@no_type_check
+def rows_of_tile(lay, columns):
+    """Rows of a tile: several if they are short and follow each other."""
+    follow = lay.row_pitch == columns * lay.pixel_pitch
+    return max(1, TILE // columns) if follow else 1
+
+
+@kernel(inline="always")
+@no_type_check
+def start_of(row, first, lay):
+    """Where a pixel's first band lies in the flat array."""
+    return row * lay.row_pitch + first * lay.pixel_pitch
+
+
+@kernel(error_model="numpy")
+@no_type_check
+def room_for_tile(stored):
+    """``sums`` and ``fours`` for all channels."""
+    channels = stored.weights.shape[0]
+    return np.empty(channels * TILE, np.float32), np.empty((channels // 4, TILE, 4), np.float32)
+
+
+@kernel(error_model="numpy")
+@no_type_check
+def means_by_pixel(stored, start, n, sums, fours):
+    """All channels of ``n`` pixels, four side by side at each: fours (p / 4, n or more, 4)."""
+    flat, lay, weights, seen = stored
+    if lay.pixel_pitch != 1:
+        means_of_pixels(flat, start, lay.pixel_pitch, n, lay.bands, weights, fours, seen)
+        return
+    means_of_planes(flat, start, lay.band_pitch, n, lay.bands, weights, sums, seen)
+    for g in range(fours.shape[0]):
+        a, b, c, d = _four_planes(sums, g, n)
+        four_together(a, b, c, d, fours[g].reshape(-1))
+
+
+@kernel(error_model="numpy")
+@no_type_check
+def means_by_channel(stored, start, n, sums, fours):
+    """All channels of ``n`` pixels, one after the other: channel c in sums[c * TILE :]."""
+    flat, lay, weights, seen = stored
+    if lay.pixel_pitch == 1:
+        means_of_planes(flat, start, lay.band_pitch, n, lay.bands, weights, sums, seen)
+        return
+    means_of_pixels(flat, start, lay.pixel_pitch, n, lay.bands, weights, fours, seen)
+    for g in range(fours.shape[0]):
+        a, b, c, d = _four_planes(sums, g, n)
+        four_apart(fours[g].reshape(-1), a, b, c, d)
+
+
+@kernel(inline="always")
+@no_type_check
+def _four_planes(sums, g, n):
+    at = 4 * g * TILE
+    return (
+        sums[at : at + n],
+        sums[at + TILE : at + TILE + n],
+        sums[at + 2 * TILE : at + 2 * TILE + n],
+        sums[at + 3 * TILE : at + 3 * TILE + n],
+    )
+
+
+@kernel(error_model="numpy")
+@no_type_check
+def means_by_filter(stored, start, rows, first, n, over, phase, tables, sums, out):
+    """The one channel over each of ``n`` pixels of some rows from column ``first`` on.
+
+    out (rows * n,); over (tile rows, columns) int64: the channel over each pixel; phase: which of
+    its rows is over the first one; tables: of `weights_over_columns`, a row for each, or empty.
+    """
+    flat, lay, weights, seen = stored
+    if lay.pixel_pitch != 1:
+        for row in range(rows):
+            own = over[(phase + row) % over.shape[0]][first : first + n]
+            at, there = start + row * lay.row_pitch, out[row * n :]
+            means_of_mosaic(flat, at, lay.pixel_pitch, n, lay.bands, weights, own, there, seen)
+    elif tables.size > 0:
+        means_of_mosaic_planes(flat, start, lay, rows, n, tables, phase, out, seen)
+    else:
+        means_of_planes(flat, start, lay.band_pitch, rows * n, lay.bands, weights, sums, seen)
+        for row in range(rows):
+            own = over[(phase + row) % over.shape[0]][first : first + n]
+            for i in range(row * n, (row + 1) * n):
+                out[i] = sums[own[i - row * n] * TILE + i]
+
+
+@kernel(error_model="numpy")
+@no_type_check
+def channels_over(tile, columns):
+    """The channel over every pixel of the rows of one period: (tile rows, columns)."""
+    over = np.empty((tile.shape[0], columns), np.int64)
+    for row in range(tile.shape[0]):
+        for column in range(columns):
+            over[row, column] = tile[row, column % tile.shape[1]]
+    return over
+
+
+@kernel(error_model="numpy")
+@no_type_check
+def tables_over(over, period, stored):
+    """`weights_over_columns` where pixels lie together and columns repeat in time; else empty."""
+    repeats = stored.lay.pixel_pitch == 1 and RUN_LANES % period == 0
+    return weights_over_columns(stored.weights, over, stored.lay.bands if repeats else 0)

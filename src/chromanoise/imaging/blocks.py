@@ -1,4 +1,12 @@
-"""Memory layout of a block of rows, and reusable memory."""
+"""Named tuples of parameters; numba accepts these directly, but not dataclasses.
+
+Memory layout of a block of rows, and reusable memory.
+
+Conversion of a run of pixels between interleaved channels and separate channel arrays.
+
+Unsigned indices need no check for negative values, so the loops compile to shuffles of whole
+vectors; with a loop over channels each number would be moved separately.
+"""
 
 import contextlib
 import math
@@ -9,14 +17,77 @@ import tempfile
 import threading
 from collections.abc import Iterator
 from pathlib import Path
+from typing import NamedTuple, no_type_check
 
 import numpy as np
 from numpy.typing import DTypeLike
 
-from chromanoise._check import Array
-from chromanoise._shapes import Num, Shaped, UInt8
-from chromanoise.imaging.records import Layout
-from chromanoise.scene.rows import RowSource
+from chromanoise.base import Array, Float32, Num, Shaped, UInt8
+from chromanoise.imaging.kernel_cache import kernel
+from chromanoise.spectra import RowSource
+
+
+class Layout(NamedTuple):
+    """Memory layout of a block of rows: number of bands, and strides. [numbers]
+
+    If the stride from pixel to pixel is 1, the pixels of a band are contiguous; otherwise the bands
+    of a pixel are.
+    """
+
+    bands: int
+    row_pitch: int
+    pixel_pitch: int
+    band_pitch: int
+
+
+class RowsInMemory(NamedTuple):
+    """Rows of a cube as stored in memory, and the weights from stored numbers to electrons."""
+
+    flat: Num[Array, " numbers"]
+    """Flat array that starts at the first band of the first pixel."""
+    lay: Layout
+    weights: Float32[Array, "channels bands"]
+    """Shape: channels rounded up to 4, bands rounded up to 16; padded with 0."""
+    seen: Float32[Array, "16"]
+    """The smallest number so far in each of `LANES` lanes, then the largest."""
+
+
+class Draw(NamedTuple):
+    """Standard deviations, as `chromanoise.sensor.noise_source.Drawn`, bias, and random words."""
+
+    reading_e: np.float32
+    gain: np.float32
+    pattern_e: np.float32
+    row_e: np.float32
+    column_e: np.float32
+    level_share: np.float32
+    levels_e: np.float32
+    readings: int
+    """Readings that are summed, each with its own level."""
+    dark_e: np.float32
+    black_error_e: np.float32
+    noisy: bool
+    """Whether there is shot noise."""
+    key: np.uint64
+    frame: np.uint64
+
+
+class Converter(NamedTuple):
+    """Converter from electrons to codes."""
+
+    most_e: np.float32
+    """Full well minus dark electrons, plus the error of the black level."""
+    dn_per_e: np.float32
+    black_dn: np.float32
+    top_dn: np.float32
+
+
+class Well(NamedTuple):
+    """Full well as `Converter`, and whether electrons are clipped to 0 and to it."""
+
+    most_e: np.float32
+    held: bool
+
 
 LANES = 8
 """Number of bands of a pixel that are added in parallel."""
@@ -176,3 +247,44 @@ def flattened(
     span = 1 + (rows - 1) * row + (pixels - 1) * pixel + (bands - 1) * band
     flat = np.lib.stride_tricks.as_strided(block, (span,), (block.itemsize,), writeable=False)
     return flat, Layout(bands, row, pixel, band)
+
+
+# mypy: disable-error-code="no-untyped-def,no-untyped-call,misc"
+
+
+_1, _2, _3, _4 = np.uintp(1), np.uintp(2), np.uintp(3), np.uintp(4)
+
+
+@kernel(error_model="numpy")
+@no_type_check
+def four_apart(pixels, a, b, c, d):
+    """Pixels (4 n,), four numbers each, to four arrays (n,)."""
+    for i in range(a.size):
+        j = _4 * np.uintp(i)
+        a[i] = pixels[j]
+        b[i] = pixels[j + _1]
+        c[i] = pixels[j + _2]
+        d[i] = pixels[j + _3]
+
+
+@kernel(error_model="numpy")
+@no_type_check
+def four_together(a, b, c, d, pixels):
+    """Four arrays (n,) to pixels (4 n,), four numbers each."""
+    for i in range(a.size):
+        j = _4 * np.uintp(i)
+        pixels[j] = a[i]
+        pixels[j + _1] = b[i]
+        pixels[j + _2] = c[i]
+        pixels[j + _3] = d[i]
+
+
+@kernel(error_model="numpy")
+@no_type_check
+def three_together(a, b, c, pixels):
+    """Three arrays (n,) to pixels (3 n,), three numbers each."""
+    for i in range(a.size):
+        j = _3 * np.uintp(i)
+        pixels[j] = a[i]
+        pixels[j + _1] = b[i]
+        pixels[j + _2] = c[i]

@@ -6,21 +6,17 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from chromanoise._check import distinct, one_of
-from chromanoise._files import renamed
+from chromanoise.base import InputError, Setting, distinct, one_of, renamed
 from chromanoise.color import ColorMatrix
-from chromanoise.errors import InputError, Setting
-from chromanoise.exposure import OperatingPoint
 from chromanoise.imaging.blocks import parts_of_rows
 from chromanoise.imaging.demosaic import FilterBank
 from chromanoise.imaging.demosaic_methods import DEMOSAICING
 from chromanoise.imaging.develop import developed
 from chromanoise.imaging.dng import RawProfile, raw_profile, refuse_dng_size, write_dng
-from chromanoise.imaging.exr import openexr, write_linear_exr
 from chromanoise.imaging.formats import FORMATS
-from chromanoise.imaging.light import BadPixels
-from chromanoise.imaging.plans import color_matrices, demand_well, draw_of
+from chromanoise.imaging.plans import BadPixels, color_matrices, demand_well, draw_of
 from chromanoise.imaging.render import Picture, RawPicture, acquired, mosaic_of, rendered
+from chromanoise.imaging.row_files import openexr, write_linear_exr
 from chromanoise.imaging.work import Work
 from chromanoise.imaging.writers import (
     picture_summary,
@@ -31,10 +27,9 @@ from chromanoise.imaging.writers import (
     write_png,
     write_xyz_tiff,
 )
-from chromanoise.scene import Cube
-from chromanoise.scene.rows import row_source
+from chromanoise.noise import OperatingPoint
 from chromanoise.sensor import EXTRA_NOISE, Adc, Mosaic, PixelOverrides, adc_of, overridden
-from chromanoise.spectra import Beyond
+from chromanoise.spectra import Beyond, Cube, row_source
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -10,16 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from chromanoise import _check
-from chromanoise._check import Array
-from chromanoise._shapes import (
-    Float,
-    Int,
-)
-from chromanoise.errors import (
-    InputError,
-    Setting,
-)
+from chromanoise.base import Array, Float, InputError, Int, Setting, check
 from chromanoise.sensor import MOSAIC_NAMES, Mosaic, mosaic_named
 
 
@@ -51,7 +42,7 @@ class FilterBank:
     made_by: str
 
     def __post_init__(self) -> None:
-        kernels = _check.finite(f"kernels of {self.made_by}", "1", self.kernels)
+        kernels = check.finite(f"kernels of {self.made_by}", "1", self.kernels)
         tile = channel_tile(self.mosaic, self.names)
         side = kernels.shape[-1]
         if kernels.shape != (*tile.shape, len(self.names), side, side) or side % 2 == 0:
@@ -61,7 +52,7 @@ class FilterBank:
                 value=kernels.shape,
                 found=f"have shape {kernels.shape}",
             )
-        object.__setattr__(self, "kernels", _check.frozen(kernels))
+        object.__setattr__(self, "kernels", check.frozen(kernels))
 
     @property
     def radius(self) -> int:
@@ -90,9 +81,9 @@ def channel_tile(mosaic: Mosaic, names: Sequence[str]) -> Int[Array, "ty tx"]:
     array([[0, 1],
            [1, 2]])
     """
-    wanted = _check.distinct("channel names", names)
+    wanted = check.distinct("channel names", names)
     for name in mosaic.names:
-        _check.among("mosaic channel", name, wanted)
+        check.among("mosaic channel", name, wanted)
     for name in wanted:
         if name not in mosaic.names:
             raise InputError(
@@ -271,7 +262,7 @@ def demosaicked(raw_e: Float[Array, "h w"], bank: FilterBank) -> Float[Array, "h
     >>> demosaicked(raw, bilinear_filters(bayer()))[1, 0]
     array([10., 20., 30.])
     """
-    raw = _check.finite("raw_e", "e-", raw_e)
+    raw = check.finite("raw_e", "e-", raw_e)
     padded = raw[border_pixels(raw.shape, bank)]
     windows = np.lib.stride_tricks.sliding_window_view(padded, bank.kernels.shape[-2:])
     ty, tx, p = bank.kernels.shape[:3]

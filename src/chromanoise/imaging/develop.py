@@ -5,15 +5,11 @@ from typing import Any
 
 import numpy as np
 
-from chromanoise import _check
-from chromanoise._check import Array
-from chromanoise._shapes import Float32, UInt8, UInt16
+from chromanoise.base import Array, Float32, InputError, UInt8, UInt16, check
 from chromanoise.color import ColorMatrix, kernel_matrix
-from chromanoise.errors import InputError
-from chromanoise.exposure import OperatingPoint, expected_electrons
 from chromanoise.imaging.blocks import Scratch, release
 from chromanoise.imaging.demosaic import FilterBank
-from chromanoise.imaging.demosaic_noise import (
+from chromanoise.imaging.demosaic_methods import (
     around_places,
     demosaicked_covariance,
     flat_field_means,
@@ -22,9 +18,16 @@ from chromanoise.imaging.demosaic_noise import (
 from chromanoise.imaging.plans import color_matrices, srgb_table
 from chromanoise.imaging.render import ALL_CORES, Picture, RawPicture, filled_colors
 from chromanoise.imaging.work import Work
-from chromanoise.noise import Measurement, noise_sources, through, with_noise
-from chromanoise.scene import Scene
+from chromanoise.noise import (
+    Measurement,
+    OperatingPoint,
+    expected_electrons,
+    noise_sources,
+    through,
+    with_noise,
+)
 from chromanoise.sensor import Adc, Converter
+from chromanoise.spectra import Scene
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -68,7 +71,7 @@ def developed(
         of the mosaic, or the matrix gives no luminance for this illuminant.
     """
     operating_point = raw.operating_point
-    _check.same_names("development", sensor=operating_point.sensor.names, filters=bank.names)
+    check.same_names("development", sensor=operating_point.sensor.names, filters=bank.names)
     if bank.mosaic != raw.mosaic:
         raise InputError(
             "filters",
@@ -113,8 +116,8 @@ def _developed_block(
     srgb: UInt8[Array, "rows w 3"],
 ) -> Any:
     """Fill ``xyz`` and ``srgb`` with the rows ``start`` to ``stop``."""
-    from chromanoise.imaging.color_kernels import color_of_electrons
-    from chromanoise.imaging.kernels_demosaic import demosaicked_rows, surrounded_rows, taps_of
+    from chromanoise.imaging.acquisition import color_of_electrons
+    from chromanoise.imaging.demosaic_kernels import demosaicked_rows, surrounded_rows, taps_of
 
     values = surrounded_rows(plan.values, plan.bank, start, stop)
     release(plan.values)
@@ -158,7 +161,7 @@ def developed_color(
     (`flat_field_noise`).
     """
     sensor = replace(operating_point.sensor, converter=Converter(**asdict(adc)))
-    _check.same_names("development", sensor=sensor.names, filters=bank.names)
+    check.same_names("development", sensor=sensor.names, filters=bank.names)
     point = operating_point
     matrix = matrix or kernel_matrix(point.sensor, point.exposure, observer=point.observer)
     mean_e = expected_electrons(scene, sensor, operating_point.exposure)

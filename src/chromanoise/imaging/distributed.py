@@ -9,7 +9,7 @@ from contextlib import ExitStack, contextmanager
 from multiprocessing import resource_tracker
 from typing import Any
 
-from chromanoise.errors import InputError, Setting
+from chromanoise.base import InputError, Setting
 
 _QUIET = {
     "distributed.admin.large-graph-warning-threshold": "1 GiB",  # blocks are

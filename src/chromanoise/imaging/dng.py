@@ -16,18 +16,12 @@ from typing import Any
 
 import numpy as np
 
-from chromanoise import _check
-from chromanoise._check import Array
-from chromanoise._linalg import matrix_rank, pinv
-from chromanoise._shapes import Float, UInt16
+from chromanoise.base import Array, Float, InputError, UInt16, check, matrix_rank, pinv
 from chromanoise.color import ColorMatrix
-from chromanoise.errors import InputError
-from chromanoise.exposure import OperatingPoint, expected_electrons, white_scene
 from chromanoise.imaging.blocks import parts_of_rows
 from chromanoise.imaging.row_files import PutRows, tiff_rows
-from chromanoise.noise import noise_sources
-from chromanoise.sensor import Adc, Mosaic
-from chromanoise.sensor.noise_profile import shot_and_dark
+from chromanoise.noise import OperatingPoint, expected_electrons, noise_sources, white_scene
+from chromanoise.sensor import Adc, Mosaic, shot_and_dark
 
 _COLOR_CODES = {"R": 0, "G": 1, "B": 2, "C": 3, "M": 4, "Y": 5, "W": 6}  # tag 50710
 _LIGHT_SOURCES = {"A": 17, "D55": 20, "D65": 21, "D75": 22, "D50": 23}  # Exif LightSource
@@ -89,7 +83,7 @@ class RawProfile:
             ("as_shot_neutral", (p,)),
             ("noise_profile", (p, 2)),
         ):
-            own = _check.finite(f"{name} of {self.sensor_name}", "1", getattr(self, name))
+            own = check.finite(f"{name} of {self.sensor_name}", "1", getattr(self, name))
             if own.shape != wanted:
                 raise InputError(
                     f"{name} of {self.sensor_name}",
@@ -98,7 +92,7 @@ class RawProfile:
                     found=f"has {own.shape}",
                 )
         _refuse_unsupported_numbers(self)
-        _check.freeze(self, "color_matrix", "as_shot_neutral", "noise_profile")
+        check.freeze(self, "color_matrix", "as_shot_neutral", "noise_profile")
 
 
 def raw_profile(
@@ -127,7 +121,7 @@ def raw_profile(
         If a perfect white gives no electrons, or `RawProfile` refuses a value.
     """
     sensor, lamp = operating_point.sensor, operating_point.illuminant
-    _check.same_names("DNG", sensor=sensor.names, matrix=matrix.channels)
+    check.same_names("DNG", sensor=sensor.names, matrix=matrix.channels)
     white = expected_electrons(white_scene(operating_point), sensor, operating_point.exposure)
     if not white.max() > 0:
         raise InputError(
@@ -361,7 +355,7 @@ def _readable_pattern(sensor_name: str, mosaic: Mosaic) -> Array:
 def _refuse_unsupported_channels(
     sensor_name: str, channels: tuple[str, ...], mosaic: Mosaic
 ) -> None:
-    _check.distinct(f"channels of {sensor_name}", channels)
+    check.distinct(f"channels of {sensor_name}", channels)
     unknown = [name for name in channels if name not in _COLOR_CODES]
     if unknown:
         raise InputError(

@@ -1,33 +1,229 @@
-# mypy: disable-error-code="no-untyped-def,no-untyped-call,misc"
-"""Compiled sums over the bands of pixels: for one pixel or a run, by pixel or by band."""
+"""Sums over the bands of pixels, in the same order on all processors.
+
+If the compiler may reorder sums, results differ between processors; if it may not, sums are eight
+times slower. Therefore the order is explicit: lane j of eight adds bands j, j + 8, j + 16 ... by
+fused multiply-add, and the lanes are folded in halves. The smallest and the largest stored number
+are found in the same loop, because each number is read only once.
+
+Compiled sums over the bands of pixels: for one pixel or a run, by pixel or by band.
+
+Eq. 2 for the pixels of a cube: expected electrons are stored numbers times weights.
+
+The cube is read once, in its memory order. If the bands of a pixel are contiguous (BIP), each pixel
+is summed by `dot_kernels`; if the pixels of a band are contiguous (BIL, BSQ), a run of pixels is
+summed band by band. Both orders are fixed, so results are bit-identical for any choice of blocks.
+
+Functions without annotations are compiled; a tile is ``n`` consecutive pixels.
+"""
 
 from functools import partial
 from typing import no_type_check
 
+import numpy as np
 from llvmlite import ir
-from numba import types
+from numba import njit, types
+from numba.core import cgutils
 from numba.extending import intrinsic
 
-from chromanoise.imaging.blocks import LANES, RUN_LANES
-from chromanoise.imaging.simd import (
-    F32,
-    I32,
-    I64,
-    Extremes,
-    ask_ahead,
-    folded,
-    loaded,
-    loop,
-    multiply_add,
-    pointer_at,
-    shuffled,
-    some_loaded,
-    spread,
-    variable,
-    vector_at,
-    vector_of,
-    weight_rows,
-)
+from chromanoise.imaging.blocks import CHANNELS_AT_ONCE, LANES, RUN_LANES
+
+# mypy: disable-error-code="no-untyped-def,no-untyped-call,misc"
+
+
+F32, I32, I64 = ir.FloatType(), ir.IntType(32), ir.IntType(64)
+
+
+def multiply_add(builder, lanes):
+    """Number of lanes of the fused multiply-add."""
+    kind, name = vector_of(lanes), "f32" if lanes == 1 else f"v{lanes}f32"
+    signature = ir.FunctionType(kind, [kind] * 3)
+    return cgutils.get_or_insert_function(builder.module, signature, f"llvm.fma.{name}")
+
+
+@intrinsic
+@no_type_check
+def fused(typing_context, factor, other, term):
+    """Factor * other + term of float32, rounded once; for compiled functions."""
+    number = types.float32
+
+    def generate(context, builder, signature, arguments):
+        return builder.call(multiply_add(builder, 1), arguments)
+
+    return number(number, number, number), generate
+
+
+def pointer_at(context, builder, kind, array, offset):
+    """Where a number of an array lies."""
+    return builder.gep(context.make_array(kind)(context, builder, array).data, [offset])
+
+
+def _as_float(builder, value, kind, wanted):
+    """Stored numbers of any type as float32."""
+    if isinstance(kind, types.Float):
+        return value if kind.bitwidth == 32 else builder.fptrunc(value, wanted)
+    return builder.sitofp(value, wanted) if kind.signed else builder.uitofp(value, wanted)
+
+
+def vector_of(lanes):
+    """The type of so many float32."""
+    return F32 if lanes == 1 else ir.VectorType(F32, lanes)
+
+
+def loaded(builder, pointer, kind, width):
+    """``width`` stored numbers as float32; unaligned, as a picture's rows are."""
+    element = pointer.type.pointee
+    if width == 1:
+        return _as_float(builder, builder.load(pointer), kind, F32)
+    vector = ir.VectorType(element, width)
+    value = builder.load(
+        builder.bitcast(pointer, vector.as_pointer()), align=max(kind.bitwidth // 8, 1)
+    )
+    return _as_float(builder, value, kind, vector_of(width))
+
+
+def vector_at(builder, pointer, width):
+    """``width`` float32 from ``pointer`` on."""
+    return builder.load(builder.bitcast(pointer, vector_of(width).as_pointer()), align=4)
+
+
+def some_loaded(builder, pointer, kind, count):
+    """The next ``count`` < `LANES` stored numbers; the other lanes repeat the first of them."""
+    element = pointer.type.pointee
+    first = builder.load(pointer)
+    vector = ir.VectorType(element, LANES)
+    undefined = ir.Constant(vector, ir.Undefined)
+    one = builder.insert_element(undefined, first, ir.Constant(I32, 0))
+    zeros = ir.Constant(ir.VectorType(I32, LANES), [0] * LANES)
+    others = builder.shuffle_vector(one, undefined, zeros)
+    numbers = ir.Constant(ir.VectorType(I64, LANES), list(range(LANES)))
+    wide = builder.insert_element(
+        ir.Constant(ir.VectorType(I64, LANES), ir.Undefined), count, ir.Constant(I32, 0)
+    )
+    wide = builder.shuffle_vector(wide, wide, zeros)
+    mask = builder.icmp_signed("<", numbers, wide)
+    suffix = {"float": "f32", "double": "f64"}.get(str(element), str(element))
+    place = builder.bitcast(pointer, vector.as_pointer())
+    signature = ir.FunctionType(vector, [place.type, I32, mask.type, vector])
+    name = f"llvm.masked.load.v{LANES}{suffix}.p0"
+    function = cgutils.get_or_insert_function(builder.module, signature, name)
+    align = ir.Constant(I32, max(kind.bitwidth // 8, 1))
+    value = builder.call(function, [place, align, mask, others])
+    return _as_float(builder, value, kind, vector_of(LANES))
+
+
+def _further(builder, value, known, sign):
+    """The lower (or higher) of each lane; a NaN is passed over here and shows in the sums."""
+    return builder.select(builder.fcmp_ordered(sign, value, known), value, known)
+
+
+def shuffled(builder, a, b, lanes):
+    """These lanes of two vectors."""
+    mask = ir.Constant(ir.VectorType(I32, len(lanes)), lanes)
+    return builder.shuffle_vector(a, b, mask)
+
+
+def folded(builder, vectors):
+    """Each vector's lanes to one sum, halves onto halves: as many sums as vectors, 1 or 4."""
+    apart = LANES  # lanes of each sum that remain to be added
+    count = len(vectors)
+    while len(vectors) > 1:
+        apart //= 2
+        first = [lane for lane in range(LANES) if not lane & apart]
+        lower = first + [LANES + lane for lane in first]
+        upper = [lane + apart for lane in lower]
+        vectors = [
+            builder.fadd(shuffled(builder, a, b, lower), shuffled(builder, a, b, upper))
+            for a, b in zip(vectors[::2], vectors[1::2], strict=True)
+        ]
+    (total,) = vectors
+    while apart > 1:
+        apart //= 2
+        order = [lane ^ apart for lane in range(LANES)]
+        total = builder.fadd(total, shuffled(builder, total, total, order))
+    sums = [LANES // count * c for c in range(count)]
+    return shuffled(builder, total, total, sums)
+
+
+def loop(builder, counter, stop, step, body):
+    """While counter + step <= stop: body, counter += step."""
+    test = builder.append_basic_block("test")
+    inside = builder.append_basic_block("inside")
+    after = builder.append_basic_block("after")
+    builder.branch(test)
+    builder.position_at_end(test)
+    at = builder.load(counter)
+    ahead = builder.add(at, ir.Constant(I64, step))
+    builder.cbranch(builder.icmp_signed("<=", ahead, stop), inside, after)
+    builder.position_at_end(inside)
+    body(at)
+    builder.store(ahead, counter)
+    builder.branch(test)
+    builder.position_at_end(after)
+
+
+def weight_rows(context, builder, kind, weights, numbers):
+    """Where the rows of weights begin."""
+    table = context.make_array(kind)(context, builder, weights)
+    pitch = cgutils.unpack_tuple(builder, table.shape)[1]
+    return [builder.gep(table.data, [builder.mul(pitch, number)]) for number in numbers]
+
+
+class Extremes:
+    """The least and the greatest of each lane, in registers until they are kept."""
+
+    def __init__(self, builder, least, lanes=LANES):
+        self.builder = builder
+        greatest = builder.gep(least, [ir.Constant(I64, LANES)])
+        pointer = vector_of(lanes).as_pointer()
+        self.ends = [builder.bitcast(end, pointer) for end in (least, greatest)]
+        self.known = [variable(builder, builder.load(end, align=4)) for end in self.ends]
+
+    def see(self, value):
+        """Take a vector into account."""
+        builder = self.builder
+        for known, sign in zip(self.known, ("<", ">"), strict=True):
+            builder.store(_further(builder, value, builder.load(known), sign), known)
+
+    def keep(self):
+        """Write them where they came from."""
+        for known, end in zip(self.known, self.ends, strict=True):
+            self.builder.store(self.builder.load(known), end, align=4)
+
+
+def variable(builder, value):
+    """A place that the compiler can keep in a register."""
+    place = cgutils.alloca_once(builder, value.type)
+    builder.store(value, place)
+    return place
+
+
+def spread(builder, value, lanes):
+    """One number in every lane."""
+    if lanes == 1:
+        return value
+    undefined = ir.Constant(vector_of(lanes), ir.Undefined)
+    one = builder.insert_element(undefined, value, ir.Constant(I32, 0))
+    mask = ir.Constant(ir.VectorType(I32, lanes), [0] * lanes)
+    return builder.shuffle_vector(one, undefined, mask)
+
+
+def ask_memory(builder, pointer, cache):
+    """Ask for the line at ``pointer``, into this cache; beyond the array nothing happens."""
+    pointer = builder.bitcast(pointer, ir.IntType(8).as_pointer())
+    kind = ir.FunctionType(ir.VoidType(), [pointer.type, I32, I32, I32])
+    function = cgutils.get_or_insert_function(builder.module, kind, "llvm.prefetch.p0")
+    read, near, data = (ir.Constant(I32, v) for v in (0, 4 - cache, 1))
+    builder.call(function, [pointer, read, near, data])
+
+
+def ask_ahead(builder, pointer, distances):
+    """Ask for what lies so many numbers after ``pointer``, into the caches of ``distances``."""
+    for cache, numbers in distances.items():
+        ask_memory(builder, builder.gep(pointer, [ir.Constant(I64, numbers)]), cache)
+
+
+# mypy: disable-error-code="no-untyped-def,no-untyped-call,misc"
+
 
 _UNROLLED = 4  # unroll factor of the loop over the bands of a pixel
 _LINE = 16  # float32 numbers per cache line
@@ -275,3 +471,103 @@ def _add_bands(builder, counter, n, lanes, planes, kind, totals, factor, least):
 
     loop(builder, counter, n, lanes, body)
     extremes.keep()
+
+
+# mypy: disable-error-code="no-untyped-def,no-untyped-call,misc"
+
+
+BANDS_AT_ONCE = 8
+"""Bands per pass, limited by the hardware prefetcher; sums are loaded and stored once per pass."""
+TILE = 4096
+"""Number of pixels whose sums stay in the second cache during the loop over bands."""
+
+_AGAIN = 128  # pixels that stay in the cache until all channels are summed
+_ZERO = np.float32(0.0)
+_add_some, _add_one = band_adder(BANDS_AT_ONCE), band_adder(1)
+_add_pixels = pixel_adder()
+_add_some_own, _add_own = own_band_adder(BANDS_AT_ONCE), own_band_adder(1)
+
+
+@njit(nogil=True, inline="never", error_model="numpy")
+@no_type_check
+def means_of_pixels(flat, start, pitch, n, bands, weights, fours, seen):
+    """All channels of ``n`` pixels, ``pitch`` apart, whose bands lie together from ``flat[start]``.
+
+    weights (p rounded up to 4, bands rounded up to 16) float32, the rest 0; fours (p / 4, n or
+    more, 4) float32: four channels side by side at each pixel; seen (2 * `LANES`,) float32: least
+    and greatest stored numbers so far.
+    """
+    every, step = fours.reshape(-1), CHANNELS_AT_ONCE
+    for i in range(0, n, _AGAIN):
+        at, some = start + i * pitch, min(_AGAIN, n - i)
+        for c in range(0, weights.shape[0], step):
+            first = c * fours.shape[1] + step * i
+            _add_pixels(flat, at, pitch, some, bands, weights, c, every, first, step, seen)
+
+
+@njit(nogil=True, inline="never", error_model="numpy")
+@no_type_check
+def means_of_mosaic(flat, start, pitch, n, bands, weights, channel, out, seen):
+    """Only the channel over each pixel: channel (n,) int64, out (n,)."""
+    for i in range(n):
+        at = start + i * pitch
+        out[i] = weighted_sum(flat, at, bands, weights, channel[i], seen)
+
+
+@njit(nogil=True, inline="never", error_model="numpy")
+@no_type_check
+def means_of_planes(flat, start, band_pitch, n, bands, weights, sums, seen):
+    """All channels of ``n`` <= `TILE` pixels whose neighbors lie together: sums (p * TILE,).
+
+    Channel c of pixel i is sums[c * TILE + i].
+    """
+    channels = weights.shape[0]
+    for j in range(channels * TILE):
+        sums[j] = _ZERO
+    whole = bands - bands % BANDS_AT_ONCE
+    for b in range(0, whole, BANDS_AT_ONCE):
+        at = start + b * band_pitch
+        for c in range(0, channels, CHANNELS_AT_ONCE):
+            _add_some(flat, at, band_pitch, n, weights, c, b, sums, TILE, seen)
+    for b in range(whole, bands):
+        at = start + b * band_pitch
+        for c in range(0, channels, CHANNELS_AT_ONCE):
+            _add_one(flat, at, band_pitch, n, weights, c, b, sums, TILE, seen)
+
+
+@njit(nogil=True, error_model="numpy")
+@no_type_check
+def weights_over_columns(weights, over, bands):
+    """The weight of each band at each of `RUN_LANES` columns: (tile rows, bands * RUN_LANES).
+
+    Where the columns of a mosaic repeat in that many, each pixel of a band needs one product only.
+    """
+    table = np.zeros((over.shape[0], bands * RUN_LANES), np.float32)
+    for row in range(over.shape[0]):
+        for i in range(min(RUN_LANES, over.shape[1])):
+            for b in range(bands):
+                table[row, b * RUN_LANES + i] = weights[over[row, i], b]
+    return table
+
+
+@njit(nogil=True, inline="never", error_model="numpy")
+@no_type_check
+def means_of_mosaic_planes(flat, start, lay, rows, n, tables, phase, out, seen):
+    """Only the channel over each of ``n`` pixels of some rows: out (rows * n,).
+
+    tables: of `weights_over_columns`, its row ``phase`` for the first one; the first pixel of a row
+    stands at a multiple of their columns.
+    """
+    for i in range(rows * n):
+        out[i] = _ZERO
+    whole = lay.bands - lay.bands % BANDS_AT_ONCE
+    for b in range(0, whole, BANDS_AT_ONCE):
+        for row in range(rows):
+            at, there = start + b * lay.band_pitch + row * lay.row_pitch, out[row * n :]
+            table = tables[(phase + row) % tables.shape[0]]
+            _add_some_own(flat, at, lay.band_pitch, n, table, b, there, seen)
+    for b in range(whole, lay.bands):
+        for row in range(rows):
+            at, there = start + b * lay.band_pitch + row * lay.row_pitch, out[row * n :]
+            table = tables[(phase + row) % tables.shape[0]]
+            _add_own(flat, at, lay.band_pitch, n, table, b, there, seen)

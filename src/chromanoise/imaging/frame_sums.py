@@ -8,9 +8,8 @@ import sys
 
 import numpy as np
 
-from chromanoise._check import Array
-from chromanoise._shapes import Float, Integer
-from chromanoise.imaging.stored_kernels import stored_kernel
+from chromanoise.base import Array, Float, Integer
+from chromanoise.imaging.kernel_cache import stored_kernel
 
 _KERNELS = "chromanoise.imaging.frame_kernels"
 _add_pair = stored_kernel(_KERNELS, "add_pair")

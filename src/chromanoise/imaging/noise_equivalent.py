@@ -2,14 +2,19 @@
 
 import numpy as np
 
-from chromanoise import _check
-from chromanoise._check import Array
-from chromanoise._linalg import RANK_TOLERANCE, eigh, eigvalsh, svd
-from chromanoise._shapes import Complex, Float
-from chromanoise.errors import InputError
+from chromanoise.base import (
+    RANK_TOLERANCE,
+    Array,
+    Complex,
+    Float,
+    InputError,
+    check,
+    eigh,
+    eigvalsh,
+    svd,
+)
 from chromanoise.imaging.demosaic import FilterBank
-from chromanoise.imaging.demosaic_noise import per_channel, raw_transfers
-from chromanoise.imaging.demosaic_priors import PicturePrior
+from chromanoise.imaging.demosaic_methods import PicturePrior, per_channel, raw_transfers
 
 
 def noise_equivalent_quanta(
@@ -76,16 +81,16 @@ def noise_equivalent_quanta(
            [  0., 400.,   0.],
            [  0.,   0.,  50.]])
     """
-    mean = _check.non_negative("mean_e", "e-", mean_e)
+    mean = check.non_negative("mean_e", "e-", mean_e)
     variance = per_channel(bank, variance_e2)
-    _check.same_length("channels", mean=mean.size, variance=variance.size)
+    check.same_length("channels", mean=mean.size, variance=variance.size)
     for name, value in zip(bank.names, variance, strict=True):
-        _check.positive(f"variance of {name}", "e-^2", float(value))
+        check.positive(f"variance of {name}", "e-^2", float(value))
     channels, transfers = raw_transfers(bank, shape)
     noise = transfers * np.sqrt(variance[channels] / channels.size)
     if matrix is not None:
-        color = _check.finite("matrix", "1", matrix)
-        _check.same_length("channels", matrix=color.shape[1], variance=variance.size)
+        color = check.finite("matrix", "1", matrix)
+        check.same_length("channels", matrix=color.shape[1], variance=variance.size)
         noise = color @ noise
     length = np.sqrt((np.abs(noise) ** 2).sum(axis=-1).max(axis=(0, 1), initial=0.0))
     unit = noise / np.where(length > 0, length, 1.0)[:, None]
@@ -123,8 +128,8 @@ def picture_power_spectrum(
     and scaled so that its mean over the plane is the covariance. It falls as f^-3; that of
     photographs falls as f^-2 (Field, J. Opt. Soc. Am. A 4, 2379 (1987)).
     """
-    mean = np.array([_check.positive("mean_e", "e-", float(one)) for one in mean_e])
-    _check.same_length("channels", mean=mean.size, prior=len(prior.names))
+    mean = np.array([check.positive("mean_e", "e-", float(one)) for one in mean_e])
+    check.same_length("channels", mean=mean.size, prior=len(prior.names))
     periods, decay = np.arange(-2, 3), -np.log(prior.correlation)
     along = [(np.fft.fftfreq(n)[:, None] + periods) ** 2 for n in shape]
     squared = along[0][:, None, :, None] + along[1][None, :, None, :]
@@ -164,7 +169,7 @@ def information_spectrum(
     >>> information_spectrum(np.full((1, 2, 1, 1), 1500.0 + 0j), np.full((1, 2, 1, 1), 0.01))
     array([[2., 2.]])
     """
-    spectrum = _check.finite("power", "1", power)
+    spectrum = check.finite("power", "1", power)
     variance, axes = eigh("power", spectrum)
     if (variance < -RANK_TOLERANCE * np.abs(variance).max(initial=0.0)).any():
         least = float(variance.min())

@@ -1,32 +1,183 @@
-"""Plans: all parameters for the conversion of a block of rows to codes or color, computed once.
+"""Conversion of a block of a cube's rows to expected electrons, with checks of the reflectances.
+
+Plans: all parameters for the conversion of a block of rows to codes or color, computed once.
 
 A plan contains plain numbers and a source of rows, so that it can be pickled, and another process
 computes bit-identical results for its block.
+
+Plans and blocks of pictures of a sensor whose crosstalk follows counting.
 """
 
 import math
 import zlib
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass, fields, replace
 from functools import cache
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
-from chromanoise import _check
-from chromanoise._check import Array
-from chromanoise._shapes import Float, Float32, Float64, Int64, UInt8, UInt16
+from chromanoise.base import Array, Float, Float32, Float64, InputError, Int64, UInt8, UInt16, check
 from chromanoise.color import ColorMatrix, linear_srgb, srgb_from_linear
-from chromanoise.errors import InputError
-from chromanoise.exposure import OperatingPoint, expected_electrons, white_scene
-from chromanoise.imaging.blocks import Scratch
-from chromanoise.imaging.light import Light, on_rows
-from chromanoise.imaging.records import Converter, Draw, RowsInMemory, Well
+from chromanoise.imaging.blocks import (
+    CHANNELS_AT_ONCE,
+    LANES,
+    PADDED_BANDS,
+    Converter,
+    Draw,
+    RowsInMemory,
+    Scratch,
+    Well,
+    flattened,
+    is_planar,
+)
+from chromanoise.imaging.demosaic import mirrored
 from chromanoise.imaging.work import Block, row_pieces
-from chromanoise.noise import noise_sources
-from chromanoise.scene.rows import ArrayRows
-from chromanoise.sensor import Adc, Mosaic
+from chromanoise.noise import (
+    OperatingPoint,
+    band_weights,
+    expected_electrons,
+    noise_sources,
+    white_scene,
+)
+from chromanoise.sensor import READ_OUT, Adc, Mosaic
+from chromanoise.spectra import (
+    BRIGHTEST,
+    ArrayRows,
+    Beyond,
+    Cube,
+    RowSource,
+    reflectance_rows,
+    row_source,
+)
 
-_MOST_E = 1e15  # above, float32 does not resolve single electrons
+_MOST_E = 1e30  # per stored number: so that the sum of all bands fits in float32
+
+BadPixels = Literal["refuse", "zero"]
+"""Handling of invalid reflectances."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Light:
+    """Parameters for converting the numbers of a cube to expected electrons.
+
+    Attributes
+    ----------
+    cube
+        The cube that is read.
+    weights
+        Electrons per stored number, with channels and bands padded with zeros. [e-]
+    channels
+        Number of channels without padding.
+    notes
+        Assumptions on the spectra.
+    planar
+        Whether sums run over pixels of a band (planar) or over bands of a pixel.
+    bad_pixels
+        Handling of invalid reflectances: ``refuse``, or ``zero``.
+    first_row
+        Row of the image that is the first row of the cube; above 0 if only a part was sent.
+    """
+
+    cube: Cube
+    weights: Float32[Array, "q l"]
+    channels: int
+    notes: tuple[str, ...]
+    planar: bool
+    bad_pixels: BadPixels = "refuse"
+    first_row: int = 0
+
+    @property
+    def source(self) -> RowSource:
+        """Of the rows."""
+        return row_source(self.cube.stored)
+
+
+def light_of(
+    cube: Cube, operating_point: OperatingPoint, *, beyond: Beyond, bad_pixels: BadPixels = "refuse"
+) -> Light:
+    """Eq. 2 for this cube and operating point, as one weight per band and channel.
+
+    Raises
+    ------
+    InputError
+        As `band_weights`, or if the number of electrons is out of range.
+    """
+    white, sensor = white_scene(operating_point), operating_point.sensor
+    weights, notes = band_weights(cube, white, sensor, operating_point.exposure, beyond=beyond)
+    bands, channels = weights.shape
+    shape = (_up_to(CHANNELS_AT_ONCE, channels), _up_to(PADDED_BANDS, bands))
+    padded = np.zeros(shape, np.float32)
+    most = float(np.abs(weights).max() * cube.scale)
+    check.within(f"electrons per number of {cube.source}", "e-", most, 0.0, _MOST_E)
+    padded[:channels, :bands] = (weights * cube.scale).T
+    return Light(
+        cube=cube,
+        weights=padded,
+        channels=channels,
+        notes=notes,
+        planar=is_planar(row_source(cube.stored)),
+        bad_pixels=bad_pixels,
+    )
+
+
+def _up_to(multiple: int, count: int) -> int:
+    return -(-count // multiple) * multiple
+
+
+def on_rows(
+    light: Light,
+    start: int,
+    stop: int,
+    scratch: Scratch,
+    sums: Array,
+    fill: Callable[[RowsInMemory], None],
+) -> Int64[Array, " rows"]:
+    """Read the rows and call ``fill``, which fills ``sums``; the result is bad pixels per row.
+
+    Raises
+    ------
+    InputError
+        If a reflectance is invalid and bad pixels are refused.
+    """
+    source = light.source
+    start, stop = start - light.first_row, stop - light.first_row
+    block = source.rows(start, stop, into=scratch.of(source.scratch_bytes(stop - start)))
+    bad = np.zeros(stop - start, np.int64)
+    if _were_reflectances(light, block, sums, fill):
+        return bad
+    if light.bad_pixels == "zero":
+        mended, bad = _mended(block, light.cube.scale)
+        sums[...] = 0
+        _were_reflectances(light, mended, sums, fill)
+    else:
+        # raises an error with the value and its position
+        reflectance_rows(light.cube, start, stop, first_row=light.first_row)
+    return bad
+
+
+def _were_reflectances(
+    light: Light, block: Array, sums: Array, fill: Callable[[RowsInMemory], None]
+) -> bool:
+    """Call ``fill``; the result is whether all reflectances were valid."""
+    flat, lay = flattened(block, planar=light.planar)
+    seen = np.repeat(np.array([3e38, -3e38], np.float32), LANES)
+    fill(RowsInMemory(flat=flat, lay=lay, weights=light.weights, seen=seen))
+    lowest, highest = float(seen[:LANES].min()), float(seen[LANES:].max())
+    known = lowest >= 0 and highest * light.cube.scale <= BRIGHTEST
+    return bool(known and np.isfinite(sums).all())
+
+
+def _mended(block: Array, scale: float) -> tuple[Array, Int64[Array, " rows"]]:
+    """The block with 0 for invalid reflectances, and the number of such pixels per row."""
+    with np.errstate(invalid="ignore", over="ignore"):
+        rho = block.astype(np.float64) * scale
+    bad = ~((rho >= 0) & (rho <= BRIGHTEST))
+    kind = np.float32 if block.dtype.itemsize < 8 else np.float64
+    return np.where(bad, 0, block).astype(kind), bad.any(axis=2).sum(axis=1)
+
+
+_RESOLVED_E = 1e15  # above, float32 does not resolve single electrons
 
 Counts = Float64[Array, "rows 3 p"]
 """Per row and channel: sum of expected electrons, pixels above full well, bad pixels. [e-, 1, 1]"""
@@ -55,12 +206,12 @@ def draw_of(
     noise = noise_sources(operating_point.sensor, operating_point.exposure)
     if not noisy:
         noise = replace(noise, pixel=replace(pixel, read_noise_e=0.0))
-    dark_e = _check.within(
+    dark_e = check.within(
         "electrons of the dark current",
         "e-",
         pixel.dark_electrons_e(time_s=operating_point.exposure.time_s),
         0.0,
-        _MOST_E,
+        _RESOLVED_E,
     )
     share, level_e = noise.levels
     who = zlib.crc32(operating_point.sensor.name.encode())
@@ -219,7 +370,7 @@ def white_lux_of(matrix: ColorMatrix, operating_point: OperatingPoint) -> Float[
         If the matrix is for other channels, or gives the white no luminance.
     """
     sensor, lamp = operating_point.sensor, operating_point.illuminant
-    _check.same_names("picture", sensor=sensor.names, matrix=matrix.channels)
+    check.same_names("picture", sensor=sensor.names, matrix=matrix.channels)
     white = matrix.matrix @ expected_electrons(
         white_scene(operating_point), sensor, operating_point.exposure
     )
@@ -265,7 +416,7 @@ def color_block(
 @cache
 def srgb_table() -> UInt8[Array, " entries"]:
     """8-bit codes of linear values at equal steps from 0 to 1."""
-    from chromanoise.imaging.color_kernels import ENCODED
+    from chromanoise.imaging.acquisition import ENCODED
 
     codes = np.round(255 * srgb_from_linear(np.linspace(0, 1, ENCODED))).astype(np.uint8)
     codes.flags.writeable = False  # all images share it
@@ -314,3 +465,136 @@ def electron_block(
         electron_rows(stored, out)
 
     on_rows(plan.light, start, stop, scratch, out, fill)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class CoupledRawPlan(RawPlan):
+    """Plan for the raw codes of a mosaic whose pixels mix with their neighbors after counting.
+
+    Attributes
+    ----------
+    shares
+        Shares of a count that end around its pixel. [1]
+    height
+        Rows of the picture; neighbors beyond its edge are pixels inside of the same channel.
+    """
+
+    shares: Float32[Array, "ky kx"]
+    height: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class CoupledColorPlan(ColorPlan):
+    """Plan for a color image whose channels mix in each pixel after counting.
+
+    Attributes
+    ----------
+    coupling
+        The crosstalk matrix. [1]
+    """
+
+    coupling: Float32[Array, "p p"]
+
+
+def coupled_raw_plan(plan: RawPlan, kernel: Array, height: int) -> CoupledRawPlan:
+    """A plan of a mosaic whose neighbors mix by ``kernel``; its light is that of the counts."""
+    return CoupledRawPlan(**_values(plan), shares=kernel.astype(np.float32), height=height)
+
+
+def coupled_color_plan(plan: ColorPlan, coupling: Array) -> CoupledColorPlan:
+    """A plan of color, with channels that mix; its light is that of the counts."""
+    return CoupledColorPlan(**_values(plan), coupling=coupling.astype(np.float32))
+
+
+def coupled_raw_block(
+    plan: CoupledRawPlan, start: int, stop: int, scratch: Scratch, codes: UInt16[Array, "rows w"]
+) -> Counts:
+    """Fill ``codes`` with the rows ``start`` to ``stop`` of the mosaic.
+
+    Raises
+    ------
+    InputError
+        As `chromanoise.imaging.plans.raw_block`; also for a row beside the block.
+    """
+    from chromanoise.imaging.fused_kernels import count_rows, coupled_raw_rows
+
+    rows, columns = _rows_around(plan, start, stop), codes.shape[1]
+    first, last = int(rows.min()), int(rows.max()) + 1
+    mean, bad = _means(plan.light, first, last, scratch, columns)
+    light, counted = (np.empty((last - first, columns), np.float32) for _ in range(2))
+    count_rows(mean, plan.tile, first, _without_readout(plan.draw), light, counted)
+    counts = np.zeros((stop - start, 3, plan.light.channels))
+    reach, period = plan.shares.shape[1] // 2, plan.tile.shape[1]
+    places = (rows - first, mirrored(columns, period, reach))
+    coupled_raw_rows(
+        light, counted, places, plan.shares, plan.tile, start, plan.draw, plan.adc, codes, counts
+    )
+    counts[:, 2] = bad[start - first : stop - first, None]
+    return counts
+
+
+def coupled_color_block(
+    plan: CoupledColorPlan,
+    start: int,
+    stop: int,
+    scratch: Scratch,
+    xyz: Float32[Array, "rows w 3"],
+    srgb: UInt8[Array, "rows w 3"],
+) -> Counts:
+    """Fill ``xyz`` and ``srgb`` with the rows ``start`` to ``stop``.
+
+    Raises
+    ------
+    InputError
+        As `chromanoise.imaging.plans.raw_block`.
+    """
+    from chromanoise.imaging.fused_kernels import coupled_color_rows
+
+    mean, bad = _means(plan.light, start, stop, scratch, xyz.shape[1])
+    counts = np.zeros((stop - start, 3, plan.light.channels))
+    draws = (_without_readout(plan.draw), plan.draw)
+    where = (xyz, srgb, counts)
+    coupled_color_rows(
+        mean, plan.coupling, start, draws, plan.well, plan.matrices, srgb_table(), *where
+    )
+    counts[:, 0] = counts[:, 0] @ plan.coupling.T.astype(np.float64)
+    counts[:, 2] = bad[:, None]
+    return counts
+
+
+def coupled_part(plan: Any, start: int, stop: int) -> tuple[Any, list[Block]]:
+    """As `plan_for_rows`, with the rows of the neighbors."""
+    rows = _rows_around(plan, start, stop)
+    part, _ = plan_for_rows(plan, int(rows.min()), int(rows.max()) + 1)
+    return part, row_pieces(plan.light.source, start, stop)
+
+
+def _rows_around(plan: CoupledRawPlan, start: int, stop: int) -> Int64[Array, " rows"]:
+    """The rows of the picture that surround each of some rows, neighbors of the first one first."""
+    reach = plan.shares.shape[0] // 2
+    return mirrored(plan.height, plan.tile.shape[0], reach)[start : stop + 2 * reach]
+
+
+def _means(
+    light: Light, start: int, stop: int, scratch: Scratch, columns: int
+) -> tuple[Float32[Array, "rows w p"], Int64[Array, " rows"]]:
+    """Expected electrons of some rows, and bad pixels per row. [e-]"""
+    from chromanoise.imaging.fused_kernels import electron_rows
+
+    mean = np.zeros((stop - start, columns, light.channels), np.float32)
+
+    def fill(stored: RowsInMemory) -> None:
+        electron_rows(stored, mean)
+
+    bad = on_rows(light, start, stop, scratch, mean, fill)
+    return mean, bad
+
+
+def _without_readout(draw: Draw) -> Draw:
+    drawn = {f"{one}_e" for one in READ_OUT} & set(Draw._fields)
+    nothing: dict[str, Any] = dict.fromkeys((*drawn, "black_error_e"), np.float32(0.0))
+    return draw._replace(**nothing)
+
+
+def _values(plan: RawPlan | ColorPlan) -> dict[str, Any]:
+    return {one.name: getattr(plan, one.name) for one in fields(plan)}

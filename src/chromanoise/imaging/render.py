@@ -5,37 +5,31 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from chromanoise import _check
-from chromanoise._check import Array
-from chromanoise._shapes import Float, Float32, Int, UInt8, UInt16
+from chromanoise.base import Array, Float, Float32, InputError, Int, Setting, UInt8, UInt16, check
 from chromanoise.color import ColorMatrix, kernel_matrix
-from chromanoise.errors import InputError, Setting
-from chromanoise.exposure import Exposure, OperatingPoint
-from chromanoise.imaging.blocks import Scratch, new_rows
-from chromanoise.imaging.coupled_plans import (
+from chromanoise.imaging.blocks import Draw, Scratch, new_rows
+from chromanoise.imaging.plans import (
+    BadPixels,
+    ElectronPlan,
+    Light,
+    color_block,
+    color_matrices,
+    color_plan,
     coupled_color_block,
     coupled_color_plan,
     coupled_part,
     coupled_raw_block,
     coupled_raw_plan,
-)
-from chromanoise.imaging.light import BadPixels, Light, light_of
-from chromanoise.imaging.plans import (
-    ElectronPlan,
-    color_block,
-    color_matrices,
-    color_plan,
     draw_of,
     electron_block,
+    light_of,
     plan_for_rows,
     raw_block,
     raw_plan,
     srgb_table,
 )
-from chromanoise.imaging.records import Draw
 from chromanoise.imaging.work import FillBlock, Part, Work, filled, made, row_blocks
-from chromanoise.noise import after_counting
-from chromanoise.scene import Cube, bands_within
+from chromanoise.noise import Exposure, OperatingPoint, after_counting
 from chromanoise.sensor import (
     Adc,
     Mosaic,
@@ -47,7 +41,7 @@ from chromanoise.sensor import (
     with_channel_names,
     without_crosstalk,
 )
-from chromanoise.spectra import Beyond, Illuminant, Metric
+from chromanoise.spectra import Beyond, Cube, Illuminant, Metric, bands_within
 
 ALL_CORES = Work()
 """Default work: one thread per core."""
@@ -95,7 +89,7 @@ class Picture:
     def __post_init__(self) -> None:
         for pixels in (self.xyz, self.srgb):  # too large to copy
             pixels.flags.writeable = False
-        _check.freeze(self, "white", "mean_e", "above_full_well")
+        check.freeze(self, "white", "mean_e", "above_full_well")
 
     @property
     def sensor(self) -> Sensor:
@@ -155,7 +149,7 @@ class RawPicture:
 
     def __post_init__(self) -> None:
         self.codes.flags.writeable = False
-        _check.freeze(self, "mean_e", "above_full_well")
+        check.freeze(self, "mean_e", "above_full_well")
 
 
 def rendered(
@@ -395,7 +389,7 @@ def _colored_block(
     srgb: UInt8[Array, "rows w 3"],
 ) -> None:
     """Fill ``xyz`` and ``srgb`` with the rows ``start`` to ``stop``."""
-    from chromanoise.imaging.color_kernels import color_of_electrons
+    from chromanoise.imaging.acquisition import color_of_electrons
 
     values, matrices = plan
     color_of_electrons(values[start:stop], matrices, srgb_table(), xyz, srgb)
@@ -572,7 +566,7 @@ def mosaic_of(operating_point: OperatingPoint, mosaic: Mosaic | None) -> Mosaic:
         )
     mosaic = with_channel_names(mosaic, sensor.names)
     for name in mosaic.names:
-        _check.among(f"mosaic channel of {sensor.name}", name, sensor.names)
+        check.among(f"mosaic channel of {sensor.name}", name, sensor.names)
     return mosaic
 
 

@@ -5,10 +5,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
-from chromanoise import _check
-from chromanoise._check import Array
-from chromanoise._shapes import Float, Float32
-from chromanoise.errors import InputError
+from chromanoise.base import Array, Float, Float32, InputError, check
 from chromanoise.imaging.blocks import new_rows
 
 _CHUNK_LANES = 1 << 16  # values per task of a thread, about a millisecond
@@ -80,7 +77,7 @@ def noisy_electrons(
     >>> float(noisy_electrons(np.zeros((2, 2, 1)), read_noise_e=0.0, seed=7).max())
     0.0
     """
-    noise = _check.within("read_noise_e", "e-", read_noise_e, 0.0, _MOST_E)
+    noise = check.within("read_noise_e", "e-", read_noise_e, 0.0, _MOST_E)
     height, own_width, channels = mean_e.shape
     width = own_width if width is None else width
     _whole("seed", seed, _SEED_BITS)
@@ -95,7 +92,7 @@ def noisy_electrons(
         place = (own_width, first_row * width + first_column, width)
         refused = _fill(mean, electrons, place, frame, seed, noise, threads)
         if refused:
-            _check.non_negative("mean_e", "e-", mean.reshape(mean_e.shape))
+            check.non_negative("mean_e", "e-", mean.reshape(mean_e.shape))
     return electrons.reshape(height, own_width, channels)
 
 
@@ -110,7 +107,7 @@ def _fill(
 ) -> int:
     """Fill ``electrons`` chunk by chunk; the result is the number of refused means."""
     # imported here because importing numba takes a quarter of a second
-    from chromanoise.imaging.noise_blocks import fill_noise
+    from chromanoise.imaging.noise_draws import fill_noise
 
     pixels, channels = mean.shape
     step = max(1, _CHUNK_LANES // channels)

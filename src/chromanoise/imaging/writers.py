@@ -1,9 +1,9 @@
 """Writing images to PNG and TIFF files.
 
-`chromanoise.imaging.dng` writes raw files for other programs, `chromanoise.imaging.exr` linear
-light. The functions that end in ``_rows`` write images that are too large for memory. All functions
-overwrite an existing file. With a path in the scratch folder of `chromanoise._files.whole_folder`,
-incomplete files are never visible.
+The module ``dng`` writes raw files for other programs, ``row_files`` linear light. The functions
+that end in ``_rows`` write images that are too large for memory. All functions overwrite an
+existing file. With a path in the scratch folder of `whole_folder`, incomplete files are never
+visible.
 """
 
 import io
@@ -15,13 +15,12 @@ from typing import Any
 
 import numpy as np
 
-from chromanoise._check import Array
-from chromanoise._shapes import Float, UInt8, UInt16
+from chromanoise.base import Array, Float, UInt8, UInt16
 from chromanoise.color import adapted_to_d65, srgb_from_xyz
-from chromanoise.exposure import OperatingPoint
 from chromanoise.imaging.blocks import parts_of_rows
 from chromanoise.imaging.render import Picture, RawPicture
 from chromanoise.imaging.row_files import PutRows, tiff_rows
+from chromanoise.noise import OperatingPoint
 from chromanoise.sensor import Adc, Mosaic
 from chromanoise.spectra import DEFAULT_OBSERVER
 

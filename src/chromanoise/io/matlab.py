@@ -15,9 +15,7 @@ from typing import BinaryIO
 
 import numpy as np
 
-from chromanoise._check import Array
-from chromanoise._shapes import Shaped
-from chromanoise.errors import InputError
+from chromanoise.base import Array, InputError, Shaped
 
 _START_BYTES = 128
 _OPENING_BYTES = 8192  # enough for every part before the numbers

@@ -5,10 +5,8 @@ from collections.abc import Sequence
 from importlib import import_module
 from typing import Any
 
-from chromanoise import _notebook
-from chromanoise.errors import InputError
-from chromanoise.io.table import Table, written_rows
-from chromanoise.io.table_formats import head, table_latex
+from chromanoise.base import InputError, from_above, notebook
+from chromanoise.io.result_tables import Table, head, table_latex, written_rows
 
 
 class Result(ABC):
@@ -74,13 +72,13 @@ class Result(ABC):
     def _html(self, caption: str, notes: Sequence[str] = ()) -> str:
         table = self.to_table()
         heads = [head(column) for column in table.columns]
-        shown = _notebook.table(heads, written_rows(table))
-        return _notebook.shown(caption, shown, notes=notes)
+        shown = notebook.table(heads, written_rows(table))
+        return notebook.shown(caption, shown, notes=notes)
 
 
 def figures() -> Any:
     """The package ``figures``, a higher layer, imported only when a figure is drawn."""
-    return import_module("chromanoise.figures")
+    return from_above("figures")
 
 
 def axes_of(ax: Any) -> Any:

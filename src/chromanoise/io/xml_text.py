@@ -3,7 +3,7 @@
 import re
 from xml.etree import ElementTree
 
-from chromanoise.errors import InputError
+from chromanoise.base import InputError
 
 
 def xml_root(text: str, source: str) -> ElementTree.Element:

@@ -1,16 +1,58 @@
-"""Color error of a sensor relative to an observer: that of the color matrix."""
+"""Color error of a sensor relative to an observer: that of the color matrix.
 
+Sensitivity metamerism index (ISO 17321): color error that remains with the best matrix.
+
+Report on a color matrix: color error, noise, condition, noise gain Psi, near infrared.
+"""
+
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
 
-from chromanoise._check import Array, frozen
-from chromanoise._shapes import Float
-from chromanoise.color import ColorMatrix, balanced_cielab, cie1976_difference, ciede2000_difference
-from chromanoise.exposure import Exposure, expected_electrons
-from chromanoise.scene import Scene, light
+from chromanoise.base import (
+    RANK_TOLERANCE,
+    Array,
+    Float,
+    InputError,
+    check,
+    colour_science,
+    frozen,
+    lstsq,
+    svd,
+)
+from chromanoise.color import (
+    ColorMatrix,
+    balanced_cielab,
+    cie1976_difference,
+    ciede2000_difference,
+    colored,
+    noise_gain,
+    white_normalized,
+)
+from chromanoise.metrics.snr import signal_snr_db
+from chromanoise.noise import (
+    Exposure,
+    expected_electrons,
+    measurement_vectors,
+    saturated,
+    with_noise,
+)
 from chromanoise.sensor import Sensor
-from chromanoise.spectra import DEFAULT_OBSERVER, Illuminant, Spectra, chart_on, color_axes
+from chromanoise.spectra import (
+    DEFAULT_OBSERVER,
+    Illuminant,
+    Scene,
+    Spectra,
+    chart_on,
+    chart_title,
+    cie_1931,
+    color_axes,
+    flat_field,
+    is_infrared,
+    light,
+    photons_per_unit,
+)
 
 
 @lru_cache(maxsize=64)  # reused for all levels of a sweep
@@ -150,3 +192,329 @@ def _white_and_chart(illuminant: Illuminant, chart: Spectra | None) -> Scene:
     grid = illuminant.grid
     reflectance = np.vstack([np.ones(grid.n), chart_on(grid, chart).values.T])
     return Scene(illuminant=illuminant, level_lux=1.0, reflectance=reflectance)
+
+
+PENALTY = 5.5
+"""Slope of the index: SMI = 100 - 5.5 mean Delta E*ab."""
+
+_CUBE_ROOT_FROM = (6.0 / 29.0) ** 3  # below it CIELAB is linear
+_FAINTEST = 1e-9  # Delta E*ab below which the gradient of the difference is set to 0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Metamerism:
+    """The index, the color errors and the best matrix.
+
+    Attributes
+    ----------
+    index
+        SMI, 100 for an exact colorimeter. [1]
+    color_error
+        Color error of each patch with the best matrix. [Delta E*ab]
+    matrix
+        From channels balanced on white to X, Y, Z with white = 1.
+    """
+
+    index: float
+    color_error: Float[Array, " m"]
+    matrix: Float[Array, "3 p"]
+
+    def __post_init__(self) -> None:
+        check.same_length("rows", matrix=self.matrix.shape[0], XYZ=3)
+        check.freeze(self, "color_error", "matrix")
+
+
+def metamerism(
+    filters: Float[Array, "n p"],
+    eye: Float[Array, "n 3"],
+    illuminant: Float[Array, " n"],
+    reflectance: Float[Array, "m n"],
+) -> Metamerism:
+    """SMI over any patches: the matrix that minimizes the mean Delta E*ab, and its color errors.
+
+    Parameters
+    ----------
+    filters
+        One column per channel, per unit of radiant power; each is balanced on white.
+    eye
+        Color-matching functions, per unit of radiant power.
+    illuminant
+        Radiant power; its level cancels.
+    reflectance
+        One row per patch.
+
+    Raises
+    ------
+    InputError
+        If the shapes do not match, an entry is not finite, or a channel receives no light.
+
+    Notes
+    -----
+    ISO 17321-1:2012, annex D: SMI = 100 - 5.5 mean Delta E*ab (CIE 1976). The matrix has 3 p free
+    entries: white is not preserved. Quasi-Newton steps start at least squares on XYZ.
+
+    Examples
+    --------
+    A sensor whose channels are linear combinations of the observer's is a colorimeter.
+
+    >>> eye = np.eye(3)
+    >>> patches = np.array([[0.2, 0.3, 0.4], [0.5, 0.1, 0.2], [0.1, 0.6, 0.3]])
+    >>> mixed = eye @ np.array([[1.0, 0.2, 0.0], [0.1, 1.0, 0.1], [0.0, 0.2, 1.0]])
+    >>> round(metamerism(mixed, eye, np.ones(3), patches).index, 6)
+    100.0
+    """
+    raw = _white_balanced("filters", filters, illuminant, reflectance)
+    wanted = _lab(_white_balanced("eye", eye, illuminant, reflectance))
+    seen = _white_balanced("eye", eye, illuminant, reflectance)
+    start = lstsq("white-balanced patches", raw, seen, rcond=None)
+    matrix = _descended(raw, wanted, np.asarray(start[0].T))
+    error = np.linalg.norm(_lab(raw @ matrix.T) - wanted, axis=-1)
+    return Metamerism(index=float(100.0 - PENALTY * error.mean()), color_error=error, matrix=matrix)
+
+
+def sensor_metamerism(sensor: Sensor) -> Metamerism:
+    """SMI of a sensor with the light and patches of the standard: D55, 18 colors of the chart.
+
+    Outside 380-780 nm, where neither is defined, the sensor's response is set to 0.
+
+    Parameters
+    ----------
+    sensor
+        The sensor.
+
+    Raises
+    ------
+    InputError
+        If the sensor's grid does not overlap 380-780 nm, or a channel receives no light there.
+
+    Notes
+    -----
+    ISO 17321-1:2012, annex D. Patches from colour-science under that name (identical to those of
+    Ohta, 1997), D55 of CIE 015, observer CIE 1931; all with linear interpolation between samples.
+    """
+    colour = colour_science()
+
+    lamp = colour.SDS_ILLUMINANTS["D55"]
+    chart = list(colour.SDS_COLOURCHECKERS["ISO 17321-1"].values())[:18]
+    at = sensor.grid.wavelength_nm
+    inside = (at >= chart[0].wavelengths[0]) & (at <= chart[0].wavelengths[-1])
+    if not inside.any():
+        raise InputError(
+            f"grid of {sensor.name}",
+            "must overlap 380-780 nm, where the patches of ISO 17321-1 are defined",
+            value=sensor.grid,
+            found=f"is {sensor.grid}",
+            remedy="give curves that reach into the visible",
+        )
+    per_watt = sensor.qe * photons_per_unit(sensor.grid, "energy")[:, None]
+    return metamerism(
+        per_watt[inside],
+        cie_1931(sensor.grid).values[inside],
+        np.interp(at[inside], lamp.wavelengths, lamp.values),
+        np.array([np.interp(at[inside], sd.wavelengths, sd.values) for sd in chart]),
+    )
+
+
+def _white_balanced(name: str, axes: Array, illuminant: Array, reflectance: Array) -> Array:
+    """Responses to the patches over the response to white, one row per patch."""
+    curves = check.finite(name, "1", axes)
+    lamp = check.non_negative("illuminant", "1", illuminant)
+    rho = check.non_negative("reflectance", "1", reflectance)
+    check.same_length(
+        "wavelengths", **{name: len(curves)}, illuminant=lamp.size, reflectance=rho.shape[1]
+    )
+    white = lamp @ curves
+    if not (white > 0).all():
+        raise InputError(
+            name,
+            "must respond > 0 to white",
+            value=float(white.min()),
+            found=f"column {int(white.argmin())} (from 0) responds {white.min():g}",
+            remedy="omit that channel",
+        )
+    return (rho * lamp) @ curves / white
+
+
+def _descended(raw: Array, wanted: Array, start: Array) -> Array:
+    """The matrix of least mean Delta E*ab near ``start``."""
+    from scipy.optimize import minimize
+
+    def mean_error(entries: Array) -> tuple[float, Array]:
+        xyz = raw @ entries.reshape(start.shape).T
+        missed = _lab(xyz) - wanted
+        length = np.linalg.norm(missed, axis=-1)
+        far = length > _FAINTEST
+        direction = missed / np.where(far, length, 1.0)[:, None] * far[:, None]
+        uphill = np.einsum("ml,lx,mx,mp->xp", direction, _LAB_FROM_F, _slope(xyz), raw)
+        return float(length.mean()), uphill.ravel() / len(raw)
+
+    entries = start.ravel()
+    for _ in range(4):  # restart with a new Hessian estimate: the mean of lengths has kinks
+        entries = minimize(mean_error, entries, jac=True, method="BFGS", options={"gtol": 1e-9}).x
+    return np.asarray(entries.reshape(start.shape))
+
+
+_LAB_FROM_F = np.array([[0.0, 116.0, 0.0], [500.0, -500.0, 0.0], [0.0, 200.0, -200.0]])
+
+
+def _lab(xyz: Array) -> Array:
+    """CIELAB of XYZ relative to white (CIE 015:2018, eq. 8.3-8.8)."""
+    straight = xyz / (3.0 * (6.0 / 29.0) ** 2) + 4.0 / 29.0
+    f = np.where(xyz > _CUBE_ROOT_FROM, np.cbrt(xyz), straight)
+    return f @ _LAB_FROM_F.T - np.array([16.0, 0.0, 0.0])
+
+
+def _slope(xyz: Array) -> Array:
+    """df/dX of the f in `_lab`."""
+    bright = np.cbrt(np.maximum(xyz, _CUBE_ROOT_FROM))
+    return 1.0 / (3.0 * bright**2)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class MatrixReport:
+    """Color error, noise and other properties of one matrix for one sensor.
+
+    Attributes
+    ----------
+    made_by
+        Method of the matrix.
+    color_error_mean, color_error_max
+        CIE 1976 color difference over the chart, without noise; ``None`` where X, Y or Z
+        of the sensor's white is not above 0.
+    snr_db
+        SNR of each coordinate of the patch, by default a perfect white; ``None`` for a coordinate
+        without signal, and ``None`` in place of the list where a channel is saturated. [dB]
+    condition
+        Largest over smallest singular value of the white-normalized matrix; inf where it is
+        rank-deficient.
+    psi
+        Kodak's noise gain of the white-normalized matrix. [1]
+    nir_color
+        Per coordinate, the signed ratio of the white's signal from beyond 700 nm to its signal
+        from the visible: the false color caused by near-infrared reflectance.
+    nir_norm
+        Per coordinate, the norm of the effective filter beyond 700 nm over its norm in the
+        visible. Positive and negative parts that cancel in ``nir_color`` do not cancel here.
+
+    chart, patch
+        What the color error and the SNR are of.
+
+    Both of the infrared are ``None`` where the visible part of a coordinate is zero.
+    """
+
+    made_by: str
+    color_error_mean: float | None
+    color_error_max: float | None
+    snr_db: dict[str, float | None] | None
+    condition: float
+    psi: float
+    nir_color: dict[str, float] | None
+    nir_norm: dict[str, float] | None
+    chart: str = "the ColorChecker"
+    patch: str = "a perfect white"
+
+
+def effective_filters(
+    matrix: ColorMatrix, sensor: Sensor, exposure: Exposure
+) -> Float[Array, "n c"]:
+    """F C^T: spectral response of each color coordinate, filters and matrix combined.
+
+    In lx per unit of light of the matrix's metric; for a matrix without color error it equals H.
+
+    Parameters
+    ----------
+    matrix
+        The color matrix. [lx/e-]
+    sensor
+        The sensor.
+    exposure
+        Time and lens.
+
+    Raises
+    ------
+    InputError
+        If the channels of sensor and matrix differ.
+    """
+    check.same_names("effective filters", sensor=sensor.names, matrix=matrix.channels)
+    return measurement_vectors(sensor, exposure, matrix.metric) @ matrix.matrix.T
+
+
+def matrix_report(
+    matrix: ColorMatrix,
+    sensor: Sensor,
+    exposure: Exposure,
+    illuminant: Illuminant,
+    *,
+    level_lux: float,
+    chart: Spectra | None = None,
+    patch: Spectra | None = None,
+) -> MatrixReport:
+    """Color error, noise of a perfect white, condition, Psi and near-infrared response of a matrix.
+
+    Parameters
+    ----------
+    matrix
+        From raw electrons to XYZ.
+    sensor, exposure
+        The sensor and its exposure settings.
+    illuminant
+        The lamp that lights chart and white.
+    level_lux
+        Illuminance on the white. [lx]
+    chart
+        Reflectances for the color error; ``None`` for the ColorChecker.
+    patch
+        Reflectance whose SNR is reported; ``None`` for a perfect white.
+
+    Raises
+    ------
+    InputError
+        If the grid extends beyond 400-1050 nm (the range of the chart's data), channels or grids
+        differ, or X, Y or Z of the lamp's white is 0.
+    """
+    white = flat_field(illuminant, level_lux=level_lux)
+    white_e = expected_electrons(white, sensor, exposure)
+    axes = color_axes(sensor.grid, matrix.metric, matrix.observer)
+    white_xyz = light(white, matrix.metric) @ axes
+    normalized = white_normalized(matrix.matrix, white_e, white_xyz)
+    error = chart_color_error(sensor, matrix, exposure, illuminant, chart)
+    patch_e, patch_xyz = white_e, white_xyz
+    if patch is not None:
+        scene = replace(white, reflectance=patch.values[:, 0])
+        patch_e = expected_electrons(scene, sensor, exposure)
+        patch_xyz = light(scene, matrix.metric) @ color_axes(sensor.grid, matrix.metric)
+    decibels = signal_snr_db(colored(with_noise(patch_e, sensor, exposure), matrix), patch_xyz)
+    filters = effective_filters(matrix, sensor, exposure)
+    answers = filters * light(white, matrix.metric)[:, None]
+    beyond = is_infrared(sensor.grid)
+    full = bool(saturated(patch_e, sensor, exposure).any())
+    named_db = dict(zip(matrix.coordinates, decibels.tolist(), strict=True))
+    return MatrixReport(
+        made_by=matrix.made_by,
+        color_error_mean=None if error is None else float(error.mean()),
+        color_error_max=None if error is None else float(error.max()),
+        snr_db=None if full else {k: None if np.isnan(v) else v for k, v in named_db.items()},
+        condition=_condition(normalized),
+        psi=noise_gain(normalized),
+        nir_color=_named(matrix, answers[beyond].sum(axis=0), answers[~beyond].sum(axis=0)),
+        nir_norm=_named(
+            matrix, *(np.linalg.norm(filters[part], axis=0) for part in (beyond, ~beyond))
+        ),
+        chart=chart_title(chart),
+        patch="a perfect white" if patch is None else f"patch {patch.names[0]}",
+    )
+
+
+def _condition(matrix: Float[Array, "c p"]) -> float:
+    singular = svd("color matrix", matrix, compute_uv=False)
+    full = singular[-1] > RANK_TOLERANCE * singular[0]
+    return float(singular[0] / singular[-1]) if full else float("inf")
+
+
+def _named(
+    matrix: ColorMatrix, beyond: Float[Array, " c"], visible: Float[Array, " c"]
+) -> dict[str, float] | None:
+    if not visible.all():
+        return None
+    ratios = (float(ratio) for ratio in beyond / visible)
+    return dict(zip(matrix.coordinates, ratios, strict=True))

@@ -5,23 +5,20 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from chromanoise import _check
-from chromanoise._check import Array
-from chromanoise._shapes import Float
+from chromanoise.base import Array, Float, InputError, check
 from chromanoise.color import ColorMatrix
-from chromanoise.errors import InputError
-from chromanoise.exposure import Exposure, expected_electrons
 from chromanoise.noise import (
+    Exposure,
     NoiseSources,
     after_counting,
     counted_electrons,
+    expected_electrons,
     noise_sources,
     saturated,
     signal_limit_e,
 )
-from chromanoise.scene import flat_field
 from chromanoise.sensor import Sensor, VarianceLaw
-from chromanoise.spectra import Illuminant
+from chromanoise.spectra import Illuminant, flat_field
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -47,7 +44,7 @@ class NoiseSpeedModel:
     constant: float = 10.0
 
     def __post_init__(self) -> None:
-        weights = _check.non_negative("luminance_weights", "1", self.luminance_weights)
+        weights = check.non_negative("luminance_weights", "1", self.luminance_weights)
         if abs(weights.sum() - 1.0) > 1e-3:
             total = float(weights.sum())
             raise InputError(
@@ -57,9 +54,9 @@ class NoiseSpeedModel:
                 found=f"add up to {total:g}",
                 remedy="divide by that",
             )
-        _check.not_negative("red_weight", "1", self.red_weight)
-        _check.not_negative("blue_weight", "1", self.blue_weight)
-        _check.positive("constant", "lx s", self.constant)
+        check.not_negative("red_weight", "1", self.red_weight)
+        check.not_negative("blue_weight", "1", self.blue_weight)
+        check.positive("constant", "lx s", self.constant)
 
 
 ISO_12232_2019 = NoiseSpeedModel(
@@ -116,12 +113,12 @@ def light_for_snr(
     >>> float(light_for_snr(np.array([1.0]), np.array([1.0]), snr=10, read_noise_e=0.0))
     100.0
     """
-    per_light = _check.non_negative("signal_e", "e-", signal_e)
-    weights = _check.finite("row of the matrix", "1/e-", row)
-    _check.same_length("channels", signal_e=per_light.shape[-1], row=weights.size)
-    read_e = _check.not_negative("read_noise_e", "e-", read_noise_e)
+    per_light = check.non_negative("signal_e", "e-", signal_e)
+    weights = check.finite("row of the matrix", "1/e-", row)
+    check.same_length("channels", signal_e=per_light.shape[-1], row=weights.size)
+    read_e = check.not_negative("read_noise_e", "e-", read_noise_e)
     law = VarianceLaw(
-        floor_e2=read_e**2, slope_e=1.0, square=_check.not_negative("prnu", "1", prnu) ** 2
+        floor_e2=read_e**2, slope_e=1.0, square=check.not_negative("prnu", "1", prnu) ** 2
     )
     return _light_of(per_light, weights[None], (1.0,), snr=snr, law=law)
 
@@ -241,7 +238,7 @@ def illuminance_for_snr_adapted(
     brightest = signal_limit_e(sensor, exposure) / float(per_lux.max())
     if not brightest > 0:
         return None
-    least = 0.5 * _check.positive("snr", "1", snr) ** 2 / float(per_lux.sum())
+    least = 0.5 * check.positive("snr", "1", snr) ** 2 / float(per_lux.sum())
     return _lowest_kept(enough, least, brightest, step=10.0 ** (1.0 / steps_per_decade))
 
 
@@ -284,8 +281,8 @@ def noise_speed(
     exposure has no time.
     """
     per_lxs = _electrons_per_lux_second(sensor, illuminant)
-    _check.same_length("channels", sensor=per_lxs.size, rgb_matrix=rgb_matrix.shape[1])
-    gray = _check.finite("rgb_matrix", "1/e-", rgb_matrix) @ per_lxs
+    check.same_length("channels", sensor=per_lxs.size, rgb_matrix=rgb_matrix.shape[1])
+    gray = check.finite("rgb_matrix", "1/e-", rgb_matrix) @ per_lxs
     if not (gray > 0).all():
         raise InputError(
             "rgb_matrix",
@@ -339,7 +336,7 @@ def _light_of(
     pattern_e2: float | Array = 0.0,
 ) -> Array:
     signal, weights = rows[0], np.asarray(shares) @ rows**2
-    q = _check.positive("snr", "1", snr)
+    q = check.positive("snr", "1", snr)
     floor = law.floor_e2 * weights.sum()
     seen = per_light @ signal
     fixed = law.square * (per_light**2 @ weights) + pattern_e2
@@ -369,7 +366,7 @@ def _before_coupling(
 def _gray_electrons_per_lux(
     sensor: Sensor, illuminant: Illuminant, exposure: Exposure, reflectance: float
 ) -> Array:
-    rho = _check.positive("reflectance", "1", reflectance)
+    rho = check.positive("reflectance", "1", reflectance)
     scene = flat_field(illuminant, level_lux=1.0, reflectance=rho)
     return expected_electrons(scene, sensor, exposure)
 
@@ -383,8 +380,8 @@ def _level_of_row(
     snr: float,
 ) -> float:
     """Illuminance that a row of one matrix needs, saturation ignored. [lx]"""
-    _check.same_names("illuminance_for_snr", sensor=sensor.names, matrix=matrix.channels)
-    _check.among("coordinate", coordinate, matrix.coordinates)
+    check.same_names("illuminance_for_snr", sensor=sensor.names, matrix=matrix.channels)
+    check.among("coordinate", coordinate, matrix.coordinates)
     row = matrix.matrix[matrix.coordinates.index(coordinate)]
     noise = noise_sources(sensor, exposure)
     coupling = after_counting(sensor.crosstalk)

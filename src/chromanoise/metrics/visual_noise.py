@@ -9,11 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from chromanoise import _check
-from chromanoise._check import Array
-from chromanoise._linalg import inv, matrix_rank
-from chromanoise._shapes import Float
-from chromanoise.errors import InputError
+from chromanoise.base import Array, Float, InputError, check, inv, matrix_rank
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -43,10 +39,10 @@ class VisualNoiseModel:
 
     def __post_init__(self) -> None:
         for name in ("weights", "luminance", "red_green", "blue_yellow"):
-            _check.non_negative(f"{name} of {self.edition}", "1", getattr(self, name))
+            check.non_negative(f"{name} of {self.edition}", "1", getattr(self, name))
         for name in ("luminance", "red_green", "blue_yellow"):
-            _check.positive(f"K of {name} of {self.edition}", "1", getattr(self, name)[-1])
-        matrix = _check.finite("opponent_from_xyz", "1", self.opponent_from_xyz)
+            check.positive(f"K of {name} of {self.edition}", "1", getattr(self, name)[-1])
+        matrix = check.finite("opponent_from_xyz", "1", self.opponent_from_xyz)
         if matrix.shape != (3, 3) or matrix_rank("opponent_from_xyz", matrix) < 3:
             rank = matrix_rank("opponent_from_xyz", matrix)
             raise InputError(
@@ -89,9 +85,9 @@ class VisualNoise:
     edition: str
 
     def __post_init__(self) -> None:
-        _check.non_negative("sigma_luv", "CIELUV", self.sigma_luv)
-        _check.not_negative("total", "CIELUV", self.total)
-        _check.freeze(self, "sigma_luv")
+        check.non_negative("sigma_luv", "CIELUV", self.sigma_luv)
+        check.not_negative("total", "CIELUV", self.total)
+        check.freeze(self, "sigma_luv")
 
 
 def contrast_sensitivity(
@@ -118,7 +114,7 @@ def contrast_sensitivity(
     >>> contrast_sensitivity(np.array([3.9, 4.0, 4.1]))[:, 0].round(4)
     array([2.9995, 3.0002, 2.9995])
     """
-    f = _check.non_negative("frequency_cpd", "cpd", frequency_cpd)
+    f = check.non_negative("frequency_cpd", "cpd", frequency_cpd)
     a, b, c, k = model.luminance
     curves = [a * f**c * np.exp(-b * f) / k]
     for a1, b1, c1, a2, b2, c2, k2 in (model.red_green, model.blue_yellow):
@@ -146,8 +142,8 @@ def pixels_per_degree(*, distance_mm: float, pixel_pitch_mm: float) -> float:
     >>> round(pixels_per_degree(distance_mm=600.0, pixel_pitch_mm=0.25), 3)
     41.889
     """
-    distance = _check.positive("distance_mm", "mm", distance_mm)
-    pitch = _check.positive("pixel_pitch_mm", "mm", pixel_pitch_mm)
+    distance = check.positive("distance_mm", "mm", distance_mm)
+    pitch = check.positive("pixel_pitch_mm", "mm", pixel_pitch_mm)
     return float(2.0 * distance * np.tan(np.radians(0.5)) / pitch)
 
 
@@ -164,7 +160,7 @@ def frequencies_cpd(shape: tuple[int, int], *, pixels_per_degree: float) -> Floa
     >>> frequencies_cpd((1, 4), pixels_per_degree=40.0)
     array([[ 0., 10., 20., 10.]])
     """
-    scale = _check.positive("pixels_per_degree", "1/deg", pixels_per_degree)
+    scale = check.positive("pixels_per_degree", "1/deg", pixels_per_degree)
     rows, columns = (np.fft.fftfreq(count) * scale for count in shape)
     return np.hypot(rows[:, None], columns[None, :])
 
@@ -200,7 +196,7 @@ def visual_noise_from_spectrum(
     ISO 15739:2017, annex B, with the picture replaced by the second moments of its noise: the
     filters act in the opponent space A, C1, C2, and the mean passes unchanged.
     """
-    power = _check.finite("spectrum", "1", spectrum)
+    power = check.finite("spectrum", "1", spectrum)
     at = frequencies_cpd(power.shape[:2], pixels_per_degree=pixels_per_degree)
     passed = _passed(at, model)
     opponent = np.asarray(model.opponent_from_xyz)
@@ -271,7 +267,7 @@ def visual_noise_of_picture(
     ISO 15739:2017, annex B. Negative X, Y, Z after filtering are passed to ``luv``; the reference
     implementation of the standard sets them to 0.
     """
-    patch = _check.finite("xyz", "1", xyz)
+    patch = check.finite("xyz", "1", xyz)
     at = frequencies_cpd(patch.shape[:2], pixels_per_degree=pixels_per_degree)
     opponent = np.asarray(model.opponent_from_xyz)
     mean = patch.mean(axis=(0, 1))
@@ -287,7 +283,7 @@ def _passed(frequency_cpd: Array, model: VisualNoiseModel) -> Array:
 
 
 def _seen(opponent_covariance: Array, luv_from_xyz: Array, model: VisualNoiseModel) -> VisualNoise:
-    jacobian = _check.finite("luv_from_xyz", "1", luv_from_xyz)
+    jacobian = check.finite("luv_from_xyz", "1", luv_from_xyz)
     into = jacobian @ inv("opponent_from_xyz", np.asarray(model.opponent_from_xyz))
     variance = np.einsum("ia,ab,ib->i", into, opponent_covariance, into)
     return _weighted(np.sqrt(np.maximum(variance, 0.0)), model)

@@ -1,19 +1,354 @@
-"""The whole distribution of one reading, for few electrons, where a Gaussian is not enough."""
+"""Exact mean and variance of the values that a pixel gives, clipped at black and full well.
+
+The quantile function of the exact Poisson-Gaussian distribution.
+
+Rounding and clipping are monotonic, so they are applied to the quantile function itself, and point
+masses at black or full well need no special case.
+
+The whole distribution of one reading, for few electrons, where a Gaussian is not enough.
+"""
 
 import math
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
-from chromanoise import _check
-from chromanoise._check import Array
-from chromanoise._shapes import Bool, Float
-from chromanoise.errors import InputError
-from chromanoise.noise.counts import count_law, count_window
-from chromanoise.noise.exact import counted_readout
-from chromanoise.noise.gaussian import FARTHEST
-from chromanoise.noise.readout import Readout
-from chromanoise.noise.sources import NoiseSources
+from chromanoise.base import Array, Bool, Float, InputError, check
+from chromanoise.noise.exposure import Exposure
+from chromanoise.noise.measurement import Measurement
+from chromanoise.noise.readout import (
+    FARTHEST,
+    Moments,
+    Readout,
+    count_law,
+    count_window,
+    read_moments,
+)
+from chromanoise.noise.sources import (
+    CrosstalkPattern,
+    NoiseSources,
+    demand_independent_channels,
+    noise_sources,
+)
+from chromanoise.sensor import Sensor, code_range_e
+
+
+def sensor_moments(mean_e: Float[Array, "*px p"], noise: NoiseSources, readout: Readout) -> Moments:
+    """Exact moments of the values that a pixel with these noise sources gives.
+
+    Parameters
+    ----------
+    mean_e
+        Expected electrons of the light, >= 0. [e-]
+    noise
+        The noise sources. Light and dark electrons are counted (Poisson), telegraph noise has its
+        levels; the others are added as one normal variable per channel with their variance.
+    readout
+        Bounds after the subtraction of the mean dark signal, full well before it; the step is
+        that of the converter, unless another is given. Each of several summed readings has an
+        equal part of the bounds.
+
+    Raises
+    ------
+    InputError
+        As `read_moments`.
+
+    Notes
+    -----
+    A product of PRNU and a Poisson count is not normal: its third cumulant, 3 PRNU^2 M^2, is
+    omitted. Mean and variance are exact where nothing is clipped.
+    """
+    mean, n = check.non_negative("mean_e", "e-", mean_e), noise.readings
+    if noise.pattern is not None:
+        return _over_places(mean, noise, noise.pattern, readout)
+    light, one, sd = noise.smooth.of_one_reading(mean)
+    bounds = Readout(
+        black_e=readout.black_e / n,
+        full_well_e=readout.full_well_e / n + one.offset_e,
+        step_e=readout.step_e or one.step_e,
+        offset_e=one.offset_e,
+    )
+    counted = light + noise.dark_e / n
+    read = noise.over_levels(
+        lambda shift_e: read_moments(
+            counted, read_noise_e=sd, readout=replace(bounds, offset_e=one.offset_e + shift_e)
+        )
+    )
+    read = replace(read, bias=read.mean - light)
+    return replace(read, mean=n * read.mean, variance=n * read.variance, bias=n * read.mean - mean)
+
+
+def _over_places(
+    mean: Float[Array, "*px p"], noise: NoiseSources, pattern: CrosstalkPattern, readout: Readout
+) -> Moments:
+    """Moments over the places of each channel, at which different light is counted."""
+    alone, found = replace(noise, pattern=None), []
+    for i in range(mean.shape[-1]):
+        read = sensor_moments(pattern.means_e(mean, i), alone, readout)
+        each = (read.mean, read.variance, read.black_share, read.full_share)
+        of_mean, variance, black, full = (values.mean(axis=-1) for values in each)
+        found.append((of_mean, variance + read.mean.var(axis=-1), black, full))
+    of_mean, variance, black, full = (np.stack(each, axis=-1) for each in zip(*found, strict=True))
+    return Moments(
+        mean=of_mean, variance=variance, bias=of_mean - mean, black_share=black, full_share=full
+    )
+
+
+def counted_readout(
+    mean_e: Float[Array, "*px p"], noise: NoiseSources, readout: Readout
+) -> tuple[Float[Array, "*px p"], Readout]:
+    """Expected light and dark electrons that a pixel counts, and the readout of its codes. [e-]
+
+    A sum of several readings is taken as one with the step of the sum.
+
+    Parameters
+    ----------
+    mean_e
+        Expected electrons of the light. [e-]
+    noise
+        The noise sources of the pixel.
+    readout
+        As `sensor_moments`. [e-]
+
+    Notes
+    -----
+    As in raw pictures, the mean dark signal is subtracted and the error of the black level added
+    before the converter rounds.
+    """
+    offset = noise.black_error_e - noise.dark_e
+    bounds = Readout(
+        black_e=readout.black_e,
+        full_well_e=readout.full_well_e + offset,
+        step_e=readout.step_e or noise.step_e,
+        offset_e=offset,
+    )
+    return np.asarray(mean_e) + noise.dark_e, bounds
+
+
+def clipping_readout(sensor: Sensor, exposure: Exposure | None = None) -> Readout:
+    """Bounds of the sensor's values: black level, and full well or the top code.
+
+    With a converter, the value at full well is also rounded to a code.
+
+    Parameters
+    ----------
+    sensor, exposure
+        As `noise_sources`.
+    """
+    noise = noise_sources(sensor, exposure)
+    well_e, top_e = sensor.pixel.full_well_e, code_range_e(sensor)
+    step = noise.step_e * np.sqrt(noise.readings)  # of all readings together
+    offset = noise.black_error_e - noise.dark_e
+    if step:
+        well_e = step * np.floor((well_e + offset) / step + 0.5) - offset
+    return Readout(black_e=0.0, full_well_e=float(min(well_e, top_e - offset)))
+
+
+def raw_measurement(moments: Moments, names: tuple[str, ...]) -> Measurement:
+    """The moments of independent channels as a raw measurement with diagonal covariance.
+
+    Parameters
+    ----------
+    moments
+        Of the values read.
+    names
+        One per channel.
+    """
+    return Measurement(
+        mean=moments.mean,
+        covariance=moments.variance[..., None] * np.eye(moments.mean.shape[-1]),
+        names=names,
+        kind="raw",
+        unit="e-",
+    )
+
+
+def clipped_measurement(
+    mean_e: Float[Array, "*px p"],
+    sensor: Sensor,
+    readout: Readout,
+    exposure: Exposure | None = None,
+) -> Measurement:
+    """The raw measurement after readout, with exact mean and variance; compare `with_noise`.
+
+    Parameters
+    ----------
+    mean_e
+        Expected electrons of the light, >= 0. [e-]
+    sensor, exposure
+        As `noise_sources`.
+    readout
+        E.g. `clipping_readout` of the sensor.
+
+    Raises
+    ------
+    InputError
+        As `sensor_moments`, `noise_sources` and `demand_independent_channels`.
+
+    Notes
+    -----
+    Channels are independent, so the covariance is diagonal. Near a bound the ratio of this mean to
+    this standard deviation is not an SNR: check the clipped shares of `sensor_moments`.
+    """
+    demand_independent_channels(sensor)
+    moments = sensor_moments(mean_e, noise_sources(sensor, exposure), readout)
+    return raw_measurement(moments, sensor.names)
+
+
+_MANY_E = 300.0  # standard deviation above which four cumulants give the distribution to 1e-7 of it
+_SMOOTH_E = 1.0  # read noise that smooths single electrons to a ripple of exp(-2 pi^2) = 3e-9
+_PER_SD = 64  # steps of the table: error 1e-5 for the skewness of few electrons
+_PER_READ_NOISE = 32  # where single electrons are resolved
+
+
+def poisson_gaussian_ppf(
+    normal: Float[Array, "*n"], mean_e: float, *, read_noise_e: float
+) -> Float[Array, "*n"]:
+    """Quantiles of Poisson(M) + s Z, as a function of a standard normal variable. [e-]
+
+    Parameters
+    ----------
+    normal
+        Values z of the standard normal variable; Phi(z) is the share of readouts below the result.
+    mean_e
+        Expected electrons M, >= 0. [e-]
+    read_noise_e
+        Standard deviation s of the readout, >= 0. [e-]
+
+    Raises
+    ------
+    InputError
+        If mean or read noise is negative or not finite.
+
+    Notes
+    -----
+    F^-1(Phi(z)), by a table of the distribution function, which is a sum over all counts except for
+    tails of 1e-18; above a standard deviation of 300 e- by the Cornish-Fisher expansion with the
+    cumulants M + s^2, M and M (Abramowitz & Stegun, 26.2.49).
+
+    Examples
+    --------
+    Poisson(1) is 0 with probability 1/e = 0.368, so up to the normal quantile -0.338.
+
+    >>> poisson_gaussian_ppf(np.array([-0.35, -0.33]), 1.0, read_noise_e=0.0)
+    array([0., 1.])
+    """
+    mean = check.not_negative("mean_e", "e-", mean_e)
+    noise = check.not_negative("read_noise_e", "e-", read_noise_e)
+    z = np.asarray(normal, dtype=np.float64)
+    if mean + noise**2 >= _MANY_E**2:
+        return _cornish_fisher(z, mean, noise)
+    if noise == 0:
+        counts, shares = count_law(mean)
+        edges = _normal_scores(np.cumsum(shares), np.append(np.cumsum(shares[:0:-1])[::-1], 0.0))
+        at = np.searchsorted(edges, z)
+        return counts[np.minimum(at, counts.size - 1)]
+    scores, electrons = _table(mean, noise)
+    return np.interp(z, scores, electrons)
+
+
+def read_values(electrons: Float[Array, "*n"], readout: Readout) -> Float[Array, "*n"]:
+    """Values of counted electrons: offset added, rounded to the nearest step, then clipped. [e-]
+
+    Parameters
+    ----------
+    electrons
+        Poisson electrons and read noise. [e-]
+    readout
+        Bounds, step and offset.
+
+    Examples
+    --------
+    >>> read_values(np.array([-3.0, 4.9, 99.0]), Readout(black_e=0.0, full_well_e=10.0, step_e=2.0))
+    array([ 0.,  4., 10.])
+    """
+    step, offset = readout.step_e, readout.offset_e
+    values = electrons + offset if offset else electrons
+    coded = step * np.floor(values / step + 0.5) if step else values
+    return np.clip(coded, readout.black_e, readout.full_well_e)
+
+
+def code_count(mean_e: float, noise: NoiseSources) -> int:
+    """Number of codes between the quantiles 0.05 % and 99.95 % of a reading.
+
+    Parameters
+    ----------
+    mean_e
+        Expected electrons of the light. [e-]
+    noise
+        Noise sources of one reading, or of a sum of readings. For a sum, the result is the number
+        of codes of one of its readings.
+
+    Examples
+    --------
+    The range of 99.9 % is 3.29 standard deviations to each side: 2 * 3.29 * 10 / 1 = 66 steps.
+
+    >>> from chromanoise.sensor import PAPER_PIXEL
+    >>> code_count(0.0, NoiseSources(pixel=PAPER_PIXEL, step_e=1.0))
+    67
+    """
+    light, readout, sd = noise.of_one_reading(np.array([mean_e]))
+    counted = float(light[0] + noise.dark_e / noise.readings)
+    ends = poisson_gaussian_ppf(np.array([-3.2905, 3.2905]), counted, read_noise_e=float(sd[0]))
+    first, last = read_values(ends, readout) / readout.step_e
+    return round(last - first) + 1
+
+
+def _cornish_fisher(z: Float[Array, "*n"], mean: float, noise: float) -> Float[Array, "*n"]:
+    sd = np.sqrt(mean + noise**2)
+    skew, excess = mean / sd**3, mean / sd**4
+    bent = skew / 6 * (z**2 - 1) + excess / 24 * (z**3 - 3 * z) - skew**2 / 36 * (2 * z**3 - 5 * z)
+    return np.asarray(mean + sd * (z + bent))
+
+
+@lru_cache(maxsize=128)  # reused while color spaces and matrices change
+def _table(mean: float, noise: float) -> tuple[Float[Array, " t"], Float[Array, " t"]]:
+    """Standard normal quantiles in ascending order, and the values read there. [1, e-]"""
+    electrons = _places(mean, noise)
+    below, above = _shares_beside(electrons, mean, noise)
+    return check.frozen(_normal_scores(below, above)), check.frozen(electrons)
+
+
+def _places(mean: float, noise: float) -> Float[Array, " t"]:
+    """Points of the distribution table, dense enough for linear interpolation. [e-]"""
+    counts, _ = count_law(mean)
+    reach = FARTHEST * noise
+    if 2 * reach < 1:  # single electrons are resolved
+        steps = np.linspace(-reach, reach, int(2 * FARTHEST * _PER_READ_NOISE))
+        return (counts[:, None] + steps).ravel()
+    blurred = noise >= _SMOOTH_E
+    step = np.sqrt(mean + noise**2) / _PER_SD if blurred else noise / _PER_READ_NOISE
+    return np.arange(counts[0] - reach, counts[-1] + reach + step, step)
+
+
+def _shares_beside(
+    electrons: Float[Array, " t"], mean: float, noise: float
+) -> tuple[Float[Array, " t"], Float[Array, " t"]]:
+    """Share of the readouts below and above each value; far counts need no Gaussian."""
+    from scipy.special import ndtr
+
+    counts, shares = count_law(mean)
+    near = min(counts.size, int(2 * FARTHEST * noise) + 2)
+    first = np.ceil(electrons - FARTHEST * noise - counts[0]).astype(np.int64)
+    first = np.clip(first, 0, counts.size - near)
+    at = first[:, None] + np.arange(near)
+    with np.errstate(over="ignore"):  # overflows to inf for a read noise of 1e-308 e-
+        away = (electrons[:, None] - counts[at]) / noise
+    upto = np.concatenate([[0.0], np.cumsum(shares)])
+    onward = np.concatenate([np.cumsum(shares[::-1])[::-1], [0.0]])
+    below = upto[first] + (shares[at] * ndtr(away)).sum(axis=1)
+    above = onward[first + near] + (shares[at] * ndtr(-away)).sum(axis=1)
+    return below, above
+
+
+def _normal_scores(below: Float[Array, " t"], above: Float[Array, " t"]) -> Float[Array, " t"]:
+    """Standard normal quantiles, each from the smaller tail, because 1 - 1e-20 rounds to 1."""
+    from scipy.special import ndtri
+
+    tail = np.clip(np.minimum(below, above), 1e-300, 0.5)
+    return np.where(below < above, ndtri(tail), -ndtri(tail))
+
 
 MOST_COUNTED_E = 2000.0
 """Largest mean whose distribution is tabulated. [e-]"""
@@ -21,7 +356,7 @@ MOST_COUNTED_E = 2000.0
 _FEW_E = 1000.0
 _MOST_NOISE_E = 100.0  # with more, the skewness of 1000 electrons is below 1e-3
 
-_PER_READ_NOISE = 6  # values per standard deviation of the readout
+_VALUES_PER_DEVIATION = 6  # values per standard deviation of the readout
 _LEAST_NOISE_E = 1e-3  # below it the readout is exact
 _LEAST_SD_E = 0.02  # in place of less, because 50 of it lie between two counts
 _MOST_REACH_E = 1e5
@@ -47,9 +382,9 @@ class ReadingDistribution:
     width_e: float
 
     def __post_init__(self) -> None:
-        _check.increasing("values_e", "e-", self.values_e)
-        _check.fraction("probability", "1", self.probability)
-        _check.freeze(self, "values_e", "probability")
+        check.increasing("values_e", "e-", self.values_e)
+        check.fraction("probability", "1", self.probability)
+        check.freeze(self, "values_e", "probability")
 
 
 def few_electrons(mean_e: Float[Array, "*k"], noise: NoiseSources) -> Bool[Array, "*k"]:
@@ -123,7 +458,7 @@ def reading_distribution(
     >>> one.values_e[:2], one.probability[0, :2].round(3)
     (array([0., 1.]), array([0.368, 0.368]))
     """
-    mean = _check.non_negative("mean_e", "e-", mean_e)
+    mean = check.non_negative("mean_e", "e-", mean_e)
     if mean.size and mean.max() > MOST_COUNTED_E:
         raise InputError(
             "mean_e",
@@ -223,7 +558,7 @@ def _continuous(
 ) -> tuple[Float[Array, " x"], Float[Array, "k x"]]:
     """Density times cell; single electrons lie on the grid."""
     low, high = _reach(counted, added, shifts)
-    per_e = math.ceil(_PER_READ_NOISE / float(added.min()))
+    per_e = math.ceil(_VALUES_PER_DEVIATION / float(added.min()))
     values = low + np.arange((high - low) * per_e + 1) / per_e
     table = np.zeros((counted.size, values.size))
     for row, mean, sd in zip(table, counted, added, strict=True):

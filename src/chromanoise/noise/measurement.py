@@ -4,11 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from chromanoise import _check, _notebook
-from chromanoise._check import Array
-from chromanoise._linalg import congruence
-from chromanoise._shapes import Float
-from chromanoise.errors import InputError
+from chromanoise.base import Array, Float, InputError, check, congruence, notebook
 from chromanoise.spectra import Metric
 
 
@@ -51,8 +47,8 @@ class Measurement:
     reading_variance: Float[Array, "*px p"] | None = None
 
     def __post_init__(self) -> None:
-        mean = _check.finite(f"{self.kind} mean", self.unit, self.mean)
-        covariance = _check.finite(f"{self.kind} covariance", f"{self.unit}^2", self.covariance)
+        mean = check.finite(f"{self.kind} mean", self.unit, self.mean)
+        covariance = check.finite(f"{self.kind} covariance", f"{self.unit}^2", self.covariance)
         if covariance.shape != (*mean.shape, mean.shape[-1]):
             raise InputError(
                 f"{self.kind} covariance",
@@ -60,16 +56,16 @@ class Measurement:
                 value=covariance.shape,
                 found=f"has shape {covariance.shape}",
             )
-        _check.same_length("coordinates", names=len(self.names), mean=mean.shape[-1])
+        check.same_length("coordinates", names=len(self.names), mean=mean.shape[-1])
         diagonal = np.diagonal(covariance, axis1=-2, axis2=-1)
-        _check.non_negative(f"{self.kind} variance", f"{self.unit}^2", diagonal)
-        object.__setattr__(self, "mean", _check.frozen(mean))
-        object.__setattr__(self, "covariance", _check.frozen(covariance))
+        check.non_negative(f"{self.kind} variance", f"{self.unit}^2", diagonal)
+        object.__setattr__(self, "mean", check.frozen(mean))
+        object.__setattr__(self, "covariance", check.frozen(covariance))
         if self.reading_variance is not None:
-            own = _check.non_negative(
+            own = check.non_negative(
                 f"{self.kind} reading variance", f"{self.unit}^2", self.reading_variance
             )
-            object.__setattr__(self, "reading_variance", _check.frozen(own))
+            object.__setattr__(self, "reading_variance", check.frozen(own))
 
     @property
     def variance(self) -> Float[Array, "*px p"]:
@@ -84,7 +80,7 @@ class Measurement:
     def _repr_html_(self) -> str:
         text = f"Measurement, {self.kind}" + (f" in {self.metric}" if self.metric else "")
         if self.mean.ndim > 1:
-            return _notebook.shown(f"{text}: {', '.join(self.names)} of {self.mean.shape[:-1]}")
+            return notebook.shown(f"{text}: {', '.join(self.names)} of {self.mean.shape[:-1]}")
         unit, sd = self.unit, np.sqrt(self.variance)
         own = np.sqrt(np.diagonal(self.covariance))
         own = np.where(own > 0, own, 1.0)
@@ -95,7 +91,7 @@ class Measurement:
         ]
         head = ["", f"mean [{unit}]", f"standard deviation [{unit}]"]
         head += [f"correlation with {name}" for name in self.names]
-        return _notebook.shown(text, _notebook.table(head, rows))
+        return notebook.shown(text, notebook.table(head, rows))
 
 
 def through(
@@ -132,9 +128,7 @@ def through(
     array([[13., -5.],
            [-5., 13.]])
     """
-    _check.same_length(
-        "old coordinates", measurement=len(measurement.names), matrix=matrix.shape[1]
-    )
+    check.same_length("old coordinates", measurement=len(measurement.names), matrix=matrix.shape[1])
     return Measurement(
         mean=measurement.mean @ matrix.T,
         covariance=congruence(matrix, measurement.covariance),

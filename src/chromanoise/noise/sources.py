@@ -20,12 +20,8 @@ from typing import Literal
 
 import numpy as np
 
-from chromanoise import _check
-from chromanoise._check import Array
-from chromanoise._linalg import congruence, inv
-from chromanoise._shapes import Bool, Float, Int
-from chromanoise.errors import InputError, Setting
-from chromanoise.exposure import Exposure
+from chromanoise.base import Array, Bool, Float, InputError, Int, Setting, check, congruence, inv
+from chromanoise.noise.exposure import Exposure
 from chromanoise.noise.measurement import Measurement
 from chromanoise.noise.readout import (
     Moments,
@@ -35,22 +31,20 @@ from chromanoise.noise.readout import (
     read_moments,
 )
 from chromanoise.sensor import (
-    Crosstalk,
-    Sensor,
-    VarianceLaw,
-    of_one_reading,
-    quantization_step_e,
-    white_level_e,
-)
-from chromanoise.sensor.noise_source import (
     ALL,
     FIXED,
     PATTERN,
     READ,
     READ_OUT,
     SHOT,
+    Crosstalk,
     NoiseKind,
     PixelReading,
+    Sensor,
+    VarianceLaw,
+    of_one_reading,
+    quantization_step_e,
+    white_level_e,
 )
 
 
@@ -76,7 +70,7 @@ class CrosstalkPattern:
     counted: bool
 
     def __post_init__(self) -> None:
-        _check.freeze(self, "shares", "channel")
+        check.freeze(self, "shares", "channel")
 
     def variance_e2(self, mean_e: Float[Array, "*px p"]) -> Float[Array, "*px p"]:
         """Mean over the places of each channel of the squared deviation. [e-^2]
@@ -241,7 +235,7 @@ class NoiseSources(PixelReading):
         InputError
             If an entry of ``mean_e`` is negative or not finite.
         """
-        mean = _check.non_negative("mean_e", "e-", mean_e)
+        mean = check.non_negative("mean_e", "e-", mean_e)
         variance = mean + self.floor_e2(kind)
         return variance + self._fixed_e2(mean) if kind == "total" else variance
 
@@ -572,8 +566,8 @@ def raw_covariance(
     array([[200.,   0.],
            [  0., 125.]])
     """
-    mean = _check.non_negative("mean_e", "e-", mean_e)
-    read = _check.not_negative("read_noise_e", "e-", read_noise_e)
+    mean = check.non_negative("mean_e", "e-", mean_e)
+    read = check.not_negative("read_noise_e", "e-", read_noise_e)
     return _diagonal(mean + read**2)
 
 
@@ -672,7 +666,7 @@ def mean_noise_covariance(
     array([[300.]])
     """
     noise, coupling = noise_sources(sensor, exposure), after_counting(sensor.crosstalk)
-    counted = _check.non_negative("mean_e", "e-", counted_electrons(mean_e, coupling))
+    counted = check.non_negative("mean_e", "e-", counted_electrons(mean_e, coupling))
     mean, square = share @ counted, share @ counted**2
     factor = np.asarray(light)[..., None]
     law = noise.law()

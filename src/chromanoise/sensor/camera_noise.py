@@ -1,4 +1,10 @@
-"""The noise of a camera in codes: what a sampler of training data needs, per channel of a mosaic.
+"""The noise profile of DNG and Android, variance = S x + O, and the pixel derived from it.
+
+x is 0 at the black level and 1 at the white level; the variance is in the square of this unit.
+
+The noise of a camera as calibrated by ELD: the dictionary of a file ``camera_params/*.npy``.
+
+The noise of a camera in codes: what a sampler of training data needs, per channel of a mosaic.
 
 `Pixel` has one design for all channels and one gain. A camera that was measured, or calibrated in
 the way of ELD, has a gain and a read noise for each channel, and changes them with the ISO setting.
@@ -7,31 +13,362 @@ the way of ELD, has a gain and a read noise for each channel, and changes them w
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
-from typing import Any
+from typing import Any, Literal, cast, get_args
 
 import numpy as np
 
-from chromanoise import _check
-from chromanoise._check import Array
-from chromanoise._shapes import Float
-from chromanoise.errors import InputError, Setting
-from chromanoise.sensor.adc import adc_of
-from chromanoise.sensor.eld_noise import ReadNoiseShape, eld_noise
-from chromanoise.sensor.mosaic import Mosaic
-from chromanoise.sensor.noise_source import PixelReading
-from chromanoise.sensor.pixel import PIXEL, PIXEL_NOISE
-from chromanoise.sensor.read_noise import (
+from chromanoise.base import Array, Float, InputError, Setting, check
+from chromanoise.sensor.changes import PixelSource
+from chromanoise.sensor.crosstalk import Mosaic
+from chromanoise.sensor.noise_source import (
     LARGEST_LAMBDA,
     LEAST_LAMBDA,
     MOST_DN,
     MOST_E,
     LogLinearNoise,
+    PixelReading,
     ReadNoiseLaw,
     ReadNoiseTable,
+    VarianceLaw,
     above_zero,
     tukey_lambda_variance,
 )
+from chromanoise.sensor.pixel import PIXEL, PIXEL_NOISE, Adc, adc_of
 from chromanoise.sensor.sensor import Sensor
+
+ROUNDING_DN2 = 1 / 12
+"""Variance that rounding to whole codes adds (Sheppard). [DN^2]"""
+
+_ALIKE = 0.05  # S of channels with the same converter differs by less than this
+_RANGE = "{}: {:.4g} e- lie between black and white; the full well may be larger"
+
+
+def noise_profile(
+    adc: Adc, *, read_noise_e: float, white_level_dn: int | None = None
+) -> Float[Array, " 2"]:
+    """S and O of the noise of a code, variance = S x + O, x = 0 at black and 1 at the white level.
+
+    Parameters
+    ----------
+    adc
+        Gain, black level and top code.
+    read_noise_e
+        Standard deviation of all noise without light. [e-]
+    white_level_dn
+        Code at which the pixel saturates; the top code if ``None``. [DN]
+
+    Raises
+    ------
+    InputError
+        If the read noise is negative or not finite.
+
+    Notes
+    -----
+    DNG 1.4, tag 51041. Shot noise of y codes above black has the variance y / K (codes squared),
+    readout (sigma / K)^2 and rounding 1 / 12, with K electrons per code (EMVA 1288, release 4.0,
+    the linear camera model); y = R x, with R codes from black to white.
+
+    Examples
+    --------
+    >>> noise_profile(Adc(bits=8, gain_e_per_dn=2.0, black_level_dn=55), read_noise_e=40.0).round(4)
+    array([0.0025, 0.01  ])
+    """
+    read = check.not_negative("read_noise_e", "e-", read_noise_e) / adc.gain_e_per_dn
+    white_level_dn = adc.top_code if white_level_dn is None else white_level_dn
+    of_codes = VarianceLaw(floor_e2=read**2 + ROUNDING_DN2, slope_e=1 / adc.gain_e_per_dn)
+    return shot_and_dark(of_codes.in_units_of(white_level_dn - adc.black_level_dn))
+
+
+def shot_and_dark(law: VarianceLaw) -> Float[Array, "*p 2"]:
+    """S and O of a law in units of the range from black to white. [1]
+
+    Parameters
+    ----------
+    law
+        `VarianceLaw.in_units_of` this range; PRNU is left out.
+
+    Examples
+    --------
+    >>> shot_and_dark(VarianceLaw(floor_e2=9.0, slope_e=1.0).in_units_of(1000.0)).tolist()
+    [0.001, 9e-06]
+    """
+    return law.coefficients[[1, 0]].T
+
+
+def pixel_from_noise_profile(
+    profile: Float[Array, "p 2"],
+    *,
+    black_level_dn: float,
+    white_level_dn: float,
+    channels: Sequence[str] = (),
+    source: str = "noise profile",
+) -> PixelSource:
+    """Gain and read noise of the pixel with this noise profile: the inverse of `noise_profile`.
+
+    Parameters
+    ----------
+    profile
+        S and O of each channel. [1]
+    black_level_dn, white_level_dn
+        Codes of x = 0 and x = 1. [DN]
+    channels
+        Their names, for messages; their indices (from 0) if not given.
+    source
+        Where the numbers come from.
+
+    Raises
+    ------
+    InputError
+        If S is not above 0, a number is not finite, white is not above black, or the channels
+        differ in S by more than 5 %, which means that codes and noise were multiplied by a gain.
+
+    Notes
+    -----
+    1 / S = electrons from black to white; the dark variance in codes is O R^2 = (sigma / K)^2
+    + 1 / 12. Gain and read noise are those of the mean S and O. A profile does not contain the full
+    well: at a high gain (ISO) the codes reach the white level far below the full well.
+
+    Examples
+    --------
+    >>> source = pixel_from_noise_profile(np.array([[0.0025, 0.0100021]]),
+    ...                                   black_level_dn=55, white_level_dn=255)
+    >>> source.gain_e_per_dn, round(source.read_noise_e, 3)
+    (2.0, 40.0)
+    """
+    shot, dark = _of_all_channels(profile, channels, black_level_dn, white_level_dn, source)
+    range_dn = float(white_level_dn) - float(black_level_dn)
+    gain = 1 / (shot * range_dn)
+    read_dn2 = dark * range_dn**2 - ROUNDING_DN2
+    adc, notes = _converter(gain, float(black_level_dn), float(white_level_dn), source)
+    remarks = [_RANGE.format(source, 1 / shot)]
+    if read_dn2 < 0:
+        remarks.append(
+            f"{source}: O is {dark:.3g}, less than rounding alone makes "
+            f"({ROUNDING_DN2 / range_dn**2:.3g}), so the read noise is unknown"
+        )
+    return PixelSource(
+        source=source,
+        read_noise_e=gain * float(np.sqrt(read_dn2)) if read_dn2 >= 0 else None,
+        gain_e_per_dn=gain,
+        adc=adc,
+        notes=(*remarks, *notes),
+    )
+
+
+def pixel_without_levels(
+    profile: Float[Array, "p 2"], *, channels: Sequence[str] = (), source: str = "noise profile"
+) -> PixelSource:
+    """Read noise from a profile without levels, in electrons, rounding to codes included.
+
+    Parameters
+    ----------
+    profile
+        S and O of each channel. [1]
+    channels
+        As `pixel_from_noise_profile`.
+    source
+        Where the numbers come from.
+
+    Raises
+    ------
+    InputError
+        As `pixel_from_noise_profile`.
+
+    Notes
+    -----
+    1 / S electrons lie between black and white, so O = (sigma S)^2; black and white level
+    would give the gain, and with it the part of O that is rounding.
+
+    Examples
+    --------
+    >>> round(pixel_without_levels(np.array([[2e-4, 1e-6]])).read_noise_e, 9)    # 5000 e- sqrt(O)
+    5.0
+    """
+    shot, dark = _of_all_channels(profile, channels, 0.0, 1.0, source)
+    check.not_negative(f"O of {source}", "1", dark)
+    return PixelSource(
+        source=source,
+        read_noise_e=float(np.sqrt(dark)) / shot,
+        notes=(
+            _RANGE.format(source, 1 / shot),
+            f"{source}: has no BlackLevel and WhiteLevel, so its gain stays unknown and the read "
+            "noise includes rounding to codes",
+        ),
+    )
+
+
+def _of_all_channels(
+    profile: Array, channels: Sequence[str], black_dn: float, white_dn: float, source: str
+) -> tuple[float, float]:
+    """Mean S and O of the channels, which must be those of one converter."""
+    values = check.finite(f"noise profile of {source}", "1", profile)
+    names = tuple(channels) or tuple(str(i) for i in range(len(values)))
+    check.same_length("channels", profile=len(values), names=len(names))
+    if values.ndim != 2 or values.shape[1] != 2 or not len(values):
+        raise InputError(
+            source,
+            "must give S and O of each channel",
+            value=values.shape,
+            found=f"its profile has shape {values.shape}",
+        )
+    for name, (shot, _) in zip(names, values.tolist(), strict=True):
+        check.within(f"S of channel {name} of {source}", "1", shot, 1e-15, 1e3)
+    check.not_negative(f"black level of {source}", "DN", black_dn)
+    check.within(f"white level of {source}", "DN", white_dn, 1.0, 1e9)
+    check.positive(f"white minus black level of {source}", "DN", white_dn - black_dn)
+    shots = values[:, 0]
+    if shots.max() > (1 + _ALIKE) * shots.min():
+        listed = ", ".join(f"{n} {s:.3g}" for n, s in zip(names, shots.tolist(), strict=True))
+        raise InputError(
+            source,
+            "must have the same S in all channels",
+            value=dict(zip(names, shots.tolist(), strict=True)),
+            found=f"S is {listed}, so the codes were multiplied, as by a white balance",
+            remedy="give S and O of one channel that was not multiplied, usually green",
+        )
+    shot, dark = values.mean(axis=0).tolist()
+    return shot, dark
+
+
+def _converter(
+    gain: float, black_dn: float, white_dn: float, source: str
+) -> tuple[Adc | None, tuple[str, ...]]:
+    """A converter with the bits that the white level needs, and notes on doubts."""
+    bits = max(8, int(np.ceil(np.log2(white_dn + 1))))
+    if bits > 16 or not black_dn.is_integer():
+        return None, (
+            f"{source}: levels of {black_dn:g} and {white_dn:g} DN do not fit a converter of 8 to "
+            "16 bits with an integer black level; give its bits and black level",
+        )
+    adc = Adc(bits=bits, gain_e_per_dn=gain, black_level_dn=int(black_dn))
+    if adc.top_code == white_dn:
+        return adc, ()
+    return adc, (
+        f"{source}: white level {white_dn:g} implies {bits} bits (top code {adc.top_code})",
+    )
+
+
+ReadNoiseShape = Literal["tukey-lambda", "gaussian"]
+"""Distribution of ELD's read noise."""
+
+
+def eld_noise(
+    params: Mapping[str, Any], *, read: ReadNoiseShape, profile: str
+) -> tuple[tuple[float, float], dict[str, Any]]:
+    """The range of the gain [DN/e-], and fields of `CameraNoise`, of the parameters of ELD.
+
+    Parameters
+    ----------
+    params, read, profile
+        As `CameraNoise.from_eld`.
+
+    Raises
+    ------
+    InputError
+        If a key is missing or a value is not as described.
+
+    Notes
+    -----
+    Wei, Fu, Yang & Huang, CVPR (2020), eqs. 8-11.
+    """
+    read = cast(ReadNoiseShape, check.one_of("read", read, get_args(ReadNoiseShape)))
+    one = _mapping(params, profile)
+    low, high = _number(params, "Kmin"), _number(params, "Kmax")
+    if not 0 < low <= high:
+        raise InputError(
+            "ELD parameters",
+            "must have 0 < Kmin <= Kmax [DN/e-]",
+            value=(low, high),
+            found=f"have Kmin = {low:g} and Kmax = {high:g}",
+            remedy="give K, not its logarithm",
+        )
+    heavy = read == "tukey-lambda"
+    if heavy and ("G_shape" not in params or "G_scale" not in one):
+        missing = "G_scale" if "G_shape" in params else "G_shape"
+        raise InputError(
+            "ELD parameters",
+            f"must have {missing} for Tukey lambda read noise",
+            found="do not",
+            remedy=Setting("read", ("gaussian",)),
+        )
+    shapes = _row_of_numbers(params, "G_shape") if heavy else ()
+    offsets = None
+    if params.get("color_bias") is not None:
+        given = check.finite("color_bias", "DN", params["color_bias"])
+        if given.ndim != 2 or given.shape[1] != 4:
+            raise InputError(
+                "color_bias",
+                "must have rows of 4 values: R, G1, B, G2 [DN]",
+                value=given.shape,
+                found=f"has shape {given.shape}",
+            )
+        offsets = given[:, [0, 1, 3, 2]]
+    return (low, high), {
+        "tail_lambda": shapes,
+        "read_noise_law": _log_linear(one, "G_scale" if heavy else "g_scale", tukey_scale=heavy),
+        "row_noise_law": _log_linear(one, "R_scale") if "R_scale" in one else None,
+        "black_offsets_dn": offsets,
+    }
+
+
+def _mapping(params: Mapping[str, Any], key: str) -> Mapping[str, Any]:
+    found = params.get(key) if isinstance(params, Mapping) else None
+    if not isinstance(found, Mapping):
+        raise InputError(
+            "ELD parameters",
+            f"must be a dictionary with the dictionary {key}",
+            value=type(params).__name__,
+            found=f"have no {key}" if isinstance(params, Mapping) else None,
+            remedy="take np.load(file, allow_pickle=True).item() of a file that you trust",
+        )
+    return found
+
+
+def _number(params: Mapping[str, Any], key: str, where: str = "") -> float:
+    place = f"{where}.{key}" if where else key
+    if key not in params:
+        raise InputError("ELD parameters", f"must have {place}", found="do not")
+    try:
+        number = float(params[key])
+    except (TypeError, ValueError):
+        number = math.nan
+    if not math.isfinite(number):
+        raise InputError(
+            "ELD parameters", "must be a finite number", value=params[key], where=place
+        )
+    return number
+
+
+def _row_of_numbers(params: Mapping[str, Any], key: str) -> tuple[float, ...]:
+    try:
+        array = np.atleast_1d(np.asarray(params[key], dtype=np.float64))
+    except (TypeError, ValueError):
+        array = np.empty(0)
+    if array.ndim != 1 or not array.size:
+        raise InputError(
+            "ELD parameters", "must be one or more numbers", value=params[key], where=key
+        )
+    return tuple(float(one) for one in array)
+
+
+def _log_linear(
+    profile: Mapping[str, Any], key: str, *, tukey_scale: bool = False
+) -> LogLinearNoise:
+    found = profile.get(key)
+    if not isinstance(found, Mapping):
+        raise InputError(
+            "ELD parameters",
+            f"must have {key} with slope, bias and sigma",
+            value=found,
+            found=f"have no {key}" if found is None else "",
+        )
+    return LogLinearNoise(
+        slope=_number(found, "slope", key),
+        bias=_number(found, "bias", key),
+        sigma=_number(found, "sigma", key),
+        tukey_scale=tukey_scale,
+    )
+
 
 _MOST_GAIN = 1e9
 
@@ -134,7 +471,7 @@ class CameraNoise:
     black_offsets_dn: Float[Array, "n p"] | None = None
 
     def __post_init__(self) -> None:
-        names = _check.distinct("channel names", self.names)
+        names = check.distinct("channel names", self.names)
         if not names:
             raise InputError("channel names", "must name at least one channel", value=())
         object.__setattr__(self, "names", names)
@@ -148,7 +485,7 @@ class CameraNoise:
         gain = self._per_channel("gain_dn_per_e", "DN/e-", _MOST_GAIN)
         above_zero("gain_dn_per_e", "DN/e-", gain)
         self._per_channel("read_noise_e", "e-", MOST_E)
-        top = _check.within("top_code_dn", "DN", self.top_code_dn, 1, MOST_DN)
+        top = check.within("top_code_dn", "DN", self.top_code_dn, 1, MOST_DN)
         if int(top) != top:
             raise InputError("top_code_dn", "must be a whole number [DN]", value=top)
         black = self._per_channel("black_level_dn", "DN", MOST_DN)
@@ -159,9 +496,9 @@ class CameraNoise:
                 value=float(black[black >= top][0]),
             )
         if self.iso is not None:
-            _check.within("iso", "1", self.iso, 1e-3, 1e9)
+            check.within("iso", "1", self.iso, 1e-3, 1e9)
         if self.full_well_e is not None:
-            _check.within("full_well_e", "e-", self.full_well_e, 1e-3, MOST_E)
+            check.within("full_well_e", "e-", self.full_well_e, 1e-3, MOST_E)
         for name in _PLAIN:
             PIXEL[name].demand(name, getattr(self, name))
         self._check_laws()
@@ -169,7 +506,7 @@ class CameraNoise:
     def _check_laws(self) -> None:
         shapes = tuple(float(one) for one in self.tail_lambda)
         for one in shapes:
-            _check.within("tail_lambda", "1", one, LEAST_LAMBDA, LARGEST_LAMBDA)
+            check.within("tail_lambda", "1", one, LEAST_LAMBDA, LARGEST_LAMBDA)
         object.__setattr__(self, "tail_lambda", shapes)
         law = self.read_noise_law
         if isinstance(law, LogLinearNoise) and law.tukey_scale and not shapes:
@@ -178,8 +515,8 @@ class CameraNoise:
             )
         if self.gain_range_dn_per_e is not None:
             low, high = (float(one) for one in self.gain_range_dn_per_e)
-            _check.within("lowest gain", "DN/e-", low, 1e-9, _MOST_GAIN)
-            _check.within("highest gain", "DN/e-", high, low, _MOST_GAIN)
+            check.within("lowest gain", "DN/e-", low, 1e-9, _MOST_GAIN)
+            check.within("highest gain", "DN/e-", high, low, _MOST_GAIN)
             if law is None:
                 raise InputError(
                     "read_noise_law",
@@ -187,7 +524,7 @@ class CameraNoise:
                     remedy=Setting("read_noise_law"),
                 )
         if self.black_offsets_dn is not None:
-            offsets = _check.finite("black_offsets_dn", "DN", self.black_offsets_dn)
+            offsets = check.finite("black_offsets_dn", "DN", self.black_offsets_dn)
             if offsets.ndim != 2 or not offsets.size or offsets.shape[1] != len(self.names):
                 raise InputError(
                     "black_offsets_dn",
@@ -195,10 +532,10 @@ class CameraNoise:
                     value=offsets.shape,
                     found=f"has shape {offsets.shape}",
                 )
-            object.__setattr__(self, "black_offsets_dn", _check.frozen(offsets))
+            object.__setattr__(self, "black_offsets_dn", check.frozen(offsets))
 
     def _per_channel(self, name: str, unit: str, most: float) -> Array:
-        values = _check.non_negative(name, unit, getattr(self, name))
+        values = check.non_negative(name, unit, getattr(self, name))
         if values.shape != (len(self.names),):
             raise InputError(
                 name,
@@ -208,7 +545,7 @@ class CameraNoise:
             )
         if (values > most).any():
             raise InputError(name, f"must be at most {most:g} [{unit}]", value=float(values.max()))
-        object.__setattr__(self, name, _check.frozen(values))
+        object.__setattr__(self, name, check.frozen(values))
         return values
 
     def at_iso(self, iso: float) -> "CameraNoise":
@@ -235,7 +572,7 @@ class CameraNoise:
         ISO 12232 (2019): the analog gain, and so K of EMVA 1288, is proportional to the setting.
         The black level in DN does not depend on it.
         """
-        iso = _check.within("iso", "1", iso, 1e-3, 1e9)
+        iso = check.within("iso", "1", iso, 1e-3, 1e9)
         if self.iso is None:
             raise InputError(
                 "iso",
@@ -347,7 +684,7 @@ class CameraNoise:
         if iso is not None and self.iso is None:
             own = self.at_iso(iso)  # refused there
         elif iso is not None and self.iso is not None and iso != self.iso:
-            gain = self.gain_dn_per_e * (_check.within("iso", "1", iso, 1e-3, 1e9) / self.iso)
+            gain = self.gain_dn_per_e * (check.within("iso", "1", iso, 1e-3, 1e9) / self.iso)
             own = replace(self._scattered(gain, read_score, row_score, shape), iso=iso)
         elif iso is None and self.gain_range_dn_per_e is not None:
             low, high = (math.log(one) for one in self.gain_range_dn_per_e)

@@ -1,4 +1,6 @@
-"""Crosstalk: photons or charge of one pixel that end in its neighbors.
+"""Mosaics: the channel of each pixel.
+
+Crosstalk: photons or charge of one pixel that end in its neighbors.
 
 Before counting (light or charge that diffuses one by one) the channels stay independent: a random
 part of a Poisson count is a Poisson count. After counting (interpixel capacitance) the readings of
@@ -6,18 +8,186 @@ neighbors are correlated. Agranov, Berezin & Tsai, "Crosstalk and microlens stud
 image sensor", IEEE Trans. Electron Devices 50 (2003) 4.
 """
 
+import math
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, get_args
 
 import numpy as np
 
-from chromanoise import _check
-from chromanoise._check import Array
-from chromanoise._linalg import inv, svd
-from chromanoise._shapes import Float, Int
-from chromanoise.errors import InputError, Setting
-from chromanoise.sensor.mosaic import Mosaic
+from chromanoise.base import Array, Float, InputError, Int, Setting, check, inv, known_name, svd
+
+
+@dataclass(frozen=True, slots=True)
+class Mosaic:
+    """The smallest block of channel names that tiles the sensor.
+
+    Attributes
+    ----------
+    pattern
+        Rows of channel names, all of the same length.
+
+    Raises
+    ------
+    InputError
+        If the pattern is empty, or the rows have different lengths.
+    """
+
+    pattern: tuple[tuple[str, ...], ...]
+
+    def __post_init__(self) -> None:
+        if not self.pattern or not self.pattern[0]:
+            raise InputError(
+                "mosaic", "must have at least one row with one channel", value=self.pattern
+            )
+        for i, row in enumerate(self.pattern):
+            if len(row) != len(self.pattern[0]):
+                raise InputError(
+                    "mosaic",
+                    "must have rows of equal length",
+                    value=(len(self.pattern[0]), len(row)),
+                    found=f"row 0 has {len(self.pattern[0])} channels and row {i} has {len(row)}",
+                )
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The channels that occur, in order of first appearance."""
+        return tuple(dict.fromkeys(name for row in self.pattern for name in row))
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Rows and columns of the block."""
+        return len(self.pattern), len(self.pattern[0])
+
+    @property
+    def place_names(self) -> tuple[str, ...]:
+        """Names of the places of the block, row by row: repeated channels are numbered.
+
+        Examples
+        --------
+        >>> bayer().place_names
+        ('R', 'G1', 'G2', 'B')
+        """
+        channels = [name for row in self.pattern for name in row]
+        return tuple(
+            name if channels.count(name) == 1 else f"{name}{channels[: i + 1].count(name)}"
+            for i, name in enumerate(channels)
+        )
+
+
+def bayer() -> Mosaic:
+    """2 x 2, half of it green (Bayer, US 3,971,065)."""
+    return _mosaic("RG", "GB")
+
+
+def rgbw_2x2() -> Mosaic:
+    """2 x 2, one pixel of each of R, G, B and W."""
+    return _mosaic("RG", "WB")
+
+
+def rgbw_sparse_4x4() -> Mosaic:
+    """4 x 4, three quarters white: few colored pixels in a white sensor."""
+    return _mosaic("RWGW", "WWWW", "GWBW", "WWWW")
+
+
+def rgb_ir() -> Mosaic:
+    """2 x 2, one pixel of each of R, G, B and IR."""
+    return Mosaic((("R", "G"), ("IR", "B")))
+
+
+_NAMED = {
+    "bayer": bayer,
+    "rgbw-2x2": rgbw_2x2,
+    "rgbw-4x4": rgbw_sparse_4x4,
+    "rgb-ir": rgb_ir,
+}
+MOSAIC_NAMES = tuple(_NAMED)
+"""The names that `mosaic_named` accepts in addition to patterns."""
+
+
+def mosaic_named(text: str) -> Mosaic:
+    """A mosaic by name or pattern: slashes or semicolons separate rows, spaces separate channels.
+
+    If no row contains a space, each letter is a channel.
+
+    Parameters
+    ----------
+    text
+        Name such as ``bayer``, or a pattern such as ``RG/GB``.
+
+    Raises
+    ------
+    InputError
+        If the text is neither a known name nor a pattern with rows of equal length.
+
+    Examples
+    --------
+    >>> mosaic_named("RG/GB") == bayer()
+    True
+    >>> mosaic_named("R G/IR B").names
+    ('R', 'G', 'IR', 'B')
+    >>> mosaic_named("Red Yellow; Yellow Blue").names
+    ('Red', 'Yellow', 'Blue')
+    """
+    text = known_name(text, _NAMED)
+    if text in _NAMED:
+        return _NAMED[text]()
+    rows = [row.strip() for row in re.split("[/;]", text)]
+    side = math.isqrt(len(text))
+    if side > 1 and side**2 == len(text) and set(text) <= set("RGBW"):
+        meant = "/".join(text[i : i + side] for i in range(0, len(text), side))
+        raise InputError(
+            "mosaic",
+            "must have a slash between its rows, e.g. RG/GB",
+            value=text,
+            remedy=f"did you mean {meant}?",
+        )
+    if len(rows) == 1 and len(text) > 2 and " " not in text.strip():
+        try:
+            check.one_of("mosaic", text, MOSAIC_NAMES)
+        except InputError as error:
+            raise InputError(
+                "mosaic",
+                "must be a known name, or rows, e.g. RG/GB",
+                value=text,
+                remedy=error.remedy,
+            ) from None
+    if not all(rows):
+        raise InputError("mosaic", "must have a channel in each row, e.g. RG/GB", value=text)
+    spaced = any(" " in row for row in rows)
+    return Mosaic(tuple(tuple(row.split() if spaced else row) for row in rows))
+
+
+def with_channel_names(mosaic: Mosaic, names: Sequence[str]) -> Mosaic:
+    """A mosaic whose single letters are replaced by the channels whose names begin with them.
+
+    A letter stays unchanged if it is itself a channel, or if several names or none begin with it.
+
+    Parameters
+    ----------
+    mosaic
+        A mosaic of channels or letters.
+    names
+        The channels of the sensor.
+
+    Examples
+    --------
+    >>> with_channel_names(mosaic_named("RY/YB"), ("Red", "Yellow", "Blue")).pattern
+    (('Red', 'Yellow'), ('Yellow', 'Blue'))
+    """
+
+    def channel(letter: str) -> str:
+        begun = [one for one in names if one.lower().startswith(letter.lower())]
+        meant = letter not in names and len(letter) == 1 and len(begun) == 1
+        return begun[0] if meant else letter
+
+    return Mosaic(tuple(tuple(map(channel, row)) for row in mosaic.pattern))
+
+
+def _mosaic(*rows: str) -> Mosaic:
+    return Mosaic(tuple(tuple(row) for row in rows))
+
 
 Stage = Literal["light", "charge"]
 
@@ -46,7 +216,7 @@ class Places:
     squares: Float[Array, "ty tx p"]
 
     def __post_init__(self) -> None:
-        _check.freeze(self, "tile", "shares", "squares")
+        check.freeze(self, "tile", "shares", "squares")
 
     def channel_means(self, values: Float[Array, "ty tx p"]) -> Float[Array, "p p"]:
         """Means of the values over the places of each channel (rows)."""
@@ -100,8 +270,8 @@ class Crosstalk:
     places: Places | None = None
 
     def __post_init__(self) -> None:
-        _check.one_of("stage of the crosstalk", self.stage, get_args(Stage))
-        matrix = _check.non_negative("crosstalk matrix", "1", self.matrix)
+        check.one_of("stage of the crosstalk", self.stage, get_args(Stage))
+        matrix = check.non_negative("crosstalk matrix", "1", self.matrix)
         p = len(self.pixels)
         if matrix.shape != (p, p):
             raise InputError(
@@ -122,9 +292,9 @@ class Crosstalk:
                 + _weights(count, column),
                 remedy=() if len(set(self.pixels)) > 1 else _EQUAL,
             )
-        object.__setattr__(self, "matrix", _check.frozen(matrix))
+        object.__setattr__(self, "matrix", check.frozen(matrix))
         if self.kernel is not None:
-            object.__setattr__(self, "kernel", _check.frozen(self.kernel))
+            object.__setattr__(self, "kernel", check.frozen(self.kernel))
 
     @property
     def inverse(self) -> Float[Array, "p p"] | None:
@@ -225,7 +395,7 @@ def crosstalk_of_share(share: float, mosaic: Mosaic, names: Sequence[str]) -> Cr
            [0.05, 0.9 , 0.05],
            [0.  , 0.1 , 0.9 ]])
     """
-    share = _check.within("crosstalk", "1", share, 0.0, 1.0)
+    share = check.within("crosstalk", "1", share, 0.0, 1.0)
     quarter = share / 4
     kernel = np.array([[0, quarter, 0], [quarter, 1 - share, quarter], [0, quarter, 0]])
     return crosstalk_of_kernel(kernel, mosaic, names)
@@ -252,7 +422,7 @@ def crosstalk_of_kernel(
         If the kernel is not odd, negative, or has a sum above 1, or mosaic and sensor have
         different channels.
     """
-    kernel = _check.non_negative("crosstalk kernel", "1", kernel)
+    kernel = check.non_negative("crosstalk kernel", "1", kernel)
     if kernel.ndim != 2 or not all(size % 2 for size in kernel.shape):
         raise InputError(
             "crosstalk kernel",

@@ -1,31 +1,289 @@
-"""The models of filters by name, with the numbers that each takes."""
+"""Transmittance of a stack of thin films without absorption, at normal incidence.
+
+The transfer matrix of a film with the phase d is [[cos d, i sin d / n], [i n sin d, cos d]]. The
+product of such matrices is [[a, i b], [i c, e]] with real a, b, c, e and a e + b c = 1. Only these
+four are multiplied: the transmittance is then an analytic function of all thicknesses and indices,
+which |t|^2 is not, and never above 1:
+
+    1 / T = 1 + ((n0 a - ns e)^2 + (n0 ns b - c)^2) / (4 n0 ns).
+
+The package `tmm` gives the same numbers (the tests compare them), but takes one wavelength of one
+stack per call, and real thicknesses only, so that it has no complex step. For 12 films at 66
+wavelengths it took 9,500 us per stack, 200 stacks by these functions 25 us each.
+
+Color routers: optics over a tile of pixels that sort its light by wavelength.
+
+A filter stops the light that its pixel does not want; a router sends it to a pixel of the same tile
+that does. All channels share the light of the tile: the shares sum to 1 at most at each wavelength,
+and the sensor is `stacked`, with the tile as its pixel.
+
+The models of filters by name, with the numbers that each takes.
+"""
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import reduce
 from inspect import signature
 
-from chromanoise._check import Array
-from chromanoise.errors import InputError
-from chromanoise.sensor.filter_shapes import (
+import numpy as np
+
+from chromanoise.base import Array, Inexact, InputError, check
+from chromanoise.sensor.filters import (
+    LEAST_LENGTH_NM,
+    LEAST_LENGTH_UM,
     MOST_REFLECTANCE,
+    Number,
     dual_band_filter,
     dye_of_bands,
     fabry_perot_filter,
     gaussian_filter,
-    long_pass,
-    raised_cosine_filter,
-)
-from chromanoise.sensor.filters import (
-    LEAST_LENGTH_NM,
-    LEAST_LENGTH_UM,
-    Number,
     ir_cut,
+    logistic,
+    long_pass,
+    per_candidate,
+    raised_cosine_filter,
     resin_filter,
     silicon_qe,
 )
-from chromanoise.sensor.thin_film import LEAST_INDEX, alternating_stack
 from chromanoise.spectra import Grid
+
+LEAST_INDEX = 1.0
+"""Lowest refractive index, that of vacuum. [1]"""
+_PER_UM2 = 1e6  # nm^2 in um^2
+
+
+def cauchy_index(grid: Grid, index: Number, dispersion_um2: Number) -> Inexact[Array, "*m n"]:
+    """Refractive index n(wavelength) = A + B / wavelength^2 (Cauchy). [1]
+
+    Parameters
+    ----------
+    grid
+        Wavelengths of the result.
+    index
+        A, the index at long wavelengths. [1]
+    dispersion_um2
+        B; 0 for a constant index. [um^2]
+
+    Raises
+    ------
+    InputError
+        If A is below 1, or B is negative.
+
+    Examples
+    --------
+    >>> cauchy_index(Grid.uniform(500, 1000, 500), 1.45, 0.0035).round(4)
+    array([1.464 , 1.4535])
+    """
+    constant = per_candidate("refractive index", "1", index, least=LEAST_INDEX)
+    dispersion = per_candidate("dispersion", "um^2", dispersion_um2)
+    return constant + dispersion * _PER_UM2 / grid.wavelength_nm**2
+
+
+def thin_film_stack(
+    grid: Grid,
+    *,
+    thickness_nm: Sequence[Number],
+    index: Sequence[Inexact[Array, "*m n"]],
+    index_in: Number = 1.0,
+    index_out: Number = 1.52,
+) -> Inexact[Array, "*m n"]:
+    """Transmittance of a stack of films without absorption, at normal incidence, into a substrate.
+
+    Parameters
+    ----------
+    grid
+        Wavelengths of the result.
+    thickness_nm
+        Of each film, from the side of the light; 0 for a film that is left out. [nm]
+    index
+        Refractive index of each film at each wavelength, as by `cauchy_index`. [1]
+    index_in, index_out
+        Refractive indices before and behind the stack: air and glass. [1]
+
+    Raises
+    ------
+    InputError
+        If a thickness is negative, an index is below 1, or their numbers differ.
+
+    Notes
+    -----
+    Born & Wolf, Principles of Optics, 7th ed., 1.6.2; Byrnes, arXiv:1603.02720 (`tmm`).
+
+    Examples
+    --------
+    Glass alone reflects ((1.52 - 1) / (1.52 + 1))^2 = 4.26 %.
+
+    >>> thin_film_stack(Grid.uniform(500, 600, 100), thickness_nm=[], index=[]).round(4)
+    array([0.9574, 0.9574])
+    """
+    check.same_length("films", thickness_nm=len(thickness_nm), index=len(index))
+    before = per_candidate("index_in", "1", index_in, least=LEAST_INDEX)
+    behind = per_candidate("index_out", "1", index_out, least=LEAST_INDEX)
+    wavenumber = 2.0 * np.pi / grid.wavelength_nm
+    a = e = np.ones(grid.n)
+    b = c = np.zeros(grid.n)
+    for thickness, n in zip(thickness_nm, index, strict=True):
+        phase = per_candidate("thickness_nm", "nm", thickness) * n * wavenumber
+        cosine, sine = np.cos(phase), np.sin(phase)
+        up, down = n * sine, sine / n
+        a, b, c, e = (
+            a * cosine - b * up,
+            a * down + b * cosine,
+            c * cosine + e * up,
+            e * cosine - c * down,
+        )
+    reflected = (before * a - behind * e) ** 2 + (before * behind * b - c) ** 2
+    return 1.0 / (1.0 + reflected / (4.0 * before * behind))
+
+
+def alternating_stack(
+    grid: Grid,
+    *,
+    thickness_nm: Sequence[Number],
+    index_high: Number = 2.3,
+    dispersion_high_um2: Number = 0.0,
+    index_low: Number = 1.46,
+    dispersion_low_um2: Number = 0.0,
+    index_in: Number = 1.0,
+    index_out: Number = 1.52,
+) -> Inexact[Array, "*m n"]:
+    """Transmittance of films of two materials in turn, that of the high index first.
+
+    Parameters
+    ----------
+    grid
+        Wavelengths of the result.
+    thickness_nm
+        Of each film, from the side of the light. [nm]
+    index_high, dispersion_high_um2, index_low, dispersion_low_um2
+        The two materials, as for `cauchy_index`. [1], [um^2]
+    index_in, index_out
+        As for `thin_film_stack`.
+
+    Raises
+    ------
+    InputError
+        As for `thin_film_stack`.
+
+    Examples
+    --------
+    A quarter wave of the index sqrt(1.52) at 550 nm: no reflection at this wavelength.
+
+    >>> n = 1.52**0.5
+    >>> coat = alternating_stack(
+    ...     Grid.uniform(450, 650, 100), thickness_nm=[550 / 4 / n], index_high=n
+    ... )
+    >>> coat.round(4)
+    array([0.9948, 1.    , 0.9975])
+    """
+    materials = (
+        cauchy_index(grid, index_high, dispersion_high_um2),
+        cauchy_index(grid, index_low, dispersion_low_um2),
+    )
+    return thin_film_stack(
+        grid,
+        thickness_nm=thickness_nm,
+        index=[materials[i % 2] for i in range(len(thickness_nm))],
+        index_in=index_in,
+        index_out=index_out,
+    )
+
+
+def router_shares(
+    grid: Grid,
+    *,
+    collection: Inexact[Array, "*m p b"],
+    crossing_nm: Sequence[Number],
+    edge_nm: Number = 10.0,
+) -> Inexact[Array, "*m n p"]:
+    """Share of the light of a tile that reaches each channel.
+
+    Parameters
+    ----------
+    grid
+        Wavelengths of the result.
+    collection
+        Share of the light of each of ``b`` bands that each channel collects; from short to long
+        wavelengths. No band gives more than it has. [1]
+    crossing_nm
+        The b - 1 wavelengths at which one band passes into the next. [nm]
+    edge_nm
+        Logistic scale of these edges. [nm]
+
+    Raises
+    ------
+    InputError
+        If a share is negative, a band gives more than it has, or the numbers of bands differ.
+
+    Examples
+    --------
+    >>> halves = np.array([[0.6, 0.3], [0.3, 0.6]])
+    >>> router_shares(
+    ...     Grid.uniform(500, 600, 50), collection=halves, crossing_nm=[550], edge_nm=5
+    ... ).round(3)
+    array([[0.6 , 0.3 ],
+           [0.45, 0.45],
+           [0.3 , 0.6 ]])
+    """
+    shares = np.asarray(collection)
+    check.same_length("bands", collection=shares.shape[-1], crossings_and_1=len(crossing_nm) + 1)
+    check.non_negative("collection", "1", shares.real)
+    given = float(shares.real.sum(axis=-2).max())
+    if given > 1 + 1e-12:
+        raise InputError(
+            "collection",
+            "must give at most all light of each band",
+            value=given,
+            found=f"gives {given:.4g} of it",
+            remedy="lower the efficiency",
+        )
+    scale = per_candidate("edge_nm", "nm", edge_nm, least=LEAST_LENGTH_NM)
+    bands: list[Array] = []
+    rest: Array = np.ones(grid.n)
+    for crossing in crossing_nm:
+        edge = per_candidate("crossing_nm", "nm", crossing, least=LEAST_LENGTH_NM)
+        above = logistic(grid.wavelength_nm, edge, scale)
+        bands.append(rest * (1.0 - above))
+        rest = rest * above
+    bands.append(rest)
+    terms = (band[..., None] * shares[..., None, :, i] for i, band in enumerate(bands))
+    return reduce(np.add, terms)
+
+
+def router_collection(
+    selectivity: Sequence[Number], efficiency: Number
+) -> Inexact[Array, "*m p p"]:
+    """The collection of a router with one band per channel.
+
+    Parameters
+    ----------
+    selectivity
+        Of each band, the share of the collected light that reaches its own channel; the others
+        receive equal parts of the rest. [1]
+    efficiency
+        Share of the light of the tile that is collected. [1]
+
+    Raises
+    ------
+    InputError
+        If a number is not 0 to 1, or there is one channel only.
+
+    Examples
+    --------
+    >>> router_collection([0.8, 0.5, 0.8], 0.5)
+    array([[0.4  , 0.125, 0.05 ],
+           [0.05 , 0.25 , 0.05 ],
+           [0.05 , 0.125, 0.4  ]])
+    """
+    p = len(selectivity)
+    if p < 2:
+        raise InputError("channels of a router", "must be at least 2", value=p)
+    own = [per_candidate("selectivity", "1", one, most=1.0) for one in selectivity]
+    collected = per_candidate("efficiency", "1", efficiency, most=1.0)
+    columns = [np.where(np.arange(p) == i, one, (1.0 - one) / (p - 1)) for i, one in enumerate(own)]
+    return collected[..., None] * np.stack(np.broadcast_arrays(*columns), axis=-1)
+
 
 MOST_REPEATED = 100
 """Most films of a stack, or bands of a dye."""

@@ -1,18 +1,164 @@
-"""The noise sources of a pixel: add a source to `SOURCES`, and its property to `Pixel`.
+"""The law of the variance of a reading: floor + slope m + square m^2 at m expected electrons.
+
+The noise sources of a pixel: add a source to `SOURCES`, and its property to `Pixel`.
 
 Outside of this package, add both to a subclass of `Pixel`, the source in its ``own_noise``.
+
+Read noise: its distribution, and how it depends on the gain.
+
+Three laws: ELD's straight line of logarithms, noise before and after the gain, a measured table.
 """
 
 import math
-from collections.abc import Callable, Container, Iterable
+from collections.abc import Callable, Container, Iterable, Sequence
 from dataclasses import dataclass, fields
 from typing import Any, Literal, get_args
 
-from chromanoise import _check
-from chromanoise._check import Array
-from chromanoise._shapes import Inexact
-from chromanoise.errors import InputError
+import numpy as np
+
+from chromanoise.base import Array, Bool, Float, Inexact, InputError, Int, check
 from chromanoise.sensor.pixel import Pixel
+
+_UNITS = {"floor_e2": "e-^2", "slope_e": "e-", "square": "1"}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class VarianceLaw:
+    """Variance of one reading, or of the readings of several planes, as a law of the light.
+
+    Attributes
+    ----------
+    floor_e2
+        Variance without light: readout, dark electrons, rounding. [e-^2]
+    slope_e
+        Variance per electron of light; 1 for shot noise of electrons. [e-]
+    square
+        Variance per squared electron of light: PRNU^2. [1]
+
+    Raises
+    ------
+    InputError
+        If a coefficient is negative or not finite, or the numbers of planes differ.
+
+    Notes
+    -----
+    EMVA 1288, release 4.0: the linear camera model with the non-uniformity of the response.
+
+    Examples
+    --------
+    >>> law = VarianceLaw(floor_e2=16.0, slope_e=1.0) + VarianceLaw(square=0.01**2)
+    >>> law.variance_e2(np.array([0.0, 1000.0]))
+    array([  16., 1116.])
+    """
+
+    floor_e2: float | Float[Array, " p"] = 0.0
+    slope_e: float | Float[Array, " p"] = 0.0
+    square: float | Float[Array, " p"] = 0.0
+
+    def __post_init__(self) -> None:
+        for name, unit in _UNITS.items():
+            check.non_negative(name, unit, getattr(self, name))
+        arrays = [name for name in _UNITS if np.ndim(getattr(self, name))]
+        check.same_length("planes", **{name: np.size(getattr(self, name)) for name in arrays})
+        check.freeze(self, *arrays)
+
+    def variance_e2(self, mean_e: float | Float[Array, "*px"]) -> Float[Array, "*px"]:
+        """Variance at these means, one law for all or one per entry of the last axis. [e-^2]
+
+        Parameters
+        ----------
+        mean_e
+            Expected electrons of the light. [e-]
+        """
+        mean = np.asarray(mean_e, dtype=np.float64)
+        return np.asarray(self.floor_e2 + (self.slope_e + self.square * mean) * mean)
+
+    @property
+    def coefficients(self) -> Float[Array, "3 *p"]:
+        """Floor, slope and square, a row each; a column per plane."""
+        rows = np.broadcast_arrays(self.floor_e2, self.slope_e, self.square)
+        return np.stack(rows).astype(np.float64)
+
+    @property
+    def has_noise(self) -> Bool[Array, "*p"]:
+        """Whether the readings have noise at some mean."""
+        return np.asarray((self.coefficients > 0).any(axis=0))
+
+    def of_planes(self, count: int) -> "VarianceLaw":
+        """The law with arrays: one law for all planes becomes one for each.
+
+        Parameters
+        ----------
+        count
+            Number of planes.
+
+        Raises
+        ------
+        InputError
+            If the law is that of another number of planes.
+        """
+        rows = self.coefficients
+        if rows.ndim == 1:
+            return _law(np.tile(rows[:, None], count))
+        check.same_length("planes", **{"given": count, "variance law": rows.shape[1]})
+        return _law(rows)
+
+    def take(
+        self, planes: int | Sequence[int] | Int[Array, " n"] | Bool[Array, " p"]
+    ) -> "VarianceLaw":
+        """The law of one or some of the planes.
+
+        Parameters
+        ----------
+        planes
+            Index, indices, which may repeat, or a flag for each plane.
+        """
+        return _law(self.coefficients[:, np.asarray(planes)])
+
+    def scaled(self, share: float | Float[Array, " p"]) -> "VarianceLaw":
+        """The law of a variance that is this one times ``share``, at the same mean.
+
+        Parameters
+        ----------
+        share
+            Such as 1/4 for the mean of four readings, or the square of a weight. [1]
+        """
+        return _law(self.coefficients * share)
+
+    def in_units_of(self, unit_e: float | Float[Array, " p"]) -> "VarianceLaw":
+        """The law of the readings divided by ``unit_e``, of their mean divided by it.
+
+        Parameters
+        ----------
+        unit_e
+            Such as the electrons from black to white: the floor is then O and the slope S of the
+            noise profile of DNG. [e-]
+
+        Examples
+        --------
+        >>> law = VarianceLaw(floor_e2=16.0, slope_e=1.0, square=0.25).in_units_of(4.0)
+        >>> law.coefficients
+        array([1.  , 0.25, 0.25])
+        """
+        floor, slope, square = self.coefficients
+        return _law(np.stack(np.broadcast_arrays(floor / unit_e**2, slope / unit_e, square)))
+
+    def __add__(self, other: "VarianceLaw") -> "VarianceLaw":
+        """The law of two independent sources together."""
+        return VarianceLaw(**{name: getattr(self, name) + getattr(other, name) for name in _UNITS})
+
+    def __sub__(self, part: "VarianceLaw") -> "VarianceLaw":
+        """The law without one of its independent sources; refused if that one is larger."""
+        rest = {name: getattr(self, name) - getattr(part, name) for name in _UNITS}
+        for name, unit in _UNITS.items():
+            check.non_negative(f"{name} without that of a part", unit, rest[name])
+        return VarianceLaw(**rest)
+
+
+def _law(coefficients: Float[Array, "3 *p"]) -> VarianceLaw:
+    floor, slope, square = coefficients
+    return VarianceLaw(floor_e2=floor, slope_e=slope, square=square)
+
 
 NoiseKind = Literal["total", "temporal"]
 """All noise of one reading over a flat field, or only what changes from frame to frame."""
@@ -97,7 +243,7 @@ class PixelReading:
 
     def __post_init__(self) -> None:
         for name in ("dark_e", "step_e"):
-            object.__setattr__(self, name, _check.not_negative(name, "e-", getattr(self, name)))
+            object.__setattr__(self, name, check.not_negative(name, "e-", getattr(self, name)))
         for one in self.sources[len(SOURCES) :]:
             try:
                 value = float(one.value(self))
@@ -107,7 +253,7 @@ class PixelReading:
                     "must return a number for a reading",
                     found=f"raised {type(error).__name__}: {error}",
                 ) from error
-            _check.not_negative(f"coefficient of {one.cause}", one.term, value)
+            check.not_negative(f"coefficient of {one.cause}", one.term, value)
 
     @property
     def sources(self) -> tuple[NoiseSource, ...]:
@@ -242,11 +388,11 @@ def sources_of(pixel: Pixel) -> tuple[NoiseSource, ...]:
     if not pixel.own_noise:
         return SOURCES
     for one in pixel.own_noise:
-        _check.one_of(f"drawn of {one.cause}", one.drawn, (*NORMAL, "gain"))
+        check.one_of(f"drawn of {one.cause}", one.drawn, (*NORMAL, "gain"))
         term = "square" if one.drawn == "gain" else "floor_e2"
-        _check.one_of(f"term of {one.cause}", one.term, (term,))
+        check.one_of(f"term of {one.cause}", one.term, (term,))
     found = (*SOURCES, *pixel.own_noise)
-    _check.distinct("causes of noise", [one.cause for one in found])
+    check.distinct("causes of noise", [one.cause for one in found])
     for one in fields(pixel):
         if one.name not in _OF_PIXEL and one.default != 0:
             raise InputError(
@@ -256,3 +402,287 @@ def sources_of(pixel: Pixel) -> tuple[NoiseSource, ...]:
 
 
 _OF_PIXEL = frozenset(one.name for one in fields(Pixel))
+
+
+LEAST_LAMBDA, LARGEST_LAMBDA = -0.4, 0.8
+"""Shapes of the Tukey lambda distribution that are sampled; its variance ends at -0.5."""
+
+_LEAST_SHARE = 2.0**-33  # of a random word of 32 bits
+_LOGISTIC = 1e-5  # shapes below it are taken as 0, the logistic distribution
+MOST_E, MOST_DN = 1e9, 2.0**24
+"""Largest noise. [e-], [DN]"""
+
+
+def tukey_lambda_variance(shape: float) -> float:
+    """Variance of the Tukey lambda distribution of scale 1, sampled with words of 32 bits. [1]
+
+    Parameters
+    ----------
+    shape
+        lambda: 0.14 is nearly normal, 0 the logistic distribution, below 0 the tails are heavy.
+
+    Returns
+    -------
+    float
+        Of the quantile function Q(u) = (u^lambda - (1 - u)^lambda) / lambda for the shares u from
+        2^-33 to 1 - 2^-33, the only ones that a word of 32 bits gives. At lambda = -0.25 it is
+        3e-5 below the variance of all shares.
+
+    Raises
+    ------
+    InputError
+        If the shape is not from -0.4 to 0.8.
+
+    Notes
+    -----
+    Joiner & Rosenblatt, "Some properties of the range in samples from Tukey's symmetric lambda
+    distributions", JASA 66 (1971) 394.
+
+    Examples
+    --------
+    Near 0 it is the variance of the logistic distribution, pi^2 / 3.
+
+    >>> round(tukey_lambda_variance(0.0), 4), round(math.pi**2 / 3, 4)
+    (3.2899, 3.2899)
+    """
+    from scipy.special import beta, betainc
+
+    at = check.within("tail_lambda", "1", shape, LEAST_LAMBDA, LARGEST_LAMBDA)
+    if abs(at) < _LOGISTIC:
+        return math.pi**2 / 3
+    low, high = _LEAST_SHARE, 1 - _LEAST_SHARE
+    squares = (high ** (2 * at + 1) - low ** (2 * at + 1)) / (2 * at + 1)
+    inside = float(betainc(at + 1, at + 1, high) - betainc(at + 1, at + 1, low))
+    products = float(beta(at + 1, at + 1)) * inside
+    return 2 * (squares - products) / at**2 / (high - low)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LogLinearNoise:
+    """ELD's law of noise against gain: ln(noise) = slope ln(K) + bias + N(0, sigma^2).
+
+    Attributes
+    ----------
+    slope, bias
+        Of the straight line; K in DN/e-, the noise in DN. [1]
+    sigma
+        Standard deviation of ln(noise) about the line. [1]
+    tukey_scale
+        Whether the noise is the scale of a Tukey lambda distribution, not a standard deviation.
+
+    Raises
+    ------
+    InputError
+        If a number is not finite, or ``sigma`` is negative.
+
+    Notes
+    -----
+    Wei, Fu, Yang & Huang, "A physics-based noise formation model for extreme low-light raw
+    denoising", CVPR (2020), eq. 11.
+    """
+
+    slope: float
+    bias: float
+    sigma: float = 0.0
+    tukey_scale: bool = False
+
+    def __post_init__(self) -> None:
+        check.within("slope", "1", self.slope, -100, 100)
+        check.within("bias", "1", self.bias, -100, 100)
+        check.within("sigma", "1", self.sigma, 0, 100)
+
+    def noise_dn(self, gain_dn_per_e: Float[Array, " p"], *, score: float = 0) -> Array:
+        """The noise at a gain. [DN]
+
+        Parameters
+        ----------
+        gain_dn_per_e
+            Gain per channel. [DN/e-]
+        score
+            Deviation of ln(noise) from the line, in units of ``sigma``. [1]
+
+        Returns
+        -------
+        (p,) array
+        """
+        return np.exp(self.slope * np.log(gain_dn_per_e) + self.bias + self.sigma * score)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ReadNoiseSum:
+    """Read noise before and after the gain: sigma_dn^2 = a + b K^2.
+
+    Attributes
+    ----------
+    after_gain_dn
+        Noise after the amplifier, mostly of the converter: the root of a, >= 0. [DN]
+    before_gain_e
+        Noise before the amplifier: the root of b, >= 0. [e-]
+
+    Raises
+    ------
+    InputError
+        If a number is negative or not finite.
+    """
+
+    after_gain_dn: float
+    before_gain_e: float
+
+    def __post_init__(self) -> None:
+        check.within("after_gain_dn", "DN", self.after_gain_dn, 0, MOST_DN)
+        check.within("before_gain_e", "e-", self.before_gain_e, 0, MOST_E)
+
+    def noise_dn(self, gain_dn_per_e: Float[Array, " p"], *, score: float = 0) -> Array:
+        """The read noise at a gain; it does not scatter, so ``score`` is not used. [DN]
+
+        Parameters
+        ----------
+        gain_dn_per_e
+            Gain per channel. [DN/e-]
+        score
+            As `LogLinearNoise.noise_dn`. [1]
+
+        Returns
+        -------
+        (p,) array
+
+        Examples
+        --------
+        >>> ReadNoiseSum(after_gain_dn=3.0, before_gain_e=2.0).noise_dn(np.array([2.0]))
+        array([5.])
+        """
+        return np.hypot(self.after_gain_dn, self.before_gain_e * np.asarray(gain_dn_per_e))
+
+
+def read_noise_sum(
+    gain_dn_per_e: Float[Array, " n"], read_noise_dn: Float[Array, " n"]
+) -> ReadNoiseSum:
+    """The law sigma_dn^2 = a + b K^2 fitted to a table of read noise against gain.
+
+    Parameters
+    ----------
+    gain_dn_per_e
+        Two or more different gains. [DN/e-]
+    read_noise_dn
+        Read noise at each, > 0. [DN]
+
+    Returns
+    -------
+    ReadNoiseSum
+        The least-squares fit of the relative deviation of the variance, with a and b >= 0.
+
+    Raises
+    ------
+    InputError
+        If the lengths differ, a number is not above 0, or all gains are equal.
+
+    Examples
+    --------
+    >>> fit = read_noise_sum(np.array([1.0, 2.0, 4.0]), np.sqrt([10.0, 13.0, 25.0]))
+    >>> round(fit.after_gain_dn, 6), round(fit.before_gain_e, 6)
+    (3.0, 1.0)
+    """
+    gain = above_zero("gain_dn_per_e", "DN/e-", gain_dn_per_e)
+    noise = above_zero("read_noise_dn", "DN", read_noise_dn)
+    check.same_length("entries", gain_dn_per_e=gain.size, read_noise_dn=noise.size)
+    if np.unique(gain).size < 2:
+        raise InputError("gain_dn_per_e", "must have two different gains", value=gain.tolist())
+    one, square = 1 / noise**2, (gain / noise) ** 2  # a one + b square = 1
+    aa, ab, bb = one @ one, one @ square, square @ square
+    a = (one.sum() * bb - square.sum() * ab) / (aa * bb - ab**2)
+    b = (square.sum() * aa - one.sum() * ab) / (aa * bb - ab**2)
+    if a < 0:
+        a, b = 0.0, square.sum() / bb
+    elif b < 0:
+        a, b = one.sum() / aa, 0.0
+    return ReadNoiseSum(after_gain_dn=float(np.sqrt(a)), before_gain_e=float(np.sqrt(b)))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ReadNoiseTable:
+    """Measured noise of readout against gain, interpolated linearly in ln(noise) and ln(K).
+
+    Attributes
+    ----------
+    gain_dn_per_e
+        Two or more gains, increasing, > 0. [DN/e-]
+    read_noise_dn
+        Read noise at each gain, > 0. [DN]
+
+    Raises
+    ------
+    InputError
+        If the gains do not increase, a number is not above 0, or the lengths differ.
+    """
+
+    gain_dn_per_e: Float[Array, " n"]
+    read_noise_dn: Float[Array, " n"]
+
+    def __post_init__(self) -> None:
+        gain = check.increasing("gain_dn_per_e", "DN/e-", self.gain_dn_per_e)
+        above_zero("gain_dn_per_e", "DN/e-", gain)
+        noise = above_zero("read_noise_dn", "DN", self.read_noise_dn)
+        check.same_length("entries", gain_dn_per_e=gain.size, read_noise_dn=noise.size)
+        object.__setattr__(self, "gain_dn_per_e", check.frozen(gain))
+        object.__setattr__(self, "read_noise_dn", check.frozen(noise))
+
+    def noise_dn(self, gain_dn_per_e: Float[Array, " p"], *, score: float = 0) -> Array:
+        """The read noise at a gain; it does not scatter, so ``score`` is not used. [DN]
+
+        Parameters
+        ----------
+        gain_dn_per_e
+            Gain per channel. [DN/e-]
+        score
+            As `LogLinearNoise.noise_dn`. [1]
+
+        Returns
+        -------
+        (p,) array
+
+        Raises
+        ------
+        InputError
+            If a gain is outside the table.
+
+        Examples
+        --------
+        >>> table = ReadNoiseTable(gain_dn_per_e=np.array([1.0, 4.0]),
+        ...                        read_noise_dn=np.array([2.0, 8.0]))
+        >>> table.noise_dn(np.array([2.0])).round(6)
+        array([4.])
+        """
+        gain = np.asarray(gain_dn_per_e, dtype=np.float64)
+        low, high = self.gain_dn_per_e[0], self.gain_dn_per_e[-1]
+        outside = (gain < low * (1 - 1e-9)) | (gain > high * (1 + 1e-9))
+        if outside.any():
+            first = float(gain[outside][0])
+            raise InputError(
+                "gain_dn_per_e",
+                f"must be within the read-noise table, {low:g} to {high:g} [DN/e-]",
+                value=first,
+                remedy=("take another ISO", "fit the table with read_noise_sum"),
+            )
+        at = np.interp(np.log(gain), np.log(self.gain_dn_per_e), np.log(self.read_noise_dn))
+        return np.exp(at)
+
+
+ReadNoiseLaw = LogLinearNoise | ReadNoiseSum | ReadNoiseTable
+"""How the read noise in DN depends on the gain."""
+
+
+def above_zero(name: str, unit: str, values: Any) -> Array:
+    """One-dimensional finite numbers > 0.
+
+    Raises
+    ------
+    InputError
+        If a number is not finite or not above 0.
+    """
+    array = np.atleast_1d(check.non_negative(name, unit, values))
+    if not (array > 0).all():
+        at = int(np.argmin(array))
+        raise InputError(
+            name, f"must be finite and > 0 [{unit}]", value=float(array[at]), where=f"index ({at},)"
+        )
+    return array

@@ -6,7 +6,7 @@ Type checkers and editors read their names in the stub beside this file, which
 
 from typing import Annotated, TypedDict
 
-from chromanoise.properties import beside_their_needs, partial_class
+from chromanoise.base import beside_their_needs, partial_class
 from chromanoise.sensor.pixel import PIXEL
 
 PartialPixel = partial_class("PartialPixel", PIXEL)

@@ -12,12 +12,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from chromanoise._check import Array
-from chromanoise.errors import InputError
-from chromanoise.sensor.noise_profile import ROUNDING_DN2
+from chromanoise.base import Array, InputError
+from chromanoise.sensor.camera_noise import ROUNDING_DN2
+from chromanoise.sensor.changes import PixelSource
 from chromanoise.sensor.photon_transfer_regression import (
+    LEAST_DARK_DN2,
     Levels,
+    PhotonTransfer,
     Regression,
+    TransferFit,
     dark_mean_error2,
     levels_of,
     residuals_z,
@@ -26,12 +29,6 @@ from chromanoise.sensor.photon_transfer_regression import (
     variance_error2,
     weighted_fit,
 )
-from chromanoise.sensor.photon_transfer_table import (
-    LEAST_DARK_DN2,
-    PhotonTransfer,
-    TransferFit,
-)
-from chromanoise.sensor.pixel_source import PixelSource
 
 __all__ = ["PhotonTransfer", "TransferFit", "photon_transfer_fit", "pixel_from_photon_transfer"]
 

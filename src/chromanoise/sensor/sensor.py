@@ -1,20 +1,33 @@
-"""The sensor: p spectral channels that share one pixel design."""
+"""The sensor: p spectral channels that share one pixel design.
 
-from collections.abc import Sequence
+The largest signal of a pixel: its full well, or the top code of its converter.
+
+Model sensors: the industry's filter sets on the same silicon, from `sensor.filters`.
+
+All have the same silicon, resins and pixel, so that a comparison shows only the filter set.
+
+Transmittances of dyes that exist, from sensors with and without them.
+"""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
 import numpy as np
 
-from chromanoise import _check, _notebook
-from chromanoise._check import Array
-from chromanoise._shapes import Float
-from chromanoise.errors import InputError
-from chromanoise.sensor.adc import UNKNOWN_CONVERTER, Converter
-from chromanoise.sensor.crosstalk import Crosstalk
-from chromanoise.sensor.mosaic import Mosaic
-from chromanoise.sensor.pixel import Pixel
-from chromanoise.spectra import Grid
+from chromanoise.base import Array, Float, InputError, check, notebook
+from chromanoise.sensor.crosstalk import (
+    Crosstalk,
+    Mosaic,
+    bayer,
+    mosaic_named,
+    rgb_ir,
+    rgbw_sparse_4x4,
+)
+from chromanoise.sensor.filters import ir_cut, layered_silicon_qe, resin_filter, silicon_qe
+from chromanoise.sensor.pixel import PAPER_PIXEL, UNKNOWN_CONVERTER, Converter, Pixel, adc_of
+from chromanoise.spectra import Grid, Spectra
 
 Origin = Literal["given", "measured", "model", "reconstruction"]
 
@@ -72,7 +85,7 @@ class Sensor:
     shown_as: str = ""
 
     def __post_init__(self) -> None:
-        qe = _check.fraction(f"QE of sensor {self.name}", "e-/photon", self.qe)
+        qe = check.fraction(f"QE of sensor {self.name}", "e-/photon", self.qe)
         if qe.ndim != 2 or qe.shape[1] == 0:
             raise InputError(
                 f"QE of sensor {self.name}",
@@ -80,19 +93,19 @@ class Sensor:
                 value=qe.shape,
                 found=f"has shape {qe.shape}",
             )
-        _check.one_of("origin", self.origin, get_args(Origin))
-        _check.same_length("wavelengths", grid=self.grid.n, qe=qe.shape[0])
-        _check.same_length("channels", names=len(self.names), qe=qe.shape[1])
-        names = _check.distinct(f"channel names of {self.name}", self.names)
+        check.one_of("origin", self.origin, get_args(Origin))
+        check.same_length("wavelengths", grid=self.grid.n, qe=qe.shape[0])
+        check.same_length("channels", names=len(self.names), qe=qe.shape[1])
+        names = check.distinct(f"channel names of {self.name}", self.names)
         for name in self.mosaic.names if self.mosaic else ():
-            _check.among(f"mosaic channel of {self.name}", name, names)
+            check.among(f"mosaic channel of {self.name}", name, names)
         if self.stacked and float(qe.sum(axis=1).max()) > 1 + 1e-9:
             raise InputError(
                 f"QE of sensor {self.name}",
                 "must sum to at most 1 over the stacked channels at each wavelength [e-/photon]",
                 value=float(qe.sum(axis=1).max()),
             )
-        object.__setattr__(self, "qe", _check.frozen(qe))
+        object.__setattr__(self, "qe", check.frozen(qe))
         object.__setattr__(self, "names", names)
 
     @property
@@ -106,11 +119,11 @@ class Sensor:
             [name, f"{qe.max():.3f}", f"{nm[qe.argmax()]:g}"]
             for name, qe in zip(self.names, self.qe.T, strict=True)
         ]
-        return _notebook.shown(
+        return notebook.shown(
             f"Sensor {self.label} ({self.origin}): {pixel.pitch_um:g} um, full well "
             f"{pixel.full_well_e:g} e-, read noise {pixel.read_noise_e:g} e-",
-            _notebook.curves(nm, self.qe, self.names, what=f"QE of {self.name} [e-/photon]"),
-            _notebook.table(["channel", "highest QE [e-/photon]", "at [nm]"], rows),
+            notebook.curves(nm, self.qe, self.names, what=f"QE of {self.name} [e-/photon]"),
+            notebook.table(["channel", "highest QE [e-/photon]", "at [nm]"], rows),
             notes=self.notes,
         )
 
@@ -155,9 +168,9 @@ def behind_filter(
         If the sensor has no such channel, or a transmittance is outside 0 .. 1.
     """
     if channel is not None:
-        _check.among(f"channel of {sensor.name}", channel, sensor.names)
-    checked = _check.fraction(f"transmittance before {sensor.name}", "1", transmittance)
-    _check.same_length("wavelengths", sensor=sensor.grid.n, transmittance=checked.size)
+        check.among(f"channel of {sensor.name}", channel, sensor.names)
+    checked = check.fraction(f"transmittance before {sensor.name}", "1", transmittance)
+    check.same_length("wavelengths", sensor=sensor.grid.n, transmittance=checked.size)
     notes = (*sensor.notes, note) if note else sensor.notes
     behind = np.array([channel in (None, own) for own in sensor.names])
     qe = np.where(behind, sensor.qe * checked[:, None], sensor.qe)
@@ -186,7 +199,7 @@ def with_channels(
         If the sensor has no such channel.
     """
     for wanted in names:
-        _check.among(f"channel of {sensor.name}", wanted, sensor.names)
+        check.among(f"channel of {sensor.name}", wanted, sensor.names)
     columns = [sensor.names.index(wanted) for wanted in names]
     return replace(
         sensor,
@@ -195,4 +208,221 @@ def with_channels(
         qe=sensor.qe[:, columns],
         mosaic=mosaic,
         crosstalk=None,
+    )
+
+
+def code_range_e(sensor: Sensor) -> float:
+    """Electrons from black level to top code; inf where bits or gain are not known. [e-]
+
+    Where n readings are summed (`chromanoise.sensor.binned`), it is n times that of one reading.
+
+    Parameters
+    ----------
+    sensor
+        The sensor.
+    """
+    converter = sensor.converter
+    if converter.bits is None or converter.gain_e_per_dn is None:
+        return math.inf
+    adc = adc_of(converter, sensor.pixel)
+    codes = adc.top_code - adc.black_level_dn
+    return codes * adc.gain_e_per_dn * sensor.pixel.summed_readings
+
+
+def white_level_e(sensor: Sensor, *, dark_e: float = 0.0) -> float:
+    """Largest signal: full well minus dark electrons, or the top code if that is lower. [e-]
+
+    Dark electrons take up part of the well; their mean is subtracted from the codes, which start at
+    the black level. The result is 0 or less where dark electrons fill the whole well.
+
+    Parameters
+    ----------
+    sensor
+        Its pixel and converter.
+    dark_e
+        Mean number of dark electrons of the exposure. [e-]
+
+    Notes
+    -----
+    EMVA 1288, release 4.0, calls it the saturation capacity and finds it at the largest variance.
+
+    Examples
+    --------
+    >>> from chromanoise.study import sensor_named
+    >>> from chromanoise.sensor import with_pixel
+    >>> from chromanoise.spectra import DEFAULT_GRID
+    >>> sensor = sensor_named("model-rgb", DEFAULT_GRID)
+    >>> white_level_e(with_pixel(sensor, {"full_well_e": 9000.0}), dark_e=100.0)
+    8900.0
+    >>> white_level_e(with_pixel(sensor, {"bits": 10, "gain_e_per_dn": 2.0}))
+    2046.0
+    """
+    return min(sensor.pixel.full_well_e - dark_e, code_range_e(sensor))
+
+
+def white_level_name(sensor: Sensor, *, dark_e: float = 0.0) -> str:
+    """What limits the signal: ``full well`` or ``top code`` (`white_level_e`).
+
+    Parameters
+    ----------
+    sensor
+        The sensor.
+    dark_e
+        Dark electrons. [e-]
+    """
+    well_e = sensor.pixel.full_well_e - dark_e
+    return "top code" if code_range_e(sensor) < well_e else "full well"
+
+
+_DEPTH_UM = 4.0
+_NOTE = "curves are a model of silicon, resins and an IR-cut, not a device"
+
+_RESINS: dict[str, dict[str, float]] = {
+    "R": {"low_nm": 590, "high_nm": 1000, "leak_nm": 1000, "peak": 0.92},
+    "G": {"low_nm": 490, "high_nm": 590, "leak_nm": 790},
+    "B": {"low_nm": 380, "high_nm": 505, "leak_nm": 800},
+    "C": {"low_nm": 380, "high_nm": 595, "leak_nm": 790},
+    "Y": {"low_nm": 500, "high_nm": 1000, "leak_nm": 1000, "peak": 0.94},
+    "IR": {"low_nm": 820, "high_nm": 1050, "leak_nm": 1050, "peak": 0.9},
+}
+
+
+def _transmittance(name: str, grid: Grid) -> Float[Array, " n"]:
+    """Transmittance of the resin over channel ``name``; W has no filter, M transmits B and R."""
+    if name == "W":
+        return np.ones(grid.n)
+    if name == "M":
+        blue = resin_filter(grid, **_RESINS["B"])
+        red = resin_filter(grid, **_RESINS["R"])
+        return np.maximum(blue, red)
+    return resin_filter(grid, **_RESINS[name])
+
+
+def _resin_sensor(
+    name: str, channels: str | tuple[str, ...], *, cut: bool, mosaic: Mosaic | None
+) -> Callable[[Grid], Sensor]:
+    def made(grid: Grid) -> Sensor:
+        silicon = silicon_qe(grid, depth_um=_DEPTH_UM)
+        passed = silicon * ir_cut(grid) if cut else silicon
+        qe = np.stack([passed * _transmittance(c, grid) for c in channels], axis=1)
+        return Sensor(
+            name=name,
+            grid=grid,
+            qe=qe,
+            names=tuple(channels),
+            pixel=PAPER_PIXEL,
+            mosaic=mosaic,
+            origin="model",
+            notes=(_NOTE,),
+        )
+
+    return made
+
+
+def three_layer(grid: Grid) -> Sensor:
+    """Three stacked photodiodes behind an IR-cut: color by the depth at which silicon absorbs.
+
+    The layers end at 0.4, 1.2 and 4 um; each absorbs the light that the layers above transmit.
+    """
+    layers = layered_silicon_qe(grid, (0.4, 1.2, 4.0))
+    return Sensor(
+        name="model-three-layer",
+        grid=grid,
+        qe=layers * ir_cut(grid)[:, None],
+        names=("B", "G", "R"),
+        pixel=PAPER_PIXEL,
+        stacked=True,
+        origin="model",
+        notes=("curves are a model of stacked silicon and an IR-cut, not a device",),
+    )
+
+
+_CMY, _RYB, _RCCB = mosaic_named("CY/YM"), mosaic_named("RY/YB"), mosaic_named("RW/WB")
+
+MODELS: Mapping[str, Callable[[Grid], Sensor]] = {
+    "model-mono": _resin_sensor("model-mono", "W", cut=False, mosaic=None),
+    "model-rgb-ircut": _resin_sensor("model-rgb-ircut", "RGB", cut=True, mosaic=bayer()),
+    "model-rgb": _resin_sensor("model-rgb", "RGB", cut=False, mosaic=bayer()),
+    "model-rgbw-ircut": _resin_sensor(
+        "model-rgbw-ircut", "RGBW", cut=True, mosaic=rgbw_sparse_4x4()
+    ),
+    "model-rgbw": _resin_sensor("model-rgbw", "RGBW", cut=False, mosaic=rgbw_sparse_4x4()),
+    "model-rgbwir": _resin_sensor(
+        "model-rgbwir",
+        ("R", "G", "B", "W", "IR"),
+        cut=False,
+        mosaic=mosaic_named("R W G W/W IR W IR/G W B W/W IR W IR"),
+    ),
+    "model-rgbir": _resin_sensor("model-rgbir", ("R", "G", "B", "IR"), cut=False, mosaic=rgb_ir()),
+    "model-cmy-ircut": _resin_sensor("model-cmy-ircut", "CMY", cut=True, mosaic=_CMY),
+    "model-cmy": _resin_sensor("model-cmy", "CMY", cut=False, mosaic=_CMY),
+    "model-ryb-ircut": _resin_sensor("model-ryb-ircut", "RYB", cut=True, mosaic=_RYB),
+    "model-ryb": _resin_sensor("model-ryb", "RYB", cut=False, mosaic=_RYB),
+    "model-rccb-ircut": _resin_sensor("model-rccb-ircut", "RWB", cut=True, mosaic=_RCCB),
+    "model-rccb": _resin_sensor("model-rccb", "RWB", cut=False, mosaic=_RCCB),
+    "model-three-layer": three_layer,
+}
+"""Filter sets by name. RGBC is RGBW behind the IR-cut, with white called clear."""
+
+
+def dye_transmittances(sensor: Sensor, *, white: str = "W") -> Spectra:
+    """Transmittances of the dyes of a sensor: the QE of each channel over that of its bare pixel.
+
+    Where the two come from different plots of a data sheet, a ratio can exceed 1, which no filter
+    can. All dyes are then divided by the highest ratio, and a note says so: their shapes and their
+    ratios are kept, their level is a guess on the low side.
+
+    Parameters
+    ----------
+    sensor
+        A sensor of which one channel has no dye.
+    white
+        The name of this channel.
+
+    Returns
+    -------
+    Spectra
+        One curve per other channel, named ``sensor:channel``. [1]
+
+    Raises
+    ------
+    InputError
+        If the sensor has no such channel, no other one, or a QE of 0 in it.
+
+    Examples
+    --------
+    >>> from chromanoise.study import sensor_named
+    >>> from chromanoise.spectra import Grid
+    >>> dyes = dye_transmittances(sensor_named("model-rgbw", Grid.uniform(450, 650, 100)))
+    >>> dyes.names
+    ('model-rgbw:R', 'model-rgbw:G', 'model-rgbw:B')
+    >>> dyes.values[1].round(2)                                               # at 550 nm
+    array([0.05, 0.86, 0.04])
+    """
+    check.among(f"channel of {sensor.name}", white, sensor.names)
+    bare = sensor.qe[:, sensor.names.index(white)]
+    others = [name for name in sensor.names if name != white]
+    if not others or not bare.all():
+        raise InputError(
+            f"dyes of {sensor.name}",
+            "must be the ratio of other channels to one whose QE is above 0 everywhere",
+            value=white,
+            found=f"{white} is 0 at {sensor.grid.wavelength_nm[bare.argmin()]:g} nm"
+            if others
+            else f"{white} is the only channel",
+        )
+    ratio = sensor.qe[:, [sensor.names.index(name) for name in others]] / bare[:, None]
+    highest = float(ratio.max())
+    note = (
+        f"dyes of {sensor.name}: divided by {highest:.4g}, their highest ratio to {white}, because "
+        "no filter transmits more than all light"
+    )
+    return Spectra(
+        wavelength_nm=sensor.grid.wavelength_nm,
+        values=ratio / max(highest, 1.0),
+        names=tuple(f"{sensor.name}:{name}" for name in others),
+        quantity="transmittance",
+        unit="1",
+        source=sensor.name,
+        notes=(*sensor.notes, *((note,) if np.round(highest, 12) > 1 else ())),
     )

@@ -2,23 +2,38 @@
 
 from typing import TYPE_CHECKING
 
-from chromanoise._lazy import lazy_names
+from chromanoise.base.lazy import lazy_names
 
 if TYPE_CHECKING:
+    from chromanoise.spectra.builtin_scenes import (
+        BUILTIN_CUBES as BUILTIN_CUBES,
+        PATCH_PX,
+        SLANTED_EDGES as SLANTED_EDGES,
+        Region,
+        SlantedEdge as SlantedEdge,
+        builtin_cube as builtin_cube,
+        checker_cube as checker_cube,
+        dead_leaves_cube as dead_leaves_cube,
+        foliage_cube as foliage_cube,
+        patch_corners,
+        slanted_edges_cube as slanted_edges_cube,
+    )
     from chromanoise.spectra.curves import (
+        DEFAULT_GRID as DEFAULT_GRID,
+        METRICS as METRICS,
         SMALL_NEGATIVES as SMALL_NEGATIVES,
         Beyond as Beyond,
+        Grid as Grid,
+        Metric as Metric,
         Spectra as Spectra,
+        are_small_negatives,
         interpolation_matrix as interpolation_matrix,
         means_on_grid as means_on_grid,
         on_grid as on_grid,
+        photons_per_unit,
         refuse_outside as refuse_outside,
         shifted as shifted,
         used_on_grid as used_on_grid,
-    )
-    from chromanoise.spectra.grid import (
-        DEFAULT_GRID as DEFAULT_GRID,
-        Grid as Grid,
     )
     from chromanoise.spectra.illuminants import (
         Illuminant as Illuminant,
@@ -38,10 +53,6 @@ if TYPE_CHECKING:
         photon_irradiance as photon_irradiance,
         with_infrared as with_infrared,
     )
-    from chromanoise.spectra.metric import (
-        METRICS as METRICS,
-        Metric as Metric,
-    )
     from chromanoise.spectra.observers import (
         DEFAULT_OBSERVER as DEFAULT_OBSERVER,
         INFRARED_FROM_NM as INFRARED_FROM_NM,
@@ -55,6 +66,13 @@ if TYPE_CHECKING:
         observer_notes as observer_notes,
         observer_table as observer_table,
     )
+    from chromanoise.spectra.provenance import (
+        SOURCES,
+        Provenance,
+        UserTable,
+        user_curves,
+        user_tables,
+    )
     from chromanoise.spectra.readers import read_spectra_csv as read_spectra_csv
     from chromanoise.spectra.reflectances import (
         PatchPairs as PatchPairs,
@@ -63,6 +81,27 @@ if TYPE_CHECKING:
         chart_title as chart_title,
         colorchecker as colorchecker,
         reflectance_named as reflectance_named,
+    )
+    from chromanoise.spectra.scene import (
+        BRIGHTEST,
+        Cube as Cube,
+        Scene as Scene,
+        bands_within as bands_within,
+        flat_cube as flat_cube,
+        flat_field as flat_field,
+        light as light,
+        reflectance_rows,
+    )
+    from chromanoise.spectra.scene_rows import (
+        ArrayRows,
+        FileRows,
+        PlaneRows,
+        ReorderedRows,
+        RowSource as RowSource,
+        block,
+        refuse_other_rows,
+        row_source as row_source,
+        with_bands,
     )
 
 __getattr__, __dir__, __all__ = lazy_names(__name__)

@@ -1,4 +1,22 @@
-"""Measured spectral curves and their resampling onto the wavelength grid."""
+"""The common wavelength grid of illuminants, sensors, filters and observers.
+
+Measured spectral curves and their resampling onto the wavelength grid.
+
+The unit of spectra as vectors: radiant power or photons.
+
+Eq. 5 applies color-matching functions, which are defined for radiant power, to the spectrum of
+eq. 4. Two consistent choices exist. They give different dual bases, kernels and contravariant
+coordinates, so every result records which one was used:
+
+========== ============================ ==================== =======================
+metric     light L                      sensor f             color axes H
+========== ============================ ==================== =======================
+``energy`` [W m-2 nm-1]                 k QE lambda / (h c)  K_m CMF
+``quanta`` [photons s-1 um-2 nm-1]      k QE                 K_m CMF h c / lambda
+========== ============================ ==================== =======================
+
+Both metrics give the same number of electrons F^T L and the same illuminance H^T L.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -6,11 +24,98 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from chromanoise import _check
-from chromanoise._check import Array
-from chromanoise._shapes import Bool, Float
-from chromanoise.errors import InputError, Remedy, Setting
-from chromanoise.spectra.grid import Grid
+from chromanoise.base import (
+    UM2_PER_M2,
+    Array,
+    Bool,
+    Float,
+    InputError,
+    Remedy,
+    Setting,
+    check,
+    photons_per_joule,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Grid:
+    """``n`` equidistant wavelengths, both ends included.
+
+    Attributes
+    ----------
+    start_nm, stop_nm
+        First and last wavelength. [nm]
+    step_nm
+        Distance between neighboring wavelengths: the paper's delta-lambda. [nm]
+
+    Raises
+    ------
+    InputError
+        If a number is not positive, or the step does not divide the range.
+
+    Examples
+    --------
+    >>> grid = Grid.uniform(400, 1050, 5)
+    >>> grid.n, grid.wavelength_nm[:3]
+    (131, array([400., 405., 410.]))
+    """
+
+    start_nm: float
+    stop_nm: float
+    step_nm: float
+
+    def __post_init__(self) -> None:
+        for name in ("start_nm", "stop_nm", "step_nm"):
+            object.__setattr__(
+                self, name, check.positive(f"Grid.{name}", "nm", getattr(self, name))
+            )
+        steps = (self.stop_nm - self.start_nm) / self.step_nm
+        if steps < 1 or abs(steps - round(steps)) > 1e-9:
+            raise InputError(
+                "Grid",
+                f"must go up from {self.start_nm:g} to {self.stop_nm:g} nm in whole steps",
+                value=(self.start_nm, self.stop_nm, self.step_nm),
+                found=f"a step of {self.step_nm:g} nm fits {steps:g} times",
+            )
+
+    @classmethod
+    def uniform(cls, start_nm: float, stop_nm: float, step_nm: float) -> "Grid":
+        """Make the grid from ``start_nm`` to ``stop_nm``.
+
+        Parameters
+        ----------
+        start_nm, stop_nm, step_nm
+            First wavelength, last wavelength and step. [nm]
+
+        Returns
+        -------
+        Grid
+            Both ends included.
+
+        Raises
+        ------
+        InputError
+            If the step does not divide the range.
+        """
+        return cls(float(start_nm), float(stop_nm), float(step_nm))
+
+    @property
+    def n(self) -> int:
+        """Number of wavelengths."""
+        return round((self.stop_nm - self.start_nm) / self.step_nm) + 1
+
+    @property
+    def wavelength_nm(self) -> Float[Array, " n"]:
+        """The wavelengths. [nm]"""
+        return self.start_nm + self.step_nm * np.arange(self.n)
+
+    def __str__(self) -> str:
+        return f"{self.start_nm:g}-{self.stop_nm:g} nm @{self.step_nm:g}"
+
+
+DEFAULT_GRID = Grid.uniform(400, 1050, 5)
+"""The paper's range, where silicon is sensitive. Eq. 2 sums over these 131 wavelengths."""
+
 
 Beyond = Literal["refuse", "zero", "hold"]
 """How a curve is extrapolated: refuse with an error, use zero, or hold the last value."""
@@ -61,15 +166,15 @@ class Spectra:
 
     def __post_init__(self) -> None:
         where = f"{self.quantity} of {self.source}"
-        wavelength = _check.increasing(f"wavelength_nm of {where}", "nm", self.wavelength_nm)
-        values = _check.finite(where, self.unit, self.values)
+        wavelength = check.increasing(f"wavelength_nm of {where}", "nm", self.wavelength_nm)
+        values = check.finite(where, self.unit, self.values)
         if values.ndim != 2:
             raise InputError(where, "must be (wavelengths, curves)", value=values.shape)
-        _check.same_length("wavelengths", wavelength_nm=wavelength.size, values=values.shape[0])
-        _check.same_length("curves", names=len(self.names), values=values.shape[1])
-        object.__setattr__(self, "wavelength_nm", _check.frozen(wavelength))
-        object.__setattr__(self, "values", _check.frozen(values))
-        object.__setattr__(self, "names", _check.distinct(f"names of {where}", self.names))
+        check.same_length("wavelengths", wavelength_nm=wavelength.size, values=values.shape[0])
+        check.same_length("curves", names=len(self.names), values=values.shape[1])
+        object.__setattr__(self, "wavelength_nm", check.frozen(wavelength))
+        object.__setattr__(self, "values", check.frozen(values))
+        object.__setattr__(self, "names", check.distinct(f"names of {where}", self.names))
 
 
 def interpolation_matrix(
@@ -109,7 +214,7 @@ def interpolation_matrix(
     >>> matrix @ np.array([1.0, 3.0])
     array([1., 2., 3.])
     """
-    _check.one_of("beyond", beyond, get_args(Beyond))
+    check.one_of("beyond", beyond, get_args(Beyond))
     known = np.asarray(wavelength_nm, dtype=np.float64)
     wanted = grid.wavelength_nm
     ends, covers = (float(known[0]), float(known[-1])), f"{known[0]:g}-{known[-1]:g} nm"
@@ -312,3 +417,23 @@ def on_grid(spectra: Spectra, grid: Grid, *, beyond: Beyond = "refuse") -> Spect
         values=matrix @ spectra.values,
         notes=spectra.notes + notes,
     )
+
+
+Metric = Literal["quanta", "energy"]
+"""Whether spectra are expressed in photons (``quanta``) or in energy (``energy``)."""
+METRICS: tuple[Metric, ...] = get_args(Metric)
+"""The metrics by name."""
+
+
+def photons_per_unit(grid: Grid, metric: Metric) -> Float[Array, " n"]:
+    """Photons s-1 um-2 nm-1 per unit of light in this metric, at each wavelength.
+
+    Examples
+    --------
+    >>> photons_per_unit(Grid.uniform(500, 510, 10), "quanta")
+    array([1., 1.])
+    """
+    check.one_of("metric", metric, METRICS)
+    if metric == "quanta":
+        return np.ones(grid.n)
+    return photons_per_joule(grid.wavelength_nm) / UM2_PER_M2

@@ -10,30 +10,32 @@ from functools import partial
 
 import numpy as np
 
-from chromanoise import _check
-from chromanoise._check import Array
-from chromanoise._colour_science import colour_science
-from chromanoise._shapes import Float
-from chromanoise.errors import InputError, Setting
-from chromanoise.spectra.curves import (
-    SMALL_NEGATIVES,
-    Beyond,
-    Spectra,
-    means_on_grid,
-    refuse_outside,
-    used_on_grid,
-)
-from chromanoise.spectra.grid import DEFAULT_GRID, Grid
-from chromanoise.spectra.observers import observer_table
-from chromanoise.spectra.tables import catalog_curves, catalog_tables, formulas, packaged_table
-from chromanoise.units import (
+from chromanoise.base import (
     BOLTZMANN_J_PER_K,
     LIGHT_M_PER_S,
     LUMEN_PER_WATT,
     PLANCK_J_S,
     UM2_PER_M2,
+    Array,
+    Float,
+    InputError,
+    Setting,
+    check,
+    colour_science,
     photons_per_joule,
 )
+from chromanoise.spectra.curves import (
+    DEFAULT_GRID,
+    SMALL_NEGATIVES,
+    Beyond,
+    Grid,
+    Spectra,
+    means_on_grid,
+    refuse_outside,
+    used_on_grid,
+)
+from chromanoise.spectra.observers import observer_table
+from chromanoise.spectra.tables import catalog_curves, catalog_tables, formulas, packaged_table
 
 _windows = np.lib.stride_tricks.sliding_window_view
 Power = Callable[[Float[Array, " m"]], Float[Array, " m"]]
@@ -74,9 +76,9 @@ class Illuminant:
 
     def __post_init__(self) -> None:
         name = f"irradiance of illuminant {self.name}"
-        checked = _check.non_negative(name, "W m-2 nm-1 lx-1", self.irradiance)
-        _check.same_length("wavelengths", grid=self.grid.n, irradiance=checked.size)
-        object.__setattr__(self, "irradiance", _check.frozen(checked))
+        checked = check.non_negative(name, "W m-2 nm-1 lx-1", self.irradiance)
+        check.same_length("wavelengths", grid=self.grid.n, irradiance=checked.size)
+        object.__setattr__(self, "irradiance", check.frozen(checked))
 
 
 def photon_irradiance(illuminant: Illuminant) -> Float[Array, " n"]:
@@ -131,7 +133,7 @@ def black_body(grid: Grid, temperature_k: float) -> Illuminant:
     temperature_k
         Temperature. [K]
     """
-    kelvin = _check.positive("temperature_k", "K", temperature_k)
+    kelvin = check.positive("temperature_k", "K", temperature_k)
     c2_m_k = PLANCK_J_S * LIGHT_M_PER_S / BOLTZMANN_J_PER_K
     return _from_formula(
         f"{kelvin:g} K black body", partial(_planck, temperature_k=kelvin, c2_m_k=c2_m_k), grid
@@ -198,8 +200,8 @@ def led_white(grid: Grid) -> Illuminant:
 
 def _diode(grid: Grid, peak_nm: float, width_nm: float) -> Power:
     """The power of a diode; one that is too narrow for the grid raises an error."""
-    peak = _check.positive("peak_nm", "nm", peak_nm)
-    width = _check.positive("width_nm", "nm", width_nm)
+    peak = check.positive("peak_nm", "nm", peak_nm)
+    width = check.positive("width_nm", "nm", width_nm)
     if width < 2 * grid.step_nm:
         need = f"must be at least {2 * grid.step_nm:g} [nm], two steps of the grid"
         raise InputError("width_nm", need, value=width, remedy="use a finer grid")
@@ -249,7 +251,7 @@ def cie_illuminant(name: str, grid: Grid, *, beyond: Beyond = "refuse") -> Illum
         power = daylight.values[:, daylight.names.index(name)]
     else:
         tables = colour_science().SDS_ILLUMINANTS
-        table = tables[_check.one_of("illuminant", name, list(tables))]
+        table = tables[check.one_of("illuminant", name, list(tables))]
         wavelength_nm = np.asarray(table.wavelengths, dtype=np.float64)
         power = np.asarray(table.values, dtype=np.float64)
     curve = Spectra(
@@ -508,18 +510,18 @@ def _light_named(name: str, grid: Grid, beyond: Beyond) -> Illuminant:
     if name in _FORMULAS:
         return _FORMULAS[name](grid)
     if match := re.fullmatch(_BLACK_BODY, name):
-        kelvin = _check.positive(f"temperature of illuminant {name}", "K", _number(match[1], name))
+        kelvin = check.positive(f"temperature of illuminant {name}", "K", _number(match[1], name))
         return black_body(grid, kelvin)
     if match := re.fullmatch(_LED, name):
         peak_nm, width_nm = (_number(text, name) for text in (match[1], match[2] or "20"))
         ends = (grid.start_nm, grid.stop_nm)
-        _check.within(f"peak of illuminant {name}", "nm", peak_nm, *ends)
-        _check.positive(f"width of illuminant {name}", "nm", width_nm)
+        check.within(f"peak of illuminant {name}", "nm", peak_nm, *ends)
+        check.positive(f"width of illuminant {name}", "nm", width_nm)
         return led(grid, peak_nm, width_nm)
     measured = catalog_tables("illuminant")
     if name in measured:
         return illuminant_from(catalog_curves(measured[name]), grid, name=name, beyond=beyond)
-    known = _check.one_of("illuminant", name, _known_lights())
+    known = check.one_of("illuminant", name, _known_lights())
     return cie_illuminant(known, grid, beyond=beyond)
 
 
@@ -556,7 +558,7 @@ def with_infrared(
     >>> round(float(lit.irradiance.sum() / lamp.irradiance.sum()), 4)      # half as much again
     1.5
     """
-    share = _check.within("ratio of infrared", "W/W", ratio, 0.0, 1e6)
+    share = check.within("ratio of infrared", "W/W", ratio, 0.0, 1e6)
     power = _diode_within(illuminant.grid, peak_nm, width_nm)
     if share == 0:
         return illuminant

@@ -5,15 +5,19 @@ from functools import cache
 
 import numpy as np
 
-from chromanoise import _check
-from chromanoise._check import Array, frozen
-from chromanoise._shapes import Bool, Float
-from chromanoise.errors import InputError
-from chromanoise.spectra.curves import Spectra, on_grid
-from chromanoise.spectra.grid import Grid
-from chromanoise.spectra.metric import Metric, photons_per_unit
+from chromanoise.base import (
+    LUMEN_PER_WATT,
+    UM2_PER_M2,
+    Array,
+    Bool,
+    Float,
+    InputError,
+    check,
+    frozen,
+    photons_per_joule,
+)
+from chromanoise.spectra.curves import Grid, Metric, Spectra, on_grid, photons_per_unit
 from chromanoise.spectra.tables import packaged_table
-from chromanoise.units import LUMEN_PER_WATT, UM2_PER_M2, photons_per_joule
 
 INFRARED_FROM_NM = 700.0
 """Longer wavelengths count as infrared: y-bar is below 0.5 % of its peak."""
@@ -137,7 +141,7 @@ def known_observer(observer: str) -> str:
     """
     if isinstance(observer, OwnObserver):
         return observer
-    return _check.one_of("observer", observer, tuple(OBSERVERS))
+    return check.one_of("observer", observer, tuple(OBSERVERS))
 
 
 @cache
@@ -218,7 +222,7 @@ def color_axes(grid: Grid, metric: Metric, observer: str = DEFAULT_OBSERVER) -> 
     grid
         The wavelengths of L.
     metric
-        The unit in which L is a vector; see `chromanoise.spectra.metric`.
+        The unit in which L is a vector; see `chromanoise.spectra.curves`.
     observer
         A name from `OBSERVERS`.
 

@@ -7,9 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from chromanoise._csv_cells import text_of_cell
-from chromanoise._inputs import regular_file
-from chromanoise.errors import InputError
+from chromanoise.base import InputError, regular_file, text_of_cell
 from chromanoise.spectra.curves import Spectra
 
 _LARGEST_BYTES = 64 * 2**20

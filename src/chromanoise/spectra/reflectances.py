@@ -8,12 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from chromanoise import _check
-from chromanoise._check import Array
-from chromanoise._shapes import Int
-from chromanoise.errors import InputError
-from chromanoise.spectra.curves import Beyond, Spectra, on_grid
-from chromanoise.spectra.grid import Grid
+from chromanoise.base import Array, InputError, Int, check
+from chromanoise.spectra.curves import Beyond, Grid, Spectra, on_grid
 from chromanoise.spectra.tables import catalog_curves, catalog_tables, packaged_table
 
 
@@ -88,7 +84,7 @@ def reflectance_named(name: str, grid: Grid, *, beyond: Beyond = "refuse") -> Sp
     if match := re.fullmatch(r"gray-([\d.]+)", name):
         return _gray(name, match[1], grid)
     measured = catalog_tables("reflectance")
-    name = _check.one_of("reflectance", name, (*measured, "gray-18"))
+    name = check.one_of("reflectance", name, (*measured, "gray-18"))
     return on_grid(catalog_curves(measured[name]), grid, beyond=beyond)
 
 
@@ -102,7 +98,7 @@ def _gray(name: str, percent: str, grid: Grid) -> Spectra:
             value=percent,
             found=f"{percent!r} is not a number",
         ) from None
-    _check.within(f"percent of {name}", "%", 100 * share, 0.0, 100.0)
+    check.within(f"percent of {name}", "%", 100 * share, 0.0, 100.0)
     return Spectra(
         wavelength_nm=grid.wavelength_nm,
         values=np.full((grid.n, 1), share),
@@ -148,7 +144,7 @@ class PatchPairs:
             raise InputError(
                 "pairs", f"must be indices from 0 to {count - 1}", value=int(indices[outside][0])
             )
-        object.__setattr__(self, "indices", _check.frozen(indices))
+        object.__setattr__(self, "indices", check.frozen(indices))
 
     @property
     def names(self) -> tuple[tuple[str, str], ...]:

@@ -7,66 +7,141 @@
 
 from typing import TYPE_CHECKING
 
-from chromanoise._lazy import lazy_names
+from chromanoise.base.lazy import lazy_names
 
 if TYPE_CHECKING:
-    from chromanoise.io.result import Result as Result
-    from chromanoise.study.analyses import (
-        Outcome as Outcome,
-        analysis_of as analysis_of,
-        outcome_of as outcome_of,
-        outcomes_as_json as outcomes_as_json,
+    from chromanoise.io import Result as Result
+    from chromanoise.study.analysis import (
+        Analysis as Analysis,
+        Stages as Stages,
+        analyzed as analyzed,
+        color_snr_db as color_snr_db,
+        contravariant_snr_db as contravariant_snr_db,
+        defined,
+        diagnosis as diagnosis,
+        electrons_at as electrons_at,
+        mean_color_error as mean_color_error,
+        metric_of as metric_of,
+        mix_sentence,
+        noisy_color_at as noisy_color_at,
+        of_white,
+        plain_fields,
+        raw_snr_db as raw_snr_db,
+        stages_at as stages_at,
+    )
+    from chromanoise.study.analysis_tables import (
+        analyses_as_json as analyses_as_json,
+        budgets_as_json as budgets_as_json,
+        comparison_as_json as comparison_as_json,
     )
     from chromanoise.study.assembly import (
         NOTHING_GIVEN as NOTHING_GIVEN,
         Given as Given,
+        cube_of,
+        idle_settings,
+        illuminant_of,
         keyed as keyed,
+        light_answers_of,
         makers_of as makers_of,
+        operating_points_in,
         operating_points_of as operating_points_of,
+        prior_of,
         refuse_idle as refuse_idle,
         sensor_of as sensor_of,
         unresolved as unresolved,
+        with_distinct_names,
     )
-    from chromanoise.study.commands import (
-        Call as Call,
-        call_of as call_of,
-        option_of as option_of,
-        study_as_command as study_as_command,
-        study_as_python as study_as_python,
+    from chromanoise.study.camera_pipeline import (
+        BASE_ISO as BASE_ISO,
+        GainStep as GainStep,
+        PipelineNoise as PipelineNoise,
+        PipelineSettings as PipelineSettings,
+        PipelineStep as PipelineStep,
+        WhiteBalanceNoise as WhiteBalanceNoise,
+        pipeline_as_json as pipeline_as_json,
+        pipeline_noise as pipeline_noise,
+    )
+    from chromanoise.study.catalog import (
+        KINDS,
+        KNOWN_SENSORS as KNOWN_SENSORS,
+        RECONSTRUCTION,
+        SENSOR_NAMES as SENSOR_NAMES,
+        Entry as Entry,
+        catalog_entries as catalog_entries,
+        catalog_entry as catalog_entry,
+        catalog_file_of as catalog_file_of,
+        catalog_folder,
+        entries_as_json,
+        is_assumed as is_assumed,
+        pixel_summary,
+        sensor_from_table as sensor_from_table,
+        sensor_named as sensor_named,
+    )
+    from chromanoise.study.color_matrices import (
+        DEFAULT_METHOD as DEFAULT_METHOD,
+        DEFAULT_PRIOR as DEFAULT_PRIOR,
+        METHODS as METHODS,
+        PRIORS as PRIORS,
+        MatrixFunction as MatrixFunction,
+        MatrixMaker as MatrixMaker,
+        MatrixMethod as MatrixMethod,
+        Prior as Prior,
+        known_matrices as known_matrices,
+        matrix_makers as matrix_makers,
+        trained_names as trained_names,
+        training_named,
+    )
+    from chromanoise.study.color_noise import (
+        GRAY,
+        ChartNoise as ChartNoise,
+        GrayNoise as GrayNoise,
+        chart_as_json as chart_as_json,
+        chart_noise as chart_noise,
+        color_budgets as color_budgets,
+        contravariant_budgets as contravariant_budgets,
+        coordinate_budget as coordinate_budget,
+        gray_noise as gray_noise,
+        gray_noise_as_json as gray_noise_as_json,
+        lab_budgets as lab_budgets,
+        missing_lab_budgets as missing_lab_budgets,
     )
     from chromanoise.study.denoised_files import (
         DenoisedPicture as DenoisedPicture,
-        denoised_picture as denoised_picture,
-        refuse_other_denoised as refuse_other_denoised,
-        write_denoised as write_denoised,
-    )
-    from chromanoise.study.denoising_plan import (
         DenoisingPlan as DenoisingPlan,
         Electrons as Electrons,
+        denoised_picture as denoised_picture,
         electrons_of_array as electrons_of_array,
         frame_of_array as frame_of_array,
         frames_of_pictures as frames_of_pictures,
         prepared_denoising as prepared_denoising,
+        refuse_other_denoised as refuse_other_denoised,
+        write_denoised as write_denoised,
     )
     from chromanoise.study.document import (
         MOST_SENSORS as MOST_SENSORS,
+        ExposurePart,
+        LightPart,
         OutputsPart as OutputsPart,
         Part as Part,
+        PicturePart,
+        PixelPart,
         Study as Study,
         StudyKind as StudyKind,
         study_schema as study_schema,
+        without_idle_settings,
     )
-    from chromanoise.study.file_names import file_word as file_word
     from chromanoise.study.hashes import (
+        FileWord,
+        digests_of,
         file_digests as file_digests,
+        file_words,
+        files_of_word,
         provenance as provenance,
         study_as_json as study_as_json,
         study_hash as study_hash,
+        with_file_words,
     )
-    from chromanoise.study.keys import (
-        KEYS as KEYS,
-        KeyOfStudy as KeyOfStudy,
-    )
+    from chromanoise.study.keys import KEYS as KEYS, STARTER as STARTER, KeyOfStudy as KeyOfStudy
     from chromanoise.study.keywords import (
         AnalysisSettings as AnalysisSettings,
         ComparisonSettings as ComparisonSettings,
@@ -76,19 +151,85 @@ if TYPE_CHECKING:
         RenderSettings as RenderSettings,
         SensitivitySettings as SensitivitySettings,
     )
-    from chromanoise.study.pictures import (
-        TakenPicture as TakenPicture,
-        prepared_cameras as prepared_cameras,
-        taken_pictures as taken_pictures,
+    from chromanoise.study.merits import (
+        Merit as Merit,
+        Merits as Merits,
+        Viewing as Viewing,
+        merits_as_json as merits_as_json,
+        merits_of as merits_of,
+        visual_merits,
+    )
+    from chromanoise.study.pareto import (
+        TotalError as TotalError,
+        better_matrix as better_matrix,
+        matrix_as_json as matrix_as_json,
+        mean_total_error as mean_total_error,
+        noise_weights as noise_weights,
+        pareto_of as pareto_of,
+        total_error_of as total_error_of,
+        total_errors as total_errors,
+        white_snr_db as white_snr_db,
+    )
+    from chromanoise.study.patches_by_name import PAIRS_HEADER, resolve_pairs
+    from chromanoise.study.pixel_files import (
+        converter_of as converter_of,
+        idle_answers as idle_answers,
+        on_pixel as on_pixel,
+        own_sensor_of as own_sensor_of,
+        read_pixel_source as read_pixel_source,
+        sensor_with_pixel as sensor_with_pixel,
+    )
+    from chromanoise.study.ranking import (
+        MOST_PAIRS_SENSORS,
+        Crossover as Crossover,
+        CrossoverBand as CrossoverBand,
+        CrossoverLine,
+        Incomparable as Incomparable,
+        QuantityMap,
+        Rank,
+        band_sentence as band_sentence,
+        bands_as_json as bands_as_json,
+        best_of,
+        by_matrix,
+        crossover_bands as crossover_bands,
+        crossover_sentence as crossover_sentence,
+        crossovers as crossovers,
+        crossovers_or_reasons as crossovers_or_reasons,
+        lead_changes,
+        lead_sentences,
+        leading_crossovers,
+        leads,
     )
     from chromanoise.study.reading import (
         beside_file as beside_file,
         document_from_text as document_from_text,
         document_text as document_text,
+        file_word as file_word,
         is_relative_to_working_folder as is_relative_to_working_folder,
         read_study as read_study,
+        study_as_toml as study_as_toml,
         study_from_data as study_from_data,
         study_from_text as study_from_text,
+    )
+    from chromanoise.study.reading_quality import (
+        BRIGHT,
+        DARK,
+        RAW,
+        RAW_WITHOUT,
+        READINGS,
+        TARGET,
+        TOLERANCE,
+        About as About,
+        InformationChain as InformationChain,
+        InformationStep as InformationStep,
+        MachineReading,
+        PairOutcome,
+        RawOutcome,
+        information_chain as information_chain,
+        machine_reading,
+        pairs_of,
+        raw_information,
+        raw_outcomes,
     )
     from chromanoise.study.records import (
         Agreement as Agreement,
@@ -100,33 +241,70 @@ if TYPE_CHECKING:
         run_study as run_study,
         study_of_output as study_of_output,
     )
+    from chromanoise.study.resolve import (
+        CURVES,
+        curves_of_object,
+        file_of,
+        file_there,
+        is_file_word,
+        is_of_colour_science,
+        object_word,
+        resolve_filter,
+        resolve_illuminant,
+        resolve_sensor,
+        word_beside,
+    )
     from chromanoise.study.results import (
         Analyses as Analyses,
         Comparison as Comparison,
         ComparisonMap as ComparisonMap,
         Matrices as Matrices,
         MatrixResult as MatrixResult,
+        Outcome as Outcome,
         Pictures as Pictures,
         Results as Results,
+        analysis_of as analysis_of,
+        outcome_of as outcome_of,
+        outcomes_as_json as outcomes_as_json,
     )
     from chromanoise.study.running import (
         Progress as Progress,
         Step as Step,
+        TakenPicture as TakenPicture,
+        capture_settings_of,
+        prepared_cameras as prepared_cameras,
+        result_steps,
         run as run,
         run_plan as run_plan,
+        sweep_map,
+        taken_pictures as taken_pictures,
     )
     from chromanoise.study.settings import (
         FUNCTIONS as FUNCTIONS,
+        Call as Call,
         DescribedSetting as DescribedSetting,
         argument_of as argument_of,
+        call_of as call_of,
         default_of as default_of,
         described_settings as described_settings,
         flags_of as flags_of,
         in_arguments as in_arguments,
         interface_of as interface_of,
+        option_of as option_of,
+        study_as_command as study_as_command,
+        study_as_python as study_as_python,
         study_of as study_of,
     )
-    from chromanoise.study.starter import STARTER as STARTER
-    from chromanoise.study.toml_text import study_as_toml as study_as_toml
+    from chromanoise.study.sweeps import (
+        QUANTITIES as QUANTITIES,
+        SNR_Y,
+        SWEEPS as SWEEPS,
+        Curve as Curve,
+        Quantity as Quantity,
+        Sweep as Sweep,
+        compared as compared,
+        fullest_level_lux,
+        swept_values as swept_values,
+    )
 
-__getattr__, __dir__, __all__ = lazy_names(__name__)
+__getattr__, __dir__, __all__ = lazy_names(__name__, Method="MatrixMethod")

@@ -7,33 +7,10 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
-from chromanoise import _check
-from chromanoise.analysis.color_matrices import MatrixMaker, matrix_makers, trained_names
-from chromanoise.analysis.priors import DEFAULT_PRIOR, PRIORS
-from chromanoise.catalog import idle_answers, on_pixel, sensor_with_pixel
-from chromanoise.catalog.objects import is_object_word, shown_word
-from chromanoise.catalog.patch_pairs import resolve_pairs
-from chromanoise.catalog.reflectances import (
-    is_reflectance_file,
-    resolve_patch,
-    resolve_reflectances,
-)
-from chromanoise.catalog.resolve import (
-    WordKind,
-    behind_resolved_filter,
-    catalog_word,
-    file_of,
-    is_file_word,
-    resolve_illuminant,
-    resolve_observer,
-    resolve_sensor,
-)
-from chromanoise.errors import InputError, Setting, refusal
-from chromanoise.exposure import EQUAL_TERMS, Exposure, OperatingPoint
-from chromanoise.io.crosstalk import read_crosstalk
-from chromanoise.io.spectra import Answers
-from chromanoise.io.spectra.parsed import Found
-from chromanoise.scene import Cube, Scene, builtin_cube, flat_field
+from chromanoise.base import InputError, Setting, check, refusal
+from chromanoise.io import read_crosstalk
+from chromanoise.io.spectra import Answers, Found
+from chromanoise.noise import EQUAL_TERMS, Exposure, OperatingPoint
 from chromanoise.sensor import (
     PIXEL,
     Sensor,
@@ -46,13 +23,43 @@ from chromanoise.sensor import (
     with_crosstalk,
     with_shifted_curves,
 )
-from chromanoise.spectra import Illuminant, OwnObserver, PatchPairs, Spectra, infrared_parts
-from chromanoise.study.document import (
-    PicturePart,
-    PixelPart,
-    ReflectancesPart,
-    SensorPart,
-    Study,
+from chromanoise.spectra import (
+    Cube,
+    Illuminant,
+    OwnObserver,
+    PatchPairs,
+    Scene,
+    Spectra,
+    builtin_cube,
+    flat_field,
+    infrared_parts,
+)
+from chromanoise.study.color_matrices import (
+    DEFAULT_PRIOR,
+    PRIORS,
+    MatrixMaker,
+    matrix_makers,
+    trained_names,
+)
+from chromanoise.study.document import PicturePart, PixelPart, ReflectancesPart, SensorPart, Study
+from chromanoise.study.patches_by_name import (
+    is_reflectance_file,
+    resolve_pairs,
+    resolve_patch,
+    resolve_reflectances,
+)
+from chromanoise.study.pixel_files import idle_answers, on_pixel, sensor_with_pixel
+from chromanoise.study.resolve import (
+    WordKind,
+    behind_resolved_filter,
+    catalog_word,
+    file_of,
+    is_file_word,
+    is_object_word,
+    resolve_illuminant,
+    resolve_observer,
+    resolve_sensor,
+    shown_word,
 )
 
 _OF_ANSWERS = ("scale", "level", "per", "wavelength_unit", "peak_qe")
@@ -128,7 +135,7 @@ class Given:
         return is_file_word(self.of(word), kind)
 
 
-NOTHING_GIVEN = Given()
+NOTHING_GIVEN: Given = Given()
 """No objects in place of names."""
 
 
@@ -577,7 +584,7 @@ def sensor_of(
     for channel, word in (part.channel_filters or {}).items():
         with keyed(f"{key}.channel_filters", lambda name: f"{key}.{_FILTER_KEYS.get(name, name)}"):
             try:
-                _check.among("channel", channel, sensor.names)
+                check.among("channel", channel, sensor.names)
             except InputError as error:
                 raise error.within("channel_filters") from None
             sensor = behind_resolved_filter(

@@ -19,30 +19,23 @@ from pydantic import (
 )
 from pydantic.fields import FieldInfo
 
-from chromanoise import _check
-from chromanoise.analysis.color_matrices import (
-    DEFAULT_METHOD,
-    METHODS,
-    matrix_makers,
-    trained_names,
+from chromanoise.base import (
+    InputError,
+    Interface,
+    Property,
+    Setting,
+    beside_their_needs,
+    check,
+    did_you_mean,
+    known_name,
+    refusal,
 )
-from chromanoise.analysis.comparison.quantities import QUANTITIES
-from chromanoise.analysis.comparison.sweeps import SWEEPS
-from chromanoise.analysis.pipeline_results import BASE_ISO, PipelineSettings
-from chromanoise.analysis.priors import DEFAULT_PRIOR, PRIORS
-from chromanoise.catalog.objects import is_object_word
-from chromanoise.catalog.reflectances import is_reflectance_file
-from chromanoise.catalog.resolve import is_file_word
 from chromanoise.color import SPACES, TONES
-from chromanoise.denoising import DENOISING
-from chromanoise.errors import InputError, Setting, did_you_mean, known_name, refusal
-from chromanoise.exposure import refuse_f_number
-from chromanoise.imaging import DEMOSAICING
-from chromanoise.imaging.formats import FORMATS, MOST_FRAMES
-from chromanoise.io.given_matrices import MATRIX_ENDINGS, is_matrix_file
-from chromanoise.io.spectra.parsed import Level, Negatives, Per, Scale, Unit
-from chromanoise.properties import Interface, Property, beside_their_needs
-from chromanoise.scene import BUILTIN_CUBES
+from chromanoise.imaging import DEMOSAICING, FORMATS, MOST_FRAMES
+from chromanoise.imaging.denoising import DENOISING
+from chromanoise.io import MATRIX_ENDINGS, is_matrix_file
+from chromanoise.io.spectra import Level, Negatives, Per, Scale, Unit
+from chromanoise.noise import refuse_f_number
 from chromanoise.sensor import (
     MOSAIC_NAMES,
     MOST_BINNING,
@@ -51,8 +44,26 @@ from chromanoise.sensor import (
     PIXEL_NOISE,
     BinningMode,
 )
-from chromanoise.spectra import DEFAULT_OBSERVER, METRICS, OBSERVERS, Illuminant
-from chromanoise.spectra.curves import Beyond
+from chromanoise.spectra import (
+    BUILTIN_CUBES,
+    DEFAULT_OBSERVER,
+    METRICS,
+    OBSERVERS,
+    Beyond,
+    Illuminant,
+)
+from chromanoise.study.camera_pipeline import BASE_ISO, PipelineSettings
+from chromanoise.study.color_matrices import (
+    DEFAULT_METHOD,
+    DEFAULT_PRIOR,
+    METHODS,
+    PRIORS,
+    matrix_makers,
+    trained_names,
+)
+from chromanoise.study.patches_by_name import is_reflectance_file
+from chromanoise.study.resolve import is_file_word, is_object_word
+from chromanoise.study.sweeps import QUANTITIES, SWEEPS
 
 if TYPE_CHECKING:
     from chromanoise.sensor import PartialPixel as _PixelNames
@@ -133,7 +144,7 @@ def _within(unit: str, low: float, high: float) -> AfterValidator:
     """A check that a number is in the range in which double precision suffices."""
 
     def checked(value: float, info: Any) -> float:
-        return _check.within(str(info.field_name), unit, value, low, high)
+        return check.within(str(info.field_name), unit, value, low, high)
 
     return AfterValidator(checked)
 
@@ -459,7 +470,7 @@ class ReflectancesPart(Part):
             return given
         if isinstance(given, bool) or not isinstance(given, int | float):
             raise ValueError("must be a number from 0 to 1, a name or a file")
-        return _check.within("patch", "1", float(given), 0.0, 1.0)
+        return check.within("patch", "1", float(given), 0.0, 1.0)
 
 
 _BEFORE = "none; e.g. ircut-650"
@@ -571,7 +582,7 @@ class SensorPart(Part):
     def _share_or_file(cls, given: Any) -> Any:
         """Give one error message; the schema alone would give one for each type of value."""
         if isinstance(given, int | float) and not isinstance(given, bool):
-            return _check.within("crosstalk", "1", float(given), 0.0, 1.0)
+            return check.within("crosstalk", "1", float(given), 0.0, 1.0)
         if given is None or isinstance(given, str):
             return given
         raise ValueError("must be a share from 0 to 1, or the name of a file")

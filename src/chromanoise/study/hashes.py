@@ -1,7 +1,11 @@
-"""The hash of a study: of its settings, the version, and the content of its files."""
+"""The hash of a study: of its settings, the version, and the content of its files.
+
+What determines the last digits besides study and version: processor, libraries, kernels.
+"""
 
 import hashlib
 import json
+import platform
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass
 from functools import partial
@@ -19,24 +23,21 @@ from typing import Any, Literal
 
 import numpy as np
 
-from chromanoise import __version__
-from chromanoise._inputs import regular_file
-from chromanoise.catalog.entries import catalog_folder
-from chromanoise.catalog.objects import is_object_word
-from chromanoise.catalog.reflectances import is_reflectance_file, reflectance_files
-from chromanoise.catalog.resolve import (
+from chromanoise.base import InputError, __version__, regular_file
+from chromanoise.io import DATA_SUFFIXES, envi_pair, is_matrix_file
+from chromanoise.study.catalog import catalog_folder
+from chromanoise.study.document import BALANCE_WORDS, Study, StudyKind
+from chromanoise.study.keys import KEYS
+from chromanoise.study.patches_by_name import is_reflectance_file, reflectance_files
+from chromanoise.study.resolve import (
     file_of,
     filter_files,
     illuminant_files,
     is_file_word,
+    is_object_word,
     observer_files,
     sensor_files,
 )
-from chromanoise.errors import InputError
-from chromanoise.io.given_matrices import is_matrix_file
-from chromanoise.io.spectra.envi import DATA_SUFFIXES, envi_pair
-from chromanoise.study.document import BALANCE_WORDS, Study, StudyKind
-from chromanoise.study.keys import KEYS
 
 Kind = Literal[
     "light",
@@ -427,3 +428,30 @@ def provenance(study: Study) -> dict[str, Any]:
         "files": digests,
         "hash": _hash_of(study, digests),
     }
+
+
+def numerics() -> dict[str, Any]:
+    """Machine type, libraries and their kernels; if all are equal, a study gives the same bytes.
+
+    ``blas_kernel`` is ``None`` if the BLAS of numpy does not report it.
+    """
+    import scipy
+
+    built = np.show_config(mode="dicts")
+    blas = built.get("Build Dependencies", {}).get("blas", {})
+    return {
+        "machine": platform.machine(),
+        "numpy": np.__version__,
+        "scipy": scipy.__version__,
+        "blas": f"{blas.get('name', 'unknown')} {blas.get('version', '')}".strip(),
+        "blas_kernel": _blas_kernel(),
+        "cpu_features": built.get("SIMD Extensions", {}).get("found", []),
+    }
+
+
+def _blas_kernel() -> str | None:
+    """The kernel that OpenBLAS chose for this processor, or that OPENBLAS_CORETYPE names."""
+    from threadpoolctl import threadpool_info
+
+    found = [lib.get("architecture") for lib in threadpool_info() if lib["user_api"] == "blas"]
+    return next(filter(None, found), None)

@@ -16,24 +16,29 @@ from typing import Any
 import numpy as np
 from pydantic import ValidationError
 
-from chromanoise import __version__
-from chromanoise._check import Array
-from chromanoise._files import claimed_folder, refuse_unwritable
-from chromanoise._inputs import content_hash, json_file, true_path
-from chromanoise.errors import InputError
+from chromanoise.base import (
+    Array,
+    InputError,
+    __version__,
+    claimed_folder,
+    content_hash,
+    json_file,
+    refuse_unwritable,
+    true_path,
+)
 from chromanoise.imaging import Work
-from chromanoise.io.spectra.own_json import named
+from chromanoise.io.spectra import named
 from chromanoise.study.document import KEEP_IDLE, Study
 from chromanoise.study.hashes import (
     changes_since,
     digests_of,
     file_stamps,
     in_catalog,
+    numerics,
     provenance,
     study_as_json,
     study_hash,
 )
-from chromanoise.study.numeric_libraries import numerics
 from chromanoise.study.running import Progress, no_progress, run_plan
 
 STUDY_FILE, SUMMARY_FILE = "study.json", "summary.json"
@@ -73,7 +78,7 @@ def run_study(
 ) -> list[Path]:
     """Run all steps of a study; a stopped run continues with the missing results.
 
-    After an error the folder is as it was before; see `chromanoise._files.claimed_folder`.
+    After an error the folder is as it was before; see `chromanoise.base.files.claimed_folder`.
 
     Parameters
     ----------

@@ -1,63 +1,244 @@
-"""The results of the steps of a study: analyses, matrices, comparisons and pictures.
+"""All results of one sensor at one operating point, and their conversion to plain data.
+
+The results of the steps of a study: analyses, matrices, comparisons and pictures.
 
 Each result can be converted to plain data (`to_dict`, as the JSON of the commands), a table, a
 pandas data frame, LaTeX and a figure.
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from chromanoise import __version__, _check
-from chromanoise._check import Array
-from chromanoise._files import write_whole
-from chromanoise._shapes import Float
-from chromanoise.analysis import (
+from chromanoise.base import (
+    Array,
+    Float,
+    InputError,
+    Setting,
+    __version__,
+    check,
+    warn_of_old_name,
+    write_whole,
+)
+from chromanoise.color import SPACES, UNBOUNDED, ColorMatrix, ParetoCurve
+from chromanoise.io import (
+    Column,
+    MadeMatrix,
+    Result,
+    Table,
+    axes_of,
+    figures,
+    matrix_writer,
+    number_text,
+    panels_of,
+)
+from chromanoise.metrics import MatrixReport
+from chromanoise.noise import OperatingPoint, Readout, clipping_readout, conditions, patch_scene
+from chromanoise.spectra import Illuminant
+from chromanoise.study.analysis import (
     Analysis,
-    CrossoverBand,
-    Curve,
-    bands_as_json,
+    analyzed,
     color_snr_db,
-    comparison_as_json,
     contravariant_snr_db,
-    crossover_sentence,
-    matrix_as_json,
+    of_white,
     raw_snr_db,
 )
-from chromanoise.analysis.comparison.crossing import Crossover
-from chromanoise.analysis.comparison.maps import CrossoverLine, QuantityMap, maps_as_json
-from chromanoise.analysis.comparison.ranking import (
-    MOST_PAIRS_SENSORS,
-    Lead,
-    Rank,
-    lead_changes,
-    lead_sentences,
-    leading_crossovers,
-    leads_as_json,
-    matrix_sentences,
-    ranking_as_json,
-)
-from chromanoise.analysis.export import ranking_of_analyses
-from chromanoise.analysis.tables import (
+from chromanoise.study.analysis_tables import (
+    analyses_as_json,
     analyses_as_table,
+    budgets_as_json,
+    comparison_as_json,
     curves_as_table,
     maps_as_table,
     matrices_as_table,
     pipeline_as_table,
+    ranking_of_analyses,
 )
-from chromanoise.color import ColorMatrix, ParetoCurve
-from chromanoise.errors import InputError, Setting
-from chromanoise.exposure import OperatingPoint, conditions
-from chromanoise.io.matrices import MadeMatrix, matrix_writer
-from chromanoise.io.result import Result, axes_of, figures, panels_of
-from chromanoise.io.table import Column, Table, number_text
-from chromanoise.metrics import MatrixReport
-from chromanoise.study.analyses import Outcome, outcomes_as_json
-from chromanoise.study.document import OutputsPart, Study
+from chromanoise.study.assembly import keyed
+from chromanoise.study.camera_pipeline import PipelineNoise, pipeline_as_json, pipeline_noise
+from chromanoise.study.color_matrices import MatrixMaker
+from chromanoise.study.color_noise import (
+    ChartNoise,
+    GrayNoise,
+    chart_as_json,
+    chart_noise,
+    gray_noise,
+    gray_noise_as_json,
+)
+from chromanoise.study.document import OutputsPart, PipelinePart, Study, pipeline_settings
+from chromanoise.study.merits import Merits, merits_as_json, merits_of
+from chromanoise.study.pareto import matrix_as_json
+from chromanoise.study.ranking import (
+    MOST_PAIRS_SENSORS,
+    Crossover,
+    CrossoverBand,
+    CrossoverLine,
+    Lead,
+    QuantityMap,
+    Rank,
+    bands_as_json,
+    crossover_sentence,
+    lead_changes,
+    lead_sentences,
+    leading_crossovers,
+    leads_as_json,
+    maps_as_json,
+    matrix_sentences,
+    ranking_as_json,
+)
+from chromanoise.study.reading_quality import (
+    MachineReading,
+    machine_reading,
+    machine_reading_as_json,
+)
+from chromanoise.study.sweeps import Curve
 
 if TYPE_CHECKING:
-    from chromanoise.imaging.capture import Capture
+    from chromanoise.imaging import Capture
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Outcome:
+    """Every stage of one sensor, and the further outputs of the study.
+
+    Attributes
+    ----------
+    analysis
+        Raw, spectral and color coordinates of a perfect white.
+    gray_noise, chart
+        ``None`` where not asked for, or where a channel is saturated or white is no color.
+    merits
+        ``None`` where not asked for.
+    pipeline
+        As ``gray_noise``.
+    machine
+        ``None`` for an eye.
+    """
+
+    analysis: Analysis
+    gray_noise: GrayNoise | None
+    chart: ChartNoise | None
+    merits: Merits | None
+    pipeline: PipelineNoise | None
+    machine: MachineReading | None
+
+    @property
+    def grey_noise(self) -> GrayNoise | None:
+        """The old name of ``gray_noise``."""
+        warn_of_old_name("grey_noise", "gray_noise")
+        return self.gray_noise
+
+
+def analysis_of(
+    operating_point: OperatingPoint, maker: MatrixMaker, outputs: OutputsPart
+) -> Analysis:
+    """Every stage of a sensor for the patch, by default a perfect white.
+
+    Clipped where the outputs ask for it.
+
+    Results and charts of a study use this function, so that they show the same numbers.
+
+    Parameters
+    ----------
+    operating_point, maker, outputs
+        As `outcome_of`.
+
+    Raises
+    ------
+    InputError
+        If the matrix cannot be made.
+    """
+    sensor = operating_point.sensor
+    clipping = clipping_readout(sensor, operating_point.exposure) if outputs.clip else None
+    analysis = analyzed(
+        patch_scene(operating_point),
+        sensor,
+        operating_point.exposure,
+        readout=clipping,
+        matrix=maker(operating_point),
+    )
+    point = operating_point
+    return replace(analysis, chart=point.chart, patch=point.patch, pairs=point.pairs)
+
+
+def outcome_of(
+    operating_point: OperatingPoint,
+    maker: MatrixMaker,
+    outputs: OutputsPart,
+    *,
+    balance_light: Illuminant | None = None,
+) -> Outcome:
+    """Compute all requested results of a sensor at one operating point.
+
+    Parameters
+    ----------
+    operating_point
+        Sensor, exposure and light.
+    maker
+        Of its color matrix.
+    outputs
+        The requested outputs; `outcomes_as_json` adds ``budget``.
+    balance_light
+        The illuminant that the white balance of the pipeline names (`balance_light_of`).
+
+    Raises
+    ------
+    InputError
+        If the matrix cannot be made, or an output cannot be computed.
+    """
+    analysis = analysis_of(operating_point, maker, outputs)
+    readout = analysis.readout
+    space = SPACES[outputs.space] if outputs.space is not None else None
+    return Outcome(
+        analysis=analysis,
+        gray_noise=gray_noise(analysis, space, readout=readout) if space else None,
+        chart=chart_noise(analysis, readout=readout or UNBOUNDED) if outputs.chart else None,
+        merits=merits_of(of_white(analysis), maker=maker) if outputs.merit else None,
+        pipeline=_pipeline(analysis, outputs.pipeline, balance_light, readout)
+        if outputs.pipeline.run
+        else None,
+        machine=machine_reading(analysis) if outputs.reader == "machine" else None,
+    )
+
+
+def _pipeline(
+    analysis: Analysis, part: PipelinePart, light: Illuminant | None, readout: Readout | None
+) -> PipelineNoise | None:
+    key = "outputs.pipeline"
+    own = {name: f"{key}.{name}" for name in type(part).model_fields}
+    with keyed(f"{key}.white_balance", lambda name: f"{key}.{name}", own):
+        return pipeline_noise(analysis, pipeline_settings(part, light), readout=readout)
+
+
+def outcomes_as_json(outcomes: Sequence[Outcome], outputs: OutputsPart) -> dict[str, Any]:
+    """The outcomes as plain data, side by side.
+
+    Parameters
+    ----------
+    outcomes
+        Results of each sensor.
+    outputs
+        Which results the study asks for.
+    """
+    data = analyses_as_json([outcome.analysis for outcome in outcomes])
+    for own, outcome in zip(data["sensors"], outcomes, strict=True):
+        if outputs.budget:
+            own |= budgets_as_json(outcome.analysis)
+        if outputs.space is not None:
+            own["gray_noise"] = gray_noise_as_json(outcome.gray_noise)
+            own["grey_noise"] = own["gray_noise"]  # the old key, in this release only
+        if outputs.chart:
+            own["chart"] = chart_as_json(outcome.chart)
+        if outcome.merits is not None:
+            own["merits"] = merits_as_json(outcome.merits)
+        if outputs.pipeline.run:
+            own["pipeline"] = pipeline_as_json(outcome.pipeline)
+        if outcome.machine is not None:
+            data["reader"] = outputs.reader
+            own |= machine_reading_as_json(outcome.machine)
+    return data
+
 
 Kind = TypeVar("Kind", bound="Result")
 
@@ -145,7 +326,7 @@ class Analyses(Result):
         InputError
             If there is no such chart, or the number of axes is another.
         """
-        _check.one_of("kind", kind, ("losses", "budget", "ellipses", "flow"))
+        check.one_of("kind", kind, ("losses", "budget", "ellipses", "flow"))
         if kind == "losses":
             return figures().draw_analyses(self.analyses, axes_of(ax))
         columns = 3 if kind == "ellipses" else 1
@@ -597,7 +778,7 @@ class Results:
             If there is no such step, or several and none is named.
         """
         if name is not None:
-            return self.steps[_check.one_of("step", name, tuple(self.steps))]
+            return self.steps[check.one_of("step", name, tuple(self.steps))]
         if len(self.steps) > 1:
             raise InputError(
                 "step",

@@ -1,4 +1,7 @@
-"""Run a study step by step and return its results."""
+"""The pictures of a study: their settings and cameras, prepared before the computation.
+
+Run a study step by step and return its results.
+"""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
@@ -6,36 +9,44 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from chromanoise._check import frozen
-from chromanoise._files import claimed_folder
-from chromanoise.analysis.color_matrices import MatrixMaker
-from chromanoise.analysis.comparison.bands import CrossoverBand, crossover_bands
-from chromanoise.analysis.comparison.crossing import crossovers
-from chromanoise.analysis.comparison.curves import compared
-from chromanoise.analysis.comparison.maps import mapped
-from chromanoise.analysis.comparison.quantities import QUANTITIES
-from chromanoise.analysis.comparison.ranking import leads, ranking
-from chromanoise.analysis.comparison.sweeps import SWEEPS, swept_values
-from chromanoise.analysis.pareto import noise_weights, pareto_of
-from chromanoise.catalog.objects import shown_word
-from chromanoise.errors import InputError
-from chromanoise.exposure import OperatingPoint, expected_electrons, white_scene
+from chromanoise.base import InputError, claimed_folder, frozen
+from chromanoise.imaging import (
+    Camera,
+    Capture,
+    CaptureSettings,
+    Work,
+    camera_for,
+    capture_summary,
+    write_capture,
+)
+from chromanoise.imaging.denoising import DENOISING, captured_with
 from chromanoise.metrics import matrix_report
-from chromanoise.scene import Cube
-from chromanoise.scene.rows import row_source
-from chromanoise.spectra import Illuminant, Spectra
-from chromanoise.study.analyses import outcome_of
+from chromanoise.noise import OperatingPoint, expected_electrons, white_scene
+from chromanoise.sensor import PIXEL_NOISE, PixelOverrides, mosaic_named
+from chromanoise.spectra import Cube, Illuminant, Spectra, row_source
 from chromanoise.study.assembly import (
     NOTHING_GIVEN,
     Given,
     balance_light_of,
+    cube_of,
     keyed,
     makers_of,
     operating_points_of,
     prior_of,
 )
-from chromanoise.study.document import SecondSweepPart, Study, SweepPart
-from chromanoise.study.file_names import file_word, refuse_shared_file_names
+from chromanoise.study.color_matrices import MatrixMaker
+from chromanoise.study.document import PicturePart, SecondSweepPart, Study, SweepPart
+from chromanoise.study.pareto import noise_weights, pareto_of
+from chromanoise.study.ranking import (
+    CrossoverBand,
+    crossover_bands,
+    crossovers,
+    leads,
+    mapped,
+    ranking,
+)
+from chromanoise.study.reading import file_word, refuse_shared_file_names
+from chromanoise.study.resolve import shown_word
 from chromanoise.study.results import (
     Analyses,
     Comparison,
@@ -44,11 +55,211 @@ from chromanoise.study.results import (
     MatrixResult,
     Pictures,
     Results,
+    outcome_of,
 )
+from chromanoise.study.sweeps import QUANTITIES, SWEEPS, compared, swept_values
 
 if TYPE_CHECKING:
-    from chromanoise.imaging import Work
-    from chromanoise.imaging.capture import Camera
+    from chromanoise.imaging import Camera
+
+
+def capture_settings_of(
+    part: PicturePart, *, seed: int, key: str = "pictures.0"
+) -> CaptureSettings:
+    """What a part of a study asks of its pictures.
+
+    Parameters
+    ----------
+    part
+        Of a study.
+    seed
+        Of all noise that is drawn.
+    key
+        Of the part, for errors.
+
+    Raises
+    ------
+    InputError
+        If a mosaic or a format is unknown, or a format is of what is not made.
+    """
+    mosaic = None
+    if part.mosaic is not None and part.mosaic != "sensor":
+        with keyed(f"{key}.mosaic"):
+            mosaic = mosaic_named(part.mosaic)
+    return CaptureSettings(
+        mosaic=mosaic,
+        raw=part.mosaic is not None,
+        demosaic=None if part.raw_only else part.demosaic or "bilinear",
+        pixel=PixelOverrides(
+            bits=part.bits,
+            black_level_dn=part.black_level,
+            **{name: getattr(part, name) for name in PIXEL_NOISE},
+        ),
+        seed=seed,
+        clip=part.clip,
+        beyond=part.beyond,
+        bad_pixels=part.bad_pixels,
+        formats=part.formats,
+    )
+
+
+def prepared_cameras(
+    study: Study,
+    number: int,
+    operating_points: list[OperatingPoint],
+    makers: Mapping[str, MatrixMaker],
+    given: Given = NOTHING_GIVEN,
+) -> tuple[Cube, dict[str, list[Camera]]]:
+    """The cube, and the cameras of each matrix, of a part of the pictures (from 0).
+
+    Parameters
+    ----------
+    study
+        The study.
+    number
+        Which part, from 0.
+    operating_points
+        Operating points of the sensors.
+    makers
+        Methods of color matrices by name.
+    given
+        Objects in place of names.
+
+    Raises
+    ------
+    InputError
+        If the cube cannot be read, or as `capture_settings_of` and `camera_for`.
+    """
+    refuse_shared_file_names(operating_points)
+    part, key = study.pictures[number], f"pictures.{number}"
+    cube = cube_of(part, key=key, given=given)
+    with _keyed(key):
+        settings = capture_settings_of(part, seed=study.seed, key=key)
+        return cube, {
+            name: [camera_for(cube, each, maker(each), settings) for each in operating_points]
+            for name, maker in makers.items()
+        }
+
+
+def _keyed(key: str) -> AbstractContextManager[None]:
+    """An error inside names the keys of a part of the pictures."""
+    own = {name: f"{key}.{name}" for name in PicturePart.model_fields}
+    own |= {"black_level_dn": f"{key}.black_level", "names of formats": f"{key}.formats"}
+    own |= {"binning_mode": "sensors.0.pixel.binning_mode"}
+    return keyed(key, lambda name: own.get(name, name), own)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class TakenPicture:
+    """One picture of a study.
+
+    Attributes
+    ----------
+    matrix
+        Name of its color matrix.
+    capture
+        Its codes, its color, or both.
+    stem
+        Name of its files without their endings.
+    files, not_written
+        Names of the files that were written, and notes on those that could not be.
+    """
+
+    matrix: str
+    capture: Capture
+    stem: str
+    files: list[str]
+    not_written: list[str]
+
+    @property
+    def record(self) -> dict[str, Any]:
+        """The picture as plain data: its matrix, settings, statistics and files."""
+        data = {"matrix": self.matrix} | capture_summary(self.capture, self.files)
+        return data | {"not_written": self.not_written}
+
+
+def taken_pictures(
+    study: Study,
+    number: int,
+    cube: Cube,
+    cameras: Mapping[str, list[Camera]],
+    *,
+    work: Work,
+    folder: Path | None = None,
+    stem: str = "picture-{number}-{sensor}-{matrix}",
+    frames: int | None = None,
+) -> Iterator[TakenPicture]:
+    """Each picture of a part (from 0) as soon as it is taken and, if a folder is given, written.
+
+    Parameters
+    ----------
+    study, number, cube, cameras
+        The study, the part, and the result of `prepared_cameras` for it.
+    work
+        Threads or executor for the computation.
+    folder
+        Folder for the files; ``None`` to write none.
+    stem
+        Names of the files; the frame is added where the part has several.
+    frames
+        Number of frames, the first ones; ``None`` for those of the part.
+
+    Raises
+    ------
+    InputError
+        If the cube holds what is no reflectance, or a file cannot be written.
+    """
+    part = study.pictures[number]
+    first = sum(one.frames for one in study.pictures[:number])  # no two parts share their noise
+    work = replace(work, folder=folder)
+    method = None if part.denoise is None else DENOISING[part.denoise]
+    for i in range(len(study.sensors)):
+        for name, own in cameras.items():
+            sensor = file_word(own[i].operating_point.sensor.name)
+            start = stem.format(number=number + 1, sensor=sensor, matrix=file_word(name))
+            for frame in range(part.frames if frames is None else frames):
+                with _keyed(f"pictures.{number}"):
+                    capture = captured_with(cube, own[i], method, frame=first + frame, work=work)
+                full = start + (f"-{frame:04d}" if part.frames > 1 else "")
+                files, missing = write_capture(folder, full, capture) if folder else ([], [])
+                yield TakenPicture(
+                    matrix=name, capture=capture, stem=full, files=files, not_written=missing
+                )
+                del capture  # before the next one needs memory
+
+
+def pictures_taken(
+    study: Study,
+    number: int,
+    cube: Cube,
+    cameras: Mapping[str, list[Camera]],
+    *,
+    work: Work,
+    folder: Path | None,
+) -> Pictures:
+    """All pictures of a part (from 0), in memory, or summaries of those that were written.
+
+    Raises
+    ------
+    InputError
+        As `taken_pictures`.
+    """
+    summaries, kept = [], []
+    points: dict[str, OperatingPoint] = {}
+    for one in taken_pictures(study, number, cube, cameras, work=work, folder=folder):
+        point = one.capture.camera.operating_point
+        points[point.sensor.name] = point
+        summaries.append(one.record)
+        if folder is None:
+            kept.append(one.capture)
+        del one  # before the next one needs memory
+    return Pictures(
+        cube=shown_word(study.pictures[number].cube),
+        points=tuple(points.values()),
+        summaries=tuple(summaries),
+        captures=tuple(kept),
+    )
+
 
 Makers = Mapping[str, MatrixMaker]
 Points = list[OperatingPoint]
@@ -312,7 +523,6 @@ def _pictures(
     if not study.pictures:
         return
     from chromanoise.imaging import Work  # an analysis starts without the imaging packages
-    from chromanoise.study.pictures import prepared_cameras
 
     for i, part in enumerate(study.pictures):
         cube, cameras = prepared_cameras(study, i, points, makers, given)
@@ -328,7 +538,6 @@ def _pictures(
 def _taken(
     study: Study, number: int, cube: Cube, cameras: "dict[str, list[Camera]]", work: "Work"
 ) -> Callable[[Path | None, Advance], Pictures]:
-    from chromanoise.study.pictures import pictures_taken
 
     def run(folder: Path | None, advance: Advance) -> Pictures:
         threads = replace(work, progress=advance)

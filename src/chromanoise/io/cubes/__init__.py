@@ -2,13 +2,22 @@
 
 from typing import TYPE_CHECKING
 
-from chromanoise._lazy import lazy_names
+from chromanoise.base.lazy import lazy_names
 
 if TYPE_CHECKING:
-    from chromanoise.io.cubes.dispatch import read_cube as read_cube
-    from chromanoise.io.cubes.xarray_io import (
+    from chromanoise.io.cubes.cube_files import npy_array, npz_arrays, read_cube as read_cube
+    from chromanoise.io.cubes.labeled import (
         cube_from_xarray as cube_from_xarray,
         picture_to_xarray as picture_to_xarray,
     )
+    from chromanoise.io.cubes.raw_cube import (
+        by,
+        library,
+        reading,
+        reading_rows,
+        refuse_absent_library,
+        refuse_impossible,
+    )
+    from chromanoise.io.cubes.tiff import decoded_pages, is_plain, refuse_incomplete
 
 __getattr__, __dir__, __all__ = lazy_names(__name__)

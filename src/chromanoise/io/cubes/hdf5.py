@@ -21,16 +21,17 @@ from typing import Any, BinaryIO
 
 import numpy as np
 
-from chromanoise import _check, _sandbox
-from chromanoise._check import Array, printable
-from chromanoise._shapes import Int64, Shaped
-from chromanoise.errors import InputError
-from chromanoise.io.cubes.bounds import memory_bytes
-from chromanoise.io.cubes.errors import library, reading, refuse_absent_library
+from chromanoise.base import Array, InputError, Int64, Shaped, check, printable, sandbox
 from chromanoise.io.cubes.labeled import Axes, Labeled, Store, StoredRows
-from chromanoise.io.cubes.raw_cube import packed_rows
-from chromanoise.io.spectra.wavelength_lists import SPECTRAL_NAMES
-from chromanoise.scene.rows import RowSource
+from chromanoise.io.cubes.raw_cube import (
+    library,
+    memory_bytes,
+    packed_rows,
+    reading,
+    refuse_absent_library,
+)
+from chromanoise.io.spectra import SPECTRAL_NAMES
+from chromanoise.spectra import RowSource
 
 DEFLATE, SHUFFLE = 1, 2  # HDF5 filter numbers
 
@@ -62,8 +63,8 @@ class Chunks:
     dtype: np.dtype
 
     def __post_init__(self) -> None:
-        _check.same_length("chunks", index=len(self.index), grid=math.prod(self.grid))
-        _check.freeze(self, "index")
+        check.same_length("chunks", index=len(self.index), grid=math.prod(self.grid))
+        check.freeze(self, "index")
 
     @property
     def grid(self) -> tuple[int, ...]:
@@ -170,7 +171,7 @@ def hdf5_store(path: Path, *, matlab: bool = False) -> Store:
         )
     refuse_absent_library("h5py", f"{path}: {kind} files")
     with reading(path, kind):
-        listed, attributes = _sandbox.sandboxed(_listed, path, path=path, limit_s=_LIMIT_S)
+        listed, attributes = sandbox.sandboxed(_listed, path, path=path, limit_s=_LIMIT_S)
     if len(listed) > _MOST_ARRAYS:
         raise InputError(str(path), f"must hold at most {_MOST_ARRAYS} arrays", found="holds more")
     arrays = {
@@ -181,20 +182,20 @@ def hdf5_store(path: Path, *, matlab: bool = False) -> Store:
 
     def numbers(name: str) -> Shaped[Array, "..."]:
         size = math.prod(arrays[name].shape) * arrays[name].dtype.itemsize
-        read = _sandbox.sandboxed(
+        read = sandbox.sandboxed(
             _numbers,
             path,
             name,
             path=path,
             limit_s=_LIMIT_S + size / _SLOWEST_BYTES_PER_S,
-            memory_bytes=_sandbox.MEMORY_BYTES + 2 * size,
+            memory_bytes=sandbox.MEMORY_BYTES + 2 * size,
         )
         return read.T if matlab else read
 
     def source(name: str, axes: Axes) -> RowSource:
         row, column, band = (2 - axis for axis in axes) if matlab else axes
         with reading(path, kind):
-            return _sandbox.sandboxed(
+            return sandbox.sandboxed(
                 _source,
                 path,
                 name,

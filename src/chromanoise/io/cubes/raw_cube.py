@@ -1,19 +1,150 @@
-"""The content of a file of pixels before it becomes a cube."""
+"""Turn exceptions of third-party readers into errors of this library.
 
+The content of a file of pixels before it becomes a cube.
+
+Reject arrays that are not numeric or are implausibly large, before allocating memory.
+"""
+
+import importlib.util
 import math
-from collections.abc import Callable, Sequence
+import os
+import re
+import warnings
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from chromanoise._check import Array
-from chromanoise._shapes import Shaped
-from chromanoise.errors import (
-    InputError,
-    Setting,
-)
-from chromanoise.scene.rows import FileRows, RowSource
+from chromanoise.base import Array, InputError, Setting, Shaped, reason
+from chromanoise.spectra import FileRows, RowSource
+
+IN_PLACE = "store it as ENVI or .npy, which are read in place"
+_SIGNATURES = {
+    b"PK\x03\x04": "a zip archive",
+    b"\x93NUMPY": "a NumPy array (.npy)",
+    b"\x89HDF\r\n\x1a\n": "an HDF5 file",
+    b"CDF": "a NetCDF-3 file",
+    b"MATLAB 5.0": "a MATLAB 5 file",
+    b"MATLAB 7.3": "a MATLAB 7.3 file",
+    b"II*\0": "a TIFF file",
+    b"MM\0*": "a TIFF file",
+    b"II+\0": "a BigTIFF file",
+    b"MM\0+": "a BigTIFF file",
+    b"\x89PNG\r\n": "a PNG picture",
+    b"\xff\xd8\xff": "a JPEG picture",
+    b"GIF8": "a GIF picture",
+    b"%PDF": "a PDF document",
+    b"\x1f\x8b": "a gzip file",
+    b"BZh": "a bzip2 file",
+    b"\xfd7zXZ": "an xz file",
+    b"(\xb5/\xfd": "a Zstandard file",
+    b"7z\xbc\xaf": "a 7-Zip archive",
+    b"ENVI": "an ENVI header",
+    **{bytes((0x80, version)): "a Python pickle, which is never loaded" for version in range(2, 6)},
+}
+_OWN = {
+    "NPZ": ("a zip archive",),
+    "NumPy": ("a NumPy array (.npy)",),
+    "MATLAB": ("a MATLAB 5 file",),
+    "MATLAB 7.3": ("an HDF5 file", "a MATLAB 7.3 file"),
+    "HDF5": ("an HDF5 file",),
+    "TIFF": ("a TIFF file", "a BigTIFF file"),
+    "PNG": ("a PNG picture",),
+}
+
+
+def library(name: str, what: str, *, extra: str = "cubes", where: str = "") -> Any:
+    """Import an optional package that only some cubes need.
+
+    Parameters
+    ----------
+    name
+        Name of the package.
+    what, where
+        The file that needs the package, and the place in it.
+    extra
+        The extra of chromanoise that installs it.
+
+    Raises
+    ------
+    InputError
+        If the package is not installed.
+    """
+    try:
+        return importlib.import_module(name)
+    except ImportError:
+        raise _absent(name, what, extra, where) from None
+
+
+def refuse_absent_library(name: str, what: str, *, extra: str = "cubes", where: str = "") -> None:
+    """Like `library`, for a package that only the child process imports."""
+    if importlib.util.find_spec(name) is None:
+        raise _absent(name, what, extra, where)
+
+
+def _absent(name: str, what: str, extra: str, where: str) -> InputError:
+    return InputError(
+        what,
+        f"needs the package {name}, which is not installed",
+        where=where,
+        remedy=f"install it with pip install 'chromanoise[{extra}]'",
+    )
+
+
+@contextmanager
+def reading(path: Path, kind: str) -> Iterator[None]:
+    """Turn any exception of a third-party reader into an `InputError`, and ignore warnings."""
+    with warnings.catch_warnings(), reading_rows(path, kind):
+        warnings.simplefilter("ignore")
+        yield
+
+
+@contextmanager
+def reading_rows(path: Path, kind: str) -> Iterator[None]:
+    """Like `reading`, for several threads: warning filters, which they share, are not changed."""
+    try:
+        yield
+    except InputError:
+        raise
+    except MemoryError:
+        raise InputError(
+            str(path),
+            "must fit into the memory of this machine",
+            found="is too large",
+            remedy=IN_PLACE,
+        ) from None
+    except Exception as error:  # parsers raise arbitrary exceptions
+        raise _unreadable(path, kind, error) from None
+
+
+def _unreadable(path: Path, kind: str, error: Exception) -> InputError:
+    other = _content_of(path)
+    if other and other not in _OWN.get(kind, ()):
+        return InputError(
+            str(path),
+            f"must be in {kind} format",
+            value=other,
+            found=f"is {other}",
+            remedy=("correct the ending of its name", "name another file"),
+        )
+    cause = reason(error)
+    return InputError(
+        str(path),
+        f"is not a readable {kind} file{f' ({cause})' if cause else ''}",
+        remedy="save it again, because it is damaged or truncated",
+    )
+
+
+def _content_of(path: Path) -> str:
+    """The format that the first bytes of a file identify; empty if they identify none."""
+    start = b""
+    with suppress(OSError), path.open("rb") as file:
+        start = file.read(16)
+    return next((kind for sign, kind in _SIGNATURES.items() if start.startswith(sign)), "")
+
 
 Notes = tuple[str, ...]
 Wavelengths = Callable[[], tuple[Array, Notes]]
@@ -123,3 +254,130 @@ def _rows_and_columns(
             remedy="save it with axes (rows, columns, bands)",
         )
     return shape
+
+
+MOST_INFLATED = 1032
+"""Largest compression ratio of deflate; files that declare a larger one are refused."""
+
+_MEMORY_BYTES = 8 * 2**30  # where the system does not report it
+_GROUP_LIMITS = ("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes")
+
+
+def refuse_impossible(
+    path: Path,
+    name: str,
+    shape: tuple[int, ...],
+    dtype: np.dtype,
+    *,
+    size: int | None = None,
+    stored_item_bytes: int | None = None,
+) -> None:
+    """Raise an error for an array that is not numeric or exceeds its file or the memory.
+
+    Parameters
+    ----------
+    path, name
+        The file, and the array in it that will be loaded into memory.
+    shape, dtype
+        Shape and type as the file declares them.
+    size
+        Size of all stored data, if it differs from the size of ``path``. [bytes]
+    stored_item_bytes
+        Size of one number before compression, where the file may store it in fewer bytes than
+        ``dtype`` has. [bytes]
+    """
+    refuse_empty(path, name, shape, dtype)
+    count = math.prod(shape)
+    size = path.stat().st_size if size is None else size
+    if count * (stored_item_bytes or dtype.itemsize) > size * MOST_INFLATED:
+        raise InputError(
+            str(path),
+            f"must fit into the {size} bytes of the file",
+            where=f"array {name!r}",
+            value=shape,
+            found=f"is declared as {by(shape)}",
+            remedy="save it again, because the file is damaged",
+        )
+    size = count * dtype.itemsize
+    if size > memory_bytes():
+        raise InputError(
+            str(path),
+            f"must fit into the available memory of {_bytes(memory_bytes())}",
+            where=f"array {name!r}",
+            value=size,
+            found=f"needs {_bytes(size)}",
+            remedy=IN_PLACE,
+        )
+
+
+def refuse_empty(path: Path, name: str, shape: tuple[int, ...], dtype: np.dtype) -> None:
+    """Raise an error for an array without numbers, or of anything but real numbers."""
+    refuse_not_numbers(path, name, dtype)
+    if min(shape, default=1) < 1:
+        raise InputError(
+            str(path),
+            "must not be empty",
+            where=f"array {name!r}",
+            value=shape,
+            found=f"is {by(shape)}",
+            remedy="save it again",
+        )
+
+
+def refuse_other_size(
+    path: Path, where: str, read: tuple[int, ...], declared: tuple[int, ...]
+) -> None:
+    """Raise an error for numbers of another shape than declared."""
+    if read != declared:
+        raise InputError(
+            str(path),
+            f"must be {by(declared)}, as it declares",
+            where=where,
+            value=read,
+            found=f"is {by(read)}",
+            remedy="save it again, because it is damaged",
+        )
+
+
+def refuse_not_numbers(path: Path, name: str, dtype: np.dtype) -> None:
+    """Raise an error for text, objects, complex numbers and booleans."""
+    if dtype.kind not in "fiu":
+        raise InputError(
+            str(path),
+            "must hold real numbers",
+            where=f"array {name!r}",
+            value=kind_of(dtype),
+            found=f"is of type {kind_of(dtype)}",
+            remedy=("save it as a plain array of real numbers", Setting("key")),
+        )
+
+
+def kind_of(dtype: np.dtype) -> str:
+    """The name of a type of numbers, for messages."""
+    return "object" if dtype.hasobject else dtype.name
+
+
+def _bytes(count: int) -> str:
+    for power, unit in ((3, "GiB"), (2, "MiB"), (1, "KiB")):
+        if count >= 1024**power:
+            return f"{count / 1024**power:.1f} {unit}"
+    return f"{count} bytes"
+
+
+def memory_bytes() -> int:
+    """Memory available to this process: free memory, within the limit of its cgroup. [bytes]"""
+    limits = [_installed_bytes()]
+    with suppress(OSError):
+        available = re.search(r"MemAvailable:\s*(\d+) kB", Path("/proc/meminfo").read_text())
+        limits += [int(available[1]) * 1024] if available else []
+    for file in _GROUP_LIMITS:
+        with suppress(OSError, ValueError):  # "max": no limit
+            limits.append(int(Path(file).read_text()))
+    return min(limits)
+
+
+def _installed_bytes() -> int:
+    try:
+        return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    except (AttributeError, ValueError, OSError):
+        return _MEMORY_BYTES

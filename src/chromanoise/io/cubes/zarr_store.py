@@ -14,15 +14,10 @@ from typing import Any
 
 import numpy as np
 
-from chromanoise._check import Array, printable
-from chromanoise._inputs import json_file, regular_file
-from chromanoise._shapes import Shaped
-from chromanoise.errors import InputError
-from chromanoise.io.cubes.bounds import MOST_INFLATED, memory_bytes
-from chromanoise.io.cubes.errors import library, reading
+from chromanoise.base import Array, InputError, Shaped, json_file, printable, regular_file
 from chromanoise.io.cubes.labeled import Axes, Labeled, Store, StoredRows
-from chromanoise.io.cubes.raw_cube import Notes
-from chromanoise.scene.rows import RowSource
+from chromanoise.io.cubes.raw_cube import MOST_INFLATED, Notes, library, memory_bytes, reading
+from chromanoise.spectra import RowSource
 
 _HEADERS = (".zarray", "zarr.json")
 _CODECS = frozenset({

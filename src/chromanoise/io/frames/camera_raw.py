@@ -1,27 +1,291 @@
-"""Raw frames in the files of cameras: DNG and all that LibRaw reads.
+"""What the tags of a TIFF file state about the exposure, the camera and its mosaic.
+
+Raw frames in TIFF files: one per page.
+
+Raw frames in the files of cameras: DNG and all that LibRaw reads.
 
 LibRaw runs in a child process with limits on time and memory, because a damaged file may crash it.
 """
 
-from collections.abc import Mapping
+import logging
+import math
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeGuard
 
 import numpy as np
 
-from chromanoise import _sandbox
-from chromanoise._check import Array
-from chromanoise._shapes import UInt16
-from chromanoise.errors import InputError
-from chromanoise.io.cubes.errors import reading, reading_rows, refuse_absent_library
-from chromanoise.io.cubes.tiff import is_plain, refuse_incomplete
-from chromanoise.io.cubes.tiff_pages import decoded_pages
-from chromanoise.io.frames.exif import CFA, CFA_COLORS, exposure_of, mosaic_of, smallest_mosaic
-from chromanoise.io.frames.frame import RawFrame
-from chromanoise.io.frames.stored import StoredPlane, refuse_shape, refused_picture
-from chromanoise.io.frames.tiff import opened_tiff
+from chromanoise.base import Array, InputError, Integer, UInt16, json_of, sandbox
+from chromanoise.io.cubes import (
+    decoded_pages,
+    is_plain,
+    reading,
+    reading_rows,
+    refuse_absent_library,
+    refuse_impossible,
+    refuse_incomplete,
+)
+from chromanoise.io.frames.frame import (
+    MOST_FRAMES,
+    RawFrame,
+    StoredPlane,
+    refuse_shape,
+    refused_picture,
+    whole_codes,
+)
 from chromanoise.sensor import Mosaic
+
+CFA = 32803
+"""PhotometricInterpretation of a mosaic (TIFF/EP, ISO 12234-2)."""
+CFA_COLORS = ("R", "G", "B", "C", "M", "Y", "W")
+"""Channels by their codes in CFAPattern and CFAPlaneColor."""
+_EXIF, _TIME, _ISO = 34665, 33434, 34855
+_ISO_NAMES = ("PhotographicSensitivity", "ISOSpeedRatings", "ISOSpeed")
+_MAKE, _MODEL, _REPEAT, _PATTERN = 271, 272, 33421, 33422
+_MOST_PERIOD = 32
+_LONGEST_S = 1e6
+_LARGEST_ISO = 1e8
+
+
+def exposure_of(page: Any) -> dict[str, Any]:
+    """``time_ms``, ``iso`` and ``camera`` of a page of tifffile, as far as its tags state them.
+
+    Parameters
+    ----------
+    page
+        The first page, which has the Exif tags.
+    """
+    exif = _value(page, _EXIF)
+    exif = exif if isinstance(exif, dict) else {}
+    time_s = number_of_tag(_first(exif.get("ExposureTime"), _value(page, _TIME)))
+    iso = number_of_tag(_first(*(exif.get(name) for name in _ISO_NAMES), _value(page, _ISO)))
+    return {
+        "time_ms": None if time_s is None or not 0 < time_s <= _LONGEST_S else 1000 * time_s,
+        "iso": None if iso is None or not 0 < iso <= _LARGEST_ISO else iso,
+        "camera": camera_name(*(str(_value(page, tag) or "") for tag in (_MAKE, _MODEL))),
+    }
+
+
+def camera_name(make: str, model: str) -> str:
+    """Maker and model without repetition, printable.
+
+    Examples
+    --------
+    >>> camera_name("NIKON CORPORATION", "NIKON D850"), camera_name("Canon", "Canon EOS R5")
+    ('NIKON D850', 'Canon EOS R5')
+    """
+    make, model = (
+        " ".join("".join(c if c.isprintable() else " " for c in text[:200]).split())
+        for text in (make, model)
+    )
+    repeated = make and model.lower().startswith(make.split()[0].lower())
+    return (model if repeated else f"{make} {model}").strip()
+
+
+def mosaic_of(page: Any) -> Mosaic | None:
+    """The mosaic from the tags CFARepeatPatternDim and CFAPattern; ``None`` without them.
+
+    Parameters
+    ----------
+    page
+        A page of tifffile.
+    """
+    sides, codes = _value(page, _REPEAT), _value(page, _PATTERN)
+    try:
+        rows, columns = (int(side) for side in sides)
+        numbers = [int(code) for code in codes]
+    except (TypeError, ValueError):
+        return None
+    if not (0 < rows <= _MOST_PERIOD and 0 < columns <= _MOST_PERIOD):
+        return None
+    if len(numbers) != rows * columns or not all(0 <= code < len(CFA_COLORS) for code in numbers):
+        return None
+    letters = [CFA_COLORS[code] for code in numbers]
+    return smallest_mosaic([letters[r * columns : (r + 1) * columns] for r in range(rows)])
+
+
+def smallest_mosaic(rows: list[list[str]]) -> Mosaic:
+    """The smallest block that repeats to these rows.
+
+    Examples
+    --------
+    >>> smallest_mosaic([["R", "G", "R", "G"], ["G", "B", "G", "B"]]).pattern
+    (('R', 'G'), ('G', 'B'))
+    """
+    height, width = len(rows), len(rows[0])
+    high = _period([tuple(row) for row in rows], height)
+    wide = _period([tuple(row[c] for row in rows) for c in range(width)], width)
+    return Mosaic(tuple(tuple(row[:wide]) for row in rows[:high]))
+
+
+def _period(lines: list[tuple[str, ...]], length: int) -> int:
+    for n in range(1, length):
+        if length % n == 0 and all(lines[i] == lines[i % n] for i in range(length)):
+            return n
+    return length
+
+
+def _value(page: Any, tag: int) -> Any:
+    found = page.tags.get(tag)
+    return None if found is None else found.value
+
+
+def _first(*values: Any) -> Any:
+    return next((value for value in values if value is not None), None)
+
+
+def number_of_tag(value: Any) -> float | None:
+    """A finite number, a fraction of two numbers, or the first of several; ``None`` otherwise.
+
+    Examples
+    --------
+    >>> number_of_tag((1, 4)), number_of_tag("12.5"), number_of_tag(True)
+    (0.25, 12.5, None)
+    """
+    if isinstance(value, bool):
+        return None
+    try:
+        if isinstance(value, (tuple, list)) and len(value) == 2 and value[1]:
+            value = value[0] / value[1]
+        elif isinstance(value, (tuple, list)):
+            value = value[0]
+        number = float(value)
+    except (TypeError, ValueError, IndexError, OverflowError):
+        return None
+    return number if math.isfinite(number) else None
+
+
+_BLACK_IS_0, _WHITE_IS_0 = 1, 0
+
+logging.getLogger("tifffile").addHandler(logging.NullHandler())  # errors are raised here
+
+
+def tiff_frames(path: Path) -> tuple[RawFrame, ...]:
+    """The pages of a TIFF; reduced pages (thumbnails) are not used.
+
+    Uncompressed pages are read in place. Exposure time, ISO and camera come from the Exif tags of
+    the first page, the mosaic from the tags of TIFF/EP (ISO 12234-2).
+
+    Raises
+    ------
+    InputError
+        If a page has more than one channel, is incomplete, or is larger than its file allows.
+    """
+    with opened_tiff(path) as file:
+        if len(file.pages) > MOST_FRAMES:
+            raise InputError(
+                str(path),
+                f"must hold at most {MOST_FRAMES} pages",
+                value=len(file.pages),
+                found=f"holds {len(file.pages)}",
+            )
+        pages = [(i, page.aspage()) for i, page in enumerate(file.pages)]
+        pages = [(i, page) for i, page in pages if not page.is_reduced]
+        if not pages:
+            raise InputError(str(path), "must hold pages", found="holds none")
+        _refuse_truncated_stack(path, pages[0][1], len(pages))
+        exposure = exposure_of(pages[0][1])
+        many = len(pages) > 1
+        return tuple(
+            _frame(path, at, page, index=k if many else None, exposure=exposure)
+            for k, (at, page) in enumerate(pages)
+        )
+
+
+@contextmanager
+def opened_tiff(path: Path) -> Iterator[Any]:
+    """A file of tifffile, whose errors become an `InputError`."""
+    import tifffile
+
+    with reading(path, "TIFF"), tifffile.TiffFile(path) as file:
+        yield file
+
+
+def _frame(
+    path: Path, at: int, page: Any, *, index: int | None, exposure: dict[str, Any]
+) -> RawFrame:
+    where = "" if index is None else f"page {index} (from 0)"
+    if page.dtype is None or len(page.shape) < 2:
+        raise InputError(str(path), "must hold plain numbers", where=where, found="holds none")
+    if len(page.shape) != 2 or page.photometric not in (_BLACK_IS_0, _WHITE_IS_0, CFA):
+        kind = getattr(page.photometric, "name", page.photometric)
+        sides = " x ".join(str(side) for side in page.shape)
+        raise refused_picture(path, f"is a picture of {sides} ({kind})", where)
+    if page.photometric == _WHITE_IS_0:
+        raise InputError(str(path), "must store black as 0", where=where, found="stores white as 0")
+    shape, dtype = (int(page.shape[0]), int(page.shape[1])), np.dtype(page.dtype)
+    refuse_shape(path, where, shape)
+    refuse_incomplete(path, index or 0, page)
+    refuse_impossible(path, where or "page 0", shape, dtype)
+    mosaic = mosaic_of(page)
+    if page.photometric == CFA and mosaic is None:
+        raise InputError(
+            str(path),
+            "must state its mosaic in the tag CFAPattern",
+            where=where,
+            remedy="save it as a gray TIFF, and write the mosaic into capture.toml",
+        )
+    read: Any = _CompressedPage(path=path, page=at, shape=shape, stored=str(dtype))
+    if is_plain(page):
+        size, first = path.stat().st_size, int(page.dataoffsets[0])
+        stored = dtype.newbyteorder(page.parent.byteorder)
+        read = StoredPlane(path=path, size=size, offset=first, stored=stored, shape=shape)
+    bits = int(page.bitspersample)
+    return RawFrame(
+        path=path,
+        shape=shape,
+        read=read,
+        index=index,
+        mosaic=mosaic,
+        bits=bits if dtype.kind == "u" and bits < 16 else None,
+        **exposure,
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _CompressedPage:
+    """Unpacks one page."""
+
+    path: Path
+    page: int
+    shape: tuple[int, int]
+    stored: str
+
+    def __call__(self) -> Integer[Array, "h w"]:
+        with opened_tiff(self.path) as file:
+            page = file.pages[self.page].aspage()
+            if (tuple(page.shape), str(page.dtype)) != (self.shape, self.stored):
+                raise InputError(str(self.path), "must not change while it is read")
+            refuse_incomplete(self.path, self.page, page)
+            codes = decoded_pages(self.path, [page])[0]
+        return whole_codes(str(self.path), codes)
+
+
+def _refuse_truncated_stack(path: Path, first: Any, pages: int) -> None:
+    """Refuse a file whose description states more frames than it has pages (ImageJ, tifffile)."""
+    declared = 1
+    text = str(getattr(first, "description", ""))[:10_000]
+    if first.is_imagej:
+        words = dict(line.split("=", 1) for line in text.splitlines() if "=" in line)
+        images = words.get("images", "1").strip()
+        declared = int(images) if images.isdigit() and len(images) < 9 else 1
+    elif first.is_shaped:
+        try:
+            shape = json_of(text, str(path), any_number=True).get("shape", [])
+            declared = int(np.prod([int(side) for side in shape[:-2]])) if len(shape) > 2 else 1
+        except (ValueError, TypeError, AttributeError, OverflowError):
+            declared = 1
+    if declared > pages and pages == 1 and len(first.shape) == 2:
+        raise InputError(
+            str(path),
+            "must have one page per frame",
+            value=pages,
+            found=f"has {pages} page, and its description states {declared} frames",
+            remedy="save each frame as a page",
+        )
+
 
 _MOST_PIXELS_PER_BYTE = 64  # of the lossless compressions that cameras use; zeros take 1/16 byte
 _LIMIT_S = 20.0
@@ -53,7 +317,7 @@ def raw_frames(path: Path) -> tuple[RawFrame, ...]:
     refuse_absent_library("rawpy", str(path), extra="raw")
     size = path.stat().st_size
     with reading(path, "camera raw"):
-        raw_shape, shape = _sandbox.sandboxed(
+        raw_shape, shape = sandbox.sandboxed(
             _sizes, str(path), path=path, limit_s=_LIMIT_S, memory_bytes=_HEADER_BYTES
         )
     refuse_shape(path, "", raw_shape)
@@ -92,7 +356,7 @@ class _Raw:
 
     def _called(self, function: Any) -> Any:
         with reading_rows(self.path, "camera raw"):  # threads may read frames at once
-            return _sandbox.sandboxed(
+            return sandbox.sandboxed(
                 function,
                 str(self.path),
                 self.shape,

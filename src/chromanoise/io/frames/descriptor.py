@@ -5,12 +5,17 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path, PureWindowsPath
 
-from chromanoise._check import printable
-from chromanoise.errors import InputError
-from chromanoise.io.cubes.raw_cube import by
-from chromanoise.io.frames.consistency import MOST_LEVELS, mosaic_of_all, refuse_mixed
-from chromanoise.io.frames.formats import frames_in
-from chromanoise.io.frames.frame import FrameLevel, FrameSet, RawFrame
+from chromanoise.base import InputError, printable
+from chromanoise.io.cubes import by
+from chromanoise.io.frames.frame import (
+    MOST_LEVELS,
+    FrameLevel,
+    FrameSet,
+    RawFrame,
+    mosaic_of_all,
+    refuse_mixed,
+)
+from chromanoise.io.frames.frame_formats import frames_in
 
 _HEAD_BYTES = 65536
 _LARGEST_BYTES = 16 * 2**20

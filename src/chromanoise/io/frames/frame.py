@@ -1,17 +1,228 @@
-"""Raw frames of a camera, and how they belong together: levels of light, each with its darks."""
+"""Codes of raw frames as they are stored: bounds, planes read in place, and whole numbers.
 
-from collections.abc import Callable, Iterator, Mapping
+Raw frames of a camera, and how they belong together: levels of light, each with its darks.
+
+Checks that frames can be evaluated together: one camera, size, gain and mosaic.
+"""
+
+import math
+import os
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 
-from chromanoise._check import Array
-from chromanoise._shapes import Integer
-from chromanoise.errors import InputError
-from chromanoise.io.frames.stored import StoredPlane
+from chromanoise.base import Array, InputError, Integer, Shaped
+from chromanoise.io.cubes import by
 from chromanoise.sensor import Mosaic
+
+MOST_PIXELS = 400_000_000
+"""Most pixels of one frame."""
+MOST_FRAMES = 20_000
+"""Most frames of one file."""
+_BLOCK_PIXELS = 4_000_000
+_LARGEST = 2**31 - 1
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StoredPlane:
+    """Reads an uncompressed frame from its place in a file.
+
+    Attributes
+    ----------
+    path
+        The file.
+    size
+        Its size when the header was read. [bytes]
+    offset
+        Where the first code is. [bytes]
+    stored
+        Type of a code, with its byte order.
+    shape
+        Rows and columns. [px]
+    by_columns
+        Whether the columns are stored one after another.
+    """
+
+    path: Path
+    size: int
+    offset: int
+    stored: np.dtype
+    shape: tuple[int, int]
+    by_columns: bool = False
+
+    def __call__(self) -> Integer[Array, "h w"]:
+        """The codes. [DN]
+
+        Raises
+        ------
+        InputError
+            If the file cannot be read, has another size, or holds fractions.
+        """
+        return whole_codes(str(self.path), self.values())
+
+    @property
+    def has_rows(self) -> bool:
+        """Whether the rows are stored one after another, as integers."""
+        return not self.by_columns and self.stored.kind in "ui"
+
+    def blocks(self, rows: int) -> Iterator[Integer[Array, "rows w"]]:
+        """The codes of ``rows`` rows at a time, in memory that is used again for the next. [DN]
+
+        Raises
+        ------
+        InputError
+            As the call.
+        """
+        memory = np.empty((min(rows, self.shape[0]), self.shape[1]), self.stored)
+        with self._opened() as file:
+            for start in range(0, self.shape[0], rows):
+                block = memory[: self.shape[0] - start]
+                if file.readinto(block) != block.nbytes:  # type: ignore[attr-defined]
+                    raise self._of_other_size(self.path.stat().st_size)
+                yield whole_codes(str(self.path), block)
+
+    def values(self) -> Shaped[Array, "h w"]:
+        """The numbers in the file, before they are checked.
+
+        Raises
+        ------
+        InputError
+            If the file cannot be read or has another size.
+        """
+        with self._opened() as file:
+            count = math.prod(self.shape)
+            values: Any = np.fromfile(file, self.stored, count)
+        if values.size != count:
+            raise self._of_other_size(self.path.stat().st_size)
+        return values.reshape(self.shape[::-1]).T if self.by_columns else values.reshape(self.shape)
+
+    @contextmanager
+    def _opened(self) -> Iterator[BinaryIO]:
+        """The file at the first code."""
+        try:
+            with self.path.open("rb", buffering=0) as file:
+                size = os.fstat(file.fileno()).st_size
+                if size != self.size:
+                    raise self._of_other_size(size)
+                file.seek(self.offset)
+                yield file
+        except OSError as error:
+            raise InputError(str(self.path), f"cannot be read ({error.strerror})") from None
+
+    def _of_other_size(self, size: int) -> InputError:
+        return InputError(
+            str(self.path),
+            f"must have {self.size} bytes, as when its header was read",
+            value=size,
+            found=f"has {size}",
+        )
+
+
+def refuse_shape(path: Path, where: str, shape: tuple[int, ...]) -> None:
+    """Refuse a frame or stack that is empty, too large, or not of one channel.
+
+    Parameters
+    ----------
+    path, where
+        The file and the array in it.
+    shape
+        Rows and columns, or frames, rows and columns.
+
+    Raises
+    ------
+    InputError
+        If there are other dimensions, a side is 0, or there are too many pixels or frames.
+    """
+    if len(shape) not in (2, 3):
+        raise InputError(
+            str(path),
+            "must hold frames of rows and columns, or a stack of them",
+            where=where,
+            value=shape,
+            found=f"has {len(shape)} dimensions" if len(shape) != 1 else "is a list",
+        )
+    if min(shape) < 1:
+        raise InputError(
+            str(path), "must not be empty", where=where, value=shape, found=f"is {by(shape)}"
+        )
+    if math.prod(shape[-2:]) > MOST_PIXELS:
+        raise InputError(
+            str(path),
+            f"must have at most {MOST_PIXELS // 10**6} million pixels a frame",
+            where=where,
+            value=shape,
+            found=f"is declared as {by(shape)}",
+        )
+    if len(shape) == 3 and shape[0] > MOST_FRAMES:
+        raise InputError(
+            str(path),
+            f"must hold at most {MOST_FRAMES} frames",
+            where=where,
+            value=shape[0],
+            found=f"holds {shape[0]}",
+        )
+    if len(shape) == 3 and shape[2] in (3, 4):
+        raise refused_picture(path, f"is a color picture of {by(shape)}", where)
+
+
+def refused_picture(path: Path, found: str, where: str = "") -> InputError:
+    """The error for a picture of several channels, or of a lossy format."""
+    return InputError(
+        str(path),
+        "must be a raw frame of one channel",
+        where=where,
+        found=found,
+        remedy="use the frames before they are demosaicked or compressed, e.g. as DNG, TIFF or NPY",
+    )
+
+
+def whole_codes(name: str, values: Shaped[Array, "h w"]) -> Integer[Array, "h w"]:
+    """Integers of the byte order of this machine; floats without fractions become integers.
+
+    Parameters
+    ----------
+    name
+        The file, for the error.
+    values
+        Integers are returned as they are. Floats become uint16, or int32 if they do not fit.
+
+    Raises
+    ------
+    InputError
+        If a value is not a whole number of 32 bits, or the values are not numbers.
+
+    Examples
+    --------
+    >>> whole_codes("a.npy", np.array([[64.0, 1023.0]]))
+    array([[  64, 1023]], dtype=uint16)
+    """
+    if values.dtype.kind in "ui":
+        return values.astype(values.dtype.newbyteorder("="), copy=False)
+    if values.dtype.kind != "f":
+        kind = "objects" if values.dtype.hasobject else values.dtype.name
+        raise InputError(name, "must hold integer codes", value=kind, found=f"holds {kind}")
+    rows = max(1, _BLOCK_PIXELS // values.shape[1])
+    low = high = 0.0
+    for start in range(0, values.shape[0], rows):
+        block = values[start : start + rows]
+        with np.errstate(invalid="ignore"):
+            bad = ~(np.isfinite(block) & (np.rint(block) == block) & (np.abs(block) <= _LARGEST))
+        if bad.any():
+            row, column = (int(i) for i in np.argwhere(bad)[0])
+            first = float(block[row, column])
+            raise InputError(
+                name,
+                "must hold whole codes, because processed frames are not raw",
+                value=first,
+                found=f"holds {first:g} in row {start + row}, column {column} (from 0)",
+                remedy="use the frames as the camera delivers them",
+            )
+        low, high = min(low, float(block.min())), max(high, float(block.max()))
+    return values.astype(np.uint16 if low >= 0 and high <= 65535 else np.int32)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -46,7 +257,7 @@ class RawFrame:
         Code without light and largest code, if the file states them. [DN]
     noise_profile
         S and O of each channel, if the file states them: variance = S x + O, with x = 0 at black
-        and 1 at the white level (`chromanoise.sensor.noise_profile`). [1]
+        and 1 at the white level (`chromanoise.sensor.camera_noise`). [1]
     """
 
     path: Path
@@ -190,3 +401,117 @@ class FrameSet:
         """Code without light, if all frames with light state the same one. [DN]"""
         stated = {frame.black_level_dn for level in self.levels for frame in level.flats}
         return stated.pop() if len(stated) == 1 else None
+
+
+MOST_LEVELS = 10_000
+"""Most levels of one set."""
+EXAMPLE = (
+    "write capture.toml beside the frames, with these lines for each level: [[levels]] / "
+    'flats = ["flat_01_*.tif"] / darks = ["dark_01_*.tif"] / time_ms = 10'
+)
+"""Remedy where the grouping of frames is unclear."""
+
+_QUANTITIES: tuple[tuple[str, Callable[[RawFrame], Any], Callable[[Any], str]], ...] = (
+    ("size", lambda frame: frame.shape, lambda shape: f"{by(shape)} pixels"),
+    ("camera", lambda frame: frame.camera or None, str),
+    ("ISO", lambda frame: frame.iso, lambda iso: f"ISO {iso:g}"),
+    ("gain", lambda frame: frame.gain_setting, lambda gain: f"gain {gain:g}"),
+    ("number of bits", lambda frame: frame.bits, lambda bits: f"{bits} bits"),
+)
+
+
+def refuse_mixed(source: str, frames: Sequence[RawFrame]) -> None:
+    """Refuse frames of several sizes, cameras, ISO or gain settings, or numbers of bits.
+
+    A frame whose file does not state the quantity agrees with all others.
+
+    Raises
+    ------
+    InputError
+        It names the first frame and the first that differs from it.
+    """
+    for name, quantity, shown in _QUANTITIES:
+        known = [frame for frame in frames if quantity(frame) is not None]
+        other = next((one for one in known if quantity(one) != quantity(known[0])), None)
+        if other is not None:
+            raise _mixed(source, name, known[0], other, (quantity, shown))
+
+
+def mosaic_of_all(source: str, frames: Sequence[RawFrame]) -> Mosaic | None:
+    """The mosaic of frames that agree in it; ``None`` if no file states one.
+
+    Raises
+    ------
+    InputError
+        If two frames differ; a frame without a mosaic differs from one with it.
+    """
+    if not frames:
+        return None
+    other = next((frame for frame in frames if frame.mosaic != frames[0].mosaic), None)
+    if other is not None:
+        raise _mixed(source, "mosaic", frames[0], other, (lambda one: one.mosaic, mosaic_text))
+    return frames[0].mosaic
+
+
+def mosaic_text(mosaic: Mosaic | None) -> str:
+    """``RG/GB``, or ``no mosaic``."""
+    if mosaic is None:
+        return "no mosaic"
+    sign = "" if all(len(name) == 1 for name in mosaic.names) else " "
+    return "/".join(sign.join(row) for row in mosaic.pattern)
+
+
+def refuse_few(
+    source: str, levels: Iterable[FrameLevel], kinds: Sequence[str] = ("flats",)
+) -> None:
+    """Refuse a level with one flat, or dark, which gives no temporal variance.
+
+    Parameters
+    ----------
+    source
+        Of the frames, for the message.
+    levels
+        To check.
+    kinds
+        ``flats``, ``darks``.
+
+    Raises
+    ------
+    InputError
+        It names the level and the frame.
+    """
+    for level in levels:
+        for kind in kinds:
+            group = getattr(level, kind)
+            if len(group) == 1:
+                raise InputError(
+                    source,
+                    f"must have at least 2 {kind}, because one gives no temporal variance",
+                    value=1,
+                    found=f"has 1, {group[0].name}",
+                    where=f"level {level.name!r}",
+                    remedy=("take another", "leave the level out", EXAMPLE),
+                )
+
+
+def _mixed(
+    source: str,
+    name: str,
+    one: RawFrame,
+    other: RawFrame,
+    how: tuple[Callable[[RawFrame], Any], Callable[[Any], str]],
+) -> InputError:
+    quantity, shown = how
+    names = (shown_name(one), shown_name(other))
+    return InputError(
+        source,
+        f"must have one {name}",
+        value=(quantity(one), quantity(other)),
+        found=f"{names[0]} has {shown(quantity(one))} and {names[1]} has {shown(quantity(other))}",
+        remedy="evaluate them separately",
+    )
+
+
+def shown_name(frame: RawFrame) -> str:
+    """Folder and name of a frame, for messages."""
+    return f"{frame.path.parent.name}/{frame.name}"

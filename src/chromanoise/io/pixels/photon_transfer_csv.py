@@ -6,13 +6,17 @@ from pathlib import Path
 
 import numpy as np
 
-from chromanoise._check import Array
-from chromanoise.errors import InputError
-from chromanoise.io.pixels.source_text import errors_in_file, source_text
-from chromanoise.io.spectra.delimited import DELIMITERS, cells_of_line, decimal_sign, split_line
-from chromanoise.io.spectra.parsed import Row
-from chromanoise.io.spectra.tables import number_in
-from chromanoise.sensor.photon_transfer_table import PhotonTransfer
+from chromanoise.base import Array, InputError
+from chromanoise.io.pixels.pixel_toml import errors_in_file, source_text
+from chromanoise.io.spectra import (
+    DELIMITERS,
+    Row,
+    cells_of_line,
+    decimal_sign,
+    number_in,
+    split_line,
+)
+from chromanoise.sensor import PhotonTransfer
 
 _NEEDED = ("mean_dn", "variance_dn2")
 _SPATIAL = "spatial_variance_dn2"

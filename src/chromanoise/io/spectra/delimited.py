@@ -1,14 +1,23 @@
-"""Delimited text: comma, semicolon, tab or spaces; decimal point or comma."""
+"""Delimited text: comma, semicolon, tab or spaces; decimal point or comma.
+
+CGATS tables of spectra, such as the ``.sp`` files of Argyll.
+
+Read spreadsheets (``.xlsx``) with openpyxl, if it is installed.
+"""
 
 import csv
+import importlib
 import io
 import re
+import zipfile
 from collections.abc import Mapping
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
-from chromanoise._csv_cells import text_of_comment
-from chromanoise.errors import InputError
+import numpy as np
+
+from chromanoise.base import InputError, text_of_comment
 from chromanoise.io.spectra.declared import (
     declared_keys,
     ecsv_units,
@@ -16,9 +25,24 @@ from chromanoise.io.spectra.declared import (
     is_wavelength_heading,
     with_units,
 )
-from chromanoise.io.spectra.own_json import UNIT_OF_COLUMN, declared
-from chromanoise.io.spectra.parsed import Found, Row, has
-from chromanoise.io.spectra.tables import is_number, name_and_unit, table_of
+from chromanoise.io.spectra.parsed import (
+    UNIT_OF_COLUMN,
+    Column,
+    Found,
+    Level,
+    Per,
+    Quantity,
+    Row,
+    declared,
+    has,
+)
+from chromanoise.io.spectra.tables import (
+    finite_number,
+    is_number,
+    name_and_unit,
+    number_in,
+    table_of,
+)
 
 _COMMENT = ("#", "%", "//", ";")
 DELIMITERS = {"semicolon": ";", "tab": "\t", "comma": ",", "blanks": None}
@@ -200,3 +224,230 @@ def decimal_sign(rows: list[Row], delimiter: str, source: str) -> str:
             remedy="write all numbers in one way",
         )
     return "," if with_comma else "."
+
+
+_TOKEN = re.compile(r'"[^"\n]*"|\S+')
+_FIELD = re.compile(r"(?:SPEC(?:TRAL)?_?(?:NM)?_?|NM_?|R_)(\d+(?:\.\d+)?)", re.IGNORECASE)
+_KINDS: dict[str, tuple[Quantity, Per | None, Level | None]] = {
+    "EMISSION": ("power", "energy", "absolute"),
+    "AMBIENT": ("power", "energy", "absolute"),
+    "EMISSION_FLASH": ("power", "energy", "absolute"),
+    "AMBIENT_FLASH": ("power", "energy", "absolute"),
+    "REFLECTIVE": ("reflectance", None, None),
+    "TRANSMISSIVE": ("transmittance", None, None),
+    "SENSITIVITY": ("response", None, None),
+}
+_Token = tuple[int, str]
+
+
+def is_cgats(text: str) -> bool:
+    """Whether the text has the table of a CGATS file."""
+    return "BEGIN_DATA_FORMAT" in text and "BEGIN_DATA" in text
+
+
+def read_cgats(text: str, source: str) -> Found:
+    """The spectra of the first table, one curve per set.
+
+    Raises
+    ------
+    InputError
+        If the table has no spectral fields, or a value is not a number; the message names the line.
+    """
+    tokens = _tokens(text)
+    words = [token for _, token in tokens]
+    fields = words[_between(words, "BEGIN_DATA_FORMAT", "END_DATA_FORMAT", source)]
+    table = _between(words, "BEGIN_DATA", "END_DATA", source)
+    facts = _facts(tokens[: words.index("BEGIN_DATA_FORMAT")])
+    spectral = [i for i, field in enumerate(fields) if _FIELD.fullmatch(field)]
+    wavelength = _wavelengths(facts, [fields[i] for i in spectral], source)
+    sets = _sets(tokens[table], fields, source)
+    norm = _norm(facts, source)
+    values = (
+        np.array(
+            [
+                [finite_number(row[i][1], source, f"line {row[i][0]}") for i in spectral]
+                for row in sets
+            ]
+        )
+        / norm
+    )
+    quantity, per, level = _KINDS.get(facts.get("MEAS_TYPE", "").upper(), (None, None, None))
+    notes = (f"values divided by SPECTRAL_NORM {norm:g}",) if norm != 1 else ()
+    return Found(
+        source=source,
+        format="CGATS",
+        columns=tuple(
+            Column(name=_name(row, fields, k), wavelength=wavelength, values=values[k])
+            for k, row in enumerate(sets)
+        ),
+        words=" ".join(facts.values()),
+        wavelength_unit="nm",
+        quantity=quantity,
+        per=per,
+        level=level,
+        notes=notes,
+    )
+
+
+def _tokens(text: str) -> list[_Token]:
+    return [
+        (number, token.strip('"'))
+        for number, line in enumerate(re.split(r"\r\n|\r|\n", text), 1)
+        if not line.lstrip().startswith("#")
+        for token in _TOKEN.findall(line)
+    ]
+
+
+def _between(words: list[str], first: str, last: str, source: str) -> slice:
+    try:
+        start = words.index(first) + 1
+        return slice(start, words.index(last, start))
+    except ValueError:
+        raise InputError(
+            source, f"must have {first} and {last} around a part of a CGATS file"
+        ) from None
+
+
+def _facts(tokens: list[_Token]) -> dict[str, str]:
+    """The first two words of each line."""
+    lines: dict[int, list[str]] = {}
+    for number, token in tokens:
+        lines.setdefault(number, []).append(token)
+    return {line[0]: line[1] for line in lines.values() if len(line) > 1}
+
+
+def _wavelengths(facts: dict[str, str], fields: list[str], source: str) -> np.ndarray:
+    if len(fields) < 2:
+        need = "must have at least 2 spectral fields (SPEC_400 ...) in its CGATS table"
+        raise has(source, need, len(fields), remedy="check that it is a table of spectra")
+    named = np.array([float(match[1]) for f in fields if (match := _FIELD.fullmatch(f))])
+    ends = [facts.get(key, "") for key in ("SPECTRAL_START_NM", "SPECTRAL_END_NM")]
+    if not all(np.isfinite(number_in(end)) for end in ends):
+        return named
+    expected = np.linspace(number_in(ends[0]), number_in(ends[1]), named.size)
+    if np.abs(expected - named).max() > 1.0:  # the names of the fields are rounded
+        raise InputError(
+            source,
+            "SPECTRAL_START_NM and SPECTRAL_END_NM must agree with the fields",
+            value=(ends[0], ends[1]),
+            found=f"are {ends[0]} and {ends[1]}, and the fields are {fields[0]} to {fields[-1]}",
+        )
+    return expected
+
+
+def _norm(facts: dict[str, str], source: str) -> float:
+    text = facts.get("SPECTRAL_NORM", "1")
+    norm = number_in(text)
+    if not 1e-30 < norm < 1e30:
+        raise InputError(source, "must be a number > 0", value=text, where="SPECTRAL_NORM")
+    return norm
+
+
+def _sets(tokens: list[_Token], fields: list[str], source: str) -> list[list[_Token]]:
+    if not tokens or len(tokens) % len(fields):
+        line = tokens[-1][0] if tokens else 0
+        raise InputError(
+            source,
+            f"must have sets of {len(fields)} values, as many as fields",
+            value=len(tokens),
+            found=f"has {len(tokens)} values in all",
+            where=f"line {line}",
+        )
+    return [tokens[i : i + len(fields)] for i in range(0, len(tokens), len(fields))]
+
+
+def _name(row: list[_Token], fields: list[str], k: int) -> str:
+    for key in ("SAMPLE_NAME", "SAMPLE_ID", "SAMPLE_LOC"):
+        if key in fields and row[fields.index(key)][1]:
+            return row[fields.index(key)][1]
+    return f"sample {k + 1}"
+
+
+_LARGEST_BYTES = 16 * 2**20  # these take some seconds to read
+_MOST_ROWS, _MOST_COLUMNS = 20_000, 1_000
+
+
+def read_workbook(path: Path) -> Found:
+    """Read the curves of the first sheet that has two rows with numbers in two columns.
+
+    Raises
+    ------
+    InputError
+        If openpyxl is not installed, the file inflates to more than 16 MiB or declares a document
+        type, or a cell is not a number; the message names the row.
+    """
+    _refuse_bombs(path)
+    book = _openpyxl(path).load_workbook(path, read_only=True, data_only=True)
+    try:
+        sheets = {sheet.title: _rows(path, sheet) for sheet in book.worksheets}
+    finally:
+        book.close()
+    filled = [(title, rows) for title, rows in sheets.items() if rows]
+    if not filled:
+        raise InputError(str(path), "has only empty sheets")
+    title, rows = next(((t, r) for t, r in filled if _has_numbers(r)), filled[0])
+    comments = tuple(r.cells[0] for r in rows if len([c for c in r.cells if c]) == 1)
+    form = f"XLSX, sheet {title}" + (f" of {len(filled)}" if len(filled) > 1 else "")
+    return table_of(source=str(path), form=form, rows=rows, comments=comments, where="row")
+
+
+def _has_numbers(rows: list[Row]) -> bool:
+    numbers = [[c for c in row.cells if is_number(c, decimal_comma=False)] for row in rows]
+    return sum(len(one) > 1 for one in numbers) > 1
+
+
+def _openpyxl(path: Path) -> Any:
+    try:
+        return importlib.import_module("openpyxl")
+    except ImportError:
+        raise InputError(
+            str(path),
+            "needs the package openpyxl, which is not installed",
+            remedy="install it with: pip install 'chromanoise[xlsx]'",
+        ) from None
+
+
+def _refuse_bombs(path: Path) -> None:
+    """Raise an error if the archive inflates to too many bytes, or its XML declares entities."""
+    with zipfile.ZipFile(path) as archive:
+        parts = archive.infolist()
+        size = sum(part.file_size for part in parts)
+        if size > _LARGEST_BYTES:
+            raise InputError(
+                str(path),
+                f"must unpack to at most {_LARGEST_BYTES // 2**20} MiB",
+                value=size,
+                found=f"unpacks to {size / 2**20:.0f} MiB",
+            )
+        for part in parts:
+            if part.filename.lower().endswith((".xml", ".rels")):
+                text = archive.read(part).replace(b"\0", b"").upper()
+                if b"<!DOCTYPE" in text or b"<!ENTITY" in text:
+                    raise InputError(
+                        str(path),
+                        "must not declare a document type",
+                        where=f"part {part.filename!r}",
+                    )
+
+
+def _rows(path: Path, sheet: Any) -> list[Row]:
+    need = f"must have at most {_MOST_ROWS} rows and {_MOST_COLUMNS} columns"
+    size, where = (sheet.max_row, sheet.max_column), f"sheet {sheet.title!r}"
+    if (size[0] or 0) > _MOST_ROWS or (size[1] or 0) > _MOST_COLUMNS:
+        found = f"has {size[0]} and {size[1]}"
+        raise InputError(str(path), need, value=size, found=found, where=where)
+    rows = []
+    for number, values in enumerate(sheet.iter_rows(values_only=True), 1):
+        if number > _MOST_ROWS or len(values) > _MOST_COLUMNS:
+            size = (number, len(values))
+            raise InputError(str(path), need, value=size, found="has more", where=where)
+        if any(value is not None for value in values):
+            rows.append(Row(number=number, cells=tuple(_text(value) for value in values)))
+    return rows
+
+
+def _text(value: Any) -> str:
+    """A cell as text; numbers with all their digits."""
+    if value is None:
+        return ""
+    return repr(value) if isinstance(value, float) else str(value).strip()

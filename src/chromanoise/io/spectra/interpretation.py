@@ -7,8 +7,7 @@ from typing import Literal, cast, get_args
 
 import numpy as np
 
-from chromanoise._check import Array
-from chromanoise.errors import InputError, Setting
+from chromanoise.base import Array, InputError, Setting
 from chromanoise.io.spectra.declared import (
     is_wavelength_heading,
     quantity_of_key,
@@ -16,9 +15,6 @@ from chromanoise.io.spectra.declared import (
     unit_that_fits,
     wavelength_unit_of,
 )
-from chromanoise.io.spectra.defects import defects_of
-from chromanoise.io.spectra.merging import Sorted, gaps_nm, on_common, sorted_points, step_nm
-from chromanoise.io.spectra.own_json import named
 from chromanoise.io.spectra.parsed import (
     SENSITIVE_NM,
     Answers,
@@ -28,11 +24,17 @@ from chromanoise.io.spectra.parsed import (
     ParsedSpectra,
     Per,
     Quantity,
+    Sorted,
     Unit,
+    gaps_nm,
+    named,
+    on_common,
+    sorted_points,
+    step_nm,
 )
-from chromanoise.io.spectra.questions import questions_of
+from chromanoise.io.spectra.questions import defects_of, questions_of
 from chromanoise.io.spectra.tables import DIGITIZED
-from chromanoise.spectra.curves import Spectra, are_small_negatives
+from chromanoise.spectra import Spectra, are_small_negatives
 
 _WORDS: tuple[tuple[Quantity, str], ...] = (
     ("QE", r"(?<![a-z])qe(?![a-z])|quantum.?efficiency|e-?/(photon|ph)\b|electrons per photon"),

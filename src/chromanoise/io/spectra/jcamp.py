@@ -12,8 +12,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from chromanoise._check import Array
-from chromanoise.errors import InputError
+from chromanoise.base import Array, InputError
 from chromanoise.io.spectra.declared import known_unit
 from chromanoise.io.spectra.parsed import Column, Found, Unit
 from chromanoise.io.spectra.tables import finite_number

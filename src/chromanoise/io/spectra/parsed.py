@@ -1,16 +1,19 @@
-"""Data classes: what a reader found in a file, the answers of the user, the parsed spectra."""
+"""Data classes: what a reader found in a file, the answers of the user, the parsed spectra.
 
+Resample curves with different wavelengths to a common list of wavelengths.
+
+JSON in versioned schemas of this library; files of other versions raise an error.
+"""
+
+import json
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal, get_args
 
 import numpy as np
 
-from chromanoise import _check
-from chromanoise._check import Array
-from chromanoise._shapes import Float
-from chromanoise.errors import InputError, Setting
-from chromanoise.spectra.curves import Beyond, Spectra
+from chromanoise.base import Array, Float, InputError, Setting, check, json_of
+from chromanoise.spectra import Beyond, Spectra
 
 Quantity = Literal["QE", "response", "reflectance", "transmittance", "power"]
 Scale = Literal["fraction", "percent"]
@@ -68,10 +71,10 @@ class Answers:
         for name, kind in (*kinds, *more):
             given = getattr(self, name)
             if given is not None:
-                _check.one_of(name, given, get_args(kind))
+                check.one_of(name, given, get_args(kind))
         if self.peak_qe is not None:
-            _check.positive("peak_qe", "e-/photon", self.peak_qe)
-            _check.fraction("peak_qe", "e-/photon", self.peak_qe)
+            check.positive("peak_qe", "e-/photon", self.peak_qe)
+            check.fraction("peak_qe", "e-/photon", self.peak_qe)
 
 
 ASK = Answers()
@@ -127,8 +130,8 @@ class Column:
     values: Float[Array, " m"]
 
     def __post_init__(self) -> None:
-        _check.same_length("points", wavelength=self.wavelength.size, values=self.values.size)
-        _check.freeze(self, "wavelength", "values")
+        check.same_length("points", wavelength=self.wavelength.size, values=self.values.size)
+        check.freeze(self, "wavelength", "values")
 
 
 def known_columns(
@@ -266,8 +269,337 @@ class ParsedSpectra(_Described):
         if not np.isfinite(self.factor) or self.factor <= 0:
             raise InputError("factor", "must be finite and > 0", value=self.factor)
         if self.deviations is not None:
-            _check.same_length(
+            check.same_length(
                 "wavelengths",
                 curves=self.curves.wavelength_nm.size,
                 deviations=self.deviations.wavelength_nm.size,
             )
+
+
+_WIDE, _WIDE_NM = 2.5, 5.0
+_MOST_VALUES = 4_000_000
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Sorted:
+    """One curve at increasing wavelengths.
+
+    Attributes
+    ----------
+    name
+        The name of the curve.
+    wavelength_nm
+        Increasing wavelengths. [nm]
+    values
+        The values, in the unit of the file.
+    unsorted
+        Whether the rows of the file are not in increasing order.
+    merged
+        The number of points that were merged with others at the same wavelength.
+    conflicts_nm
+        Wavelengths at which merged points have different values. [nm]
+    """
+
+    name: str
+    wavelength_nm: Float[Array, " m"]
+    values: Float[Array, " m"]
+    unsorted: bool
+    merged: int
+    conflicts_nm: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        check.same_length("points", at=self.wavelength_nm.size, values=self.values.size)
+        check.freeze(self, "wavelength_nm", "values")
+
+
+def in_nm(wavelength: Float[Array, " m"], unit: Unit) -> Float[Array, " m"]:
+    """Convert wavelengths in a unit, or wavenumbers in 1/cm, without sorting. [nm]
+
+    Examples
+    --------
+    >>> in_nm(np.array([0.4]), "um"), in_nm(np.array([5500.0]), "angstrom")
+    (array([400.]), array([550.]))
+    >>> in_nm(np.array([20000.0]), "1/cm")
+    array([500.])
+    """
+    if unit == "nm":
+        return wavelength
+    if unit == "1/cm":
+        return np.round(1e7 / wavelength, 9)
+    # 0.4 * 1000 is not always 400
+    return np.round(wavelength * 1000 if unit == "um" else wavelength / 10, 9)
+
+
+def sorted_points(column: Column, unit: Unit, source: str) -> Sorted:
+    """Sort a curve by wavelength, and merge repeated wavelengths to their mean.
+
+    Raises
+    ------
+    InputError
+        If fewer than two wavelengths remain.
+
+    Examples
+    --------
+    >>> column = Column(name="R", unit="", wavelength=np.array([0.5, 0.4, 0.5]),
+    ...                 values=np.array([3.0, 1.0, 5.0]))
+    >>> sorted_points(column, "um", "a file").values
+    array([1., 4.])
+    """
+    at = in_nm(column.wavelength, unit)
+    order = np.argsort(at, kind="stable")
+    rising, values = at[order], column.values[order]
+    distinct, first, count = np.unique(rising, return_index=True, return_counts=True)
+    if distinct.size < 2:
+        where = f"curve {column.name!r}"
+        raise has(source, "must have at least 2 wavelengths", distinct.size, where=where)
+    spread = np.maximum.reduceat(values, first) - np.minimum.reduceat(values, first)
+    means = np.where(spread > 0, np.add.reduceat(values, first) / count, values[first])
+    return Sorted(
+        name=column.name,
+        wavelength_nm=distinct,
+        values=means,
+        unsorted=bool((np.diff(at) < 0).any() and not (np.diff(at) < 0).all()),
+        merged=int(at.size - distinct.size),
+        conflicts_nm=tuple(float(w) for w in distinct[spread > 0]),
+    )
+
+
+def on_common(
+    points: list[Sorted], beyond: Beyond, source: str
+) -> tuple[tuple[Float[Array, " m"], Float[Array, "m k"]], tuple[str, ...]]:
+    """Interpolate all curves linearly to the union of their wavelengths.
+
+    A curve that ends before the others is extrapolated by ``zero`` or ``hold``; with ``refuse``,
+    all curves are cut to their common range.
+    """
+    at = np.unique(np.concatenate([p.wavelength_nm for p in points]))
+    if at.size * len(points) > _MOST_VALUES:
+        raise InputError(
+            source,
+            f"must have at most {_MOST_VALUES} values",
+            value=at.size * len(points),
+            found=f"has {len(points)} curves at {at.size} wavelengths",
+        )
+    starts = [float(p.wavelength_nm[0]) for p in points]
+    ends = [float(p.wavelength_nm[-1]) for p in points]
+    low, high = max(starts), min(ends)
+    notes: tuple[str, ...] = ()
+    if min(starts) < low or high < max(ends):
+        shared = f"the curves share {low:g}-{high:g} nm of {min(starts):g}-{max(ends):g} nm"
+        if beyond == "refuse":
+            at = at[(at >= low) & (at <= high)]
+            notes = (f"{shared}: cut to what they share (beyond zero or hold keeps the rest)",)
+        else:
+            notes = (f"{shared}: {beyond} beyond each curve's own end",)
+    if at.size < 2:
+        raise InputError(
+            source,
+            "curves must share at least 2 wavelengths",
+            value=at.size,
+            found=f"share {at.size}",
+            remedy=Setting("beyond", ("zero", "hold")),
+        )
+    side = 0.0 if beyond == "zero" else None
+    values = [np.interp(at, p.wavelength_nm, p.values, left=side, right=side) for p in points]
+    return (at, np.stack(values, axis=1)), notes
+
+
+def step_nm(wavelength_nm: Float[Array, " m"]) -> float | None:
+    """The distance between neighbors; None if it varies by more than 0.1 %. [nm]
+
+    Examples
+    --------
+    >>> step_nm(np.array([400.0, 405.0, 410.0])), step_nm(np.array([400.0, 405.0, 420.0]))
+    (5.0, None)
+    """
+    steps = np.diff(wavelength_nm)
+    middle = float(np.median(steps))
+    return middle if np.abs(steps - middle).max() <= 1e-3 * middle else None
+
+
+def gaps_nm(wavelength_nm: Float[Array, " m"]) -> tuple[tuple[float, float], ...]:
+    """Start and end of steps wider than 2.5 times the usual step and wider than 5 nm. [nm]
+
+    Examples
+    --------
+    >>> gaps_nm(np.array([400.0, 410.0, 420.0, 430.0, 500.0]))
+    ((430.0, 500.0),)
+    """
+    steps = np.diff(wavelength_nm)
+    wide = np.flatnonzero(steps > max(_WIDE * float(np.median(steps)), _WIDE_NM))
+    return tuple((float(wavelength_nm[i]), float(wavelength_nm[i + 1])) for i in wide)
+
+
+SCHEMA_VERSION = 1
+"""The version of every schema; a file of another version is not read."""
+
+SPECTRA_SCHEMA = "chromanoise spectra"
+UNIT_OF_COLUMN = {"1": "", "e-/photon": ""}
+"""Units that the quantity implies; in a heading, e-/photon would also declare absolute values."""
+
+
+def as_json(data: Mapping[str, Any]) -> str:
+    """JSON text with all digits; numbers that are not finite raise an error."""
+    return json.dumps(data, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def named(error: InputError, source: str) -> InputError:
+    """The error about a value, with the file that contains the value as its subject."""
+    return error if source in error.subject else error.within(source)
+
+
+def held_json(text: str, schema: str, *, source: str) -> dict[str, Any]:
+    """The data in a text of one of our own schemas.
+
+    Parameters
+    ----------
+    text
+        The whole file.
+    schema
+        The schema, e.g. ``chromanoise sensor``.
+    source
+        The origin of the text; used in errors.
+
+    Raises
+    ------
+    InputError
+        As `json_of`, or if it has another schema or version.
+    """
+    held = json_of(text, source)
+    found = held.get("schema") if isinstance(held, dict) else None
+    if found != schema or not isinstance(held, dict):
+        raise InputError(source, f"must be {schema!r}", value=found, where="key 'schema'")
+    _refuse_other_version(held, source)
+    return held
+
+
+def own_spectra(held: Mapping[str, Any], source: str) -> Found:
+    """The curves in JSON of the schema ``chromanoise spectra``, as `convert` writes it.
+
+    Raises
+    ------
+    InputError
+        If the version differs, or a value is missing or invalid.
+    """
+    _refuse_other_version(held, source)
+    try:
+        wavelength = check.finite("wavelength_nm", "nm", array_of(held["wavelength_nm"], 1))
+        values = array_of(held["values"], 2)
+        names = words_of(held["names"])
+        quantity, unit = word_of(held["quantity"]), word_of(held["unit"])
+        said_source, said_notes = word_of(held["source"]), words_of(held["notes"])
+    except (KeyError, TypeError, OverflowError) as error:
+        raise unfit(source, "spectra", error) from None
+    except InputError as error:
+        raise named(error, source) from None
+    if values.shape != (wavelength.size, len(names)):
+        raise InputError(
+            source,
+            f"must be {wavelength.size} rows (wavelengths) of {len(names)} numbers (names)",
+            value=values.shape,
+            found=f"is {values.shape[0]} of {values.shape[1]}",
+            where="key 'values'",
+        )
+    if not (np.abs(values) <= LARGEST).all():
+        raise InputError(
+            source,
+            "must be finite and at most 1e30",
+            value=float(np.abs(values).max()),
+            where="key 'values'",
+            remedy="correct them",
+        )
+    ratio = quantity in ("QE", "reflectance", "transmittance")
+    texts = {key: value for key, value in held.items() if isinstance(value, str)}
+    facts = {"scale": "fraction" if ratio else "as written", **texts}
+    return Found(
+        source=source,
+        format="chromanoise's own JSON, spectra",
+        columns=tuple(
+            Column(
+                name=name,
+                unit=UNIT_OF_COLUMN.get(unit, unit),
+                wavelength=wavelength,
+                values=values[:, k],
+            )
+            for k, name in enumerate(names)
+        ),
+        heading="wavelength_nm",  # the heading of the CSV of the same curves
+        wavelength_unit="nm",
+        said_source=said_source,
+        said_notes=said_notes,
+        **declared(facts, said_notes),
+    )
+
+
+def declared(facts: Mapping[str, str], notes: tuple[str, ...] = ()) -> dict[str, Any]:
+    """Quantity, level, per and scale of a file of this library, as fields of `Found`.
+
+    Unknown words are ignored. Files of earlier versions have level and per in their notes.
+
+    Examples
+    --------
+    >>> declared({"quantity": "QE", "level": "absolute", "scale": "fraction"})
+    {'quantity': 'QE', 'level': 'absolute', 'scale': 'fraction'}
+    >>> declared({"quantity": "spectra"}, ("light counted per photon",))
+    {'per': 'photon'}
+    """
+    noted = {
+        key: note.removeprefix(before)
+        for note in notes
+        for key, before in (("level", "level: "), ("per", "light counted per "))
+        if note.startswith(before)
+    }
+    kinds = {"quantity": Quantity, "level": Level, "per": Per, "scale": Scaled}
+    found = {**noted, **facts}
+    return {key: found[key] for key, kind in kinds.items() if found.get(key) in get_args(kind)}
+
+
+def unfit(source: str, what: str, error: Exception) -> InputError:
+    """The error for JSON of a known schema in which a value is missing or invalid."""
+    fault = f"{error.args[0]!r} is missing" if isinstance(error, KeyError) else str(error)
+    fault = " ".join(fault.split())[:200]
+    return InputError(source, f"is not the JSON of a {what} as chromanoise writes it ({fault})")
+
+
+def word_of(value: Any) -> str:
+    """A text in JSON; a TypeError for anything else."""
+    if not isinstance(value, str):
+        raise TypeError(f"{str(value)[:40]} is not text")
+    return value
+
+
+def words_of(values: Any) -> tuple[str, ...]:
+    """A list of texts in JSON; a TypeError for anything else."""
+    if not isinstance(values, list):
+        raise TypeError(f"{str(values)[:40]} is not a list of text")
+    return tuple(word_of(value) for value in values)
+
+
+def number_of(value: Any) -> float:
+    """A number in JSON; a TypeError for anything else."""
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise TypeError(f"{str(value)[:40]} is not a number")
+    return float(value)
+
+
+def array_of(values: Any, depth: int) -> Array:
+    """Numbers in ``depth`` lists, the inner ones equally long; a TypeError for anything else."""
+    if not isinstance(values, list):
+        raise TypeError(f"{str(values)[:40]} is not a list of numbers")
+    if depth == 1:
+        return np.array([number_of(value) for value in values], dtype=np.float64)
+    arrays = [array_of(row, depth - 1) for row in values]
+    if not arrays or len({array.size for array in arrays}) > 1:
+        raise TypeError("rows of numbers are not equally long")
+    return np.stack(arrays)
+
+
+def _refuse_other_version(held: Mapping[str, Any], source: str) -> None:
+    if held.get("schema_version") != SCHEMA_VERSION:
+        raise InputError(
+            source,
+            f"must be {SCHEMA_VERSION}",
+            value=held.get("schema_version"),
+            where="key 'schema_version'",
+            remedy="read it with the version that wrote it",
+        )

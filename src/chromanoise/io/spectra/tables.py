@@ -11,9 +11,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from chromanoise._check import Array
-from chromanoise._csv_cells import text_of_cell
-from chromanoise.errors import InputError
+from chromanoise.base import Array, InputError, text_of_cell
 from chromanoise.io.spectra.declared import (
     declared_keys,
     is_row_of_units,

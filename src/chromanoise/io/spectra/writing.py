@@ -12,10 +12,8 @@ from xml.sax.saxutils import escape
 
 import numpy as np
 
-from chromanoise import __version__
-from chromanoise._csv_cells import csv_comment, csv_text
-from chromanoise.errors import InputError
-from chromanoise.io.spectra.own_json import as_json
+from chromanoise.base import InputError, __version__, csv_comment, csv_text
+from chromanoise.io.spectra.parsed import as_json
 from chromanoise.sensor import PIXEL_REQUIRED, Mosaic, Sensor
 from chromanoise.spectra import Spectra
 

@@ -6,12 +6,8 @@ from functools import cache
 from importlib import resources
 
 from chromanoise.spectra.curves import Spectra
+from chromanoise.spectra.provenance import Provenance, formula_provenances, table_provenances
 from chromanoise.spectra.readers import spectra_from_text
-from chromanoise.spectra.tables.provenance import (
-    Provenance,
-    formula_provenances,
-    table_provenances,
-)
 
 
 @cache

@@ -1,1 +1,0 @@
-"""Sensors against each other while one thing varies: sweeps, quantities, curves, crossovers."""

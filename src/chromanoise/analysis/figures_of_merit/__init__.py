@@ -1,1 +1,0 @@
-"""Figures of merit of a sensor: of its filters, and of the sensor in its light."""

@@ -1,0 +1,778 @@
+"""Noise models for other programs: DNG, darktable, and the camera tuning of libcamera.
+
+Data sheets of EMVA 1288 for one plane: text, XML, and the table of the photon transfer.
+
+Predicted against measured variance through a color matrix.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from decimal import Decimal
+from typing import Any
+from xml.etree import ElementTree
+
+import numpy as np
+
+from chromanoise.apps.camera.characterization import (
+    SHARED,
+    STATED,
+    Characterization,
+    LevelNoise,
+    PlaneNoise,
+    by_iso,
+)
+from chromanoise.apps.camera.planes import dynamic_range_db, threshold_e
+from chromanoise.base import Array, Float, InputError, Setting, check, pinv
+from chromanoise.io import GivenMatrix
+from chromanoise.sensor import VarianceLaw, shot_and_dark
+
+_RGB = ("R", "G", "B")
+_HAAR = 0.25  # variance of white noise in the diagonal band of darktable's Haar transform
+_TOP_16 = 16  # bits of the scale of libcamera's tuning files
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Normalized:
+    """S and O of each plane, variance = S x + O, x = 0 at black and 1 at white level."""
+
+    names: tuple[str, ...]
+    pairs: Float[Array, "p 2"]
+    black_dn: float
+    white_dn: float
+
+    def of_colors(self) -> dict[str, list[float]]:
+        """Mean S and O of the planes of each color: red, green, blue, or as they appear."""
+        colors = [color_of_plane(name) for name in self.names]
+        order = _RGB if set(colors) == set(_RGB) else tuple(dict.fromkeys(colors))
+        of = np.array(colors)
+        return {color: self.pairs[of == color].mean(axis=0).tolist() for color in order}
+
+
+def color_of_plane(name: str) -> str:
+    """The color of a plane: its name without the number of the pixel.
+
+    Parameters
+    ----------
+    name
+        Name of the plane, such as ``G1``.
+
+    Examples
+    --------
+    >>> color_of_plane("G2"), color_of_plane("IR"), color_of_plane("2")
+    ('G', 'IR', '2')
+    """
+    return name.rstrip("0123456789") or name
+
+
+def noise_profile_json(
+    result: Characterization, *, white_level_dn: float | None = None
+) -> dict[str, Any]:
+    """The noise profile of DNG as the JSON that `read_noise_profile` reads.
+
+    Parameters
+    ----------
+    result
+        A characterization.
+    white_level_dn
+        Code of x = 1; if ``None``, the lowest code at which a plane saturates, and at most the
+        largest code of the converter. [DN]
+
+    Returns
+    -------
+    dict
+        ``S``, ``O`` and ``channels`` of each plane, ``black_level_dn``, ``white_level_dn``, and
+        ``dng`` with the values of the tags of a DNG, one pair per color.
+
+    Raises
+    ------
+    InputError
+        If the bits, a black level or the dark noise of a plane is not known, or the white level is
+        not above black.
+
+    Notes
+    -----
+    Adobe DNG 1.7, tag 51041 NoiseProfile: the standard deviation of a linear signal x from 0 to 1
+    is sqrt(S x + O); one pair for each color plane, in the order of the tag CFAPlaneColor, by
+    default red, green, blue. With R codes from black to white, S = K / R and O = ((K sigma_d)^2 +
+    1/12) / R^2, because rounding to codes is part of the noise of a file. The planes of one color
+    share the mean of their S and of their O.
+    """
+    profile = _normalized(result, white_level_dn)
+    colors = profile.of_colors()
+    return {
+        "S": profile.pairs[:, 0].tolist(),
+        "O": profile.pairs[:, 1].tolist(),
+        "channels": list(profile.names),
+        "black_level_dn": profile.black_dn,
+        "white_level_dn": profile.white_dn,
+        "dng": {
+            "colors": list(colors),
+            "NoiseProfile": [number for pair in colors.values() for number in pair],
+            "BlackLevel": profile.black_dn,
+            "WhiteLevel": profile.white_dn,
+        },
+    }
+
+
+def noise_profile_line(result: Characterization, *, white_level_dn: float | None = None) -> str:
+    """The tags of a DNG as text: ``NoiseProfile: S O ...``, ``BlackLevel:``, ``WhiteLevel:``.
+
+    Parameters
+    ----------
+    result, white_level_dn
+        As `noise_profile_json`.
+
+    Raises
+    ------
+    InputError
+        As `noise_profile_json`.
+    """
+    dng = noise_profile_json(result, white_level_dn=white_level_dn)["dng"]
+    numbers = " ".join(map(repr, dng["NoiseProfile"]))
+    levels = f"BlackLevel: {dng['BlackLevel']!r}\nWhiteLevel: {dng['WhiteLevel']!r}\n"
+    return f"NoiseProfile: {numbers}\n{levels}"
+
+
+def noise_profiles_json(results: Sequence[Characterization]) -> dict[str, Any]:
+    """DNG noise profiles of one camera, one per ISO setting.
+
+    Parameters
+    ----------
+    results
+        One characterization per ISO setting.
+
+    Returns
+    -------
+    dict
+        ``profiles``, by increasing ISO: ``iso``, and the keys of `noise_profile_json`. A DNG file
+        holds the profile of its ISO setting only.
+
+    Raises
+    ------
+    InputError
+        If the cameras differ, an ISO is missing or repeated, or as `noise_profile_json`.
+    """
+    return {"profiles": [{"iso": iso, **noise_profile_json(one)} for iso, one in by_iso(results)]}
+
+
+def darktable_json(
+    results: Characterization | Sequence[Characterization],
+    *,
+    maker: str | None = None,
+    model: str | None = None,
+) -> dict[str, Any]:
+    """A file ``noiseprofiles.json`` of darktable: ``a`` and ``b`` of R, G and B for each ISO.
+
+    Parameters
+    ----------
+    results
+        A characterization, or one per ISO setting of one camera.
+    maker, model
+        As in the files of the camera; if ``None``, the first word and the rest of
+        ``result.camera``.
+
+    Raises
+    ------
+    InputError
+        If the camera, an ISO or one of the planes R, G and B is missing, cameras differ, an ISO is
+        repeated, or as `noise_profile_json`.
+
+    Notes
+    -----
+    darktable, ``tools/noise/noiseprofile.c`` and ``data/noiseprofiles.json``: variance = a x + b
+    with x = 1 at the white level, where the noise is measured in the diagonal band of one level of
+    a Haar transform with the filter (1, -1) / 2 in both directions. White noise has a quarter of
+    its variance there, so a = S / 4 and b = O / 4. darktable measures developed pictures;
+    demosaicing, which lowers the noise further, and white balance, which scales red and blue, are
+    left out, because they are not properties of the sensor. b / a does not depend on them.
+    """
+    every = [results] if isinstance(results, Characterization) else list(results)
+    first = next(iter(every), None)
+    if first is not None:
+        maker, model = _maker_and_model(first, maker, model)
+    ordered = by_iso(every)
+    profiles = [_darktable_profile(one, iso, f"{model} iso {iso:g}") for iso, one in ordered]
+    sources = ", ".join(one.source for _, one in ordered)
+    comment = f"chromanoise, from raw frames of {sources}; not demosaiced, no white balance"
+    own = {"comment": comment, "model": model, "profiles": profiles}
+    return {"version": 0, "noiseprofiles": [{"maker": maker, "models": [own]}]}
+
+
+def _darktable_profile(result: Characterization, iso: float, name: str) -> dict[str, Any]:
+    colors = _normalized(result, None).of_colors()
+    missing = [color for color in _RGB if color not in colors]
+    if missing:
+        raise InputError(
+            result.source,
+            "must have planes R, G and B for a darktable profile",
+            value=tuple(colors),
+            found=f"has {', '.join(colors)}",
+        )
+    return {
+        "name": name,
+        "iso": int(iso) if float(iso).is_integer() else iso,
+        "a": [_HAAR * colors[color][0] for color in _RGB],
+        "b": [_HAAR * colors[color][1] for color in _RGB],
+    }
+
+
+def libcamera_json(
+    results: Characterization | Sequence[Characterization], *, analog_gain: float = 1.0
+) -> dict[str, Any]:
+    """The sections ``rpi.black_level`` and ``rpi.noise`` of a camera tuning file of libcamera.
+
+    Parameters
+    ----------
+    results
+        A characterization, or one per ISO setting of one camera. The levels of all results are
+        fitted together, as the tuning tool of libcamera fits the images of all gains.
+    analog_gain
+        Analog gain of the frames, from which the sections are converted to gain 1; for several
+        results, the gain at the lowest ISO. At other ISO settings, the gain is proportional to the
+        ISO. [1]
+
+    Returns
+    -------
+    dict
+        ``version`` and ``algorithms`` with the two sections, to be copied into the tuning file of
+        the sensor.
+
+    Raises
+    ------
+    InputError
+        If the bits or a black level is not known, fewer than 2 levels of different mean were
+        fitted, or the cameras of several results differ or one has no ISO of its own.
+
+    Notes
+    -----
+    libcamera, ``src/ipa/rpi/controller/rpi``: ``black_level.cpp`` takes the black level on a scale
+    of 16 bits ("64 in 10 bits" is 4096), for red, green and blue if they differ; ``noise.cpp`` has
+    the noise at analog gain 1 and multiplies both numbers by the root of the gain.
+    ``utils/raspberrypi/ctt/ctt_noise.py`` fits them: standard deviation = reference_constant +
+    reference_slope sqrt(mean), both above black, on the scale of 16 bits and divided by the analog
+    gain, by least squares without weights over the patches of all channels; a negative constant is
+    set to 0 and the slope is then the mean of standard deviation / sqrt(mean). Here the levels of
+    all planes that were fitted take the place of the patches, so noise without light is no part of
+    the fit.
+    """
+    gain = check.positive("analog_gain", "1", analog_gain)
+    every = [results] if isinstance(results, Characterization) else list(results)
+    if len(every) == 1:
+        gains = [(gain, every[0])]
+    else:
+        ordered = by_iso(every)
+        gains = [(gain * iso / ordered[0][0], one) for iso, one in ordered]
+    scale = 2.0 ** (_TOP_16 - _bits(gains[0][1]))
+    constant, slope = _straight_noise([(scale / own, one) for own, one in gains])
+    return {
+        "version": 2.0,
+        "algorithms": [
+            {"rpi.black_level": _black_levels(gains[0][1], scale)},
+            {"rpi.noise": {"reference_constant": constant, "reference_slope": slope}},
+        ],
+    }
+
+
+def _straight_noise(scaled: Sequence[tuple[float, Characterization]]) -> tuple[float, float]:
+    """Constant and slope of the standard deviation over the root of the mean, each scaled."""
+    points = [
+        (scale * _signal_dn(plane, level.mean_dn, level.dark_mean_dn), scale**2 * variance)
+        for scale, result in scaled
+        for plane in result.planes
+        for level in plane.levels
+        for variance in (level.variance_dn2,)
+        if level.fitted and variance > 0
+    ]
+    lit = np.sqrt(np.array([point for point in points if point[0] > 0]).reshape(-1, 2))
+    root, sd = lit[:, 0], lit[:, 1]
+    if np.unique(root).size < 2:
+        raise InputError(
+            scaled[0][1].source,
+            "must have at least 2 fitted levels of different mean for a libcamera noise model",
+            value=int(np.unique(root).size),
+            found=f"has {np.unique(root).size}",
+        )
+    offset = root - root.mean()
+    slope = float(offset @ (sd - sd.mean()) / (offset @ offset))
+    constant = float(sd.mean() - slope * root.mean())
+    return (constant, slope) if constant >= 0 else (0.0, float((sd / root).mean()))
+
+
+def _signal_dn(plane: PlaneNoise, mean_dn: float, dark_mean_dn: float | None) -> float:
+    return mean_dn - (dark_mean_dn if dark_mean_dn is not None else _black_of(plane))
+
+
+def _black_levels(result: Characterization, scale: float) -> Mapping[str, int]:
+    """The common black level on the scale of 16 bits, and those of the colors if they differ."""
+    levels: dict[str, list[float]] = {}
+    for plane in result.planes:
+        levels.setdefault(color_of_plane(plane.name), []).append(scale * _black_of(plane))
+    every = [value for values in levels.values() for value in values]
+    common = _whole_16(sum(every) / len(every), result.source)
+    own = {
+        f"black_level_{color.lower()}": _whole_16(sum(values) / len(values), result.source)
+        for color, values in levels.items()
+        if color in _RGB
+    }
+    same = all(level == common for level in own.values())
+    return {"black_level": common} | ({} if same else own)
+
+
+def _whole_16(level: float, source: str) -> int:
+    check.within(f"black level of {source} on a scale of 16 bits", "DN", level, 0.0, 65535.0)
+    return round(level)
+
+
+def _normalized(result: Characterization, white_level_dn: float | None) -> _Normalized:
+    blacks = [_black_of(plane) for plane in result.planes]
+    if not blacks:
+        raise InputError(result.source, "must have at least one plane", value=0)
+    black = sum(blacks) / len(blacks)
+    white = _white_dn(result) if white_level_dn is None else float(white_level_dn)
+    span = check.positive(f"white minus black level of {result.source}", "DN", white - black)
+    of_codes = VarianceLaw(
+        floor_e2=np.array([_dark_noise_dn2(plane) for plane in result.planes]),
+        slope_e=np.array([plane.gain_dn_per_e for plane in result.planes]),
+    )
+    return _Normalized(
+        names=tuple(plane.name for plane in result.planes),
+        pairs=shot_and_dark(of_codes.in_units_of(span)),
+        black_dn=black,
+        white_dn=white,
+    )
+
+
+def _white_dn(result: Characterization) -> float:
+    """The lowest code at which a plane saturates, by its full well or by the converter. [DN]"""
+    wells = [
+        _black_of(plane) + plane.gain_dn_per_e * plane.full_well_e
+        for plane in result.planes
+        if plane.full_well_e is not None and math.isfinite(plane.full_well_e)
+    ]
+    return min([2.0 ** _bits(result) - 1, *map(round, wells)])
+
+
+def _dark_noise_dn2(plane: PlaneNoise) -> float:
+    """Variance of the codes without light, rounding included. [DN^2]"""
+    if plane.dark_variance_dn2 is None or not math.isfinite(plane.dark_variance_dn2):
+        raise _unknown(f"dark noise of plane {plane.name}", "take frames without light")
+    return plane.dark_variance_dn2
+
+
+def _black_of(plane: PlaneNoise) -> float:
+    if plane.black_level_dn is None or not math.isfinite(plane.black_level_dn):
+        raise _unknown(f"black level of plane {plane.name}", "take frames without light")
+    return plane.black_level_dn
+
+
+def _bits(result: Characterization) -> int:
+    if result.bits is None:
+        raise _unknown("bits", Setting("bits"))
+    return result.bits
+
+
+def _unknown(what: str, remedy: str | Setting) -> InputError:
+    return InputError(what, "must be known for this noise model", found="is not", remedy=remedy)
+
+
+def _maker_and_model(
+    result: Characterization, maker: str | None, model: str | None
+) -> tuple[str, str]:
+    """Maker and model of the arguments, or the first word of the camera and the rest."""
+    words: Sequence[str] = result.camera.split()
+    first = words[0] if words else ""
+    rest = words[1:]
+    if rest and rest[0].casefold() == first.casefold():  # Canon Canon EOS R5
+        rest = rest[1:]
+    maker = first if maker is None else maker
+    model = " ".join(rest) if model is None else model
+    for name, value in (("maker", maker), ("model", model)):
+        if not value:
+            raise InputError(
+                name,
+                "must be known for a darktable profile",
+                value=result.camera,
+                found="is not",
+                remedy=STATED.format('camera = "Maker Model"'),
+            )
+    return maker, model
+
+
+STANDARD = "EMVA Standard 1288, Release 4.0 Linear"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Row:
+    """A value of the sheet: its name in text, its section and names in XML, value and error."""
+
+    name: str
+    section: str
+    tag: str
+    short: str
+    symbol: str
+    unit: str
+    value: float
+    error: float | None = None
+    percent: bool = False
+
+
+def emva_sheet(result: Characterization, plane: PlaneNoise) -> str:
+    """The data sheet of one plane as text, a value with its unit per line, with all digits.
+
+    Parameters
+    ----------
+    result
+        The characterization that the plane belongs to.
+    plane
+        The plane.
+
+    Notes
+    -----
+    EMVA Standard 1288, Release 4.0 Linear (2021), chapters 2 and 10: u_e.min = sqrt(sigma_d^2 +
+    1 / (12 K^2)) + 1/2, SNR_max = sqrt(u_e.sat), DR = u_e.sat / u_e.min, photons = electrons / QE;
+    u_e.sat = QE u_p.sat is the saturation capacity, at the largest variance. The full well, of a
+    level above saturation, is an addition. `chromanoise.io.pixels.read_emva_sheet` reads it; ``#``
+    starts a comment. Values that are not known are left out; ratios have the unit 1.
+    """
+    lines = [f"# {STANDARD}", *_heading(result, plane)]
+    for row in _rows(result, plane):
+        below = "# below 0, as its error allows: " if row.value < 0 else ""
+        error = "" if row.error is None else f"  # +- {row.error:.2g}"
+        lines.append(f"{below}{row.name} = {_digits(row.value)} {row.unit}{error}")
+    return "\n".join([*lines, ""])
+
+
+def emva_sheet_xml(result: Characterization, plane: PlaneNoise) -> str:
+    """The data sheet of one plane as XML, in the form of the reference code of the standard.
+
+    Parameters
+    ----------
+    result
+        The characterization that the plane belongs to.
+    plane
+        The plane.
+
+    Notes
+    -----
+    The standard defines no XML. The form is that of ``Results1288.xml`` in the package emva1288
+    1.0.2 (https://github.com/EMVA1288/emva1288): the root ``results`` holds sections, each section
+    quantities by the names of that package, and each quantity ``short``, ``symbol``, ``unit`` and
+    ``value``; QE and PRNU are in %. ``standard_error``, ``full_well``, the section ``converter``
+    and the attributes of the root are additions; readers of that form ignore them.
+    `chromanoise.io.pixels.read_emva_sheet` reads it with all digits.
+    """
+    facts = {"standard": STANDARD, "camera": result.camera, "plane": plane.name}
+    facts |= {} if result.iso is None else {"iso": f"{result.iso:g}"}
+    root = ElementTree.Element("results", {key: _printable(value) for key, value in facts.items()})
+    sections: dict[str, ElementTree.Element] = {}
+    for row in _rows(result, plane):
+        if row.section not in sections:
+            sections[row.section] = ElementTree.SubElement(root, row.section)
+        entry = ElementTree.SubElement(sections[row.section], row.tag)
+        shift = 2 if row.percent else 0
+        for tag, text in (
+            ("short", row.short),
+            ("symbol", row.symbol),
+            ("unit", "%" if row.percent else row.unit),
+            ("value", _digits(row.value, shift)),
+        ):
+            ElementTree.SubElement(entry, tag).text = text
+        if row.error is not None:
+            ElementTree.SubElement(entry, "standard_error").text = _digits(row.error, shift)
+    ElementTree.indent(root)
+    text = ElementTree.tostring(root, encoding="unicode")
+    return f'<?xml version="1.0" encoding="UTF-8"?>\n{text}\n'
+
+
+def photon_transfer_csv(plane: PlaneNoise) -> str:
+    """The levels of one plane as a table that `read_photon_transfer_csv` reads to the last digit.
+
+    Parameters
+    ----------
+    plane
+        The plane.
+
+    Notes
+    -----
+    Columns: ``mean_dn``, ``variance_dn2``; ``samples``, the number of samples that gives the stated
+    standard error, n = 1 + 2 (variance / error)^2; ``time_ms`` and ``photons_per_pixel`` where all
+    levels have them; ``dark_mean_dn`` and ``dark_variance_dn2`` where all levels have darks.
+    """
+    levels = plane.levels
+    columns: dict[str, list[float | None]] = {
+        "mean_dn": [level.mean_dn for level in levels],
+        "variance_dn2": [level.variance_dn2 for level in levels],
+        "samples": [_samples(level) for level in levels],
+        "time_ms": [level.time_ms for level in levels],
+        "photons_per_pixel": [level.photons_per_pixel for level in levels],
+        "dark_mean_dn": [level.dark_mean_dn for level in levels],
+        "dark_variance_dn2": [level.dark_variance_dn2 for level in levels],
+    }
+    dark = columns["dark_mean_dn"], columns["dark_variance_dn2"]
+    if any(None in column for column in dark):
+        columns.pop("dark_mean_dn"), columns.pop("dark_variance_dn2")
+    known = {
+        name: [value for value in column if value is not None] for name, column in columns.items()
+    }
+    full = {name: column for name, column in known.items() if len(column) == len(levels)}
+    rows = zip(*full.values(), strict=True)
+    lines = [",".join(full), *(",".join(_digits(value) for value in row) for row in rows)]
+    return "\n".join([*lines, ""])
+
+
+def _samples(level: LevelNoise) -> float | None:
+    """Samples that give the standard error of the variance; ``None`` without an error. [1]"""
+    if not level.variance_se_dn2 > 0 or not level.variance_dn2 > 0:
+        return None
+    samples = 1 + 2 * (level.variance_dn2 / level.variance_se_dn2) ** 2
+    return samples if 2 <= samples <= 1e12 else None
+
+
+def _heading(result: Characterization, plane: PlaneNoise) -> list[str]:
+    lines = [f"# camera: {_printable(result.camera) or 'not known'}", f"# plane: {plane.name}"]
+    lines += [] if result.iso is None else [f"# ISO: {result.iso:g}"]
+    holds = "holds" if result.verdict.holds else "does not hold"
+    return [*lines, f"# The linear camera model {holds}."]
+
+
+def _rows(result: Characterization, plane: PlaneNoise) -> list[_Row]:
+    """The values of the summary sheet that are known."""
+    gain, dark, well = plane.gain_dn_per_e, plane.dark_noise_e, plane.saturation_capacity_e
+    least, dark_dn2 = threshold_e(gain, dark), plane.dark_variance_dn2
+    values: dict[str, tuple[float | None, float | None]] = {
+        "QE": (plane.qe, plane.qe_se),
+        "K": (gain, plane.gain_dn_per_e_se),
+        "sigma_d": (dark, plane.dark_noise_e_se),
+        "sigma_y_dark": (None if dark_dn2 is None else math.sqrt(dark_dn2), None),
+        "u_e_sat": (well, None),
+        "full_well": (plane.full_well_e, plane.full_well_e_se),
+        "u_e_min": (least, None),
+        "u_p_sat": (_photons(well, plane.qe), None),
+        "u_p_min": (_photons(least, plane.qe), None),
+        "SNR_max_dB": (10 * math.log10(well) if well and well > 0 else None, None),
+        "DR_dB": (dynamic_range_db(well, least), None),
+        "DSNU1288": (plane.dsnu_e, plane.dsnu_e_se),
+        "PRNU1288": (plane.prnu, plane.prnu_se),
+        "LE": (plane.linearity_error_percent, None),
+        "u_I_mean": (plane.dark_current_e_per_s, plane.dark_current_e_per_s_se),
+        "black_level": (plane.black_level_dn, plane.black_level_dn_se),
+        "bits": (result.bits, None),
+    }
+    return [
+        _Row(
+            name=name,
+            section=section,
+            tag=tag,
+            short=short,
+            symbol=symbol,
+            unit=unit,
+            value=value,
+            error=error,
+            percent=tag in ("QE", "PRNU1288"),
+        )
+        for section, tag, name, symbol, unit, short in _FORM
+        for value, error in (values[tag],)
+        if value is not None and math.isfinite(value)
+    ]
+
+
+_FORM = (  # section and name in XML, name in text, symbol, unit, meaning
+    ("sensitivity", "QE", "QE", "eta", "1", "Quantum efficiency"),
+    ("sensitivity", "K", "K", "K", "DN/e-", "System gain"),
+    ("sensitivity", "sigma_d", "sigma_d", "sigma_d", "e-", "Temporal dark noise"),
+    ("sensitivity", "sigma_y_dark", "sigma_y.dark", "sigma_y.dark", "DN", "Temporal dark noise"),
+    ("sensitivity", "u_e_sat", "mu_e.sat", "mu_e.sat", "e-", "Saturation capacity"),
+    ("sensitivity", "full_well", "full well", "full well", "e-", "Electrons of a saturated level"),
+    ("sensitivity", "u_e_min", "mu_e.min", "mu_e.min", "e-", "Absolute sensitivity threshold"),
+    ("sensitivity", "u_p_sat", "mu_p.sat", "mu_p.sat", "p", "Saturation capacity"),
+    ("sensitivity", "u_p_min", "mu_p.min", "mu_p.min", "p", "Absolute sensitivity threshold"),
+    ("sensitivity", "SNR_max_dB", "SNR_max", "SNR_max.dB", "dB", "Maximum signal-to-noise ratio"),
+    ("sensitivity", "DR_dB", "DR", "DR.dB", "dB", "Dynamic range"),
+    ("spatial", "DSNU1288", "DSNU1288", "DSNU_1288", "e-", "Dark signal non-uniformity"),
+    ("spatial", "PRNU1288", "PRNU1288", "PRNU_1288", "1", "Photo response non-uniformity"),
+    ("linearity", "LE", "LE", "LE", "%", "Largest linearity error"),
+    ("dark_current", "u_I_mean", "mu_I.mean", "mu_I.mean", "e-/s", "Dark current from mean"),
+    ("converter", "black_level", "black level", "mu_y.dark", "DN", "Black level"),
+    ("converter", "bits", "bits", "bits", "bit", "Bits of the converter"),
+)
+
+
+def _photons(electrons: float | None, qe: float | None) -> float | None:
+    return electrons / qe if electrons is not None and qe else None
+
+
+def _digits(value: float, shift: int = 0) -> str:
+    """All digits of a number, times 10^shift without rounding, so that it is read back exactly."""
+    if isinstance(value, int):
+        return str(value)
+    return str(Decimal(repr(float(value))).scaleb(shift)) if shift else repr(float(value))
+
+
+def _printable(text: str) -> str:
+    return "".join(letter if letter.isprintable() else "?" for letter in text)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class MatrixCheck:
+    """Temporal variance of linear combinations of the planes, at each level from dark to bright.
+
+    Attributes
+    ----------
+    levels
+        Names of the levels.
+    measured
+        Variance of each row of the matrix, from the covariance of the planes of a cell, without row
+        and column noise. [square of (unit of the matrix times e-)]
+    predicted
+        The same from the linear model of each plane, with independent planes.
+    fitted
+        Whether all planes are below 70 % of saturation.
+    names
+        Of the rows of the matrix.
+    """
+
+    levels: tuple[str, ...]
+    measured: Float[Array, "k q"]
+    predicted: Float[Array, "k q"]
+    fitted: tuple[bool, ...]
+    names: tuple[str, ...]
+
+    def __post_init__(self) -> None:
+        check.freeze(self, "measured", "predicted")
+
+    @property
+    def mean_error(self) -> Float[Array, " q"]:
+        """Mean of predicted over measured variance minus 1, over the levels that were fitted."""
+        used = np.array(self.fitted)
+        if not used.any():
+            return np.full(self.measured.shape[1], np.nan)
+        return np.asarray((self.predicted[used] / self.measured[used] - 1).mean(axis=0))
+
+
+def variance_through(
+    result: Characterization,
+    matrix: Float[Array, "q c"],
+    channels: tuple[str, ...],
+    *,
+    names: tuple[str, ...] = (),
+) -> MatrixCheck:
+    """The variance of each row of a matrix that is applied to electrons, measured and predicted.
+
+    Parameters
+    ----------
+    result
+        A characterization.
+    matrix
+        One column per channel; of several planes of one channel (``G1``, ``G2``) the mean is taken.
+    channels
+        Names of the columns, e.g. ``("R", "G", "B")``.
+    names
+        Names of the rows; numbers by default.
+
+    Raises
+    ------
+    InputError
+        If the channels are not those of the planes, or the matrix has another shape.
+
+    Notes
+    -----
+    C K^-1 S K^-1 C^T with S the covariance of the codes of a cell and K the gains.
+    """
+    weights = _by_plane(result, check.finite("matrix", "1", matrix), channels)
+    gain = np.array([plane.gain_dn_per_e for plane in result.planes])
+    rows = weights / gain
+    shared = np.array([_shared_dn2(plane) for plane in result.planes])
+    levels = range(len(result.planes[0].levels))
+    model = np.array(
+        [[plane.levels[k].predicted_variance_dn2 for plane in result.planes] for k in levels]
+    )
+    return MatrixCheck(
+        levels=tuple(level.name for level in result.planes[0].levels),
+        measured=np.einsum("qp,kpr,qr->kq", rows, result.covariance_dn2, rows),
+        predicted=np.maximum(model - shared, 0.0) @ (rows**2).T,
+        fitted=tuple(all(plane.levels[k].fitted for plane in result.planes) for k in levels),
+        names=names or tuple(str(i + 1) for i in range(len(rows))),
+    )
+
+
+def variance_through_file(result: Characterization, given: GivenMatrix) -> MatrixCheck:
+    """`variance_through` for the color matrix of a file.
+
+    Parameters
+    ----------
+    result
+        A characterization.
+    given
+        From `chromanoise.io.matrix_files.read_matrix`. A matrix for white-balanced raw is applied
+        to electrons divided by those of the brightest fitted level, whose light counts as white.
+
+    Raises
+    ------
+    InputError
+        As `variance_through`, or if no level is below saturation in all planes.
+    """
+    own = tuple(dict.fromkeys(color_of_plane(plane.name) for plane in result.planes))
+    channels = given.channels or own
+    values = given.values
+    if given.kind == "from-xyz":
+        values = pinv(f"matrix of {given.source}", values)
+    elif given.kind == "balanced":
+        white = _white_e(result)
+        values = values / np.array([white.get(name, 1.0) for name in channels])
+    names = ("X", "Y", "Z") if given.target == "XYZ" else ("R", "G", "B")
+    return variance_through(result, values, channels, names=names)
+
+
+def _white_e(result: Characterization) -> dict[str, float]:
+    """Electrons of each channel at the brightest level that was fitted in all planes."""
+    fitted = [
+        k
+        for k in range(len(result.planes[0].levels))
+        if all(plane.levels[k].fitted for plane in result.planes)
+    ]
+    if not fitted:
+        raise InputError(
+            result.source, "must have a level below 70 % of saturation in all planes for a matrix"
+        )
+    electrons: dict[str, list[float]] = {}
+    for plane in result.planes:
+        level = plane.levels[fitted[-1]]
+        above = level.mean_dn - (level.dark_mean_dn or 0.0)
+        electrons.setdefault(color_of_plane(plane.name), []).append(above / plane.gain_dn_per_e)
+    return {name: float(np.mean(values)) for name, values in electrons.items()}
+
+
+def _shared_dn2(plane: PlaneNoise) -> float:
+    """Variance of row and column noise. [DN^2]"""
+    parts = (getattr(plane, name) or 0.0 for name in SHARED)
+    return plane.gain_dn_per_e**2 * sum(part**2 for part in parts)
+
+
+def _by_plane(
+    result: Characterization, matrix: Float[Array, "q c"], channels: tuple[str, ...]
+) -> Float[Array, "q p"]:
+    of_plane = [_channel_of(plane.name, channels) for plane in result.planes]
+    if sorted(set(of_plane)) != sorted(channels):
+        names = ", ".join(plane.name for plane in result.planes)
+        raise InputError(
+            "matrix",
+            f"must have the channels of the planes {names}",
+            value=channels,
+            found=f"has {', '.join(channels)}",
+        )
+    if matrix.ndim != 2 or matrix.shape[1] != len(channels):
+        raise InputError(
+            "matrix",
+            f"must have one column for each of {', '.join(channels)}",
+            value=matrix.shape,
+            found=f"has shape {matrix.shape}",
+        )
+    columns = [channels.index(name) for name in of_plane]
+    counts = np.array([of_plane.count(name) for name in of_plane])
+    return np.asarray(matrix[:, columns] / counts)
+
+
+def _channel_of(plane: str, channels: tuple[str, ...]) -> str:
+    """The channel of a plane: ``G`` for ``G1``, unless there is a channel ``G1``."""
+    return plane if plane in channels else color_of_plane(plane)

@@ -1,0 +1,790 @@
+"""Statistics of frames kept in a file, so that a stopped run continues where it ended.
+
+Whether frames follow the linear model: variance = K mean + dark variance, white in space.
+
+From raw frames to the noise of each plane of a camera, by the methods of EMVA 1288.
+
+A characterization from frames, or from a table of means and variances.
+"""
+
+import hashlib
+import json
+import math
+import os
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import asdict, fields, replace
+from pathlib import Path
+from threading import Lock
+from typing import Any
+
+import numpy as np
+
+from chromanoise.apps.camera.characterization import (
+    Characterization,
+    LevelNoise,
+    ModelVerdict,
+    PlaneNoise,
+    plane_names,
+)
+from chromanoise.apps.camera.lights import (
+    Key,
+    Sampler,
+    at_one_light,
+    clipped_share,
+    dark_samples,
+    darks_of,
+    in_threads,
+    in_true_codes,
+    key_of,
+    light_changes,
+    lights_of,
+    lit_levels,
+    refuse_unusable,
+    transfer_table,
+    unclipped,
+)
+from chromanoise.apps.camera.planes import hidden_by_rounding, plane_noise, plane_of_fit
+from chromanoise.apps.camera.statistics import (
+    BAND_PIXELS,
+    LEAST_CLIPPED,
+    LEAST_SIDE,
+    SURE_Z,
+    FixedPattern,
+    LightSample,
+    PlaneSample,
+    SpatialVariance,
+    fixed_pattern,
+    hot_pixels,
+    light_sample,
+    mean_shared,
+    spatial_variance,
+    summed,
+)
+from chromanoise.base import Array, Float, InputError, __version__, inputs, write_whole
+from chromanoise.io.frames import FrameLevel, FrameSet, RawFrame, read_frame_set
+from chromanoise.io.pixels import is_photon_transfer_text, read_photon_transfer_csv
+from chromanoise.sensor import Mosaic, PhotonTransfer, TransferFit, photon_transfer_fit
+
+_SCHEMA = "chromanoise frame statistics"
+_MOST_BYTES = 100_000_000
+_FIELDS = {field.name for field in fields(PlaneSample)}
+
+
+def resumed(path: Path) -> Sampler:
+    """A function for `characterized` that keeps its results in a file.
+
+    The file is rewritten after each light. Results are reused only for the same frames: same
+    paths, sizes and modification times. Several threads may call the function.
+
+    Parameters
+    ----------
+    path
+        The file; made if it does not exist.
+
+    Raises
+    ------
+    InputError
+        If the file exists and is of another kind or version, or was changed.
+    """
+    kept, writing = _read(path) if os.path.lexists(path) else {}, Lock()
+
+    def sampled(frames: Sequence[RawFrame], tile: tuple[int, int]) -> LightSample:
+        key = _key(frames, tile)
+        if key not in kept:
+            found = light_sample(frames, tile)
+            one = {
+                "planes": [asdict(plane) for plane in found.planes],
+                "covariance_dn2": found.covariance_dn2.tolist(),
+            }
+            with writing:
+                kept[key] = one
+                data = {"schema": _SCHEMA, "version": __version__, "lights": kept}
+                data["content"] = inputs.content_hash(data)
+                write_whole(path, json.dumps(data).encode())
+            return found
+        one = kept[key]
+        planes = [
+            PlaneSample(**plane | {"frame_means_dn": tuple(plane["frame_means_dn"])})
+            for plane in one["planes"]
+        ]
+        return LightSample(planes=tuple(planes), covariance_dn2=np.array(one["covariance_dn2"]))
+
+    return sampled
+
+
+def _key(frames: Sequence[RawFrame], tile: tuple[int, int]) -> str:
+    digest = hashlib.sha256(repr(tile).encode())
+    for frame in frames:
+        facts = frame.path.stat()
+        place = f"{inputs.true_path(frame.path)}|{frame.part}|{frame.index}"
+        digest.update(f"{place}|{facts.st_size}|{facts.st_mtime_ns}\n".encode())
+    return digest.hexdigest()
+
+
+def _read(path: Path) -> dict[str, Any]:
+    data = inputs.json_file(path, most_bytes=_MOST_BYTES)
+    remedy = "give the file of an earlier run, or one that does not exist"
+    try:
+        lights = data["lights"]
+        same = data["schema"] == _SCHEMA and data["version"] == __version__
+        valid = all(
+            set(plane) == _FIELDS for one in lights.values() for plane in one["planes"]
+        ) and all("covariance_dn2" in one for one in lights.values())
+    except (KeyError, TypeError, AttributeError):
+        same = valid = False
+    if not (same and valid):
+        raise InputError(
+            str(path), f"must hold statistics of frames of version {__version__}", remedy=remedy
+        )
+    if data.get("content") != inputs.content_hash(data):
+        raise InputError(
+            str(path),
+            "must be as the earlier run wrote it",
+            found="was changed since, as its content hash shows",
+            remedy=("restore it", "name a file that does not exist"),
+        )
+    return dict(lights)
+
+
+_WIDE_DN2 = 4.0  # above it few pixels share the largest code
+_LEAST_BEND = 0.02  # change of the slope over the fit that is worth telling
+_LEAST_CORRELATION = 0.01
+_LEAST_DRIFT = 1e-3  # of the mean
+_LEAST_PIXELS = 20  # of a clipped frame that have the same code
+_LEAST_DEVIATION = 0.02  # of the variance
+
+
+def model_verdict(
+    given: FrameSet,
+    frames: FrameSet,
+    lights: Mapping[Key, LightSample],
+    planes: Sequence[PlaneNoise],
+    correlation: Float[Array, "p p"],
+) -> ModelVerdict:
+    """Chi-square of the linear law, and a sentence on each fault that is beyond chance.
+
+    Parameters
+    ----------
+    given, frames, lights
+        All frames, those that were evaluated, and their statistics by the names of the frames.
+    planes
+        Results of the planes.
+    correlation
+        Temporal correlation between the planes of a cell.
+    """
+    z = [_deviations(plane) for plane in planes]
+    worst_plane = max(range(len(planes)), key=lambda i: float(np.abs(z[i]).max(initial=0.0)))
+    fitted = [level for level in planes[worst_plane].levels if level.fitted]
+    worst = int(np.abs(z[worst_plane]).argmax()) if fitted else 0
+    sentences = [
+        *bend_sentences(planes),
+        *_deviating(frames, planes, z),
+        *_neighbors(frames, lights, planes),
+        *_channels(planes, correlation, _pixels(lights)),
+        *_clipped_at_0(given, lights),
+        *_lights(frames, lights, planes),
+    ]
+    return ModelVerdict(
+        holds=not sentences,
+        chi2_per_level=float(np.mean([plane.fit.chi2_per_row for plane in planes])),
+        worst_level=fitted[worst].name if fitted else "",
+        worst_z=float(z[worst_plane][worst]) if fitted else 0.0,
+        sentences=tuple(sentences),
+    )
+
+
+def _deviations(plane: PlaneNoise) -> Array:
+    """Variance minus fit over its standard error, of the levels that were fitted."""
+    lit = len(plane.levels)
+    return np.asarray(plane.fit.residual_z[:lit][plane.fit.fitted[:lit]])
+
+
+def bend_sentences(planes: Sequence[PlaneNoise]) -> Iterator[str]:
+    """A sentence on each plane whose variance is no straight line over the mean.
+
+    Parameters
+    ----------
+    planes
+        Results of the planes.
+    """
+    for plane in planes:
+        low, high = plane.fit.low_light_gain_dn_per_e, plane.fit.high_light_gain_dn_per_e
+        if plane.bend_z is None or low is None or high is None:
+            continue
+        if abs(plane.bend_z) > SURE_Z and abs(high / low - 1) > _LEAST_BEND:
+            yield (
+                f"{plane.name}: the variance is not a straight line: its slope is {low:.4g} DN/e- "
+                f"at low light and {high:.4g} DN/e- at the end of the fit ({plane.bend_z:+.1f} "
+                "standard errors), so one K does not describe it"
+            )
+
+
+def _deviating(frames: FrameSet, planes: Sequence[PlaneNoise], z: Sequence[Array]) -> Iterator[str]:
+    for plane, own in zip(planes, z, strict=True):
+        fitted = [level for level in plane.levels if level.fitted]
+        if not own.size or abs(plane.bend_z or 0.0) > SURE_Z:
+            continue
+        k = int(np.abs(own).argmax())
+        level = fitted[k]
+        share = level.variance_dn2 / max(level.predicted_variance_dn2, 1e-300) - 1
+        if abs(own[k]) > SURE_Z and abs(share) > _LEAST_DEVIATION:
+            names = _names(_level(frames, level.name).flats)
+            yield (
+                f"{plane.name}: the variance of {names} is {100 * share:+.1f} % off the straight "
+                f"line ({own[k]:+.1f} standard errors): the light differs between the frames, or "
+                "the frames are processed"
+            )
+
+
+def _neighbors(
+    frames: FrameSet, lights: Mapping[Key, LightSample], planes: Sequence[PlaneNoise]
+) -> Iterator[str]:
+    """Correlation of neighbors, at the brightest level that was fitted."""
+    for plane in planes:
+        fitted = [level for level in plane.levels if level.fitted and level.clipped_share < 0.5]
+        if not fitted:
+            continue
+        level = fitted[-1]
+        pixels = _pixels(lights)
+        least = max(_LEAST_CORRELATION, SURE_Z / math.sqrt(pixels))
+        for where, value in (
+            ("in a row", level.correlation_right),
+            ("in a column", level.correlation_down),
+        ):
+            if abs(value) > least:
+                yield (
+                    f"{plane.name}: the noise of neighbors {where} has a correlation of "
+                    f"{value:+.3f} in {_names(_level(frames, level.name).flats)}: the frames are "
+                    "denoised, resampled or compressed, or charge spreads between pixels"
+                )
+
+
+def _channels(
+    planes: Sequence[PlaneNoise], correlation: Float[Array, "p p"], pixels: int
+) -> Iterator[str]:
+    least = max(_LEAST_CORRELATION, SURE_Z / math.sqrt(pixels))
+    for i, one in enumerate(planes):
+        for j in range(i):
+            if abs(correlation[i, j]) > least:
+                yield (
+                    f"{planes[j].name} and {one.name}: the noise of the two planes has a "
+                    f"correlation of {correlation[i, j]:+.3f}, but the model assumes independent "
+                    "channels"
+                )
+
+
+def _clipped_at_0(frames: FrameSet, lights: Mapping[Key, LightSample]) -> Iterator[str]:
+    """Darks and flats that are clipped at code 0."""
+    for kind, lost in (("darks", "no darks are used"), ("flats", "these levels are not used")):
+        groups = [group for level in frames.levels if (group := getattr(level, kind))]
+        shares = {key_of(group): clipped_share(lights[key_of(group)]) for group in groups}
+        clipped = [group for group in groups if shares[key_of(group)]]
+        if clipped:
+            worst = max(clipped, key=lambda group: shares[key_of(group)])
+            yield (
+                f"up to {100 * shares[key_of(worst)]:.2g} % of the pixels of "
+                f"{len({key_of(group) for group in clipped})} sets of {kind} have code 0 "
+                f"({worst[0].name}): clipping makes their variance too small, so {lost}"
+            )
+
+
+def _lights(
+    frames: FrameSet, lights: Mapping[Key, LightSample], planes: Sequence[PlaneNoise]
+) -> Iterator[str]:
+    """Light that drifts, and flats that clip."""
+    every = light_changes(frames, lights).values()
+    changes = [change for change in every if change.share > _LEAST_DRIFT]
+    if changes:
+        worst = max(changes, key=lambda one: one.share)
+        done = (
+            "the signals above dark were scaled to one mean before the variance was computed"
+            if worst.above_black
+            else "shading and PRNU therefore add to the variance; the frames were not scaled to "
+            "one mean, because the black level is not known"
+        )
+        yield (
+            f"the light changed between frames of {len(changes)} levels, by up to "
+            f"{100 * worst.share:.2g} % ({worst.low.name} and {worst.high.name}); {done}"
+        )
+    pixels = _pixels(lights)
+    for plane in planes:
+        for one in plane.levels:
+            many = one.clipped_share * pixels > _LEAST_PIXELS
+            clipped = one.clipped_share > LEAST_CLIPPED and many
+            if one.fitted and clipped and one.variance_dn2 > _WIDE_DN2:
+                yield (
+                    f"{plane.name}: {100 * one.clipped_share:.2g} % of the pixels of "
+                    f"{_level(frames, one.name).flats[0].name} are at its top code: it is clipped"
+                )
+
+
+def _level(frames: FrameSet, name: str) -> FrameLevel:
+    return next(level for level in frames.levels if level.name == name and level.flats)
+
+
+def _pixels(lights: Mapping[Key, LightSample]) -> int:
+    pixels = min(light.planes[0].pixels for light in lights.values())
+    return min(pixels, BAND_PIXELS)
+
+
+def _names(group: Sequence[object]) -> str:
+    names = [str(getattr(one, "name", one)) for one in group]
+    return names[0] if len(names) == 1 else f"{names[0]} and {names[-1]}"
+
+
+_MOST_AVERAGED = 16  # frames of a level from which fixed patterns are computed
+_MOST_SPATIAL = 1 << 15  # the same for a spatial series: sums have 32 bits
+_HALF = 0.5  # of saturation, at which PRNU is measured
+
+
+def characterized(
+    frames: FrameSet,
+    *,
+    sampled: Sampler = light_sample,
+    progress: Callable[[int, int], None] = lambda _done, _all: None,
+) -> Characterization:
+    """Noise of each plane of a camera from its frames, with a verdict on the linear model.
+
+    Parameters
+    ----------
+    frames
+        Levels of light with two or more flats each, and darks.
+    sampled
+        Computes the statistics of the frames of one light; `chromanoise.apps.camera.resumed`
+        keeps them for a later run.
+    progress
+        Called with the number of frames read so far and their total.
+
+    Raises
+    ------
+    InputError
+        If frames differ in size, a level has one flat, its flats differ by more than 20 %, darks
+        are brighter than flats, or the levels allow no photon transfer fit (`photon_transfer_fit`).
+
+    Notes
+    -----
+    EMVA 1288, release 4.0 Linear: K, dark noise, QE, saturation and linearity from the temporal
+    variances (chapter 6), DSNU and PRNU from averaged frames (chapter 8). PRNU is computed with the
+    high-pass filter of the standard, from the spatial series (without one: from the level) nearest
+    to half of saturation.
+    """
+    refuse_unusable(frames)
+    tile = (1, 1) if frames.mosaic is None else frames.mosaic.shape
+    given, lights = in_true_codes(frames, lights_of(frames, tile, sampled, progress))
+    frames = unclipped(given, lights)
+    lights = at_one_light(frames, lights, tile)
+    names = plane_names(frames.mosaic)
+    black = None if darks_of(frames) else frames.black_level_dn
+    tables = [
+        transfer_table(frames, lights, i, f"{frames.source}, {name}")
+        for i, name in enumerate(names)
+    ]
+    fits = [_fit(table, black) for table in tables]
+    lit, planes = lit_levels(frames, lights), []
+    spatial = [level for level in frames.levels if level.flats and level.spatial]
+    middles = [_middle(lit, spatial or lit, lights, i, fit) for i, fit in enumerate(fits)]
+    patterns = _patterns(frames, middles, tile)
+    unfiltered = []
+    for i, (name, fit, middle) in enumerate(zip(names, fits, middles, strict=True)):
+        own = {key: light.planes[i] for key, light in lights.items()}
+        darks = _darks_of(frames, middle)
+        flat = _spatial(patterns, own, middle.flats, i, high_pass=True, darks=darks)
+        dark = dark_filtered = dark_alone = hot = None
+        if darks:
+            steady = {key_of(darks): _with_rows_of_all_darks(frames, own, darks)}
+            dark, dark_filtered = (
+                _spatial(patterns, steady, darks, i, high_pass=filtered)
+                for filtered in (False, True)
+            )
+            dark_alone = _spatial(patterns, own, darks, i, high_pass=False)
+            hot = hot_pixels(patterns[key_of(darks), i], own[key_of(darks)])
+        unfiltered += [] if flat.filtered else [name]
+        planes.append(
+            plane_noise(
+                frames,
+                lit,
+                own,
+                fit,
+                name=name,
+                flat=flat,
+                dark=dark,
+                dark_alone=dark_alone,
+                dark_filtered=dark_filtered,
+                hot=hot,
+            )
+        )
+    middle = middles[0]
+    first = frames.levels[0].flats or frames.levels[0].darks
+    covariance = lights[key_of(middle.flats)].covariance_dn2
+    sd = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
+    return Characterization(
+        source=frames.source,
+        camera=first[0].camera,
+        iso=first[0].iso,
+        bits=first[0].bits,
+        mosaic=None if frames.mosaic is None else named_mosaic(frames.mosaic),
+        planes=tuple(planes),
+        correlation=covariance / np.outer(sd, sd),
+        covariance_dn2=np.array([lights[key_of(level.flats)].covariance_dn2 for level in lit]),
+        verdict=model_verdict(given, frames, lights, planes, covariance / np.outer(sd, sd)),
+        notes=(
+            *frames.notes,
+            *_black_notes(frames, planes),
+            *_hidden_notes(frames, lights, names),
+            *_shading_notes(unfiltered),
+        ),
+    )
+
+
+def _fit(table: PhotonTransfer, black_dn: float | None) -> TransferFit:
+    """The photon transfer; without QE, and with a note, where the photons cannot be right.
+
+    Frames that were denoised give a QE above 1; the verdict names them.
+    """
+    try:
+        return photon_transfer_fit(table, black_dn=black_dn)
+    except InputError as error:
+        if table.photons is None or "photons" not in error.where:
+            raise
+        note = f"{table.source}: no QE: it {error.found}, which is not possible"
+        known = replace(table, photons=None, notes=(*table.notes, note))
+        return photon_transfer_fit(known, black_dn=black_dn)
+
+
+def named_mosaic(mosaic: Mosaic) -> Mosaic:
+    """The mosaic with the names of the planes."""
+    names, (_, width) = mosaic.place_names, mosaic.shape
+    return Mosaic(tuple(names[i : i + width] for i in range(0, len(names), width)))
+
+
+def _hidden_notes(
+    frames: FrameSet, lights: Mapping[Key, LightSample], names: Sequence[str]
+) -> list[str]:
+    hidden = [
+        name
+        for i, name in enumerate(names)
+        if hidden_by_rounding(frames, {key: light.planes[i] for key, light in lights.items()})
+    ]
+    if not hidden:
+        return []
+    return [
+        f"{', '.join(hidden)}: the dark noise is below 0.49 DN, so rounding hides DSNU, row noise, "
+        "column noise and dark current"
+    ]
+
+
+def _black_notes(frames: FrameSet, planes: Sequence[PlaneNoise]) -> list[str]:
+    black = frames.black_level_dn
+    if darks_of(frames):
+        measured = [one.black_level_dn for one in planes if one.black_level_dn is not None]
+        if black is None or not measured or max(abs(one - black) for one in measured) <= 1:
+            return []
+        span = " to ".join(f"{one:.4g}" for one in sorted({min(measured), max(measured)}))
+        return [
+            f"the stated black level of {black:g} DN is not used: the darks have {span} DN; "
+            "correct it, or check whether the darks belong to the flats"
+        ]
+    if black is None:
+        return [
+            "the black level is not known: take darks, or state black_level_dn in capture.toml "
+            "(0 if the camera subtracts it)"
+        ]
+    return [f"no darks are used: the black level is the stated {black:g} DN"]
+
+
+def _shading_notes(names: Sequence[str]) -> list[str]:
+    if not names:
+        return []
+    return [
+        f"{', '.join(names)}: PRNU includes shading, because planes of less than {LEAST_SIDE} "
+        "rows or columns are not high-pass filtered"
+    ]
+
+
+# ---- fixed patterns ----
+
+Patterns = Mapping[tuple[Key, int], FixedPattern]
+"""Fixed patterns by the names of the frames and the number of the plane."""
+
+
+def _middle(
+    lit: Sequence[FrameLevel],
+    among: Sequence[FrameLevel],
+    lights: Mapping[Key, LightSample],
+    plane: int,
+    fit: TransferFit,
+) -> FrameLevel:
+    """The level that is nearest to half of the saturation of a plane."""
+
+    def mean(level: FrameLevel) -> float:
+        return lights[key_of(level.flats)].planes[plane].mean_dn
+
+    means = [mean(level) for level in lit]
+    black = fit.black_dn if fit.black_dn is not None else min(means)
+    end = max(means) if fit.saturation_dn is None else fit.saturation_dn
+    return min(among, key=lambda one: abs(mean(one) - black - _HALF * (end - black)))
+
+
+def _darks_of(frames: FrameSet, middle: FrameLevel) -> tuple[RawFrame, ...]:
+    """The darks of a level; else those of a spatial series, or the first ones, if there are any."""
+    others = sorted(frames.levels, key=lambda one: not one.spatial)
+    return middle.darks or next((one.darks for one in others if one.darks), ())
+
+
+def _patterns(
+    frames: FrameSet, middles: Sequence[FrameLevel], tile: tuple[int, int]
+) -> dict[tuple[Key, int], FixedPattern]:
+    """The patterns of flats and darks at the middle level of each plane, read once."""
+    wanted: dict[Key, tuple[tuple[RawFrame, ...], set[int]]] = {}
+    for i, middle in enumerate(middles):
+        for group in (middle.flats, _darks_of(frames, middle)):
+            if group:
+                wanted.setdefault(key_of(group), (group, set()))[1].add(i)
+    series = {
+        key_of(group)
+        for level in frames.levels
+        if level.spatial
+        for group in (level.flats, level.darks)
+    }
+
+    def of_planes(group: tuple[RawFrame, ...]) -> dict[tuple[Key, int], FixedPattern]:
+        key = key_of(group)
+        averaged = group[: _MOST_SPATIAL if key in series else _MOST_AVERAGED]
+        totals = summed(averaged, tile)
+        return {(key, i): fixed_pattern(totals[i], len(averaged)) for i in wanted[key][1]}
+
+    found: dict[tuple[Key, int], FixedPattern] = {}
+    for patterns in in_threads(of_planes, [group for group, _ in wanted.values()]):
+        found |= patterns
+    return found
+
+
+def _spatial(
+    patterns: Patterns,
+    own: Mapping[Key, PlaneSample],
+    group: Sequence[RawFrame],
+    plane: int,
+    *,
+    high_pass: bool,
+    darks: Sequence[RawFrame] = (),
+) -> SpatialVariance:
+    key = key_of(group)
+    return spatial_variance(
+        patterns[key, plane],
+        own[key],
+        high_pass=high_pass,
+        dark=own[key_of(darks)] if darks else None,
+    )
+
+
+def _with_rows_of_all_darks(
+    frames: FrameSet, own: Mapping[Key, PlaneSample], group: Sequence[RawFrame]
+) -> PlaneSample:
+    """The statistics of darks, with the row and column noise of all darks.
+
+    Two frames have few rows and columns, and this noise does not depend on the exposure time, so it
+    is averaged over all darks. A spatial series has many frames, so their own temporal noise is
+    subtracted, as in the standard.
+    """
+    if any(level.spatial and level.darks == group for level in frames.levels):
+        return own[key_of(group)]
+    (row, row_se), (column, column_se) = (
+        mean_shared(dark_samples(frames, own), which) for which in ("row", "column")
+    )
+    return replace(
+        own[key_of(group)],
+        row_dn2=row,
+        row_se_dn2=row_se,
+        column_dn2=column,
+        column_se_dn2=column_se,
+    )
+
+
+_HEAD_BYTES = 4096
+_TABLES = (".csv", ".tsv", ".txt", ".dat")
+
+
+def characterize(
+    *frames: str | Path | FrameSet,
+    resume: str | Path | None = None,
+    progress: Callable[[int, int], None] = lambda _done, _all: None,
+) -> Characterization:
+    """Noise of a camera from its own raw frames: flats of several levels of light, and darks.
+
+    Parameters
+    ----------
+    frames
+        A folder, files, a `FrameSet`, or one table of means and variances. A folder with
+        ``capture.toml`` needs no guessing.
+    resume
+        File for the statistics of the frames read so far, from which a later call goes on.
+    progress
+        Called with the number of frames read and their total.
+
+    Returns
+    -------
+    Characterization
+        Gain, dark noise, full well, QE, DSNU, PRNU ... of each plane of the mosaic, each with its
+        error, and a verdict on the linear model.
+
+    Raises
+    ------
+    InputError
+        If a frame cannot be read, frames do not belong together, or they give no photon transfer.
+
+    Notes
+    -----
+    EMVA Standard 1288, release 4.0 Linear (2021).
+
+    Examples
+    --------
+    >>> import chromanoise as cn
+    >>> camera = cn.characterize("frames")                          # doctest: +SKIP
+    >>> camera.planes[0].gain_dn_per_e, camera.verdict.sentences    # doctest: +SKIP
+    """
+    kept = None if resume is None else Path(resume)
+    if len(frames) == 1 and isinstance(frames[0], FrameSet):
+        return characterization_of(frames[0], resume=kept, progress=progress)
+    words = [one for one in frames if isinstance(one, str | Path)]
+    if len(words) < len(frames) or not words:
+        raise InputError(
+            "frames",
+            "must be a folder, files, or one FrameSet",
+            value=[type(one).__name__ for one in frames],
+        )
+    return characterization_of(read_source(words), resume=kept, progress=progress)
+
+
+def read_source(words: Sequence[Path | str]) -> FrameSet | PhotonTransfer:
+    """Frames, or one table of means and variances.
+
+    Parameters
+    ----------
+    words
+        As `chromanoise.io.frames.read_frame_set`, or one table in a form of
+        `chromanoise.io.pixels.read_photon_transfer_csv`.
+
+    Raises
+    ------
+    InputError
+        As these readers.
+    """
+    if len(words) == 1 and is_table(Path(words[0]).expanduser()):
+        return read_photon_transfer_csv(Path(words[0]).expanduser())
+    return read_frame_set(words)
+
+
+def characterization_of(
+    source: FrameSet | PhotonTransfer,
+    *,
+    resume: Path | None = None,
+    progress: Callable[[int, int], None] = lambda _done, _all: None,
+) -> Characterization:
+    """The noise of a camera from what `read_source` read.
+
+    Parameters
+    ----------
+    source
+        Frames, or a table.
+    resume
+        File for the statistics of frames (`resumed`); ``None`` for none.
+    progress
+        As `characterized`.
+
+    Raises
+    ------
+    InputError
+        As `characterized`, `characterized_table` or `resumed`.
+    """
+    if isinstance(source, PhotonTransfer):
+        return characterized_table(source)
+    sampled = light_sample if resume is None else resumed(resume)
+    return characterized(source, sampled=sampled, progress=progress)
+
+
+def is_table(path: Path) -> bool:
+    """Whether a file is a table of means and variances, by its ending and its heading."""
+    if path.suffix.lower() not in _TABLES or not path.is_file():
+        return False
+    with path.open("rb") as file:
+        return is_photon_transfer_text(file.read(_HEAD_BYTES).decode("utf-8", errors="replace"))
+
+
+def characterized_table(table: PhotonTransfer) -> Characterization:
+    """One plane from a table: without fixed patterns, row noise and correlations.
+
+    Parameters
+    ----------
+    table
+        Means and variances.
+
+    Raises
+    ------
+    InputError
+        As `chromanoise.sensor.photon_transfer_fit`.
+    """
+    fit = photon_transfer_fit(table)
+    lit = np.flatnonzero(~table.dark)
+    lit = lit[np.argsort(table.mean_dn[lit], kind="stable")]
+    levels = [_level_of_table(table, int(row), fit.gain_dn_per_e, fit.fitted) for row in lit]
+    plane = plane_of_fit(fit, name="mono", levels=tuple(levels))
+    used = np.abs(fit.residual_z) * fit.fitted
+    worst = int(used.argmax())
+    sentences = tuple(bend_sentences([plane]))
+    return Characterization(
+        source=table.source,
+        camera="",
+        iso=None,
+        bits=None,
+        mosaic=None,
+        planes=(plane,),
+        correlation=np.eye(1),
+        covariance_dn2=table.variance_dn2[lit][:, None, None],
+        verdict=ModelVerdict(
+            holds=not sentences,
+            chi2_per_level=fit.chi2_per_row,
+            worst_level=f"row {worst + 1}",
+            worst_z=float(fit.residual_z[worst]),
+            sentences=sentences,
+        ),
+        notes=(f"a table of {lit.size} means and variances: no fixed patterns and no row noise",),
+    )
+
+
+def _level_of_table(table: PhotonTransfer, row: int, gain: float, fitted: np.ndarray) -> LevelNoise:
+    dark_mean, dark_variance = _dark(table, row)
+    darkest = int(table.mean_dn.argmin())
+    base = float(table.mean_dn[darkest]) if dark_mean is None else dark_mean
+    floor = float(table.variance_dn2[darkest]) if dark_variance is None else dark_variance
+    variance = float(table.variance_dn2[row])
+    samples = math.nan if table.samples is None else float(table.samples[row])
+    return LevelNoise(
+        name=f"row {row + 1}",
+        frames=2,
+        time_ms=None if table.time_ms is None else float(table.time_ms[row]),
+        photons_per_pixel=None if table.photons is None else float(table.photons[row]),
+        mean_dn=float(table.mean_dn[row]),
+        variance_dn2=variance,
+        variance_se_dn2=0.0 if math.isnan(samples) else variance * math.sqrt(2 / (samples - 1)),
+        predicted_variance_dn2=gain * (float(table.mean_dn[row]) - base) + floor,
+        dark_mean_dn=dark_mean,
+        dark_variance_dn2=dark_variance,
+        fitted=bool(fitted[row]),
+        clipped_share=0.0,
+        correlation_right=0.0,
+        correlation_down=0.0,
+        drift_z=0.0,
+    )
+
+
+def _dark(table: PhotonTransfer, row: int) -> tuple[float | None, float | None]:
+    """Dark mean and variance of a row: its own columns, the dark of its time, or all darks."""
+    if table.dark_mean_dn is not None and table.dark_variance_dn2 is not None:
+        return float(table.dark_mean_dn[row]), float(table.dark_variance_dn2[row])
+    if not table.dark.any():
+        return None, None
+    chosen = table.dark
+    if table.time_ms is not None:
+        away = np.where(table.dark, np.abs(table.time_ms - table.time_ms[row]), np.inf)
+        chosen = away == away.min()
+    return float(table.mean_dn[chosen].mean()), float(table.variance_dn2[chosen].mean())

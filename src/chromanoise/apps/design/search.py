@@ -1,0 +1,840 @@
+"""Evaluation of a generation on a dask cluster, with the results of one process.
+
+A file from which a stopped search continues with the same digits.
+
+It holds plain arrays and one JSON text in the form of ``numpy.savez``, no pickled objects. The
+comment of this ZIP archive is the SHA-256 of the archive without it; a changed file is refused.
+
+Search for the front of a design problem: seeds, generations, checkpoint, polish, convergence.
+"""
+
+import hashlib
+import io
+import json
+import re
+import time
+import zipfile
+from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import Executor
+from contextlib import contextmanager
+from dataclasses import dataclass, fields
+from functools import lru_cache, partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from chromanoise.apps.design.algorithms import (
+    METHODS,
+    State,
+    algorithm_of,
+    generation_rng,
+    improved,
+    latin_hypercube,
+)
+from chromanoise.apps.design.front import (
+    Archive,
+    Evaluated,
+    Problem,
+    checked_evaluation,
+    empty_archive,
+    hypervolume,
+    misses_of,
+    thinned,
+)
+from chromanoise.base import (
+    Array,
+    Float,
+    InputError,
+    Setting,
+    check,
+    json_of,
+    regular_file,
+    write_kept,
+)
+from chromanoise.imaging import client_of
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Scheduler:
+    """A cluster on which candidates are evaluated, in as many chunks as it has threads.
+
+    Attributes
+    ----------
+    executor
+        Of dask, which evaluates the chunks of a killed worker again.
+    threads
+        Number of chunks.
+    """
+
+    executor: Executor
+    threads: int
+
+    def evaluation_of(self, problem: Problem) -> Callable[[Array], Evaluated]:
+        """``problem.evaluate`` on the cluster; a worker decodes the problem once."""
+        import cloudpickle
+
+        return partial(self._evaluated, cloudpickle.dumps(problem.evaluate))
+
+    def _evaluated(self, evaluate: bytes, values: Array) -> Evaluated:
+        chunks = np.array_split(values, min(self.threads, len(values)))
+        tasks = [self.executor.submit(_evaluated_there, evaluate, chunk) for chunk in chunks]
+        parts = [task.result() for task in tasks]
+        return Evaluated(
+            objectives=np.concatenate([part.objectives for part in parts]),
+            violation=np.concatenate([part.violation for part in parts]),
+        )
+
+
+@contextmanager
+def scheduler_at(address: str, *, workers: int | None = None) -> Iterator[Scheduler]:
+    """A dask cluster for `chromanoise.apps.design.search.searched_front`.
+
+    Parameters
+    ----------
+    address
+        Such as ``tcp://host:8786``, whose workers need chromanoise; ``local`` for processes of this
+        machine.
+    workers
+        Number of processes for ``local``; one per core if ``None``.
+
+    Raises
+    ------
+    InputError
+        As `chromanoise.imaging.distributed.client_of`, or if the address has no port.
+    """
+    if address != "local" and not re.fullmatch(r"(\w+://)?[^/]+:\d+", address):
+        raise InputError(
+            "scheduler", "must be an address with a port, as tcp://host:8786, or local",
+            value=address,
+        )  # fmt: skip
+    with client_of(address, workers=workers, smaller=Setting("population")) as client:
+        threads = sum(client.nthreads().values())
+        yield Scheduler(executor=client.get_executor(pure=False), threads=max(threads, 1))
+
+
+def _evaluated_there(evaluate: bytes, values: Array) -> Evaluated:
+    """Runs in another process."""
+    return _decoded(evaluate)(values)
+
+
+@lru_cache(maxsize=2)
+def _decoded(evaluate: bytes) -> Callable[[Array], Evaluated]:
+    import cloudpickle
+
+    return cloudpickle.loads(evaluate)
+
+
+_FORM = 2
+_MOST_BYTES, _DIGEST_BYTES = 4 << 30, 64
+_DAMAGED = (
+    OSError, ValueError, KeyError, TypeError, EOFError, MemoryError, zipfile.BadZipFile,
+)  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Checkpoint:
+    """A search after a generation.
+
+    Attributes
+    ----------
+    search
+        What the search must have in common with one that continues it, as plain data.
+    generation, evaluations
+        Numbers of finished generations and of evaluated candidates.
+    archive
+        The front so far.
+    algorithm
+        State of the method.
+    """
+
+    search: Mapping[str, Any]
+    generation: int
+    evaluations: int
+    archive: Archive
+    algorithm: Mapping[str, Array]
+
+
+def write_checkpoint(path: Path, checkpoint: Checkpoint) -> None:
+    """Write the file in one step.
+
+    Raises
+    ------
+    InputError
+        If it cannot be written.
+    """
+    archive = {
+        f"archive.{field.name}": getattr(checkpoint.archive, field.name)
+        for field in fields(Archive)
+    }
+    algorithm = {f"algorithm.{name}": array for name, array in checkpoint.algorithm.items()}
+    text = json.dumps(
+        {
+            "form": _FORM,
+            "search": checkpoint.search,
+            "generation": checkpoint.generation,
+            "evaluations": checkpoint.evaluations,
+        }
+    )
+    content = io.BytesIO()
+    np.savez(content, allow_pickle=False, checkpoint=np.array(text), **archive, **algorithm)
+    write_kept(path, _sealed(content.getvalue()))
+
+
+def read_checkpoint(path: Path, search: Mapping[str, Any], empty: Archive) -> Checkpoint:
+    """The checkpoint of a search.
+
+    Parameters
+    ----------
+    path
+        A file of `write_checkpoint`.
+    search
+        As in `Checkpoint`; must equal that of the file.
+    empty
+        An archive without members, for the expected shapes.
+
+    Raises
+    ------
+    InputError
+        If there is no such file, it is damaged, or it belongs to another search.
+    """
+    if regular_file(path).st_size > _MOST_BYTES:
+        raise _damaged(path, f"has more than {_MOST_BYTES >> 20} MiB")
+    try:
+        archive_bytes = _unsealed(path.read_bytes())
+    except OSError as error:
+        raise InputError(str(path), f"cannot be read ({error.strerror})") from None
+    if archive_bytes is None:
+        raise _damaged(path, "was changed or truncated, as its content hash shows")
+    try:
+        with np.load(io.BytesIO(archive_bytes), allow_pickle=False) as stored:
+            text = json_of(str(stored["checkpoint"]), str(path))
+            arrays = {name: stored[name] for name in stored.files if name != "checkpoint"}
+        if text["form"] != _FORM or min(text["generation"], text["evaluations"]) < 0:
+            raise ValueError
+        theirs, generation, evaluations = (
+            dict(text["search"]), int(text["generation"]), int(text["evaluations"]),
+        )  # fmt: skip
+        archive = Archive(
+            **{field.name: arrays[f"archive.{field.name}"] for field in fields(Archive)}
+        )
+    except _DAMAGED:
+        raise _damaged(path, "cannot be read as one") from None
+    for name, own in search.items():
+        if theirs.get(name) != own:
+            raise InputError(
+                str(path),
+                f"must be of a search with the same {name}",
+                value=theirs.get(name),
+                found=_difference(name, theirs.get(name), own),
+                remedy="start the search anew without resume",
+            )
+    for field in fields(Archive):
+        if getattr(archive, field.name).shape[1:] != getattr(empty, field.name).shape[1:]:
+            raise _damaged(path, f"its {field.name} have another shape")
+    return Checkpoint(
+        search=theirs,
+        generation=generation,
+        evaluations=evaluations,
+        archive=archive,
+        algorithm={
+            name.removeprefix("algorithm."): array
+            for name, array in arrays.items()
+            if name.startswith("algorithm.")
+        },
+    )
+
+
+def _sealed(archive: bytes) -> bytes:
+    """The ZIP archive with its SHA-256 as its comment, whose length is in its last two bytes."""
+    digest = hashlib.sha256(archive).hexdigest().encode()
+    return archive[:-2] + len(digest).to_bytes(2, "little") + digest
+
+
+def _unsealed(content: bytes) -> bytes | None:
+    """The archive of `_sealed`; ``None`` if one of its bytes was changed."""
+    archive = content[: -_DIGEST_BYTES - 2] + bytes(2)
+    return archive if _sealed(archive) == content else None
+
+
+def _damaged(path: Path, found: str) -> InputError:
+    return InputError(
+        str(path),
+        "must be a complete checkpoint of a search",
+        found=found,
+        remedy="start the search anew without resume",
+    )
+
+
+def _difference(name: str, theirs: Any, own: Any) -> str:
+    if name in ("identity", "first generation") or not isinstance(own, int | str):
+        return f"its {name} differ"
+    return f"its {name} is {theirs}, not {own}"
+
+
+MOST_POPULATION = 100_000
+_BOUNDS = {
+    "budget": (1, 10**12),
+    "population": (4, MOST_POPULATION),  # differential evolution combines three and the parent
+    "seed": (0, 2**32 - 1),
+    "seeds": (1, 16),
+}
+_WRITTEN_EVERY_S = 2.0
+_SAME = 1e-9  # relative difference of a candidate evaluated on another machine
+_FIRST_POLISH = 20  # generations of a population; the next ones are after twice as many, and so on
+_EVALUATIONS_PER_GRADIENT = 25  # a gradient takes about as long
+_LEAST_GRADIENTS = 150  # per objective, of the polish at the end
+_OF_HISTORY = 64  # members of a front of which the hypervolume is kept
+_BEYOND = 0.1  # of the range of the front: from its worst values to the reference point
+_NUMERICAL = (InputError, ArithmeticError, ValueError)  # also of linear solvers
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SearchOptions:
+    """Method, effort and seed of a search.
+
+    Attributes
+    ----------
+    method
+        A name in `chromanoise.apps.design.algorithms.METHODS`.
+    budget
+        Largest number of evaluated candidates. Only whole generations are evaluated.
+    population
+        Candidates per generation.
+    seed
+        Seed of the random numbers of the first population; the other populations have the
+        following integers.
+    seeds
+        Number of independent populations, which share the budget. Their agreement measures the
+        convergence.
+    polish
+        Whether candidates are improved by gradients during and after the search. Gradients are
+        not part of the budget. ``None`` improves them if the problem has gradients.
+
+    Raises
+    ------
+    InputError
+        If the method is unknown, the population is not 4 to 100,000, the budget is less than one
+        population, the seed is not 0 to 2^32 - 1, or the seeds are not 1 to 16.
+    """
+
+    method: str = "nsga2"
+    budget: int = 20_000
+    population: int = 100
+    seed: int = 0
+    seeds: int = 3
+    polish: bool | None = None
+
+    def __post_init__(self) -> None:
+        method = check.one_of("method", self.method, tuple(METHODS))
+        object.__setattr__(self, "method", method)
+        for name, (least, most) in _BOUNDS.items():
+            value = getattr(self, name)
+            if not (isinstance(value, int) and least <= value <= most):
+                demand = f"must be a whole number, {least} to {most}"
+                raise InputError(name, demand, value=value)
+        if self.budget < self.population:
+            raise InputError(
+                "budget",
+                f"must be at least one population of {self.population} candidates",
+                value=self.budget,
+                remedy=(Setting("budget", (self.population,)), Setting("population")),
+            )
+
+
+DEFAULT_SEARCH = SearchOptions()
+"""Method and effort of a search that names none."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Progress:
+    """A search after a generation.
+
+    Attributes
+    ----------
+    generation, evaluations
+        Finished generations and evaluated candidates.
+    budget
+        Largest number of evaluations.
+    values, objectives
+        The front so far, in the units of parameters and objectives; empty until a candidate meets
+        all constraints.
+    """
+
+    generation: int
+    evaluations: int
+    budget: int
+    values: Float[Array, "k d"]
+    objectives: Float[Array, "k q"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Milestone:
+    """The front after a number of evaluations.
+
+    Attributes
+    ----------
+    evaluations
+        Evaluated candidates.
+    hypervolume
+        Share that the front (at most 64 members of it) dominates of the box between the best values
+        of the final front and the reference point, 0 to 1. ``None`` for one objective.
+    best
+        Best value of each objective.
+    """
+
+    evaluations: int
+    hypervolume: float | None
+    best: Float[Array, " q"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Convergence:
+    """How far a search has converged.
+
+    Attributes
+    ----------
+    milestones
+        The front after 1, 2, 4 ... generations of all populations, and the final one last.
+    reference
+        The reference point of the hypervolume: beyond the worst values of the final front by 10 %
+        of its range.
+    seeds
+        Seed of each population.
+    best
+        Best value of each objective in each population, polish included. If a population has no
+        feasible candidate, the value is infinite with the sign of a bad value.
+    gain
+        Improvement of the best value of each objective by the final polish, >= 0; NaN if there was
+        no polish.
+    failures
+        Errors that ended a polish early, each as one sentence.
+    """
+
+    milestones: tuple[Milestone, ...]
+    reference: Float[Array, " q"]
+    seeds: tuple[int, ...]
+    best: Float[Array, "k q"]
+    gain: Float[Array, " q"]
+    failures: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class FrontResult:
+    """The front: feasible candidates of which none dominates another.
+
+    Attributes
+    ----------
+    values
+        Of the parameters, each in its unit. At most 1,000 members.
+    objectives
+        Each in its own unit.
+    violation
+        Of the constraints, <= 0: the negative slack.
+    generations, evaluations
+        Generations and candidates that were evaluated in the search.
+    gradient_evaluations
+        Gradients that the polish computed.
+    undefined
+        Evaluated candidates with an undefined objective, such as those without signal; they count
+        as infeasible.
+    convergence
+        Of the search.
+    """
+
+    values: Float[Array, "k d"]
+    objectives: Float[Array, "k q"]
+    violation: Float[Array, "k r"]
+    generations: int
+    evaluations: int
+    gradient_evaluations: int
+    undefined: int
+    convergence: Convergence
+
+
+def searched_front(
+    problem: Problem,
+    settings: SearchOptions,
+    *,
+    start: Float[Array, "m d"] | None = None,
+    checkpoint: Path | None = None,
+    resume: bool = False,
+    evaluate_on: Scheduler | None = None,
+    progress: Callable[[Progress], None] | None = None,
+) -> FrontResult:
+    """The front of all candidates that a search evaluates.
+
+    The first generation is ``start`` and a Latin hypercube. Candidates with an infinite objective
+    are never members. The result depends on problem, settings and start only, not on interruptions
+    or workers.
+
+    Parameters
+    ----------
+    problem, settings
+        What is searched, and how.
+    start
+        Values that join the first generation, within the bounds, at most one population.
+    checkpoint
+        File that is replaced every two seconds, at the end, and on Ctrl-C.
+    resume
+        Whether to continue from that file; the budget may be larger than before.
+    evaluate_on
+        A cluster on which candidates are evaluated; this process if ``None``.
+    progress
+        Called after each generation.
+
+    Raises
+    ------
+    InputError
+        If the method does not fit the problem, ``start`` is outside the bounds, the checkpoint
+        belongs to another search, an evaluation is NaN, or no candidate meets the constraints.
+    KeyboardInterrupt
+        After Ctrl-C, when the checkpoint of the last finished generation has been written.
+    """
+    if settings.polish and problem.gradient is None:
+        raise InputError(
+            "polish",
+            "needs objectives with exact gradients",
+            value=True,
+            found="this design has none",
+            remedy=Setting("polish", (False,)),
+        )
+    state = _Populations(problem, settings)
+    evaluate = evaluate_on.evaluation_of(problem) if evaluate_on else problem.evaluate
+    first = [_first_generation(problem, settings, start, seed) for seed in state.seeds]
+    same = _common(problem, settings, first[0])
+    now = Checkpoint(
+        search=same, generation=0, evaluations=0, archive=empty_archive(problem), algorithm={}
+    )
+    if resume:
+        now = _resumed(problem, settings, checkpoint, now, state)
+    written = time.monotonic()
+    try:
+        while now.evaluations + settings.population <= settings.budget:
+            own, turn = divmod(now.generation, settings.seeds)
+            archive = now.archive
+            if turn == 0 and _is_power_of_two(own):
+                state.remember(now.evaluations, archive)
+            cycles, rest = divmod(own, _FIRST_POLISH)
+            if state.polishes and rest == 0 and _is_power_of_two(cycles):
+                archive = state.polish(turn, own, archive)
+            rng = generation_rng(state.seeds[turn], own)
+            values = state.algorithms[turn].ask(rng) if own else first[turn]
+            if not len(values):  # every combination of integer parameters was tried
+                break
+            found = checked_evaluation(problem, values, evaluate)
+            state.tell(turn, values, found, rng)
+            now = Checkpoint(
+                search=same,
+                generation=now.generation + 1,
+                evaluations=now.evaluations + len(values),
+                archive=archive.joined(problem, values, found),
+                algorithm=state.state(),
+            )
+            if progress:
+                progress(
+                    Progress(
+                        generation=now.generation,
+                        evaluations=now.evaluations,
+                        budget=settings.budget,
+                        values=now.archive.values,
+                        objectives=now.archive.objectives,
+                    )
+                )
+            if checkpoint and time.monotonic() > written + _WRITTEN_EVERY_S:
+                write_checkpoint(checkpoint, now)
+                written = time.monotonic()
+    finally:
+        if checkpoint and now.generation:
+            write_checkpoint(checkpoint, now)
+    archive, gain = now.archive, np.full(len(problem.objectives), np.nan)
+    if state.polishes:
+        before = _best(problem, archive)
+        for turn in range(min(settings.seeds, now.generation)):
+            own = (now.generation - turn - 1) // settings.seeds + 1
+            archive = state.polish(turn, own, archive, least=_LEAST_GRADIENTS)
+        with np.errstate(invalid="ignore"):
+            gain = np.nan_to_num(before - _best(problem, archive), nan=0.0, posinf=0.0)
+    _refuse_infeasible(problem, archive, f"{now.evaluations} candidates ({state.effort(now)})")
+    front = archive.thinned(problem)
+    return FrontResult(
+        values=front.values,
+        objectives=front.objectives,
+        violation=front.violation,
+        generations=now.generation,
+        evaluations=now.evaluations,
+        gradient_evaluations=int(state.gradients.sum()),
+        undefined=int(state.undefined.sum()),
+        convergence=state.convergence(now, archive, gain),
+    )
+
+
+class _Populations:
+    """The independent populations of a search, and the records of each.
+
+    `state` holds all of them, so that a resumed search continues with the same digits.
+    """
+
+    def __init__(self, problem: Problem, settings: SearchOptions) -> None:
+        self._problem, self._settings = problem, settings
+        self.seeds = tuple(settings.seed + i for i in range(settings.seeds))
+        self.algorithms = [
+            algorithm_of(problem, settings.method, settings.population, seed) for seed in self.seeds
+        ]
+        wanted = settings.polish is None or settings.polish
+        self.polishes = wanted and problem.gradient is not None
+        self.gradients = np.zeros(len(self.seeds), dtype=np.int64)
+        self.undefined = np.zeros(len(self.seeds), dtype=np.int64)
+        self._best = np.full((len(self.seeds), len(problem.objectives)), np.inf)
+        self._fronts: dict[int, Array] = {}
+        self._failures: list[str] = []
+
+    def tell(
+        self, turn: int, values: Float[Array, "m d"], found: Evaluated, rng: np.random.Generator
+    ) -> None:
+        """Give evaluated candidates to a population."""
+        misses = misses_of(self._problem, found)
+        defined = np.isfinite(found.objectives).all(axis=1)
+        costs = np.where(defined[:, None], self._problem.costs(found.objectives), 0.0)
+        self.undefined[turn] += np.count_nonzero(~defined)
+        self._record(turn, costs[misses == 0])
+        self.algorithms[turn].tell(values, costs, misses, rng)
+
+    def _record(self, turn: int, costs: Float[Array, "m q"]) -> None:
+        self._best[turn] = np.minimum(self._best[turn], costs.min(axis=0, initial=np.inf))
+
+    def remember(self, evaluations: int, archive: Archive) -> None:
+        """Store at most 64 members of the front, for the hypervolume."""
+        costs = self._problem.costs(archive.objectives)
+        self._fronts[evaluations] = costs[thinned(costs, _OF_HISTORY)]
+
+    def polish(self, turn: int, own: int, archive: Archive, *, least: int = 0) -> Archive:
+        """The archive with improved candidates, which also join the population.
+
+        Parameters
+        ----------
+        turn, own
+            Index of the population, and its number of generations.
+        archive
+            The front so far.
+        least
+            Number of gradients per objective that are allowed in any case.
+        """
+        problem, objectives = self._problem, len(self._problem.objectives)
+        share = own * self._settings.population // _EVALUATIONS_PER_GRADIENT
+        most = max(share - int(self.gradients[turn]), least * objectives)
+        values = self.algorithms[turn].state().get("values", archive.values)
+        if most <= 0 or not len(values):
+            return archive
+        try:
+            found = checked_evaluation(problem, values, problem.evaluate)
+            better = improved(problem, values, found, most=most)
+        except _NUMERICAL as error:  # the front so far is a result without it
+            self._failures.append(str(error))
+            return archive
+        self.gradients[turn] += better.gradients
+        misses = misses_of(problem, better.found)
+        costs = problem.costs(better.found.objectives)
+        self._record(turn, costs[misses == 0])
+        if METHODS[self._settings.method].of_several:
+            defined = np.isfinite(costs).all(axis=1, keepdims=True)
+            rng = generation_rng(self.seeds[turn], own)
+            costs = np.where(defined, costs, 0.0)
+            self.algorithms[turn].tell(better.values, costs, misses, rng)
+        return archive.joined(problem, better.values, better.found)
+
+    def effort(self, now: Checkpoint) -> str:
+        """Number of seeds and gradients of the search, in words."""
+        count = min(len(self.seeds), now.generation)
+        seeds = f"seed {self.seeds[0]}" if count == 1 else f"{count} seeds"
+        steps = int(self.gradients.sum())
+        return f"{seeds}, {f'polished with {steps} gradients' if steps else 'no polish'}"
+
+    def convergence(
+        self, now: Checkpoint, archive: Archive, gain: Float[Array, " q"]
+    ) -> Convergence:
+        """The convergence of the finished search."""
+        problem = self._problem
+        final = problem.costs(archive.objectives)
+        low, high = final.min(axis=0), final.max(axis=0)
+        reference = high + _BEYOND * (high - low)
+        self.remember(now.evaluations, archive)
+        several = len(problem.objectives) > 1
+        milestones = tuple(
+            Milestone(
+                evaluations=evaluations,
+                hypervolume=hypervolume(costs, low, reference) if several else None,
+                best=problem.costs(costs.min(axis=0, initial=np.inf)),
+            )
+            for evaluations, costs in sorted(self._fronts.items())
+        )
+        count = min(len(self.seeds), now.generation)
+        return Convergence(
+            milestones=milestones,
+            reference=problem.costs(reference),
+            seeds=self.seeds[:count],
+            best=problem.costs(self._best[:count]),
+            gain=gain,
+            failures=tuple(dict.fromkeys(self._failures)),
+        )
+
+    def state(self) -> State:
+        """All that the next generation and the result depend on."""
+        state = {
+            f"{i}.{name}": array
+            for i, one in enumerate(self.algorithms)
+            for name, array in one.state().items()
+        }
+        own = {"gradients": self.gradients, "undefined": self.undefined, "best": self._best}
+        fronts = {f"front.{count}": costs for count, costs in self._fronts.items()}
+        return state | {name: array.copy() for name, array in own.items()} | fronts
+
+    def restore(self, state: Mapping[str, Array]) -> None:
+        """Continue from a state."""
+        self.gradients, self.undefined, self._best = (
+            state[name].copy() for name in ("gradients", "undefined", "best")
+        )
+        for i, one in enumerate(self.algorithms):
+            start = f"{i}."
+            own = {k.removeprefix(start): v for k, v in state.items() if k.startswith(start)}
+            if own:
+                one.restore(own)
+        self._fronts = {
+            int(name.removeprefix("front.")): array
+            for name, array in state.items()
+            if name.startswith("front.")
+        }
+
+
+def _is_power_of_two(number: int) -> bool:
+    return number > 0 and number & (number - 1) == 0
+
+
+def _best(problem: Problem, archive: Archive) -> Float[Array, " q"]:
+    return problem.costs(archive.objectives).min(axis=0, initial=np.inf)
+
+
+def _first_generation(
+    problem: Problem, settings: SearchOptions, start: Float[Array, "m d"] | None, seed: int
+) -> Float[Array, "n d"]:
+    given = np.empty((0, len(problem.names))) if start is None else np.asarray(start, dtype=float)
+    if given.ndim != 2 or given.shape[1] != len(problem.names):
+        raise InputError(
+            "start",
+            f"must have the shape (m, {len(problem.names)})",
+            found=f"has the shape {given.shape}",
+        )
+    if len(given) > settings.population:
+        raise InputError(
+            "start",
+            f"must hold at most one population of {settings.population} candidates",
+            value=len(given),
+            found=f"holds {len(given)}",
+            remedy=Setting("population", (len(given),)),
+        )
+    outside = np.argwhere(~((given >= problem.low) & (given <= problem.high)))
+    if outside.size:
+        row, column = (int(i) for i in outside[0])
+        raise InputError(
+            "start",
+            f"must keep {problem.names[column]} within {problem.low[column]:g} to "
+            f"{problem.high[column]:g}",
+            value=float(given[row, column]),
+            where=f"candidate {row + 1}",
+            remedy="widen the bounds",
+        )
+    rng = generation_rng(seed, 0)
+    rest = latin_hypercube(problem, settings.population - len(given), rng)
+    return np.concatenate([problem.allowed(given), rest])
+
+
+def _common(problem: Problem, settings: SearchOptions, first: Array) -> dict[str, Any]:
+    """What a resumed search must share with the stopped one, by its name in messages."""
+    return {
+        "method": settings.method,
+        "seed": settings.seed,
+        "seeds": settings.seeds,
+        "polish": settings.polish,
+        "population": settings.population,
+        "parameters": list(problem.names),
+        "bounds": [problem.low.tolist(), problem.high.tolist()],
+        "integer parameters": list(problem.integer),
+        "objectives": [
+            f"{side} {o}" for o, side in zip(problem.objectives, problem.better, strict=True)
+        ],
+        "constraints": list(problem.constraints),
+        "identity": problem.identity,
+        "first generation": hashlib.sha256(first.tobytes()).hexdigest(),
+    }
+
+
+def _resumed(
+    problem: Problem,
+    settings: SearchOptions,
+    path: Path | None,
+    empty: Checkpoint,
+    state: _Populations,
+) -> Checkpoint:
+    if path is None:
+        raise InputError("checkpoint", "must be given to resume a search")
+    now = read_checkpoint(path, empty.search, empty.archive)
+    if now.evaluations > settings.budget:
+        raise InputError(
+            "budget",
+            "must not be smaller than that of the search that is resumed",
+            value=settings.budget,
+            found=f"is {settings.budget}, and {path} has {now.evaluations} evaluations",
+            remedy=Setting("budget", (now.evaluations,)),
+        )
+    if not _agrees(problem, now):
+        raise InputError(
+            str(path),
+            "must be of the same design",
+            found="the first member of its front has other objectives here",
+            remedy="start the search anew without resume",
+        )
+    state.restore(now.algorithm)
+    return now
+
+
+def _agrees(problem: Problem, now: Checkpoint) -> bool:
+    """Whether the first member of the front has the same objectives here."""
+    values, objectives = now.archive.values[:1], now.archive.objectives[:1]
+    if not len(values):
+        return True
+    again = checked_evaluation(problem, values, problem.evaluate)
+    return np.allclose(again.objectives, objectives, rtol=_SAME, atol=_SAME)
+
+
+def _refuse_infeasible(problem: Problem, archive: Archive, searched: str) -> None:
+    """Raise an error that names the violated constraints, if no candidate was feasible."""
+    if len(archive.values):
+        return
+    count = f"of {searched}"
+    never = archive.least > 0
+    missed = never if never.any() else archive.nearest > 0
+    if not missed.any():
+        raise InputError(
+            "the objectives",
+            "must be defined for a candidate that meets the constraints",
+            found=f"are undefined or saturated for all {count}",
+            remedy="allow a shorter exposure or less light",
+        )
+    amounts = archive.least if never.any() else archive.nearest
+    by = " and ".join(
+        f"{name} by {amount:.3g}"
+        for name, amount, on in zip(problem.constraints, amounts, missed, strict=True)
+        if on
+    )
+    found = (
+        f"none {count} meets {by.split(' by ')[0]}; the nearest misses {by}"
+        if never.sum() == 1
+        else f"none {count} meets all; the nearest {'ones miss' if never.any() else 'misses'} {by}"
+    )
+    raise InputError(
+        "the constraints",
+        "must be met together by a candidate within the bounds",
+        value=tuple(name for name, on in zip(problem.constraints, missed, strict=True) if on),
+        found=found,
+        remedy=("relax a constraint", "widen the bounds", Setting("budget")),
+    )

@@ -1,0 +1,111 @@
+"""What all rooms use: errors, declared properties, checks of input, files, linear algebra."""
+
+from typing import TYPE_CHECKING
+
+from chromanoise.base.lazy import lazy_names
+
+if TYPE_CHECKING:
+    from chromanoise.base.above import from_above, register_above
+    from chromanoise.base.check import Array, among, distinct, frozen, one_of, printable, reason
+    from chromanoise.base.colour import colour_science
+    from chromanoise.base.errors import (
+        InputError,
+        Remedy,
+        Render,
+        Setting,
+        StudyError,
+        did_you_mean,
+        errors_in,
+        known_name,
+        refusal,
+        setting_of_study,
+    )
+    from chromanoise.base.files import (
+        OWN_FILES,
+        claimed_folder,
+        csv_comment,
+        csv_text,
+        refuse_unwritable,
+        renamed,
+        text_of_cell,
+        text_of_comment,
+        whole_folder,
+        write_all_whole,
+        write_kept,
+        write_whole,
+    )
+    from chromanoise.base.inputs import content_hash, json_file, json_of, regular_file, true_path
+    from chromanoise.base.lazy import MovedPackages, lazy_names, renamed_keywords, warn_of_old_name
+    from chromanoise.base.linalg import (
+        RANK_TOLERANCE,
+        angles_deg,
+        cholesky,
+        congruence,
+        covariance_root,
+        eigh,
+        eigvalsh,
+        inv,
+        lstsq,
+        matrix_rank,
+        pinv,
+        qr,
+        solve,
+        svd,
+        unit_columns,
+        whitening,
+    )
+    from chromanoise.base.palette import (
+        CHANNELS,
+        DIFFERENCES,
+        NEUTRALS,
+        SENSORS,
+        VALUES,
+        channel_color,
+        color_between,
+        palette_css,
+    )
+    from chromanoise.base.properties import (
+        Growth,
+        Interface,
+        Property,
+        beside_their_needs,
+        demand_properties,
+        partial_class,
+        properties_of,
+        required_of,
+    )
+    from chromanoise.base.rng import stream
+    from chromanoise.base.sandbox import (
+        exit_after,
+        exit_code,
+        held_bytes,
+        started_python,
+        stopped_after,
+    )
+    from chromanoise.base.shapes import (
+        Bool,
+        Complex,
+        Float,
+        Float32,
+        Float64,
+        Inexact,
+        Int,
+        Int64,
+        Integer,
+        Num,
+        Shaped,
+        UInt8,
+        UInt16,
+    )
+    from chromanoise.base.units import (
+        BOLTZMANN_J_PER_K,
+        LIGHT_M_PER_S,
+        LUMEN_PER_WATT,
+        PLANCK_J_S,
+        UM2_PER_M2,
+        decibel,
+        photons_per_joule,
+    )
+    from chromanoise.base.version import __version__
+
+__getattr__, __dir__, __all__ = lazy_names(__name__)

@@ -1,0 +1,25 @@
+"""What a room uses of the rooms above it, which the package registers by name.
+
+So no import runs up: a result draws itself without its module importing charts.
+"""
+
+from importlib import import_module
+from typing import Any
+
+_MODULES: dict[str, str] = {}
+
+
+def register_above(**modules: str) -> None:
+    """Register modules of higher rooms, imported on first use.
+
+    Parameters
+    ----------
+    modules
+        The dotted name of a module by the name under which lower rooms ask for it.
+    """
+    _MODULES.update(modules)
+
+
+def from_above(name: str) -> Any:
+    """The module that is registered under a name."""
+    return import_module(_MODULES[name])

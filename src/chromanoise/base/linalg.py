@@ -1,0 +1,117 @@
+"""Linear algebra of small matrices: products that broadcast over pixels, ranks, angles.
+
+All linear solvers are called here, after a check for numbers that are not finite: LAPACK may loop
+forever over such a number while it holds the interpreter lock.
+"""
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from chromanoise.base.check import Array
+from chromanoise.base.errors import InputError
+from chromanoise.base.shapes import Float
+
+RANK_TOLERANCE = 1e-10
+"""Singular values of unit-norm columns below this share of the largest count as zero."""
+_ROUNDING = 1e-14  # of an eigenvalue of correlations, whose largest is 1 or more
+
+
+def _of_finite(solver: Callable[..., Any], what: str, *arrays: Array, **options: Any) -> Any:
+    """The result of a numpy solver for ``arrays``; ``what`` names them in the message.
+
+    Raises
+    ------
+    InputError
+        If a number is not finite, or the solver finds no solution.
+    """
+    for array in arrays:
+        bad = ~np.isfinite(array)
+        if bad.any():
+            first = np.asarray(array)[bad][0]
+            raise InputError(
+                what,
+                "must be finite",
+                value=first,
+                found=f"{int(bad.sum())} of {bad.size} numbers overflow double precision; the "
+                f"first is {first:g}",
+                remedy="choose less extreme values of the light, the exposure, the pixel or the "
+                "matrix",
+            )
+    try:
+        return solver(*arrays, **options)
+    except np.linalg.LinAlgError as error:
+        raise InputError(what, f"has no solution in double precision ({error})") from None
+
+
+cholesky = partial(_of_finite, np.linalg.cholesky)
+eigh = partial(_of_finite, np.linalg.eigh)
+eigvalsh = partial(_of_finite, np.linalg.eigvalsh)
+inv = partial(_of_finite, np.linalg.inv)
+lstsq = partial(_of_finite, np.linalg.lstsq)
+matrix_rank = partial(_of_finite, np.linalg.matrix_rank)
+pinv = partial(_of_finite, np.linalg.pinv)
+qr = partial(_of_finite, np.linalg.qr)
+solve = partial(_of_finite, np.linalg.solve)
+svd = partial(_of_finite, np.linalg.svd)
+
+
+def congruence(a: Float[Array, "q p"], s: Float[Array, "*px p p"]) -> Float[Array, "*px q q"]:
+    """A S A^T, exactly symmetric."""
+    product = a @ s @ a.T
+    return 0.5 * (product + np.swapaxes(product, -1, -2))
+
+
+def covariance_root(what: str, s: Float[Array, "*k p p"]) -> Float[Array, "*k p p"]:
+    """R with R^T R = S, for a covariance S; diagonal, as the root of each entry, where S is."""
+    sd = np.sqrt(np.diagonal(s, axis1=-2, axis2=-1))
+    return np.asarray(_correlation_power(what, s, sd, 0.5) * sd[..., None, :])
+
+
+def whitening(what: str, s: Float[Array, "p p"]) -> Float[Array, "p p"]:
+    """W with W^T S W = 1, for a covariance S; 0 for a direction without noise."""
+    sd = np.sqrt(np.diagonal(s))
+    inverse = np.where(sd > 0, 1.0 / np.where(sd > 0, sd, 1.0), 0.0)
+    return np.asarray(inverse[:, None] * _correlation_power(what, s, sd, -0.5))
+
+
+def _correlation_power(
+    what: str, s: Float[Array, "*k p p"], sd: Float[Array, "*k p"], power: float
+) -> Float[Array, "*k p p"]:
+    """A power of the correlations of a covariance; eigenvalues of rounding size count as 0."""
+    identity = np.broadcast_to(np.eye(s.shape[-1]), s.shape)
+    correlation = np.where(identity > 0, 1.0, s / _outer(np.where(sd > 0, sd, 1.0)))
+    if (correlation == identity).all():
+        return identity
+    value, vector = eigh(what, correlation)
+    kept = value > _ROUNDING
+    powers = np.where(kept, np.where(kept, value, 1.0) ** power, 0.0)
+    return np.asarray((vector * powers[..., None, :]) @ np.swapaxes(vector, -1, -2))
+
+
+def _outer(sd: Float[Array, "*k p"]) -> Float[Array, "*k p p"]:
+    return np.asarray(sd[..., :, None] * sd[..., None, :])
+
+
+def unit_columns(
+    f: Float[Array, "*m n p"],
+) -> tuple[Float[Array, "*m n p"], Float[Array, "*m p"]]:
+    """Columns of length 1, and the lengths; a zero column stays zero."""
+    norms = np.linalg.norm(f, axis=-2)
+    return f / np.where(norms > 0, norms, 1.0)[..., None, :], norms
+
+
+def angles_deg(a: Float[Array, "n p"], b: Float[Array, "n q"]) -> Float[Array, "p q"]:
+    """Angle of every column of ``a`` with every column of ``b``, as `angle_deg`. [deg]"""
+    u, v = (columns / np.linalg.norm(columns, axis=0) for columns in (a, b))
+    apart = np.linalg.norm(u[:, :, None] - v[:, None, :], axis=0)
+    together = np.linalg.norm(u[:, :, None] + v[:, None, :], axis=0)
+    return np.asarray(np.degrees(2 * np.arctan2(apart, together)))
+
+
+def angle_deg(a: Float[Array, " n"], b: Float[Array, " n"]) -> float:
+    """Angle between two vectors, accurate near 0 and 180 degrees (Kahan). [deg]"""
+    u, v = a / np.linalg.norm(a), b / np.linalg.norm(b)
+    return float(np.degrees(2 * np.arctan2(np.linalg.norm(u - v), np.linalg.norm(u + v))))

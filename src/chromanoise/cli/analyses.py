@@ -1,0 +1,362 @@
+"""``--copy-as``: the study of a command as text.
+
+Messages and progress of a study during the computation.
+
+``chromanoise analyze``.
+
+``chromanoise compare``.
+
+``chromanoise matrix``.
+"""
+
+from collections.abc import Callable
+from contextlib import AbstractContextManager
+from pathlib import Path
+from typing import Any
+
+import click
+
+from chromanoise.base import InputError
+from chromanoise.charts import outcome_tables, pareto_table, verdict_sentences
+from chromanoise.cli import tables
+from chromanoise.cli.options import (
+    RenamedOption,
+    command,
+    copy_option,
+    matrix_option,
+    table_option,
+    with_settings,
+)
+from chromanoise.cli.output import (
+    json_option,
+    json_text,
+    print_lines,
+    progress_of,
+    refuse_taken_inputs,
+    table_text,
+    write_outputs,
+)
+from chromanoise.cli.tables import print_machine_readings
+from chromanoise.imaging import Work
+from chromanoise.io import Table, matrix_writer
+from chromanoise.noise import conditions
+from chromanoise.study import (
+    DEFAULT_METHOD,
+    MOST_PAIRS_SENSORS,
+    PRIORS,
+    SWEEPS,
+    Analyses,
+    Comparison,
+    ComparisonMap,
+    Step,
+    Study,
+    default_of,
+    known_matrices,
+    refuse_idle,
+    run,
+    run_study,
+    study_as_python,
+    study_as_toml,
+    study_of,
+)
+
+_TEXTS = {"python": study_as_python, "toml": study_as_toml}
+_NOT_COPIED = {
+    "json_target": "--json",
+    "table": "--table",
+    "export": "--export",
+    "threads": "--threads",
+    "tile": "--tile",
+    "scheduler": "--scheduler",
+    "out": "--out",
+}
+
+
+def print_copy(kind: str, study: Study) -> None:
+    """Print the study as TOML or as a script.
+
+    Raises
+    ------
+    InputError
+        If an option was given that is not part of a study, or a setting changes nothing.
+    """
+    context = click.get_current_context()
+    for name, option in _NOT_COPIED.items():
+        if context.get_parameter_source(name) is click.core.ParameterSource.COMMANDLINE:
+            raise InputError(
+                option,
+                "must not be given with --copy-as, as a study does not contain it",
+                value=str(context.params[name]),
+                found=None,
+                remedy="omit it",
+            )
+    refuse_idle(study)
+    click.echo(_TEXTS[kind](study), nl=False)
+
+
+def print_run(study: Study, out: Path, threads: int | None, place: Path | None = None) -> None:
+    """Run a study whose file names are relative to ``place``, and print the files it writes."""
+
+    def report(what: str, done: bool) -> None:
+        click.echo(f"{what}{' (already done)' if done else ''}", err=True)
+
+    work = Work(threads=threads)
+    for file in run_study(
+        study, out, work=work, report=report, progress=progress_of_step, place=place
+    ):
+        click.echo(file)
+
+
+def progress_of_step(step: Step) -> AbstractContextManager[Callable[[int], None]]:
+    """Progress of a step of a study."""
+    return progress_of(step.what, step.parts, step.unit)
+
+
+@command()
+@with_settings("analyze")
+@click.argument("sensors", nargs=-1, required=True, metavar="SENSOR...")
+@matrix_option
+@table_option
+@json_option
+@copy_option
+def analyze(
+    sensors: tuple[str, ...],
+    matrix: str,
+    table: str | None,
+    json_target: str | None,
+    copy_as: str | None,
+    **settings: Any,
+) -> None:
+    """Noise of each SENSOR in raw, spectral and color coordinates, for a perfect white.
+
+    SENSOR is a name of the catalog (onyx-rgbw, onyx-rgb-ircut, onyx-rgb, onyx-rgbw-ircut, and
+    models of other filter sets: model-rgb-ircut, model-cmy-ircut, model-rgbir ...; all of them:
+    `chromanoise catalog sensors`) or a file of QE curves in any format of `chromanoise inspect`.
+    """
+    study = study_of("analyze", sensors, settings, matrices=[matrix])
+    if copy_as is not None:
+        print_copy(copy_as, study)
+        return
+    refuse_taken_inputs({"--json": json_target, "--table": table}, sensors, settings)
+    (result,) = run(study, progress=progress_of_step).analyses.values()
+    printed = json_target != "-"
+    sentences = _sentences(result, study.exposure.equal) if printed else []
+    write_outputs(
+        (table, lambda: table_text(_table(result), str(table))),
+        (json_target, lambda: json_text(result.to_dict())),
+    )
+    if printed:
+        _print(result, sentences)
+
+
+def _sentences(result: Analyses, equal: str) -> list[str]:
+    """The verdict; computed before anything is written, because it may raise an error."""
+    return list(verdict_sentences(result.analyses, equal=equal, reader=result.outputs.reader))
+
+
+def _table(result: Analyses) -> Table:
+    """Of the sensors; with a pipeline of each patch at each ISO."""
+    return result.pipeline_table() if result.outputs.pipeline.run else result.to_table()
+
+
+def _print(result: Analyses, sentences: list[str]) -> None:
+    analyses = result.analyses
+    tables.print_conditions(conditions(result.points))
+    tables.print_analyses(analyses)
+    print_lines(sentences)
+    if len(analyses) > MOST_PAIRS_SENSORS:
+        tables.print_ranking(result.ranking, "Ranking by SNR of Y [dB]")
+    for table in outcome_tables(result):
+        tables.print_table(table)
+    readings = [one.machine for one in result.outcomes if one.machine is not None]
+    if readings:
+        print_machine_readings(readings)
+
+
+_VARY, _FIRST, _LAST = (default_of("compare", name) for name in ("vary", "first", "last"))
+_START = f"{_VARY}={_FIRST:g}:{_LAST:g}"
+
+
+@command()
+@with_settings("compare")
+@click.argument("sensors", nargs=-1, required=True, metavar="SENSOR...")
+@click.option(
+    "--sweep",
+    metavar="NAME=FIRST:LAST",
+    help=f"Parameter that varies: {', '.join(f'{s.name} [{s.unit}]' for s in SWEEPS.values())}. "
+    "An ircut-nm of 1200 or more is a sensor without the added filter. "
+    f"[default: {_START}]",
+)
+@click.option(
+    "--and",
+    "second",
+    metavar="NAME=FIRST:LAST[:POINTS]",
+    help="A second parameter of --sweep that varies too: values on a grid, and the best sensor at "
+    f"each pair of values. POINTS is {default_of('compare_map', 'second_points')} by default.",
+)
+@click.option(
+    "--matrix",
+    "matrices",
+    default=DEFAULT_METHOD,
+    show_default=True,
+    metavar="NAME[,NAME...]",
+    help="Color matrices: kernel and others of `chromanoise matrix`.",
+)
+@click.option(
+    "--prior",
+    metavar=f"[{'|'.join([*PRIORS, 'all'])}]|FILE",
+    help="Training set of trained matrices; all gives the band of crossovers over all sets; "
+    "or a file of reflectances.",
+)
+@table_option
+@json_option
+@copy_option
+def compare(
+    sensors: tuple[str, ...],
+    sweep: str | None,
+    second: str | None,
+    matrices: str,
+    table: str | None,
+    json_target: str | None,
+    copy_as: str | None,
+    **settings: Any,
+) -> None:
+    """Compare SENSORS over a range of one parameter: SNR, color error, crossovers.
+
+    The exposure time is solved once, for the settings that stay fixed, so that the brightest
+    channel of a perfect white fills --saturate (99 %) of full well; --time-ms sets it.
+    """
+    settings |= _span(sweep, "--sweep")
+    makers = matrices.split(",")
+    function = "compare" if second is None else "compare_map"
+    settings |= {} if second is None else _second_span(second)
+    study = study_of(function, sensors, settings, matrices=makers)
+    if copy_as is not None:
+        print_copy(copy_as, study)
+        return
+    refuse_taken_inputs({"--json": json_target, "--table": table}, sensors, settings)
+    results = run(study, progress=progress_of_step)
+    result: Comparison | ComparisonMap
+    (result,) = results.maps if second is not None else results.sweeps
+    write_outputs(
+        (table, lambda: table_text(result.to_table(), str(table))),
+        (json_target, lambda: json_text(result.to_dict())),
+    )
+    if json_target != "-":
+        fixed = conditions(result.points)
+        print_lines([f"Settings (all but those that vary stay fixed): {fixed}"])
+        if isinstance(result, ComparisonMap):
+            tables.print_maps(result.maps, result.ranking)
+            return
+        tables.print_comparison(
+            result.curves, result.ranking, result.shown_sentences, result.shown_bands
+        )
+
+
+def _second_span(text: str) -> dict[str, Any]:
+    """Parse NAME=FIRST:LAST[:POINTS]: the second parameter, its range and its number of values."""
+    span, _, points = text.rpartition(":")
+    count = {}
+    if span.count(":") == 1:
+        text = span
+        try:
+            count = {"second_points": int(points)}
+        except ValueError:
+            raise InputError(
+                "--and", "must end with a whole number of values", value=points
+            ) from None
+    return {f"second_{key}": value for key, value in _span(text, "--and").items()} | count
+
+
+def _span(text: str | None, option: str) -> dict[str, Any]:
+    """Parse NAME=FIRST:LAST: the parameter and its range."""
+    if text is None:
+        return {}
+    name, _, span = text.partition("=")
+    try:
+        first, last = (float(part) for part in span.split(":"))
+    except ValueError:
+        raise InputError(
+            option, "must be NAME=FIRST:LAST, e.g. lux=0.01:1000", value=text
+        ) from None
+    return {"vary": name, "first": first, "last": last}
+
+
+@command()
+@with_settings("matrix")
+@click.argument("sensor")
+@click.option(
+    "--matrix",
+    cls=RenamedOption,
+    old="--method",
+    default=DEFAULT_METHOD,
+    show_default=True,
+    metavar="NAME[=VALUE]|FILE",
+    help=f"Method of the matrix: {known_matrices()}; lmmse gives one per light "
+    "level; or a file: CSV, JSON, CLF, DNG, DCP.",
+)
+@click.option(
+    "--export",
+    help="Write it to FILE.csv, .json, .clf (OpenColorIO) or .dcp.json (camera-profile names).",
+)
+@click.option(
+    "--pareto",
+    "weights",
+    metavar="FIRST:LAST[:POINTS]",
+    help="Color error against noise for weights of the noise from FIRST to LAST, e.g. 0.001:1000; "
+    "1 is lmmse, and towards 0 lies least-squares.",
+)
+@table_option
+@json_option
+@copy_option
+def matrix(
+    sensor: str,
+    matrix: str,
+    export: str | None,
+    weights: str | None,
+    table: str | None,
+    json_target: str | None,
+    copy_as: str | None,
+    **settings: Any,
+) -> None:
+    """The color matrix of SENSOR, with its color error, noise, condition and noise gain."""
+    study = study_of(
+        "matrix", [sensor], {**settings, **_span_of_matrix(weights)}, matrices=[matrix]
+    )
+    if copy_as is not None:
+        print_copy(copy_as, study)
+        return
+    targets = {"--export": export, "--json": json_target, "--table": table}
+    refuse_taken_inputs(targets, [sensor], settings)
+    writer = None if export is None else matrix_writer(export, "--export")
+    (results,) = run(study, progress=progress_of_step).matrices.values()
+    (result,) = results.results
+    point, report = result.point, result.report
+    write_outputs(
+        (export, lambda: "" if writer is None else writer(result.made)),
+        (table, lambda: table_text(result.to_table(), str(table))),
+        (json_target, lambda: json_text(result.to_dict())),
+    )
+    if json_target == "-":
+        return
+    tables.print_conditions(conditions([point]))
+    tables.print_matrix(result.matrix, report, point.sensor.label)
+    if result.pareto:
+        tables.print_table(pareto_table(result.pareto, report, point.sensor.label))
+
+
+def _span_of_matrix(text: str | None) -> dict[str, Any]:
+    """Parse FIRST:LAST[:POINTS]."""
+    if text is None:
+        return {}
+    parts = text.split(":")
+    try:
+        first, last = map(float, parts[:2])
+        points = {"pareto_points": int(parts[2])} if len(parts) == 3 else {}
+    except ValueError:
+        parts = []
+    if len(parts) not in (2, 3):
+        raise InputError(
+            "--pareto", "must be FIRST:LAST or FIRST:LAST:POINTS, e.g. 0.001:1000", value=text
+        )
+    return {"pareto_first": first, "pareto_last": last, **points}

@@ -1,0 +1,197 @@
+"""``chromanoise run``.
+
+``chromanoise rerun``.
+
+``chromanoise study``.
+
+``chromanoise init``.
+
+``chromanoise report``.
+"""
+
+import json
+import os
+from pathlib import Path
+
+import click
+from click.core import ParameterSource
+
+from chromanoise.base import (
+    InputError,
+    claimed_folder,
+    refuse_unwritable,
+    whole_folder,
+    write_whole,
+)
+from chromanoise.charts import shown
+from chromanoise.cli.analyses import print_run
+from chromanoise.cli.options import WHOLE, command
+from chromanoise.cli.output import refuse_inputs
+from chromanoise.study import (
+    STARTER,
+    Study,
+    agreement_of,
+    agreement_text,
+    file_digests,
+    read_study,
+    recorded_run,
+    study_schema,
+)
+from chromanoise.web import sights_of, study_report
+
+
+@command()
+@click.argument("study", type=click.Path(path_type=Path))
+@click.option(
+    "-o",
+    "--out",
+    type=click.Path(path_type=Path),
+    help="Output folder. [default: out/<name of STUDY>]",
+)
+@click.option(
+    "--set",
+    "changes",
+    multiple=True,
+    metavar="KEY=VALUE",
+    help="Change one value, e.g. light.level_lux=3 or sensors.0.name=onyx-rgb; repeatable.",
+)
+@click.option("--threads", type=WHOLE, help="Threads for pictures. [default: one per core]")
+def run(study: Path, out: Path | None, changes: tuple[str, ...], threads: int | None) -> None:
+    """Run all of STUDY, a TOML file as `chromanoise init` writes it.
+
+    If a run was stopped, the same command computes the missing results. If a run ends with an
+    error, the folder stays as it was. Every result records version, study, seed and hash;
+    `chromanoise rerun` runs the study of a result again and compares the results.
+    """
+    print_run(
+        read_study(study, changes, change_label="--set"), out or Path("out") / study.stem, threads
+    )
+
+
+@command()
+@click.argument("output", type=click.Path(path_type=Path))
+@click.option("-o", "--out", type=click.Path(path_type=Path), required=True, help="Output folder.")
+@click.option("--threads", type=WHOLE, help="Threads for pictures. [default: one per core]")
+def rerun(output: Path, out: Path, threads: int | None) -> None:
+    """Run the study of OUTPUT again, into another folder, and compare the results.
+
+    OUTPUT is a result of `chromanoise run`, or its folder. The command needs the same version of
+    chromanoise. It works from any folder, also after the project was moved; but if results and
+    project have only the root folder in common, run the command in the folder of the project.
+    Results are
+    byte-identical if numpy, scipy, the BLAS kernel and the processor type are also the same;
+    otherwise analyses agree to a relative 1e-9. The last line reports the agreement, or where the
+    largest difference is; the exit code is 1 if the results do not agree.
+    """
+    recorded = recorded_run(output)
+    if os.path.realpath(out) == os.path.realpath(recorded.folder):
+        raise InputError(
+            "--out", "must be another folder than that of OUTPUT", value=str(out), remedy="name one"
+        )
+    print_run(recorded.study, out, threads, recorded.place)
+    found = agreement_of(recorded.folder, out)
+    click.echo(agreement_text(found), err=True)
+    if not found.agrees:
+        click.get_current_context().exit(1)
+
+
+@command()
+@click.option(
+    "--schema", is_flag=True, help="Print the JSON Schema, for editors and other programs."
+)
+def study(schema: bool) -> None:
+    """Print a commented study file with common keys, or the JSON Schema of all keys."""
+    click.echo(json.dumps(study_schema(), indent=2) if schema else STARTER.rstrip())
+
+
+@command()
+@click.argument("study", required=False, type=click.Path(path_type=Path))
+@click.option("--design", is_flag=True, help="Write a design for `chromanoise optimize` instead.")
+def init(study: Path | None, design: bool) -> None:
+    """Write a commented starter file STUDY [default: study.toml; with --design design.toml]."""
+    file = study or Path("design.toml" if design else "study.toml")
+    if file.exists():
+        raise InputError(
+            str(file), "must not exist yet", remedy=("name another file", "move it away")
+        )
+    text, next_step = STARTER, "run"
+    if design:
+        from chromanoise.apps.design import DESIGN_STARTER
+
+        text, next_step = DESIGN_STARTER, "optimize"
+    write_whole(file, text.encode("utf-8"))
+    click.echo(f"{file}: change it, then `chromanoise {next_step} {file}`")
+
+
+@command()
+@click.argument("study", type=click.Path(path_type=Path))
+@click.option(
+    "-o",
+    "--out",
+    type=click.Path(path_type=Path),
+    default=Path("report.html"),
+    show_default=True,
+    help="Output file. An existing report.html that this command did not write is replaced only if "
+    "--out names it.",
+)
+@click.option(
+    "--set",
+    "changes",
+    multiple=True,
+    metavar="KEY=VALUE",
+    help="Change one value, e.g. light.level_lux=3 or sensors.0.name=onyx-rgb; repeatable.",
+)
+@click.option(
+    "--figures", type=click.Path(path_type=Path), help="Folder for the figures as SVG and PDF."
+)
+def report(study: Path, out: Path, changes: tuple[str, ...], figures: Path | None) -> None:
+    """Write STUDY as one self-contained HTML file: charts, tables, equations, sliders.
+
+    The file needs no network and no other files.
+    """
+    parsed = read_study(study, changes, change_label="--set")
+    refuse_inputs(out, "--out", str(study), *file_digests(parsed))
+    _refuse_unwritable_file(out)
+    if figures is not None:
+        refuse_unwritable(figures)
+    source = click.get_current_context().get_parameter_source("out")
+    named = source is not ParameterSource.DEFAULT
+    if not named:
+        with claimed_folder(out.parent, "report") as claimed:
+            claimed.refuse_taken([out.name], remedy=("name it with --out", "move it away"))
+    page = _page(parsed, figures)  # figures may go to the same folder, which is claimed once a time
+    if named:
+        write_whole(out, page)
+    else:
+        with whole_folder(out.parent, "report") as folder:
+            (folder / out.name).write_bytes(page)
+    click.echo(out)
+
+
+def _page(study: Study, figures: Path | None) -> bytes:
+    """The HTML of the report; its figures are written if a folder for them is given."""
+    charted = shown(study)
+    page = study_report(charted, sights_of(charted))
+    if figures is not None:
+        from chromanoise.charts import study_figures, write_figures
+
+        drawn = study_figures(charted)
+        with whole_folder(figures, "report") as folder:
+            written = write_figures(drawn, folder, endings=("svg", "pdf"))
+        for file in written:
+            click.echo(figures / file.name)
+    return page.encode("utf-8")
+
+
+def _refuse_unwritable_file(out: Path) -> None:
+    """Raise an error before any computation if the file cannot be written."""
+    if out.is_dir():
+        raise InputError(
+            "--out",
+            "must be a file",
+            value=str(out),
+            found=f"{out} is a folder",
+            remedy="name a file",
+        )
+    if not out.exists() or out.is_file():
+        refuse_unwritable(out.parent)

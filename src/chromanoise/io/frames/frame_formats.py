@@ -1,0 +1,605 @@
+"""Raw frames in NumPy's files: NPY and NPZ; pickled data are never loaded.
+
+Raw frames in PGM files, and in PNG files of one channel.
+
+Raw dumps: the codes of one frame, row by row, without a header.
+
+Raw frames in FITS files; astropy reads the headers, the codes are read in place.
+
+The formats of raw frames, by the ending of the file.
+"""
+
+import importlib
+import math
+import re
+import struct
+import zipfile
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from chromanoise.base import Array, InputError, Integer, printable, regular_file
+from chromanoise.io.cubes import (
+    library,
+    npy_array,
+    npz_arrays,
+    reading,
+    reading_rows,
+    refuse_impossible,
+)
+from chromanoise.io.frames.camera_raw import camera_name, number_of_tag
+from chromanoise.io.frames.frame import (
+    RawFrame,
+    StoredPlane,
+    refuse_shape,
+    refused_picture,
+    whole_codes,
+)
+from chromanoise.sensor import Mosaic
+
+_MOST_ARRAYS = 20_000
+_HEADERS = {
+    (1, 0): np.lib.format.read_array_header_1_0,
+    (2, 0): np.lib.format.read_array_header_2_0,
+}
+
+
+def npy_frames(path: Path) -> tuple[RawFrame, ...]:
+    """The frame in a ``.npy``, or the stack of frames; each is read in place.
+
+    Raises
+    ------
+    InputError
+        If the file is damaged, or holds no array of 2 or 3 dimensions.
+    """
+    with reading(path, "NumPy"):
+        array = npy_array(path)
+    refuse_shape(path, "", array.shape)
+    size, offset = path.stat().st_size, int(array.offset)  # type: ignore[attr-defined]
+    shape = (int(array.shape[-2]), int(array.shape[-1]))
+    step = math.prod(shape) * array.dtype.itemsize
+    if array.ndim == 2:
+        columns = not array.flags.c_contiguous
+        read = StoredPlane(
+            path=path,
+            size=size,
+            offset=offset,
+            stored=array.dtype,
+            shape=shape,
+            by_columns=columns,
+        )
+        return (RawFrame(path=path, shape=shape, read=read),)
+    if not array.flags.c_contiguous:
+        raise InputError(
+            str(path),
+            "must store a stack frame by frame",
+            found="is in Fortran order",
+            remedy="save numpy.ascontiguousarray(stack)",
+        )
+    return tuple(
+        RawFrame(
+            path=path,
+            shape=shape,
+            index=i,
+            read=StoredPlane(
+                path=path, size=size, offset=offset + i * step, stored=array.dtype, shape=shape
+            ),
+        )
+        for i in range(array.shape[0])
+    )
+
+
+def npz_frames(path: Path) -> tuple[RawFrame, ...]:
+    """The frames of all arrays in a ``.npz``; `RawFrame.part` is the name of the array.
+
+    Raises
+    ------
+    InputError
+        If the file is damaged, or an array has not 2 or 3 dimensions.
+    """
+    with reading(path, "NPZ"):
+        arrays = npz_arrays(path)
+    if not 0 < len(arrays) <= _MOST_ARRAYS:
+        raise InputError(
+            str(path),
+            f"must hold 1 to {_MOST_ARRAYS} arrays",
+            value=len(arrays),
+            found=f"holds {len(arrays)}",
+        )
+    frames = []
+    for name, (shape, dtype) in arrays.items():
+        where = f"array {printable(name)!r}"
+        refuse_shape(path, where, shape)
+        refuse_impossible(path, name, shape[-2:], dtype)
+        for i in range(shape[0]) if len(shape) == 3 else (None,):
+            read = _Member(path=path, name=name, index=i, shape=shape, stored=dtype)
+            sides = (shape[-2], shape[-1])
+            frames.append(RawFrame(path=path, shape=sides, part=name, index=i, read=read))
+    return tuple(frames)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Member:
+    """Reads a frame of an array in a ``.npz``; a compressed stack is unpacked up to it."""
+
+    path: Path
+    name: str
+    index: int | None
+    shape: tuple[int, ...]
+    stored: np.dtype
+
+    def __call__(self) -> Integer[Array, "h w"]:
+        with (
+            reading_rows(self.path, "NPZ"),
+            zipfile.ZipFile(self.path) as archive,
+            archive.open(f"{self.name}.npy") as stream,
+        ):
+            shape, by_columns, dtype = _HEADERS[np.lib.format.read_magic(stream)](stream)
+            if (shape, dtype) != (self.shape, self.stored):
+                raise InputError(
+                    str(self.path), "must not change while it is read", where=f"array {self.name!r}"
+                )
+            sides = shape[-2:]
+            if by_columns and len(shape) == 3:
+                raise InputError(
+                    str(self.path),
+                    "must store a stack frame by frame",
+                    where=f"array {self.name!r}",
+                    found="is in Fortran order",
+                    remedy="save numpy.ascontiguousarray(stack)",
+                )
+            count = math.prod(sides) * dtype.itemsize
+            stream.seek((self.index or 0) * count, 1)
+            content = stream.read(count)
+            if len(content) != count:
+                raise InputError(str(self.path), "is truncated", where=f"array {self.name!r}")
+            values = np.frombuffer(content, dtype)
+            codes = values.reshape(sides[::-1]).T if by_columns else values.reshape(sides)
+        return whole_codes(str(self.path), codes)
+
+
+_PGM = re.compile(rb"P([25])(?:\s|#[^\n]*\n)+" + rb"(?:\s|#[^\n]*\n)+".join([rb"(\d{1,9})"] * 3))
+_HEADER_BYTES = 65536
+_BLOCK_BYTES = 2**20
+_PNG = b"\x89PNG\r\n\x1a\n"
+_MOST_CODE = 65535
+
+
+def pgm_frames(path: Path) -> tuple[RawFrame, ...]:
+    """The frame in a PGM: plain (P2) or binary (P5), of 8 or 16 bits, most significant byte first.
+
+    Raises
+    ------
+    InputError
+        If the header is damaged, the size of the file does not match it, or the file is a PPM.
+
+    Notes
+    -----
+    The Netpbm project, pgm(5). A comment is read in the header only.
+    """
+    with path.open("rb") as file:
+        start = file.read(_HEADER_BYTES)
+    if re.match(rb"P[36]\s", start):
+        raise refused_picture(path, "is a color picture (PPM)")
+    match = _PGM.match(start)
+    after = start[match.end() : match.end() + 1] if match else b""
+    if match is None or not after.isspace():
+        with reading(path, "PGM"):
+            raise ValueError("no header P5 or P2 with width, height and largest code")
+    width, height, largest = (int(match[i]) for i in (2, 3, 4))
+    shape, offset, size = (height, width), match.end() + 1, path.stat().st_size
+    refuse_shape(path, "", shape)
+    if not 0 < largest <= _MOST_CODE:
+        raise InputError(str(path), f"must have a largest code of 1 to {_MOST_CODE}", value=largest)
+    plain = match[1] == b"2"
+    stored = np.dtype("u1" if largest < 256 else ">u2")
+    least = height * width * (1 if plain else stored.itemsize)
+    if (plain and offset + 2 * least - 1 > size) or (not plain and offset + least != size):
+        raise InputError(
+            str(path),
+            f"must have {'at least ' if plain else ''}{least} "
+            f"{'codes' if plain else 'bytes'} after its header",
+            value=size - offset,
+            found=f"has {size - offset} bytes",
+            remedy="save it again, one frame per file, because it is truncated or damaged",
+        )
+    plane = StoredPlane(path=path, size=size, offset=offset, stored=stored, shape=shape)
+    bits = largest.bit_length() if largest < _MOST_CODE and (largest + 1).bit_count() == 1 else None
+    return (
+        RawFrame(
+            path=path,
+            shape=shape,
+            read=_Pgm(plane=plane, plain=plain, largest=largest),
+            bits=bits,
+            white_level_dn=float(largest) if largest < _MOST_CODE else None,
+        ),
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Pgm:
+    """Reads the codes and compares them with the largest one of the header."""
+
+    plane: StoredPlane
+    plain: bool
+    largest: int
+
+    def __call__(self) -> Integer[Array, "h w"]:
+        codes = _plain_codes(self.plane) if self.plain else self.plane()
+        if codes.max() > self.largest:
+            raise InputError(
+                str(self.plane.path),
+                f"must have codes up to {self.largest}, as stated in its header",
+                value=int(codes.max()),
+                found=f"has {int(codes.max())}",
+            )
+        return codes
+
+
+def _plain_codes(plane: StoredPlane) -> Integer[Array, "h w"]:
+    """Decimal numbers between blanks."""
+    path, count = plane.path, math.prod(plane.shape)
+    codes = np.empty(count, np.uint16)
+    done, rest = 0, b""
+    with reading_rows(path, "PGM"), path.open("rb") as file:
+        file.seek(plane.offset)
+        while block := file.read(_BLOCK_BYTES):
+            words = (rest + block).split()
+            rest = b"" if block[-1:].isspace() or not words else words.pop()
+            done = _put(path, codes, done, words)
+        done = _put(path, codes, done, rest.split())
+    if done != count:
+        raise InputError(str(path), f"must have {count} codes", value=done, found=f"has {done}")
+    return codes.reshape(plane.shape)
+
+
+def _put(path: Path, codes: Array, done: int, words: list[bytes]) -> int:
+    """Store the numbers after those that are done; return how many are done now."""
+    bad = next((word for word in words if not word.isdigit() or len(word) > 5), None)
+    numbers = [] if bad is not None else [int(word) for word in words]
+    if bad is not None or done + len(numbers) > codes.size or max(numbers, default=0) > _MOST_CODE:
+        shown = "" if bad is None else bad[:20].decode("ascii", "replace")
+        raise InputError(
+            str(path),
+            f"must have {codes.size} codes of at most {_MOST_CODE} after its header",
+            found=f"has {shown!r}" if shown else "has more or larger ones",
+        )
+    codes[done : done + len(numbers)] = numbers
+    return done + len(numbers)
+
+
+def png_frames(path: Path) -> tuple[RawFrame, ...]:
+    """The frame in a PNG of 8 or 16 bits of gray, without gamma.
+
+    Raises
+    ------
+    InputError
+        If the file is damaged or has colors, an alpha channel or a palette.
+    """
+    with path.open("rb") as file:
+        start = file.read(33)
+    if start[:8] != _PNG or start[12:16] != b"IHDR" or len(start) < 33:
+        with reading(path, "PNG"):
+            raise ValueError("no header IHDR")
+    width, height, bits, kind = struct.unpack(">IIBB", start[16:26])
+    if kind != 0 or bits not in (8, 16):
+        raise refused_picture(path, f"is a PNG of color type {kind} and {bits} bits")
+    refuse_shape(path, "", (height, width))
+    refuse_impossible(path, "pixels", (height, width), np.dtype(f"u{bits // 8}"))
+    read = _Png(path=path, shape=(height, width), bits=bits)
+    return (RawFrame(path=path, shape=(height, width), read=read, bits=8 if bits == 8 else None),)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Png:
+    """Unpacks the codes with Pillow."""
+
+    path: Path
+    shape: tuple[int, int]
+    bits: int
+
+    def __call__(self) -> Integer[Array, "h w"]:
+        from PIL import PngImagePlugin
+
+        with reading(self.path, "PNG"), PngImagePlugin.PngImageFile(self.path) as image:
+            if image.size != self.shape[::-1]:
+                raise InputError(str(self.path), "must not change while it is read")
+            codes: Any = np.asarray(image)
+        if codes.shape != self.shape or codes.dtype.kind not in "ui":
+            raise refused_picture(self.path, f"is a PNG of {codes.dtype}")
+        return codes.astype(np.uint8 if self.bits == 8 else np.uint16)
+
+
+DUMP_ENDINGS = (".raw", ".bin")
+"""Endings of files whose size and type of codes must be given."""
+DUMP_TYPES: Mapping[str, str] = {"uint8": "u1", "uint16": "<u2", "uint16-be": ">u2"}
+"""Types of the codes by name: 8 bits, 16 bits little-endian, 16 bits big-endian."""
+
+
+def dumped_frame(path: Path, shape: tuple[int, int], stored: str = "uint16") -> RawFrame:
+    """The frame of a raw dump, which is read in place.
+
+    Parameters
+    ----------
+    path
+        A file that holds the codes and nothing else.
+    shape
+        Rows and columns. [px]
+    stored
+        A name of `DUMP_TYPES`.
+
+    Raises
+    ------
+    InputError
+        If the file has another number of bytes.
+    """
+    dtype = np.dtype(DUMP_TYPES[stored])
+    size = regular_file(path).st_size
+    refuse_shape(path, "", shape)
+    wanted = shape[0] * shape[1] * dtype.itemsize
+    if size != wanted:
+        raise InputError(
+            str(path),
+            f"must have {wanted} bytes for {shape[0]} rows and {shape[1]} columns of {stored}",
+            value=size,
+            found=f"has {size}",
+            remedy="give its rows, columns and type",
+        )
+    plane = StoredPlane(path=path, size=size, offset=0, stored=dtype, shape=shape)
+    return RawFrame(path=path, shape=shape, read=plane)
+
+
+_MOST_PARTS = 10_000
+_TYPES = {8: ">u1", 16: ">i2", 32: ">i4", 64: ">i8", -32: ">f4", -64: ">f8"}
+_LARGEST_OFFSET = 2.0**53
+
+
+def fits_frames(path: Path) -> tuple[RawFrame, ...]:
+    """The images of a FITS file; three axes are a stack. Tables are not used.
+
+    ``EXPTIME`` or ``EXPOSURE`` is the exposure time in s, ``ISOSPEED`` the ISO, ``GAIN`` the gain
+    setting, ``INSTRUME`` the camera, ``BAYERPAT`` the mosaic with its offsets ``XBAYROFF`` and
+    ``YBAYROFF``. Codes are BZERO + BSCALE times the stored number.
+
+    Raises
+    ------
+    InputError
+        If astropy is not installed, the file is damaged, or an image is compressed.
+
+    Notes
+    -----
+    FITS Standard 4.0 (IAU FITS Working Group, 2018), section 4.4. The rows of the mosaic are those
+    of the file from its start, as ``ROWORDER = TOP-DOWN``; with ``BOTTOM-UP`` they are reversed.
+    """
+    library("astropy", str(path), extra="fits")
+    fits = importlib.import_module("astropy.io.fits")
+    frames: list[RawFrame] = []
+    with reading(path, "FITS"), path.open("rb") as file:
+        if file.read(10) != b"SIMPLE  = ":
+            raise ValueError("no SIMPLE at its start")
+        file.seek(0)
+        parts = fits.open(file, mode="readonly", memmap=False)
+        first = parts[0].header
+        for number, part in enumerate(parts):
+            if number >= _MOST_PARTS:
+                raise InputError(str(path), f"must have at most {_MOST_PARTS} parts")
+            if type(part).__name__ == "CompImageHDU" or part.header.get("ZIMAGE") is True:
+                raise InputError(
+                    str(path),
+                    "must not be compressed",
+                    where=f"part {number}",
+                    remedy="unpack it with funpack",
+                )
+            if part.is_image and part.header.get("NAXIS", 0):
+                frames += _of_part(path, number, part, first)
+    if not frames:
+        raise InputError(str(path), "must hold an image", found="holds none")
+    if len({(frame.part, frame.index) for frame in frames}) < len(frames):
+        raise InputError(str(path), "must name each extension once")
+    return tuple(frames)
+
+
+def _of_part(path: Path, number: int, part: Any, first: Any) -> list[RawFrame]:
+    header, where = part.header, f"part {number}"
+    axes = tuple(int(header[f"NAXIS{i}"]) for i in range(int(header["NAXIS"]), 0, -1))
+    refuse_shape(path, where, axes)
+    place, size = part.fileinfo()["datLoc"], path.stat().st_size
+    stored = np.dtype(_TYPES[int(header["BITPIX"])])
+    if place + math.prod(axes) * stored.itemsize > size:
+        raise InputError(
+            str(path),
+            "must be complete",
+            where=where,
+            value=size,
+            found=f"has {size} bytes, fewer than its header states",
+            remedy="copy it again",
+        )
+    shape = (axes[-2], axes[-1])
+    name = printable(str(header.get("EXTNAME", "")) or str(number)) if number else ""
+    metadata = _metadata(header, first)
+    frames = []
+    for i in range(axes[0]) if len(axes) == 3 else (None,):
+        plane = StoredPlane(
+            path=path,
+            size=size,
+            offset=place + (i or 0) * math.prod(shape) * stored.itemsize,
+            stored=stored,
+            shape=shape,
+        )
+        read = _Scaled(plane=plane, **_scaling(path, where, header))
+        frames.append(RawFrame(path=path, shape=shape, read=read, index=i, part=name, **metadata))
+    return frames
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Scaled:
+    """Reads the codes ``zero + scale * stored``; refuses pixels that are marked as blank."""
+
+    plane: StoredPlane
+    zero: float
+    scale: float
+    blank: int | None
+
+    def __call__(self) -> Integer[Array, "h w"]:
+        name, stored = str(self.plane.path), self.plane.values()
+        if self.blank is not None and stored.dtype.kind in "ui" and (stored == self.blank).any():
+            raise InputError(
+                name,
+                "must have a code in each pixel",
+                value=self.blank,
+                found=f"has pixels marked as blank by BLANK = {self.blank}",
+            )
+        if (self.zero, self.scale) == (0.0, 1.0):
+            return whole_codes(name, stored)
+        half = 2.0 ** (8 * stored.dtype.itemsize - 1)
+        if (self.zero, self.scale, stored.dtype.kind) == (half, 1.0, "i"):  # unsigned integers
+            unsigned = np.dtype(f"u{stored.dtype.itemsize}")
+            codes = stored.astype(stored.dtype.newbyteorder("=")).view(unsigned)
+            codes ^= unsigned.type(half)
+            return codes
+        if self.scale == 1.0 and self.zero.is_integer() and stored.dtype.kind in "ui":
+            wide = stored.astype(np.int64)
+            wide += int(self.zero)
+            low, high = int(wide.min()), int(wide.max())
+            return wide.astype(np.result_type(np.min_scalar_type(low), np.min_scalar_type(high)))
+        return whole_codes(name, self.zero + self.scale * stored.astype(np.float64))
+
+
+def _scaling(path: Path, where: str, header: Any) -> dict[str, Any]:
+    zero, scale = number_of_tag(header.get("BZERO", 0)), number_of_tag(header.get("BSCALE", 1))
+    if zero is None or scale is None or abs(zero) > _LARGEST_OFFSET or not scale:
+        raise InputError(
+            str(path),
+            "must have finite numbers in BZERO and BSCALE",
+            where=where,
+            value=(header.get("BZERO"), header.get("BSCALE")),
+        )
+    blank = number_of_tag(header.get("BLANK")) if "BLANK" in header else None
+    return {"zero": zero, "scale": scale, "blank": None if blank is None else int(blank)}
+
+
+def _metadata(header: Any, first: Any) -> dict[str, Any]:
+    """Exposure, gain, camera and mosaic of an image; an extension inherits from the first part."""
+
+    def value(*keys: str) -> Any:
+        found = (source.get(key) for source in (header, first) for key in keys)
+        return next((one for one in found if one is not None), None)
+
+    time_s, iso = (
+        number_of_tag(value("EXPTIME", "EXPOSURE")),
+        number_of_tag(value("ISOSPEED", "ISO")),
+    )
+    return {
+        "time_ms": None if time_s is None or time_s < 0 else 1000 * time_s,
+        "iso": None if iso is None or iso <= 0 else iso,
+        "gain_setting": number_of_tag(value("GAIN")),
+        "camera": camera_name("", str(value("INSTRUME") or "")),
+        "mosaic": _mosaic(header if "BAYERPAT" in header else first, int(header["NAXIS2"])),
+    }
+
+
+def _mosaic(header: Any, rows: int) -> Mosaic | None:
+    pattern = str(header.get("BAYERPAT", "")).strip().upper()
+    if len(pattern) != 4 or not set(pattern) <= set("RGBCMYW"):
+        return None
+    x, y = (number_of_tag(header.get(key, 0)) for key in ("XBAYROFF", "YBAYROFF"))
+    columns_off, rows_off = int(x or 0) % 2, int(y or 0) % 2
+    if str(header.get("ROWORDER", "")).strip().upper() == "BOTTOM-UP":
+        rows_off, step = rows - 1 - rows_off, -1
+    else:
+        step = 1
+    return Mosaic(
+        tuple(
+            tuple(pattern[2 * ((rows_off + step * r) % 2) + (columns_off + c) % 2] for c in (0, 1))
+            for r in (0, 1)
+        )
+    )
+
+
+CAMERA_RAW = (
+    *(".dng", ".cr2", ".cr3", ".crw", ".nef", ".nrw", ".arw", ".sr2", ".srf", ".raf", ".orf"),
+    *(".rw2", ".rwl", ".pef", ".srw", ".3fr", ".fff", ".iiq", ".mos", ".mrw", ".kdc", ".dcr"),
+    *(".erf", ".mef", ".x3f"),
+)
+"""Endings of the files that LibRaw reads."""
+PICTURES = (".jpg", ".jpeg", ".jpe", ".heic", ".heif", ".webp", ".gif", ".bmp", ".avif", ".ppm")
+"""Endings of pictures that are never raw frames."""
+
+
+def frames_in(path: Path | str) -> tuple[RawFrame, ...]:
+    """The raw frames of a file: one, or those of a stack.
+
+    The header is read now, the pixels with `RawFrame.codes`. The file is never changed.
+
+    Parameters
+    ----------
+    path
+        Camera raw or DNG (needs rawpy), TIFF with one frame per page, FITS (needs astropy), NPY and
+        NPZ with frames of 2 or stacks of 3 dimensions, PGM, or gray PNG; by the ending of its
+        name.
+
+    Raises
+    ------
+    InputError
+        If the format is unknown, the file is damaged, or it is a processed picture.
+
+    Examples
+    --------
+    >>> import tempfile, numpy as np
+    >>> folder = tempfile.TemporaryDirectory()
+    >>> np.save(folder.name + "/flats.npy", np.full((2, 4, 6), 64, np.uint16))
+    >>> [(frame.name, frame.shape) for frame in frames_in(folder.name + "/flats.npy")]
+    [('flats.npy[0]', (4, 6)), ('flats.npy[1]', (4, 6))]
+    >>> folder.cleanup()
+    """
+    path = Path(path)
+    regular_file(path)
+    ending = path.suffix.lower()
+    if ending in PICTURES:
+        raise refused_picture(path, f"is a picture of the format {ending[1:].upper()}")
+    reader = _reader(ending)
+    if reader is None:
+        raise InputError(
+            str(path),
+            "must be a raw frame (DNG or camera raw, TIFF, FITS, NPY, NPZ, PGM, PNG)",
+            value=ending,
+            found=f"ends in {ending}" if ending else "has no ending",
+            remedy="save it as TIFF or NPY",
+        )
+    try:
+        return reader(path)
+    except OSError as error:
+        raise InputError(str(path), f"cannot be read ({error.strerror or error})") from None
+
+
+def is_frame_name(path: Path) -> bool:
+    """Whether a file has the ending of a format of raw frames.
+
+    Examples
+    --------
+    >>> is_frame_name(Path("a.NEF")), is_frame_name(Path("a.jpg"))
+    (True, False)
+    """
+    return _reader(path.suffix.lower()) is not None
+
+
+def _reader(ending: str) -> Callable[[Path], tuple[RawFrame, ...]] | None:
+    """The reader of an ending; each is imported when it is needed."""
+    if ending in CAMERA_RAW:
+        from chromanoise.io.frames.camera_raw import raw_frames
+
+        return raw_frames
+    if ending in (".tif", ".tiff"):
+        from chromanoise.io.frames.camera_raw import tiff_frames
+
+        return tiff_frames
+    if ending in (".fits", ".fit", ".fts"):
+        return fits_frames
+    if ending in (".npy", ".npz"):
+        return npy_frames if ending == ".npy" else npz_frames
+    if ending in (".pgm", ".png"):
+        return pgm_frames if ending == ".pgm" else png_frames
+    return None

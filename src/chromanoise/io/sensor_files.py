@@ -1,0 +1,279 @@
+"""Write sensors and spectra as JSON of this library, and read sensors from it.
+
+A sensor from a table of its quantum efficiencies.
+"""
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import fields
+from pathlib import Path
+from typing import Any, cast, get_args
+
+import numpy as np
+
+from chromanoise.base import InputError, Remedy, Setting, __version__, check
+from chromanoise.io.curve_files import read_curves
+from chromanoise.io.spectra import (
+    ASK,
+    SCHEMA_VERSION,
+    SPECTRA_SCHEMA,
+    Answers,
+    Found,
+    array_of,
+    as_json,
+    held_json,
+    named,
+    number_of,
+    qe_of,
+    unfit,
+    word_of,
+    words_of,
+)
+from chromanoise.sensor import PIXEL, PIXEL_REQUIRED, Converter, Mosaic, Origin, Pixel, Sensor
+from chromanoise.spectra import (
+    SMALL_NEGATIVES,
+    Beyond,
+    Grid,
+    Spectra,
+    means_on_grid,
+    read_spectra_csv,
+    refuse_outside,
+    used_on_grid,
+)
+
+_SENSOR_SCHEMA = "chromanoise sensor"
+_COUNTS = tuple(field.name for field in fields(Pixel) if field.name not in PIXEL)
+_LARGEST_GRID = 1_000_000
+
+
+def spectra_json(spectra: Spectra, facts: Mapping[str, str] | None = None) -> str:
+    """All data of the spectra, in the form that `read_curves` reads.
+
+    Parameters
+    ----------
+    spectra
+        The spectra to write.
+    facts
+        Other facts: level, per and scale, with the values of `Found`.
+    """
+    return as_json(
+        {
+            "schema": SPECTRA_SCHEMA,
+            "schema_version": SCHEMA_VERSION,
+            "version": __version__,
+            "quantity": spectra.quantity,
+            "unit": spectra.unit,
+            **(facts or {}),
+            "source": spectra.source,
+            "notes": list(spectra.notes),
+            "names": list(spectra.names),
+            "wavelength_nm": spectra.wavelength_nm.tolist(),
+            "values": spectra.values.tolist(),
+        }
+    )
+
+
+def sensor_json(sensor: Sensor) -> str:
+    """The JSON of `sensor_data`; `sensor_from_json` reads it."""
+    return as_json(sensor_data(sensor))
+
+
+def sensor_data(sensor: Sensor) -> dict[str, Any]:
+    """All data of the sensor, with all digits.
+
+    Raises
+    ------
+    InputError
+        If its pixel has noise sources of its own, which a file does not hold.
+    """
+    grid, pixel = sensor.grid, sensor.pixel
+    if pixel.own_noise:
+        raise InputError(
+            f"sensor {sensor.name}",
+            "must have no noise sources of its own to be written",
+            value=[one.cause for one in pixel.own_noise],
+            remedy="write the sensor with a Pixel of chromanoise",
+        )
+    return {
+        "schema": _SENSOR_SCHEMA,
+        "schema_version": SCHEMA_VERSION,
+        "version": __version__,
+        "name": sensor.name,
+        "origin": sensor.origin,
+        "notes": list(sensor.notes),
+        "stacked": sensor.stacked,
+        "mosaic": [list(row) for row in sensor.mosaic.pattern] if sensor.mosaic else None,
+        "pixel": {
+            **{
+                field.name: value
+                for field in fields(pixel)
+                if (value := getattr(pixel, field.name)) != field.default
+            },
+            **sensor.converter.known,
+        },
+        "grid_nm": {"start": grid.start_nm, "stop": grid.stop_nm, "step": grid.step_nm},
+        "channels": list(sensor.names),
+        "qe": sensor.qe.tolist(),
+    }
+
+
+def sensor_from_json(text: str, *, source: str = "sensor") -> Sensor:
+    """Read the sensor from text of `sensor_json`.
+
+    Raises
+    ------
+    InputError
+        If the text is not JSON, has another schema or version, or the sensor is invalid.
+    """
+    held = held_json(text, _SENSOR_SCHEMA, source=source)
+    try:
+        grid, pixel, mosaic = held["grid_nm"], held["pixel"], held["mosaic"]
+        required = {name: number_of(pixel[name]) for name in PIXEL_REQUIRED}
+        own = Grid(*(number_of(grid[key]) for key in ("start", "stop", "step")))
+        if own.n > _LARGEST_GRID:
+            raise InputError(
+                source,
+                f"must be at most {_LARGEST_GRID} wavelengths",
+                value=own.n,
+                where="key 'grid_nm'",
+            )
+        return Sensor(
+            name=word_of(held["name"]),
+            grid=own,
+            qe=array_of(held["qe"], 2),
+            names=words_of(held["channels"]),
+            pixel=Pixel(
+                **_held(pixel, PIXEL, number_of) | required,
+                **_held(pixel, _COUNTS, _whole),
+            ),
+            converter=Converter(
+                **_held(pixel, ("gain_e_per_dn",), number_of),
+                **_held(pixel, ("bits", "black_level_dn"), _whole),
+            ),
+            mosaic=Mosaic(tuple(words_of(row) for row in mosaic)) if mosaic is not None else None,
+            stacked=_flag(held["stacked"]),
+            origin=_origin(held["origin"]),
+            notes=words_of(held["notes"]),
+        )
+    except InputError as error:
+        raise named(error, source) from None
+    except (KeyError, TypeError, OverflowError) as error:
+        raise unfit(source, "sensor", error) from None
+
+
+def _origin(value: Any) -> Origin:
+    return cast(Origin, check.one_of("origin of curves", word_of(value), get_args(Origin)))
+
+
+def _whole(value: Any) -> int:
+    if not number_of(value).is_integer():
+        raise TypeError(f"{str(value)[:40]} is not a whole number")
+    return int(value)
+
+
+def _held(data: dict[str, Any], names: Iterable[str], kind: Callable[[Any], Any]) -> dict[str, Any]:
+    """The values of these names, if present."""
+    return {name: kind(data[name]) for name in names if name in data}
+
+
+def _flag(value: Any) -> bool:
+    if not isinstance(value, bool):
+        raise TypeError(f"{str(value)[:40]} is neither true nor false")
+    return value
+
+
+_WIDE_GAP_NM = 30.0
+
+
+def read_sensor(
+    path: Path | str | Found, grid: Grid, pixel: Pixel, *, answers: Answers = ASK
+) -> Sensor:
+    """Read a sensor from a file of curves in any format of `read_curves`, or from curves in memory.
+
+    Parameters
+    ----------
+    path
+        The file; its name without the suffix becomes the name of the sensor. Curves in memory give
+        their source as the name.
+    grid
+        The target grid.
+    pixel
+        The pixel of the sensor, which the file does not contain.
+    answers
+        Metadata that the file lacks; ``beyond`` also applies to the grid.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be parsed, required metadata is missing, a QE lies outside 0 .. 1, or
+        the curves do not cover the grid.
+    """
+    parsed = read_curves(path, answers=answers)
+    curves = qe_of(parsed, answers)
+    percent = Setting("scale", ("percent",))
+    remedy = percent if curves.values.max() > 1 else SMALL_NEGATIVES
+    named = (path.source, path.source) if isinstance(path, Found) else _names(Path(path))
+    return _sensor(named, curves, grid, pixel, answers.beyond, remedy=remedy)
+
+
+def read_sensor_csv(
+    path: Path | str, grid: Grid, pixel: Pixel, *, beyond: Beyond = "refuse"
+) -> Sensor:
+    """Read a sensor from absolute QE per channel in a CSV ``wavelength_nm,R,G,...``.
+
+    No other form is accepted, so nothing is inferred.
+
+    Parameters
+    ----------
+    path
+        The CSV file; its name without the suffix becomes the name of the sensor.
+    grid
+        The target grid.
+    pixel
+        The pixel of the sensor, which the file does not contain.
+    beyond
+        How to extrapolate curves that do not cover the grid.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, a QE lies outside 0 .. 1, or the curves do not cover the grid.
+    """
+    path = Path(path)
+    curves = read_spectra_csv(path, quantity="QE", unit="e-/photon")
+    remedy = "divide percent by 100" if curves.values.max() > 1 else SMALL_NEGATIVES
+    return _sensor(_names(path), curves, grid, pixel, beyond, remedy=remedy)
+
+
+def _names(path: Path) -> tuple[str, str]:
+    """Names of the sensor and of its file."""
+    return path.stem, path.name
+
+
+def _sensor(
+    named: tuple[str, str],
+    curves: Spectra,
+    grid: Grid,
+    pixel: Pixel,
+    beyond: Beyond,
+    *,
+    remedy: Remedy,
+) -> Sensor:
+    used = used_on_grid(curves.wavelength_nm, grid)
+    refuse_outside(curves, high=1.0, remedy=remedy, used=used)
+    resampled = means_on_grid(curves, grid, beyond=beyond)
+    return Sensor(
+        name=named[0],
+        grid=grid,
+        qe=resampled.values,
+        names=resampled.names,
+        pixel=pixel,
+        notes=(f"QE read from {named[1]}", *resampled.notes, *_gaps(curves)),
+    )
+
+
+def _gaps(curves: Spectra) -> tuple[str, ...]:
+    """A note if neighboring samples are so far apart that linear interpolation is uncertain."""
+    widest = float(np.diff(curves.wavelength_nm).max())
+    if widest <= _WIDE_GAP_NM:
+        return ()
+    return (f"QE of {curves.source}: straight lines over gaps of up to {widest:g} nm",)

@@ -1,1 +1,0 @@
-"""The local web page; `chromanoise.charts` computes all its numbers."""

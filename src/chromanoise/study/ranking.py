@@ -1,0 +1,959 @@
+"""Crossovers: values of a parameter at which two sensors are equally good, and their sentences.
+
+Crossovers over spectral priors: what a trained matrix expects decides who wins.
+
+Many sensors: their ranks by one quantity, and the best one over each range of a sweep.
+
+A quantity of several sensors as a function of two parameters: a grid of values each.
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations, pairwise
+from typing import Any
+
+import numpy as np
+
+from chromanoise.base import Array, Float, InputError, Int, __version__, check
+from chromanoise.io import number_text
+from chromanoise.noise import OperatingPoint
+from chromanoise.spectra import Metric
+from chromanoise.study.analysis import plain_fields
+from chromanoise.study.color_matrices import PRIORS, MatrixFunction, matrix_makers, trained_names
+from chromanoise.study.sweeps import (
+    SNR_Y,
+    SWEEPS,
+    Curve,
+    Quantity,
+    Sweep,
+    SweptQuantity,
+    color_error,
+    compared,
+)
+
+TIE = 1e-9
+"""Values that differ by at most this are equal. [unit of the quantity]"""
+_CROSSING_TOLERANCE = 1e-9  # of the logarithm of the value, or of the span of a linear sweep
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Crossover:
+    """Where two sensors with the same matrix are equally good.
+
+    Attributes
+    ----------
+    first, second, matrix
+        Names.
+    labels
+        Names of first and second in sentences.
+    sweep, quantity
+        The parameter that varies, and the quantity.
+    at
+        Where the sign of their difference changes; empty if it never does. [unit of the sweep]
+    color_error
+        Of first and second at each of these, to report beside an SNR; NaN where it is not
+        defined. [Delta E*ab]
+    better_first
+        The better sensor at the lowest common value of the sweep; ``None`` if they are equal
+        throughout.
+    first_at, last_at
+        The range in which both have a value. [unit of the sweep]
+    """
+
+    first: str
+    second: str
+    matrix: str
+    labels: tuple[str, str]
+    sweep: Sweep
+    quantity: Quantity
+    at: tuple[float, ...]
+    color_error: tuple[tuple[float, float], ...]
+    better_first: str | None
+    first_at: float
+    last_at: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Incomparable:
+    """Two sensors that have no common value of the sweep at which the quantity is defined.
+
+    Attributes
+    ----------
+    first, second, matrix
+        Names.
+    labels
+        Names of first and second in sentences.
+    why
+        A sentence.
+    """
+
+    first: str
+    second: str
+    matrix: str
+    labels: tuple[str, str]
+    why: str
+
+
+def crossovers(
+    contestants: Sequence[OperatingPoint],
+    makers: Mapping[str, MatrixFunction],
+    curves: Sequence[Curve],
+) -> tuple[Crossover, ...]:
+    """For each matrix and each pair of sensors, where their order changes.
+
+    Signs are read off the curves; each change is then refined on the closed form.
+
+    Parameters
+    ----------
+    contestants, makers
+        As they were compared.
+    curves
+        Of `chromanoise.study.compared`.
+
+    Raises
+    ------
+    InputError
+        If a pair has no value of the sweep at which both have the quantity.
+    """
+    return tuple(_crossover(*pair) for pair in _pairs(contestants, makers, curves))
+
+
+def crossovers_or_reasons(
+    contestants: Sequence[OperatingPoint],
+    makers: Mapping[str, MatrixFunction],
+    curves: Sequence[Curve],
+) -> tuple[Crossover | Incomparable, ...]:
+    """As `crossovers`, with an `Incomparable` for each pair that cannot be compared.
+
+    Parameters
+    ----------
+    contestants, makers, curves
+        As for `crossovers`.
+    """
+    found: list[Crossover | Incomparable] = []
+    for maker, one, other in _pairs(contestants, makers, curves):
+        try:
+            found.append(_crossover(maker, one, other))
+        except InputError as error:
+            first, second = one[1], other[1]
+            pair = Incomparable(
+                first=first.sensor,
+                second=second.sensor,
+                matrix=first.matrix,
+                labels=(first.label, second.label),
+                why=str(error),
+            )
+            found.append(pair)
+    return tuple(found)
+
+
+_Side = tuple[OperatingPoint, Curve]
+
+
+def _pairs(
+    contestants: Sequence[OperatingPoint],
+    makers: Mapping[str, MatrixFunction],
+    curves: Sequence[Curve],
+) -> Iterator[tuple[MatrixFunction, _Side, _Side]]:
+    for name, maker in makers.items():
+        mine = [curve for curve in curves if curve.matrix == name]
+        for one, other in combinations(zip(contestants, mine, strict=True), 2):
+            yield maker, one, other
+
+
+def _value_at(
+    contestant: OperatingPoint,
+    maker: MatrixFunction,
+    sweep: Sweep,
+    of: Callable[[OperatingPoint, Any], float],
+    value: float,
+) -> float:
+    operating_point = sweep.at(contestant, value)
+    return of(operating_point, maker(operating_point))
+
+
+def _crossover(maker: MatrixFunction, one: _Side, other: _Side) -> Crossover:
+    (a, first), (b, second) = one, other
+    sweep, quantity = first.sweep, first.quantity
+    sign = 1.0 if quantity.more_is_better else -1.0
+    lead = sign * (first.value - second.value)
+    known = np.flatnonzero(np.isfinite(lead))
+    if not known.size:
+        _refuse_nothing_common(first, second)
+
+    def lead_at(value: float) -> float:
+        ours, theirs = (_value_at(c, maker, sweep, quantity.of, value) for c in (a, b))
+        return sign * (ours - theirs)
+
+    changes = [
+        (float(first.at[i]), float(first.at[k]))
+        for i, k in pairwise(known[np.abs(lead[known]) > TIE])  # a tie has no side
+        if lead[i] * lead[k] < 0 and np.isfinite(lead[i : k + 1]).all()
+    ]
+    at = tuple(_root(lead_at, low, high, sweep.logarithmic) for low, high in changes)
+    errors = (tuple(_value_at(c, maker, sweep, color_error, value) for c in (a, b)) for value in at)
+    return Crossover(
+        first=first.sensor,
+        second=second.sensor,
+        matrix=first.matrix,
+        labels=(first.label, second.label),
+        sweep=sweep,
+        quantity=quantity,
+        at=at,
+        color_error=tuple((ours, theirs) for ours, theirs in errors),
+        better_first=_first_leader(lead[known], first.sensor, second.sensor),
+        first_at=float(first.at[known[0]]),
+        last_at=float(first.at[known[-1]]),
+    )
+
+
+def _first_leader(lead: Float[Array, " k"], first: str, second: str) -> str | None:
+    ahead = lead[np.abs(lead) > TIE]
+    if not ahead.size:
+        return None
+    return first if ahead[0] > 0 else second
+
+
+def _refuse_nothing_common(first: Curve, second: Curve) -> None:
+    raise InputError(
+        f"{first.label} and {second.label}",
+        f"must both have a {first.quantity.what} with the {first.matrix} matrix at some "
+        f"{first.sweep.what} of the sweep",
+        value=(float(first.at[0]), float(first.at[-1])),
+        found="have none: they are saturated, or the matrix cannot make that color of this light",
+        remedy=("shorten the time", "sweep less light", "take another matrix"),
+    )
+
+
+def _root(function: Callable[[float], float], low: float, high: float, logarithmic: bool) -> float:
+    """Where the sign changes that differs at ``low`` and ``high``.
+
+    Notes
+    -----
+    Inverse quadratic steps where they are safe, halves elsewhere: Chandrupatla, *Adv. Eng. Softw.*
+    28 (1997) 145-149.
+    """
+    there, back = (np.log, np.exp) if logarithmic else (float, float)
+    a, b = float(there(low)), float(there(high))
+    tolerance = _CROSSING_TOLERANCE * (1.0 if logarithmic else b - a)
+    at_a, at_b = function(float(back(a))), function(float(back(b)))
+    share = 0.5
+    while abs(b - a) > tolerance and at_a != 0:
+        x = a + share * (b - a)
+        at_x = function(float(back(x)))
+        if np.sign(at_x) == np.sign(at_a):
+            c, at_c = a, at_a
+        else:
+            c, at_c, b, at_b = b, at_b, a, at_a
+        a, at_a = x, at_x
+        share = _next_share((a, at_a), (b, at_b), (c, at_c), tolerance)
+    return float(back(a if abs(at_a) < abs(at_b) else b))
+
+
+Point = tuple[float, float]
+
+
+def _next_share(a: Point, b: Point, c: Point, tolerance: float) -> float:
+    """Share of the way from a to b of the next evaluation; c is the point before."""
+    (xa, fa), (xb, fb), (xc, fc) = a, b, c
+    place, height = (xa - xb) / (xc - xb), (fa - fb) / (fc - fb)
+    share = 0.5
+    if height**2 < place and (1 - height) ** 2 < 1 - place:
+        share = fa / (fb - fa) * fc / (fb - fc)
+        share += (xc - xa) / (xb - xa) * fa / (fc - fa) * fb / (fc - fb)
+    least = 0.5 * tolerance / abs(xb - xa) if xb != xa else 0.5
+    return min(1 - least, max(least, share)) if least < 0.5 else 0.5
+
+
+def crossover_as_json(crossover: Crossover) -> dict[str, Any]:
+    """One crossover as plain data, with its sentence."""
+    return plain_fields(
+        crossover,
+        *("first", "second", "matrix", "better_first", "first_at", "last_at", "at", "color_error"),
+    ) | {"sentence": crossover_sentence(crossover)}
+
+
+def crossover_sentence(crossover: Crossover) -> str:
+    """Which sensor is better over which values, and the color errors at the crossovers.
+
+    Parameters
+    ----------
+    crossover
+        Crossovers of two sensors.
+    """
+    (first, second), sweep = crossover.labels, crossover.sweep
+    last = sweep.with_unit(value_in_words(crossover.last_at, 4))
+    span = f"{value_in_words(crossover.first_at, 4)} to {last}"
+    leader, other = (first, second)
+    if crossover.better_first == crossover.second:
+        leader, other = second, first
+    if crossover.better_first is None:
+        return (
+            f"With the {crossover.matrix} matrix {first} and {second} have the same "
+            f"{crossover.quantity.what} at every {crossover.sweep.what} from {span}."
+        )
+    better = "higher" if crossover.quantity.more_is_better else "lower"
+    of_raw = crossover.quantity.of_raw
+    leads = f"{leader} has the {better} {crossover.quantity.what}"
+    if not of_raw:
+        leads = f"With the {crossover.matrix} matrix {leads}"
+    if not crossover.at:
+        return f"{leads} than {other} at every {crossover.sweep.what} from {span}."
+    values = [value_in_words(value, 3 if value < 100 else 4) for value in crossover.at]
+    between = [f"from {low} to {high}" for low, high in pairwise(values)]
+    leaders = (other, leader) * len(values)
+    rest = (f"{who} {where}" for who, where in zip(leaders, (*between, "above"), strict=False))
+    crossed = f"{leads} below {sweep.with_unit(values[0])} of {sweep.what}, {', '.join(rest)}"
+    if of_raw:
+        return f"{crossed} (within {span})."
+    colors = "; ".join(f"{a:.1f} and {b:.1f}" for a, b in crossover.color_error)
+    where = "at the crossover" if len(values) == 1 else "at the crossovers"
+    return (
+        f"{crossed} (within {span}); {where} the mean color errors of {first} and {second} are "
+        f"{colors} Delta E*ab."
+    )
+
+
+def value_in_words(value: float, digits: int = 3) -> str:
+    """A value of a sweep for a sentence, rounded; 10000, not 1e+04."""
+    text = f"{value:.{digits}g}"
+    return f"{float(text):.0f}" if "e+" in text and value < 1e6 else text
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CrossoverBand:
+    """Where two sensors are equally good, over all priors of one trained matrix.
+
+    Attributes
+    ----------
+    first, second, matrix
+        Names.
+    by_prior
+        The crossover under each prior.
+    """
+
+    first: str
+    second: str
+    matrix: str
+    by_prior: Mapping[str, Crossover]
+
+    @property
+    def span(self) -> tuple[float, float] | None:
+        """From the lowest to the highest crossing under any prior; ``None`` where there is none."""
+        at = [value for crossover in self.by_prior.values() for value in crossover.at]
+        return (min(at), max(at)) if at else None
+
+
+def crossover_bands(
+    contestants: Sequence[OperatingPoint],
+    names: Sequence[str],
+    at: Float[Array, " k"],
+    *,
+    metric: Metric = "quanta",
+    sweep: Sweep = SWEEPS["lux"],
+    quantity: Quantity = SNR_Y,
+    priors: Sequence[str] = tuple(PRIORS),
+) -> tuple[CrossoverBand, ...]:
+    """For each pair of sensors and each trained matrix, the crossovers under every prior.
+
+    Parameters
+    ----------
+    contestants, at, sweep, quantity
+        As `chromanoise.study.compared`.
+    names, metric
+        As `chromanoise.study.matrix_makers`; untrained ones have no prior and are passed over.
+    priors
+        Of `PRIORS`.
+
+    Raises
+    ------
+    InputError
+        As `crossovers` and `matrix_makers`.
+    """
+    trained = trained_names(names)
+    found: dict[tuple[str, str, str], dict[str, Crossover]] = {}
+    for prior in priors if trained else ():
+        makers = matrix_makers(trained, metric, prior=prior)
+        curves = compared(contestants, makers, at, sweep=sweep, quantity=quantity)
+        for crossover in crossovers(contestants, makers, curves):
+            pair = (crossover.first, crossover.second, crossover.matrix)
+            found.setdefault(pair, {})[prior] = crossover
+    return tuple(
+        CrossoverBand(first=first, second=second, matrix=matrix, by_prior=by_prior)
+        for (first, second, matrix), by_prior in found.items()
+    )
+
+
+def band_sentence(band: CrossoverBand) -> str:
+    """The band in words.
+
+    Parameters
+    ----------
+    band
+        Crossovers over all training sets.
+    """
+    one = next(iter(band.by_prior.values()))
+    start = (
+        f"Over {len(band.by_prior)} priors ({', '.join(band.by_prior)}) of the {band.matrix} "
+        f"matrix, {' and '.join(one.labels)}"
+    )
+    if band.span is None:
+        called = dict(zip((band.first, band.second), one.labels, strict=True))
+        better = {c.better_first for c in band.by_prior.values()}
+        leaders = sorted(called[name] for name in better if name is not None)
+        who = f"{leaders[0]} is always better" if leaders else "they are equal"
+        if len(leaders) > 1:
+            who = f"{' or '.join(leaders)} is better, depending on the prior"
+        return f"{start} have no crossover in {one.quantity.what}: {who}."
+    low, high = band.span
+    never = [prior for prior, crossover in band.by_prior.items() if not crossover.at]
+    exceptions = f", and none with {', '.join(never)}" if never else ""
+    return (
+        f"{start} have a crossover in {one.quantity.what} between {low:.3g} and "
+        f"{one.sweep.with_unit(f'{high:.3g}')} of {one.sweep.what}{exceptions}."
+    )
+
+
+def bands_as_json(bands: Sequence[CrossoverBand]) -> list[dict[str, Any]]:
+    """Bands as plain data.
+
+    Parameters
+    ----------
+    bands
+        Crossovers over all training sets, one band per pair of sensors.
+    """
+    return [
+        plain_fields(band, "first", "second", "matrix", "span")
+        | {
+            "by_prior": {
+                prior: crossover_as_json(crossover) for prior, crossover in band.by_prior.items()
+            },
+            "sentence": band_sentence(band),
+        }
+        for band in bands
+    ]
+
+
+MOST_PAIRS_SENSORS = 3
+"""Up to this number of sensors each pair has a sentence; more have a ranking and leaders."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Rank:
+    """The place of one sensor among all, with one matrix.
+
+    Attributes
+    ----------
+    sensor, label, matrix
+        Its names.
+    value
+        Of the quantity at the operating point; ``None`` where it is not defined.
+    rank
+        1 for the best; equal values share a rank, and the next ranks are skipped. ``None`` without
+        a value.
+    tied
+        Whether another sensor has the same rank.
+    """
+
+    sensor: str
+    label: str
+    matrix: str
+    value: float | None
+    rank: int | None
+    tied: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Lead:
+    """A range of the sweep in which one sensor is the best of all, with one matrix.
+
+    Attributes
+    ----------
+    sensor, label, matrix
+        Its names.
+    sweep, quantity
+        The parameter that varies, and the quantity.
+    first, last
+        The ends of the range. [unit of the sweep]
+    """
+
+    sensor: str
+    label: str
+    matrix: str
+    sweep: Sweep
+    quantity: Quantity
+    first: float
+    last: float
+
+
+Named = tuple[str, str, float]
+"""Name, label and value of a sensor; NaN where the value is not defined."""
+
+
+def ranked(found: Sequence[Named], *, matrix: str, more_is_better: bool) -> tuple[Rank, ...]:
+    """The sensors from best to worst; equal values share a rank.
+
+    Parameters
+    ----------
+    found
+        Name, label and value of each sensor.
+    matrix
+        Name of the color matrix.
+    more_is_better
+        Whether the highest value is the best.
+
+    Notes
+    -----
+    Values that differ by at most 1e-9 of their unit are equal. Ranks are those of sports: 1, 2, 2,
+    4.
+
+    Examples
+    --------
+    >>> found = [("a", "a", 20.0), ("b", "b", 30.0), ("c", "c", 20.0), ("d", "d", float("nan"))]
+    >>> [(r.sensor, r.rank, r.tied) for r in ranked(found, matrix="kernel", more_is_better=True)]
+    [('b', 1, False), ('a', 2, True), ('c', 2, True), ('d', None, False)]
+    """
+    sign = -1.0 if more_is_better else 1.0
+    known = sorted((one for one in found if np.isfinite(one[2])), key=lambda one: sign * one[2])
+    places = [0] * len(known)
+    for i in range(1, len(known)):
+        equal = abs(known[i][2] - known[places[i - 1]][2]) <= TIE
+        places[i] = places[i - 1] if equal else i
+    ranks = [
+        Rank(
+            sensor=name,
+            label=label,
+            matrix=matrix,
+            value=value,
+            rank=place + 1,
+            tied=places.count(place) > 1,
+        )
+        for (name, label, value), place in zip(known, places, strict=True)
+    ]
+    return (
+        *ranks,
+        *(
+            Rank(sensor=name, label=label, matrix=matrix, value=None, rank=None, tied=False)
+            for name, label, value in found
+            if not np.isfinite(value)
+        ),
+    )
+
+
+def ranking(
+    contestants: Sequence[OperatingPoint],
+    makers: Mapping[str, MatrixFunction],
+    quantity: Quantity,
+) -> tuple[Rank, ...]:
+    """The sensors ranked by a quantity at their operating points, for each matrix.
+
+    Parameters
+    ----------
+    contestants, makers
+        As `chromanoise.study.compared`.
+    quantity
+        One of `QUANTITIES`, or your own.
+    """
+    return tuple(
+        rank
+        for name, maker in makers.items()
+        for rank in ranked(
+            [(p.sensor.name, p.sensor.label, quantity.of(p, maker(p))) for p in contestants],
+            matrix=name,
+            more_is_better=quantity.more_is_better,
+        )
+    )
+
+
+def matrix_sentences(ranks: Sequence[Rank], quantity: Quantity) -> list[str]:
+    """For each sensor with several matrices, a sentence that ranks them at the operating point.
+
+    Parameters
+    ----------
+    ranks
+        Of `ranking`.
+    quantity
+        That of the ranks.
+    """
+    sign = -1.0 if quantity.more_is_better else 1.0
+    sentences = []
+    for name in dict.fromkeys(one.sensor for one in ranks):
+        own = [one for one in ranks if one.sensor == name]
+        known = [one for one in own if one.value is not None]
+        known.sort(key=lambda one: sign * (one.value or 0.0))
+        if len(own) > 1 and known:
+            text = ", ".join(f"{one.matrix} {number_text(one.value)}" for one in known)
+            sentences.append(
+                f"{known[0].label}: {quantity.what} [{quantity.unit}] at the fixed settings, best "
+                f"matrix first: {text}."
+            )
+    return sentences
+
+
+def leads(curves: Sequence[Curve], crossed: Sequence[Crossover]) -> tuple[Lead, ...]:
+    """For each matrix, the ranges of the sweep in which one sensor is the best of all.
+
+    Parameters
+    ----------
+    curves
+        Of `chromanoise.study.compared`.
+    crossed
+        Of `chromanoise.study.crossovers`: the ends of the ranges.
+
+    Notes
+    -----
+    The leader is read off the curves at each value of the sweep, so a lead shorter than one step is
+    not seen. A range begins and ends at a crossover; where a leader has no value any longer, as it
+    is saturated, at the last value of the sweep at which it has one.
+    """
+    matrices = dict.fromkeys(curve.matrix for curve in curves)
+    return tuple(
+        lead
+        for name in matrices
+        for lead in _leads([curve for curve in curves if curve.matrix == name], crossed)
+    )
+
+
+def _leads(curves: Sequence[Curve], crossed: Sequence[Crossover]) -> list[Lead]:
+    best = leaders_of(
+        np.array([curve.value for curve in curves]), curves[0].quantity.more_is_better
+    ).tolist()
+    at = curves[0].at.tolist()
+    ends: list[tuple[int, float, float]] = []  # leader, first, last
+    for i, leader in enumerate(best):
+        if leader < 0:
+            continue
+        if i and best[i - 1] == leader:
+            ends[-1] = (leader, ends[-1][1], at[i])
+            continue
+        first = at[i]
+        if i and best[i - 1] >= 0:
+            change = _change(curves[best[i - 1]], curves[leader], crossed, at[i - 1], at[i])
+            if change is not None:
+                ends[-1] = (*ends[-1][:2], change)
+                first = change
+        ends.append((leader, first, at[i]))
+    return [
+        Lead(
+            sensor=curves[i].sensor,
+            label=curves[i].label,
+            matrix=curves[i].matrix,
+            sweep=curves[i].sweep,
+            quantity=curves[i].quantity,
+            first=first,
+            last=last,
+        )
+        for i, first, last in ends
+    ]
+
+
+def leaders_of(values: Any, more_is_better: bool) -> Any:
+    """Index of the best along the first axis, -1 where none has a value.
+
+    A tie goes to the first of the equals.
+
+    Parameters
+    ----------
+    values
+        One entry per sensor along the first axis; NaN where it is not defined.
+    more_is_better
+        Whether the highest value is the best.
+
+    Examples
+    --------
+    >>> leaders_of(np.array([[1.0, 2.0, np.nan], [1.0, 3.0, np.nan]]), True).tolist()
+    [0, 1, -1]
+    """
+    points = np.where(np.isnan(values), -np.inf, values if more_is_better else -values)
+    near = points >= points.max(axis=0) - TIE
+    return np.where(np.isinf(points.max(axis=0)), -1, near.argmax(axis=0))
+
+
+def _change(
+    one: Curve, other: Curve, crossed: Sequence[Crossover], low: float, high: float
+) -> float | None:
+    """Where two curves of one matrix cross between two values of the sweep."""
+    pair, matrix = {one.sensor, other.sensor}, one.matrix
+    found = [
+        value
+        for crossover in crossed
+        if crossover.matrix == matrix and {crossover.first, crossover.second} == pair
+        for value in crossover.at
+        if low <= value <= high
+    ]
+    return found[0] if found else None
+
+
+def leading_crossovers(
+    leading: Sequence[Lead], crossed: Sequence[Crossover]
+) -> tuple[Crossover, ...]:
+    """The crossovers at which the leader changes; of all pairs, those that matter.
+
+    Parameters
+    ----------
+    leading
+        Of `leads`.
+    crossed
+        Of `chromanoise.study.crossovers`.
+    """
+    changes = {
+        (one.matrix, frozenset((one.sensor, other.sensor)))
+        for one, other in pairwise(leading)
+        if one.matrix == other.matrix and one.last == other.first
+    }
+    return tuple(
+        one for one in crossed if (one.matrix, frozenset((one.first, one.second))) in changes
+    )
+
+
+def lead_changes(leading: Sequence[Lead], crossed: Sequence[Crossover]) -> tuple[Crossover, ...]:
+    """`leading_crossovers` with only those of their values at which the leader changes.
+
+    Parameters
+    ----------
+    leading, crossed
+        As `leading_crossovers`.
+    """
+    ends = {(one.matrix, one.last) for one in leading}
+    changes = []
+    for one in leading_crossovers(leading, crossed):
+        kept = [k for k, value in enumerate(one.at) if (one.matrix, value) in ends]
+        at = tuple(one.at[k] for k in kept)
+        errors = tuple(one.color_error[k] for k in kept)
+        changes.append(replace(one, at=at, color_error=errors))
+    return tuple(changes)
+
+
+def lead_sentences(leading: Sequence[Lead]) -> list[str]:
+    """Per matrix, the best sensor over each range of the sweep."""
+    sentences = []
+    for name in dict.fromkeys(one.matrix for one in leading):
+        mine = [one for one in leading if one.matrix == name]
+        sweep, quantity = mine[0].sweep, mine[0].quantity
+        better = "highest" if quantity.more_is_better else "lowest"
+        ranges = [f"{one.label} {sweep.with_unit(_range_in_words(one))}" for one in mine]
+        sentences.append(
+            f"With the {name} matrix the {better} {quantity.what} of all sensors over "
+            f"{sweep.what}: {', '.join(ranges)}."
+        )
+    return sentences
+
+
+def _range_in_words(lead: Lead) -> str:
+    first, last = value_in_words(lead.first), value_in_words(lead.last)
+    return f"at {first}" if first == last else f"from {first} to {last}"
+
+
+def ranking_as_json(ranks: Sequence[Rank]) -> list[dict[str, Any]]:
+    """Ranks as plain data, from best to worst for each matrix."""
+    names = ("rank", "tied", "sensor", "label", "matrix", "value")
+    return [plain_fields(one, *names) for one in ranks]
+
+
+def leads_as_json(leading: Sequence[Lead]) -> list[dict[str, Any]]:
+    """Leads as plain data."""
+    names = ("sensor", "label", "matrix", "first", "last")
+    return [plain_fields(one, *names) for one in leading]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class QuantityMap(SweptQuantity):
+    """A quantity over two parameters: one row of values per value of the second.
+
+    Attributes
+    ----------
+    second
+        The second parameter.
+    second_at
+        Its values. [unit of ``second``]
+    """
+
+    second: Sweep
+    second_at: Float[Array, " j"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CrossoverLine:
+    """Crossovers of two sensors with one matrix, for each value of the second sweep.
+
+    Attributes
+    ----------
+    first, second, matrix
+        Names.
+    at
+        Their values of the first sweep, one entry per value of the second sweep; empty where there
+        is none. [unit of the first sweep]
+    """
+
+    first: str
+    second: str
+    matrix: str
+    at: tuple[tuple[float, ...], ...]
+
+
+def mapped(
+    contestants: Sequence[OperatingPoint],
+    makers: Mapping[str, MatrixFunction],
+    at: Float[Array, " k"],
+    second_at: Float[Array, " j"],
+    *,
+    sweep: Sweep,
+    second: Sweep,
+    quantity: Quantity = SNR_Y,
+    progress: Callable[[int], None] = lambda _: None,
+) -> tuple[tuple[QuantityMap, ...], tuple[CrossoverLine, ...]]:
+    """A quantity of every sensor with every matrix over two sweeps, and the crossovers of pairs.
+
+    Parameters
+    ----------
+    contestants, makers, quantity, progress
+        As `chromanoise.study.compared`.
+    at, second_at
+        Increasing. [units of the sweeps]
+    sweep, second
+        Two different ones of `SWEEPS`, or your own.
+
+    Returns
+    -------
+    maps, lines
+        One map per sensor and matrix; of up to three sensors, one line per pair and matrix.
+
+    Raises
+    ------
+    InputError
+        If both sweeps vary the same parameter, or as `chromanoise.study.compared`.
+
+    Notes
+    -----
+    Each row is a sweep of its own, with the second value kept. A sweep that replaces the light
+    comes before one that adds to it.
+    """
+    if sweep.name == second.name:
+        raise InputError(
+            "second",
+            "must vary another parameter than the first sweep",
+            value=second.name,
+            found=None,
+        )
+    rows = check.increasing(f"values of {second.name}", second.unit, second_at)
+    for end in (rows[0], rows[-1]):
+        check.within(f"sweep of {second.name}", second.unit, end, second.lowest, second.highest)
+    found = [
+        _row(contestants, makers, at, value, sweep, second, quantity, progress)
+        for value in rows.tolist()
+    ]
+    curves = [row for row, _ in found]
+    maps = tuple(
+        QuantityMap(
+            sensor=one.sensor,
+            label=one.label,
+            matrix=one.matrix,
+            sweep=sweep,
+            second=second,
+            quantity=quantity,
+            at=one.at,
+            second_at=rows,
+            value=np.array([row[i].value for row in curves]),
+            saturated=np.array([row[i].saturated for row in curves]),
+        )
+        for i, one in enumerate(curves[0])
+    )
+    return maps, _lines(maps, [crossed for _, crossed in found])
+
+
+def _row(
+    contestants: Sequence[OperatingPoint],
+    makers: Mapping[str, MatrixFunction],
+    at: Float[Array, " k"],
+    value: float,
+    sweep: Sweep,
+    second: Sweep,
+    quantity: Quantity,
+    progress: Callable[[int], None],
+) -> tuple[tuple[Curve, ...], list[Crossover]]:
+    """One row: the curves at one value of the second sweep, and their crossovers."""
+    if sweep.replaces_light:
+        both = _then(sweep, second, value)
+        moved = list(contestants)
+    else:
+        both, moved = sweep, [second.at(one, value) for one in contestants]
+    curves = compared(moved, makers, at, sweep=both, quantity=quantity, progress=progress)
+    if not 1 < len(contestants) <= MOST_PAIRS_SENSORS:
+        return curves, []
+    pairs = crossovers_or_reasons(moved, makers, curves)
+    return curves, [pair for pair in pairs if isinstance(pair, Crossover)]
+
+
+def _then(sweep: Sweep, second: Sweep, value: float) -> Sweep:
+    """The sweep, with the second parameter set after it."""
+
+    def both(operating_point: OperatingPoint, first: float) -> OperatingPoint:
+        return second.at(sweep.at(operating_point, first), value)
+
+    return replace(sweep, at=both)
+
+
+def _lines(
+    maps: Sequence[QuantityMap], rows: Sequence[Sequence[Crossover]]
+) -> tuple[CrossoverLine, ...]:
+    if len({one.sensor for one in maps}) > MOST_PAIRS_SENSORS:
+        return ()
+    return tuple(
+        CrossoverLine(
+            first=a.sensor,
+            second=b.sensor,
+            matrix=name,
+            at=tuple(_of_pair(row, a, b) for row in rows),
+        )
+        for name, mine in by_matrix(maps).items()
+        for a, b in combinations(mine, 2)
+    )
+
+
+def _of_pair(row: Sequence[Crossover], a: QuantityMap, b: QuantityMap) -> tuple[float, ...]:
+    key = (a.sensor, b.sensor, a.matrix)
+    return next((one.at for one in row if (one.first, one.second, one.matrix) == key), ())
+
+
+def best_of(maps: Sequence[QuantityMap]) -> Int[Array, "j k"]:
+    """Index of the best map at each pair of values, -1 where none has a value; ties to the first.
+
+    Parameters
+    ----------
+    maps
+        Of one matrix.
+    """
+    values = np.array([one.value for one in maps])
+    return np.asarray(leaders_of(values, maps[0].quantity.more_is_better))
+
+
+def by_matrix(maps: Sequence[QuantityMap]) -> dict[str, list[QuantityMap]]:
+    """The maps of each matrix, by its name."""
+    found: dict[str, list[QuantityMap]] = {}
+    for one in maps:
+        found.setdefault(one.matrix, []).append(one)
+    return found
+
+
+def maps_as_json(maps: Sequence[QuantityMap], lines: Sequence[CrossoverLine]) -> dict[str, Any]:
+    """Maps, the best sensor at each pair of values, and crossovers, as plain data."""
+    first = maps[0]
+    sweeps = {"sweep": (first.sweep, first.at), "second": (first.second, first.second_at)}
+    return {
+        "version": __version__,
+        **{
+            key: plain_fields(one, "name", "what", "unit") | {"values": at.tolist()}
+            for key, (one, at) in sweeps.items()
+        },
+        "quantity": plain_fields(first.quantity, "name", "what", "unit"),
+        "maps": [
+            plain_fields(one, "sensor", "label", "matrix", "value", "saturated") for one in maps
+        ],
+        "best": {
+            name: [
+                [None if i < 0 else mine[i].sensor for i in row] for row in best_of(mine).tolist()
+            ]
+            for name, mine in by_matrix(maps).items()
+        },
+        "crossovers": [plain_fields(one) for one in lines],
+    }
