@@ -18,7 +18,7 @@ demo: $(VENV)/.installed
 	$(BIN)/chromanoise demo
 
 test: $(VENV)/.dev
-	$(BIN)/python -m pytest -n 2
+	$(BIN)/python -m pytest -n 2 --durations=20
 
 # a few tests with the lowest versions that pyproject.toml declares; Python 3.11 has wheels of all
 LOWEST := out/lowest

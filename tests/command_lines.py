@@ -520,8 +520,8 @@ def _json_faults(text):
 
 def prepared_files():
     """The input files and a result of ``run``; everything is imported and compiled after it."""
-    for name in COMMANDS:
-        import_module(f"chromanoise.cli.{name.replace('-', '_')}")
+    for module, _ in COMMANDS.values():
+        import_module(f"chromanoise.cli.{module}")
     files = input_files()
     with tempfile.TemporaryDirectory() as base:
         study = Path(base, "study.toml")

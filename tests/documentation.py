@@ -3,7 +3,7 @@
 import inspect
 import re
 
-from pydantic import BaseModel
+from chromanoise.base import Record
 
 SECTIONS = r"^(Parameters|Attributes|Other Parameters|Returns|Raises|Notes|Examples)\n-{3,}\n"
 QUANTITY = re.compile(r"(^|_)(lux|ms|s|nm|um|e|db|lx|s_per_e)$|^(qe|irradiance)$")
@@ -69,7 +69,7 @@ def faults_of_class(name, kind):
     if not kind.__doc__:
         return [f"{name}: no docstring"]
     values, faults = sections(kind.__doc__), []
-    if issubclass(kind, BaseModel):
+    if issubclass(kind, Record):
         described = {one: field.description for one, field in kind.model_fields.items()}
         faults += [f"{name}: {one} is not described" for one, text in described.items() if not text]
     else:

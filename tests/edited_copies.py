@@ -22,7 +22,8 @@ def answers_of_copy(
     Each edit writes a text before another one, which its file of the package must contain once.
     """
     copy = folder / "chromanoise"
-    ignored = shutil.ignore_patterns("__pycache__", "*.pyi")
+    # its bytecode is kept: else each process compiles all sources again
+    ignored = shutil.ignore_patterns("kernels-*", "*.pyi")
     shutil.copytree(Path(chromanoise.__file__).parent, copy, ignore=ignored)
     for name, (before, text) in edits.items():
         path = copy / name

@@ -8,6 +8,8 @@ import time
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
+import httpx
+
 import chromanoise
 from served_page import COMMAND
 
@@ -38,3 +40,16 @@ def wait_for(happened, process, *, seconds=60):
         assert process.poll() is None, process.communicate()
         assert time.monotonic() < end
         time.sleep(0.02)
+
+
+class Patient(httpx.HTTPTransport):
+    """Sends a request again where the server of the page is too busy (503), as the page does."""
+
+    def handle_request(self, request):
+        end = time.monotonic() + 120
+        while True:
+            reply = super().handle_request(request)
+            if reply.status_code != 503 or time.monotonic() > end:
+                return reply
+            reply.close()
+            time.sleep(float(reply.headers.get("Retry-After", 0.5)))

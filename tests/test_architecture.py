@@ -25,6 +25,14 @@ def imported_by(statement: str) -> set[str]:
     return set(done.stdout.split())
 
 
+def parsed_with(word, *, but):
+    """The modules other than one that contain a word, and their trees."""
+    for path in set(PACKAGE.rglob("*.py")) - {PACKAGE / but, PACKAGE / "base" / "__init__.py"}:
+        text = path.read_text(encoding="utf-8")
+        if word in text:
+            yield path, ast.parse(text)
+
+
 def test_importing_the_package_imports_nothing_heavy():
     heavy = {"numpy", "scipy", "colour", "matplotlib", "rich", "click", "jinja2"}
     assert not heavy & imported_by("import chromanoise")
@@ -101,8 +109,8 @@ def test_every_folder_is_named_in_the_map_of_the_package():
 def test_no_module_but_one_calls_a_linear_solver():
     """LAPACK may loop forever over a number that is not finite; `linalg` checks first."""
     found = set()
-    for path in set(PACKAGE.rglob("*.py")) - {PACKAGE / "base" / "linalg.py"}:
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for path, tree in parsed_with("linalg", but="base/linalg.py"):
+        for node in ast.walk(tree):
             names = []
             if isinstance(node, ast.ImportFrom):
                 names = [f"{node.module}.{alias.name}" for alias in node.names]
@@ -121,19 +129,13 @@ def test_no_module_resolves_a_path_with_an_error_for_links_in_a_loop():
 
 def test_no_module_but_one_parses_json():
     """`inputs.json_of` refuses what a later step could not use; `json.loads` does not."""
-    called = {
-        f"{path.name}: {node.attr}"
-        for path in set(PACKAGE.rglob("*.py")) - {PACKAGE / "base" / "inputs.py"}
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
-        if isinstance(node, ast.Attribute)
-        and ast.unparse(node) in ("json.load", "json.loads", "json.JSONDecoder")
-    }
-    imported = {
-        path.name
-        for path in set(PACKAGE.rglob("*.py")) - {PACKAGE / "base" / "inputs.py"}
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
-        if isinstance(node, ast.ImportFrom) and node.module == "json"
-    }
+    called, imported = set(), set()
+    for path, tree in parsed_with("json", but="base/inputs.py"):
+        for node in ast.walk(tree):
+            if isinstance(node, ast.ImportFrom) and node.module == "json":
+                imported.add(path.name)
+            elif isinstance(node, ast.Attribute) and node.attr in ("load", "loads", "JSONDecoder"):
+                called |= {path.name} if ast.unparse(node.value) == "json" else set()
     assert (called, imported) == (set(), set())
 
 
@@ -158,13 +160,18 @@ def test_a_property_of_the_pixel_is_named_in_few_modules(name):
     assert len(naming) <= MOST_MODULES[name], sorted(naming)
 
 
-def test_no_room_is_larger_than_its_ceiling():
+@pytest.fixture(scope="module")
+def sizes():
+    return size.sizes()
+
+
+def test_no_room_is_larger_than_its_ceiling(sizes):
     """`make size` writes `docs/size.toml` anew: its difference shows what a change costs."""
-    assert not size.larger(size.sizes())
+    assert not size.larger(sizes)
 
 
-def test_a_line_more_is_found(monkeypatch):
-    grown = {name: dict(one) for name, one in size.sizes().items()}
+def test_a_line_more_is_found(monkeypatch, sizes):
+    grown = {name: dict(one) for name, one in sizes.items()}
     stored = {name: dict(one) for name, one in grown.items()}
     grown["noise"]["code"] += 1
     monkeypatch.setattr(size, "LEDGER", SimpleNamespace(read_text=lambda **_: size.ledger(stored)))

@@ -9,38 +9,28 @@ from pathlib import Path
 from types import ModuleType
 
 PACKAGES = {  # by the headings of the Python reference
-    "The stages": [
-        *("spectra", "scene", "sensor", "exposure", "noise", "geometry", "color", "metrics"),
+    "The stages": ["spectra", "sensor", "noise", "geometry", "color", "metrics"],
+    "Pictures": ["imaging", "imaging.denoising"],
+    "Files": ["io", "io.spectra", "io.cubes", "io.frames", "io.pixels"],
+    "Whole studies": ["study"],
+    "Charts and reports": ["charts", "web"],
+    "Applications, not yet stable": [
+        *("apps.camera", "apps.design", "apps.training", "apps.denoising_benchmark", "apps.paper"),
     ],
-    "Pictures": ["imaging", "denoising", "scene.builtin"],
-    "Files and cameras": [
-        *("io", "io.spectra", "io.cubes", "io.frames", "io.pixels", "characterization", "catalog"),
-    ],
-    "Whole studies": ["analysis", "study", "design", "paper"],
-    "Charts and reports": ["charts", "figures", "report"],
-    "Basics": ["errors", "rng", "units"],
-}
-OF_MODULE = {  # of modules without ``__all__``
-    "errors": ["InputError", "Setting", "StudyError", "did_you_mean", "errors_in", "in_study"],
-    "rng": ["stream"],
-    "units": [
-        *("BOLTZMANN_J_PER_K", "LIGHT_M_PER_S", "LUMEN_PER_WATT", "PLANCK_J_S", "UM2_PER_M2"),
-        *("decibel", "from_decibel", "photons_per_joule"),
-    ],
+    "Basics": ["base"],
 }
 
 
 def all_packages() -> Iterator[str]:
-    """The paths of all public packages and modules, the root first."""
+    """The paths of all public packages, the root first."""
     yield "chromanoise"
     for paths in PACKAGES.values():
         yield from (f"chromanoise.{path}" for path in paths)
 
 
 def public_names(module: ModuleType) -> list[str]:
-    """The public names of a package or a module, in alphabetical order."""
-    short = module.__name__.removeprefix("chromanoise.")
-    return sorted(getattr(module, "__all__", None) or OF_MODULE[short])
+    """The public names of a package, in alphabetical order."""
+    return sorted(module.__all__)
 
 
 def kind_of(value: object) -> str:

@@ -14,11 +14,11 @@ import chromanoise as cn
 pair = cn.analyze("onyx-rgbw", "onyx-rgb-ircut", lux=10, time_ms=12)
 budgets = [cn.study.coordinate_budget(one, "Y") for one in pair.analyses]
 
-with cn.figures.chromanoise_style():
+with cn.charts.chromanoise_style():
     figure, axes = plt.subplots(2, 1, figsize=(7.2, 5.6), sharex=True, layout="constrained")
     for analysis, budget, ax in zip(pair.analyses, budgets, axes, strict=True):
         limits_db = (0, max(one.photons_db for one in budgets))
-        cn.figures.draw_budget(budget, analysis.sensor, ax, limits_db=limits_db)
+        cn.charts.draw_budget(budget, analysis.sensor, ax, limits_db=limits_db)
     axes[0].set_xlabel("")
 
 for budget in budgets:

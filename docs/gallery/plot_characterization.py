@@ -15,7 +15,7 @@ import matplotlib.pyplot as plt
 import chromanoise as cn
 from chromanoise.apps.camera import VirtualCamera, photon_transfer_frames, plane_curves
 
-with cn.figures.chromanoise_style():
+with cn.charts.chromanoise_style():
     figure, axes = plt.subplots(2, 2, figsize=(9.4, 6.2), sharex="col", layout="constrained")
     for bend, row in zip((0.0, 0.1), axes, strict=True):
         with TemporaryDirectory() as folder:
@@ -23,8 +23,8 @@ with cn.figures.chromanoise_style():
             photon_transfer_frames(camera, folder=Path(folder), levels=12)
             measured = cn.characterize(folder)
         curves = [plane_curves(plane) for plane in measured.planes]
-        cn.figures.draw_variance_residuals(curves, row[0])
-        cn.figures.draw_linearity_deviation(curves, row[1])
+        cn.charts.draw_variance_residuals(curves, row[0])
+        cn.charts.draw_linearity_deviation(curves, row[1])
         row[0].set_title(f"gain falls by {100 * bend:.0f} %: variance")
         row[1].set_title("mean")
         assert measured.verdict.holds == (bend == 0)

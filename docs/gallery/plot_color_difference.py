@@ -19,9 +19,9 @@ clean = mean_e @ made.matrix.matrix.T / made.white_lux
 pixel = cn.metrics.picture_color_difference(picture.xyz, clean, picture.white)
 eye = cn.metrics.scielab_difference(picture.xyz, clean, picture.white, pixels_per_degree=60)
 
-with cn.figures.chromanoise_style():
+with cn.charts.chromanoise_style():
     figure, axes = plt.subplots(1, 3, figsize=(10.4, 3.3), layout="constrained")
-    cn.figures.draw_picture(picture.srgb, axes[0], title="picture at 3 lx")
+    cn.charts.draw_picture(picture.srgb, axes[0], title="picture at 3 lx")
     for ax, values, name in zip(axes[1:], (pixel, eye), ("CIEDE2000", "S-CIELAB"), strict=True):
         shown = ax.imshow(values, cmap="viridis", vmin=0, vmax=20, interpolation="none")
         ax.set_title(f"{name}: mean {values.mean():.1f}")

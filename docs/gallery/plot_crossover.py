@@ -21,12 +21,12 @@ swept = cn.compare(
     points=41,
 )
 
-with cn.figures.chromanoise_style():
+with cn.charts.chromanoise_style():
     figure, (above, below) = plt.subplots(
         2, 1, figsize=(7.2, 6), sharex=True, height_ratios=(3, 2), layout="constrained"
     )
     swept.plot(above).set_xlabel("")
-    cn.figures.draw_color_errors(swept.curves, below)
+    cn.charts.draw_color_errors(swept.curves, below)
 
 crossed = {one.matrix: one.at for one in swept.crossovers}
 assert crossed["kernel"] == ()

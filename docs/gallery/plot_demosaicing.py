@@ -15,14 +15,14 @@ import chromanoise as cn
 part = np.s_[165:295, 90:220]  # of the chart [px]
 gray = np.s_[248:296, 172:220]  # the flat part of a gray patch [px]
 noise = {}
-with cn.figures.chromanoise_style():
+with cn.charts.chromanoise_style():
     figure, axes = plt.subplots(1, 4, figsize=(10, 3.1), layout="constrained")
     for method, ax in zip(("bilinear", "malvar", "lmmse"), axes[1:], strict=True):
         settings = {"lux": 2, "time_ms": 12, "mosaic": "bayer", "demosaic": method}
         capture = cn.render("builtin:checker", "onyx-rgb-ircut", **settings).captures[0]
         noise[method] = 100 * float(np.std(capture.picture.xyz[gray][..., 1], dtype=float))
         title = f"{method}: {noise[method]:.1f} %"
-        cn.figures.draw_picture(capture.picture.srgb[part], ax, title=title)
+        cn.charts.draw_picture(capture.picture.srgb[part], ax, title=title)
     axes[0].imshow(capture.raw.codes[part], cmap="gray", interpolation="none")
     axes[0].set_title("raw codes")
     axes[0].set_axis_off()

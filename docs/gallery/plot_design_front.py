@@ -19,7 +19,7 @@ with TemporaryDirectory() as folder:
     path.write_text(cn.apps.design.DESIGN_STARTER, encoding="utf-8")
     found = cn.optimize(path, budget=8000)
 
-with cn.figures.chromanoise_style():
+with cn.charts.chromanoise_style():
     figure, ax = plt.subplots(figsize=(7.2, 4.6), layout="constrained")
     found.plot(ax)
 

@@ -22,12 +22,12 @@ swept = cn.compare(
     time_ms=11.94,
 )
 
-with cn.figures.chromanoise_style():
+with cn.charts.chromanoise_style():
     figure, (above, below) = plt.subplots(
         2, 1, figsize=(7.2, 5.6), sharex=True, height_ratios=(3, 2), layout="constrained"
     )
     swept.plot(above).set_xlabel("")
-    cn.figures.draw_color_errors(swept.curves, below)
+    cn.charts.draw_color_errors(swept.curves, below)
 
 rgbw = swept.curves[0]
 best = rgbw.value.argmax()

@@ -11,7 +11,7 @@ import matplotlib.pyplot as plt
 import chromanoise as cn
 
 names = ["onyx-rgbw", "onyx-rgb-ircut"]
-with cn.figures.chromanoise_style():
+with cn.charts.chromanoise_style():
     figure, axes = plt.subplots(2, 2, figsize=(8.4, 6.2), layout="constrained")
     for matrix, row in zip(("kernel", "lmmse"), axes, strict=True):
         settings = {"lux": 0.26, "time_ms": 12, "matrix": matrix}
@@ -19,6 +19,6 @@ with cn.figures.chromanoise_style():
         snr_db = cn.analyze(*names, **settings).color_snr_db()
         for name, capture, ax in zip(names, pictures.captures, row, strict=True):
             title = f"{name}, {matrix}: SNR of Y {snr_db[name]['Y']:.1f} dB"
-            cn.figures.draw_picture(capture.picture.srgb, ax, title=title)
+            cn.charts.draw_picture(capture.picture.srgb, ax, title=title)
 
 assert abs(snr_db["onyx-rgbw"]["Y"] - snr_db["onyx-rgb-ircut"]["Y"]) < 0.2

@@ -16,7 +16,7 @@ light = {"time_ms": 12, "first": 0.05, "last": 9, "points": 31}
 quantities = {"snr-y": "for an eye", "separation": "for a machine"}
 swept = {quantity: cn.compare(*names, quantity=quantity, **light) for quantity in quantities}
 
-with cn.figures.chromanoise_style():
+with cn.charts.chromanoise_style():
     figure, axes = plt.subplots(1, 2, figsize=(9.6, 4), layout="constrained")
     for ax, (quantity, title) in zip(axes, quantities.items(), strict=True):
         swept[quantity].plot(ax).set_title(title)

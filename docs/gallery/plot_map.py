@@ -24,7 +24,7 @@ mapped = cn.compare_map(
     time_ms=12,
 )
 
-with cn.figures.chromanoise_style():
+with cn.charts.chromanoise_style():
     figure, ax = plt.subplots(figsize=(7, 4.4), layout="constrained")
     mapped.plot(ax)
 

@@ -16,10 +16,10 @@ names = ["onyx-rgbw", "onyx-rgb-ircut"]
 study = cn.study.study_of("analyze", names, {"lux": 10.0, "time_ms": 12.0})
 data = cn.charts.drawing("ellipses", cn.charts.shown(study))
 
-with cn.figures.chromanoise_style():
+with cn.charts.chromanoise_style():
     figure, axes = plt.subplots(1, 2, figsize=(6.2, 6.2), sharey=True, layout="constrained")
     for i, ax in enumerate(axes):
-        cn.figures.draw_ellipses(data, i, ax)
+        cn.charts.draw_ellipses(data, i, ax)
     axes[1].set_ylabel("")
     figure.suptitle("Noise ellipses of 24 patches at 10 lx, 12 ms, f/1.8", fontsize=10)
 

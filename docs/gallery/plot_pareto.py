@@ -20,6 +20,6 @@ study = cn.study_from_data(
     },
     source="gallery",
 )
-with cn.figures.chromanoise_style():
+with cn.charts.chromanoise_style():
     figure, ax = plt.subplots(figsize=(7, 4.4), layout="constrained")
-    cn.figures.draw_pareto(cn.charts.drawing("pareto", cn.charts.shown(study)), ax)
+    cn.charts.draw_pareto(cn.charts.drawing("pareto", cn.charts.shown(study)), ax)

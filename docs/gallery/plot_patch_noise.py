@@ -14,7 +14,7 @@ import chromanoise as cn
 names = ["onyx-rgbw", "onyx-rgb-ircut"]
 pair = cn.analyze(*names, lux=10, time_ms=12, chart=True)
 noise = {}
-with cn.figures.chromanoise_style():
+with cn.charts.chromanoise_style():
     figure, ax = plt.subplots(figsize=(7.2, 6), layout="constrained")
     for name, data, mark in zip(names, pair.to_dict()["sensors"], "os", strict=True):
         patches = [one["patch"] for one in data["chart"]]

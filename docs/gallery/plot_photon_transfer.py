@@ -22,7 +22,7 @@ with TemporaryDirectory() as folder:
     photon_transfer_frames(camera, folder=Path(folder), levels=8)
     measured = cn.characterize(folder)
 
-with cn.figures.chromanoise_style():
+with cn.charts.chromanoise_style():
     figure, ax = plt.subplots(figsize=(7, 4.4), layout="constrained")
     measured.plot(ax).set_title("Photon transfer of a virtual camera (EMVA 1288)")
 

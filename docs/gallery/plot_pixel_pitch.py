@@ -13,7 +13,7 @@ import numpy as np
 import chromanoise as cn
 
 pitches_um = np.geomspace(0.8, 10, 21)
-with cn.figures.chromanoise_style():
+with cn.charts.chromanoise_style():
     figure, ax = plt.subplots(figsize=(7, 4.2), layout="constrained")
     for level_lux, dashes in ((10.0, "solid"), (1.0, (0, (6, 2))), (0.1, (0, (2, 1.2)))):
         snr_db = []

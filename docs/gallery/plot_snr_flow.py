@@ -13,10 +13,10 @@ import chromanoise as cn
 
 pair = cn.analyze("onyx-rgbw", "onyx-rgb-ircut", lux=10, time_ms=12)
 
-with cn.figures.chromanoise_style():
+with cn.charts.chromanoise_style():
     figure, axes = plt.subplots(2, 1, figsize=(8.8, 5.1), layout="constrained")
     for analysis, ax in zip(pair.analyses, axes, strict=True):
-        cn.figures.draw_flow(analysis, ax)
+        cn.charts.draw_flow(analysis, ax)
 
 raw, color = pair.raw_snr_db(), pair.color_snr_db()
 assert raw["onyx-rgbw"]["G"] > raw["onyx-rgb-ircut"]["G"]

@@ -13,11 +13,11 @@ import chromanoise as cn
 pictures = cn.render("builtin:checker", "onyx-rgb-ircut", "onyx-rgbw", lux=10, time_ms=12)
 snr_db = cn.analyze("onyx-rgb-ircut", "onyx-rgbw", lux=10, time_ms=12).color_snr_db()
 
-with cn.figures.chromanoise_style():
+with cn.charts.chromanoise_style():
     figure, axes = plt.subplots(1, 2, figsize=(9, 3.4), layout="constrained")
     for capture, (name, color), ax in zip(pictures.captures, snr_db.items(), axes, strict=True):
         title = f"{name}: SNR of Y {color['Y']:.1f} dB"
-        cn.figures.draw_picture(capture.picture.srgb, ax, title=title)
+        cn.charts.draw_picture(capture.picture.srgb, ax, title=title)
 
 electrons = [sum(one["mean_e"].values()) for one in pictures.summaries]
 assert electrons[1] > 3 * electrons[0]

@@ -14,8 +14,8 @@ import chromanoise as cn
 
 planes = cn.apps.paper.paper_planes(cn.apps.paper.paper_study())
 
-with cn.figures.chromanoise_style():
+with cn.charts.chromanoise_style():
     figure, axes = plt.subplots(2, 1, figsize=(6.8, 8.4), layout="constrained")
     titles = ("Weakly correlated: ", "Highly correlated: ")
     for (plane, noise), title, ax in zip(planes.correlation, titles, axes, strict=True):
-        cn.figures.draw_uncertainty(plane, noise, ax, title=title)
+        cn.charts.draw_uncertainty(plane, noise, ax, title=title)

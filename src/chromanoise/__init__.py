@@ -1,33 +1,26 @@
 """From photons to color, with the noise.
 
-The list follows the light, then the structure of the program. A package imports only packages
-above it (``pyproject.toml`` lists them in reverse order).
+The list goes from the tools that all rooms share along the way of the light to what people use. A
+room imports only rooms above it, and only what their ``__init__`` names (``pyproject.toml`` lists
+them in reverse order).
 
-====================  =======================================================================
-``spectra``           one wavelength grid; curves, illuminants, observers, reflectances
-``scene``             light from the scene: patches, charts, hyperspectral cubes
-``sensor``            model of a camera: channels, filters, pixel, mosaic
-``exposure``          expected electrons (eq. 1-2), exposure rules
-``noise``             sources, covariance (eq. 7), propagation, Monte Carlo
-``geometry``          dual basis, contravariant coordinates (eq. 3-4), angles, VIF, ellipses
-``color``             matrices (eq. 6), XYZ with covariance (eq. 5), Lab, Luv, sRGB
-``metrics``           SNR, its bound, loss and budget; color error, filters, speed, bits
-``imaging``           a cube through the camera: kernels, mosaic, demosaicing, sampling
-``denoising``         denoising with the known noise: methods, result's noise, bursts, baselines
-``io``                readers and writers: spectra, cubes, pixels, matrices, tables
-``characterization``  a camera's noise from its own raw frames
-``catalog``           built-in sensors, filters, illuminants; the user's own folder
-``analysis``          one operating point at every stage; budgets, sweeps, comparison
-``study``             a study: document, errors, run, records
-``design``            search over filters, exposure and matrix for the best sensors
-``paper``             the paper's study, Tables 2-5 and figures, computed with the public API
-``charts``            results as chart records: marks, axes, table rows
-``figures``           chart records drawn on matplotlib Axes
-``report``            a study as one self-contained HTML file
-``page``              the local web page, which updates while a slider moves
-``cli``               command line: options to a study, results to text
-``api``               the functions of ``import chromanoise as cn``
-====================  =======================================================================
+============  ===================================================================================
+``base``      errors, records, files, bounds, linear solvers: tools of all rooms, no physics
+``spectra``   one wavelength grid; curves, illuminants, observers, reflectances; scenes and cubes
+``sensor``    model of a camera: channels, filters, pixel, mosaic
+``noise``     expected electrons (eq. 1-2), exposure; sources, covariance (eq. 7), Monte Carlo
+``geometry``  dual basis, contravariant coordinates (eq. 3-4), angles, VIF, ellipses
+``color``     matrices (eq. 6), XYZ with covariance (eq. 5), Lab, Luv, sRGB
+``metrics``   SNR, its bound, loss and budget; color error, filters, speed, bits
+``imaging``   a cube through the camera: kernels, mosaic, demosaicing, sampling, denoising
+``io``        readers and writers: spectra, cubes, frames, pixels, matrices, tables
+``study``     a study: document, built-in and own sensors, analysis, sweeps, run, records
+``charts``    results as charts: marks, axes, rows of tables; drawn on matplotlib Axes
+``apps``      users of the library, not yet stable: camera, design, training, paper
+``web``       a study as a report in one HTML file; the local page
+``cli``       command line: options to a study, results to text
+``api``       the functions of ``import chromanoise as cn``
+============  ===================================================================================
 
 Equation numbers are those of Clouet, Vaillant & Alleysson, "Physical noise propagation in
 color image construction: a geometrical interpretation", CIC27 (2019).

@@ -130,7 +130,7 @@ def test_the_colors_of_channels_stand_in_one_file_of_the_source():
         one for one in source.rglob("*") if one.suffix in (".py", ".js", ".css", ".svg", ".j2")
     )
     holding = {one.name for one in files if named.search(one.read_text("utf-8"))}
-    assert holding == {"_palette.py"}
+    assert holding == {"palette.py"}
 
 
 def test_page_report_figures_and_notebooks_have_one_palette():

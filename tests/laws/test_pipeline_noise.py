@@ -81,6 +81,7 @@ def seen(name="model-rgb-ircut", level_lux=10.0, pixel=(), lamp=LAMP, time_s=0.0
     return analyzed(flat_field(lamp, level_lux=level_lux), sensor, Exposure(time_s=time_s))
 
 
+@cache
 def found(analysis=None, **settings):
     return pipeline_noise(analysis or seen(), PipelineSettings(**settings))
 

@@ -20,7 +20,7 @@ from chromanoise.noise import (
     raw_covariance,
     time_to_saturation,
 )
-from chromanoise.sensor import Mosaic, Pixel, behind_filter, with_channels
+from chromanoise.sensor import Mosaic, behind_filter, with_channels
 from chromanoise.spectra import (
     DEFAULT_GRID,
     Cube,
@@ -333,27 +333,6 @@ def test_a_bad_pixel_is_told_by_its_row_in_the_whole_cube():
 
 
 SENSORS = {
-    # Pixel
-    "pixel of no pitch": (
-        lambda: Pixel(pitch_um=0.0, full_well_e=1e4, read_noise_e=1.0),
-        {"subject": "pitch_um", "value": 0.0, "requirement": r"\[um\]"},
-    ),
-    "pixel of NaN pitch": (
-        lambda: Pixel(pitch_um=NAN, full_well_e=1e4, read_noise_e=1.0),
-        {"subject": "pitch_um"},
-    ),
-    "pixel of negative well": (
-        lambda: Pixel(pitch_um=1.0, full_well_e=-7.0, read_noise_e=1.0),
-        {"subject": "full_well_e", "value": -7.0, "requirement": r"\[e-\]"},
-    ),
-    "pixel of endless well": (
-        lambda: Pixel(pitch_um=1.0, full_well_e=INF, read_noise_e=1.0),
-        {"subject": "full_well_e", "value": INF},
-    ),
-    "pixel of negative noise": (
-        lambda: Pixel(pitch_um=1.0, full_well_e=1e4, read_noise_e=-3.0),
-        {"subject": "read_noise_e", "value": -3.0, "requirement": r"\[e-\]"},
-    ),
     # Exposure
     "exposure of no time": (
         lambda: Exposure(time_s=0.0),

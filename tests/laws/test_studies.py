@@ -9,10 +9,9 @@ from pathlib import Path
 
 import pytest
 from hypothesis import given, settings, strategies as st
-from pydantic import BaseModel
 
 import chromanoise
-from chromanoise.base.errors import InputError, errors_in
+from chromanoise.base import InputError, Record, errors_in
 from chromanoise.base.files import OWN_FILES
 from chromanoise.sensor import PIXEL
 from chromanoise.study import (
@@ -360,9 +359,9 @@ def leaves(model, path=()):
     """(path, field's name) of every value that a study holds."""
     for name in type(model).model_fields:
         value = getattr(model, name)
-        if isinstance(value, BaseModel):
+        if isinstance(value, Record):
             yield from leaves(value, (*path, name))
-        elif isinstance(value, tuple) and value and isinstance(value[0], BaseModel):
+        elif isinstance(value, tuple) and value and isinstance(value[0], Record):
             yield from leaves(value[0], (*path, name, 0))
         else:
             yield path, name

@@ -23,14 +23,14 @@ EVERYTHING = {  # a study in which every control has something to change
 }
 
 
-@pytest.fixture(scope="module")
-def address():
-    """Where a server listens, one for all tests of a module."""
+@pytest.fixture(scope="session")
+def page_address():
+    """Where a server listens, one for all tests of a process."""
     with served() as (where, _):
         yield where
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="module")  # playwright's event loop runs as long as it does
 def browser():
     """Chromium, one for all tests of a module: from settings the context that has them.
 
@@ -62,7 +62,7 @@ class Watch:
     def __init__(self):
         self.wrong = []
         self.outside = []
-        self.forgiven = []
+        self.forgiven = [re.compile("status of 503")]  # the page asks again where it is busy
 
     def forgive(self, pattern):
         self.forgiven.append(re.compile(pattern))
@@ -86,6 +86,12 @@ def watch():
     yield one
     assert one.unforgiven() == [], one.unforgiven()
     assert one.outside == []
+
+
+@pytest.fixture(scope="module")
+def address(page_address):
+    """Where the page is; a module may have a server of its own."""
+    return page_address
 
 
 @pytest.fixture
@@ -194,7 +200,7 @@ def answer_to(page, act, *, changes="study"):
     before = asked_last(page)
 
     def is_it(reply):
-        if not reply.url.endswith("/api/answer"):
+        if not reply.url.endswith("/api/answer") or reply.status == 503:  # it asks again
             return False
         question = reply.request.post_data_json
         return question["number"] > 0 and question[changes] != before.get(changes)
@@ -267,7 +273,3 @@ def moved_by_key(page, track):
     track.focus()
     ends = float(track.input_value()) >= float(track.get_attribute("max")) - 10
     page.keyboard.press("Shift+ArrowDown" if ends else "Shift+ArrowUp")
-
-
-# a test module makes them its own: address, browser, watch, window, page = FIXTURES
-FIXTURES = (address, browser, watch, window, page)

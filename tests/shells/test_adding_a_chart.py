@@ -14,9 +14,6 @@ import pytest
 
 import chromanoise
 from served_page import served
-from shells.browser import FIXTURES
-
-address, browser, watch, window, page = FIXTURES
 
 NEW = {
     "charts/pitches.py": '''"""Pitch of the pixels."""

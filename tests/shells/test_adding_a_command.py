@@ -27,8 +27,8 @@ def list_channels(sensor: str, lux: float) -> None:
     """Print the names of the channels of SENSOR, if it sees anything."""
     click.echo(" ".join(cn.analyze(sensor, lux=lux).points[0].sensor.names))
 '''
-LINE = '    "list-channels": "Names of the channels of a sensor.",\n'
-BEFORE = '    "catalog": "'
+LINE = '    "list-channels": ("list_channels", "Names of the channels of a sensor."),\n'
+BEFORE = '    "catalog": ('
 QUESTIONS = """
 import contextlib, importlib.util, io, json, os, sys
 from chromanoise.cli.entry import run

@@ -13,9 +13,7 @@ from outcomes import refused, refused_input
 @pytest.mark.parametrize(
     "options",
     [
-        ("--binning", "0"),
         ("--binning", "2.5"),
-        ("--binning", "1e9"),
         ("--binning-mode", "charge"),
         ("--binning", "1", "--binning-mode", "digital"),
         ("--binning", "4", "--binning-mode", "average"),

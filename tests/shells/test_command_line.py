@@ -185,31 +185,6 @@ def test_unknown_names_tell_the_nearest_ones(run):
     refused(cube, "builtin:checker", setting="pictures.0.cube", value="builtin:chequer")
 
 
-@pytest.mark.parametrize(
-    ("option", "value", "key"),
-    [
-        ("--lux", 0, "light.level_lux"),
-        ("--lux", -3, "light.level_lux"),
-        ("--lux", "nan", "light.level_lux"),
-        ("--time-ms", 0, "exposure.time_ms"),
-        ("--time-ms", -1, "exposure.time_ms"),
-        ("--f-number", 0, "exposure.f_number"),
-        ("--f-number", 0.1, "exposure.f_number"),
-        ("--gain-dn-per-e", 1e30, "sensors.0.pixel.gain_dn_per_e"),
-        ("--f-number", "inf", "exposure.f_number"),
-        ("--saturate", 0, "exposure.saturate"),
-        ("--saturate", 99, "exposure.saturate"),
-        ("--pitch-um", 0, "sensors.0.pixel.pitch_um"),
-        ("--full-well-e", -5, "sensors.0.pixel.full_well_e"),
-        ("--read-noise-e", -1, "sensors.0.pixel.read_noise_e"),
-    ],
-)
-def test_impossible_settings_are_refused_by_name_and_value(run, option, value, key):
-    outcome = run("analyze", "onyx-rgbw", option, value)
-    refused(outcome, f"chromanoise: {option} ", str(value), setting=key)
-    assert str(outcome.errors[0].value) == str(float(value))
-
-
 def test_time_and_saturation_exclude_each_other(run):
     outcome = run("analyze", "onyx-rgbw", "--time-ms", 1, "--saturate", 0.5)
     refused(outcome, "--time-ms", setting="exposure.time_ms", value=1.0)

@@ -217,14 +217,10 @@ def test_a_shifted_filter_is_checked_where_it_is_used(run, folder, at_nm, shift_
     [
         ({"shift_ircut_nm": 5.0}, "shift_ircut_nm", 5.0),
         ({"shift_ircut_nm": 5.0, "channel_filters": {"R": MODEL}}, "shift_ircut_nm", 5.0),
-        ({"shift_ircut_nm": 200.5, "filter": MODEL}, "shift_ircut_nm", 200.5),
-        ({"shift_ircut_nm": -201.0, "filter": MODEL}, "shift_ircut_nm", -201.0),
     ],
     ids=str,
 )
-def test_a_shift_without_a_filter_or_out_of_reason_is_refused_by_every_entrance(
-    run, folder, more, subject, value
-):
+def test_a_shift_without_a_filter_is_refused_by_every_entrance(run, folder, more, subject, value):
     key = {"setting_name": subject, "value": value}
     with refused_input(**key):
         cn.analyze("onyx-rgb", **more)
@@ -232,7 +228,6 @@ def test_a_shift_without_a_filter_or_out_of_reason_is_refused_by_every_entrance(
         cn.run(cn.study_from_data({"sensors": [{"name": "onyx-rgb"} | more]}))
     words = [
         *("--shift-ircut-nm", value),
-        *(("--filter", MODEL) if "filter" in more else ()),
         *(("--channel-filter", f"R={MODEL}") if "channel_filters" in more else ()),
     ]
     outcome = run("analyze", "onyx-rgb", *words)

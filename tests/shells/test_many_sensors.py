@@ -12,10 +12,8 @@ from chromanoise.charts.figure_style import sensor_mark
 from chromanoise.charts.result_figures import budget_limits_db
 from chromanoise.study import coordinate_budget, study_from_text
 from chromanoise.web import study_report
-from shells.browser import FIXTURES
 from shells.test_page_looks import cut_off, overlapping
 
-address, browser, watch, window, _ = FIXTURES
 NAMES = (
     *("onyx-rgbw", "onyx-rgb-ircut", "onyx-rgb", "onyx-rgbw-ircut", "mt9v024-rgb"),
     *("mt9v024-rgbw", "model-rgbw", "model-rgb-ircut", "model-rgb", "model-rgbw-ircut"),

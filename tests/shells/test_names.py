@@ -281,11 +281,11 @@ def test_the_noise_of_a_gray_has_its_old_key_and_attribute_too():
 OLD_CLASSES = {
     ("geometry", "Frame"): "DualBasis",
     ("io.frames", "Frame"): "RawFrame",
-    ("analysis", "Method"): "MatrixMethod",
-    ("design", "DesignDocument"): "DesignStudy",
-    ("design", "Evaluator"): "Objectives",
-    ("design", "SearchResult"): "FrontResult",
-    ("design", "SearchSettings"): "SearchOptions",
+    ("study", "Method"): "MatrixMethod",
+    ("apps.design", "DesignDocument"): "DesignStudy",
+    ("apps.design", "Evaluator"): "Objectives",
+    ("apps.design", "SearchResult"): "FrontResult",
+    ("apps.design", "SearchSettings"): "SearchOptions",
 }
 
 

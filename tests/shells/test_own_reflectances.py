@@ -165,8 +165,6 @@ def test_reflectances_that_end_before_1050_nm_need_an_answer(here):
         ("--patch", "two.csv"),
         ("--patch", "two.csv:blue"),
         ("--patch", "no such patch"),
-        ("--patch", "1.5"),
-        ("--patch", "nan"),
         ("--patch", "missing.csv:red"),
         ("--prior", "missing.csv", "--matrix", "lmmse"),
         ("--prior", "chrat", "--matrix", "lmmse"),

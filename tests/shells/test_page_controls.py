@@ -3,7 +3,6 @@
 import pytest
 
 from shells.browser import (
-    FIXTURES,
     answer_to,
     at_rest,
     in_address,
@@ -13,8 +12,6 @@ from shells.browser import (
     state_of,
     until,
 )
-
-address, browser, watch, window, page = FIXTURES
 
 TRACKS = "#controls input.track"
 

@@ -9,9 +9,7 @@ from chromanoise.imaging.denoising import DENOISING, DenoisingMethod
 from chromanoise.web.controls import choices
 from chromanoise.web.requests import Kept
 from chromanoise.web.worker import STUDY, Services
-from shells.browser import FIXTURES, comes, held, let_go, study_of, until
-
-address, browser, watch, window, page = FIXTURES
+from shells.browser import comes, held, let_go, study_of, until
 
 PANEL = "[data-part=picture]"
 AT_REST = f"() => !document.querySelector('{PANEL}').hasAttribute('aria-busy')"

@@ -2,9 +2,7 @@
 
 import pytest
 
-from shells.browser import FIXTURES, answer_to, comes, held, moved_by_key, state_of, until
-
-address, browser, watch, window, page = FIXTURES
+from shells.browser import answer_to, comes, held, moved_by_key, state_of, until
 
 
 def test_an_earlier_answer_stays_as_a_ghost_until_it_is_removed(page):

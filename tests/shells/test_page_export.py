@@ -16,11 +16,11 @@ from chromanoise.web.answers import report_reply
 from chromanoise.web.page_studies import Studies
 from chromanoise.web.requests import Kept, QuestionError, Upload, Uploads
 from chromanoise.web.worker import STUDY
-from shells.browser import FIXTURES, at_rest, until
+from processes import Patient
+from shells.browser import at_rest, until
 from shells.test_page_looks import RULES, axe, faults_of_access
 from shells.test_serve import FILE, SENSOR, sentence_of
 
-address, browser, watch, window, page = FIXTURES
 __all__ = ["axe"]
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -33,7 +33,7 @@ CHARTS = ("stages", "budget", "sensitivities", "levels", "pareto", "vectors", "e
 
 @pytest.fixture(scope="module")
 def client(address):
-    with httpx.Client(base_url=address, timeout=120) as asking:
+    with httpx.Client(base_url=address, timeout=120, transport=Patient()) as asking:
         yield asking
 
 

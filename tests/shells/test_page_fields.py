@@ -8,9 +8,7 @@ from chromanoise.study import study_as_json, study_from_data
 from chromanoise.study.document import PixelPart, SensorPart, Study
 from chromanoise.web.controls import ELSEWHERE, SECTION_HINTS, described_fields, study_defaults
 from chromanoise.web.requests import asset
-from shells.browser import FIXTURES, answer_to, at_rest, open_drawers, state_of, study_of
-
-address, browser, watch, window, page = FIXTURES
+from shells.browser import answer_to, at_rest, open_drawers, state_of, study_of
 
 FIELDS = {one["key"]: one for one in described_fields()}
 SAMPLES = {  # values of texts, whose description gives no example

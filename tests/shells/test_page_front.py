@@ -7,12 +7,11 @@ import pytest
 from fronts import EXPOSURE, LIGHT, MATRIX, REFERENCES, front_of_ir_cuts
 from outcomes import refused
 from served_page import served
-from shells.browser import FIXTURES, answer_to, study_of, until
+from shells.browser import answer_to, study_of, until
 from shells.test_page_looks import RULES, axe, faults_of_access
 
 __all__ = ["axe"]
 
-address, browser, watch, window, page = FIXTURES
 
 PAIR = {
     "light": {"illuminant": "E", "level_lux": 1.0},

@@ -5,12 +5,11 @@ import pytest
 from chromanoise.charts import drawing, shown
 from chromanoise.charts.by_name import SECTIONS
 from chromanoise.study import study_from_data
-from shells.browser import FIXTURES, answer_to, at_rest, until
+from shells.browser import answer_to, at_rest, until
 from shells.test_page_looks import axe, faults_of_access
 
 __all__ = ["axe"]
 
-address, browser, watch, window, page = FIXTURES
 
 MANY = [
     *("onyx-rgbw", "onyx-rgb-ircut", "onyx-rgb", "onyx-rgbw-ircut", "model-rgbir"),

@@ -5,9 +5,7 @@ from importlib.resources import files
 
 import pytest
 
-from shells.browser import FIXTURES, answer_to, at_rest, open_drawers, until
-
-address, browser, watch, window, page = FIXTURES
+from shells.browser import answer_to, at_rest, open_drawers, until
 
 RULES = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa"]
 SIZES = [

@@ -3,7 +3,6 @@
 import re
 
 from shells.browser import (
-    FIXTURES,
     answer_to,
     at_rest,
     in_address,
@@ -12,8 +11,6 @@ from shells.browser import (
     state_of,
     until,
 )
-
-address, browser, watch, window, page = FIXTURES
 
 PAIR = {
     "light": {"illuminant": "E", "level_lux": 0.1},

@@ -4,7 +4,6 @@ import json
 
 from shells.browser import (
     EVERYTHING,
-    FIXTURES,
     answer_to,
     asked_last,
     at_rest,
@@ -15,8 +14,6 @@ from shells.browser import (
     study_of,
     until,
 )
-
-address, browser, watch, window, page = FIXTURES
 
 PAIR = [{"name": "onyx-rgbw"}, {"name": "onyx-rgb"}]
 LAMP = "wavelength_nm,power\n" + "\n".join(f"{nm},{1 + nm / 1000}" for nm in range(400, 1051, 10))
@@ -420,7 +417,6 @@ def test_an_answer_that_comes_after_a_newer_refusal_leaves_no_drawing_waiting(pa
 
 
 def test_of_two_questions_the_older_may_be_lost_once_the_newer_is_answered(page, watch):
-    watch.forgive("status of 503")
     first = iter(range(2))
     waiting = held(
         page, lambda one: one.url.endswith("/api/answer") and next(first, None) is not None

@@ -11,9 +11,7 @@ from chromanoise.study.analysis import color_snr_db, contravariant_snr_db, raw_s
 from chromanoise.web.controls import choices
 from chromanoise.web.story import ALIKE_FROM_NM, story
 from chromanoise.web.worker import STUDY
-from shells.browser import FIXTURES, answer_to, state_of, study_of, until
-
-address, browser, watch, window, page = FIXTURES
+from shells.browser import answer_to, state_of, study_of, until
 
 STEPS = story(STUDY)["steps"]
 SHARED = ("R", "G", "B")

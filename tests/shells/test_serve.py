@@ -21,7 +21,7 @@ from chromanoise.study import study_from_data, study_from_text
 from chromanoise.web.requests import JSON_BYTES, MOST_FILES, UPLOAD_BYTES, Uploads, asset
 from chromanoise.web.server import listening_socket, page_server
 from outcomes import refused
-from processes import IGNORING, command
+from processes import IGNORING, Patient, command
 
 BOTH = {
     "light": {"illuminant": "E", "level_lux": 10.0},
@@ -50,7 +50,7 @@ def address():
 
 @pytest.fixture(scope="module")
 def client(address):
-    with httpx.Client(base_url=address, timeout=60) as asking:
+    with httpx.Client(base_url=address, timeout=120, transport=Patient()) as asking:
         yield asking
 
 
@@ -574,4 +574,5 @@ def test_a_file_of_this_machine_is_not_opened_by_its_name(client, tmp_path):
     own = tmp_path / "own.csv"
     own.write_text(SENSOR, encoding="utf-8")
     for change in ({"sensors": [{"name": str(own)}]}, {"light": {"illuminant": str(own)}}):
-        assert own.name in sentence_of(answered(client, {"study": BOTH | change}), 200)
+        sentence = sentence_of(answered(client, {"study": BOTH | change}), 200)
+        assert sentence.startswith(f"'{str(own)[:40]}")

@@ -9,13 +9,14 @@ if TYPE_CHECKING:
     from chromanoise.base.check import Array, among, distinct, frozen, one_of, printable, reason
     from chromanoise.base.colour import colour_science
     from chromanoise.base.errors import (
-        InputError,
+        InputError as InputError,
         Remedy,
         Render,
-        Setting,
-        StudyError,
-        did_you_mean,
-        errors_in,
+        Setting as Setting,
+        StudyError as StudyError,
+        did_you_mean as did_you_mean,
+        errors_in as errors_in,
+        in_study as in_study,
         known_name,
         refusal,
         setting_of_study,
@@ -90,7 +91,7 @@ if TYPE_CHECKING:
         short,
         subclass,
     )
-    from chromanoise.base.rng import stream
+    from chromanoise.base.rng import stream as stream
     from chromanoise.base.sandbox import (
         exit_after,
         exit_code,
@@ -114,13 +115,14 @@ if TYPE_CHECKING:
         UInt16,
     )
     from chromanoise.base.units import (
-        BOLTZMANN_J_PER_K,
-        LIGHT_M_PER_S,
-        LUMEN_PER_WATT,
-        PLANCK_J_S,
-        UM2_PER_M2,
-        decibel,
-        photons_per_joule,
+        BOLTZMANN_J_PER_K as BOLTZMANN_J_PER_K,
+        LIGHT_M_PER_S as LIGHT_M_PER_S,
+        LUMEN_PER_WATT as LUMEN_PER_WATT,
+        PLANCK_J_S as PLANCK_J_S,
+        UM2_PER_M2 as UM2_PER_M2,
+        decibel as decibel,
+        from_decibel as from_decibel,
+        photons_per_joule as photons_per_joule,
     )
     from chromanoise.base.version import __version__
 

@@ -335,13 +335,6 @@ class Record(metaclass=_OfRecords):
         return record
 
     @classmethod
-    def model_validate_json(
-        cls: type[SomeRecord], text: str, *, context: Mapping[str, Any] | None = None
-    ) -> SomeRecord:
-        """A record from JSON; see `model_validate`."""
-        return cls.model_validate(json.loads(text), context=context)
-
-    @classmethod
     def model_json_schema(cls) -> dict[str, Any]:
         """The JSON Schema of the record."""
         return record_schema(cls)
@@ -802,6 +795,15 @@ def _of_metadata(metadata: Iterable[Any]) -> dict[str, Any]:
     return found
 
 
+_JSON_TYPES: dict[Any, str] = {
+    float: "number",
+    int: "integer",
+    str: "string",
+    bool: "boolean",
+    NoneType: "null",
+}
+
+
 def _of_type(kind: Any, definitions: dict[str, Any]) -> dict[str, Any]:
     origin, inside = get_origin(kind), get_args(kind)
     if origin is Annotated:
@@ -831,11 +833,4 @@ def _of_type(kind: Any, definitions: dict[str, Any]) -> dict[str, Any]:
             definitions[kind.__name__] = {}
             definitions[kind.__name__] = _of_record(kind, definitions)
         return {"$ref": f"#/$defs/{kind.__name__}"}
-    names_of_kinds: dict[Any, str] = {
-        float: "number",
-        int: "integer",
-        str: "string",
-        bool: "boolean",
-        NoneType: "null",
-    }
-    return {"type": names_of_kinds[kind]} if kind in words else {}
+    return {"type": _JSON_TYPES[kind]} if kind in _JSON_TYPES else {}

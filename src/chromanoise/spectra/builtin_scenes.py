@@ -18,7 +18,7 @@ from importlib import import_module
 
 import numpy as np
 
-from chromanoise.base import Array, Bool, Float, Integer, check, linalg, stream
+from chromanoise.base import Array, Bool, Float, Integer, check, qr, stream
 from chromanoise.spectra.curves import DEFAULT_GRID
 from chromanoise.spectra.observers import cie_1931
 from chromanoise.spectra.reflectances import colorchecker
@@ -577,7 +577,7 @@ def _of_equal_luminance(first: str, second: str) -> Float[Array, "2 n"]:
 
 def _metameric_black(difference: Float[Array, " n"]) -> Float[Array, " n"]:
     """The nearest difference of reflectances that leaves XYZ under illuminant E unchanged."""
-    orthonormal = linalg.qr("color matching functions", cie_1931(DEFAULT_GRID).values)[0]
+    orthonormal = qr("color matching functions", cie_1931(DEFAULT_GRID).values)[0]
     return difference - orthonormal @ (orthonormal.T @ difference)
 
 

@@ -199,7 +199,7 @@ def recorded_run(path: Path) -> RecordedRun:
             remedy="name an output, or its folder",
         )
     try:
-        study = Study.model_validate_json(json.dumps(record["study"]), context=KEEP_IDLE)
+        study = Study.model_validate(record["study"], context=KEEP_IDLE)
     except RecordError:
         raise InputError(
             str(file),

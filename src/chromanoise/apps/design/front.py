@@ -796,9 +796,9 @@ def front_from_text(text: str, *, source: str) -> FrontFile:
     InputError
         If it is not JSON, or has another schema or version; or the first wrong value, with its key.
     """
-    held_json(text, FRONT_SCHEMA, source=source)
+    data = held_json(text, FRONT_SCHEMA, source=source)
     try:
-        return FrontFile.model_validate_json(text)
+        return FrontFile.model_validate(data)
     except RecordError as error:
         raise _first_fault(error.faults[0], source) from None
 
