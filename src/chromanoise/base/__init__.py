@@ -74,6 +74,22 @@ if TYPE_CHECKING:
         properties_of,
         required_of,
     )
+    from chromanoise.base.records import (
+        After,
+        Before,
+        DeclaredField,
+        Fault,
+        Field,
+        Key,
+        Record,
+        RecordError,
+        Written,
+        after,
+        before,
+        dotted,
+        short,
+        subclass,
+    )
     from chromanoise.base.rng import stream
     from chromanoise.base.sandbox import (
         exit_after,

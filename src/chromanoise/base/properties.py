@@ -14,6 +14,7 @@ from typing import Annotated, Any, NamedTuple, get_type_hints
 
 from chromanoise.base import check
 from chromanoise.base.errors import InputError
+from chromanoise.base.records import After
 
 
 class Growth(NamedTuple):
@@ -110,16 +111,21 @@ class Property:
             )
         return number
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
-        from pydantic import AfterValidator  # only where a study or a file is read
+    def checked(self, value: Any, place: Any) -> Any:
+        """A value of a record within the bounds.
 
-        def checked(value: float | None, info: Any) -> float | None:
-            return None if value is None else self.demand(str(info.field_name), value)
+        Parameters
+        ----------
+        value
+            Of the property.
+        place
+            A `chromanoise.base.records.Place`.
+        """
+        return After(lambda given: self.demand(place.name, given)).checked(value, place)
 
-        return AfterValidator(checked).__get_pydantic_core_schema__(source, handler)
-
-    def __get_pydantic_json_schema__(self, core: Any, handler: Any) -> dict[str, Any]:
-        return dict(handler(core)) | {"minimum": self.least, "maximum": self.most}
+    def schema(self) -> dict[str, Any]:
+        """What the bounds add to a JSON Schema."""
+        return {"minimum": self.least, "maximum": self.most}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

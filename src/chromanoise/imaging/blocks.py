@@ -17,13 +17,12 @@ import tempfile
 import threading
 from collections.abc import Iterator
 from pathlib import Path
-from typing import NamedTuple, no_type_check
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import DTypeLike
 
 from chromanoise.base import Array, Float32, Num, Shaped, UInt8
-from chromanoise.imaging.kernel_cache import kernel
 from chromanoise.spectra import RowSource
 
 
@@ -247,44 +246,3 @@ def flattened(
     span = 1 + (rows - 1) * row + (pixels - 1) * pixel + (bands - 1) * band
     flat = np.lib.stride_tricks.as_strided(block, (span,), (block.itemsize,), writeable=False)
     return flat, Layout(bands, row, pixel, band)
-
-
-# mypy: disable-error-code="no-untyped-def,no-untyped-call,misc"
-
-
-_1, _2, _3, _4 = np.uintp(1), np.uintp(2), np.uintp(3), np.uintp(4)
-
-
-@kernel(error_model="numpy")
-@no_type_check
-def four_apart(pixels, a, b, c, d):
-    """Pixels (4 n,), four numbers each, to four arrays (n,)."""
-    for i in range(a.size):
-        j = _4 * np.uintp(i)
-        a[i] = pixels[j]
-        b[i] = pixels[j + _1]
-        c[i] = pixels[j + _2]
-        d[i] = pixels[j + _3]
-
-
-@kernel(error_model="numpy")
-@no_type_check
-def four_together(a, b, c, d, pixels):
-    """Four arrays (n,) to pixels (4 n,), four numbers each."""
-    for i in range(a.size):
-        j = _4 * np.uintp(i)
-        pixels[j] = a[i]
-        pixels[j + _1] = b[i]
-        pixels[j + _2] = c[i]
-        pixels[j + _3] = d[i]
-
-
-@kernel(error_model="numpy")
-@no_type_check
-def three_together(a, b, c, pixels):
-    """Three arrays (n,) to pixels (3 n,), three numbers each."""
-    for i in range(a.size):
-        j = _3 * np.uintp(i)
-        pixels[j] = a[i]
-        pixels[j + _1] = b[i]
-        pixels[j + _2] = c[i]

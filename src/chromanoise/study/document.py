@@ -8,27 +8,22 @@ import os
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar
 
-from pydantic import (
-    AfterValidator,
-    BaseModel,
-    ConfigDict,
-    Field,
-    create_model,
-    field_validator,
-    model_validator,
-)
-from pydantic.fields import FieldInfo
-
 from chromanoise.base import (
+    After,
+    Field,
     InputError,
     Interface,
     Property,
+    Record,
     Setting,
+    after,
+    before,
     beside_their_needs,
     check,
     did_you_mean,
     known_name,
     refusal,
+    subclass,
 )
 from chromanoise.color import SPACES, TONES
 from chromanoise.imaging import DEMOSAICING, FORMATS, MOST_FRAMES
@@ -105,16 +100,25 @@ class Known:
         """The known names; a method may be registered after the class was made."""
         return tuple(self._registry)
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
-        return AfterValidator(self._checked).__get_pydantic_core_schema__(source, handler)
+    def checked(self, word: str, place: Any) -> Any:
+        """The known name that a word is, or another word.
 
-    def _checked(self, word: str, info: Any) -> str:
+        Parameters
+        ----------
+        word
+            To be checked.
+        place
+            Where it is.
+        """
+        return After(self._known).checked(word, place)
+
+    def _known(self, word: str, place: Any) -> str:
         known = known_name(word, self.names)
         if known in self.names or self.others is True:
             return known
         if self.others:
-            return self.others(str(info.field_name), word)
-        return _one_of(str(info.field_name), word, self.names)
+            return self.others(str(place.name), word)
+        return _one_of(str(place.name), word, self.names)
 
 
 def setting(default: Any, description: str, **interface: Any) -> Any:
@@ -127,9 +131,7 @@ def setting(default: Any, description: str, **interface: Any) -> Any:
     interface
         Of its `Interface`.
     """
-    made: FieldInfo = Field(default, description=description)
-    made.metadata.append(Interface(**interface))
-    return made
+    return Field(default, description, metadata=(Interface(**interface),))
 
 
 def _one_of(field: str, word: str, names: Sequence[str]) -> str:
@@ -140,13 +142,13 @@ def _one_of(field: str, word: str, names: Sequence[str]) -> str:
     return known
 
 
-def _within(unit: str, low: float, high: float) -> AfterValidator:
+def _within(unit: str, low: float, high: float) -> After:
     """A check that a number is in the range in which double precision suffices."""
 
-    def checked(value: float, info: Any) -> float:
-        return check.within(str(info.field_name), unit, value, low, high)
+    def checked(value: float, place: Any) -> float:
+        return check.within(str(place.name), unit, value, low, high)
 
-    return AfterValidator(checked)
+    return After(checked)
 
 
 def _of_a_lens(f_number: float) -> float:
@@ -154,16 +156,16 @@ def _of_a_lens(f_number: float) -> float:
     return f_number
 
 
-def _known_matrix(name: str, info: Any) -> str:
+def _known_matrix(name: str, place: Any) -> str:
     if is_matrix_file(name) or is_object_word(name):
         return name
     if "/" in name or os.sep in name:
         kinds = ", ".join(MATRIX_ENDINGS)
         raise InputError(
-            info.field_name, f"must be a method, or a file that ends in {kinds}", value=name
+            place.name, f"must be a method, or a file that ends in {kinds}", value=name
         )
     word = name.partition("=")[0].strip()
-    name = name.replace(word, _one_of(info.field_name, word, tuple(METHODS)), 1)
+    name = name.replace(word, _one_of(place.name, word, tuple(METHODS)), 1)
     matrix_makers([name], "quanta")  # checks its parameter
     return name
 
@@ -178,9 +180,9 @@ def _own_observer(field: str, name: str) -> str:
     return name if own else _one_of(field, name, tuple(OBSERVERS))
 
 
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
-Finite = Annotated[float, Field(allow_inf_nan=False)]
+Positive = Annotated[float, Field(gt=0, finite=True)]
+NotNegative = Annotated[float, Field(ge=0, finite=True)]
+Finite = Annotated[float, Field(finite=True)]
 _Shift = Annotated[float, Field(ge=-MOST_SHIFT_NM, le=MOST_SHIFT_NM)]
 BALANCE_WORDS = ("gray", "illuminant")
 """White balances that name no illuminant of their own."""
@@ -191,36 +193,8 @@ _NEGATIVES = {
 }
 
 
-class Part(BaseModel):
-    """A part of a study: immutable, without unknown keys, without conversion between types.
-
-    Validators are built when the first value is checked, because most commands read no study.
-    """
-
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, defer_build=True)
-
-    @classmethod
-    def known_keys(cls, given: Mapping[str, Any]) -> Collection[str]:
-        """The keys of the part.
-
-        Parameters
-        ----------
-        given
-            Its values by key, not yet checked.
-        """
-        return [field.alias or name for name, field in cls.model_fields.items()]
-
-    @model_validator(mode="before")
-    @classmethod
-    def _with_known_keys(cls, given: Any) -> Any:
-        """The values by the names of their keys, in which ``_`` and ``-`` are equal."""
-        if not isinstance(given, dict) or not all(isinstance(key, str) for key in given):
-            return given
-        known, found = cls.known_keys(given), dict[str, Any]()
-        for key, value in given.items():
-            meant = known_name(key, known)
-            found[key if meant in found or meant in given else meant] = value
-        return found
+class Part(Record):
+    """A part of a study: immutable, without unknown keys, without conversion between types."""
 
 
 class LightPart(Part):
@@ -292,9 +266,7 @@ def _with_properties(
     }
 
     def extended(part: type[SomePart]) -> type[SomePart]:
-        return create_model(
-            part.__name__, __base__=part, __doc__=part.__doc__, __module__=part.__module__, **added
-        )
+        return subclass(part, part.__name__, added, __doc__=part.__doc__)
 
     return extended
 
@@ -350,7 +322,7 @@ class PixelPart(_FileAndPixelPart):
         needs=("binning",),
     )
 
-    @model_validator(mode="after")
+    @after
     def _mode_of_binning(self) -> "PixelPart":
         if self.binning_mode is not None and self.binning in (None, 1):
             raise InputError(
@@ -398,11 +370,11 @@ class AnswersPart(Part):
     )
 
 
-def _printable(text: str, info: Any) -> str:
+def _printable(text: str, place: Any) -> str:
     """A check that a text can be shown in one line of a table."""
     if not text.isprintable() or not text.strip():
         raise InputError(
-            info.field_name, "must be one line with visible characters", value=text, found=None
+            place.name, "must be one line with visible characters", value=text, found=None
         )
     return text
 
@@ -462,7 +434,7 @@ class ReflectancesPart(Part):
         label="Outside the range of the curves",
     )
 
-    @field_validator("patch", mode="before")
+    @before("patch")
     @classmethod
     def _number_or_name(cls, given: Any) -> Any:
         """Give one error message; the schema alone would give one for each type of value."""
@@ -482,17 +454,15 @@ class SensorPart(Part):
     name: str = Field(
         description="Name of the catalog, or a file of QE curves, relative to the study's folder."
     )
-    label: Annotated[str, Field(max_length=_LONGEST_LABEL), AfterValidator(_printable)] | None = (
-        setting(
-            None,
-            "Text in place of the name of a sensor in tables and charts; one per sensor, in their "
-            "order.",
-            keyword="labels",
-            option="label",
-            each=True,
-            label="Label",
-            hint="its name",
-        )
+    label: Annotated[str, Field(max_length=_LONGEST_LABEL), After(_printable)] | None = setting(
+        None,
+        "Text in place of the name of a sensor in tables and charts; one per sensor, in their "
+        "order.",
+        keyword="labels",
+        option="label",
+        each=True,
+        label="Label",
+        hint="its name",
     )
     beyond: Beyond = setting(
         "refuse",
@@ -577,7 +547,7 @@ class SensorPart(Part):
         slider=(-50.0, 50.0, 1.0),
     )
 
-    @field_validator("crosstalk", mode="before")
+    @before("crosstalk")
     @classmethod
     def _share_or_file(cls, given: Any) -> Any:
         """Give one error message; the schema alone would give one for each type of value."""
@@ -607,9 +577,7 @@ class ExposurePart(Part):
         "Share of full well that the most sensitive channel reaches on a perfect white, if the "
         "time is solved.",
     )
-    f_number: Annotated[Positive, AfterValidator(_of_a_lens)] = setting(
-        1.8, "f-number of the lens."
-    )
+    f_number: Annotated[Positive, After(_of_a_lens)] = setting(1.8, "f-number of the lens.")
     magnification: Finite | None = setting(
         None,
         "Magnification m of the lens [1], with the camera equation 1/(1 + 4 f#^2 (1 + |m|)^2); "
@@ -619,9 +587,9 @@ class ExposurePart(Part):
         hint="distant scene",
     )
 
-    @model_validator(mode="after")
-    def _one_rule(self, info: Any) -> "ExposurePart":
-        if _shares_time(self) and not _keeps(info):
+    @after
+    def _one_rule(self, place: Any) -> "ExposurePart":
+        if _shares_time(self) and not _keeps(place):
             raise InputError(
                 "time_ms",
                 "must not be given with a share of full well, from which the time is solved",
@@ -701,7 +669,7 @@ class SweepPart(Part):
         None, description="A second parameter that varies: values on a grid, and a heat map."
     )
 
-    @model_validator(mode="after")
+    @after
     def _of_two_parameters(self) -> "SweepPart":
         if self.second is None:
             return self
@@ -745,10 +713,10 @@ class PicturePart(Part):
         "builtin:checker", description=f"{', '.join(BUILTIN_CUBES)}, or a file."
     )
     key: str | None = setting(None, "Name of the array in a MAT, NPZ, HDF5, NetCDF or Zarr cube.")
-    shape: Annotated[tuple[int, int], Field(strict=False)] | None = setting(
+    shape: tuple[int, int] | None = setting(
         None, "Rows and columns of a cube stored as a 2-D array.", metavar="ROWSxCOLUMNS"
     )
-    wavelengths: Annotated[tuple[float, float], Field(strict=False)] | str | None = setting(
+    wavelengths: tuple[float, float] | str | None = setting(
         None,
         "If the cube does not declare them: first and last band [nm], evenly spaced, or a text "
         "file that lists one wavelength per band.",
@@ -800,14 +768,14 @@ class PicturePart(Part):
         "Denoising of the electrons with their known noise, before the color matrix: "
         f"{', '.join(DENOISING)}; raw codes are not denoised; default: no denoising.",
     )
-    formats: (
-        Annotated[tuple[Annotated[str, Known(FORMATS)], ...], Field(strict=False, min_length=1)]
-        | None
-    ) = setting(
-        None,
-        f"File formats: {', '.join(FORMATS)}; default: png and xyz, or raw and dng of a mosaic.",
-        option="format",
-        metavar="NAME[,NAME...]",
+    formats: Annotated[tuple[Annotated[str, Known(FORMATS)], ...], Field(min_length=1)] | None = (
+        setting(
+            None,
+            f"File formats: {', '.join(FORMATS)}; default: png and xyz, or raw and dng of a "
+            "mosaic.",
+            option="format",
+            metavar="NAME[,NAME...]",
+        )
     )
     clip: bool = setting(
         False,
@@ -815,7 +783,7 @@ class PicturePart(Part):
         label="Clip electrons in the picture",
     )
 
-    @field_validator("wavelengths", mode="before")
+    @before("wavelengths")
     @classmethod
     def _ends_or_a_file(cls, given: Any) -> Any:
         """Give one error message; the schema alone would give one for each type of value."""
@@ -827,7 +795,7 @@ class PicturePart(Part):
             return given
         raise ValueError("must be [FIRST, LAST] in nm, or the name of a file that lists them all")
 
-    @model_validator(mode="after")
+    @after
     def _of_a_mosaic(self) -> "PicturePart":
         given = {name: getattr(self, name) for name in _OF_MOSAIC}
         idle = [
@@ -895,7 +863,7 @@ class PipelinePart(Part):
         keyword="pipeline",
         label="Noise after each step",
     )
-    white_balance: Annotated[tuple[Positive, ...], Field(strict=False)] | str = setting(
+    white_balance: tuple[Positive, ...] | str = setting(
         BALANCE_WORDS[0],
         "White balance of the pipeline. gray: equal raw values of an 18 % gray as it is read. "
         "illuminant, or the name or file of another one: equal raw values of a white under it. Or "
@@ -931,15 +899,13 @@ class PipelinePart(Part):
         suggestions=(*TONES, "2.2"),
     )
     luma: Literal["bt709", "bt601"] = setting("bt709", "Luma weights of Y'CbCr.")
-    iso: Annotated[tuple[Positive, ...], Field(strict=False, min_length=1, max_length=100)] = (
-        setting(
-            (BASE_ISO,),
-            "ISO settings, e.g. 100,400,1600; gain and exposure are those of the base ISO times "
-            "and divided by the same factor.",
-            metavar="LIST",
-            label="ISO settings",
-            hint="e.g. 100, 200, 400",
-        )
+    iso: Annotated[tuple[Positive, ...], Field(min_length=1, max_length=100)] = setting(
+        (BASE_ISO,),
+        "ISO settings, e.g. 100,400,1600; gain and exposure are those of the base ISO times "
+        "and divided by the same factor.",
+        metavar="LIST",
+        label="ISO settings",
+        hint="e.g. 100, 200, 400",
     )
     base_iso: Positive = setting(
         BASE_ISO,
@@ -948,7 +914,7 @@ class PipelinePart(Part):
         slider=(10.0, 3200.0),
         logarithmic=True,
     )
-    iso_read_noise_e: Annotated[tuple[NotNegative, ...], Field(strict=False)] | None = setting(
+    iso_read_noise_e: tuple[NotNegative, ...] | None = setting(
         None,
         "Read noise at each ISO [e-], one value per ISO setting; default: that of the sensor.",
         metavar="LIST",
@@ -956,7 +922,7 @@ class PipelinePart(Part):
         hint="the same",
     )
 
-    @field_validator("white_balance", mode="before")
+    @before("white_balance")
     @classmethod
     def _gains_or_a_name(cls, given: Any) -> Any:
         """Give one error message; the schema alone would give one for each type of value."""
@@ -971,7 +937,7 @@ class PipelinePart(Part):
             "channel"
         )
 
-    @field_validator("tone", mode="before")
+    @before("tone")
     @classmethod
     def _name_or_gamma(cls, given: Any) -> Any:
         """As `_gains_or_a_name`."""
@@ -979,12 +945,12 @@ class PipelinePart(Part):
             raise ValueError(f"must be {', '.join(TONES)}, or a gamma")
         return given
 
-    @model_validator(mode="after")
-    def _that_has_an_effect(self, info: Any) -> "PipelinePart":
+    @after
+    def _that_has_an_effect(self, place: Any) -> "PipelinePart":
         pipeline_settings(self)
         for name, field in type(self).model_fields.items():
             value = getattr(self, name)
-            given = name in self.model_fields_set - {"run"} and not _keeps(info)
+            given = name in self.model_fields_set - {"run"} and not _keeps(place)
             if not self.run and (given or value != field.default):
                 raise InputError(
                     name,
@@ -1069,7 +1035,7 @@ class OutputsPart(Part):
         None, description="With matrix: the curve of color error against noise."
     )
 
-    @model_validator(mode="after")
+    @after
     def _that_go_together(self) -> "OutputsPart":
         unclipped = [name for name in ("budget", "merit") if getattr(self, name)]
         if self.clip and unclipped:
@@ -1098,7 +1064,7 @@ class Study(Part):
 
     Raises
     ------
-    pydantic.ValidationError
+    RecordError
         If a field is missing, unknown or invalid, or a setting has no effect.
     """
 
@@ -1130,11 +1096,11 @@ class Study(Part):
     exposure: ExposurePart = Field(ExposurePart(), description="Exposure time and lens.")
     sensors: Annotated[
         tuple[SensorPart, ...],
-        Field(min_length=1, max_length=MOST_SENSORS, strict=False, description="One or more."),
+        Field(min_length=1, max_length=MOST_SENSORS, description="One or more."),
     ]
     matrices: Annotated[
-        tuple[Annotated[str, AfterValidator(_known_matrix)], ...],
-        Field(min_length=1, strict=False),
+        tuple[Annotated[str, After(_known_matrix)], ...],
+        Field(min_length=1),
     ] = Field(
         (DEFAULT_METHOD,),
         description=f"Color matrices: {', '.join(METHODS)}; ridge=0.01; or files.",
@@ -1153,22 +1119,20 @@ class Study(Part):
     sweeps: Annotated[
         tuple[SweepPart, ...],
         Field(
-            strict=False,
             description="Sweeps, computed one after the other.",
         ),
     ] = ()
     pictures: Annotated[
         tuple[PicturePart, ...],
         Field(
-            strict=False,
             description="Pictures of cubes with every sensor.",
         ),
     ] = ()
     outputs: OutputsPart = Field(OutputsPart(), description="Outputs of the run.")
 
-    @model_validator(mode="after")
-    def _without_idle_settings(self, info: Any) -> "Study":
-        errors = [] if _keeps(info) else [*_idle_priors(self), *_replaced_settings(self)]
+    @after
+    def _without_idle_settings(self, place: Any) -> "Study":
+        errors = [] if _keeps(place) else [*_idle_priors(self), *_replaced_settings(self)]
         if errors:
             raise refusal(errors)
         return self
@@ -1178,8 +1142,8 @@ StudyKind = TypeVar("StudyKind", bound=Study)
 """A study, or a document that has the tables of a study and others."""
 
 
-def _keeps(info: Any) -> bool:
-    return bool((info.context or {}).get("keep_idle"))
+def _keeps(place: Any) -> bool:
+    return bool(place.context.get("keep_idle"))
 
 
 def _idle_priors(study: Study) -> Iterator[InputError]:
@@ -1258,6 +1222,4 @@ def without_idle_settings(study: Study) -> Study:
 
 def study_schema() -> dict[str, Any]:
     """The JSON Schema of a study file, for editors and other programs."""
-    return Study.model_json_schema(by_alias=True) | {
-        "$schema": "https://json-schema.org/draft/2020-12/schema"
-    }
+    return Study.model_json_schema() | {"$schema": "https://json-schema.org/draft/2020-12/schema"}

@@ -10,10 +10,7 @@ from pathlib import Path
 from types import MappingProxyType, UnionType
 from typing import Annotated, Any, Union, get_args, get_origin
 
-from pydantic import BaseModel
-from pydantic.fields import FieldInfo
-
-from chromanoise.base import Interface
+from chromanoise.base import DeclaredField, Interface, Record
 from chromanoise.study.document import Known, LightPart, Study
 
 
@@ -32,7 +29,7 @@ class KeyOfStudy:
     """
 
     key: str
-    field: FieldInfo
+    field: DeclaredField
     interface: Interface | None
 
     @property
@@ -93,11 +90,11 @@ def _of_python(annotation: Any, interface: Interface) -> Any:
     return str | Path if annotation is str and interface.paths else annotation
 
 
-def _walked(model: type[BaseModel], prefix: str) -> Iterator[KeyOfStudy]:
+def _walked(model: type[Record], prefix: str) -> Iterator[KeyOfStudy]:
     for name, field in model.model_fields.items():
         key = f"{prefix}{field.alias or name}"
         inside = _parts_of(field.annotation)
-        part = next((p for p in inside if isinstance(p, type) and issubclass(p, BaseModel)), None)
+        part = next((p for p in inside if isinstance(p, type) and issubclass(p, Record)), None)
         if part is not None:
             many = any(get_origin(p) is tuple for p in inside)
             index = ("*." if name == "sensors" else "0.") if many else ""

@@ -13,17 +13,18 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from pydantic import BaseModel, ValidationError
-
 from chromanoise.base import (
+    Fault,
     InputError,
+    Key,
+    RecordError,
     Setting,
-    did_you_mean,
     distinct,
-    errors_in,
+    dotted,
     known_name,
     refusal,
     regular_file,
+    short,
 )
 from chromanoise.noise import OperatingPoint
 from chromanoise.study.assembly import unresolved
@@ -122,13 +123,9 @@ def _value(value: Any) -> str:
     return str(value).lower() if isinstance(value, bool) else repr(value)
 
 
-Key = tuple[str | int, ...]
-"""Where a value of a study is: ("sensors", 0, "name")."""
-
 _LARGEST_BYTES = 1 << 20
 _MOST_DOTS = 64
 _MOST_DIGITS = 10
-_LONGEST_WORD = 80
 
 
 def read_study(
@@ -316,7 +313,7 @@ def _document(
     lines = _lines_of_keys(text)
     changed: dict[Key, str] = {}
     for change in changes:
-        place = f"{change_label} {_short(change)}"
+        place = f"{change_label} {short(change)}"
         changed |= dict.fromkeys(_spellings(_changed(data, change, place)), place)
     return _validated(kind, data, source, lines, changed, unfit, keep_idle)
 
@@ -390,18 +387,9 @@ def _validated(
     study: StudyKind | None = None
     try:
         study = kind.model_validate(data, context=KEEP_IDLE if keep_idle else None)
-    except ValidationError as error:
-        found = error.errors(include_url=False)
-        inside = [one["loc"] for one in found]
-        shown = [
-            one
-            for one in found
-            # a list that holds a faulty entry is reported as too short as well
-            if one["type"] != "too_short"
-            or not any(k[: len(one["loc"])] == one["loc"] != k for k in inside)
-        ]
-        faults = [fault for one in shown for fault in _faults(one, kind)]
-        study = _without(kind, data, [one["loc"] for one in shown])
+    except RecordError as error:
+        faults = [_of_part(one) if one.of_part else one.error for one in error.faults]
+        study = _without(kind, data, [one.key for one in error.faults])
     if study is not None and study.sensors[0].name:
         left_out = {one.setting for one in faults}  # settings that need one of these are no fault
         faults += [one for one in unfit(study) if not left_out & _named_in_remedies(one)]
@@ -444,9 +432,9 @@ def _without(
     for _ in range(2):
         try:
             return kind.model_validate(rest, context=KEEP_IDLE)
-        except ValidationError as error:
-            for one in error.errors(include_url=False):
-                rest.pop(one["loc"][0] if one["loc"] else "", None)
+        except RecordError as error:
+            for one in error.faults:
+                rest.pop(one.key[0] if one.key else "", None)
             rest.setdefault("sensors", [{"name": ""}])  # a study has some; this one is looked over
     return None
 
@@ -486,7 +474,7 @@ def _absent(place: str, name: str) -> InputError:
         place,
         "key must lead to an entry of the study",
         value=name,
-        found=f"the study has nothing at {_short(name)}",
+        found=f"the study has nothing at {short(name)}",
     )
 
 
@@ -527,72 +515,11 @@ def _known_step(at: Any, step: str | int) -> str | int:
     return known_name(step, at) if isinstance(at, dict) and isinstance(step, str) else step
 
 
-def _faults(error: Any, kind: type[Study]) -> list[InputError]:
-    key: Key = error["loc"]
-    setting = _dotted(key)
-    raised = error.get("ctx", {}).get("error")
-    if isinstance(raised, InputError):  # of a check of the study itself
-        if not isinstance(error["input"], dict | BaseModel):  # of one value, not of a part
-            return [raised.inside(setting, str)]
-        return [_of_part(one, setting) for one in errors_in(raised)]
-    return [_of_type(error, key, setting, kind)]
-
-
-def _of_part(error: InputError, part: str) -> InputError:
+def _of_part(fault: Fault) -> InputError:
     """The error of a check that sees one part of a study, with the whole key."""
+    error, part = fault.error, dotted(fault.key)
     own = f"{part}.{error.subject}".lstrip(".")
     return error.inside(error.setting or own, lambda name: f"{part}.{name}".lstrip("."))
-
-
-def _of_type(error: Any, key: Key, setting: str, kind: type[Study]) -> InputError:
-    """The error of a value that its type or its bounds exclude."""
-    last = next((_short(step) for step in reversed(key) if isinstance(step, str)), "the study")
-    if error["type"] == "extra_forbidden":
-        return InputError(
-            last,
-            "is an unknown key",
-            remedy=_meant(str(key[-1]), _fields_beside(key, kind)),
-            setting=setting,
-        )
-    if error["type"] == "missing":
-        return InputError(last, "is missing", setting=setting)
-    given = error.get("input")
-    if error["type"] in ("too_long", "too_short"):
-        bounds = error["ctx"]
-        demand = "at most {max_length}" if "max_length" in bounds else "at least {min_length}"
-        count = bounds["actual_length"]
-        return InputError(
-            last,
-            f"must have {demand.format(**bounds)} entries",
-            value=count,
-            found=f"has {count}",
-            setting=setting,
-        )
-    said = str(error["msg"]).removeprefix("Value error, ").replace("Input should", "must")
-    plain = isinstance(given, list | tuple) and all(isinstance(n, int | float) for n in given)
-    shown = plain or not isinstance(given, dict | list | tuple | BaseModel)
-    return InputError(
-        last, f"{said[:1].lower()}{said[1:]}", value=given if shown else None, setting=setting
-    )
-
-
-def _fields_beside(key: Key, kind: type[Study]) -> list[str]:
-    """The keys that are known where an unknown one stands."""
-    model: Any = kind
-    for step in key[:-1]:
-        if isinstance(step, int):
-            continue
-        field = model.model_fields.get(step)
-        parts = [field.annotation, *getattr(field.annotation, "__args__", ())] if field else []
-        models = [p for p in parts if isinstance(p, type) and issubclass(p, BaseModel)]
-        if not models:
-            return []
-        model = models[0]
-    return [field.alias or name for name, field in model.model_fields.items()]
-
-
-def _meant(word: str, known: Sequence[str]) -> str:
-    return did_you_mean(word, known, f"known are {', '.join(known)}", most=2, cutoff=0.5)
 
 
 def _place(key: Key, lines: Mapping[Key, int], changed: Mapping[Key, str], source: str) -> str:
@@ -602,15 +529,6 @@ def _place(key: Key, lines: Mapping[Key, int], changed: Mapping[Key, str], sourc
             return changed[key[:length]]
     line = _line_of(key, lines)
     return f"{source}:{line}" if line else source
-
-
-def _short(word: str) -> str:
-    """Enough of a word to know it."""
-    return word if len(word) <= _LONGEST_WORD else f"{word[:_LONGEST_WORD]}..."
-
-
-def _dotted(key: Key) -> str:
-    return ".".join(_short(str(step)) for step in key)
 
 
 def _lines_of_keys(text: str) -> dict[Key, int]:

@@ -14,11 +14,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pydantic import ValidationError
 
 from chromanoise.base import (
     Array,
     InputError,
+    RecordError,
     __version__,
     claimed_folder,
     content_hash,
@@ -200,7 +200,7 @@ def recorded_run(path: Path) -> RecordedRun:
         )
     try:
         study = Study.model_validate_json(json.dumps(record["study"]), context=KEEP_IDLE)
-    except ValidationError:
+    except RecordError:
         raise InputError(
             str(file),
             "must be a study of this version of chromanoise",

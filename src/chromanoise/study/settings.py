@@ -221,7 +221,7 @@ def default_of(function: str, name: str) -> Any:
     if at not in ({}, None):
         return at
     field = KEYS[key].field
-    return None if field.is_required() else field.get_default()
+    return None if field.required else field.default
 
 
 def study_of(

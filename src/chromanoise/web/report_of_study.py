@@ -8,9 +8,8 @@ from itertools import chain
 from typing import Any
 
 import numpy as np
-from pydantic import BaseModel
 
-from chromanoise.base import Array, InputError, UInt8, __version__, check
+from chromanoise.base import Array, InputError, Record, UInt8, __version__, check
 from chromanoise.charts import (
     PARTS,
     SECTIONS,
@@ -635,13 +634,13 @@ def setting_rows(study: Study) -> list[list[str]]:
     return list(_settings(study, ""))
 
 
-def _settings(part: BaseModel, key: str) -> Iterator[list[str]]:
+def _settings(part: Record, key: str) -> Iterator[list[str]]:
     for name, field in type(part).model_fields.items():
         value = getattr(part, name)
         inner = f"{key}{field.alias or name}"
-        if isinstance(value, BaseModel):
+        if isinstance(value, Record):
             yield from _settings(value, f"{inner}.")
-        elif isinstance(value, tuple) and any(isinstance(one, BaseModel) for one in value):
+        elif isinstance(value, tuple) and any(isinstance(one, Record) for one in value):
             for i, one in enumerate(value):
                 yield from _settings(one, f"{inner}.{i}.")
         elif value != field.default:

@@ -11,15 +11,6 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import fields
 from typing import Annotated, Any, Literal
 
-from pydantic import (
-    AfterValidator,
-    BeforeValidator,
-    ConfigDict,
-    Field,
-    create_model,
-    model_validator,
-)
-
 from chromanoise.apps.design.algorithms import METHODS
 from chromanoise.apps.design.evaluation import OverScenes
 from chromanoise.apps.design.objectives import OBJECTIVES
@@ -38,7 +29,19 @@ from chromanoise.apps.design.space import (
     Structure,
     model_numbers,
 )
-from chromanoise.base import InputError, Setting, check, did_you_mean, known_name, refusal
+from chromanoise.base import (
+    After,
+    Before,
+    Field,
+    InputError,
+    Setting,
+    after,
+    check,
+    did_you_mean,
+    known_name,
+    refusal,
+    subclass,
+)
 from chromanoise.sensor import MOSAIC_NAMES, SILICON_NUMBERS, ModelNumber
 from chromanoise.study import LightPart, Part, Study
 
@@ -158,41 +161,38 @@ def _number_or_name(given: Any) -> Any:
     return float(check.finite("limit", "1", given))
 
 
-def _known(what: str, names: Sequence[str]) -> AfterValidator:
+def _known(what: str, names: Sequence[str]) -> After:
     """The one of ``names`` that a word is; others are refused, with the nearest as a remedy."""
 
-    def checked(word: str, info: Any) -> str:
+    def checked(word: str, place: Any) -> str:
         name = known_name(word, names)
         if name not in names:
             remedy = did_you_mean(name, list(names), f"known are {', '.join(names)}", most=2)
-            raise InputError(info.field_name, f"must be a known {what}", value=name, remedy=remedy)
+            raise InputError(place.name, f"must be a known {what}", value=name, remedy=remedy)
         return name
 
-    return AfterValidator(checked)
+    return After(checked)
 
 
-Numbers = Annotated[Any, BeforeValidator(_value)]
+Numbers = Annotated[Any, Before(_value)]
 """A number of a design: fixed, free or tied."""
-LimitWord = Annotated[float | str | None, BeforeValidator(_number_or_name)]
+LimitWord = Annotated[float | str | None, Before(_number_or_name)]
 ObjectiveName = Annotated[str, _known("objective", tuple(OBJECTIVES))]
 
 
-class NumbersPart(Part):
+class NumbersPart(Part, unknown=Numbers):
     """A part whose further keys are numbers of a design."""
-
-    model_config = ConfigDict(extra="allow")
-    __pydantic_extra__: dict[str, Numbers]
 
     @property
     def numbers(self) -> dict[str, Value]:
         """The numbers that are given, by name."""
-        return dict(self.__pydantic_extra__)
+        return dict(self.further)
 
     def known_numbers(self) -> Mapping[str, ModelNumber] | None:
         """The numbers that the part may have; ``None`` if the rest of the design decides."""
         return None
 
-    @model_validator(mode="after")
+    @after
     def _of_the_model(self) -> "NumbersPart":
         known = self.known_numbers()
         if known is not None:
@@ -223,13 +223,13 @@ def _missing(part: NumbersPart, known: Mapping[str, ModelNumber]) -> Iterator[In
 FilterName = Annotated[str, _known("filter", MODELS)]
 _MODELS = ", ".join(MODELS)
 _OF_DYE = "For dye: filters of the catalog or files; the search chooses one of several."
-Curves = Annotated[tuple[str, ...], Field(strict=False)]
+Curves = tuple[str, ...]
 
 
 class _FilterNumbers(NumbersPart):
     """A part whose numbers are those of a filter."""
 
-    @model_validator(mode="after")
+    @after
     def _curves_of_a_dye(self) -> "_FilterNumbers":
         model, curves = getattr(self, "filter", None), getattr(self, "curves", ())
         if (model == LIBRARY_MODEL) != bool(curves):
@@ -322,12 +322,11 @@ class CrosstalkNumbers(Part):
 _NOISE: dict[str, Any] = {
     name: (Numbers, Field(None, description=one.help)) for name, one in noise_properties().items()
 }
-PixelNumbers = create_model(
-    "PixelNumbers",
-    __base__=Part,
-    __doc__="The noise of the pixel, where it is not that of the base.",
-    **_NOISE,
-)
+
+
+@lambda part: subclass(part, part.__name__, _NOISE, __doc__=part.__doc__)
+class PixelNumbers(Part):
+    """The noise of the pixel, where it is not that of the base."""
 
 
 class ScenePart(Part):
@@ -335,10 +334,10 @@ class ScenePart(Part):
 
     name: str | None = Field(None, description="Name in results; default: its number.")
     illuminant: str | None = Field(None, description="Its light.")
-    level_lux: Annotated[float, Field(gt=0, allow_inf_nan=False)] | None = Field(
+    level_lux: Annotated[float, Field(gt=0, finite=True)] | None = Field(
         None, description="Its illuminance [lx]."
     )
-    time_ms: Annotated[float, Field(gt=0, allow_inf_nan=False)] | None = Field(
+    time_ms: Annotated[float, Field(gt=0, finite=True)] | None = Field(
         None, description="Its exposure time [ms]; default: that of the study's light."
     )
 
@@ -350,7 +349,7 @@ class ConstraintPart(Part):
     at_most: LimitWord = Field(None, description="Number, best reference, or name of a reference.")
     at_least: LimitWord = Field(None, description="Number, best reference, or name of a reference.")
 
-    @model_validator(mode="after")
+    @after
     def _one_limit(self) -> "ConstraintPart":
         if (self.at_most is None) == (self.at_least is None):
             raise InputError(
@@ -381,13 +380,13 @@ class RobustPart(Part):
     )
     statistic: Annotated[
         Literal["worst", "percentile-95"],
-        BeforeValidator(lambda word: known_name(str(word), STATISTICS)),
+        Before(lambda word: known_name(str(word), STATISTICS)),
     ] = Field(_DRAWS.statistic, description=f"What of the copies counts: {', '.join(STATISTICS)}.")
     seed: Annotated[int, Field(ge=0, lt=2**32)] = Field(
         _DRAWS.seed, description="Seed of the deviations."
     )
 
-    @model_validator(mode="after")
+    @after
     def _possible(self) -> "RobustPart":
         _ = self.draws
         return self
@@ -410,14 +409,14 @@ def _shares(given: Any) -> PixelShares:
 class DesignPart(Part):
     """Free numbers, objectives and search settings."""
 
-    objectives: Annotated[tuple[ObjectiveName, ...], Field(strict=False, min_length=1)] = Field(
+    objectives: Annotated[tuple[ObjectiveName, ...], Field(min_length=1)] = Field(
         description=f"What is optimized: {', '.join(OBJECTIVES)}."
     )
     base: str | None = Field(
         None,
         description="Reference whose grid, pixel and curves the designs use; default: the first.",
     )
-    channels: Annotated[tuple[ChannelPart, ...], Field(strict=False, min_length=1)] = Field(
+    channels: Annotated[tuple[ChannelPart, ...], Field(min_length=1)] = Field(
         description="The channels: name, filter, and the numbers of the filter."
     )
     ir_cut: FilterPart | None = Field(None, description="A filter in front of all channels.")
@@ -434,22 +433,20 @@ class DesignPart(Part):
     mosaic: str | None = Field(
         None, description=f"Channel of each pixel: {', '.join(MOSAIC_NAMES)}, or rows as RG/GB."
     )
-    pixel_shares: Annotated[Any, BeforeValidator(_shares)] = Field(
+    pixel_shares: Annotated[Any, Before(_shares)] = Field(
         "equal", description="Shares of the pixels: equal, free, or one number per channel."
     )
     crosstalk: CrosstalkNumbers = Field(CrosstalkNumbers(), description="Crosstalk.")
     pixel: PixelNumbers = Field(PixelNumbers(), description="The pixel.")
     exposure: ExposureNumbers = Field(ExposureNumbers(), description="Exposure of the designs.")
     matrix: MatrixNumbers = Field(MatrixNumbers(), description="Color matrix of the designs.")
-    scenes: Annotated[tuple[ScenePart, ...], Field(strict=False)] = Field(
+    scenes: tuple[ScenePart, ...] = Field(
         (), description="Scenes of the objectives; default: that of the study."
     )
     over_scenes: OverScenes = Field(
         "worst", description="Whether the worst or the mean value over the scenes counts."
     )
-    constraints: Annotated[tuple[ConstraintPart, ...], Field(strict=False)] = Field(
-        (), description="Limits on objectives."
-    )
+    constraints: tuple[ConstraintPart, ...] = Field((), description="Limits on objectives.")
     robust: RobustPart | None = Field(
         None, description="Objectives over the tolerances; default: those of the exact parameters."
     )
@@ -473,7 +470,7 @@ class DesignPart(Part):
         100, description="Largest number of sensors of the front."
     )
 
-    @model_validator(mode="after")
+    @after
     def _possible_search(self) -> "DesignPart":
         _ = self.search
         return self
@@ -483,12 +480,12 @@ class DesignPart(Part):
         """Method and effort of the search."""
         return SearchOptions(**{one.name: getattr(self, one.name) for one in fields(SearchOptions)})
 
-    @model_validator(mode="after")
+    @after
     def _different_objectives(self) -> "DesignPart":
         check.distinct("objectives", self.objectives)
         return self
 
-    @model_validator(mode="after")
+    @after
     def _differentiable(self) -> "DesignPart":
         if self.polish and self.robust is not None:
             raise InputError(
@@ -507,13 +504,13 @@ class DesignStudy(Study):
 
     Raises
     ------
-    pydantic.ValidationError
+    RecordError
         As `Study`, or if a table has no effect on a design.
     """
 
     design: DesignPart = Field(description="What is designed.")
 
-    @model_validator(mode="after")
+    @after
     def _with_effect(self) -> "DesignStudy":
         errors = [*_idle_tables(self), *_unknown_references(self)]
         if errors:

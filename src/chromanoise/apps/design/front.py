@@ -12,17 +12,25 @@ from pathlib import Path
 from typing import Annotated, Any, Final, Literal
 
 import numpy as np
-from pydantic import (
-    AfterValidator,
-    BaseModel,
-    ConfigDict,
-    Field,
-    PlainSerializer,
-    ValidationError,
-    model_validator,
-)
 
-from chromanoise.base import Array, Bool, Float, InputError, Int64, __version__, check, regular_file
+from chromanoise.base import (
+    After,
+    Array,
+    Bool,
+    Fault,
+    Field,
+    Float,
+    InputError,
+    Int64,
+    Record,
+    RecordError,
+    Written,
+    __version__,
+    after,
+    check,
+    dotted,
+    regular_file,
+)
 from chromanoise.io.spectra import QE_FACTS, SCHEMA_VERSION, as_json, held_json, spectra_csv
 from chromanoise.sensor import Pixel
 from chromanoise.spectra import Spectra
@@ -562,8 +570,6 @@ def misses_of(problem: Problem, found: Evaluated) -> Float[Array, " m"]:
 FRONT_SCHEMA: Final = "chromanoise front"
 """The value of the key ``schema``."""
 _LARGEST_BYTES = 12_000_000
-_LONGEST_KEY = 80
-_WORDS = {"extra_forbidden": "is an unknown key", "missing": "is missing"}
 
 
 def _matrix(name: str) -> str:
@@ -578,20 +584,16 @@ def _with_effect(pixel: PixelPart) -> PixelPart:
     return PixelPart(**{key: value for key, value in given.items() if value != usual.get(key)})
 
 
-ObjectiveValue = Annotated[float, Field(allow_inf_nan=False)] | None
+ObjectiveValue = Annotated[float, Field(finite=True)] | None
 """The value of an objective; ``None`` where it is undefined or infinite."""
 Share = Annotated[float, Field(ge=0, le=1)]
-MatrixName = Annotated[str, AfterValidator(_matrix)] | None
-WithoutDefaults = PlainSerializer(
-    lambda part: part and part.model_dump(mode="json", exclude_defaults=True)
-)
+MatrixName = Annotated[str, After(_matrix)] | None
+WithoutDefaults = Written(lambda part: part and part.model_dump(mode="json", exclude_defaults=True))
 """Writes only the keys of a table that differ from their defaults."""
 
 
-class _Record(BaseModel):
+class _Record(Record, unknown="ignored"):
     """Immutable; unknown keys are ignored, so that later versions can add some."""
-
-    model_config = ConfigDict(frozen=True, strict=True, defer_build=True)
 
 
 class FrontObjective(_Record):
@@ -652,7 +654,7 @@ class FrontMember(FrontReference):
     )
     values: dict[str, float] = Field({}, description="Its free parameters.")
     curves: FrontCurves = Field(description="Its quantum efficiency.")
-    pixel: Annotated[PixelPart, AfterValidator(_with_effect), WithoutDefaults] = Field(
+    pixel: Annotated[PixelPart, After(_with_effect), WithoutDefaults] = Field(
         PixelPart(), description="The table pixel of a study."
     )
     exposure: Annotated[ExposurePart | None, WithoutDefaults] = Field(
@@ -730,7 +732,7 @@ class FrontFile(_Record):
     )
     sentences: list[str] = Field([], description="One sentence per extreme and for the knee.")
 
-    @model_validator(mode="after")
+    @after
     def _consistent(self) -> "FrontFile":
         names = [one.name for one in self.objectives]
         _refuse_repeated("objectives", names)
@@ -797,8 +799,8 @@ def front_from_text(text: str, *, source: str) -> FrontFile:
     held_json(text, FRONT_SCHEMA, source=source)
     try:
         return FrontFile.model_validate_json(text)
-    except ValidationError as error:
-        raise _first_fault(error.errors(include_url=False)[0], source) from None
+    except RecordError as error:
+        raise _first_fault(error.faults[0], source) from None
 
 
 def member_csv(member: FrontMember) -> str:
@@ -839,14 +841,8 @@ def _refuse_repeated(subject: str, names: list[str]) -> None:
         raise InputError(subject, "must have different names", value=repeated[0])
 
 
-def _first_fault(fault: Any, source: str) -> InputError:
-    place = ".".join(str(step)[:_LONGEST_KEY] for step in fault["loc"])
-    raised = fault.get("ctx", {}).get("error")
-    if isinstance(raised, InputError):
-        own = place.endswith(raised.subject)  # of one value, not of several
-        return raised.within(source, place if own else f"{place} {raised.subject}".strip())
-    given = fault.get("input")
-    shown = given if isinstance(given, str | int | float) else None
-    said = _WORDS.get(fault["type"]) or str(fault["msg"]).replace("Input should", "must")
-    text = f"{said[:1].lower()}{said[1:]}"
-    return InputError(source, text, value=shown, where=f"key {place!r}")
+def _first_fault(fault: Fault, source: str) -> InputError:
+    place = dotted(fault.key)
+    if fault.of_part:
+        place = f"{place} {fault.error.subject}".strip()
+    return fault.error.within(source, f"key {place!r}")

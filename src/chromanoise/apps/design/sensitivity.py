@@ -93,7 +93,7 @@ class Variation:
         part = self.study.sensors[0]
         fields = type(part).model_fields
         kept = ("name", "answers", "beyond", "negatives")
-        plain = {name: one.get_default(call_default_factory=True) for name, one in fields.items()}
+        plain = {name: None if one.required else one.default for name, one in fields.items()}
         update = {name: value for name, value in plain.items() if name not in kept}
         return sensor_of(part.model_copy(update=update), given=self.given)
 
