@@ -831,11 +831,11 @@ def _of_type(kind: Any, definitions: dict[str, Any]) -> dict[str, Any]:
             definitions[kind.__name__] = {}
             definitions[kind.__name__] = _of_record(kind, definitions)
         return {"$ref": f"#/$defs/{kind.__name__}"}
-    words: dict[Any, str] = {
+    names_of_kinds: dict[Any, str] = {
         float: "number",
         int: "integer",
         str: "string",
         bool: "boolean",
         NoneType: "null",
     }
-    return {"type": words[kind]} if kind in words else {}
+    return {"type": names_of_kinds[kind]} if kind in words else {}
