@@ -9,7 +9,7 @@ from chromanoise.base.rng import stream
 from chromanoise.color import kernel_matrix
 from chromanoise.noise import Exposure, OperatingPoint, sample_electrons
 from chromanoise.spectra import DEFAULT_GRID, Scene, colorchecker, equal_energy, flat_field
-from chromanoise.study import analyzed, chart_as_json, chart_noise, matrix_makers, sensor_named
+from chromanoise.study import analyzed, chart_noise, matrix_makers, sensor_named
 
 LAMP = equal_energy(DEFAULT_GRID)
 DRAWS = 20_000
@@ -72,7 +72,6 @@ def test_less_light_is_more_noise_on_every_patch():
 
 def test_a_saturated_sensor_has_no_chart():
     assert chart_noise(seen(level_lux=1e4)) is None
-    assert chart_as_json(None) is None
 
 
 def test_another_matrix_changes_color_and_leaves_raw_alone():

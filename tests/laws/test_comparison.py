@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from chromanoise.base import plain
 from chromanoise.color import kernel_matrix
 from chromanoise.noise import Exposure, OperatingPoint, expected_electrons, white_scene
 from chromanoise.sensor import Pixel, Sensor
@@ -16,7 +17,6 @@ from chromanoise.study import (
     band_sentence,
     color_matrices,
     compared,
-    comparison_as_json,
     crossover_bands,
     crossover_sentence,
     crossovers,
@@ -98,7 +98,7 @@ def test_levels_at_which_a_channel_is_saturated_have_no_snr():
     (curve,), _ = compare(small, levels=np.array([1e-3, 1e3]))
     assert np.isfinite(curve.value[0])
     assert np.isnan(curve.value[1])
-    data = comparison_as_json([curve], [])["curves"][0]["value"]
+    data = plain(curve)["value"]
     assert data[1] is None
 
 

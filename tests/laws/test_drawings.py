@@ -12,7 +12,7 @@ import pytest
 from hypothesis import example, given, strategies as st
 
 import chromanoise
-from chromanoise.base import notebook as _notebook
+from chromanoise.base import notebook as _notebook, plain
 from chromanoise.base.errors import InputError
 from chromanoise.base.palette import CHANNELS, INK
 from chromanoise.charts import PARTS, Look, Shown, drawing, shown
@@ -34,10 +34,8 @@ from chromanoise.study import (
     crossover_sentence,
     crossovers,
     gray_noise,
-    gray_noise_as_json,
     noise_weights,
     outcome_of,
-    outcomes_as_json,
     run,
     sensor_named,
     study_from_data,
@@ -84,7 +82,7 @@ def analyzed_as_json():
     outputs, of = OutputsPart(budget=True), usual()
     (maker,) = of.makers.values()
     outcomes = [outcome_of(each, maker, outputs) for each in of.operating_points]
-    return outcomes_as_json(outcomes, outputs)["sensors"]
+    return plain(outcomes)
 
 
 def numbers_of(value):
@@ -931,5 +929,5 @@ def test_the_grays_noise_is_that_of_the_full_cubature():
     for analysis, result in zip(
         usual().analyses, drawing("stages", usual())["sensors"], strict=True
     ):
-        full = gray_noise_as_json(gray_noise(analysis, LAB))["sd_normal_law"]
+        full = plain(gray_noise(analysis, LAB))["sd_normal_law"]
         assert result["lab_sd"] == pytest.approx(full, rel=3e-3)

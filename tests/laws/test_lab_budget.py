@@ -5,6 +5,7 @@ import pytest
 from hypothesis import assume, given, strategies as st
 from scipy.optimize import minimize
 
+from chromanoise.base import plain
 from chromanoise.color import LAB, NoisyColor, colored, first_order, kernel_matrix, propagate
 from chromanoise.metrics import faintest_change, lab_budget
 from chromanoise.metrics.budget import CAUSES, color_budget, counting_snr_db
@@ -20,8 +21,8 @@ from chromanoise.spectra import (
     light,
 )
 from chromanoise.study import (
+    Outcome,
     analyzed,
-    budgets_as_json,
     lab_budgets,
     missing_lab_budgets,
     sensor_named,
@@ -295,7 +296,8 @@ def test_a_saturated_sensor_says_so_and_a_missing_coordinate_is_named():
     result = lab_budgets(short)
     assert [b is None for b in result] == [False, True, True]
     assert "no budget of a*, b*" in missing_lab_budgets(short, result)
-    assert [b is None for b in budgets_as_json(short)["lab_budget"]] == [False, True, True]
+    written = plain(Outcome(analysis=short, asked=("budget",)))
+    assert [b is None for b in written["lab_budget"]] == [False, True, True]
     rgb = analyzed(WHITE, sensor_named("onyx-rgb-ircut", DEFAULT_GRID), EXPOSURE)
     assert missing_lab_budgets(rgb, lab_budgets(rgb)) is None
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
+from chromanoise.base import plain
 from chromanoise.base.errors import InputError
 from chromanoise.color import chart_training, cielab, colored, lmmse
 from chromanoise.imaging import bilinear_filters, demosaicked
@@ -27,12 +28,12 @@ from chromanoise.spectra import (
 )
 from chromanoise.spectra.curves import photons_per_unit
 from chromanoise.study import (
+    MatrixResult,
     Merit,
     Viewing,
     analyzed,
-    matrix_as_json,
+    electrons_at,
     matrix_makers,
-    merits_as_json,
     merits_of,
     noise_weights,
     pareto_of,
@@ -367,7 +368,7 @@ def test_a_lamp_without_blue_has_no_color_in_cielab():
 @settings(max_examples=6, deadline=None)
 @given(sensors(), st.floats(1e-3, 1e4))
 def test_every_merit_has_a_finite_value_or_a_reason_and_goes_into_json(sensor, lux):
-    data = merits_as_json(merits_at(sensor, lux=lux))
+    data = plain(merits_at(sensor, lux=lux))
     json.dumps(data, allow_nan=False)
     for name, entry in data["values"].items():
         assert (entry["value"] is None) != (entry["missing"] is None), name
@@ -413,6 +414,11 @@ def reported(sensor, exposure):
     return operating_point, matrix, report
 
 
+def result_of(point, matrix, report, curve):
+    white_e = electrons_at(point)
+    return MatrixResult(point=point, matrix=matrix, report=report, white_e=white_e, pareto=curve)
+
+
 def test_a_saturated_white_has_no_snr_along_the_curve():
     sensor = rgb_sensor()
     exposure = filled(sensor, 1.0)
@@ -421,7 +427,7 @@ def test_a_saturated_white_has_no_snr_along_the_curve():
     )
     curve = pareto_of(operating_point, noise_weights(0.1, 10.0, points=3), prior="chart")
     assert white_snr_db(curve, report) == (None, None, None)
-    data = matrix_as_json(operating_point, matrix, report, curve)
+    data = result_of(operating_point, matrix, report, curve).to_dict()
     assert [point["snr_y_db"] for point in data["pareto"]] == [None] * 3
     assert data["report"]["snr_db"] is None
 
@@ -429,7 +435,7 @@ def test_a_saturated_white_has_no_snr_along_the_curve():
 def test_the_matrix_in_json_is_on_the_curve_in_json_at_its_weight():
     operating_point, matrix, report = reported(rgb_sensor(), EXPOSURE)
     curve = pareto_of(operating_point, noise_weights(0.01, 100.0, points=3), prior="chart")
-    data = matrix_as_json(operating_point, matrix, report, curve)
+    data = result_of(operating_point, matrix, report, curve).to_dict()
     json.dumps(data, allow_nan=False)
     at_1 = data["pareto"][1]
     assert at_1["weight"] == pytest.approx(1.0)

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
+from chromanoise.base import plain
 from chromanoise.base.rng import stream
 from chromanoise.color import (
     LAB,
@@ -61,7 +62,6 @@ from chromanoise.study import (
     PipelineSettings,
     analyzed,
     chart_noise,
-    pipeline_as_json,
     pipeline_noise,
     sensor_named,
 )
@@ -479,7 +479,7 @@ def test_crosstalk_after_counting_reaches_the_steps_and_the_noise_in_the_dark():
 def test_the_result_names_its_steps_and_is_plain_data():
     result = found(white_balance_pixels=10)
     assert [step.name for step in result.steps] == NAMES
-    data = pipeline_as_json(result)
+    data = plain(result)
     assert data["white_balance"] == "gray"
     assert data["gains"]["G"] == 1
     assert [step["name"] for step in data["steps"]] == NAMES
@@ -491,7 +491,6 @@ def test_the_result_names_its_steps_and_is_plain_data():
     assert white["covariance"][0][0] == pytest.approx(white["mean"][0] + 100.0)
     (iso,) = data["iso"]
     assert set(iso["noise_profile"]) == {"S", "O"}
-    assert pipeline_as_json(None) is None
 
 
 def test_a_saturated_sensor_has_no_pipeline():

@@ -4,12 +4,12 @@ import json
 
 import pytest
 
+from chromanoise.base import plain
 from chromanoise.noise import Exposure, OperatingPoint
 from chromanoise.spectra import DEFAULT_GRID, equal_energy, flat_field
 from chromanoise.study import (
     analyzed,
     matrix_makers,
-    merits_as_json,
     merits_of,
     noise_weights,
     pareto_of,
@@ -38,7 +38,7 @@ def test_json_of_merit_has_the_digits_of_the_library(run):
         white, operating_point.sensor, operating_point.exposure, matrix=maker(operating_point)
     )
     assert code == 0
-    assert data == json.loads(json.dumps(merits_as_json(merits_of(analysis, maker=maker))))
+    assert data == json.loads(json.dumps(plain(merits_of(analysis, maker=maker))))
     assert data["values"]["snr10_adapted"]["value"] > 0
     assert data["viewing"]["pixels_per_degree"] == pytest.approx(41.888, abs=1e-3)
 

@@ -6,8 +6,9 @@ import json
 import pytest
 
 import chromanoise as cn
+from chromanoise.base import plain
 from chromanoise.spectra import DEFAULT_GRID, black_body
-from chromanoise.study import PipelineSettings, pipeline_as_json, pipeline_noise
+from chromanoise.study import PipelineSettings, pipeline_noise
 from outcomes import refused, refused_input
 
 OPTIONS = (
@@ -40,7 +41,7 @@ def test_json_has_the_digits_of_the_library(done):
     out, _ = done(*WORDS, "--json", "-")
     (outcome,) = cn.analyze("model-rgb-ircut").outcomes
     settings = {name: value for name, value in SETTINGS.items() if name != "pipeline"}
-    own = pipeline_as_json(pipeline_noise(outcome.analysis, PipelineSettings(**settings)))
+    own = plain(pipeline_noise(outcome.analysis, PipelineSettings(**settings)))
     assert pipeline_of(out) == json.loads(json.dumps(own))
 
 

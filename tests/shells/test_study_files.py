@@ -8,9 +8,10 @@ from chromanoise.base.files import OWN_FILES
 from chromanoise.noise import OperatingPoint, saturating_exposure
 from chromanoise.spectra import DEFAULT_GRID, equal_energy, flat_field
 from chromanoise.study import (
-    analyses_as_json,
+    Analyses,
+    Outcome,
+    OutputsPart,
     analyzed,
-    budgets_as_json,
     matrix_makers,
     sensor_named,
 )
@@ -105,10 +106,13 @@ def of_library(names, lux):
     for sensor in sensors:
         used = OperatingPoint(sensor=sensor, exposure=exposure, illuminant=lamp, level_lux=lux)
         analyses.append(analyzed(white, sensor, exposure, matrix=maker(used)))
-    data = analyses_as_json(analyses)
-    for own, analysis in zip(data["sensors"], analyses, strict=True):
-        own |= budgets_as_json(analysis)
-    return json.loads(json.dumps(data))
+    result = Analyses(
+        matrix="lmmse",
+        points=tuple(one.point for one in analyses),
+        outcomes=tuple(Outcome(analysis=one, asked=("budget",)) for one in analyses),
+        outputs=OutputsPart(),
+    )
+    return json.loads(json.dumps(result.to_dict()))
 
 
 def test_the_sensors_of_a_command_share_one_time_unless_they_are_saturated_alike(run):

@@ -36,6 +36,15 @@ if TYPE_CHECKING:
         write_whole,
     )
     from chromanoise.base.inputs import content_hash, json_file, json_of, regular_file, true_path
+    from chromanoise.base.json_keys import (
+        VERSION,
+        JsonKey,
+        JsonKeys,
+        defined,
+        keys_of,
+        plain,
+        schema,
+    )
     from chromanoise.base.lazy import MovedPackages, lazy_names, renamed_keywords, warn_of_old_name
     from chromanoise.base.linalg import (
         RANK_TOLERANCE,

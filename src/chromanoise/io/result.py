@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from importlib import import_module
 from typing import Any
 
-from chromanoise.base import InputError, from_above, notebook
+from chromanoise.base import InputError, from_above, notebook, plain
 from chromanoise.io.result_tables import Table, head, table_latex, written_rows
 
 
@@ -14,9 +14,10 @@ class Result(ABC):
 
     __slots__ = ()
 
-    @abstractmethod
     def to_dict(self) -> dict[str, Any]:
         """Plain data, as the JSON of the command; ``None`` where a value is not defined."""
+        data: dict[str, Any] = plain(self)
+        return data
 
     @abstractmethod
     def to_table(self) -> Table:

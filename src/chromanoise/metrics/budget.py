@@ -52,6 +52,7 @@ The infrared carries almost no signal here, because H is almost zero there.
 from collections.abc import Callable, Container, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, partial
+from typing import ClassVar
 
 import numpy as np
 
@@ -60,6 +61,8 @@ from chromanoise.base import (
     Array,
     Float,
     InputError,
+    JsonKey,
+    JsonKeys,
     check,
     congruence,
     decibel,
@@ -259,6 +262,12 @@ class Budget:
     snr_db
         SNR of the coordinate; for L*, a* and b* one unit over its standard deviation. [dB]
     """
+
+    KEYS: ClassVar[JsonKeys] = (
+        *("coordinate", "photons_db", "costs"),
+        JsonKey("bound_db", "optimal_linear_snr_db"),
+        "snr_db",
+    )
 
     coordinate: str
     photons_db: float

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from chromanoise.base.lazy import lazy_names
 
 if TYPE_CHECKING:
+    from chromanoise.base import defined
     from chromanoise.io import Result as Result
     from chromanoise.study.analysis import (
         Analysis as Analysis,
@@ -17,7 +18,6 @@ if TYPE_CHECKING:
         analyzed as analyzed,
         color_snr_db as color_snr_db,
         contravariant_snr_db as contravariant_snr_db,
-        defined,
         diagnosis as diagnosis,
         electrons_at as electrons_at,
         mean_color_error as mean_color_error,
@@ -25,14 +25,8 @@ if TYPE_CHECKING:
         mix_sentence,
         noisy_color_at as noisy_color_at,
         of_white,
-        plain_fields,
         raw_snr_db as raw_snr_db,
         stages_at as stages_at,
-    )
-    from chromanoise.study.analysis_tables import (
-        analyses_as_json as analyses_as_json,
-        budgets_as_json as budgets_as_json,
-        comparison_as_json as comparison_as_json,
     )
     from chromanoise.study.assembly import (
         NOTHING_GIVEN as NOTHING_GIVEN,
@@ -58,7 +52,6 @@ if TYPE_CHECKING:
         PipelineSettings as PipelineSettings,
         PipelineStep as PipelineStep,
         WhiteBalanceNoise as WhiteBalanceNoise,
-        pipeline_as_json as pipeline_as_json,
         pipeline_noise as pipeline_noise,
     )
     from chromanoise.study.catalog import (
@@ -95,13 +88,11 @@ if TYPE_CHECKING:
         GRAY,
         ChartNoise as ChartNoise,
         GrayNoise as GrayNoise,
-        chart_as_json as chart_as_json,
         chart_noise as chart_noise,
         color_budgets as color_budgets,
         contravariant_budgets as contravariant_budgets,
         coordinate_budget as coordinate_budget,
         gray_noise as gray_noise,
-        gray_noise_as_json as gray_noise_as_json,
         lab_budgets as lab_budgets,
         missing_lab_budgets as missing_lab_budgets,
     )
@@ -155,14 +146,12 @@ if TYPE_CHECKING:
         Merit as Merit,
         Merits as Merits,
         Viewing as Viewing,
-        merits_as_json as merits_as_json,
         merits_of as merits_of,
         visual_merits,
     )
     from chromanoise.study.pareto import (
         TotalError as TotalError,
         better_matrix as better_matrix,
-        matrix_as_json as matrix_as_json,
         mean_total_error as mean_total_error,
         noise_weights as noise_weights,
         pareto_of as pareto_of,
@@ -188,7 +177,6 @@ if TYPE_CHECKING:
         QuantityMap,
         Rank,
         band_sentence as band_sentence,
-        bands_as_json as bands_as_json,
         best_of,
         by_matrix,
         crossover_bands as crossover_bands,
@@ -265,7 +253,6 @@ if TYPE_CHECKING:
         Results as Results,
         analysis_of as analysis_of,
         outcome_of as outcome_of,
-        outcomes_as_json as outcomes_as_json,
     )
     from chromanoise.study.running import (
         Progress as Progress,

@@ -1,6 +1,4 @@
-"""Results as plain data: JSON has no NaN, so numbers that are not defined are ``None``.
-
-Electrons and measurements of one sensor at every stage, for many levels and patches.
+"""Electrons and measurements of one sensor at every stage, for many levels and patches.
 
 All computations of SNR use this module: the analysis of one patch, sweeps over the light level and
 the patches of a chart.
@@ -10,13 +8,12 @@ Closed-form analysis of one sensor and one flat patch: all stages, SNR and condi
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 
-from chromanoise.base import Array, Bool, Float, InputError, check, decibel, notebook
+from chromanoise.base import Array, Bool, Float, InputError, check, decibel, defined, notebook
 from chromanoise.color import (
     UNBOUNDED,
     ColorMatrix,
@@ -75,53 +72,6 @@ from chromanoise.spectra import (
     color_axes,
     observer_notes,
 )
-
-
-def defined(value: float | None) -> float | None:
-    """The number, or ``None`` where it is missing or not finite.
-
-    Examples
-    --------
-    >>> defined(26.1), defined(float("nan"))
-    (26.1, None)
-    """
-    return value if value is not None and math.isfinite(value) else None
-
-
-def plain_fields(record: Any, *names: str) -> dict[str, Any]:
-    """The fields of a record as plain data, by their names; all of them if none is named.
-
-    Parameters
-    ----------
-    record
-        A dataclass of numbers, text, arrays and such records.
-    names
-        Fields or properties, in the order of the result.
-    """
-    wanted = names or [field.name for field in fields(record)]
-    return {name: plain(getattr(record, name)) for name in wanted}
-
-
-def plain(value: Any) -> Any:
-    """Lists for arrays and tuples, ``None`` for numbers that are not finite.
-
-    Examples
-    --------
-    >>> plain({"snr": np.array([1.0, np.inf]), "names": ("R", "G")})
-    {'snr': [1.0, None], 'names': ['R', 'G']}
-    """
-    if isinstance(value, np.ndarray | np.generic):
-        value = value.tolist()
-    if isinstance(value, Mapping):
-        return {name: plain(one) for name, one in value.items()}
-    if isinstance(value, list | tuple):
-        return [plain(one) for one in value]
-    return defined(value) if isinstance(value, float) else value
-
-
-def named(names: Iterable[str], values: Iterable[float]) -> dict[str, float]:
-    """One number per name."""
-    return {name: float(value) for name, value in zip(names, values, strict=True)}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

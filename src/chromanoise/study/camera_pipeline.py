@@ -1,4 +1,4 @@
-"""Settings and results of the camera's own pipeline, and the results as plain data.
+"""Settings and results of the camera's own pipeline.
 
 Noise of every ColorChecker patch after each step of the camera's own pipeline, at every gain.
 """
@@ -7,11 +7,11 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
-from chromanoise.base import Array, Float, InputError, check, decibel
+from chromanoise.base import Array, Float, InputError, JsonKey, JsonKeys, check, decibel
 from chromanoise.color import (
     FIRST_ORDER_TOLERANCE,
     RGB,
@@ -62,10 +62,7 @@ from chromanoise.study.analysis import (
     Stages,
     color_snr_db,
     electrons_at,
-    named,
     of_white,
-    plain,
-    plain_fields,
     stages_at,
 )
 from chromanoise.study.color_noise import GRAY
@@ -152,6 +149,12 @@ class PipelineSettings:
                     found=f"has {len(self.iso_read_noise_e)} for {len(self.iso)} ISO settings",
                 )
 
+    @property
+    def balance(self) -> str | tuple[float, ...]:
+        """``gray``, the name of the illuminant, or the gains."""
+        balance = self.white_balance
+        return balance.name if isinstance(balance, Illuminant) else balance
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PipelineStep:
@@ -164,6 +167,22 @@ class PipelineStep:
     measurement
         Mean and covariance of the 24 patches.
     """
+
+    KEYS: ClassVar[JsonKeys] = (
+        "name",
+        JsonKey("unit", "measurement.unit"),
+        JsonKey("coordinates", "measurement.names"),
+        JsonKey(
+            "patches",
+            ".",
+            rows=True,
+            keys=(
+                JsonKey("patch", "patches"),
+                JsonKey("mean", "measurement.mean"),
+                JsonKey("covariance", "measurement.covariance"),
+            ),
+        ),
+    )
 
     name: str
     measurement: Measurement
@@ -195,6 +214,15 @@ class GainStep:
         The patches after each step at this gain.
     """
 
+    KEYS: ClassVar[JsonKeys] = (
+        *("iso", "gain", "gain_dn_per_e", "read_noise_e", "white_level_e"),
+        JsonKey("dynamic_range_db", by=("channels",)),
+        JsonKey("dynamic_range_stops", by=("channels",)),
+        JsonKey("emva_dynamic_range_db", by=("channels",)),
+        JsonKey("noise_profile", "noise_profile.T", by=(("S", "O"), "channels")),
+        "steps",
+    )
+
     iso: float
     gain: float
     read_noise_e: float
@@ -225,9 +253,26 @@ class WhiteBalanceNoise:
         Of the shift of each patch in CIELAB.
     """
 
+    KEYS: ClassVar[JsonKeys] = (
+        "pixels",
+        JsonKey("gains_sd", by=("channels",)),
+        "gains_covariance",
+        JsonKey(
+            "patches",
+            ".",
+            rows=True,
+            keys=(JsonKey("patch", "patches"), "lab_covariance", "delta_e"),
+        ),
+    )
+
     pixels: int
     gains_covariance: Float[Array, "p p"]
     lab_covariance: Float[Array, "24 3 3"]
+
+    @property
+    def gains_sd(self) -> Float[Array, " p"]:
+        """Standard deviation of each gain. [1]"""
+        return np.asarray(np.sqrt(np.diagonal(self.gains_covariance)))
 
     @property
     def delta_e(self) -> Float[Array, "24"]:
@@ -257,6 +302,13 @@ class PipelineNoise:
         Remarks: readings that clip, and where the first order fails.
     """
 
+    KEYS: ClassVar[JsonKeys] = (
+        JsonKey("white_balance", "settings.balance"),
+        JsonKey("gains", by=("channels",)),
+        JsonKey("", "settings", keys=("exposure_gain", "saturation", "tone", "luma")),
+        *("steps", "iso", "white_balance_noise", "notes"),
+    )
+
     settings: PipelineSettings
     patches: tuple[str, ...]
     channels: tuple[str, ...]
@@ -281,79 +333,6 @@ class PipelineNoise:
         """
         known = {one.name: one.measurement for one in self.steps}
         return known[check.one_of("step", name, tuple(known))]
-
-
-def pipeline_as_json(found: PipelineNoise | None) -> dict[str, Any] | None:
-    """Gains, and mean and covariance of each patch after each step and at each ISO.
-
-    Parameters
-    ----------
-    found
-        Noise after each step; ``None`` where it is undefined.
-    """
-    if found is None:
-        return None
-    settings = found.settings
-    balance = settings.white_balance
-    if isinstance(balance, Illuminant):
-        balance = balance.name
-    return {
-        "white_balance": balance if isinstance(balance, str) else list(balance),
-        "gains": named(found.channels, found.gains),
-        **plain_fields(settings, "exposure_gain", "saturation", "tone", "luma"),
-        "steps": _steps_as_json(found.steps, found.patches),
-        "iso": [_gain_as_json(one, found) for one in found.iso],
-        "white_balance_noise": _balance_noise_as_json(found),
-        "notes": list(found.notes),
-    }
-
-
-def _gain_as_json(one: GainStep, found: PipelineNoise) -> dict[str, Any]:
-    channels = found.channels
-    return {
-        **plain_fields(one, "iso", "gain", "gain_dn_per_e", "read_noise_e", "white_level_e"),
-        "dynamic_range_db": plain(named(channels, one.dynamic_range_db)),
-        "dynamic_range_stops": plain(named(channels, one.dynamic_range_stops)),
-        "emva_dynamic_range_db": named(channels, one.emva_dynamic_range_db),
-        "noise_profile": {
-            name: named(channels, one.noise_profile[:, i]) for i, name in enumerate(("S", "O"))
-        },
-        "steps": _steps_as_json(one.steps, found.patches),
-    }
-
-
-def _balance_noise_as_json(found: PipelineNoise) -> dict[str, Any] | None:
-    noise = found.white_balance_noise
-    if noise is None:
-        return None
-    return {
-        "pixels": noise.pixels,
-        "gains_sd": named(found.channels, np.sqrt(np.diagonal(noise.gains_covariance))),
-        "gains_covariance": noise.gains_covariance.tolist(),
-        "patches": [
-            {"patch": name, "lab_covariance": covariance.tolist(), "delta_e": float(delta_e)}
-            for name, covariance, delta_e in zip(
-                found.patches, noise.lab_covariance, noise.delta_e, strict=True
-            )
-        ],
-    }
-
-
-def _steps_as_json(steps: Sequence[PipelineStep], patches: Sequence[str]) -> list[dict[str, Any]]:
-    return [
-        {
-            "name": step.name,
-            "unit": step.measurement.unit,
-            "coordinates": list(step.measurement.names),
-            "patches": [
-                {"patch": name, "mean": mean.tolist(), "covariance": covariance.tolist()}
-                for name, mean, covariance in zip(
-                    patches, step.measurement.mean, step.measurement.covariance, strict=True
-                )
-            ],
-        }
-        for step in steps
-    ]
 
 
 _LARGE_GAIN_ERROR = 0.1  # relative standard deviation

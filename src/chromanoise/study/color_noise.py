@@ -8,11 +8,11 @@ The SNR budgets of all coordinates of an analysis.
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache, partial
-from typing import Any
+from typing import ClassVar
 
 import numpy as np
 
-from chromanoise.base import Array, Bool, Float, check
+from chromanoise.base import Array, Bool, Float, JsonKey, JsonKeys, check
 from chromanoise.color import (
     FIRST_ORDER_TOLERANCE,
     LAB,
@@ -39,16 +39,14 @@ from chromanoise.spectra import chart_on, flat_field
 from chromanoise.study.analysis import (
     Analysis,
     color_snr_db,
-    defined,
-    named,
     noisy_color_at,
     of_white,
-    plain,
     stages_at,
 )
 
 GRAY = 0.18
 """Reflectance of the gray card."""
+_AXES = ("exact.measurement.names",)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -68,6 +66,21 @@ class GrayNoise:
     first_order_holds, normal_holds
         Whether that error is within 5 % for every coordinate.
     """
+
+    KEYS: ClassVar[JsonKeys] = (
+        JsonKey("space", "exact.measurement.kind"),
+        "reflectance",
+        JsonKey("mean", "exact.measurement.mean", by=_AXES),
+        JsonKey("sd", "exact.sd", by=_AXES),
+        JsonKey("sd_own_error", "exact.sd_error", by=_AXES),
+        JsonKey("sd_first_order", "first_order.sd", by=_AXES),
+        JsonKey("sd_normal_law", "normal.sd", by=_AXES),
+        JsonKey("bias", "exact.bias", by=_AXES),
+        JsonKey("chroma_sd", "exact.chroma_sd"),
+        JsonKey("delta_e_mean", "exact.delta_e"),
+        "first_order_holds",
+        JsonKey("normal_law_holds", "normal_holds"),
+    )
 
     reflectance: float
     exact: ColorNoise
@@ -131,35 +144,6 @@ def gray_noise(
         first_order_holds=_holds(first_order_error),
         normal_holds=_holds(normal_error),
     )
-
-
-def gray_noise_as_json(noise: GrayNoise | None) -> dict[str, Any] | None:
-    """Standard deviations and bias per coordinate, chroma, mean color difference.
-
-    Parameters
-    ----------
-    noise
-        Noise of a gray in a color space; ``None`` where it is undefined.
-    """
-    if noise is None:
-        return None
-    found = noise.exact
-    names = found.measurement.names
-    assert found.sd_error is not None  # the exact method always reports it
-    return {
-        "space": found.measurement.kind,
-        "reflectance": noise.reflectance,
-        "mean": named(names, found.measurement.mean),
-        "sd": named(names, found.sd),
-        "sd_own_error": named(names, found.sd_error),
-        "sd_first_order": named(names, noise.first_order.sd),
-        "sd_normal_law": named(names, noise.normal.sd),
-        "bias": named(names, found.bias),
-        "chroma_sd": plain(found.chroma_sd),
-        "delta_e_mean": plain(found.delta_e),
-        "first_order_holds": noise.first_order_holds,
-        "normal_law_holds": noise.normal_holds,
-    }
 
 
 def _holds(error: Float[Array, " 3"]) -> bool:
@@ -243,33 +227,15 @@ def chart_noise(analysis: Analysis, *, readout: Readout = UNBOUNDED) -> ChartNoi
     )
 
 
-def chart_as_json(chart: ChartNoise | None) -> list[dict[str, Any]] | None:
-    """One entry per patch; undefined values are ``None``.
-
-    Parameters
-    ----------
-    chart
-        Color error and noise of each patch; ``None`` gives an empty list.
-    """
-    if chart is None:
-        return None
-    noise = chart.noise
-    sd = noise.sd
-    assert noise.chroma_sd is not None  # CIELAB defines both
-    assert noise.delta_e is not None
-    return [
-        {
-            "patch": name,
-            "color_error": float(chart.color_error[i]),
-            "ciede2000": float(chart.ciede2000[i]),
-            "snr_y_db": defined(float(chart.snr_y_db[i])),
-            "sd": dict(zip(noise.measurement.names, sd[i].tolist(), strict=True)),
-            "chroma_sd": float(noise.chroma_sd[i]),
-            "noise_delta_e": float(noise.delta_e[i]),
-            "first_order_holds": bool(chart.first_order_holds[i]),
-        }
-        for i, name in enumerate(chart.names)
-    ]
+CHART_KEYS: JsonKeys = (
+    JsonKey("patch", "names"),
+    *("color_error", "ciede2000", "snr_y_db"),
+    JsonKey("sd", "noise.sd", by=("noise.measurement.names",)),
+    JsonKey("chroma_sd", "noise.chroma_sd"),
+    JsonKey("noise_delta_e", "noise.delta_e"),
+    "first_order_holds",
+)
+"""Of one patch; a chart is the list of its patches."""
 
 
 _CONTRAVARIANT = "M^"

@@ -3,11 +3,21 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
+from typing import ClassVar
 
 import numpy as np
 
-from chromanoise.base import Array, Float, InputError, check, congruence
+from chromanoise.base import (
+    Array,
+    Float,
+    InputError,
+    JsonKey,
+    JsonKeys,
+    check,
+    congruence,
+    defined,
+    keys_of,
+)
 from chromanoise.color import LAB, LINEAR_SRGB, LUV, scene_xyz
 from chromanoise.imaging import FilterBank, bilinear_filters, flat_field_noise, noise_power_spectrum
 from chromanoise.metrics import (
@@ -47,7 +57,7 @@ from chromanoise.noise import (
 )
 from chromanoise.sensor import Sensor, code_step_e
 from chromanoise.spectra import Scene, cie_1931, color_axes, colorchecker, light, photons_per_unit
-from chromanoise.study.analysis import Analysis, defined, electrons_at, plain_fields, stages_at
+from chromanoise.study.analysis import Analysis, electrons_at, stages_at
 from chromanoise.study.color_matrices import MatrixFunction
 from chromanoise.study.color_noise import GRAY
 
@@ -583,6 +593,25 @@ class Merits:
         The figures, in the order of tables and JSON.
     """
 
+    KEYS: ClassVar[JsonKeys] = (
+        *("matrix", "metric", "observer"),
+        JsonKey(
+            "viewing",
+            keys=(*keys_of(Viewing), JsonKey("pixels_per_degree", viewed_pixels_per_degree)),
+        ),
+        JsonKey(
+            "values",
+            lambda one: {entry.name: entry for entry in one.entries},
+            keys=(
+                "value",
+                "unit",
+                "what",
+                "source",
+                JsonKey("missing", lambda e: e.missing or None),
+            ),
+        ),
+    )
+
     sensor: str
     illuminant: str
     matrix: str
@@ -656,23 +685,3 @@ def merits_of(
             *matrix_merits(analysis),
         ),
     )
-
-
-def merits_as_json(merits: Merits) -> dict[str, Any]:
-    """Conditions, and per name the value with unit, meaning and source; ``None`` with a reason.
-
-    Parameters
-    ----------
-    merits
-        Figures of merit of a sensor in use.
-    """
-    return {
-        **plain_fields(merits, "matrix", "metric", "observer"),
-        "viewing": plain_fields(merits.viewing)
-        | {"pixels_per_degree": viewed_pixels_per_degree(merits.viewing)},
-        "values": {
-            entry.name: plain_fields(entry, "value", "unit", "what", "source")
-            | {"missing": entry.missing or None}
-            for entry in merits.entries
-        },
-    }

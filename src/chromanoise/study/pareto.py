@@ -1,4 +1,4 @@
-"""Color error against noise at an operating point, and matrix reports as plain data.
+"""Color error against noise at an operating point.
 
 Total color error: bias and noise together, over a chart.
 
@@ -8,11 +8,10 @@ total error counts both, in CIELAB: E|x - x_true|^2 = |bias|^2 + trace of the co
 
 from dataclasses import dataclass
 from functools import lru_cache, partial
-from typing import Any
 
 import numpy as np
 
-from chromanoise.base import Array, Float, InputError, __version__, check
+from chromanoise.base import Array, Float, InputError, check, defined
 from chromanoise.color import (
     LAB,
     ColorMatrix,
@@ -25,16 +24,13 @@ from chromanoise.color import (
 )
 from chromanoise.metrics import MatrixReport, chart_lab
 from chromanoise.noise import OperatingPoint, Readout, saturated
-from chromanoise.spectra import Spectra, chart_on, observer_notes
+from chromanoise.spectra import Spectra, chart_on
 from chromanoise.study.analysis import (
     Analysis,
     color_snr_db,
-    defined,
     electrons_at,
     noisy_color_at,
     of_white,
-    plain_fields,
-    reflectance_notes,
     stages_at,
 )
 from chromanoise.study.color_matrices import (
@@ -134,62 +130,6 @@ def white_snr_db(curve: ParetoCurve, report: MatrixReport) -> tuple[float | None
     if report.snr_db is None:
         return (None,) * curve.weight.size
     return tuple(defined(float(value)) for value in curve.snr_y_db)
-
-
-def matrix_as_json(
-    operating_point: OperatingPoint,
-    matrix: ColorMatrix,
-    report: MatrixReport,
-    curve: ParetoCurve | None = None,
-) -> dict[str, Any]:
-    """A matrix report and its Pareto curve as plain data; undefined values are ``None``.
-
-    Parameters
-    ----------
-    operating_point
-        A sensor in its light, with its exposure.
-    matrix
-        The color matrix. [lx/e-]
-    report
-        Color error, noise and conditioning of the matrix.
-    curve
-        Color error against noise; ``None`` if it was not asked.
-    """
-    sensor = operating_point.sensor
-    return {
-        "version": __version__,
-        "sensor": sensor.name,
-        "label": sensor.label,
-        "illuminant": operating_point.illuminant.name,
-        "level_lux": operating_point.level_lux,
-        "observer": matrix.observer,
-        "time_ms": 1e3 * operating_point.exposure.time_s,
-        "matrix": plain_fields(matrix, "made_by", "metric", "channels", "coordinates")
-        | {"lux_per_e": matrix.matrix.tolist()},
-        "report": plain_fields(report),
-        "pareto": None if curve is None else _points(curve, report),
-        "notes": [
-            *sensor.notes,
-            *operating_point.illuminant.notes,
-            *observer_notes(matrix.observer),
-            *reflectance_notes(operating_point),
-        ],
-    }
-
-
-def _points(curve: ParetoCurve, report: MatrixReport) -> list[dict[str, Any]]:
-    snr = white_snr_db(curve, report)
-    return [
-        {
-            "weight": float(weight),
-            "color_error_rms_lux": float(curve.color_error_rms[i]),
-            "delta_e": curve.delta_e[i],
-            "noise_rms_lux": float(curve.noise_rms[i]),
-            "snr_y_db": snr[i],
-            "lux_per_e": curve.matrix[i].tolist(),
-        }
-        for i, weight in enumerate(curve.weight)
-    ]
 
 
 NOISY_DELTA_E = 50.0

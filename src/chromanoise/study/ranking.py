@@ -10,15 +10,14 @@ A quantity of several sensors as a function of two parameters: a grid of values 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations, pairwise
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
-from chromanoise.base import Array, Float, InputError, Int, __version__, check
+from chromanoise.base import Array, Float, InputError, Int, JsonKey, JsonKeys, check
 from chromanoise.io import number_text
 from chromanoise.noise import OperatingPoint
 from chromanoise.spectra import Metric
-from chromanoise.study.analysis import plain_fields
 from chromanoise.study.color_matrices import PRIORS, MatrixFunction, matrix_makers, trained_names
 from chromanoise.study.sweeps import (
     SNR_Y,
@@ -59,6 +58,11 @@ class Crossover:
     first_at, last_at
         The range in which both have a value. [unit of the sweep]
     """
+
+    KEYS: ClassVar[JsonKeys] = (
+        *("first", "second", "matrix", "better_first", "first_at", "last_at", "at", "color_error"),
+        JsonKey("sentence", lambda one: crossover_sentence(one)),
+    )
 
     first: str
     second: str
@@ -265,14 +269,6 @@ def _next_share(a: Point, b: Point, c: Point, tolerance: float) -> float:
     return min(1 - least, max(least, share)) if least < 0.5 else 0.5
 
 
-def crossover_as_json(crossover: Crossover) -> dict[str, Any]:
-    """One crossover as plain data, with its sentence."""
-    return plain_fields(
-        crossover,
-        *("first", "second", "matrix", "better_first", "first_at", "last_at", "at", "color_error"),
-    ) | {"sentence": crossover_sentence(crossover)}
-
-
 def crossover_sentence(crossover: Crossover) -> str:
     """Which sensor is better over which values, and the color errors at the crossovers.
 
@@ -331,6 +327,11 @@ class CrossoverBand:
     by_prior
         The crossover under each prior.
     """
+
+    KEYS: ClassVar[JsonKeys] = (
+        *("first", "second", "matrix", "span", "by_prior"),
+        JsonKey("sentence", lambda one: band_sentence(one)),
+    )
 
     first: str
     second: str
@@ -414,26 +415,6 @@ def band_sentence(band: CrossoverBand) -> str:
     )
 
 
-def bands_as_json(bands: Sequence[CrossoverBand]) -> list[dict[str, Any]]:
-    """Bands as plain data.
-
-    Parameters
-    ----------
-    bands
-        Crossovers over all training sets, one band per pair of sensors.
-    """
-    return [
-        plain_fields(band, "first", "second", "matrix", "span")
-        | {
-            "by_prior": {
-                prior: crossover_as_json(crossover) for prior, crossover in band.by_prior.items()
-            },
-            "sentence": band_sentence(band),
-        }
-        for band in bands
-    ]
-
-
 MOST_PAIRS_SENSORS = 3
 """Up to this number of sensors each pair has a sentence; more have a ranking and leaders."""
 
@@ -444,23 +425,23 @@ class Rank:
 
     Attributes
     ----------
-    sensor, label, matrix
-        Its names.
-    value
-        Of the quantity at the operating point; ``None`` where it is not defined.
     rank
         1 for the best; equal values share a rank, and the next ranks are skipped. ``None`` without
         a value.
     tied
         Whether another sensor has the same rank.
+    sensor, label, matrix
+        Its names.
+    value
+        Of the quantity at the operating point; ``None`` where it is not defined.
     """
 
+    rank: int | None
+    tied: bool
     sensor: str
     label: str
     matrix: str
     value: float | None
-    rank: int | None
-    tied: bool
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -476,6 +457,8 @@ class Lead:
     first, last
         The ends of the range. [unit of the sweep]
     """
+
+    KEYS: ClassVar[JsonKeys] = ("sensor", "label", "matrix", "first", "last")
 
     sensor: str
     label: str
@@ -744,18 +727,6 @@ def _range_in_words(lead: Lead) -> str:
     return f"at {first}" if first == last else f"from {first} to {last}"
 
 
-def ranking_as_json(ranks: Sequence[Rank]) -> list[dict[str, Any]]:
-    """Ranks as plain data, from best to worst for each matrix."""
-    names = ("rank", "tied", "sensor", "label", "matrix", "value")
-    return [plain_fields(one, *names) for one in ranks]
-
-
-def leads_as_json(leading: Sequence[Lead]) -> list[dict[str, Any]]:
-    """Leads as plain data."""
-    names = ("sensor", "label", "matrix", "first", "last")
-    return [plain_fields(one, *names) for one in leading]
-
-
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class QuantityMap(SweptQuantity):
     """A quantity over two parameters: one row of values per value of the second.
@@ -933,27 +904,3 @@ def by_matrix(maps: Sequence[QuantityMap]) -> dict[str, list[QuantityMap]]:
     for one in maps:
         found.setdefault(one.matrix, []).append(one)
     return found
-
-
-def maps_as_json(maps: Sequence[QuantityMap], lines: Sequence[CrossoverLine]) -> dict[str, Any]:
-    """Maps, the best sensor at each pair of values, and crossovers, as plain data."""
-    first = maps[0]
-    sweeps = {"sweep": (first.sweep, first.at), "second": (first.second, first.second_at)}
-    return {
-        "version": __version__,
-        **{
-            key: plain_fields(one, "name", "what", "unit") | {"values": at.tolist()}
-            for key, (one, at) in sweeps.items()
-        },
-        "quantity": plain_fields(first.quantity, "name", "what", "unit"),
-        "maps": [
-            plain_fields(one, "sensor", "label", "matrix", "value", "saturated") for one in maps
-        ],
-        "best": {
-            name: [
-                [None if i < 0 else mine[i].sensor for i in row] for row in best_of(mine).tolist()
-            ]
-            for name, mine in by_matrix(maps).items()
-        },
-        "crossovers": [plain_fields(one) for one in lines],
-    }

@@ -12,11 +12,11 @@ All that is computed of one sensor for a machine: separation, contrast detection
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Literal, get_args
+from typing import ClassVar, Literal, get_args
 
 import numpy as np
 
-from chromanoise.base import Array, Float, check, matrix_rank, pinv, svd
+from chromanoise.base import Array, Float, JsonKey, JsonKeys, check, matrix_rank, pinv, svd
 from chromanoise.color import ColorMatrix, shares
 from chromanoise.metrics import (
     contrast_detection_probability,
@@ -50,9 +50,7 @@ from chromanoise.spectra import PatchPairs, Spectra, all_pairs, chart_on, chart_
 from chromanoise.study.analysis import (
     Analysis,
     Stages,
-    defined,
     electrons_at,
-    plain_fields,
     stages_at,
 )
 from chromanoise.study.color_matrices import DEFAULT_PRIOR, training_named
@@ -87,6 +85,17 @@ class ContrastDetection:
         Least illuminance from which on the best raw channel reaches `TARGET`, the time kept; NaN
         if it does not before a channel saturates. [lx]
     """
+
+    KEYS: ClassVar[JsonKeys] = (
+        JsonKey("bright_reflectance", lambda _: BRIGHT),
+        JsonKey("dark_reflectance", lambda _: DARK),
+        JsonKey("contrast", lambda _: "weber"),
+        JsonKey("tolerance", lambda _: TOLERANCE),
+        "channels",
+        "luminance",
+        JsonKey("target", lambda _: TARGET),
+        JsonKey("target_lux", "level_lux"),
+    )
 
     channels: dict[str, float]
     luminance: float
@@ -187,22 +196,6 @@ def _least_level(point: OperatingPoint) -> float:
     return float(np.exp(high) * point.level_lux)
 
 
-def contrast_detection_as_json(found: ContrastDetection | None) -> dict[str, Any] | None:
-    """Plain data with the terms of the test; ``None`` where a gray saturates a channel."""
-    if found is None:
-        return None
-    return {
-        "bright_reflectance": BRIGHT,
-        "dark_reflectance": DARK,
-        "contrast": "weber",
-        "tolerance": TOLERANCE,
-        "channels": found.channels,
-        "luminance": defined(found.luminance),
-        "target": TARGET,
-        "target_lux": defined(found.level_lux),
-    }
-
-
 About = Literal["spectrum", "visible"]
 """Whether infrared electrons are signal, or noise where visible ones do not predict them."""
 
@@ -224,6 +217,8 @@ class InformationStep:
     lost_bits
         Information that this step loses, >= 0 but for rounding. [bit]
     """
+
+    KEYS: ClassVar[JsonKeys] = (JsonKey("step", "name"), "bits", "lost_bits")
 
     name: str
     bits: Float[Array, "*levels"]
@@ -251,6 +246,8 @@ class InformationChain:
     steps
         In the order of the camera.
     """
+
+    KEYS: ClassVar[JsonKeys] = ("about", "prior", "steps")
 
     point: OperatingPoint
     level_lux: Float[Array, " k"] | None
@@ -416,16 +413,6 @@ def raw_information(point: OperatingPoint, level_lux: Float[Array, " k"] | None 
     return information_chain(point, level_lux=level_lux, clipped=False).bits["white balance"]
 
 
-def information_as_json(chain: InformationChain) -> dict[str, Any]:
-    """The chain of one light level; an infinite number of bits is ``None``."""
-    return {
-        **plain_fields(chain, "about", "prior"),
-        "steps": [
-            {"step": step.name} | plain_fields(step, "bits", "lost_bits") for step in chain.steps
-        ],
-    }
-
-
 def _lost(before: Array, after: Array) -> Float[Array, "*levels"]:
     """The difference; 0 where both are infinite."""
     endless = np.isposinf(before) & np.isposinf(after)
@@ -508,6 +495,20 @@ NEAR_CHANCE = 0.6
 """Below this probability of the right answer a reader decides nearly by chance, which is 0.5."""
 
 
+def _median_keys(reading: str) -> JsonKeys:
+    return (
+        JsonKey(f"median_{reading}", lambda one: one.median_distance(reading)),
+        JsonKey(f"median_{reading}_probability", lambda one: one.median_probability(reading)),
+    )
+
+
+def _worst_keys(reading: str) -> JsonKeys:
+    return (
+        JsonKey(reading, lambda one: one.distance[reading][one.worst]),
+        JsonKey(f"{reading}_probability", lambda one: one.probability[reading][one.worst]),
+    )
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Separation:
     """Distance and separation probability of each pair of patches, for an ideal reader.
@@ -527,6 +528,20 @@ class Separation:
         patch. Color: that of raw values if the matrix is invertible, else for Gaussian noise, and
         at most that of raw values. Without brightness: Phi(D_M / 2), and at most that with it.
     """
+
+    KEYS: ClassVar[JsonKeys] = (
+        JsonKey("of", "title"),
+        JsonKey("pairs", lambda one: len(one.pairs.indices)),
+        *(key for name in READINGS for key in _median_keys(name)),
+        JsonKey(
+            "worst_pair",
+            ".",
+            keys=(
+                JsonKey("names", lambda one: one.pairs.names[one.worst]),
+                *(key for name in READINGS for key in _worst_keys(name)),
+            ),
+        ),
+    )
 
     pairs: PatchPairs
     title: str
@@ -752,22 +767,6 @@ def _raw_probabilities(at: Stages, pairs: PatchPairs) -> Float[Array, " m"]:
     return found
 
 
-def separation_as_json(separation: Separation | None) -> dict[str, Any] | None:
-    """The medians with their probabilities, and the worst pair; ``None`` where saturated."""
-    if separation is None:
-        return None
-    found: dict[str, Any] = {"of": separation.title, "pairs": len(separation.pairs.indices)}
-    for name in READINGS:
-        found[f"median_{name}"] = defined(separation.median_distance(name))
-        found[f"median_{name}_probability"] = separation.median_probability(name)
-    worst = separation.worst
-    found["worst_pair"] = {"names": list(separation.pairs.names[worst])}
-    for name in READINGS:
-        found["worst_pair"][name] = defined(float(separation.distance[name][worst]))
-        found["worst_pair"][f"{name}_probability"] = float(separation.probability[name][worst])
-    return found
-
-
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class MachineReading:
     """What a machine can know from the raw values of one sensor.
@@ -782,6 +781,12 @@ class MachineReading:
         About the whole spectrum of the default prior, then about its visible part; empty where a
         channel is saturated on the white.
     """
+
+    KEYS: ClassVar[JsonKeys] = (
+        "separation",
+        JsonKey("contrast_detection", "contrast"),
+        "information",
+    )
 
     label: str
     separation: Separation | None
@@ -808,12 +813,3 @@ def machine_reading(analysis: Analysis) -> MachineReading:
         contrast=contrast_detection_of(analysis),
         information=information_chains(analysis),
     )
-
-
-def machine_reading_as_json(reading: MachineReading) -> dict[str, Any]:
-    """The three results by their JSON keys."""
-    return {
-        "separation": separation_as_json(reading.separation),
-        "contrast_detection": contrast_detection_as_json(reading.contrast),
-        "information": [information_as_json(one) for one in reading.information],
-    }

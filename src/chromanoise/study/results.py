@@ -1,22 +1,23 @@
-"""All results of one sensor at one operating point, and their conversion to plain data.
-
-The results of the steps of a study: analyses, matrices, comparisons and pictures.
+"""The results of the steps of a study: analyses, matrices, comparisons and pictures.
 
 Each result can be converted to plain data (`to_dict`, as the JSON of the commands), a table, a
-pandas data frame, LaTeX and a figure.
+pandas data frame, LaTeX and a figure. Its keys in JSON are its ``KEYS``. The further outputs of an
+analysis are registered in `OUTPUTS`.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 from chromanoise.base import (
+    VERSION,
     Array,
     Float,
     InputError,
+    JsonKey,
+    JsonKeys,
     Setting,
-    __version__,
     check,
     warn_of_old_name,
     write_whole,
@@ -34,21 +35,23 @@ from chromanoise.io import (
     panels_of,
 )
 from chromanoise.metrics import MatrixReport
-from chromanoise.noise import OperatingPoint, Readout, clipping_readout, conditions, patch_scene
-from chromanoise.spectra import Illuminant
+from chromanoise.noise import OperatingPoint, clipping_readout, conditions, patch_scene
+from chromanoise.spectra import Illuminant, observer_notes
 from chromanoise.study.analysis import (
     Analysis,
     analyzed,
     color_snr_db,
     contravariant_snr_db,
+    diagnosis,
+    mean_color_error,
     of_white,
     raw_snr_db,
+    reflectance_notes,
+    temporal_color_snr_db,
+    temporal_raw_snr_db,
 )
 from chromanoise.study.analysis_tables import (
-    analyses_as_json,
     analyses_as_table,
-    budgets_as_json,
-    comparison_as_json,
     curves_as_table,
     maps_as_table,
     matrices_as_table,
@@ -56,19 +59,21 @@ from chromanoise.study.analysis_tables import (
     ranking_of_analyses,
 )
 from chromanoise.study.assembly import keyed
-from chromanoise.study.camera_pipeline import PipelineNoise, pipeline_as_json, pipeline_noise
+from chromanoise.study.camera_pipeline import PipelineNoise, pipeline_noise
 from chromanoise.study.color_matrices import MatrixMaker
 from chromanoise.study.color_noise import (
+    CHART_KEYS,
     ChartNoise,
     GrayNoise,
-    chart_as_json,
     chart_noise,
+    color_budgets,
+    contravariant_budgets,
     gray_noise,
-    gray_noise_as_json,
+    lab_budgets,
 )
-from chromanoise.study.document import OutputsPart, PipelinePart, Study, pipeline_settings
-from chromanoise.study.merits import Merits, merits_as_json, merits_of
-from chromanoise.study.pareto import matrix_as_json
+from chromanoise.study.document import OutputsPart, Study, pipeline_settings
+from chromanoise.study.merits import Merits, merits_of
+from chromanoise.study.pareto import mean_total_error, white_snr_db
 from chromanoise.study.ranking import (
     MOST_PAIRS_SENSORS,
     Crossover,
@@ -77,25 +82,153 @@ from chromanoise.study.ranking import (
     Lead,
     QuantityMap,
     Rank,
-    bands_as_json,
+    best_of,
+    by_matrix,
     crossover_sentence,
     lead_changes,
     lead_sentences,
     leading_crossovers,
-    leads_as_json,
-    maps_as_json,
     matrix_sentences,
-    ranking_as_json,
 )
 from chromanoise.study.reading_quality import (
     MachineReading,
     machine_reading,
-    machine_reading_as_json,
 )
 from chromanoise.study.sweeps import Curve
 
 if TYPE_CHECKING:
     from chromanoise.imaging import Capture
+
+
+SENSOR_KEYS: JsonKeys = (
+    JsonKey("name", "sensor.name"),
+    JsonKey("label", "sensor.label"),
+    JsonKey("time_ms", "exposure.time_s", factor=1e3),
+    JsonKey("f_number", "exposure.f_number"),
+    JsonKey(
+        "channels",
+        ".",
+        rows=True,
+        keys=(
+            JsonKey("name", "sensor.names"),
+            JsonKey("mean_e", "raw.mean"),
+            JsonKey("snr_db", raw_snr_db),
+            JsonKey("temporal_snr_db", temporal_raw_snr_db),
+            JsonKey("contravariant_snr_db", contravariant_snr_db),
+            *("vif", "saturated", "full_share"),
+            JsonKey("angle_deg", "between_deg", by=("sensor.names",)),
+            JsonKey("angle_to_axis_deg", "to_axes_deg", by=(("x", "y", "z"),)),
+        ),
+    ),
+    "spectral_snr_db",
+    JsonKey(
+        "color",
+        ".",
+        keys=(
+            JsonKey("snr_db", color_snr_db),
+            JsonKey("temporal_snr_db", temporal_color_snr_db),
+            JsonKey("total_error_delta_e", mean_total_error),
+            JsonKey("mean_lux", "color.mean", by=("color.names",)),
+            JsonKey("covariance_lux2", "color.covariance"),
+        ),
+    ),
+    JsonKey("bound_db", "optimal_linear_snr_db"),
+    JsonKey("price_db", "color_snr_loss_db"),
+    JsonKey("condition", "matrix.frame.condition"),
+    JsonKey("rank", "matrix.frame.rank"),
+    JsonKey("nearest_mix", "mix"),
+    JsonKey("matrix", "matrix.matrix"),
+    JsonKey("matrix_made_by", "matrix.made_by"),
+    JsonKey("matrix_unit", lambda _: "lx/e-"),
+    JsonKey("color_error_mean", mean_color_error),
+    JsonKey("notes", diagnosis),
+)
+"""Of one sensor in the JSON of an analysis."""
+
+
+BUDGET_KEYS: JsonKeys = (
+    JsonKey("budget", color_budgets),
+    JsonKey("contravariant_budget", contravariant_budgets),
+    JsonKey("lab_budget", lab_budgets),
+)
+"""The budgets of an analysis; ``None`` where a coordinate has none."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Output:
+    """A further output of a study for each sensor.
+
+    Attributes
+    ----------
+    asked
+        Whether the outputs of a study ask for it.
+    keys
+        Of a sensor in JSON, from its `Outcome`.
+    of
+        The value of the field of `Outcome` with its name: of an analysis, its matrix maker, the
+        outputs of the study and the light of the white balance. ``None`` if it has no field.
+    """
+
+    asked: Callable[[OutputsPart], bool]
+    keys: JsonKeys
+    of: "Callable[[Analysis, MatrixMaker, OutputsPart, Illuminant | None], Any] | None" = None
+
+
+def _gray_noise(analysis: Analysis, _: Any, outputs: OutputsPart, __: Any) -> GrayNoise | None:
+    return gray_noise(analysis, SPACES[str(outputs.space)], readout=analysis.readout)
+
+
+def _chart(analysis: Analysis, *_: Any) -> ChartNoise | None:
+    return chart_noise(analysis, readout=analysis.readout or UNBOUNDED)
+
+
+def _merits(analysis: Analysis, maker: MatrixMaker, *_: Any) -> Merits:
+    return merits_of(of_white(analysis), maker=maker)
+
+
+def _pipeline(
+    analysis: Analysis, _: Any, outputs: OutputsPart, light: Illuminant | None
+) -> PipelineNoise | None:
+    key = "outputs.pipeline"
+    own = {name: f"{key}.{name}" for name in type(outputs.pipeline).model_fields}
+    with keyed(f"{key}.white_balance", lambda name: f"{key}.{name}", own):
+        settings = pipeline_settings(outputs.pipeline, light)
+        return pipeline_noise(analysis, settings, readout=analysis.readout)
+
+
+OUTPUTS: Mapping[str, Output] = {
+    "budget": Output(
+        asked=lambda outputs: outputs.budget,
+        keys=(JsonKey("", "analysis", keys=BUDGET_KEYS),),
+    ),
+    "gray_noise": Output(
+        asked=lambda outputs: outputs.space is not None,
+        keys=(
+            "gray_noise",
+            JsonKey("grey_noise", "gray_noise"),
+        ),  # the old key, in this release only
+        of=_gray_noise,
+    ),
+    "chart": Output(
+        asked=lambda outputs: outputs.chart,
+        keys=(JsonKey("chart", rows=True, keys=CHART_KEYS),),
+        of=_chart,
+    ),
+    "merits": Output(asked=lambda outputs: outputs.merit, keys=("merits",), of=_merits),
+    "pipeline": Output(
+        asked=lambda outputs: outputs.pipeline.run, keys=("pipeline",), of=_pipeline
+    ),
+    "machine": Output(
+        asked=lambda outputs: outputs.reader == "machine",
+        keys=(JsonKey("", "machine"),),
+        of=lambda analysis, *_: machine_reading(analysis),
+    ),
+}
+"""By the name of the field of `Outcome`, in the order of computation and of the JSON."""
+
+
+def _asked_keys(name: str, output: Output) -> JsonKey:
+    return JsonKey("", ".", keys=output.keys, when=lambda outcome: name in outcome.asked)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -106,6 +239,8 @@ class Outcome:
     ----------
     analysis
         Raw, spectral and color coordinates of a perfect white.
+    asked
+        Names of the further outputs that the study asks for, of `OUTPUTS`.
     gray_noise, chart
         ``None`` where not asked for, or where a channel is saturated or white is no color.
     merits
@@ -116,12 +251,18 @@ class Outcome:
         ``None`` for an eye.
     """
 
+    KEYS: ClassVar[JsonKeys] = (
+        JsonKey("", "analysis", keys=SENSOR_KEYS),
+        *(_asked_keys(name, output) for name, output in OUTPUTS.items()),
+    )
+
     analysis: Analysis
-    gray_noise: GrayNoise | None
-    chart: ChartNoise | None
-    merits: Merits | None
-    pipeline: PipelineNoise | None
-    machine: MachineReading | None
+    asked: tuple[str, ...]
+    gray_noise: GrayNoise | None = None
+    chart: ChartNoise | None = None
+    merits: Merits | None = None
+    pipeline: PipelineNoise | None = None
+    machine: MachineReading | None = None
 
     @property
     def grey_noise(self) -> GrayNoise | None:
@@ -178,7 +319,7 @@ def outcome_of(
     maker
         Of its color matrix.
     outputs
-        The requested outputs; `outcomes_as_json` adds ``budget``.
+        The requested outputs.
     balance_light
         The illuminant that the white balance of the pipeline names (`balance_light_of`).
 
@@ -188,56 +329,13 @@ def outcome_of(
         If the matrix cannot be made, or an output cannot be computed.
     """
     analysis = analysis_of(operating_point, maker, outputs)
-    readout = analysis.readout
-    space = SPACES[outputs.space] if outputs.space is not None else None
-    return Outcome(
-        analysis=analysis,
-        gray_noise=gray_noise(analysis, space, readout=readout) if space else None,
-        chart=chart_noise(analysis, readout=readout or UNBOUNDED) if outputs.chart else None,
-        merits=merits_of(of_white(analysis), maker=maker) if outputs.merit else None,
-        pipeline=_pipeline(analysis, outputs.pipeline, balance_light, readout)
-        if outputs.pipeline.run
-        else None,
-        machine=machine_reading(analysis) if outputs.reader == "machine" else None,
-    )
-
-
-def _pipeline(
-    analysis: Analysis, part: PipelinePart, light: Illuminant | None, readout: Readout | None
-) -> PipelineNoise | None:
-    key = "outputs.pipeline"
-    own = {name: f"{key}.{name}" for name in type(part).model_fields}
-    with keyed(f"{key}.white_balance", lambda name: f"{key}.{name}", own):
-        return pipeline_noise(analysis, pipeline_settings(part, light), readout=readout)
-
-
-def outcomes_as_json(outcomes: Sequence[Outcome], outputs: OutputsPart) -> dict[str, Any]:
-    """The outcomes as plain data, side by side.
-
-    Parameters
-    ----------
-    outcomes
-        Results of each sensor.
-    outputs
-        Which results the study asks for.
-    """
-    data = analyses_as_json([outcome.analysis for outcome in outcomes])
-    for own, outcome in zip(data["sensors"], outcomes, strict=True):
-        if outputs.budget:
-            own |= budgets_as_json(outcome.analysis)
-        if outputs.space is not None:
-            own["gray_noise"] = gray_noise_as_json(outcome.gray_noise)
-            own["grey_noise"] = own["gray_noise"]  # the old key, in this release only
-        if outputs.chart:
-            own["chart"] = chart_as_json(outcome.chart)
-        if outcome.merits is not None:
-            own["merits"] = merits_as_json(outcome.merits)
-        if outputs.pipeline.run:
-            own["pipeline"] = pipeline_as_json(outcome.pipeline)
-        if outcome.machine is not None:
-            data["reader"] = outputs.reader
-            own |= machine_reading_as_json(outcome.machine)
-    return data
+    asked = tuple(name for name, output in OUTPUTS.items() if output.asked(outputs))
+    found = {
+        name: of(analysis, maker, outputs, balance_light)
+        for name in asked
+        if (of := OUTPUTS[name].of) is not None
+    }
+    return Outcome(analysis=analysis, asked=asked, **found)
 
 
 Kind = TypeVar("Kind", bound="Result")
@@ -258,6 +356,17 @@ class Analyses(Result):
     outputs
         The requested outputs.
     """
+
+    KEYS: ClassVar[JsonKeys] = (
+        VERSION,
+        JsonKey("metric", "analyses.0.matrix.metric"),
+        JsonKey("illuminant", "analyses.0.scene.illuminant.name"),
+        JsonKey("level_lux", "analyses.0.scene.level_lux"),
+        JsonKey("observer", "analyses.0.matrix.observer"),
+        JsonKey("sensors", "outcomes"),
+        "ranking",
+        JsonKey("reader", "outputs.reader", when="outcomes.0.machine"),
+    )
 
     matrix: str
     points: tuple[OperatingPoint, ...]
@@ -285,10 +394,6 @@ class Analyses(Result):
     def color_snr_db(self) -> dict[str, dict[str, float | None]]:
         """SNR of X, Y and Z by sensor (eq. 5); ``None`` where it is not defined. [dB]"""
         return {one.sensor.name: color_snr_db(one) for one in self.analyses}
-
-    def to_dict(self) -> dict[str, Any]:
-        """As ``chromanoise analyze --json``."""
-        return outcomes_as_json(self.outcomes, self.outputs)
 
     def to_table(self) -> Table:
         """One row per sensor."""
@@ -363,6 +468,37 @@ class MatrixResult(Result):
         The curve of color error against noise; ``None`` if not requested.
     """
 
+    KEYS: ClassVar[JsonKeys] = (
+        VERSION,
+        JsonKey("sensor", "point.sensor.name"),
+        JsonKey("label", "point.sensor.label"),
+        JsonKey("illuminant", "point.illuminant.name"),
+        JsonKey("level_lux", "point.level_lux"),
+        JsonKey("observer", "matrix.observer"),
+        JsonKey("time_ms", "point.exposure.time_s", factor=1e3),
+        JsonKey(
+            "matrix",
+            keys=(
+                *("made_by", "metric", "channels", "coordinates"),
+                JsonKey("lux_per_e", "matrix"),
+            ),
+        ),
+        "report",
+        JsonKey(
+            "pareto",
+            rows=True,
+            keys=(
+                "weight",
+                JsonKey("color_error_rms_lux", "color_error_rms"),
+                "delta_e",
+                JsonKey("noise_rms_lux", "noise_rms"),
+                JsonKey("snr_y_db", "pareto_snr_y_db"),
+                JsonKey("lux_per_e", "matrix"),
+            ),
+        ),
+        "notes",
+    )
+
     point: OperatingPoint
     matrix: ColorMatrix
     report: MatrixReport
@@ -373,6 +509,21 @@ class MatrixResult(Result):
     def white_lux(self) -> float:
         """Y of a perfect white by this matrix. [lx]"""
         return float(self.matrix.matrix[1] @ self.white_e)
+
+    @property
+    def pareto_snr_y_db(self) -> tuple[float | None, ...]:
+        """SNR of Y along the Pareto curve; ``None`` where a channel is saturated. [dB]"""
+        return () if self.pareto is None else white_snr_db(self.pareto, self.report)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Remarks on sensor, light, observer and reflectances."""
+        return (
+            *self.point.sensor.notes,
+            *self.point.illuminant.notes,
+            *observer_notes(self.matrix.observer),
+            *reflectance_notes(self.point),
+        )
 
     @property
     def made(self) -> MadeMatrix:
@@ -416,10 +567,6 @@ class MatrixResult(Result):
         write_whole(path, matrix_writer(path.name)(self.made).encode())
         return path
 
-    def to_dict(self) -> dict[str, Any]:
-        """As ``chromanoise matrix --json``."""
-        return matrix_as_json(self.point, self.matrix, self.report, self.pareto)
-
     def to_table(self) -> Table:
         """One row per coordinate."""
         return matrices_as_table([(self.point.sensor.label, self.matrix, self.report)])
@@ -454,12 +601,10 @@ class Matrices(Result):
         One per sensor.
     """
 
+    KEYS: ClassVar[JsonKeys] = (JsonKey("sensors", "results"),)
+
     method: str
     results: tuple[MatrixResult, ...]
-
-    def to_dict(self) -> dict[str, Any]:
-        """As ``chromanoise run``: one entry per sensor, each as that of `MatrixResult`."""
-        return {"sensors": [one.to_dict() for one in self.results]}
 
     def to_table(self) -> Table:
         """One row per coordinate; of several sensors, per sensor and coordinate."""
@@ -499,6 +644,15 @@ class Comparison(Result):
         The exposure rule, and the training set of trained matrices.
     """
 
+    KEYS: ClassVar[JsonKeys] = (
+        VERSION,
+        JsonKey("sweep", "curves.0", keys=(JsonKey("", "sweep"), JsonKey("values", "at"))),
+        JsonKey("quantity", "curves.0.quantity"),
+        *("curves", "crossovers"),
+        JsonKey("observer", "points.0.observer"),
+        *("equal", "prior", "bands", "ranking", "leads"),
+    )
+
     points: tuple[OperatingPoint, ...]
     curves: tuple[Curve, ...]
     crossovers: tuple[Crossover, ...]
@@ -507,18 +661,6 @@ class Comparison(Result):
     leads: tuple[Lead, ...]
     equal: str
     prior: str
-
-    def to_dict(self) -> dict[str, Any]:
-        """As ``chromanoise compare --json``."""
-        data = comparison_as_json(self.curves, self.crossovers)
-        return data | {
-            "observer": self.points[0].observer,
-            "equal": self.equal,
-            "prior": self.prior,
-            "bands": bands_as_json(self.bands),
-            "ranking": ranking_as_json(self.ranking),
-            "leads": leads_as_json(self.leads),
-        }
 
     def to_table(self) -> Table:
         """One row per value of the sweep, two columns per sensor and matrix."""
@@ -586,6 +728,16 @@ class ComparisonMap(Result):
         The exposure rule, and the training set of trained matrices.
     """
 
+    KEYS: ClassVar[JsonKeys] = (
+        VERSION,
+        JsonKey("sweep", "maps.0", keys=(JsonKey("", "sweep"), JsonKey("values", "at"))),
+        JsonKey("second", "maps.0", keys=(JsonKey("", "second"), JsonKey("values", "second_at"))),
+        JsonKey("quantity", "maps.0.quantity"),
+        *("maps", "best"),
+        JsonKey("crossovers", "lines"),
+        *("equal", "prior", "ranking"),
+    )
+
     points: tuple[OperatingPoint, ...]
     maps: tuple[QuantityMap, ...]
     lines: tuple[CrossoverLine, ...]
@@ -593,12 +745,14 @@ class ComparisonMap(Result):
     equal: str
     prior: str
 
-    def to_dict(self) -> dict[str, Any]:
-        """As ``chromanoise compare --and ... --json``."""
-        return maps_as_json(self.maps, self.lines) | {
-            "equal": self.equal,
-            "prior": self.prior,
-            "ranking": ranking_as_json(self.ranking),
+    @property
+    def best(self) -> dict[str, list[list[str | None]]]:
+        """The best sensor at each pair of values, per matrix; ``None`` where none has a value."""
+        return {
+            name: [
+                [None if i < 0 else mine[i].sensor for i in row] for row in best_of(mine).tolist()
+            ]
+            for name, mine in by_matrix(self.maps).items()
         }
 
     def to_table(self) -> Table:
@@ -643,14 +797,12 @@ class Pictures(Result):
         The pictures, if no folder was given.
     """
 
+    KEYS: ClassVar[JsonKeys] = (VERSION, "cube", JsonKey("pictures", "summaries"))
+
     cube: str
     points: tuple[OperatingPoint, ...]
     summaries: tuple[dict[str, Any], ...]
     captures: "tuple[Capture, ...]" = ()
-
-    def to_dict(self) -> dict[str, Any]:
-        """As ``summary.json`` of ``chromanoise simulate``, without ``study`` and ``seconds``."""
-        return {"version": __version__, "cube": self.cube, "pictures": list(self.summaries)}
 
     def to_table(self) -> Table:
         """One row per picture and channel: mean electrons, and the share of pixels above full well.

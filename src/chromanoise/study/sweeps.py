@@ -11,11 +11,11 @@ A quantity of several sensors as a function of one parameter: one curve each.
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import partial
-from typing import Any, TypeVar
+from typing import Any, ClassVar, TypeVar
 
 import numpy as np
 
-from chromanoise.base import Array, Bool, Float, InputError, Setting, check
+from chromanoise.base import Array, Bool, Float, InputError, JsonKey, JsonKeys, Setting, check
 from chromanoise.color import LAB, ColorMatrix, cubature, propagate
 from chromanoise.metrics import chart_color_error, mean_chart_errors
 from chromanoise.noise import OperatingPoint, saturated, signal_limit_e
@@ -65,6 +65,8 @@ class Quantity:
     of_raw
         Whether it is one of raw values, which neither a color matrix nor its color error concerns.
     """
+
+    KEYS: ClassVar[JsonKeys] = ("name", "what", "unit")
 
     name: str
     what: str
@@ -293,6 +295,8 @@ class Sweep:
         Whether values are whole numbers.
     """
 
+    KEYS: ClassVar[JsonKeys] = ("name", "what", "unit")
+
     name: str
     what: str
     unit: str
@@ -496,6 +500,8 @@ class SweptQuantity:
         Where a channel is saturated on a perfect white.
     """
 
+    KEYS: ClassVar[JsonKeys] = ("sensor", "label", "matrix", "value", "saturated")
+
     sensor: str
     label: str
     matrix: str
@@ -521,6 +527,13 @@ class Curve(SweptQuantity):
     color_error
         Mean over the ColorChecker, without noise; NaN where it is not defined. [Delta E*ab]
     """
+
+    KEYS: ClassVar[JsonKeys] = (
+        *SweptQuantity.KEYS[:3],
+        JsonKey("time_ms", "time_s", factor=1e3),
+        *SweptQuantity.KEYS[3:],
+        "color_error",
+    )
 
     time_s: float
     color_error: Float[Array, " k"]

@@ -3,12 +3,23 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
 from chromanoise.apps.design.objectives import OBJECTIVES, Candidate, Objective, value_of
-from chromanoise.base import Array, Float, InputError, check, from_above, lstsq, stream
+from chromanoise.base import (
+    Array,
+    Float,
+    InputError,
+    JsonKey,
+    JsonKeys,
+    check,
+    from_above,
+    lstsq,
+    plain,
+    stream,
+)
 from chromanoise.color import ColorMatrix
 from chromanoise.io import Column, Result, Table, axes_of
 from chromanoise.noise import OperatingPoint, conditions
@@ -20,7 +31,6 @@ from chromanoise.study import (
     Study,
     makers_of,
     operating_points_of,
-    plain_fields,
     sensor_of,
 )
 
@@ -338,6 +348,12 @@ class Spread:
     explained: Mapping[str, float | None]
     undefined: Mapping[str, int]
 
+    @property
+    def by_objective(self) -> dict[str, dict[str, Any]]:
+        """The numbers of each objective over all parameters."""
+        names = ("total", "worst", "drawn", "explained", "undefined")
+        return {name: {key: getattr(self, key)[name] for key in names} for name in self.total}
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Sensitivity(Result):
@@ -364,6 +380,18 @@ class Sensitivity(Result):
     notes
         Remarks.
     """
+
+    KEYS: ClassVar[JsonKeys] = (
+        JsonKey("sensor", "point.sensor.label"),
+        JsonKey("conditions", lambda one: conditions([one.point])),
+        *("matrix", "keeps_matrix"),
+        JsonKey("objectives", lambda one: one.values_by_objective()),
+        JsonKey("parameters", lambda one: [one.entry(i) for i in range(len(one.effects))]),
+        "notes",
+        JsonKey("losses", when="losses"),
+        JsonKey("spread", "spread.by_objective", when="spread"),
+        JsonKey("draws", when="spread"),
+    )
 
     point: OperatingPoint
     matrix: str
@@ -401,40 +429,18 @@ class Sensitivity(Result):
         costly = sum(1 for one in self.effects if one.slope[objective])
         return self.losses[objective] / abs(slope) / (np.sqrt(costly) if together else 1.0)
 
-    def to_dict(self) -> dict[str, Any]:
-        """As ``chromanoise sensitivity --json``."""
-        data: dict[str, Any] = {
-            "sensor": self.point.sensor.label,
-            "conditions": conditions([self.point]),
-            "matrix": self.matrix,
-            "keeps_matrix": self.keeps_matrix,
-            "objectives": {
-                one.name: {"value": self.value[one.name]}
-                | plain_fields(one, "unit", "what", "better")
-                for one in self.objectives
-            },
-            "parameters": [self._entry(i, effect) for i, effect in enumerate(self.effects)],
-            "notes": list(self.notes),
+    def values_by_objective(self) -> dict[str, dict[str, Any]]:
+        """Value, unit and meaning of each objective."""
+        return {
+            one.name: {"value": self.value[one.name]} | plain(one, "unit", "what", "better")
+            for one in self.objectives
         }
-        if self.losses:
-            data["losses"] = dict(self.losses)
-        if (spread := self.spread) is not None:
-            data["spread"] = {
-                name: {
-                    key: getattr(spread, key)[name]
-                    for key in ("total", "worst", "drawn", "explained", "undefined")
-                }
-                for name in spread.total
-            }
-            data["draws"] = self.draws
-        return data
 
-    def _entry(self, i: int, effect: Effect) -> dict[str, Any]:
-        """The i-th parameter in `to_dict`."""
-        entry: dict[str, Any] = {
-            **plain_fields(effect.parameter, "name", "what", "unit"),
-            "effects": dict(effect.slope),
-        }
+    def entry(self, i: int) -> dict[str, Any]:
+        """The i-th parameter: effects, and allowances and contributions where requested."""
+        effect = self.effects[i]
+        entry: dict[str, Any] = plain(effect.parameter, "name", "what", "unit")
+        entry["effects"] = dict(effect.slope)
         if self.losses:
             entry["allowances"] = {
                 name: {
@@ -446,10 +452,8 @@ class Sensitivity(Result):
         if self.spread is not None and self.tolerances is not None:
             shares = self.spread.drawn_share
             entry["tolerance"] = self.tolerances.of(effect.parameter)
-            entry["contributions"] = {k: float(v[i]) for k, v in self.spread.contribution.items()}
-            entry["drawn_shares"] = {
-                k: None if v is None else float(v[i]) for k, v in shares.items()
-            }
+            entry["contributions"] = {k: v[i] for k, v in self.spread.contribution.items()}
+            entry["drawn_shares"] = {k: None if v is None else v[i] for k, v in shares.items()}
         return entry
 
     def to_table(self) -> Table:

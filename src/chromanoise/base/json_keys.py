@@ -1,0 +1,302 @@
+"""A result is one record: its keys in JSON are declared once; JSON and its schema follow from them.
+
+A record is a frozen dataclass. Its keys are its fields in their order, or those that its class
+lists as ``KEYS``: a name, or a `JsonKey` where the value has another name, unit or place. A list of
+keys can also be given with the record, for a view of records of lower rooms.
+
+`plain` writes: it walks from a record to numbers, text, lists and objects. `schema` describes: it
+walks from the class along the same keys, and reads types from annotations.
+"""
+
+import math
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import KW_ONLY, dataclass, fields, is_dataclass
+from functools import reduce
+from operator import or_
+from types import NoneType, UnionType
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
+
+import numpy as np
+
+from chromanoise.base.version import __version__
+
+
+@dataclass(frozen=True, slots=True)
+class JsonKey:
+    """One key of a record in JSON.
+
+    Attributes
+    ----------
+    name
+        The key; empty to put the keys of the value beside the others.
+    of
+        Where the value is: the name of a field or property, with dots for those of its value
+        (``sensor.name``) and numbers for entries (``points.0``), or ``.`` for the record itself. A
+        name that the record does not have is that of the record around it. Or a function of the
+        record. Empty for ``name``.
+    by
+        Names of the axes of the value, which turn arrays into objects: per axis the names, or where
+        they are, as ``of``.
+    keys
+        JsonKeys of the value, in place of those of its class.
+    rows
+        Whether the values of ``keys`` have one entry per row: the result is a list of objects.
+    factor
+        What a number is multiplied by, as 1000 for ``time_ms`` of ``time_s``.
+    when
+        Where or how it is decided whether the record has the key, as ``of``; empty for always.
+    """
+
+    name: str
+    of: str | Callable[[Any], Any] = ""
+    _: KW_ONLY
+    by: tuple[str | tuple[str, ...], ...] = ()
+    keys: "JsonKeys" = ()
+    rows: bool = False
+    factor: float | None = None
+    when: str | Callable[[Any], Any] = ""
+
+
+JsonKeys = tuple[JsonKey | str, ...]
+"""The keys of a record in their order; a name is a `JsonKey` without further facts."""
+
+
+VERSION = JsonKey("version", lambda _: __version__)
+"""The version of chromanoise, which each output of a command begins with."""
+
+
+def defined(value: float | None) -> float | None:
+    """The number, or ``None`` where it is missing or not finite.
+
+    Examples
+    --------
+    >>> defined(26.1), defined(float("nan"))
+    (26.1, None)
+    """
+    return value if value is not None and math.isfinite(value) else None
+
+
+def plain(value: Any, *keys: JsonKey | str) -> Any:
+    """A record as plain data for JSON: objects, lists, text, and ``None`` for numbers not finite.
+
+    Parameters
+    ----------
+    value
+        A record, or arrays, lists and mappings of records, numbers and text.
+    keys
+        Of the record; those of its class if none is given.
+
+    Examples
+    --------
+    >>> plain({"snr": np.array([1.0, np.inf]), "names": ("R", "G")})
+    {'snr': [1.0, None], 'names': ['R', 'G']}
+    """
+    return _written(value, keys, ())
+
+
+def _written(value: Any, keys: JsonKeys, owners: tuple[Any, ...]) -> Any:
+    if isinstance(value, np.ndarray | np.generic):
+        value = value.tolist()
+    if isinstance(value, Mapping):
+        return {name: _written(one, keys, owners) for name, one in value.items()}
+    if isinstance(value, list | tuple):
+        return [_written(one, keys, owners) for one in value]
+    if isinstance(value, float):
+        return defined(value)
+    if value is None or not (keys or is_dataclass(value)):
+        return value
+    return _object((*owners, value), keys or keys_of(type(value)))
+
+
+def keys_of(kind: type) -> JsonKeys:
+    """The keys of the records of a class: its ``KEYS``, or the names of its fields."""
+    declared: JsonKeys | None = getattr(kind, "KEYS", None)
+    return tuple(one.name for one in fields(kind)) if declared is None else declared
+
+
+def _object(owners: tuple[Any, ...], keys: JsonKeys) -> dict[str, Any]:
+    found: dict[str, Any] = {}
+    written: Any
+    for key in map(_key, keys):
+        if key.when and not _at(key.when, owners):
+            continue
+        value = _value(key, owners)
+        if key.rows and value is not None:
+            written = _rows((*owners, value), key.keys)
+        else:
+            written = _written(_named(value, key.by, owners), key.keys, owners)
+        found |= {key.name: written} if key.name else written
+    return found
+
+
+def _rows(owners: tuple[Any, ...], keys: JsonKeys) -> list[dict[str, Any]]:
+    """One object per entry of the leading axis, which the values of all keys have."""
+    columns = {}
+    for key in map(_key, keys):
+        value = _value(key, owners)
+        entries = value.values() if isinstance(value, Mapping) else value
+        columns[key.name] = [
+            _written(_named(one, key.by, owners), key.keys, owners) for one in entries
+        ]
+    return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+
+
+def _key(key: JsonKey | str) -> JsonKey:
+    return JsonKey(key) if isinstance(key, str) else key
+
+
+def _value(key: JsonKey, owners: tuple[Any, ...]) -> Any:
+    value = _at(key.of or key.name, owners)
+    return value if key.factor is None or value is None else key.factor * value
+
+
+def _at(path: str | Callable[[Any], Any], owners: tuple[Any, ...]) -> Any:
+    """The value at a path from a record, or from the nearest record around it that has the name."""
+    if callable(path):
+        return path(owners[-1])
+    if path == ".":
+        return owners[-1]
+    steps = path.split(".")
+    having = (one for one in reversed(owners) if hasattr(type(one), steps[0]))
+    value = next(having, owners[-1])
+    for step in steps:
+        if value is None:
+            return None
+        value = value[int(step)] if step.isdecimal() else getattr(value, step)
+    return value
+
+
+def _named(value: Any, by: Sequence[str | tuple[str, ...]], owners: tuple[Any, ...]) -> Any:
+    if not by or value is None:
+        return value
+    names = _at(by[0], owners) if isinstance(by[0], str) else by[0]
+    return {name: _named(one, by[1:], owners) for name, one in zip(names, value, strict=True)}
+
+
+_NUMBERS: dict[str, Any] = {"$ref": "#/$defs/numbers"}
+_DEFINITIONS: dict[str, Any] = {
+    "numbers": {
+        "description": "A number, null where it is not defined, or lists of them.",
+        "anyOf": [{"type": ["number", "boolean", "null"]}, {"type": "array", "items": _NUMBERS}],
+    }
+}
+_NAMES = {str: "string", int: "integer", bool: "boolean", NoneType: "null"}
+
+
+def schema(kind: Any, *keys: JsonKey | str) -> dict[str, Any]:
+    """The JSON schema (2020-12) of what `plain` writes of a record.
+
+    Parameters
+    ----------
+    kind
+        The class of the record, or any type of its values.
+    keys
+        As for `plain`.
+    """
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        **_schema(kind, keys, ()),
+        "$defs": _DEFINITIONS,
+    }
+
+
+def _schema(kind: Any, keys: JsonKeys, owners: tuple[Any, ...]) -> dict[str, Any]:
+    origin, inner = get_origin(kind), get_args(kind)
+    if origin is Annotated:
+        return _schema(inner[0], keys, owners)
+    if origin in (Union, UnionType):
+        return {"anyOf": [_schema(one, keys, owners) for one in inner]}
+    if origin is Literal:
+        return {"enum": list(inner)}
+    if kind is float:
+        return {"type": ["number", "null"]}
+    if kind in _NAMES:
+        return {"type": _NAMES[kind]}
+    if _is_array(kind):
+        return _NUMBERS
+    if isinstance(origin, type) and issubclass(origin, Mapping):
+        return {"type": "object", "additionalProperties": _schema(inner[1], keys, owners)}
+    if isinstance(origin, type) and issubclass(origin, Sequence):
+        of = reduce(or_, (one for one in inner if one is not Ellipsis))
+        return {"type": "array", "items": _schema(of, keys, owners)}
+    if keys or is_dataclass(kind):
+        return _object_schema((*owners, kind), keys or keys_of(kind))
+    return {}
+
+
+def _object_schema(owners: tuple[Any, ...], keys: JsonKeys, *, row: bool = False) -> dict[str, Any]:
+    """An object without other keys; of a row, with the types of entries of the values."""
+    properties: dict[str, Any] = {}
+    found: dict[str, Any]
+    required: list[str] = []
+    for key in map(_key, keys):
+        kind = _kind_at(key.of or key.name, owners)
+        kind = _entry(kind) if row else kind
+        one = _unless_none(kind)
+        if key.rows:
+            found = {"type": "array", "items": _object_schema((*owners, one), key.keys, row=True)}
+            found = found if one is kind else {"anyOf": [found, {"type": "null"}]}
+        else:
+            kind = kind if key.name else one
+            for _ in key.by:
+                kind = _entry(kind)
+            found = _schema(kind, key.keys, owners)
+            for _ in key.by:
+                found = {"type": ["object", "null"], "additionalProperties": found}
+        properties |= {key.name: found} if key.name else found["properties"]
+        names = [key.name] if key.name else found["required"]
+        required += [] if key.when else names
+    return {
+        "type": "object",
+        "properties": properties,
+        "required": required,
+        "additionalProperties": False,
+    }
+
+
+def _is_array(kind: Any) -> bool:
+    return hasattr(kind, "array_type") or get_origin(kind) is np.ndarray or kind is np.ndarray
+
+
+def _entry(kind: Any) -> Any:
+    """The type of an entry of a list, a mapping or an array; of an array, an array."""
+    kind = _unless_none(kind)
+    inner = get_args(kind)
+    if _is_array(kind) or not inner:
+        return kind
+    return inner[1] if issubclass(get_origin(kind) or object, Mapping) else inner[0]
+
+
+def _unless_none(kind: Any) -> Any:
+    """The type without ``None``."""
+    if get_origin(kind) not in (Union, UnionType):
+        return kind
+    others = tuple(one for one in get_args(kind) if one is not NoneType)
+    return kind if len(others) == len(get_args(kind)) else reduce(or_, others)
+
+
+def _kind_at(path: str | Callable[[Any], Any], owners: tuple[Any, ...]) -> Any:
+    """The type of the value at a path; ``Any`` where it is not annotated."""
+    if callable(path):
+        return _kind_of(path)
+    if path == ".":
+        return owners[-1]
+    steps = path.split(".")
+    kind = next((one for one in reversed(owners) if hasattr(one, steps[0])), owners[-1])
+    missing = False
+    for step in steps:
+        own = _unless_none(kind)
+        missing = missing or own is not kind
+        kind = _entry(own) if step.isdecimal() else _kind_of(getattr(own, step, None), own, step)
+    return kind | None if missing else kind
+
+
+def _kind_of(member: Any, owner: Any = None, name: str = "") -> Any:
+    """The type of a field, of a property, or of the result of a function."""
+    types = {one.name: one.type for one in fields(owner)} if is_dataclass(owner) else {}
+    function = member.fget if isinstance(member, property) else member
+    kind = types.get(name, getattr(function, "__annotations__", {}).get("return", Any))
+    if isinstance(kind, str):  # a class that is defined below, or imported for type checkers only
+        return vars(sys.modules[(owner or function).__module__]).get(kind, Any)
+    return kind
