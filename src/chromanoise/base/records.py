@@ -811,7 +811,7 @@ def _of_type(kind: Any, definitions: dict[str, Any]) -> dict[str, Any]:
         if about.get("type") == "string":
             names = {"minItems": "minLength", "maxItems": "maxLength"}
             about = {names.get(key, key): value for key, value in about.items()}
-        return about
+        return dict(sorted(about.items()))
     if origin in (Union, UnionType):
         return {"anyOf": [_of_type(one, definitions) for one in inside]}
     if origin is Literal:
