@@ -3,6 +3,10 @@
  * modules and of the report. Nothing of this file is shipped.
  */
 
+import type { Chart } from "./charts";
+
+export * from "./charts";
+
 /** A number, or `null` where there is none. */
 export type Maybe = number | null;
 
@@ -288,24 +292,6 @@ export interface RankingColumn {
   better: "higher" | "lower" | null;
 }
 
-export interface Curve {
-  name: string;
-  qe: Maybe[];
-}
-
-export interface SensitivitiesSensor {
-  name: string;
-  channels: Curve[];
-}
-
-export interface Sensitivities extends Chartable {
-  wavelength_nm: number[];
-  infrared_from_nm: number;
-  light_name?: string;
-  light: Maybe[];
-  sensors: SensitivitiesSensor[];
-}
-
 export type ByName = Record<string, Maybe>;
 
 export interface StagesSensor {
@@ -390,7 +376,7 @@ export interface VectorsSensor {
   description: string;
 }
 
-export interface Axis {
+export interface VectorAxis {
   name: string;
   at: number[];
 }
@@ -398,60 +384,11 @@ export interface Axis {
 export interface Vectors {
   title: string;
   table: Table;
-  axes: Axis[];
+  axes: VectorAxis[];
   scene?: Vector | null;
   sigmas?: number;
   magnification: Maybe;
   sensors: VectorsSensor[];
-}
-
-export interface EllipsePatch {
-  name: string;
-  srgb: string;
-  truth: number[];
-  center: number[];
-  outline: number[][];
-  half_axes: number[][];
-  reach: number;
-}
-
-export interface EllipsesSensor {
-  name: string;
-  why_not: string | null;
-  larger: boolean;
-  patches: EllipsePatch[];
-}
-
-export interface Ellipses extends Chartable {
-  plane: "ab" | "xy";
-  names: string[];
-  sigmas: number;
-  window: [number[], number[]];
-  sensors: EllipsesSensor[];
-}
-
-export interface LevelCurve {
-  name: string;
-  sensor: string;
-  matrix: string;
-  values: Maybe[];
-  saturated_from_lux: Maybe;
-}
-
-export interface Crossover {
-  lux: Maybe;
-  sentence: string;
-}
-
-export interface Levels extends Chartable {
-  lux: number[];
-  now_lux: number;
-  now: string;
-  notes: string[];
-  quantity: string;
-  unit: string;
-  curves: LevelCurve[];
-  crossovers: Crossover[];
 }
 
 export interface ChartPatch {
@@ -470,35 +407,10 @@ export interface ChartSensor {
   patches: ChartPatch[];
 }
 
-export interface Chart extends Chartable {
+export interface Checker extends Chartable {
   unit: string;
   patches: { name: string; srgb: string }[];
   sensors: ChartSensor[];
-}
-
-export interface ParetoPoint {
-  color_error: Maybe;
-  snr_db: Maybe;
-}
-
-export interface WeightedPoint extends ParetoPoint {
-  weight: number;
-  text: string;
-}
-
-export interface ParetoSensor {
-  name: string;
-  why_not: string | null;
-  points: WeightedPoint[];
-  now: ParetoPoint | null;
-}
-
-export interface Pareto extends Chartable {
-  prior: string;
-  unit: string;
-  matrix?: string | null;
-  logarithmic: boolean;
-  sensors: ParetoSensor[];
 }
 
 export interface MapAxis {
@@ -533,13 +445,13 @@ export type SweepMap = DrawnMap | (Chartable & { why_not: string });
 export interface Drawn {
   stages: Stages;
   budget: Budget;
-  sensitivities: Sensitivities;
-  levels: Levels;
-  pareto: Pareto;
+  sensitivities: Chart;
+  levels: Chart;
+  pareto: Chart;
   map: SweepMap;
   vectors: Vectors;
-  ellipses: Ellipses;
-  chart: Chart;
+  ellipses: Chart;
+  chart: Checker;
 }
 
 export type Part = keyof Drawn;
@@ -665,14 +577,6 @@ export interface DrawingModule<Data> {
 
 // ---- the data of a report ---------------------------------------------------------------------
 
-/** An ellipse as center, right and up half axis, and its reach. */
-export type PackedPatch = [number[], number[], number[], number];
-
-export interface PackedEllipses {
-  plane: string;
-  sensors: { name: string; patches: PackedPatch[] }[];
-}
-
 export type ReportHead = Pick<Head, "verdict" | "table">;
 
 export interface ReportSlide {
@@ -690,5 +594,4 @@ export interface ReportData {
   slides: ReportSlide[];
   /** By part, of the study itself, to full precision. */
   csv: Record<string, string>;
-  chart_of: { circle: number[][]; patches: { name: string; srgb: string; truth: number[] }[] };
 }

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
         shown as shown,
         shown_at as shown_at,
     )
+    from chromanoise.charts.description import Chart as Chart, as_data as as_data
     from chromanoise.charts.explanations import (
         EXPLANATIONS,
         coordinate_mathml,
@@ -53,6 +54,7 @@ if TYPE_CHECKING:
         map_figures as map_figures,
         study_figures as study_figures,
     )
+    from chromanoise.charts.levels import at_level, level_curves
     from chromanoise.charts.numbers import (
         NONE,
         brief,

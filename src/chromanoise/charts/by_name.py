@@ -11,6 +11,7 @@ from chromanoise.base import check
 from chromanoise.charts.budget import drawn_budget
 from chromanoise.charts.charted_study import Look, Shown
 from chromanoise.charts.color_checker import drawn_chart
+from chromanoise.charts.description import Chart
 from chromanoise.charts.ellipses import drawn_ellipses
 from chromanoise.charts.levels import drawn_levels
 from chromanoise.charts.maps import drawn_map
@@ -119,7 +120,7 @@ SECTIONS: tuple[Section, ...] = (
 """In the order of the page and of the report."""
 
 
-PARTS: Mapping[str, Callable[[Shown, Look], dict[str, Any]]] = {
+PARTS: Mapping[str, Callable[[Shown, Look], Chart | dict[str, Any]]] = {
     "head": drawn_head,
     "sensitivities": drawn_sensitivities,
     "stages": drawn_stages,
@@ -131,12 +132,15 @@ PARTS: Mapping[str, Callable[[Shown, Look], dict[str, Any]]] = {
     "pareto": drawn_pareto,
 }
 """Names of the charts of every study."""
-DRAWINGS: Mapping[str, Callable[[Shown, Look], dict[str, Any]]] = {**PARTS, "map": drawn_map}
+DRAWINGS: Mapping[str, Callable[[Shown, Look], Chart | dict[str, Any]]] = {
+    **PARTS,
+    "map": drawn_map,
+}
 """The same, and the heat map of a sweep of two parameters."""
 
 
-def drawing(part: str, of: Shown, look: Look | None = None) -> dict[str, Any]:
-    """The data of one chart.
+def drawing(part: str, of: Shown, look: Look | None = None) -> Any:
+    """One chart: a `Chart`, or plain data where its drawing is special; `as_data` of both.
 
     Parameters
     ----------

@@ -5,14 +5,22 @@ Noise ellipses of each ColorChecker patch at two standard deviations.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
-from typing import Any
+from functools import lru_cache, partial
 
 import numpy as np
 
 from chromanoise.base import Array, Float, check, eigvalsh
 from chromanoise.charts.charted_study import Look, Shown, saturation_sentence
-from chromanoise.charts.numbers import NONE, decimal, table
+from chromanoise.charts.description import (
+    Axis,
+    Chart,
+    Column,
+    Ellipses,
+    Panel,
+    Value,
+    column,
+)
+from chromanoise.charts.numbers import decimal
 from chromanoise.color import (
     LAB,
     XYY,
@@ -28,7 +36,7 @@ from chromanoise.color import (
     srgb_from_xyz,
     xyy,
 )
-from chromanoise.geometry import ellipse_half_axes, ellipse_outline
+from chromanoise.geometry import ellipse_half_axes
 from chromanoise.metrics import chart_color_error
 from chromanoise.noise import Measurement, conditions, through
 from chromanoise.spectra import chart_on, chart_title
@@ -124,20 +132,22 @@ def hex_colors(xyz: Float[Array, "k 3"], white: Float[Array, " 3"]) -> list[str]
 
 
 SIGMAS = 2.0
-POINTS = 48
 _NAMES = {"ab": ("a*", "b*"), "xy": ("x", "y")}
-_DECIMALS = {"ab": 3, "xy": 6}
 _SHOWN_DECIMALS = {"ab": 1, "xy": 4}
 _MOST_WHOLE, _MOST_LARGER = 3, 4.0
 _NONE = 1e-9  # of the plane's unit: a spread below it is rounding
+_KEY = (
+    "Cross: the true color. Line: from it to the color that is measured. "
+    f"Ellipse: {SIGMAS:g} standard deviations of the noise."
+)
 
 
-def drawn_ellipses(shown: Shown, look: Look) -> dict[str, Any]:
-    """True color, mean, half axes, reach and closed outline, per patch and sensor."""
+def drawn_ellipses(shown: Shown, look: Look) -> Chart:
+    """True color, mean, half axes and reach, per patch and sensor."""
     return ellipses_of(shown.analyses, look.plane)
 
 
-def ellipses_of(analyses: Sequence[Analysis], plane: str) -> dict[str, Any]:
+def ellipses_of(analyses: Sequence[Analysis], plane: str) -> Chart:
     """The chart ``ellipses`` of some analyses under one light.
 
     Parameters
@@ -149,51 +159,99 @@ def ellipses_of(analyses: Sequence[Analysis], plane: str) -> dict[str, Any]:
     """
     points = [one.point for one in analyses]
     sensors = [_sensor(analysis, plane) for analysis in analyses]
-    window = _window(sensors)
-    for sensor in sensors:
-        sensor["larger"] = _is_larger(sensor, window)
     across, up = _NAMES[plane]
-    return {
-        "title": f"Noise of {chart_title(points[0].chart)} in {across} and {up}, "
+    low, high = _window([one for one in sensors if one.colors])
+    x, y = (Axis(label=_NAMES[plane][k], low=low[k], high=high[k], exact=True) for k in (0, 1))
+    panels, first = [], 0
+    for i, one in enumerate(sensors):
+        last = first + len(one.rows)
+        ellipses = Ellipses(
+            truth=(2, 3),
+            center=(4, 5),
+            half_axes=(6, 7, 8, 9),
+            reach=10,
+            first=first,
+            last=last,
+            colors=one.colors,
+        )
+        panels.append(
+            Panel(
+                x=x,
+                y=y,
+                marks=(ellipses,) if one.colors else (),
+                sensor=i,
+                equal=True,
+                remark="larger than the panel" if _is_larger(one, low, high) else "",
+                absence=one.why_not,
+            )
+        )
+        first = last
+    rows = [row for one in sensors for row in one.rows]
+    drawn = any(one.colors for one in sensors)
+    return Chart(
+        title=f"Noise of {chart_title(points[0].chart)} in {across} and {up}, "
         f"{SIGMAS:g} standard deviations, at {conditions(points)}",
-        "description": _description(sensors, plane),
-        "plane": plane,
-        "names": [across, up],
-        "sigmas": SIGMAS,
-        "window": window.tolist(),
-        "sensors": sensors,
-        "table": _table(sensors, plane),
-    }
+        description=_description(sensors, plane),
+        sensors=tuple(one.name for one in sensors),
+        columns=_columns(rows, plane),
+        panels=tuple(panels) if drawn else (),
+        whole_rows=True,
+        notes=(_KEY,) if drawn else tuple(one.why_not for one in sensors),
+        without_numbers=tuple(i for i, row in enumerate(rows) if row[2] is None),
+    )
 
 
-def _window(sensors: list[dict[str, Any]]) -> Float[Array, "2 2"]:
+def _columns(rows: Sequence[Sequence[Value]], plane: str) -> tuple[Column, ...]:
+    across, up = _NAMES[plane]
+    heads = ["sensor", "patch"]
+    for what in ("true", "measured", "conjugate half axis 1", "conjugate half axis 2"):
+        heads += [f"{what} {across}", f"{what} {up}"]
+    number = partial(decimal, digits=_SHOWN_DECIMALS[plane])
+    texts = [str, str, *[number] * 4, *[None] * 4, number]
+    heads.append(f"reach of {SIGMAS:g} sigma")
+    values = zip(*rows, strict=True)
+    return tuple(column(*each) for each in zip(heads, values, texts, strict=True))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Drawn:
+    """The rows of one sensor; a row with the reason, and no colors, where it has none."""
+
+    name: str
+    rows: tuple[tuple[Value, ...], ...]
+    colors: tuple[str, ...] = ()
+    why_not: str = ""
+
+
+def _window(sensors: Sequence[_Drawn]) -> tuple[list[float], list[float]]:
     """Lowest and highest coordinates of the panels.
 
     They hold all ellipses of up to three sensors. Of more, they omit what is more than four times
     as large as the ellipses of the median sensor, or small ellipses would be dots.
     """
-    boxes = np.array([_box(sensor) for sensor in sensors if sensor["patches"]])
-    if not len(boxes):
-        return np.array([[0.0, 0.0], [1.0, 1.0]])
+    if not sensors:
+        return [0.0, 0.0], [1.0, 1.0]
+    boxes = np.array([_box(sensor) for sensor in sensors])
     sizes = np.ptp(boxes, axis=1).max(axis=1)
     usual = float(np.quantile(sizes, 0.5, method="lower"))
     small = boxes[sizes <= _MOST_LARGER * usual] if len(boxes) > _MOST_WHOLE else boxes
-    return np.stack([small[:, 0].min(axis=0), small[:, 1].max(axis=0)])
+    return small[:, 0].min(axis=0).tolist(), small[:, 1].max(axis=0).tolist()
 
 
-def _box(sensor: dict[str, Any]) -> Float[Array, "2 2"]:
-    """Lowest and highest coordinates of true colors, centers and ellipses of one sensor."""
-    points = np.array(
-        [(one["truth"], one["center"], *one["outline"]) for one in sensor["patches"]]
-    ).reshape(-1, 2)
-    return np.stack([points.min(axis=0), points.max(axis=0)])
+def _box(sensor: _Drawn) -> Float[Array, "2 2"]:
+    """Lowest and highest coordinates of true colors and of ellipses of one sensor."""
+    values = np.array([row[2:10] for row in sensor.rows], dtype=float).reshape(-1, 4, 2)
+    truth, center, right, up = values.transpose(1, 0, 2)
+    reach = np.hypot(right, up)  # of conjugate half axes, along each coordinate
+    low, high = np.minimum(truth, center - reach), np.maximum(truth, center + reach)
+    return np.stack([low.min(axis=0), high.max(axis=0)])
 
 
-def _is_larger(sensor: dict[str, Any], window: Float[Array, "2 2"]) -> bool:
-    if not sensor["patches"]:
+def _is_larger(sensor: _Drawn, low: Sequence[float], high: Sequence[float]) -> bool:
+    if not sensor.colors:
         return False
-    low, high = _box(sensor)
-    return bool((low < window[0]).any() or (high > window[1]).any())
+    lowest, highest = _box(sensor)
+    return bool((lowest < low).any() or (highest > high).any())
 
 
 def in_plane(
@@ -226,62 +284,35 @@ def _balanced(seen: Patches) -> Measurement:
     return through(seen.xyz, gains, names=seen.xyz.names, kind="XYZ", unit="lx")
 
 
-def _sensor(analysis: Analysis, plane: str) -> dict[str, Any]:
+def _sensor(analysis: Analysis, plane: str) -> _Drawn:
     seen, name = patches_of(analysis), analysis.sensor.label
     if seen is None:
-        return {"name": name, "patches": [], "why_not": why_no_patches(analysis)}
-    colors = hex_colors(seen.truth, seen.true_white)
+        why_not = why_no_patches(analysis)
+        return _Drawn(name=name, rows=((name, why_not, *[None] * 9),), why_not=why_not)
     truth, center, covariance = in_plane(seen, plane)
     # an ellipse that is a line or a point is drawn all the same
-    spread = covariance + _NONE**2 * np.eye(2)
-    half_axes = ellipse_half_axes(spread, sigmas=SIGMAS)
-    outline = ellipse_outline(center, spread, sigmas=SIGMAS, points=POINTS)
+    half_axes = ellipse_half_axes(covariance + _NONE**2 * np.eye(2), sigmas=SIGMAS)
     reach = SIGMAS * np.sqrt(
         eigvalsh("covariance of a patch", covariance)[:, -1].clip(min=0.0)
-    )  # not of 48 points
-    drawn = outline.round(_DECIMALS[plane]).tolist()  # as fine as any screen, for drawing only
-    return {
-        "name": name,
-        "patches": [
-            {
-                "name": patch,
-                "srgb": colors[i],
-                "truth": truth[i].tolist(),
-                "center": center[i].tolist(),
-                "half_axes": half_axes[i].tolist(),
-                "reach": float(reach[i]),
-                "outline": drawn[i],
-            }
-            for i, patch in enumerate(seen.names)
-        ],
-        "why_not": None,
-    }
+    )  # of the covariance itself
+    numbers = np.column_stack([truth, center, half_axes.reshape(-1, 4), reach]).tolist()
+    return _Drawn(
+        name=name,
+        rows=tuple((name, patch, *row) for patch, row in zip(seen.names, numbers, strict=True)),
+        colors=tuple(hex_colors(seen.truth, seen.true_white)),
+    )
 
 
-def _description(sensors: list[dict[str, Any]], plane: str) -> str:
-    count = max(len(sensor["patches"]) for sensor in sensors)
+def _description(sensors: Sequence[_Drawn], plane: str) -> str:
+    count = max(len(sensor.colors) for sensor in sensors)
     parts = [f"{SIGMAS:g}-sigma ellipses of {count} patches, both axes to the same scale."]
     for sensor in sensors:
-        if not sensor["patches"]:
-            parts.append(f"{sensor['why_not']}.")
+        if not sensor.colors:
+            parts.append(f"{sensor.why_not}.")
             continue
-        most = max(sensor["patches"], key=lambda patch: float(patch["reach"]))
+        _, patch, *_, reach = max(sensor.rows, key=lambda row: float(row[-1] or 0.0))
         parts.append(
-            f"{sensor['name']}: the largest ellipse is that of {most['name']}, reaching "
-            f"{decimal(most['reach'], 3 if plane == 'xy' else 1)} from its center."
+            f"{sensor.name}: the largest ellipse is that of {patch}, reaching "
+            f"{decimal(float(reach or 0.0), 3 if plane == 'xy' else 1)} from its center."
         )
     return " ".join(parts)
-
-
-def _table(sensors: list[dict[str, Any]], plane: str) -> dict[str, Any]:
-    (across, up), digits = _NAMES[plane], _SHOWN_DECIMALS[plane]
-    rows = []
-    for sensor in sensors:
-        if not sensor["patches"]:
-            rows.append([sensor["name"], sensor["why_not"], *[NONE] * 5])
-        for patch in sensor["patches"]:
-            values = (*patch["truth"], *patch["center"], patch["reach"])
-            cells = [decimal(value, digits) for value in values]
-            rows.append([sensor["name"], patch["name"], *cells])
-    head = ["sensor", "patch", f"true {across}", f"true {up}", f"measured {across}"]
-    return table([*head, f"measured {up}", f"reach of {SIGMAS:g} sigma"], rows)

@@ -7,7 +7,7 @@ Figure 7: the quantum efficiency of every channel.
 The figures of a study, with the charts of its report, for papers and slides.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from itertools import cycle, islice
 from textwrap import fill
 from typing import Any
@@ -23,38 +23,29 @@ from matplotlib.ticker import LogFormatter
 from chromanoise.base import Array, Float, palette
 from chromanoise.charts.by_name import SECTIONS, drawing
 from chromanoise.charts.charted_study import Shown, unclipped_remark
+from chromanoise.charts.figure_marks import draw_panel
 from chromanoise.charts.figure_style import (
     FAINT,
     INK,
-    QUIET,
     are_many,
     channel_color,
     chromanoise_style,
     framed_figure,
     legend_beside,
-    mark_zero,
-    matrix_dashes,
-    sensor_dashes,
     sensor_label,
-    sensor_lines,
-    sensor_mark,
-    shade_nir,
-    spread,
-    write_beside,
     write_sensor,
 )
-from chromanoise.charts.levels import level_curves
+from chromanoise.charts.levels import crossing_rules, curves_chart, level_curves
 from chromanoise.charts.maps import sweep_maps
-from chromanoise.charts.numbers import brief
 from chromanoise.charts.result_figures import (
     budget_limits_db,
     draw_budget,
     draw_ellipses,
     draw_pareto,
 )
+from chromanoise.charts.sensitivities import sensitivities_chart
 from chromanoise.noise import conditions, light_and_exposure
 from chromanoise.sensor import Sensor
-from chromanoise.spectra import INFRARED_FROM_NM
 from chromanoise.study import (
     Crossover,
     Curve,
@@ -88,19 +79,18 @@ def draw_comparison(
     title
         Title, which should name the operating point.
     """
-    _draw_lines(curves, ax, lambda curve: curve.value)
-    for crossover in crossovers:
-        _mark(crossover, curves, ax)
-    quantity = curves[0].quantity
-    ax.set_ylabel(f"{quantity.what} [{quantity.unit}]")
-    if quantity.unit == "dB":
-        mark_zero(ax)
+    quantity, several = curves[0].quantity, len({curve.matrix for curve in curves}) > 1
+    full = several or not are_many(curve.label for curve in curves)
+    chart = curves_chart(
+        curves,
+        [curve.value for curve in curves],
+        f"{quantity.what} [{quantity.unit}]",
+        names=[f"{one.label}, {one.matrix}" if full else one.label for one in curves],
+        rules=crossing_rules(crossovers, curves),
+    )
+    draw_panel(chart, 0, ax)
     if title:
         ax.set_title(title, loc="left", fontsize=9)
-    if are_many(curve.label for curve in curves):
-        _write_names(curves, ax)
-    else:
-        ax.legend(loc="best", fontsize=8)
     return ax
 
 
@@ -114,91 +104,15 @@ def draw_color_errors(curves: Sequence[Curve], ax: Axes) -> Axes:
     ax
         To draw on.
     """
-    _draw_lines(curves, ax, lambda curve: curve.color_error)
-    ax.set_ylabel("mean color error [ΔE*ab]")
+    chart = curves_chart(
+        curves,
+        [curve.color_error for curve in curves],
+        "mean color error [ΔE*ab]",
+        names=[""] * len(curves),
+    )
+    draw_panel(chart, 0, ax)
     ax.set_ylim(bottom=0)
     return ax
-
-
-def _draw_lines(
-    curves: Sequence[Curve], ax: Axes, values_of: Callable[[Curve], Float[Array, " k"]]
-) -> None:
-    """Lines over the sweep, of several sensors with the mark of each at the end of its line."""
-    sensors = list(dict.fromkeys(one.label for one in curves))
-    for curve, style in zip(curves, _styles(curves), strict=True):
-        values = values_of(curve)
-        known = np.flatnonzero(np.isfinite(values))
-        if len(sensors) > 1 and len(known):
-            style |= sensor_mark(sensors.index(curve.label), style["color"])
-            style |= {"markevery": [int(known[-1])], "markersize": 5}
-        ax.plot(curve.at, values, label=f"{curve.label}, {curve.matrix}", **style)
-    sweep = curves[0].sweep
-    if sweep.logarithmic:
-        ax.set_xscale("log")
-    ax.set_xlabel(f"{sweep.what} [{sweep.unit}]")
-    ax.grid(visible=True, alpha=0.25)
-
-
-def _styles(curves: Sequence[Curve]) -> list[dict[str, Any]]:
-    matrices = list(dict.fromkeys(curve.matrix for curve in curves))
-    if are_many(curve.label for curve in curves):
-        lines = sensor_lines(curve.label for curve in curves)
-        of_matrix = matrix_dashes(matrices)
-        first = matrices[0]
-        return [
-            lines[curve.label]
-            | ({} if curve.matrix == first else {"linestyle": of_matrix[curve.matrix]})
-            for curve in curves
-        ]
-    patterns = sensor_dashes(curve.label for curve in curves)
-    return [
-        {
-            "color": _SHADES[matrices.index(curve.matrix) % len(_SHADES)],
-            "linestyle": patterns[curve.label],
-        }
-        for curve in curves
-    ]
-
-
-def _write_names(curves: Sequence[Curve], ax: Axes) -> None:
-    """Write the name of each curve at the right, with a thin line from where the curve ends."""
-    known = [curve for curve in curves if np.isfinite(curve.value).any()]
-    ends = [int(np.flatnonzero(np.isfinite(curve.value))[-1]) for curve in known]
-    matrices = {curve.matrix for curve in curves}
-    low, high = ax.get_ylim()
-    wanted = [(curve.value[k] - low) / (high - low) for curve, k in zip(known, ends, strict=True)]
-    height_in = ax.get_window_extent().height / ax.figure.dpi
-    gap = _NAME_POINTS / (72 * height_in)
-    styles = dict(zip(curves, _styles(curves), strict=True))
-    for curve, k, place in zip(known, ends, spread(wanted, gap), strict=True):
-        ax.annotate(
-            f"{curve.label}, {curve.matrix}" if len(matrices) > 1 else curve.label,
-            (curve.at[k], curve.value[k]),
-            xytext=(1.03, place),
-            textcoords="axes fraction",
-            fontsize=8,
-            va="center",
-            annotation_clip=False,
-            arrowprops={
-                "arrowstyle": "-",
-                "color": styles[curve]["color"],
-                "linewidth": 0.7,
-                "linestyle": "dotted",
-                "relpos": (0.0, 0.5),
-                "shrinkA": 1.0,
-                "shrinkB": 0.0,
-            },
-        )
-
-
-def _mark(crossover: Crossover, curves: Sequence[Curve], ax: Axes) -> None:
-    curve = next(c for c in curves if (c.sensor, c.matrix) == (crossover.first, crossover.matrix))
-    for value in crossover.at:
-        height = float(np.interp(value, curve.at, curve.value))
-        ax.plot(value, height, "o", color=INK, markerfacecolor="none", markersize=8)
-        box = {"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 0.5}
-        text = f"{brief(value, 2 if value < 100 else 3)} {crossover.sweep.unit}"
-        write_beside(ax, text, (value, height), (-2, 10), color=QUIET, bbox=box)
 
 
 _LETTERS = 72  # of a line of the title
@@ -286,11 +200,6 @@ def _frame(one: QuantityMap, ax: Axes) -> None:
     ax.set_ylabel(f"{one.second.what} [{one.second.unit}]")
 
 
-_HALF_WIDTH_NM = 12.0
-_GAP, _HEIGHT = 0.02, 0.075  # of the scale: under the letter, and of the letter
-_CENTERED: dict[str, Any] = {"ha": "center", "va": "center_baseline"}
-
-
 def draw_sensitivities(
     sensor: Sensor, ax: Axes, *, top: float | None = None, dashes: Any = None
 ) -> Axes:
@@ -307,63 +216,14 @@ def draw_sensitivities(
     dashes
         The dash pattern, from `sensor_dashes`, where several sensors share a figure.
     """
-    wavelength_nm = sensor.grid.wavelength_nm
-    dashes = dashes or sensor_dashes([sensor.label])[sensor.label]
-    for i, name in enumerate(sensor.names):
-        ax.plot(wavelength_nm, sensor.qe[:, i], color=channel_color(name), linestyle=dashes)
-    shade_nir(ax, wavelength_nm[-1])
-    ax.set(
-        xlim=(wavelength_nm[0], wavelength_nm[-1]),
-        ylim=(0, top or 1.15 * sensor.qe.max()),
-        xlabel="wavelength [nm]",
-        ylabel="quantum efficiency [e$^-$/photon]",
-        title=sensor_label(sensor.label, sensor.origin),
-    )
-    for i, name in enumerate(sensor.names):
-        at, height = _letter_place(wavelength_nm, sensor.qe, i, ax.get_ylim()[1])
-        color = channel_color(name)
-        ax.text(at, height, name, color=color, fontweight="bold", fontsize=11, **_CENTERED)
+    draw_panel(sensitivities_chart([sensor]), 0, ax)
+    ax.set(title=sensor_label(sensor.label, sensor.origin))
+    if top is not None:
+        ax.set_ylim(0, top)
+    if dashes is not None:
+        for line in ax.lines:
+            line.set_linestyle(dashes)
     return ax
-
-
-def _letter_place(
-    wavelength_nm: Float[Array, " n"], qe: Float[Array, "n p"], i: int, top: float
-) -> tuple[float, float]:
-    """Position of the letter of channel ``i``: at a high, flat part, clear of all curves."""
-    inner = (wavelength_nm > wavelength_nm[0] + _HALF_WIDTH_NM) & (
-        wavelength_nm < wavelength_nm[-1] - _HALF_WIDTH_NM
-    )
-    places = [
-        _rated_place(wavelength_nm, qe, i, at, side, top)
-        for at in wavelength_nm[inner]
-        for side in (1, -1)
-    ]
-    _, at, height = max(places)
-    return at, height
-
-
-def _rated_place(
-    wavelength_nm: Float[Array, " n"],
-    qe: Float[Array, "n p"],
-    i: int,
-    at: float,
-    side: int,
-    top: float,
-) -> tuple[float, float, float]:
-    """Rating and position of a place above (side 1) or below (-1) the curve."""
-    near = qe[np.abs(wavelength_nm - at) <= _HALF_WIDTH_NM]
-    own, others = near[:, i], np.delete(near, i, axis=1)
-    edge = own.max() if side > 0 else own.min()
-    height = edge + side * (_GAP + _HEIGHT / 2) * top
-    reach = (_HEIGHT / 2 + _GAP / 2) * top
-    low, high = height - reach, height + reach
-    hit = ((others.max(axis=0) > low) & (others.min(axis=0) < high)).any()
-    outside = low < 0 or high > top
-    rating = own.mean() - 3 * np.ptp(own)
-    rating += 0.1 * top * (side > 0)  # prefer places above the curve
-    rating -= 0.5 * top * (at > INFRARED_FROM_NM)  # prefer the visible range
-    rating -= 10 * top * (hit or outside)
-    return float(rating), float(at), float(height)
 
 
 _WIDE_IN = 6.4
@@ -454,11 +314,10 @@ def _panels(
 def _sensitivities(of: Shown) -> Figure:
     sensors = [one.sensor for one in of.operating_points]
     figure, panels, letters = _panels(of, len(sensors), row_in=2.8)
-    highest = 1.15 * max(float(sensor.qe.max()) for sensor in sensors)
-    names = [sensor.label for sensor in sensors]
-    patterns = dict.fromkeys(names, "solid") if are_many(names) else sensor_dashes(names)
+    chart = sensitivities_chart(sensors)
+    names = chart.sensors
     for i, (sensor, ax) in enumerate(zip(sensors, panels, strict=True)):
-        draw_sensitivities(sensor, ax, top=highest, dashes=patterns[sensor.label])
+        draw_panel(chart, i, ax)
         write_sensor(ax, sensor.origin, i, names, letters=letters)
         if are_many(names):
             ax.set_ylabel("QE [e$^-$/photon]", fontsize=7)
@@ -508,29 +367,29 @@ def _budget(of: Shown) -> Figure | None:
 
 
 def _ellipses(of: Shown) -> Figure | None:
-    data = drawing("ellipses", of)
-    shown = [i for i, sensor in enumerate(data["sensors"]) if sensor["patches"]]
+    chart = drawing("ellipses", of)
+    shown = [i for i, panel in enumerate(chart.panels) if panel.marks]
     if not shown:
         return None
-    names = [sensor["name"] for sensor in data["sensors"]]
+    names = chart.sensors
     columns = min(4 if are_many(names) else 3, len(shown))
     figure, panels, letters = _panels(of, len(shown), row_in=4.2, columns=columns)
     if not are_many(names):
         figure.set_figwidth(3.6 * columns)
     for i, ax in zip(shown, panels, strict=True):
-        draw_ellipses(data, i, ax)
+        draw_ellipses(chart, i, ax)
         write_sensor(ax, "", i, names, letters=letters)
     for k, ax in enumerate(panels):
         if k % columns:
             ax.set_ylabel("")
-    _entitle(figure, "ellipses", data["title"])
+    _entitle(figure, "ellipses", chart.title)
     return figure
 
 
 def _pareto(of: Shown) -> Figure:
-    data = drawing("pareto", of)
-    many = are_many(sensor["name"] for sensor in data["sensors"])
+    chart = drawing("pareto", of)
+    many = are_many(chart.sensors)
     figure = framed_figure(*((_WIDEST_IN, 5.0) if many else (_WIDE_IN, 4.2)))
-    draw_pareto(data, figure.add_subplot())
+    draw_pareto(chart, figure.add_subplot())
     _entitle(figure, "pareto")
     return figure

@@ -1,13 +1,16 @@
 """SNR over the light level, with the crossovers of sensors."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import partial
 from typing import Any
 
+import numpy as np
+
 from chromanoise.base import Array, Float
 from chromanoise.charts.charted_study import Look, Shown, unclipped_remark
-from chromanoise.charts.numbers import UNDEFINED, brief, decimal, listed, text_table
+from chromanoise.charts.description import Axis, Chart, Line, Mark, Panel, Rule, as_data, column
+from chromanoise.charts.numbers import UNDEFINED, brief, decimal, listed
 from chromanoise.noise import level_in_words, light_and_exposure
 from chromanoise.study import (
     MOST_PAIRS_SENSORS,
@@ -33,7 +36,7 @@ LOWEST_LUX, HIGHEST_LUX = 0.01, 10_000.0
 _PER_DECADE = 12  # includes the points of ``chromanoise compare``
 
 
-def drawn_levels(shown: Shown, look: Look) -> dict[str, Any]:
+def drawn_levels(shown: Shown, look: Look) -> Chart:
     """Curves of SNR over lux, each sensor with each matrix, and their crossovers.
 
     Of more than three sensors, only the crossovers at which the leader changes, and the leaders.
@@ -41,43 +44,147 @@ def drawn_levels(shown: Shown, look: Look) -> dict[str, Any]:
     Exposure times are those at the study's level, as in ``chromanoise compare``, which
     never clips.
     """
-    quantity, makers, values = _quantity(shown, look), shown.makers, drawn_lux(shown)
+    quantity, level_lux = _quantity(shown, look), shown.study.light.level_lux
     curves, pairs = level_curves(shown, quantity)
-    fullest = [fullest_level_lux(one) for one in shown.operating_points for _ in makers]
-    drawn = [
-        {
-            "name": f"{curve.label}, {curve.matrix}" if len(makers) > 1 else curve.label,
-            "sensor": curve.label,
-            "matrix": curve.matrix,
-            "values": [defined(value) for value in curve.value.tolist()],
-            "saturated_from_lux": full if full is not None and full < values[-1] else None,
-        }
-        for curve, full in zip(curves, fullest, strict=True)
-    ]
     found = [one for one in pairs if isinstance(one, Crossover)]
     leading = leads(curves, found)
     many = len(shown.operating_points) > MOST_PAIRS_SENSORS
-    crossovers = leading_crossovers(leading, found) if many else pairs
-    crossed = [entry for pair in crossovers for entry in _crossed(pair)]
-    leaders = lead_sentences(leading) if many else []
-    lux = values.tolist()
-    record: dict[str, Any] = {
-        "title": (
+    crossed = leading_crossovers(leading, found) if many else pairs
+    crossings = [one for one in crossed if isinstance(one, Crossover) and one.at]
+    rules, numbered = _numbered(crossings, curves)
+    apart = [
+        crossover_sentence(one) if isinstance(one, Crossover) else one.why
+        for one in crossed
+        if one not in crossings
+    ]
+    names = [f"{one.label}, {one.matrix}" if len(shown.makers) > 1 else one.label for one in curves]
+    return curves_chart(
+        curves,
+        [curve.value for curve in curves],
+        f"{quantity.what} [{quantity.unit}]",
+        names=names,
+        rules=(*rules, _now(level_lux)),
+        title=(
             f"{quantity.what} against illuminance ({light_and_exposure(shown.operating_points)})"
             f"{unclipped_remark(shown)}"
         ),
-        "description": _description(drawn, crossed, lux, quantity.unit),
-        "lux": lux,
-        "now_lux": shown.study.light.level_lux,
-        "now": level_in_words(shown.study.light.level_lux),
-        "quantity": quantity.what,
-        "unit": quantity.unit,
-        "curves": drawn,
-        "crossovers": crossed,
-        "notes": [*leaders, *_notes(drawn, quantity.what)],
-    }
+        description=_description(names, curves, [*numbered, *apart]),
+        numbered=numbered,
+        notes=(
+            *apart,
+            *(lead_sentences(leading) if many else ()),
+            *_notes(shown, curves, names, quantity.what),
+        ),
+    )
+
+
+def _now(level_lux: float) -> Rule:
+    return Rule(at=level_lux, role="now", text=f"now {level_in_words(level_lux)}")
+
+
+def at_level(data: dict[str, Any], level_lux: float) -> dict[str, Any]:
+    """The chart ``levels`` as plain data with the line of the study's level elsewhere.
+
+    Parameters
+    ----------
+    data
+        The chart at any level, with the same exposure time.
+    level_lux
+        The level. [lx]
+    """
+    (panel,) = data["panels"]
+    moved = as_data(_now(level_lux))
+    marks = [moved if one.get("role") == "now" else one for one in panel["marks"]]
+    return {**data, "panels": [{**panel, "marks": marks}]}
+
+
+def curves_chart(
+    curves: Sequence[Curve],
+    values: Sequence[Float[Array, " k"]],
+    label: str,
+    *,
+    names: Sequence[str],
+    rules: Sequence[Rule] = (),
+    title: str = "",
+    description: str = "",
+    numbered: Sequence[str] = (),
+    notes: Sequence[str] = (),
+) -> Chart:
+    """Curves over one parameter on one panel.
+
+    Parameters
+    ----------
+    curves
+        Of `chromanoise.study.compared`, all of one sweep.
+    values
+        What is drawn of each; NaN where it is undefined.
+    label
+        Of the axis up, with the unit.
+    names
+        A name per curve.
+    rules, title, description, numbered, notes
+        As `Chart` and its panel have them.
+    """
+    sweep, unit = curves[0].sweep, label.rpartition(" ")[2]
+    sensors = tuple(dict.fromkeys(curve.label for curve in curves))
+    matrices = list(dict.fromkeys(curve.matrix for curve in curves))
+    at = curves[0].at.tolist()
+    known = np.concatenate([one[np.isfinite(one)] for one in values])
+    low, high = (float(known.min()), float(known.max())) if known.size else (0.0, 1.0)
     cell = partial(decimal, digits=2, none=UNDEFINED)
-    return record | {"table": text_table("levels", record, brief, cell)}
+    columns, marks = [column(f"{sweep.what} [{sweep.unit}]", at, brief)], list[Mark]()
+    for curve, name, each in zip(curves, names, values, strict=True):
+        line = Line(
+            x=0,
+            y=len(columns),
+            first=0,
+            last=len(at),
+            name=name,
+            sensor=sensors.index(curve.label),
+            matrix=matrices.index(curve.matrix),
+        )
+        marks.append(line)
+        columns.append(column(f"{name} {unit}", [defined(one) for one in each.tolist()], cell))
+    across = Axis(
+        label=columns[0].head or "",
+        low=at[0],
+        high=at[-1],
+        logarithmic=sweep.logarithmic,
+        exact=True,
+    )
+    up = Axis(label=label, low=low, high=high, zero=unit == "[dB]")
+    return Chart(
+        title=title,
+        description=description,
+        sensors=sensors,
+        columns=tuple(columns),
+        panels=(Panel(x=across, y=up, marks=(*marks, *rules)),),
+        named="ends",
+        numbered=tuple(numbered),
+        notes=tuple(notes),
+    )
+
+
+def crossing_rules(crossings: Sequence[Crossover], curves: Sequence[Curve]) -> list[Rule]:
+    """A rule for each value at which two curves cross."""
+    rules = []
+    for one in crossings:
+        mine = next(c for c in curves if (c.sensor, c.matrix) == (one.first, one.matrix))
+        for at in one.at:
+            text = f"{brief(at, 2 if at < 100 else 3)} {one.sweep.unit}"
+            height = float(np.interp(at, mine.at, mine.value))
+            rules.append(Rule(at=at, role="crossing", text=text, height=height))
+    return rules
+
+
+def _numbered(
+    crossings: Sequence[Crossover], curves: Sequence[Curve]
+) -> tuple[list[Rule], list[str]]:
+    """The rules in the order of their places, and the sentence of each."""
+    rules = crossing_rules(crossings, curves)
+    sentences = [crossover_sentence(one) for one in crossings for _ in one.at]
+    order = sorted(range(len(rules)), key=lambda i: rules[i].at)
+    return [rules[i] for i in order], [sentences[i] for i in order]
 
 
 def level_curves(
@@ -107,42 +214,33 @@ def _quantity(shown: Shown, look: Look) -> Quantity:
     return QUANTITIES.get(f"snr-{look.coordinate.lower()}", QUANTITIES["snr-y"])
 
 
-def _crossed(pair: Crossover | Incomparable) -> list[dict[str, Any]]:
-    """One entry per crossover; without crossovers, one entry with the reason."""
-    first, second = pair.labels
-    between = {"first": first, "second": second, "matrix": pair.matrix}
-    if isinstance(pair, Incomparable):
-        return [{"lux": None, "sentence": pair.why, **between}]
-    sentence = crossover_sentence(pair)
-    return [{"lux": at, "sentence": sentence, **between} for at in pair.at or (None,)]
-
-
-def _notes(curves: list[dict[str, Any]], what: str) -> list[str]:
+def _notes(shown: Shown, curves: Sequence[Curve], names: Sequence[str], what: str) -> Iterator[str]:
     """The level at which each sensor saturates, and the curves without any value."""
+    last_lux = curves[0].at[-1]
     full = [
-        f"{one['sensor']} {level_in_words(one['saturated_from_lux'])}"
-        for one in curves
-        if one["saturated_from_lux"] is not None
+        f"{one.sensor.label} {level_in_words(lux)}"
+        for one in shown.operating_points
+        if (lux := fullest_level_lux(one)) is not None and lux < last_lux
     ]
-    empty = [one["name"] for one in curves if all(value is None for value in one["values"])]
-    return [
-        *([f"Saturated from: {listed(list(dict.fromkeys(full)))}."] if full else []),
-        *([f"{what} is undefined in this range: {listed(empty)}."] if empty else []),
-    ]
+    if full:
+        yield f"Saturated from: {listed(full)}."
+    each = zip(curves, names, strict=True)
+    empty = [name for curve, name in each if not np.isfinite(curve.value).any()]
+    if empty:
+        yield f"{what} is undefined in this range: {listed(empty)}."
 
 
-def _description(
-    curves: list[dict[str, Any]], crossed: list[dict[str, Any]], lux: list[float], unit: str
-) -> str:
+def _description(names: Sequence[str], curves: Sequence[Curve], crossed: Sequence[str]) -> str:
     parts = []
-    for one in curves:
-        there = [k for k, value in enumerate(one["values"]) if value is not None]
-        if not there:
-            parts.append(f"The curve of {one['name']} is undefined in this range.")
+    for name, curve in zip(names, curves, strict=True):
+        there = np.flatnonzero(np.isfinite(curve.value))
+        if not len(there):
+            parts.append(f"The curve of {name} is undefined in this range.")
             continue
         first, last = (
-            f"{decimal(one['values'][k])} {unit} at {level_in_words(lux[k])}"
+            f"{decimal(float(curve.value[k]))} {curve.quantity.unit} at "
+            f"{level_in_words(float(curve.at[k]))}"
             for k in (there[0], there[-1])
         )
-        parts.append(f"{one['name']} goes from {first} to {last}.")
-    return " ".join([*parts, *(one["sentence"] for one in crossed)])
+        parts.append(f"{name} goes from {first} to {last}.")
+    return " ".join([*parts, *crossed])

@@ -8,6 +8,7 @@ from decimal import ROUND_HALF_UP, Decimal
 from typing import Any
 
 from chromanoise.base import check, csv_text
+from chromanoise.charts.description import csv_rows
 
 NONE = "–"
 """Text of a cell without a value."""
@@ -133,6 +134,8 @@ def chart_rows(part: str, record: Mapping[str, Any]) -> list[Row]:
     InputError
         If there is no such chart.
     """
+    if "columns" in record:
+        return csv_rows(record)
     return _ROWS[check.one_of("part", part, tuple(_ROWS))](record)
 
 
@@ -212,31 +215,6 @@ def _budget(record: Mapping[str, Any]) -> list[Row]:
     return [["sensor", "step", "change [dB]", f"{snr} before [dB]", f"{snr} [dB]"], *rows]
 
 
-def _sensitivities(record: Mapping[str, Any]) -> list[Row]:
-    light = (f"light {record['light_name']}, relative", record["light"])
-    curves = [
-        (f"{one['name']} {curve['name']} [e-/photon]", curve["qe"])
-        for one in record["sensors"]
-        for curve in one["channels"]
-    ]
-    return _columns(("wavelength [nm]", record["wavelength_nm"]), light, *curves)
-
-
-def _levels(record: Mapping[str, Any]) -> list[Row]:
-    curves = [(f"{one['name']} [{record['unit']}]", one["values"]) for one in record["curves"]]
-    return _columns(("illuminance [lx]", record["lux"]), *curves)
-
-
-def _pareto(record: Mapping[str, Any]) -> list[Row]:
-    rows = [
-        [one["name"], point.get("weight", "now"), point["color_error"], point["snr_db"]]
-        for one in record["sensors"]
-        for point in (*one["points"], one["now"])
-    ]
-    head = ["sensor", "weight of the noise", "training error, mean Delta E*ab", "SNR of Y [dB]"]
-    return [head, *rows]
-
-
 def _map(record: Mapping[str, Any]) -> list[Row]:
     if record["why_not"] is not None:
         return []
@@ -275,23 +253,6 @@ def vector_rows(record: Mapping[str, Any], *, drawn: bool = False) -> list[Row]:
     return [["sensor", "vector", "first", "second", "third", "share of squared norm"], *rows]
 
 
-def _ellipses(record: Mapping[str, Any]) -> list[Row]:
-    across, up = record["names"]
-    rows = [
-        [
-            *(one["name"], patch["name"], *patch["truth"], *patch["center"]),
-            *(value for half in patch["half_axes"] for value in half),
-            patch["reach"],
-        ]
-        for one in record["sensors"]
-        for patch in one["patches"]
-    ]
-    head = ["sensor", "patch"]
-    for what in ("true", "measured", "conjugate half axis 1", "conjugate half axis 2"):
-        head += [f"{what} {across}", f"{what} {up}"]
-    return [[*head, f"reach of {record['sigmas']:g} sigma"], *rows]
-
-
 def _chart(record: Mapping[str, Any]) -> list[Row]:
     names = [patch["name"] for patch in record["patches"]]
     blank = [dict.fromkeys(("delta_e", "noise"))] * len(names)
@@ -307,11 +268,7 @@ _ROWS: Mapping[str, Callable[[Mapping[str, Any]], list[Row]]] = {
     "head": _head,
     "stages": _stages,
     "budget": _budget,
-    "sensitivities": _sensitivities,
-    "levels": _levels,
-    "pareto": _pareto,
     "map": _map,
     "vectors": vector_rows,
-    "ellipses": _ellipses,
     "chart": _chart,
 }

@@ -9,33 +9,32 @@ Color error against noise, over the weight of the noise in the matrix.
 The main chart of each result, on one axes; every title names the operating point.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from textwrap import fill
 from typing import Any, Literal
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.container import BarContainer
-from matplotlib.patches import FancyBboxPatch, Polygon
-from matplotlib.ticker import EngFormatter, MaxNLocator
+from matplotlib.patches import FancyBboxPatch
 
 from chromanoise.base import Array, UInt8
 from chromanoise.charts.budget import budget_steps, cause_label
 from chromanoise.charts.charted_study import saturation_sentence
+from chromanoise.charts.description import Chart, Value
 from chromanoise.charts.ellipses import ellipses_of
+from chromanoise.charts.figure_marks import draw_panel
 from chromanoise.charts.figure_style import (
     INK,
     QUIET,
     are_many,
     channel_color,
-    legend_beside,
     mark_zero,
     sensor_label,
-    sensor_lines,
-    sensor_mark,
     write_beside,
 )
-from chromanoise.charts.numbers import UNDEFINED, brief, decimal
+from chromanoise.charts.numbers import UNDEFINED, decimal
+from chromanoise.charts.pareto_curves import trades_chart
 from chromanoise.imaging import Capture
 from chromanoise.metrics import Budget
 from chromanoise.noise import OperatingPoint, conditions
@@ -46,6 +45,7 @@ from chromanoise.study import (
     color_snr_db,
     contravariant_snr_db,
     coordinate_budget,
+    defined,
     metric_of,
     raw_snr_db,
 )
@@ -103,51 +103,23 @@ def draw_budget(
     return ax
 
 
-_THOUSANDS = 1e4
-
-
-def draw_ellipses(data: dict[str, Any], i: int, ax: Axes) -> Axes:
+def draw_ellipses(chart: Chart, i: int, ax: Axes) -> Axes:
     """Draw the ellipses of one sensor, crosses at true colors, and lines to measured colors.
 
     Parameters
     ----------
-    data
+    chart
         The chart ``ellipses`` of `chromanoise.charts`.
     i
         Index of the sensor.
     ax
         Axes of matplotlib to draw on.
     """
-    sensor = data["sensors"][i]
-    for patch in sensor["patches"]:
-        outline = np.array(patch["outline"])
-        ax.add_patch(
-            Polygon(outline, facecolor=patch["srgb"], edgecolor=INK, linewidth=0.7, alpha=0.6)
-        )
-        truth, center = patch["truth"], patch["center"]
-        ax.plot([truth[0], center[0]], [truth[1], center[1]], color=INK, linewidth=0.7)
-        ax.plot(*truth, "+", color=INK, markersize=5)
-    (left, bottom), (right, top) = data["window"]
-    margin = 0.03 * max(right - left, top - bottom)
-    ax.set(xlim=(left - margin, right + margin), ylim=(bottom - margin, top + margin))
-    ax.set_aspect("equal", adjustable="box")
-    for axis in (ax.xaxis, ax.yaxis):
-        axis.set_major_locator(MaxNLocator(3, steps=[1, 2, 5, 10]))
-        if max(map(abs, (left, right, bottom, top))) >= _THOUSANDS:
-            axis.set_major_formatter(EngFormatter(sep=""))
-    ax.grid(visible=True, alpha=0.25)
-    ax.set(xlabel=data["names"][0], ylabel=data["names"][1], title=sensor["name"])
-    if sensor["larger"]:
-        box = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.0}
-        where: dict[str, Any] = {
-            "transform": ax.transAxes,
-            "ha": "right",
-            "va": "top",
-            "fontsize": 7,
-        }
-        ax.text(0.97, 0.97, "larger than\nthe panel", bbox=box, **where)
-    if sensor["why_not"]:
-        ax.text(0.5, 0.5, "saturated", transform=ax.transAxes, ha="center")
+    if chart.panels:
+        draw_panel(chart, i, ax)
+    else:
+        ax.text(0.5, 0.5, fill(chart.notes[i], _LETTERS), transform=ax.transAxes, ha="center")
+    ax.set_title(chart.sensors[i])
     return ax
 
 
@@ -277,83 +249,22 @@ def _decibels(value: float | None) -> str:
 _LETTERS = 22  # of a line of the legend beside the axes
 
 
-def draw_pareto(data: dict[str, Any], ax: Axes) -> Axes:
+def draw_pareto(chart: Chart, ax: Axes) -> Axes:
     """Draw one curve per sensor, ends labeled by weight, and a large mark at the current matrix.
 
-    Of more than three sensors, the title has the weights at the ends, which are the same for all.
+    Of more than three sensors, the weights have no labels.
 
     Parameters
     ----------
-    data
+    chart
         The chart ``pareto`` of `chromanoise.charts`.
     ax
         Axes of matplotlib to draw on.
     """
-    lines = sensor_lines(sensor["name"] for sensor in data["sensors"])
-    many = are_many(lines)
-    for i, sensor in enumerate(data["sensors"]):
-        name, line = sensor["name"], lines[sensor["name"]]
-        known = [p for p in sensor["points"] if None not in (p["snr_db"], p["color_error"])]
-        snr, error = [p["snr_db"] for p in known], [p["color_error"] for p in known]
-        weights = [] if many else [p["text"] for p in known]
-        draw_trade(snr, error, weights, ax, line=line)
-        now = sensor["now"]
-        look = line | sensor_mark(i, line["color"])
-        where = ([], []) if None in now.values() else ([now["snr_db"]], [now["color_error"]])
-        ax.plot(*where, label=fill(name, _LETTERS) if many else name, **look)
-    ax.grid(visible=True, alpha=0.25)
-    if data["logarithmic"]:
-        ax.set_yscale("log")
-    else:
-        ax.set_ylim(bottom=0)
-    mark_zero(ax, axis="x")
-    ax.set(xlabel="SNR of Y [dB]", ylabel="training error, mean [ΔE*ab]")
-    ends = [data["sensors"][0]["points"][k]["text"] for k in (0, -1)]
-    along = f"Curves: the weight of the noise from {ends[0]} to {ends[1]} (right)."
-    weights_note = along if many else "Numbers: the weight of the noise."
-    key = f"{weights_note} Mark: the {data['matrix']} matrix."
-    ax.set_title(f"{data['title']}\n{key}", loc="left", fontweight="normal", fontsize=9)
-    if many:
-        legend_beside(ax, fontsize=7)
-    else:
-        ax.legend(loc="best", fontsize=8)
-    return ax
-
-
-def draw_trade(
-    snr_db: Sequence[float],
-    color_error: Sequence[float],
-    weights: Sequence[str],
-    ax: Axes,
-    *,
-    line: Mapping[str, Any] | None = None,
-    label: str | None = None,
-) -> Axes:
-    """Draw one curve of color error against SNR, with ends labeled by weight.
-
-    Parameters
-    ----------
-    snr_db, color_error
-        One value per weight. [dB], [Delta E*ab]
-    weights
-        As text.
-    ax
-        To draw on.
-    line, label
-        Color and dash pattern of the curve, from `sensor_lines`; its name in the legend.
-    """
-    look = dict(line or {"color": INK, "linestyle": "solid"})
-    ax.plot(snr_db, color_error, label=label, **look)
-    ax.plot(snr_db, color_error, ".", color=look["color"], markersize=4)
-    ends = ((0, -1), (-1, 1)) if len(weights) else ()
-    for k, side in ends:
-        quiet = {
-            "ha": "left" if side > 0 else "right",
-            "va": "center",
-            "color": QUIET,
-            "fontsize": 8,
-        }
-        write_beside(ax, weights[k], (snr_db[k], color_error[k]), (5 * side, 7 * side), **quiet)
+    if chart.panels:
+        draw_panel(chart, 0, ax)
+    notes = "\n".join(chart.notes)
+    ax.set_title(f"{chart.title}\n{notes}", loc="left", fontweight="normal", fontsize=9)
     return ax
 
 
@@ -414,10 +325,10 @@ def draw_panels(analyses: Sequence[Analysis], kind: Panels, axes: Sequence[Axes]
     """
     budgets = [coordinate_budget(one, "Y") for one in analyses]
     known = [one for one in budgets if one is not None]
-    data = ellipses_of(analyses, "ab") if kind == "ellipses" else {}
+    chart = ellipses_of(analyses, "ab") if kind == "ellipses" else None
     for i, (analysis, budget, ax) in enumerate(zip(analyses, budgets, axes, strict=True)):
-        if kind == "ellipses":
-            draw_ellipses(data, i, ax)
+        if chart is not None:
+            draw_ellipses(chart, i, ax)
         elif kind == "flow":
             draw_flow(analysis, ax)
         elif budget is not None:
@@ -478,27 +389,16 @@ def draw_matrices(results: Sequence[MatrixResult], ax: Axes) -> Axes:
 
 
 def _draw_curves(results: Sequence[MatrixResult], ax: Axes) -> None:
-    lines = sensor_lines(one.point.sensor.label for one in results)
-    for i, one in enumerate(results):
-        mark = sensor_mark(i, lines[one.point.sensor.label]["color"])
+    rows: list[tuple[Value, ...]] = []
+    for one in results:
         assert one.pareto is not None  # called only for results with a curve
         name, curve = one.point.sensor.label, one.pareto
-        trades = zip(curve.snr_y_db.tolist(), curve.delta_e, curve.weight.tolist(), strict=True)
-        known = [(snr, error, w) for snr, error, w in trades if error is not None]
-        draw_trade(
-            [snr for snr, _, _ in known],
-            [error for _, error, _ in known],
-            [] if are_many(lines) else [brief(weight) for _, _, weight in known],
-            ax,
-            line=lines[name] | ({"markevery": [-1]} | mark if len(results) > 1 else {}),
-            label=name,
-        )
+        trades = zip(curve.weight.tolist(), curve.delta_e, curve.snr_y_db.tolist(), strict=True)
+        rows += [(name, weight, error, defined(snr)) for weight, error, snr in trades]
+    chart = trades_chart([one.point.sensor.label for one in results], rows)
+    if chart.panels:
+        draw_panel(chart, 0, ax)
     ax.margins(0.1)
-    ax.set(xlabel="SNR of Y [dB]", ylabel="training error, mean [ΔE*ab]")
-    ax.set_ylim(bottom=0)
-    mark_zero(ax, axis="x")
-    ax.grid(visible=True, alpha=0.25)
-    ax.legend(loc="best", fontsize=8, title="numbers: weight of the noise", title_fontsize=8)
 
 
 def _draw_entries(results: Sequence[MatrixResult], ax: Axes) -> None:

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from chromanoise.base import InputError, json_of
-from chromanoise.charts import DRAWINGS, PARTS, Look, Shown, chart_csv, drawing, shown
+from chromanoise.charts import DRAWINGS, PARTS, Look, Shown, as_data, chart_csv, drawing, shown
 from chromanoise.imaging import Work
 from chromanoise.io import is_matrix_file
 from chromanoise.noise import OperatingPoint
@@ -148,7 +148,8 @@ class ChartReplies:
             lambda: shown(study, operating_points=asked.operating_points),
         )
         # of a study that differs in its sweeps, too
-        return json.dumps(drawing(part, replace(seen, study=study), asked.look), allow_nan=False)
+        chart = as_data(drawing(part, replace(seen, study=study), asked.look))
+        return json.dumps(chart, allow_nan=False)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -4,7 +4,6 @@ import json
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -15,6 +14,8 @@ from chromanoise.charts import (
     SECTIONS,
     Section,
     Shown,
+    as_data,
+    at_level,
     channels_table,
     chart_csv,
     color_table,
@@ -25,7 +26,6 @@ from chromanoise.charts import (
     pareto_table,
     shown_at,
 )
-from chromanoise.geometry import unit_circle
 from chromanoise.imaging import Work, png_bytes
 from chromanoise.io import Table, written
 from chromanoise.noise import OperatingPoint, level_in_words
@@ -56,7 +56,6 @@ from chromanoise.web.report_bundle import (
 )
 
 _CHARTS = tuple(part for part in PARTS if part != "head")
-_EXACT = 7  # digits of half axes: an outline is whole to a thousandth of its unit
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -356,8 +355,7 @@ def study_report(of: Shown, sights: Sequence[Sight] = ()) -> str:
 def report_data(of: Shown, full: dict[str, Any] | None = None) -> dict[str, Any]:
     """What the drawing modules get: the study's own parts, and what differs at each slider.
 
-    Outlines of ellipses are given by center and half axes on one common ``circle``, numbers by as
-    many digits as are shown (`chromanoise.web.report_bundle.shortened`).
+    Numbers have as many digits as are shown (`chromanoise.web.report_bundle.shortened`).
 
     Parameters
     ----------
@@ -374,7 +372,6 @@ def report_data(of: Shown, full: dict[str, Any] | None = None) -> dict[str, Any]
         "parts": own,
         # of the study itself, to full precision
         "csv": {part: chart_csv(part, one) for part, one in full.items() if "fault" not in one},
-        "chart_of": shortened(_chart_of([full, *chain.from_iterable(answers)])),
         "slides": [
             slide_as_json(slide, [_packed(one) for one in drawings], own)
             for slide, drawings in zip(slides, answers, strict=True)
@@ -390,8 +387,7 @@ def _there(of: Shown, slide: Slide, value: float | None, full: dict[str, Any]) -
     if slide.key != "lux" or "fault" in full["levels"]:
         return _parts(there)
     parts = _parts(there, tuple(part for part in PARTS if part != "levels"))
-    moved = {**full["levels"], "now_lux": there.study.light.level_lux}
-    return {**parts, "levels": moved}
+    return {**parts, "levels": at_level(full["levels"], there.study.light.level_lux)}
 
 
 def _parts(of: Shown, wanted: Sequence[str] = tuple(PARTS)) -> dict[str, Any]:
@@ -399,7 +395,7 @@ def _parts(of: Shown, wanted: Sequence[str] = tuple(PARTS)) -> dict[str, Any]:
     drawings: dict[str, Any] = {}
     for part in wanted:
         try:
-            drawings[part] = drawing(part, of)
+            drawings[part] = as_data(drawing(part, of))
         except InputError as error:
             drawings[part] = {"fault": str(error)}
     return drawings
@@ -407,38 +403,9 @@ def _parts(of: Shown, wanted: Sequence[str] = tuple(PARTS)) -> dict[str, Any]:
 
 def _packed(full: dict[str, Any]) -> dict[str, Any]:
     """The parts as they stand in the file; the head as sentences and rows."""
-    drawings = {part: shortened(data) for part, data in full.items() if part != "ellipses"}
+    drawings = {part: shortened(data) for part, data in full.items()}
     drawings["head"] = {"verdict": full["head"]["verdict"], "table": full["head"]["table"]}
-    drawings["ellipses"] = _packed_ellipses(full["ellipses"])
     return drawings
-
-
-def _packed_ellipses(data: dict[str, Any]) -> dict[str, Any]:
-    if "fault" in data:
-        return data
-    sensors = [
-        {**sensor, "patches": [_packed_ellipse(patch) for patch in sensor["patches"]]}
-        for sensor in data["sensors"]
-    ]
-    return {**data, "sensors": sensors}
-
-
-def _packed_ellipse(patch: dict[str, Any]) -> list[Any]:
-    """Center, two conjugate half axes, and reach."""
-    numbers = [patch["center"], *patch["half_axes"], patch["reach"]]
-    packed: list[Any] = shortened(numbers, digits=_EXACT)
-    return packed
-
-
-def _chart_of(answers: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    """What all ellipses share: name, color and truth of each patch, and the points of a circle."""
-    sensors = chain.from_iterable(one["ellipses"].get("sensors", ()) for one in answers)
-    found = (sensor["patches"] for sensor in sensors if sensor["patches"])
-    seen: list[dict[str, Any]] = next(found, [])
-    return {
-        "circle": unit_circle(len(seen[0]["outline"])).tolist() if seen else [],
-        "patches": [{key: patch[key] for key in ("name", "srgb", "truth")} for patch in seen],
-    }
 
 
 def _has_content(part: str, sights: Sequence[Sight], maps: Sequence[Any]) -> bool:

@@ -6,11 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from chromanoise.charts import Shown, brief, decimal, drawing, electrons, listed, shown
+from chromanoise.charts import Shown, brief, decimal, electrons, level_curves, listed, shown
 from chromanoise.metrics import CORRELATION, INFRARED, Cost
 from chromanoise.spectra import INFRARED_FROM_NM
 from chromanoise.study import (
     Analysis,
+    Crossover,
     color_snr_db,
     contravariant_snr_db,
     coordinate_budget,
@@ -157,18 +158,19 @@ def _infrared(of: Shown) -> list[str]:
 def _picture(of: Shown) -> list[str]:
     bare, cut = of.analyses
     luminance, luminance_cut = (decimal(color_snr_db(a)["Y"]) for a in (bare, cut))
-    levels = drawing("levels", of)
-    crossings = {one["matrix"]: one["lux"] for one in levels["crossovers"]}
-    lux = crossings["lmmse"]
+    curves, pairs = level_curves(of)
+    lowest = curves[0].at[0]
+    crossings = {one.matrix: one.at for one in pairs if isinstance(one, Crossover)}
+    lux = crossings["lmmse"][-1]
     errors = [decimal(mean_color_error(a), 0) for a in _at_level(of, "lmmse", lux)]
-    assert crossings["kernel"] is None  # a test asserts it
+    assert not crossings["kernel"]  # a test asserts it
     return [
         f"The color picture of {bare.sensor.label} is noisier: the SNR of Y is {luminance} dB, "
         f"against {luminance_cut} dB for {cut.sensor.label}. The sensor that collects more light "
         "gives the worse picture.",
         "Is this different in low light? Not with this color matrix (kernel), which is computed "
-        f"without regard to the noise: {cut.sensor.label} is better from {brief(levels['lux'][0])} "
-        "lx up to the light level at which the first sensor is full.",
+        f"without regard to the noise: {cut.sensor.label} is better from {brief(float(lowest))} lx "
+        "up to the light level at which the first sensor is full.",
         "Another matrix (lmmse) is computed for each light level and gives up color where the "
         f"noise is strong. With it, {bare.sensor.label} is better below {brief(lux, 2)} lx. But "
         f"there the mean color errors are {errors[0]} and {errors[1]} ΔE (an eye just sees 2): the "

@@ -6,7 +6,7 @@ import { caption, isFull, legend, mark, markPath, note, sameSensor, sensorLines 
 import { refill } from "draw/refill.js";
 import { figure, figureWidth, svg, tenth, words } from "draw/svg.js";
 
-/** @import { Chart, ChartSensor, Options } from "answers" */
+/** @import { Checker, ChartSensor, Options } from "answers" */
 /** @typedef {ReturnType<typeof layout>} Layout */
 
 const COLUMNS = 6;
@@ -14,8 +14,8 @@ const GAP = 4;
 
 /**
  * @param {HTMLElement} element
- * @param {Chart} data
- * @param {Options<Chart>} [options]
+ * @param {Checker} data
+ * @param {Options<Checker>} [options]
  */
 export function draw(element, data, options = {}) {
   const width = Math.min(1080, figureWidth(element, options));
@@ -36,7 +36,7 @@ export function draw(element, data, options = {}) {
 /**
  * The sensors of a patch in as many columns as four digits fit.
  *
- * @param {Chart} data
+ * @param {Checker} data
  * @param {number} width
  */
 function layout(data, width) {
@@ -71,8 +71,8 @@ function placeOf(k, plan) {
 }
 
 /**
- * @param {Chart} data
- * @param {Chart["patches"][number]} patch
+ * @param {Checker} data
+ * @param {Checker["patches"][number]} patch
  * @param {number} k
  * @param {Layout} plan
  */
@@ -159,9 +159,9 @@ function legible(srgb) {
 }
 
 /**
- * @param {Chart} data
+ * @param {Checker} data
  * @param {Layout} plan
- * @param {Chart[]} ghosts
+ * @param {Checker[]} ghosts
  */
 function key(data, plan, ghosts) {
   const places = plan.columns === 2 ? ["left", "right"] : ["upper", "lower"];

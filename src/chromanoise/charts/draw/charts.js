@@ -2,10 +2,7 @@
 
 import * as budget from "draw/budget.js";
 import * as chart from "draw/chart.js";
-import * as ellipses from "draw/ellipses.js";
-import * as levels from "draw/levels.js";
-import * as pareto from "draw/pareto.js";
-import * as sensitivities from "draw/sensitivities.js";
+import * as plane from "draw/plane.js";
 import * as stages from "draw/stages.js";
 import * as vectors from "draw/vectors.js";
 
@@ -13,4 +10,7 @@ import * as vectors from "draw/vectors.js";
 
 /** By part; the map is drawn by the page alone. */
 /** @type {{ [P in Exclude<Part, "map">]: DrawingModule<any> }} */
-export const CHARTS = { stages, budget, sensitivities, levels, pareto, vectors, ellipses, chart };
+export const CHARTS = {
+  ...{ sensitivities: plane, levels: plane, pareto: plane, ellipses: plane },
+  ...{ stages, budget, vectors, chart },
+};

@@ -5,10 +5,10 @@ import { readable } from "draw/hover.js";
 import { caption, channelColor, legend, note, panelHeading, sameSensor } from "draw/look.js";
 import { figure, figureWidth, html, line, say, svg, tenth, words } from "draw/svg.js";
 
-/** @import { Axis, Ellipsoid, Options, Vectors, VectorsSensor } from "answers" */
+/** @import { VectorAxis, Ellipsoid, Options, Vectors, VectorsSensor } from "answers" */
 /** @typedef {(point: number[]) => number[]} Projection */
 /** @typedef {{ width: number, height: number }} Size */
-/** @typedef {{ look: Projection, place: Projection, size: Size, axes: Axis[] }} Sight */
+/** @typedef {{ look: Projection, place: Projection, size: Size, axes: VectorAxis[] }} Sight */
 /** @typedef {{ text: string, look: string, at: number[] }} Label */
 /** @typedef {ReturnType<typeof solid>} Solid */
 /**
@@ -248,7 +248,7 @@ function content(data, sensor, before, at) {
 }
 
 /**
- * @param {Axis} axis
+ * @param {VectorAxis} axis
  * @param {number[]} origin
  * @param {Sight} at
  * @param {Label[]} labels

@@ -7,8 +7,6 @@ import { html } from "draw/svg.js";
 
 /** @typedef {import("answers").Drawn} Drawn */
 /** @typedef {import("answers").Failed} Failed */
-/** @typedef {import("answers").PackedEllipses} PackedEllipses */
-/** @typedef {import("answers").PackedPatch} PackedPatch */
 /** @typedef {Exclude<import("answers").Part, "map">} Part a map is a picture here */
 /** @typedef {import("answers").ReportChanges} ReportChanges */
 /** @typedef {import("answers").ReportData} ReportData */
@@ -66,29 +64,7 @@ function answer(changed) {
   for (const [part, own] of Object.entries(data.parts)) {
     told[part] = changed[part]?.whole ?? { ...own, ...changed[part] };
   }
-  const ellipses = /** @type {PackedEllipses | Failed} */ (told.ellipses);
-  if (!("fault" in ellipses)) told.ellipses = outlined(ellipses);
   return /** @type {Told} */ (told);
-}
-
-/**
- * Ellipses with their outlines: points of one circle, laid along the half axes of each.
- *
- * @param {PackedEllipses} packed
- */
-function outlined(packed) {
-  const { circle, patches } = data.chart_of;
-  /** @param {PackedPatch} half */
-  const laid = ([center, right, up]) =>
-    circle.map(([c, s]) => [0, 1].map((k) => center[k] + c * right[k] + s * up[k]));
-  /**
-   * @param {PackedPatch} one
-   * @param {number} i
-   */
-  const patch = (one, i) => ({ ...patches[i], center: one[0], reach: one[3], outline: laid(one) });
-  /** @param {PackedPatch[]} each */
-  const whole = (each) => each.map(patch);
-  return { ...packed, sensors: packed.sensors.map((s) => ({ ...s, patches: whole(s.patches) })) };
 }
 
 /** @param {Told} told */

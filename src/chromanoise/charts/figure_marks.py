@@ -1,0 +1,264 @@
+"""Charts of panels drawn with Matplotlib: the same marks as ``draw/plane.js``."""
+
+from collections.abc import Sequence
+from textwrap import fill
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.patches import Polygon
+from matplotlib.ticker import EngFormatter, MaxNLocator
+
+from chromanoise.base import Array, Float
+from chromanoise.charts.description import Chart, Ellipses, Line, Panel, Point, Rule
+from chromanoise.charts.figure_style import (
+    INK,
+    QUIET,
+    are_many,
+    channel_color,
+    legend_beside,
+    mark_zero,
+    matrix_dashes,
+    sensor_dashes,
+    sensor_lines,
+    sensor_mark,
+    shade_nir,
+    spread,
+    write_beside,
+)
+from chromanoise.geometry import unit_circle
+from chromanoise.spectra import INFRARED_FROM_NM
+
+_NAME_POINTS = 11.0  # from one name at the right to the next
+_LETTERS = 22  # of a line of the legend beside the axes
+_REMARK = 12  # letters of a line of a remark
+_HALF_WIDTH_NM = 12.0
+_GAP, _HEIGHT = 0.02, 0.075  # of the scale: under the letter, and of the letter
+_SHADES = (INK, *(channel_color(name) for name in "BRG"))
+_OUTLINE = unit_circle(48)
+_THOUSANDS = 1e4
+
+
+def draw_panel(chart: Chart, i: int, ax: Axes) -> Axes:
+    """Draw one panel of a chart, without its title.
+
+    The light of a chart of sensitivities and the line of the study's own level are left out.
+
+    Parameters
+    ----------
+    chart
+        The chart.
+    i
+        Index of the panel.
+    ax
+        Axes of matplotlib to draw on.
+    """
+    panel = chart.panels[i]
+    curves = [one for one in panel.marks if isinstance(one, Line)]
+    pointed = any(isinstance(one, Point) for one in panel.marks)
+    for one in curves:
+        _draw_curve(chart, one, ax, pointed=pointed)
+    for mark in panel.marks:
+        if isinstance(mark, Point):
+            _draw_point(chart, mark, ax)
+        elif isinstance(mark, Ellipses):
+            _draw_ellipses(chart, mark, ax)
+        elif isinstance(mark, Rule) and mark.height is not None:
+            _draw_crossing(mark, mark.height, ax)
+    _frame(panel, ax)
+    if any(one.channel for one in curves):
+        ax.set(xlim=(panel.x.low, panel.x.high), ylim=(0, panel.y.high))
+        shade_nir(ax, panel.x.high)
+        for c in range(len(curves)):
+            _write_letter(chart, curves, c, ax)
+    elif any(one.name for one in curves):
+        _name_curves(chart, panel, curves, ax)
+    return ax
+
+
+def numbers(chart: Chart, index: int, first: int, last: int) -> Float[Array, " k"]:
+    """Rows of a column of a chart, NaN where a value is undefined."""
+    return np.array(chart.columns[index].values[first:last], dtype=float)
+
+
+def _curve(chart: Chart, one: Line) -> tuple[Float[Array, " k"], Float[Array, " k"]]:
+    return (
+        numbers(chart, one.x, one.first, one.last),
+        numbers(chart, one.y, one.first, one.last),
+    )
+
+
+def line_style(chart: Chart, one: Line) -> dict[str, Any]:
+    """Color and dash of a curve.
+
+    Of up to three sensors a dash each, and a color per matrix; of more a color each, and a dash
+    per matrix. A channel has its own color.
+    """
+    names = chart.sensors
+    name, many = names[one.sensor], are_many(names)
+    dash = "solid" if many else sensor_dashes(names)[name]
+    if one.channel:
+        return {"color": channel_color(one.channel), "linestyle": dash}
+    if not many:
+        return {"color": _SHADES[one.matrix % len(_SHADES)], "linestyle": dash}
+    style = sensor_lines(names)[name]
+    dashes = list(matrix_dashes(map(str, range(one.matrix + 1))).values())
+    return style | ({"linestyle": dashes[one.matrix]} if one.matrix else {})
+
+
+def _draw_curve(chart: Chart, one: Line, ax: Axes, *, pointed: bool) -> None:
+    """A curve; where its sensor has a point, that has the mark and the name."""
+    x, y = _curve(chart, one)
+    style, known = line_style(chart, one), np.flatnonzero(np.isfinite(x + y))
+    many, several = are_many(chart.sensors), len(chart.sensors) > 1
+    if several and known.size and not one.channel and not pointed:
+        style |= sensor_mark(one.sensor, style["color"])
+        style |= {"markevery": [int(known[-1])], "markersize": 5}
+    ax.plot(x, y, label=None if pointed else one.name, **style)
+    if one.texts:
+        ax.plot(x[known], y[known], ".", color=style["color"], markersize=4)
+        for k, side in ((0, -1), (-1, 1)) if known.size and not many else ():
+            look: dict[str, Any] = {"ha": "left" if side > 0 else "right", "va": "center"}
+            at, text = (x[known[k]], y[known[k]]), one.texts[known[k]]
+            write_beside(ax, text, at, (5 * side, 7 * side), color=QUIET, fontsize=8, **look)
+
+
+def _draw_point(chart: Chart, one: Point, ax: Axes) -> None:
+    x, y = (numbers(chart, index, one.row, one.row + 1) for index in (one.x, one.y))
+    name = chart.sensors[one.sensor]
+    line = sensor_lines(chart.sensors)[name]
+    label = fill(name, _LETTERS) if are_many(chart.sensors) else name
+    known = np.isfinite(x + y)
+    ax.plot(x[known], y[known], label=label, **line | sensor_mark(one.sensor, line["color"]))
+
+
+def _draw_ellipses(chart: Chart, one: Ellipses, ax: Axes) -> None:
+    truth, center = (
+        np.stack([numbers(chart, index, one.first, one.last) for index in pair], axis=1)
+        for pair in (one.truth, one.center)
+    )
+    half_axes = np.stack(
+        [numbers(chart, index, one.first, one.last) for index in one.half_axes], axis=1
+    ).reshape(-1, 2, 2)
+    for at, true, halves, color in zip(center, truth, half_axes, one.colors, strict=True):
+        outline = at + _OUTLINE @ halves
+        ax.add_patch(Polygon(outline, facecolor=color, edgecolor=INK, linewidth=0.7, alpha=0.6))
+        ax.plot(*zip(true, at, strict=True), color=INK, linewidth=0.7)
+        ax.plot(*true, "+", color=INK, markersize=5)
+
+
+def _draw_crossing(one: Rule, height: float, ax: Axes) -> None:
+    ax.plot(one.at, height, "o", color=INK, markerfacecolor="none", markersize=8)
+    box = {"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 0.5}
+    write_beside(ax, one.text, (one.at, height), (-2, 10), color=QUIET, bbox=box)
+
+
+def _frame(panel: Panel, ax: Axes) -> None:
+    x, y = panel.x, panel.y
+    ax.set(xlabel=x.label, ylabel=y.label)
+    if x.logarithmic:
+        ax.set_xscale("log")
+    if y.logarithmic:
+        ax.set_yscale("log")
+    ax.grid(visible=True, alpha=0.25)
+    if panel.equal:
+        margin = 0.03 * max(x.high - x.low, y.high - y.low)
+        ax.set(xlim=(x.low - margin, x.high + margin), ylim=(y.low - margin, y.high + margin))
+        ax.set_aspect("equal", adjustable="box")
+        for axis in (ax.xaxis, ax.yaxis):
+            axis.set_major_locator(MaxNLocator(3, steps=[1, 2, 5, 10]))
+            if max(map(abs, (x.low, x.high, y.low, y.high))) >= _THOUSANDS:
+                axis.set_major_formatter(EngFormatter(sep=""))
+    elif y.low == 0 and not y.logarithmic:
+        ax.set_ylim(bottom=0)
+    for name, one in (("x", x), ("y", y)):
+        if one.zero:
+            mark_zero(ax, axis=name)
+    small: dict[str, Any] = {"transform": ax.transAxes, "fontsize": 7}
+    if panel.remark:
+        box = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.0}
+        text = fill(panel.remark, _REMARK)
+        ax.text(0.97, 0.97, text, bbox=box, ha="right", va="top", **small)
+    if panel.absence:
+        ax.text(0.5, 0.5, fill(panel.absence, _LETTERS), ha="center", va="center", **small)
+
+
+def _name_curves(chart: Chart, panel: Panel, curves: Sequence[Line], ax: Axes) -> None:
+    if not are_many(chart.sensors):
+        ax.legend(loc="best", fontsize=8)
+    elif any(isinstance(one, Point) for one in panel.marks):
+        legend_beside(ax, fontsize=7)
+    else:
+        _write_names(chart, curves, ax)
+
+
+def _write_names(chart: Chart, curves: Sequence[Line], ax: Axes) -> None:
+    """Write the name of each curve at the right, with a thin line from where the curve ends."""
+    ends = []
+    for one in curves:
+        x, y = _curve(chart, one)
+        known = np.flatnonzero(np.isfinite(y))
+        if known.size:
+            ends.append((one, x[known[-1]], y[known[-1]]))
+    low, high = ax.get_ylim()
+    height_in = ax.get_window_extent().height / ax.figure.dpi
+    wanted = [(y - low) / (high - low) for _, _, y in ends]
+    places = spread(wanted, _NAME_POINTS / (72 * height_in))
+    for (one, x, y), place in zip(ends, places, strict=True):
+        ax.annotate(
+            one.name,
+            (x, y),
+            xytext=(1.03, place),
+            textcoords="axes fraction",
+            fontsize=8,
+            va="center",
+            annotation_clip=False,
+            arrowprops={
+                "arrowstyle": "-",
+                "color": line_style(chart, one)["color"],
+                "linewidth": 0.7,
+                "linestyle": "dotted",
+                "relpos": (0.0, 0.5),
+                "shrinkA": 1.0,
+                "shrinkB": 0.0,
+            },
+        )
+
+
+def _write_letter(chart: Chart, curves: Sequence[Line], i: int, ax: Axes) -> None:
+    """The letter of a channel in its color, at a high, flat part, clear of all curves."""
+    at = numbers(chart, curves[i].x, curves[i].first, curves[i].last)
+    values = np.stack([_curve(chart, one)[1] for one in curves], axis=1)
+    top = ax.get_ylim()[1]
+    inner = (at > at[0] + _HALF_WIDTH_NM) & (at < at[-1] - _HALF_WIDTH_NM)
+    places = [
+        _rated_place(at, values, i, place, side, top) for place in at[inner] for side in (1, -1)
+    ]
+    _, x, y = max(places)
+    color = channel_color(curves[i].channel)
+    centered: dict[str, Any] = {"ha": "center", "va": "center_baseline"}
+    ax.text(x, y, curves[i].channel, color=color, fontweight="bold", fontsize=11, **centered)
+
+
+def _rated_place(
+    wavelength_nm: Float[Array, " n"],
+    qe: Float[Array, "n p"],
+    i: int,
+    at: float,
+    side: int,
+    top: float,
+) -> tuple[float, float, float]:
+    """Rating and position of a place above (side 1) or below (-1) the curve."""
+    near = qe[np.abs(wavelength_nm - at) <= _HALF_WIDTH_NM]
+    own, others = near[:, i], np.delete(near, i, axis=1)
+    edge = own.max() if side > 0 else own.min()
+    height = edge + side * (_GAP + _HEIGHT / 2) * top
+    reach = (_HEIGHT / 2 + _GAP / 2) * top
+    low, high = height - reach, height + reach
+    hit = ((others.max(axis=0) > low) & (others.min(axis=0) < high)).any()
+    outside = low < 0 or high > top
+    rating = own.mean() - 3 * np.ptp(own)
+    rating += 0.1 * top * (side > 0)  # prefer places above the curve
+    rating -= 0.5 * top * (at > INFRARED_FROM_NM)  # prefer the visible range
+    rating -= 10 * top * (hit or outside)
+    return float(rating), float(at), float(height)
