@@ -167,15 +167,19 @@ def cubature(color: NoisyColor, space: Space, *, rule: Cubature | None = None) -
         reference=noiseless,
     )
     still = _coordinates(space, color.noiseless_xyz, white, noiseless)
-    bias = shift + (at_mean - still)
+    return _split(space, shift + (at_mean - still), covariance)
+
+
+def _split(space: Space, bias: Array, covariance: Array) -> SpaceMoments:
+    """The moments of `_coordinates`, with chroma and color difference apart."""
     if not space.has_color_difference:
         return SpaceMoments(bias=bias, covariance=covariance)
     return SpaceMoments(
         bias=bias[..., :3],
         covariance=covariance[..., :3, :3],
         chroma_sd=np.asarray(np.sqrt(covariance[..., 3, 3])),
-        chroma_bias=bias[..., 3],
-        delta_e=bias[..., 4],
+        chroma_bias=np.asarray(bias[..., 3]),
+        delta_e=np.asarray(bias[..., 4]),
     )
 
 
@@ -214,7 +218,7 @@ def _coordinates(space: Space, xyz: Array, white: Array, noiseless: Array) -> Ar
     noisy = space.from_xyz(xyz, white)
     if not space.has_color_difference:
         return noisy
-    chroma = np.hypot(noisy[..., 1], noisy[..., 2])[..., None]
+    chroma = np.hypot(*_ab(noisy))[..., None]
     away = np.linalg.norm(noisy - noiseless, axis=-1)[..., None]
     return np.concatenate([noisy, chroma, away], axis=-1)
 
@@ -374,28 +378,17 @@ def exact(color: NoisyColor, space: Space, *, points: int = 2**16) -> SpaceMomen
         )
     rows = source.mean_e.reshape(-1, channels)
     noiseless = space.from_xyz(color.noiseless_xyz.reshape(-1, 3), color.white)
-    found = []
+    each = []
     for row, center in zip(rows, noiseless, strict=True):
         turn = _turned(row, source, color.white, space)
         of = _seen(space, color.white, center)
-        found.append(_moments(of, row, source, turn, points))
+        each.append(_moments(of, row, source, turn, points))
     px = source.mean_e.shape[:-1]
     bias, covariance, mean_error, sd_error = (
-        np.stack(part).reshape(*px, *part[0].shape) for part in zip(*found, strict=True)
+        np.stack(part).reshape(*px, *part[0].shape) for part in zip(*each, strict=True)
     )
-    if not space.has_color_difference:
-        return SpaceMoments(
-            bias=bias, covariance=covariance, mean_error=mean_error, sd_error=sd_error
-        )
-    return SpaceMoments(
-        bias=bias[..., :3],
-        covariance=covariance[..., :3, :3],
-        chroma_sd=np.asarray(np.sqrt(covariance[..., 3, 3])),
-        chroma_bias=np.asarray(bias[..., 3]),
-        delta_e=np.asarray(bias[..., 4]),
-        mean_error=mean_error[..., :3],
-        sd_error=sd_error[..., :3],
-    )
+    found = _split(space, bias, covariance)
+    return replace(found, mean_error=mean_error[..., :3], sd_error=sd_error[..., :3])
 
 
 def normal_fails(source: ElectronSource) -> Bool[Array, "*px"]:

@@ -87,16 +87,11 @@ class ColorMatrix:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "observer", known_observer(self.observer))
-        checked = check.finite(f"{self.made_by} matrix", "lx/e-", self.matrix)
-        if checked.shape != (len(self.coordinates), len(self.channels)):
-            raise InputError(
-                f"{self.made_by} matrix",
-                f"must have shape {(len(self.coordinates), len(self.channels))}, one row per "
-                "coordinate and one column per channel",
-                value=checked.shape,
-                found=f"has shape {checked.shape}",
-            )
-        object.__setattr__(self, "matrix", check.frozen(checked))
+        what, shape = f"{self.made_by} matrix", (len(self.coordinates), len(self.channels))
+        checked = check.finite(what, "lx/e-", self.matrix)
+        need = f"must have shape {shape}, one row per coordinate and one column per channel"
+        check.shape(what, checked, checked.shape == shape, need)
+        check.keep(self, matrix=checked)
 
     def _repr_html_(self) -> str:
         rows = [

@@ -66,25 +66,20 @@ class Training:
         object.__setattr__(self, "observer", known_observer(self.observer))
         where = f"reflectance of {self.source}"
         rho = check.non_negative(where, "1", self.reflectance)
-        if rho.ndim != 2 or rho.shape[0] == 0:
-            raise InputError(
-                where,
-                "must have shape (reflectances, wavelengths)",
-                value=rho.shape,
-                found=f"has shape {rho.shape}",
-            )
+        full = rho.ndim == 2 and rho.shape[0] > 0
+        check.shape(where, rho, full, "must have shape (reflectances, wavelengths)")
         check.same_length(
             "wavelengths", illuminant=self.illuminant.grid.n, reflectance=rho.shape[1]
         )
         check.same_length("reflectances", names=len(self.names), reflectance=rho.shape[0])
         object.__setattr__(self, "names", check.distinct(f"names of {self.source}", self.names))
-        object.__setattr__(self, "reflectance", check.frozen(rho))
+        check.keep(self, reflectance=rho)
         if self.weights is None:
             return
         weights = check.non_negative(f"weights of {self.source}", "1", self.weights)
         check.same_length("reflectances", names=len(self.names), weights=weights.size)
         check.positive(f"sum of the weights of {self.source}", "1", float(weights.sum()))
-        object.__setattr__(self, "weights", check.frozen(weights))
+        check.keep(self, weights=weights)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -134,13 +134,8 @@ def structural_similarity(
 
     x, y = _same_shape(picture, reference)
     window = 2 * _SSIM_RADIUS_PX + 1
-    if x.ndim != 2 or min(x.shape) < window:
-        raise InputError(
-            "picture",
-            f"must have one channel and at least {window} x {window} pixels, the window of SSIM",
-            value=x.shape,
-            found=f"has shape {x.shape}",
-        )
+    need = f"must have one channel and at least {window} x {window} pixels, the window of SSIM"
+    check.shape("picture", x, x.ndim == 2 and min(x.shape) >= window, need)
     c1, c2 = (k * check.positive("peak", "1", peak) for k in (_SSIM_K1, _SSIM_K2))
     at = np.arange(-_SSIM_RADIUS_PX, _SSIM_RADIUS_PX + 1)
     weights = np.exp(-0.5 * (at / _SSIM_SD_PX) ** 2)
@@ -258,13 +253,8 @@ def near_edges(
     values = check.finite("lab", "CIELAB", lab)
     radius = check.not_negative("radius_px", "px", radius_px)
     least = check.positive("edge_per_px", "Delta E*ab / px", edge_per_px)
-    if values.ndim != 3 or values.shape[2] != 3 or min(values.shape[:2]) < 2:
-        raise InputError(
-            "lab",
-            "must have the shape (h, w, 3) with at least 2 x 2 pixels",
-            value=values.shape,
-            found=f"has shape {values.shape}",
-        )
+    full = values.ndim == 3 and values.shape[2] == 3 and min(values.shape[:2]) >= 2
+    check.shape("lab", values, full, "must have the shape (h, w, 3) with at least 2 x 2 pixels")
     down, across = np.gradient(values, axis=(0, 1))
     edge = np.einsum("hwc,hwc->hw", down, down) + np.einsum("hwc,hwc->hw", across, across)
     flat = edge < least**2
@@ -329,14 +319,13 @@ def flat_noise_sd(
 def same_pictures(xyz: Array, reference: Array) -> tuple[Array, Array]:
     """Two pictures (h w 3) of one shape as float64, checked."""
     first, second = _same_shape(xyz, reference)
-    if first.ndim != 3 or first.shape[2] != 3 or not first.size:
-        raise InputError(
-            "picture",
-            "must have the shape (h, w, 3)",
-            value=first.shape,
-            found=f"has shape {first.shape}",
-        )
+    _demand_three_planes("picture", first)
     return first, second
+
+
+def _demand_three_planes(name: str, picture: Array) -> None:
+    full = picture.ndim == 3 and picture.shape[2] == 3 and picture.size > 0
+    check.shape(name, picture, full, "must have the shape (h, w, 3)")
 
 
 def _same_shape(picture: Array, reference: Array) -> tuple[Array, Array]:
@@ -453,13 +442,7 @@ def scielab_filtered(
 
     picture = check.finite("xyz", "1", xyz)
     scale = check.within("pixels_per_degree", "1/deg", pixels_per_degree, 1.0, 10_000.0)
-    if picture.ndim != 3 or picture.shape[2] != 3 or not picture.size:
-        raise InputError(
-            "xyz",
-            "must have the shape (h, w, 3)",
-            value=picture.shape,
-            found=f"has shape {picture.shape}",
-        )
+    _demand_three_planes("xyz", picture)
     opponent = np.asarray(OPPONENT_FROM_XYZ)
     planes = np.moveaxis(picture @ opponent.T, -1, 0)
     passed = np.stack([_passed(plane, planes.shape[1:], scale) for plane in GAUSSIANS])
@@ -777,13 +760,8 @@ def edge_line(region: Float[Array, "h w"]) -> EdgeLine:
 
 def _region(region: Array) -> Array:
     values = check.finite("region", "1", region)
-    if values.ndim != 2 or min(values.shape) < _LEAST_SIDE_PX:
-        raise InputError(
-            "region",
-            f"must have one channel and at least {_LEAST_SIDE_PX} x {_LEAST_SIDE_PX} pixels",
-            value=values.shape,
-            found=f"has shape {values.shape}",
-        )
+    need = f"must have one channel and at least {_LEAST_SIDE_PX} x {_LEAST_SIDE_PX} pixels"
+    check.shape("region", values, values.ndim == 2 and min(values.shape) >= _LEAST_SIDE_PX, need)
     return values
 
 

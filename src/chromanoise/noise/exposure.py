@@ -11,6 +11,7 @@ Operating point: a sensor with its exposure, light and observer; its text.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any, TypedDict, Unpack
 
 import numpy as np
 
@@ -213,33 +214,35 @@ def time_to_saturation(
     return share * min(to_full_well, code_range_e(sensor) / most)
 
 
-def saturating_exposure(
-    scene: Scene,
-    sensor: Sensor,
-    *,
-    f_number: float = 1.8,
-    share: float = 0.99,
-    magnification: float | None = None,
-) -> Exposure:
+class SaturationTerms(TypedDict, total=False):
+    """Keyword arguments of `time_to_saturation`, with its defaults.
+
+    Attributes
+    ----------
+    f_number, magnification
+        As `Exposure`.
+    share
+        Share of full well or top code that the most sensitive channel reaches. [1]
+    """
+
+    f_number: float
+    share: float
+    magnification: float | None
+
+
+def saturating_exposure(scene: Scene, sensor: Sensor, **terms: Unpack[SaturationTerms]) -> Exposure:
     """The exposure with the time of `time_to_saturation`.
 
     Parameters
     ----------
-    scene
-        Light from the scene.
-    sensor
-        The sensor.
-    f_number
-        Aperture of the lens. [1]
-    share
-        Share of full well that the most sensitive channel reaches. [1]
-    magnification
-        Magnification of the lens; ``None``: a distant scene. [1]
+    scene, sensor
+        As `time_to_saturation`.
+    terms
+        ``f_number``, ``share`` and ``magnification`` of `time_to_saturation`.
     """
-    time_s = time_to_saturation(
-        scene, sensor, f_number=f_number, share=share, magnification=magnification
-    )
-    return Exposure(time_s=time_s, f_number=f_number, magnification=magnification)
+    time_s = time_to_saturation(scene, sensor, **terms)
+    lens: dict[str, Any] = {name: one for name, one in terms.items() if name != "share"}
+    return Exposure(time_s=time_s, **lens)
 
 
 def refuse_other_grid(scene: Scene, sensor: Sensor) -> None:
@@ -297,12 +300,7 @@ def band_weights(
 
 
 def equal_saturation(
-    white: Scene,
-    sensors: Sequence[Sensor],
-    *,
-    f_number: float = 1.8,
-    share: float = 0.99,
-    magnification: float | None = None,
+    white: Scene, sensors: Sequence[Sensor], **terms: Unpack[SaturationTerms]
 ) -> list[Exposure]:
     """Each sensor has its own time: its most sensitive channel reaches ``share`` of full well.
 
@@ -311,32 +309,20 @@ def equal_saturation(
     white
         The brightest object that must not saturate.
     sensors
-        The sensors to compare.
-    f_number, magnification
-        As `Exposure`, the same for all.
-    share
-        Share of full well.
+        Those to compare.
+    terms
+        ``f_number``, ``share`` and ``magnification`` of `time_to_saturation`, the same for all.
 
     Raises
     ------
     InputError
         As `saturating_exposure`.
     """
-    return [
-        saturating_exposure(
-            white, sensor, f_number=f_number, share=share, magnification=magnification
-        )
-        for sensor in sensors
-    ]
+    return [saturating_exposure(white, sensor, **terms) for sensor in sensors]
 
 
 def equal_exposure(
-    white: Scene,
-    sensors: Sequence[Sensor],
-    *,
-    f_number: float = 1.8,
-    share: float = 0.99,
-    magnification: float | None = None,
+    white: Scene, sensors: Sequence[Sensor], **terms: Unpack[SaturationTerms]
 ) -> list[Exposure]:
     """All sensors have the same time: the longest at which none exceeds ``share``.
 
@@ -344,30 +330,15 @@ def equal_exposure(
 
     Parameters
     ----------
-    white
-        The light of a perfect white.
-    sensors
-        The sensors.
-    f_number
-        Aperture of the lens. [1]
-    share
-        Share of full well that the most sensitive channel reaches. [1]
-    magnification
-        Magnification of the lens; ``None``: a distant scene. [1]
+    white, sensors, terms
+        As `equal_saturation`.
     """
-    own = equal_saturation(
-        white, sensors, f_number=f_number, share=share, magnification=magnification
-    )
+    own = equal_saturation(white, sensors, **terms)
     return [min(own, key=lambda exposure: exposure.time_s)] * len(own)
 
 
 def equal_light(
-    white: Scene,
-    sensors: Sequence[Sensor],
-    *,
-    f_number: float = 1.8,
-    share: float = 0.99,
-    magnification: float | None = None,
+    white: Scene, sensors: Sequence[Sensor], **terms: Unpack[SaturationTerms]
 ) -> list[Exposure]:
     """Each set of channels receives the same photons, for any number of pixels per set.
 
@@ -379,20 +350,10 @@ def equal_light(
 
     Parameters
     ----------
-    white
-        The light of a perfect white.
-    sensors
-        The sensors.
-    f_number
-        Aperture of the lens. [1]
-    share
-        Share of full well that the most sensitive channel reaches. [1]
-    magnification
-        Magnification of the lens; ``None``: a distant scene. [1]
+    white, sensors, terms
+        As `equal_saturation`.
     """
-    own = equal_saturation(
-        white, sensors, f_number=f_number, share=share, magnification=magnification
-    )
+    own = equal_saturation(white, sensors, **terms)
     area_um2 = [pixels_of(sensor) * sensor.pixel.pitch_um**2 for sensor in sensors]
     least = min(e.time_s * area for e, area in zip(own, area_um2, strict=True))
     return [

@@ -85,27 +85,20 @@ class Sensor:
     shown_as: str = ""
 
     def __post_init__(self) -> None:
-        qe = check.fraction(f"QE of sensor {self.name}", "e-/photon", self.qe)
-        if qe.ndim != 2 or qe.shape[1] == 0:
-            raise InputError(
-                f"QE of sensor {self.name}",
-                "must be (wavelengths, channels)",
-                value=qe.shape,
-                found=f"has shape {qe.shape}",
-            )
+        what = f"QE of sensor {self.name}"
+        qe = check.fraction(what, "e-/photon", self.qe)
+        full = qe.ndim == 2 and qe.shape[1] > 0
+        check.shape(what, qe, full, "must be (wavelengths, channels)")
         check.one_of("origin", self.origin, get_args(Origin))
         check.same_length("wavelengths", grid=self.grid.n, qe=qe.shape[0])
         check.same_length("channels", names=len(self.names), qe=qe.shape[1])
         names = check.distinct(f"channel names of {self.name}", self.names)
         for name in self.mosaic.names if self.mosaic else ():
             check.among(f"mosaic channel of {self.name}", name, names)
-        if self.stacked and float(qe.sum(axis=1).max()) > 1 + 1e-9:
-            raise InputError(
-                f"QE of sensor {self.name}",
-                "must sum to at most 1 over the stacked channels at each wavelength [e-/photon]",
-                value=float(qe.sum(axis=1).max()),
-            )
-        object.__setattr__(self, "qe", check.frozen(qe))
+        if self.stacked and (most := float(qe.sum(axis=1).max())) > 1 + 1e-9:
+            need = "must sum to at most 1 over the stacked channels at each wavelength [e-/photon]"
+            raise InputError(what, need, value=most)
+        check.keep(self, qe=qe)
         object.__setattr__(self, "names", names)
 
     @property
