@@ -25,7 +25,6 @@ from chromanoise.study import (
     Comparison,
     ComparisonMap,
     ComparisonSettings,
-    DenoisedPicture,
     DenoiseSettings,
     Given,
     MapSettings,
@@ -37,16 +36,11 @@ from chromanoise.study import (
     SensitivitySettings,
     Study,
     curves_of_object,
-    denoised_picture,
     described_settings,
-    electrons_of_array,
-    frame_of_array,
-    frames_of_pictures,
     in_arguments,
     interface_of,
     is_of_colour_science,
     object_word,
-    prepared_denoising,
     read_study,
     run as run_of,
     study_of,
@@ -56,7 +50,7 @@ if TYPE_CHECKING:
     from chromanoise.apps.design import Design, DesignStudy, Progress
     from chromanoise.io.frames import RawFrame
     from chromanoise.io.spectra import Found
-    from chromanoise.study import Electrons
+    from chromanoise.study import DenoisedPicture, Electrons
 
 Matrix = str | Path | np.ndarray | list[Any] | ColorMatrix | Callable[[OperatingPoint], Any]
 """A method, a file, 3 x p numbers [lx/e-], a matrix, or a function that returns one of the two."""
@@ -238,7 +232,7 @@ def denoise(
     white_level: float | None = None,
     threads: int | None = None,
     **settings: Unpack[DenoiseSettings],
-) -> DenoisedPicture:
+) -> "DenoisedPicture":
     """A raw picture of any camera after denoising with its known noise, and its color.
 
     Parameters
@@ -288,6 +282,8 @@ def denoise(
     >>> result = cn.denoise("night.dng", denoise="guided")                  # doctest: +SKIP
     >>> result.values_e, result.summary["residual"]                         # doctest: +SKIP
     """
+    from chromanoise.study import denoised_picture, prepared_denoising  # loads readers of frames
+
     try:
         frames = _raw_pictures(picture, unit, shape, stored)
         named = _Named()
@@ -310,6 +306,8 @@ def _raw_pictures(
     picture: Any, unit: str | None, shape: tuple[int, int] | None, stored: str | None
 ) -> "tuple[RawFrame, ...] | tuple[Electrons, ...]":
     """The picture or pictures that an argument names or holds."""
+    from chromanoise.study import electrons_of_array, frame_of_array, frames_of_pictures
+
     if not isinstance(picture, np.ndarray):
         if unit is not None:
             raise InputError("unit", "must be given only for an array", value=unit)

@@ -100,12 +100,6 @@ def test_json_and_markdown_go_to_files_whole(run, tmp_path):
     assert "ircut-schott" in out
     assert len(json.loads(goal.read_text())["entries"]) == 4
     assert page.read_text().startswith("# The catalog")
-    refused(run("catalog", "--json", "-", "--markdown", "-"), subject="--markdown", value="-")
-
-
-def test_what_is_not_in_the_catalog_is_refused_with_the_nearest_name(run):
-    refused(run("catalog", "mt9v024"), "mt9v024-rgbw", value="mt9v024")
-    refused(run("catalog", "sensors", "--folder", "nowhere"), "nowhere")
 
 
 def test_devices_answer_through_every_command_and_ask_through_its_options(run):
@@ -114,9 +108,6 @@ def test_devices_answer_through_every_command_and_ask_through_its_options(run):
     assert "G exceeds W" in out
     (note,) = re.findall(r"full well and read noise of mt9v024-rgbw [^.;]*", " ".join(out.split()))
     assert re.findall(r"\d+(?= e-)", note) == ["10000", "10"]
-    refused(run("analyze", "mt9m131"), "1000 nm", "--beyond", setting="sensors.0.name")
-    refused(run("analyze", "ar0132at-rgbw"), "--peak-qe", setting="sensors.0.name")
-    refused(run("analyze", "nikon-d5100"), "--energy", "--photons", setting="sensors.0.name")
     code, out, err = run(
         "analyze", "nikon-d5100", "--energy", "--peak-qe", "0.5", "--beyond", "zero", "--json", "-"
     )
@@ -315,12 +306,6 @@ def test_the_same_folder_elsewhere_gives_the_same_hash(folder, tmp_path_factory,
     assert provenance(study) == here
     (other / "my-lamp.csv").write_text(LAMP_CSV.replace("380,1", "380,2"))
     assert provenance(study)["hash"] != here["hash"]
-
-
-@pytest.mark.parametrize("word", ["0K", "LED0", "LED500/0"])
-def test_a_light_of_nothing_is_refused_by_its_name(run, word):
-    outcome = run("analyze", "onyx-rgbw", "--illuminant", word)
-    refused(outcome, word, setting="light.illuminant", value=0.0)
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,6 @@ import chromanoise as cn
 from chromanoise.charts import draw_maps, shown, study_figures
 from chromanoise.study import study_from_data
 from chromanoise.web import study_report
-from outcomes import refused
 
 PAIR = ("onyx-rgbw", "onyx-rgb-ircut")
 SWEEP = ("--sweep", "lux=0.1:10", "--points", 4)
@@ -52,18 +51,6 @@ def test_the_terminal_shows_values_and_the_best_sensor(run):
     assert code == 0
     assert "PRNU" in out
     assert "Best SNR of Y" in out
-
-
-@pytest.mark.parametrize(
-    ("text", "part"),
-    [("prnu", "--and"), ("prnu=0:0.1:x", "--and"), ("prnu=0.1:0", "prnu"), ("nosuch=1:2", "--and")],
-)
-def test_a_second_parameter_that_cannot_be_used_is_refused(run, text, part):
-    refused(run("compare", *PAIR, *SWEEP, "--and", text), part)
-
-
-def test_the_same_parameter_twice_is_refused(run):
-    refused(run("compare", *PAIR, *SWEEP, "--and", "lux=1:2"), "--sweep", value="lux")
 
 
 def test_the_heat_map_of_one_sensor_has_its_values_and_of_two_their_difference():

@@ -188,19 +188,6 @@ def test_a_study_built_in_python_is_checked_when_it_is_built(data, setting, valu
         cn.study_from_data({"sensors": ONE} | data)
 
 
-@pytest.mark.parametrize(
-    ("words", "subject", "value"),
-    [
-        (("--beyond", "zero"), "beyond", "zero"),
-        (("--negatives", "zero"), "negatives", "zero"),
-        (("--white-balance", "gray"), "white_balance", "gray"),
-        (("--tone", "srgb"), "tone", "srgb"),
-    ],
-)
-def test_a_setting_of_curves_or_steps_that_are_not_there_is_refused(run, words, subject, value):
-    refused(run("analyze", "onyx-rgbw", *words), subject=subject, value=value)
-
-
 def test_a_filter_or_a_catalog_sensor_that_ends_early_may_be_extrapolated(run):
     assert run("analyze", "ar0132at-rgbw", "--peak-qe", 0.3, "--beyond", "zero")[0] == 0
     assert run("analyze", "onyx-rgbw", "--filter", "ircut-650", "--beyond", "zero")[0] == 0

@@ -88,10 +88,6 @@ def test_a_file_without_pairs_is_refused(run, here, text):
     refused(run("analyze", "onyx-rgbw", "--reader", "machine", "--pairs", "pairs.csv"), "pairs.csv")
 
 
-def test_a_missing_file_of_pairs_is_named(run):
-    refused(run("analyze", "onyx-rgbw", "--pairs", "none.csv"), "none.csv")
-
-
 def test_a_comparison_of_separations_crosses_where_the_medians_do(done):
     out, _ = done(
         "compare", "onyx-rgbw", "onyx-rgb-ircut", "--quantity", "separation-without-brightness",

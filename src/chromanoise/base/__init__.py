@@ -49,6 +49,7 @@ if TYPE_CHECKING:
     from chromanoise.base.linalg import (
         RANK_TOLERANCE,
         angles_deg,
+        blas_kernel,
         cholesky,
         congruence,
         covariance_root,

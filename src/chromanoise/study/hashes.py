@@ -23,7 +23,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from chromanoise.base import InputError, __version__, regular_file
+from chromanoise.base import InputError, __version__, blas_kernel, regular_file
 from chromanoise.io import DATA_SUFFIXES, envi_pair, is_matrix_file
 from chromanoise.study.catalog import catalog_folder
 from chromanoise.study.document import BALANCE_WORDS, Study, StudyKind
@@ -444,14 +444,6 @@ def numerics() -> dict[str, Any]:
         "numpy": np.__version__,
         "scipy": scipy.__version__,
         "blas": f"{blas.get('name', 'unknown')} {blas.get('version', '')}".strip(),
-        "blas_kernel": _blas_kernel(),
+        "blas_kernel": blas_kernel(),
         "cpu_features": built.get("SIMD Extensions", {}).get("found", []),
     }
-
-
-def _blas_kernel() -> str | None:
-    """The kernel that OpenBLAS chose for this processor, or that OPENBLAS_CORETYPE names."""
-    from threadpoolctl import threadpool_info
-
-    found = [lib.get("architecture") for lib in threadpool_info() if lib["user_api"] == "blas"]
-    return next(filter(None, found), None)

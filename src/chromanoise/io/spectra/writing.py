@@ -6,9 +6,9 @@ Numbers are written with all significant digits, so reading them restores the sa
 import os
 from collections.abc import Mapping
 from dataclasses import replace
+from html import escape
 from pathlib import Path
 from typing import Any
-from xml.sax.saxutils import escape
 
 import numpy as np
 
@@ -324,4 +324,4 @@ def _xml(text: str) -> str:
                 f"has {letter!r}",
                 remedy="rename it",
             )
-    return escape(" ".join(text.split()))
+    return escape(" ".join(text.split()), quote=False)
