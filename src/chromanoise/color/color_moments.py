@@ -426,6 +426,8 @@ def exact_where_needed(color: NoisyColor, space: Space, *, points: int = 2**11) 
         As `exact`.
     """
     source, found = _source(color), cubature(color, space)
+    names = ("bias", "covariance", "chroma_sd", "chroma_bias", "delta_e")
+    moments = {name: np.array(own) for name in names if (own := getattr(found, name)) is not None}
     for at in np.argwhere(normal_fails(source)):
         one = tuple(at.tolist())
         few = replace(
@@ -434,21 +436,9 @@ def exact_where_needed(color: NoisyColor, space: Space, *, points: int = 2**11) 
             source=replace(source, mean_e=source.mean_e[one]),
         )
         better = exact(few, space, points=points)
-        found = replace(
-            found,
-            **{
-                name: _with(getattr(found, name), one, value)
-                for name in ("bias", "covariance", "chroma_sd", "chroma_bias", "delta_e")
-                if (value := getattr(better, name)) is not None
-            },
-        )
-    return found
-
-
-def _with(values: Array, at: tuple[int, ...], value: Array) -> Array:
-    changed = np.array(values)
-    changed[at] = value
-    return changed
+        for name, values in moments.items():
+            values[one] = getattr(better, name)
+    return replace(found, **moments)
 
 
 def _source(color: NoisyColor) -> ElectronSource:

@@ -675,7 +675,8 @@ def slanted_edge_response(
             found=f"has {max(reach, 0.0):.3g} px",
             remedy="take a larger region around the edge",
         )
-    low, high = (upright[side] for side in _sides(distance, reach))
+    outer = (np.abs(distance) > reach / 2) & (np.abs(distance) <= reach)
+    low, high = upright[outer & (distance < 0)], upright[outer & (distance > 0)]
     step = float(high.mean() - low.mean())
     variances = low.var(), high.var()
     error = float(np.sqrt(variances[0] / low.size + variances[1] / high.size))
@@ -781,12 +782,6 @@ def _distances(shape: tuple[int, ...], line: EdgeLine) -> tuple[Array, float]:
     shrink = 1 / np.hypot(1.0, line.slope)
     reach = min(edge.min(), width - 1 - edge.max()) * shrink
     return (np.arange(width) - edge[:, None]) * shrink, float(reach // _BIN_PX * _BIN_PX)
-
-
-def _sides(distance: Array, reach: float) -> tuple[Array, Array]:
-    """The pixels of the outer half of either side."""
-    outer = (np.abs(distance) > reach / 2) & (np.abs(distance) <= reach)
-    return outer & (distance < 0), outer & (distance > 0)
 
 
 def _edge_spread(upright: Array, distance: Array, reach: float) -> Array:

@@ -112,14 +112,11 @@ def exposure_factor(exposure: Exposure, pixel: Pixel, step_nm: float) -> float:
     >>> round(exposure_factor(Exposure(time_s=0.0324, f_number=1.8), pixel, 1.0), 6)
     0.25
     """
-    return exposure.time_s * pixel.pitch_um**2 * step_nm * _image_illuminance(exposure)
-
-
-def _image_illuminance(exposure: Exposure) -> float:
-    """Illuminance on the pixel divided by the illuminance on a white scene."""
-    if exposure.magnification is None:
-        return 1.0 / (4.0 * exposure.f_number**2)
-    return 1.0 / (1.0 + 4.0 * exposure.f_number**2 * (1.0 + abs(exposure.magnification)) ** 2)
+    share = 1.0 / (4.0 * exposure.f_number**2)  # illuminance of the image over that of the white
+    if exposure.magnification is not None:
+        near = (1.0 + abs(exposure.magnification)) ** 2
+        share = 1.0 / (1.0 + 4.0 * exposure.f_number**2 * near)
+    return exposure.time_s * pixel.pitch_um**2 * step_nm * share
 
 
 def measurement_vectors(sensor: Sensor, exposure: Exposure, metric: Metric) -> Float[Array, "n p"]:

@@ -589,9 +589,5 @@ def _diode_within(grid: Grid, peak_nm: float, width_nm: float) -> Power:
 
 
 def _number(text: str, name: str) -> float:
-    try:
-        return float(text)
-    except ValueError:
-        raise InputError(
-            f"illuminant {name!r}", "must have a number", value=text, found=f"{text!r} is not one"
-        ) from None
+    found = f"{text!r} is not one"
+    return check.number(text, f"illuminant {name!r}", "must have a number", found=found)
