@@ -15,14 +15,14 @@ import chromanoise
 from chromanoise.base import notebook as _notebook, plain
 from chromanoise.base.errors import InputError
 from chromanoise.base.palette import CHANNELS, INK
-from chromanoise.charts import PARTS, Look, Shown, drawing, shown
-from chromanoise.charts.ellipses import hex_colors, in_plane, patches_of
+from chromanoise.charts import PARTS, Look, Shown, as_data, drawing, shown
+from chromanoise.charts.ellipses import SIGMAS, hex_colors, in_plane, patches_of
 from chromanoise.charts.figure_style import channel_color
 from chromanoise.charts.numbers import brief, decimal
 from chromanoise.charts.vectors import color_frame, half_axes, round_magnification
 from chromanoise.charts.verdicts import verdict_sentences
 from chromanoise.color import LAB, XYY, ElectronSource, encoded_srgb, exact, noisy_color, propagate
-from chromanoise.geometry import reconstructed_light
+from chromanoise.geometry import reconstructed_light, unit_circle
 from chromanoise.noise import expected_electrons, level_in_words, white_scene
 from chromanoise.sensor import behind_ir_cut, with_shifted_curves
 from chromanoise.spectra import DEFAULT_GRID, color_axes, colorchecker
@@ -85,6 +85,18 @@ def analyzed_as_json():
     return plain(outcomes)
 
 
+def rows_of(part, of, **look):
+    """The numbers of each row of a chart, by heading."""
+    head, *rows = drawing(part, of, Look(**look)).csv_rows
+    return [dict(zip(head, row, strict=True)) for row in rows]
+
+
+def marks_of(part, of, kind):
+    """The marks of one kind of a chart of one panel."""
+    (panel,) = drawing(part, of).panels
+    return [one for one in panel.marks if one.kind == kind]
+
+
 def numbers_of(value):
     if isinstance(value, dict):
         value = list(value.values())
@@ -96,7 +108,7 @@ def numbers_of(value):
 @pytest.mark.parametrize("part", PARTS)
 @pytest.mark.parametrize("of", [usual, bright], ids=["usual", "saturated"])
 def test_every_drawing_is_plain_data_without_a_number_that_is_none(part, of):
-    result = drawing(part, of(), Look())
+    result = as_data(drawing(part, of(), Look()))
     assert json.loads(json.dumps(result, allow_nan=False)) == result
     assert np.isfinite(numbers_of(result)).all()
 
@@ -104,7 +116,7 @@ def test_every_drawing_is_plain_data_without_a_number_that_is_none(part, of):
 @pytest.mark.parametrize("part", PARTS)
 @pytest.mark.parametrize("of", [usual, bright], ids=["usual", "saturated"])
 def test_every_chart_has_a_table_of_text_with_a_cell_per_column(part, of):
-    table = drawing(part, of())["table"]
+    table = as_data(drawing(part, of()))["table"]
     assert table["rows"]
     for row in [table["head"], *table["rows"]]:
         assert len(row) == len(table["head"])
@@ -113,7 +125,7 @@ def test_every_chart_has_a_table_of_text_with_a_cell_per_column(part, of):
 
 @pytest.mark.parametrize("part", [part for part in PARTS if part != "head"])
 def test_the_title_of_a_chart_names_what_holds_for_all_of_it(part):
-    title = drawing(part, usual())["title"]
+    title = as_data(drawing(part, usual()))["title"]
     assert "illuminant E" in title
     assert ("10 lx (" in title) == (part not in ("levels", "sensitivities"))
     assert ("11.94 ms, f/1.8" in title) == (part != "sensitivities")
@@ -197,9 +209,7 @@ def night(*, clip):
 def test_charts_have_the_numbers_of_a_run(clip):
     of, results = shown(night(clip=clip)), run(night(clip=clip))
     data = next(iter(results.analyses.values())).to_dict()["sensors"]
-    head, stages, chart, pareto = (
-        drawing(part, of)["sensors"] for part in ("head", "stages", "chart", "pareto")
-    )
+    head, stages, chart = (drawing(part, of)["sensors"] for part in ("head", "stages", "chart"))
     for i, own in enumerate(data):
         channels = own["channels"]
         assert head[i]["mean_e"] == {c["name"]: c["mean_e"] for c in channels}
@@ -215,12 +225,14 @@ def test_charts_have_the_numbers_of_a_run(clip):
         assert stages[i]["lab_sd"] == pytest.approx(own["gray_noise"]["sd_normal_law"], rel=0.02)
         assert chart[i]["mean_delta_e"] == own["color_error_mean"]
     (matrices,) = results.matrices.values()
-    for drawn, own in zip(pareto, matrices.to_dict()["sensors"], strict=True):
-        assert [p["snr_db"] for p in drawn["points"]] == [p["snr_y_db"] for p in own["pareto"]]
-        assert drawn["now"]["snr_db"] == own["report"]["snr_db"]["Y"]
+    trades = [row["SNR of Y [dB]"] for row in rows_of("pareto", of)]
+    for k, own in enumerate(matrices.to_dict()["sensors"]):
+        *points, now = trades[14 * k : 14 * (k + 1)]
+        assert points == [p["snr_y_db"] for p in own["pareto"]]
+        assert now == own["report"]["snr_db"]["Y"]
     (sweep,) = results.sweeps
-    curves = drawing("levels", of)["curves"]
-    assert [c["values"] for c in curves] == [c["value"] for c in sweep.to_dict()["curves"]]
+    drawn = [list(one.values) for one in drawing("levels", of).columns[1:]]
+    assert drawn == [c["value"] for c in sweep.to_dict()["curves"]]
     assert data[0]["color"]["snr_db"]["Y"] == pytest.approx(-16.25 if clip else -15.81, abs=0.01)
 
 
@@ -240,7 +252,7 @@ def test_a_clipped_study_has_no_budget_and_says_what_is_not_clipped():
         assert sensor["steps"] == []
         assert "eq. 7" in sensor["why_not"]
     for part in PARTS:
-        title = drawing(part, of).get("title", "")
+        title = as_data(drawing(part, of)).get("title", "")
         assert title.endswith("without clipping") == (part in ("levels", "pareto"))
     result = drawing("head", of)["verdict"]
     assert not any(sentence.startswith("What") for sentence in result)
@@ -300,13 +312,14 @@ def test_curves_and_crossovers_over_the_light_are_those_of_compare(matrices):
     result = drawing("levels", of)
     values = swept_values(SWEEPS["lux"], 0.01, 10_000.0, 73)
     curves = compared(of.operating_points, of.makers, values)
-    assert result["lux"] == values.tolist()
-    for drawn, curve in zip(result["curves"], curves, strict=True):
-        known = [np.nan if v is None else v for v in drawn["values"]]
-        np.testing.assert_array_equal(known, curve.value)
+    lux, *drawn = result.columns
+    assert list(lux.values) == values.tolist()
+    for one, curve in zip(drawn, curves, strict=True):
+        np.testing.assert_array_equal(np.array(one.values, dtype=float), curve.value)
     (crossed,) = crossovers(of.operating_points, of.makers, curves)
-    assert [c["lux"] for c in result["crossovers"]] == list(crossed.at or (None,))
-    assert result["crossovers"][0]["sentence"] == crossover_sentence(crossed)
+    rules = marks_of("levels", of, "rule")
+    assert [one.at for one in rules if one.role == "crossing"] == list(crossed.at)
+    assert (result.numbered or result.notes)[0] == crossover_sentence(crossed)
 
 
 @pytest.mark.parametrize(
@@ -315,14 +328,15 @@ def test_curves_and_crossovers_over_the_light_are_those_of_compare(matrices):
 )
 def test_curves_reach_over_the_slider_and_to_the_level_in_equal_ratios(level_lux, low, high):
     """Twelve per decade, so that a ratio of neighbors is 10^(1/12)."""
-    lux = np.array(drawing("levels", shown(fast_study(*BOTH, level_lux=level_lux)))["lux"])
+    of = shown(fast_study(*BOTH, level_lux=level_lux))
+    lux = np.array(drawing("levels", of).columns[0].values)
     assert lux[[0, -1]] == pytest.approx([low, high], rel=1e-12)
     np.testing.assert_allclose(lux[1:] / lux[:-1], 10 ** (1 / 12), rtol=1e-9)
 
 
 def test_the_slider_of_the_page_ends_where_the_curves_end():
     (level,) = (one for one in choices()["sliders"] if one["key"] == "light.level_lux")
-    lux = drawing("levels", usual())["lux"]
+    lux = drawing("levels", usual()).columns[0].values
     assert (level["low"], level["high"]) == pytest.approx((lux[0], lux[-1]), rel=1e-12)
 
 
@@ -350,7 +364,7 @@ def test_no_sentence_or_slider_tells_a_level_with_an_e(level_lux):
     slider, *_ = slides_of(of)
     message = [*drawing("head", of)["verdict"], *slider.texts]
     if level_lux > 1:  # else the span of the curves is told as the command tells it
-        message += [one["sentence"] for one in drawing("levels", of)["crossovers"]]
+        message += drawing("levels", of).numbered
     for sentence in message:
         assert not re.search(r"\de[+-]?\d", sentence)
 
@@ -441,21 +455,19 @@ def test_the_fullest_level_is_where_the_fullest_channel_holds_its_well():
 def test_a_curve_tells_from_which_light_on_it_is_saturated_and_not_the_next_point():
     """The time fills the fuller sensor's well to the share asked for at the study's own level."""
     of = shown(study_of(*BOTH, exposure={"saturate": 0.8}))
-    values = [curve["saturated_from_lux"] for curve in drawing("levels", of)["curves"]]
+    (told,) = [one for one in drawing("levels", of).notes if one.startswith("Saturated from")]
+    values = [float(one) for one in re.findall(r"([\d.]+) lx", told)]
     assert min(values) == pytest.approx(10.0 / 0.8, rel=1e-9)
     assert max(values) > 1.5 * min(values)
 
 
 def test_two_sensors_are_equal_where_their_curves_cross():
     of = shown(study_of(*BOTH, matrices=["lmmse"]))
-    found = drawing("levels", of)["crossovers"]
-    assert found[0]["lux"] is not None
+    found = [one for one in marks_of("levels", of, "rule") if one.role == "crossing"]
+    assert found
     (maker,) = of.makers.values()
     for crossing in found:
-        lit = [
-            SWEEPS["lux"].at(operating_point, crossing["lux"])
-            for operating_point in of.operating_points
-        ]
+        lit = [SWEEPS["lux"].at(one, crossing.at) for one in of.operating_points]
         ours, theirs = (QUANTITIES["snr-y"].of(each, maker(each)) for each in lit)
         assert ours == pytest.approx(theirs, abs=1e-6)
 
@@ -463,7 +475,7 @@ def test_two_sensors_are_equal_where_their_curves_cross():
 def test_a_saturated_sensor_has_no_snr_and_says_so_everywhere():
     of = bright()
     assert drawing("head", of)["sensors"][0]["saturated"]
-    for part in ("stages", "budget", "vectors", "ellipses", "chart", "pareto"):
+    for part in ("stages", "budget", "vectors", "chart"):
         full, fine = drawing(part, of)["sensors"]
         assert "saturated" in full["why_not"]
         assert "onyx-rgbw" in full["why_not"]
@@ -472,10 +484,16 @@ def test_a_saturated_sensor_has_no_snr_and_says_so_everywhere():
     assert set(stages["color"].values()) == {None}
     assert set(stages["lab_sd"].values()) == {None}
     assert drawing("vectors", of)["sensors"][0]["ellipsoid"] is None
-    first = drawing("levels", of)["curves"][0]
-    beyond = [lux > 10.0 for lux in drawing("levels", of)["lux"]]
-    assert all(v is None for v, out in zip(first["values"], beyond, strict=True) if out)
-    assert first["saturated_from_lux"] < 10.0
+    full, fine = drawing("ellipses", of).panels
+    assert "onyx-rgbw: channel" in full.absence
+    assert not full.marks
+    assert fine.marks
+    assert not fine.absence
+    lux, first, _ = (one.values for one in drawing("levels", of).columns)
+    assert all(v is None for v, at in zip(first, lux, strict=True) if at > 10.0)
+    assert "Saturated from: onyx-rgbw " in " ".join(drawing("levels", of).notes)
+    known = {row["sensor"] for row in rows_of("pareto", of) if row["SNR of Y [dB]"] is not None}
+    assert known == {"onyx-rgb-ircut"}
 
 
 def test_the_frame_is_orthonormal_and_spans_the_color_axes():
@@ -587,55 +605,49 @@ def test_chart_noise_is_that_of_the_exact_distribution():
     np.testing.assert_allclose([result[i]["noise"] for i in some], noise.delta_e, rtol=0.02)
 
 
-def test_ellipses_are_closed_and_of_48_points_around_their_center():
-    for plane in ("ab", "xy"):
-        for sensor in drawing("ellipses", usual(), Look(plane=plane))["sensors"]:
-            assert len(sensor["patches"]) == 24
-            for patch in sensor["patches"]:
-                outline = np.array(patch["outline"])
-                assert outline.shape == (48, 2)
-                assert patch["outline"][0] == patch["outline"][-1]
-                reach = np.abs(outline - patch["center"]).max()
-                middle = outline[:-1].mean(axis=0)
-                np.testing.assert_allclose(middle, patch["center"], atol=0.01 * reach)
+def half_axes_of(of, plane):
+    """The two conjugate half axes of each ellipse, the sensors one after the other."""
+    names = [f"conjugate half axis {k} {axis}" for k in (1, 2) for axis in AXES[plane]]
+    rows = rows_of("ellipses", of, plane=plane)
+    return np.array([[row[name] for name in names] for row in rows]).reshape(-1, 2, 2)
+
+
+def covariances_of(of, plane):
+    return np.concatenate([in_plane(patches_of(one), plane)[2] for one in of.analyses])
+
+
+AXES = {"ab": ("a*", "b*"), "xy": ("x", "y")}
 
 
 @pytest.mark.parametrize("plane", ["ab", "xy"])
 def test_the_half_axes_of_an_ellipse_are_conjugate_for_its_covariance(plane):
     """For half axes u, v: u u^T + v v^T is the covariance, times the square of the sigmas."""
-    of = usual()
-    drawn = drawing("ellipses", of, Look(plane=plane))
-    for analysis, sensor in zip(of.analyses, drawn["sensors"], strict=True):
-        covariance = in_plane(patches_of(analysis), plane)[2]
-        axes = np.array([patch["half_axes"] for patch in sensor["patches"]])
-        result = np.einsum("pki,pkj->pij", axes, axes) / drawn["sigmas"] ** 2
-        np.testing.assert_allclose(result, covariance, rtol=1e-9, atol=1e-15)
+    axes = half_axes_of(usual(), plane)
+    assert len(axes) == 2 * 24
+    result = np.einsum("pki,pkj->pij", axes, axes) / SIGMAS**2
+    np.testing.assert_allclose(result, covariances_of(usual(), plane), rtol=1e-9, atol=1e-15)
 
 
 @pytest.mark.parametrize("plane", ["ab", "xy"])
 def test_an_ellipse_reaches_as_far_as_the_spread_in_its_worst_direction(plane):
     """By another road: the spread along each of many directions, not the eigenvalues."""
-    of = usual()
     angle = np.linspace(0, np.pi, 2001)
     around = np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    drawn = drawing("ellipses", of, Look(plane=plane))
-    for analysis, sensor in zip(of.analyses, drawn["sensors"], strict=True):
-        covariance = in_plane(patches_of(analysis), plane)[2]
-        spread = np.sqrt(np.einsum("ki,pij,kj->pk", around, covariance, around)).max(axis=1)
-        result = np.array([patch["reach"] for patch in sensor["patches"]])
-        np.testing.assert_allclose(result, drawn["sigmas"] * spread, rtol=1e-6)
-        for patch in sensor["patches"]:
-            farthest = max(np.hypot(*np.subtract(at, patch["center"])) for at in patch["outline"])
-            assert np.cos(np.pi / 47) * patch["reach"] * 0.998 < farthest < patch["reach"] * 1.002
+    covariance = covariances_of(usual(), plane)
+    spread = np.sqrt(np.einsum("ki,pij,kj->pk", around, covariance, around)).max(axis=1)
+    rows = rows_of("ellipses", usual(), plane=plane)
+    reach = np.array([row["reach of 2 sigma"] for row in rows])
+    np.testing.assert_allclose(reach, SIGMAS * spread, rtol=1e-6)
+    outline = np.einsum("ks,psi->pki", unit_circle(48), half_axes_of(usual(), plane))
+    farthest = np.linalg.norm(outline, axis=2).max(axis=1)
+    assert (np.cos(np.pi / 47) * reach * 0.998 < farthest).all()
+    assert (farthest < reach * 1.002).all()
 
 
 def test_the_table_of_ellipses_tells_their_reach():
-    of = usual()
-    data = drawing("ellipses", of)
-    rows = iter(data["table"]["rows"])
-    for sensor in data["sensors"]:
-        for patch, row in zip(sensor["patches"], rows, strict=False):
-            assert float(row[-1]) == pytest.approx(patch["reach"], abs=0.0501)
+    rows = rows_of("ellipses", usual())
+    for row, told in zip(rows, drawing("ellipses", usual()).table["rows"], strict=True):
+        assert float(told[-1]) == pytest.approx(row["reach of 2 sigma"], abs=0.0501)
 
 
 def test_ellipses_hold_the_share_of_draws_that_two_sigma_hold():
@@ -679,12 +691,11 @@ def test_chromaticity_of_equal_energy_is_a_third_and_its_slope_that_of_differenc
 
 def test_the_pareto_curve_trades_error_for_noise_and_passes_through_its_own_matrix():
     of = shown(study_of("onyx-rgbw", matrices=["noise-regularized=1"]))
-    (result,) = drawing("pareto", of)["sensors"]
+    *points, now = rows_of("pareto", of)
     assert noise_weights(1e-3, 1e3, points=13)[6] == pytest.approx(1.0)
-    at_one = result["points"][6]
-    assert result["now"]["snr_db"] == pytest.approx(at_one["snr_db"], rel=1e-9)
-    assert result["now"]["color_error"] == pytest.approx(at_one["color_error"], rel=1e-9)
-    snr = [p["snr_db"] for p in result["points"]]
+    for name in ("SNR of Y [dB]", "training error, mean Delta E*ab"):
+        assert now[name] == pytest.approx(points[6][name], rel=1e-9)
+    snr = [row["SNR of Y [dB]"] for row in points]
     assert snr == sorted(snr)
 
 

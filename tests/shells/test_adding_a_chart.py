@@ -60,7 +60,7 @@ EDITS = {  # by file: what is inserted, each before a text
     ],
     "charts/numbers.py": [
         (
-            '    "pareto": _pareto,',
+            '    "chart": _chart,',
             '    "pitches": lambda of: [["sensor", "pitch [um]"], *of["table"]["rows"]],\n',
         )
     ],
@@ -82,7 +82,7 @@ COMMAND = "from chromanoise.cli import main; main()"
 
 def lists_of_drawings(copy):
     """The scripts that name all drawings: of the page and the report, or one for both."""
-    found = [one for one in copy.rglob("*.js") if "draw/pareto.js" in one.read_text("utf-8")]
+    found = [one for one in copy.rglob("*.js") if "draw/stages.js" in one.read_text("utf-8")]
     assert 1 <= len(found) <= 2
     return found
 
@@ -105,10 +105,10 @@ def copy(tmp_path_factory):
     for script in lists_of_drawings(package):
         text = script.read_text(encoding="utf-8")
         text, imports = re.subn(
-            r'^import \* as pareto from "draw/pareto.js";\n',
+            r'^import \* as stages from "draw/stages.js";\n',
             r'\g<0>import * as pitches from "draw/pitches.js";\n', text, flags=re.MULTILINE,
         )  # fmt: skip
-        text, lists = re.subn(r"(= \{[^}]*)\bpareto,", r"\1pareto, pitches,", text)
+        text, lists = re.subn(r"\bstages, budget,", "pitches, stages, budget,", text)
         assert (imports, lists) == (1, 1), script
         script.write_text(text, encoding="utf-8")
     return folder

@@ -5,7 +5,7 @@ import json
 import pytest
 
 import chromanoise as cn
-from chromanoise.charts import drawing
+from chromanoise.charts import as_data, drawing
 from chromanoise.charts.charted_study import shown
 from chromanoise.study import study_from_data
 from outcomes import refused, refused_input
@@ -67,7 +67,7 @@ def test_charts_show_labels_in_place_of_names():
     sensors = [{"name": name, "label": label} for name, label in zip(PAIR, LABELS, strict=True)]
     of = shown(study_from_data({"sensors": sensors}))
     for part in ("levels", "budget", "stages", "pareto"):
-        data = json.dumps(drawing(part, of))
+        data = json.dumps(as_data(drawing(part, of)))
         assert all(label in data for label in LABELS)
         assert not any(f'"{name}"' in data for name in PAIR)
 

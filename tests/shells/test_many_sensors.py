@@ -120,8 +120,8 @@ def test_the_bars_of_a_budget_below_0_db_are_within_its_axes():
 def test_the_panels_of_ellipses_contain_all_of_few_sensors_and_the_typical_ones_of_many():
     infrared = '[light]\nilluminant = "E+0.5xLED850"\n'
     few, many = (drawing("ellipses", charted(count, infrared)) for count in (2, 8))
-    assert not any(sensor["larger"] for sensor in few["sensors"])
-    larger = {NAMES[i] for i, sensor in enumerate(many["sensors"]) if sensor["larger"]}
+    assert not any(panel.remark for panel in few.panels)
+    larger = {NAMES[panel.sensor] for panel in many.panels if panel.remark}
     assert 1 <= len(larger) < 4
 
 

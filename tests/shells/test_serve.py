@@ -15,7 +15,7 @@ from contextlib import closing
 import httpx
 import pytest
 
-from chromanoise.charts import PARTS, drawing, shown
+from chromanoise.charts import PARTS, as_data, drawing, shown
 from chromanoise.charts.explanations import EXPLANATIONS
 from chromanoise.study import study_from_data, study_from_text
 from chromanoise.web.requests import JSON_BYTES, MOST_FILES, UPLOAD_BYTES, Uploads, asset
@@ -76,7 +76,7 @@ def test_an_answer_has_the_digits_of_the_library(client):
     assert re.fullmatch("[0-9a-f]{64}", record["hash"])
     assert list(record["parts"]) == list(PARTS)
     for part, data in record["parts"].items():
-        assert data == json.loads(json.dumps(drawing(part, of)))
+        assert data == json.loads(json.dumps(as_data(drawing(part, of))))
 
 
 def test_only_what_is_wanted_is_answered_and_what_changes_nothing_is_remembered(client):
@@ -106,7 +106,7 @@ def test_a_look_changes_the_drawing_that_reads_it(client):
         client, question | {"look": {"coordinate": "b*", "plane": "xy", "theme": "x"}}
     )
     assert result.json()["parts"]["budget"]["coordinate"] == "b*"
-    assert result.json()["parts"]["ellipses"]["plane"] == "xy"
+    assert result.json()["parts"]["ellipses"]["panels"][0]["x"]["label"] == "x"
 
 
 def test_explanations_have_words_formulas_symbols_and_a_source(client):

@@ -309,7 +309,7 @@ def test_what_is_wrong_with_one_study_is_not_said_of_the_next(answers, monkeypat
         result = asked(answers, study | {"matrices": ["lmmse"]}, "sensitivities")
         assert result["parts"]["sensitivities"]["fault"] == "the matrix: cannot be made"
     result = asked(answers, study, "sensitivities")  # which depend on no matrix
-    assert result["parts"]["sensitivities"]["sensors"]
+    assert result["parts"]["sensitivities"]["panels"]
 
 
 # ---- one sensor twice ----

@@ -203,11 +203,6 @@ class InputError(ValueError):
     def called(self, subject: str) -> "InputError":
         """The same error with another subject.
 
-        Parameters
-        ----------
-        subject
-            The new subject.
-
         Returns
         -------
         InputError

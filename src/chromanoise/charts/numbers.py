@@ -8,7 +8,7 @@ from decimal import ROUND_HALF_UP, Decimal
 from typing import Any
 
 from chromanoise.base import check, csv_text
-from chromanoise.charts.description import csv_rows
+from chromanoise.charts.description import as_data, csv_rows
 
 NONE = "–"
 """Text of a cell without a value."""
@@ -134,8 +134,9 @@ def chart_rows(part: str, record: Mapping[str, Any]) -> list[Row]:
     InputError
         If there is no such chart.
     """
-    if "columns" in record:
-        return csv_rows(record)
+    data = as_data(record)
+    if "columns" in data:
+        return csv_rows(data)
     return _ROWS[check.one_of("part", part, tuple(_ROWS))](record)
 
 

@@ -11,12 +11,12 @@ from pathlib import Path
 from chromanoise.base import InputError, regular_file
 from chromanoise.io.envi import envi_library, envi_pair, read_envi_library
 from chromanoise.io.matlab import is_matlab
+from chromanoise.io.source_files import has, refused
 from chromanoise.io.spectra import (
     ASK,
     Answers,
     Found,
     ParsedSpectra,
-    has,
     is_asd,
     is_cgats,
     is_jcamp,
@@ -135,12 +135,12 @@ def read_curves(path: Path | str | Found, *, answers: Answers = ASK) -> ParsedSp
     except InputError:
         raise
     except OSError as error:
-        raise InputError(str(path), f"cannot be read ({error.strerror or error})") from None
+        raise refused(path, f"cannot be read ({error.strerror or error})") from None
     except MemoryError:
-        raise InputError(str(path), "is too large for the memory of this machine") from None
+        raise refused(path, "is too large for the memory of this machine") from None
     except Exception:  # parsers raise arbitrary exceptions with unhelpful messages
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             "cannot be read as a file of spectra: it is damaged, truncated or of an unknown format",
             remedy=("save it again", "save it as CSV"),
         ) from None
@@ -162,11 +162,11 @@ def _content(path: Path) -> bytes:
 def _refuse_large(path: Path, largest: int) -> None:
     size = regular_file(path).st_size
     if size > largest:
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             f"must be at most {largest // 2**20} MiB for a table of spectra",
-            value=size,
-            found=f"is {size / 2**20:.0f} MiB",
+            size,
+            f"is {size / 2**20:.0f} MiB",
             remedy="remove what is not a curve",
         )
 
@@ -232,7 +232,7 @@ def _refuse_kind(path: Path, kind: tuple[str, str] | None) -> None:
     if kind is not None:
         name, remedy = kind
         need = "is not a file of spectra"
-        raise InputError(str(path), need, value=name, found=f"is {name}", remedy=remedy)
+        raise has(path, need, name, "is", remedy=remedy)
 
 
 def _decoded(path: Path, content: bytes) -> tuple[str, tuple[str, ...]]:
@@ -241,17 +241,12 @@ def _decoded(path: Path, content: bytes) -> tuple[str, tuple[str, ...]]:
     try:
         text = content.decode(coding)
     except UnicodeDecodeError as error:
-        raise InputError(
-            str(path),
-            "is not UTF-8 text",
-            where=f"byte {error.start}",
-            remedy="save it as CSV UTF-8",
+        raise refused(
+            path, "is not UTF-8 text", where=f"byte {error.start}", remedy="save it as CSV UTF-8"
         ) from None
     if "\0" in text:
         line = text[: text.index("\0")].count("\n") + 1
-        raise InputError(
-            str(path), "has null bytes, so it is not a text file", where=f"line {line}"
-        )
+        raise refused(path, "has null bytes, so it is not a text file", where=f"line {line}")
     return text, notes
 
 

@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 
 from chromanoise.base import Array, Float, InputError, Setting, Shaped
+from chromanoise.io.source_files import has, refused
 from chromanoise.io.spectra import (
     LARGEST,
     NAMED_WAVELENGTH,
     NM_PER,
     Found,
-    has,
     known_columns,
     known_unit,
     missing_notes,
@@ -100,17 +100,17 @@ def _data_beside(header: Path) -> Path:
     names = [(header.stem + ending).lower() for ending in ("", *DATA_SUFFIXES)]
     found = sorted(_beside(header, names))
     if not found:
-        raise InputError(
-            str(header),
+        raise refused(
+            header,
             "must have its data in the same folder",
             found=f"there is no {header.stem}, alone or with {' '.join(DATA_SUFFIXES)} after it",
         )
     if len(found) > 1:
-        raise InputError(
-            str(header),
+        raise refused(
+            header,
             "must have one data file",
-            value=tuple(p.name for p in found),
-            found=f"{len(found)} could be it: {', '.join(p.name for p in found)}",
+            tuple(p.name for p in found),
+            f"{len(found)} could be it: {', '.join(p.name for p in found)}",
             remedy="name the data file instead of the header",
         )
     return found[0]
@@ -131,11 +131,11 @@ def read_envi_header(path: Path) -> EnviHeader:
         If it is not an ENVI header, a brace is not closed, or a key of the layout is repeated.
     """
     if path.stat().st_size > _LARGEST_HEADER_BYTES:
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             f"must be at most {_LARGEST_HEADER_BYTES // 2**20} MiB for an ENVI header",
-            value=path.stat().st_size,
-            found=f"is {path.stat().st_size / 2**20:.0f} MiB",
+            path.stat().st_size,
+            f"is {path.stat().st_size / 2**20:.0f} MiB",
         )
     raw = path.read_bytes()
     try:
@@ -155,20 +155,20 @@ def envi_header(text: str, *, source: str) -> EnviHeader:
     """
     lines = re.split(r"\r\n|\r|\n", text)
     if lines[0].strip() != "ENVI":
-        raise InputError(
+        raise refused(
             source,
             "is not an ENVI header, whose first line is ENVI",
-            value=lines[0],
-            found=f"begins with {lines[0][:40]!r}",
+            lines[0],
+            f"begins with {lines[0][:40]!r}",
         )
     fields: dict[str, str] = {}
     for key, value in _pairs(lines[1:], source):
         if key in _LAYOUT and fields.get(key, value) != value:
-            raise InputError(
+            raise refused(
                 source,
                 "must have one value",
-                value=(fields[key], value),
-                found=f"has {fields[key][:40]!r} and {value[:40]!r}",
+                (fields[key], value),
+                f"has {fields[key][:40]!r} and {value[:40]!r}",
                 where=f"key {key!r}",
                 remedy="keep the true one",
             )
@@ -193,7 +193,7 @@ def _braced(text: str, following: Iterator[str], source: str, number: int) -> st
     while "}" not in parts[-1]:
         more = next(following, None)
         if more is None:
-            raise InputError(
+            raise refused(
                 source,
                 "opens a brace that is not closed",
                 where=f"line {number}",
@@ -271,11 +271,11 @@ def _refuse_wrong_size(header: EnviHeader, data: Path, expected: int) -> None:
     if size == expected:
         return
     fault = "truncated" if size < expected else "too long"
-    raise InputError(
-        str(data),
+    raise refused(
+        data,
         f"must have {expected} bytes, header offset included, as {header.source} describes",
-        value=size,
-        found=f"has {size} bytes and is {fault}",
+        size,
+        f"has {size} bytes and is {fault}",
         remedy=("copy the data again", "correct samples, lines, bands, data type or header offset"),
     )
 
@@ -357,7 +357,7 @@ def _number(header: EnviHeader, where: str, text: str) -> float:
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
-        raise InputError(header.source, "must be a finite number", value=text, where=where)
+        raise refused(header.source, "must be a finite number", text, where=where)
     return value
 
 
@@ -379,11 +379,11 @@ def envi_library(path: Path, content: bytes) -> tuple[EnviHeader, Path] | None:
         return None
     pair = envi_pair(path)
     if pair is None and path.suffix.lower() == ".sli":
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             "must have its ENVI header in the same folder",
-            value=f"{path.stem}.hdr",
-            found=f"there is no {path.stem}.hdr",
+            f"{path.stem}.hdr",
+            f"there is no {path.stem}.hdr",
         )
     return None if pair is None else _library(*pair)
 
@@ -483,7 +483,7 @@ def _wavelengths(header: EnviHeader, count: int) -> tuple[Array, str]:
     if np.isnan(numbers).any():
         at = int(np.isnan(numbers).argmax())
         where = f"entry {at} of 'wavelength'"
-        raise InputError(header.source, "must be a number", value=cells[at], where=where)
+        raise refused(header.source, "must be a number", cells[at], where=where)
     unit = header.fields.get("wavelength units", "")
     if unit.lower() in _UNSAID:
         return numbers, ""

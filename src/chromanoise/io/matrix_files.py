@@ -42,7 +42,7 @@ from chromanoise.base import (
     text_of_comment,
 )
 from chromanoise.color import ColorMatrix
-from chromanoise.io.xml_text import xml_root
+from chromanoise.io.source_files import refused, xml_root
 from chromanoise.sensor import Crosstalk, Mosaic, crosstalk_of_kernel
 
 Kind = Literal["electrons", "balanced", "from-xyz"]
@@ -134,11 +134,11 @@ class GivenMatrix:
         if values.ndim != 2 or rows != 3:
             wide = self.kind == "from-xyz"
             what = "3 columns (X, Y, Z)" if wide else "3 rows (X, Y, Z or R, G, B)"
-            raise InputError(
+            raise refused(
                 f"matrix of {self.source}",
                 f"must have {what}",
-                value=values.shape,
-                found=f"has shape {values.shape}",
+                values.shape,
+                f"has shape {values.shape}",
             )
         if self.light_time is not None:
             check.positive(f"t a^2 / f#^2 of {self.source}", "s um2", self.light_time)
@@ -192,17 +192,15 @@ def read_matrix(path: Path) -> GivenMatrix:
         start = file.read(4)
         if start in (b"II*\0", b"MM\0*", b"IIRC", b"MMCR"):
             if size > _MOST_PROFILE_BYTES:
-                raise InputError(str(path), "must have at most 2 GB", value=size)
+                raise refused(path, "must have at most 2 GB", size)
             return _profile(path, file)
         if size > _MOST_BYTES:
-            raise InputError(
-                str(path), f"must have at most {_MOST_BYTES} bytes as a matrix", value=size
-            )
+            raise refused(path, f"must have at most {_MOST_BYTES} bytes as a matrix", size)
         try:
             text = (start + file.read()).decode("utf-8-sig")
         except UnicodeDecodeError:
-            raise InputError(
-                str(path), "must be CSV, JSON, CLF, DNG or DCP", found="is neither text nor TIFF"
+            raise refused(
+                path, "must be CSV, JSON, CLF, DNG or DCP", found="is neither text nor TIFF"
             ) from None
     stripped = text.lstrip()
     if stripped.startswith("{"):
@@ -219,9 +217,9 @@ def _csv(source: str, text: str) -> GivenMatrix:
     try:
         rows = [[cell.strip() for cell in row] for row in csv.reader(io.StringIO("\n".join(lines)))]
     except csv.Error as error:
-        raise InputError(source, f"is not CSV ({error})") from None
+        raise refused(source, f"is not CSV ({error})") from None
     if len(rows) < 3:
-        raise InputError(source, "must hold a matrix of 3 rows", value=len(rows))
+        raise refused(source, "must hold a matrix of 3 rows", len(rows))
     head = rows[0]
     if are_numbers(head):  # numbers only
         return GivenMatrix(
@@ -231,7 +229,7 @@ def _csv(source: str, text: str) -> GivenMatrix:
     targets: dict[tuple[str, ...], Target] = {("X", "Y", "Z"): "XYZ", ("R", "G", "B"): "sRGB"}
     if tuple(names) not in targets:
         need = "must have the rows X, Y, Z (or R, G, B for linear sRGB)"
-        raise InputError(source, need, value=names, found=f"has {', '.join(names)[:80]}")
+        raise refused(source, need, names, f"has {', '.join(names)[:80]}")
     absolute = head[0] == "lx/e-"
     return GivenMatrix(
         source=source,
@@ -248,7 +246,7 @@ def _json(source: str, text: str) -> GivenMatrix:
     held = inputs.json_of(text, source)
     channels = held.get("channels", [])
     if not isinstance(channels, list):
-        raise InputError(source, "must list the names of its channels", value=channels)
+        raise refused(source, "must list the names of its channels", channels)
     channels = tuple(map(str, channels))
     if "matrix_lux_per_e" in held:
         return GivenMatrix(
@@ -280,11 +278,11 @@ def _json(source: str, text: str) -> GivenMatrix:
                 **_made_for(source, header if isinstance(header, dict) else {}),
             )
     keys = ", ".join(map(str, list(held)[:8]))[:80]
-    raise InputError(
+    raise refused(
         source,
         "must hold matrix_lux_per_e, balanced, CameraToXYZ or ColorMatrix1",
-        value=list(held)[:8],
-        found=f"holds {keys or 'nothing'}",
+        list(held)[:8],
+        f"holds {keys or 'nothing'}",
     )
 
 
@@ -295,19 +293,17 @@ def _clf(source: str, text: str) -> GivenMatrix:
     arrays = [node for node in nodes if _CLF_NAMESPACE.sub("", str(node.tag)) == "Array"]
     if len(arrays) != 1 or len(steps) != 1:
         found = f"has {len(steps)} steps and {len(arrays)} arrays"
-        raise InputError(source, "must be a CLF of one matrix", value=len(steps), found=found)
+        raise refused(source, "must be a CLF of one matrix", len(steps), found)
     (step,), words = steps, (arrays[0].text or "").split()
     depths = {step.attrib.get("inBitDepth"), step.attrib.get("outBitDepth")}
     if not depths <= {"16f", "32f"}:
-        raise InputError(
-            source, "must have inBitDepth and outBitDepth 32f", value=sorted(map(str, depths))
-        )
+        raise refused(source, "must have inBitDepth and outBitDepth 32f", sorted(map(str, depths)))
     size = arrays[0].attrib.get("dim", "").split()[:2]
     if size not in (["3", "3"], ["3", "4"]) or len(words) != 3 * int(size[1]):
-        raise InputError(source, "must have an array of dim 3 3", value=size)
+        raise refused(source, "must have an array of dim 3 3", size)
     values = _array(source, [words[i * int(size[1]) :][: int(size[1])] for i in range(3)])
     if values.shape[1] == 4 and values[:, 3].any():
-        raise InputError(source, "must have no offsets", value=values[:, 3].tolist())
+        raise refused(source, "must have no offsets", values[:, 3].tolist())
     said = " ".join(
         (n.text or "") for n in root.iter() if str(n.tag).endswith("OutputDescriptor")
     ).lower()
@@ -331,8 +327,8 @@ def _profile(path: Path, file: Any) -> GivenMatrix:
             if tag in _COLOR_MATRIX and kind == 10 and size <= 12:
                 file.seek(place)
                 if not size or size % 3:
-                    raise InputError(
-                        source, "must have 3 numbers per channel in its color matrix", value=size
+                    raise refused(
+                        source, "must have 3 numbers per channel in its color matrix", size
                     )
                 pairs = struct.unpack(order + "ii" * size, file.read(8 * size))
                 tags[tag] = [n / d for n, d in zip(pairs[::2], pairs[1::2], strict=True)]
@@ -340,9 +336,9 @@ def _profile(path: Path, file: Any) -> GivenMatrix:
                 raw = entries[12 * i + 8 : 12 * i + 10]
                 tags[tag] = [float(struct.unpack(order + "H", raw)[0])]
     except (struct.error, ZeroDivisionError) as error:
-        raise InputError(source, f"is a damaged camera profile ({error})") from None
+        raise refused(source, f"is a damaged camera profile ({error})") from None
     if _COLOR_MATRIX[0] not in tags:
-        raise InputError(source, "must hold a ColorMatrix1 to be a color matrix", found="has none")
+        raise refused(source, "must hold a ColorMatrix1 to be a color matrix", found="has none")
     lights = {
         f"ColorMatrix{i}": (tag, _LIGHTS.get(int(tags.get(light, [0])[0])))
         for i, (tag, light) in enumerate(zip(_COLOR_MATRIX, _CALIBRATION, strict=True), 1)
@@ -405,7 +401,7 @@ def _fact(source: str, facts: Mapping[str, Any], key: str) -> float | None:
     if not 1 / _LARGEST_FACT <= number <= _LARGEST_FACT:
         need, where = f"must be a number of 1e-30 to {_LARGEST_FACT:g}", f"{key} of the matrix"
         remedy = ("correct it", "remove it")
-        raise InputError(source, need, value=said, where=where, remedy=remedy)
+        raise refused(source, need, said, where=where, remedy=remedy)
     return number
 
 
@@ -422,13 +418,13 @@ def _array(source: str, rows: Any) -> Float[Array, "a b"]:
     try:
         values = np.array(rows, dtype=np.float64)
     except (TypeError, ValueError, OverflowError) as error:
-        raise InputError(
+        raise refused(
             source, "must hold a matrix of numbers", found=f"does not ({str(error)[:80]})"
         ) from None
     if values.ndim != 2 or not values.size:
         need = "must hold a matrix of rows and columns"
         found = f"holds an array of shape {values.shape}"
-        raise InputError(source, need, value=values.shape, found=found)
+        raise refused(source, need, values.shape, found)
     return values
 
 
@@ -544,7 +540,7 @@ def matrix_profile_json(made: MadeMatrix) -> str:
     to_xyz, neutral = balanced(made), made.white_e / made.white_e.max()
     what = f"{made.matrix.made_by} matrix of {made.sensor}"
     if matrix_rank(what, to_xyz) < 3:
-        raise InputError(
+        raise refused(
             what, "must have an inverse for a camera profile", remedy="export it as CSV or JSON"
         )
     data: dict[str, Any] = {
@@ -579,7 +575,7 @@ def matrix_writer(path: str, subject: str = "path") -> Callable[[MadeMatrix], st
     for ending, writer in _WRITERS.items():
         if path.lower().endswith(ending):
             return writer
-    raise InputError(subject, f"must end in {', '.join(_WRITERS)}", value=path, remedy="rename it")
+    raise refused(subject, f"must end in {', '.join(_WRITERS)}", path, remedy="rename it")
 
 
 _WRITERS: dict[str, Callable[[MadeMatrix], str]] = {
@@ -608,11 +604,11 @@ def _facts(made: MadeMatrix) -> dict[str, Any]:
 
 def _refuse_not_three(made: MadeMatrix, what: str) -> None:
     if len(made.matrix.channels) != 3:
-        raise InputError(
+        raise refused(
             made.sensor,
             f"must have 3 channels for {what}",
-            value=made.matrix.channels,
-            found=f"has {len(made.matrix.channels)}: {', '.join(made.matrix.channels)}",
+            made.matrix.channels,
+            f"has {len(made.matrix.channels)}: {', '.join(made.matrix.channels)}",
             remedy="export the matrix as CSV or JSON",
         )
 
@@ -645,11 +641,11 @@ def read_crosstalk(path: Path, names: tuple[str, ...], mosaic: Mosaic | None) ->
     if table.columns:
         return _matrix(path, table, names, mosaic)
     if mosaic is None:
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             "must name the channels in its first line, or be a kernel for a mosaic",
-            value=table.values.shape,
-            found="has numbers only, and the sensor has no mosaic",
+            table.values.shape,
+            "has numbers only, and the sensor has no mosaic",
             remedy=Setting("mosaic"),
         )
     with _errors_of(path):
@@ -689,7 +685,7 @@ def crosstalk_table(path: Path) -> CrosstalkTable:
     rows = _rows(path)
     if are_numbers(rows[0]):
         if len({len(row) for row in rows}) > 1:
-            raise InputError(str(path), "must have rows of equal length", value=len(rows))
+            raise refused(path, "must have rows of equal length", len(rows))
         return CrosstalkTable(columns=(), rows=(), values=_numbers(path, rows, first=0))
     head, body = rows[0], rows[1:]
     has_labels = bool(body) and not are_numbers(body[0][:1])
@@ -697,7 +693,7 @@ def crosstalk_table(path: Path) -> CrosstalkTable:
     columns = head[1:] if cells and len(head) == len(cells[0]) + 1 else head
     if len(cells) != len(columns) or any(len(row) != len(columns) for row in cells):
         need = f"must have {len(columns)} rows of {len(columns)} numbers"
-        raise InputError(str(path), need, value=[len(row) for row in cells])
+        raise refused(path, need, [len(row) for row in cells])
     return CrosstalkTable(
         columns=tuple(columns),
         rows=tuple(row[0] for row in body) if has_labels else tuple(columns),
@@ -711,17 +707,15 @@ def _rows(path: Path) -> list[list[str]]:
         with path.open("rb") as file:
             text = file.read(_MOST_BYTES_OF_CROSSTALK + 1).decode("utf-8-sig")
     except OSError as error:
-        raise InputError(str(path), f"cannot be read ({error.strerror})") from None
+        raise refused(path, f"cannot be read ({error.strerror})") from None
     except UnicodeDecodeError:
-        raise InputError(str(path), "must be a UTF-8 text file") from None
+        raise refused(path, "must be a UTF-8 text file") from None
     if len(text) > _MOST_BYTES_OF_CROSSTALK:
-        raise InputError(
-            str(path), f"must have at most {_MOST_BYTES_OF_CROSSTALK} bytes", found="has more"
-        )
+        raise refused(path, f"must have at most {_MOST_BYTES_OF_CROSSTALK} bytes", found="has more")
     lines = [line.strip() for line in text.splitlines()]
     used = [line for line in lines if line and not line.startswith("#")]
     if not used:
-        raise InputError(str(path), "must hold a table of numbers", found="is empty")
+        raise refused(path, "must hold a table of numbers", found="is empty")
     mark = next((mark for mark in (",", ";", "\t") if mark in used[0]), None)
     return [[cell.strip() for cell in line.split(mark)] for line in used]
 
@@ -732,7 +726,7 @@ def _matrix(
     for what, given in (("columns", table.columns), ("rows", table.rows)):
         if sorted(given) != sorted(names):
             need = f"must have {what} for the channels {', '.join(names)}"
-            raise InputError(str(path), need, value=given, found=f"has {', '.join(given)[:80]}")
+            raise refused(path, need, given, f"has {', '.join(given)[:80]}")
     order_rows = [table.rows.index(name) for name in names]
     order_columns = [table.columns.index(name) for name in names]
     pixels = (1,) * len(names)
@@ -756,5 +750,5 @@ def _numbers(path: Path, rows: list[list[str]], *, first: int) -> Float[Array, "
         for cell in row:
             if not are_numbers([cell]):
                 where = f"row {line} of the table"
-                raise InputError(str(path), "must hold numbers", value=cell, where=where)
+                raise refused(path, "must hold numbers", cell, where=where)
     return np.array([[float(cell) for cell in row] for row in rows])

@@ -5,8 +5,9 @@ from collections.abc import Sequence
 from importlib import import_module
 from typing import Any
 
-from chromanoise.base import InputError, from_above, notebook, plain
+from chromanoise.base import from_above, notebook, plain
 from chromanoise.io.result_tables import Table, head, table_latex, written_rows
+from chromanoise.io.source_files import has
 
 
 class Result(ABC):
@@ -100,12 +101,7 @@ def panels_of(axes: Any, count: int, *, columns: int) -> Sequence[Any]:
     if axes is not None:
         given = list(getattr(axes, "flat", axes if isinstance(axes, Sequence) else [axes]))
         if len(given) != count:
-            raise InputError(
-                "ax",
-                f"must be {count} axes, one per panel",
-                value=len(given),
-                found=f"is {len(given)}",
-            )
+            raise has("ax", f"must be {count} axes, one per panel", len(given), "is")
         return given
     rows, columns = -(-count // columns), min(count, columns)
     width_in = 10.0 if columns == 1 else 5.2

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from chromanoise.base import InputError, __version__, check, csv_text
+from chromanoise.io.source_files import has, refused
 from chromanoise.io.spectra import SCHEMA_VERSION, held_json, named, word_of, words_of
 
 Entry = float | int | str | bool | None
@@ -47,14 +48,14 @@ class Column:
 
     def __post_init__(self) -> None:
         if not self.name.strip():
-            raise InputError("Column.name", "must not be empty", value=self.name)
+            raise refused("Column.name", "must not be empty", self.name)
         try:
             format(1.0, self.digits)
         except ValueError:
-            raise InputError(
+            raise refused(
                 "Column.digits",
                 "must be a format such as .2f or .4g",
-                value=self.digits,
+                self.digits,
                 where=f"column {self.name!r}",
             ) from None
 
@@ -89,19 +90,18 @@ class Table:
         check.distinct(f"columns of table {self.title!r}", [c.name for c in self.columns])
         for i, row in enumerate(self.rows):
             if len(row) != len(self.columns):
-                raise InputError(
+                raise has(
                     f"table {self.title!r}",
                     f"must have {len(self.columns)} cells, one per column",
-                    value=len(row),
-                    found=f"has {len(row)}",
+                    len(row),
                     where=f"row {i} (from 0)",
                 )
             for column, cell in zip(self.columns, row, strict=True):
                 if isinstance(cell, float) and not math.isfinite(cell):
-                    raise InputError(
+                    raise refused(
                         f"table {self.title!r}",
                         "must be finite",
-                        value=cell,
+                        cell,
                         where=f"column {column.name!r} in row {i} (from 0)",
                         remedy="use None where it is not defined",
                     )
@@ -201,11 +201,11 @@ def table_writer(path: Path) -> Callable[[Table], str]:
     writers = {".csv": table_csv, ".json": table_json, ".md": table_markdown, ".tex": table_latex}
     ending = path.suffix.lower()
     if ending not in writers:
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             f"must end in {', '.join(writers)} for a table",
-            value=path.suffix,
-            found=f"ends in {path.suffix!r}",
+            path.suffix,
+            f"ends in {path.suffix!r}",
         )
     return writers[ending]
 
@@ -258,7 +258,7 @@ def table_from_json(text: str, *, source: str = "table") -> Table:
     except InputError as error:
         raise named(error, source) from None
     except (KeyError, TypeError):
-        raise InputError(
+        raise refused(
             source, "must have title, columns (name, unit, digits), rows and notes, as a table"
         ) from None
 
@@ -293,7 +293,7 @@ def table_latex(table: Table, label: str = "") -> str:
         If the label has characters other than letters, digits and ``: . _ -``.
     """
     if label and not _LABEL.fullmatch(label):
-        raise InputError("label", "must consist of letters, digits and : . _ -", value=label)
+        raise refused("label", "must consist of letters, digits and : . _ -", label)
     kinds = "".join("r" if _numeric(table, i) else "l" for i in range(len(table.columns)))
     heads = " & ".join(_latex(head(column)) for column in table.columns)
     rows = [

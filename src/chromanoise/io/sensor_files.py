@@ -12,6 +12,7 @@ import numpy as np
 
 from chromanoise.base import InputError, Remedy, Setting, __version__, check
 from chromanoise.io.curve_files import read_curves
+from chromanoise.io.source_files import refused
 from chromanoise.io.spectra import (
     ASK,
     SCHEMA_VERSION,
@@ -87,10 +88,10 @@ def sensor_data(sensor: Sensor) -> dict[str, Any]:
     """
     grid, pixel = sensor.grid, sensor.pixel
     if pixel.own_noise:
-        raise InputError(
+        raise refused(
             f"sensor {sensor.name}",
             "must have no noise sources of its own to be written",
-            value=[one.cause for one in pixel.own_noise],
+            [one.cause for one in pixel.own_noise],
             remedy="write the sensor with a Pixel of chromanoise",
         )
     return {
@@ -130,11 +131,8 @@ def sensor_from_json(text: str, *, source: str = "sensor") -> Sensor:
         required = {name: number_of(pixel[name]) for name in PIXEL_REQUIRED}
         own = Grid(*(number_of(grid[key]) for key in ("start", "stop", "step")))
         if own.n > _LARGEST_GRID:
-            raise InputError(
-                source,
-                f"must be at most {_LARGEST_GRID} wavelengths",
-                value=own.n,
-                where="key 'grid_nm'",
+            raise refused(
+                source, f"must be at most {_LARGEST_GRID} wavelengths", own.n, where="key 'grid_nm'"
             )
         return Sensor(
             name=word_of(held["name"]),

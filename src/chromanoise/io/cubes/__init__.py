@@ -11,7 +11,6 @@ if TYPE_CHECKING:
         picture_to_xarray as picture_to_xarray,
     )
     from chromanoise.io.cubes.raw_cube import (
-        by,
         library,
         reading,
         reading_rows,

@@ -41,6 +41,7 @@ from chromanoise.io.envi import (
     read_envi_header,
 )
 from chromanoise.io.matlab import mat_array, mat_arrays
+from chromanoise.io.source_files import has, refused
 from chromanoise.spectra import Cube
 
 Declared = tuple[tuple[int, ...], np.dtype]
@@ -67,12 +68,12 @@ def npz_arrays(path: Path) -> dict[str, Declared]:
             if info.filename.endswith(".npy"):
                 name = info.filename.removesuffix(".npy")
                 if info.compress_type not in _METHODS:
-                    raise InputError(
-                        str(path),
+                    raise refused(
+                        path,
                         "must be stored or deflated, as NumPy does",
+                        info.compress_type,
+                        f"has compression method {info.compress_type}",
                         where=f"array {name!r}",
-                        value=info.compress_type,
-                        found=f"has compression method {info.compress_type}",
                         remedy="save it with numpy.savez",
                     )
                 with archive.open(info) as stream:
@@ -110,11 +111,11 @@ def npy_array(path: Path) -> Shaped[Array, "..."]:
     with path.open("rb") as stream:
         _, dtype = _declared(stream, path.stat().st_size, path, "")
     if dtype.kind not in "fiu":
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             "must hold real numbers",
-            value=dtype.name,
-            found=f"is of type {dtype.name}",
+            dtype.name,
+            f"is of type {dtype.name}",
             remedy="save it as a plain array",
         )
     return np.lib.format.open_memmap(path, mode="r")
@@ -130,12 +131,12 @@ def _declared(stream: IO[bytes] | io.BufferedIOBase, size: int, path: Path, wher
         return (), np.dtype("O")
     expected = stream.tell() + math.prod(shape) * dtype.itemsize
     if size != expected:
-        raise InputError(
-            str(path),
+        raise has(
+            path,
             f"must hold the {expected} bytes that its header describes",
+            size,
+            "holds",
             where=where,
-            value=size,
-            found=f"holds {size}",
             remedy="save it again, because it is truncated or damaged",
         )
     return shape, dtype
@@ -169,12 +170,7 @@ def png_folder_cube(path: Path, shape: tuple[int, int] | None) -> Found:
     """
     files = _pngs(path)
     if len(files) > _MOST_BANDS:
-        raise InputError(
-            str(path),
-            f"must hold at most {_MOST_BANDS} PNGs",
-            value=len(files),
-            found=f"holds {len(files)}",
-        )
+        raise has(path, f"must hold at most {_MOST_BANDS} PNGs", len(files), "holds")
     numbers, ordered = _ordered(path, files)
     pixels = _stacked(path, ordered)
     refuse_other_shape(path, pixels, shape)
@@ -199,20 +195,20 @@ def _ordered(path: Path, files: list[Path]) -> tuple[list[int], list[Path]]:
     for file in files:
         found = _LAST_NUMBER.search(file.stem)
         if found is None:
-            raise InputError(
-                str(file),
+            raise refused(
+                file,
                 "must have a number in its name, which gives its place among the bands",
-                value=file.stem,
-                found="has none",
+                file.stem,
+                "has none",
                 remedy=("number the files", "move this one away"),
             )
         number = int(found[1])
         if number in by_number:
-            raise InputError(
-                str(path),
+            raise refused(
+                path,
                 "must have one PNG per number",
-                value=number,
-                found=f"{by_number[number].name} and {file.name} have the same number",
+                number,
+                f"{by_number[number].name} and {file.name} have the same number",
                 remedy="move one away",
             )
         by_number[number] = file
@@ -225,11 +221,11 @@ def _refuse_gaps(path: Path, numbers: list[int]) -> None:
     steps = np.diff(numbers)
     if not (steps == steps[0]).all() or (steps[0] > 1 and not _are_wavelengths(numbers)):
         i = int(np.argmax(steps > steps.min()))
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             "numbers in the names of the files must step evenly",
-            value=numbers[i + 1],
-            found=f"number {numbers[i + 1]} follows {numbers[i]}",
+            numbers[i + 1],
+            f"number {numbers[i + 1]} follows {numbers[i]}",
             remedy="add the band that is missing",
         )
 
@@ -255,12 +251,12 @@ def _stacked(path: Path, files: list[Path]) -> Shaped[Array, "h w m"]:
     opened = [_size_and_kind(file) for file in files]
     for file, (size, dtype) in zip(files, opened, strict=True):
         if (size, dtype) != opened[0]:
-            raise InputError(
-                str(file),
+            raise refused(
+                file,
                 f"must be {opened[0][0][0]}x{opened[0][0][1]} {opened[0][1].name} as "
                 f"{files[0].name}, because all bands must be alike",
-                value=(*size, dtype.name),
-                found=f"is {size[0]}x{size[1]} {dtype.name}",
+                (*size, dtype.name),
+                f"is {size[0]}x{size[1]} {dtype.name}",
             )
     (width, height), dtype = opened[0]
     total = sum(file.stat().st_size for file in files)
@@ -277,11 +273,11 @@ def _size_and_kind(file: Path) -> tuple[tuple[int, int], np.dtype]:
         size: tuple[int, int] = image.size
         mode = str(image.mode)
     if mode not in _GRAY:
-        raise InputError(
-            str(file),
+        raise refused(
+            file,
             "must be gray with 8 or 16 bits",
-            value=mode,
-            found=f"has pixels of kind {mode}",
+            mode,
+            f"has pixels of kind {mode}",
             remedy=("save it in that form", "move it away"),
         )
     return size, _GRAY[mode]
@@ -353,17 +349,11 @@ def _refuse_no_file(path: Path) -> None:
     if path.is_dir():
         return
     if status.st_size == 0:
-        raise InputError(
-            str(path),
-            "must not be empty",
-            value=0,
-            found="has 0 bytes",
-            remedy="copy or save it again",
-        )
+        raise refused(path, "must not be empty", 0, "has 0 bytes", remedy="copy or save it again")
     try:
         path.open("rb").close()
     except OSError as error:
-        raise InputError(str(path), f"cannot be read ({reason(error)})") from None
+        raise refused(path, f"cannot be read ({reason(error)})") from None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -421,8 +411,8 @@ def _found(path: Path, key: str | None, shape: tuple[int, int] | None) -> Found:
     if form is not None and form.store is not None:
         return labeled_cube(form.store(path), key, shape)
     if form is None and path.is_dir():
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             "must be a file, a Zarr store or a folder of one PNG per band",
             found="is another directory",
             remedy="name the file of the cube in it",
@@ -440,7 +430,7 @@ def _envi(path: Path, shape: tuple[int, int] | None) -> Found:
         header = read_envi_header(pair[0])
         pixels, notes = envi_pixels(header, pair[1])
     except OSError as error:
-        raise InputError(str(path), f"cannot be read ({reason(error)})") from None
+        raise refused(path, f"cannot be read ({reason(error)})") from None
     refuse_other_shape(path, pixels, shape)
     return Found(
         pixels=pixels,
@@ -456,16 +446,16 @@ def _unknown(path: Path) -> InputError:
     if path.suffix.lower() in ("", *DATA_SUFFIXES):
         # both names are equal if the file has no suffix
         names = dict.fromkeys((f"{path.name}.hdr", f"{path.stem}.hdr"))
-        return InputError(
-            str(path),
+        return refused(
+            path,
             f"needs an ENVI header beside it ({' or '.join(names)}) to read its numbers",
             found="has none",
         )
     *most, last = (form.shown for form in FORMATS)
     others = ", ".join(most)
-    return InputError(
-        str(path),
+    return refused(
+        path,
         f"must be a cube in a supported format: ENVI (.hdr and its data), {others} or {last}",
-        value=path.suffix,
-        found=f"ends in {path.suffix}",
+        path.suffix,
+        f"ends in {path.suffix}",
     )

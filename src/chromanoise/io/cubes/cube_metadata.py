@@ -8,6 +8,7 @@ import numpy as np
 
 from chromanoise.base import Array, Float, InputError, Setting, Shaped, check, reason, regular_file
 from chromanoise.io.cubes.raw_cube import Found, Notes
+from chromanoise.io.source_files import refused
 from chromanoise.io.spectra import (
     NM_PER,
     Unit,
@@ -53,8 +54,8 @@ def _scale_and_notes(path: Path | str, found: Found, scale: float | None) -> tup
         said = (f"{radiance}, but a scale to reflectance is given",) if radiance else ()
         return float(scale), (*said, f"reflectance = stored x {scale:g}, as given")
     if radiance:
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             "must hold reflectance, or numbers of known scale (reflectance per stored unit)",
             found=radiance,
             remedy=("divide it by the illuminant or a white reference", Setting("scale")),
@@ -63,12 +64,12 @@ def _scale_and_notes(path: Path | str, found: Found, scale: float | None) -> tup
     if own is not None:
         return own, (f"reflectance = stored x {own:g}, as the header says",)
     if found.pixels.dtype.kind in "iu":
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             "must declare the scale of its integers (reflectance per stored unit, "
             "1e-4 for reflectance x 10000)",
-            value=found.pixels.dtype.name,
-            found=f"stores {found.pixels.dtype.name} and declares none",
+            found.pixels.dtype.name,
+            f"stores {found.pixels.dtype.name} and declares none",
             remedy=Setting("scale"),
         )
     return 1.0, ()
@@ -94,9 +95,7 @@ def _wavelengths_and_notes(
     """Centers of the bands [nm]: as given, else from the file."""
     bands = found.pixels.shape[2]
     if bands < 2:
-        raise InputError(
-            str(path), "must have at least 2 bands", value=bands, found=f"has {bands} band"
-        )
+        raise refused(path, "must have at least 2 bands", bands, f"has {bands} band")
     if said is not None:
         over = "; those in the file are not used" if found.wavelengths else ""
         if isinstance(said, str | Path):
@@ -104,19 +103,19 @@ def _wavelengths_and_notes(
         spread, note = _spread(said, bands)
         return spread, (note + over,)
     if found.wavelengths is None:
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             f"must declare the wavelengths of its {bands} bands ({_TWO_OR_ALL})",
             found="declares none",
             remedy=Setting("wavelengths"),
         )
     wavelength, notes = found.wavelengths()
     if wavelength.size != bands:
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             f"must have one wavelength per band ({_TWO_OR_ALL})",
-            value=wavelength.size,
-            found=f"has {bands} bands and {wavelength.size} wavelengths",
+            wavelength.size,
+            f"has {bands} bands and {wavelength.size} wavelengths",
             remedy=("correct it", Setting("wavelengths")),
         )
     return wavelength, notes
@@ -126,11 +125,11 @@ def _spread(ends: tuple[float, float], bands: int) -> tuple[Float[Array, " m"], 
     """``bands`` evenly spaced wavelengths from the first to the last. [nm]"""
     first, last = (float(end) for end in ends)
     if first == last or not all(_SHORTEST_NM <= end <= _LONGEST_NM for end in (first, last)):
-        raise InputError(
+        raise refused(
             "wavelengths",
             f"must be two different numbers within {_SHORTEST_NM:g} .. {_LONGEST_NM:g} [nm]",
-            value=(first, last),
-            found=f"is {first:g}:{last:g}",
+            (first, last),
+            f"is {first:g}:{last:g}",
         )
     note = f"{bands} wavelengths evenly from {first:g} to {last:g} nm, as given"
     return np.linspace(first, last, bands), note
@@ -165,12 +164,12 @@ def _refuse_not_light(path: Path | str, wavelength: Float[Array, " m"]) -> None:
     bad = ~((wavelength >= _SHORTEST_NM) & (wavelength <= _LONGEST_NM))
     if bad.any():
         i = int(np.argmax(bad))
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             f"wavelength must be {_SHORTEST_NM:g} .. {_LONGEST_NM:g} [nm]",
+            float(wavelength[i]),
+            f"is {wavelength[i]:g} nm ({int(bad.sum())} of {bad.size} are out of range)",
             where=f"band {i} (from 0)",
-            value=float(wavelength[i]),
-            found=f"is {wavelength[i]:g} nm ({int(bad.sum())} of {bad.size} are out of range)",
             remedy=("correct the wavelengths or their unit", Setting("wavelengths")),
         )
 
@@ -180,12 +179,12 @@ def _refuse_disorder(
 ) -> None:
     if wrong.any():
         i = int(np.argmax(wrong))
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             "wavelengths must rise or fall from band to band",
+            float(wavelength[i + 1]),
+            f"{wavelength[i + 1]:g} nm follows {wavelength[i]:g} nm",
             where=f"band {i + 1} (from 0)",
-            value=float(wavelength[i + 1]),
-            found=f"{wavelength[i + 1]:g} nm follows {wavelength[i]:g} nm",
             remedy=("sort the bands and drop repeated ones", Setting("wavelengths")),
         )
 
@@ -231,44 +230,42 @@ def read_wavelengths(path: Path, bands: int) -> Float[Array, " bands"]:
     counts = [sum(len(row) for row in part) for part in (columns, rows)]
     if bands not in counts:
         texts = " or ".join(str(count) for count in dict.fromkeys(counts))
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             f"must list one wavelength for each of the {bands} bands of the cube",
-            value=tuple(dict.fromkeys(counts)),
-            found=f"lists {texts}",
+            tuple(dict.fromkeys(counts)),
+            f"lists {texts}",
         )
     cells = [cell for row in (columns if counts[0] == bands else rows) for cell in row]
     values = [_number(cell) for cell in cells]
     if not all(math.isfinite(value) for value in values):
         wrong = next(i for i, value in enumerate(values) if not math.isfinite(value))
-        raise InputError(
-            str(path), "must be a number", where=f"entry {wrong + 1}", value=cells[wrong][:40]
-        )
+        raise refused(path, "must be a number", cells[wrong][:40], where=f"entry {wrong + 1}")
     return np.array(values) * nm_per
 
 
 def _text(path: Path) -> str:
     size = regular_file(path).st_size
     if size > _LARGEST_BYTES:
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             f"must have at most {_LARGEST_BYTES // 2**20} MiB",
-            value=size,
-            found=f"has {size} bytes",
+            size,
+            f"has {size} bytes",
             remedy=_LIST,
         )
     try:
         return path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as error:
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             "must be a UTF-8 text file",
-            value=error.start,
-            found=f"byte {error.start} is not text",
+            error.start,
+            f"byte {error.start} is not text",
             remedy=_LIST,
         ) from None
     except OSError as error:
-        raise InputError(str(path), f"cannot be read ({reason(error)})") from None
+        raise refused(path, f"cannot be read ({reason(error)})") from None
 
 
 def _parts(path: Path, text: str) -> tuple[str, list[list[str]]]:
@@ -282,7 +279,7 @@ def _parts(path: Path, text: str) -> tuple[str, list[list[str]]]:
         elif cells:
             rows.append(cells)
     if not rows:
-        raise InputError(str(path), "must list one wavelength per band", found="lists none")
+        raise refused(path, "must list one wavelength per band", found="lists none")
     return "\n".join(heading), rows
 
 
@@ -295,12 +292,7 @@ def _unit(path: Path, heading: str) -> float:
     units = {_unit_of(path, text) for text in texts} - {None}
     if len(units) > 1:
         names = tuple(sorted(str(unit) for unit in units))
-        raise InputError(
-            str(path),
-            "headings must name one unit",
-            value=names,
-            found=f"name {' and '.join(names)}",
-        )
+        raise refused(path, "headings must name one unit", names, f"name {' and '.join(names)}")
     return NM_PER[next(iter(units)) or "nm"] if units else 1.0
 
 
@@ -308,20 +300,20 @@ def _unit_of(path: Path, text: str) -> Unit | None:
     try:
         unit = wavelength_unit_of(text)
     except InputError as error:
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             error.requirement,
-            value=error.value,
-            found=error.found,
+            error.value,
+            error.found,
             where=", ".join(part for part in (error.subject, error.where) if part),
             remedy=error.remedy,
         ) from None
     if unit == "1/cm":
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             "must list wavelengths",
-            value=unit,
-            found="lists wavenumbers",
+            unit,
+            "lists wavenumbers",
             remedy="write wavelengths in nm",
         )
     return unit

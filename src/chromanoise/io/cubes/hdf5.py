@@ -21,7 +21,7 @@ from typing import Any, BinaryIO
 
 import numpy as np
 
-from chromanoise.base import Array, InputError, Int64, Shaped, check, printable, sandbox
+from chromanoise.base import Array, Int64, Shaped, check, printable, sandbox
 from chromanoise.io.cubes.labeled import Axes, Labeled, Store, StoredRows
 from chromanoise.io.cubes.raw_cube import (
     library,
@@ -30,6 +30,7 @@ from chromanoise.io.cubes.raw_cube import (
     reading,
     refuse_absent_library,
 )
+from chromanoise.io.source_files import refused
 from chromanoise.io.spectra import SPECTRAL_NAMES
 from chromanoise.spectra import RowSource
 
@@ -163,8 +164,8 @@ def hdf5_store(path: Path, *, matlab: bool = False) -> Store:
     """
     kind = "MATLAB 7.3" if matlab else "HDF5"
     if not is_hdf5(path):
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             "must be an HDF5 file, as NetCDF-4 is",
             found="is in another format",
             remedy=("convert it (nccopy -k nc4)", "save it again"),
@@ -173,7 +174,7 @@ def hdf5_store(path: Path, *, matlab: bool = False) -> Store:
     with reading(path, kind):
         listed, attributes = sandbox.sandboxed(_listed, path, path=path, limit_s=_LIMIT_S)
     if len(listed) > _MOST_ARRAYS:
-        raise InputError(str(path), f"must hold at most {_MOST_ARRAYS} arrays", found="holds more")
+        raise refused(path, f"must hold at most {_MOST_ARRAYS} arrays", found="holds more")
     arrays = {
         name: _by_matlab(array) if matlab else array
         for name, array in listed.items()
@@ -253,8 +254,8 @@ def _listed(path: Path) -> tuple[dict[str, Labeled], Mapping[str, Any]]:
         def see(name: str | bytes, thing: Any) -> bool | None:
             depth = os.fsencode(name).count(b"/")
             if depth > _DEEPEST or next(seen) > _MOST_THINGS:  # each is looked up from the root
-                raise InputError(
-                    str(path),
+                raise refused(
+                    path,
                     f"must hold at most {_MOST_THINGS} groups and arrays, nested at most "
                     f"{_DEEPEST} deep",
                     found="holds more of them, or deeper ones",
@@ -263,11 +264,11 @@ def _listed(path: Path) -> tuple[dict[str, Labeled], Mapping[str, Any]]:
             if isinstance(thing, dataset_type) and thing.shape is not None:
                 if isinstance(name, bytes):  # h5py cannot decode it
                     shown = name.decode("utf-8", "backslashreplace")
-                    raise InputError(
-                        str(path),
+                    raise refused(
+                        path,
                         "must have arrays with names in UTF-8",
-                        value=shown,
-                        found=f"has one named {shown[:80]}",
+                        shown,
+                        f"has one named {shown[:80]}",
                         remedy="save it again, because it is damaged",
                     )
                 names.append(name)
@@ -382,11 +383,11 @@ def _without_libhdf5(path: Path, file: Any, dataset: Any) -> Chunks | None:
 def _refuse_incomplete(path: Path, name: str, dataset: Any) -> None:
     """HDF5 gives zeros for what a program that was stopped did not come to write."""
     if dataset.external or dataset.is_virtual:
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             "must hold its numbers itself, because other files are not read",
-            where=f"array {printable(name)!r}",
             found="they are in other files",
+            where=f"array {printable(name)!r}",
             remedy="store them in one file",
         )
     if dataset.chunks is None:
@@ -400,12 +401,12 @@ def _refuse_incomplete(path: Path, name: str, dataset: Any) -> None:
         missing = parts - stored
         absent = f"{missing} of its {parts} chunks were" if missing > 0 else ""
     if absent:
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             "must be complete",
+            stored,
+            f"{absent} never written",
             where=f"array {printable(name)!r}",
-            value=stored,
-            found=f"{absent} never written",
             remedy="save it again",
         )
 

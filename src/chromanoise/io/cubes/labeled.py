@@ -23,7 +23,6 @@ from chromanoise.io.cubes.raw_cube import (
     Found,
     Notes,
     Wavelengths,
-    by,
     kind_of,
     library,
     memory_bytes,
@@ -35,6 +34,7 @@ from chromanoise.io.cubes.raw_cube import (
     refuse_other_shape,
     refuse_other_size,
 )
+from chromanoise.io.source_files import by, refused
 from chromanoise.io.spectra import (
     BAND_NAMES,
     NM_PER,
@@ -203,11 +203,11 @@ def _chosen(store: Store, key: str | None) -> tuple[str, Notes]:
 def _no_such(store: Store, key: str) -> InputError:
     listed = list(store.arrays.items())[:_MOST_LISTED]
     listing = ", ".join(f"{printable(n)} {by(a.shape)} {kind_of(a.dtype)}" for n, a in listed)
-    return InputError(
-        str(store.path),
+    return refused(
+        store.path,
         f"must hold an array {key!r}",
-        value=tuple(store.arrays),
-        found=f"holds {listing or 'no arrays'}",
+        tuple(store.arrays),
+        f"holds {listing or 'no arrays'}",
         remedy=Setting("key") if listed else (),
     )
 
@@ -222,12 +222,12 @@ def _cube_axes(store: Store, name: str, count: int | None) -> tuple[Axes, Notes]
         return _bands_last(named), ()
     fits = [i for i, n in enumerate(array.shape) if n == count]
     if len(fits) > 1:
-        raise InputError(
-            str(store.path),
+        raise refused(
+            store.path,
             f"must have only one axis of {count}, the number of wavelengths",
+            array.shape,
+            f"is {by(array.shape)}, so bands and pixels cannot be distinguished",
             where=f"array {name!r}",
-            value=array.shape,
-            found=f"is {by(array.shape)}, so bands and pixels cannot be distinguished",
             remedy="save it with axes (rows, columns, bands) as .npy",
         )
     if not fits:
@@ -254,22 +254,22 @@ def _refuse_large_rows(store: Store, name: str, source: RowSource) -> None:
     _, width, bands = source.shape
     needed = width * bands * source.chunk_rows * source.dtype.itemsize
     if needed > memory_bytes() // 2:
-        raise InputError(
-            str(store.path),
+        raise refused(
+            store.path,
             f"rows that are stored together must fit into half of the available "
             f"memory ({memory_bytes() / 2**30:.1f} GiB)",
+            needed,
+            f"need {needed / 2**30:.1f} GiB",
             where=f"array {name!r}",
-            value=needed,
-            found=f"need {needed / 2**30:.1f} GiB",
             remedy=("store it with smaller chunks", "store it as ENVI"),
         )
     if needed > max(_HARMLESS_BYTES, store.bytes * MOST_INFLATED):
-        raise InputError(
-            str(store.path),
+        raise refused(
+            store.path,
             f"rows that are stored together must fit into the {store.bytes} bytes of the file",
+            needed,
+            f"need {needed / 2**20:.0f} MiB",
             where=f"array {name!r}",
-            value=needed,
-            found=f"need {needed / 2**20:.0f} MiB",
             remedy="save it again, because the file is damaged",
         )
 
@@ -368,22 +368,22 @@ def attribute_scale(path: Path | str, attributes: Mapping[str, Any]) -> float | 
     percent = 0.01 if _text(attributes.get("units", "")).strip().lower() in _PERCENT else None
     offset = _number(path, "add_offset", attributes.get("add_offset", 0.0))
     if offset != 0:
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             "must be 0, because offsets are not applied",
+            offset,
             where="attribute 'add_offset'",
-            value=offset,
             remedy=("apply the offset and save the cube again", Setting("scale")),
         )
     if "scale_factor" not in attributes:
         return percent
     factor = _number(path, "scale_factor", attributes["scale_factor"])
     if not (factor > 0 and math.isfinite(factor)):
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             "must be finite and > 0 [reflectance per stored unit]",
+            factor,
             where="attribute 'scale_factor'",
-            value=factor,
             remedy=("correct it", Setting("scale")),
         )
     return factor * (percent or 1.0)
@@ -392,11 +392,11 @@ def attribute_scale(path: Path | str, attributes: Mapping[str, Any]) -> float | 
 def _number(path: Path | str, what: str, value: Any) -> float:
     array = np.asarray(value)
     if array.size != 1 or array.dtype.kind not in "fiu":
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             "must be one number",
+            printable(str(value)),
             where=f"attribute {what!r}",
-            value=printable(str(value)),
             remedy=("correct it", Setting("scale")),
         )
     return float(array.ravel()[0])
@@ -461,11 +461,11 @@ class StoredRows:
         with reading_rows(self.path, self.kind), self.opened() as array:
             read = block(array, self.axes, start, stop, self.bands)
         if read.shape != (stop - start, *self.shape[1:]):
-            raise InputError(
-                str(self.path),
+            raise refused(
+                self.path,
                 "must not change while it is being read",
-                value=read.shape,
-                found="was changed",
+                read.shape,
+                "was changed",
                 remedy="read it again when no program writes to it",
             )
         return read.astype(self.dtype, copy=False)
@@ -520,19 +520,19 @@ def cube_from_xarray(
 
 def _found(source: str, array: Any) -> Found:
     if not all(hasattr(array, name) for name in ("dims", "coords", "attrs", "data", "transpose")):
-        raise InputError(
+        raise refused(
             source,
             "must be an xarray.DataArray",
-            value=type(array).__name__,
-            found=f"is a {type(array).__name__}",
+            type(array).__name__,
+            f"is a {type(array).__name__}",
             remedy="take one variable of a Dataset",
         )
     if array.ndim != 3 or not array.size or array.dtype.kind not in "fiu":
-        raise InputError(
+        raise refused(
             source,
             "must hold real numbers, have three axes and not be empty",
-            value=(*array.shape, str(array.dtype)),
-            found=f"is {by(array.shape)} {array.dtype}",
+            (*array.shape, str(array.dtype)),
+            f"is {by(array.shape)} {array.dtype}",
         )
     attributes = {str(k).lower(): v for k, v in array.attrs.items()}
     axis, notes = _band_axis(source, array)
@@ -559,11 +559,11 @@ def _band_axis(source: str, array: Any) -> tuple[Any, Notes]:
         if len(found) == 1:
             rows, columns = (axis for axis in array.dims if axis != found[0])
             return found[0], (f"axes {rows!r}, {columns!r} taken as rows and columns",)
-    raise InputError(
+    raise refused(
         source,
         "one of its axes must have the wavelengths",
-        value=tuple(array.dims),
-        found=f"it has {', '.join(map(repr, array.dims))}",
+        tuple(array.dims),
+        f"it has {', '.join(map(repr, array.dims))}",
         remedy="name that axis 'wavelength'",
     )
 

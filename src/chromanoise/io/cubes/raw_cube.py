@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 
 from chromanoise.base import Array, InputError, Setting, Shaped, reason
+from chromanoise.io.source_files import by, has, refused
 from chromanoise.spectra import FileRows, RowSource
 
 IN_PLACE = "store it as ENVI or .npy, which are read in place"
@@ -86,7 +87,7 @@ def refuse_absent_library(name: str, what: str, *, extra: str = "cubes", where: 
 
 
 def _absent(name: str, what: str, extra: str, where: str) -> InputError:
-    return InputError(
+    return refused(
         what,
         f"needs the package {name}, which is not installed",
         where=where,
@@ -110,11 +111,8 @@ def reading_rows(path: Path, kind: str) -> Iterator[None]:
     except InputError:
         raise
     except MemoryError:
-        raise InputError(
-            str(path),
-            "must fit into the memory of this machine",
-            found="is too large",
-            remedy=IN_PLACE,
+        raise refused(
+            path, "must fit into the memory of this machine", found="is too large", remedy=IN_PLACE
         ) from None
     except Exception as error:  # parsers raise arbitrary exceptions
         raise _unreadable(path, kind, error) from None
@@ -123,16 +121,16 @@ def reading_rows(path: Path, kind: str) -> Iterator[None]:
 def _unreadable(path: Path, kind: str, error: Exception) -> InputError:
     other = _content_of(path)
     if other and other not in _OWN.get(kind, ()):
-        return InputError(
-            str(path),
+        return has(
+            path,
             f"must be in {kind} format",
-            value=other,
-            found=f"is {other}",
+            other,
+            "is",
             remedy=("correct the ending of its name", "name another file"),
         )
     cause = reason(error)
-    return InputError(
-        str(path),
+    return refused(
+        path,
         f"is not a readable {kind} file{f' ({cause})' if cause else ''}",
         remedy="save it again, because it is damaged or truncated",
     )
@@ -163,21 +161,16 @@ class Found:
     notes: Notes = ()
 
 
-def by(shape: tuple[int, ...]) -> str:
-    """A shape as text: 156x9025."""
-    return "x".join(str(n) for n in shape) or "scalar"
-
-
 def refuse_other_shape(
     path: Path, pixels: Shaped[Array, "h w m"] | RowSource, shape: tuple[int, int] | None
 ) -> None:
     """Raise an error if ``shape`` contradicts the picture in the file."""
     if shape is not None and tuple(shape) != pixels.shape[:2]:
-        raise InputError(
+        raise refused(
             "shape",
             f"must be that of {path}, {by(pixels.shape[:2])} pixels",
-            value=tuple(shape),
-            found=f"is {by(shape)}",
+            tuple(shape),
+            f"is {by(shape)}",
             remedy="omit it",
         )
 
@@ -208,13 +201,13 @@ def picture(
         refuse_other_shape(path, array, shape)
         return array, ()
     if array.ndim != 2 or not array.size:
-        raise InputError(
-            str(path),
+        raise has(
+            path,
             "must have axes (rows, columns, bands), or pixels in one axis and bands in the other, "
             "and must not be empty",
+            array.shape,
+            "is",
             where=what,
-            value=array.shape,
-            found=f"is {by(array.shape)}",
         )
     rows, columns = _rows_and_columns(path, what, array, shape)
     spectra = array if array.shape[0] == rows * columns else array.T
@@ -228,29 +221,29 @@ def _rows_and_columns(
     path: Path, what: str, array: Array, shape: tuple[int, int] | None
 ) -> tuple[int, int]:
     if shape is None:
-        raise InputError(
-            str(path),
+        raise has(
+            path,
             "must have rows and columns in two axes, or a given shape (rows, columns) [pixels]",
+            array.shape,
+            "is",
             where=what,
-            value=array.shape,
-            found=f"is {by(array.shape)}",
             remedy=Setting("shape"),
         )
     fits = [min(shape) > 0 and n == math.prod(shape) for n in array.shape]
     if not any(fits):
-        raise InputError(
+        raise refused(
             "shape",
             f"must have as many pixels as an axis of {what} in {path} ({by(array.shape)})",
-            value=tuple(shape),
-            found=f"{by(shape)} is {math.prod(shape)} pixels",
+            tuple(shape),
+            f"{by(shape)} is {math.prod(shape)} pixels",
         )
     if all(fits):
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             f"must have only one axis of {math.prod(shape)} pixels ({by(shape)})",
+            array.shape,
+            f"is {by(array.shape)}, so pixels and bands cannot be distinguished",
             where=what,
-            value=array.shape,
-            found=f"is {by(array.shape)}, so pixels and bands cannot be distinguished",
             remedy="save it with axes (rows, columns, bands)",
         )
     return shape
@@ -290,22 +283,22 @@ def refuse_impossible(
     count = math.prod(shape)
     size = path.stat().st_size if size is None else size
     if count * (stored_item_bytes or dtype.itemsize) > size * MOST_INFLATED:
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             f"must fit into the {size} bytes of the file",
+            shape,
+            f"is declared as {by(shape)}",
             where=f"array {name!r}",
-            value=shape,
-            found=f"is declared as {by(shape)}",
             remedy="save it again, because the file is damaged",
         )
     size = count * dtype.itemsize
     if size > memory_bytes():
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             f"must fit into the available memory of {_bytes(memory_bytes())}",
+            size,
+            f"needs {_bytes(size)}",
             where=f"array {name!r}",
-            value=size,
-            found=f"needs {_bytes(size)}",
             remedy=IN_PLACE,
         )
 
@@ -314,13 +307,8 @@ def refuse_empty(path: Path, name: str, shape: tuple[int, ...], dtype: np.dtype)
     """Raise an error for an array without numbers, or of anything but real numbers."""
     refuse_not_numbers(path, name, dtype)
     if min(shape, default=1) < 1:
-        raise InputError(
-            str(path),
-            "must not be empty",
-            where=f"array {name!r}",
-            value=shape,
-            found=f"is {by(shape)}",
-            remedy="save it again",
+        raise has(
+            path, "must not be empty", shape, "is", where=f"array {name!r}", remedy="save it again"
         )
 
 
@@ -329,12 +317,12 @@ def refuse_other_size(
 ) -> None:
     """Raise an error for numbers of another shape than declared."""
     if read != declared:
-        raise InputError(
-            str(path),
+        raise has(
+            path,
             f"must be {by(declared)}, as it declares",
+            read,
+            "is",
             where=where,
-            value=read,
-            found=f"is {by(read)}",
             remedy="save it again, because it is damaged",
         )
 
@@ -342,12 +330,12 @@ def refuse_other_size(
 def refuse_not_numbers(path: Path, name: str, dtype: np.dtype) -> None:
     """Raise an error for text, objects, complex numbers and booleans."""
     if dtype.kind not in "fiu":
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             "must hold real numbers",
+            kind_of(dtype),
+            f"is of type {kind_of(dtype)}",
             where=f"array {name!r}",
-            value=kind_of(dtype),
-            found=f"is of type {kind_of(dtype)}",
             remedy=("save it as a plain array of real numbers", Setting("key")),
         )
 

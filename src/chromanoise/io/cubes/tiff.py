@@ -18,7 +18,6 @@ from chromanoise.io.cubes.raw_cube import (
     MOST_INFLATED,
     Found,
     Wavelengths,
-    by,
     library,
     packed_rows,
     reading,
@@ -27,8 +26,8 @@ from chromanoise.io.cubes.raw_cube import (
     refuse_other_shape,
     refuse_other_size,
 )
+from chromanoise.io.source_files import by, has, refused, xml_root
 from chromanoise.io.spectra import NAMED_WAVELENGTH, NM_PER, SPECTRAL_NAMES, nanometers
-from chromanoise.io.xml_text import xml_root
 from chromanoise.spectra import FileRows, PlaneRows, RowSource
 
 _LIMIT_S = 60.0
@@ -84,11 +83,11 @@ def _refuse_overfull(path: Path, page: Any) -> None:
                 continue
             file.seek(at)
             if len(unpacker().decompress(file.read(count), whole + 1)) > whole:
-                raise InputError(
-                    str(path),
+                raise refused(
+                    path,
                     f"must unpack to at most {whole} bytes",
-                    where=f"strip at byte {at}",
                     found="unpacks to more",
+                    where=f"strip at byte {at}",
                     remedy="save it again, because the file is damaged",
                 )
 
@@ -123,11 +122,8 @@ def _by_pillow(path: Path, pages: list[Any]) -> Shaped[Array, "pages h w"]:
         compression = getattr(first.compression, "name", first.compression)
         where = f"pages ({compression}, {first.dtype})"
         library("imagecodecs", str(path), extra="tiff", where=where)
-        raise InputError(
-            str(path),
-            "cannot be decoded",
-            where=where,
-            remedy="save it uncompressed or with deflate",
+        raise refused(
+            path, "cannot be decoded", where=where, remedy="save it uncompressed or with deflate"
         )
     return numbers
 
@@ -210,16 +206,11 @@ def tiff_cube(path: Path, shape: tuple[int, int] | None) -> Found:
 def _pages(path: Path, file: Any) -> list[Any]:
     """The pages without thumbnails and masks."""
     if len(file.pages) > _MOST_PAGES:
-        raise InputError(
-            str(path),
-            f"must hold at most {_MOST_PAGES} pages",
-            value=len(file.pages),
-            found=f"holds {len(file.pages)}",
-        )
+        raise has(path, f"must hold at most {_MOST_PAGES} pages", len(file.pages), "holds")
     pages = [page.aspage() for page in file.pages]
     whole = [page for page in pages if not page.is_reduced]
     if not whole:
-        raise InputError(str(path), "must hold pages", found="holds none")
+        raise refused(path, "must hold pages", found="holds none")
     return whole
 
 
@@ -227,17 +218,17 @@ def _refuse_unlike(path: Path, pages: list[Any]) -> None:
     first = pages[0]
     for i, page in enumerate(pages):
         if page.dtype is None:
-            raise InputError(
-                str(path), "must hold plain numbers", where=f"page {i} (from 0)", found="holds none"
+            raise refused(
+                path, "must hold plain numbers", found="holds none", where=f"page {i} (from 0)"
             )
         refuse_not_numbers(path, f"page {i}", np.dtype(page.dtype))
         if (page.shape, page.dtype) != (first.shape, first.dtype):
-            raise InputError(
-                str(path),
+            raise refused(
+                path,
                 f"must be {by(first.shape)} {first.dtype} as page 0",
+                (*page.shape, str(page.dtype)),
+                f"is {by(page.shape)} {page.dtype}",
                 where=f"page {i} (from 0)",
-                value=(*page.shape, str(page.dtype)),
-                found=f"is {by(page.shape)} {page.dtype}",
                 remedy="save all pages alike",
             )
         refuse_incomplete(path, i, page)
@@ -248,19 +239,19 @@ def refuse_incomplete(path: Path, i: int, page: Any) -> None:
     size = path.stat().st_size
     places = (*page.dataoffsets, *page.databytecounts)
     if not all(isinstance(place, int) for place in places):
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             "must declare where its numbers are",
             where=f"page {i} (from 0)",
             remedy="save it again",
         )
     ends = [at + n for at, n in zip(page.dataoffsets, page.databytecounts, strict=True)]
     if not ends or min(page.dataoffsets) <= 0 or min(page.databytecounts) <= 0 or max(ends) > size:
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             "must be complete",
-            where=f"page {i} (from 0)",
             found="the file is truncated or was never finished",
+            where=f"page {i} (from 0)",
             remedy="save it again",
         )
 
@@ -276,11 +267,11 @@ def _pixels(
             return PlaneRows(planes=tuple(_in_place(path, page) for page in pages)), notes
         return decoded_pages(path, pages).transpose(1, 2, 0), notes
     if many or len(first.shape) != 3 or first.axes not in ("YXS", "SYX"):
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             "must have one page per band, or one page of many samples",
-            value=(len(pages), *first.shape),
-            found=f"has {len(pages)} pages of {by(first.shape)}",
+            (len(pages), *first.shape),
+            f"has {len(pages)} pages of {by(first.shape)}",
             remedy=("save it in that form", "save it as ENVI"),
         )
     order = tuple(first.axes.index(axis) for axis in "YXS")
@@ -381,20 +372,20 @@ def _gdal_scale(path: Path, facts: dict[tuple[str, int | None], str]) -> float |
         for texts in (scales, offsets)
     )
     if any(shift != 0 for shift in shifts) or len(set(numbers)) > 1:
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             "must have one scale for all bands, and no offsets",
-            value=(sorted(set(scales)), sorted(set(offsets))),
+            (sorted(set(scales)), sorted(set(offsets))),
             where="tag GDAL_METADATA",
             remedy=("apply them and save the cube again", Setting("scale")),
         )
     if not numbers or numbers[0] == 1:
         return None
     if not (numbers[0] > 0 and math.isfinite(1 / numbers[0])):
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             "must be > 0",
-            value=scales[0],
+            scales[0],
             where="scale in tag GDAL_METADATA",
             remedy=("correct it", Setting("scale")),
         )

@@ -14,9 +14,10 @@ from typing import Any
 
 import numpy as np
 
-from chromanoise.base import Array, InputError, Shaped, json_file, printable, regular_file
+from chromanoise.base import Array, Shaped, json_file, printable, regular_file
 from chromanoise.io.cubes.labeled import Axes, Labeled, Store, StoredRows
 from chromanoise.io.cubes.raw_cube import MOST_INFLATED, Notes, library, memory_bytes, reading
+from chromanoise.io.source_files import refused
 from chromanoise.spectra import RowSource
 
 _HEADERS = (".zarray", "zarr.json")
@@ -56,9 +57,7 @@ def zarr_store(path: Path) -> Store:
                 if array is not None:
                     arrays[name] = array
             if len(arrays) > _MOST_ARRAYS:
-                raise InputError(
-                    str(path), f"must hold at most {_MOST_ARRAYS} arrays", found="holds more"
-                )
+                raise refused(path, f"must hold at most {_MOST_ARRAYS} arrays", found="holds more")
         top = _attributes(path, _header(path))
     return Store(
         path=path,
@@ -78,8 +77,8 @@ def _folders(path: Path) -> Iterator[tuple[Path, list[str], int]]:
         entries = list(os.scandir(folder))
         linked = next((e.path for e in entries if e.is_symlink()), None)
         if linked is not None:
-            raise InputError(
-                str(linked),
+            raise refused(
+                linked,
                 "must not be a link, because a link in a Zarr folder could lead out of it",
                 found=None,
                 remedy="copy the files themselves",
@@ -100,7 +99,7 @@ def _header(folder: Path) -> Mapping[str, Any]:
 def _json(path: Path) -> Mapping[str, Any]:
     data = json_file(path, most_bytes=_LARGEST_HEADER_BYTES, any_number=True)
     if not isinstance(data, dict):
-        raise InputError(str(path), "is not a Zarr header", remedy="save the cube again")
+        raise refused(path, "is not a Zarr header", remedy="save the cube again")
     return data
 
 
@@ -118,12 +117,12 @@ def _vetted(path: Path, folder: Path, name: str) -> Labeled | None:
         return None
     for codec in _codecs(header):
         if codec not in _CODECS:
-            raise InputError(
-                str(path),
+            raise refused(
+                path,
                 "must be packed with a trusted codec",
+                printable(codec),
+                f"is packed with {printable(codec)!r}",
                 where=f"array {printable(name)!r}",
-                value=printable(codec),
-                found=f"is packed with {printable(codec)!r}",
                 remedy="store it with blosc, zstd or gzip",
             )
     array = _opened(path, name)
@@ -194,21 +193,21 @@ def _absent_chunks(path: Path, name: str) -> Notes:
         whole, there = int(array.nchunks), int(array.nchunks_initialized)
         filled = array.fill_value
     if there == 0:
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             "must have chunks",
+            0,
+            "has none",
             where=f"array {printable(name)!r}",
-            value=0,
-            found="has none",
             remedy="save it again",
         )
     if whole > there * MOST_INFLATED:
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             f"must have the {whole} chunks that it declares",
+            there,
+            f"has only {there}",
             where=f"array {printable(name)!r}",
-            value=there,
-            found=f"has only {there}",
             remedy="save it again, because it is damaged or not complete",
         )
     if there < whole:
@@ -225,21 +224,21 @@ def _checked(path: Path, name: str) -> Any:
             (f.stat().st_size for f in (path / name).rglob("*") if f.name not in _TEXTS), default=0
         )
     if size > memory_bytes() // 2:
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             "chunks must fit into half the memory of this machine",
+            size,
+            f"each needs {size / 2**30:.1f} GiB",
             where=f"array {printable(name)!r}",
-            value=size,
-            found=f"each needs {size / 2**30:.1f} GiB",
             remedy="store it with smaller chunks",
         )
     if longest > size + size // 8 + _PACKING_BYTES:
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             f"chunks must not be larger than unpacked ({size} bytes)",
+            longest,
+            f"one has {longest} bytes",
             where=f"array {printable(name)!r}",
-            value=longest,
-            found=f"one has {longest} bytes",
             remedy="save it again, because it is damaged",
         )
     return array

@@ -17,7 +17,7 @@ from typing import Any, TypeGuard
 
 import numpy as np
 
-from chromanoise.base import Array, InputError, Integer, UInt16, json_of, sandbox
+from chromanoise.base import Array, Integer, UInt16, json_of, sandbox
 from chromanoise.io.cubes import (
     decoded_pages,
     is_plain,
@@ -35,6 +35,7 @@ from chromanoise.io.frames.frame import (
     refused_picture,
     whole_codes,
 )
+from chromanoise.io.source_files import has, refused
 from chromanoise.sensor import Mosaic
 
 CFA = 32803
@@ -175,16 +176,11 @@ def tiff_frames(path: Path) -> tuple[RawFrame, ...]:
     """
     with opened_tiff(path) as file:
         if len(file.pages) > MOST_FRAMES:
-            raise InputError(
-                str(path),
-                f"must hold at most {MOST_FRAMES} pages",
-                value=len(file.pages),
-                found=f"holds {len(file.pages)}",
-            )
+            raise has(path, f"must hold at most {MOST_FRAMES} pages", len(file.pages), "holds")
         pages = [(i, page.aspage()) for i, page in enumerate(file.pages)]
         pages = [(i, page) for i, page in pages if not page.is_reduced]
         if not pages:
-            raise InputError(str(path), "must hold pages", found="holds none")
+            raise refused(path, "must hold pages", found="holds none")
         _refuse_truncated_stack(path, pages[0][1], len(pages))
         exposure = exposure_of(pages[0][1])
         many = len(pages) > 1
@@ -208,21 +204,21 @@ def _frame(
 ) -> RawFrame:
     where = "" if index is None else f"page {index} (from 0)"
     if page.dtype is None or len(page.shape) < 2:
-        raise InputError(str(path), "must hold plain numbers", where=where, found="holds none")
+        raise refused(path, "must hold plain numbers", found="holds none", where=where)
     if len(page.shape) != 2 or page.photometric not in (_BLACK_IS_0, _WHITE_IS_0, CFA):
         kind = getattr(page.photometric, "name", page.photometric)
         sides = " x ".join(str(side) for side in page.shape)
         raise refused_picture(path, f"is a picture of {sides} ({kind})", where)
     if page.photometric == _WHITE_IS_0:
-        raise InputError(str(path), "must store black as 0", where=where, found="stores white as 0")
+        raise refused(path, "must store black as 0", found="stores white as 0", where=where)
     shape, dtype = (int(page.shape[0]), int(page.shape[1])), np.dtype(page.dtype)
     refuse_shape(path, where, shape)
     refuse_incomplete(path, index or 0, page)
     refuse_impossible(path, where or "page 0", shape, dtype)
     mosaic = mosaic_of(page)
     if page.photometric == CFA and mosaic is None:
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             "must state its mosaic in the tag CFAPattern",
             where=where,
             remedy="save it as a gray TIFF, and write the mosaic into capture.toml",
@@ -257,7 +253,7 @@ class _CompressedPage:
         with opened_tiff(self.path) as file:
             page = file.pages[self.page].aspage()
             if (tuple(page.shape), str(page.dtype)) != (self.shape, self.stored):
-                raise InputError(str(self.path), "must not change while it is read")
+                raise refused(self.path, "must not change while it is read")
             refuse_incomplete(self.path, self.page, page)
             codes = decoded_pages(self.path, [page])[0]
         return whole_codes(str(self.path), codes)
@@ -278,11 +274,11 @@ def _refuse_truncated_stack(path: Path, first: Any, pages: int) -> None:
         except (ValueError, TypeError, AttributeError, OverflowError):
             declared = 1
     if declared > pages and pages == 1 and len(first.shape) == 2:
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             "must have one page per frame",
-            value=pages,
-            found=f"has {pages} page, and its description states {declared} frames",
+            pages,
+            f"has {pages} page, and its description states {declared} frames",
             remedy="save each frame as a page",
         )
 
@@ -324,11 +320,11 @@ def raw_frames(path: Path) -> tuple[RawFrame, ...]:
     refuse_shape(path, "", shape)
     pixels = raw_shape[0] * raw_shape[1]
     if pixels > _MOST_PIXELS_PER_BYTE * size:
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             f"must fit into the {size} bytes of the file",
-            value=raw_shape,
-            found=f"is declared as {raw_shape[0]} x {raw_shape[1]} pixels",
+            raw_shape,
+            f"is declared as {raw_shape[0]} x {raw_shape[1]} pixels",
             remedy="copy it again, because the file is damaged",
         )
     read = _Raw(path=path, shape=shape, pixels=pixels)
@@ -396,7 +392,7 @@ class _Tiles:
         with opened_tiff(self.path) as tiff:
             (page,) = _mosaic_pages(tiff)
             if tuple(page.shape) != self.stored or not _is_uncompressed(page):
-                raise InputError(str(self.path), "must not change while it is read")
+                raise refused(self.path, "must not change while it is read")
             refuse_incomplete(self.path, 0, page)
             codes = decoded_pages(self.path, [page])[0]
         top, left, bottom, right = self.area
@@ -531,7 +527,7 @@ def _codes(path: str, shape: tuple[int, int]) -> UInt16[Array, "h w"]:
     with _unpacked(path) as raw:
         codes = raw.raw_image_visible
         if codes.shape != shape:
-            raise InputError(path, "must have the size stated in its header", value=codes.shape)
+            raise refused(path, "must have the size stated in its header", codes.shape)
         return codes.copy()  # rawpy frees its memory
 
 

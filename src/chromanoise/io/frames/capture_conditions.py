@@ -23,6 +23,7 @@ from chromanoise.io.frames.frame import (
 )
 from chromanoise.io.frames.frame_formats import frames_in
 from chromanoise.io.pixels import errors_in_file
+from chromanoise.io.source_files import refused
 from chromanoise.sensor import Mosaic, mosaic_named
 
 CAPTURE = "capture.toml"
@@ -75,9 +76,7 @@ def read_capture(path: Path) -> FrameSet:
         darks = FrameLevel(name="darks", flats=(), darks=pooled, time_ms=_one_time(pooled))
         levels = [_with(path, darks, {"iso": iso})]
     if not levels:
-        raise InputError(
-            str(path), "must have at least one [[levels]]", found="has none", remedy=EXAMPLE
-        )
+        raise refused(path, "must have at least one [[levels]]", found="has none", remedy=EXAMPLE)
     _refuse_repeated(path, levels)
     with errors_in_file(path):
         check.distinct("names of levels", [level.name for level in levels])
@@ -103,16 +102,16 @@ def read_capture(path: Path) -> FrameSet:
 def _table(path: Path) -> dict[str, Any]:
     status = regular_file(path)
     if status.st_size > _LARGEST_BYTES:
-        raise InputError(str(path), f"must be at most {_LARGEST_BYTES} bytes", value=status.st_size)
+        raise refused(path, f"must be at most {_LARGEST_BYTES} bytes", status.st_size)
     try:
         table = tomllib.loads(path.read_bytes().decode("utf-8-sig"))
     except OSError as error:
-        raise InputError(str(path), f"cannot be read ({error.strerror})") from None
+        raise refused(path, f"cannot be read ({error.strerror})") from None
     except UnicodeDecodeError as error:
-        raise InputError(str(path), "is not UTF-8 text", where=f"byte {error.start}") from None
+        raise refused(path, "is not UTF-8 text", where=f"byte {error.start}") from None
     except (tomllib.TOMLDecodeError, RecursionError, ValueError, TypeError) as error:
         cause = check.reason(error)
-        raise InputError(str(path), f"is not TOML{f' ({cause})' if cause else ''}") from None
+        raise refused(path, f"is not TOML{f' ({cause})' if cause else ''}") from None
     _refuse_unknown(path, table, _TOP, "")
     return table
 
@@ -120,11 +119,11 @@ def _table(path: Path) -> dict[str, Any]:
 def _refuse_unknown(path: Path, table: Mapping[str, Any], known: tuple[str, ...], at: str) -> None:
     for key in table:
         if key not in known:
-            raise InputError(
-                str(path),
+            raise refused(
+                path,
                 "has an unknown key",
-                value=key,
-                found=f"{printable(key)!r} is not one",
+                key,
+                f"{printable(key)!r} is not one",
                 where=at,
                 remedy=did_you_mean(key, known, f"known: {', '.join(known)}"),
             )
@@ -133,11 +132,9 @@ def _refuse_unknown(path: Path, table: Mapping[str, Any], known: tuple[str, ...]
 def _levels(path: Path, table: Mapping[str, Any]) -> list[dict[str, Any]]:
     levels = table.get("levels", [])
     if not isinstance(levels, list) or not all(isinstance(one, dict) for one in levels):
-        raise InputError(
-            str(path), "must have levels as tables", where="levels", remedy="write [[levels]]"
-        )
+        raise refused(path, "must have levels as tables", where="levels", remedy="write [[levels]]")
     if len(levels) > MOST_LEVELS:
-        raise InputError(str(path), f"must have at most {MOST_LEVELS} levels", value=len(levels))
+        raise refused(path, f"must have at most {MOST_LEVELS} levels", len(levels))
     return levels
 
 
@@ -153,18 +150,17 @@ def _level(
     _refuse_unknown(path, entry, _LEVEL, at)
     name = entry.get("name", at)
     if not isinstance(name, str) or not 0 < len(name) <= 200 or not name.isprintable():
-        raise InputError(str(path), "must be a name of 1 to 200 characters", where=f"{at}, name")
+        raise refused(path, "must be a name of 1 to 200 characters", where=f"{at}, name")
     flats = _frames(path, entry.get("flats", []), f"{at}, flats", opened)
     own = _frames(path, entry.get("darks", []), f"{at}, darks", opened)
     if not flats and not own:
-        raise InputError(str(path), "must have flats or darks", where=at, remedy=EXAMPLE)
+        raise refused(path, "must have flats or darks", where=at, remedy=EXAMPLE)
     time_ms = _number(path, entry, "time_ms", "ms", _LONGEST_MS, at)
     photons = _number(path, entry, "photons_per_pixel", "1", _MOST_PHOTONS, at)
     if photons and not flats:
-        raise InputError(
-            str(path), "must be 0 or absent without flats", value=photons,
-            where=f"{at}, photons_per_pixel",
-        )  # fmt: skip
+        raise refused(
+            path, "must be 0 or absent without flats", photons, where=f"{at}, photons_per_pixel"
+        )
     level = FrameLevel(
         name=name,
         flats=flats,
@@ -185,18 +181,20 @@ def _number(
         abs(value) <= most
     ) else math.nan  # fmt: skip
     if not 0 <= number <= most:
-        raise InputError(
-            str(path), f"must be a number from 0 to {most:g} [{unit}]", value=value,
+        raise refused(
+            path,
+            f"must be a number from 0 to {most:g} [{unit}]",
+            value,
             where=f"{at}, {key}" if at else key,
-        )  # fmt: skip
+        )
     return number
 
 
 def _frames(path: Path, words: Any, where: str, opened: _FramesOfFile) -> tuple[RawFrame, ...]:
     """The frames of a list of names and patterns, in its order."""
     if not isinstance(words, list) or not all(isinstance(word, str) and word for word in words):
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             'must be a list of file names, e.g. ["flat_01_a.tif", "flat_01_b.tif"]',
             where=where,
         )
@@ -208,11 +206,11 @@ def _frames(path: Path, words: Any, where: str, opened: _FramesOfFile) -> tuple[
         repeated = frame if key in seen and repeated is None else repeated
         seen.add(key)
     if repeated is not None:
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             "must list each frame once",
-            value=repeated.name,
-            found=f"{repeated.name} is repeated",
+            repeated.name,
+            f"{repeated.name} is repeated",
             where=where,
         )
     return tuple(frames)
@@ -222,9 +220,7 @@ def _of_word(path: Path, word: str, where: str, opened: _FramesOfFile) -> tuple[
     folder = path.parent
     long = any(len(os.fsencode(name)) > 255 for name in word.split("/"))
     if Path(word).is_absolute() or "\0" in word or long or len(word) > _LONGEST_NAME:
-        raise InputError(
-            str(path), "must name frames relative to the file", value=word, where=where
-        )
+        raise refused(path, "must name frames relative to the file", word, where=where)
     if (folder / word).is_file():
         return _opened(folder / word, opened)
     part = _PART.fullmatch(word)
@@ -247,10 +243,13 @@ def _of_word(path: Path, word: str, where: str, opened: _FramesOfFile) -> tuple[
     except (ValueError, NotImplementedError, IndexError, OSError):
         files = []
     if not files or len(files) > _MOST_FILES:
-        raise InputError(
-            str(path), "must name files that exist", value=word, where=where,
-            found=f"no file is called {printable(word)!r}" if not files else "too many match",
-        )  # fmt: skip
+        raise refused(
+            path,
+            "must name files that exist",
+            word,
+            f"no file is called {printable(word)!r}" if not files else "too many match",
+            where=where,
+        )
     return tuple(frame for file in files for frame in _opened(file, opened))
 
 
@@ -270,11 +269,8 @@ def _parts_of(
         if frame.name == frame.path.name + part or (frame.part and part == f"[{frame.part}]")
     )
     if not chosen:
-        raise InputError(
-            str(path),
-            f"must name a frame from {frames[0].name} to {frames[-1].name}",
-            value=word,
-            where=where,
+        raise refused(
+            path, f"must name a frame from {frames[0].name} to {frames[-1].name}", word, where=where
         )
     return chosen
 
@@ -295,11 +291,11 @@ def _refuse_repeated(path: Path, levels: list[FrameLevel]) -> None:
 
 
 def _repeated(path: Path, frame: RawFrame, level: str, found: str) -> InputError:
-    return InputError(
-        str(path),
+    return refused(
+        path,
         "must use a flat once",
-        value=frame.name,
-        found=f"{frame.name} is {found}",
+        frame.name,
+        f"{frame.name} is {found}",
         where=f"level {level!r}",
     )
 
@@ -313,9 +309,7 @@ def _one_time(frames: tuple[RawFrame, ...]) -> float | None:
 def _bits(path: Path, table: Mapping[str, Any]) -> int | None:
     bits = table.get("bits")
     if bits is not None and (type(bits) is not int or not 1 <= bits <= _MOST_BITS):
-        raise InputError(
-            str(path), f"must be a whole number from 1 to {_MOST_BITS}", value=bits, where="bits"
-        )
+        raise refused(path, f"must be a whole number from 1 to {_MOST_BITS}", bits, where="bits")
     return bits
 
 
@@ -323,10 +317,10 @@ def _camera(path: Path, table: Mapping[str, Any]) -> str:
     camera = table.get("camera", "")
     valid = isinstance(camera, str) and len(camera) <= _LONGEST_CAMERA and camera.isprintable()
     if not valid or ("camera" in table and not camera.strip()):
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             f"must be maker and model, a text of 1 to {_LONGEST_CAMERA} characters",
-            value=camera,
+            camera,
             where="camera",
         )
     return camera.strip()
@@ -338,7 +332,7 @@ def _iso(path: Path, table: Mapping[str, Any], at: str) -> float | None:
         return None
     with errors_in_file(path):
         if isinstance(iso, bool) or not isinstance(iso, int | float):
-            raise InputError(f"{at}iso", "must be a number", value=iso)
+            raise refused(f"{at}iso", "must be a number", iso)
         return check.within(f"{at}iso", "1", iso, _LEAST_ISO, _MOST_ISO)
 
 
@@ -349,10 +343,10 @@ def _with(path: Path, level: FrameLevel, stated: Mapping[str, Any]) -> FrameLeve
         for name, value in known.items():
             own = getattr(frame, name)
             if own and name != "bits" and not _same(own, value):
-                raise InputError(
-                    str(path),
+                raise refused(
+                    path,
                     f"must be {own} as {frame.name} states",
-                    value=value,
+                    value,
                     where=name,
                     remedy=(f"correct {name}", f"omit {name}"),
                 )
@@ -390,7 +384,7 @@ def _mosaic(
     if word is None:
         return mosaic_of_all(str(path), frames), ()
     if not isinstance(word, str) or len(word) > 2000:
-        raise InputError(str(path), "must be a text such as RG/GB", value=word, where="mosaic")
+        raise refused(path, "must be a text such as RG/GB", word, where="mosaic")
     if word == "none":
         return None, ()
     try:

@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path, PureWindowsPath
 
 from chromanoise.base import InputError, printable
-from chromanoise.io.cubes import by
 from chromanoise.io.frames.frame import (
     MOST_LEVELS,
     FrameLevel,
@@ -16,6 +15,7 @@ from chromanoise.io.frames.frame import (
     refuse_mixed,
 )
 from chromanoise.io.frames.frame_formats import frames_in
+from chromanoise.io.source_files import by, has, refused
 
 _HEAD_BYTES = 65536
 _LARGEST_BYTES = 16 * 2**20
@@ -124,12 +124,12 @@ def _text(path: Path) -> str:
         with path.open("rb") as file:
             content = file.read(_LARGEST_BYTES + 1)
         if len(content) > _LARGEST_BYTES:
-            raise InputError(str(path), f"must be at most {_LARGEST_BYTES // 2**20} MiB")
+            raise refused(path, f"must be at most {_LARGEST_BYTES // 2**20} MiB")
         return content.decode("utf-8-sig")
     except OSError as error:
-        raise InputError(str(path), f"cannot be read ({error.strerror})") from None
+        raise refused(path, f"cannot be read ({error.strerror})") from None
     except UnicodeDecodeError as error:
-        raise InputError(str(path), "is not UTF-8 text", where=f"byte {error.start}") from None
+        raise refused(path, "is not UTF-8 text", where=f"byte {error.start}") from None
 
 
 def _lines(text: str) -> Iterator[tuple[int, list[str]]]:
@@ -162,36 +162,35 @@ def _parsed(path: Path, text: str) -> tuple[int, tuple[int, int], list[_Series]]
                 raise _refused(path, number, " ".join(words))
             total += 1
             if total > _MOST_FILES:
-                raise InputError(str(path), f"must list at most {_MOST_FILES} frames")
+                raise refused(path, f"must list at most {_MOST_FILES} frames")
             series[-1].files.append(words[1])
     if len(form) != 3 or not 1 <= form[0] <= 32 or not series or len(series) > MOST_LEVELS:
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             f"must have a line n bits width height, and 1 to {MOST_LEVELS} lines b or d",
-            value=len(series),
-            found=f"has {len(series)}" if form else "has no line n",
+            len(series),
+            f"has {len(series)}" if form else "has no line n",
         )
     seen: dict[tuple[object, ...], int] = {}
     for one in series:
         if len(one.files) < 2:
-            raise InputError(
-                str(path), "must have at least 2 frames", value=len(one.files),
-                found=f"has {len(one.files)}", where=f"line {one.line}",
-            )  # fmt: skip
+            raise has(path, "must have at least 2 frames", len(one.files), where=f"line {one.line}")
         key = (one.time_ms, one.photons, one.spatial)
         if seen.setdefault(key, one.line) != one.line:
-            raise InputError(
-                str(path), f"must differ from line {seen[key]}", where=f"line {one.line}",
+            raise refused(
+                path,
+                f"must differ from line {seen[key]}",
                 found="has the same exposure time and photons",
-            )  # fmt: skip
+                where=f"line {one.line}",
+            )
     return form[0], (form[2], form[1]), series
 
 
 def _refused(path: Path, number: int, line: str) -> InputError:
-    return InputError(
-        str(path),
+    return refused(
+        path,
         "must be v version, n bits width height (once), b time_ns photons, d time_ns, or i file",
-        value=printable(line),
+        printable(line),
         where=f"line {number}",
     )
 
@@ -202,10 +201,9 @@ def _number(path: Path, line: int, word: str) -> float:
     except ValueError:
         value = math.nan
     if not 0 <= value <= _LARGEST:
-        raise InputError(
-            str(path), f"must be a number from 0 to {_LARGEST:g}", value=printable(word),
-            where=f"line {line}",
-        )  # fmt: skip
+        raise refused(
+            path, f"must be a number from 0 to {_LARGEST:g}", printable(word), where=f"line {line}"
+        )
     return value
 
 
@@ -229,11 +227,11 @@ def _frames(path: Path, series: _Series, bits: int, shape: tuple[int, int]) -> t
         own = Path(name) if name.startswith("/") else Path(*PureWindowsPath(name).parts)
         frames += frames_in(path.parent / own)
         if frames[-1].shape != shape:
-            raise InputError(
-                str(path),
+            raise refused(
+                path,
                 f"must list frames of {by(shape)} pixels, as stated in its line n",
-                value=frames[-1].shape,
-                found=f"{frames[-1].name} has {by(frames[-1].shape)}",
+                frames[-1].shape,
+                f"{frames[-1].name} has {by(frames[-1].shape)}",
                 where=f"line {series.line}",
             )
     return tuple(replace(frame, bits=bits, time_ms=series.time_ms) for frame in frames)

@@ -16,7 +16,7 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from chromanoise.base import Array, InputError, Integer, Shaped
-from chromanoise.io.cubes import by
+from chromanoise.io.source_files import by, has, refused
 from chromanoise.sensor import Mosaic
 
 MOST_PIXELS = 400_000_000
@@ -111,15 +111,10 @@ class StoredPlane:
                 file.seek(self.offset)
                 yield file
         except OSError as error:
-            raise InputError(str(self.path), f"cannot be read ({error.strerror})") from None
+            raise refused(self.path, f"cannot be read ({error.strerror})") from None
 
     def _of_other_size(self, size: int) -> InputError:
-        return InputError(
-            str(self.path),
-            f"must have {self.size} bytes, as when its header was read",
-            value=size,
-            found=f"has {size}",
-        )
+        return has(self.path, f"must have {self.size} bytes, as when its header was read", size)
 
 
 def refuse_shape(path: Path, where: str, shape: tuple[int, ...]) -> None:
@@ -138,44 +133,36 @@ def refuse_shape(path: Path, where: str, shape: tuple[int, ...]) -> None:
         If there are other dimensions, a side is 0, or there are too many pixels or frames.
     """
     if len(shape) not in (2, 3):
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             "must hold frames of rows and columns, or a stack of them",
+            shape,
+            f"has {len(shape)} dimensions" if len(shape) != 1 else "is a list",
             where=where,
-            value=shape,
-            found=f"has {len(shape)} dimensions" if len(shape) != 1 else "is a list",
         )
     if min(shape) < 1:
-        raise InputError(
-            str(path), "must not be empty", where=where, value=shape, found=f"is {by(shape)}"
-        )
+        raise has(path, "must not be empty", shape, "is", where=where)
     if math.prod(shape[-2:]) > MOST_PIXELS:
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             f"must have at most {MOST_PIXELS // 10**6} million pixels a frame",
+            shape,
+            f"is declared as {by(shape)}",
             where=where,
-            value=shape,
-            found=f"is declared as {by(shape)}",
         )
     if len(shape) == 3 and shape[0] > MOST_FRAMES:
-        raise InputError(
-            str(path),
-            f"must hold at most {MOST_FRAMES} frames",
-            where=where,
-            value=shape[0],
-            found=f"holds {shape[0]}",
-        )
+        raise has(path, f"must hold at most {MOST_FRAMES} frames", shape[0], "holds", where=where)
     if len(shape) == 3 and shape[2] in (3, 4):
         raise refused_picture(path, f"is a color picture of {by(shape)}", where)
 
 
 def refused_picture(path: Path, found: str, where: str = "") -> InputError:
     """The error for a picture of several channels, or of a lossy format."""
-    return InputError(
-        str(path),
+    return refused(
+        path,
         "must be a raw frame of one channel",
-        where=where,
         found=found,
+        where=where,
         remedy="use the frames before they are demosaicked or compressed, e.g. as DNG, TIFF or NPY",
     )
 
@@ -204,7 +191,7 @@ def whole_codes(name: str, values: Shaped[Array, "h w"]) -> Integer[Array, "h w"
         return values.astype(values.dtype.newbyteorder("="), copy=False)
     if values.dtype.kind != "f":
         kind = "objects" if values.dtype.hasobject else values.dtype.name
-        raise InputError(name, "must hold integer codes", value=kind, found=f"holds {kind}")
+        raise has(name, "must hold integer codes", kind, "holds")
     rows = max(1, _BLOCK_PIXELS // values.shape[1])
     low = high = 0.0
     for start in range(0, values.shape[0], rows):
@@ -214,11 +201,11 @@ def whole_codes(name: str, values: Shaped[Array, "h w"]) -> Integer[Array, "h w"
         if bad.any():
             row, column = (int(i) for i in np.argwhere(bad)[0])
             first = float(block[row, column])
-            raise InputError(
+            raise refused(
                 name,
                 "must hold whole codes, because processed frames are not raw",
-                value=first,
-                found=f"holds {first:g} in row {start + row}, column {column} (from 0)",
+                first,
+                f"holds {first:g} in row {start + row}, column {column} (from 0)",
                 remedy="use the frames as the camera delivers them",
             )
         low, high = min(low, float(block.min())), max(high, float(block.max()))
@@ -291,16 +278,14 @@ class RawFrame:
         """
         codes: Any = np.asarray(self.read())
         if codes.shape != self.shape:
-            raise InputError(
+            raise refused(
                 self.name,
                 f"must have {self.shape[0]} rows and {self.shape[1]} columns",
-                value=codes.shape,
-                found=f"has shape {codes.shape}",
+                codes.shape,
+                f"has shape {codes.shape}",
             )
         if codes.dtype.kind not in "ui":
-            raise InputError(
-                self.name, "must hold integer codes", value=str(codes.dtype), found=f"{codes.dtype}"
-            )
+            raise refused(self.name, "must hold integer codes", str(codes.dtype), f"{codes.dtype}")
         return np.asarray(codes)
 
     @property
@@ -484,11 +469,11 @@ def refuse_few(
         for kind in kinds:
             group = getattr(level, kind)
             if len(group) == 1:
-                raise InputError(
+                raise refused(
                     source,
                     f"must have at least 2 {kind}, because one gives no temporal variance",
-                    value=1,
-                    found=f"has 1, {group[0].name}",
+                    1,
+                    f"has 1, {group[0].name}",
                     where=f"level {level.name!r}",
                     remedy=("take another", "leave the level out", EXAMPLE),
                 )
@@ -503,11 +488,11 @@ def _mixed(
 ) -> InputError:
     quantity, shown = how
     names = (shown_name(one), shown_name(other))
-    return InputError(
+    return refused(
         source,
         f"must have one {name}",
-        value=(quantity(one), quantity(other)),
-        found=f"{names[0]} has {shown(quantity(one))} and {names[1]} has {shown(quantity(other))}",
+        (quantity(one), quantity(other)),
+        f"{names[0]} has {shown(quantity(one))} and {names[1]} has {shown(quantity(other))}",
         remedy="evaluate them separately",
     )
 

@@ -27,6 +27,7 @@ from chromanoise.io.frames.frame import (
     refuse_mixed,
 )
 from chromanoise.io.frames.frame_formats import frames_in, is_frame_name
+from chromanoise.io.source_files import refused
 
 DARK_WORDS = (
     *("dark", "darks", "darkframe", "darkframes", "bias", "biases", "biasframe", "biasframes"),
@@ -409,7 +410,7 @@ def _levels(count: int) -> str:
 
 
 def _question(source: str, unclear: str) -> InputError:
-    return InputError(
+    return refused(
         source, "must make clear which frames form a level", found=unclear, remedy=EXAMPLE
     )
 
@@ -443,7 +444,7 @@ def read_frame_set(words: Sequence[Path | str]) -> FrameSet:
     """
     paths = [Path(word) for word in words]
     if not paths:
-        raise InputError("frames", "must be a folder or files", found="none are given")
+        raise refused("frames", "must be a folder or files", found="none are given")
     for path in paths:
         regular_file(path, folder=True)
     if len(paths) == 1:
@@ -452,8 +453,8 @@ def read_frame_set(words: Sequence[Path | str]) -> FrameSet:
             return read_capture(listed) if listed.suffix == ".toml" else read_descriptor(listed)
     for path in paths:
         if path.suffix.lower() in (".toml", *_TEXT) and path.is_file():
-            raise InputError(
-                str(path),
+            raise refused(
+                path,
                 "must be given alone, because it lists the frames"
                 if path.suffix == ".toml"
                 else "must be a frame or an EMVA 1288 descriptor",
@@ -472,11 +473,11 @@ def _list_of(path: Path) -> Path | None:
     texts = sorted(file for file in _files(path, deep=False) if file.suffix.lower() in _TEXT)
     found = [file for file in texts if is_descriptor(file)]
     if len(found) > 1:
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             "must have one EMVA 1288 descriptor",
-            value=len(found),
-            found=f"has {found[0].name} and {found[1].name}",
+            len(found),
+            f"has {found[0].name} and {found[1].name}",
             remedy="name one of them",
         )
     return found[0] if found else None
@@ -492,13 +493,13 @@ def _by_name(paths: Sequence[Path]) -> FrameSet:
         inside = path.is_dir()
         for file in _files(path, deep=True) if inside else [path]:
             if file.name == CAPTURE:
-                raise InputError(
-                    str(file),
+                raise refused(
+                    file,
                     "must be given alone, because it lists the frames",
                     remedy=f"evaluate {file.parent} by itself",
                 )
             if true_path(file) in seen:
-                raise InputError(str(file), "must be given once", found="is given twice")
+                raise refused(file, "must be given once", found="is given twice")
             seen.add(true_path(file))
             if inside and (file.name.startswith(".") or not is_frame_name(file)):
                 others.append(file)
@@ -508,7 +509,7 @@ def _by_name(paths: Sequence[Path]) -> FrameSet:
             frames += own
             names += [_name(frame, base, several=len(paths) > 1) for frame in own]
     if not frames:
-        raise InputError(
+        raise refused(
             source, "must hold raw frames", found=f"holds none{_listed(others)}", remedy=EXAMPLE
         )
     refuse_mixed(source, frames)
@@ -534,12 +535,12 @@ def _files(folder: Path, *, deep: bool) -> list[Path]:
         folders[:] = sorted(folders) if deep else []
         found += [path for name in files if (path := Path(root, name)).is_file()]
         if len(found) > _MOST_FILES:
-            raise InputError(str(folder), f"must hold at most {_MOST_FILES} files")
+            raise refused(folder, f"must hold at most {_MOST_FILES} files")
     return sorted(found, key=lambda path: (natural(str(path.relative_to(folder))), str(path)))
 
 
 def _refuse_folder(error: OSError) -> None:
-    raise InputError(str(error.filename), f"cannot be read ({error.strerror})") from None
+    raise refused(error.filename, f"cannot be read ({error.strerror})") from None
 
 
 def _listed(files: Sequence[Path]) -> str:

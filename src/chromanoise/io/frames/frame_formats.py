@@ -21,7 +21,7 @@ from typing import Any
 
 import numpy as np
 
-from chromanoise.base import Array, InputError, Integer, printable, regular_file
+from chromanoise.base import Array, Integer, printable, regular_file
 from chromanoise.io.cubes import (
     library,
     npy_array,
@@ -38,6 +38,7 @@ from chromanoise.io.frames.frame import (
     refused_picture,
     whole_codes,
 )
+from chromanoise.io.source_files import has, refused
 from chromanoise.sensor import Mosaic
 
 _MOST_ARRAYS = 20_000
@@ -73,8 +74,8 @@ def npy_frames(path: Path) -> tuple[RawFrame, ...]:
         )
         return (RawFrame(path=path, shape=shape, read=read),)
     if not array.flags.c_contiguous:
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             "must store a stack frame by frame",
             found="is in Fortran order",
             remedy="save numpy.ascontiguousarray(stack)",
@@ -103,12 +104,7 @@ def npz_frames(path: Path) -> tuple[RawFrame, ...]:
     with reading(path, "NPZ"):
         arrays = npz_arrays(path)
     if not 0 < len(arrays) <= _MOST_ARRAYS:
-        raise InputError(
-            str(path),
-            f"must hold 1 to {_MOST_ARRAYS} arrays",
-            value=len(arrays),
-            found=f"holds {len(arrays)}",
-        )
+        raise has(path, f"must hold 1 to {_MOST_ARRAYS} arrays", len(arrays), "holds")
     frames = []
     for name, (shape, dtype) in arrays.items():
         where = f"array {printable(name)!r}"
@@ -139,23 +135,23 @@ class _Member:
         ):
             shape, by_columns, dtype = _HEADERS[np.lib.format.read_magic(stream)](stream)
             if (shape, dtype) != (self.shape, self.stored):
-                raise InputError(
-                    str(self.path), "must not change while it is read", where=f"array {self.name!r}"
+                raise refused(
+                    self.path, "must not change while it is read", where=f"array {self.name!r}"
                 )
             sides = shape[-2:]
             if by_columns and len(shape) == 3:
-                raise InputError(
-                    str(self.path),
+                raise refused(
+                    self.path,
                     "must store a stack frame by frame",
-                    where=f"array {self.name!r}",
                     found="is in Fortran order",
+                    where=f"array {self.name!r}",
                     remedy="save numpy.ascontiguousarray(stack)",
                 )
             count = math.prod(sides) * dtype.itemsize
             stream.seek((self.index or 0) * count, 1)
             content = stream.read(count)
             if len(content) != count:
-                raise InputError(str(self.path), "is truncated", where=f"array {self.name!r}")
+                raise refused(self.path, "is truncated", where=f"array {self.name!r}")
             values = np.frombuffer(content, dtype)
             codes = values.reshape(sides[::-1]).T if by_columns else values.reshape(sides)
         return whole_codes(str(self.path), codes)
@@ -193,17 +189,17 @@ def pgm_frames(path: Path) -> tuple[RawFrame, ...]:
     shape, offset, size = (height, width), match.end() + 1, path.stat().st_size
     refuse_shape(path, "", shape)
     if not 0 < largest <= _MOST_CODE:
-        raise InputError(str(path), f"must have a largest code of 1 to {_MOST_CODE}", value=largest)
+        raise refused(path, f"must have a largest code of 1 to {_MOST_CODE}", largest)
     plain = match[1] == b"2"
     stored = np.dtype("u1" if largest < 256 else ">u2")
     least = height * width * (1 if plain else stored.itemsize)
     if (plain and offset + 2 * least - 1 > size) or (not plain and offset + least != size):
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             f"must have {'at least ' if plain else ''}{least} "
             f"{'codes' if plain else 'bytes'} after its header",
-            value=size - offset,
-            found=f"has {size - offset} bytes",
+            size - offset,
+            f"has {size - offset} bytes",
             remedy="save it again, one frame per file, because it is truncated or damaged",
         )
     plane = StoredPlane(path=path, size=size, offset=offset, stored=stored, shape=shape)
@@ -230,11 +226,10 @@ class _Pgm:
     def __call__(self) -> Integer[Array, "h w"]:
         codes = _plain_codes(self.plane) if self.plain else self.plane()
         if codes.max() > self.largest:
-            raise InputError(
-                str(self.plane.path),
+            raise has(
+                self.plane.path,
                 f"must have codes up to {self.largest}, as stated in its header",
-                value=int(codes.max()),
-                found=f"has {int(codes.max())}",
+                int(codes.max()),
             )
         return codes
 
@@ -252,7 +247,7 @@ def _plain_codes(plane: StoredPlane) -> Integer[Array, "h w"]:
             done = _put(path, codes, done, words)
         done = _put(path, codes, done, rest.split())
     if done != count:
-        raise InputError(str(path), f"must have {count} codes", value=done, found=f"has {done}")
+        raise has(path, f"must have {count} codes", done)
     return codes.reshape(plane.shape)
 
 
@@ -262,8 +257,8 @@ def _put(path: Path, codes: Array, done: int, words: list[bytes]) -> int:
     numbers = [] if bad is not None else [int(word) for word in words]
     if bad is not None or done + len(numbers) > codes.size or max(numbers, default=0) > _MOST_CODE:
         shown = "" if bad is None else bad[:20].decode("ascii", "replace")
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             f"must have {codes.size} codes of at most {_MOST_CODE} after its header",
             found=f"has {shown!r}" if shown else "has more or larger ones",
         )
@@ -306,7 +301,7 @@ class _Png:
 
         with reading(self.path, "PNG"), PngImagePlugin.PngImageFile(self.path) as image:
             if image.size != self.shape[::-1]:
-                raise InputError(str(self.path), "must not change while it is read")
+                raise refused(self.path, "must not change while it is read")
             codes: Any = np.asarray(image)
         if codes.shape != self.shape or codes.dtype.kind not in "ui":
             raise refused_picture(self.path, f"is a PNG of {codes.dtype}")
@@ -341,11 +336,10 @@ def dumped_frame(path: Path, shape: tuple[int, int], stored: str = "uint16") -> 
     refuse_shape(path, "", shape)
     wanted = shape[0] * shape[1] * dtype.itemsize
     if size != wanted:
-        raise InputError(
-            str(path),
+        raise has(
+            path,
             f"must have {wanted} bytes for {shape[0]} rows and {shape[1]} columns of {stored}",
-            value=size,
-            found=f"has {size}",
+            size,
             remedy="give its rows, columns and type",
         )
     plane = StoredPlane(path=path, size=size, offset=0, stored=dtype, shape=shape)
@@ -385,10 +379,10 @@ def fits_frames(path: Path) -> tuple[RawFrame, ...]:
         first = parts[0].header
         for number, part in enumerate(parts):
             if number >= _MOST_PARTS:
-                raise InputError(str(path), f"must have at most {_MOST_PARTS} parts")
+                raise refused(path, f"must have at most {_MOST_PARTS} parts")
             if type(part).__name__ == "CompImageHDU" or part.header.get("ZIMAGE") is True:
-                raise InputError(
-                    str(path),
+                raise refused(
+                    path,
                     "must not be compressed",
                     where=f"part {number}",
                     remedy="unpack it with funpack",
@@ -396,9 +390,9 @@ def fits_frames(path: Path) -> tuple[RawFrame, ...]:
             if part.is_image and part.header.get("NAXIS", 0):
                 frames += _of_part(path, number, part, first)
     if not frames:
-        raise InputError(str(path), "must hold an image", found="holds none")
+        raise refused(path, "must hold an image", found="holds none")
     if len({(frame.part, frame.index) for frame in frames}) < len(frames):
-        raise InputError(str(path), "must name each extension once")
+        raise refused(path, "must name each extension once")
     return tuple(frames)
 
 
@@ -409,12 +403,12 @@ def _of_part(path: Path, number: int, part: Any, first: Any) -> list[RawFrame]:
     place, size = part.fileinfo()["datLoc"], path.stat().st_size
     stored = np.dtype(_TYPES[int(header["BITPIX"])])
     if place + math.prod(axes) * stored.itemsize > size:
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             "must be complete",
+            size,
+            f"has {size} bytes, fewer than its header states",
             where=where,
-            value=size,
-            found=f"has {size} bytes, fewer than its header states",
             remedy="copy it again",
         )
     shape = (axes[-2], axes[-1])
@@ -446,11 +440,11 @@ class _Scaled:
     def __call__(self) -> Integer[Array, "h w"]:
         name, stored = str(self.plane.path), self.plane.values()
         if self.blank is not None and stored.dtype.kind in "ui" and (stored == self.blank).any():
-            raise InputError(
+            raise refused(
                 name,
                 "must have a code in each pixel",
-                value=self.blank,
-                found=f"has pixels marked as blank by BLANK = {self.blank}",
+                self.blank,
+                f"has pixels marked as blank by BLANK = {self.blank}",
             )
         if (self.zero, self.scale) == (0.0, 1.0):
             return whole_codes(name, stored)
@@ -471,11 +465,11 @@ class _Scaled:
 def _scaling(path: Path, where: str, header: Any) -> dict[str, Any]:
     zero, scale = number_of_tag(header.get("BZERO", 0)), number_of_tag(header.get("BSCALE", 1))
     if zero is None or scale is None or abs(zero) > _LARGEST_OFFSET or not scale:
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             "must have finite numbers in BZERO and BSCALE",
+            (header.get("BZERO"), header.get("BSCALE")),
             where=where,
-            value=(header.get("BZERO"), header.get("BSCALE")),
         )
     blank = number_of_tag(header.get("BLANK")) if "BLANK" in header else None
     return {"zero": zero, "scale": scale, "blank": None if blank is None else int(blank)}
@@ -562,17 +556,17 @@ def frames_in(path: Path | str) -> tuple[RawFrame, ...]:
         raise refused_picture(path, f"is a picture of the format {ending[1:].upper()}")
     reader = _reader(ending)
     if reader is None:
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             "must be a raw frame (DNG or camera raw, TIFF, FITS, NPY, NPZ, PGM, PNG)",
-            value=ending,
-            found=f"ends in {ending}" if ending else "has no ending",
+            ending,
+            f"ends in {ending}" if ending else "has no ending",
             remedy="save it as TIFF or NPY",
         )
     try:
         return reader(path)
     except OSError as error:
-        raise InputError(str(path), f"cannot be read ({error.strerror or error})") from None
+        raise refused(path, f"cannot be read ({error.strerror or error})") from None
 
 
 def is_frame_name(path: Path) -> bool:

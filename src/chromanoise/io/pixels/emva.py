@@ -17,7 +17,7 @@ from pathlib import Path
 
 from chromanoise.base import InputError, check, json_of
 from chromanoise.io.pixels.pixel_toml import errors_in_file, finite_number, source_text
-from chromanoise.io.xml_text import xml_root
+from chromanoise.io.source_files import refused, xml_root
 from chromanoise.sensor import PIXEL_FILES, ROUNDING_DN2, Adc, PixelSource
 
 _TOLERANCE = 0.05  # values of a sheet are rounded, and are measured separately
@@ -269,11 +269,11 @@ def pixel_from_emva(
             value = _valued(key, name, number, unit, place)
         first = found.setdefault(key, value)
         if first.unit != value.unit or not alike(first.number, value.number):
-            raise InputError(
+            raise refused(
                 source,
                 f"must agree with {first.name} = {first.number:g} {first.unit}",
-                value=value.number,
-                found=f"is {value.number:g} {value.unit}",
+                value.number,
+                f"is {value.number:g} {value.unit}",
                 where=value.where,
                 remedy="keep one of the two",
             )
@@ -282,11 +282,11 @@ def pixel_from_emva(
         unused.append(of_variance.name)  # the standard prefers the mean
     if not found:
         names = [name[:40] for name in unused[:5]]
-        raise InputError(
+        raise refused(
             source,
             "must hold a value of an EMVA 1288 sheet, e.g. sigma_d = 2.4 e-",
-            value=names,
-            found=f"names {', '.join(names) or 'nothing'}",
+            names,
+            f"names {', '.join(names) or 'nothing'}",
             remedy=f"give {PIXEL_FILES}",
         )
     return _pixel_source(found, unused, source)
@@ -315,20 +315,20 @@ def _text_rows(text: str, path: Path) -> list[tuple[str, float, str, str]]:
         if matched is None:
             if _key(name) is None:
                 continue  # a heading, or words about the camera
-            raise InputError(
-                str(path),
+            raise refused(
+                path,
                 "must be a value with its unit",
-                value=line[:60],
+                line[:60],
                 where=where,
                 remedy=f"write {name[:40]} = number unit, with a decimal point",
             )
         name = matched["name"].strip().strip('"')
         if any(name == row[0] for row in rows):
-            raise InputError(
-                str(path),
+            raise refused(
+                path,
                 "must have each name once",
-                value=name[:40],
-                found=f"{name[:40]!r} is repeated",
+                name[:40],
+                f"{name[:40]!r} is repeated",
                 where=where,
                 remedy="keep one",
             )
@@ -345,10 +345,10 @@ def _json_rows(text: str, path: Path) -> list[tuple[str, float, str, str]]:
         number = finite_number(entry.get("value")) if isinstance(entry, dict) else None
         unit = entry.get("unit", "") if isinstance(entry, dict) else ""
         if number is None or not isinstance(unit, str):
-            raise InputError(
-                str(path),
+            raise refused(
+                path,
                 'must be {"value": number, "unit": "..."}, as {"value": 2.4, "unit": "e-"}',
-                value=entry,
+                entry,
                 where=name[:40],
             )
         rows.append((name, number, unit, ""))
@@ -359,9 +359,7 @@ def _xml_rows(text: str, path: Path) -> list[tuple[str, float, str, str]]:
     """The values of XML: root ``results``, sections, values named by their tags."""
     root = xml_root(text, str(path))
     if root.tag != "results":
-        raise InputError(
-            str(path), "must have the root 'results' to be a data sheet", value=root.tag[:60]
-        )
+        raise refused(path, "must have the root 'results' to be a data sheet", root.tag[:60])
     rows: list[tuple[str, float, str, str]] = []
     for entry in (entry for section in root for entry in section):
         known = _key(entry.tag) is not None and not any(row[0] == entry.tag for row in rows)
@@ -375,7 +373,7 @@ def _xml_rows(text: str, path: Path) -> list[tuple[str, float, str, str]]:
             unit = "1"
         number = _decimal(word)
         if number is None:
-            raise InputError(str(path), "must be a finite number", value=word[:60], where=entry.tag)
+            raise refused(path, "must be a finite number", word[:60], where=entry.tag)
         if number < 0:
             continue  # below 0, as its error allows; the text has such a value in a comment
         if unit == "%":
@@ -426,7 +424,7 @@ def _valued(key: str, name: str, number: float, unit: str, where: str) -> _Value
     known = _UNIT_OF.get(_bare_unit(unit).lower())
     if known not in allowed:
         had = f"has the unit {unit[:20]!r}" if unit.strip() else "has no unit"
-        raise InputError(name, f"must be in {' or '.join(allowed)}", value=unit, found=had)
+        raise refused(name, f"must be in {' or '.join(allowed)}", unit, had)
     check.within(name, known, number, 0.0, 1e15)
     if known == "%":
         return _Value(name, number / 100, "1", where)
@@ -506,7 +504,7 @@ def _electrons(value: _Value | None, gain: float | None, source: str) -> float |
     if value is None or value.unit.startswith("e-"):
         return value.number if value else None
     if gain is None:
-        raise InputError(
+        raise refused(
             source,
             f"needs the gain where it is in {value.unit}",
             where=value.where,
@@ -520,7 +518,7 @@ def _codes(
 ) -> tuple[int | None, int | None, tuple[str, ...]]:
     """Bits and black level as whole numbers, and notes on how they were obtained."""
     if bits is not None and not float(bits.number).is_integer():
-        raise InputError(source, "must be a whole number", value=bits.number, where=bits.where)
+        raise refused(source, "must be a whole number", bits.number, where=bits.where)
     whole = int(bits.number) if bits else None
     if black is None:
         notes = (

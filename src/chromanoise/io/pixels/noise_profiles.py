@@ -17,6 +17,7 @@ import numpy as np
 
 from chromanoise.base import Array, Float, InputError, Setting, check, json_of
 from chromanoise.io.pixels.pixel_toml import errors_in_file, finite_number, source_text
+from chromanoise.io.source_files import refused
 from chromanoise.sensor import Adc, PixelSource, pixel_from_noise_profile, pixel_without_levels
 
 _TAG, _BLACK, _WHITE = (
@@ -49,20 +50,18 @@ def read_noise_profile(path: Path | str) -> PixelSource:
     held = json_of(text, str(path))
     if not isinstance(held, dict) or any(key not in held for key in _KEYS):
         missing = [key for key in _KEYS if not isinstance(held, dict) or key not in held]
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             f"must be a JSON object with {', '.join(_KEYS)} to be a noise profile",
             found=f"has no {' and no '.join(missing)}",
         )
     rows = {key: _numbers(held[key], key, path) for key in _KEYS}
     for key in _KEYS[2:]:
         if len(rows[key]) != 1:
-            raise InputError(
-                str(path), "must be one number for all channels", value=rows[key], where=key
-            )
+            raise refused(path, "must be one number for all channels", rows[key], where=key)
     names = held.get("channels", [])
     if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
-        raise InputError(str(path), "must be a list of names", value=names, where="channels")
+        raise refused(path, "must be a list of names", names, where="channels")
     with errors_in_file(path):
         check.same_length("channels", S=len(rows["S"]), O=len(rows["O"]))
         return pixel_from_noise_profile(
@@ -88,11 +87,11 @@ def is_noise_profile_text(text: str) -> bool:
 def _pixel_of_text(text: str, path: Path) -> PixelSource:
     numbers = _tagged(_TAG, text, path) or []
     if len(numbers) < 2 or len(numbers) % 2:
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             "must hold S and O of each channel",
-            value=len(numbers),
-            found=f"holds {len(numbers)} numbers",
+            len(numbers),
+            f"holds {len(numbers)} numbers",
             where="NoiseProfile",
             remedy="write NoiseProfile: 0.0002 0.000001",
         )
@@ -104,11 +103,11 @@ def _pixel_of_text(text: str, path: Path) -> PixelSource:
     black, white = (set(level or ()) for level in levels)
     for name, level in (("BlackLevel", black), ("WhiteLevel", white)):
         if len(level) != 1:
-            raise InputError(
-                str(path),
+            raise refused(
+                path,
                 "must be one number for all channels",
-                value=sorted(level) or None,
-                found="is missing" if not level else "",
+                sorted(level) or None,
+                "is missing" if not level else "",
                 where=name,
                 remedy="write both BlackLevel and WhiteLevel or neither",
             )
@@ -128,9 +127,7 @@ def _tagged(tag: re.Pattern[str], text: str, path: Path) -> list[float] | None:
     found = [number for number in numbers if number is not None]
     if len(found) < len(words):
         line = text[: match.start(1)].count("\n") + 1
-        raise InputError(
-            str(path), "must be finite numbers", value=match[1].strip()[:60], where=f"line {line}"
-        )
+        raise refused(path, "must be finite numbers", match[1].strip()[:60], where=f"line {line}")
     return found
 
 
@@ -146,9 +143,7 @@ def _numbers(value: object, key: str, path: Path) -> list[float]:
     numbers = [finite_number(entry) for entry in entries]
     found = [number for number in numbers if number is not None]
     if not numbers or len(found) < len(numbers):
-        raise InputError(
-            str(path), "must be a finite number or a list of them", value=value, where=key
-        )
+        raise refused(path, "must be a finite number or a list of them", value, where=key)
     return found
 
 
@@ -222,10 +217,10 @@ def read_darktable_noise(path: Path | str, *, maker: str, model: str, iso: float
     mine = [e for e in entries if isinstance(e, dict) and finite_number(e.get("iso")) == iso]
     if not mine:
         isos = sorted(sorted({str(e.get("iso")) for e in entries if isinstance(e, dict)}), key=len)
-        raise InputError(
+        raise refused(
             "iso",
             f"must be listed in {path} for {camera}",
-            value=iso,
+            iso,
             remedy=f"choose from {', '.join(isos[:40])}",
         )
     place = f"of {camera} at ISO {iso:g}"
@@ -271,12 +266,12 @@ def pixel_from_darktable(
     10.0
     """
     if (full_well_e is None) == (adc is None):
-        raise InputError(
+        raise refused(
             f"the noise profile of {noise.camera} at ISO {noise.iso:g}",
             "is relative and needs either full_well_e (electrons where the codes end) or adc (the "
             "converter)",
-            value=(full_well_e, adc),
-            found="has neither" if adc is None else "has both",
+            (full_well_e, adc),
+            "has neither" if adc is None else "has both",
             remedy=(Setting("full_well_e"), Setting("adc")) if adc is None else "omit one",
         )
     if full_well_e is None and adc is not None:
@@ -300,9 +295,7 @@ def _known(name: str, value: str, choices: Mapping[str, Any], where: str) -> str
     try:
         return check.one_of(name, value, sorted(choices))
     except InputError as error:
-        raise InputError(
-            name, f"must be listed in {where}", value=value, remedy=error.remedy
-        ) from None
+        raise refused(name, f"must be listed in {where}", value, remedy=error.remedy) from None
 
 
 def _listed(held: Any, key: str, name: str, path: Path, where: str) -> Mapping[str, dict[str, Any]]:
@@ -313,8 +306,8 @@ def _listed(held: Any, key: str, name: str, path: Path, where: str) -> Mapping[s
         if isinstance(entry, dict) and isinstance(entry.get(name), str):
             found.setdefault(entry[name], entry)
     if not found:
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             f"has no {key} with a {name}",
             where=where,
             remedy="give the file noiseprofiles.json of darktable",
@@ -326,5 +319,5 @@ def _three(values: Any, path: Path, where: str) -> Float[Array, " 3"]:
     entries: Sequence[Any] = values if isinstance(values, list) else []
     numbers = [number for entry in entries if (number := finite_number(entry)) is not None]
     if len(numbers) != 3 or len(entries) != 3:
-        raise InputError(str(path), "must be three finite numbers", value=values, where=where)
+        raise refused(path, "must be three finite numbers", values, where=where)
     return np.array(numbers)

@@ -6,8 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
-from chromanoise.base import Array, InputError
+from chromanoise.base import Array
 from chromanoise.io.pixels.pixel_toml import errors_in_file, source_text
+from chromanoise.io.source_files import has, refused
 from chromanoise.io.spectra import (
     DELIMITERS,
     Row,
@@ -68,11 +69,11 @@ def read_photon_transfer_csv(path: Path | str) -> PhotonTransfer:
         if line.strip() and not line.lstrip().startswith("#")
     ]
     if not lines or len(lines) > _LARGEST_ROWS:
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             f"must have a header {','.join(_NEEDED)} and at most {_LARGEST_ROWS} rows",
-            value=len(lines),
-            found=f"has {len(lines)} lines",
+            len(lines),
+            f"has {len(lines)} lines",
         )
     sign = _delimiter(lines[0][1])
     header = _header(lines[0], sign, path)
@@ -136,29 +137,29 @@ def _header(first: tuple[int, str], sign: str, path: Path) -> list[str]:
     header = _names(first[1], sign)
     bare = [name for name in ("mean", "variance") if name in header]
     if bare:
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             "must give the unit of each column",
-            value=bare,
-            found=f"names {' and '.join(bare)} without a unit",
+            bare,
+            f"names {' and '.join(bare)} without a unit",
             where=where,
             remedy=f"write {','.join(_NEEDED)} if they are in codes",
         )
     variances = [name for name in (_NEEDED[1], _SPATIAL) if name in header]
     if len(variances) == 2:
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             "must name either a temporal or a spatial variance",
-            value=variances,
-            found="names both",
+            variances,
+            "names both",
             where=where,
             remedy=f"keep only variance_dn2 (for the gain) or only {_SPATIAL}",
         )
     if "mean_dn" not in header or not variances or len(set(header)) < len(header):
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             f"must name each column once, {' and '.join(_NEEDED)} among them",
-            value=first[1].strip()[:60],
+            first[1].strip()[:60],
             where=where,
         )
     return header
@@ -171,11 +172,10 @@ def _columns(rows: list[Row], header: list[str], decimal: str, path: Path) -> di
     for i, row in enumerate(rows):
         where = f"line {row.number}"
         if len(row.cells) != len(header):
-            raise InputError(
-                str(path),
+            raise has(
+                path,
                 f"must have the {len(header)} cells that the header names",
-                value=len(row.cells),
-                found=f"has {len(row.cells)}",
+                len(row.cells),
                 where=where,
                 remedy="separate the cells by semicolons if the numbers have decimal commas",
             )
@@ -193,23 +193,19 @@ def _dark(rows: list[Row], header: list[str], photons: Array | None, path: Path)
     for row, without in zip(rows, none, strict=True):
         where, cell = f"line {row.number}, column 'light'", row.cells[at].lower()
         if cell not in ("dark", "light"):
-            raise InputError(
-                str(path), "must be dark or light", value=row.cells[at][:40], where=where
-            )
+            raise refused(path, "must be dark or light", row.cells[at][:40], where=where)
         if photons is not None and (cell == "dark") != without:
-            raise InputError(
-                str(path), "must agree with the photons of its row", value=cell, where=where
-            )
+            raise refused(path, "must agree with the photons of its row", cell, where=where)
     return np.array([row.cells[at].lower() == "dark" for row in rows], dtype=bool)
 
 
 def _number(cell: str, decimal: str, path: Path, where: str) -> float:
     value = math.nan if "%" in cell else number_in(cell, decimal_comma=decimal == ",")
     if not math.isfinite(value):
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             "must be a finite number",
-            value=cell[:40],
+            cell[:40],
             where=where,
             remedy="correct the cell or omit its row",
         )

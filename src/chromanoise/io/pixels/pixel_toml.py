@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from chromanoise.base import InputError, check, did_you_mean, regular_file
+from chromanoise.io.source_files import has, refused
 from chromanoise.sensor import PIXEL, PIXEL_REQUIRED, Converter, PixelSource
 
 _LARGEST_BYTES = 64 * 2**20
@@ -31,21 +32,18 @@ def source_text(path: Path) -> str:
         with path.open("rb") as file:
             content = file.read(_LARGEST_BYTES + 1)
     except OSError as error:
-        raise InputError(str(path), f"cannot be read ({error.strerror})") from None
+        raise refused(path, f"cannot be read ({error.strerror})") from None
     if len(content) > _LARGEST_BYTES:
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             f"must be at most {_LARGEST_BYTES // 2**20} MiB to describe a pixel",
             found="is larger",
         )
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise InputError(
-            str(path),
-            "is not UTF-8 text",
-            where=f"byte {error.start}",
-            remedy="save it as UTF-8",
+        raise refused(
+            path, "is not UTF-8 text", where=f"byte {error.start}", remedy="save it as UTF-8"
         ) from None
 
 
@@ -194,20 +192,15 @@ def read_pixel_toml(path: Path | str) -> PixelSource:
 def _tables(path: Path) -> dict[str, Any]:
     text = source_text(path)
     if len(text) > _MOST_CHARACTERS:
-        raise InputError(
-            str(path),
-            f"must have at most {_MOST_CHARACTERS} characters to describe a pixel",
-            value=len(text),
-            found=f"has {len(text)}",
+        raise has(
+            path, f"must have at most {_MOST_CHARACTERS} characters to describe a pixel", len(text)
         )
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        raise InputError(str(path), f"is not TOML ({error})") from None
+        raise refused(path, f"is not TOML ({error})") from None
     except (RecursionError, ValueError):  # a number of thousands of digits is a ValueError
-        raise InputError(
-            str(path), "is nested too deeply or holds a number that is too long"
-        ) from None
+        raise refused(path, "is nested too deeply or holds a number that is too long") from None
 
 
 def _refuse_other_schema(held: dict[str, Any], path: Path) -> None:
@@ -215,11 +208,11 @@ def _refuse_other_schema(held: dict[str, Any], path: Path) -> None:
     for key, value in wanted.items():
         own = held.get(key)
         if own != value or isinstance(own, bool):
-            raise InputError(
-                str(path),
+            raise refused(
+                path,
                 f"must be {json.dumps(value)} for a pixel in TOML",
-                value=own,
-                found="is missing" if key not in held else "",
+                own,
+                "is missing" if key not in held else "",
                 where=key,
                 remedy=f"write {key} = {json.dumps(value)}",
             )
@@ -228,8 +221,8 @@ def _refuse_other_schema(held: dict[str, Any], path: Path) -> None:
 def _refuse_unknown(held: dict[str, Any], path: Path) -> None:
     for key in held:
         if key not in _KEYS:
-            raise InputError(
-                str(path),
+            raise refused(
+                path,
                 "is not a key of a pixel",
                 where=check.printable(key),
                 remedy=did_you_mean(key, _KEYS, f"known: {', '.join(_KEYS)}"),
@@ -244,7 +237,7 @@ def _values(held: dict[str, Any], path: Path) -> dict[str, Any]:
             continue
         number = finite_number(held[key])
         if number is None:
-            raise InputError(str(path), "must be a finite number", value=held[key], where=key)
+            raise refused(path, "must be a finite number", held[key], where=key)
         if key in PIXEL:
             PIXEL[key].demand(f"{key} of {path.name}", number)
         else:
@@ -252,11 +245,11 @@ def _values(held: dict[str, Any], path: Path) -> dict[str, Any]:
         values[key] = number
     if _GAIN in values:
         if "gain_e_per_dn" in values:
-            raise InputError(
-                str(path),
+            raise refused(
+                path,
                 "must be given once",
-                value=(held["gain_e_per_dn"], held[_GAIN]),
-                found=f"gain_e_per_dn and {_GAIN} are both given",
+                (held["gain_e_per_dn"], held[_GAIN]),
+                f"gain_e_per_dn and {_GAIN} are both given",
                 where="gain",
                 remedy="keep one of the two",
             )
@@ -265,7 +258,7 @@ def _values(held: dict[str, Any], path: Path) -> dict[str, Any]:
     if "bits" in values:
         bits = values["bits"]
         if not float(bits).is_integer():
-            raise InputError(str(path), "must be a whole number", value=bits, where="bits")
+            raise refused(path, "must be a whole number", bits, where="bits")
         values["bits"] = int(bits)
     return values
 
@@ -273,7 +266,7 @@ def _values(held: dict[str, Any], path: Path) -> dict[str, Any]:
 def _texts(values: Any, path: Path, where: str) -> list[str]:
     if not isinstance(values, list) or not all(isinstance(value, str) for value in values):
         must = "must be text" if where == "source" else "must be a list of texts"
-        raise InputError(str(path), must, value=values, where=where)
+        raise refused(path, must, values, where=where)
     return list(values)
 
 

@@ -61,7 +61,6 @@ if TYPE_CHECKING:
         array_of,
         as_json,
         gaps_nm,
-        has,
         held_json,
         in_nm,
         known_columns,

@@ -15,7 +15,8 @@ from types import MappingProxyType
 
 import numpy as np
 
-from chromanoise.base import Array, Float, InputError, Setting, printable
+from chromanoise.base import Array, Float, Setting, printable
+from chromanoise.io.source_files import has, refused
 from chromanoise.io.spectra.parsed import SENSITIVE_NM, Quantity, Scale, Unit
 
 _KEY = re.compile(r"\s*([A-Za-z][A-Za-z _-]{0,40}?)\s*[:=]\s*(\S.*)")
@@ -122,8 +123,8 @@ def wavelength_unit_of(heading: str) -> Unit | None:
     words = [word for word in re.split(r"[\s_,/]+", heading.strip("[]() ")) if word]
     last = inside or (words[-1] if words else "")
     if last.lower() in _NOT_READ or re.match(r"[\d.]+\s*[^\W\d]", inside):
-        raise InputError(
-            "heading of the wavelengths", "must have the unit nm, um, angstrom or 1/cm", value=last
+        raise refused(
+            "heading of the wavelengths", "must have the unit nm, um, angstrom or 1/cm", last
         )
     if (inside or heading[-2:].strip("_")) in ("A", "A.", "AA") and (inside or "_" in heading):
         return "angstrom"
@@ -133,11 +134,11 @@ def wavelength_unit_of(heading: str) -> Unit | None:
     ]
     units = {unit for unit in found if unit}
     if len(units) > 1:
-        raise InputError(
+        raise refused(
             "heading of the wavelengths",
             "must name one unit",
-            value=heading,
-            found=f"{heading[:60]!r} names {' and '.join(sorted(units))}",
+            heading,
+            f"{heading[:60]!r} names {' and '.join(sorted(units))}",
         )
     return next(iter(units), None)
 
@@ -187,11 +188,8 @@ def known_unit(unit: str, source: str) -> Unit:
     bare = unit.strip()
     known = None if bare.lower() in _NOT_READ else wavelength_unit_of(f"[{bare}]")
     if known is None:
-        raise InputError(
-            source,
-            "wavelengths must be in nm, um, angstrom or 1/cm",
-            value=unit,
-            found=f"are in {unit[:40]!r}",
+        raise refused(
+            source, "wavelengths must be in nm, um, angstrom or 1/cm", unit, f"are in {unit[:40]!r}"
         )
     return known
 
@@ -342,11 +340,11 @@ def listed_wavelengths(
     """
     for one in lists:
         if not 1 <= one.size <= _MOST_WAVELENGTHS:
-            raise InputError(
-                str(path),
+            raise has(
+                path,
                 f"must list 1 to {_MOST_WAVELENGTHS} wavelengths",
-                value=one.size,
-                found=f"lists {one.size}",
+                one.size,
+                "lists",
                 where=f"array {printable(one.name)!r}",
                 remedy=("correct it", Setting("wavelengths")),
             )
@@ -355,11 +353,11 @@ def listed_wavelengths(
     ]
     for one, (other, _) in zip(lists[1:], others, strict=True):
         if first.shape != other.shape or not np.allclose(first, other, rtol=_SAME, atol=0):
-            raise InputError(
-                str(path),
+            raise refused(
+                path,
                 "lists of wavelengths must agree",
-                value=(lists[0].name, one.name),
-                found=f"{printable(lists[0].name)!r} and {printable(one.name)!r} differ",
+                (lists[0].name, one.name),
+                f"{printable(lists[0].name)!r} and {printable(one.name)!r} differ",
                 remedy=Setting("wavelengths"),
             )
     return first, notes
@@ -409,11 +407,11 @@ def nanometers(
             what = "nm" if fitting == "nm" else "micrometers"
             note = f"{name!r} has {unit_text}: wavelengths taken as {what}"
             return listed * NM_PER[fitting], (note,)
-    raise InputError(
-        str(path),
+    raise refused(
+        path,
         "must declare nm or um",
-        value=(float(low), float(high)),
-        found=f"has {unit_text} for wavelengths {low:g} .. {high:g}",
+        (float(low), float(high)),
+        f"has {unit_text} for wavelengths {low:g} .. {high:g}",
         where=f"list {printable(name)!r}",
         remedy=("declare it", Setting("wavelengths")),
     )

@@ -17,7 +17,8 @@ from typing import Any
 
 import numpy as np
 
-from chromanoise.base import InputError, text_of_comment
+from chromanoise.base import text_of_comment
+from chromanoise.io.source_files import has, refused
 from chromanoise.io.spectra.declared import (
     declared_keys,
     ecsv_units,
@@ -34,7 +35,6 @@ from chromanoise.io.spectra.parsed import (
     Quantity,
     Row,
     declared,
-    has,
 )
 from chromanoise.io.spectra.tables import (
     finite_number,
@@ -63,7 +63,7 @@ def read_delimited(text: str, source: str) -> Found:
         If a row is not numeric; the message names the line.
     """
     if text.count("\n") + text.count("\r") > 2 * _MOST_LINES:
-        raise InputError(source, f"must have at most {_MOST_LINES} lines for a table of spectra")
+        raise refused(source, f"must have at most {_MOST_LINES} lines for a table of spectra")
     comments: list[Row] = []
     lines: list[tuple[int, str]] = []
     for number, line in enumerate(re.split(r"\r\n|\r|\n", text), 1):
@@ -165,7 +165,7 @@ def _quoted(line: str, sign: str) -> list[str]:
 def cells_of_line(line: str, number: int, delimiter: str, source: str) -> tuple[str, ...]:
     """The cells of a line, stripped of spaces; an unclosed quotation raises an error."""
     if line.count('"') % 2:
-        raise InputError(source, "has a quotation mark that is not closed", where=f"line {number}")
+        raise refused(source, "has a quotation mark that is not closed", where=f"line {number}")
     return tuple(cell.strip() for cell in split_line(line, delimiter))
 
 
@@ -216,11 +216,11 @@ def decimal_sign(rows: list[Row], delimiter: str, source: str) -> str:
             elif not with_point and "." in cell and is_number(cell, decimal_comma=False):
                 with_point = row.number
     if with_comma and with_point:
-        raise InputError(
+        raise refused(
             source,
             "must have one decimal sign",
-            value=(with_comma, with_point),
-            found=f"line {with_comma} has a decimal comma and line {with_point} a decimal point",
+            (with_comma, with_point),
+            f"line {with_comma} has a decimal comma and line {with_point} a decimal point",
             remedy="write all numbers in one way",
         )
     return "," if with_comma else "."
@@ -303,7 +303,7 @@ def _between(words: list[str], first: str, last: str, source: str) -> slice:
         start = words.index(first) + 1
         return slice(start, words.index(last, start))
     except ValueError:
-        raise InputError(
+        raise refused(
             source, f"must have {first} and {last} around a part of a CGATS file"
         ) from None
 
@@ -326,11 +326,11 @@ def _wavelengths(facts: dict[str, str], fields: list[str], source: str) -> np.nd
         return named
     expected = np.linspace(number_in(ends[0]), number_in(ends[1]), named.size)
     if np.abs(expected - named).max() > 1.0:  # the names of the fields are rounded
-        raise InputError(
+        raise refused(
             source,
             "SPECTRAL_START_NM and SPECTRAL_END_NM must agree with the fields",
-            value=(ends[0], ends[1]),
-            found=f"are {ends[0]} and {ends[1]}, and the fields are {fields[0]} to {fields[-1]}",
+            (ends[0], ends[1]),
+            f"are {ends[0]} and {ends[1]}, and the fields are {fields[0]} to {fields[-1]}",
         )
     return expected
 
@@ -339,18 +339,18 @@ def _norm(facts: dict[str, str], source: str) -> float:
     text = facts.get("SPECTRAL_NORM", "1")
     norm = number_in(text)
     if not 1e-30 < norm < 1e30:
-        raise InputError(source, "must be a number > 0", value=text, where="SPECTRAL_NORM")
+        raise refused(source, "must be a number > 0", text, where="SPECTRAL_NORM")
     return norm
 
 
 def _sets(tokens: list[_Token], fields: list[str], source: str) -> list[list[_Token]]:
     if not tokens or len(tokens) % len(fields):
         line = tokens[-1][0] if tokens else 0
-        raise InputError(
+        raise refused(
             source,
             f"must have sets of {len(fields)} values, as many as fields",
-            value=len(tokens),
-            found=f"has {len(tokens)} values in all",
+            len(tokens),
+            f"has {len(tokens)} values in all",
             where=f"line {line}",
         )
     return [tokens[i : i + len(fields)] for i in range(0, len(tokens), len(fields))]
@@ -384,7 +384,7 @@ def read_workbook(path: Path) -> Found:
         book.close()
     filled = [(title, rows) for title, rows in sheets.items() if rows]
     if not filled:
-        raise InputError(str(path), "has only empty sheets")
+        raise refused(path, "has only empty sheets")
     title, rows = next(((t, r) for t, r in filled if _has_numbers(r)), filled[0])
     comments = tuple(r.cells[0] for r in rows if len([c for c in r.cells if c]) == 1)
     form = f"XLSX, sheet {title}" + (f" of {len(filled)}" if len(filled) > 1 else "")
@@ -400,8 +400,8 @@ def _openpyxl(path: Path) -> Any:
     try:
         return importlib.import_module("openpyxl")
     except ImportError:
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             "needs the package openpyxl, which is not installed",
             remedy="install it with: pip install 'chromanoise[xlsx]'",
         ) from None
@@ -413,20 +413,18 @@ def _refuse_bombs(path: Path) -> None:
         parts = archive.infolist()
         size = sum(part.file_size for part in parts)
         if size > _LARGEST_BYTES:
-            raise InputError(
-                str(path),
+            raise refused(
+                path,
                 f"must unpack to at most {_LARGEST_BYTES // 2**20} MiB",
-                value=size,
-                found=f"unpacks to {size / 2**20:.0f} MiB",
+                size,
+                f"unpacks to {size / 2**20:.0f} MiB",
             )
         for part in parts:
             if part.filename.lower().endswith((".xml", ".rels")):
                 text = archive.read(part).replace(b"\0", b"").upper()
                 if b"<!DOCTYPE" in text or b"<!ENTITY" in text:
-                    raise InputError(
-                        str(path),
-                        "must not declare a document type",
-                        where=f"part {part.filename!r}",
+                    raise refused(
+                        path, "must not declare a document type", where=f"part {part.filename!r}"
                     )
 
 
@@ -435,12 +433,12 @@ def _rows(path: Path, sheet: Any) -> list[Row]:
     size, where = (sheet.max_row, sheet.max_column), f"sheet {sheet.title!r}"
     if (size[0] or 0) > _MOST_ROWS or (size[1] or 0) > _MOST_COLUMNS:
         found = f"has {size[0]} and {size[1]}"
-        raise InputError(str(path), need, value=size, found=found, where=where)
+        raise refused(path, need, size, found, where=where)
     rows = []
     for number, values in enumerate(sheet.iter_rows(values_only=True), 1):
         if number > _MOST_ROWS or len(values) > _MOST_COLUMNS:
             size = (number, len(values))
-            raise InputError(str(path), need, value=size, found="has more", where=where)
+            raise refused(path, need, size, "has more", where=where)
         if any(value is not None for value in values):
             rows.append(Row(number=number, cells=tuple(_text(value) for value in values)))
     return rows

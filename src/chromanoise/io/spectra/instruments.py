@@ -20,6 +20,7 @@ import numpy as np
 
 from chromanoise.base import Array, InputError
 from chromanoise.io.matlab import mat_array, mat_arrays, mat_texts
+from chromanoise.io.source_files import has, refused, xml_root
 from chromanoise.io.spectra.declared import known_unit
 from chromanoise.io.spectra.parsed import (
     LARGEST,
@@ -28,12 +29,10 @@ from chromanoise.io.spectra.parsed import (
     Level,
     Per,
     Quantity,
-    has,
     known_columns,
     missing_notes,
 )
 from chromanoise.io.spectra.tables import finite_number
-from chromanoise.io.xml_text import xml_root
 
 _MARK = re.compile(rb"ASD|as[2-8]")
 _HEADER_BYTES = 484
@@ -75,12 +74,12 @@ def read_asd(path: Path, content: bytes) -> Found:
     if kind >= len(_KINDS) or form >= len(_STORED) or not (start_nm > 0 and step_nm > 0):
         need = "must declare its data type, its numbers and its wavelengths in its header"
         values = (kind, form, start_nm, step_nm)
-        raise InputError(str(path), need, value=values, remedy=_EXPORT)
+        raise refused(path, need, values, remedy=_EXPORT)
     name, quantity = _KINDS[kind]
     if kind and quantity is None:
         need = "must hold reflectance, transmittance or raw counts"
         found = f"holds {name}, whose calibration is not applied"
-        raise InputError(str(path), need, value=name, found=found, remedy=_EXPORT)
+        raise refused(path, need, name, found, remedy=_EXPORT)
     stored = np.dtype(_STORED[form])
     spectrum = _numbers(path, content, _HEADER_BYTES, channels, stored)
     reference = _reference(path, content, _HEADER_BYTES + channels * stored.itemsize, channels)
@@ -121,11 +120,11 @@ def _numbers(path: Path, content: bytes, at: int, count: int, stored: np.dtype) 
 
 
 def _damage(path: Path, size: int, needed: int) -> InputError:
-    return InputError(
-        str(path),
+    return refused(
+        path,
         f"must have at least {needed} bytes, as its header declares",
-        value=size,
-        found=f"has {size}: it is damaged or cut short",
+        size,
+        f"has {size}: it is damaged or cut short",
     )
 
 
@@ -151,8 +150,8 @@ def read_fits(path: Path, content: bytes) -> Found:
             at_names = [name for name in names if _WAVELENGTH.match(name)]
             if at_names:
                 return _table(path, part, place, at_names[0])
-    raise InputError(
-        str(path),
+    raise refused(
+        path,
         "must have a table with a column named wavelength, wave, lambda or wl",
         remedy=("write the spectrum as such a table", "save it as CSV"),
     )
@@ -162,8 +161,8 @@ def _astropy_fits(path: Path) -> Any:
     try:
         return importlib.import_module("astropy.io.fits")
     except ImportError:
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             "is a FITS file, which needs the package astropy",
             remedy="install it with: pip install 'chromanoise[fits]'",
         ) from None
@@ -171,15 +170,15 @@ def _astropy_fits(path: Path) -> Any:
 
 def _table(path: Path, part: Any, place: int, at_name: str) -> Found:
     if at_name.lower().startswith("loglam"):
-        raise InputError(
-            str(path), "must hold wavelengths, not their logarithms", where=f"column {at_name!r}"
+        raise refused(
+            path, "must hold wavelengths, not their logarithms", where=f"column {at_name!r}"
         )
     units = {column.name: (column.unit or "").strip() for column in part.columns}
     at = _numbers_of_column(path, part, at_name)
     if part.data[at_name].dtype.itemsize == 4:  # 0.4 um in 4 bytes is 0.4, not 0.4000000060
         at = np.array([float(str(np.float32(value))) for value in at])
     if not np.isfinite(at).all():
-        raise InputError(str(path), "has rows without a wavelength", where=f"column {at_name!r}")
+        raise refused(path, "has rows without a wavelength", where=f"column {at_name!r}")
     others = [name for name in part.columns.names if name != at_name]
     curves = {
         name: values for name in others if (values := _curve(path, part, name, at)) is not None
@@ -212,17 +211,14 @@ def _numbers_of_column(path: Path, part: Any, name: str) -> Array:
     """One number per row, or the one row of a table whose cells are lists; NaN for ``TNULLn``."""
     column = np.asarray(part.data[name])
     if column.dtype.kind not in "fiu" or (column.ndim > 1 and len(column) != 1):
-        raise InputError(str(path), "is not a list of numbers", where=f"column {name!r}")
+        raise refused(path, "is not a list of numbers", where=f"column {name!r}")
     values = column.astype(np.float64).ravel()
     stored, null = np.asarray(part.data)[name], part.columns[name].null
     if stored.dtype.kind in "iu" and null is not None:  # TNULLn is the number before TSCALn, TZEROn
         values[stored.ravel() == null] = np.nan
     if (np.abs(values) > LARGEST).any():
-        raise InputError(
-            str(path),
-            "must be at most 1e30",
-            value=float(np.nanmax(np.abs(values))),
-            where=f"column {name!r}",
+        raise refused(
+            path, "must be at most 1e30", float(np.nanmax(np.abs(values))), where=f"column {name!r}"
         )
     return values
 
@@ -255,12 +251,12 @@ def read_isetcam(path: Path) -> Found:
         return _of_psychtoolbox(path, arrays, sampled)
     if at_name is None or "data" not in arrays:
         held = ", ".join(list(arrays)[:20]) or "no arrays"
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             "must have the arrays wavelength and data, as ISETCam writes them, or S_name and "
             "T_name, spd_name or sur_name, as Psychtoolbox writes them",
-            value=tuple(arrays),
-            found=f"has {held}",
+            tuple(arrays),
+            f"has {held}",
         )
     wavelength = _real(path, at_name, arrays[at_name]).ravel()
     if np.isnan(wavelength).any():
@@ -269,7 +265,7 @@ def read_isetcam(path: Path) -> Found:
     data = _upright(path, _real(path, "data", arrays["data"]), wavelength.size)
     n = wavelength.size
     square = f"data is {n} by {n}: its rows are taken for wavelengths, its columns for curves"
-    words = {w: mat_texts(path, w, largest_bytes=_LARGEST_BYTES) for w in _WORDS if w in arrays}
+    words = {w: mat_texts(path, w) for w in _WORDS if w in arrays}
     names, notes = _names(path, arrays, data.shape[1], words.get("name", ()))
     text = " ".join(" ".join(texts) for texts in words.values())
     curves = list(zip(names, data.T, strict=True))
@@ -304,30 +300,30 @@ def _of_psychtoolbox(path: Path, arrays: dict, sampled: list[str]) -> Found:
     ``sur_`` and ``srf_`` (powers and reflectances) one per column.
     """
     if len(sampled) > 1:
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             "must have one array of curves",
-            value=tuple(sampled),
-            found=f"has {', '.join(sampled[:8])}",
+            tuple(sampled),
+            f"has {', '.join(sampled[:8])}",
             remedy="save one of them with its S_ array",
         )
     kind, _, rest = sampled[0].partition("_")
     sampling = _real(path, f"S_{rest}", arrays[f"S_{rest}"]).ravel()
     if sampling.size != 3 or sampling[0] <= 0 or sampling[1] <= 0 or sampling[2] < 2:
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             "must be the first wavelength, the step and the number of wavelengths",
-            value=tuple(sampling.tolist()[:5]),
+            tuple(sampling.tolist()[:5]),
             where=f"array 'S_{rest}'",
         )
     data = _real(path, sampled[0], arrays[sampled[0]])
     if kind == "T":
         data = data.T
     if data.shape[0] != sampling[2] or data.shape[1] > _MOST_CURVES_OF_MATLAB:
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             f"must have {sampling[2]:g} wavelengths, as S_{rest} declares",
-            value=data.shape[0],
+            data.shape[0],
             where=f"array {sampled[0]!r}",
         )
     quantity = _OF_PSYCHTOOLBOX[kind]
@@ -355,11 +351,11 @@ def _camera_of_jiang(path: Path, arrays: dict) -> Found:
     curves = {name: _real(path, name, arrays[name]).ravel() for name in "rgb"}
     if any(curve.size != _JIANG_NM.size for curve in curves.values()):
         sizes = tuple(curve.size for curve in curves.values())
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             "must have an array of wavelengths",
-            value=sizes,
-            found=f"has only r, g and b of {', '.join(map(str, sizes))} values",
+            sizes,
+            f"has only r, g and b of {', '.join(map(str, sizes))} values",
             remedy=(
                 "add an array 'wavelength'",
                 "save it as CSV",
@@ -386,7 +382,7 @@ def _camera_of_jiang(path: Path, arrays: dict) -> Found:
 
 def _of_nan(path: Path, found: str, where: str, remedy: tuple[str, ...]) -> InputError:
     need = "must be finite numbers"
-    return InputError(str(path), need, value=math.nan, found=found, where=where, remedy=remedy)
+    return refused(path, need, math.nan, found, where=where, remedy=remedy)
 
 
 def _real(path: Path, name: str, declared: tuple[tuple[int, ...], np.dtype]) -> Array:
@@ -394,17 +390,17 @@ def _real(path: Path, name: str, declared: tuple[tuple[int, ...], np.dtype]) -> 
     if dtype.kind not in "fiu" or len(shape) != 2 or min(shape) < 1:
         need = "must be a table of real numbers"
         found = f"has the shape {shape} and the type {dtype}"
-        raise InputError(str(path), need, value=(shape, str(dtype)), found=found, where=where)
+        raise refused(path, need, (shape, str(dtype)), found, where=where)
     if math.prod(shape) * 8 > _LARGEST_BYTES:
         need = f"must be at most {_LARGEST_BYTES // 2**20} MiB for a table of spectra"
         found = f"has the shape {shape}"
-        raise InputError(str(path), need, value=shape, found=found, where=where)
-    array = mat_array(path, name, largest_bytes=_LARGEST_BYTES).astype(np.float64)
+        raise refused(path, need, shape, found, where=where)
+    array = mat_array(path, name).astype(np.float64)
     beyond = np.abs(array) > LARGEST
     if beyond.any():
         value = float(array[beyond][0])
         need, remedy = "must be at most 1e30", "correct it"
-        raise InputError(str(path), need, value=value, where=where, remedy=remedy)
+        raise refused(path, need, value, where=where, remedy=remedy)
     return array
 
 
@@ -413,11 +409,11 @@ def _upright(path: Path, data: Array, n: int) -> Array:
     if data.shape[0] != n and data.shape[1] == n:
         data = data.T
     if data.shape[0] != n or data.shape[1] > _MOST_CURVES_OF_MATLAB:
-        raise InputError(
-            str(path),
+        raise refused(
+            path,
             f"must have {n} rows, as many as wavelengths",
-            value=data.shape,
-            found=f"is {data.shape[0]} by {data.shape[1]}",
+            data.shape,
+            f"is {data.shape[0]} by {data.shape[1]}",
             where="array 'data'",
         )
     return data
@@ -427,7 +423,7 @@ def _names(
     path: Path, arrays: dict, curves: int, own: tuple[str, ...]
 ) -> tuple[tuple[str, ...], tuple[str, ...]]:
     if "filterNames" in arrays:
-        names = mat_texts(path, "filterNames", largest_bytes=_LARGEST_BYTES)
+        names = mat_texts(path, "filterNames")
         if len(names) == curves and all(names):
             return names, ()
         numbered = tuple(str(k + 1) for k in range(curves))
@@ -465,12 +461,7 @@ def read_tm27(text: str, source: str) -> Found:
     """
     root = xml_root(text, source)
     if not root.tag.rpartition("}")[2].upper().startswith("IESTM27"):
-        raise InputError(
-            source,
-            "is XML, but not IES TM-27",
-            value=root.tag,
-            found=f"its root is {root.tag[:60]}",
-        )
+        raise refused(source, "is XML, but not IES TM-27", root.tag, f"its root is {root.tag[:60]}")
     parts = {e.tag.rpartition("}")[2]: (e.text or "").strip() for e in root.iter()}
     points = [e for e in root.iter() if e.tag.rpartition("}")[2] == "SpectralData"]
     if len(points) < 2:

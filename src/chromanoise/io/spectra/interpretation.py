@@ -8,6 +8,7 @@ from typing import Literal, cast, get_args
 import numpy as np
 
 from chromanoise.base import Array, InputError, Setting
+from chromanoise.io.source_files import refused
 from chromanoise.io.spectra.declared import (
     is_wavelength_heading,
     quantity_of_key,
@@ -133,12 +134,12 @@ def _chosen(found: Found, answers: Answers) -> tuple[list[Column], list[Column]]
     if repeated:
         need, first = "must have different names for its curves", repeated[0]
         said = f"{first!r} is repeated"
-        raise InputError(found.source, need, value=first, found=said, remedy="rename one")
+        raise refused(found.source, need, first, said, remedy="rename one")
     for name in answers.columns:
         if name not in names:
             need, held = f"must have the curve {name!r}", f"has {', '.join(names[:20])}"
             remedy = Setting("columns")
-            raise InputError(found.source, need, value=tuple(names), found=held, remedy=remedy)
+            raise refused(found.source, need, tuple(names), held, remedy=remedy)
     if answers.columns:
         curves = [curves[names.index(name)] for name in dict.fromkeys(answers.columns)]
     return curves, spread
@@ -149,7 +150,7 @@ def _refuse_absorbances(found: Found, columns: list[Column]) -> None:
     if all(re.search(_ABSORBANCE, head) for head in heads):
         need = "must hold transmittances, reflectances or light, not absorbances"
         remedy = "convert each absorbance A to a transmittance, 10^-A"
-        raise InputError(found.source, need, value=heads[0], remedy=remedy)
+        raise refused(found.source, need, heads[0], remedy=remedy)
 
 
 def _wavelength_unit(
@@ -158,30 +159,28 @@ def _wavelength_unit(
     """The declared unit, else the answer, else the only unit that fits the numbers."""
     known = [c.wavelength for c in columns if c.wavelength.size]
     if not known:
-        raise InputError(found.source, "has curves without points")
+        raise refused(found.source, "has curves without points")
     low = min(float(at.min()) for at in known)
     high = max(float(at.max()) for at in known)
     if low <= 0:
-        raise InputError(
-            found.source, "wavelengths must be > 0", value=low, found=f"one is {low:g}"
-        )
+        raise refused(found.source, "wavelengths must be > 0", low, f"one is {low:g}")
     declared, answer = _declared_unit(found), answers.wavelength_unit
     span = f"{low:g}-{high:g}"
     other = _contradicted(declared, low, high)
     if declared and other:
         if answer is None:
-            raise InputError(
+            raise refused(
                 found.source,
                 "wavelengths must be plausible in their unit",
-                value=declared,
-                found=f"{span} {declared}, as its heading declares, look like {other}",
+                declared,
+                f"{span} {declared}, as its heading declares, look like {other}",
                 remedy=Setting("wavelength_unit", (other, declared)),
             )
         declared = answer if answer == other else declared  # the numbers contradict the heading
     if answer and declared and answer != declared:
         need = f"must be {declared!r}, as {found.source} declares"
         remedy = ("omit it", "correct the file")
-        raise InputError("wavelength_unit", need, value=answer, remedy=remedy)
+        raise refused("wavelength_unit", need, answer, remedy=remedy)
     if declared or answer:
         return declared or answer or "nm", ()
     listed = is_wavelength_heading(found.heading) or found.format.endswith(DIGITIZED)
@@ -207,7 +206,7 @@ def _contradicted(declared: Unit | None, low: float, high: float) -> Unit | None
 def _unit_wanted(found: Found, span: str) -> InputError:
     need, units = "must declare the unit of its wavelengths", get_args(Unit)
     remedy = Setting("wavelength_unit", units)
-    return InputError(found.source, need, value=span, found=f"{span} have none", remedy=remedy)
+    return refused(found.source, need, span, f"{span} have none", remedy=remedy)
 
 
 def _is_ordered(at: Array) -> bool:
@@ -231,7 +230,7 @@ def _declared_unit(found: Found) -> Unit | None:
     if len(set(said.values())) > 1:
         units_text = ", ".join(f"{unit} by {where}" for where, unit in said.items())
         need, held = "must declare one unit of wavelengths", f"declares {units_text}"
-        raise InputError(found.source, need, value=units_text, found=held, remedy="correct one")
+        raise refused(found.source, need, units_text, held, remedy="correct one")
     return next(iter(said.values()), None)
 
 
@@ -269,11 +268,11 @@ def _scale(
     percent = [c for c in columns if re.search(_PERCENT, f"{c.name} [{c.unit}]".lower())]
     if declared is None and 0 < len(percent) < len(columns):
         other = next(c.name for c in columns if c not in percent)
-        raise InputError(
+        raise refused(
             found.source,
             "must have all curves in one unit",
-            value=(percent[0].name, other),
-            found=f"{percent[0].name} is in percent by its heading and {other} is not",
+            (percent[0].name, other),
+            f"{percent[0].name} is in percent by its heading and {other} is not",
             remedy=("give all curves one unit", Setting("columns")),
         )
     if declared == "percent" or percent:

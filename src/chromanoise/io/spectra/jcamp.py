@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from chromanoise.base import Array, InputError
+from chromanoise.io.source_files import refused
 from chromanoise.io.spectra.declared import known_unit
 from chromanoise.io.spectra.parsed import Column, Found, Unit
 from chromanoise.io.spectra.tables import finite_number
@@ -66,17 +67,17 @@ def read_jcamp(text: str, source: str) -> Found:
     """
     tables = list(_tables(text, source))
     if not tables:
-        raise InputError(
+        raise refused(
             source,
             "must have a table XYDATA or XYPOINTS, as a JCAMP-DX file of a curve",
             remedy="export the spectrum, not its peaks or its structure",
         )
     units = {_unit(table, source) for table in tables}
     if len(units) > 1:
-        raise InputError(
+        raise refused(
             source,
             "must have one unit of wavelengths in all blocks",
-            value=tuple(sorted(units)),
+            tuple(sorted(units)),
             remedy="export each block to its own file",
         )
     titles = [table.title for table in tables]
@@ -131,11 +132,8 @@ def _of_tuple(facts: dict[str, str], form: str, source: str) -> dict[str, str]:
     match = _EQUAL_STEPS.match(form) or _PAIRS.match(form)
     symbols = [symbol.upper() for symbol in lists.get("SYMBOL", [])]
     if match is None or not {match[1].upper(), match[2].upper()} <= set(symbols):
-        raise InputError(
-            source,
-            "must declare the symbols of its table in NTUPLES",
-            value=form,
-            where="DATA TABLE",
+        raise refused(
+            source, "must declare the symbols of its table in NTUPLES", form, where="DATA TABLE"
         )
     x, y = (symbols.index(match[k].upper()) for k in (1, 2))
     wanted = {
@@ -162,7 +160,7 @@ def _column(table: _Table, name: str, source: str) -> Column:
     elif _PAIRS.match(table.form):
         at, values = _pairs(table, where, source)
     else:
-        raise InputError(source, "must be (X++(Y..Y)) or (XY..XY)", value=table.form, where=where)
+        raise refused(source, "must be (X++(Y..Y)) or (XY..XY)", table.form, where=where)
     known = np.isfinite(values)
     unit = table.facts.get("YUNITS", "")
     return Column(name=name, unit=unit, wavelength=at[known], values=values[known])
@@ -175,11 +173,11 @@ def _number(table: _Table, label: str, where: str, source: str, default: str = "
 
 def _refuse_other_count(table: _Table, count: int, where: str, source: str) -> None:
     if "NPOINTS" in table.facts and _number(table, "NPOINTS", where, source) != count:
-        raise InputError(
+        raise refused(
             source,
             f"must have {table.facts['NPOINTS']} points, as NPOINTS declares",
-            value=count,
-            found=f"has {count}: it is damaged or cut short",
+            count,
+            f"has {count}: it is damaged or cut short",
             where=where,
         )
 
@@ -195,7 +193,7 @@ def _pairs(table: _Table, where: str, source: str) -> tuple[Array, Array]:
         ]
     _refuse_other_count(table, (len(numbers) + 1) // 2, where, source)
     if len(numbers) % 2:
-        raise InputError(source, "must hold pairs of numbers", value=len(numbers), where=where)
+        raise refused(source, "must hold pairs of numbers", len(numbers), where=where)
     points = np.array(numbers).reshape(-1, 2)
     factors = [_number(table, label, where, source, "1") for label in ("XFACTOR", "YFACTOR")]
     return points[:, 0] * factors[0], points[:, 1] * factors[1]
@@ -208,16 +206,14 @@ def _equal_steps(table: _Table, where: str, source: str) -> tuple[Array, Array]:
     for number, line in table.lines:
         start = _X.match(line)
         if start is None:
-            raise InputError(
-                source, "must begin with a wavelength", value=line[:40], where=f"line {number}"
-            )
+            raise refused(source, "must begin with a wavelength", line[:40], where=f"line {number}")
         values, ends_in_difference = _ordinates(line[start.end() :], number, source)
         if differs and stored and values:  # the first value repeats the last one, as a check
             if values[0] != stored[-1]:
-                raise InputError(
+                raise refused(
                     source,
                     f"must begin with {stored[-1]:g}, the last value of the line before",
-                    value=values[0],
+                    values[0],
                     where=f"line {number}",
                     remedy="export it again, because it is damaged",
                 )
@@ -226,7 +222,7 @@ def _equal_steps(table: _Table, where: str, source: str) -> tuple[Array, Array]:
         stored += values
         differs = ends_in_difference
         if len(stored) > _MOST_POINTS:
-            raise InputError(source, f"must have at most {_MOST_POINTS} points", where=where)
+            raise refused(source, f"must have at most {_MOST_POINTS} points", where=where)
     _refuse_other_count(table, len(stored), where, source)
     first, last = (_number(table, label, where, source) for label in ("FIRSTX", "LASTX"))
     at = np.linspace(first, last, len(stored))
@@ -243,10 +239,10 @@ def _refuse_other_start(
     step = abs(float(at[1] - at[0])) if at.size > 1 else 0.0
     for number, place, stored in starts:
         if place < at.size and abs(stored * factor - at[place]) > max(step, abs(factor)):
-            raise InputError(
+            raise refused(
                 source,
                 f"must begin at {at[place]:g}, as FIRSTX, LASTX and the points before declare",
-                value=stored * factor,
+                stored * factor,
                 where=f"line {number}",
                 remedy="export it again, because it is damaged",
             )
@@ -269,10 +265,10 @@ def _ordinates(text: str, number: int, source: str) -> tuple[list[float], bool]:
         letter = match[1] if match else None
         repeats = letter is not None and letter in _REPEATS
         if match is None or ((repeats or letter in _DIFFERENCES) and not values):
-            raise InputError(
+            raise refused(
                 source,
                 "must be numbers in a form of JCAMP-DX",
-                value=text[at : at + 20],
+                text[at : at + 20],
                 where=f"line {number}",
             )
         at = match.end()
@@ -282,7 +278,7 @@ def _ordinates(text: str, number: int, source: str) -> tuple[list[float], bool]:
         elif repeats:
             count = int(_DIGITS[letter] + match[2]) - 1
             if count + len(values) > _MOST_POINTS:
-                raise InputError(
+                raise refused(
                     source, f"must have at most {_MOST_POINTS} points", where=f"line {number}"
                 )
             for _ in range(count):

@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from chromanoise.base import Array, InputError, json_of
+from chromanoise.base import Array, json_of
+from chromanoise.io.source_files import has, refused
 from chromanoise.io.spectra.parsed import (
     LARGEST,
     SPECTRA_SCHEMA,
@@ -15,7 +16,6 @@ from chromanoise.io.spectra.parsed import (
     Found,
     Level,
     array_of,
-    has,
     known_columns,
     number_of,
     own_spectra,
@@ -47,11 +47,11 @@ def read_json(text: str, source: str) -> Found:
     if schema == SPECTRA_SCHEMA:
         return own_spectra(whole, source)
     if isinstance(schema, str) and schema.startswith("chromanoise "):
-        raise InputError(
+        raise refused(
             source,
             f"must have the schema {SPECTRA_SCHEMA!r}",
-            value=schema,
-            found=f"has {schema[:40]!r}",
+            schema,
+            f"has {schema[:40]!r}",
             remedy=("convert it to .csv", "name another file"),
         )
     try:
@@ -62,7 +62,7 @@ def read_json(text: str, source: str) -> Found:
         if "spectral_data" not in whole and (found := _lists(whole, source)) is not None:
             return found
     except (TypeError, OverflowError) as error:
-        raise InputError(source, f"its lists are not curves ({error})") from None
+        raise refused(source, f"its lists are not curves ({error})") from None
     return read_rawtoaces(whole, source)
 
 
@@ -72,7 +72,7 @@ def _camera_of_dcamprof(whole: Mapping[str, Any], source: str) -> Found:
     if missing:
         need = f"must have {', '.join(missing)} beside ssf_bands, as a camera of DCamProf"
         found = f"{', '.join(missing)} is missing"
-        raise InputError(source, need, value=tuple(missing), found=found)
+        raise refused(source, need, tuple(missing), found)
     at = _bands(whole["ssf_bands"], source)
     name = whole.get("camera_name")
     return Found(
@@ -95,7 +95,7 @@ def _spectrum_of_dcamprof(whole: Mapping[str, Any], source: str) -> Found:
     at = _bands(whole["bands"], source)
     scale = number_of(whole.get("scale", 1))
     if not 0 < scale <= LARGEST:
-        raise InputError(source, "must be > 0", value=scale, where="key 'scale'")
+        raise refused(source, "must be > 0", scale, where="key 'scale'")
     (column,) = _columns({str(whole.get("name") or "spectrum"): whole["spectrum"]}, at, source)
     return Found(
         source=source,
@@ -114,10 +114,10 @@ def _bands(given: Any, source: str) -> Array:
     if bands.size != 3 or not 0 < bands[2] <= bands[1]:
         return bands
     if bands[2] > bands[1] - bands[0] or (bands[1] - bands[0]) / bands[2] > 10_000:
-        raise InputError(
+        raise refused(
             source,
             "must be first, last and step, if they are three numbers",
-            value=bands.tolist(),
+            bands.tolist(),
             where="key 'bands'",
         )
     return np.arange(bands[0], bands[1] + bands[2] / 2, bands[2])
@@ -167,7 +167,7 @@ def _columns(lists: Mapping[str, Any], at: Array, source: str) -> tuple[Column, 
             need = f"must have {at.size} values, as many as wavelengths"
             raise has(source, need, values.size, where=where)
         if not (np.abs(np.append(values, at)) <= LARGEST).all():
-            raise InputError(source, "must be finite numbers of at most 1e30", where=where)
+            raise refused(source, "must be finite numbers of at most 1e30", where=where)
         columns.append(Column(name=name, wavelength=at, values=values))
     return tuple(columns)
 
@@ -189,11 +189,11 @@ def read_rawtoaces(whole: Mapping[str, Any], source: str) -> Found:
     rows = [_row(at, values, source) for at, values in data.items()]
     sizes = sorted({str(len(row) - 1) for row in rows})
     if len(rows) < 2 or len(sizes) != 1:
-        raise InputError(
+        raise refused(
             source,
             "must have 2 wavelengths with the same number of values",
-            value=len(rows),
-            found=f"{len(rows)} have {', '.join(sizes) or 'none'}",
+            len(rows),
+            f"{len(rows)} have {', '.join(sizes) or 'none'}",
             where="key 'spectral_data.data.main'",
         )
     table = np.array(rows, dtype=np.float64)
@@ -220,10 +220,10 @@ def read_rawtoaces(whole: Mapping[str, Any], source: str) -> Found:
 def _member(of: Mapping[str, Any], name: str, source: str) -> dict[str, Any]:
     member = of.get(name)
     if not isinstance(member, dict):
-        raise InputError(
+        raise refused(
             source,
             f"must have the object {name!r}, as a rawtoaces file with spectral_data.data.main",
-            value=member,
+            member,
         )
     return member
 
@@ -235,10 +235,10 @@ def _row(at: str, values: Any, source: str) -> list[float]:
     where = f"entry {at[:40]!r} of spectral_data.data.main"
     if wavelength != wavelength or len(real) != len(cells) or not cells:
         need = "must be a wavelength with a list of numbers"
-        raise InputError(source, need, value=values, where=where)
+        raise refused(source, need, values, where=where)
     if not all(abs(v) <= LARGEST for v in real):
         need = "must be finite and at most 1e30"
-        raise InputError(source, need, value=values, where=where, remedy="correct it")
+        raise refused(source, need, values, where=where, remedy="correct it")
     return [wavelength, *map(float, real)]
 
 
@@ -248,10 +248,10 @@ def _names(spectral: dict[str, Any], curves: int, source: str) -> tuple[str, ...
     if names is None:
         return tuple(str(k + 1) for k in range(curves))
     if not isinstance(names, list) or len(names) != curves:
-        raise InputError(
+        raise refused(
             source,
             f"must name the {curves} values of each wavelength",
-            value=names,
+            names,
             where="key 'spectral_data.index.main'",
         )
     return tuple(str(name) for name in names)

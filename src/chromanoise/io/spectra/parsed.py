@@ -13,6 +13,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 
 from chromanoise.base import Array, Float, InputError, Setting, check, json_of
+from chromanoise.io.source_files import has, refused
 from chromanoise.spectra import Beyond, Spectra
 
 Quantity = Literal["QE", "response", "reflectance", "transmittance", "power"]
@@ -160,11 +161,6 @@ def missing_notes(
     return tuple(notes)
 
 
-def has(source: str, requirement: str, found: object, **more: Any) -> InputError:
-    """The error about a count or name that a file has, which is both value and description."""
-    return InputError(source, requirement, value=found, found=f"has {found}", **more)
-
-
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Described:
     """What a file is, as its reader found it and as its curves are interpreted.
@@ -267,7 +263,7 @@ class ParsedSpectra(_Described):
 
     def __post_init__(self) -> None:
         if not np.isfinite(self.factor) or self.factor <= 0:
-            raise InputError("factor", "must be finite and > 0", value=self.factor)
+            raise refused("factor", "must be finite and > 0", self.factor)
         if self.deviations is not None:
             check.same_length(
                 "wavelengths",
@@ -374,11 +370,11 @@ def on_common(
     """
     at = np.unique(np.concatenate([p.wavelength_nm for p in points]))
     if at.size * len(points) > _MOST_VALUES:
-        raise InputError(
+        raise refused(
             source,
             f"must have at most {_MOST_VALUES} values",
-            value=at.size * len(points),
-            found=f"has {len(points)} curves at {at.size} wavelengths",
+            at.size * len(points),
+            f"has {len(points)} curves at {at.size} wavelengths",
         )
     starts = [float(p.wavelength_nm[0]) for p in points]
     ends = [float(p.wavelength_nm[-1]) for p in points]
@@ -392,11 +388,11 @@ def on_common(
         else:
             notes = (f"{shared}: {beyond} beyond each curve's own end",)
     if at.size < 2:
-        raise InputError(
+        raise refused(
             source,
             "curves must share at least 2 wavelengths",
-            value=at.size,
-            found=f"share {at.size}",
+            at.size,
+            f"share {at.size}",
             remedy=Setting("beyond", ("zero", "hold")),
         )
     side = 0.0 if beyond == "zero" else None
@@ -468,7 +464,7 @@ def held_json(text: str, schema: str, *, source: str) -> dict[str, Any]:
     held = json_of(text, source)
     found = held.get("schema") if isinstance(held, dict) else None
     if found != schema or not isinstance(held, dict):
-        raise InputError(source, f"must be {schema!r}", value=found, where="key 'schema'")
+        raise refused(source, f"must be {schema!r}", found, where="key 'schema'")
     _refuse_other_version(held, source)
     return held
 
@@ -493,18 +489,18 @@ def own_spectra(held: Mapping[str, Any], source: str) -> Found:
     except InputError as error:
         raise named(error, source) from None
     if values.shape != (wavelength.size, len(names)):
-        raise InputError(
+        raise refused(
             source,
             f"must be {wavelength.size} rows (wavelengths) of {len(names)} numbers (names)",
-            value=values.shape,
-            found=f"is {values.shape[0]} of {values.shape[1]}",
+            values.shape,
+            f"is {values.shape[0]} of {values.shape[1]}",
             where="key 'values'",
         )
     if not (np.abs(values) <= LARGEST).all():
-        raise InputError(
+        raise refused(
             source,
             "must be finite and at most 1e30",
-            value=float(np.abs(values).max()),
+            float(np.abs(values).max()),
             where="key 'values'",
             remedy="correct them",
         )
@@ -558,7 +554,7 @@ def unfit(source: str, what: str, error: Exception) -> InputError:
     """The error for JSON of a known schema in which a value is missing or invalid."""
     fault = f"{error.args[0]!r} is missing" if isinstance(error, KeyError) else str(error)
     fault = " ".join(fault.split())[:200]
-    return InputError(source, f"is not the JSON of a {what} as chromanoise writes it ({fault})")
+    return refused(source, f"is not the JSON of a {what} as chromanoise writes it ({fault})")
 
 
 def word_of(value: Any) -> str:
@@ -596,10 +592,10 @@ def array_of(values: Any, depth: int) -> Array:
 
 def _refuse_other_version(held: Mapping[str, Any], source: str) -> None:
     if held.get("schema_version") != SCHEMA_VERSION:
-        raise InputError(
+        raise refused(
             source,
             f"must be {SCHEMA_VERSION}",
-            value=held.get("schema_version"),
+            held.get("schema_version"),
             where="key 'schema_version'",
             remedy="read it with the version that wrote it",
         )

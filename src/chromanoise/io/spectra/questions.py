@@ -15,6 +15,7 @@ from typing import Literal, get_args
 import numpy as np
 
 from chromanoise.base import InputError, Render, Setting, photons_per_joule
+from chromanoise.io.source_files import has, refused
 from chromanoise.io.spectra.parsed import (
     SENSITIVE_NM,
     Answers,
@@ -467,11 +468,11 @@ def qe_of(parsed: ParsedSpectra, answers: Answers) -> Spectra:
     """
     source = parsed.curves.source
     if parsed.quantity in ("reflectance", "transmittance", "power"):
-        raise InputError(
+        raise has(
             source,
             "must hold quantum efficiencies or responses, for a sensor",
-            value=parsed.quantity,
-            found=f"holds {parsed.quantity}",
+            parsed.quantity,
+            "holds",
         )
     asked = tuple(sensor_questions(parsed, answers))
     _refuse_open(parsed, (*scale_questions(parsed, answers), *asked) if asked else ())
@@ -485,7 +486,7 @@ def qe_of(parsed: ParsedSpectra, answers: Answers) -> Spectra:
         assert answers.peak_qe is not None  # asked for by `sensor_questions`
         if highest <= 0:
             need = "must have a value above 0"
-            raise InputError(curves.source, need, value=highest, found="all are 0 or less")
+            raise refused(curves.source, need, highest, "all are 0 or less")
         curves = replace(curves, values=curves.values * (answers.peak_qe / highest))
         notes = (*notes, f"relative curves, scaled to a highest QE of {answers.peak_qe:g}")
     elif parsed.level is None:
@@ -520,11 +521,11 @@ def power_of(parsed: ParsedSpectra) -> Spectra:
     curves = parsed.curves
     _refuse_open(parsed, light_questions(parsed))
     if parsed.wavelength_unit == "1/cm":
-        raise InputError(
+        raise refused(
             curves.source,
             "must give light per wavelength",
-            value=parsed.wavelength_unit,
-            found="gives it per wavenumber in 1/cm, which is not a constant number of nm",
+            parsed.wavelength_unit,
+            "gives it per wavenumber in 1/cm, which is not a constant number of nm",
             remedy="convert it to light per nm",
         )
     notes = _said(replace(parsed, defects=defects_of_a_light(parsed.defects)))

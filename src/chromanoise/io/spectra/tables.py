@@ -11,7 +11,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from chromanoise.base import Array, InputError, text_of_cell
+from chromanoise.base import Array, text_of_cell
+from chromanoise.io.source_files import has, refused
 from chromanoise.io.spectra.declared import (
     declared_keys,
     is_row_of_units,
@@ -23,7 +24,6 @@ from chromanoise.io.spectra.parsed import (
     Column,
     Found,
     Row,
-    has,
     known_columns,
     missing_notes,
 )
@@ -75,7 +75,7 @@ def finite_number(text: str, source: str, where: str, *, decimal_comma: bool = F
     """The number in a cell, as `number_in`; an error names its place if it is none."""
     value = number_in(text, decimal_comma=decimal_comma)
     if value != value:
-        raise InputError(source, "must be a finite number", value=text.strip(), where=where)
+        raise refused(source, "must be a finite number", text.strip(), where=where)
     return value
 
 
@@ -102,7 +102,7 @@ def table_of(
         the line.
     """
     if sum(len(row.cells) for row in rows) > _MOST_CELLS:
-        raise InputError(source, f"must have at most {_MOST_CELLS} cells for a table of spectra")
+        raise refused(source, f"must have at most {_MOST_CELLS} cells for a table of spectra")
     rows, twice = with_plain_wavelengths(rows)
     rows, unused = _with_wavelengths_first(rows, decimal == ",")
     rows, turned = as_columns(rows)
@@ -112,7 +112,7 @@ def table_of(
     if len(body) < 2:
         need = "must have at least 2 rows of a wavelength and a value"
         held = f"has {len(body)} in {len(rows)} {where}s"
-        raise InputError(source, need, value=len(body), found=held)
+        raise refused(source, need, len(body), held)
     above = list(rows[:first])
     longest = max(len(_bare(row.cells)) for row in body)
     while delimiter == "blanks" and above and _is_sentence(above[-1], longest):
@@ -260,11 +260,11 @@ def _refuse_wavelengths_elsewhere(names: tuple[str, ...], source: str) -> None:
     others = [k for k, name in enumerate(names) if is_wavelength_heading(name)]
     if len(others) == 1 and others[0] > 0:
         k = others[0]
-        raise InputError(
+        raise refused(
             source,
             "must have the wavelengths in the first column",
-            value=names[k],
-            found=f"{names[k][:40]!r} is the heading of column {k + 1}",
+            names[k],
+            f"{names[k][:40]!r} is the heading of column {k + 1}",
             remedy="move them there, and remove columns that are not curves",
         )
 
@@ -277,7 +277,7 @@ def _refuse_no_wavelengths(
     if len(wrong):
         i, k = (int(n) for n in wrong[0])
         place = f"{where} {body[i].number}"
-        raise InputError(source, "the wavelength must be > 0", value=float(at[i, k]), where=place)
+        raise refused(source, "the wavelength must be > 0", float(at[i, k]), where=place)
 
 
 def _numbers(
@@ -301,10 +301,10 @@ def _numbers(
         for k, cell in enumerate(cells):
             table[i, k] = value = number_in(cell, decimal_comma=decimal == ",")
             if value != value and cell.lower() not in _MISSING:
-                raise InputError(
+                raise refused(
                     source,
                     f"must be a finite number below {LARGEST:g}",
-                    value=cell,
+                    cell,
                     where=f"{where} {row.number}, column {names[k][:40] or str(k + 1)!r}",
                     remedy=("correct it", "remove the row"),
                 )
@@ -396,7 +396,7 @@ def _shared(
     lost = np.flatnonzero(~np.isfinite(numbers[:, 0]))
     if lost.size:
         place = f"{where} {at_lines[int(lost[0])]}"
-        raise InputError(found["source"], "has values but no wavelength", where=place)
+        raise refused(found["source"], "has values but no wavelength", where=place)
     if numbers.shape[1] < 2:
         raise has(found["source"], "must have at least 2 columns", numbers.shape[1])
     names = [name_and_unit(text) if unit is None else (text, unit) for text in head[1:]]

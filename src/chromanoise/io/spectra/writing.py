@@ -12,7 +12,8 @@ from xml.sax.saxutils import escape
 
 import numpy as np
 
-from chromanoise.base import InputError, __version__, csv_comment, csv_text
+from chromanoise.base import __version__, csv_comment, csv_text
+from chromanoise.io.source_files import refused
 from chromanoise.io.spectra.parsed import as_json
 from chromanoise.sensor import PIXEL_REQUIRED, Mosaic, Sensor
 from chromanoise.spectra import Spectra
@@ -58,11 +59,11 @@ def spectra_csv(spectra: Spectra, facts: Mapping[str, str] | None = None) -> str
     """
     for name in spectra.names:
         if name.strip() != name or len(name.splitlines()) != 1 or "\0" in name:
-            raise InputError(
+            raise refused(
                 spectra.source,
                 "must have names without outer spaces and line ends, to head columns of a CSV",
-                value=name,
-                found=f"has {name!r}",
+                name,
+                f"has {name!r}",
                 remedy=("rename it", "write JSON"),
             )
     comments = {
@@ -165,30 +166,27 @@ def rawtoaces_json(per_energy: Spectra, header: Mapping[str, Any]) -> str:
     source = per_energy.source
     missing = [name for name in "RGB" if name not in per_energy.names]
     if missing:
-        raise InputError(
+        raise refused(
             source,
             "must have channels R, G and B for rawtoaces",
-            value=per_energy.names,
-            found=f"{', '.join(missing)} is missing among {', '.join(per_energy.names)}",
+            per_energy.names,
+            f"{', '.join(missing)} is missing among {', '.join(per_energy.names)}",
             remedy="write the JSON of the sensor",
         )
     wavelength = per_energy.wavelength_nm
     odd = wavelength != np.round(wavelength)
     if odd.any():
         part = float(wavelength[odd][0])
-        raise InputError(
-            source,
-            "must have wavelengths of whole nm for rawtoaces",
-            value=part,
-            found=f"has {part:g} nm",
+        raise refused(
+            source, "must have wavelengths of whole nm for rawtoaces", part, f"has {part:g} nm"
         )
     values = per_energy.values[:, [per_energy.names.index(name) for name in "RGB"]]
     if not values.max() > 0:
-        raise InputError(
+        raise refused(
             source,
             "must have R, G and B above 0 for a relative scale",
-            value=float(values.max()),
-            found="all are 0",
+            float(values.max()),
+            "all are 0",
         )
     rows = (values / values.max()).tolist()
     data = {f"{at:.0f}": row for at, row in zip(wavelength.tolist(), rows, strict=True)}
@@ -235,11 +233,11 @@ def spectra_spdx(
     and its unit in the comments.
     """
     if name not in spectra.names:
-        raise InputError(
+        raise refused(
             spectra.source,
             f"must have the curve {name!r}",
-            value=spectra.names,
-            found=f"has {', '.join(spectra.names)}",
+            spectra.names,
+            f"has {', '.join(spectra.names)}",
         )
     words = spectra.quantity.lower()
     quantity = {q.lower(): q for q in _TM27_QUANTITIES}.get(words, "other")
@@ -319,11 +317,11 @@ def _xml(text: str) -> str:
             or 0xD800 <= code < 0xE000
             or code >> 1 == 0x7FFF
         ):
-            raise InputError(
+            raise refused(
                 repr(text[:40]),
                 "must have only characters that XML allows",
-                value=letter,
-                found=f"has {letter!r}",
+                letter,
+                f"has {letter!r}",
                 remedy="rename it",
             )
     return escape(" ".join(text.split()))
