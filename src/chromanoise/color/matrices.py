@@ -59,7 +59,7 @@ class ColorMatrix:
     coordinates
         Names of the rows.
     made_by
-        Method and equation.
+        Method of the fit, and its equation.
     metric
         Metric of the space of spectra.
     frame
@@ -252,10 +252,6 @@ def kernel(
 
     Parameters
     ----------
-    sensor
-        The sensor.
-    exposure
-        Time and lens.
     training
         Spectra that the matrix is trained on, with the responses of sensor and observer.
     level_lux
@@ -282,10 +278,6 @@ def least_squares(
 
     Parameters
     ----------
-    sensor
-        The sensor.
-    exposure
-        Time and lens.
     training
         Spectra that the matrix is trained on, with the responses of sensor and observer.
     level_lux
@@ -315,10 +307,6 @@ def white_preserving(
 
     Parameters
     ----------
-    sensor
-        The sensor.
-    exposure
-        Time and lens.
     training
         Spectra that the matrix is trained on, with the responses of sensor and observer.
     level_lux
@@ -366,10 +354,6 @@ def lmmse(
 
     Parameters
     ----------
-    sensor
-        The sensor.
-    exposure
-        Time and lens.
     training
         The prior, K = E[L L^T] over the set.
     level_lux
@@ -406,10 +390,6 @@ def lmmse_over_light(
 
     Parameters
     ----------
-    sensor
-        The sensor.
-    exposure
-        Time and lens.
     training
         Spectra that the matrix is trained on, with the responses of sensor and observer.
     level_lux
@@ -451,10 +431,6 @@ def ridge(
 
     Parameters
     ----------
-    sensor
-        The sensor.
-    exposure
-        Time and lens.
     training
         Spectra that the matrix is trained on, with the responses of sensor and observer.
     level_lux
@@ -491,10 +467,6 @@ def noise_regularized(
 
     Parameters
     ----------
-    sensor
-        The sensor.
-    exposure
-        Time and lens.
     training
         Spectra that the matrix is trained on, with the responses of sensor and observer.
     level_lux
@@ -533,10 +505,6 @@ def pareto(
 
     Parameters
     ----------
-    sensor
-        The sensor.
-    exposure
-        Time and lens.
     training
         Spectra that the matrix is trained on, with the responses of sensor and observer.
     weights
@@ -593,10 +561,6 @@ def training_color_error(
 
     Parameters
     ----------
-    sensor
-        The sensor.
-    exposure
-        Time and lens.
     training
         Spectra that the matrix is trained on, with the responses of sensor and observer.
     matrix
@@ -705,10 +669,6 @@ def bounded_psi(
 
     Parameters
     ----------
-    sensor
-        The sensor.
-    exposure
-        Time and lens.
     training
         Spectra that the matrix is trained on, with the responses of sensor and observer.
     level_lux

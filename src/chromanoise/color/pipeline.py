@@ -190,7 +190,7 @@ def white_balanced(raw: Measurement, gains: Float[Array, " p"]) -> Measurement:
     Parameters
     ----------
     raw
-        Black level subtracted.
+        Raw values without the black level.
     gains
         As from `gray_gains` or `checked_gains`.
     """
@@ -327,8 +327,6 @@ def encoded(rgb: Measurement, curve: ToneCurve) -> Measurement:
     ----------
     rgb
         Mean and covariance of linear R, G, B. [1]
-    curve
-        Tone curve.
     """
     slope = curve.slope(rgb.mean)
     return Measurement(
@@ -412,8 +410,6 @@ def encoded_space(curve: ToneCurve, *, exposure_gain: float, saturation: float) 
 
     Parameters
     ----------
-    curve
-        Tone curve.
     exposure_gain
         Gain of linear R, G, B. [1]
     saturation

@@ -37,7 +37,7 @@ class Training:
     reflectance
         One row per reflectance, >= 0. [1]
     names
-        One per reflectance.
+        Name of each reflectance.
     source
         Where the reflectances come from.
     weights
@@ -129,11 +129,6 @@ class TrainingResponse:
 
 def chart_training(illuminant: Illuminant) -> Training:
     """The 24 patches of a ColorChecker, measured from 400 to 1050 nm.
-
-    Parameters
-    ----------
-    illuminant
-        The light.
 
     Raises
     ------
@@ -280,8 +275,6 @@ def light_second_moment(
 
     Parameters
     ----------
-    training
-        The training set.
     level_lux
         Illuminance on the set. [lx]
     metric
@@ -303,10 +296,6 @@ def training_response(
     ----------
     training
         Spectra that the matrix is trained on, with the responses of sensor and observer.
-    sensor
-        The sensor.
-    exposure
-        Time and lens.
     level_lux
         Illuminance on the scene. [lx]
 

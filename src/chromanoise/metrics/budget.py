@@ -633,8 +633,6 @@ def moved_share(crosstalk: Crosstalk, before_e: Float[Array, " p"]) -> float:
 
     Parameters
     ----------
-    crosstalk
-        The crosstalk.
     before_e
         Electrons of one pixel of each channel without it. [e-]
 

@@ -45,7 +45,8 @@ def picture_color_difference(
     white
         XYZ of a perfect white in the same light.
     difference
-        `chromanoise.color.ciede2000_difference` or `chromanoise.color.cie1976_difference`.
+        Formula of the difference: `chromanoise.color.ciede2000_difference` or
+        `chromanoise.color.cie1976_difference`.
 
     Raises
     ------
@@ -79,7 +80,7 @@ def psnr_db(
         Values from 0 to ``peak``; usually encoded sRGB (`chromanoise.color.srgb_from_xyz`), not
         linear light.
     peak
-        Largest possible value.
+        Largest possible value of a pixel, in the unit of the pictures.
 
     Raises
     ------
@@ -111,7 +112,7 @@ def structural_similarity(
         Values from 0 to ``peak``; usually the luma of encoded RGB
         (`chromanoise.color.LUMA_WEIGHTS`).
     peak
-        Largest possible value.
+        Largest possible value of a pixel, in the unit of the pictures.
 
     Raises
     ------
@@ -588,7 +589,7 @@ class EdgeResponse:
     Attributes
     ----------
     line
-        The edge.
+        Where the edge lies.
     frequency_cy_px
         Spatial frequencies, 0 to 1. [cycles/px]
     mtf

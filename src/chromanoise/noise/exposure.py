@@ -99,10 +99,6 @@ def exposure_factor(exposure: Exposure, pixel: Pixel, step_nm: float) -> float:
 
     Parameters
     ----------
-    exposure
-        Time and lens.
-    pixel
-        The pixel.
     step_nm
         Step of the wavelengths. [nm]
 
@@ -124,10 +120,6 @@ def measurement_vectors(sensor: Sensor, exposure: Exposure, metric: Metric) -> F
 
     Parameters
     ----------
-    sensor
-        The sensor.
-    exposure
-        Time and lens.
     metric
         The unit in which L is a vector; in ``energy``, f carries lambda / (h c) as well.
         [e- per unit of L]
@@ -143,10 +135,6 @@ def expected_electrons(scene: Scene, sensor: Sensor, exposure: Exposure) -> Floa
     ----------
     scene
         Light from the scene.
-    sensor
-        The sensor.
-    exposure
-        Time and lens.
 
     Raises
     ------
@@ -178,8 +166,6 @@ def time_to_saturation(
     ----------
     scene
         Scene; its brightest point determines the time.
-    sensor
-        The sensor.
     f_number, magnification
         As `Exposure`.
     share
@@ -306,7 +292,7 @@ def equal_saturation(
     white
         The brightest object that must not saturate.
     sensors
-        Those to compare.
+        Sensors that are to be compared.
     terms
         ``f_number``, ``share`` and ``magnification`` of `time_to_saturation`, the same for all.
 
@@ -522,7 +508,7 @@ def level_in_words(level_lux: float, digits: int = 3) -> str:
     level_lux
         > 0. [lx]
     digits
-        That count.
+        Significant digits, at least 1.
 
     Examples
     --------

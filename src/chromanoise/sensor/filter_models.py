@@ -326,7 +326,7 @@ class FilterModel:
         Parameters
         ----------
         given
-            Names of numbers.
+            Names of the numbers that are given.
 
         Raises
         ------

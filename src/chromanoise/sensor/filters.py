@@ -48,7 +48,7 @@ class ModelNumber:
     default
         Its value where none is given; ``None`` if one must be given.
     least, most
-        What is possible.
+        The smallest and the largest possible value.
     """
 
     unit: str
@@ -185,7 +185,7 @@ def layered_silicon_qe(grid: Grid, ends_um: Sequence[Number]) -> Inexact[Array, 
     Parameters
     ----------
     grid
-        Within 400-1050 nm.
+        Wavelengths, within 400-1050 nm. [nm]
     ends_um
         Depth at which each diode ends, increasing. [um]
 

@@ -90,7 +90,7 @@ class VarianceLaw:
         Parameters
         ----------
         count
-            Number of planes.
+            Number of planes of the result.
 
         Raises
         ------

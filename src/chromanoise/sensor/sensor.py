@@ -47,7 +47,7 @@ class Sensor:
         Electrons per photon, filter and IR-cut included: the paper's QE = QE_ph T_f.
         [e-/photon]
     names
-        Channel names.
+        Name of each channel, in the order of ``qe``.
     pixel
         Pitch, full well, and all noise of the pixel.
     mosaic
@@ -123,13 +123,7 @@ class Sensor:
 
 
 def pixels_of(sensor: Sensor) -> int:
-    """Number of pixels for one set of channels: p, or 1 if the channels are stacked.
-
-    Parameters
-    ----------
-    sensor
-        The sensor.
-    """
+    """Number of pixels for one set of channels: p, or 1 if the channels are stacked."""
     return 1 if sensor.stacked else len(sensor.names)
 
 
@@ -145,8 +139,6 @@ def behind_filter(
 
     Parameters
     ----------
-    sensor
-        Any sensor.
     transmittance
         Transmittance, 0 .. 1, on the sensor's grid.
     name
@@ -178,8 +170,6 @@ def with_channels(
 
     Parameters
     ----------
-    sensor
-        The sensor.
     names
         Names of the channels.
     name
@@ -209,11 +199,6 @@ def code_range_e(sensor: Sensor) -> float:
     """Electrons from black level to top code; inf where bits or gain are not known. [e-]
 
     Where n readings are summed (`chromanoise.sensor.binned`), it is n times that of one reading.
-
-    Parameters
-    ----------
-    sensor
-        The sensor.
     """
     converter = sensor.converter
     if converter.bits is None or converter.gain_e_per_dn is None:
@@ -259,8 +244,6 @@ def white_level_name(sensor: Sensor, *, dark_e: float = 0.0) -> str:
 
     Parameters
     ----------
-    sensor
-        The sensor.
     dark_e
         Dark electrons. [e-]
     """

@@ -65,8 +65,6 @@ def reflectance_named(name: str, grid: Grid, *, beyond: Beyond = "refuse") -> Sp
     name
         ``colorchecker``, ``lawn``, ``skin`` ..., or ``gray-<percent>``, which is constant over
         wavelength.
-    grid
-        The target grid.
     beyond
         How to extrapolate a table that does not cover the grid; that of skin ends at 950 nm.
 
