@@ -67,6 +67,14 @@ def fraction(name: str, unit: str, values: Any) -> Array:
     )
 
 
+def number(text: str, subject: str, requirement: str, **said: Any) -> float:
+    """The number that a text is; else raises `InputError`, with what is ``said`` of the text."""
+    try:
+        return float(text)
+    except ValueError:
+        raise InputError(subject, requirement, **{"value": text, **said}) from None
+
+
 def positive(name: str, unit: str, value: float) -> float:
     """A finite number > 0."""
     number = float(value)

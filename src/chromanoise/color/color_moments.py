@@ -111,7 +111,7 @@ def gaussian_expectation(
     mean, covariance
         Mean and covariance of the variables; the covariance may be singular.
     rule
-        By default `gaussian_cubature`.
+        Points and weights; by default `gaussian_cubature`.
 
     Raises
     ------
@@ -139,8 +139,6 @@ def cubature(color: NoisyColor, space: Space, *, rule: Cubature | None = None) -
     ----------
     color
         X, Y, Z with their noise, assumed jointly normal.
-    space
-        The color space.
     rule
         By default `gaussian_cubature` with 8192 points: for a gray at 5 dB its error is below 1e-3
         of a standard deviation, in CIELUV 6e-3. For a large picture 6 radii, 4 latitudes and 8
@@ -336,8 +334,6 @@ def exact(color: NoisyColor, space: Space, *, points: int = 2**16) -> SpaceMomen
     ----------
     color
         A color with its source (`noisy_color`), or a few colors, which are computed one by one.
-    space
-        The color space.
     points
         Points per net, a power of 2; eight nets are used.
 
@@ -426,6 +422,8 @@ def exact_where_needed(color: NoisyColor, space: Space, *, points: int = 2**11) 
         As `exact`.
     """
     source, found = _source(color), cubature(color, space)
+    names = ("bias", "covariance", "chroma_sd", "chroma_bias", "delta_e")
+    moments = {name: np.array(own) for name in names if (own := getattr(found, name)) is not None}
     for at in np.argwhere(normal_fails(source)):
         one = tuple(at.tolist())
         few = replace(
@@ -434,21 +432,9 @@ def exact_where_needed(color: NoisyColor, space: Space, *, points: int = 2**11) 
             source=replace(source, mean_e=source.mean_e[one]),
         )
         better = exact(few, space, points=points)
-        found = replace(
-            found,
-            **{
-                name: _with(getattr(found, name), one, value)
-                for name in ("bias", "covariance", "chroma_sd", "chroma_bias", "delta_e")
-                if (value := getattr(better, name)) is not None
-            },
-        )
-    return found
-
-
-def _with(values: Array, at: tuple[int, ...], value: Array) -> Array:
-    changed = np.array(values)
-    changed[at] = value
-    return changed
+        for name, values in moments.items():
+            values[one] = getattr(better, name)
+    return replace(found, **moments)
 
 
 def _source(color: NoisyColor) -> ElectronSource:
@@ -578,8 +564,6 @@ def first_order(color: NoisyColor, space: Space) -> SpaceMoments:
     ----------
     color
         X, Y, Z with their noise.
-    space
-        The color space.
 
     Raises
     ------

@@ -227,7 +227,7 @@ def propagate(color: NoisyColor, space: Space, method: Method) -> ColorNoise:
     color
         X, Y, Z with their noise; `exact` also needs its source, as returned by `noisy_color`.
     space
-        E.g. `chromanoise.color.LAB`.
+        Coordinates of the result, e.g. `chromanoise.color.LAB`.
     method
         `first_order`, `cubature`, `exact`, or one of them with its accuracy set by
         `functools.partial`.

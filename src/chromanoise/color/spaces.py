@@ -194,6 +194,12 @@ def srgb_from_linear(linear: Float[Array, "*px"]) -> Float[Array, "*px"]:
     return np.where(linear <= SRGB_TOE, 12.92 * linear, 1.055 * power - 0.055)
 
 
+def srgb_slope(linear: Float[Array, "*px"]) -> Float[Array, "*px"]:
+    """The slope of `srgb_from_linear`."""
+    power = 1.055 / 2.4 * np.maximum(linear, SRGB_TOE) ** (1 / 2.4 - 1)
+    return np.where(linear <= SRGB_TOE, 12.92, power)
+
+
 _DELTA = 6 / 29  # CIE 015:2018, eq. 8.7: below its cube the cube root becomes a line
 _UV = np.array([1.0, 15.0, 3.0])  # CIE 015:2018, eq. 8.25: X + 15 Y + 3 Z
 _LAB = np.array([[0.0, 116.0, 0.0], [500.0, -500.0, 0.0], [0.0, 200.0, -200.0]])
@@ -351,9 +357,7 @@ def _linear_srgb_jacobian(
 def _encoded_srgb_jacobian(
     xyz: Float[Array, "*px 3"], white: Float[Array, " 3"]
 ) -> Float[Array, "*px 3 3"]:
-    linear = linear_srgb(xyz, white)
-    power = np.maximum(linear, SRGB_TOE) ** (1 / 2.4 - 1)
-    slope = np.where(linear <= SRGB_TOE, 12.92, 1.055 / 2.4 * power)
+    slope = srgb_slope(linear_srgb(xyz, white))
     return slope[..., None] * _linear_srgb_jacobian(xyz, white)
 
 

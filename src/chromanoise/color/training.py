@@ -37,7 +37,7 @@ class Training:
     reflectance
         One row per reflectance, >= 0. [1]
     names
-        One per reflectance.
+        Name of each reflectance.
     source
         Where the reflectances come from.
     weights
@@ -110,6 +110,17 @@ class TrainingResponse:
     noise_e2: Float[Array, "p p"]
     observer: str = DEFAULT_OBSERVER
 
+    @property
+    def scale(self) -> Float[Array, " p"]:
+        """Electrons of the white, 1 where there are none; makes equations well conditioned."""
+        return np.where(self.white_e > 0, self.white_e, 1.0)
+
+    @property
+    def weighted(self) -> tuple[Float[Array, "k p"], Float[Array, "k 3"]]:
+        """Electrons and X, Y, Z times the roots of the shares: sums of squares are means."""
+        root = np.sqrt(self.share)[:, None]
+        return root * self.electrons, root * self.xyz
+
     def __post_init__(self) -> None:
         check.same_length("reflectances", electrons=len(self.electrons), xyz=len(self.xyz))
         check.same_length("channels", white=self.white_e.size, electrons=self.electrons.shape[1])
@@ -118,11 +129,6 @@ class TrainingResponse:
 
 def chart_training(illuminant: Illuminant) -> Training:
     """The 24 patches of a ColorChecker, measured from 400 to 1050 nm.
-
-    Parameters
-    ----------
-    illuminant
-        The light.
 
     Raises
     ------
@@ -269,8 +275,6 @@ def light_second_moment(
 
     Parameters
     ----------
-    training
-        The training set.
     level_lux
         Illuminance on the set. [lx]
     metric
@@ -292,10 +296,6 @@ def training_response(
     ----------
     training
         Spectra that the matrix is trained on, with the responses of sensor and observer.
-    sensor
-        The sensor.
-    exposure
-        Time and lens.
     level_lux
         Illuminance on the scene. [lx]
 
@@ -331,11 +331,6 @@ def training_response(
         noise_e2=mean_noise_covariance(electrons, share, sensor, exposure),
         observer=training.observer,
     )
-
-
-def white_scale(seen: TrainingResponse) -> Float[Array, " p"]:
-    """Electrons of the white per channel; 1 for a channel without light. [e-]"""
-    return np.where(seen.white_e > 0, seen.white_e, 1.0)
 
 
 def _scene(training: Training, level_lux: float) -> Scene:

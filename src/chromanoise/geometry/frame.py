@@ -27,7 +27,7 @@ class DualBasis:
         G^-1 = (F^T F)^-1; the pseudo-inverse where F is rank-deficient.
         [(unit of light)^2 per e-^2]
     names
-        One per channel.
+        Name of each channel, in the order of ``basis``.
     metric
         Metric of the space of spectra.
     rank
@@ -61,7 +61,7 @@ def dual_frame(basis: Float[Array, "n p"], *, names: tuple[str, ...], metric: Me
     basis
         F, the matrix with one column per channel.
     names, metric
-        Of the channels.
+        Names of the channels, and the metric of their light.
 
     Raises
     ------

@@ -105,14 +105,8 @@ def chart_ciede2000(
 
     Parameters
     ----------
-    sensor
-        The sensor.
     matrix
         The color matrix. [lx/e-]
-    exposure
-        Time and lens.
-    illuminant
-        The light.
     chart
         Reflectances of the patches; those of the ColorChecker if ``None``.
 
@@ -137,14 +131,8 @@ def chart_lab(
 
     Parameters
     ----------
-    sensor
-        The sensor.
     matrix
         The color matrix. [lx/e-]
-    exposure
-        Time and lens.
-    illuminant
-        The light.
     chart
         Reflectances of the patches; those of the ColorChecker if ``None``.
     """
@@ -279,11 +267,6 @@ def sensor_metamerism(sensor: Sensor) -> Metamerism:
 
     Outside 380-780 nm, where neither is defined, the sensor's response is set to 0.
 
-    Parameters
-    ----------
-    sensor
-        The sensor.
-
     Raises
     ------
     InputError
@@ -411,10 +394,6 @@ def effective_filters(
     ----------
     matrix
         The color matrix. [lx/e-]
-    sensor
-        The sensor.
-    exposure
-        Time and lens.
 
     Raises
     ------

@@ -45,7 +45,8 @@ def picture_color_difference(
     white
         XYZ of a perfect white in the same light.
     difference
-        `chromanoise.color.ciede2000_difference` or `chromanoise.color.cie1976_difference`.
+        Formula of the difference: `chromanoise.color.ciede2000_difference` or
+        `chromanoise.color.cie1976_difference`.
 
     Raises
     ------
@@ -79,7 +80,7 @@ def psnr_db(
         Values from 0 to ``peak``; usually encoded sRGB (`chromanoise.color.srgb_from_xyz`), not
         linear light.
     peak
-        Largest possible value.
+        Largest possible value of a pixel, in the unit of the pictures.
 
     Raises
     ------
@@ -111,7 +112,7 @@ def structural_similarity(
         Values from 0 to ``peak``; usually the luma of encoded RGB
         (`chromanoise.color.LUMA_WEIGHTS`).
     peak
-        Largest possible value.
+        Largest possible value of a pixel, in the unit of the pictures.
 
     Raises
     ------
@@ -588,7 +589,7 @@ class EdgeResponse:
     Attributes
     ----------
     line
-        The edge.
+        Where the edge lies.
     frequency_cy_px
         Spatial frequencies, 0 to 1. [cycles/px]
     mtf
@@ -675,7 +676,8 @@ def slanted_edge_response(
             found=f"has {max(reach, 0.0):.3g} px",
             remedy="take a larger region around the edge",
         )
-    low, high = (upright[side] for side in _sides(distance, reach))
+    outer = (np.abs(distance) > reach / 2) & (np.abs(distance) <= reach)
+    low, high = upright[outer & (distance < 0)], upright[outer & (distance > 0)]
     step = float(high.mean() - low.mean())
     variances = low.var(), high.var()
     error = float(np.sqrt(variances[0] / low.size + variances[1] / high.size))
@@ -781,12 +783,6 @@ def _distances(shape: tuple[int, ...], line: EdgeLine) -> tuple[Array, float]:
     shrink = 1 / np.hypot(1.0, line.slope)
     reach = min(edge.min(), width - 1 - edge.max()) * shrink
     return (np.arange(width) - edge[:, None]) * shrink, float(reach // _BIN_PX * _BIN_PX)
-
-
-def _sides(distance: Array, reach: float) -> tuple[Array, Array]:
-    """The pixels of the outer half of either side."""
-    outer = (np.abs(distance) > reach / 2) & (np.abs(distance) <= reach)
-    return outer & (distance < 0), outer & (distance > 0)
 
 
 def _edge_spread(upright: Array, distance: Array, reach: float) -> Array:

@@ -99,10 +99,6 @@ def exposure_factor(exposure: Exposure, pixel: Pixel, step_nm: float) -> float:
 
     Parameters
     ----------
-    exposure
-        Time and lens.
-    pixel
-        The pixel.
     step_nm
         Step of the wavelengths. [nm]
 
@@ -112,14 +108,11 @@ def exposure_factor(exposure: Exposure, pixel: Pixel, step_nm: float) -> float:
     >>> round(exposure_factor(Exposure(time_s=0.0324, f_number=1.8), pixel, 1.0), 6)
     0.25
     """
-    return exposure.time_s * pixel.pitch_um**2 * step_nm * _image_illuminance(exposure)
-
-
-def _image_illuminance(exposure: Exposure) -> float:
-    """Illuminance on the pixel divided by the illuminance on a white scene."""
-    if exposure.magnification is None:
-        return 1.0 / (4.0 * exposure.f_number**2)
-    return 1.0 / (1.0 + 4.0 * exposure.f_number**2 * (1.0 + abs(exposure.magnification)) ** 2)
+    share = 1.0 / (4.0 * exposure.f_number**2)  # illuminance of the image over that of the white
+    if exposure.magnification is not None:
+        near = (1.0 + abs(exposure.magnification)) ** 2
+        share = 1.0 / (1.0 + 4.0 * exposure.f_number**2 * near)
+    return exposure.time_s * pixel.pitch_um**2 * step_nm * share
 
 
 def measurement_vectors(sensor: Sensor, exposure: Exposure, metric: Metric) -> Float[Array, "n p"]:
@@ -127,10 +120,6 @@ def measurement_vectors(sensor: Sensor, exposure: Exposure, metric: Metric) -> F
 
     Parameters
     ----------
-    sensor
-        The sensor.
-    exposure
-        Time and lens.
     metric
         The unit in which L is a vector; in ``energy``, f carries lambda / (h c) as well.
         [e- per unit of L]
@@ -146,10 +135,6 @@ def expected_electrons(scene: Scene, sensor: Sensor, exposure: Exposure) -> Floa
     ----------
     scene
         Light from the scene.
-    sensor
-        The sensor.
-    exposure
-        Time and lens.
 
     Raises
     ------
@@ -181,8 +166,6 @@ def time_to_saturation(
     ----------
     scene
         Scene; its brightest point determines the time.
-    sensor
-        The sensor.
     f_number, magnification
         As `Exposure`.
     share
@@ -309,7 +292,7 @@ def equal_saturation(
     white
         The brightest object that must not saturate.
     sensors
-        Those to compare.
+        Sensors that are to be compared.
     terms
         ``f_number``, ``share`` and ``magnification`` of `time_to_saturation`, the same for all.
 
@@ -525,7 +508,7 @@ def level_in_words(level_lux: float, digits: int = 3) -> str:
     level_lux
         > 0. [lx]
     digits
-        That count.
+        Significant digits, at least 1.
 
     Examples
     --------

@@ -186,8 +186,6 @@ def interpolation_matrix(
     ----------
     wavelength_nm
         The wavelengths of the samples, increasing. [nm]
-    grid
-        The target grid.
     beyond
         Outside the samples: ``refuse`` with an error, use ``zero``, or ``hold`` the last value.
     what
@@ -258,8 +256,6 @@ def means_on_grid(spectra: Spectra, grid: Grid, *, beyond: Beyond = "refuse") ->
 
     Parameters
     ----------
-    spectra
-        The curves.
     grid
         Wavelengths of the result.
     beyond
@@ -287,8 +283,6 @@ def shifted(spectra: Spectra, shift_nm: float) -> Spectra:
 
     Parameters
     ----------
-    spectra
-        The curves.
     shift_nm
         Added to their wavelengths, positive towards red; 0 returns the curves themselves. [nm]
     """
@@ -347,8 +341,6 @@ def refuse_outside(
 
     Parameters
     ----------
-    spectra
-        The curves.
     low, high
         The allowed range, in the unit of the curves.
     remedy
@@ -397,10 +389,6 @@ def on_grid(spectra: Spectra, grid: Grid, *, beyond: Beyond = "refuse") -> Spect
 
     Parameters
     ----------
-    spectra
-        Measured curves.
-    grid
-        The target grid.
     beyond
         How to extrapolate curves that do not cover the grid; ``notes`` records the choice.
 

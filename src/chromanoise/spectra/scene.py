@@ -52,8 +52,6 @@ def flat_field(illuminant: Illuminant, *, level_lux: float, reflectance: float =
 
     Parameters
     ----------
-    illuminant
-        The light.
     level_lux
         Illuminance on the scene. [lx]
     reflectance
@@ -208,9 +206,9 @@ def flat_cube(
     reflectance
         Reflectance at every wavelength. [1]
     height
-        Number of rows.
+        Rows of pixels. [px]
     width
-        Number of columns.
+        Columns of pixels. [px]
     """
     wavelength = np.asarray(wavelength_nm, dtype=np.float64)
     stored = np.broadcast_to(np.float64(reflectance), (height, width, wavelength.size))
