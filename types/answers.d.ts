@@ -462,7 +462,8 @@ export interface ReportSlide {
   label: string;
   own: number;
   texts: string[];
-  answers: ReportChanges[];
+  /** By part, a change per position. */
+  answers: Record<string, ReportChanges[string][]>;
 }
 
 /** By part: the keys that differ, or the whole part. */

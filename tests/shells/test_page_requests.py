@@ -2,7 +2,6 @@
 
 from functools import cache
 
-from browser import at_rest, held, open_drawers, packed, until
 from hypothesis import HealthCheck, Phase, settings, strategies as st
 from hypothesis.stateful import (
     RuleBasedStateMachine,
@@ -13,6 +12,7 @@ from hypothesis.stateful import (
 
 from chromanoise.charts import drawing, shown
 from chromanoise.study import study_from_data
+from shells.browser import at_rest, held, open_drawers, packed, until
 
 LEVELS = (2.0, 3.0, 4.0, 6.0, 8.0)
 FILTER = "[data-where='sensors.0.filter']"

@@ -135,7 +135,7 @@ function slid(moved) {
     const output = slider.parentElement?.querySelector("output");
     if (output) output.textContent = slide.texts[at];
     if (at === slide.own) continue;
-    changed = slide.answers[at];
+    changed = Object.fromEntries(Object.entries(slide.answers).map(([part, all]) => [part, all[at]]));
     said.push(`${slide.label}: ${slide.texts[at]}; all else, the time too, as in the study.`);
   }
   byId("changed").textContent = said.join(" ") || "The study as it is.";
