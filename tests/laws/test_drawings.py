@@ -5,6 +5,7 @@ import re
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache, partial
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ import pytest
 from hypothesis import example, given, strategies as st
 
 import chromanoise
+from chart_values import rows_of, stages_of, steps_of
 from chromanoise.base import notebook as _notebook, plain
 from chromanoise.base.errors import InputError
 from chromanoise.base.palette import CHANNELS, INK
@@ -85,10 +87,9 @@ def analyzed_as_json():
     return plain(outcomes)
 
 
-def rows_of(part, of, **look):
+def rows_in(part, of, **look):
     """The numbers of each row of a chart, by heading."""
-    head, *rows = drawing(part, of, Look(**look)).csv_rows
-    return [dict(zip(head, row, strict=True)) for row in rows]
+    return rows_of(drawing(part, of, Look(**look)))
 
 
 def marks_of(part, of, kind):
@@ -176,19 +177,24 @@ def test_a_short_number_keeps_its_significant_digits_and_no_zeros_after_them(val
 
 
 def test_head_and_stages_have_the_digits_of_analyze():
-    head, stages = (drawing(part, usual())["sensors"] for part in ("head", "stages"))
+    head, stages = drawing("head", usual())["sensors"], stages_of(drawing("stages", usual()))
     for own, top, kinds in zip(analyzed_as_json(), head, stages, strict=True):
         assert top["time_ms"] == own["time_ms"]
         assert top["notes"] == own["notes"]
         assert top["mean_e"] == {c["name"]: c["mean_e"] for c in own["channels"]}
-        assert kinds["raw"] == {c["name"]: c["snr_db"] for c in own["channels"]}
-        assert kinds["contravariant"] == {
-            c["name"]: c["contravariant_snr_db"] for c in own["channels"]
-        }
-        assert kinds["color"] == own["color"]["snr_db"]
-        for key in ("bound_db", "price_db"):
-            assert kinds[key] == own[key]
-        assert kinds["spectral_db"] == own["spectral_snr_db"]
+        assert_kinds_are_those_of(own, kinds)
+
+
+def assert_kinds_are_those_of(own, kinds):
+    """The values of the chart ``stages`` are those of a sensor in the JSON of an analysis."""
+    channels = own["channels"]
+    assert kinds["raw SNR"] == {c["name"]: c["snr_db"] for c in channels}
+    unmixed = {c["name"]: c["contravariant_snr_db"] for c in channels}
+    assert kinds["contravariant SNR"] == unmixed
+    assert kinds["color SNR"] == own["color"]["snr_db"]
+    assert kinds["bound"] == {"Y": own["bound_db"]}
+    assert kinds["color SNR loss"] == {"Y": own["price_db"]}
+    assert kinds["spectral SNR"] == {"spectrum": own["spectral_snr_db"]}
 
 
 def night(*, clip):
@@ -209,23 +215,20 @@ def night(*, clip):
 def test_charts_have_the_numbers_of_a_run(clip):
     of, results = shown(night(clip=clip)), run(night(clip=clip))
     data = next(iter(results.analyses.values())).to_dict()["sensors"]
-    head, stages, chart = (drawing(part, of)["sensors"] for part in ("head", "stages", "chart"))
+    head, stages = drawing("head", of)["sensors"], stages_of(drawing("stages", of))
+    errors = rows_in("chart", of)
     for i, own in enumerate(data):
         channels = own["channels"]
         assert head[i]["mean_e"] == {c["name"]: c["mean_e"] for c in channels}
         assert head[i]["notes"] == own["notes"]
-        assert stages[i]["raw"] == {c["name"]: c["snr_db"] for c in channels}
-        unmixed = {c["name"]: c["contravariant_snr_db"] for c in channels}
-        assert stages[i]["contravariant"] == unmixed
-        assert stages[i]["color"] == own["color"]["snr_db"]
-        assert stages[i]["bound_db"] == own["bound_db"]
-        assert stages[i]["price_db"] == own["price_db"]
-        assert stages[i]["spectral_db"] == own["spectral_snr_db"]
+        assert_kinds_are_those_of(own, stages[i])
         # by the cubature of charts, which has fewer points
-        assert stages[i]["lab_sd"] == pytest.approx(own["gray_noise"]["sd_normal_law"], rel=0.02)
-        assert chart[i]["mean_delta_e"] == own["color_error_mean"]
+        spread = own["gray_noise"]["sd_normal_law"]
+        assert stages[i]["noise in CIELAB"] == pytest.approx(spread, rel=0.02)
+        found = [row[f"{own['name']} color error [Delta E*ab]"] for row in errors]
+        assert np.mean(found) == pytest.approx(own["color_error_mean"], rel=1e-12)
     (matrices,) = results.matrices.values()
-    trades = [row["SNR of Y [dB]"] for row in rows_of("pareto", of)]
+    trades = [row["SNR of Y [dB]"] for row in rows_in("pareto", of)]
     for k, own in enumerate(matrices.to_dict()["sensors"]):
         *points, now = trades[14 * k : 14 * (k + 1)]
         assert points == [p["snr_y_db"] for p in own["pareto"]]
@@ -238,19 +241,18 @@ def test_charts_have_the_numbers_of_a_run(clip):
 
 def test_the_noise_of_patches_is_clipped_where_the_study_clips():
     """Clipping at black removes noise from dark patches: less of it at equal color errors."""
-    clipped, whole = (
-        drawing("chart", shown(night(clip=clip)))["sensors"][0] for clip in (True, False)
-    )
-    assert clipped["mean_delta_e"] == whole["mean_delta_e"]
-    assert clipped["mean_noise"] < 0.9 * whole["mean_noise"]
+    clipped, whole = (rows_in("chart", shown(night(clip=clip))) for clip in (True, False))
+    error, noise = (f"onyx-rgbw color {what} [Delta E*ab]" for what in ("error", "noise"))
+    assert [row[error] for row in clipped] == [row[error] for row in whole]
+    assert sum(row[noise] for row in clipped) < 0.9 * sum(row[noise] for row in whole)
 
 
 def test_a_clipped_study_has_no_budget_and_says_what_is_not_clipped():
     """A study refuses a budget together with clipping: it follows eq. 7."""
     of = shown(night(clip=True))
-    for sensor in drawing("budget", of)["sensors"]:
-        assert sensor["steps"] == []
-        assert "eq. 7" in sensor["why_not"]
+    for panel in drawing("budget", of).panels:
+        assert not panel.marks
+        assert "eq. 7" in panel.absence
     for part in PARTS:
         title = as_data(drawing(part, of)).get("title", "")
         assert title.endswith("without clipping") == (part in ("levels", "pareto"))
@@ -271,39 +273,40 @@ def test_a_slider_keeps_the_clipping_of_the_study():
 
 @pytest.mark.parametrize("coordinate", ["X", "Y", "Z", "M^G", "L*", "a*", "b*"])
 def test_the_waterfall_has_the_digits_of_analyze_and_leads_from_the_photons_to_the_snr(coordinate):
-    result = drawing("budget", usual(), Look(coordinate=coordinate))["sensors"]
-    for own, drawn in zip(analyzed_as_json(), result, strict=True):
+    result = steps_of(drawing("budget", usual(), Look(coordinate=coordinate)))
+    for own, (start, *middle, end) in zip(analyzed_as_json(), result, strict=True):
         kept = [*own["budget"], *own["contravariant_budget"], *own["lab_budget"]]
         (budget,) = [one for one in kept if one and one["coordinate"] == coordinate]
-        start, *middle, end = drawn["steps"]
-        assert [s["change_db"] for s in middle] == [-c["loss_db"] for c in budget["costs"]]
-        assert start["to_db"] == budget["photons_db"]
-        assert end["to_db"] == budget["snr_db"]
-        assert drawn["bound_db"] == budget["bound_db"]
+        assert [change for _, change, _, _ in middle] == [-c["loss_db"] for c in budget["costs"]]
+        assert start[-1] == budget["photons_db"]
+        assert end[-1] == budget["snr_db"]
 
 
 @pytest.mark.parametrize("coordinate", ["Y", "b*"])
 def test_the_steps_of_the_waterfall_meet_and_add_up(coordinate):
-    for sensor in drawing("budget", usual(), Look(coordinate=coordinate))["sensors"]:
-        start, *middle, end = sensor["steps"]
-        assert start["to_db"] + sum(s["change_db"] for s in middle) == pytest.approx(end["to_db"])
-        for before, after in zip(sensor["steps"], sensor["steps"][1:], strict=False):
-            assert after["from_db"] == pytest.approx(before["to_db"])
-        assert {s["kind"] for s in middle if s["change_db"] < 0} == {"cost"}
+    chart = drawing("budget", usual(), Look(coordinate=coordinate))
+    for steps, panel in zip(steps_of(chart), chart.panels, strict=True):
+        (start, *middle, end), (bars,) = steps, panel.marks
+        changes = [change for _, change, _, _ in middle]
+        assert start[-1] + sum(changes) == pytest.approx(end[-1])
+        for (*_, after), (_, _, before, _) in pairwise(steps):
+            assert before == pytest.approx(after)
+        roles = ["gain" if change > 0 else "cost" for change in changes]
+        assert bars.roles == ("total", *roles, "total")
 
 
 def test_a_coordinate_made_of_infrared_has_an_snr_but_no_budget_and_says_why():
     """Behind a perfect cut the same matrix makes Z negative: by the sweep of an added IR-cut."""
     of = shown(study_of("onyx-rgb", light={"illuminant": "A", "level_lux": 10.0}))
-    (sensor,) = drawing("budget", of, Look(coordinate="Z"))["sensors"]
-    (stages,) = drawing("stages", of)["sensors"]
-    assert stages["color"]["Z"] == pytest.approx(18.7, abs=0.1)
-    assert sensor["steps"] == []
-    assert "its Z comes from the infrared" in sensor["why_not"]
-    assert "no SNR" not in sensor["why_not"]
+    (panel,) = drawing("budget", of, Look(coordinate="Z")).panels
+    (stages,) = stages_of(drawing("stages", of))
+    assert stages["color SNR"]["Z"] == pytest.approx(18.7, abs=0.1)
+    assert not panel.marks
+    assert "its Z comes from the infrared" in panel.absence
+    assert "no SNR" not in panel.absence
     (cut,) = (SWEEPS["ircut-nm"].at(one, 700.0) for one in of.operating_points)
     assert np.isnan(QUANTITIES["snr-z"].of(cut, of.analyses[0].matrix))
-    assert drawing("budget", of, Look(coordinate="X"))["sensors"][0]["why_not"] is None
+    assert drawing("budget", of, Look(coordinate="X")).panels[0].marks
 
 
 @pytest.mark.parametrize("matrices", [("kernel",), ("lmmse",)], ids=" ".join)
@@ -475,24 +478,26 @@ def test_two_sensors_are_equal_where_their_curves_cross():
 def test_a_saturated_sensor_has_no_snr_and_says_so_everywhere():
     of = bright()
     assert drawing("head", of)["sensors"][0]["saturated"]
-    for part in ("stages", "budget", "vectors", "chart"):
-        full, fine = drawing(part, of)["sensors"]
-        assert "saturated" in full["why_not"]
-        assert "onyx-rgbw" in full["why_not"]
-        assert fine["why_not"] is None
-    stages = drawing("stages", of)["sensors"][0]
-    assert set(stages["color"].values()) == {None}
-    assert set(stages["lab_sd"].values()) == {None}
-    assert drawing("vectors", of)["sensors"][0]["ellipsoid"] is None
-    full, fine = drawing("ellipses", of).panels
-    assert "onyx-rgbw: channel" in full.absence
-    assert not full.marks
-    assert fine.marks
-    assert not fine.absence
+    stages = stages_of(drawing("stages", of))[0]
+    assert set(stages["color SNR"].values()) == {None}
+    assert set(stages["noise in CIELAB"].values()) == {None}
+    full, fine = drawing("vectors", of)["sensors"]
+    assert "onyx-rgbw: channels" in full["why_not"]
+    assert full["ellipsoid"] is None
+    assert fine["why_not"] is None
+    for part in ("budget", "ellipses"):
+        full, fine = drawing(part, of).panels
+        assert "onyx-rgbw: channel" in full.absence
+        assert not full.marks
+        assert fine.marks
+        assert not fine.absence
+    _, full, fine = marks_of("chart", of, "swatches")
+    assert (full.colors, len(fine.colors)) == ((), 24)
+    assert "onyx-rgbw: channel" in drawing("chart", of).description
     lux, first, _ = (one.values for one in drawing("levels", of).columns)
     assert all(v is None for v, at in zip(first, lux, strict=True) if at > 10.0)
     assert "Saturated from: onyx-rgbw " in " ".join(drawing("levels", of).notes)
-    known = {row["sensor"] for row in rows_of("pareto", of) if row["SNR of Y [dB]"] is not None}
+    known = {row["sensor"] for row in rows_in("pareto", of) if row["SNR of Y [dB]"] is not None}
     assert known == {"onyx-rgb-ircut"}
 
 
@@ -584,15 +589,15 @@ def test_a_magnification_that_is_asked_for_is_taken():
 
 
 def test_chart_errors_are_those_of_analyze():
-    for own, result in zip(analyzed_as_json(), drawing("chart", usual())["sensors"], strict=True):
-        assert result["mean_delta_e"] == own["color_error_mean"]
-        errors = [patch["delta_e"] for patch in result["patches"]]
+    for name, own in zip(BOTH, analyzed_as_json(), strict=True):
+        errors = [row[f"{name} color error [Delta E*ab]"] for row in rows_in("chart", usual())]
         assert np.mean(errors) == pytest.approx(own["color_error_mean"], rel=1e-12)
 
 
 def test_chart_noise_is_that_of_the_exact_distribution():
     analysis = usual().analyses[1]
-    result = drawing("chart", usual())["sensors"][1]["patches"]
+    rows = rows_in("chart", usual())
+    result = [row["onyx-rgb-ircut color noise [Delta E*ab]"] for row in rows]
     chart, some = colorchecker(DEFAULT_GRID), [0, 12, 21]
     scene = replace(analysis.scene, reflectance=chart.values.T[some])
     source = ElectronSource(
@@ -602,13 +607,13 @@ def test_chart_noise_is_that_of_the_exact_distribution():
     )
     color = noisy_color(source, analysis.color.mean)
     noise = propagate(color, LAB, partial(exact, points=2**11))
-    np.testing.assert_allclose([result[i]["noise"] for i in some], noise.delta_e, rtol=0.02)
+    np.testing.assert_allclose([result[i] for i in some], noise.delta_e, rtol=0.02)
 
 
 def half_axes_of(of, plane):
     """The two conjugate half axes of each ellipse, the sensors one after the other."""
     names = [f"conjugate half axis {k} {axis}" for k in (1, 2) for axis in AXES[plane]]
-    rows = rows_of("ellipses", of, plane=plane)
+    rows = rows_in("ellipses", of, plane=plane)
     return np.array([[row[name] for name in names] for row in rows]).reshape(-1, 2, 2)
 
 
@@ -635,19 +640,13 @@ def test_an_ellipse_reaches_as_far_as_the_spread_in_its_worst_direction(plane):
     around = np.stack([np.cos(angle), np.sin(angle)], axis=1)
     covariance = covariances_of(usual(), plane)
     spread = np.sqrt(np.einsum("ki,pij,kj->pk", around, covariance, around)).max(axis=1)
-    rows = rows_of("ellipses", usual(), plane=plane)
+    rows = rows_in("ellipses", usual(), plane=plane)
     reach = np.array([row["reach of 2 sigma"] for row in rows])
     np.testing.assert_allclose(reach, SIGMAS * spread, rtol=1e-6)
     outline = np.einsum("ks,psi->pki", unit_circle(48), half_axes_of(usual(), plane))
     farthest = np.linalg.norm(outline, axis=2).max(axis=1)
     assert (np.cos(np.pi / 47) * reach * 0.998 < farthest).all()
     assert (farthest < reach * 1.002).all()
-
-
-def test_the_table_of_ellipses_tells_their_reach():
-    rows = rows_of("ellipses", usual())
-    for row, told in zip(rows, drawing("ellipses", usual()).table["rows"], strict=True):
-        assert float(told[-1]) == pytest.approx(row["reach of 2 sigma"], abs=0.0501)
 
 
 def test_ellipses_hold_the_share_of_draws_that_two_sigma_hold():
@@ -691,7 +690,7 @@ def test_chromaticity_of_equal_energy_is_a_third_and_its_slope_that_of_differenc
 
 def test_the_pareto_curve_trades_error_for_noise_and_passes_through_its_own_matrix():
     of = shown(study_of("onyx-rgbw", matrices=["noise-regularized=1"]))
-    *points, now = rows_of("pareto", of)
+    *points, now = rows_in("pareto", of)
     assert noise_weights(1e-3, 1e3, points=13)[6] == pytest.approx(1.0)
     for name in ("SNR of Y [dB]", "training error, mean Delta E*ab"):
         assert now[name] == pytest.approx(points[6][name], rel=1e-9)
@@ -709,8 +708,12 @@ def test_the_verdict_of_the_papers_sensors_is_the_papers():
 
 def bars(of):
     """What the bars of each sensor are called, and their numbers as they are shown."""
-    sensors = drawing("budget", of)["sensors"]
-    return {one["name"]: {step["label"]: step["text"] for step in one["steps"]} for one in sensors}
+    chart = drawing("budget", of)
+    texts = [panel.marks[0].texts for panel in chart.panels]
+    return {
+        name: dict(zip([label for label, *_ in steps], told, strict=True))
+        for name, steps, told in zip(chart.sensors, steps_of(chart), texts, strict=True)
+    }
 
 
 @pytest.mark.parametrize(
@@ -938,7 +941,7 @@ def test_curves_are_shifted_before_the_added_cut_which_stays_where_it_is():
 
 def test_the_grays_noise_is_that_of_the_full_cubature():
     for analysis, result in zip(
-        usual().analyses, drawing("stages", usual())["sensors"], strict=True
+        usual().analyses, stages_of(drawing("stages", usual())), strict=True
     ):
         full = plain(gray_noise(analysis, LAB))["sd_normal_law"]
-        assert result["lab_sd"] == pytest.approx(full, rel=3e-3)
+        assert result["noise in CIELAB"] == pytest.approx(full, rel=3e-3)

@@ -14,6 +14,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 import chromanoise as cn
+from chart_values import stages_of
 from chromanoise.base.errors import InputError, errors_in
 from chromanoise.cli.entry import commands
 from chromanoise.web.answers import ChartReplies
@@ -369,17 +370,15 @@ def agree(one, other):
 
 def page_agrees(result, parts):
     """The SNR of each kind, the operating point and the notes of each sensor."""
-    for own, drawn, head in zip(
-        result["sensors"], parts["stages"]["sensors"], parts["head"]["sensors"], strict=True
-    ):
-        assert own["name"] == drawn["name"] == head["name"]
-        agree({c["name"]: c["snr_db"] for c in own["channels"]}, drawn["raw"])
-        agree(
-            {c["name"]: c["contravariant_snr_db"] for c in own["channels"]},
-            drawn["contravariant"],
-        )
-        agree(own["color"]["snr_db"], drawn["color"])
-        agree(own["price_db"], drawn["price_db"])
+    stages, heads = stages_of(parts["stages"]), parts["head"]["sensors"]
+    for own, drawn, head in zip(result["sensors"], stages, heads, strict=True):
+        assert own["name"] == head["name"]
+        channels = own["channels"]
+        agree({c["name"]: c["snr_db"] for c in channels}, drawn["raw SNR"])
+        unmixed = {c["name"]: c["contravariant_snr_db"] for c in channels}
+        agree(unmixed, drawn["contravariant SNR"])
+        agree(own["color"]["snr_db"], drawn["color SNR"])
+        agree({"Y": own["price_db"]}, drawn["color SNR loss"])
         assert own["notes"] == head["notes"]
 
 

@@ -33,7 +33,7 @@ CHARTS = ("stages", "budget", "sensitivities", "levels", "pareto", "vectors", "e
 
 @pytest.fixture(scope="module")
 def client(address):
-    with httpx.Client(base_url=address, timeout=120, transport=Patient()) as asking:
+    with httpx.Client(base_url=address, timeout=600, transport=Patient()) as asking:
         yield asking
 
 

@@ -766,7 +766,7 @@ class ComparisonMap(Result):
         of more the best sensor.
         """
         title = f"{self.maps[0].quantity.what}, from {conditions(self.points)}"
-        return figures().draw_maps(self.maps, axes_of(ax), title=title)
+        return figures().draw_maps(self.maps, axes_of(ax), lines=self.lines, title=title)
 
     def __repr__(self) -> str:
         """The quantity, the parameters and the operating point."""
