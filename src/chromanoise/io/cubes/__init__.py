@@ -5,7 +5,12 @@ from typing import TYPE_CHECKING
 from chromanoise.base.lazy import lazy_names
 
 if TYPE_CHECKING:
-    from chromanoise.io.cubes.cube_files import npy_array, npz_arrays, read_cube as read_cube
+    from chromanoise.io.cubes.cube_files import (
+        npy_array,
+        npy_header,
+        npz_arrays,
+        read_cube as read_cube,
+    )
     from chromanoise.io.cubes.labeled import (
         cube_from_xarray as cube_from_xarray,
         picture_to_xarray as picture_to_xarray,

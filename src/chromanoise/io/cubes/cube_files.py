@@ -121,12 +121,21 @@ def npy_array(path: Path) -> Shaped[Array, "..."]:
     return np.lib.format.open_memmap(path, mode="r")
 
 
+def npy_header(stream: Any) -> tuple[tuple[int, ...], bool, np.dtype]:
+    """Shape, whether the columns come first, and type; objects for a version of structured types.
+
+    Parameters
+    ----------
+    stream
+        A stream at the start of a ``.npy``; afterwards, it is at the numbers.
+    """
+    reader = _HEADER_READERS.get(np.lib.format.read_magic(stream))
+    return reader(stream) if reader else ((), False, np.dtype("O"))
+
+
 def _declared(stream: IO[bytes] | io.BufferedIOBase, size: int, path: Path, where: str) -> Declared:
     """Shape and type from the header at the start of ``stream``; objects have no shape."""
-    version = np.lib.format.read_magic(stream)
-    if version not in _HEADER_READERS:
-        return (), np.dtype("O")
-    shape, _, dtype = _HEADER_READERS[version](stream)
+    shape, _, dtype = npy_header(stream)
     if dtype.hasobject:
         return (), np.dtype("O")
     expected = stream.tell() + math.prod(shape) * dtype.itemsize

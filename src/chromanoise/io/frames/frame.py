@@ -9,7 +9,7 @@ import math
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -27,7 +27,7 @@ _BLOCK_PIXELS = 4_000_000
 _LARGEST = 2**31 - 1
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class StoredPlane:
     """Reads an uncompressed frame from its place in a file.
 
@@ -35,8 +35,6 @@ class StoredPlane:
     ----------
     path
         The file.
-    size
-        Its size when the header was read. [bytes]
     offset
         Where the first code is. [bytes]
     stored
@@ -45,14 +43,19 @@ class StoredPlane:
         Rows and columns. [px]
     by_columns
         Whether the columns are stored one after another.
+    size
+        Size of the file when its header was read. [bytes]
     """
 
     path: Path
-    size: int
     offset: int
     stored: np.dtype
     shape: tuple[int, int]
     by_columns: bool = False
+    size: int = field(init=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "size", self.path.stat().st_size)
 
     def __call__(self) -> Integer[Array, "h w"]:
         """The codes. [DN]
