@@ -7,10 +7,8 @@ Raw frames in the files of cameras: DNG and all that LibRaw reads.
 LibRaw runs in a child process with limits on time and memory, because a damaged file may crash it.
 """
 
-import logging
 import math
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -19,14 +17,17 @@ from typing import Any, TypeGuard
 import numpy as np
 
 from chromanoise.base import Array, Integer, UInt16, json_of, sandbox
-from chromanoise.io.cubes import (
-    decoded_pages,
-    is_plain,
+from chromanoise.io.cubes.raw_cube import (
     reading,
     reading_rows,
-    refuse_absent_library,
     refuse_impossible,
+)
+from chromanoise.io.cubes.tiff import (
+    decoded_pages,
+    is_plain,
+    opened_tiff,
     refuse_incomplete,
+    whole_pages,
 )
 from chromanoise.io.frames.frame import (
     MOST_FRAMES,
@@ -36,7 +37,7 @@ from chromanoise.io.frames.frame import (
     refused_picture,
     whole_codes,
 )
-from chromanoise.io.source_files import has, refused
+from chromanoise.io.source_files import refuse_absent_library, refused
 from chromanoise.sensor import Mosaic
 
 CFA = 32803
@@ -161,8 +162,6 @@ def number_of_tag(value: Any) -> float | None:
 
 _BLACK_IS_0, _WHITE_IS_0 = 1, 0
 
-logging.getLogger("tifffile").addHandler(logging.NullHandler())  # errors are raised here
-
 
 def tiff_frames(path: Path) -> tuple[RawFrame, ...]:
     """The pages of a TIFF; reduced pages (thumbnails) are not used.
@@ -176,33 +175,17 @@ def tiff_frames(path: Path) -> tuple[RawFrame, ...]:
         If a page has more than one channel, is incomplete, or is larger than its file allows.
     """
     with opened_tiff(path) as file:
-        if len(file.pages) > MOST_FRAMES:
-            raise has(path, f"must hold at most {MOST_FRAMES} pages", len(file.pages), "holds")
-        pages = [(i, page.aspage()) for i, page in enumerate(file.pages)]
-        pages = [(i, page) for i, page in pages if not page.is_reduced]
-        if not pages:
-            raise refused(path, "must hold pages", found="holds none")
-        _refuse_truncated_stack(path, pages[0][1], len(pages))
-        exposure = exposure_of(pages[0][1])
+        pages = whole_pages(path, file, MOST_FRAMES)
+        _refuse_truncated_stack(path, pages[0], len(pages))
+        exposure = exposure_of(pages[0])
         many = len(pages) > 1
         return tuple(
-            _frame(path, at, page, index=k if many else None, exposure=exposure)
-            for k, (at, page) in enumerate(pages)
+            _frame(path, page, index=k if many else None, exposure=exposure)
+            for k, page in enumerate(pages)
         )
 
 
-@contextmanager
-def opened_tiff(path: Path) -> Iterator[Any]:
-    """A file of tifffile, whose errors become an `InputError`."""
-    import tifffile
-
-    with reading(path, "TIFF"), tifffile.TiffFile(path) as file:
-        yield file
-
-
-def _frame(
-    path: Path, at: int, page: Any, *, index: int | None, exposure: dict[str, Any]
-) -> RawFrame:
+def _frame(path: Path, page: Any, *, index: int | None, exposure: dict[str, Any]) -> RawFrame:
     where = "" if index is None else f"page {index} (from 0)"
     if page.dtype is None or len(page.shape) < 2:
         raise refused(path, "must hold plain numbers", found="holds none", where=where)
@@ -218,13 +201,10 @@ def _frame(
     refuse_impossible(path, where or "page 0", shape, dtype)
     mosaic = mosaic_of(page)
     if page.photometric == CFA and mosaic is None:
-        raise refused(
-            path,
-            "must state its mosaic in the tag CFAPattern",
-            where=where,
-            remedy="save it as a gray TIFF, and write the mosaic into capture.toml",
-        )
-    read: Any = partial(_unpacked_page, path, at, shape, str(dtype))
+        need = "must state its mosaic in the tag CFAPattern"
+        remedy = "save it as a gray TIFF, and write the mosaic into capture.toml"
+        raise refused(path, need, where=where, remedy=remedy)
+    read: Any = partial(_unpacked_page, path, page.index, shape, str(dtype))
     if is_plain(page):
         read = _plane(path, page)
     bits = int(page.bitspersample)
@@ -272,13 +252,9 @@ def _refuse_truncated_stack(path: Path, first: Any, pages: int) -> None:
         except (ValueError, TypeError, AttributeError, OverflowError):
             declared = 1
     if declared > pages and pages == 1 and len(first.shape) == 2:
-        raise refused(
-            path,
-            "must have one page per frame",
-            pages,
-            f"has {pages} page, and its description states {declared} frames",
-            remedy="save each frame as a page",
-        )
+        need = "must have one page per frame"
+        found = f"has {pages} page, and its description states {declared} frames"
+        raise refused(path, need, pages, found, remedy="save each frame as a page")
 
 
 _MOST_PIXELS_PER_BYTE = 64  # of the lossless compressions that cameras use; zeros take 1/16 byte
@@ -318,13 +294,10 @@ def raw_frames(path: Path) -> tuple[RawFrame, ...]:
     refuse_shape(path, "", shape)
     pixels = raw_shape[0] * raw_shape[1]
     if pixels > _MOST_PIXELS_PER_BYTE * size:
-        raise refused(
-            path,
-            f"must fit into the {size} bytes of the file",
-            raw_shape,
-            f"is declared as {raw_shape[0]} x {raw_shape[1]} pixels",
-            remedy="copy it again, because the file is damaged",
-        )
+        need = f"must fit into the {size} bytes of the file"
+        found = f"is declared as {raw_shape[0]} x {raw_shape[1]} pixels"
+        remedy = "copy it again, because the file is damaged"
+        raise refused(path, need, raw_shape, found, remedy=remedy)
     read = _Raw(path=path, shape=shape, pixels=pixels)
     metadata = from_tags if "mosaic" in from_tags else read.header() | from_tags
     return (RawFrame(path=path, shape=shape, read=read, **metadata),)

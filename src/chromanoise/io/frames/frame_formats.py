@@ -9,7 +9,6 @@ Raw frames in FITS files; astropy reads the headers, the codes are read in place
 The formats of raw frames, by the ending of the file.
 """
 
-import importlib
 import math
 import re
 import struct
@@ -23,15 +22,8 @@ from typing import Any
 import numpy as np
 
 from chromanoise.base import Array, InputError, Integer, printable, regular_file
-from chromanoise.io.cubes import (
-    library,
-    npy_array,
-    npy_header,
-    npz_arrays,
-    reading,
-    reading_rows,
-    refuse_impossible,
-)
+from chromanoise.io.cubes.cube_files import npy_array, npy_header, npz_arrays
+from chromanoise.io.cubes.raw_cube import reading, reading_rows, refuse_impossible
 from chromanoise.io.frames.camera_raw import (
     camera_name,
     number_of_tag,
@@ -45,7 +37,7 @@ from chromanoise.io.frames.frame import (
     refused_picture,
     whole_codes,
 )
-from chromanoise.io.source_files import has, refused
+from chromanoise.io.source_files import has, library, refused
 from chromanoise.sensor import Mosaic
 
 _MOST_ARRAYS = 20_000
@@ -91,13 +83,9 @@ def _stack(
 
 
 def _of_columns(path: Path, where: str = "") -> InputError:
-    return refused(
-        path,
-        "must store a stack frame by frame",
-        found="is in Fortran order",
-        where=where,
-        remedy="save numpy.ascontiguousarray(stack)",
-    )
+    need = "must store a stack frame by frame"
+    remedy = "save numpy.ascontiguousarray(stack)"
+    return refused(path, need, found="is in Fortran order", where=where, remedy=remedy)
 
 
 def npz_frames(path: Path) -> tuple[RawFrame, ...]:
@@ -296,12 +284,8 @@ def dumped_frame(path: Path, shape: tuple[int, int], stored: str = "uint16") -> 
     refuse_shape(path, "", shape)
     wanted = shape[0] * shape[1] * dtype.itemsize
     if size != wanted:
-        raise has(
-            path,
-            f"must have {wanted} bytes for {shape[0]} rows and {shape[1]} columns of {stored}",
-            size,
-            remedy="give its rows, columns and type",
-        )
+        need = f"must have {wanted} bytes for {shape[0]} rows and {shape[1]} columns of {stored}"
+        raise has(path, need, size, remedy="give its rows, columns and type")
     return RawFrame(path=path, shape=shape, read=StoredPlane(path, 0, dtype, shape))
 
 
@@ -327,8 +311,7 @@ def fits_frames(path: Path) -> tuple[RawFrame, ...]:
     FITS Standard 4.0 (IAU FITS Working Group, 2018), section 4.4. The rows of the mosaic are those
     of the file from its start, as ``ROWORDER = TOP-DOWN``; with ``BOTTOM-UP`` they are reversed.
     """
-    library("astropy", str(path), extra="fits")
-    fits = importlib.import_module("astropy.io.fits")
+    fits = library("astropy.io.fits", str(path), extra="fits")
     frames: list[RawFrame] = []
     with reading(path, "FITS"), path.open("rb") as file:
         if file.read(10) != b"SIMPLE  = ":
@@ -340,12 +323,8 @@ def fits_frames(path: Path) -> tuple[RawFrame, ...]:
             if number >= _MOST_PARTS:
                 raise refused(path, f"must have at most {_MOST_PARTS} parts")
             if type(part).__name__ == "CompImageHDU" or part.header.get("ZIMAGE") is True:
-                raise refused(
-                    path,
-                    "must not be compressed",
-                    where=f"part {number}",
-                    remedy="unpack it with funpack",
-                )
+                need = "must not be compressed"
+                raise refused(path, need, where=f"part {number}", remedy="unpack it with funpack")
             if part.is_image and part.header.get("NAXIS", 0):
                 frames += _of_part(path, number, part, first)
     if not frames:
@@ -362,14 +341,8 @@ def _of_part(path: Path, number: int, part: Any, first: Any) -> tuple[RawFrame, 
     place, size = part.fileinfo()["datLoc"], path.stat().st_size
     stored = np.dtype(_TYPES[int(header["BITPIX"])])
     if place + math.prod(axes) * stored.itemsize > size:
-        raise refused(
-            path,
-            "must be complete",
-            size,
-            f"has {size} bytes, fewer than its header states",
-            where=where,
-            remedy="copy it again",
-        )
+        found = f"has {size} bytes, fewer than its header states"
+        raise refused(path, "must be complete", size, found, where=where, remedy="copy it again")
     shape = _sides(axes)
     name = printable(str(header.get("EXTNAME", "")) or str(number)) if number else ""
     scaling = _scaling(path, where, header)
@@ -408,12 +381,8 @@ def _scaled(
 def _scaling(path: Path, where: str, header: Any) -> dict[str, Any]:
     zero, scale = number_of_tag(header.get("BZERO", 0)), number_of_tag(header.get("BSCALE", 1))
     if zero is None or scale is None or abs(zero) > _LARGEST_OFFSET or not scale:
-        raise refused(
-            path,
-            "must have finite numbers in BZERO and BSCALE",
-            (header.get("BZERO"), header.get("BSCALE")),
-            where=where,
-        )
+        need = "must have finite numbers in BZERO and BSCALE"
+        raise refused(path, need, (header.get("BZERO"), header.get("BSCALE")), where=where)
     blank = number_of_tag(header.get("BLANK")) if "BLANK" in header else None
     return {"zero": zero, "scale": scale, "blank": None if blank is None else int(blank)}
 
@@ -499,13 +468,9 @@ def frames_in(path: Path | str) -> tuple[RawFrame, ...]:
         raise refused_picture(path, f"is a picture of the format {ending[1:].upper()}")
     reader = READERS.get(ending)
     if reader is None:
-        raise refused(
-            path,
-            "must be a raw frame (DNG or camera raw, TIFF, FITS, NPY, NPZ, PGM, PNG)",
-            ending,
-            f"ends in {ending}" if ending else "has no ending",
-            remedy="save it as TIFF or NPY",
-        )
+        need = "must be a raw frame (DNG or camera raw, TIFF, FITS, NPY, NPZ, PGM, PNG)"
+        found = f"ends in {ending}" if ending else "has no ending"
+        raise refused(path, need, ending, found, remedy="save it as TIFF or NPY")
     try:
         return reader(path)
     except OSError as error:
