@@ -9,7 +9,6 @@ import gc
 import json
 import os
 import pickle
-import re
 import resource
 import select
 import shutil
@@ -32,6 +31,7 @@ from chromanoise.base.errors import InputError
 from chromanoise.io.cubes import read_cube
 from chromanoise.spectra import row_source
 from chromanoise.spectra.scene import reflectance_rows
+from damage import INTERNALS, damaged
 
 NM = (400.0, 450.0, 500.0, 600.0, 700.0)
 CUBE = np.random.default_rng(5).integers(1, 128, size=(3, 4, 5)) / 128
@@ -40,12 +40,6 @@ EVEN = {"wavelengths": (400, 800)}
 MEMORY_BYTES = 2**30  # in addition to the memory that the process has before
 SECONDS = 30.0
 SEED = 7
-SIZES = (0, 1, 2, 5, 127, 128, 255, 2**15, 2**16 - 1, 2**24, 2**31 - 1, 2**31, 2**32 - 1, 2**40)
-WORDS = (b"-1", b"0", b"1", b"9" * 12, b"9" * 400, b"1e400", b"nan", b"{", b"}", b"[", b'"', b"\0",
-         b"null", b"<f8", b"|O", b"bsq", b"um", b"None", b"True", b"\xff", b"\n", b"x")  # fmt: skip
-INTERNALS = re.compile(
-    r"<[\w.]* ?\w+ object|<class|<ast|<COMPRESSION|Traceback|object at 0x|__\w+__"
-)
 
 
 # whole cubes
@@ -166,43 +160,6 @@ FORMATS = {
     "png": (write_pngs, {"scale": 1 / 255}, False),
     "listed": (write_listed, {"wavelengths": "wl.csv"}, False),
 }  # fmt: skip
-
-
-# damage
-
-
-def damaged(content, rng):
-    """The bytes with one to three faults: flipped, cut, inserted, left out, sizes and words."""
-    content = bytearray(content)
-    for _ in range(rng.choice([1, 1, 1, 2, 3])):
-        at = int(rng.integers(0, len(content) + 1))
-        kind = rng.integers(0, 7)
-        if kind == 0:
-            at = min(at, len(content) - 1)
-            if content:
-                content[at] ^= 1 << int(rng.integers(0, 8))
-        elif kind == 1 and rng.random() < 0.4:
-            del content[at:]
-        elif kind == 2:
-            content[at:at] = rng.bytes(int(rng.integers(1, 9)))
-        elif kind == 3:
-            del content[at : at + int(rng.integers(1, 17))]
-        elif kind == 4:
-            width = int(rng.choice([1, 2, 4, 8]))
-            order = str(rng.choice(["little", "big"]))
-            size = int(rng.choice(SIZES)) % 2 ** (8 * width)
-            at -= at % width
-            content[at : at + width] = size.to_bytes(width, order)
-        elif kind == 5:
-            word = WORDS[rng.integers(len(WORDS))]
-            content[at : at + int(rng.integers(0, 5))] = word
-        else:
-            numbers = list(re.finditer(rb"\d+", bytes(content)))
-            if numbers:
-                found = numbers[rng.integers(len(numbers))]
-                word = str(int(rng.choice(SIZES))).encode()
-                content[found.start() : found.end()] = word
-    return bytes(content)
 
 
 # reading

@@ -1,6 +1,4 @@
-"""Files of raw frames in each format, written by other libraries, and damage to them."""
-
-import re
+"""Files of raw frames in each format, written by other libraries."""
 
 import numpy as np
 import tifffile
@@ -8,8 +6,6 @@ from PIL import Image
 
 from chromanoise.imaging.dng import RawProfile, write_dng
 from chromanoise.sensor import Adc, bayer
-
-SIZES = (0, 1, 2, 5, 127, 128, 255, 2**15, 2**16 - 1, 2**24, 2**31 - 1, 2**31, 2**32 - 1, 2**40)
 
 
 def drawn(height=24, width=30, top=4096, seed=1):
@@ -165,32 +161,3 @@ WRITERS = {
     "dng of one cropped tile": ("a.dng", write_cropped_tile),
 }
 """Name of the file and the function that writes one frame, by format."""
-
-
-def damaged(content, rng):
-    """One to three faults: a cut, a flipped bit, bytes left out or inserted, a number replaced."""
-    content = bytearray(content)
-    head = min(len(content), 2000) if rng.random() < 0.7 else len(content)
-    for _ in range(rng.choice([1, 1, 2, 3])):
-        at, kind = int(rng.integers(0, head + 1)), rng.integers(0, 7)
-        if kind == 0 and at < len(content):
-            content[at] ^= 1 << int(rng.integers(0, 8))
-        elif kind == 1:
-            del content[int(rng.integers(0, len(content) + 1)) :]
-        elif kind == 2:
-            content[at:at] = rng.bytes(int(rng.integers(1, 9)))
-        elif kind == 3:
-            del content[at : at + int(rng.integers(1, 17))]
-        elif kind == 4:
-            width = int(rng.choice([1, 2, 4, 8]))
-            size = int(rng.choice(SIZES)) % 2 ** (8 * width)
-            content[at : at + width] = size.to_bytes(width, str(rng.choice(["little", "big"])))
-        elif kind == 5:
-            content[at : at + 4] = rng.bytes(4)
-        else:
-            numbers = list(re.finditer(rb"\d+", bytes(content[:head])))
-            if numbers:
-                chosen = numbers[rng.integers(len(numbers))]
-                words = [b"-1", b"0", b"9" * 12, b"9" * 400, b"1e400", b"nan", b"65536", b"3"]
-                content[chosen.start() : chosen.end()] = words[rng.integers(len(words))]
-    return bytes(content)

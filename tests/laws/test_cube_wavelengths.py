@@ -1,12 +1,9 @@
 """Wavelengths of a cube: under their usual names in its file, or in a separate text file."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 import scipy.io
 
-from chromanoise.base.errors import InputError
 from chromanoise.io.cubes import cube_from_xarray, read_cube
 from chromanoise.io.cubes.cube_metadata import read_wavelengths
 from chromanoise.spectra.scene_rows import row_source
@@ -43,42 +40,52 @@ FORMATS = [(write_mat, "a.mat"), (write_npz, "a.npz"), (write_hdf5, "a.h5"), (wr
 every = pytest.mark.parametrize(("write", "name"), FORMATS)
 
 
-def refusal(path, **options):
-    with pytest.raises(InputError) as caught:
-        read_cube(path, **options)
-    text = str(caught.value)
-    assert "\n" not in text
-    assert str(path) in text
-    return text
+AT = np.array(NM)
+LISTS = {
+    **{f"named {name}": {name: AT} for name in ("wl", "Wavelengths", "WAVELENGTH", "lambda")},
+    **{f"bands in {unit}": {f"bands_{unit}": AT * by} for unit, by in (("nm", 1), ("um", 0.001))},
+    "angstrom by the name": {"wavelength_angstrom": AT * 10},
+    "um by the numbers": {"wave": AT * 0.001},
+    "um by the name": {"wl_um": AT * 0.001},
+    "falling": {"wl": AT[::-1]},
+    "two that agree": {"wl": AT, "wavelength_um": AT / 1000},
+    "one of another length": {"wl": AT, "wave": np.arange(400.0, 407)},
+}
 
 
 @every
-@pytest.mark.parametrize(
-    "listed", ["wl", "Wavelengths", "WAVELENGTH", "wave", "lambda", "bands_nm"]
-)
-def test_wavelengths_are_found_under_their_usual_names(tmp_path, write, name, listed):
-    write(tmp_path / name, reflectance=CUBE, **{listed: np.array(NM)})
-    assert read_cube(tmp_path / name).wavelength_nm.tolist() == NM
-
-
-@every
-@pytest.mark.parametrize(
-    ("listed", "per_nm"),
-    [("wl", 0.001), ("wl_um", 0.001), ("bands_um", 0.001), ("wavelength_angstrom", 10), ("wl", 1)],
-)
-def test_the_unit_comes_from_the_name_or_from_unambiguous_numbers(
-    tmp_path, write, name, listed, per_nm
+@pytest.mark.parametrize("which", LISTS)
+def test_lists_of_wavelengths_are_found_by_their_names_and_read_in_their_units(
+    tmp_path, write, name, which
 ):
-    write(tmp_path / name, reflectance=CUBE, **{listed: np.array(NM) * per_nm})
-    np.testing.assert_allclose(read_cube(tmp_path / name).wavelength_nm, NM, rtol=1e-12)
+    write(tmp_path / name, reflectance=CUBE, **LISTS[which])
+    cube = read_cube(tmp_path / name)
+    np.testing.assert_allclose(cube.wavelength_nm, NM, rtol=1e-12)
+    expected = CUBE[:, :, ::-1] if which == "falling" else CUBE
+    np.testing.assert_array_equal(row_source(cube.stored).rows(0, 3), expected)
+    assert any("band order reversed" in note for note in cube.notes) == (which == "falling")
+
+
+DISORDER = {"where": "band 2 (from 0)", "value": 450.0}
+WRONG = {
+    "angstrom or nm": ({"wl": AT * 10}, {"where": "list 'wl'", "value": (4000.0, 7000.0)}),
+    "two that differ": ({"wl": AT, "wavelengths": AT + 1}, {"requirement": "must agree"}),
+    "of another length": ({"wl": np.arange(400.0, 407)}, {"value": 7}),
+    "in disorder": ({"wl": np.array([400.0, 500, 450, 600, 700])}, DISORDER),
+    "twice": ({"wl": np.array([400.0, 450, 450, 600, 700])}, DISORDER),
+    "band numbers": ({"bands": np.arange(1.0, 6)}, {}),
+}
 
 
 @every
-def test_numbers_that_could_be_angstrom_or_nm_are_not_guessed(tmp_path, write, name):
-    write(tmp_path / name, reflectance=CUBE, wl=np.array(NM) * 10)
-    text = refusal(tmp_path / name)
-    assert "'wl'" in text
-    assert "4000" in text
+@pytest.mark.parametrize("which", WRONG)
+def test_lists_that_are_unclear_or_wrong_are_refused(tmp_path, write, name, which):
+    arrays, fields = WRONG[which]
+    write(tmp_path / name, reflectance=CUBE, **arrays)
+    path = str(tmp_path / name)
+    with refused_input(subject=path, setting="wavelengths", **fields) as caught:
+        read_cube(path)
+    assert "\n" not in str(caught.value)
 
 
 def test_a_declared_angstrom_is_a_tenth_of_a_nm(tmp_path):
@@ -86,54 +93,6 @@ def test_a_declared_angstrom_is_a_tenth_of_a_nm(tmp_path):
     with h5py.File(tmp_path / "a.h5", "r+") as file:
         file["wl"].attrs["units"] = "Angstrom"
     np.testing.assert_allclose(read_cube(tmp_path / "a.h5").wavelength_nm, NM, rtol=1e-12)
-
-
-@every
-def test_falling_wavelengths_reverse_the_bands_with_a_note(tmp_path, write, name):
-    write(tmp_path / name, reflectance=CUBE, wl=np.array(NM)[::-1])
-    cube = read_cube(tmp_path / name)
-    assert cube.wavelength_nm.tolist() == NM
-    np.testing.assert_array_equal(row_source(cube.stored).rows(0, 3), CUBE[:, :, ::-1])
-    assert any("band order reversed" in note for note in cube.notes)
-
-
-@every
-def test_two_lists_that_differ_are_refused_and_both_named(tmp_path, write, name):
-    write(tmp_path / name, reflectance=CUBE, wl=np.array(NM), wavelengths=np.array(NM) + 1)
-    text = refusal(tmp_path / name)
-    assert "'wl'" in text
-    assert "'wavelengths'" in text
-
-
-@every
-def test_two_lists_that_agree_are_one(tmp_path, write, name):
-    write(tmp_path / name, reflectance=CUBE, wl=np.array(NM), wavelength_um=np.array(NM) / 1000)
-    np.testing.assert_allclose(read_cube(tmp_path / name).wavelength_nm, NM, rtol=1e-12)
-
-
-@every
-def test_a_list_of_another_length_is_not_used(tmp_path, write, name):
-    write(tmp_path / name, reflectance=CUBE, wl=np.array(NM), wave=np.arange(400.0, 407))
-    assert read_cube(tmp_path / name).wavelength_nm.tolist() == NM
-    other = tmp_path / f"b{Path(name).suffix}"
-    write(other, reflectance=CUBE, wl=np.arange(400.0, 407))
-    with refused_input(subject=str(other), value=7, setting="wavelengths"):
-        read_cube(other)
-
-
-@every
-@pytest.mark.parametrize("listed", [[400, 500, 450, 600, 700], [400, 450, 450, 600, 700]])
-def test_a_list_in_disorder_is_refused(tmp_path, write, name, listed):
-    write(tmp_path / name, reflectance=CUBE, wl=np.array(listed, dtype=np.float64))
-    with refused_input(subject=str(tmp_path / name), where="band 2 (from 0)", value=450.0):
-        read_cube(tmp_path / name)
-
-
-@every
-def test_band_numbers_are_not_wavelengths(tmp_path, write, name):
-    write(tmp_path / name, reflectance=CUBE, bands=np.arange(1.0, 6))
-    with refused_input(setting="wavelengths"):
-        read_cube(tmp_path / name)
 
 
 # a text file of wavelengths
@@ -185,7 +144,7 @@ FAULTY = {
     "400\n450\nnan\n600\n700\n": {"where": "entry 3", "value": "nan"},
     "400\n450\ninf\n600\n700\n": {"where": "entry 3", "value": "inf"},
     "# wavelength_unit: um\nwavelength_nm\n400\n450\n500\n600\n700\n": {"value": ("nm", "um")},
-    "\xff\xfe": {"value": 0, "requirement": "UTF-8"},
+    "\xff\xfe": {"where": "byte 0", "requirement": "UTF-8"},
 }
 
 
@@ -204,7 +163,8 @@ def test_a_faulty_file_of_wavelengths_is_refused_by_name(tmp_path, text):
 def test_listed_numbers_that_are_not_wavelengths_of_light_are_refused(tmp_path, text):
     (tmp_path / "wl.txt").write_text(text)
     np.save(tmp_path / "a.npy", CUBE)
-    refusal(tmp_path / "a.npy", wavelengths=tmp_path / "wl.txt")
+    with refused_input(subject=str(tmp_path / "a.npy"), setting="wavelengths"):
+        read_cube(tmp_path / "a.npy", wavelengths=tmp_path / "wl.txt")
 
 
 @pytest.mark.parametrize(

@@ -3,11 +3,9 @@
 import numpy as np
 import pytest
 
-from chromanoise.base.errors import InputError
 from chromanoise.io.frames import read_frame_set
 from chromanoise.sensor import Mosaic, bayer
-from damage import mutated, random_edits
-from frame_files import damaged, drawn, write_fits, write_raw
+from frame_files import drawn, write_fits, write_raw
 from outcomes import refused_input
 
 pytest.importorskip("astropy", reason="FITS needs chromanoise[fits]")
@@ -387,51 +385,6 @@ def test_a_wrong_capture_toml_is_refused_with_its_place(tmp_path, name):
     with refused_input(subject=str(path), **fields) as caught:
         read_frame_set([tmp_path])
     assert "\n" not in str(caught.value)
-
-
-LISTS = {
-    "capture.toml": b"""mosaic = "RG/GB"
-bits = 12
-darks = ["f[67].npy"]
-[[levels]]
-flats = ["f0.npy", "f1.npy"]
-time_ms = 5
-photons_per_pixel = 310.5
-[[levels]]
-name = "own"
-flats = ["s.npy[0]", "s.npy[1]", "f2*"]
-darks = ["f3.npy", "f4.npy"]
-""",
-    "descriptor.txt": b"""v 4.0
-n 12 6 4
-b 1000000 350.5
-i f0.npy
-i f1.npy
-d 1000000
-i f2.npy
-i f3.npy
-""",
-}
-
-
-@pytest.mark.parametrize("name", LISTS)
-def test_damaged_lists_of_frames_are_levels_or_one_sentence(tmp_path, name):
-    put(tmp_path, *(f"f{i}.npy" for i in range(8)))
-    np.save(tmp_path / "s.npy", np.stack([CODES] * 2))
-    path, rng = tmp_path / name, np.random.default_rng(3)
-    path.write_bytes(LISTS[name])
-    assert len(read_frame_set([path]).levels[0].flats) == 2
-    for i in range(150):
-        edited = damaged(LISTS[name], rng) if i % 2 else mutated(LISTS[name], random_edits(rng))
-        path.write_bytes(edited)
-        try:
-            assert read_frame_set([path]).levels
-        except InputError as error:
-            sentence = str(error)
-        else:
-            sentence = ""
-        assert "\n" not in sentence
-        assert len(sentence) < 1500
 
 
 def test_an_unknown_key_suggests_the_known_one(tmp_path):

@@ -12,25 +12,12 @@ from chromanoise.base import InputError, regular_file
 from chromanoise.io.envi import envi_library, envi_pair, read_envi_library
 from chromanoise.io.matlab import is_matlab
 from chromanoise.io.source_files import has, refused
-from chromanoise.io.spectra import (
-    ASK,
-    Answers,
-    Found,
-    ParsedSpectra,
-    is_asd,
-    is_cgats,
-    is_jcamp,
-    meaning_of,
-    read_asd,
-    read_cgats,
-    read_delimited,
-    read_fits,
-    read_isetcam,
-    read_jcamp,
-    read_json,
-    read_tm27,
-    read_workbook,
-)
+from chromanoise.io.spectra.delimited import is_cgats, read_cgats, read_delimited, read_workbook
+from chromanoise.io.spectra.instruments import is_asd, read_asd, read_fits, read_isetcam, read_tm27
+from chromanoise.io.spectra.interpretation import meaning_of
+from chromanoise.io.spectra.jcamp import is_jcamp, read_jcamp
+from chromanoise.io.spectra.json_curves import read_json
+from chromanoise.io.spectra.parsed import ASK, Answers, Found, ParsedSpectra
 
 _LARGEST_BYTES = 4 * 2**20
 _LARGEST_LIBRARY_BYTES = 32 * 2**20
@@ -162,13 +149,9 @@ def _content(path: Path) -> bytes:
 def _refuse_large(path: Path, largest: int) -> None:
     size = regular_file(path).st_size
     if size > largest:
-        raise refused(
-            path,
-            f"must be at most {largest // 2**20} MiB for a table of spectra",
-            size,
-            f"is {size / 2**20:.0f} MiB",
-            remedy="remove what is not a curve",
-        )
+        need = f"must be at most {largest // 2**20} MiB for a table of spectra"
+        found = f"is {size / 2**20:.0f} MiB"
+        raise refused(path, need, size, found, remedy="remove what is not a curve")
 
 
 def _found(path: Path, content: bytes) -> Found:

@@ -11,17 +11,9 @@ import numpy as np
 
 from chromanoise.base import Array, Float, InputError, Setting, Shaped
 from chromanoise.io.source_files import has, refused
-from chromanoise.io.spectra import (
-    LARGEST,
-    NAMED_WAVELENGTH,
-    NM_PER,
-    Found,
-    known_columns,
-    known_unit,
-    missing_notes,
-    nanometers,
-    number_in,
-)
+from chromanoise.io.spectra.declared import NAMED_WAVELENGTH, NM_PER, known_unit, nanometers
+from chromanoise.io.spectra.parsed import LARGEST, Found, known_columns, missing_notes
+from chromanoise.io.spectra.tables import number_in
 
 DATA_SUFFIXES = (".sli", ".img", ".raw", ".dat", ".bin", ".bsq", ".bil", ".bip")
 _LARGEST_HEADER_BYTES = 16 * 2**20
@@ -100,19 +92,13 @@ def _data_beside(header: Path) -> Path:
     names = [(header.stem + ending).lower() for ending in ("", *DATA_SUFFIXES)]
     found = sorted(_beside(header, names))
     if not found:
-        raise refused(
-            header,
-            "must have its data in the same folder",
-            found=f"there is no {header.stem}, alone or with {' '.join(DATA_SUFFIXES)} after it",
-        )
+        held = f"there is no {header.stem}, alone or with {' '.join(DATA_SUFFIXES)} after it"
+        raise refused(header, "must have its data in the same folder", found=held)
     if len(found) > 1:
-        raise refused(
-            header,
-            "must have one data file",
-            tuple(p.name for p in found),
-            f"{len(found)} could be it: {', '.join(p.name for p in found)}",
-            remedy="name the data file instead of the header",
-        )
+        need = "must have one data file"
+        held = f"{len(found)} could be it: {', '.join(p.name for p in found)}"
+        remedy = "name the data file instead of the header"
+        raise refused(header, need, tuple(p.name for p in found), held, remedy=remedy)
     return found[0]
 
 
@@ -131,12 +117,8 @@ def read_envi_header(path: Path) -> EnviHeader:
         If it is not an ENVI header, a brace is not closed, or a key of the layout is repeated.
     """
     if path.stat().st_size > _LARGEST_HEADER_BYTES:
-        raise refused(
-            path,
-            f"must be at most {_LARGEST_HEADER_BYTES // 2**20} MiB for an ENVI header",
-            path.stat().st_size,
-            f"is {path.stat().st_size / 2**20:.0f} MiB",
-        )
+        need = f"must be at most {_LARGEST_HEADER_BYTES // 2**20} MiB for an ENVI header"
+        raise refused(path, need, path.stat().st_size, f"is {path.stat().st_size / 2**20:.0f} MiB")
     raw = path.read_bytes()
     try:
         text = raw.decode("utf-8-sig")
@@ -155,23 +137,16 @@ def envi_header(text: str, *, source: str) -> EnviHeader:
     """
     lines = re.split(r"\r\n|\r|\n", text)
     if lines[0].strip() != "ENVI":
-        raise refused(
-            source,
-            "is not an ENVI header, whose first line is ENVI",
-            lines[0],
-            f"begins with {lines[0][:40]!r}",
-        )
+        need = "is not an ENVI header, whose first line is ENVI"
+        raise refused(source, need, lines[0], f"begins with {lines[0][:40]!r}")
     fields: dict[str, str] = {}
     for key, value in _pairs(lines[1:], source):
         if key in _LAYOUT and fields.get(key, value) != value:
-            raise refused(
-                source,
-                "must have one value",
-                (fields[key], value),
-                f"has {fields[key][:40]!r} and {value[:40]!r}",
-                where=f"key {key!r}",
-                remedy="keep the true one",
-            )
+            need = "must have one value"
+            found = f"has {fields[key][:40]!r} and {value[:40]!r}"
+            where = f"key {key!r}"
+            remedy = "keep the true one"
+            raise refused(source, need, (fields[key], value), found, where=where, remedy=remedy)
         fields[key] = value
     return EnviHeader(source=source, fields=fields)
 
@@ -193,12 +168,9 @@ def _braced(text: str, following: Iterator[str], source: str, number: int) -> st
     while "}" not in parts[-1]:
         more = next(following, None)
         if more is None:
-            raise refused(
-                source,
-                "opens a brace that is not closed",
-                where=f"line {number}",
-                remedy=("complete the header", "add the missing }"),
-            )
+            need = "opens a brace that is not closed"
+            remedy = ("complete the header", "add the missing }")
+            raise refused(source, need, where=f"line {number}", remedy=remedy)
         parts.append(more)
     parts[-1] = parts[-1].partition("}")[0]
     return " ".join(part.strip() for part in parts).strip()
@@ -271,13 +243,9 @@ def _refuse_wrong_size(header: EnviHeader, data: Path, expected: int) -> None:
     if size == expected:
         return
     fault = "truncated" if size < expected else "too long"
-    raise refused(
-        data,
-        f"must have {expected} bytes, header offset included, as {header.source} describes",
-        size,
-        f"has {size} bytes and is {fault}",
-        remedy=("copy the data again", "correct samples, lines, bands, data type or header offset"),
-    )
+    need = f"must have {expected} bytes, header offset included, as {header.source} describes"
+    remedy = ("copy the data again", "correct samples, lines, bands, data type or header offset")
+    raise refused(data, need, size, f"has {size} bytes and is {fault}", remedy=remedy)
 
 
 def _layout_notes(header: EnviHeader) -> tuple[str, ...]:
@@ -379,12 +347,8 @@ def envi_library(path: Path, content: bytes) -> tuple[EnviHeader, Path] | None:
         return None
     pair = envi_pair(path)
     if pair is None and path.suffix.lower() == ".sli":
-        raise refused(
-            path,
-            "must have its ENVI header in the same folder",
-            f"{path.stem}.hdr",
-            f"there is no {path.stem}.hdr",
-        )
+        need = "must have its ENVI header in the same folder"
+        raise refused(path, need, f"{path.stem}.hdr", f"there is no {path.stem}.hdr")
     return None if pair is None else _library(*pair)
 
 

@@ -6,6 +6,7 @@ checksum, so the parts of a file are checked before.
 """
 
 import io
+import math
 import struct
 import zlib
 from collections.abc import Callable
@@ -14,8 +15,8 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from chromanoise.base import Array, InputError, Setting, Shaped, check, sandbox
-from chromanoise.io.source_files import refused
+from chromanoise.base import Array, InputError, Shaped, check, sandbox
+from chromanoise.io.source_files import refuse_not_numbers, refused
 
 _Read = TypeVar("_Read")
 _START_BYTES = 128
@@ -60,16 +61,10 @@ def mat_array(path: Path, name: str) -> Shaped[Array, "..."]:
     InputError
         If the variable is damaged or has complex numbers.
     """
-    found = _in_child(_variable, path, name)
-    if found.dtype.kind == "c":
-        raise refused(
-            path,
-            "must hold real numbers",
-            found.dtype.name,
-            f"is of type {found.dtype.name}",
-            where=f"array {name!r}",
-            remedy=("save it as a plain array of real numbers", Setting("key")),
-        )
+    shape, dtype = mat_arrays(path)[name]
+    found = _in_child(_variable, path, name, size=math.prod(shape) * dtype.itemsize)
+    if found.dtype.kind == "c":  # which SciPy does not tell before
+        refuse_not_numbers(path, name, found.dtype)
     return found
 
 
@@ -108,10 +103,12 @@ def _is_of_version_4(content: bytes) -> bool:
     return False
 
 
-def _in_child(function: Callable[..., _Read], path: Path, *given: Any) -> _Read:
-    size = path.stat().st_size
+def _in_child(function: Callable[..., _Read], path: Path, *given: Any, size: int = 0) -> _Read:
+    """What a function of the child process returns; ``size`` is that of the numbers. [bytes]"""
+    size += path.stat().st_size
     try:
         return sandbox.sandboxed(
+            _refusing,
             function,
             path,
             *given,
@@ -121,9 +118,13 @@ def _in_child(function: Callable[..., _Read], path: Path, *given: Any) -> _Read:
         )
     except InputError:
         raise
-    except ValueError as error:
-        what = f"array {given[0]!r} cannot be read" if given else check.reason(error)
-        raise _damage(path, what or "it cannot be read") from None
+    except ValueError as error:  # SciPy crashed
+        raise _unread(path, error, *given) from None
+
+
+def _unread(path: Path, error: Exception, *given: Any) -> InputError:
+    what = f"array {given[0]!r} cannot be read" if given else check.reason(error)
+    return _damage(path, what or "it cannot be read")
 
 
 def _damage(path: Path, what: str) -> InputError:
@@ -131,6 +132,16 @@ def _damage(path: Path, what: str) -> InputError:
 
 
 # in the child process
+
+
+def _refusing(function: Callable[..., _Read], path: Path, *given: Any) -> _Read:
+    """The result; exceptions of SciPy become an error here, so that this process goes on."""
+    try:
+        return function(path, *given)
+    except (InputError, MemoryError):
+        raise
+    except Exception as error:
+        raise _unread(path, error, *given) from None
 
 
 def _listed(path: Path) -> list[tuple[str, tuple[int, ...], str]]:

@@ -42,7 +42,7 @@ from chromanoise.base import (
     text_of_comment,
 )
 from chromanoise.color import ColorMatrix
-from chromanoise.io.source_files import refused, xml_root
+from chromanoise.io.source_files import refused, small_text, xml_root
 from chromanoise.sensor import Crosstalk, Mosaic, crosstalk_of_kernel
 
 Kind = Literal["electrons", "balanced", "from-xyz"]
@@ -134,12 +134,8 @@ class GivenMatrix:
         if values.ndim != 2 or rows != 3:
             wide = self.kind == "from-xyz"
             what = "3 columns (X, Y, Z)" if wide else "3 rows (X, Y, Z or R, G, B)"
-            raise refused(
-                f"matrix of {self.source}",
-                f"must have {what}",
-                values.shape,
-                f"has shape {values.shape}",
-            )
+            found = f"has shape {values.shape}"
+            raise refused(f"matrix of {self.source}", f"must have {what}", values.shape, found)
         if self.light_time is not None:
             check.positive(f"t a^2 / f#^2 of {self.source}", "s um2", self.light_time)
         object.__setattr__(self, "values", check.frozen(values))
@@ -242,48 +238,44 @@ def _csv(source: str, text: str) -> GivenMatrix:
     )
 
 
+_KINDS: dict[str, Kind] = {
+    "matrix_lux_per_e": "electrons",
+    "balanced": "balanced",
+    "CameraToXYZ": "balanced",
+    "ColorMatrix1": "from-xyz",
+}
+"""Kinds of matrices by their keys in JSON; the first that a file has is used."""
+
+
 def _json(source: str, text: str) -> GivenMatrix:
     held = inputs.json_of(text, source)
     channels = held.get("channels", [])
     if not isinstance(channels, list):
         raise refused(source, "must list the names of its channels", channels)
     channels = tuple(map(str, channels))
-    if "matrix_lux_per_e" in held:
+    for key, kind in _KINDS.items():
+        if key not in held:
+            continue
+        absolute = kind == "electrons"
+        header = held if absolute else held.get("header", held)
+        lights = {
+            name: str(held.get(f"CalibrationIlluminant{name[-1]}", "unknown light"))
+            for name in ("ColorMatrix1", "ColorMatrix2", "ColorMatrix3")
+            if kind == "from-xyz" and held.get(name)
+        }
         return GivenMatrix(
             source=source,
-            kind="electrons",
+            kind=kind,
             target="XYZ",
-            values=_array(source, held["matrix_lux_per_e"]),
+            values=_array(source, held[key]),
             channels=channels,
-            light_time=_light_time(source, held),
-            **_made_for(source, held),
+            light_time=_light_time(source, held) if absolute else None,
+            notes=_choice(source, lights, key),
+            **_made_for(source, header if isinstance(header, dict) else {}),
         )
-    for key in ("balanced", "CameraToXYZ", "ColorMatrix1"):
-        if key in held:
-            kind: Kind = "from-xyz" if key == "ColorMatrix1" else "balanced"
-            values = _array(source, held[key])
-            header = held.get("header", held)
-            lights = {
-                name: str(held.get(f"CalibrationIlluminant{name[-1]}", "unknown light"))
-                for name in ("ColorMatrix1", "ColorMatrix2", "ColorMatrix3")
-                if kind == "from-xyz" and held.get(name)
-            }
-            return GivenMatrix(
-                source=source,
-                kind=kind,
-                target="XYZ",
-                values=values,
-                channels=channels,
-                notes=_choice(source, lights, key),
-                **_made_for(source, header if isinstance(header, dict) else {}),
-            )
     keys = ", ".join(map(str, list(held)[:8]))[:80]
-    raise refused(
-        source,
-        "must hold matrix_lux_per_e, balanced, CameraToXYZ or ColorMatrix1",
-        list(held)[:8],
-        f"holds {keys or 'nothing'}",
-    )
+    need = "must hold matrix_lux_per_e, balanced, CameraToXYZ or ColorMatrix1"
+    raise refused(source, need, list(held)[:8], f"holds {keys or 'nothing'}")
 
 
 def _clf(source: str, text: str) -> GivenMatrix:
@@ -604,13 +596,10 @@ def _facts(made: MadeMatrix) -> dict[str, Any]:
 
 def _refuse_not_three(made: MadeMatrix, what: str) -> None:
     if len(made.matrix.channels) != 3:
-        raise refused(
-            made.sensor,
-            f"must have 3 channels for {what}",
-            made.matrix.channels,
-            f"has {len(made.matrix.channels)}: {', '.join(made.matrix.channels)}",
-            remedy="export the matrix as CSV or JSON",
-        )
+        need = f"must have 3 channels for {what}"
+        found = f"has {len(made.matrix.channels)}: {', '.join(made.matrix.channels)}"
+        remedy = "export the matrix as CSV or JSON"
+        raise refused(made.sensor, need, made.matrix.channels, found, remedy=remedy)
 
 
 _MOST_BYTES_OF_CROSSTALK = 100_000
@@ -641,13 +630,9 @@ def read_crosstalk(path: Path, names: tuple[str, ...], mosaic: Mosaic | None) ->
     if table.columns:
         return _matrix(path, table, names, mosaic)
     if mosaic is None:
-        raise refused(
-            path,
-            "must name the channels in its first line, or be a kernel for a mosaic",
-            table.values.shape,
-            "has numbers only, and the sensor has no mosaic",
-            remedy=Setting("mosaic"),
-        )
+        need = "must name the channels in its first line, or be a kernel for a mosaic"
+        found = "has numbers only, and the sensor has no mosaic"
+        raise refused(path, need, table.values.shape, found, remedy=Setting("mosaic"))
     with _errors_of(path):
         return crosstalk_of_kernel(table.values, mosaic, names)
 
@@ -702,16 +687,8 @@ def crosstalk_table(path: Path) -> CrosstalkTable:
 
 
 def _rows(path: Path) -> list[list[str]]:
-    inputs.regular_file(path)
-    try:
-        with path.open("rb") as file:
-            text = file.read(_MOST_BYTES_OF_CROSSTALK + 1).decode("utf-8-sig")
-    except OSError as error:
-        raise refused(path, f"cannot be read ({error.strerror})") from None
-    except UnicodeDecodeError:
-        raise refused(path, "must be a UTF-8 text file") from None
-    if len(text) > _MOST_BYTES_OF_CROSSTALK:
-        raise refused(path, f"must have at most {_MOST_BYTES_OF_CROSSTALK} bytes", found="has more")
+    most = _MOST_BYTES_OF_CROSSTALK
+    text = small_text(path, most, f"must have at most {most} bytes")
     lines = [line.strip() for line in text.splitlines()]
     used = [line for line in lines if line and not line.startswith("#")]
     if not used:

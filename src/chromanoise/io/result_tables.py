@@ -16,7 +16,7 @@ from typing import Any
 
 from chromanoise.base import InputError, __version__, check, csv_text
 from chromanoise.io.source_files import has, refused
-from chromanoise.io.spectra import SCHEMA_VERSION, held_json, named, word_of, words_of
+from chromanoise.io.spectra.parsed import SCHEMA_VERSION, held_json, named, word_of, words_of
 
 Entry = float | int | str | bool | None
 """One cell; ``None`` where a quantity is not defined."""
@@ -52,12 +52,9 @@ class Column:
         try:
             format(1.0, self.digits)
         except ValueError:
-            raise refused(
-                "Column.digits",
-                "must be a format such as .2f or .4g",
-                self.digits,
-                where=f"column {self.name!r}",
-            ) from None
+            need = "must be a format such as .2f or .4g"
+            where = f"column {self.name!r}"
+            raise refused("Column.digits", need, self.digits, where=where) from None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -90,21 +87,14 @@ class Table:
         check.distinct(f"columns of table {self.title!r}", [c.name for c in self.columns])
         for i, row in enumerate(self.rows):
             if len(row) != len(self.columns):
-                raise has(
-                    f"table {self.title!r}",
-                    f"must have {len(self.columns)} cells, one per column",
-                    len(row),
-                    where=f"row {i} (from 0)",
-                )
+                need = f"must have {len(self.columns)} cells, one per column"
+                raise has(f"table {self.title!r}", need, len(row), where=f"row {i} (from 0)")
             for column, cell in zip(self.columns, row, strict=True):
                 if isinstance(cell, float) and not math.isfinite(cell):
-                    raise refused(
-                        f"table {self.title!r}",
-                        "must be finite",
-                        cell,
-                        where=f"column {column.name!r} in row {i} (from 0)",
-                        remedy="use None where it is not defined",
-                    )
+                    need = "must be finite"
+                    where = f"column {column.name!r} in row {i} (from 0)"
+                    remedy = "use None where it is not defined"
+                    raise refused(f"table {self.title!r}", need, cell, where=where, remedy=remedy)
 
 
 def written(cell: Entry, digits: str) -> str:
@@ -201,12 +191,8 @@ def table_writer(path: Path) -> Callable[[Table], str]:
     writers = {".csv": table_csv, ".json": table_json, ".md": table_markdown, ".tex": table_latex}
     ending = path.suffix.lower()
     if ending not in writers:
-        raise refused(
-            path,
-            f"must end in {', '.join(writers)} for a table",
-            path.suffix,
-            f"ends in {path.suffix!r}",
-        )
+        need = f"must end in {', '.join(writers)} for a table"
+        raise refused(path, need, path.suffix, f"ends in {path.suffix!r}")
     return writers[ending]
 
 

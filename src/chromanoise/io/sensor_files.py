@@ -13,7 +13,7 @@ import numpy as np
 from chromanoise.base import InputError, Remedy, Setting, __version__, check
 from chromanoise.io.curve_files import read_curves
 from chromanoise.io.source_files import refused
-from chromanoise.io.spectra import (
+from chromanoise.io.spectra.parsed import (
     ASK,
     SCHEMA_VERSION,
     SPECTRA_SCHEMA,
@@ -24,11 +24,11 @@ from chromanoise.io.spectra import (
     held_json,
     named,
     number_of,
-    qe_of,
     unfit,
     word_of,
     words_of,
 )
+from chromanoise.io.spectra.questions import qe_of
 from chromanoise.sensor import PIXEL, PIXEL_REQUIRED, Converter, Mosaic, Origin, Pixel, Sensor
 from chromanoise.spectra import (
     SMALL_NEGATIVES,
@@ -88,11 +88,10 @@ def sensor_data(sensor: Sensor) -> dict[str, Any]:
     """
     grid, pixel = sensor.grid, sensor.pixel
     if pixel.own_noise:
+        need = "must have no noise sources of its own to be written"
+        remedy = "write the sensor with a Pixel of chromanoise"
         raise refused(
-            f"sensor {sensor.name}",
-            "must have no noise sources of its own to be written",
-            [one.cause for one in pixel.own_noise],
-            remedy="write the sensor with a Pixel of chromanoise",
+            f"sensor {sensor.name}", need, [one.cause for one in pixel.own_noise], remedy=remedy
         )
     return {
         "schema": _SENSOR_SCHEMA,

@@ -1,12 +1,16 @@
 """What all readers share: errors about a file, small texts, numbers, XML without entities."""
 
+import importlib
+import importlib.util
 import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
-from chromanoise.base import InputError, Remedy
+import numpy as np
+
+from chromanoise.base import InputError, Remedy, Setting, regular_file
 
 
 def refused(
@@ -35,6 +39,87 @@ def has(
 def by(shape: tuple[int, ...]) -> str:
     """A shape as text: 156x9025."""
     return "x".join(str(n) for n in shape) or "scalar"
+
+
+def library(name: str, what: str, *, extra: str = "cubes", where: str = "") -> Any:
+    """Import an optional package that only some cubes need.
+
+    Parameters
+    ----------
+    name
+        Name of the package.
+    what, where
+        The file that needs the package, and the place in it.
+    extra
+        The extra of chromanoise that installs it.
+
+    Raises
+    ------
+    InputError
+        If the package is not installed.
+    """
+    try:
+        return importlib.import_module(name)
+    except ImportError:
+        raise _absent(name, what, extra, where) from None
+
+
+def refuse_absent_library(name: str, what: str, *, extra: str = "cubes", where: str = "") -> None:
+    """Like `library`, for a package that only the child process imports."""
+    if importlib.util.find_spec(name) is None:
+        raise _absent(name, what, extra, where)
+
+
+def _absent(name: str, what: str, extra: str, where: str) -> InputError:
+    need = f"needs the package {name.partition('.')[0]}, which is not installed"
+    remedy = f"install it with pip install 'chromanoise[{extra}]'"
+    return refused(what, need, where=where, remedy=remedy)
+
+
+def refuse_not_numbers(path: Path, name: str, dtype: np.dtype) -> None:
+    """Raise an error for text, objects, complex numbers and booleans."""
+    if dtype.kind not in "fiu":
+        need = "must hold real numbers"
+        found = f"is of type {kind_of(dtype)}"
+        remedy = ("save it as a plain array of real numbers", Setting("key"))
+        raise refused(path, need, kind_of(dtype), found, where=f"array {name!r}", remedy=remedy)
+
+
+def kind_of(dtype: np.dtype) -> str:
+    """The name of a type of numbers, for messages."""
+    return "object" if dtype.hasobject else dtype.name
+
+
+def small_text(path: Path, most_bytes: int, need: str, remedy: str = "") -> str:
+    """The text of a UTF-8 file.
+
+    Parameters
+    ----------
+    path
+        A regular file.
+    most_bytes, need
+        Largest size [bytes], and the requirement that a larger file violates.
+    remedy
+        The remedy if it is not text; empty for none.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, is too large, or is not text.
+    """
+    regular_file(path)
+    try:
+        with path.open("rb") as file:
+            content = file.read(most_bytes + 1)
+    except OSError as error:
+        raise refused(path, f"cannot be read ({error.strerror})") from None
+    if len(content) > most_bytes:
+        raise refused(path, need, found="is larger")
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        where, remedies = f"byte {error.start}", (remedy,) if remedy else ()
+        raise refused(path, "is not UTF-8 text", where=where, remedy=remedies) from None
 
 
 def xml_root(text: str, source: str) -> ElementTree.Element:

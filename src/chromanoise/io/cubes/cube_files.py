@@ -68,14 +68,11 @@ def npz_arrays(path: Path) -> dict[str, Declared]:
             if info.filename.endswith(".npy"):
                 name = info.filename.removesuffix(".npy")
                 if info.compress_type not in _METHODS:
-                    raise refused(
-                        path,
-                        "must be stored or deflated, as NumPy does",
-                        info.compress_type,
-                        f"has compression method {info.compress_type}",
-                        where=f"array {name!r}",
-                        remedy="save it with numpy.savez",
-                    )
+                    need = "must be stored or deflated, as NumPy does"
+                    found = f"has compression method {info.compress_type}"
+                    where = f"array {name!r}"
+                    remedy = "save it with numpy.savez"
+                    raise refused(path, need, info.compress_type, found, where=where, remedy=remedy)
                 with archive.open(info) as stream:
                     arrays[name] = _declared(stream, info.file_size, path, f"array {name!r}")
     return arrays
@@ -111,34 +108,34 @@ def npy_array(path: Path) -> Shaped[Array, "..."]:
     with path.open("rb") as stream:
         _, dtype = _declared(stream, path.stat().st_size, path, "")
     if dtype.kind not in "fiu":
-        raise refused(
-            path,
-            "must hold real numbers",
-            dtype.name,
-            f"is of type {dtype.name}",
-            remedy="save it as a plain array",
-        )
+        need = "must hold real numbers"
+        found = f"is of type {dtype.name}"
+        raise refused(path, need, dtype.name, found, remedy="save it as a plain array")
     return np.lib.format.open_memmap(path, mode="r")
+
+
+def npy_header(stream: Any) -> tuple[tuple[int, ...], bool, np.dtype]:
+    """Shape, whether the columns come first, and type; objects for a version of structured types.
+
+    Parameters
+    ----------
+    stream
+        A stream at the start of a ``.npy``; afterwards, it is at the numbers.
+    """
+    reader = _HEADER_READERS.get(np.lib.format.read_magic(stream))
+    return reader(stream) if reader else ((), False, np.dtype("O"))
 
 
 def _declared(stream: IO[bytes] | io.BufferedIOBase, size: int, path: Path, where: str) -> Declared:
     """Shape and type from the header at the start of ``stream``; objects have no shape."""
-    version = np.lib.format.read_magic(stream)
-    if version not in _HEADER_READERS:
-        return (), np.dtype("O")
-    shape, _, dtype = _HEADER_READERS[version](stream)
+    shape, _, dtype = npy_header(stream)
     if dtype.hasobject:
         return (), np.dtype("O")
     expected = stream.tell() + math.prod(shape) * dtype.itemsize
     if size != expected:
-        raise has(
-            path,
-            f"must hold the {expected} bytes that its header describes",
-            size,
-            "holds",
-            where=where,
-            remedy="save it again, because it is truncated or damaged",
-        )
+        need = f"must hold the {expected} bytes that its header describes"
+        remedy = "save it again, because it is truncated or damaged"
+        raise has(path, need, size, "holds", where=where, remedy=remedy)
     return shape, dtype
 
 
@@ -195,22 +192,14 @@ def _ordered(path: Path, files: list[Path]) -> tuple[list[int], list[Path]]:
     for file in files:
         found = _LAST_NUMBER.search(file.stem)
         if found is None:
-            raise refused(
-                file,
-                "must have a number in its name, which gives its place among the bands",
-                file.stem,
-                "has none",
-                remedy=("number the files", "move this one away"),
-            )
+            need = "must have a number in its name, which gives its place among the bands"
+            remedy = ("number the files", "move this one away")
+            raise refused(file, need, file.stem, "has none", remedy=remedy)
         number = int(found[1])
         if number in by_number:
-            raise refused(
-                path,
-                "must have one PNG per number",
-                number,
-                f"{by_number[number].name} and {file.name} have the same number",
-                remedy="move one away",
-            )
+            need = "must have one PNG per number"
+            held = f"{by_number[number].name} and {file.name} have the same number"
+            raise refused(path, need, number, held, remedy="move one away")
         by_number[number] = file
     numbers = sorted(by_number)
     _refuse_gaps(path, numbers)
@@ -221,13 +210,9 @@ def _refuse_gaps(path: Path, numbers: list[int]) -> None:
     steps = np.diff(numbers)
     if not (steps == steps[0]).all() or (steps[0] > 1 and not _are_wavelengths(numbers)):
         i = int(np.argmax(steps > steps.min()))
-        raise refused(
-            path,
-            "numbers in the names of the files must step evenly",
-            numbers[i + 1],
-            f"number {numbers[i + 1]} follows {numbers[i]}",
-            remedy="add the band that is missing",
-        )
+        need = "numbers in the names of the files must step evenly"
+        found = f"number {numbers[i + 1]} follows {numbers[i]}"
+        raise refused(path, need, numbers[i + 1], found, remedy="add the band that is missing")
 
 
 def _are_wavelengths(numbers: list[int]) -> bool:
@@ -273,13 +258,9 @@ def _size_and_kind(file: Path) -> tuple[tuple[int, int], np.dtype]:
         size: tuple[int, int] = image.size
         mode = str(image.mode)
     if mode not in _GRAY:
-        raise refused(
-            file,
-            "must be gray with 8 or 16 bits",
-            mode,
-            f"has pixels of kind {mode}",
-            remedy=("save it in that form", "move it away"),
-        )
+        need = "must be gray with 8 or 16 bits"
+        found = f"has pixels of kind {mode}"
+        raise refused(file, need, mode, found, remedy=("save it in that form", "move it away"))
     return size, _GRAY[mode]
 
 
@@ -411,12 +392,9 @@ def _found(path: Path, key: str | None, shape: tuple[int, int] | None) -> Found:
     if form is not None and form.store is not None:
         return labeled_cube(form.store(path), key, shape)
     if form is None and path.is_dir():
-        raise refused(
-            path,
-            "must be a file, a Zarr store or a folder of one PNG per band",
-            found="is another directory",
-            remedy="name the file of the cube in it",
-        )
+        need = "must be a file, a Zarr store or a folder of one PNG per band"
+        held = "is another directory"
+        raise refused(path, need, found=held, remedy="name the file of the cube in it")
     found = ((form and form.cube) or _envi)(path, shape)
     unused = () if key is None else (f"key {key!r} not used: the file holds one array",)
     return replace(found, notes=(*unused, *found.notes))
@@ -446,16 +424,9 @@ def _unknown(path: Path) -> InputError:
     if path.suffix.lower() in ("", *DATA_SUFFIXES):
         # both names are equal if the file has no suffix
         names = dict.fromkeys((f"{path.name}.hdr", f"{path.stem}.hdr"))
-        return refused(
-            path,
-            f"needs an ENVI header beside it ({' or '.join(names)}) to read its numbers",
-            found="has none",
-        )
+        need = f"needs an ENVI header beside it ({' or '.join(names)}) to read its numbers"
+        return refused(path, need, found="has none")
     *most, last = (form.shown for form in FORMATS)
     others = ", ".join(most)
-    return refused(
-        path,
-        f"must be a cube in a supported format: ENVI (.hdr and its data), {others} or {last}",
-        path.suffix,
-        f"ends in {path.suffix}",
-    )
+    need = f"must be a cube in a supported format: ENVI (.hdr and its data), {others} or {last}"
+    return refused(path, need, path.suffix, f"ends in {path.suffix}")

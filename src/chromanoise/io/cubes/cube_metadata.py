@@ -6,16 +6,16 @@ from pathlib import Path
 
 import numpy as np
 
-from chromanoise.base import Array, Float, InputError, Setting, Shaped, check, reason, regular_file
+from chromanoise.base import Array, Float, InputError, Setting, Shaped, check
 from chromanoise.io.cubes.raw_cube import Found, Notes
-from chromanoise.io.source_files import refused
-from chromanoise.io.spectra import (
+from chromanoise.io.source_files import refused, small_text
+from chromanoise.io.spectra.declared import (
     NM_PER,
-    Unit,
     declared_keys,
     is_wavelength_heading,
     wavelength_unit_of,
 )
+from chromanoise.io.spectra.parsed import Unit
 from chromanoise.spectra import Cube, ReorderedRows, RowSource, row_source, with_bands
 
 _SHORTEST_NM, _LONGEST_NM = 100.0, 20000.0
@@ -54,12 +54,9 @@ def _scale_and_notes(path: Path | str, found: Found, scale: float | None) -> tup
         said = (f"{radiance}, but a scale to reflectance is given",) if radiance else ()
         return float(scale), (*said, f"reflectance = stored x {scale:g}, as given")
     if radiance:
-        raise refused(
-            path,
-            "must hold reflectance, or numbers of known scale (reflectance per stored unit)",
-            found=radiance,
-            remedy=("divide it by the illuminant or a white reference", Setting("scale")),
-        )
+        need = "must hold reflectance, or numbers of known scale (reflectance per stored unit)"
+        remedy = ("divide it by the illuminant or a white reference", Setting("scale"))
+        raise refused(path, need, found=radiance, remedy=remedy)
     own = found.scale()
     if own is not None:
         return own, (f"reflectance = stored x {own:g}, as the header says",)
@@ -103,21 +100,14 @@ def _wavelengths_and_notes(
         spread, note = _spread(said, bands)
         return spread, (note + over,)
     if found.wavelengths is None:
-        raise refused(
-            path,
-            f"must declare the wavelengths of its {bands} bands ({_TWO_OR_ALL})",
-            found="declares none",
-            remedy=Setting("wavelengths"),
-        )
+        need = f"must declare the wavelengths of its {bands} bands ({_TWO_OR_ALL})"
+        raise refused(path, need, found="declares none", remedy=Setting("wavelengths"))
     wavelength, notes = found.wavelengths()
     if wavelength.size != bands:
-        raise refused(
-            path,
-            f"must have one wavelength per band ({_TWO_OR_ALL})",
-            wavelength.size,
-            f"has {bands} bands and {wavelength.size} wavelengths",
-            remedy=("correct it", Setting("wavelengths")),
-        )
+        need = f"must have one wavelength per band ({_TWO_OR_ALL})"
+        held = f"has {bands} bands and {wavelength.size} wavelengths"
+        remedy = ("correct it", Setting("wavelengths"))
+        raise refused(path, need, wavelength.size, held, remedy=remedy)
     return wavelength, notes
 
 
@@ -125,12 +115,8 @@ def _spread(ends: tuple[float, float], bands: int) -> tuple[Float[Array, " m"], 
     """``bands`` evenly spaced wavelengths from the first to the last. [nm]"""
     first, last = (float(end) for end in ends)
     if first == last or not all(_SHORTEST_NM <= end <= _LONGEST_NM for end in (first, last)):
-        raise refused(
-            "wavelengths",
-            f"must be two different numbers within {_SHORTEST_NM:g} .. {_LONGEST_NM:g} [nm]",
-            (first, last),
-            f"is {first:g}:{last:g}",
-        )
+        need = f"must be two different numbers within {_SHORTEST_NM:g} .. {_LONGEST_NM:g} [nm]"
+        raise refused("wavelengths", need, (first, last), f"is {first:g}:{last:g}")
     note = f"{bands} wavelengths evenly from {first:g} to {last:g} nm, as given"
     return np.linspace(first, last, bands), note
 
@@ -164,14 +150,11 @@ def _refuse_not_light(path: Path | str, wavelength: Float[Array, " m"]) -> None:
     bad = ~((wavelength >= _SHORTEST_NM) & (wavelength <= _LONGEST_NM))
     if bad.any():
         i = int(np.argmax(bad))
-        raise refused(
-            path,
-            f"wavelength must be {_SHORTEST_NM:g} .. {_LONGEST_NM:g} [nm]",
-            float(wavelength[i]),
-            f"is {wavelength[i]:g} nm ({int(bad.sum())} of {bad.size} are out of range)",
-            where=f"band {i} (from 0)",
-            remedy=("correct the wavelengths or their unit", Setting("wavelengths")),
-        )
+        need = f"wavelength must be {_SHORTEST_NM:g} .. {_LONGEST_NM:g} [nm]"
+        found = f"is {wavelength[i]:g} nm ({int(bad.sum())} of {bad.size} are out of range)"
+        where = f"band {i} (from 0)"
+        remedy = ("correct the wavelengths or their unit", Setting("wavelengths"))
+        raise refused(path, need, float(wavelength[i]), found, where=where, remedy=remedy)
 
 
 def _refuse_disorder(
@@ -179,14 +162,11 @@ def _refuse_disorder(
 ) -> None:
     if wrong.any():
         i = int(np.argmax(wrong))
-        raise refused(
-            path,
-            "wavelengths must rise or fall from band to band",
-            float(wavelength[i + 1]),
-            f"{wavelength[i + 1]:g} nm follows {wavelength[i]:g} nm",
-            where=f"band {i + 1} (from 0)",
-            remedy=("sort the bands and drop repeated ones", Setting("wavelengths")),
-        )
+        need = "wavelengths must rise or fall from band to band"
+        found = f"{wavelength[i + 1]:g} nm follows {wavelength[i]:g} nm"
+        where = f"band {i + 1} (from 0)"
+        remedy = ("sort the bands and drop repeated ones", Setting("wavelengths"))
+        raise refused(path, need, float(wavelength[i + 1]), found, where=where, remedy=remedy)
 
 
 _LARGEST_BYTES = 2**20
@@ -224,48 +204,22 @@ def read_wavelengths(path: Path, bands: int) -> Float[Array, " bands"]:
     ...     read_wavelengths(file, 2)
     array([450., 700.])
     """
-    heading, rows = _parts(path, _text(path))
+    need = f"must have at most {_LARGEST_BYTES // 2**20} MiB"
+    text = small_text(path, _LARGEST_BYTES, need, _LIST)
+    heading, rows = _parts(path, text)
     nm_per = _unit(path, heading)
     columns = [row[:1] for row in rows]
     counts = [sum(len(row) for row in part) for part in (columns, rows)]
     if bands not in counts:
         texts = " or ".join(str(count) for count in dict.fromkeys(counts))
-        raise refused(
-            path,
-            f"must list one wavelength for each of the {bands} bands of the cube",
-            tuple(dict.fromkeys(counts)),
-            f"lists {texts}",
-        )
+        need = f"must list one wavelength for each of the {bands} bands of the cube"
+        raise refused(path, need, tuple(dict.fromkeys(counts)), f"lists {texts}")
     cells = [cell for row in (columns if counts[0] == bands else rows) for cell in row]
     values = [_number(cell) for cell in cells]
     if not all(math.isfinite(value) for value in values):
         wrong = next(i for i, value in enumerate(values) if not math.isfinite(value))
         raise refused(path, "must be a number", cells[wrong][:40], where=f"entry {wrong + 1}")
     return np.array(values) * nm_per
-
-
-def _text(path: Path) -> str:
-    size = regular_file(path).st_size
-    if size > _LARGEST_BYTES:
-        raise refused(
-            path,
-            f"must have at most {_LARGEST_BYTES // 2**20} MiB",
-            size,
-            f"has {size} bytes",
-            remedy=_LIST,
-        )
-    try:
-        return path.read_text(encoding="utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise refused(
-            path,
-            "must be a UTF-8 text file",
-            error.start,
-            f"byte {error.start} is not text",
-            remedy=_LIST,
-        ) from None
-    except OSError as error:
-        raise refused(path, f"cannot be read ({reason(error)})") from None
 
 
 def _parts(path: Path, text: str) -> tuple[str, list[list[str]]]:
@@ -300,22 +254,13 @@ def _unit_of(path: Path, text: str) -> Unit | None:
     try:
         unit = wavelength_unit_of(text)
     except InputError as error:
+        where = ", ".join(part for part in (error.subject, error.where) if part)
         raise refused(
-            path,
-            error.requirement,
-            error.value,
-            error.found,
-            where=", ".join(part for part in (error.subject, error.where) if part),
-            remedy=error.remedy,
+            path, error.requirement, error.value, error.found, where=where, remedy=error.remedy
         ) from None
     if unit == "1/cm":
-        raise refused(
-            path,
-            "must list wavelengths",
-            unit,
-            "lists wavenumbers",
-            remedy="write wavelengths in nm",
-        )
+        need = "must list wavelengths"
+        raise refused(path, need, unit, "lists wavenumbers", remedy="write wavelengths in nm")
     return unit
 
 

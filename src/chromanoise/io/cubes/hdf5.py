@@ -24,14 +24,12 @@ import numpy as np
 from chromanoise.base import Array, Int64, Shaped, check, printable, sandbox
 from chromanoise.io.cubes.labeled import Axes, Labeled, Store, StoredRows
 from chromanoise.io.cubes.raw_cube import (
-    library,
     memory_bytes,
     packed_rows,
     reading,
-    refuse_absent_library,
 )
-from chromanoise.io.source_files import refused
-from chromanoise.io.spectra import SPECTRAL_NAMES
+from chromanoise.io.source_files import library, refuse_absent_library, refused
+from chromanoise.io.spectra.declared import SPECTRAL_NAMES
 from chromanoise.spectra import RowSource
 
 DEFLATE, SHUFFLE = 1, 2  # HDF5 filter numbers
@@ -164,12 +162,9 @@ def hdf5_store(path: Path, *, matlab: bool = False) -> Store:
     """
     kind = "MATLAB 7.3" if matlab else "HDF5"
     if not is_hdf5(path):
-        raise refused(
-            path,
-            "must be an HDF5 file, as NetCDF-4 is",
-            found="is in another format",
-            remedy=("convert it (nccopy -k nc4)", "save it again"),
-        )
+        need = "must be an HDF5 file, as NetCDF-4 is"
+        remedy = ("convert it (nccopy -k nc4)", "save it again")
+        raise refused(path, need, found="is in another format", remedy=remedy)
     refuse_absent_library("h5py", f"{path}: {kind} files")
     with reading(path, kind):
         listed, attributes = sandbox.sandboxed(_listed, path, path=path, limit_s=_LIMIT_S)
@@ -264,13 +259,9 @@ def _listed(path: Path) -> tuple[dict[str, Labeled], Mapping[str, Any]]:
             if isinstance(thing, dataset_type) and thing.shape is not None:
                 if isinstance(name, bytes):  # h5py cannot decode it
                     shown = name.decode("utf-8", "backslashreplace")
-                    raise refused(
-                        path,
-                        "must have arrays with names in UTF-8",
-                        shown,
-                        f"has one named {shown[:80]}",
-                        remedy="save it again, because it is damaged",
-                    )
+                    need = "must have arrays with names in UTF-8"
+                    remedy = "save it again, because it is damaged"
+                    raise refused(path, need, shown, f"has one named {shown[:80]}", remedy=remedy)
                 names.append(name)
             return True if len(names) > _MOST_ARRAYS else None
 
@@ -383,13 +374,10 @@ def _without_libhdf5(path: Path, file: Any, dataset: Any) -> Chunks | None:
 def _refuse_incomplete(path: Path, name: str, dataset: Any) -> None:
     """HDF5 gives zeros for what a program that was stopped did not come to write."""
     if dataset.external or dataset.is_virtual:
-        raise refused(
-            path,
-            "must hold its numbers itself, because other files are not read",
-            found="they are in other files",
-            where=f"array {printable(name)!r}",
-            remedy="store them in one file",
-        )
+        need = "must hold its numbers itself, because other files are not read"
+        found = "they are in other files"
+        where = f"array {printable(name)!r}"
+        raise refused(path, need, found=found, where=where, remedy="store them in one file")
     if dataset.chunks is None:
         needed = math.prod(dataset.shape) * dataset.dtype.itemsize
         stored: Any = dataset.id.get_storage_size()
@@ -401,14 +389,9 @@ def _refuse_incomplete(path: Path, name: str, dataset: Any) -> None:
         missing = parts - stored
         absent = f"{missing} of its {parts} chunks were" if missing > 0 else ""
     if absent:
-        raise refused(
-            path,
-            "must be complete",
-            stored,
-            f"{absent} never written",
-            where=f"array {printable(name)!r}",
-            remedy="save it again",
-        )
+        found = f"{absent} never written"
+        where = f"array {printable(name)!r}"
+        raise refused(path, "must be complete", stored, found, where=where, remedy="save it again")
 
 
 def _refuse_long_chunks(dataset: Any) -> None:

@@ -23,8 +23,6 @@ from chromanoise.io.cubes.raw_cube import (
     Found,
     Notes,
     Wavelengths,
-    kind_of,
-    library,
     memory_bytes,
     picture,
     reading,
@@ -34,8 +32,8 @@ from chromanoise.io.cubes.raw_cube import (
     refuse_other_shape,
     refuse_other_size,
 )
-from chromanoise.io.source_files import by, refused
-from chromanoise.io.spectra import (
+from chromanoise.io.source_files import by, kind_of, library, refused
+from chromanoise.io.spectra.declared import (
     BAND_NAMES,
     NM_PER,
     SPECTRAL_NAMES,
@@ -203,13 +201,10 @@ def _chosen(store: Store, key: str | None) -> tuple[str, Notes]:
 def _no_such(store: Store, key: str) -> InputError:
     listed = list(store.arrays.items())[:_MOST_LISTED]
     listing = ", ".join(f"{printable(n)} {by(a.shape)} {kind_of(a.dtype)}" for n, a in listed)
-    return refused(
-        store.path,
-        f"must hold an array {key!r}",
-        tuple(store.arrays),
-        f"holds {listing or 'no arrays'}",
-        remedy=Setting("key") if listed else (),
-    )
+    need = f"must hold an array {key!r}"
+    found = f"holds {listing or 'no arrays'}"
+    remedy = Setting("key") if listed else ()
+    return refused(store.path, need, tuple(store.arrays), found, remedy=remedy)
 
 
 def _cube_axes(store: Store, name: str, count: int | None) -> tuple[Axes, Notes]:
@@ -222,14 +217,10 @@ def _cube_axes(store: Store, name: str, count: int | None) -> tuple[Axes, Notes]
         return _bands_last(named), ()
     fits = [i for i, n in enumerate(array.shape) if n == count]
     if len(fits) > 1:
-        raise refused(
-            store.path,
-            f"must have only one axis of {count}, the number of wavelengths",
-            array.shape,
-            f"is {by(array.shape)}, so bands and pixels cannot be distinguished",
-            where=f"array {name!r}",
-            remedy="save it with axes (rows, columns, bands) as .npy",
-        )
+        need = f"must have only one axis of {count}, the number of wavelengths"
+        found = f"is {by(array.shape)}, so bands and pixels cannot be distinguished"
+        remedy = "save it with axes (rows, columns, bands) as .npy"
+        raise refused(store.path, need, array.shape, found, where=f"array {name!r}", remedy=remedy)
     if not fits:
         return (0, 1, 2), (f"axes of {name!r} taken as rows, columns, bands",)
     axes = _bands_last(fits[0])
@@ -264,14 +255,10 @@ def _refuse_large_rows(store: Store, name: str, source: RowSource) -> None:
             remedy=("store it with smaller chunks", "store it as ENVI"),
         )
     if needed > max(_HARMLESS_BYTES, store.bytes * MOST_INFLATED):
-        raise refused(
-            store.path,
-            f"rows that are stored together must fit into the {store.bytes} bytes of the file",
-            needed,
-            f"need {needed / 2**20:.0f} MiB",
-            where=f"array {name!r}",
-            remedy="save it again, because the file is damaged",
-        )
+        need = f"rows that are stored together must fit into the {store.bytes} bytes of the file"
+        found = f"need {needed / 2**20:.0f} MiB"
+        remedy = "save it again, because the file is damaged"
+        raise refused(store.path, need, needed, found, where=f"array {name!r}", remedy=remedy)
 
 
 def _wavelengths(store: Store, name: str) -> tuple[Wavelengths | None, int | None]:
@@ -368,37 +355,25 @@ def attribute_scale(path: Path | str, attributes: Mapping[str, Any]) -> float | 
     percent = 0.01 if _text(attributes.get("units", "")).strip().lower() in _PERCENT else None
     offset = _number(path, "add_offset", attributes.get("add_offset", 0.0))
     if offset != 0:
-        raise refused(
-            path,
-            "must be 0, because offsets are not applied",
-            offset,
-            where="attribute 'add_offset'",
-            remedy=("apply the offset and save the cube again", Setting("scale")),
-        )
+        need = "must be 0, because offsets are not applied"
+        remedy = ("apply the offset and save the cube again", Setting("scale"))
+        raise refused(path, need, offset, where="attribute 'add_offset'", remedy=remedy)
     if "scale_factor" not in attributes:
         return percent
     factor = _number(path, "scale_factor", attributes["scale_factor"])
     if not (factor > 0 and math.isfinite(factor)):
-        raise refused(
-            path,
-            "must be finite and > 0 [reflectance per stored unit]",
-            factor,
-            where="attribute 'scale_factor'",
-            remedy=("correct it", Setting("scale")),
-        )
+        need = "must be finite and > 0 [reflectance per stored unit]"
+        where = "attribute 'scale_factor'"
+        raise refused(path, need, factor, where=where, remedy=("correct it", Setting("scale")))
     return factor * (percent or 1.0)
 
 
 def _number(path: Path | str, what: str, value: Any) -> float:
     array = np.asarray(value)
     if array.size != 1 or array.dtype.kind not in "fiu":
-        raise refused(
-            path,
-            "must be one number",
-            printable(str(value)),
-            where=f"attribute {what!r}",
-            remedy=("correct it", Setting("scale")),
-        )
+        need = "must be one number"
+        remedy = ("correct it", Setting("scale"))
+        raise refused(path, need, printable(str(value)), where=f"attribute {what!r}", remedy=remedy)
     return float(array.ravel()[0])
 
 
@@ -461,13 +436,9 @@ class StoredRows:
         with reading_rows(self.path, self.kind), self.opened() as array:
             read = block(array, self.axes, start, stop, self.bands)
         if read.shape != (stop - start, *self.shape[1:]):
-            raise refused(
-                self.path,
-                "must not change while it is being read",
-                read.shape,
-                "was changed",
-                remedy="read it again when no program writes to it",
-            )
+            need = "must not change while it is being read"
+            remedy = "read it again when no program writes to it"
+            raise refused(self.path, need, read.shape, "was changed", remedy=remedy)
         return read.astype(self.dtype, copy=False)
 
     def scratch_bytes(self, rows: int) -> int:
@@ -520,20 +491,14 @@ def cube_from_xarray(
 
 def _found(source: str, array: Any) -> Found:
     if not all(hasattr(array, name) for name in ("dims", "coords", "attrs", "data", "transpose")):
-        raise refused(
-            source,
-            "must be an xarray.DataArray",
-            type(array).__name__,
-            f"is a {type(array).__name__}",
-            remedy="take one variable of a Dataset",
-        )
+        need = "must be an xarray.DataArray"
+        found = f"is a {type(array).__name__}"
+        remedy = "take one variable of a Dataset"
+        raise refused(source, need, type(array).__name__, found, remedy=remedy)
     if array.ndim != 3 or not array.size or array.dtype.kind not in "fiu":
-        raise refused(
-            source,
-            "must hold real numbers, have three axes and not be empty",
-            (*array.shape, str(array.dtype)),
-            f"is {by(array.shape)} {array.dtype}",
-        )
+        need = "must hold real numbers, have three axes and not be empty"
+        found = f"is {by(array.shape)} {array.dtype}"
+        raise refused(source, need, (*array.shape, str(array.dtype)), found)
     attributes = {str(k).lower(): v for k, v in array.attrs.items()}
     axis, notes = _band_axis(source, array)
     rows, columns = (name for name in array.dims if name != axis)
@@ -559,13 +524,9 @@ def _band_axis(source: str, array: Any) -> tuple[Any, Notes]:
         if len(found) == 1:
             rows, columns = (axis for axis in array.dims if axis != found[0])
             return found[0], (f"axes {rows!r}, {columns!r} taken as rows and columns",)
-    raise refused(
-        source,
-        "one of its axes must have the wavelengths",
-        tuple(array.dims),
-        f"it has {', '.join(map(repr, array.dims))}",
-        remedy="name that axis 'wavelength'",
-    )
+    need = "one of its axes must have the wavelengths"
+    held = f"it has {', '.join(map(repr, array.dims))}"
+    raise refused(source, need, tuple(array.dims), held, remedy="name that axis 'wavelength'")
 
 
 def _is_spectral_axis(array: Any, axis: Any) -> bool:

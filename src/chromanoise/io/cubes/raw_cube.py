@@ -5,7 +5,6 @@ The content of a file of pixels before it becomes a cube.
 Reject arrays that are not numeric or are implausibly large, before allocating memory.
 """
 
-import importlib.util
 import math
 import os
 import re
@@ -14,12 +13,11 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from chromanoise.base import Array, InputError, Setting, Shaped, reason
-from chromanoise.io.source_files import by, has, refused
+from chromanoise.io.source_files import by, has, refuse_not_numbers, refused
 from chromanoise.spectra import FileRows, RowSource
 
 IN_PLACE = "store it as ENVI or .npy, which are read in place"
@@ -57,44 +55,6 @@ _OWN = {
 }
 
 
-def library(name: str, what: str, *, extra: str = "cubes", where: str = "") -> Any:
-    """Import an optional package that only some cubes need.
-
-    Parameters
-    ----------
-    name
-        Name of the package.
-    what, where
-        The file that needs the package, and the place in it.
-    extra
-        The extra of chromanoise that installs it.
-
-    Raises
-    ------
-    InputError
-        If the package is not installed.
-    """
-    try:
-        return importlib.import_module(name)
-    except ImportError:
-        raise _absent(name, what, extra, where) from None
-
-
-def refuse_absent_library(name: str, what: str, *, extra: str = "cubes", where: str = "") -> None:
-    """Like `library`, for a package that only the child process imports."""
-    if importlib.util.find_spec(name) is None:
-        raise _absent(name, what, extra, where)
-
-
-def _absent(name: str, what: str, extra: str, where: str) -> InputError:
-    return refused(
-        what,
-        f"needs the package {name}, which is not installed",
-        where=where,
-        remedy=f"install it with pip install 'chromanoise[{extra}]'",
-    )
-
-
 @contextmanager
 def reading(path: Path, kind: str) -> Iterator[None]:
     """Turn any exception of a third-party reader into an `InputError`, and ignore warnings."""
@@ -121,19 +81,11 @@ def reading_rows(path: Path, kind: str) -> Iterator[None]:
 def _unreadable(path: Path, kind: str, error: Exception) -> InputError:
     other = _content_of(path)
     if other and other not in _OWN.get(kind, ()):
-        return has(
-            path,
-            f"must be in {kind} format",
-            other,
-            "is",
-            remedy=("correct the ending of its name", "name another file"),
-        )
+        remedy = ("correct the ending of its name", "name another file")
+        return has(path, f"must be in {kind} format", other, "is", remedy=remedy)
     cause = reason(error)
-    return refused(
-        path,
-        f"is not a readable {kind} file{f' ({cause})' if cause else ''}",
-        remedy="save it again, because it is damaged or truncated",
-    )
+    need = f"is not a readable {kind} file{f' ({cause})' if cause else ''}"
+    return refused(path, need, remedy="save it again, because it is damaged or truncated")
 
 
 def _content_of(path: Path) -> str:
@@ -166,13 +118,8 @@ def refuse_other_shape(
 ) -> None:
     """Raise an error if ``shape`` contradicts the picture in the file."""
     if shape is not None and tuple(shape) != pixels.shape[:2]:
-        raise refused(
-            "shape",
-            f"must be that of {path}, {by(pixels.shape[:2])} pixels",
-            tuple(shape),
-            f"is {by(shape)}",
-            remedy="omit it",
-        )
+        need = f"must be that of {path}, {by(pixels.shape[:2])} pixels"
+        raise refused("shape", need, tuple(shape), f"is {by(shape)}", remedy="omit it")
 
 
 def packed_rows(
@@ -221,31 +168,17 @@ def _rows_and_columns(
     path: Path, what: str, array: Array, shape: tuple[int, int] | None
 ) -> tuple[int, int]:
     if shape is None:
-        raise has(
-            path,
-            "must have rows and columns in two axes, or a given shape (rows, columns) [pixels]",
-            array.shape,
-            "is",
-            where=what,
-            remedy=Setting("shape"),
-        )
+        need = "must have rows and columns in two axes, or a given shape (rows, columns) [pixels]"
+        raise has(path, need, array.shape, "is", where=what, remedy=Setting("shape"))
     fits = [min(shape) > 0 and n == math.prod(shape) for n in array.shape]
     if not any(fits):
-        raise refused(
-            "shape",
-            f"must have as many pixels as an axis of {what} in {path} ({by(array.shape)})",
-            tuple(shape),
-            f"{by(shape)} is {math.prod(shape)} pixels",
-        )
+        need = f"must have as many pixels as an axis of {what} in {path} ({by(array.shape)})"
+        raise refused("shape", need, tuple(shape), f"{by(shape)} is {math.prod(shape)} pixels")
     if all(fits):
-        raise refused(
-            path,
-            f"must have only one axis of {math.prod(shape)} pixels ({by(shape)})",
-            array.shape,
-            f"is {by(array.shape)}, so pixels and bands cannot be distinguished",
-            where=what,
-            remedy="save it with axes (rows, columns, bands)",
-        )
+        need = f"must have only one axis of {math.prod(shape)} pixels ({by(shape)})"
+        found = f"is {by(array.shape)}, so pixels and bands cannot be distinguished"
+        remedy = "save it with axes (rows, columns, bands)"
+        raise refused(path, need, array.shape, found, where=what, remedy=remedy)
     return shape
 
 
@@ -283,24 +216,15 @@ def refuse_impossible(
     count = math.prod(shape)
     size = path.stat().st_size if size is None else size
     if count * (stored_item_bytes or dtype.itemsize) > size * MOST_INFLATED:
-        raise refused(
-            path,
-            f"must fit into the {size} bytes of the file",
-            shape,
-            f"is declared as {by(shape)}",
-            where=f"array {name!r}",
-            remedy="save it again, because the file is damaged",
-        )
+        need = f"must fit into the {size} bytes of the file"
+        found = f"is declared as {by(shape)}"
+        remedy = "save it again, because the file is damaged"
+        raise refused(path, need, shape, found, where=f"array {name!r}", remedy=remedy)
     size = count * dtype.itemsize
     if size > memory_bytes():
-        raise refused(
-            path,
-            f"must fit into the available memory of {_bytes(memory_bytes())}",
-            size,
-            f"needs {_bytes(size)}",
-            where=f"array {name!r}",
-            remedy=IN_PLACE,
-        )
+        need = f"must fit into the available memory of {_bytes(memory_bytes())}"
+        found = f"needs {_bytes(size)}"
+        raise refused(path, need, size, found, where=f"array {name!r}", remedy=IN_PLACE)
 
 
 def refuse_empty(path: Path, name: str, shape: tuple[int, ...], dtype: np.dtype) -> None:
@@ -317,32 +241,9 @@ def refuse_other_size(
 ) -> None:
     """Raise an error for numbers of another shape than declared."""
     if read != declared:
-        raise has(
-            path,
-            f"must be {by(declared)}, as it declares",
-            read,
-            "is",
-            where=where,
-            remedy="save it again, because it is damaged",
-        )
-
-
-def refuse_not_numbers(path: Path, name: str, dtype: np.dtype) -> None:
-    """Raise an error for text, objects, complex numbers and booleans."""
-    if dtype.kind not in "fiu":
-        raise refused(
-            path,
-            "must hold real numbers",
-            kind_of(dtype),
-            f"is of type {kind_of(dtype)}",
-            where=f"array {name!r}",
-            remedy=("save it as a plain array of real numbers", Setting("key")),
-        )
-
-
-def kind_of(dtype: np.dtype) -> str:
-    """The name of a type of numbers, for messages."""
-    return "object" if dtype.hasobject else dtype.name
+        need = f"must be {by(declared)}, as it declares"
+        remedy = "save it again, because it is damaged"
+        raise has(path, need, read, "is", where=where, remedy=remedy)
 
 
 def _bytes(count: int) -> str:

@@ -8,6 +8,8 @@ import lzma
 import math
 import re
 import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -18,16 +20,14 @@ from chromanoise.io.cubes.raw_cube import (
     MOST_INFLATED,
     Found,
     Wavelengths,
-    library,
     packed_rows,
     reading,
     refuse_impossible,
-    refuse_not_numbers,
     refuse_other_shape,
     refuse_other_size,
 )
-from chromanoise.io.source_files import by, has, refused, xml_root
-from chromanoise.io.spectra import NAMED_WAVELENGTH, NM_PER, SPECTRAL_NAMES, nanometers
+from chromanoise.io.source_files import by, has, library, refuse_not_numbers, refused, xml_root
+from chromanoise.io.spectra.declared import NAMED_WAVELENGTH, NM_PER, SPECTRAL_NAMES, nanometers
 from chromanoise.spectra import FileRows, PlaneRows, RowSource
 
 _LIMIT_S = 60.0
@@ -83,13 +83,10 @@ def _refuse_overfull(path: Path, page: Any) -> None:
                 continue
             file.seek(at)
             if len(unpacker().decompress(file.read(count), whole + 1)) > whole:
-                raise refused(
-                    path,
-                    f"must unpack to at most {whole} bytes",
-                    found="unpacks to more",
-                    where=f"strip at byte {at}",
-                    remedy="save it again, because the file is damaged",
-                )
+                need = f"must unpack to at most {whole} bytes"
+                found = "unpacks to more"
+                remedy = "save it again, because the file is damaged"
+                raise refused(path, need, found=found, where=f"strip at byte {at}", remedy=remedy)
 
 
 def _by_tifffile(page: Any) -> Shaped[Array, "..."] | None:
@@ -183,10 +180,8 @@ def tiff_cube(path: Path, shape: tuple[int, int] | None) -> Found:
     InputError
         If the pages differ in size or type, or parts of the file are missing.
     """
-    import tifffile
-
-    with reading(path, "TIFF"), tifffile.TiffFile(path) as file:
-        pages = _pages(path, file)
+    with opened_tiff(path) as file:
+        pages = whole_pages(path, file)
         _refuse_unlike(path, pages)
         texts = [str(getattr(page, "description", "")) for page in pages]
         pixels, notes = _pixels(path, pages)
@@ -203,10 +198,19 @@ def tiff_cube(path: Path, shape: tuple[int, int] | None) -> Found:
     )
 
 
-def _pages(path: Path, file: Any) -> list[Any]:
-    """The pages without thumbnails and masks."""
-    if len(file.pages) > _MOST_PAGES:
-        raise has(path, f"must hold at most {_MOST_PAGES} pages", len(file.pages), "holds")
+@contextmanager
+def opened_tiff(path: Path) -> Iterator[Any]:
+    """A file of tifffile, whose errors become an `InputError`."""
+    import tifffile
+
+    with reading(path, "TIFF"), tifffile.TiffFile(path) as file:
+        yield file
+
+
+def whole_pages(path: Path, file: Any, most: int = _MOST_PAGES) -> list[Any]:
+    """The pages without thumbnails and masks; ``page.index`` is their place in the file."""
+    if len(file.pages) > most:
+        raise has(path, f"must hold at most {most} pages", len(file.pages), "holds")
     pages = [page.aspage() for page in file.pages]
     whole = [page for page in pages if not page.is_reduced]
     if not whole:
@@ -223,13 +227,12 @@ def _refuse_unlike(path: Path, pages: list[Any]) -> None:
             )
         refuse_not_numbers(path, f"page {i}", np.dtype(page.dtype))
         if (page.shape, page.dtype) != (first.shape, first.dtype):
+            need = f"must be {by(first.shape)} {first.dtype} as page 0"
+            found = f"is {by(page.shape)} {page.dtype}"
+            where = f"page {i} (from 0)"
+            remedy = "save all pages alike"
             raise refused(
-                path,
-                f"must be {by(first.shape)} {first.dtype} as page 0",
-                (*page.shape, str(page.dtype)),
-                f"is {by(page.shape)} {page.dtype}",
-                where=f"page {i} (from 0)",
-                remedy="save all pages alike",
+                path, need, (*page.shape, str(page.dtype)), found, where=where, remedy=remedy
             )
         refuse_incomplete(path, i, page)
 
@@ -239,21 +242,13 @@ def refuse_incomplete(path: Path, i: int, page: Any) -> None:
     size = path.stat().st_size
     places = (*page.dataoffsets, *page.databytecounts)
     if not all(isinstance(place, int) for place in places):
-        raise refused(
-            path,
-            "must declare where its numbers are",
-            where=f"page {i} (from 0)",
-            remedy="save it again",
-        )
+        need = "must declare where its numbers are"
+        raise refused(path, need, where=f"page {i} (from 0)", remedy="save it again")
     ends = [at + n for at, n in zip(page.dataoffsets, page.databytecounts, strict=True)]
     if not ends or min(page.dataoffsets) <= 0 or min(page.databytecounts) <= 0 or max(ends) > size:
-        raise refused(
-            path,
-            "must be complete",
-            found="the file is truncated or was never finished",
-            where=f"page {i} (from 0)",
-            remedy="save it again",
-        )
+        need = "must be complete"
+        found = "the file is truncated or was never finished"
+        raise refused(path, need, found=found, where=f"page {i} (from 0)", remedy="save it again")
 
 
 def _pixels(
@@ -267,13 +262,10 @@ def _pixels(
             return PlaneRows(planes=tuple(_in_place(path, page) for page in pages)), notes
         return decoded_pages(path, pages).transpose(1, 2, 0), notes
     if many or len(first.shape) != 3 or first.axes not in ("YXS", "SYX"):
-        raise refused(
-            path,
-            "must have one page per band, or one page of many samples",
-            (len(pages), *first.shape),
-            f"has {len(pages)} pages of {by(first.shape)}",
-            remedy=("save it in that form", "save it as ENVI"),
-        )
+        need = "must have one page per band, or one page of many samples"
+        found = f"has {len(pages)} pages of {by(first.shape)}"
+        remedy = ("save it in that form", "save it as ENVI")
+        raise refused(path, need, (len(pages), *first.shape), found, remedy=remedy)
     order = tuple(first.axes.index(axis) for axis in "YXS")
     notes = ("samples of the page taken as bands",)
     if is_plain(first):
@@ -372,23 +364,18 @@ def _gdal_scale(path: Path, facts: dict[tuple[str, int | None], str]) -> float |
         for texts in (scales, offsets)
     )
     if any(shift != 0 for shift in shifts) or len(set(numbers)) > 1:
+        need = "must have one scale for all bands, and no offsets"
+        where = "tag GDAL_METADATA"
+        remedy = ("apply them and save the cube again", Setting("scale"))
         raise refused(
-            path,
-            "must have one scale for all bands, and no offsets",
-            (sorted(set(scales)), sorted(set(offsets))),
-            where="tag GDAL_METADATA",
-            remedy=("apply them and save the cube again", Setting("scale")),
+            path, need, (sorted(set(scales)), sorted(set(offsets))), where=where, remedy=remedy
         )
     if not numbers or numbers[0] == 1:
         return None
     if not (numbers[0] > 0 and math.isfinite(1 / numbers[0])):
-        raise refused(
-            path,
-            "must be > 0",
-            scales[0],
-            where="scale in tag GDAL_METADATA",
-            remedy=("correct it", Setting("scale")),
-        )
+        need = "must be > 0"
+        where = "scale in tag GDAL_METADATA"
+        raise refused(path, need, scales[0], where=where, remedy=("correct it", Setting("scale")))
     return numbers[0]
 
 

@@ -16,8 +16,8 @@ import numpy as np
 
 from chromanoise.base import Array, Shaped, json_file, printable, regular_file
 from chromanoise.io.cubes.labeled import Axes, Labeled, Store, StoredRows
-from chromanoise.io.cubes.raw_cube import MOST_INFLATED, Notes, library, memory_bytes, reading
-from chromanoise.io.source_files import refused
+from chromanoise.io.cubes.raw_cube import MOST_INFLATED, Notes, memory_bytes, reading
+from chromanoise.io.source_files import library, refused
 from chromanoise.spectra import RowSource
 
 _HEADERS = (".zarray", "zarr.json")
@@ -77,12 +77,8 @@ def _folders(path: Path) -> Iterator[tuple[Path, list[str], int]]:
         entries = list(os.scandir(folder))
         linked = next((e.path for e in entries if e.is_symlink()), None)
         if linked is not None:
-            raise refused(
-                linked,
-                "must not be a link, because a link in a Zarr folder could lead out of it",
-                found=None,
-                remedy="copy the files themselves",
-            )
+            need = "must not be a link, because a link in a Zarr folder could lead out of it"
+            raise refused(linked, need, found=None, remedy="copy the files themselves")
         for entry in entries:
             regular_file(Path(entry), folder=True)
         inner.sort()
@@ -117,14 +113,11 @@ def _vetted(path: Path, folder: Path, name: str) -> Labeled | None:
         return None
     for codec in _codecs(header):
         if codec not in _CODECS:
-            raise refused(
-                path,
-                "must be packed with a trusted codec",
-                printable(codec),
-                f"is packed with {printable(codec)!r}",
-                where=f"array {printable(name)!r}",
-                remedy="store it with blosc, zstd or gzip",
-            )
+            need = "must be packed with a trusted codec"
+            found = f"is packed with {printable(codec)!r}"
+            where = f"array {printable(name)!r}"
+            remedy = "store it with blosc, zstd or gzip"
+            raise refused(path, need, printable(codec), found, where=where, remedy=remedy)
     array = _opened(path, name)
     attributes = dict(_attributes(folder, header))
     axes = header.get("dimension_names") or attributes.pop("_array_dimensions", None) or ()
@@ -193,23 +186,13 @@ def _absent_chunks(path: Path, name: str) -> Notes:
         whole, there = int(array.nchunks), int(array.nchunks_initialized)
         filled = array.fill_value
     if there == 0:
-        raise refused(
-            path,
-            "must have chunks",
-            0,
-            "has none",
-            where=f"array {printable(name)!r}",
-            remedy="save it again",
-        )
+        where = f"array {printable(name)!r}"
+        raise refused(path, "must have chunks", 0, "has none", where=where, remedy="save it again")
     if whole > there * MOST_INFLATED:
-        raise refused(
-            path,
-            f"must have the {whole} chunks that it declares",
-            there,
-            f"has only {there}",
-            where=f"array {printable(name)!r}",
-            remedy="save it again, because it is damaged or not complete",
-        )
+        need = f"must have the {whole} chunks that it declares"
+        found = f"has only {there}"
+        remedy = "save it again, because it is damaged or not complete"
+        raise refused(path, need, there, found, where=f"array {printable(name)!r}", remedy=remedy)
     if there < whole:
         return (f"{whole - there} of {whole} chunks are absent and read as {filled}",)
     return ()
@@ -224,23 +207,15 @@ def _checked(path: Path, name: str) -> Any:
             (f.stat().st_size for f in (path / name).rglob("*") if f.name not in _TEXTS), default=0
         )
     if size > memory_bytes() // 2:
-        raise refused(
-            path,
-            "chunks must fit into half the memory of this machine",
-            size,
-            f"each needs {size / 2**30:.1f} GiB",
-            where=f"array {printable(name)!r}",
-            remedy="store it with smaller chunks",
-        )
+        need = "chunks must fit into half the memory of this machine"
+        found = f"each needs {size / 2**30:.1f} GiB"
+        where = f"array {printable(name)!r}"
+        raise refused(path, need, size, found, where=where, remedy="store it with smaller chunks")
     if longest > size + size // 8 + _PACKING_BYTES:
-        raise refused(
-            path,
-            f"chunks must not be larger than unpacked ({size} bytes)",
-            longest,
-            f"one has {longest} bytes",
-            where=f"array {printable(name)!r}",
-            remedy="save it again, because it is damaged",
-        )
+        need = f"chunks must not be larger than unpacked ({size} bytes)"
+        found = f"one has {longest} bytes"
+        remedy = "save it again, because it is damaged"
+        raise refused(path, need, longest, found, where=f"array {printable(name)!r}", remedy=remedy)
     return array
 
 

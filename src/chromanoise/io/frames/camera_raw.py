@@ -7,25 +7,27 @@ Raw frames in the files of cameras: DNG and all that LibRaw reads.
 LibRaw runs in a child process with limits on time and memory, because a damaged file may crash it.
 """
 
-import logging
 import math
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeGuard
 
 import numpy as np
 
 from chromanoise.base import Array, Integer, UInt16, json_of, sandbox
-from chromanoise.io.cubes import (
-    decoded_pages,
-    is_plain,
+from chromanoise.io.cubes.raw_cube import (
     reading,
     reading_rows,
-    refuse_absent_library,
     refuse_impossible,
+)
+from chromanoise.io.cubes.tiff import (
+    decoded_pages,
+    is_plain,
+    opened_tiff,
     refuse_incomplete,
+    whole_pages,
 )
 from chromanoise.io.frames.frame import (
     MOST_FRAMES,
@@ -35,7 +37,7 @@ from chromanoise.io.frames.frame import (
     refused_picture,
     whole_codes,
 )
-from chromanoise.io.source_files import has, refused
+from chromanoise.io.source_files import refuse_absent_library, refused
 from chromanoise.sensor import Mosaic
 
 CFA = 32803
@@ -160,8 +162,6 @@ def number_of_tag(value: Any) -> float | None:
 
 _BLACK_IS_0, _WHITE_IS_0 = 1, 0
 
-logging.getLogger("tifffile").addHandler(logging.NullHandler())  # errors are raised here
-
 
 def tiff_frames(path: Path) -> tuple[RawFrame, ...]:
     """The pages of a TIFF; reduced pages (thumbnails) are not used.
@@ -175,33 +175,17 @@ def tiff_frames(path: Path) -> tuple[RawFrame, ...]:
         If a page has more than one channel, is incomplete, or is larger than its file allows.
     """
     with opened_tiff(path) as file:
-        if len(file.pages) > MOST_FRAMES:
-            raise has(path, f"must hold at most {MOST_FRAMES} pages", len(file.pages), "holds")
-        pages = [(i, page.aspage()) for i, page in enumerate(file.pages)]
-        pages = [(i, page) for i, page in pages if not page.is_reduced]
-        if not pages:
-            raise refused(path, "must hold pages", found="holds none")
-        _refuse_truncated_stack(path, pages[0][1], len(pages))
-        exposure = exposure_of(pages[0][1])
+        pages = whole_pages(path, file, MOST_FRAMES)
+        _refuse_truncated_stack(path, pages[0], len(pages))
+        exposure = exposure_of(pages[0])
         many = len(pages) > 1
         return tuple(
-            _frame(path, at, page, index=k if many else None, exposure=exposure)
-            for k, (at, page) in enumerate(pages)
+            _frame(path, page, index=k if many else None, exposure=exposure)
+            for k, page in enumerate(pages)
         )
 
 
-@contextmanager
-def opened_tiff(path: Path) -> Iterator[Any]:
-    """A file of tifffile, whose errors become an `InputError`."""
-    import tifffile
-
-    with reading(path, "TIFF"), tifffile.TiffFile(path) as file:
-        yield file
-
-
-def _frame(
-    path: Path, at: int, page: Any, *, index: int | None, exposure: dict[str, Any]
-) -> RawFrame:
+def _frame(path: Path, page: Any, *, index: int | None, exposure: dict[str, Any]) -> RawFrame:
     where = "" if index is None else f"page {index} (from 0)"
     if page.dtype is None or len(page.shape) < 2:
         raise refused(path, "must hold plain numbers", found="holds none", where=where)
@@ -217,17 +201,12 @@ def _frame(
     refuse_impossible(path, where or "page 0", shape, dtype)
     mosaic = mosaic_of(page)
     if page.photometric == CFA and mosaic is None:
-        raise refused(
-            path,
-            "must state its mosaic in the tag CFAPattern",
-            where=where,
-            remedy="save it as a gray TIFF, and write the mosaic into capture.toml",
-        )
-    read: Any = _CompressedPage(path=path, page=at, shape=shape, stored=str(dtype))
+        need = "must state its mosaic in the tag CFAPattern"
+        remedy = "save it as a gray TIFF, and write the mosaic into capture.toml"
+        raise refused(path, need, where=where, remedy=remedy)
+    read: Any = partial(_unpacked_page, path, page.index, shape, str(dtype))
     if is_plain(page):
-        size, first = path.stat().st_size, int(page.dataoffsets[0])
-        stored = dtype.newbyteorder(page.parent.byteorder)
-        read = StoredPlane(path=path, size=size, offset=first, stored=stored, shape=shape)
+        read = _plane(path, page)
     bits = int(page.bitspersample)
     return RawFrame(
         path=path,
@@ -240,23 +219,22 @@ def _frame(
     )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _CompressedPage:
-    """Unpacks one page."""
+def _plane(path: Path, page: Any) -> StoredPlane:
+    stored = np.dtype(page.dtype).newbyteorder(page.parent.byteorder)
+    shape = int(page.shape[0]), int(page.shape[1])
+    return StoredPlane(path, int(page.dataoffsets[0]), stored, shape)
 
-    path: Path
-    page: int
-    shape: tuple[int, int]
-    stored: str
 
-    def __call__(self) -> Integer[Array, "h w"]:
-        with opened_tiff(self.path) as file:
-            page = file.pages[self.page].aspage()
-            if (tuple(page.shape), str(page.dtype)) != (self.shape, self.stored):
-                raise refused(self.path, "must not change while it is read")
-            refuse_incomplete(self.path, self.page, page)
-            codes = decoded_pages(self.path, [page])[0]
-        return whole_codes(str(self.path), codes)
+def _unpacked_page(
+    path: Path, number: int, shape: tuple[int, int], stored: str
+) -> Integer[Array, "h w"]:
+    with opened_tiff(path) as file:
+        page = file.pages[number].aspage()
+        if (tuple(page.shape), str(page.dtype)) != (shape, stored):
+            raise refused(path, "must not change while it is read")
+        refuse_incomplete(path, number, page)
+        codes = decoded_pages(path, [page])[0]
+    return whole_codes(str(path), codes)
 
 
 def _refuse_truncated_stack(path: Path, first: Any, pages: int) -> None:
@@ -274,13 +252,9 @@ def _refuse_truncated_stack(path: Path, first: Any, pages: int) -> None:
         except (ValueError, TypeError, AttributeError, OverflowError):
             declared = 1
     if declared > pages and pages == 1 and len(first.shape) == 2:
-        raise refused(
-            path,
-            "must have one page per frame",
-            pages,
-            f"has {pages} page, and its description states {declared} frames",
-            remedy="save each frame as a page",
-        )
+        need = "must have one page per frame"
+        found = f"has {pages} page, and its description states {declared} frames"
+        raise refused(path, need, pages, found, remedy="save each frame as a page")
 
 
 _MOST_PIXELS_PER_BYTE = 64  # of the lossless compressions that cameras use; zeros take 1/16 byte
@@ -307,9 +281,9 @@ def raw_frames(path: Path) -> tuple[RawFrame, ...]:
     InputError
         If rawpy is not installed, LibRaw cannot read the file, or it holds demosaicked colors.
     """
-    from_tags, plane = _of_tags(path)
-    if plane is not None:
-        return (RawFrame(path=path, shape=plane.shape, read=plane, **from_tags),)
+    from_tags, frame = _of_tags(path)
+    if frame is not None:
+        return (frame,)
     refuse_absent_library("rawpy", str(path), extra="raw")
     size = path.stat().st_size
     with reading(path, "camera raw"):
@@ -320,13 +294,10 @@ def raw_frames(path: Path) -> tuple[RawFrame, ...]:
     refuse_shape(path, "", shape)
     pixels = raw_shape[0] * raw_shape[1]
     if pixels > _MOST_PIXELS_PER_BYTE * size:
-        raise refused(
-            path,
-            f"must fit into the {size} bytes of the file",
-            raw_shape,
-            f"is declared as {raw_shape[0]} x {raw_shape[1]} pixels",
-            remedy="copy it again, because the file is damaged",
-        )
+        need = f"must fit into the {size} bytes of the file"
+        found = f"is declared as {raw_shape[0]} x {raw_shape[1]} pixels"
+        remedy = "copy it again, because the file is damaged"
+        raise refused(path, need, raw_shape, found, remedy=remedy)
     read = _Raw(path=path, shape=shape, pixels=pixels)
     metadata = from_tags if "mosaic" in from_tags else read.header() | from_tags
     return (RawFrame(path=path, shape=shape, read=read, **metadata),)
@@ -362,41 +333,30 @@ class _Raw:
             )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Tiles:
-    """Joins the uncompressed tiles of a DNG into one picture.
+_Area = tuple[int, int, int, int]
+"""The visible pixels: first row, first column, row after the last, column after the last."""
 
-    LibRaw 0.22 reads wrong codes where a tile is larger than the picture.
 
-    Attributes
+def _tiled_codes(path: Path, stored: tuple[int, int], area: _Area) -> UInt16[Array, "h w"]:
+    """The codes in uncompressed tiles; LibRaw 0.22 reads wrong ones of a tile beyond the picture.
+
+    Parameters
     ----------
     path
         The file.
     stored
-        Rows and columns of all pixels.
+        Rows and columns of all pixels. [px]
     area
-        The visible pixels: first row, first column, row after the last, column after the last.
+        The visible pixels.
     """
-
-    path: Path
-    stored: tuple[int, int]
-    area: tuple[int, int, int, int]
-
-    @property
-    def shape(self) -> tuple[int, int]:
-        """Rows and columns of the visible pixels."""
-        top, left, bottom, right = self.area
-        return bottom - top, right - left
-
-    def __call__(self) -> UInt16[Array, "h w"]:
-        with opened_tiff(self.path) as tiff:
-            (page,) = _mosaic_pages(tiff)
-            if tuple(page.shape) != self.stored or not _is_uncompressed(page):
-                raise refused(self.path, "must not change while it is read")
-            refuse_incomplete(self.path, 0, page)
-            codes = decoded_pages(self.path, [page])[0]
-        top, left, bottom, right = self.area
-        return codes[top:bottom, left:right].astype(np.uint16, copy=False)
+    with opened_tiff(path) as tiff:
+        (page,) = _mosaic_pages(tiff)
+        if tuple(page.shape) != stored or not _is_uncompressed(page):
+            raise refused(path, "must not change while it is read")
+        refuse_incomplete(path, 0, page)
+        codes = decoded_pages(path, [page])[0]
+    top, left, bottom, right = area
+    return codes[top:bottom, left:right].astype(np.uint16, copy=False)
 
 
 def _mosaic_pages(tiff: Any) -> list[Any]:
@@ -406,8 +366,8 @@ def _mosaic_pages(tiff: Any) -> list[Any]:
     return [page for page in pages if page.photometric == CFA]
 
 
-def _of_tags(path: Path) -> tuple[dict[str, Any], StoredPlane | _Tiles | None]:
-    """What the TIFF tags state, and how to read the codes if the file is an uncompressed DNG.
+def _of_tags(path: Path) -> tuple[dict[str, Any], RawFrame | None]:
+    """What the TIFF tags state, and the frame if the file is an uncompressed DNG.
 
     A file that is not a TIFF (CR3, RAF, ...) gives nothing here; LibRaw then gives what it knows.
     The tags of a DNG give all fields of a frame.
@@ -432,7 +392,8 @@ def _of_tags(path: Path) -> tuple[dict[str, Any], StoredPlane | _Tiles | None]:
             "white_level_dn": _mean(whole[0], _WHITE),
             "noise_profile": _noise_profile([whole[0], first], mosaic),
         }
-        return metadata | levels | {"mosaic": mosaic}, _uncompressed(path, whole[0])
+        metadata |= {**levels, "mosaic": mosaic}
+        return metadata, _uncompressed(path, whole[0], metadata)
 
 
 def _noise_profile(pages: list[Any], mosaic: Mosaic) -> Mapping[str, tuple[float, float]] | None:
@@ -463,9 +424,7 @@ def _is_uncompressed(page: Any) -> bool:
     return bool(plain and page.ndim == 2 and page.bitspersample == 16 and page.dtype == np.uint16)
 
 
-def _is_within(
-    area: tuple[int, ...], shape: tuple[int, int]
-) -> TypeGuard[tuple[int, int, int, int]]:
+def _is_within(area: tuple[int, ...], shape: tuple[int, int]) -> TypeGuard[_Area]:
     """Whether an area of rows and columns lies in a picture and is not empty."""
     if len(area) != 4 or not all(isinstance(side, int) for side in area):
         return False
@@ -473,26 +432,23 @@ def _is_within(
     return 0 <= top < bottom <= shape[0] and 0 <= left < right <= shape[1]
 
 
-def _uncompressed(path: Path, page: Any) -> StoredPlane | _Tiles | None:
-    """Reads the codes of a page of a DNG if they are stored as they are; else ``None``."""
+def _uncompressed(path: Path, page: Any, metadata: dict[str, Any]) -> RawFrame | None:
+    """The frame of a DNG if its codes are stored as they are; else ``None``."""
     if not _is_uncompressed(page) or _LINEARIZATION in page.tags:
         return None
     shape = int(page.shape[0]), int(page.shape[1])
     active = page.tags.get(_ACTIVE_AREA)
     area = (0, 0, *shape) if active is None else tuple(active.value)
+    read: Any
     if page.is_tiled and _is_within(area, shape):
-        refuse_shape(path, "", shape)
-        return _Tiles(path=path, stored=shape, area=area)
-    if not is_plain(page) or area != (0, 0, *shape):
+        read = partial(_tiled_codes, path, shape, area)
+    elif is_plain(page) and area == (0, 0, *shape):
+        read = _plane(path, page)
+    else:
         return None
     refuse_shape(path, "", shape)
-    return StoredPlane(
-        path=path,
-        size=path.stat().st_size,
-        offset=int(page.dataoffsets[0]),
-        stored=np.dtype(page.dtype).newbyteorder(page.parent.byteorder),
-        shape=shape,
-    )
+    sides = area[2] - area[0], area[3] - area[1]
+    return RawFrame(path=path, shape=sides, read=read, **metadata)
 
 
 def _mean(page: Any, tag: int) -> float | None:

@@ -1,15 +1,14 @@
 """``capture.toml``: which frames are flats and darks, without guessing."""
 
-import math
 import os
 import re
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from itertools import islice
 from pathlib import Path, PurePath
 from typing import Any
 
-from chromanoise.base import InputError, check, did_you_mean, printable, regular_file
+from chromanoise.base import InputError, check, did_you_mean, printable
 from chromanoise.io.frames.frame import (
     EXAMPLE,
     MOST_LEVELS,
@@ -22,8 +21,8 @@ from chromanoise.io.frames.frame import (
     refuse_mixed,
 )
 from chromanoise.io.frames.frame_formats import frames_in
-from chromanoise.io.pixels import errors_in_file
-from chromanoise.io.source_files import refused
+from chromanoise.io.pixels.pixel_toml import errors_in_file
+from chromanoise.io.source_files import refused, small_text
 from chromanoise.sensor import Mosaic, mosaic_named
 
 CAPTURE = "capture.toml"
@@ -37,6 +36,7 @@ _LONGEST_MS = 1e9
 _MOST_PHOTONS = 1e15
 _LONGEST_NAME = 1000
 _LONGEST_CAMERA = 200
+_LONGEST_NAME_OF_LEVEL = 200
 _LEAST_ISO, _MOST_ISO = 1e-3, 1e9
 _MOST_BLACK_DN = 1e9
 _PART = re.compile(r"(.+?)((?:\[[^\[\]]{1,100}\]){1,2})")
@@ -81,7 +81,8 @@ def read_capture(path: Path) -> FrameSet:
     with errors_in_file(path):
         check.distinct("names of levels", [level.name for level in levels])
     refuse_few(str(path), levels)
-    stated = {"bits": _bits(path, table), "camera": _camera(path, table)}
+    camera = (_value(path, table, "camera") or "").strip()
+    stated = {"bits": _value(path, table, "bits"), "camera": camera}
     levels = [_with(path, level, stated) for level in levels]
     levels, black_remarks = _with_black(path, table, levels)
     used = [frame for level in levels for frame in level.frames]
@@ -100,16 +101,10 @@ def read_capture(path: Path) -> FrameSet:
 
 
 def _table(path: Path) -> dict[str, Any]:
-    status = regular_file(path)
-    if status.st_size > _LARGEST_BYTES:
-        raise refused(path, f"must be at most {_LARGEST_BYTES} bytes", status.st_size)
+    text = small_text(path, _LARGEST_BYTES, f"must be at most {_LARGEST_BYTES} bytes")
     try:
-        table = tomllib.loads(path.read_bytes().decode("utf-8-sig"))
-    except OSError as error:
-        raise refused(path, f"cannot be read ({error.strerror})") from None
-    except UnicodeDecodeError as error:
-        raise refused(path, "is not UTF-8 text", where=f"byte {error.start}") from None
-    except (tomllib.TOMLDecodeError, RecursionError, ValueError, TypeError) as error:
+        table = tomllib.loads(text)
+    except (RecursionError, ValueError, TypeError) as error:
         cause = check.reason(error)
         raise refused(path, f"is not TOML{f' ({cause})' if cause else ''}") from None
     _refuse_unknown(path, table, _TOP, "")
@@ -119,14 +114,9 @@ def _table(path: Path) -> dict[str, Any]:
 def _refuse_unknown(path: Path, table: Mapping[str, Any], known: tuple[str, ...], at: str) -> None:
     for key in table:
         if key not in known:
-            raise refused(
-                path,
-                "has an unknown key",
-                key,
-                f"{printable(key)!r} is not one",
-                where=at,
-                remedy=did_you_mean(key, known, f"known: {', '.join(known)}"),
-            )
+            found = f"{printable(key)!r} is not one"
+            remedy = did_you_mean(key, known, f"known: {', '.join(known)}")
+            raise refused(path, "has an unknown key", key, found, where=at, remedy=remedy)
 
 
 def _levels(path: Path, table: Mapping[str, Any]) -> list[dict[str, Any]]:
@@ -148,15 +138,13 @@ def _level(
 ) -> FrameLevel:
     at = f"level {number}"
     _refuse_unknown(path, entry, _LEVEL, at)
-    name = entry.get("name", at)
-    if not isinstance(name, str) or not 0 < len(name) <= 200 or not name.isprintable():
-        raise refused(path, "must be a name of 1 to 200 characters", where=f"{at}, name")
+    name = _value(path, entry, "name", at) or at
     flats = _frames(path, entry.get("flats", []), f"{at}, flats", opened)
     own = _frames(path, entry.get("darks", []), f"{at}, darks", opened)
     if not flats and not own:
         raise refused(path, "must have flats or darks", where=at, remedy=EXAMPLE)
-    time_ms = _number(path, entry, "time_ms", "ms", _LONGEST_MS, at)
-    photons = _number(path, entry, "photons_per_pixel", "1", _MOST_PHOTONS, at)
+    time_ms = _value(path, entry, "time_ms", at)
+    photons = _value(path, entry, "photons_per_pixel", at)
     if photons and not flats:
         raise refused(
             path, "must be 0 or absent without flats", photons, where=f"{at}, photons_per_pixel"
@@ -171,33 +159,57 @@ def _level(
     return _with(path, level, {"iso": _iso(path, entry, f"{at}, ") or iso})
 
 
-def _number(
-    path: Path, entry: Mapping[str, Any], key: str, unit: str, most: float, at: str
-) -> float | None:
+def _within(most: float) -> Callable[[Any], bool]:
+    return lambda value: type(value) in (int, float) and 0 <= value <= most
+
+
+def _printable(most: int) -> Callable[[Any], bool]:
+    return lambda value: (
+        isinstance(value, str)
+        and 0 < len(value) <= most
+        and value.isprintable()
+        and bool(value.strip())
+    )
+
+
+_VALUES: dict[str, tuple[Callable[[Any], bool], str]] = {
+    "name": (_printable(_LONGEST_NAME_OF_LEVEL), "must be a name of 1 to 200 characters"),
+    "camera": (
+        _printable(_LONGEST_CAMERA),
+        f"must be maker and model, a text of 1 to {_LONGEST_CAMERA} characters",
+    ),
+    "bits": (
+        lambda bits: type(bits) is int and 1 <= bits <= _MOST_BITS,
+        f"must be a whole number from 1 to {_MOST_BITS}",
+    ),
+    "time_ms": (_within(_LONGEST_MS), f"must be a number from 0 to {_LONGEST_MS:g} [ms]"),
+    "photons_per_pixel": (
+        _within(_MOST_PHOTONS),
+        f"must be a number from 0 to {_MOST_PHOTONS:g} [1]",
+    ),
+    "black_level_dn": (
+        _within(_MOST_BLACK_DN),
+        f"must be a number from 0 to {_MOST_BLACK_DN:g} [DN]",
+    ),
+    "mosaic": (_printable(2000), "must be a text such as RG/GB"),
+}
+"""Whether the value of a key is valid, and the requirement."""
+
+
+def _value(path: Path, entry: Mapping[str, Any], key: str, at: str = "") -> Any:
+    """The value of a key, numbers as floats; None if it is absent."""
     value = entry.get(key)
-    if value is None:
-        return None
-    number = float(value) if isinstance(value, (int, float)) and not isinstance(value, bool) and (
-        abs(value) <= most
-    ) else math.nan  # fmt: skip
-    if not 0 <= number <= most:
-        raise refused(
-            path,
-            f"must be a number from 0 to {most:g} [{unit}]",
-            value,
-            where=f"{at}, {key}" if at else key,
-        )
-    return number
+    valid, need = _VALUES[key]
+    if value is not None and not valid(value):
+        raise refused(path, need, value, where=f"{at}, {key}" if at else key)
+    return float(value) if type(value) is int and key != "bits" else value
 
 
 def _frames(path: Path, words: Any, where: str, opened: _FramesOfFile) -> tuple[RawFrame, ...]:
     """The frames of a list of names and patterns, in its order."""
     if not isinstance(words, list) or not all(isinstance(word, str) and word for word in words):
-        raise refused(
-            path,
-            'must be a list of file names, e.g. ["flat_01_a.tif", "flat_01_b.tif"]',
-            where=where,
-        )
+        need = 'must be a list of file names, e.g. ["flat_01_a.tif", "flat_01_b.tif"]'
+        raise refused(path, need, where=where)
     frames = [frame for word in words for frame in _of_word(path, word, where, opened)]
     seen: set[tuple[Path, str, int | None]] = set()
     repeated = None
@@ -206,13 +218,8 @@ def _frames(path: Path, words: Any, where: str, opened: _FramesOfFile) -> tuple[
         repeated = frame if key in seen and repeated is None else repeated
         seen.add(key)
     if repeated is not None:
-        raise refused(
-            path,
-            "must list each frame once",
-            repeated.name,
-            f"{repeated.name} is repeated",
-            where=where,
-        )
+        need = "must list each frame once"
+        raise refused(path, need, repeated.name, f"{repeated.name} is repeated", where=where)
     return tuple(frames)
 
 
@@ -229,27 +236,20 @@ def _of_word(path: Path, word: str, where: str, opened: _FramesOfFile) -> tuple[
     steps = PurePath(word).parts
     wild = [i for i, step in enumerate(steps) if any(sign in step for sign in "*?[")]
     if len(wild) > _MOST_WILD or steps.count("**") > 1 or (wild and ".." in steps[wild[0] :]):
-        raise InputError(  # the walk could visit a folder without bound
-            str(path),
+        # the walk could visit a folder without bound
+        need = (
             f"must have at most {_MOST_WILD} folders with wildcards, at most one '**', and no '..' "
-            "after a wildcard",
-            value=word,
-            where=where,
-            remedy="write the names of the folders",
+            "after a wildcard"
         )
+        raise refused(path, need, word, where=where, remedy="write the names of the folders")
     try:
         matches = (file for file in folder.glob(word) if not file.is_dir())
         files = sorted(islice(matches, _MOST_FILES + 1))
     except (ValueError, NotImplementedError, IndexError, OSError):
         files = []
     if not files or len(files) > _MOST_FILES:
-        raise refused(
-            path,
-            "must name files that exist",
-            word,
-            f"no file is called {printable(word)!r}" if not files else "too many match",
-            where=where,
-        )
+        found = f"no file is called {printable(word)!r}" if not files else "too many match"
+        raise refused(path, "must name files that exist", word, found, where=where)
     return tuple(frame for file in files for frame in _opened(file, opened))
 
 
@@ -291,39 +291,14 @@ def _refuse_repeated(path: Path, levels: list[FrameLevel]) -> None:
 
 
 def _repeated(path: Path, frame: RawFrame, level: str, found: str) -> InputError:
-    return refused(
-        path,
-        "must use a flat once",
-        frame.name,
-        f"{frame.name} is {found}",
-        where=f"level {level!r}",
-    )
+    need = "must use a flat once"
+    return refused(path, need, frame.name, f"{frame.name} is {found}", where=f"level {level!r}")
 
 
 def _one_time(frames: tuple[RawFrame, ...]) -> float | None:
     """The exposure time that all frames state. [ms]"""
     times = {frame.time_ms for frame in frames}
     return times.pop() if len(times) == 1 else None
-
-
-def _bits(path: Path, table: Mapping[str, Any]) -> int | None:
-    bits = table.get("bits")
-    if bits is not None and (type(bits) is not int or not 1 <= bits <= _MOST_BITS):
-        raise refused(path, f"must be a whole number from 1 to {_MOST_BITS}", bits, where="bits")
-    return bits
-
-
-def _camera(path: Path, table: Mapping[str, Any]) -> str:
-    camera = table.get("camera", "")
-    valid = isinstance(camera, str) and len(camera) <= _LONGEST_CAMERA and camera.isprintable()
-    if not valid or ("camera" in table and not camera.strip()):
-        raise refused(
-            path,
-            f"must be maker and model, a text of 1 to {_LONGEST_CAMERA} characters",
-            camera,
-            where="camera",
-        )
-    return camera.strip()
 
 
 def _iso(path: Path, table: Mapping[str, Any], at: str) -> float | None:
@@ -343,13 +318,9 @@ def _with(path: Path, level: FrameLevel, stated: Mapping[str, Any]) -> FrameLeve
         for name, value in known.items():
             own = getattr(frame, name)
             if own and name != "bits" and not _same(own, value):
-                raise refused(
-                    path,
-                    f"must be {own} as {frame.name} states",
-                    value,
-                    where=name,
-                    remedy=(f"correct {name}", f"omit {name}"),
-                )
+                need = f"must be {own} as {frame.name} states"
+                remedy = (f"correct {name}", f"omit {name}")
+                raise refused(path, need, value, where=name, remedy=remedy)
     return level.stating(**known)
 
 
@@ -357,7 +328,7 @@ def _with_black(
     path: Path, table: Mapping[str, Any], levels: list[FrameLevel]
 ) -> tuple[list[FrameLevel], tuple[str, ...]]:
     """The levels with the black level of the list, and a note if a file states another one."""
-    black = _number(path, table, "black_level_dn", "DN", _MOST_BLACK_DN, "")
+    black = _value(path, table, "black_level_dn")
     if black is None:
         return levels, ()
     frames = [frame for level in levels for frame in level.frames]
@@ -380,11 +351,9 @@ def _same(one: Any, other: Any) -> bool:
 def _mosaic(
     path: Path, table: Mapping[str, Any], frames: list[RawFrame]
 ) -> tuple[Mosaic | None, tuple[str, ...]]:
-    word = table.get("mosaic")
+    word = _value(path, table, "mosaic")
     if word is None:
         return mosaic_of_all(str(path), frames), ()
-    if not isinstance(word, str) or len(word) > 2000:
-        raise refused(path, "must be a text such as RG/GB", word, where="mosaic")
     if word == "none":
         return None, ()
     try:

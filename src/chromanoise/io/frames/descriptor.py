@@ -15,7 +15,7 @@ from chromanoise.io.frames.frame import (
     refuse_mixed,
 )
 from chromanoise.io.frames.frame_formats import frames_in
-from chromanoise.io.source_files import by, has, refused
+from chromanoise.io.source_files import by, has, refused, small_text
 
 _HEAD_BYTES = 65536
 _LARGEST_BYTES = 16 * 2**20
@@ -75,7 +75,7 @@ def read_descriptor(path: Path) -> FrameSet:
     The format of the package emva1288 1.0.2 (``v``, ``n bits width height``, ``b time photons``,
     ``d time``, ``i file``); names may have backslashes.
     """
-    text = _text(path)
+    text = small_text(path, _LARGEST_BYTES, f"must be at most {_LARGEST_BYTES // 2**20} MiB")
     bits, shape, series = _parsed(path, text)
     frames_of = {one.line: _frames(path, one, bits, shape) for one in series}
     dark_at: dict[float, list[_Series]] = {}
@@ -119,19 +119,6 @@ def read_descriptor(path: Path) -> FrameSet:
     )
 
 
-def _text(path: Path) -> str:
-    try:
-        with path.open("rb") as file:
-            content = file.read(_LARGEST_BYTES + 1)
-        if len(content) > _LARGEST_BYTES:
-            raise refused(path, f"must be at most {_LARGEST_BYTES // 2**20} MiB")
-        return content.decode("utf-8-sig")
-    except OSError as error:
-        raise refused(path, f"cannot be read ({error.strerror})") from None
-    except UnicodeDecodeError as error:
-        raise refused(path, "is not UTF-8 text", where=f"byte {error.start}") from None
-
-
 def _lines(text: str) -> Iterator[tuple[int, list[str]]]:
     """Number and words of each line; the name of a file may contain blanks."""
     for number, line in enumerate(text.splitlines(), 1):
@@ -165,34 +152,23 @@ def _parsed(path: Path, text: str) -> tuple[int, tuple[int, int], list[_Series]]
                 raise refused(path, f"must list at most {_MOST_FILES} frames")
             series[-1].files.append(words[1])
     if len(form) != 3 or not 1 <= form[0] <= 32 or not series or len(series) > MOST_LEVELS:
-        raise refused(
-            path,
-            f"must have a line n bits width height, and 1 to {MOST_LEVELS} lines b or d",
-            len(series),
-            f"has {len(series)}" if form else "has no line n",
-        )
+        need = f"must have a line n bits width height, and 1 to {MOST_LEVELS} lines b or d"
+        raise refused(path, need, len(series), f"has {len(series)}" if form else "has no line n")
     seen: dict[tuple[object, ...], int] = {}
     for one in series:
         if len(one.files) < 2:
             raise has(path, "must have at least 2 frames", len(one.files), where=f"line {one.line}")
         key = (one.time_ms, one.photons, one.spatial)
         if seen.setdefault(key, one.line) != one.line:
-            raise refused(
-                path,
-                f"must differ from line {seen[key]}",
-                found="has the same exposure time and photons",
-                where=f"line {one.line}",
-            )
+            need = f"must differ from line {seen[key]}"
+            found = "has the same exposure time and photons"
+            raise refused(path, need, found=found, where=f"line {one.line}")
     return form[0], (form[2], form[1]), series
 
 
 def _refused(path: Path, number: int, line: str) -> InputError:
-    return refused(
-        path,
-        "must be v version, n bits width height (once), b time_ns photons, d time_ns, or i file",
-        printable(line),
-        where=f"line {number}",
-    )
+    need = "must be v version, n bits width height (once), b time_ns photons, d time_ns, or i file"
+    return refused(path, need, printable(line), where=f"line {number}")
 
 
 def _number(path: Path, line: int, word: str) -> float:
@@ -227,11 +203,7 @@ def _frames(path: Path, series: _Series, bits: int, shape: tuple[int, int]) -> t
         own = Path(name) if name.startswith("/") else Path(*PureWindowsPath(name).parts)
         frames += frames_in(path.parent / own)
         if frames[-1].shape != shape:
-            raise refused(
-                path,
-                f"must list frames of {by(shape)} pixels, as stated in its line n",
-                frames[-1].shape,
-                f"{frames[-1].name} has {by(frames[-1].shape)}",
-                where=f"line {series.line}",
-            )
+            need = f"must list frames of {by(shape)} pixels, as stated in its line n"
+            found = f"{frames[-1].name} has {by(frames[-1].shape)}"
+            raise refused(path, need, frames[-1].shape, found, where=f"line {series.line}")
     return tuple(replace(frame, bits=bits, time_ms=series.time_ms) for frame in frames)

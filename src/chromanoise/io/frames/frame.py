@@ -9,7 +9,7 @@ import math
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -27,7 +27,7 @@ _BLOCK_PIXELS = 4_000_000
 _LARGEST = 2**31 - 1
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class StoredPlane:
     """Reads an uncompressed frame from its place in a file.
 
@@ -35,8 +35,6 @@ class StoredPlane:
     ----------
     path
         The file.
-    size
-        Its size when the header was read. [bytes]
     offset
         Where the first code is. [bytes]
     stored
@@ -45,14 +43,19 @@ class StoredPlane:
         Rows and columns. [px]
     by_columns
         Whether the columns are stored one after another.
+    size
+        Size of the file when its header was read. [bytes]
     """
 
     path: Path
-    size: int
     offset: int
     stored: np.dtype
     shape: tuple[int, int]
     by_columns: bool = False
+    size: int = field(init=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "size", self.path.stat().st_size)
 
     def __call__(self) -> Integer[Array, "h w"]:
         """The codes. [DN]
@@ -133,23 +136,14 @@ def refuse_shape(path: Path, where: str, shape: tuple[int, ...]) -> None:
         If there are other dimensions, a side is 0, or there are too many pixels or frames.
     """
     if len(shape) not in (2, 3):
-        raise refused(
-            path,
-            "must hold frames of rows and columns, or a stack of them",
-            shape,
-            f"has {len(shape)} dimensions" if len(shape) != 1 else "is a list",
-            where=where,
-        )
+        need = "must hold frames of rows and columns, or a stack of them"
+        found = f"has {len(shape)} dimensions" if len(shape) != 1 else "is a list"
+        raise refused(path, need, shape, found, where=where)
     if min(shape) < 1:
         raise has(path, "must not be empty", shape, "is", where=where)
     if math.prod(shape[-2:]) > MOST_PIXELS:
-        raise refused(
-            path,
-            f"must have at most {MOST_PIXELS // 10**6} million pixels a frame",
-            shape,
-            f"is declared as {by(shape)}",
-            where=where,
-        )
+        need = f"must have at most {MOST_PIXELS // 10**6} million pixels a frame"
+        raise refused(path, need, shape, f"is declared as {by(shape)}", where=where)
     if len(shape) == 3 and shape[0] > MOST_FRAMES:
         raise has(path, f"must hold at most {MOST_FRAMES} frames", shape[0], "holds", where=where)
     if len(shape) == 3 and shape[2] in (3, 4):
@@ -158,13 +152,9 @@ def refuse_shape(path: Path, where: str, shape: tuple[int, ...]) -> None:
 
 def refused_picture(path: Path, found: str, where: str = "") -> InputError:
     """The error for a picture of several channels, or of a lossy format."""
-    return refused(
-        path,
-        "must be a raw frame of one channel",
-        found=found,
-        where=where,
-        remedy="use the frames before they are demosaicked or compressed, e.g. as DNG, TIFF or NPY",
-    )
+    need = "must be a raw frame of one channel"
+    remedy = "use the frames before they are demosaicked or compressed, e.g. as DNG, TIFF or NPY"
+    return refused(path, need, found=found, where=where, remedy=remedy)
 
 
 def whole_codes(name: str, values: Shaped[Array, "h w"]) -> Integer[Array, "h w"]:
@@ -201,13 +191,10 @@ def whole_codes(name: str, values: Shaped[Array, "h w"]) -> Integer[Array, "h w"
         if bad.any():
             row, column = (int(i) for i in np.argwhere(bad)[0])
             first = float(block[row, column])
-            raise refused(
-                name,
-                "must hold whole codes, because processed frames are not raw",
-                first,
-                f"holds {first:g} in row {start + row}, column {column} (from 0)",
-                remedy="use the frames as the camera delivers them",
-            )
+            need = "must hold whole codes, because processed frames are not raw"
+            found = f"holds {first:g} in row {start + row}, column {column} (from 0)"
+            remedy = "use the frames as the camera delivers them"
+            raise refused(name, need, first, found, remedy=remedy)
         low, high = min(low, float(block.min())), max(high, float(block.max()))
     return values.astype(np.uint16 if low >= 0 and high <= 65535 else np.int32)
 
@@ -278,12 +265,8 @@ class RawFrame:
         """
         codes: Any = np.asarray(self.read())
         if codes.shape != self.shape:
-            raise refused(
-                self.name,
-                f"must have {self.shape[0]} rows and {self.shape[1]} columns",
-                codes.shape,
-                f"has shape {codes.shape}",
-            )
+            need = f"must have {self.shape[0]} rows and {self.shape[1]} columns"
+            raise refused(self.name, need, codes.shape, f"has shape {codes.shape}")
         if codes.dtype.kind not in "ui":
             raise refused(self.name, "must hold integer codes", str(codes.dtype), f"{codes.dtype}")
         return np.asarray(codes)
@@ -469,14 +452,10 @@ def refuse_few(
         for kind in kinds:
             group = getattr(level, kind)
             if len(group) == 1:
-                raise refused(
-                    source,
-                    f"must have at least 2 {kind}, because one gives no temporal variance",
-                    1,
-                    f"has 1, {group[0].name}",
-                    where=f"level {level.name!r}",
-                    remedy=("take another", "leave the level out", EXAMPLE),
-                )
+                need = f"must have at least 2 {kind}, because one gives no temporal variance"
+                found = f"has 1, {group[0].name}"
+                remedy = ("take another", "leave the level out", EXAMPLE)
+                raise refused(source, need, 1, found, where=f"level {level.name!r}", remedy=remedy)
 
 
 def _mixed(
@@ -488,13 +467,10 @@ def _mixed(
 ) -> InputError:
     quantity, shown = how
     names = (shown_name(one), shown_name(other))
-    return refused(
-        source,
-        f"must have one {name}",
-        (quantity(one), quantity(other)),
-        f"{names[0]} has {shown(quantity(one))} and {names[1]} has {shown(quantity(other))}",
-        remedy="evaluate them separately",
-    )
+    need = f"must have one {name}"
+    found = f"{names[0]} has {shown(quantity(one))} and {names[1]} has {shown(quantity(other))}"
+    remedy = "evaluate them separately"
+    return refused(source, need, (quantity(one), quantity(other)), found, remedy=remedy)
 
 
 def shown_name(frame: RawFrame) -> str:

@@ -231,9 +231,8 @@ def _refuse_unclear_flats(
     times = {time for _, time in groups}
     if None in times and len(times) > 1:
         without = next(one for one in flats if one.frame.time_ms is None)
-        raise _question(
-            source, f"some flats have an exposure time, but {without.frame.name} has none"
-        )
+        what = f"some flats have an exposure time, but {without.frame.name} has none"
+        raise _question(source, what)
     single = [key for key, group in groups.items() if len(group) == 1]
     if single and len(single) == len(groups) > 1:
         raise _question(
@@ -295,9 +294,8 @@ def _matched(
     timed = [one.frame.time_ms is not None for one in darks]
     if not all(timed) and any(timed):
         without = next(one for one in darks if one.frame.time_ms is None)
-        raise _question(
-            source, f"some darks have an exposure time, but {without.frame.name} has none"
-        )
+        what = f"some darks have an exposure time, but {without.frame.name} has none"
+        raise _question(source, what)
     times = {time for _, time in groups}
     if all(timed) and (None not in times):
         return _by_time(groups, darks)
@@ -473,13 +471,9 @@ def _list_of(path: Path) -> Path | None:
     texts = sorted(file for file in _files(path, deep=False) if file.suffix.lower() in _TEXT)
     found = [file for file in texts if is_descriptor(file)]
     if len(found) > 1:
-        raise refused(
-            path,
-            "must have one EMVA 1288 descriptor",
-            len(found),
-            f"has {found[0].name} and {found[1].name}",
-            remedy="name one of them",
-        )
+        need = "must have one EMVA 1288 descriptor"
+        held = f"has {found[0].name} and {found[1].name}"
+        raise refused(path, need, len(found), held, remedy="name one of them")
     return found[0] if found else None
 
 
@@ -493,11 +487,8 @@ def _by_name(paths: Sequence[Path]) -> FrameSet:
         inside = path.is_dir()
         for file in _files(path, deep=True) if inside else [path]:
             if file.name == CAPTURE:
-                raise refused(
-                    file,
-                    "must be given alone, because it lists the frames",
-                    remedy=f"evaluate {file.parent} by itself",
-                )
+                need = "must be given alone, because it lists the frames"
+                raise refused(file, need, remedy=f"evaluate {file.parent} by itself")
             if true_path(file) in seen:
                 raise refused(file, "must be given once", found="is given twice")
             seen.add(true_path(file))

@@ -9,28 +9,27 @@ Raw frames in FITS files; astropy reads the headers, the codes are read in place
 The formats of raw frames, by the ending of the file.
 """
 
-import importlib
 import math
 import re
 import struct
+import warnings
 import zipfile
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from chromanoise.base import Array, Integer, printable, regular_file
-from chromanoise.io.cubes import (
-    library,
-    npy_array,
-    npz_arrays,
-    reading,
-    reading_rows,
-    refuse_impossible,
+from chromanoise.base import Array, InputError, Integer, printable, regular_file
+from chromanoise.io.cubes.cube_files import npy_array, npy_header, npz_arrays
+from chromanoise.io.cubes.raw_cube import reading, reading_rows, refuse_impossible
+from chromanoise.io.frames.camera_raw import (
+    camera_name,
+    number_of_tag,
+    raw_frames,
+    tiff_frames,
 )
-from chromanoise.io.frames.camera_raw import camera_name, number_of_tag
 from chromanoise.io.frames.frame import (
     RawFrame,
     StoredPlane,
@@ -38,14 +37,10 @@ from chromanoise.io.frames.frame import (
     refused_picture,
     whole_codes,
 )
-from chromanoise.io.source_files import has, refused
+from chromanoise.io.source_files import has, library, refused
 from chromanoise.sensor import Mosaic
 
 _MOST_ARRAYS = 20_000
-_HEADERS = {
-    (1, 0): np.lib.format.read_array_header_1_0,
-    (2, 0): np.lib.format.read_array_header_2_0,
-}
 
 
 def npy_frames(path: Path) -> tuple[RawFrame, ...]:
@@ -59,38 +54,38 @@ def npy_frames(path: Path) -> tuple[RawFrame, ...]:
     with reading(path, "NumPy"):
         array = npy_array(path)
     refuse_shape(path, "", array.shape)
-    size, offset = path.stat().st_size, int(array.offset)  # type: ignore[attr-defined]
-    shape = (int(array.shape[-2]), int(array.shape[-1]))
-    step = math.prod(shape) * array.dtype.itemsize
-    if array.ndim == 2:
-        columns = not array.flags.c_contiguous
-        read = StoredPlane(
-            path=path,
-            size=size,
-            offset=offset,
-            stored=array.dtype,
-            shape=shape,
-            by_columns=columns,
-        )
-        return (RawFrame(path=path, shape=shape, read=read),)
-    if not array.flags.c_contiguous:
-        raise refused(
-            path,
-            "must store a stack frame by frame",
-            found="is in Fortran order",
-            remedy="save numpy.ascontiguousarray(stack)",
-        )
-    return tuple(
-        RawFrame(
-            path=path,
-            shape=shape,
-            index=i,
-            read=StoredPlane(
-                path=path, size=size, offset=offset + i * step, stored=array.dtype, shape=shape
-            ),
-        )
-        for i in range(array.shape[0])
-    )
+    by_columns = not array.flags.c_contiguous
+    if by_columns and array.ndim == 3:
+        raise _of_columns(path)
+    place, shape = int(array.offset), _sides(array.shape)  # type: ignore[attr-defined]
+    frame_bytes = math.prod(shape) * array.dtype.itemsize
+
+    def read(i: int | None) -> StoredPlane:
+        return StoredPlane(path, place + (i or 0) * frame_bytes, array.dtype, shape, by_columns)
+
+    return _stack(path, array.shape, read)
+
+
+def _sides(shape: tuple[int, ...]) -> tuple[int, int]:
+    return int(shape[-2]), int(shape[-1])
+
+
+def _stack(
+    path: Path,
+    shape: tuple[int, ...],
+    read: Callable[[int | None], Callable[[], Array]],
+    **facts: Any,
+) -> tuple[RawFrame, ...]:
+    """The frame of an array of 2 dimensions, or all frames of one of 3, by the reader of each."""
+    numbers = range(shape[0]) if len(shape) == 3 else (None,)
+    sides = _sides(shape)
+    return tuple(RawFrame(path=path, shape=sides, index=i, read=read(i), **facts) for i in numbers)
+
+
+def _of_columns(path: Path, where: str = "") -> InputError:
+    need = "must store a stack frame by frame"
+    remedy = "save numpy.ascontiguousarray(stack)"
+    return refused(path, need, found="is in Fortran order", where=where, remedy=remedy)
 
 
 def npz_frames(path: Path) -> tuple[RawFrame, ...]:
@@ -105,61 +100,42 @@ def npz_frames(path: Path) -> tuple[RawFrame, ...]:
         arrays = npz_arrays(path)
     if not 0 < len(arrays) <= _MOST_ARRAYS:
         raise has(path, f"must hold 1 to {_MOST_ARRAYS} arrays", len(arrays), "holds")
-    frames = []
+    frames: tuple[RawFrame, ...] = ()
     for name, (shape, dtype) in arrays.items():
-        where = f"array {printable(name)!r}"
-        refuse_shape(path, where, shape)
+        refuse_shape(path, f"array {printable(name)!r}", shape)
         refuse_impossible(path, name, shape[-2:], dtype)
-        for i in range(shape[0]) if len(shape) == 3 else (None,):
-            read = _Member(path=path, name=name, index=i, shape=shape, stored=dtype)
-            sides = (shape[-2], shape[-1])
-            frames.append(RawFrame(path=path, shape=sides, part=name, index=i, read=read))
-    return tuple(frames)
+        read = partial(partial, _member, path, name, shape, dtype)
+        frames += _stack(path, shape, read, part=name)
+    return frames
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Member:
-    """Reads a frame of an array in a ``.npz``; a compressed stack is unpacked up to it."""
-
-    path: Path
-    name: str
-    index: int | None
-    shape: tuple[int, ...]
-    stored: np.dtype
-
-    def __call__(self) -> Integer[Array, "h w"]:
-        with (
-            reading_rows(self.path, "NPZ"),
-            zipfile.ZipFile(self.path) as archive,
-            archive.open(f"{self.name}.npy") as stream,
-        ):
-            shape, by_columns, dtype = _HEADERS[np.lib.format.read_magic(stream)](stream)
-            if (shape, dtype) != (self.shape, self.stored):
-                raise refused(
-                    self.path, "must not change while it is read", where=f"array {self.name!r}"
-                )
-            sides = shape[-2:]
-            if by_columns and len(shape) == 3:
-                raise refused(
-                    self.path,
-                    "must store a stack frame by frame",
-                    found="is in Fortran order",
-                    where=f"array {self.name!r}",
-                    remedy="save numpy.ascontiguousarray(stack)",
-                )
-            count = math.prod(sides) * dtype.itemsize
-            stream.seek((self.index or 0) * count, 1)
-            content = stream.read(count)
-            if len(content) != count:
-                raise refused(self.path, "is truncated", where=f"array {self.name!r}")
-            values = np.frombuffer(content, dtype)
-            codes = values.reshape(sides[::-1]).T if by_columns else values.reshape(sides)
-        return whole_codes(str(self.path), codes)
+def _member(
+    path: Path, name: str, shape: tuple[int, ...], stored: np.dtype, index: int | None
+) -> Integer[Array, "h w"]:
+    """A frame of an array in a ``.npz``; a compressed stack is unpacked up to it."""
+    where, sides = f"array {name!r}", _sides(shape)
+    with (
+        reading_rows(path, "NPZ"),
+        zipfile.ZipFile(path) as archive,
+        archive.open(f"{name}.npy") as stream,
+    ):
+        now, by_columns, dtype = npy_header(stream)
+        if (now, dtype) != (shape, stored):
+            raise refused(path, "must not change while it is read", where=where)
+        if by_columns and len(shape) == 3:
+            raise _of_columns(path, where)
+        count = math.prod(sides) * dtype.itemsize
+        stream.seek((index or 0) * count, 1)
+        content = stream.read(count)
+        if len(content) != count:
+            raise refused(path, "is truncated", where=where)
+        values = np.frombuffer(content, dtype)
+        codes = values.reshape(sides[::-1]).T if by_columns else values.reshape(sides)
+    return whole_codes(str(path), codes)
 
 
 _PGM = re.compile(rb"P([25])(?:\s|#[^\n]*\n)+" + rb"(?:\s|#[^\n]*\n)+".join([rb"(\d{1,9})"] * 3))
 _HEADER_BYTES = 65536
-_BLOCK_BYTES = 2**20
 _PNG = b"\x89PNG\r\n\x1a\n"
 _MOST_CODE = 65535
 
@@ -202,68 +178,48 @@ def pgm_frames(path: Path) -> tuple[RawFrame, ...]:
             f"has {size - offset} bytes",
             remedy="save it again, one frame per file, because it is truncated or damaged",
         )
-    plane = StoredPlane(path=path, size=size, offset=offset, stored=stored, shape=shape)
+    plane = StoredPlane(path, offset, stored, shape)
     bits = largest.bit_length() if largest < _MOST_CODE and (largest + 1).bit_count() == 1 else None
     return (
         RawFrame(
             path=path,
             shape=shape,
-            read=_Pgm(plane=plane, plain=plain, largest=largest),
+            read=partial(_pgm_codes, plane, plain, largest),
             bits=bits,
             white_level_dn=float(largest) if largest < _MOST_CODE else None,
         ),
     )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Pgm:
-    """Reads the codes and compares them with the largest one of the header."""
-
-    plane: StoredPlane
-    plain: bool
-    largest: int
-
-    def __call__(self) -> Integer[Array, "h w"]:
-        codes = _plain_codes(self.plane) if self.plain else self.plane()
-        if codes.max() > self.largest:
-            raise has(
-                self.plane.path,
-                f"must have codes up to {self.largest}, as stated in its header",
-                int(codes.max()),
-            )
-        return codes
+def _pgm_codes(plane: StoredPlane, plain: bool, largest: int) -> Integer[Array, "h w"]:
+    """The codes, none above the largest one of the header."""
+    codes = _plain_codes(plane) if plain else plane()
+    if codes.max() > largest:
+        need = f"must have codes up to {largest}, as stated in its header"
+        raise has(plane.path, need, int(codes.max()))
+    return codes
 
 
 def _plain_codes(plane: StoredPlane) -> Integer[Array, "h w"]:
     """Decimal numbers between blanks."""
     path, count = plane.path, math.prod(plane.shape)
-    codes = np.empty(count, np.uint16)
-    done, rest = 0, b""
-    with reading_rows(path, "PGM"), path.open("rb") as file:
+    need = f"must have {count} codes of at most {_MOST_CODE} after its header"
+    with (
+        reading_rows(path, "PGM"),
+        path.open("rb") as file,
+        warnings.catch_warnings(action="ignore"),  # NumPy before 2.3 warns of other words
+    ):
         file.seek(plane.offset)
-        while block := file.read(_BLOCK_BYTES):
-            words = (rest + block).split()
-            rest = b"" if block[-1:].isspace() or not words else words.pop()
-            done = _put(path, codes, done, words)
-        done = _put(path, codes, done, rest.split())
-    if done != count:
-        raise has(path, f"must have {count} codes", done)
-    return codes.reshape(plane.shape)
-
-
-def _put(path: Path, codes: Array, done: int, words: list[bytes]) -> int:
-    """Store the numbers after those that are done; return how many are done now."""
-    bad = next((word for word in words if not word.isdigit() or len(word) > 5), None)
-    numbers = [] if bad is not None else [int(word) for word in words]
-    if bad is not None or done + len(numbers) > codes.size or max(numbers, default=0) > _MOST_CODE:
-        shown = "" if bad is None else bad[:20].decode("ascii", "replace")
-        raise refused(
-            path,
-            f"must have {codes.size} codes of at most {_MOST_CODE} after its header",
-            found=f"has {shown!r}" if shown else "has more or larger ones",
-        )
-    codes[done : done + len(numbers)] = numbers
-    return done + len(numbers)
+        try:
+            codes = np.fromfile(file, np.int64, count, sep=" ")
+        except ValueError:
+            raise refused(path, need, found="has words that are no numbers") from None
+        more = file.read(20).strip()
+    if more or codes.min(initial=0) < 0 or codes.max(initial=0) > _MOST_CODE:
+        raise refused(path, need, found="has more or larger ones")
+    if codes.size != count:
+        raise has(path, f"must have {count} codes", codes.size)
+    return codes.astype(np.uint16).reshape(plane.shape)
 
 
 def png_frames(path: Path) -> tuple[RawFrame, ...]:
@@ -284,28 +240,20 @@ def png_frames(path: Path) -> tuple[RawFrame, ...]:
         raise refused_picture(path, f"is a PNG of color type {kind} and {bits} bits")
     refuse_shape(path, "", (height, width))
     refuse_impossible(path, "pixels", (height, width), np.dtype(f"u{bits // 8}"))
-    read = _Png(path=path, shape=(height, width), bits=bits)
+    read = partial(_png_codes, path, (height, width), bits)
     return (RawFrame(path=path, shape=(height, width), read=read, bits=8 if bits == 8 else None),)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Png:
-    """Unpacks the codes with Pillow."""
+def _png_codes(path: Path, shape: tuple[int, int], bits: int) -> Integer[Array, "h w"]:
+    from PIL import PngImagePlugin
 
-    path: Path
-    shape: tuple[int, int]
-    bits: int
-
-    def __call__(self) -> Integer[Array, "h w"]:
-        from PIL import PngImagePlugin
-
-        with reading(self.path, "PNG"), PngImagePlugin.PngImageFile(self.path) as image:
-            if image.size != self.shape[::-1]:
-                raise refused(self.path, "must not change while it is read")
-            codes: Any = np.asarray(image)
-        if codes.shape != self.shape or codes.dtype.kind not in "ui":
-            raise refused_picture(self.path, f"is a PNG of {codes.dtype}")
-        return codes.astype(np.uint8 if self.bits == 8 else np.uint16)
+    with reading(path, "PNG"), PngImagePlugin.PngImageFile(path) as image:
+        if image.size != shape[::-1]:
+            raise refused(path, "must not change while it is read")
+        codes: Any = np.asarray(image)
+    if codes.shape != shape or codes.dtype.kind not in "ui":
+        raise refused_picture(path, f"is a PNG of {codes.dtype}")
+    return codes.astype(np.uint8 if bits == 8 else np.uint16)
 
 
 DUMP_ENDINGS = (".raw", ".bin")
@@ -336,14 +284,9 @@ def dumped_frame(path: Path, shape: tuple[int, int], stored: str = "uint16") -> 
     refuse_shape(path, "", shape)
     wanted = shape[0] * shape[1] * dtype.itemsize
     if size != wanted:
-        raise has(
-            path,
-            f"must have {wanted} bytes for {shape[0]} rows and {shape[1]} columns of {stored}",
-            size,
-            remedy="give its rows, columns and type",
-        )
-    plane = StoredPlane(path=path, size=size, offset=0, stored=dtype, shape=shape)
-    return RawFrame(path=path, shape=shape, read=plane)
+        need = f"must have {wanted} bytes for {shape[0]} rows and {shape[1]} columns of {stored}"
+        raise has(path, need, size, remedy="give its rows, columns and type")
+    return RawFrame(path=path, shape=shape, read=StoredPlane(path, 0, dtype, shape))
 
 
 _MOST_PARTS = 10_000
@@ -368,8 +311,7 @@ def fits_frames(path: Path) -> tuple[RawFrame, ...]:
     FITS Standard 4.0 (IAU FITS Working Group, 2018), section 4.4. The rows of the mosaic are those
     of the file from its start, as ``ROWORDER = TOP-DOWN``; with ``BOTTOM-UP`` they are reversed.
     """
-    library("astropy", str(path), extra="fits")
-    fits = importlib.import_module("astropy.io.fits")
+    fits = library("astropy.io.fits", str(path), extra="fits")
     frames: list[RawFrame] = []
     with reading(path, "FITS"), path.open("rb") as file:
         if file.read(10) != b"SIMPLE  = ":
@@ -381,12 +323,8 @@ def fits_frames(path: Path) -> tuple[RawFrame, ...]:
             if number >= _MOST_PARTS:
                 raise refused(path, f"must have at most {_MOST_PARTS} parts")
             if type(part).__name__ == "CompImageHDU" or part.header.get("ZIMAGE") is True:
-                raise refused(
-                    path,
-                    "must not be compressed",
-                    where=f"part {number}",
-                    remedy="unpack it with funpack",
-                )
+                need = "must not be compressed"
+                raise refused(path, need, where=f"part {number}", remedy="unpack it with funpack")
             if part.is_image and part.header.get("NAXIS", 0):
                 frames += _of_part(path, number, part, first)
     if not frames:
@@ -396,81 +334,55 @@ def fits_frames(path: Path) -> tuple[RawFrame, ...]:
     return tuple(frames)
 
 
-def _of_part(path: Path, number: int, part: Any, first: Any) -> list[RawFrame]:
+def _of_part(path: Path, number: int, part: Any, first: Any) -> tuple[RawFrame, ...]:
     header, where = part.header, f"part {number}"
     axes = tuple(int(header[f"NAXIS{i}"]) for i in range(int(header["NAXIS"]), 0, -1))
     refuse_shape(path, where, axes)
     place, size = part.fileinfo()["datLoc"], path.stat().st_size
     stored = np.dtype(_TYPES[int(header["BITPIX"])])
     if place + math.prod(axes) * stored.itemsize > size:
-        raise refused(
-            path,
-            "must be complete",
-            size,
-            f"has {size} bytes, fewer than its header states",
-            where=where,
-            remedy="copy it again",
-        )
-    shape = (axes[-2], axes[-1])
+        found = f"has {size} bytes, fewer than its header states"
+        raise refused(path, "must be complete", size, found, where=where, remedy="copy it again")
+    shape = _sides(axes)
     name = printable(str(header.get("EXTNAME", "")) or str(number)) if number else ""
-    metadata = _metadata(header, first)
-    frames = []
-    for i in range(axes[0]) if len(axes) == 3 else (None,):
-        plane = StoredPlane(
-            path=path,
-            size=size,
-            offset=place + (i or 0) * math.prod(shape) * stored.itemsize,
-            stored=stored,
-            shape=shape,
-        )
-        read = _Scaled(plane=plane, **_scaling(path, where, header))
-        frames.append(RawFrame(path=path, shape=shape, read=read, index=i, part=name, **metadata))
-    return frames
+    scaling = _scaling(path, where, header)
+
+    def read(i: int | None) -> Callable[[], Array]:
+        start = place + (i or 0) * math.prod(shape) * stored.itemsize
+        return partial(_scaled, StoredPlane(path, start, stored, shape), **scaling)
+
+    return _stack(path, axes, read, part=name, **_metadata(header, first))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Scaled:
-    """Reads the codes ``zero + scale * stored``; refuses pixels that are marked as blank."""
-
-    plane: StoredPlane
-    zero: float
-    scale: float
-    blank: int | None
-
-    def __call__(self) -> Integer[Array, "h w"]:
-        name, stored = str(self.plane.path), self.plane.values()
-        if self.blank is not None and stored.dtype.kind in "ui" and (stored == self.blank).any():
-            raise refused(
-                name,
-                "must have a code in each pixel",
-                self.blank,
-                f"has pixels marked as blank by BLANK = {self.blank}",
-            )
-        if (self.zero, self.scale) == (0.0, 1.0):
-            return whole_codes(name, stored)
-        half = 2.0 ** (8 * stored.dtype.itemsize - 1)
-        if (self.zero, self.scale, stored.dtype.kind) == (half, 1.0, "i"):  # unsigned integers
-            unsigned = np.dtype(f"u{stored.dtype.itemsize}")
-            codes = stored.astype(stored.dtype.newbyteorder("=")).view(unsigned)
-            codes ^= unsigned.type(half)
-            return codes
-        if self.scale == 1.0 and self.zero.is_integer() and stored.dtype.kind in "ui":
-            wide = stored.astype(np.int64)
-            wide += int(self.zero)
-            low, high = int(wide.min()), int(wide.max())
-            return wide.astype(np.result_type(np.min_scalar_type(low), np.min_scalar_type(high)))
-        return whole_codes(name, self.zero + self.scale * stored.astype(np.float64))
+def _scaled(
+    plane: StoredPlane, *, zero: float, scale: float, blank: int | None
+) -> Integer[Array, "h w"]:
+    """The codes ``zero + scale * stored``; pixels that are marked as blank raise an error."""
+    name, stored = str(plane.path), plane.values()
+    if blank is not None and stored.dtype.kind in "ui" and (stored == blank).any():
+        found = f"has pixels marked as blank by BLANK = {blank}"
+        raise refused(name, "must have a code in each pixel", blank, found)
+    if (zero, scale) == (0.0, 1.0):
+        return whole_codes(name, stored)
+    half = 2.0 ** (8 * stored.dtype.itemsize - 1)
+    if (zero, scale, stored.dtype.kind) == (half, 1.0, "i"):  # unsigned integers
+        unsigned = np.dtype(f"u{stored.dtype.itemsize}")
+        codes = stored.astype(stored.dtype.newbyteorder("=")).view(unsigned)
+        codes ^= unsigned.type(half)
+        return codes
+    if scale == 1.0 and zero.is_integer() and stored.dtype.kind in "ui":
+        wide = stored.astype(np.int64)
+        wide += int(zero)
+        low, high = int(wide.min()), int(wide.max())
+        return wide.astype(np.result_type(np.min_scalar_type(low), np.min_scalar_type(high)))
+    return whole_codes(name, zero + scale * stored.astype(np.float64))
 
 
 def _scaling(path: Path, where: str, header: Any) -> dict[str, Any]:
     zero, scale = number_of_tag(header.get("BZERO", 0)), number_of_tag(header.get("BSCALE", 1))
     if zero is None or scale is None or abs(zero) > _LARGEST_OFFSET or not scale:
-        raise refused(
-            path,
-            "must have finite numbers in BZERO and BSCALE",
-            (header.get("BZERO"), header.get("BSCALE")),
-            where=where,
-        )
+        need = "must have finite numbers in BZERO and BSCALE"
+        raise refused(path, need, (header.get("BZERO"), header.get("BSCALE")), where=where)
     blank = number_of_tag(header.get("BLANK")) if "BLANK" in header else None
     return {"zero": zero, "scale": scale, "blank": None if blank is None else int(blank)}
 
@@ -554,15 +466,11 @@ def frames_in(path: Path | str) -> tuple[RawFrame, ...]:
     ending = path.suffix.lower()
     if ending in PICTURES:
         raise refused_picture(path, f"is a picture of the format {ending[1:].upper()}")
-    reader = _reader(ending)
+    reader = READERS.get(ending)
     if reader is None:
-        raise refused(
-            path,
-            "must be a raw frame (DNG or camera raw, TIFF, FITS, NPY, NPZ, PGM, PNG)",
-            ending,
-            f"ends in {ending}" if ending else "has no ending",
-            remedy="save it as TIFF or NPY",
-        )
+        need = "must be a raw frame (DNG or camera raw, TIFF, FITS, NPY, NPZ, PGM, PNG)"
+        found = f"ends in {ending}" if ending else "has no ending"
+        raise refused(path, need, ending, found, remedy="save it as TIFF or NPY")
     try:
         return reader(path)
     except OSError as error:
@@ -577,23 +485,16 @@ def is_frame_name(path: Path) -> bool:
     >>> is_frame_name(Path("a.NEF")), is_frame_name(Path("a.jpg"))
     (True, False)
     """
-    return _reader(path.suffix.lower()) is not None
+    return path.suffix.lower() in READERS
 
 
-def _reader(ending: str) -> Callable[[Path], tuple[RawFrame, ...]] | None:
-    """The reader of an ending; each is imported when it is needed."""
-    if ending in CAMERA_RAW:
-        from chromanoise.io.frames.camera_raw import raw_frames
-
-        return raw_frames
-    if ending in (".tif", ".tiff"):
-        from chromanoise.io.frames.camera_raw import tiff_frames
-
-        return tiff_frames
-    if ending in (".fits", ".fit", ".fts"):
-        return fits_frames
-    if ending in (".npy", ".npz"):
-        return npy_frames if ending == ".npy" else npz_frames
-    if ending in (".pgm", ".png"):
-        return pgm_frames if ending == ".pgm" else png_frames
-    return None
+READERS: dict[str, Callable[[Path], tuple[RawFrame, ...]]] = {
+    **dict.fromkeys(CAMERA_RAW, raw_frames),
+    **dict.fromkeys((".tif", ".tiff"), tiff_frames),
+    **dict.fromkeys((".fits", ".fit", ".fts"), fits_frames),
+    ".npy": npy_frames,
+    ".npz": npz_frames,
+    ".pgm": pgm_frames,
+    ".png": png_frames,
+}
+"""The reader of each ending."""

@@ -112,29 +112,32 @@ def alike(a: float, b: float) -> bool:
     return abs(a - b) <= _TOLERANCE * max(abs(a), abs(b))
 
 
-_NAMES = {
-    "qe": "qe eta quantumefficiency",
-    "qe_at_nm": "wavelength lambda centroidwavelength peakwavelength qewavelength",
-    "gain": "k gain systemgain overallsystemgain conversiongain",
-    "gain_inverse": "1k inversek inversesystemgain inversegain",
-    "read_noise": "sigmad darknoise temporaldarknoise readnoise readoutnoise",
-    "dark_noise": "sigmaydark",
-    "full_well": "fullwell fullwellcapacity",
-    "saturation": "muesat uesat saturationcapacity",
-    "threshold": "muemin uemin absolutesensitivitythreshold sensitivitythreshold",
-    "photons_full": "mupsat upsat",
-    "photons_threshold": "mupmin upmin",
-    "dynamic_range": "dr drdb dynamicrange",
-    "snr_max": "snrmax snrmaxdb maximumsnr maximumsignaltonoiseratio signaltonoiseratio",
-    "dsnu": "dsnu dsnu1288 su1288dark",
-    "prnu": "prnu prnu1288",
-    "dark_current": "mui muimean muc ui uimean darkcurrent",
-    "dark_current_of_variance": "muivar uivar",
-    "pitch": "pixelpitch pixelsize pitch",
-    "bits": "bits bitdepth adcbits adc",
-    "black": "blacklevel offset blackoffset muydark uydark",
+_VALUES = {  # names, without signs and blanks; units
+    "qe": ("qe eta quantumefficiency", "% 1"),
+    "qe_at_nm": ("wavelength lambda centroidwavelength peakwavelength qewavelength", "nm"),
+    "gain": ("k gain systemgain overallsystemgain conversiongain", "DN/e- e-/DN"),
+    "gain_inverse": ("1k inversek inversesystemgain inversegain", "e-/DN"),
+    "read_noise": ("sigmad darknoise temporaldarknoise readnoise readoutnoise", "e- DN"),
+    "dark_noise": ("sigmaydark", "DN e-"),
+    "full_well": ("fullwell fullwellcapacity", "e-"),
+    "saturation": ("muesat uesat saturationcapacity", "e-"),
+    "threshold": ("muemin uemin absolutesensitivitythreshold sensitivitythreshold", "e- p"),
+    "photons_full": ("mupsat upsat", "p"),
+    "photons_threshold": ("mupmin upmin", "p"),
+    "dynamic_range": ("dr drdb dynamicrange", "dB bit 1"),
+    "snr_max": (
+        "snrmax snrmaxdb maximumsnr maximumsignaltonoiseratio signaltonoiseratio",
+        "dB bit 1",
+    ),
+    "dsnu": ("dsnu dsnu1288 su1288dark", "e- DN"),
+    "prnu": ("prnu prnu1288", "% 1"),
+    "dark_current": ("mui muimean muc ui uimean darkcurrent", "e-/s DN/s"),
+    "dark_current_of_variance": ("muivar uivar", "e-/s DN/s"),
+    "pitch": ("pixelpitch pixelsize pitch", "um"),
+    "bits": ("bits bitdepth adcbits adc", "bit"),
+    "black": ("blacklevel offset blackoffset muydark uydark", "DN"),
 }
-_KEY_OF = {alias: key for key, aliases in _NAMES.items() for alias in aliases.split()}
+_KEY_OF = {alias: key for key, (names, _) in _VALUES.items() for alias in names.split()}
 
 _UNITS = {
     "e-": "e- e e⁻ electron electrons",
@@ -153,28 +156,6 @@ _UNITS = {
 }
 _UNIT_OF = {alias: unit for unit, aliases in _UNITS.items() for alias in aliases.split()}
 
-_ALLOWED = {
-    "qe": "% 1",
-    "qe_at_nm": "nm",
-    "gain": "DN/e- e-/DN",
-    "gain_inverse": "e-/DN",
-    "read_noise": "e- DN",
-    "dark_noise": "DN e-",
-    "full_well": "e-",
-    "saturation": "e-",
-    "threshold": "e- p",
-    "photons_full": "p",
-    "photons_threshold": "p",
-    "dynamic_range": "dB bit 1",
-    "snr_max": "dB bit 1",
-    "dsnu": "e- DN",
-    "prnu": "% 1",
-    "dark_current": "e-/s DN/s",
-    "dark_current_of_variance": "e-/s DN/s",
-    "pitch": "um",
-    "bits": "bit",
-    "black": "DN",
-}
 _LINE = re.compile(
     r"(?P<name>[^\[\]:=;,\t]+?)\s*(?:\[(?P<left>[^\]]*)\])?\s*[:=;,\t]\s*"
     r"(?P<value>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)(?P<right>[\s;,\t\[%a-zA-Zµμ].*)?"
@@ -269,26 +250,18 @@ def pixel_from_emva(
             value = _valued(key, name, number, unit, place)
         first = found.setdefault(key, value)
         if first.unit != value.unit or not alike(first.number, value.number):
-            raise refused(
-                source,
-                f"must agree with {first.name} = {first.number:g} {first.unit}",
-                value.number,
-                f"is {value.number:g} {value.unit}",
-                where=value.where,
-                remedy="keep one of the two",
-            )
+            need = f"must agree with {first.name} = {first.number:g} {first.unit}"
+            held = f"is {value.number:g} {value.unit}"
+            remedy = "keep one of the two"
+            raise refused(source, need, value.number, held, where=value.where, remedy=remedy)
     of_variance = found.pop("dark_current_of_variance", None)
     if of_variance is not None and found.setdefault("dark_current", of_variance) != of_variance:
         unused.append(of_variance.name)  # the standard prefers the mean
     if not found:
         names = [name[:40] for name in unused[:5]]
-        raise refused(
-            source,
-            "must hold a value of an EMVA 1288 sheet, e.g. sigma_d = 2.4 e-",
-            names,
-            f"names {', '.join(names) or 'nothing'}",
-            remedy=f"give {PIXEL_FILES}",
-        )
+        need = "must hold a value of an EMVA 1288 sheet, e.g. sigma_d = 2.4 e-"
+        held = f"names {', '.join(names) or 'nothing'}"
+        raise refused(source, need, names, held, remedy=f"give {PIXEL_FILES}")
     return _pixel_source(found, unused, source)
 
 
@@ -315,23 +288,14 @@ def _text_rows(text: str, path: Path) -> list[tuple[str, float, str, str]]:
         if matched is None:
             if _key(name) is None:
                 continue  # a heading, or words about the camera
-            raise refused(
-                path,
-                "must be a value with its unit",
-                line[:60],
-                where=where,
-                remedy=f"write {name[:40]} = number unit, with a decimal point",
-            )
+            need = "must be a value with its unit"
+            remedy = f"write {name[:40]} = number unit, with a decimal point"
+            raise refused(path, need, line[:60], where=where, remedy=remedy)
         name = matched["name"].strip().strip('"')
         if any(name == row[0] for row in rows):
-            raise refused(
-                path,
-                "must have each name once",
-                name[:40],
-                f"{name[:40]!r} is repeated",
-                where=where,
-                remedy="keep one",
-            )
+            need = "must have each name once"
+            found = f"{name[:40]!r} is repeated"
+            raise refused(path, need, name[:40], found, where=where, remedy="keep one")
         unit = matched["left"] or (matched["right"] or "").strip(' ;,\t[]"')
         rows.append((name, float(matched["value"]), unit, where))
     return rows
@@ -345,12 +309,8 @@ def _json_rows(text: str, path: Path) -> list[tuple[str, float, str, str]]:
         number = finite_number(entry.get("value")) if isinstance(entry, dict) else None
         unit = entry.get("unit", "") if isinstance(entry, dict) else ""
         if number is None or not isinstance(unit, str):
-            raise refused(
-                path,
-                'must be {"value": number, "unit": "..."}, as {"value": 2.4, "unit": "e-"}',
-                entry,
-                where=name[:40],
-            )
+            need = 'must be {"value": number, "unit": "..."}, as {"value": 2.4, "unit": "e-"}'
+            raise refused(path, need, entry, where=name[:40])
         rows.append((name, number, unit, ""))
     return rows
 
@@ -418,7 +378,7 @@ def _bare_unit(unit: str) -> str:
 
 
 def _valued(key: str, name: str, number: float, unit: str, where: str) -> _Value:
-    allowed = _ALLOWED[key].split()
+    allowed = _VALUES[key][1].split()
     if key == "bits" and not unit.strip():
         unit = "bit"
     known = _UNIT_OF.get(_bare_unit(unit).lower())
@@ -504,12 +464,8 @@ def _electrons(value: _Value | None, gain: float | None, source: str) -> float |
     if value is None or value.unit.startswith("e-"):
         return value.number if value else None
     if gain is None:
-        raise refused(
-            source,
-            f"needs the gain where it is in {value.unit}",
-            where=value.where,
-            remedy="add K = number DN/e-",
-        )
+        need = f"needs the gain where it is in {value.unit}"
+        raise refused(source, need, where=value.where, remedy="add K = number DN/e-")
     return value.number / gain
 
 

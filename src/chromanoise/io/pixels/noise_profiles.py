@@ -50,11 +50,8 @@ def read_noise_profile(path: Path | str) -> PixelSource:
     held = json_of(text, str(path))
     if not isinstance(held, dict) or any(key not in held for key in _KEYS):
         missing = [key for key in _KEYS if not isinstance(held, dict) or key not in held]
-        raise refused(
-            path,
-            f"must be a JSON object with {', '.join(_KEYS)} to be a noise profile",
-            found=f"has no {' and no '.join(missing)}",
-        )
+        need = f"must be a JSON object with {', '.join(_KEYS)} to be a noise profile"
+        raise refused(path, need, found=f"has no {' and no '.join(missing)}")
     rows = {key: _numbers(held[key], key, path) for key in _KEYS}
     for key in _KEYS[2:]:
         if len(rows[key]) != 1:
@@ -87,14 +84,10 @@ def is_noise_profile_text(text: str) -> bool:
 def _pixel_of_text(text: str, path: Path) -> PixelSource:
     numbers = _tagged(_TAG, text, path) or []
     if len(numbers) < 2 or len(numbers) % 2:
-        raise refused(
-            path,
-            "must hold S and O of each channel",
-            len(numbers),
-            f"holds {len(numbers)} numbers",
-            where="NoiseProfile",
-            remedy="write NoiseProfile: 0.0002 0.000001",
-        )
+        need = "must hold S and O of each channel"
+        found = f"holds {len(numbers)} numbers"
+        remedy = "write NoiseProfile: 0.0002 0.000001"
+        raise refused(path, need, len(numbers), found, where="NoiseProfile", remedy=remedy)
     profile = np.array(numbers).reshape(-1, 2)
     levels = [_tagged(tag, text, path) for tag in (_BLACK, _WHITE)]
     if all(level is None for level in levels):
@@ -103,14 +96,10 @@ def _pixel_of_text(text: str, path: Path) -> PixelSource:
     black, white = (set(level or ()) for level in levels)
     for name, level in (("BlackLevel", black), ("WhiteLevel", white)):
         if len(level) != 1:
-            raise refused(
-                path,
-                "must be one number for all channels",
-                sorted(level) or None,
-                "is missing" if not level else "",
-                where=name,
-                remedy="write both BlackLevel and WhiteLevel or neither",
-            )
+            need = "must be one number for all channels"
+            found = "is missing" if not level else ""
+            remedy = "write both BlackLevel and WhiteLevel or neither"
+            raise refused(path, need, sorted(level) or None, found, where=name, remedy=remedy)
     with errors_in_file(path):
         return pixel_from_noise_profile(
             profile, black_level_dn=black.pop(), white_level_dn=white.pop(), source=path.name
@@ -217,12 +206,8 @@ def read_darktable_noise(path: Path | str, *, maker: str, model: str, iso: float
     mine = [e for e in entries if isinstance(e, dict) and finite_number(e.get("iso")) == iso]
     if not mine:
         isos = sorted(sorted({str(e.get("iso")) for e in entries if isinstance(e, dict)}), key=len)
-        raise refused(
-            "iso",
-            f"must be listed in {path} for {camera}",
-            iso,
-            remedy=f"choose from {', '.join(isos[:40])}",
-        )
+        need = f"must be listed in {path} for {camera}"
+        raise refused("iso", need, iso, remedy=f"choose from {', '.join(isos[:40])}")
     place = f"of {camera} at ISO {iso:g}"
     a, b = (_three(mine[0].get(key), path, f"{key} {place}") for key in "ab")
     notes = [
@@ -306,12 +291,8 @@ def _listed(held: Any, key: str, name: str, path: Path, where: str) -> Mapping[s
         if isinstance(entry, dict) and isinstance(entry.get(name), str):
             found.setdefault(entry[name], entry)
     if not found:
-        raise refused(
-            path,
-            f"has no {key} with a {name}",
-            where=where,
-            remedy="give the file noiseprofiles.json of darktable",
-        )
+        remedy = "give the file noiseprofiles.json of darktable"
+        raise refused(path, f"has no {key} with a {name}", where=where, remedy=remedy)
     return found
 
 

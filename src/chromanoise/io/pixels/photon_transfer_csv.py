@@ -9,14 +9,9 @@ import numpy as np
 from chromanoise.base import Array
 from chromanoise.io.pixels.pixel_toml import errors_in_file, source_text
 from chromanoise.io.source_files import has, refused
-from chromanoise.io.spectra import (
-    DELIMITERS,
-    Row,
-    cells_of_line,
-    decimal_sign,
-    number_in,
-    split_line,
-)
+from chromanoise.io.spectra.delimited import DELIMITERS, cells_of_line, decimal_sign, split_line
+from chromanoise.io.spectra.parsed import Row
+from chromanoise.io.spectra.tables import number_in
 from chromanoise.sensor import PhotonTransfer
 
 _NEEDED = ("mean_dn", "variance_dn2")
@@ -69,15 +64,11 @@ def read_photon_transfer_csv(path: Path | str) -> PhotonTransfer:
         if line.strip() and not line.lstrip().startswith("#")
     ]
     if not lines or len(lines) > _LARGEST_ROWS:
-        raise refused(
-            path,
-            f"must have a header {','.join(_NEEDED)} and at most {_LARGEST_ROWS} rows",
-            len(lines),
-            f"has {len(lines)} lines",
-        )
+        need = f"must have a header {','.join(_NEEDED)} and at most {_LARGEST_ROWS} rows"
+        raise refused(path, need, len(lines), f"has {len(lines)} lines")
     sign = _delimiter(lines[0][1])
     header = _header(lines[0], sign, path)
-    rows = [Row(number=i, cells=cells_of_line(line, i, sign, str(path))) for i, line in lines[1:]]
+    rows = [Row(i, cells_of_line(line, i, sign, str(path))) for i, line in lines[1:]]
     decimal = decimal_sign(rows, sign, str(path))
     columns = _columns(rows, header, decimal, path)
     unused = [name for name in header if name not in (*_NUMBERS, _SPATIAL, "light")]
@@ -137,31 +128,18 @@ def _header(first: tuple[int, str], sign: str, path: Path) -> list[str]:
     header = _names(first[1], sign)
     bare = [name for name in ("mean", "variance") if name in header]
     if bare:
-        raise refused(
-            path,
-            "must give the unit of each column",
-            bare,
-            f"names {' and '.join(bare)} without a unit",
-            where=where,
-            remedy=f"write {','.join(_NEEDED)} if they are in codes",
-        )
+        need = "must give the unit of each column"
+        found = f"names {' and '.join(bare)} without a unit"
+        remedy = f"write {','.join(_NEEDED)} if they are in codes"
+        raise refused(path, need, bare, found, where=where, remedy=remedy)
     variances = [name for name in (_NEEDED[1], _SPATIAL) if name in header]
     if len(variances) == 2:
-        raise refused(
-            path,
-            "must name either a temporal or a spatial variance",
-            variances,
-            "names both",
-            where=where,
-            remedy=f"keep only variance_dn2 (for the gain) or only {_SPATIAL}",
-        )
+        need = "must name either a temporal or a spatial variance"
+        remedy = f"keep only variance_dn2 (for the gain) or only {_SPATIAL}"
+        raise refused(path, need, variances, "names both", where=where, remedy=remedy)
     if "mean_dn" not in header or not variances or len(set(header)) < len(header):
-        raise refused(
-            path,
-            f"must name each column once, {' and '.join(_NEEDED)} among them",
-            first[1].strip()[:60],
-            where=where,
-        )
+        need = f"must name each column once, {' and '.join(_NEEDED)} among them"
+        raise refused(path, need, first[1].strip()[:60], where=where)
     return header
 
 
@@ -172,13 +150,9 @@ def _columns(rows: list[Row], header: list[str], decimal: str, path: Path) -> di
     for i, row in enumerate(rows):
         where = f"line {row.number}"
         if len(row.cells) != len(header):
-            raise has(
-                path,
-                f"must have the {len(header)} cells that the header names",
-                len(row.cells),
-                where=where,
-                remedy="separate the cells by semicolons if the numbers have decimal commas",
-            )
+            need = f"must have the {len(header)} cells that the header names"
+            remedy = "separate the cells by semicolons if the numbers have decimal commas"
+            raise has(path, need, len(row.cells), where=where, remedy=remedy)
         for k, name in wanted:
             columns[name][i] = _number(row.cells[k], decimal, path, f"{where}, column {name!r}")
     return columns
@@ -202,11 +176,6 @@ def _dark(rows: list[Row], header: list[str], photons: Array | None, path: Path)
 def _number(cell: str, decimal: str, path: Path, where: str) -> float:
     value = math.nan if "%" in cell else number_in(cell, decimal_comma=decimal == ",")
     if not math.isfinite(value):
-        raise refused(
-            path,
-            "must be a finite number",
-            cell[:40],
-            where=where,
-            remedy="correct the cell or omit its row",
-        )
+        need = "must be a finite number"
+        raise refused(path, need, cell[:40], where=where, remedy="correct the cell or omit its row")
     return value

@@ -12,8 +12,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from chromanoise.base import InputError, check, did_you_mean, regular_file
-from chromanoise.io.source_files import has, refused
+from chromanoise.base import InputError, check, did_you_mean
+from chromanoise.io.source_files import has, refused, small_text
 from chromanoise.sensor import PIXEL, PIXEL_REQUIRED, Converter, PixelSource
 
 _LARGEST_BYTES = 64 * 2**20
@@ -27,24 +27,8 @@ def source_text(path: Path) -> str:
     InputError
         If the file cannot be read, is too large, or is not text.
     """
-    regular_file(path)
-    try:
-        with path.open("rb") as file:
-            content = file.read(_LARGEST_BYTES + 1)
-    except OSError as error:
-        raise refused(path, f"cannot be read ({error.strerror})") from None
-    if len(content) > _LARGEST_BYTES:
-        raise refused(
-            path,
-            f"must be at most {_LARGEST_BYTES // 2**20} MiB to describe a pixel",
-            found="is larger",
-        )
-    try:
-        return content.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise refused(
-            path, "is not UTF-8 text", where=f"byte {error.start}", remedy="save it as UTF-8"
-        ) from None
+    need = f"must be at most {_LARGEST_BYTES // 2**20} MiB to describe a pixel"
+    return small_text(path, _LARGEST_BYTES, need, "save it as UTF-8")
 
 
 def in_file(error: InputError, path: Path) -> InputError:
@@ -208,25 +192,18 @@ def _refuse_other_schema(held: dict[str, Any], path: Path) -> None:
     for key, value in wanted.items():
         own = held.get(key)
         if own != value or isinstance(own, bool):
-            raise refused(
-                path,
-                f"must be {json.dumps(value)} for a pixel in TOML",
-                own,
-                "is missing" if key not in held else "",
-                where=key,
-                remedy=f"write {key} = {json.dumps(value)}",
-            )
+            need = f"must be {json.dumps(value)} for a pixel in TOML"
+            found = "is missing" if key not in held else ""
+            remedy = f"write {key} = {json.dumps(value)}"
+            raise refused(path, need, own, found, where=key, remedy=remedy)
 
 
 def _refuse_unknown(held: dict[str, Any], path: Path) -> None:
     for key in held:
         if key not in _KEYS:
-            raise refused(
-                path,
-                "is not a key of a pixel",
-                where=check.printable(key),
-                remedy=did_you_mean(key, _KEYS, f"known: {', '.join(_KEYS)}"),
-            )
+            need = "is not a key of a pixel"
+            remedy = did_you_mean(key, _KEYS, f"known: {', '.join(_KEYS)}")
+            raise refused(path, need, where=check.printable(key), remedy=remedy)
 
 
 def _values(held: dict[str, Any], path: Path) -> dict[str, Any]:
@@ -245,13 +222,11 @@ def _values(held: dict[str, Any], path: Path) -> dict[str, Any]:
         values[key] = number
     if _GAIN in values:
         if "gain_e_per_dn" in values:
+            need = "must be given once"
+            found = f"gain_e_per_dn and {_GAIN} are both given"
+            remedy = "keep one of the two"
             raise refused(
-                path,
-                "must be given once",
-                (held["gain_e_per_dn"], held[_GAIN]),
-                f"gain_e_per_dn and {_GAIN} are both given",
-                where="gain",
-                remedy="keep one of the two",
+                path, need, (held["gain_e_per_dn"], held[_GAIN]), found, where="gain", remedy=remedy
             )
         gain = check.positive(f"{_GAIN} of {path.name}", "DN/e-", values.pop(_GAIN))
         values["gain_e_per_dn"] = 1 / gain

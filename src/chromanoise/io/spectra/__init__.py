@@ -6,46 +6,11 @@ from chromanoise.base.lazy import lazy_names
 
 if TYPE_CHECKING:
     from chromanoise.io import library_files as library_files, read_curves as read_curves
-    from chromanoise.io.spectra.declared import (
-        BAND_NAMES,
-        NAMED_WAVELENGTH,
-        NM_PER,
-        SPECTRAL_NAMES,
-        Listed,
-        declared_keys,
-        fitting,
-        is_list,
-        is_wavelength_heading,
-        known_unit,
-        listed_wavelengths,
-        nanometers,
-        wavelength_unit_of,
-    )
-    from chromanoise.io.spectra.delimited import (
-        DELIMITERS,
-        cells_of_line,
-        decimal_sign,
-        is_cgats,
-        read_cgats,
-        read_delimited,
-        read_workbook,
-        split_line,
-    )
-    from chromanoise.io.spectra.instruments import (
-        is_asd,
-        read_asd,
-        read_fits,
-        read_isetcam,
-        read_tm27,
-    )
-    from chromanoise.io.spectra.interpretation import meaning_of
-    from chromanoise.io.spectra.jcamp import is_jcamp, read_jcamp
-    from chromanoise.io.spectra.json_curves import read_json
+    from chromanoise.io.spectra.declared import is_wavelength_heading, wavelength_unit_of
     from chromanoise.io.spectra.parsed import (
         ASK as ASK,
         LARGEST,
         SCHEMA_VERSION,
-        SPECTRA_SCHEMA,
         Answers as Answers,
         Column,
         Found,
@@ -55,22 +20,15 @@ if TYPE_CHECKING:
         Per,
         Quantity,
         Question as Question,
-        Row,
         Scale,
         Unit,
-        array_of,
         as_json,
         gaps_nm,
         held_json,
         in_nm,
         known_columns,
-        missing_notes,
         named,
-        number_of,
         step_nm,
-        unfit,
-        word_of,
-        words_of,
     )
     from chromanoise.io.spectra.questions import (
         defects_of,
@@ -79,7 +37,6 @@ if TYPE_CHECKING:
         power_of_photons as power_of_photons,
         qe_of as qe_of,
     )
-    from chromanoise.io.spectra.tables import number_in
     from chromanoise.io.spectra.writing import (
         QE_FACTS,
         mosaic_text,

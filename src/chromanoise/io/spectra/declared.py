@@ -134,12 +134,8 @@ def wavelength_unit_of(heading: str) -> Unit | None:
     ]
     units = {unit for unit in found if unit}
     if len(units) > 1:
-        raise refused(
-            "heading of the wavelengths",
-            "must name one unit",
-            heading,
-            f"{heading[:60]!r} names {' and '.join(sorted(units))}",
-        )
+        held = f"{heading[:60]!r} names {' and '.join(sorted(units))}"
+        raise refused("heading of the wavelengths", "must name one unit", heading, held)
     return next(iter(units), None)
 
 
@@ -340,26 +336,19 @@ def listed_wavelengths(
     """
     for one in lists:
         if not 1 <= one.size <= _MOST_WAVELENGTHS:
-            raise has(
-                path,
-                f"must list 1 to {_MOST_WAVELENGTHS} wavelengths",
-                one.size,
-                "lists",
-                where=f"array {printable(one.name)!r}",
-                remedy=("correct it", Setting("wavelengths")),
-            )
+            need = f"must list 1 to {_MOST_WAVELENGTHS} wavelengths"
+            where = f"array {printable(one.name)!r}"
+            remedy = ("correct it", Setting("wavelengths"))
+            raise has(path, need, one.size, "lists", where=where, remedy=remedy)
     (first, notes), *others = [
         nanometers(path, one.name, np.ravel(one.numbers()), one.unit) for one in lists
     ]
     for one, (other, _) in zip(lists[1:], others, strict=True):
         if first.shape != other.shape or not np.allclose(first, other, rtol=_SAME, atol=0):
-            raise refused(
-                path,
-                "lists of wavelengths must agree",
-                (lists[0].name, one.name),
-                f"{printable(lists[0].name)!r} and {printable(one.name)!r} differ",
-                remedy=Setting("wavelengths"),
-            )
+            need = "lists of wavelengths must agree"
+            found = f"{printable(lists[0].name)!r} and {printable(one.name)!r} differ"
+            names = (lists[0].name, one.name)
+            raise refused(path, need, names, found, remedy=Setting("wavelengths"))
     return first, notes
 
 
@@ -407,11 +396,8 @@ def nanometers(
             what = "nm" if fitting == "nm" else "micrometers"
             note = f"{name!r} has {unit_text}: wavelengths taken as {what}"
             return listed * NM_PER[fitting], (note,)
-    raise refused(
-        path,
-        "must declare nm or um",
-        (float(low), float(high)),
-        f"has {unit_text} for wavelengths {low:g} .. {high:g}",
-        where=f"list {printable(name)!r}",
-        remedy=("declare it", Setting("wavelengths")),
-    )
+    need = "must declare nm or um"
+    found = f"has {unit_text} for wavelengths {low:g} .. {high:g}"
+    where = f"list {printable(name)!r}"
+    remedy = ("declare it", Setting("wavelengths"))
+    raise refused(path, need, (float(low), float(high)), found, where=where, remedy=remedy)

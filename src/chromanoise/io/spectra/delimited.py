@@ -6,7 +6,6 @@ Read spreadsheets (``.xlsx``) with openpyxl, if it is installed.
 """
 
 import csv
-import importlib
 import io
 import re
 import zipfile
@@ -18,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from chromanoise.base import text_of_comment
-from chromanoise.io.source_files import has, refused
+from chromanoise.io.source_files import has, library, refused
 from chromanoise.io.spectra.declared import (
     declared_keys,
     ecsv_units,
@@ -74,11 +73,11 @@ def read_delimited(text: str, source: str) -> Found:
         if bare.startswith(_COMMENT):
             said = bare.lstrip("#/; ")  # %ECSV is kept, because it names the format
             said = said if said.startswith("%ECSV") else said.lstrip("#%/; ")
-            comments.append(Row(number=number, cells=(said,)))
+            comments.append(Row(number, (said,)))
         elif bare:
             lines.append((number, line))
     delimiter = _delimiter(lines[:_JUDGED_LINES])
-    rows = [Row(number=i, cells=cells_of_line(line, i, delimiter, source)) for i, line in lines]
+    rows = [Row(i, cells_of_line(line, i, delimiter, source)) for i, line in lines]
     texts = [c.cells[0] for c in comments]
     rows = _with_ecsv_units(rows, texts)
     head = _heading_comment(comments, rows)
@@ -201,7 +200,7 @@ def _with_ecsv_units(rows: list[Row], comments: list[str]) -> list[Row]:
     if not rows or not set(rows[0].cells) & set(units):
         return rows
     cells = tuple(with_units(rows[0].cells, (units.get(name, "") for name in rows[0].cells)))
-    return [Row(number=rows[0].number, cells=cells), *rows[1:]]
+    return [Row(rows[0].number, cells), *rows[1:]]
 
 
 def decimal_sign(rows: list[Row], delimiter: str, source: str) -> str:
@@ -216,13 +215,10 @@ def decimal_sign(rows: list[Row], delimiter: str, source: str) -> str:
             elif not with_point and "." in cell and is_number(cell, decimal_comma=False):
                 with_point = row.number
     if with_comma and with_point:
-        raise refused(
-            source,
-            "must have one decimal sign",
-            (with_comma, with_point),
-            f"line {with_comma} has a decimal comma and line {with_point} a decimal point",
-            remedy="write all numbers in one way",
-        )
+        need = "must have one decimal sign"
+        found = f"line {with_comma} has a decimal comma and line {with_point} a decimal point"
+        remedy = "write all numbers in one way"
+        raise refused(source, need, (with_comma, with_point), found, remedy=remedy)
     return "," if with_comma else "."
 
 
@@ -326,12 +322,9 @@ def _wavelengths(facts: dict[str, str], fields: list[str], source: str) -> np.nd
         return named
     expected = np.linspace(number_in(ends[0]), number_in(ends[1]), named.size)
     if np.abs(expected - named).max() > 1.0:  # the names of the fields are rounded
-        raise refused(
-            source,
-            "SPECTRAL_START_NM and SPECTRAL_END_NM must agree with the fields",
-            (ends[0], ends[1]),
-            f"are {ends[0]} and {ends[1]}, and the fields are {fields[0]} to {fields[-1]}",
-        )
+        required = "SPECTRAL_START_NM and SPECTRAL_END_NM must agree with the fields"
+        found = f"are {ends[0]} and {ends[1]}, and the fields are {fields[0]} to {fields[-1]}"
+        raise refused(source, required, (ends[0], ends[1]), found)
     return expected
 
 
@@ -346,13 +339,9 @@ def _norm(facts: dict[str, str], source: str) -> float:
 def _sets(tokens: list[_Token], fields: list[str], source: str) -> list[list[_Token]]:
     if not tokens or len(tokens) % len(fields):
         line = tokens[-1][0] if tokens else 0
-        raise refused(
-            source,
-            f"must have sets of {len(fields)} values, as many as fields",
-            len(tokens),
-            f"has {len(tokens)} values in all",
-            where=f"line {line}",
-        )
+        need = f"must have sets of {len(fields)} values, as many as fields"
+        found = f"has {len(tokens)} values in all"
+        raise refused(source, need, len(tokens), found, where=f"line {line}")
     return [tokens[i : i + len(fields)] for i in range(0, len(tokens), len(fields))]
 
 
@@ -377,7 +366,9 @@ def read_workbook(path: Path) -> Found:
         type, or a cell is not a number; the message names the row.
     """
     _refuse_bombs(path)
-    book = _openpyxl(path).load_workbook(path, read_only=True, data_only=True)
+    book = library("openpyxl", str(path), extra="xlsx").load_workbook(
+        path, read_only=True, data_only=True
+    )
     try:
         sheets = {sheet.title: _rows(path, sheet) for sheet in book.worksheets}
     finally:
@@ -396,29 +387,14 @@ def _has_numbers(rows: list[Row]) -> bool:
     return sum(len(one) > 1 for one in numbers) > 1
 
 
-def _openpyxl(path: Path) -> Any:
-    try:
-        return importlib.import_module("openpyxl")
-    except ImportError:
-        raise refused(
-            path,
-            "needs the package openpyxl, which is not installed",
-            remedy="install it with: pip install 'chromanoise[xlsx]'",
-        ) from None
-
-
 def _refuse_bombs(path: Path) -> None:
     """Raise an error if the archive inflates to too many bytes, or its XML declares entities."""
     with zipfile.ZipFile(path) as archive:
         parts = archive.infolist()
         size = sum(part.file_size for part in parts)
         if size > _LARGEST_BYTES:
-            raise refused(
-                path,
-                f"must unpack to at most {_LARGEST_BYTES // 2**20} MiB",
-                size,
-                f"unpacks to {size / 2**20:.0f} MiB",
-            )
+            need = f"must unpack to at most {_LARGEST_BYTES // 2**20} MiB"
+            raise refused(path, need, size, f"unpacks to {size / 2**20:.0f} MiB")
         for part in parts:
             if part.filename.lower().endswith((".xml", ".rels")):
                 text = archive.read(part).replace(b"\0", b"").upper()
@@ -440,7 +416,7 @@ def _rows(path: Path, sheet: Any) -> list[Row]:
             size = (number, len(values))
             raise refused(path, need, size, "has more", where=where)
         if any(value is not None for value in values):
-            rows.append(Row(number=number, cells=tuple(_text(value) for value in values)))
+            rows.append(Row(number, tuple(_text(value) for value in values)))
     return rows
 
 

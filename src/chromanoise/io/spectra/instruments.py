@@ -7,7 +7,6 @@ MATLAB files of ISETCam (``wavelength``, ``data``), of Psychtoolbox and of camer
 IES TM-27: one spectrum of a lamp in XML (``.spdx``).
 """
 
-import importlib
 import io
 import math
 import re
@@ -20,7 +19,7 @@ import numpy as np
 
 from chromanoise.base import Array, InputError
 from chromanoise.io.matlab import mat_array, mat_arrays, mat_texts
-from chromanoise.io.source_files import has, refused, xml_root
+from chromanoise.io.source_files import has, library, refused, xml_root
 from chromanoise.io.spectra.declared import known_unit
 from chromanoise.io.spectra.parsed import (
     LARGEST,
@@ -120,12 +119,8 @@ def _numbers(path: Path, content: bytes, at: int, count: int, stored: np.dtype) 
 
 
 def _damage(path: Path, size: int, needed: int) -> InputError:
-    return refused(
-        path,
-        f"must have at least {needed} bytes, as its header declares",
-        size,
-        f"has {size}: it is damaged or cut short",
-    )
+    need = f"must have at least {needed} bytes, as its header declares"
+    return refused(path, need, size, f"has {size}: it is damaged or cut short")
 
 
 _WAVELENGTH = re.compile(r"(?i)(wavelengths?|waves?|wl|lambda|lam|loglam)(?![a-z])")
@@ -144,28 +139,15 @@ def read_fits(path: Path, content: bytes) -> Found:
     -----
     FITS Standard 4.0 (IAU FITS Working Group, 2018), sections 4.3 and 7.
     """
-    with _astropy_fits(path).open(io.BytesIO(content), memmap=False) as parts:
+    fits = library("astropy.io.fits", str(path), extra="fits")
+    with fits.open(io.BytesIO(content), memmap=False) as parts:
         for place, part in enumerate(parts):
             names = list(getattr(getattr(part, "columns", None), "names", None) or ())
             at_names = [name for name in names if _WAVELENGTH.match(name)]
             if at_names:
                 return _table(path, part, place, at_names[0])
-    raise refused(
-        path,
-        "must have a table with a column named wavelength, wave, lambda or wl",
-        remedy=("write the spectrum as such a table", "save it as CSV"),
-    )
-
-
-def _astropy_fits(path: Path) -> Any:
-    try:
-        return importlib.import_module("astropy.io.fits")
-    except ImportError:
-        raise refused(
-            path,
-            "is a FITS file, which needs the package astropy",
-            remedy="install it with: pip install 'chromanoise[fits]'",
-        ) from None
+    need = "must have a table with a column named wavelength, wave, lambda or wl"
+    raise refused(path, need, remedy=("write the spectrum as such a table", "save it as CSV"))
 
 
 def _table(path: Path, part: Any, place: int, at_name: str) -> Found:
@@ -300,32 +282,20 @@ def _of_psychtoolbox(path: Path, arrays: dict, sampled: list[str]) -> Found:
     ``sur_`` and ``srf_`` (powers and reflectances) one per column.
     """
     if len(sampled) > 1:
-        raise refused(
-            path,
-            "must have one array of curves",
-            tuple(sampled),
-            f"has {', '.join(sampled[:8])}",
-            remedy="save one of them with its S_ array",
-        )
+        need = "must have one array of curves"
+        remedy = "save one of them with its S_ array"
+        raise refused(path, need, tuple(sampled), f"has {', '.join(sampled[:8])}", remedy=remedy)
     kind, _, rest = sampled[0].partition("_")
     sampling = _real(path, f"S_{rest}", arrays[f"S_{rest}"]).ravel()
     if sampling.size != 3 or sampling[0] <= 0 or sampling[1] <= 0 or sampling[2] < 2:
-        raise refused(
-            path,
-            "must be the first wavelength, the step and the number of wavelengths",
-            tuple(sampling.tolist()[:5]),
-            where=f"array 'S_{rest}'",
-        )
+        need = "must be the first wavelength, the step and the number of wavelengths"
+        raise refused(path, need, tuple(sampling.tolist()[:5]), where=f"array 'S_{rest}'")
     data = _real(path, sampled[0], arrays[sampled[0]])
     if kind == "T":
         data = data.T
     if data.shape[0] != sampling[2] or data.shape[1] > _MOST_CURVES_OF_MATLAB:
-        raise refused(
-            path,
-            f"must have {sampling[2]:g} wavelengths, as S_{rest} declares",
-            data.shape[0],
-            where=f"array {sampled[0]!r}",
-        )
+        need = f"must have {sampling[2]:g} wavelengths, as S_{rest} declares"
+        raise refused(path, need, data.shape[0], where=f"array {sampled[0]!r}")
     quantity = _OF_PSYCHTOOLBOX[kind]
     at = sampling[0] + sampling[1] * np.arange(data.shape[0])
     names = [rest] if data.shape[1] == 1 else map(str, range(1, data.shape[1] + 1))
@@ -409,13 +379,9 @@ def _upright(path: Path, data: Array, n: int) -> Array:
     if data.shape[0] != n and data.shape[1] == n:
         data = data.T
     if data.shape[0] != n or data.shape[1] > _MOST_CURVES_OF_MATLAB:
-        raise refused(
-            path,
-            f"must have {n} rows, as many as wavelengths",
-            data.shape,
-            f"is {data.shape[0]} by {data.shape[1]}",
-            where="array 'data'",
-        )
+        need = f"must have {n} rows, as many as wavelengths"
+        found = f"is {data.shape[0]} by {data.shape[1]}"
+        raise refused(path, need, data.shape, found, where="array 'data'")
     return data
 
 

@@ -169,13 +169,10 @@ def _wavelength_unit(
     other = _contradicted(declared, low, high)
     if declared and other:
         if answer is None:
-            raise refused(
-                found.source,
-                "wavelengths must be plausible in their unit",
-                declared,
-                f"{span} {declared}, as its heading declares, look like {other}",
-                remedy=Setting("wavelength_unit", (other, declared)),
-            )
+            required = "wavelengths must be plausible in their unit"
+            held = f"{span} {declared}, as its heading declares, look like {other}"
+            cure = Setting("wavelength_unit", (other, declared))
+            raise refused(found.source, required, declared, held, remedy=cure)
         declared = answer if answer == other else declared  # the numbers contradict the heading
     if answer and declared and answer != declared:
         need = f"must be {declared!r}, as {found.source} declares"
@@ -268,13 +265,10 @@ def _scale(
     percent = [c for c in columns if re.search(_PERCENT, f"{c.name} [{c.unit}]".lower())]
     if declared is None and 0 < len(percent) < len(columns):
         other = next(c.name for c in columns if c not in percent)
-        raise refused(
-            found.source,
-            "must have all curves in one unit",
-            (percent[0].name, other),
-            f"{percent[0].name} is in percent by its heading and {other} is not",
-            remedy=("give all curves one unit", Setting("columns")),
-        )
+        need = "must have all curves in one unit"
+        held = f"{percent[0].name} is in percent by its heading and {other} is not"
+        remedy = ("give all curves one unit", Setting("columns"))
+        raise refused(found.source, need, (percent[0].name, other), held, remedy=remedy)
     if declared == "percent" or percent:
         return "percent", 0.01, ("declared as percent: divided by 100",)
     if declared == "fraction":

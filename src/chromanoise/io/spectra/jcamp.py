@@ -67,19 +67,13 @@ def read_jcamp(text: str, source: str) -> Found:
     """
     tables = list(_tables(text, source))
     if not tables:
-        raise refused(
-            source,
-            "must have a table XYDATA or XYPOINTS, as a JCAMP-DX file of a curve",
-            remedy="export the spectrum, not its peaks or its structure",
-        )
+        need = "must have a table XYDATA or XYPOINTS, as a JCAMP-DX file of a curve"
+        raise refused(source, need, remedy="export the spectrum, not its peaks or its structure")
     units = {_unit(table, source) for table in tables}
     if len(units) > 1:
-        raise refused(
-            source,
-            "must have one unit of wavelengths in all blocks",
-            tuple(sorted(units)),
-            remedy="export each block to its own file",
-        )
+        need = "must have one unit of wavelengths in all blocks"
+        remedy = "export each block to its own file"
+        raise refused(source, need, tuple(sorted(units)), remedy=remedy)
     titles = [table.title for table in tables]
     counts = Counter(titles)
     names = [t if counts[t] == 1 else f"{t} ({k})" for k, t in enumerate(titles, 1)]
@@ -173,13 +167,8 @@ def _number(table: _Table, label: str, where: str, source: str, default: str = "
 
 def _refuse_other_count(table: _Table, count: int, where: str, source: str) -> None:
     if "NPOINTS" in table.facts and _number(table, "NPOINTS", where, source) != count:
-        raise refused(
-            source,
-            f"must have {table.facts['NPOINTS']} points, as NPOINTS declares",
-            count,
-            f"has {count}: it is damaged or cut short",
-            where=where,
-        )
+        need = f"must have {table.facts['NPOINTS']} points, as NPOINTS declares"
+        raise refused(source, need, count, f"has {count}: it is damaged or cut short", where=where)
 
 
 def _pairs(table: _Table, where: str, source: str) -> tuple[Array, Array]:
@@ -210,13 +199,9 @@ def _equal_steps(table: _Table, where: str, source: str) -> tuple[Array, Array]:
         values, ends_in_difference = _ordinates(line[start.end() :], number, source)
         if differs and stored and values:  # the first value repeats the last one, as a check
             if values[0] != stored[-1]:
-                raise refused(
-                    source,
-                    f"must begin with {stored[-1]:g}, the last value of the line before",
-                    values[0],
-                    where=f"line {number}",
-                    remedy="export it again, because it is damaged",
-                )
+                need = f"must begin with {stored[-1]:g}, the last value of the line before"
+                remedy = "export it again, because it is damaged"
+                raise refused(source, need, values[0], where=f"line {number}", remedy=remedy)
             stored.pop()
         starts.append((number, len(stored), float(start[1])))
         stored += values
@@ -239,13 +224,9 @@ def _refuse_other_start(
     step = abs(float(at[1] - at[0])) if at.size > 1 else 0.0
     for number, place, stored in starts:
         if place < at.size and abs(stored * factor - at[place]) > max(step, abs(factor)):
-            raise refused(
-                source,
-                f"must begin at {at[place]:g}, as FIRSTX, LASTX and the points before declare",
-                stored * factor,
-                where=f"line {number}",
-                remedy="export it again, because it is damaged",
-            )
+            need = f"must begin at {at[place]:g}, as FIRSTX, LASTX and the points before declare"
+            remedy = "export it again, because it is damaged"
+            raise refused(source, need, stored * factor, where=f"line {number}", remedy=remedy)
 
 
 def _ordinates(text: str, number: int, source: str) -> tuple[list[float], bool]:
@@ -265,12 +246,8 @@ def _ordinates(text: str, number: int, source: str) -> tuple[list[float], bool]:
         letter = match[1] if match else None
         repeats = letter is not None and letter in _REPEATS
         if match is None or ((repeats or letter in _DIFFERENCES) and not values):
-            raise refused(
-                source,
-                "must be numbers in a form of JCAMP-DX",
-                text[at : at + 20],
-                where=f"line {number}",
-            )
+            need = "must be numbers in a form of JCAMP-DX"
+            raise refused(source, need, text[at : at + 20], where=f"line {number}")
         at = match.end()
         if letter is None:
             values.append(float(match[3]) if match[3] else float("nan"))

@@ -47,13 +47,9 @@ def read_json(text: str, source: str) -> Found:
     if schema == SPECTRA_SCHEMA:
         return own_spectra(whole, source)
     if isinstance(schema, str) and schema.startswith("chromanoise "):
-        raise refused(
-            source,
-            f"must have the schema {SPECTRA_SCHEMA!r}",
-            schema,
-            f"has {schema[:40]!r}",
-            remedy=("convert it to .csv", "name another file"),
-        )
+        need = f"must have the schema {SPECTRA_SCHEMA!r}"
+        remedy = ("convert it to .csv", "name another file")
+        raise refused(source, need, schema, f"has {schema[:40]!r}", remedy=remedy)
     try:
         if "ssf_bands" in whole:
             return _camera_of_dcamprof(whole, source)
@@ -114,12 +110,8 @@ def _bands(given: Any, source: str) -> Array:
     if bands.size != 3 or not 0 < bands[2] <= bands[1]:
         return bands
     if bands[2] > bands[1] - bands[0] or (bands[1] - bands[0]) / bands[2] > 10_000:
-        raise refused(
-            source,
-            "must be first, last and step, if they are three numbers",
-            bands.tolist(),
-            where="key 'bands'",
-        )
+        need = "must be first, last and step, if they are three numbers"
+        raise refused(source, need, bands.tolist(), where="key 'bands'")
     return np.arange(bands[0], bands[1] + bands[2] / 2, bands[2])
 
 
@@ -189,13 +181,9 @@ def read_rawtoaces(whole: Mapping[str, Any], source: str) -> Found:
     rows = [_row(at, values, source) for at, values in data.items()]
     sizes = sorted({str(len(row) - 1) for row in rows})
     if len(rows) < 2 or len(sizes) != 1:
-        raise refused(
-            source,
-            "must have 2 wavelengths with the same number of values",
-            len(rows),
-            f"{len(rows)} have {', '.join(sizes) or 'none'}",
-            where="key 'spectral_data.data.main'",
-        )
+        need = "must have 2 wavelengths with the same number of values"
+        found = f"{len(rows)} have {', '.join(sizes) or 'none'}"
+        raise refused(source, need, len(rows), found, where="key 'spectral_data.data.main'")
     table = np.array(rows, dtype=np.float64)
     names = _names(spectral, table.shape[1] - 1, source)
     header = whole.get("header")
@@ -220,11 +208,8 @@ def read_rawtoaces(whole: Mapping[str, Any], source: str) -> Found:
 def _member(of: Mapping[str, Any], name: str, source: str) -> dict[str, Any]:
     member = of.get(name)
     if not isinstance(member, dict):
-        raise refused(
-            source,
-            f"must have the object {name!r}, as a rawtoaces file with spectral_data.data.main",
-            member,
-        )
+        need = f"must have the object {name!r}, as a rawtoaces file with spectral_data.data.main"
+        raise refused(source, need, member)
     return member
 
 
@@ -248,10 +233,6 @@ def _names(spectral: dict[str, Any], curves: int, source: str) -> tuple[str, ...
     if names is None:
         return tuple(str(k + 1) for k in range(curves))
     if not isinstance(names, list) or len(names) != curves:
-        raise refused(
-            source,
-            f"must name the {curves} values of each wavelength",
-            names,
-            where="key 'spectral_data.index.main'",
-        )
+        need = f"must name the {curves} values of each wavelength"
+        raise refused(source, need, names, where="key 'spectral_data.index.main'")
     return tuple(str(name) for name in names)

@@ -82,7 +82,7 @@ ASK = Answers()
 """No answers: missing metadata becomes a question."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class Question:
     """Missing metadata, which neither the file nor its user has given.
 
@@ -101,7 +101,7 @@ class Question:
     settings: tuple[Setting, ...]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class Row:
     """The cells of one row, and its line in the file."""
 
@@ -370,12 +370,9 @@ def on_common(
     """
     at = np.unique(np.concatenate([p.wavelength_nm for p in points]))
     if at.size * len(points) > _MOST_VALUES:
-        raise refused(
-            source,
-            f"must have at most {_MOST_VALUES} values",
-            at.size * len(points),
-            f"has {len(points)} curves at {at.size} wavelengths",
-        )
+        need = f"must have at most {_MOST_VALUES} values"
+        found = f"has {len(points)} curves at {at.size} wavelengths"
+        raise refused(source, need, at.size * len(points), found)
     starts = [float(p.wavelength_nm[0]) for p in points]
     ends = [float(p.wavelength_nm[-1]) for p in points]
     low, high = max(starts), min(ends)
@@ -388,13 +385,9 @@ def on_common(
         else:
             notes = (f"{shared}: {beyond} beyond each curve's own end",)
     if at.size < 2:
-        raise refused(
-            source,
-            "curves must share at least 2 wavelengths",
-            at.size,
-            f"share {at.size}",
-            remedy=Setting("beyond", ("zero", "hold")),
-        )
+        need = "curves must share at least 2 wavelengths"
+        found = f"share {at.size}"
+        raise refused(source, need, at.size, found, remedy=Setting("beyond", ("zero", "hold")))
     side = 0.0 if beyond == "zero" else None
     values = [np.interp(at, p.wavelength_nm, p.values, left=side, right=side) for p in points]
     return (at, np.stack(values, axis=1)), notes
@@ -489,21 +482,13 @@ def own_spectra(held: Mapping[str, Any], source: str) -> Found:
     except InputError as error:
         raise named(error, source) from None
     if values.shape != (wavelength.size, len(names)):
-        raise refused(
-            source,
-            f"must be {wavelength.size} rows (wavelengths) of {len(names)} numbers (names)",
-            values.shape,
-            f"is {values.shape[0]} of {values.shape[1]}",
-            where="key 'values'",
-        )
+        need = f"must be {wavelength.size} rows (wavelengths) of {len(names)} numbers (names)"
+        found = f"is {values.shape[0]} of {values.shape[1]}"
+        raise refused(source, need, values.shape, found, where="key 'values'")
     if not (np.abs(values) <= LARGEST).all():
-        raise refused(
-            source,
-            "must be finite and at most 1e30",
-            float(np.abs(values).max()),
-            where="key 'values'",
-            remedy="correct them",
-        )
+        need = "must be finite and at most 1e30"
+        where = "key 'values'"
+        raise refused(source, need, float(np.abs(values).max()), where=where, remedy="correct them")
     ratio = quantity in ("QE", "reflectance", "transmittance")
     texts = {key: value for key, value in held.items() if isinstance(value, str)}
     facts = {"scale": "fraction" if ratio else "as written", **texts}
@@ -592,10 +577,7 @@ def array_of(values: Any, depth: int) -> Array:
 
 def _refuse_other_version(held: Mapping[str, Any], source: str) -> None:
     if held.get("schema_version") != SCHEMA_VERSION:
-        raise refused(
-            source,
-            f"must be {SCHEMA_VERSION}",
-            held.get("schema_version"),
-            where="key 'schema_version'",
-            remedy="read it with the version that wrote it",
-        )
+        need = f"must be {SCHEMA_VERSION}"
+        where = "key 'schema_version'"
+        remedy = "read it with the version that wrote it"
+        raise refused(source, need, held.get("schema_version"), where=where, remedy=remedy)

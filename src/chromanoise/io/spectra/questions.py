@@ -266,7 +266,7 @@ class UndeclaredError(InputError):
 
     Examples
     --------
-    >>> light = Question(about="columns", asks="which curve?", settings=(Setting("columns"),))
+    >>> light = Question("columns", "which curve?", (Setting("columns"),))
     >>> str(UndeclaredError("lamp.csv", (light,)))
     'lamp.csv: which curve?; set columns'
     """
@@ -332,25 +332,23 @@ def sensor_questions(parsed: ParsedSpectra, answers: Answers) -> Iterator[Questi
     reading = next((name for name in names if re.fullmatch(_READING, name)), None)
     if reading is not None and len(names) > 1 and not answers.columns:
         yield Question(
-            about="columns",
-            asks=f"the file has the columns {', '.join(names[:8])}, and {reading!r} looks like a "
+            "columns",
+            f"the file has the columns {', '.join(names[:8])}, and {reading!r} looks like a "
             "reading for correcting the other columns: which columns are the curves?",
-            settings=(Setting("columns"),),
+            (Setting("columns"),),
         )
     if parsed.per is None and not _documented(parsed):
         yield Question(
-            about="per",
-            asks="it does not declare whether its response is per energy or per photon",
-            settings=(_PER,),
+            "per", "it does not declare whether its response is per energy or per photon", (_PER,)
         )
     if parsed.level == "relative" or (parsed.level is None and looks_normalized(parsed.curves)):
         if answers.peak_qe is None:
             yield _peak(parsed)
     elif parsed.level is None and parsed.quantity != "QE" and not _documented(parsed):
         yield Question(
-            about="level",
-            asks="it does not declare whether its values are absolute or relative",
-            settings=(Setting("level", get_args(Level)),),
+            "level",
+            "it does not declare whether its values are absolute or relative",
+            (Setting("level", get_args(Level)),),
         )
 
 
@@ -359,15 +357,13 @@ def light_questions(parsed: ParsedSpectra) -> Iterator[Question]:
     names = parsed.curves.names
     if len(names) != 1:
         yield Question(
-            about="columns",
-            asks=f"it holds {len(names)} curves, {', '.join(names[:8])}: which is the light?",
-            settings=(Setting("columns"),),
+            "columns",
+            f"it holds {len(names)} curves, {', '.join(names[:8])}: which is the light?",
+            (Setting("columns"),),
         )
     if parsed.per is None:
         yield Question(
-            about="per",
-            asks="it does not declare whether light is counted as energy or in photons",
-            settings=(_PER,),
+            "per", "it does not declare whether light is counted as energy or in photons", (_PER,)
         )
 
 
@@ -379,10 +375,10 @@ def _documented(parsed: ParsedSpectra) -> bool:
 def _peak(parsed: ParsedSpectra) -> Question:
     if parsed.level == "relative":
         asks = "its curves are relative; what is the highest QE?"
-        return Question(about="peak_qe", asks=asks, settings=(Setting("peak_qe"),))
+        return Question("peak_qe", asks, (Setting("peak_qe"),))
     asks = "its highest value is exactly 1 or 100; what is the highest QE, or are the values QE?"
     settings = (Setting("peak_qe"), Setting("level", ("absolute",)))
-    return Question(about="peak_qe", asks=asks, settings=settings)
+    return Question("peak_qe", asks, settings)
 
 
 def _quantity(parsed: ParsedSpectra, words: str) -> Iterator[Question]:
@@ -390,9 +386,9 @@ def _quantity(parsed: ParsedSpectra, words: str) -> Iterator[Question]:
         found = re.search(_MENTIONED, words)
         hint = f" (its text mentions {found[1]!r}, but free text is not used)" if found else ""
         yield Question(
-            about="quantity",
-            asks=f"what are the curves, for another use than a sensor?{hint}",
-            settings=(Setting("quantity", get_args(Quantity)),),
+            "quantity",
+            f"what are the curves, for another use than a sensor?{hint}",
+            (Setting("quantity", get_args(Quantity)),),
         )
 
 
@@ -404,9 +400,9 @@ def scale_questions(parsed: ParsedSpectra, answers: Answers) -> Iterator[Questio
     unclear = parsed.scale == "fraction" and highest > 1
     if unclear or parsed.scale == "as written":
         yield Question(
-            about="scale",
-            asks=f"the highest value is {highest:g}: are they fractions or percent?",
-            settings=(Setting("scale", get_args(Scale)),),
+            "scale",
+            f"the highest value is {highest:g}: are they fractions or percent?",
+            (Setting("scale", get_args(Scale)),),
         )
 
 
@@ -414,9 +410,9 @@ def _negatives(parsed: ParsedSpectra, answers: Answers) -> Iterator[Question]:
     negative = judged(parsed.curves).values < 0
     if answers.negatives == "refuse" and negative.any():
         yield Question(
-            about="negatives",
-            asks=f"{int(negative.sum())} values are negative: set small ones to 0?",
-            settings=(SMALL_NEGATIVES,),
+            "negatives",
+            f"{int(negative.sum())} values are negative: set small ones to 0?",
+            (SMALL_NEGATIVES,),
         )
 
 
@@ -424,10 +420,10 @@ def _beyond(parsed: ParsedSpectra, answers: Answers) -> Iterator[Question]:
     low, high = (float(end) for end in parsed.curves.wavelength_nm[[0, -1]])
     if answers.beyond == "refuse" and (low > SENSITIVE_NM[0] or high < SENSITIVE_NM[1]):
         yield Question(
-            about="beyond",
-            asks=f"the curves cover {low:g}-{high:g} nm of 400-1050 nm: how should they be "
+            "beyond",
+            f"the curves cover {low:g}-{high:g} nm of 400-1050 nm: how should they be "
             "extrapolated?",
-            settings=(Setting("beyond", ("zero", "hold")),),
+            (Setting("beyond", ("zero", "hold")),),
         )
 
 
@@ -468,12 +464,8 @@ def qe_of(parsed: ParsedSpectra, answers: Answers) -> Spectra:
     """
     source = parsed.curves.source
     if parsed.quantity in ("reflectance", "transmittance", "power"):
-        raise has(
-            source,
-            "must hold quantum efficiencies or responses, for a sensor",
-            parsed.quantity,
-            "holds",
-        )
+        required = "must hold quantum efficiencies or responses, for a sensor"
+        raise has(source, required, parsed.quantity, "holds")
     asked = tuple(sensor_questions(parsed, answers))
     _refuse_open(parsed, (*scale_questions(parsed, answers), *asked) if asked else ())
     curves, notes = parsed.curves, _said(parsed)
@@ -521,13 +513,10 @@ def power_of(parsed: ParsedSpectra) -> Spectra:
     curves = parsed.curves
     _refuse_open(parsed, light_questions(parsed))
     if parsed.wavelength_unit == "1/cm":
-        raise refused(
-            curves.source,
-            "must give light per wavelength",
-            parsed.wavelength_unit,
-            "gives it per wavenumber in 1/cm, which is not a constant number of nm",
-            remedy="convert it to light per nm",
-        )
+        need = "must give light per wavelength"
+        found = "gives it per wavenumber in 1/cm, which is not a constant number of nm"
+        remedy = "convert it to light per nm"
+        raise refused(curves.source, need, parsed.wavelength_unit, found, remedy=remedy)
     notes = _said(replace(parsed, defects=defects_of_a_light(parsed.defects)))
     if parsed.per == "photon":
         curves = power_of_photons(curves)

@@ -179,7 +179,7 @@ def _with_wavelengths_first(
         if any(j not in drop for j in range(k)) or len(drop) == len(row.cells) - 1 or not drop:
             return rows, ()
         kept = [
-            Row(number=one.number, cells=tuple(c for j, c in enumerate(one.cells) if j not in drop))
+            Row(one.number, tuple(c for j, c in enumerate(one.cells) if j not in drop))
             for one in rows
         ]
         names = ", ".join(repr(row.cells[j][:40]) for j in drop if row.cells[j])
@@ -260,13 +260,10 @@ def _refuse_wavelengths_elsewhere(names: tuple[str, ...], source: str) -> None:
     others = [k for k, name in enumerate(names) if is_wavelength_heading(name)]
     if len(others) == 1 and others[0] > 0:
         k = others[0]
-        raise refused(
-            source,
-            "must have the wavelengths in the first column",
-            names[k],
-            f"{names[k][:40]!r} is the heading of column {k + 1}",
-            remedy="move them there, and remove columns that are not curves",
-        )
+        need = "must have the wavelengths in the first column"
+        found = f"{names[k][:40]!r} is the heading of column {k + 1}"
+        remedy = "move them there, and remove columns that are not curves"
+        raise refused(source, need, names[k], found, remedy=remedy)
 
 
 def _refuse_no_wavelengths(
@@ -289,25 +286,18 @@ def _numbers(
     for i, row in enumerate(body):
         cells = _bare(row.cells)
         if len(cells) > width:
-            raise has(
-                source,
-                f"must have at most {width} cells, as the heading",
-                len(cells),
-                where=f"{where} {row.number}",
-                remedy="separate cells with semicolons if commas are decimal signs",
-            )
+            need = f"must have at most {width} cells, as the heading"
+            remedy = "separate cells with semicolons if commas are decimal signs"
+            raise has(source, need, len(cells), where=f"{where} {row.number}", remedy=remedy)
         if len(row.cells) < width:
             short.append(row.number)
         for k, cell in enumerate(cells):
             table[i, k] = value = number_in(cell, decimal_comma=decimal == ",")
             if value != value and cell.lower() not in _MISSING:
-                raise refused(
-                    source,
-                    f"must be a finite number below {LARGEST:g}",
-                    cell,
-                    where=f"{where} {row.number}, column {names[k][:40] or str(k + 1)!r}",
-                    remedy=("correct it", "remove the row"),
-                )
+                need = f"must be a finite number below {LARGEST:g}"
+                place = f"{where} {row.number}, column {names[k][:40] or str(k + 1)!r}"
+                cures = ("correct it", "remove the row")
+                raise refused(source, need, cell, where=place, remedy=cures)
     if not short:
         return table, ()
     numbers = ", ".join(str(number) for number in short[:5]) + (", ..." if len(short) > 5 else "")
@@ -500,7 +490,7 @@ def with_plain_wavelengths(rows: Sequence[Row]) -> tuple[Sequence[Row], tuple[st
 
     Examples
     --------
-    >>> rows = [Row(number=n, cells=(f"{w}nm", "0.5")) for n, w in ((1, 400), (2, 410))]
+    >>> rows = [Row(n, (f"{w}nm", "0.5")) for n, w in ((1, 400), (2, 410))]
     >>> [row.cells for row in with_plain_wavelengths(rows)[0]]
     [('wavelength [nm]', 'column 2'), ('400', '0.5'), ('410', '0.5')]
     """
@@ -509,7 +499,7 @@ def with_plain_wavelengths(rows: Sequence[Row]) -> tuple[Sequence[Row], tuple[st
     if first is None or sum(map(bool, at)) < 2:
         return rows, ()
     plain = [
-        Row(number=row.number, cells=(match[1], *row.cells[1:])) if match else row
+        Row(row.number, (match[1], *row.cells[1:])) if match else row
         for row, match in zip(rows[first:], at[first:], strict=True)
     ]
     plain, notes = _finest(plain, [float(match[1]) if match else None for match in at[first:]])
@@ -518,7 +508,7 @@ def with_plain_wavelengths(rows: Sequence[Row]) -> tuple[Sequence[Row], tuple[st
     if above and not (is_wavelength_heading(above[0]) or not above[0]):
         above = ()  # another fact in two cells, such as an integration time
     names = above[1:] or tuple(f"column {k}" for k in range(2, width + 1))
-    heading = Row(number=rows[first].number, cells=("wavelength [nm]", *names))
+    heading = Row(rows[first].number, ("wavelength [nm]", *names))
     return [*rows[: first - bool(above)], heading, *plain], notes
 
 
@@ -574,12 +564,9 @@ def _turned(
     known = next((cell for cell in row.cells[:words] if is_wavelength_heading(cell)), "wavelength")
     in_nm = any(map(_IN_NM.fullmatch, row.cells[words:]))
     names = (" ".join(filter(None, other.cells[:words])) for other in below)
-    heading = Row(number=row.number, cells=("wavelength [nm]" if in_nm else known, *names))
+    heading = Row(row.number, ("wavelength [nm]" if in_nm else known, *names))
     width = words + len(heads)
     values = zip(*((other.cells + ("",) * width)[words:width] for other in below), strict=True)
-    turned = [
-        Row(number=row.number, cells=(head, *cells))
-        for head, cells in zip(heads, values, strict=True)
-    ]
+    turned = [Row(row.number, (head, *cells)) for head, cells in zip(heads, values, strict=True)]
     note = f"its spectra are in rows: {len(below)} at {len(heads)} wavelengths"
     return [heading, *turned], (note,)

@@ -59,13 +59,9 @@ def spectra_csv(spectra: Spectra, facts: Mapping[str, str] | None = None) -> str
     """
     for name in spectra.names:
         if name.strip() != name or len(name.splitlines()) != 1 or "\0" in name:
-            raise refused(
-                spectra.source,
-                "must have names without outer spaces and line ends, to head columns of a CSV",
-                name,
-                f"has {name!r}",
-                remedy=("rename it", "write JSON"),
-            )
+            need = "must have names without outer spaces and line ends, to head columns of a CSV"
+            found = f"has {name!r}"
+            raise refused(spectra.source, need, name, found, remedy=("rename it", "write JSON"))
     comments = {
         "version": __version__,
         "source": _but_folder(spectra.source),
@@ -166,13 +162,9 @@ def rawtoaces_json(per_energy: Spectra, header: Mapping[str, Any]) -> str:
     source = per_energy.source
     missing = [name for name in "RGB" if name not in per_energy.names]
     if missing:
-        raise refused(
-            source,
-            "must have channels R, G and B for rawtoaces",
-            per_energy.names,
-            f"{', '.join(missing)} is missing among {', '.join(per_energy.names)}",
-            remedy="write the JSON of the sensor",
-        )
+        need = "must have channels R, G and B for rawtoaces"
+        found = f"{', '.join(missing)} is missing among {', '.join(per_energy.names)}"
+        raise refused(source, need, per_energy.names, found, remedy="write the JSON of the sensor")
     wavelength = per_energy.wavelength_nm
     odd = wavelength != np.round(wavelength)
     if odd.any():
@@ -182,12 +174,8 @@ def rawtoaces_json(per_energy: Spectra, header: Mapping[str, Any]) -> str:
         )
     values = per_energy.values[:, [per_energy.names.index(name) for name in "RGB"]]
     if not values.max() > 0:
-        raise refused(
-            source,
-            "must have R, G and B above 0 for a relative scale",
-            float(values.max()),
-            "all are 0",
-        )
+        need = "must have R, G and B above 0 for a relative scale"
+        raise refused(source, need, float(values.max()), "all are 0")
     rows = (values / values.max()).tolist()
     data = {f"{at:.0f}": row for at, row in zip(wavelength.tolist(), rows, strict=True)}
     document = {
@@ -233,12 +221,8 @@ def spectra_spdx(
     and its unit in the comments.
     """
     if name not in spectra.names:
-        raise refused(
-            spectra.source,
-            f"must have the curve {name!r}",
-            spectra.names,
-            f"has {', '.join(spectra.names)}",
-        )
+        need = f"must have the curve {name!r}"
+        raise refused(spectra.source, need, spectra.names, f"has {', '.join(spectra.names)}")
     words = spectra.quantity.lower()
     quantity = {q.lower(): q for q in _TM27_QUANTITIES}.get(words, "other")
     what = f"{spectra.quantity} [{spectra.unit}]"
@@ -317,11 +301,6 @@ def _xml(text: str) -> str:
             or 0xD800 <= code < 0xE000
             or code >> 1 == 0x7FFF
         ):
-            raise refused(
-                repr(text[:40]),
-                "must have only characters that XML allows",
-                letter,
-                f"has {letter!r}",
-                remedy="rename it",
-            )
+            need = "must have only characters that XML allows"
+            raise refused(repr(text[:40]), need, letter, f"has {letter!r}", remedy="rename it")
     return escape(" ".join(text.split()), quote=False)
