@@ -44,7 +44,7 @@ from chromanoise.noise import Exposure, OperatingPoint
 from chromanoise.sensor import Mosaic, Pixel, Sensor
 from chromanoise.spectra import DEFAULT_GRID, Grid, Spectra, equal_energy, read_spectra_csv
 from chromanoise.study import compared, sensor_named
-from chromanoise.study.analysis_tables import analyses_as_table, curves_as_table
+from chromanoise.study.results import analyses_as_table, curves_as_table
 from outcomes import refused_input
 
 SMALL = Grid.uniform(400, 420, 10)

@@ -247,22 +247,6 @@ class Written:
     plain: Callable[[Any], Any]
 
 
-def before(*names: str) -> Callable[[Any], Any]:
-    """A decorator: a class method that checks what is given for fields, as `Before`.
-
-    Parameters
-    ----------
-    names
-        The fields.
-    """
-
-    def marked(method: Any) -> Any:
-        method.__func__.fields_before = names
-        return method
-
-    return marked
-
-
 def after(method: Any) -> Any:
     """A decorator: a method that checks a whole record, with its `Place` if it takes it."""
     method.checks_record = True
@@ -584,13 +568,7 @@ def _check_of(cls: type[Record], name: str) -> _Check:
         type.__setattr__(cls, "_checks", checks)
     if name not in checks:
         one = cls.model_fields[name]
-        methods = [
-            getattr(cls, key)
-            for base in cls.__mro__
-            for key, method in vars(base).items()
-            if name in getattr(getattr(method, "__func__", None), "fields_before", ())
-        ]
-        inside = (*one.metadata, *map(Before, methods))
+        inside = one.metadata
         checks[name] = _checker(Annotated[one.annotation, *inside] if inside else one.annotation)
     return checks[name]
 

@@ -5,7 +5,6 @@ The content of a file of pixels before it becomes a cube.
 Reject arrays that are not numeric or are implausibly large, before allocating memory.
 """
 
-import importlib.util
 import math
 import os
 import re
@@ -13,12 +12,20 @@ import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from chromanoise.base import Array, InputError, Setting, Shaped, reason
+from chromanoise.base import (
+    Array,
+    InputError,
+    Setting,
+    Shaped,
+    optional_package,
+    reason,
+    refuse_absent_package,
+)
 from chromanoise.spectra import FileRows, RowSource
 
 IN_PLACE = "store it as ENVI or .npy, which are read in place"
@@ -56,42 +63,8 @@ _OWN = {
 }
 
 
-def library(name: str, what: str, *, extra: str = "cubes", where: str = "") -> Any:
-    """Import an optional package that only some cubes need.
-
-    Parameters
-    ----------
-    name
-        Name of the package.
-    what, where
-        The file that needs the package, and the place in it.
-    extra
-        The extra of chromanoise that installs it.
-
-    Raises
-    ------
-    InputError
-        If the package is not installed.
-    """
-    try:
-        return importlib.import_module(name)
-    except ImportError:
-        raise _absent(name, what, extra, where) from None
-
-
-def refuse_absent_library(name: str, what: str, *, extra: str = "cubes", where: str = "") -> None:
-    """Like `library`, for a package that only the child process imports."""
-    if importlib.util.find_spec(name) is None:
-        raise _absent(name, what, extra, where)
-
-
-def _absent(name: str, what: str, extra: str, where: str) -> InputError:
-    return InputError(
-        what,
-        f"needs the package {name}, which is not installed",
-        where=where,
-        remedy=f"install it with pip install 'chromanoise[{extra}]'",
-    )
+library = partial(optional_package, extra="cubes")
+refuse_absent_library = partial(refuse_absent_package, extra="cubes")
 
 
 @contextmanager

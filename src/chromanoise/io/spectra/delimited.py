@@ -6,7 +6,6 @@ Read spreadsheets (``.xlsx``) with openpyxl, if it is installed.
 """
 
 import csv
-import importlib
 import io
 import re
 import zipfile
@@ -17,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from chromanoise.base import InputError, text_of_comment
+from chromanoise.base import InputError, optional_package, text_of_comment
 from chromanoise.io.spectra.declared import (
     declared_keys,
     ecsv_units,
@@ -377,7 +376,8 @@ def read_workbook(path: Path) -> Found:
         type, or a cell is not a number; the message names the row.
     """
     _refuse_bombs(path)
-    book = _openpyxl(path).load_workbook(path, read_only=True, data_only=True)
+    openpyxl = optional_package("openpyxl", str(path), extra="xlsx")
+    book = openpyxl.load_workbook(path, read_only=True, data_only=True)
     try:
         sheets = {sheet.title: _rows(path, sheet) for sheet in book.worksheets}
     finally:
@@ -394,17 +394,6 @@ def read_workbook(path: Path) -> Found:
 def _has_numbers(rows: list[Row]) -> bool:
     numbers = [[c for c in row.cells if is_number(c, decimal_comma=False)] for row in rows]
     return sum(len(one) > 1 for one in numbers) > 1
-
-
-def _openpyxl(path: Path) -> Any:
-    try:
-        return importlib.import_module("openpyxl")
-    except ImportError:
-        raise InputError(
-            str(path),
-            "needs the package openpyxl, which is not installed",
-            remedy="install it with: pip install 'chromanoise[xlsx]'",
-        ) from None
 
 
 def _refuse_bombs(path: Path) -> None:

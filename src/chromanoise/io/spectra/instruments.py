@@ -7,7 +7,6 @@ MATLAB files of ISETCam (``wavelength``, ``data``), of Psychtoolbox and of camer
 IES TM-27: one spectrum of a lamp in XML (``.spdx``).
 """
 
-import importlib
 import io
 import math
 import re
@@ -18,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from chromanoise.base import Array, InputError
+from chromanoise.base import Array, InputError, optional_package
 from chromanoise.io.matlab import mat_array, mat_arrays, mat_texts
 from chromanoise.io.spectra.declared import known_unit
 from chromanoise.io.spectra.parsed import (
@@ -145,7 +144,8 @@ def read_fits(path: Path, content: bytes) -> Found:
     -----
     FITS Standard 4.0 (IAU FITS Working Group, 2018), sections 4.3 and 7.
     """
-    with _astropy_fits(path).open(io.BytesIO(content), memmap=False) as parts:
+    fits = optional_package("astropy.io.fits", str(path), extra="fits")
+    with fits.open(io.BytesIO(content), memmap=False) as parts:
         for place, part in enumerate(parts):
             names = list(getattr(getattr(part, "columns", None), "names", None) or ())
             at_names = [name for name in names if _WAVELENGTH.match(name)]
@@ -156,17 +156,6 @@ def read_fits(path: Path, content: bytes) -> Found:
         "must have a table with a column named wavelength, wave, lambda or wl",
         remedy=("write the spectrum as such a table", "save it as CSV"),
     )
-
-
-def _astropy_fits(path: Path) -> Any:
-    try:
-        return importlib.import_module("astropy.io.fits")
-    except ImportError:
-        raise InputError(
-            str(path),
-            "is a FITS file, which needs the package astropy",
-            remedy="install it with: pip install 'chromanoise[fits]'",
-        ) from None
 
 
 def _table(path: Path, part: Any, place: int, at_name: str) -> Found:
