@@ -549,9 +549,3 @@ def test_a_comparison_has_a_row_per_light_and_nothing_where_nothing_is_defined()
     mean = 32_555 * 0.5 * 100 * 0.01 / (4 * 1.8**2)
     snr_db = 20 * np.log10(mean / np.sqrt(mean + 100))
     assert float(rows[1][1]) == pytest.approx(snr_db, abs=0.05)  # the grid of 5 nm has 0.6 % more
-
-
-def test_tables_of_nothing_or_of_two_sweeps_are_refused():
-    for maker, subject in ((analyses_as_table, "analyses"), (curves_as_table, "curves")):
-        with refused_input(subject=subject):
-            maker([])

@@ -486,24 +486,20 @@ def ranked(found: Sequence[Named], *, matrix: str, more_is_better: bool) -> tupl
     for i in range(1, len(known)):
         equal = abs(known[i][2] - known[places[i - 1]][2]) <= TIE
         places[i] = places[i - 1] if equal else i
-    ranks = [
+    ranks: list[tuple[Named, int | None]] = [
+        (one, place + 1) for one, place in zip(known, places, strict=True)
+    ]
+    ranks += [(one, None) for one in found if not np.isfinite(one[2])]
+    return tuple(
         Rank(
             sensor=name,
             label=label,
             matrix=matrix,
-            value=value,
-            rank=place + 1,
-            tied=places.count(place) > 1,
+            value=None if rank is None else value,
+            rank=rank,
+            tied=rank is not None and places.count(rank - 1) > 1,
         )
-        for (name, label, value), place in zip(known, places, strict=True)
-    ]
-    return (
-        *ranks,
-        *(
-            Rank(sensor=name, label=label, matrix=matrix, value=None, rank=None, tied=False)
-            for name, label, value in found
-            if not np.isfinite(value)
-        ),
+        for (name, label, value), rank in ranks
     )
 
 

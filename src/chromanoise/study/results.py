@@ -32,7 +32,6 @@ from chromanoise.base import (
 )
 from chromanoise.color import SPACES, UNBOUNDED, ColorMatrix, ParetoCurve
 from chromanoise.io import (
-    Column,
     Entry,
     MadeMatrix,
     Result,
@@ -1005,26 +1004,17 @@ class Pictures(Result):
 
         The share is of all pixels of the channel.
         """
-        columns = (
-            Column(name="sensor"),
-            Column(name="matrix"),
-            Column(name="frame"),
-            Column(name="channel"),
-            Column(name="time", unit="ms", digits=".4g"),
-            Column(name="mean", unit="e-", digits=".4g"),
-            Column(name="above full well", digits=".2%"),
+        return table_of(
+            f"Pictures of {self.cube}",
+            [(one, channel) for one in self.summaries for channel in one["mean_e"]],
+            ("sensor", "", "", lambda row: row[0]["label"]),
+            ("matrix", "", "", lambda row: row[0]["matrix"]),
+            ("frame", "", "", lambda row: row[0]["frame"]),
+            ("channel", "", "", lambda row: row[1]),
+            ("time", "ms", ".4g", lambda row: row[0]["time_ms"]),
+            ("mean", "e-", ".4g", lambda row: row[0]["mean_e"][row[1]]),
+            ("above full well", "", ".2%", lambda row: row[0]["above_full_well_share"][row[1]]),
         )
-        rows = [
-            (one["label"], one["matrix"], one["frame"], channel, one["time_ms"], mean, share)
-            for one in self.summaries
-            for channel, mean, share in zip(
-                one["mean_e"],
-                one["mean_e"].values(),
-                one["above_full_well_share"].values(),
-                strict=True,
-            )
-        ]
-        return Table(title=f"Pictures of {self.cube}", columns=columns, rows=tuple(rows))
 
     def plot(self, ax: Any = None) -> Any:
         """Draw all pictures, side by side.
