@@ -72,8 +72,8 @@ class Given:
     ----------
     objects
         Sensors, illuminants, curves (`Found`), reflectances on the grid, pairs of patches,
-        observers, cubes, matrices and functions that give one, by the word in the study
-        (`object_word`).
+        observers, cubes, matrices and functions that give one, by the word in the study: that of
+        the object (`object_word`), or a name in whose place it is.
     """
 
     objects: Mapping[str, Any] = field(default_factory=dict)
@@ -91,13 +91,11 @@ class Given:
         InputError
             If the word refers to an object that is not given.
         """
-        if not is_object_word(word):
-            return word
-        if word not in self.objects:
+        if word not in self.objects and is_object_word(word):
             raise InputError(
                 shown_word(word), "must be given as an object of Python", value=word, found=None
             )
-        return self.objects[word]
+        return self.objects.get(word, word)
 
     def reads_reflectances(self, word: object) -> bool:
         """Whether a word for reflectances refers to a file or to curves.

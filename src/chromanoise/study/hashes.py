@@ -172,7 +172,7 @@ def files_of_word(one: FileWord) -> tuple[Path, ...]:
         if one.kind == "cube":
             built_in = one.word.startswith("builtin:")
             return () if built_in else tuple(cube_files(file_of(one.word)))
-        return word_files(one.word, one.kind)
+        return word_files(one.word, one.kind)  # type: ignore[arg-type] # the others are above
     except OSError as error:  # a name that is too long to ask for
         name = str(error.filename)[:60]
         raise InputError(name, f"cannot be read ({error.strerror})") from None

@@ -181,10 +181,11 @@ def sensor_with_pixel(
     """
 
     def made(changes: Mapping[str, Any]) -> Sensor:
-        own = word if isinstance(word, Sensor) else _own_sensor(word)
-        if own is None:
-            return resolve_sensor(word, answers=answers, varied=varied, **changes)
-        return with_pixel(own, changes, varied=varied)
+        if isinstance(word, Sensor):
+            return with_pixel(word, changes, varied=varied)
+        if (own := _own_sensor(word)) is not None:
+            return with_pixel(own, changes, varied=varied)
+        return resolve_sensor(word, answers=answers, varied=varied, **changes)
 
     values = {name: value for name, value in given.items() if value is not None}
     if file is None:
