@@ -43,10 +43,6 @@ def test_a_second_parameter_that_cannot_be_used_is_refused(run, text, part):
     refused(run("compare", *PAIR, *SWEEP, "--and", text), part)
 
 
-def test_the_same_parameter_twice_is_refused(run):
-    refused(run("compare", *PAIR, *SWEEP, "--and", "lux=1:2"), "--sweep", value="lux")
-
-
 def test_the_heat_map_of_one_sensor_has_its_values_and_of_two_their_difference():
     found = cn.compare_map(*PAIR, points=4, second_points=3)
     one, other = found.maps
