@@ -1,6 +1,5 @@
 """Two parameters on the command line, in a study, in copies of it, in figures and in reports."""
 
-import json
 import re
 
 import numpy as np
@@ -26,24 +25,6 @@ STUDY = {
         }
     ],
 }
-
-
-def test_command_study_copy_and_python_give_the_same_digits(run, here):
-    asked = ("compare", *PAIR, *SWEEP, "--and", "prnu=0:0.1:3")
-    code, out, _ = run(*asked, "--json", "-")
-    assert code == 0
-    data = json.loads(out)
-    (result,) = cn.run(study_from_data(STUDY)).maps
-    second = {"second_vary": "prnu", "second_first": 0.0, "second_last": 0.1, "second_points": 3}
-    python = cn.compare_map(*PAIR, first=0.1, last=10.0, points=4, **second)
-    assert data == result.to_dict() == python.to_dict()
-    code, copied, _ = run(*asked, "--copy-as", "toml")
-    (here / "copied.toml").write_text(copied)
-    code, _, err = run("run", "copied.toml", "-o", "copied")
-    assert code == 0, err
-    file = here / "copied" / "sweep-1-lux-prnu-snr-y.json"
-    assert json.loads(file.read_bytes())["result"] == data
-    assert "cn.compare_map(" in run(*asked, "--copy-as", "python")[1]
 
 
 def test_the_terminal_shows_values_and_the_best_sensor(run):

@@ -8,10 +8,10 @@ import pytest
 from chromanoise.io.spectra import Answers
 from chromanoise.study import read_study, study_hash
 from chromanoise.study.resolve import (
-    illuminant_files,
     is_file_word,
     resolve_filter,
     resolve_illuminant,
+    word_files,
 )
 
 CAMERA = "wavelength_nm,R,G,B\n400,0.1,0.1,0.5\n700,0.6,0.2,0.1\n1050,0.1,0.1,0.1\n"
@@ -100,7 +100,7 @@ def test_files_of_a_study_are_found_in_its_folder_with_any_ending(here, ending):
 def test_the_digest_of_an_envi_library_covers_header_and_data(here):
     written(here / "lamp.hdr", "ENVI\n")
     written(here / "lamp.sli", "")
-    assert {path.name for path in illuminant_files("lamp.sli")} == {"lamp.hdr", "lamp.sli"}
+    assert {path.name for path in word_files("lamp.sli", "light")} == {"lamp.hdr", "lamp.sli"}
 
 
 def test_an_envi_library_works_as_light_and_filter(here):

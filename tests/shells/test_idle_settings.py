@@ -171,10 +171,6 @@ def test_the_record_of_a_run_has_all_defaults_and_is_run_again(here):
         ({"outputs": {"space": "nonsense"}}, "outputs.space", "nonsense"),
         ({"pictures": [{"mosaic": "bayer", "demosaic": "x"}]}, "pictures.0.demosaic", "x"),
         ({"pictures": [{"formats": ["png", "jpg"]}]}, "pictures.0.formats.1", "jpg"),
-        ({"light": {"level_lux": 1e16}}, "light.level_lux", 1e16),
-        ({"exposure": {"time_ms": 1e-13}}, "exposure.time_ms", 1e-13),
-        ({"exposure": {"f_number": 1e-3}}, "exposure.f_number", 1e-3),
-        ({"exposure": {"saturate": 1e-10}}, "exposure.saturate", 1e-10),
     ],
     ids=str,
 )

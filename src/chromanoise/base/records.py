@@ -544,13 +544,7 @@ def _check_of(cls: type[Record], name: str) -> _Check:
         type.__setattr__(cls, "_checks", checks)
     if name not in checks:
         one = cls.model_fields[name]
-        methods = [
-            getattr(cls, key)
-            for base in cls.__mro__
-            for key, method in vars(base).items()
-            if name in getattr(getattr(method, "__func__", None), "fields_before", ())
-        ]
-        inside = (*one.metadata, *map(Before, methods))
+        inside = one.metadata
         checks[name] = _checker(Annotated[one.annotation, *inside] if inside else one.annotation)
     return checks[name]
 

@@ -28,6 +28,7 @@ from chromanoise.base import (
     qr,
     svd,
     whitening,
+    with_short_repr,
 )
 from chromanoise.color.spaces import balanced_cielab, cie1976_difference
 from chromanoise.color.training import Training, TrainingResponse, training_response
@@ -46,6 +47,7 @@ from chromanoise.spectra import DEFAULT_OBSERVER, Metric, Scene, color_axes, kno
 XYZ = ("X", "Y", "Z")
 
 
+@with_short_repr
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ColorMatrix:
     """A matrix from raw electrons to color, and how it was made.

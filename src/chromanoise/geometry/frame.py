@@ -7,11 +7,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from chromanoise.base import RANK_TOLERANCE, Array, Float, InputError, check, svd, unit_columns
+from chromanoise.base import (
+    RANK_TOLERANCE,
+    Array,
+    Float,
+    InputError,
+    check,
+    svd,
+    unit_columns,
+    with_short_repr,
+)
 from chromanoise.noise import Measurement, through
 from chromanoise.spectra import Metric
 
 
+@with_short_repr
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class DualBasis:
     """``p`` measurement vectors, their dual basis and their conditioning.

@@ -15,7 +15,7 @@ from typing import Any, TypedDict, Unpack
 
 import numpy as np
 
-from chromanoise.base import Array, Float, InputError, check
+from chromanoise.base import Array, Float, InputError, check, with_short_repr
 from chromanoise.sensor import Pixel, Sensor, code_range_e, pixels_of
 from chromanoise.spectra import (
     DEFAULT_OBSERVER,
@@ -356,6 +356,7 @@ _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _MOST_TIMES = 3
 
 
+@with_short_repr
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class OperatingPoint:
     """A sensor, its exposure, the light on the scene, and the observer of the colors.

@@ -17,7 +17,7 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from chromanoise.base import Array, Float, InputError, check, notebook
+from chromanoise.base import Array, Float, InputError, check, notebook, with_short_repr
 from chromanoise.sensor.crosstalk import (
     Crosstalk,
     Mosaic,
@@ -33,6 +33,7 @@ from chromanoise.spectra import Grid, Spectra
 Origin = Literal["given", "measured", "model", "reconstruction"]
 
 
+@with_short_repr
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Sensor:
     """``p`` spectral channels sharing one pixel design.

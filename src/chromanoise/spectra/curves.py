@@ -34,6 +34,7 @@ from chromanoise.base import (
     Setting,
     check,
     photons_per_joule,
+    with_short_repr,
 )
 
 
@@ -129,6 +130,7 @@ SMALL_SHARE = 0.01
 _SLACK_NM = 1e-6  # wavelengths read from text may miss the grid's end by rounding
 
 
+@with_short_repr
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Spectra:
     """``k`` curves sampled at ``m`` increasing wavelengths, equidistant or not.

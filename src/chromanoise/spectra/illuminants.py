@@ -23,6 +23,7 @@ from chromanoise.base import (
     check,
     colour_science,
     photons_per_joule,
+    with_short_repr,
 )
 from chromanoise.spectra.curves import (
     DEFAULT_GRID,
@@ -48,6 +49,7 @@ _NOTED_IN_LINES = 0.03  # the absorption of the air alone gives sunlight 0.02
 _DARKEST_LM_PER_W = 1e-3  # a source below this has practically no visible light
 
 
+@with_short_repr
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Illuminant:
     """A light source at one lux.

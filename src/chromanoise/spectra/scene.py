@@ -7,12 +7,22 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from chromanoise.base import Array, Float, InputError, Remedy, Setting, Shaped, check
+from chromanoise.base import (
+    Array,
+    Float,
+    InputError,
+    Remedy,
+    Setting,
+    Shaped,
+    check,
+    with_short_repr,
+)
 from chromanoise.spectra.curves import Grid, Metric, photons_per_unit
 from chromanoise.spectra.illuminants import Illuminant, photon_irradiance
 from chromanoise.spectra.scene_rows import RowSource, row_source, with_bands
 
 
+@with_short_repr
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Scene:
     """Points of known reflectance under one illuminant.
@@ -75,6 +85,7 @@ def light(scene: Scene, metric: Metric) -> Float[Array, "*px n"]:
     return photons / photons_per_unit(scene.illuminant.grid, metric)
 
 
+@with_short_repr
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Cube:
     """``h`` x ``w`` pixels with ``m`` bands.
