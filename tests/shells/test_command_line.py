@@ -254,7 +254,7 @@ def test_a_narrow_band_counts_by_its_area_wherever_it_stands(run, tmp_path, offs
 def test_json_on_standard_output_stays_json_when_figures_are_written_too(
     run, tmp_path, monkeypatch
 ):
-    monkeypatch.setattr("chromanoise.apps.paper.paper_figures", lambda *_: {"one": Figure()})
+    monkeypatch.setattr("chromanoise.cli.demo.paper_figures", lambda *_: {"one": Figure()})
     code, out, err = run("reproduce", "--draws", 10, "--json", "-", "--out", tmp_path / "figures")
     assert code == 0
     assert json.loads(out)["draws"] == 10

@@ -5,8 +5,9 @@
 
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 from rich.table import Table as Grid
@@ -18,11 +19,12 @@ from chromanoise.apps.camera import (
     USUAL_CAMERA,
     Characterization,
     VirtualCamera,
-    characterization_of,
+    characterize as characterized,
     photon_transfer_frames,
     read_source,
+    variance_through_file,
 )
-from chromanoise.base import OWN_FILES, InputError, refuse_unwritable, true_path
+from chromanoise.base import OWN_FILES, InputError, plain, refuse_unwritable, true_path
 from chromanoise.cli.options import WHOLE, Decorated as Command, command
 from chromanoise.cli.output import (
     json_option,
@@ -34,9 +36,6 @@ from chromanoise.cli.output import (
 )
 from chromanoise.io.frames import FrameSet, RawFrame
 from chromanoise.sensor import PhotonTransfer
-
-if TYPE_CHECKING:
-    from chromanoise.apps.camera import MatrixCheck
 
 
 @command()
@@ -91,11 +90,9 @@ def characterize(
             advance(done - before)
             before = done
 
-        result = characterization_of(read, resume=resume, progress=advanced)
+        result = characterized(read, resume=resume, progress=advanced)
     check = None
     if given is not None:
-        from chromanoise.apps.camera import variance_through_file
-
         check = variance_through_file(result, given)
     written: tuple[Path, ...] = ()
     omitted: list[str] = []
@@ -104,7 +101,7 @@ def characterize(
 
         written, omitted = write_characterization(result, out), omitted_files(result)
     if json_target:
-        checked = {} if check is None else {"matrix_check": _check_as_json(check, str(matrix))}
+        checked = {"matrix_check": {"source": matrix, **plain(check)}} if check else {}
         write_json(result.to_dict() | checked, json_target)
     if json_target != "-":
         _print(result)
@@ -162,24 +159,6 @@ def _refuse_replaced(
         seen[path] = option
 
 
-def _check_as_json(check: "MatrixCheck", source: str) -> dict[str, Any]:
-    return {
-        "source": source,
-        "names": list(check.names),
-        "mean_error": check.mean_error.tolist(),
-        "levels": [
-            {"name": name, "fitted": fitted, "measured": measured, "predicted": predicted}
-            for name, fitted, measured, predicted in zip(
-                check.levels,
-                check.fitted,
-                check.measured.tolist(),
-                check.predicted.tolist(),
-                strict=True,
-            )
-        ],
-    }
-
-
 def _print(result: Characterization) -> None:
     grid = Grid(title=f"Noise of {result.camera or result.source} (EMVA 1288)")
     grid.title_justify = "left"
@@ -213,25 +192,54 @@ def _cell(value: float | None, error: float | None) -> str:
 _COLOR = {"R": 0.7, "G": 1.0, "B": 0.6}  # sensitivities of a color camera under white light
 
 
-def _property_options(command: Command) -> Command:
-    """Add an option for each property of the camera."""
-    for name, one in reversed([*PROPERTIES.items()]):
+def _camera_options(command: Command) -> Command:
+    """Add the options of the frames, and one for each property of the camera."""
+    options = {flag: (kind, default, text) for flag, kind, default, text in _NUMBERS}
+    for name, one in PROPERTIES.items():
         usual = getattr(USUAL_CAMERA, name)
+        default = None if usual is None else f"{usual:g}"
+        flag = f"--{name.replace('_', '-')}"
+        options[flag] = (float, default, one.help.partition("; default:")[0])
+    for flag, (kind, default, text) in reversed(options.items()):
         command = click.option(
-            f"--{name.replace('_', '-')}",
-            type=float,
-            default=None if usual is None else f"{usual:g}",
-            show_default=True,
-            help=one.help.partition("; default:")[0],
+            *flag.split(), type=kind, default=default, show_default=True, help=text
         )(command)
     return command
 
 
-def _shape(_: Any, __: Any, given: str) -> tuple[int, int]:
-    found = re.fullmatch(r"([0-9]{1,9})[xX]([0-9]{1,9})", given)
-    if found is None:
-        raise InputError("--shape", "must be ROWSxCOLUMNS, e.g. 240x320", value=given)
-    return int(found[1]), int(found[2])
+class _Shape(click.ParamType):
+    """Rows and columns."""
+
+    name = "ROWSxCOLUMNS"
+
+    def get_metavar(self, *_: Any, **__: Any) -> str:
+        return self.name
+
+    def convert(self, value: Any, *_: Any) -> tuple[int, int]:
+        found = re.fullmatch(r"([0-9]{1,9})[xX]([0-9]{1,9})", value)
+        if found is None:
+            raise InputError("--shape", "must be ROWSxCOLUMNS, e.g. 240x320", value=value)
+        return int(found[1]), int(found[2])
+
+
+_NUMBERS: tuple[tuple[str, click.ParamType | type, Any, str], ...] = (
+    ("--levels", WHOLE, 16, "Levels of light."),
+    ("--frames", WHOLE, 2, "Flats per level."),
+    ("--darks", WHOLE, 2, "Darks per level."),
+    ("--shape", _Shape(), "240x320", "Size of the frames [px]."),
+    ("--seed", WHOLE, 0, "Seed of the noise."),
+    (
+        "--format file_format",
+        click.Choice(FRAME_FORMATS),
+        "npy",
+        "File format of the frames; fits needs astropy.",
+    ),
+    ("--bits", WHOLE, 12, "Bits per code."),
+    ("--gain-dn-per-e", float, 0.3, "System gain K [DN/e-]."),
+    ("--black-level black_level_dn", float, 64, "Mean code without light [DN]."),
+    ("--hot-pixels", WHOLE, 0, "Number of pixels with additional dark current."),
+)
+"""Options of the frames: names, type, default and help."""
 
 
 @command()
@@ -247,46 +255,7 @@ def _shape(_: Any, __: Any, given: str) -> tuple[int, int]:
     metavar="NAME|ROWS",
     help="Channels of a color camera, e.g. RG/GB or 'R G/IR B'. [default: monochrome]",
 )
-@click.option("--levels", type=WHOLE, default=16, show_default=True, help="Levels of light.")
-@click.option("--frames", type=WHOLE, default=2, show_default=True, help="Flats per level.")
-@click.option("--darks", type=WHOLE, default=2, show_default=True, help="Darks per level.")
-@click.option(
-    "--shape",
-    metavar="ROWSxCOLUMNS",
-    default="240x320",
-    show_default=True,
-    callback=_shape,
-    help="Size of the frames [px].",
-)
-@click.option("--seed", type=WHOLE, default=0, show_default=True, help="Seed of the noise.")
-@click.option(
-    "--format",
-    "file_format",
-    type=click.Choice(FRAME_FORMATS),
-    default="npy",
-    show_default=True,
-    help="File format of the frames; fits needs astropy.",
-)
-@click.option("--bits", type=WHOLE, default=12, show_default=True, help="Bits per code.")
-@click.option(
-    "--gain-dn-per-e", type=float, default=0.3, show_default=True, help="System gain K [DN/e-]."
-)
-@click.option(
-    "--black-level",
-    "black_level_dn",
-    type=float,
-    default=64,
-    show_default=True,
-    help="Mean code without light [DN].",
-)
-@click.option(
-    "--hot-pixels",
-    type=WHOLE,
-    default=0,
-    show_default=True,
-    help="Number of pixels with additional dark current.",
-)
-@_property_options
+@_camera_options
 def demo_frames(
     out: Path, levels: int, frames: int, darks: int, file_format: str, **settings: Any
 ) -> None:
@@ -318,6 +287,6 @@ def _camera(*, mosaic: str | None, **settings: Any) -> VirtualCamera:
     camera = VirtualCamera(mosaic=mosaic, **settings)
     if mosaic is None:
         return camera
-    channels = camera.pattern.names
-    sensitivity = tuple(_COLOR.get(name, 1.0) for name in channels)
-    return VirtualCamera(mosaic=mosaic, sensitivity=sensitivity, **settings)
+    return replace(
+        camera, sensitivity=tuple(_COLOR.get(name, 1.0) for name in camera.pattern.names)
+    )

@@ -5,14 +5,14 @@
 ``chromanoise cite``: how to cite the program and the paper whose equations it computes.
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from chromanoise.apps.paper import (
     CAPTIONS,
+    Reproduction,
     paper_figures,
     paper_pictures,
     paper_planes,
@@ -30,6 +30,9 @@ from chromanoise.imaging import Picture, write_png
 from chromanoise.spectra import METRICS, Metric
 from chromanoise.study import study_from_text
 from chromanoise.web import Sight, demo_page, study_report
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 STUDY = """\
 title = "Can the IR-cut be dropped? The paper's two sensors"
@@ -64,19 +67,28 @@ def demo(out: Path) -> None:
     result = reproduced(paper_study())
     tables.print_reproduction(result)
     pictures = paper_pictures(result.study)
-    first, second = (picture.srgb for picture in pictures)
-    figures = paper_figures(result.study, paper_planes(result.study), (first, second))
     with whole_folder(out, "demo") as folder:
-        write_figures(figures, folder)
+        figures = _write_figures(result, pictures, 0, folder)
         for picture in pictures:
             write_png(folder / f"{picture.sensor.name}.png", picture.srgb)
-        write_json(reproduction_as_json(result), str(folder / "tables.json"))
         drawn = {name: (folder / f"{name}.svg").read_text(encoding="utf-8") for name in figures}
         (folder / "report.html").write_text(_report(pictures), encoding="utf-8")
         page = demo_page(result, pictures, drawn, CAPTIONS, tuple(folder.iterdir()))
         (folder / "index.html").write_text(page, encoding="utf-8")
     click.echo(f"Open {out / 'index.html'}: the tables, the pictures and figures 1-10.")
     click.echo(f"Open {out / 'report.html'}: both sensors as a report, with sliders.")
+
+
+def _write_figures(
+    result: Reproduction, pictures: tuple[Picture, Picture], seed: int, folder: Path
+) -> "dict[str, Figure]":
+    """Write the ten figures and the tables."""
+    first, second = (picture.srgb for picture in pictures)
+    planes = paper_planes(result.study, seed=seed)
+    figures = paper_figures(result.study, planes, (first, second))
+    write_figures(figures, folder)
+    write_json(reproduction_as_json(result), str(folder / "tables.json"))
+    return figures
 
 
 def _report(pictures: tuple[Picture, Picture]) -> str:
@@ -121,14 +133,9 @@ def reproduce(
     if json_target != "-":
         tables.print_reproduction(result)
     if out:
-        from chromanoise.apps.paper import paper_figures, paper_pictures
-        from chromanoise.charts import write_figures
-
-        first, second = (p.srgb for p in paper_pictures(result.study, seed=seed))
-        planes = paper_planes(result.study, seed=seed)
+        pictures = paper_pictures(result.study, seed=seed)
         with whole_folder(out, "reproduce") as folder:
-            write_json(reproduction_as_json(result), str(folder / "tables.json"))
-            write_figures(paper_figures(result.study, planes, (first, second)), folder)
+            _write_figures(result, pictures, seed, folder)
     if json_target:
         write_json(reproduction_as_json(result), json_target)
     if out:
@@ -139,28 +146,8 @@ RELEASE_YEAR = "2026"
 """Of the newest release in the changelog."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Reference:
-    """What is cited.
-
-    Attributes
-    ----------
-    kind
-        Of the entry, as BibTeX names it.
-    fields
-        Further fields in their order, as BibTeX names them.
-    text
-        The reference as one line.
-    """
-
-    kind: str
-    key: str
-    fields: Mapping[str, str]
-    text: str
-
-
-def references(version: str) -> tuple[Reference, Reference]:
-    """The program, and the paper.
+def references(version: str) -> tuple[tuple[str, dict[str, str], str], ...]:
+    """The program and the paper: the head and the fields of BibTeX, and the reference as one line.
 
     Parameters
     ----------
@@ -169,41 +156,31 @@ def references(version: str) -> tuple[Reference, Reference]:
     """
     title = "chromanoise: from photons to color, with the noise"
     developers = "the chromanoise developers"
-    program = Reference(
-        kind="software",
-        key="chromanoise",
-        fields={
-            "author": f"{{{developers}}}",
-            "title": f"{{{title}}}",
-            "version": version,
-            "year": RELEASE_YEAR,
-            "license": "BSD-3-Clause",
-        },
-        text=f"{developers.capitalize()}, {title}, version {version} ({RELEASE_YEAR}).",
-    )
+    program = {
+        "author": f"{{{developers}}}",
+        "title": f"{{{title}}}",
+        "version": version,
+        "year": RELEASE_YEAR,
+        "license": "BSD-3-Clause",
+    }
     of_paper = (
         "Physical noise propagation in color image construction: a geometrical interpretation"
     )
-    paper = Reference(
-        kind="inproceedings",
-        key="clouet2019",
-        fields={
-            "author": r"Clouet, Axel and Vaillant, J{\'e}r{\^o}me and Alleysson, David",
-            "title": f"{{{of_paper}}}",
-            "booktitle": "27th Color and Imaging Conference (CIC27)",
-            "year": "2019",
-        },
-        text=f"Axel Clouet, Jérôme Vaillant, David Alleysson, {of_paper}, 27th Color and Imaging "
-        "Conference (CIC27), 2019.",
+    paper = {
+        "author": r"Clouet, Axel and Vaillant, J{\'e}r{\^o}me and Alleysson, David",
+        "title": f"{{{of_paper}}}",
+        "booktitle": "27th Color and Imaging Conference (CIC27)",
+        "year": "2019",
+    }
+    developed = f"{developers.capitalize()}, {title}, version {version} ({RELEASE_YEAR})."
+    written = (
+        f"Axel Clouet, Jérôme Vaillant, David Alleysson, {of_paper}, 27th Color and Imaging "
+        "Conference (CIC27), 2019."
     )
-    return program, paper
-
-
-def as_bibtex(reference: Reference) -> str:
-    """The reference as an entry of BibTeX."""
-    width = max(map(len, reference.fields))
-    lines = [f"  {name:<{width}} = {{{value}}}," for name, value in reference.fields.items()]
-    return "\n".join([f"@{reference.kind}{{{reference.key},", *lines, "}"])
+    return (
+        ("software{chromanoise", program, developed),
+        ("inproceedings{clouet2019", paper, written),
+    )
 
 
 @command()
@@ -213,5 +190,7 @@ def cite(bibtex: bool) -> None:
 
     The version is that of this installation, so that others can repeat the results with it.
     """
-    for reference in references(__version__):
-        click.echo(as_bibtex(reference) if bibtex else reference.text)
+    for head, fields, text in references(__version__):
+        width = max(map(len, fields))
+        lines = [f"  {name:<{width}} = {{{value}}}," for name, value in fields.items()]
+        click.echo("\n".join([f"@{head},", *lines, "}"]) if bibtex else text)

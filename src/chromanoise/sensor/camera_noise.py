@@ -275,8 +275,7 @@ def eld_noise(
     one = _mapping(params, profile)
     low, high = _number(params, "Kmin"), _number(params, "Kmax")
     if not 0 < low <= high:
-        raise InputError(
-            "ELD parameters",
+        raise _of_eld(
             "must have 0 < Kmin <= Kmax [DN/e-]",
             value=(low, high),
             found=f"have Kmin = {low:g} and Kmax = {high:g}",
@@ -285,8 +284,7 @@ def eld_noise(
     heavy = read == "tukey-lambda"
     if heavy and ("G_shape" not in params or "G_scale" not in one):
         missing = "G_scale" if "G_shape" in params else "G_shape"
-        raise InputError(
-            "ELD parameters",
+        raise _of_eld(
             f"must have {missing} for Tukey lambda read noise",
             found="do not",
             remedy=Setting("read", ("gaussian",)),
@@ -311,11 +309,14 @@ def eld_noise(
     }
 
 
+def _of_eld(requirement: str, **facts: Any) -> InputError:
+    return InputError("ELD parameters", requirement, **facts)
+
+
 def _mapping(params: Mapping[str, Any], key: str) -> Mapping[str, Any]:
     found = params.get(key) if isinstance(params, Mapping) else None
     if not isinstance(found, Mapping):
-        raise InputError(
-            "ELD parameters",
+        raise _of_eld(
             f"must be a dictionary with the dictionary {key}",
             value=type(params).__name__,
             found=f"have no {key}" if isinstance(params, Mapping) else None,
@@ -327,15 +328,13 @@ def _mapping(params: Mapping[str, Any], key: str) -> Mapping[str, Any]:
 def _number(params: Mapping[str, Any], key: str, where: str = "") -> float:
     place = f"{where}.{key}" if where else key
     if key not in params:
-        raise InputError("ELD parameters", f"must have {place}", found="do not")
+        raise _of_eld(f"must have {place}", found="do not")
     try:
         number = float(params[key])
     except (TypeError, ValueError):
         number = math.nan
     if not math.isfinite(number):
-        raise InputError(
-            "ELD parameters", "must be a finite number", value=params[key], where=place
-        )
+        raise _of_eld("must be a finite number", value=params[key], where=place)
     return number
 
 
@@ -345,10 +344,8 @@ def _row_of_numbers(params: Mapping[str, Any], key: str) -> tuple[float, ...]:
     except (TypeError, ValueError):
         array = np.empty(0)
     if array.ndim != 1 or not array.size:
-        raise InputError(
-            "ELD parameters", "must be one or more numbers", value=params[key], where=key
-        )
-    return tuple(float(one) for one in array)
+        raise _of_eld("must be one or more numbers", value=params[key], where=key)
+    return tuple(array.tolist())
 
 
 def _log_linear(
@@ -356,18 +353,13 @@ def _log_linear(
 ) -> LogLinearNoise:
     found = profile.get(key)
     if not isinstance(found, Mapping):
-        raise InputError(
-            "ELD parameters",
+        raise _of_eld(
             f"must have {key} with slope, bias and sigma",
             value=found,
             found=f"have no {key}" if found is None else "",
         )
-    return LogLinearNoise(
-        slope=_number(found, "slope", key),
-        bias=_number(found, "bias", key),
-        sigma=_number(found, "sigma", key),
-        tukey_scale=tukey_scale,
-    )
+    values = {name: _number(found, name, key) for name in ("slope", "bias", "sigma")}
+    return LogLinearNoise(**values, tukey_scale=tukey_scale)
 
 
 _MOST_GAIN = 1e9
@@ -679,31 +671,30 @@ class CameraNoise:
         """
         uniform, read_score, row_score = rng.random(), *rng.standard_normal(2)
         shape_share, offset_share = rng.random(2)
-        shape = _chosen(self.tail_lambda, shape_share)
-        own = self
+        shapes = self.tail_lambda
+        shape = shapes[int(shape_share * len(shapes))] if shapes else None
+        own, scale = self, None
         if iso is not None and self.iso is None:
             own = self.at_iso(iso)  # refused there
         elif iso is not None and self.iso is not None and iso != self.iso:
-            gain = self.gain_dn_per_e * (check.within("iso", "1", iso, 1e-3, 1e9) / self.iso)
-            own = replace(self._scattered(gain, read_score, row_score, shape), iso=iso)
+            scale = check.within("iso", "1", iso, 1e-3, 1e9) / self.iso
         elif iso is None and self.gain_range_dn_per_e is not None:
             low, high = (math.log(one) for one in self.gain_range_dn_per_e)
-            first = math.exp(low + uniform * (high - low))
-            gain = self.gain_dn_per_e * (first / self.gain_dn_per_e[0])
-            own = self._scattered(gain, read_score, row_score, shape)
+            scale = math.exp(low + uniform * (high - low)) / self.gain_dn_per_e[0]
         elif shape is not None:
             own = replace(self, tail_lambda=(shape,), gain_range_dn_per_e=None)
+        if scale is not None:
+            own = self.at_gain(
+                self.gain_dn_per_e * scale,
+                read_score=float(read_score),
+                row_score=float(row_score),
+                tail_lambda=shape,
+            )
+            own = own if iso is None else replace(own, iso=iso)
         if own.black_offsets_dn is None or len(own.black_offsets_dn) == 1:
             return own
         row = int(offset_share * len(own.black_offsets_dn))
         return replace(own, black_offsets_dn=own.black_offsets_dn[row : row + 1])
-
-    def _scattered(
-        self, gain: Array, read_score: float, row_score: float, shape: float | None
-    ) -> "CameraNoise":
-        return self.at_gain(
-            gain, read_score=float(read_score), row_score=float(row_score), tail_lambda=shape
-        )
 
     @classmethod
     def from_sensor(cls, sensor: Sensor) -> "CameraNoise":
@@ -821,7 +812,3 @@ class CameraNoise:
 
 
 _PLAIN = tuple(name for name in PIXEL_NOISE if name in {one.name for one in fields(CameraNoise)})
-
-
-def _chosen(shapes: Sequence[float], share: float) -> float | None:
-    return shapes[int(share * len(shapes))] if shapes else None

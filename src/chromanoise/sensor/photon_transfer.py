@@ -89,47 +89,41 @@ def photon_transfer_fit(table: PhotonTransfer, *, black_dn: float | None = None)
     >>> round(fit.gain_dn_per_e, 6), round(fit.read_noise_e, 6)
     (0.5, 4.0)
     """
-    source, levels = table.source, levels_of(table, black_dn)
-    lit = np.flatnonzero(~table.dark)
-    full = _saturated_row(table)
-    saturation = None if full is None else float(table.mean_dn[lit[full]])
-    low = np.ones(lit.size, dtype=bool)
-    if full is not None:
-        low = np.asarray(levels.x <= _FIT_SHARE * levels.x[full])
-    _demand_three(source, levels, low, saturation)
-    curves = _curves(levels.of(low), source, spatial=table.spatial)
-    bend = _bend(
-        levels,
-        curves,
-        float(levels.x[low].max() if full is None else _FIT_SHARE * levels.x[full]),
+    levels, lit, full = (
+        levels_of(table, black_dn),
+        np.flatnonzero(~table.dark),
+        _saturated_row(table),
     )
-    gain, gain_se = curves.gain, float(np.hypot(curves.gain_se, bend.misfit))
-    notes = [*table.notes, *_bend_notes(table, curves, bend)]
-    read, read_se = _read_noise(levels, curves, gain_se, source, notes)
-    current, current_se = _dark_current(levels, curves, gain_se, source, notes)
+    saturation = None if full is None else float(table.mean_dn[lit[full]])
+    top = np.inf if full is None else _FIT_SHARE * levels.x[full]
+    low = np.asarray(levels.x <= top)
+    _demand_three(table.source, levels, low, saturation)
+    curves = _curves(levels.of(low), table, float(levels.x[low].max() if full is None else top))
+    notes = curves.notes(spatial=table.spatial)
+    read, read_se = _read_noise(levels, curves, notes)
+    current, current_se = _dark_current(levels, curves, notes)
     photons = None if table.photons is None else table.photons[lit[low]]
-    qe, qe_se = _quantum_efficiency(levels.of(low), photons, gain, gain_se, source, notes)
+    qe, qe_se = _quantum_efficiency(levels.of(low), photons, curves, table.source, notes)
     prnu, prnu_se = _prnu(curves)
-    known = full is not None and levels.black_known
-    well = float(levels.x[full]) / gain if known else None
+    well = None if full is None or not levels.black_known else float(levels.x[full]) / curves.gain
     if full is None:
         notes.append(
-            f"{source}: the variance of the brightest rows does not fall by more than its error, "
-            "so the full well is unknown"
+            "the variance of the brightest rows does not fall by more than its error, so the full "
+            "well is unknown"
         )
     residual_z, fitted = np.zeros(table.dark.size), np.zeros(table.dark.size, dtype=bool)
     residual_z[lit], fitted[lit] = residuals_z(levels, curves.best), low
     chi2 = 1.0 if table.samples is None else curves.best.chi2_per_row
     notes += _oddities(table, residual_z, fitted, chi2)
     return TransferFit(
-        source=source,
-        gain_dn_per_e=gain,
-        gain_se=gain_se,
-        low_light_gain_dn_per_e=bend.low,
-        low_light_gain_se=bend.low_se,
-        high_light_gain_dn_per_e=bend.high,
-        high_light_gain_se=bend.high_se,
-        bend_z=bend.z,
+        source=table.source,
+        gain_dn_per_e=curves.gain,
+        gain_se=curves.gain_se,
+        low_light_gain_dn_per_e=curves.low[0],
+        low_light_gain_se=curves.low[1],
+        high_light_gain_dn_per_e=curves.high[0],
+        high_light_gain_se=curves.high[1],
+        bend_z=curves.bend_z,
         read_noise_e=read,
         read_noise_se=read_se,
         dark_current_e_per_s=current,
@@ -138,7 +132,9 @@ def photon_transfer_fit(table: PhotonTransfer, *, black_dn: float | None = None)
         prnu_se=prnu_se,
         qe=qe,
         qe_se=qe_se,
-        black_dn=_black_dn(levels, black_dn),
+        black_dn=black_dn
+        if levels.darks is None
+        else float(levels.darks.at_no_time()[0] @ levels.darks.mean_dn),
         saturation_dn=saturation,
         full_well_e=well,
         saturation_capacity_e=well
@@ -147,7 +143,7 @@ def photon_transfer_fit(table: PhotonTransfer, *, black_dn: float | None = None)
         fitted=fitted,
         residual_z=residual_z,
         chi2_per_row=chi2,
-        notes=tuple(notes),
+        notes=(*table.notes, *(f"{table.source}: {note}" for note in notes)),
     )
 
 
@@ -160,40 +156,35 @@ def pixel_from_photon_transfer(fit: TransferFit) -> PixelSource:
         `photon_transfer_fit`.
     """
     notes = [
-        f"{fit.source}: K = {fit.gain_dn_per_e:.4g} +- {fit.gain_se:.2g} DN/e-",
-        *fit.notes,
-    ]
-    for what, value, error, unit in (
-        ("read noise", fit.read_noise_e, fit.read_noise_se, "e-"),
-        ("dark current", fit.dark_current_e_per_s, fit.dark_current_se, "e-/s"),
-        ("PRNU", fit.prnu, fit.prnu_se, "of the signal"),
-        ("QE", fit.qe, fit.qe_se, "e-/photon"),
-    ):
-        if value is not None and error is not None:
-            notes.append(f"{fit.source}: {what} {value:.4g} +- {error:.2g} {unit}")
-    black = None if fit.black_dn is None else round(fit.black_dn)
-    if black is not None and black < 0:
-        black = None
-        notes.append(
-            f"{fit.source}: the black level of {fit.black_dn:.6g} DN is below 0 and not used"
+        f"{what} {value:.4g} +- {error:.2g} {unit}"
+        for what, value, error, unit in (
+            ("read noise", fit.read_noise_e, fit.read_noise_se, "e-"),
+            ("dark current", fit.dark_current_e_per_s, fit.dark_current_se, "e-/s"),
+            ("PRNU", fit.prnu, fit.prnu_se, "of the signal"),
+            ("QE", fit.qe, fit.qe_se, "e-/photon"),
         )
-    elif black is not None and black != fit.black_dn:
-        notes.append(f"{fit.source}: black level of {fit.black_dn:.6g} DN rounded to {black}")
+        if value is not None and error is not None
+    ]
+    black, current = fit.black_dn, fit.dark_current_e_per_s
+    whole = None if black is None or round(black) < 0 else round(black)
+    if black is not None and whole is None:
+        notes.append(f"the black level of {black:.6g} DN is below 0 and not used")
+    elif black is not None and whole != black:
+        notes.append(f"black level of {black:.6g} DN rounded to {whole}")
     possible = fit.qe is None or fit.qe <= 1
     if not possible:
-        notes.append(f"{fit.source}: a QE above 1 is not used")
+        notes.append("a QE above 1 is not used")
+    gain = f"{fit.source}: K = {fit.gain_dn_per_e:.4g} +- {fit.gain_se:.2g} DN/e-"
     return PixelSource(
         source=fit.source,
         full_well_e=fit.full_well_e,
         read_noise_e=fit.read_noise_e,
         gain_e_per_dn=1 / fit.gain_dn_per_e,
-        black_level_dn=black,
+        black_level_dn=whole,
         prnu=fit.prnu,
-        dark_current_e_per_s=None
-        if fit.dark_current_e_per_s is None
-        else max(fit.dark_current_e_per_s, 0.0),
+        dark_current_e_per_s=None if current is None else max(current, 0.0),
         qe=fit.qe if possible else None,
-        notes=tuple(notes),
+        notes=(gain, *fit.notes, *(f"{fit.source}: {note}" for note in notes)),
     )
 
 
@@ -221,30 +212,63 @@ def _undetermined(source: str) -> InputError:
     )
 
 
+_Measured = tuple[float | None, float | None]
+"""A value and its standard error."""
+_UNKNOWN: _Measured = (None, None)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Curves:
-    """The line, the quadratic fit if there is one, and the gain of the one that applies."""
+    """The line, the quadratic fit if there is one, and the gain of the one that applies.
 
-    line: Regression
-    bent: Regression | None
+    Attributes
+    ----------
+    best
+        The quadratic fit if its bend is significant, else the line.
+    gain_fit, gain, gain_se
+        The fit of the gain, the gain, and its error with the misfit of a bend. [DN/e-]
+    bend_z
+        Quadratic term over its standard error.
+    pattern
+        Whether the bend is that of PRNU.
+    low, high
+        Slopes at both ends of the fit. [DN/e-]
+    """
+
+    best: Regression
+    gain_fit: Regression
+    gain: float
+    gain_se: float
     bend_z: float | None
     significant: bool
     pattern: bool
-    gain: float
-    gain_se: float
-    gain_fit: Regression
+    low: _Measured = _UNKNOWN
+    high: _Measured = _UNKNOWN
 
-    @property
-    def best(self) -> Regression:
-        return self.bent if self.significant and self.bent is not None else self.line
+    def notes(self, *, spatial: bool) -> list[str]:
+        """A sentence on a significant bend."""
+        (low, low_se), (high, high_se) = self.low, self.high
+        if not self.significant or low is None or high is None:
+            return []
+        hint = (
+            "; if the variance is over the pixels of one picture, name its column "
+            "spatial_variance_dn2"
+        )
+        return [
+            f"the variance bends {'up' if high > low else 'down'} (z = {self.bend_z:+.1f}): its "
+            f"slope is {low:.4g} +- {low_se:.2g} DN/e- at low light and {high:.4g} +- "
+            f"{high_se:.2g} DN/e- at the end of the fit; the error of K includes its difference "
+            f"from the slope at low light{hint if high > low and not spatial else ''}"
+        ]
 
 
-def _curves(levels: Levels, source: str, *, spatial: bool) -> _Curves:
-    slope = levels.slope_at
+def _curves(levels: Levels, table: PhotonTransfer, high_x: float) -> _Curves:
+    """The fits to levels up to ``high_x`` above dark. [DN]"""
+    slope, largest = levels.slope_at, float(np.abs(levels.x).max())
     line = weighted_fit(levels, bend=False)
     if line is None:
-        raise _undetermined(source)
-    bent, z, significant, largest = None, None, False, float(np.abs(levels.x).max())
+        raise _undetermined(table.source)
+    bent, z = None, None
     if np.unique(levels.x).size > slope + 2:
         bent = weighted_fit(levels, bend=True)
     if bent is not None:
@@ -252,83 +276,48 @@ def _curves(levels: Levels, source: str, *, spatial: bool) -> _Curves:
         by_rounding = 1e-6 * abs(float(bent.values[slope])) / largest
         error = max(error, by_rounding / _CURVED_Z)
         z = curvature / error if error else 0.0
-        significant = abs(z) > _CURVED_Z
+    significant = z is not None and abs(z) > _CURVED_Z
     best = bent if significant and bent is not None else line
-    pattern = spatial and significant and float(best.values[-1]) > 0
+    pattern = table.spatial and significant and float(best.values[-1]) > 0
     own = best if pattern else line
     if levels.darks is not None and not pattern:
         own = straight_fit(levels, best) or line
-    gain = float(own.values[slope])
+    gain, error = float(own.values[slope]), float(own.errors[slope])
     if gain <= _LEAST_GAIN:
         raise InputError(
-            source,
+            table.source,
             "must have a variance that grows with the mean",
             value=gain,
             found=f"the slope is {gain:g} DN",
             remedy="check that the columns are mean and variance, and that the light was changed",
         )
+    slopes = {}
+    if bent is not None and not pattern:
+        weights = np.eye(bent.values.size)[slope]
+        slopes["low"] = bent.combined(weights)
+        slopes["high"] = bent.combined(weights + 2 * high_x * np.eye(weights.size)[-1])
+        error = float(np.hypot(error, abs(gain - slopes["low"][0]) if significant else 0.0))
     return _Curves(
-        line=line,
-        bent=bent,
+        best=best,
+        gain_fit=own,
+        gain=gain,
+        gain_se=error,
         bend_z=z,
         significant=significant,
         pattern=pattern,
-        gain=gain,
-        gain_se=float(own.errors[slope]),
-        gain_fit=own,
+        **slopes,
     )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Bend:
-    """Slopes at both ends of the fit, and the difference between K and the slope at low light."""
-
-    z: float | None
-    low: float | None = None
-    low_se: float | None = None
-    high: float | None = None
-    high_se: float | None = None
-    misfit: float = 0.0
-
-
-def _bend(levels: Levels, curves: _Curves, high_x: float) -> _Bend:
-    if curves.bent is None or curves.pattern:
-        return _Bend(z=curves.bend_z)
-    weights = np.zeros(curves.bent.values.size)
-    weights[levels.slope_at] = 1.0
-    low, low_se = curves.bent.combined(weights)
-    weights[-1] = 2 * high_x
-    high, high_se = curves.bent.combined(weights)
-    misfit = abs(curves.gain - low) if curves.significant else 0.0
-    return _Bend(z=curves.bend_z, low=low, low_se=low_se, high=high, high_se=high_se, misfit=misfit)
-
-
-def _bend_notes(table: PhotonTransfer, curves: _Curves, bend: _Bend) -> list[str]:
-    if not curves.significant or bend.low is None or bend.high is None:
-        return []
-    up = bend.high > bend.low and not table.spatial
-    spatial = (
-        "; if the variance is over the pixels of one picture, name its column spatial_variance_dn2"
-    )
-    return [
-        f"{table.source}: the variance bends {'up' if bend.high > bend.low else 'down'} "
-        f"(z = {bend.z:+.1f}): its slope is {bend.low:.4g} +- {bend.low_se:.2g} DN/e- at low light "
-        f"and {bend.high:.4g} +- {bend.high_se:.2g} DN/e- at the end of the fit; the error of K "
-        f"includes its difference from the slope at low light{spatial if up else ''}"
-    ]
-
-
-def _read_noise(
-    levels: Levels, curves: _Curves, gain_se: float, source: str, notes: list[str]
-) -> tuple[float | None, float | None]:
+def _read_noise(levels: Levels, curves: _Curves, notes: list[str]) -> _Measured:
     """Root of the dark variance minus rounding, divided by the gain; error by the delta method."""
-    gain, fit, limited = curves.gain, curves.gain_fit, False
+    gain, gain_se, fit, limited = curves.gain, curves.gain_se, curves.gain_fit, False
     if not levels.black_known:
         notes.append(
-            f"{source}: no dark row and no black level, so the read noise is unknown and K is the "
-            "slope above the lowest mean"
+            "no dark row and no black level, so the read noise is unknown and K is the slope above "
+            "the lowest mean"
         )
-        return None, None
+        return _UNKNOWN
     if levels.darks is None:
         variance, error2, common = float(fit.values[0]), fit.covariance[0, 0], fit.covariance[0, 1]
     else:
@@ -336,9 +325,9 @@ def _read_noise(
         dark_dn2 = levels.darks.variance_dn2
         if weights @ dark_dn2 < LEAST_DARK_DN2 <= dark_dn2.max():
             notes.append(
-                f"{source}: the dark variance at exposure time 0 would be "
-                f"{weights @ dark_dn2:.3g} DN^2, so the read noise is that of the dark of the "
-                "shortest time, its dark current included: an upper limit"
+                f"the dark variance at exposure time 0 would be {weights @ dark_dn2:.3g} DN^2, so "
+                "the read noise is that of the dark of the shortest time, its dark current "
+                "included: an upper limit"
             )
             weights = levels.darks.at_shortest_time()
             limited = True
@@ -350,15 +339,15 @@ def _read_noise(
     if levels.darks is None and variance < LEAST_DARK_DN2 < highest:
         limit = float(np.sqrt(highest - ROUNDING_DN2)) / gain
         notes.append(
-            f"{source}: the variance at the black level is {variance:.3g} +- {np.sqrt(error2):.2g} "
-            f"DN^2, extrapolated from the rows with light, so the read noise of {limit:.3g} e- is "
-            "an upper limit"
+            f"the variance at the black level is {variance:.3g} +- {np.sqrt(error2):.2g} DN^2, "
+            f"extrapolated from the rows with light, so the read noise of {limit:.3g} e- is an "
+            "upper limit"
         )
         return limit, None
     if variance < LEAST_DARK_DN2:
         limit = float(np.sqrt(LEAST_DARK_DN2 - ROUNDING_DN2)) / gain
         notes.append(
-            f"{source}: the dark variance of {variance:.3g} DN^2 is mostly quantization (below "
+            f"the dark variance of {variance:.3g} DN^2 is mostly quantization (below "
             f"{LEAST_DARK_DN2} DN^2), so the read noise of {limit:.3g} e- is an upper limit"
         )
         return limit, None
@@ -368,40 +357,33 @@ def _read_noise(
     return read, None if limited else read * float(np.sqrt(max(relative2, 0.0)))
 
 
-def _dark_current(
-    levels: Levels, curves: _Curves, gain_se: float, source: str, notes: list[str]
-) -> tuple[float | None, float | None]:
+def _dark_current(levels: Levels, curves: _Curves, notes: list[str]) -> _Measured:
     """Slope of the dark means over the exposure time, divided by the gain."""
     slope = None if levels.darks is None else levels.darks.at_no_time()[1]
     if levels.darks is None or slope is None:
-        return None, None
-    darks, per_s = levels.darks, 1e3 / curves.gain
-    errors2 = curves.gain_fit.spread * dark_mean_error2(darks, levels.frames)
-    current, error = float(slope @ darks.mean_dn) * per_s, float(np.sqrt(slope**2 @ errors2))
-    if current < -_CURVED_Z * error * per_s:
+        return _UNKNOWN
+    per_s = 1e3 / curves.gain
+    errors2 = curves.gain_fit.spread * dark_mean_error2(levels.darks, levels.frames)
+    current = float(slope @ levels.darks.mean_dn) * per_s
+    error = float(np.sqrt(slope**2 @ errors2)) * per_s
+    if current < -_CURVED_Z * error:
         notes.append(
-            f"{source}: the dark mean falls with the exposure time ({current:.4g} +- "
-            f"{error * per_s:.2g} e-/s), so the dark current is unknown"
+            f"the dark mean falls with the exposure time ({current:.4g} +- {error:.2g} e-/s), so "
+            "the dark current is unknown"
         )
-        return None, None
+        return _UNKNOWN
     if current < 0:
         notes.append(
-            f"{source}: the dark current of {current:.4g} +- {error * per_s:.2g} e-/s is negative, "
-            "but not significantly"
+            f"the dark current of {current:.4g} +- {error:.2g} e-/s is negative, but not "
+            "significantly"
         )
-    return current, float(np.hypot(error * per_s, current * gain_se / curves.gain))
+    return current, float(np.hypot(error, current * curves.gain_se / curves.gain))
 
 
-def _black_dn(levels: Levels, given: float | None) -> float | None:
-    if levels.darks is None:
-        return given
-    return float(levels.darks.at_no_time()[0] @ levels.darks.mean_dn)
-
-
-def _prnu(curves: _Curves) -> tuple[float | None, float | None]:
+def _prnu(curves: _Curves) -> _Measured:
     """PRNU, the root of the quadratic term, if spatial variances bend upward."""
     if not curves.pattern:
-        return None, None
+        return _UNKNOWN
     root = float(np.sqrt(curves.best.values[-1]))
     return root, float(curves.best.errors[-1]) / (2 * root)
 
@@ -411,14 +393,14 @@ def _oddities(
 ) -> list[str]:
     """Notes on rows far from the fit, and on scatter larger than the samples explain."""
     notes = [
-        f"{table.source}: the row of mean {table.mean_dn[i]:g} DN is "
-        f"{residual_z[i]:+.1f} standard errors off the fit"
+        f"the row of mean {table.mean_dn[i]:g} DN is {residual_z[i]:+.1f} standard errors off the "
+        "fit"
         for i in np.flatnonzero(fitted & (np.abs(residual_z) > _NAMED_Z))[:5]
     ]
     if chi2_per_row > _SCATTERED:
         notes.append(
-            f"{table.source}: rows scatter {np.sqrt(chi2_per_row):.2g} times as far as their "
-            "samples explain, so standard errors are too small; did light or gain change?"
+            f"rows scatter {np.sqrt(chi2_per_row):.2g} times as far as their samples explain, so "
+            "standard errors are too small; did light or gain change?"
         )
     return notes
 
@@ -454,16 +436,11 @@ def _fallen(variance: Array, samples: Array | None, top: int) -> Array:
 
 
 def _quantum_efficiency(
-    levels: Levels,
-    photons: Array | None,
-    gain: float,
-    gain_se: float,
-    source: str,
-    notes: list[str],
-) -> tuple[float | None, float | None]:
+    levels: Levels, photons: Array | None, curves: _Curves, source: str, notes: list[str]
+) -> _Measured:
     """QE = responsivity / gain; the error of the responsivity is from the scatter of its fit."""
     if photons is None or not levels.black_known:
-        return None, None
+        return _UNKNOWN
     if not photons.max() > 0:
         raise InputError(
             source,
@@ -474,8 +451,8 @@ def _quantum_efficiency(
             remedy="omit the column",
         )
     response, error = _slope_through_origin(photons, levels.x)
-    qe = response / gain
-    qe_se = abs(qe) * float(np.hypot(error / response, gain_se / gain)) if response else error
+    qe, relative = response / curves.gain, curves.gain_se / curves.gain
+    qe_se = abs(qe) * float(np.hypot(error / response, relative)) if response else error
     if not 0 <= qe <= 1 + _IMPOSSIBLE_Z * qe_se:
         raise InputError(
             source,
@@ -487,7 +464,7 @@ def _quantum_efficiency(
         )
     if qe > 1:
         notes.append(
-            f"{source}: the QE of {qe:.4g} is above 1, which is not possible, but by less than "
+            f"the QE of {qe:.4g} is above 1, which is not possible, but by less than "
             f"{_IMPOSSIBLE_Z:g} standard errors ({qe_se:.2g} each)"
         )
     return qe, qe_se

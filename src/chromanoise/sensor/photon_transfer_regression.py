@@ -342,7 +342,9 @@ class Levels:
 
 def levels_of(table: PhotonTransfer, black_dn: float | None) -> Levels:
     """The lit rows, each above its own dark."""
-    found = _darks(table)
+    found, lit = _darks(table), ~table.dark
+    base: float | Array
+    floor: float | Array
     if found is None:
         lowest = float(table.mean_dn.min())
         base = lowest if black_dn is None else check.not_negative("black_dn", "DN", black_dn)
@@ -353,33 +355,26 @@ def levels_of(table: PhotonTransfer, black_dn: float | None) -> Levels:
                 value=base,
                 remedy="give the code without light",
             )
-        return Levels(
-            x=table.mean_dn - base,
-            y=table.variance_dn2,
-            samples=table.samples,
-            frames=1 if table.spatial else 2,
-            darks=None,
-            dark_of=np.zeros(table.dark.size, dtype=int),
-            black_known=black_dn is not None,
-        )
-    darks, dark_of = found
-    if black_dn is not None:
-        raise InputError(
-            "black_dn",
-            f"must be omitted where {table.source} has dark rows",
-            value=black_dn,
-            found=f"{black_dn:g} is given besides the {darks.mean_dn[0]:g} DN of those rows",
-            remedy="omit it",
-        )
-    lit = ~table.dark
+        darks, dark_of, floor = None, np.zeros(table.dark.size, dtype=int), 0.0
+    else:
+        darks, dark_of = found
+        base, floor = darks.mean_dn[dark_of], darks.variance_dn2[dark_of]
+        if black_dn is not None:
+            raise InputError(
+                "black_dn",
+                f"must be omitted where {table.source} has dark rows",
+                value=black_dn,
+                found=f"{black_dn:g} is given besides the {darks.mean_dn[0]:g} DN of those rows",
+                remedy="omit it",
+            )
     return Levels(
-        x=table.mean_dn[lit] - darks.mean_dn[dark_of],
-        y=table.variance_dn2[lit] - darks.variance_dn2[dark_of],
+        x=table.mean_dn[lit] - base,
+        y=table.variance_dn2[lit] - floor,
         samples=None if table.samples is None else table.samples[lit],
         frames=1 if table.spatial else 2,
         darks=darks,
         dark_of=dark_of,
-        black_known=True,
+        black_known=darks is not None or black_dn is not None,
     )
 
 

@@ -43,7 +43,6 @@ if TYPE_CHECKING:
         variance_through_file as variance_through_file,
     )
     from chromanoise.apps.camera.measure import (
-        characterization_of as characterization_of,
         characterize as characterize,
         characterized as characterized,
         characterized_table as characterized_table,

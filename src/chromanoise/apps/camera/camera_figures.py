@@ -1,6 +1,6 @@
 """The curves of EMVA 1288 for a characterized camera, each on one axes with all planes."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from itertools import cycle
 from typing import Any
 
@@ -25,135 +25,68 @@ def draw_photon_transfer(curves: Sequence[PlaneCurves], ax: Axes) -> Axes:
     """Variance above dark over signal of each plane, with the line of its gain. [DN^2]
 
     Filled points were fitted; bars are standard errors.
-
-    Parameters
-    ----------
-    curves
-        Curves of each plane.
-    ax
-        To draw on.
     """
-    for curve in curves:
-        ax.errorbar(
-            curve.signal_dn,
-            curve.shot_dn2,
-            yerr=curve.shot_se_dn2,
-            fmt="none",
-            ecolor=_color(curve.name),
-            elinewidth=0.8,
-        )
+    for one in curves:
+        bars: dict[str, Any] = {"fmt": "none", "ecolor": _color(one.name), "elinewidth": 0.8}
+        ax.errorbar(one.signal_dn, one.shot_dn2, yerr=one.shot_se_dn2, **bars)
     ax.set(xlabel=_SIGNAL, ylabel="variance above dark [DN²]")
-    return _planes(
-        curves,
-        ax,
-        lambda one: (one.signal_dn, one.shot_dn2),
-        lambda one: ([0, one.model_signal_dn[-1]], [0, one.model_shot_dn2[-1]]),
-        zero="xy",
-    )
+    points = [(one.signal_dn, one.shot_dn2) for one in curves]
+    lines = [([0, one.model_signal_dn[-1]], [0, one.model_shot_dn2[-1]]) for one in curves]
+    return _planes(curves, ax, points, lines, zero="xy")
 
 
 def draw_snr(curves: Sequence[PlaneCurves], ax: Axes) -> Axes:
-    """SNR over signal of each plane, measured, of the linear model, and of shot noise alone. [dB]
-
-    Parameters
-    ----------
-    curves
-        Curves of each plane.
-    ax
-        To draw on.
-    """
+    """SNR over signal of each plane: measured, of the linear model, of shot noise alone. [dB]"""
     dashed: dict[str, Any] = {"color": QUIET, "lw": 0.9, "ls": (0, (5, 3))}
-    for curve in curves:
-        ax.plot(curve.model_signal_dn, 20 * np.log10(curve.ideal_snr), **dashed)
+    for one in curves:
+        ax.plot(one.model_signal_dn, 20 * np.log10(one.ideal_snr), **dashed)
     ax.plot([], [], label="shot noise only", **dashed)
     ax.set(xscale="log", xlabel=_SIGNAL, ylabel="SNR [dB]")
-    return _planes(
-        curves,
-        ax,
-        lambda one: (one.signal_dn, 20 * np.log10(one.snr)),
-        lambda one: (one.model_signal_dn, 20 * np.log10(one.model_snr)),
-    )
+    points = [(one.signal_dn, 20 * np.log10(one.snr)) for one in curves]
+    lines = [(one.model_signal_dn, 20 * np.log10(one.model_snr)) for one in curves]
+    return _planes(curves, ax, points, lines)
 
 
 def draw_linearity(curves: Sequence[PlaneCurves], ax: Axes) -> Axes:
-    """Signal over light of each plane, with the fitted line. [DN]
-
-    Parameters
-    ----------
-    curves
-        Curves of each plane, with light.
-    ax
-        To draw on.
-    """
+    """Signal over light of each plane with light, with the fitted line. [DN]"""
     ax.set(xlabel=_light_label(curves), ylabel=_SIGNAL)
-    return _planes(
-        curves,
-        ax,
-        lambda one: (one.light, one.signal_dn),
-        lambda one: (one.light, one.line_dn),
-        zero="xy",
-    )
+    points = [(one.light, one.signal_dn) for one in curves]
+    return _planes(curves, ax, points, [(one.light, one.line_dn) for one in curves], zero="xy")
 
 
 def draw_linearity_deviation(curves: Sequence[PlaneCurves], ax: Axes) -> Axes:
-    """Deviation of the signal from the fitted line over light, from 5 to 95 % of saturation. [%]
-
-    Parameters
-    ----------
-    curves
-        Curves of each plane, with light.
-    ax
-        To draw on.
-    """
+    """Deviation of the signal from the fitted line over light, from 5 to 95 % of saturation. [%]"""
     ax.axhline(0, color=QUIET, lw=0.8)
-    found = [c.deviation_percent for c in curves if c.deviation_percent is not None]
-    most = max([_LEAST_PERCENT, *(1.2 * float(np.nanmax(np.abs(one))) for one in found)])
+    points = [(one.light, one.deviation_percent) for one in curves]
+    largest = [1.2 * float(np.nanmax(np.abs(y))) for _, y in points if y is not None]
+    most = max([_LEAST_PERCENT, *largest])
     ax.set(xlabel=_light_label(curves), ylabel="deviation from the line [%]", ylim=(-most, most))
-
-    def deviation(one: PlaneCurves) -> _Line:
-        return one.light, one.deviation_percent
-
-    return _planes(curves, ax, deviation, deviation, zero="x")
+    return _planes(curves, ax, points, points, zero="x")
 
 
 def draw_variance_residuals(curves: Sequence[PlaneCurves], ax: Axes) -> Axes:
-    """Measured minus predicted variance over its standard error, over signal. [1]
-
-    Parameters
-    ----------
-    curves
-        Curves of each plane.
-    ax
-        To draw on.
-    """
+    """Measured minus predicted variance over its standard error, over signal. [1]"""
     ax.axhspan(-_NOTICED_Z, _NOTICED_Z, color=QUIET, alpha=0.12, lw=0)
     ax.axhline(0, color=QUIET, lw=0.8)
     ax.set_yscale("symlog", linthresh=5, linscale=2)
     ax.set_yticks([-1000, -100, -10, -3, 0, 3, 10, 100, 1000], minor=False)
     ax.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
     ax.set_yticks([], minor=True)
-    most = max([6.0, *(1.5 * float(np.abs(curve.residual_z).max()) for curve in curves)])
+    points = [(one.signal_dn, one.residual_z) for one in curves]
+    most = max([6.0, *(1.5 * float(np.abs(z).max()) for _, z in points)])
     ax.set(xlabel=_SIGNAL, ylabel="(measured − predicted) / error", ylim=(-most, most))
-    return _planes(curves, ax, lambda one: (one.signal_dn, one.residual_z), zero="x")
+    return _planes(curves, ax, points, zero="x")
 
 
 def draw_predicted_variance(curves: Sequence[PlaneCurves], ax: Axes) -> Axes:
-    """Measured over predicted variance of each level, on logarithmic axes. [DN^2]
-
-    Parameters
-    ----------
-    curves
-        Curves of each plane.
-    ax
-        To draw on.
-    """
+    """Measured over predicted variance of each level, on logarithmic axes. [DN^2]"""
     every = np.concatenate([c.predicted_dn2[c.predicted_dn2 > 0] for c in curves])
     if every.size:
         ends = [float(every.min()), float(every.max())]
         ax.plot(ends, ends, color=QUIET, lw=0.9, label="equal")
     ax.set(xscale="log", yscale="log")
     ax.set(xlabel="predicted variance [DN²]", ylabel="measured variance [DN²]")
-    return _planes(curves, ax, lambda one: (one.predicted_dn2, one.variance_dn2))
+    return _planes(curves, ax, [(one.predicted_dn2, one.variance_dn2) for one in curves])
 
 
 def draw_characterization(result: Characterization, ax: Axes) -> Axes:
@@ -216,8 +149,8 @@ _Line = tuple[Any, Any]
 def _planes(
     curves: Sequence[PlaneCurves],
     ax: Axes,
-    points: Callable[[PlaneCurves], _Line],
-    line: Callable[[PlaneCurves], _Line] = lambda _: (None, None),
+    points: Sequence[_Line],
+    lines: Sequence[_Line] = (),
     *,
     zero: str = "",
 ) -> Axes:
@@ -225,13 +158,13 @@ def _planes(
 
     ``zero`` names the axes that begin at 0.
     """
-    for curve, marker in zip(curves, cycle(_MARKERS), strict=False):
-        color = _color(curve.name)
-        (x, y), at = points(curve), curve.fitted
+    drawn = zip(curves, points, lines or [(None, None)] * len(curves), strict=True)
+    for (curve, (x, y), line), marker in zip(drawn, cycle(_MARKERS), strict=False):
+        color, at = _color(curve.name), curve.fitted
         if x is None or y is None:
             continue
-        if all(one is not None for one in line(curve)):
-            ax.plot(*line(curve), color=color, lw=1)
+        if all(one is not None for one in line):
+            ax.plot(*line, color=color, lw=1)
         style: dict[str, Any] = {"linestyle": "none", "marker": marker, "markersize": 4.5}
         ax.plot(x[at], y[at], label=_text(curve.name), color=color, **style)
         ax.plot(x[~at], y[~at], color=color, markerfacecolor="none", **style)

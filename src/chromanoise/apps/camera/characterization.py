@@ -5,14 +5,24 @@ Read a characterization back from the JSON of ``chromanoise characterize``.
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, is_dataclass, replace
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from types import UnionType
-from typing import Annotated, Any, get_args, get_origin
+from typing import Annotated, Any, ClassVar, get_args, get_origin
 
 import numpy as np
 
-from chromanoise.base import Array, Float, InputError, __version__, check, from_above
+from chromanoise.base import (
+    VERSION,
+    Array,
+    Float,
+    InputError,
+    JsonKey,
+    JsonKeys,
+    check,
+    defined,
+    from_above,
+)
 from chromanoise.io import Column, Entry, Result, Table, axes_of
 from chromanoise.io.pixels import finite_number
 from chromanoise.sensor import (
@@ -58,7 +68,7 @@ class Quantity:
             Measured noise of one plane of the mosaic.
         """
         value, error = getattr(plane, self.field), getattr(plane, f"{self.field}_se", None)
-        return _defined(value), _defined(error)
+        return defined(value), defined(error)
 
     def shown(self, plane: "PlaneNoise") -> tuple[float | None, float | None]:
         """As `of`, in `shown_unit`.
@@ -81,10 +91,6 @@ class Quantity:
     def shown_unit(self) -> str:
         """The unit in tables for readers: percent for shares, empty for counts."""
         return "%" if self.is_share else self.unit.removeprefix("1")
-
-
-def _defined(value: float | None) -> float | None:
-    return None if value is None or not math.isfinite(value) else float(value)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -132,6 +138,14 @@ class LevelNoise:
     correlation_right: float
     correlation_down: float
     drift_z: float
+
+    @property
+    def samples(self) -> float | None:
+        """Samples that give the standard error of the variance; ``None`` without an error. [1]"""
+        if not self.variance_se_dn2 > 0 or not self.variance_dn2 > 0:
+            return None
+        samples = 1 + 2 * (self.variance_dn2 / self.variance_se_dn2) ** 2
+        return samples if 2 <= samples <= 1e12 else None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -216,6 +230,9 @@ class PlaneNoise(PartialPixel):
 
 MEASURED = tuple(name for name in PIXEL if f"{name}_se" in {one.name for one in fields(PlaneNoise)})
 """Properties of a pixel that are measured."""
+_PLANE_KEYS = tuple(
+    one.name for one in fields(PlaneNoise) if one.name in MEASURED or one.name not in PIXEL
+)
 
 
 def _drawn(name: str) -> set[Drawn]:
@@ -304,6 +321,15 @@ class Characterization(Result):
         If the covariances are not those of the planes.
     """
 
+    KEYS: ClassVar[JsonKeys] = (
+        JsonKey("schema", lambda _: SCHEMA),
+        JsonKey("schema_version", lambda _: SCHEMA_VERSION),
+        VERSION,
+        *("source", "camera", "iso", "bits"),
+        JsonKey("mosaic", "mosaic.pattern"),
+        JsonKey("planes", keys=_PLANE_KEYS),
+        *("correlation", "covariance_dn2", "verdict", "notes"),
+    )
     source: str
     camera: str
     iso: float | None
@@ -320,10 +346,6 @@ class Characterization(Result):
         check.same_length("planes", planes=count, correlation=len(self.correlation))
         check.same_length("planes", planes=count, covariance=self.covariance_dn2.shape[-1])
         check.freeze(self, "correlation", "covariance_dn2")
-
-    def to_dict(self) -> dict[str, Any]:
-        """As ``chromanoise characterize --json``."""
-        return characterization_as_json(self)
 
     def to_table(self) -> Table:
         """One row per value, with a column of values and one of standard errors for each plane."""
@@ -378,6 +400,11 @@ class Characterization(Result):
         return f"<Characterization: {planes}; {self._holds()}>"
 
 
+def several(results: Characterization | Sequence[Characterization]) -> list[Characterization]:
+    """One result, or several, as a list."""
+    return [results] if isinstance(results, Characterization) else list(results)
+
+
 def by_iso(results: Sequence[Characterization]) -> list[tuple[float, Characterization]]:
     """The noise of one camera at each ISO setting, in increasing order.
 
@@ -429,31 +456,7 @@ def characterization_as_json(result: Characterization) -> dict[str, Any]:
         the properties of a pixel that are not measured. A value that is not known or not finite is
         ``None``.
     """
-    head = {"schema": SCHEMA, "schema_version": SCHEMA_VERSION, "version": __version__}
-    mosaic = [list(row) for row in result.mosaic.pattern] if result.mosaic else None
-    return {**head, **_plain(result), "mosaic": mosaic}
-
-
-def written_fields(kind: type) -> dict[str, Any]:
-    """Types of the fields that JSON has, by name.
-
-    Parameters
-    ----------
-    kind
-        `Characterization` or a class of its values.
-    """
-    hidden = {*PIXEL} - {*MEASURED} if issubclass(kind, PartialPixel) else set()
-    return {one.name: one.type for one in fields(kind) if one.name not in hidden}
-
-
-def _plain(value: Any) -> Any:
-    if is_dataclass(value):
-        return {name: _plain(getattr(value, name)) for name in written_fields(type(value))}
-    if isinstance(value, np.ndarray | np.generic):
-        return _plain(value.tolist())
-    if isinstance(value, list | tuple):
-        return [_plain(entry) for entry in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
+    return result.to_dict()
 
 
 def plane_names(mosaic: Mosaic | None) -> tuple[str, ...]:
@@ -473,11 +476,46 @@ def plane_names(mosaic: Mosaic | None) -> tuple[str, ...]:
     return ("mono",) if mosaic is None else mosaic.place_names
 
 
+_LEAST_SIGNAL_E = 0.5  # added to the dark noise: EMVA 1288, eq. of the absolute threshold
 _MOST = 1e15
-_NOUNS = (PlaneNoise, LevelNoise, TransferFit, ModelVerdict)
+_AXES = {"correlation": 2, "covariance_dn2": 3}
 _POSITIVE = (".gain_dn_per_e",)
 _NOT_NEGATIVE = ("_noise_e", "_se", *(f".{name}" for name in SPREADS))
 _REMEDY = "give the file as chromanoise characterize wrote it"
+
+
+def threshold_e(gain_dn_per_e: float, dark_noise_e: float | None) -> float | None:
+    """The absolute sensitivity threshold; ``None`` without dark noise. [e-]
+
+    Parameters
+    ----------
+    gain_dn_per_e
+        The gain K. [DN/e-]
+    dark_noise_e
+        Temporal dark noise, rounding not included. [e-]
+
+    Notes
+    -----
+    EMVA Standard 1288, release 4.0 Linear: sqrt(sigma_d^2 + 1 / (12 K^2)) + 1/2.
+    """
+    if dark_noise_e is None:
+        return None
+    return math.sqrt(dark_noise_e**2 + ROUNDING_DN2 / gain_dn_per_e**2) + _LEAST_SIGNAL_E
+
+
+def dynamic_range_db(capacity_e: float | None, least_e: float | None) -> float | None:
+    """20 log10 of the saturation capacity over `threshold_e`; ``None`` if one is unknown. [dB]
+
+    Parameters
+    ----------
+    capacity_e, least_e
+        Of a plane. [e-]
+
+    Notes
+    -----
+    EMVA Standard 1288, release 4.0 Linear: mu_e.sat / mu_e.min.
+    """
+    return 20 * math.log10(capacity_e / least_e) if capacity_e and least_e else None
 
 
 def is_characterization(data: Any) -> bool:
@@ -513,26 +551,7 @@ def characterization_from_json(data: Mapping[str, Any], source: str) -> Characte
             value=(data.get("schema"), data.get("schema_version")),
             remedy=_REMEDY,
         )
-    pattern = data.get("mosaic")
-    try:
-        mosaic = None if pattern is None else Mosaic(tuple(tuple(row) for row in pattern))
-        planes = _wrong_unless(list, data.get("planes"), source, "planes")
-        return Characterization(
-            source=_value(str, data.get("source"), source, "source"),
-            camera=_value(str, data.get("camera"), source, "camera"),
-            iso=_value(float | None, data.get("iso"), source, "iso"),
-            bits=_value(int | None, data.get("bits"), source, "bits"),
-            mosaic=mosaic,
-            planes=tuple(
-                _value(PlaneNoise, plane, source, f"planes[{i}]") for i, plane in enumerate(planes)
-            ),
-            correlation=_array(data.get("correlation"), 2, source, "correlation"),
-            covariance_dn2=_array(data.get("covariance_dn2"), 3, source, "covariance_dn2"),
-            verdict=_value(ModelVerdict, data.get("verdict"), source, "verdict"),
-            notes=_value(tuple[str, ...], data.get("notes"), source, "notes"),
-        )
-    except (TypeError, AttributeError):
-        raise _wrong(source, "mosaic", pattern) from None
+    return _value(Characterization, data, source, "")
 
 
 def _wrong(source: str, where: str, value: Any) -> InputError:
@@ -548,14 +567,28 @@ def _wrong_unless(kind: type, value: Any, source: str, where: str) -> Any:
 
 
 def _value(kind: Any, value: Any, source: str, where: str) -> Any:
-    """A value of the type of a field of the nouns."""
+    """A value of the type of a field of the nouns, or a noun."""
     if get_origin(kind) is Annotated:
         kind = get_args(kind)[0]
     if isinstance(kind, UnionType):
         first = next(one for one in get_args(kind) if one is not type(None))
         return None if value is None else _value(first, value, source, where)
-    if kind in _NOUNS:
-        return _noun(kind, value, source, where)
+    if kind is Mosaic:
+        try:
+            return Mosaic(tuple(tuple(row) for row in value))
+        except (TypeError, AttributeError):
+            raise _wrong(source, where, value) from None
+    if kind in (Characterization, PlaneNoise, LevelNoise, TransferFit, ModelVerdict):
+        held = _wrong_unless(dict, value, source, where)
+        names = _PLANE_KEYS if kind is PlaneNoise else [one.name for one in fields(kind)]
+        types = {one.name: one.type for one in fields(kind) if one.name in names}
+        inside = f"{where}." if where else ""
+        return kind(
+            **{
+                name: _value(one, held.get(name), source, f"{inside}{name}")
+                for name, one in types.items()
+            }
+        )
     if get_origin(kind) is tuple:
         of = get_args(kind)[0]
         entries = _wrong_unless(list, value, source, where)
@@ -564,17 +597,7 @@ def _value(kind: Any, value: Any, source: str, where: str) -> Any:
         return _number(value, source, where)
     if kind in (str, int, bool):
         return _wrong_unless(kind, value, source, where)
-    return _array(value, 1, source, where)
-
-
-def _noun(kind: type, value: Any, source: str, where: str) -> Any:
-    held = _wrong_unless(dict, value, source, where)
-    return kind(
-        **{
-            name: _value(one, held.get(name), source, f"{where}.{name}")
-            for name, one in written_fields(kind).items()
-        }
-    )
+    return _array(value, source, where)
 
 
 def _number(value: Any, source: str, where: str) -> float:
@@ -582,21 +605,22 @@ def _number(value: Any, source: str, where: str) -> float:
     if value is None and not where.endswith(_POSITIVE):
         return float("nan")
     number = finite_number(value)
-    if number is None or abs(number) > _MOST:
-        raise _wrong(source, where, value)
-    if (number < 0 and where.endswith(_NOT_NEGATIVE)) or (
-        number <= 0 and where.endswith(_POSITIVE)
+    if (
+        number is None
+        or abs(number) > _MOST
+        or (number < 0 and where.endswith(_NOT_NEGATIVE))
+        or (number <= 0 and where.endswith(_POSITIVE))
     ):
         raise _wrong(source, where, value)
     return number
 
 
-def _array(value: Any, axes: int, source: str, where: str) -> Any:
+def _array(value: Any, source: str, where: str) -> Any:
     try:
         array = np.array(_wrong_unless(list, value, source, where))
     except ValueError:
         raise _wrong(source, where, value) from None
     flags = array.dtype == bool
-    if array.ndim != axes or not (flags or array.dtype.kind in "if"):
+    if array.ndim != _AXES.get(where, 1) or not (flags or array.dtype.kind in "if"):
         raise _wrong(source, where, value)
     return array if flags else check.finite(f"{where} of {source}", "1", array)

@@ -9,7 +9,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
-from typing import Any
+from typing import Any, ClassVar
 from xml.etree import ElementTree
 
 import numpy as np
@@ -18,35 +18,29 @@ from chromanoise.apps.camera.characterization import (
     SHARED,
     STATED,
     Characterization,
-    LevelNoise,
     PlaneNoise,
     by_iso,
+    dynamic_range_db,
+    several,
+    threshold_e,
 )
-from chromanoise.apps.camera.planes import dynamic_range_db, threshold_e
-from chromanoise.base import Array, Float, InputError, Setting, check, pinv
+from chromanoise.base import (
+    Array,
+    Float,
+    InputError,
+    JsonKey,
+    JsonKeys,
+    Setting,
+    check,
+    defined,
+    pinv,
+)
 from chromanoise.io import GivenMatrix
 from chromanoise.sensor import VarianceLaw, shot_and_dark
 
 _RGB = ("R", "G", "B")
 _HAAR = 0.25  # variance of white noise in the diagonal band of darktable's Haar transform
 _TOP_16 = 16  # bits of the scale of libcamera's tuning files
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _Normalized:
-    """S and O of each plane, variance = S x + O, x = 0 at black and 1 at white level."""
-
-    names: tuple[str, ...]
-    pairs: Float[Array, "p 2"]
-    black_dn: float
-    white_dn: float
-
-    def of_colors(self) -> dict[str, list[float]]:
-        """Mean S and O of the planes of each color: red, green, blue, or as they appear."""
-        colors = [color_of_plane(name) for name in self.names]
-        order = _RGB if set(colors) == set(_RGB) else tuple(dict.fromkeys(colors))
-        of = np.array(colors)
-        return {color: self.pairs[of == color].mean(axis=0).tolist() for color in order}
 
 
 def color_of_plane(name: str) -> str:
@@ -98,19 +92,31 @@ def noise_profile_json(
     1/12) / R^2, because rounding to codes is part of the noise of a file. The planes of one color
     share the mean of their S and of their O.
     """
-    profile = _normalized(result, white_level_dn)
-    colors = profile.of_colors()
+    blacks = [_black_of(plane) for plane in result.planes]
+    if not blacks:
+        raise InputError(result.source, "must have at least one plane", value=0)
+    black = sum(blacks) / len(blacks)
+    white = _white_dn(result) if white_level_dn is None else float(white_level_dn)
+    span = check.positive(f"white minus black level of {result.source}", "DN", white - black)
+    of_codes = VarianceLaw(
+        floor_e2=np.array([_dark_noise_dn2(plane) for plane in result.planes]),
+        slope_e=np.array([plane.gain_dn_per_e for plane in result.planes]),
+    )
+    pairs = shot_and_dark(of_codes.in_units_of(span))
+    of = np.array([color_of_plane(plane.name) for plane in result.planes])
+    colors = _RGB if set(of) == set(_RGB) else tuple(dict.fromkeys(of.tolist()))
+    means = [pairs[of == color].mean(axis=0) for color in colors]
     return {
-        "S": profile.pairs[:, 0].tolist(),
-        "O": profile.pairs[:, 1].tolist(),
-        "channels": list(profile.names),
-        "black_level_dn": profile.black_dn,
-        "white_level_dn": profile.white_dn,
+        "S": pairs[:, 0].tolist(),
+        "O": pairs[:, 1].tolist(),
+        "channels": [plane.name for plane in result.planes],
+        "black_level_dn": black,
+        "white_level_dn": white,
         "dng": {
             "colors": list(colors),
-            "NoiseProfile": [number for pair in colors.values() for number in pair],
-            "BlackLevel": profile.black_dn,
-            "WhiteLevel": profile.white_dn,
+            "NoiseProfile": np.ravel(means).tolist(),
+            "BlackLevel": black,
+            "WhiteLevel": white,
         },
     }
 
@@ -187,10 +193,9 @@ def darktable_json(
     demosaicing, which lowers the noise further, and white balance, which scales red and blue, are
     left out, because they are not properties of the sensor. b / a does not depend on them.
     """
-    every = [results] if isinstance(results, Characterization) else list(results)
-    first = next(iter(every), None)
-    if first is not None:
-        maker, model = _maker_and_model(first, maker, model)
+    every = several(results)
+    if every:
+        maker, model = _maker_and_model(every[0], maker, model)
     ordered = by_iso(every)
     profiles = [_darktable_profile(one, iso, f"{model} iso {iso:g}") for iso, one in ordered]
     sources = ", ".join(one.source for _, one in ordered)
@@ -200,21 +205,18 @@ def darktable_json(
 
 
 def _darktable_profile(result: Characterization, iso: float, name: str) -> dict[str, Any]:
-    colors = _normalized(result, None).of_colors()
-    missing = [color for color in _RGB if color not in colors]
-    if missing:
+    dng = noise_profile_json(result)["dng"]
+    colors, pairs = dng["colors"], np.reshape(dng["NoiseProfile"], (-1, 2))
+    if not set(_RGB) <= set(colors):
         raise InputError(
             result.source,
             "must have planes R, G and B for a darktable profile",
             value=tuple(colors),
             found=f"has {', '.join(colors)}",
         )
-    return {
-        "name": name,
-        "iso": int(iso) if float(iso).is_integer() else iso,
-        "a": [_HAAR * colors[color][0] for color in _RGB],
-        "b": [_HAAR * colors[color][1] for color in _RGB],
-    }
+    a, b = (_HAAR * pairs[[colors.index(color) for color in _RGB]]).T.tolist()
+    whole = int(iso) if float(iso).is_integer() else iso
+    return {"name": name, "iso": whole, "a": a, "b": b}
 
 
 def libcamera_json(
@@ -257,12 +259,9 @@ def libcamera_json(
     the fit.
     """
     gain = check.positive("analog_gain", "1", analog_gain)
-    every = [results] if isinstance(results, Characterization) else list(results)
-    if len(every) == 1:
-        gains = [(gain, every[0])]
-    else:
-        ordered = by_iso(every)
-        gains = [(gain * iso / ordered[0][0], one) for iso, one in ordered]
+    every = several(results)
+    ordered = [(1.0, every[0])] if len(every) == 1 else by_iso(every)
+    gains = [(gain * iso / ordered[0][0], one) for iso, one in ordered]
     scale = 2.0 ** (_TOP_16 - _bits(gains[0][1]))
     constant, slope = _straight_noise([(scale / own, one) for own, one in gains])
     return {
@@ -277,15 +276,14 @@ def libcamera_json(
 def _straight_noise(scaled: Sequence[tuple[float, Characterization]]) -> tuple[float, float]:
     """Constant and slope of the standard deviation over the root of the mean, each scaled."""
     points = [
-        (scale * _signal_dn(plane, level.mean_dn, level.dark_mean_dn), scale**2 * variance)
+        (scale * (level.mean_dn - dark), scale**2 * level.variance_dn2)
         for scale, result in scaled
         for plane in result.planes
         for level in plane.levels
-        for variance in (level.variance_dn2,)
-        if level.fitted and variance > 0
+        if level.fitted and level.variance_dn2 > 0
+        for dark in (_black_of(plane) if level.dark_mean_dn is None else level.dark_mean_dn,)
     ]
-    lit = np.sqrt(np.array([point for point in points if point[0] > 0]).reshape(-1, 2))
-    root, sd = lit[:, 0], lit[:, 1]
+    root, sd = np.sqrt([point for point in points if point[0] > 0]).reshape(-1, 2).T
     if np.unique(root).size < 2:
         raise InputError(
             scaled[0][1].source,
@@ -293,14 +291,8 @@ def _straight_noise(scaled: Sequence[tuple[float, Characterization]]) -> tuple[f
             value=int(np.unique(root).size),
             found=f"has {np.unique(root).size}",
         )
-    offset = root - root.mean()
-    slope = float(offset @ (sd - sd.mean()) / (offset @ offset))
-    constant = float(sd.mean() - slope * root.mean())
+    slope, constant = np.polyfit(root, sd, 1).tolist()
     return (constant, slope) if constant >= 0 else (0.0, float((sd / root).mean()))
-
-
-def _signal_dn(plane: PlaneNoise, mean_dn: float, dark_mean_dn: float | None) -> float:
-    return mean_dn - (dark_mean_dn if dark_mean_dn is not None else _black_of(plane))
 
 
 def _black_levels(result: Characterization, scale: float) -> Mapping[str, int]:
@@ -324,25 +316,6 @@ def _whole_16(level: float, source: str) -> int:
     return round(level)
 
 
-def _normalized(result: Characterization, white_level_dn: float | None) -> _Normalized:
-    blacks = [_black_of(plane) for plane in result.planes]
-    if not blacks:
-        raise InputError(result.source, "must have at least one plane", value=0)
-    black = sum(blacks) / len(blacks)
-    white = _white_dn(result) if white_level_dn is None else float(white_level_dn)
-    span = check.positive(f"white minus black level of {result.source}", "DN", white - black)
-    of_codes = VarianceLaw(
-        floor_e2=np.array([_dark_noise_dn2(plane) for plane in result.planes]),
-        slope_e=np.array([plane.gain_dn_per_e for plane in result.planes]),
-    )
-    return _Normalized(
-        names=tuple(plane.name for plane in result.planes),
-        pairs=shot_and_dark(of_codes.in_units_of(span)),
-        black_dn=black,
-        white_dn=white,
-    )
-
-
 def _white_dn(result: Characterization) -> float:
     """The lowest code at which a plane saturates, by its full well or by the converter. [DN]"""
     wells = [
@@ -355,34 +328,30 @@ def _white_dn(result: Characterization) -> float:
 
 def _dark_noise_dn2(plane: PlaneNoise) -> float:
     """Variance of the codes without light, rounding included. [DN^2]"""
-    if plane.dark_variance_dn2 is None or not math.isfinite(plane.dark_variance_dn2):
-        raise _unknown(f"dark noise of plane {plane.name}", "take frames without light")
-    return plane.dark_variance_dn2
+    return _known(plane.dark_variance_dn2, f"dark noise of plane {plane.name}")
 
 
 def _black_of(plane: PlaneNoise) -> float:
-    if plane.black_level_dn is None or not math.isfinite(plane.black_level_dn):
-        raise _unknown(f"black level of plane {plane.name}", "take frames without light")
-    return plane.black_level_dn
+    return _known(plane.black_level_dn, f"black level of plane {plane.name}")
 
 
-def _bits(result: Characterization) -> int:
-    if result.bits is None:
-        raise _unknown("bits", Setting("bits"))
-    return result.bits
+def _bits(result: Characterization) -> float:
+    return _known(result.bits, "bits", Setting("bits"))
 
 
-def _unknown(what: str, remedy: str | Setting) -> InputError:
-    return InputError(what, "must be known for this noise model", found="is not", remedy=remedy)
+def _known(
+    value: float | None, what: str, remedy: str | Setting = "take frames without light"
+) -> float:
+    if defined(value) is None:
+        raise InputError(what, "must be known for this noise model", found="is not", remedy=remedy)
+    return value  # type: ignore[return-value] # refused above
 
 
 def _maker_and_model(
     result: Characterization, maker: str | None, model: str | None
 ) -> tuple[str, str]:
     """Maker and model of the arguments, or the first word of the camera and the rest."""
-    words: Sequence[str] = result.camera.split()
-    first = words[0] if words else ""
-    rest = words[1:]
+    first, *rest = result.camera.split() or [""]
     if rest and rest[0].casefold() == first.casefold():  # Canon Canon EOS R5
         rest = rest[1:]
     maker = first if maker is None else maker
@@ -400,21 +369,6 @@ def _maker_and_model(
 
 
 STANDARD = "EMVA Standard 1288, Release 4.0 Linear"
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Row:
-    """A value of the sheet: its name in text, its section and names in XML, value and error."""
-
-    name: str
-    section: str
-    tag: str
-    short: str
-    symbol: str
-    unit: str
-    value: float
-    error: float | None = None
-    percent: bool = False
 
 
 def emva_sheet(result: Characterization, plane: PlaneNoise) -> str:
@@ -436,10 +390,10 @@ def emva_sheet(result: Characterization, plane: PlaneNoise) -> str:
     starts a comment. Values that are not known are left out; ratios have the unit 1.
     """
     lines = [f"# {STANDARD}", *_heading(result, plane)]
-    for row in _rows(result, plane):
-        below = "# below 0, as its error allows: " if row.value < 0 else ""
-        error = "" if row.error is None else f"  # +- {row.error:.2g}"
-        lines.append(f"{below}{row.name} = {_digits(row.value)} {row.unit}{error}")
+    for (_, _, name, _, unit, _), value, error in _rows(result, plane):
+        below = "# below 0, as its error allows: " if value < 0 else ""
+        shown = "" if error is None else f"  # +- {error:.2g}"
+        lines.append(f"{below}{name} = {_digits(value)} {unit}{shown}")
     return "\n".join([*lines, ""])
 
 
@@ -466,20 +420,17 @@ def emva_sheet_xml(result: Characterization, plane: PlaneNoise) -> str:
     facts |= {} if result.iso is None else {"iso": f"{result.iso:g}"}
     root = ElementTree.Element("results", {key: _printable(value) for key, value in facts.items()})
     sections: dict[str, ElementTree.Element] = {}
-    for row in _rows(result, plane):
-        if row.section not in sections:
-            sections[row.section] = ElementTree.SubElement(root, row.section)
-        entry = ElementTree.SubElement(sections[row.section], row.tag)
-        shift = 2 if row.percent else 0
-        for tag, text in (
-            ("short", row.short),
-            ("symbol", row.symbol),
-            ("unit", "%" if row.percent else row.unit),
-            ("value", _digits(row.value, shift)),
-        ):
-            ElementTree.SubElement(entry, tag).text = text
-        if row.error is not None:
-            ElementTree.SubElement(entry, "standard_error").text = _digits(row.error, shift)
+    for (section, tag, _, symbol, unit, short), value, error in _rows(result, plane):
+        if section not in sections:
+            sections[section] = ElementTree.SubElement(root, section)
+        entry = ElementTree.SubElement(sections[section], tag)
+        shift = 2 if tag in _PERCENT else 0
+        texts = {"short": short, "symbol": symbol, "unit": "%" if shift else unit}
+        texts["value"] = _digits(value, shift)
+        if error is not None:
+            texts["standard_error"] = _digits(error, shift)
+        for name, text in texts.items():
+            ElementTree.SubElement(entry, name).text = text
     ElementTree.indent(root)
     text = ElementTree.tostring(root, encoding="unicode")
     return f'<?xml version="1.0" encoding="UTF-8"?>\n{text}\n'
@@ -499,34 +450,13 @@ def photon_transfer_csv(plane: PlaneNoise) -> str:
     standard error, n = 1 + 2 (variance / error)^2; ``time_ms`` and ``photons_per_pixel`` where all
     levels have them; ``dark_mean_dn`` and ``dark_variance_dn2`` where all levels have darks.
     """
-    levels = plane.levels
-    columns: dict[str, list[float | None]] = {
-        "mean_dn": [level.mean_dn for level in levels],
-        "variance_dn2": [level.variance_dn2 for level in levels],
-        "samples": [_samples(level) for level in levels],
-        "time_ms": [level.time_ms for level in levels],
-        "photons_per_pixel": [level.photons_per_pixel for level in levels],
-        "dark_mean_dn": [level.dark_mean_dn for level in levels],
-        "dark_variance_dn2": [level.dark_variance_dn2 for level in levels],
-    }
-    dark = columns["dark_mean_dn"], columns["dark_variance_dn2"]
-    if any(None in column for column in dark):
-        columns.pop("dark_mean_dn"), columns.pop("dark_variance_dn2")
-    known = {
-        name: [value for value in column if value is not None] for name, column in columns.items()
-    }
-    full = {name: column for name, column in known.items() if len(column) == len(levels)}
+    columns = {name: [getattr(one, name) for one in plane.levels] for name in _COLUMNS}
+    partial = {name for name, column in columns.items() if None in column}
+    partial |= {*_DARK} if partial & {*_DARK} else set()
+    full = {name: column for name, column in columns.items() if name not in partial}
     rows = zip(*full.values(), strict=True)
     lines = [",".join(full), *(",".join(_digits(value) for value in row) for row in rows)]
     return "\n".join([*lines, ""])
-
-
-def _samples(level: LevelNoise) -> float | None:
-    """Samples that give the standard error of the variance; ``None`` without an error. [1]"""
-    if not level.variance_se_dn2 > 0 or not level.variance_dn2 > 0:
-        return None
-    samples = 1 + 2 * (level.variance_dn2 / level.variance_se_dn2) ** 2
-    return samples if 2 <= samples <= 1e12 else None
 
 
 def _heading(result: Characterization, plane: PlaneNoise) -> list[str]:
@@ -536,14 +466,16 @@ def _heading(result: Characterization, plane: PlaneNoise) -> list[str]:
     return [*lines, f"# The linear camera model {holds}."]
 
 
-def _rows(result: Characterization, plane: PlaneNoise) -> list[_Row]:
-    """The values of the summary sheet that are known."""
-    gain, dark, well = plane.gain_dn_per_e, plane.dark_noise_e, plane.saturation_capacity_e
-    least, dark_dn2 = threshold_e(gain, dark), plane.dark_variance_dn2
+def _rows(
+    result: Characterization, plane: PlaneNoise
+) -> list[tuple[tuple[str, ...], float, float | None]]:
+    """The lines of `_FORM` whose values are known, with value and standard error."""
+    well, dark_dn2 = plane.saturation_capacity_e, plane.dark_variance_dn2
+    least = threshold_e(plane.gain_dn_per_e, plane.dark_noise_e)
     values: dict[str, tuple[float | None, float | None]] = {
         "QE": (plane.qe, plane.qe_se),
-        "K": (gain, plane.gain_dn_per_e_se),
-        "sigma_d": (dark, plane.dark_noise_e_se),
+        "K": (plane.gain_dn_per_e, plane.gain_dn_per_e_se),
+        "sigma_d": (plane.dark_noise_e, plane.dark_noise_e_se),
         "sigma_y_dark": (None if dark_dn2 is None else math.sqrt(dark_dn2), None),
         "u_e_sat": (well, None),
         "full_well": (plane.full_well_e, plane.full_well_e_se),
@@ -560,23 +492,16 @@ def _rows(result: Characterization, plane: PlaneNoise) -> list[_Row]:
         "bits": (result.bits, None),
     }
     return [
-        _Row(
-            name=name,
-            section=section,
-            tag=tag,
-            short=short,
-            symbol=symbol,
-            unit=unit,
-            value=value,
-            error=error,
-            percent=tag in ("QE", "PRNU1288"),
-        )
-        for section, tag, name, symbol, unit, short in _FORM
-        for value, error in (values[tag],)
+        (form, value, error)
+        for form in _FORM
+        for value, error in (values[form[1]],)
         if value is not None and math.isfinite(value)
     ]
 
 
+_DARK = ("dark_mean_dn", "dark_variance_dn2")
+_COLUMNS = ("mean_dn", "variance_dn2", "samples", "time_ms", "photons_per_pixel", *_DARK)
+_PERCENT = ("QE", "PRNU1288")
 _FORM = (  # section and name in XML, name in text, symbol, unit, meaning
     ("sensitivity", "QE", "QE", "eta", "1", "Quantum efficiency"),
     ("sensitivity", "K", "K", "K", "DN/e-", "System gain"),
@@ -632,6 +557,15 @@ class MatrixCheck:
         Of the rows of the matrix.
     """
 
+    KEYS: ClassVar[JsonKeys] = (
+        *("names", "mean_error"),
+        JsonKey(
+            "levels",
+            ".",
+            rows=True,
+            keys=(JsonKey("name", "levels"), "fitted", "measured", "predicted"),
+        ),
+    )
     levels: tuple[str, ...]
     measured: Float[Array, "k q"]
     predicted: Float[Array, "k q"]
@@ -683,15 +617,13 @@ def variance_through(
     gain = np.array([plane.gain_dn_per_e for plane in result.planes])
     rows = weights / gain
     shared = np.array([_shared_dn2(plane) for plane in result.planes])
-    levels = range(len(result.planes[0].levels))
-    model = np.array(
-        [[plane.levels[k].predicted_variance_dn2 for plane in result.planes] for k in levels]
-    )
+    every = [*zip(*(plane.levels for plane in result.planes), strict=True)]
+    model = np.array([[level.predicted_variance_dn2 for level in levels] for levels in every])
     return MatrixCheck(
-        levels=tuple(level.name for level in result.planes[0].levels),
+        levels=tuple(levels[0].name for levels in every),
         measured=np.einsum("qp,kpr,qr->kq", rows, result.covariance_dn2, rows),
         predicted=np.maximum(model - shared, 0.0) @ (rows**2).T,
-        fitted=tuple(all(plane.levels[k].fitted for plane in result.planes) for k in levels),
+        fitted=tuple(all(level.fitted for level in levels) for levels in every),
         names=names or tuple(str(i + 1) for i in range(len(rows))),
     )
 
@@ -726,18 +658,14 @@ def variance_through_file(result: Characterization, given: GivenMatrix) -> Matri
 
 def _white_e(result: Characterization) -> dict[str, float]:
     """Electrons of each channel at the brightest level that was fitted in all planes."""
-    fitted = [
-        k
-        for k in range(len(result.planes[0].levels))
-        if all(plane.levels[k].fitted for plane in result.planes)
-    ]
+    every = zip(*(plane.levels for plane in result.planes), strict=True)
+    fitted = [levels for levels in every if all(level.fitted for level in levels)]
     if not fitted:
         raise InputError(
             result.source, "must have a level below 70 % of saturation in all planes for a matrix"
         )
     electrons: dict[str, list[float]] = {}
-    for plane in result.planes:
-        level = plane.levels[fitted[-1]]
+    for plane, level in zip(result.planes, fitted[-1], strict=True):
         above = level.mean_dn - (level.dark_mean_dn or 0.0)
         electrons.setdefault(color_of_plane(plane.name), []).append(above / plane.gain_dn_per_e)
     return {name: float(np.mean(values)) for name, values in electrons.items()}
@@ -752,12 +680,13 @@ def _shared_dn2(plane: PlaneNoise) -> float:
 def _by_plane(
     result: Characterization, matrix: Float[Array, "q c"], channels: tuple[str, ...]
 ) -> Float[Array, "q p"]:
-    of_plane = [_channel_of(plane.name, channels) for plane in result.planes]
+    """One column per plane; the channel of ``G1`` is ``G``, unless there is a channel ``G1``."""
+    names = [plane.name for plane in result.planes]
+    of_plane = [name if name in channels else color_of_plane(name) for name in names]
     if sorted(set(of_plane)) != sorted(channels):
-        names = ", ".join(plane.name for plane in result.planes)
         raise InputError(
             "matrix",
-            f"must have the channels of the planes {names}",
+            f"must have the channels of the planes {', '.join(names)}",
             value=channels,
             found=f"has {', '.join(channels)}",
         )
@@ -771,8 +700,3 @@ def _by_plane(
     columns = [channels.index(name) for name in of_plane]
     counts = np.array([of_plane.count(name) for name in of_plane])
     return np.asarray(matrix[:, columns] / counts)
-
-
-def _channel_of(plane: str, channels: tuple[str, ...]) -> str:
-    """The channel of a plane: ``G`` for ``G1``, unless there is a channel ``G1``."""
-    return plane if plane in channels else color_of_plane(plane)

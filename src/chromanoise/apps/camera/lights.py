@@ -6,6 +6,7 @@ from collections.abc import Callable, Generator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
 from dataclasses import dataclass, replace
+from functools import cached_property, partial
 from typing import TypeVar
 
 import numpy as np
@@ -19,7 +20,7 @@ from chromanoise.apps.camera.statistics import (
 )
 from chromanoise.base import Array, InputError, Integer
 from chromanoise.io.frames import FrameLevel, FrameSet, RawFrame, refuse_few, refuse_mixed
-from chromanoise.sensor import SAME_TIME, PhotonTransfer
+from chromanoise.sensor import LEAST_DARK_DN2, SAME_TIME, PhotonTransfer
 
 _MOST_BYTES = 400_000_000  # of frames that threads keep in memory
 _FEWEST_STEPS = 8  # codes between the lowest and highest, from which a step is concluded
@@ -38,41 +39,151 @@ def key_of(frames: Sequence[RawFrame]) -> Key:
     return tuple(f"{frame.path}[{frame.part}][{frame.index}]" for frame in frames)
 
 
-def refuse_unusable(frames: FrameSet) -> None:
-    """Refuse sets without flats or with frames of two sizes, and levels with one flat or dark.
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Lights:
+    """A set of frames with the statistics of each light.
+
+    Attributes
+    ----------
+    frames
+        The levels of light, and how they were grouped.
+    samples
+        Statistics by the names of the frames of a light (`key_of`).
+    """
+
+    frames: FrameSet
+    samples: Mapping[Key, LightSample]
+
+    def of(self, group: Sequence[RawFrame]) -> LightSample:
+        """The statistics of flats or darks."""
+        return self.samples[key_of(group)]
+
+    @cached_property
+    def tile(self) -> tuple[int, int]:
+        """Rows and columns of the period of the mosaic. [px]"""
+        return (1, 1) if self.frames.mosaic is None else self.frames.mosaic.shape
+
+    @cached_property
+    def flats(self) -> list[FrameLevel]:
+        """The levels with flats."""
+        return [level for level in self.frames.levels if level.flats]
+
+    @cached_property
+    def lit(self) -> list[FrameLevel]:
+        """The levels of the photon transfer, from dark to bright, all planes together."""
+        levels = (level for level in self.flats if not level.spatial)
+        return sorted(levels, key=lambda one: sum(p.mean_dn for p in self.of(one.flats).planes))
+
+    @cached_property
+    def darks(self) -> dict[Key, FrameLevel]:
+        """Each set of darks of the photon transfer once, with a level that has it.
+
+        Those of spatial series are used only where there are no others.
+        """
+        levels = [level for level in self.frames.levels if level.darks]
+        temporal = [level for level in levels if not level.spatial]
+        found: dict[Key, FrameLevel] = {}
+        for level in temporal or levels:
+            found.setdefault(key_of(level.darks), level)
+        return found
+
+    @cached_property
+    def planes(self) -> "list[PlaneLights]":
+        """The same of each plane of the mosaic."""
+        count = len(next(iter(self.samples.values())).planes)
+        return [PlaneLights(lights=self, number=i) for i in range(count)]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PlaneLights:
+    """One plane of all frames.
+
+    Attributes
+    ----------
+    lights
+        All planes.
+    number
+        Of the plane, from 0.
+    """
+
+    lights: Lights
+    number: int
+
+    def of(self, group: Sequence[RawFrame]) -> PlaneSample:
+        """The statistics of flats or darks."""
+        return self.lights.of(group).planes[self.number]
+
+    @cached_property
+    def every(self) -> list[PlaneSample]:
+        """The statistics of all lights."""
+        return [light.planes[self.number] for light in self.lights.samples.values()]
+
+    @cached_property
+    def darks(self) -> list[PlaneSample]:
+        """The statistics of each set of darks, once."""
+        return [self.of(level.darks) for level in self.lights.darks.values()]
+
+    @cached_property
+    def hidden(self) -> bool:
+        """Whether the dark noise is so low that rounding hides small effects in the dark.
+
+        EMVA 1288, release 4.0: a dark variance below 0.24 DN^2 is mostly quantization.
+        """
+        variances = [one.variance_dn2 for one in self.darks]
+        return min(variances, default=math.inf) < LEAST_DARK_DN2
+
+    def dark_of(self, level: FrameLevel) -> tuple[float, float]:
+        """Dark mean and variance of a level: its own darks, those of its time, or all.
+
+        Without darks, those of the darkest level. [DN], [DN^2]
+        """
+        groups = self.lights.darks.values()
+        if not groups:
+            darkest = min(self.every, key=lambda one: one.mean_dn)
+            return darkest.mean_dn, darkest.variance_dn2
+        used = [level] if level.darks else [one for one in groups if _same_time(one, level)]
+        samples = [self.of(one.darks) for one in used or groups]
+        mean = np.mean([one.mean_dn for one in samples])
+        return float(mean), float(np.mean([one.variance_dn2 for one in samples]))
+
+
+def _same_time(dark: FrameLevel, level: FrameLevel) -> bool:
+    """Whether a dark has the exposure time of a level."""
+    if dark.time_ms is None or level.time_ms is None:
+        return False
+    return abs(dark.time_ms - level.time_ms) <= SAME_TIME * level.time_ms
+
+
+def lights_of(frames: FrameSet, sampled: Sampler, progress: Callable[[int, int], None]) -> Lights:
+    """The statistics of each set of frames, read once.
 
     Raises
     ------
     InputError
-        If there is one.
+        If there are no flats or frames of two sizes, a level has one flat or one dark, its flats
+        differ, or its darks are brighter than its flats.
     """
     if not any(level.flats and not level.spatial for level in frames.levels):
         raise InputError(frames.source, "must have frames with light", found="has dark frames only")
     refuse_mixed(frames.source, [f for one in frames.levels for f in one.frames])
     refuse_few(frames.source, frames.levels, ("flats", "darks"))
-
-
-def lights_of(
-    frames: FrameSet,
-    tile: tuple[int, int],
-    sampled: Sampler,
-    progress: Callable[[int, int], None],
-) -> dict[Key, LightSample]:
-    """The statistics of each set of frames, read once."""
     groups: dict[Key, tuple[RawFrame, ...]] = {}
     for level in frames.levels:
         for group in (level.flats, level.darks):
             if len(group) > 1:
                 groups.setdefault(key_of(group), group)
-    whole, done, lights = sum(map(len, groups.values())), 0, {}
+    found: dict[Key, LightSample] = {}
+    lights = Lights(frames=frames, samples=found)
+    whole, done = sum(map(len, groups.values())), 0
     progress(done, whole)
-    with closing(in_threads(lambda group: sampled(group, tile), [*groups.values()])) as samples:
+    every = in_threads(lambda group: sampled(group, lights.tile), [*groups.values()])
+    with closing(every) as samples:
         for (key, group), light in zip(groups.items(), samples, strict=True):
             _refuse_apart(group, light)
-            lights[key] = light
+            found[key] = light
             done += len(group)
             progress(done, whole)
-    _refuse_bright_darks(frames, lights)
+    _refuse_bright_darks(lights)
     return lights
 
 
@@ -89,10 +200,10 @@ def in_threads(
         pool.shutdown(cancel_futures=True)
 
 
-def _refuse_bright_darks(frames: FrameSet, lights: Mapping[Key, LightSample]) -> None:
+def _refuse_bright_darks(lights: Lights) -> None:
     """Refuse darks that are brighter than the flats of their level: they are exchanged."""
-    for level in frames.levels:
-        flats, darks = (lights.get(key_of(group)) for group in (level.flats, level.darks))
+    for level in lights.flats:
+        flats, darks = (lights.samples.get(key_of(group)) for group in (level.flats, level.darks))
         if flats is None or darks is None:
             continue
         for flat, dark in zip(flats.planes, darks.planes, strict=True):
@@ -107,15 +218,9 @@ def _refuse_bright_darks(frames: FrameSet, lights: Mapping[Key, LightSample]) ->
                 )
 
 
-def code_step(lights: Mapping[Key, LightSample]) -> tuple[int, int]:
-    """Step and offset of codes that are offset + multiples of the step; else 1 and 0. [DN]
-
-    Parameters
-    ----------
-    lights
-        Statistics of all frames.
-    """
-    planes = [plane for light in lights.values() for plane in light.planes]
+def _code_step(lights: Lights) -> tuple[int, int]:
+    """Step and offset of codes that are offset + multiples of the step; else 1 and 0. [DN]"""
+    planes = [plane for light in lights.samples.values() for plane in light.planes]
     lowest = min(plane.bottom_dn for plane in planes)
     step = math.gcd(*(one.step_dn for one in planes), *(one.bottom_dn - lowest for one in planes))
     if step < 2 or max(one.top_dn - one.bottom_dn for one in planes) < _FEWEST_STEPS * step:
@@ -123,16 +228,14 @@ def code_step(lights: Mapping[Key, LightSample]) -> tuple[int, int]:
     return step, lowest % step
 
 
-def in_true_codes(
-    frames: FrameSet, lights: Mapping[Key, LightSample]
-) -> tuple[FrameSet, dict[Key, LightSample]]:
+def in_true_codes(lights: Lights) -> Lights:
     """Frames and statistics in the codes of the converter, if stored codes are multiples of a step.
 
     If codes of 12 bits are stored in the upper bits of 16, the step is 16.
 
     Parameters
     ----------
-    frames, lights
+    lights
         All frames, and their statistics as stored.
 
     Raises
@@ -140,86 +243,73 @@ def in_true_codes(
     InputError
         If a frame has a code above the largest one of its bits.
     """
-    step, offset = code_step(lights)
-    bits = _true_bits(frames, lights, step)
+    step, offset = _code_step(lights)
+    bits = _true_bits(lights, step)
     if step == 1:
-        return frames, dict(lights)
+        return lights
 
-    def shifted(group: tuple[RawFrame, ...]) -> tuple[RawFrame, ...]:
-        return tuple(
-            replace(
-                one,
-                read=_Shifted(frame=one, step_dn=step, offset_dn=offset),
-                bits=bits,
-                black_level_dn=None
-                if one.black_level_dn is None
-                else (one.black_level_dn - offset) / step,
-            )
-            for one in group
+    def shifted(frame: RawFrame) -> RawFrame:
+        black = frame.black_level_dn
+        return replace(
+            frame,
+            read=partial(_in_steps, frame, step, offset),
+            bits=bits,
+            black_level_dn=None if black is None else (black - offset) / step,
         )
 
+    frames = lights.frames
     levels = tuple(
-        replace(one, flats=shifted(one.flats), darks=shifted(one.darks)) for one in frames.levels
+        replace(one, flats=tuple(map(shifted, one.flats)), darks=tuple(map(shifted, one.darks)))
+        for one in frames.levels
     )
     start = f"{offset} + " if offset else ""
     note = f"all codes are {start}multiples of {step} and are divided by it: 1 DN is one such step"
     note += "" if bits is None else f", codes of {bits} bits"
-    return (
-        replace(frames, levels=levels, notes=(*frames.notes, note)),
-        {key: light.in_steps(step, offset) for key, light in lights.items()},
+    return Lights(
+        frames=replace(frames, levels=levels, notes=(*frames.notes, note)),
+        samples={key: light.in_steps(step, offset) for key, light in lights.samples.items()},
     )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Shifted:
-    """Reads the codes of a frame as (code - offset) / step."""
-
-    frame: RawFrame
-    step_dn: int
-    offset_dn: int
-
-    def __call__(self) -> Integer[Array, "h w"]:
-        codes = self.frame.codes()
-        return (codes - codes.dtype.type(self.offset_dn)) // codes.dtype.type(self.step_dn)
+def _in_steps(frame: RawFrame, step_dn: int, offset_dn: int) -> Integer[Array, "h w"]:
+    """The codes of a frame as (code - offset) / step."""
+    codes = frame.codes()
+    return (codes - codes.dtype.type(offset_dn)) // codes.dtype.type(step_dn)
 
 
-def _true_bits(frames: FrameSet, lights: Mapping[Key, LightSample], step_dn: int) -> int | None:
+def _true_bits(lights: Lights, step_dn: int) -> int | None:
     """Bits of the converter; ``None`` if no frame states its bits.
 
     The stated bits are those of the stored codes, unless the stored codes are too large for them.
     """
-    groups = {
-        key_of(group): group
-        for level in frames.levels
-        for group in (level.flats, level.darks)
-        if group
-    }
-    bits = next((group[0].bits for group in groups.values() if group[0].bits), None)
+    groups = [g for one in lights.frames.levels for g in (one.flats, one.darks) if g]
+    bits = next((group[0].bits for group in groups if group[0].bits), None)
     if bits is None:
         return None
-    tops = {key: max(plane.top_dn for plane in lights[key].planes) for key in groups}
+    tops = {group[0]: max(plane.top_dn for plane in lights.of(group).planes) for group in groups}
     largest = 2**bits - 1
-    stored = max(tops.values()) <= largest
-    for key, top in tops.items():
-        if not stored and top // step_dn > largest:
+    if max(tops.values()) <= largest:
+        return (largest // step_dn).bit_length()
+    for frame, top in tops.items():
+        if top // step_dn > largest:
             raise InputError(
-                groups[key][0].name,
+                frame.name,
                 f"must have codes of at most {largest} for {bits} bits",
                 value=top,
                 found=f"has a code of {top}",
                 remedy="correct bits in capture.toml",
             )
-    return (largest // step_dn).bit_length() if stored else bits
+    return bits
 
 
-def unclipped(frames: FrameSet, lights: Mapping[Key, LightSample]) -> FrameSet:
+def unclipped(lights: Lights) -> Lights:
     """The frames without flats that are clipped at code 0, and without any darks if one is clipped.
 
     The variance of a clipped dark is too small, and its mean is too large.
 
     Parameters
     ----------
-    frames, lights
+    lights
         All frames, and their statistics.
 
     Raises
@@ -227,11 +317,12 @@ def unclipped(frames: FrameSet, lights: Mapping[Key, LightSample]) -> FrameSet:
     InputError
         If all flats are clipped.
     """
-    dark = any(clipped_share(lights[key_of(one.darks)]) for one in frames.levels if one.darks)
+    frames = lights.frames
+    dark = any(clipped_share(lights.of(one.darks)) for one in frames.levels if one.darks)
     kept = [
         replace(one, darks=()) if dark else one
         for one in frames.levels
-        if not (one.flats and clipped_share(lights[key_of(one.flats)]))
+        if not (one.flats and clipped_share(lights.of(one.flats)))
     ]
     levels = tuple(one for one in kept if one.flats or one.darks)
     if not any(one.flats and not one.spatial for one in levels):
@@ -241,17 +332,11 @@ def unclipped(frames: FrameSet, lights: Mapping[Key, LightSample]) -> FrameSet:
             found="has none",
             remedy="take frames with more light, or frames whose black level is not subtracted",
         )
-    return replace(frames, levels=levels)
+    return replace(lights, frames=replace(frames, levels=levels))
 
 
 def clipped_share(light: LightSample) -> float:
-    """Largest share of the pixels of a plane that are clipped at code 0; 0 if it is small. [1]
-
-    Parameters
-    ----------
-    light
-        Statistics of frames of one light.
-    """
+    """Largest share of the pixels of a plane that are clipped at code 0; 0 if it is small. [1]"""
     shares = [
         plane.bottom_share
         for plane in light.planes
@@ -296,12 +381,12 @@ class LightChange:
     above_black: bool
 
 
-def light_changes(frames: FrameSet, lights: Mapping[Key, LightSample]) -> dict[Key, LightChange]:
+def light_changes(lights: Lights) -> dict[Key, LightChange]:
     """The levels between whose flats the light changed significantly, by the names of the flats.
 
     Parameters
     ----------
-    frames, lights
+    lights
         All frames, and their statistics.
 
     Notes
@@ -311,15 +396,12 @@ def light_changes(frames: FrameSet, lights: Mapping[Key, LightSample]) -> dict[K
     shading to row and column noise. A change counts if it and the signal above dark exceed 5 times
     their standard errors.
     """
-    base_of, owns = bases(frames, lights), _of_planes(lights)
-    offsets = [_offset_variance(frames, own) for own in owns]
+    offsets = [_offset_variance(plane) for plane in lights.planes]
     found = {}
-    for level in frames.levels:
-        if not level.flats:
-            continue
-        samples = lights[key_of(level.flats)].planes
+    for level in lights.flats:
+        samples = lights.of(level.flats).planes
         i = max(range(len(samples)), key=lambda plane: samples[plane].mean_dn)
-        means, base = samples[i].frame_means_dn, base_of(level)
+        means, base = samples[i].frame_means_dn, _bases(lights, level)
         error = math.sqrt(2 * (samples[i].rest_dn2 / samples[i].pixels + offsets[i]))
         low, high = int(np.argmin(means)), int(np.argmax(means))
         black = 0.0 if base is None else base[i][0]
@@ -333,17 +415,11 @@ def light_changes(frames: FrameSet, lights: Mapping[Key, LightSample]) -> dict[K
     return found
 
 
-def _of_planes(lights: Mapping[Key, LightSample]) -> list[dict[Key, PlaneSample]]:
-    """The statistics of each plane."""
-    count = len(next(iter(lights.values())).planes)
-    return [{key: light.planes[i] for key, light in lights.items()} for i in range(count)]
-
-
-def _offset_variance(frames: FrameSet, own: Mapping[Key, PlaneSample]) -> float:
+def _offset_variance(plane: PlaneLights) -> float:
     """Variance of the mean of a frame without light; without darks, of the darkest flat. [DN^2]"""
-    darks = dark_samples(frames, own)
+    darks = plane.darks
     if not darks:
-        darkest = min(own.values(), key=lambda one: one.mean_dn)
+        darkest = min(plane.every, key=lambda one: one.mean_dn)
         return len(darkest.frame_means_dn) * darkest.mean_variance_dn2
     counts = np.array([len(one.frame_means_dn) for one in darks])
     found = np.array([np.var(one.frame_means_dn, ddof=1) for one in darks])
@@ -351,141 +427,48 @@ def _offset_variance(frames: FrameSet, own: Mapping[Key, PlaneSample]) -> float:
     return max(*(float((counts - 1) @ one) / int((counts - 1).sum()) for one in (found, chance)))
 
 
-Bases = Callable[[FrameLevel], list[tuple[float, float]] | None]
-"""Mean and variance of each plane of a level without light, if known. [DN], [DN^2]"""
-
-
-def bases(frames: FrameSet, lights: Mapping[Key, LightSample]) -> Bases:
-    """Mean and variance of each plane without light, of any level; ``None`` if not known.
+def _bases(lights: Lights, level: FrameLevel) -> list[tuple[float, float]] | None:
+    """Mean and variance of each plane of a level without light; ``None`` if not known.
 
     Without darks, the mean is the black level that the frames state, and the variance 0.
-
-    Parameters
-    ----------
-    frames, lights
-        All frames, and their statistics.
     """
-    if not darks_of(frames):
-        black = frames.black_level_dn
-        known = None if black is None else [(black, 0.0)] * len(_of_planes(lights))
-        return lambda _level: known
-    each = [dark_of_levels(frames, own) for own in _of_planes(lights)]
-    return lambda level: [dark_of(level) for dark_of in each]
+    if lights.darks:
+        return [plane.dark_of(level) for plane in lights.planes]
+    black = lights.frames.black_level_dn
+    return None if black is None else [(black, 0.0)] * len(lights.planes)
 
 
-def at_one_light(
-    frames: FrameSet, lights: Mapping[Key, LightSample], tile: tuple[int, int]
-) -> dict[Key, LightSample]:
-    """The statistics, after scaling to one light of the flats between which the light changed.
-
-    Parameters
-    ----------
-    frames, lights
-        All frames, and their statistics.
-    tile
-        Rows and columns of the period of the mosaic.
-    """
-    found, base_of = dict(lights), bases(frames, lights)
-    changed = light_changes(frames, lights)
-    for level in frames.levels:
-        key, base = key_of(level.flats), base_of(level)
+def at_one_light(lights: Lights) -> Lights:
+    """The statistics, after scaling to one light of the flats between which the light changed."""
+    found, changed = dict(lights.samples), light_changes(lights)
+    for level in lights.flats:
+        key, base = key_of(level.flats), _bases(lights, level)
         if key not in changed or base is None:
             continue
-        lowest = [min(plane.frame_means_dn) for plane in lights[key].planes]
+        lowest = [min(plane.frame_means_dn) for plane in found[key].planes]
         if all(mean > black for mean, (black, _) in zip(lowest, base, strict=True)):
-            found[key] = scaled_sample(level.flats, tile, lights[key], base)
-    return found
+            found[key] = scaled_sample(level.flats, lights.tile, found[key], base)
+    return replace(lights, samples=found)
 
 
-def lit_levels(frames: FrameSet, lights: Mapping[Key, LightSample]) -> list[FrameLevel]:
-    """The levels with flats, from dark to bright, all planes together."""
+def transfer_table(plane: PlaneLights, name: str) -> PhotonTransfer:
+    """Means and variances of one plane: the lit levels from dark to bright, then the darks.
 
-    def light(level: FrameLevel) -> float:
-        return sum(plane.mean_dn for plane in lights[key_of(level.flats)].planes)
-
-    levels = (level for level in frames.levels if level.flats and not level.spatial)
-    return sorted(levels, key=light)
-
-
-def darks_of(frames: FrameSet) -> dict[Key, FrameLevel]:
-    """Each set of darks of the photon transfer once, with a level that has it.
-
-    Those of spatial series are used only where there are no others.
+    Exposure times are used if each lit level has a dark of its time, photons if all have them.
     """
-    levels = [level for level in frames.levels if level.darks]
-    temporal = [level for level in levels if not level.spatial]
-    found: dict[Key, FrameLevel] = {}
-    for level in temporal or levels:
-        found.setdefault(key_of(level.darks), level)
-    return found
-
-
-def _matched(lit: Sequence[FrameLevel], darks: Mapping[Key, FrameLevel]) -> bool:
-    """Whether each lit level has a dark of its exposure time."""
-    times = [level.time_ms for level in darks.values() if level.time_ms]
-    return len(times) == len(darks) > 0 and all(
-        level.time_ms is not None
-        and any(abs(time - level.time_ms) <= SAME_TIME * level.time_ms for time in times)
-        for level in lit
-    )
-
-
-def transfer_table(
-    frames: FrameSet, lights: Mapping[Key, LightSample], plane: int, source: str
-) -> PhotonTransfer:
-    """Means and variances of one plane: the lit levels from dark to bright, then the darks."""
-    lit, darks = lit_levels(frames, lights), darks_of(frames)
-    samples = [lights[key_of(level.flats)].planes[plane] for level in lit]
-    samples += [lights[key].planes[plane] for key in darks]
-    dark = np.array([False] * len(lit) + [True] * len(darks))
-    levels = [*lit, *darks.values()]
-    matched = _matched(lit, darks)
+    lit, darks = plane.lights.lit, plane.lights.darks.values()
+    levels = [*lit, *darks]
+    samples = [plane.of(level.flats) for level in lit] + plane.darks
+    matched = bool(darks) and all(dark.time_ms for dark in darks)
+    matched = matched and all(any(_same_time(dark, level) for dark in darks) for level in lit)
     photons = [level.photons_per_pixel for level in lit]
-    known = None not in photons
     return PhotonTransfer(
         mean_dn=np.array([one.mean_dn for one in samples]),
         variance_dn2=np.array([one.variance_dn2 for one in samples]),
-        dark=dark,
+        dark=np.arange(len(levels)) >= len(lit),
         samples=np.array([one.samples for one in samples]),
-        source=source,
+        source=f"{plane.lights.frames.source}, {name}",
         time_ms=np.array([level.time_ms for level in levels], float) if matched else None,
         mean_se_dn=np.sqrt([one.mean_variance_dn2 for one in samples]),
-        photons=np.array([*photons, *(0.0 for _ in darks)], float) if known else None,
+        photons=None if None in photons else np.array([*photons, *[0.0] * len(darks)], float),
     )
-
-
-def dark_samples(frames: FrameSet, own: Mapping[Key, PlaneSample]) -> list[PlaneSample]:
-    """The statistics of each set of darks, once."""
-    return [own[key] for key in darks_of(frames)]
-
-
-DarkOf = Callable[[FrameLevel], tuple[float, float]]
-"""Mean and variance of a level without light. [DN], [DN^2]"""
-
-
-def dark_of_levels(frames: FrameSet, own: Mapping[Key, PlaneSample]) -> DarkOf:
-    """Dark mean and variance of a level: its own darks, those of its time, or all. [DN], [DN^2]
-
-    Without darks, those of the darkest level.
-    """
-    groups = darks_of(frames)
-    darkest = min(own.values(), key=lambda one: one.mean_dn)
-
-    def found(level: FrameLevel) -> tuple[float, float]:
-        if not groups:
-            return darkest.mean_dn, darkest.variance_dn2
-        keys = [key_of(level.darks)] if level.darks else []
-        if not keys and level.time_ms is not None:
-            keys = [
-                key
-                for key, one in groups.items()
-                if one.time_ms is not None
-                and abs(one.time_ms - level.time_ms) <= SAME_TIME * level.time_ms
-            ]
-        samples = [own[key] for key in keys or groups]
-        return (
-            float(np.mean([one.mean_dn for one in samples])),
-            float(np.mean([one.variance_dn2 for one in samples])),
-        )
-
-    return found

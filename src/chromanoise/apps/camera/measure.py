@@ -12,7 +12,7 @@ import json
 import math
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import asdict, fields, replace
+from dataclasses import replace
 from pathlib import Path
 from threading import Lock
 from typing import Any
@@ -28,22 +28,20 @@ from chromanoise.apps.camera.characterization import (
 )
 from chromanoise.apps.camera.lights import (
     Key,
+    Lights,
+    PlaneLights,
     Sampler,
     at_one_light,
     clipped_share,
-    dark_samples,
-    darks_of,
     in_threads,
     in_true_codes,
     key_of,
     light_changes,
     lights_of,
-    lit_levels,
-    refuse_unusable,
     transfer_table,
     unclipped,
 )
-from chromanoise.apps.camera.planes import hidden_by_rounding, plane_noise, plane_of_fit
+from chromanoise.apps.camera.planes import FixedNoise, level_noise, plane_noise, plane_of_fit
 from chromanoise.apps.camera.statistics import (
     BAND_PIXELS,
     LEAST_CLIPPED,
@@ -52,7 +50,6 @@ from chromanoise.apps.camera.statistics import (
     FixedPattern,
     LightSample,
     PlaneSample,
-    SpatialVariance,
     fixed_pattern,
     hot_pixels,
     light_sample,
@@ -60,14 +57,13 @@ from chromanoise.apps.camera.statistics import (
     spatial_variance,
     summed,
 )
-from chromanoise.base import Array, Float, InputError, __version__, inputs, write_whole
+from chromanoise.base import Array, Float, InputError, __version__, inputs, plain, write_whole
 from chromanoise.io.frames import FrameLevel, FrameSet, RawFrame, read_frame_set
 from chromanoise.io.pixels import is_photon_transfer_text, read_photon_transfer_csv
 from chromanoise.sensor import Mosaic, PhotonTransfer, TransferFit, photon_transfer_fit
 
-_SCHEMA = "chromanoise frame statistics"
+_MADE_BY = ("chromanoise frame statistics", __version__)
 _MOST_BYTES = 100_000_000
-_FIELDS = {field.name for field in fields(PlaneSample)}
 
 
 def resumed(path: Path) -> Sampler:
@@ -92,13 +88,9 @@ def resumed(path: Path) -> Sampler:
         key = _key(frames, tile)
         if key not in kept:
             found = light_sample(frames, tile)
-            one = {
-                "planes": [asdict(plane) for plane in found.planes],
-                "covariance_dn2": found.covariance_dn2.tolist(),
-            }
             with writing:
-                kept[key] = one
-                data = {"schema": _SCHEMA, "version": __version__, "lights": kept}
+                kept[key] = plain(found)
+                data = {**dict(zip(("schema", "version"), _MADE_BY, strict=True)), "lights": kept}
                 data["content"] = inputs.content_hash(data)
                 write_whole(path, json.dumps(data).encode())
             return found
@@ -123,18 +115,11 @@ def _key(frames: Sequence[RawFrame], tile: tuple[int, int]) -> str:
 
 def _read(path: Path) -> dict[str, Any]:
     data = inputs.json_file(path, most_bytes=_MOST_BYTES)
-    remedy = "give the file of an earlier run, or one that does not exist"
-    try:
-        lights = data["lights"]
-        same = data["schema"] == _SCHEMA and data["version"] == __version__
-        valid = all(
-            set(plane) == _FIELDS for one in lights.values() for plane in one["planes"]
-        ) and all("covariance_dn2" in one for one in lights.values())
-    except (KeyError, TypeError, AttributeError):
-        same = valid = False
-    if not (same and valid):
+    if not isinstance(data, dict) or (data.get("schema"), data.get("version")) != _MADE_BY:
         raise InputError(
-            str(path), f"must hold statistics of frames of version {__version__}", remedy=remedy
+            str(path),
+            f"must hold statistics of frames of version {__version__}",
+            remedy="give the file of an earlier run, or one that does not exist",
         )
     if data.get("content") != inputs.content_hash(data):
         raise InputError(
@@ -143,7 +128,7 @@ def _read(path: Path) -> dict[str, Any]:
             found="was changed since, as its content hash shows",
             remedy=("restore it", "name a file that does not exist"),
         )
-    return dict(lights)
+    return dict(data["lights"])
 
 
 _WIDE_DN2 = 4.0  # above it few pixels share the largest code
@@ -155,9 +140,8 @@ _LEAST_DEVIATION = 0.02  # of the variance
 
 
 def model_verdict(
-    given: FrameSet,
-    frames: FrameSet,
-    lights: Mapping[Key, LightSample],
+    given: Lights,
+    lights: Lights,
     planes: Sequence[PlaneNoise],
     correlation: Float[Array, "p p"],
 ) -> ModelVerdict:
@@ -165,8 +149,8 @@ def model_verdict(
 
     Parameters
     ----------
-    given, frames, lights
-        All frames, those that were evaluated, and their statistics by the names of the frames.
+    given, lights
+        All frames, and those that were evaluated.
     planes
         Results of the planes.
     correlation
@@ -178,11 +162,11 @@ def model_verdict(
     worst = int(np.abs(z[worst_plane]).argmax()) if fitted else 0
     sentences = [
         *bend_sentences(planes),
-        *_deviating(frames, planes, z),
-        *_neighbors(frames, lights, planes),
-        *_channels(planes, correlation, _pixels(lights)),
-        *_clipped_at_0(given, lights),
-        *_lights(frames, lights, planes),
+        *_deviating(lights, planes, z),
+        *_neighbors(lights, planes),
+        *_channels(planes, correlation, _least_correlation(lights)),
+        *_clipped_at_0(given),
+        *_lights(lights, planes),
     ]
     return ModelVerdict(
         holds=not sentences,
@@ -219,7 +203,7 @@ def bend_sentences(planes: Sequence[PlaneNoise]) -> Iterator[str]:
             )
 
 
-def _deviating(frames: FrameSet, planes: Sequence[PlaneNoise], z: Sequence[Array]) -> Iterator[str]:
+def _deviating(lights: Lights, planes: Sequence[PlaneNoise], z: Sequence[Array]) -> Iterator[str]:
     for plane, own in zip(planes, z, strict=True):
         fitted = [level for level in plane.levels if level.fitted]
         if not own.size or abs(plane.bend_z or 0.0) > SURE_Z:
@@ -228,41 +212,33 @@ def _deviating(frames: FrameSet, planes: Sequence[PlaneNoise], z: Sequence[Array
         level = fitted[k]
         share = level.variance_dn2 / max(level.predicted_variance_dn2, 1e-300) - 1
         if abs(own[k]) > SURE_Z and abs(share) > _LEAST_DEVIATION:
-            names = _names(_level(frames, level.name).flats)
             yield (
-                f"{plane.name}: the variance of {names} is {100 * share:+.1f} % off the straight "
-                f"line ({own[k]:+.1f} standard errors): the light differs between the frames, or "
-                "the frames are processed"
+                f"{plane.name}: the variance of {_flats(lights, level)} is {100 * share:+.1f} % "
+                f"off the straight line ({own[k]:+.1f} standard errors): the light differs between "
+                "the frames, or the frames are processed"
             )
 
 
-def _neighbors(
-    frames: FrameSet, lights: Mapping[Key, LightSample], planes: Sequence[PlaneNoise]
-) -> Iterator[str]:
+def _neighbors(lights: Lights, planes: Sequence[PlaneNoise]) -> Iterator[str]:
     """Correlation of neighbors, at the brightest level that was fitted."""
     for plane in planes:
         fitted = [level for level in plane.levels if level.fitted and level.clipped_share < 0.5]
-        if not fitted:
-            continue
-        level = fitted[-1]
-        pixels = _pixels(lights)
-        least = max(_LEAST_CORRELATION, SURE_Z / math.sqrt(pixels))
-        for where, value in (
-            ("in a row", level.correlation_right),
-            ("in a column", level.correlation_down),
-        ):
-            if abs(value) > least:
-                yield (
-                    f"{plane.name}: the noise of neighbors {where} has a correlation of "
-                    f"{value:+.3f} in {_names(_level(frames, level.name).flats)}: the frames are "
-                    "denoised, resampled or compressed, or charge spreads between pixels"
-                )
+        for level in fitted[-1:]:
+            for where, value in (
+                ("in a row", level.correlation_right),
+                ("in a column", level.correlation_down),
+            ):
+                if abs(value) > _least_correlation(lights):
+                    yield (
+                        f"{plane.name}: the noise of neighbors {where} has a correlation of "
+                        f"{value:+.3f} in {_flats(lights, level)}: the frames are denoised, "
+                        "resampled or compressed, or charge spreads between pixels"
+                    )
 
 
 def _channels(
-    planes: Sequence[PlaneNoise], correlation: Float[Array, "p p"], pixels: int
+    planes: Sequence[PlaneNoise], correlation: Float[Array, "p p"], least: float
 ) -> Iterator[str]:
-    least = max(_LEAST_CORRELATION, SURE_Z / math.sqrt(pixels))
     for i, one in enumerate(planes):
         for j in range(i):
             if abs(correlation[i, j]) > least:
@@ -273,26 +249,26 @@ def _channels(
                 )
 
 
-def _clipped_at_0(frames: FrameSet, lights: Mapping[Key, LightSample]) -> Iterator[str]:
+def _clipped_at_0(lights: Lights) -> Iterator[str]:
     """Darks and flats that are clipped at code 0."""
     for kind, lost in (("darks", "no darks are used"), ("flats", "these levels are not used")):
-        groups = [group for level in frames.levels if (group := getattr(level, kind))]
-        shares = {key_of(group): clipped_share(lights[key_of(group)]) for group in groups}
-        clipped = [group for group in groups if shares[key_of(group)]]
+        groups = {
+            key_of(group): group for one in lights.frames.levels if (group := getattr(one, kind))
+        }
+        shares = {key: clipped_share(lights.samples[key]) for key in groups}
+        clipped = [key for key, share in shares.items() if share]
         if clipped:
-            worst = max(clipped, key=lambda group: shares[key_of(group)])
+            worst = max(clipped, key=shares.__getitem__)
             yield (
-                f"up to {100 * shares[key_of(worst)]:.2g} % of the pixels of "
-                f"{len({key_of(group) for group in clipped})} sets of {kind} have code 0 "
-                f"({worst[0].name}): clipping makes their variance too small, so {lost}"
+                f"up to {100 * shares[worst]:.2g} % of the pixels of {len(clipped)} sets of {kind} "
+                f"have code 0 ({groups[worst][0].name}): clipping makes their variance too small, "
+                f"so {lost}"
             )
 
 
-def _lights(
-    frames: FrameSet, lights: Mapping[Key, LightSample], planes: Sequence[PlaneNoise]
-) -> Iterator[str]:
+def _lights(lights: Lights, planes: Sequence[PlaneNoise]) -> Iterator[str]:
     """Light that drifts, and flats that clip."""
-    every = light_changes(frames, lights).values()
+    every = light_changes(lights).values()
     changes = [change for change in every if change.share > _LEAST_DRIFT]
     if changes:
         worst = max(changes, key=lambda one: one.share)
@@ -306,29 +282,32 @@ def _lights(
             f"the light changed between frames of {len(changes)} levels, by up to "
             f"{100 * worst.share:.2g} % ({worst.low.name} and {worst.high.name}); {done}"
         )
-    pixels = _pixels(lights)
+    least = max(LEAST_CLIPPED, _LEAST_PIXELS / _pixels(lights))
     for plane in planes:
         for one in plane.levels:
-            many = one.clipped_share * pixels > _LEAST_PIXELS
-            clipped = one.clipped_share > LEAST_CLIPPED and many
-            if one.fitted and clipped and one.variance_dn2 > _WIDE_DN2:
+            if one.fitted and one.clipped_share > least and one.variance_dn2 > _WIDE_DN2:
                 yield (
                     f"{plane.name}: {100 * one.clipped_share:.2g} % of the pixels of "
-                    f"{_level(frames, one.name).flats[0].name} are at its top code: it is clipped"
+                    f"{_group(lights, one)[0].name} are at its top code: it is clipped"
                 )
 
 
-def _level(frames: FrameSet, name: str) -> FrameLevel:
-    return next(level for level in frames.levels if level.name == name and level.flats)
+def _pixels(lights: Lights) -> int:
+    """Pixels of a plane of which correlations and clipping are known."""
+    return min(BAND_PIXELS, *(one.planes[0].pixels for one in lights.samples.values()))
 
 
-def _pixels(lights: Mapping[Key, LightSample]) -> int:
-    pixels = min(light.planes[0].pixels for light in lights.values())
-    return min(pixels, BAND_PIXELS)
+def _least_correlation(lights: Lights) -> float:
+    return max(_LEAST_CORRELATION, SURE_Z / math.sqrt(_pixels(lights)))
 
 
-def _names(group: Sequence[object]) -> str:
-    names = [str(getattr(one, "name", one)) for one in group]
+def _group(lights: Lights, noise: LevelNoise) -> tuple[RawFrame, ...]:
+    return next(level.flats for level in lights.flats if level.name == noise.name)
+
+
+def _flats(lights: Lights, noise: LevelNoise) -> str:
+    """The names of the flats of a level: the first and the last one."""
+    names = [one.name for one in _group(lights, noise)]
     return names[0] if len(names) == 1 else f"{names[0]} and {names[-1]}"
 
 
@@ -368,55 +347,25 @@ def characterized(
     high-pass filter of the standard, from the spatial series (without one: from the level) nearest
     to half of saturation.
     """
-    refuse_unusable(frames)
-    tile = (1, 1) if frames.mosaic is None else frames.mosaic.shape
-    given, lights = in_true_codes(frames, lights_of(frames, tile, sampled, progress))
-    frames = unclipped(given, lights)
-    lights = at_one_light(frames, lights, tile)
-    names = plane_names(frames.mosaic)
-    black = None if darks_of(frames) else frames.black_level_dn
-    tables = [
-        transfer_table(frames, lights, i, f"{frames.source}, {name}")
-        for i, name in enumerate(names)
+    given = in_true_codes(lights_of(frames, sampled, progress))
+    lights = at_one_light(unclipped(given))
+    frames, names = lights.frames, plane_names(lights.frames.mosaic)
+    black = None if lights.darks else frames.black_level_dn
+    fits = [
+        _fit(transfer_table(own, name), black)
+        for own, name in zip(lights.planes, names, strict=True)
     ]
-    fits = [_fit(table, black) for table in tables]
-    lit, planes = lit_levels(frames, lights), []
-    spatial = [level for level in frames.levels if level.flats and level.spatial]
-    middles = [_middle(lit, spatial or lit, lights, i, fit) for i, fit in enumerate(fits)]
-    patterns = _patterns(frames, middles, tile)
-    unfiltered = []
-    for i, (name, fit, middle) in enumerate(zip(names, fits, middles, strict=True)):
-        own = {key: light.planes[i] for key, light in lights.items()}
-        darks = _darks_of(frames, middle)
-        flat = _spatial(patterns, own, middle.flats, i, high_pass=True, darks=darks)
-        dark = dark_filtered = dark_alone = hot = None
-        if darks:
-            steady = {key_of(darks): _with_rows_of_all_darks(frames, own, darks)}
-            dark, dark_filtered = (
-                _spatial(patterns, steady, darks, i, high_pass=filtered)
-                for filtered in (False, True)
-            )
-            dark_alone = _spatial(patterns, own, darks, i, high_pass=False)
-            hot = hot_pixels(patterns[key_of(darks), i], own[key_of(darks)])
-        unfiltered += [] if flat.filtered else [name]
-        planes.append(
-            plane_noise(
-                frames,
-                lit,
-                own,
-                fit,
-                name=name,
-                flat=flat,
-                dark=dark,
-                dark_alone=dark_alone,
-                dark_filtered=dark_filtered,
-                hot=hot,
-            )
-        )
-    middle = middles[0]
+    middles = [_middle(own, fit) for own, fit in zip(lights.planes, fits, strict=True)]
+    patterns = _patterns(lights, middles)
+    fixed = [
+        _fixed_noise(own, patterns, middle)
+        for own, middle in zip(lights.planes, middles, strict=True)
+    ]
+    planes = [*map(plane_noise, lights.planes, fits, fixed, names)]
     first = frames.levels[0].flats or frames.levels[0].darks
-    covariance = lights[key_of(middle.flats)].covariance_dn2
+    covariance = lights.of(middles[0].flats).covariance_dn2
     sd = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
+    correlation = covariance / np.outer(sd, sd)
     return Characterization(
         source=frames.source,
         camera=first[0].camera,
@@ -424,15 +373,10 @@ def characterized(
         bits=first[0].bits,
         mosaic=None if frames.mosaic is None else named_mosaic(frames.mosaic),
         planes=tuple(planes),
-        correlation=covariance / np.outer(sd, sd),
-        covariance_dn2=np.array([lights[key_of(level.flats)].covariance_dn2 for level in lit]),
-        verdict=model_verdict(given, frames, lights, planes, covariance / np.outer(sd, sd)),
-        notes=(
-            *frames.notes,
-            *_black_notes(frames, planes),
-            *_hidden_notes(frames, lights, names),
-            *_shading_notes(unfiltered),
-        ),
+        correlation=correlation,
+        covariance_dn2=np.array([lights.of(level.flats).covariance_dn2 for level in lights.lit]),
+        verdict=model_verdict(given, lights, planes, correlation),
+        notes=(*frames.notes, *_notes(lights, planes, fixed)),
     )
 
 
@@ -457,48 +401,37 @@ def named_mosaic(mosaic: Mosaic) -> Mosaic:
     return Mosaic(tuple(names[i : i + width] for i in range(0, len(names), width)))
 
 
-def _hidden_notes(
-    frames: FrameSet, lights: Mapping[Key, LightSample], names: Sequence[str]
-) -> list[str]:
-    hidden = [
-        name
-        for i, name in enumerate(names)
-        if hidden_by_rounding(frames, {key: light.planes[i] for key, light in lights.items()})
-    ]
-    if not hidden:
-        return []
-    return [
-        f"{', '.join(hidden)}: the dark noise is below 0.49 DN, so rounding hides DSNU, row noise, "
-        "column noise and dark current"
-    ]
-
-
-def _black_notes(frames: FrameSet, planes: Sequence[PlaneNoise]) -> list[str]:
-    black = frames.black_level_dn
-    if darks_of(frames):
-        measured = [one.black_level_dn for one in planes if one.black_level_dn is not None]
-        if black is None or not measured or max(abs(one - black) for one in measured) <= 1:
-            return []
-        span = " to ".join(f"{one:.4g}" for one in sorted({min(measured), max(measured)}))
-        return [
-            f"the stated black level of {black:g} DN is not used: the darks have {span} DN; "
-            "correct it, or check whether the darks belong to the flats"
-        ]
-    if black is None:
-        return [
+def _notes(
+    lights: Lights, planes: Sequence[PlaneNoise], fixed: Sequence[FixedNoise]
+) -> Iterator[str]:
+    """What the darks and the size of the planes leave unknown."""
+    black = lights.frames.black_level_dn
+    measured = [one.black_level_dn for one in planes if one.black_level_dn is not None]
+    if not lights.darks and black is None:
+        yield (
             "the black level is not known: take darks, or state black_level_dn in capture.toml "
             "(0 if the camera subtracts it)"
-        ]
-    return [f"no darks are used: the black level is the stated {black:g} DN"]
-
-
-def _shading_notes(names: Sequence[str]) -> list[str]:
-    if not names:
-        return []
-    return [
-        f"{', '.join(names)}: PRNU includes shading, because planes of less than {LEAST_SIDE} "
-        "rows or columns are not high-pass filtered"
-    ]
+        )
+    elif not lights.darks:
+        yield f"no darks are used: the black level is the stated {black:g} DN"
+    elif black is not None and any(abs(one - black) > 1 for one in measured):
+        span = " to ".join(f"{one:.4g}" for one in sorted({min(measured), max(measured)}))
+        yield (
+            f"the stated black level of {black:g} DN is not used: the darks have {span} DN; "
+            "correct it, or check whether the darks belong to the flats"
+        )
+    hidden = [one.name for one, own in zip(planes, lights.planes, strict=True) if own.hidden]
+    if hidden:
+        yield (
+            f"{', '.join(hidden)}: the dark noise is below 0.49 DN, so rounding hides DSNU, row "
+            "noise, column noise and dark current"
+        )
+    shaded = [one.name for one, own in zip(planes, fixed, strict=True) if not own.flat.filtered]
+    if shaded:
+        yield (
+            f"{', '.join(shaded)}: PRNU includes shading, because planes of less than {LEAST_SIDE} "
+            "rows or columns are not high-pass filtered"
+        )
 
 
 # ---- fixed patterns ----
@@ -507,22 +440,14 @@ Patterns = Mapping[tuple[Key, int], FixedPattern]
 """Fixed patterns by the names of the frames and the number of the plane."""
 
 
-def _middle(
-    lit: Sequence[FrameLevel],
-    among: Sequence[FrameLevel],
-    lights: Mapping[Key, LightSample],
-    plane: int,
-    fit: TransferFit,
-) -> FrameLevel:
-    """The level that is nearest to half of the saturation of a plane."""
-
-    def mean(level: FrameLevel) -> float:
-        return lights[key_of(level.flats)].planes[plane].mean_dn
-
-    means = [mean(level) for level in lit]
+def _middle(own: PlaneLights, fit: TransferFit) -> FrameLevel:
+    """The level, of a spatial series if there is one, nearest to half of the saturation."""
+    lit, spatial = own.lights.lit, [level for level in own.lights.flats if level.spatial]
+    means = [own.of(level.flats).mean_dn for level in lit]
     black = fit.black_dn if fit.black_dn is not None else min(means)
     end = max(means) if fit.saturation_dn is None else fit.saturation_dn
-    return min(among, key=lambda one: abs(mean(one) - black - _HALF * (end - black)))
+    half = _HALF * (end - black)
+    return min(spatial or lit, key=lambda one: abs(own.of(one.flats).mean_dn - black - half))
 
 
 def _darks_of(frames: FrameSet, middle: FrameLevel) -> tuple[RawFrame, ...]:
@@ -531,18 +456,16 @@ def _darks_of(frames: FrameSet, middle: FrameLevel) -> tuple[RawFrame, ...]:
     return middle.darks or next((one.darks for one in others if one.darks), ())
 
 
-def _patterns(
-    frames: FrameSet, middles: Sequence[FrameLevel], tile: tuple[int, int]
-) -> dict[tuple[Key, int], FixedPattern]:
+def _patterns(lights: Lights, middles: Sequence[FrameLevel]) -> Patterns:
     """The patterns of flats and darks at the middle level of each plane, read once."""
     wanted: dict[Key, tuple[tuple[RawFrame, ...], set[int]]] = {}
     for i, middle in enumerate(middles):
-        for group in (middle.flats, _darks_of(frames, middle)):
+        for group in (middle.flats, _darks_of(lights.frames, middle)):
             if group:
                 wanted.setdefault(key_of(group), (group, set()))[1].add(i)
     series = {
         key_of(group)
-        for level in frames.levels
+        for level in lights.frames.levels
         if level.spatial
         for group in (level.flats, level.darks)
     }
@@ -550,7 +473,7 @@ def _patterns(
     def of_planes(group: tuple[RawFrame, ...]) -> dict[tuple[Key, int], FixedPattern]:
         key = key_of(group)
         averaged = group[: _MOST_SPATIAL if key in series else _MOST_AVERAGED]
-        totals = summed(averaged, tile)
+        totals = summed(averaged, lights.tile)
         return {(key, i): fixed_pattern(totals[i], len(averaged)) for i in wanted[key][1]}
 
     found: dict[tuple[Key, int], FixedPattern] = {}
@@ -559,45 +482,40 @@ def _patterns(
     return found
 
 
-def _spatial(
-    patterns: Patterns,
-    own: Mapping[Key, PlaneSample],
-    group: Sequence[RawFrame],
-    plane: int,
-    *,
-    high_pass: bool,
-    darks: Sequence[RawFrame] = (),
-) -> SpatialVariance:
-    key = key_of(group)
-    return spatial_variance(
-        patterns[key, plane],
-        own[key],
-        high_pass=high_pass,
-        dark=own[key_of(darks)] if darks else None,
+def _fixed_noise(own: PlaneLights, patterns: Patterns, middle: FrameLevel) -> FixedNoise:
+    """The spatial variances of a plane, and its hot pixels, from its patterns."""
+    darks = _darks_of(own.lights.frames, middle)
+    flat, flats = patterns[key_of(middle.flats), own.number], own.of(middle.flats)
+    if not darks:
+        return FixedNoise(flat=spatial_variance(flat, flats, high_pass=True))
+    dark, alone = patterns[key_of(darks), own.number], own.of(darks)
+    steady = _with_rows_of_all_darks(own, darks)
+    return FixedNoise(
+        flat=spatial_variance(flat, flats, high_pass=True, dark=alone),
+        dark=spatial_variance(dark, steady, high_pass=False),
+        dark_filtered=spatial_variance(dark, steady, high_pass=True),
+        dark_alone=spatial_variance(dark, alone, high_pass=False),
+        hot=hot_pixels(dark, alone),
     )
 
 
-def _with_rows_of_all_darks(
-    frames: FrameSet, own: Mapping[Key, PlaneSample], group: Sequence[RawFrame]
-) -> PlaneSample:
+def _with_rows_of_all_darks(own: PlaneLights, group: Sequence[RawFrame]) -> PlaneSample:
     """The statistics of darks, with the row and column noise of all darks.
 
     Two frames have few rows and columns, and this noise does not depend on the exposure time, so it
     is averaged over all darks. A spatial series has many frames, so their own temporal noise is
     subtracted, as in the standard.
     """
-    if any(level.spatial and level.darks == group for level in frames.levels):
-        return own[key_of(group)]
-    (row, row_se), (column, column_se) = (
-        mean_shared(dark_samples(frames, own), which) for which in ("row", "column")
-    )
-    return replace(
-        own[key_of(group)],
-        row_dn2=row,
-        row_se_dn2=row_se,
-        column_dn2=column,
-        column_se_dn2=column_se,
-    )
+    if any(level.spatial and level.darks == group for level in own.lights.frames.levels):
+        return own.of(group)
+    shared: dict[str, Any] = {
+        name: value
+        for which in ("row", "column")
+        for name, value in zip(
+            (f"{which}_dn2", f"{which}_se_dn2"), mean_shared(own.darks, which), strict=True
+        )
+    }
+    return replace(own.of(group), **shared)
 
 
 _HEAD_BYTES = 4096
@@ -605,7 +523,7 @@ _TABLES = (".csv", ".tsv", ".txt", ".dat")
 
 
 def characterize(
-    *frames: str | Path | FrameSet,
+    *frames: str | Path | FrameSet | PhotonTransfer,
     resume: str | Path | None = None,
     progress: Callable[[int, int], None] = lambda _done, _all: None,
 ) -> Characterization:
@@ -614,8 +532,8 @@ def characterize(
     Parameters
     ----------
     frames
-        A folder, files, a `FrameSet`, or one table of means and variances. A folder with
-        ``capture.toml`` needs no guessing.
+        A folder, files, one table of means and variances, or what `read_source` made of them. A
+        folder with ``capture.toml`` needs no guessing.
     resume
         File for the statistics of the frames read so far, from which a later call goes on.
     progress
@@ -642,17 +560,20 @@ def characterize(
     >>> camera = cn.characterize("frames")                          # doctest: +SKIP
     >>> camera.planes[0].gain_dn_per_e, camera.verdict.sentences    # doctest: +SKIP
     """
-    kept = None if resume is None else Path(resume)
-    if len(frames) == 1 and isinstance(frames[0], FrameSet):
-        return characterization_of(frames[0], resume=kept, progress=progress)
-    words = [one for one in frames if isinstance(one, str | Path)]
-    if len(words) < len(frames) or not words:
-        raise InputError(
-            "frames",
-            "must be a folder, files, or one FrameSet",
-            value=[type(one).__name__ for one in frames],
-        )
-    return characterization_of(read_source(words), resume=kept, progress=progress)
+    source: object = frames[0] if len(frames) == 1 else None
+    if not isinstance(source, FrameSet | PhotonTransfer):
+        words = [one for one in frames if isinstance(one, str | Path)]
+        if len(words) < len(frames) or not words:
+            raise InputError(
+                "frames",
+                "must be a folder, files, or one FrameSet",
+                value=[type(one).__name__ for one in frames],
+            )
+        source = read_source(words)
+    if isinstance(source, PhotonTransfer):
+        return characterized_table(source)
+    sampled = light_sample if resume is None else resumed(Path(resume))
+    return characterized(source, sampled=sampled, progress=progress)
 
 
 def read_source(words: Sequence[Path | str]) -> FrameSet | PhotonTransfer:
@@ -672,34 +593,6 @@ def read_source(words: Sequence[Path | str]) -> FrameSet | PhotonTransfer:
     if len(words) == 1 and is_table(Path(words[0]).expanduser()):
         return read_photon_transfer_csv(Path(words[0]).expanduser())
     return read_frame_set(words)
-
-
-def characterization_of(
-    source: FrameSet | PhotonTransfer,
-    *,
-    resume: Path | None = None,
-    progress: Callable[[int, int], None] = lambda _done, _all: None,
-) -> Characterization:
-    """The noise of a camera from what `read_source` read.
-
-    Parameters
-    ----------
-    source
-        Frames, or a table.
-    resume
-        File for the statistics of frames (`resumed`); ``None`` for none.
-    progress
-        As `characterized`.
-
-    Raises
-    ------
-    InputError
-        As `characterized`, `characterized_table` or `resumed`.
-    """
-    if isinstance(source, PhotonTransfer):
-        return characterized_table(source)
-    sampled = light_sample if resume is None else resumed(resume)
-    return characterized(source, sampled=sampled, progress=progress)
 
 
 def is_table(path: Path) -> bool:
@@ -726,7 +619,7 @@ def characterized_table(table: PhotonTransfer) -> Characterization:
     fit = photon_transfer_fit(table)
     lit = np.flatnonzero(~table.dark)
     lit = lit[np.argsort(table.mean_dn[lit], kind="stable")]
-    levels = [_level_of_table(table, int(row), fit.gain_dn_per_e, fit.fitted) for row in lit]
+    levels = [_level_of_table(table, int(row), fit) for row in lit]
     plane = plane_of_fit(fit, name="mono", levels=tuple(levels))
     used = np.abs(fit.residual_z) * fit.fitted
     worst = int(used.argmax())
@@ -751,38 +644,34 @@ def characterized_table(table: PhotonTransfer) -> Characterization:
     )
 
 
-def _level_of_table(table: PhotonTransfer, row: int, gain: float, fitted: np.ndarray) -> LevelNoise:
-    dark_mean, dark_variance = _dark(table, row)
-    darkest = int(table.mean_dn.argmin())
-    base = float(table.mean_dn[darkest]) if dark_mean is None else dark_mean
-    floor = float(table.variance_dn2[darkest]) if dark_variance is None else dark_variance
-    variance = float(table.variance_dn2[row])
-    samples = math.nan if table.samples is None else float(table.samples[row])
-    return LevelNoise(
-        name=f"row {row + 1}",
+def _level_of_table(table: PhotonTransfer, row: int, fit: TransferFit) -> LevelNoise:
+    dark, darkest = _dark(table, row), int(table.mean_dn.argmin())
+    base = float(table.mean_dn[darkest]), float(table.variance_dn2[darkest])
+    light = {
+        name: None if values is None else float(values[row])
+        for name, values in (("time_ms", table.time_ms), ("photons_per_pixel", table.photons))
+    }
+    return level_noise(
+        f"row {row + 1}",
+        float(table.mean_dn[row]),
+        float(table.variance_dn2[row]),
+        None if table.samples is None else float(table.samples[row]),
+        base if dark is None else dark,
+        fit.gain_dn_per_e,
+        dark_measured=dark is not None,
         frames=2,
-        time_ms=None if table.time_ms is None else float(table.time_ms[row]),
-        photons_per_pixel=None if table.photons is None else float(table.photons[row]),
-        mean_dn=float(table.mean_dn[row]),
-        variance_dn2=variance,
-        variance_se_dn2=0.0 if math.isnan(samples) else variance * math.sqrt(2 / (samples - 1)),
-        predicted_variance_dn2=gain * (float(table.mean_dn[row]) - base) + floor,
-        dark_mean_dn=dark_mean,
-        dark_variance_dn2=dark_variance,
-        fitted=bool(fitted[row]),
-        clipped_share=0.0,
-        correlation_right=0.0,
-        correlation_down=0.0,
-        drift_z=0.0,
+        **light,
+        fitted=bool(fit.fitted[row]),
+        **dict.fromkeys(("clipped_share", "correlation_right", "correlation_down", "drift_z"), 0.0),
     )
 
 
-def _dark(table: PhotonTransfer, row: int) -> tuple[float | None, float | None]:
+def _dark(table: PhotonTransfer, row: int) -> tuple[float, float] | None:
     """Dark mean and variance of a row: its own columns, the dark of its time, or all darks."""
     if table.dark_mean_dn is not None and table.dark_variance_dn2 is not None:
         return float(table.dark_mean_dn[row]), float(table.dark_variance_dn2[row])
     if not table.dark.any():
-        return None, None
+        return None
     chosen = table.dark
     if table.time_ms is not None:
         away = np.where(table.dark, np.abs(table.time_ms - table.time_ms[row]), np.inf)

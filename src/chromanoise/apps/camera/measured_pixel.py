@@ -4,9 +4,9 @@ A characterized camera as the noise model of a sampler of training data.
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from operator import attrgetter
+from operator import itemgetter
 from typing import Any
 
 import numpy as np
@@ -17,15 +17,17 @@ from chromanoise.apps.camera.characterization import (
     Characterization,
     PlaneNoise,
     by_iso,
+    several,
 )
-from chromanoise.base import InputError, Setting
+from chromanoise.base import InputError, Setting, defined
 from chromanoise.io.pixels import pixel_source_toml
 from chromanoise.sensor import CameraNoise, PixelSource, ReadNoiseTable
 
 _NAMED_PERCENT = 2.0  # planes that differ by more are listed
 _BITS = range(8, 17)  # of `chromanoise.sensor.Adc`
 
-Take = Callable[[PlaneNoise], float | None]
+Known = list[tuple[PlaneNoise, float]]
+"""The planes of which a value is known, and the values."""
 
 
 def pixel_of(result: Characterization) -> PixelSource:
@@ -57,43 +59,40 @@ def pixel_of(result: Characterization) -> PixelSource:
     """
     if not result.planes:
         raise InputError(result.source, "must have at least one plane", value=0)
-    planes, source = result.planes, _source_name(result)
-    notes: list[str] = []
-    gain = _mean(planes, "gain", "DN/e-", "gain_dn_per_e")
-    read = _mean(
-        planes,
-        "read noise",
-        "e-",
-        "dark_noise_e",
-        lambda p: read_noise_e(p, *(getattr(p, name) for name in SHARED)),
-    )
-    current = _mean(planes, "dark current", "e-/s", "dark_current_e_per_s")
-    black = _mean(planes, "black level", "DN", "black_level_dn")
-    spreads = {
-        name: _root_mean_square(
-            planes, one.label, "of the signal" if one.unit == "1" else one.unit, attrgetter(name)
-        )
-        for name, one in SPREADS.items()
-    }
-    well = _lowest(planes, "full well", "e-", lambda p: p.full_well_e)
-    merged = [one.note for one in (gain, read, well, current, *spreads.values(), black) if one]
-    notes.append(f"{source}: {'; '.join(merged)}")
-    shared = [spreads[name] for name in SHARED]
-    if any(one is not None and one.value > 0 for one in shared) and read is not None:
-        notes.append(f"{source}: the read noise excludes row and column noise")
-    values: dict[str, Any] = {name: _value(one) for name, one in spreads.items()}
-    whole = _whole_black(black, source, notes)
+    planes = result.planes
+    iso = "" if result.iso is None else f", ISO {result.iso:g}"
+    source = f"{result.camera or result.source}{iso}"
+    found = {name: _merged(planes, name, *how) for name, how in _MERGED.items()}
+    values: dict[str, Any] = {name: one.value for name, one in found.items() if one}
+    notes = ["; ".join(one.note for one in found.values() if one)]
+    if any(values.get(name, 0.0) > 0 for name in SHARED) and "dark_noise_e" in values:
+        notes.append("the read noise excludes row and column noise")
+    black, current = values.pop("black_level_dn", None), values.pop("dark_current_e_per_s", None)
+    gain, read = values.pop("gain_dn_per_e", None), values.pop("dark_noise_e", None)
+    whole = None if black is None or black < 0 else round(black)
+    if black is not None and whole is None:
+        notes.append("a black level below 0 is not used")
+    elif black is not None and whole != black:
+        notes.append(f"black level of {black:.6g} DN rounded to {whole}")
+    bits = result.bits if result.bits in _BITS else None
+    if result.bits is not None and bits is None:
+        notes.append(f"{result.bits} bits are outside 8 to 16 and not used")
+    if current is not None and current < 0:
+        notes.append("the dark current is negative, but not significantly: using 0")
+        current = 0.0
+    qe = _qe(planes, notes)
+    if not result.verdict.holds:
+        notes += [f"the linear model does not hold: {one}" for one in result.verdict.sentences]
     return PixelSource(
         source=source,
-        full_well_e=_value(well),
-        read_noise_e=_value(read),
-        gain_e_per_dn=None if gain is None else 1 / gain.value,
-        bits=_bits(result.bits, source, notes),
+        read_noise_e=read,
+        gain_e_per_dn=None if gain is None else 1 / gain,
+        bits=bits,
         black_level_dn=whole,
-        dark_current_e_per_s=_current(current, source, notes),
+        dark_current_e_per_s=current,
         **values,
-        qe=_qe(planes, source, notes),
-        notes=(*notes, *_verdict(result, source)),
+        qe=qe,
+        notes=tuple(f"{source}: {note}" for note in notes),
     )
 
 
@@ -123,7 +122,7 @@ def root_mean_square(values: Sequence[float | None]) -> float | None:
     >>> root_mean_square([1.0, 7.0, None]), root_mean_square([None])
     (5.0, None)
     """
-    known = [one for one in values if one is not None and math.isfinite(one)]
+    known = [one for one in map(defined, values) if one is not None]
     if len(known) < 2:
         return known[0] if known else None
     return math.sqrt(sum(one**2 for one in known) / len(known))
@@ -145,66 +144,76 @@ def read_noise_e(plane: PlaneNoise, *shared_e: float | None) -> float | None:
     return math.sqrt(max(plane.dark_noise_e**2 - shared_e2, 0.0))
 
 
+def _mean(known: Known, field: str) -> tuple[float, str, str]:
+    """The mean of what is known, by the standard errors of a field, with its error as text."""
+    errors = [getattr(plane, f"{field}_se") for plane, _ in known]
+    weighted = all(one is not None and one > 0 for one in errors)
+    weights = [1 / one**2 if weighted else 1.0 for one in errors]
+    value = sum(w * v for w, (_, v) in zip(weights, known, strict=True)) / sum(weights)
+    error = f" +- {1 / math.sqrt(sum(weights)):.2g}" if weighted else ""
+    how = "weighted mean" if weighted else "plain mean, as an error is not known"
+    return known[0][1] if len(known) == 1 else value, how, error
+
+
+def _root_mean_square(known: Known, _: str) -> tuple[float, str, str]:
+    return root_mean_square([one for _, one in known]) or 0.0, "root mean square", ""
+
+
+def _lowest(known: Known, _: str) -> tuple[float, str, str]:
+    plane, value = min(known, key=itemgetter(1))
+    return value, f"that of {plane.name}, the lowest", ""
+
+
+_MERGED: Mapping[str, tuple[str, str, int, Callable[[Known, str], tuple[float, str, str]]]] = {
+    "gain_dn_per_e": ("gain", "DN/e-", 5, _mean),
+    "dark_noise_e": ("read noise", "e-", 5, _mean),
+    "full_well_e": ("full well", "e-", 5, _lowest),
+    "dark_current_e_per_s": ("dark current", "e-/s", 5, _mean),
+    **{
+        name: (one.label, "of the signal" if one.unit == "1" else one.unit, 4, _root_mean_square)
+        for name, one in SPREADS.items()
+    },
+    "black_level_dn": ("black level", "DN", 5, _mean),
+}
+"""Of each merged field: name, unit and digits in the note, and how the planes are merged."""
+
+
 @dataclass(frozen=True, slots=True)
 class _Merged:
     value: float
     note: str
 
 
-def _source_name(result: Characterization) -> str:
-    iso = "" if result.iso is None else f", ISO {result.iso:g}"
-    return f"{result.camera or result.source}{iso}"
-
-
-def _value(merged: _Merged | None) -> float | None:
-    return None if merged is None else merged.value
-
-
-def _known(planes: Sequence[PlaneNoise], take: Take) -> list[tuple[PlaneNoise, float]]:
-    found = [(plane, take(plane)) for plane in planes]
-    return [(plane, float(v)) for plane, v in found if v is not None and math.isfinite(v)]
-
-
-def _mean(
-    planes: Sequence[PlaneNoise], name: str, unit: str, field: str, take: Take | None = None
+def _merged(
+    planes: Sequence[PlaneNoise],
+    field: str,
+    name: str,
+    unit: str,
+    digits: int,
+    merge: Callable[[Known, str], tuple[float, str, str]],
 ) -> _Merged | None:
-    """The mean of a field, or of what is taken from it, by the standard errors of the field."""
-    known = _known(planes, take or attrgetter(field))
+    """One value of all planes, and how they were merged; of the dark noise, the read noise."""
+    known = _known(planes, field)
     if not known:
         return None
-    errors = [getattr(plane, f"{field}_se") for plane, _ in known]
-    found = [float(one) for one in errors if one is not None and one > 0]
-    weighted = len(found) == len(known)
-    weights = [1 / one**2 for one in found] if weighted else [1.0] * len(known)
-    value = sum(w * v for w, (_, v) in zip(weights, known, strict=True)) / sum(weights)
-    if len(known) == 1:
-        value = known[0][1]
-    how = "weighted mean" if weighted else "plain mean, as an error is not known"
-    error_text = f" +- {1 / math.sqrt(sum(weights)):.2g}" if weighted else ""
-    return _Merged(value, f"{name} {value:.5g}{error_text} {unit}{_spread(known, how)}")
+    value, how, error = merge(known, field)
+    return _Merged(value, f"{name} {value:.{digits}g}{error} {unit}{_spread(known, how)}")
 
 
-def _root_mean_square(
-    planes: Sequence[PlaneNoise], name: str, unit: str, take: Take
-) -> _Merged | None:
-    known = _known(planes, take)
-    value = root_mean_square([one for _, one in known])
-    if value is None:
-        return None
-    return _Merged(value, f"{name} {value:.4g} {unit}{_spread(known, 'root mean square')}")
+def _known(planes: Sequence[PlaneNoise], field: str) -> Known:
+    found = [
+        (
+            plane,
+            read_noise_e(plane, *(getattr(plane, name) for name in SHARED))
+            if field == "dark_noise_e"
+            else getattr(plane, field),
+        )
+        for plane in planes
+    ]
+    return [(plane, value) for plane, v in found if (value := defined(v)) is not None]
 
 
-def _lowest(planes: Sequence[PlaneNoise], name: str, unit: str, take: Take) -> _Merged | None:
-    known = _known(planes, take)
-    if not known:
-        return None
-    plane, value = min(known, key=lambda one: one[1])
-    return _Merged(
-        value, f"{name} {value:.5g} {unit}{_spread(known, f'that of {plane.name}, the lowest')}"
-    )
-
-
-def _spread(known: Sequence[tuple[PlaneNoise, float]], how: str) -> str:
+def _spread(known: Known, how: str) -> str:
     """How the planes were merged, and by how much they differ; nothing for one plane."""
     values = [value for _, value in known]
     size = abs(sum(values)) / len(values)
@@ -216,52 +225,17 @@ def _spread(known: Sequence[tuple[PlaneNoise, float]], how: str) -> str:
     return f" ({how}, the planes differ by {percent:.2g} %{named})"
 
 
-def _whole_black(black: _Merged | None, source: str, notes: list[str]) -> int | None:
-    if black is None:
-        return None
-    if black.value < 0:
-        notes.append(f"{source}: a black level below 0 is not used")
-        return None
-    whole = round(black.value)
-    if whole != black.value:
-        notes.append(f"{source}: black level of {black.value:.6g} DN rounded to {whole}")
-    return whole
-
-
-def _bits(bits: int | None, source: str, notes: list[str]) -> int | None:
-    if bits is None or bits in _BITS:
-        return bits
-    notes.append(f"{source}: {bits} bits are outside 8 to 16 and not used")
-    return None
-
-
-def _current(current: _Merged | None, source: str, notes: list[str]) -> float | None:
-    if current is None or current.value >= 0:
-        return _value(current)
-    notes.append(f"{source}: the dark current is negative, but not significantly: using 0")
-    return 0.0
-
-
-def _qe(planes: Sequence[PlaneNoise], source: str, notes: list[str]) -> float | None:
-    known = _known(planes, lambda plane: plane.qe)
+def _qe(planes: Sequence[PlaneNoise], notes: list[str]) -> float | None:
+    known = _known(planes, "qe")
     if not known:
         return None
+    value = known[0][1]
     if len(planes) > 1:
         listed = ", ".join(f"{plane.name} {qe:.4g}" for plane, qe in known)
-        notes.append(
-            f"{source}: QE differs between the planes ({listed}) and is left out of the pixel"
-        )
-        return None
-    if not 0 <= known[0][1] <= 1:
-        notes.append(f"{source}: a QE of {known[0][1]:.4g} is impossible and not used")
-        return None
-    return known[0][1]
-
-
-def _verdict(result: Characterization, source: str) -> list[str]:
-    if result.verdict.holds:
-        return []
-    return [f"{source}: the linear model does not hold: {s}" for s in result.verdict.sentences]
+        notes.append(f"QE differs between the planes ({listed}) and is left out of the pixel")
+    elif not 0 <= value <= 1:
+        notes.append(f"a QE of {value:.4g} is impossible and not used")
+    return value if len(planes) == 1 and 0 <= value <= 1 else None
 
 
 _BEYOND = 1.25  # factor of the gain by which the table goes beyond the settings measured
@@ -297,14 +271,14 @@ def camera_noise(results: Characterization | Sequence[Characterization]) -> Came
     -----
     EMVA 1288, release 4.0: the temporal dark noise includes the row noise.
     """
-    every = [results] if isinstance(results, Characterization) else list(results)
+    every = several(results)
     if len(every) == 1:
         return _camera(every[0])
     by_iso(every)
     cameras = [_camera(one) for one in every]
-    cameras_by_gain = sorted(cameras, key=lambda one: float(one.gain_dn_per_e.mean()))
-    gains = [float(one.gain_dn_per_e.mean()) for one in cameras_by_gain]
-    noise_dn = [float((one.read_noise_e * one.gain_dn_per_e).mean()) for one in cameras_by_gain]
+    pairs = sorted([(float(one.gain_dn_per_e.mean()), one) for one in cameras], key=itemgetter(0))
+    gains = [gain for gain, _ in pairs]
+    noise_dn = [float((one.read_noise_e * one.gain_dn_per_e).mean()) for _, one in pairs]
 
     def table(values_dn: Sequence[float]) -> ReadNoiseTable | None:
         if not any(values_dn):
@@ -316,10 +290,9 @@ def camera_noise(results: Characterization | Sequence[Characterization]) -> Came
             read_noise_dn=np.array([values[0], *values, values[-1]]),
         )
 
-    pairs = list(zip(cameras_by_gain, gains, strict=True))
     wells = [one.full_well_e for one in cameras if one.full_well_e is not None]
     laws: dict[str, Any] = {
-        f"{name.removesuffix('_e')}_law": table([getattr(one, name) * gain for one, gain in pairs])
+        f"{name.removesuffix('_e')}_law": table([getattr(one, name) * gain for gain, one in pairs])
         for name in SPREADS
         if SPREADS[name].unit == "e-"
     }
@@ -347,22 +320,17 @@ def _camera(result: Characterization) -> CameraNoise:
     shared_e = [spreads[name] for name in SHARED]
     currents = [one.dark_current_e_per_s for one in planes if one.dark_current_e_per_s is not None]
     wells = [plane.full_well_e for plane in planes if plane.full_well_e is not None]
+    reads = [_known_value(one, "dark_noise_e", read_noise_e(one, *shared_e)) for one in planes]
+    blacks = [_known_value(one, "black_level_dn", one.black_level_dn) for one in planes]
     return CameraNoise(
         names=tuple(plane.name for plane in planes),
         mosaic=result.mosaic,
         iso=result.iso,
         gain_dn_per_e=np.array([plane.gain_dn_per_e for plane in planes]),
-        read_noise_e=np.array(
-            [
-                _known_value(plane, "dark_noise_e", read_noise_e(plane, *shared_e))
-                for plane in planes
-            ]
-        ),
-        black_level_dn=np.array(
-            [_known_value(plane, "black_level_dn", plane.black_level_dn) for plane in planes]
-        ),
+        read_noise_e=np.array(reads),
+        black_level_dn=np.array(blacks),
         top_code_dn=float(2**result.bits - 1),
-        full_well_e=min(wells) if wells else None,
+        full_well_e=min(wells, default=None),
         dark_current_e_per_s=max(0.0, float(np.mean(currents))) if currents else 0.0,
         **spreads,
     )

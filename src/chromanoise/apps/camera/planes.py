@@ -6,25 +6,24 @@ The curves of EMVA 1288 for one plane: photon transfer, SNR, linearity.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from chromanoise.apps.camera.characterization import MEASURED, LevelNoise, PlaneNoise
-from chromanoise.apps.camera.lights import (
-    DarkOf,
-    Key,
-    dark_of_levels,
-    dark_samples,
-    darks_of,
-    key_of,
+from chromanoise.apps.camera.characterization import (
+    MEASURED,
+    LevelNoise,
+    PlaneNoise,
+    dynamic_range_db,
+    threshold_e,
 )
+from chromanoise.apps.camera.lights import PlaneLights
 from chromanoise.apps.camera.statistics import PlaneSample, SpatialVariance, mean_shared
 from chromanoise.base import Array, Bool, Float
-from chromanoise.io.frames import FrameLevel, FrameSet
-from chromanoise.sensor import LEAST_DARK_DN2, ROUNDING_DN2, TransferFit
+from chromanoise.io.frames import FrameLevel
+from chromanoise.sensor import ROUNDING_DN2, TransferFit
 
 _LOWEST, _HIGHEST = 0.05, 0.95  # of saturation, between which the line is fitted
 
@@ -69,11 +68,9 @@ def linearity(
 
 
 _PLATEAU = 0.1  # of the largest variance above dark, below which a level is saturated
-_LEAST_SIGNAL_E = 0.5  # added to the dark noise: EMVA 1288, eq. of the absolute threshold
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Value:
+class _Value(NamedTuple):
     """A number and its standard error."""
 
     value: float | None = None
@@ -92,78 +89,85 @@ def _root(variance: float, se: float, scale: float, relative_se: float) -> _Valu
     value, low, high = (
         math.sqrt(max(one, 0.0)) / scale for one in (found, found - 3 * se, found + 3 * se)
     )
-    return _Value(
-        value=value, se=math.hypot(max(high - value, value - low) / 3, value * relative_se)
-    )
+    return _Value(value, math.hypot(max(high - value, value - low) / 3, value * relative_se))
 
 
-def plane_noise(
-    frames: FrameSet,
-    lit: Sequence[FrameLevel],
-    own: Mapping[Key, PlaneSample],
-    fit: TransferFit,
-    *,
-    name: str,
-    flat: SpatialVariance,
-    dark: SpatialVariance | None,
-    dark_alone: SpatialVariance | None,
-    dark_filtered: SpatialVariance | None,
-    hot: int | None,
-) -> PlaneNoise:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FixedNoise:
+    """What averaged frames show of one plane.
+
+    Attributes
+    ----------
+    flat
+        Spatial variance of the flats at half of saturation.
+    dark, dark_filtered
+        Of their darks, without and with the high-pass filter; ``None`` without darks.
+    dark_alone
+        Of the darks after subtraction of the temporal noise of these darks only.
+    hot
+        Number of hot pixels.
+    """
+
+    flat: SpatialVariance
+    dark: SpatialVariance | None = None
+    dark_filtered: SpatialVariance | None = None
+    dark_alone: SpatialVariance | None = None
+    hot: int | None = None
+
+
+def plane_noise(own: PlaneLights, fit: TransferFit, fixed: FixedNoise, name: str) -> PlaneNoise:
     """All results of one plane.
 
     Parameters
     ----------
-    frames, lit
-        All frames, and the levels with flats from dark to bright.
     own
-        Statistics of the plane by the names of the frames.
+        Statistics of the plane.
     fit
-        The photon transfer, whose rows are the levels ``lit``, then the darks.
+        The photon transfer, whose rows are the levels from dark to bright, then the darks.
+    fixed
+        Its fixed patterns.
     name
         Of the plane.
-    flat, dark, dark_filtered
-        Spatial variances of its flats, and of the darks without and with the high-pass filter.
-    dark_alone
-        Spatial variance of the darks after subtraction of the temporal noise of these darks only.
-    hot
-        Number of hot pixels.
     """
     gain, relative = fit.gain_dn_per_e, fit.gain_se / fit.gain_dn_per_e
-    dark_of = _dark_of(frames, own, fit)
-    prnu = dsnu = _Value()
-    hidden = hidden_by_rounding(frames, own)
-    if dark is not None and dark_filtered is not None:
-        dsnu = _Value() if hidden else _root(dark.variance_dn2, dark.se_dn2, gain, relative)
+    prnu = dsnu = row = column = current = _Value()
+    if fixed.dark is not None and fixed.dark_filtered is not None:
         prnu = _root(
-            flat.variance_dn2 - dark_filtered.variance_dn2,
-            math.hypot(flat.se_dn2, dark_filtered.se_dn2),
-            flat.signal_dn(dark_filtered),
+            fixed.flat.variance_dn2 - fixed.dark_filtered.variance_dn2,
+            math.hypot(fixed.flat.se_dn2, fixed.dark_filtered.se_dn2),
+            fixed.flat.signal_dn(fixed.dark_filtered),
             0.0,
         )
-    row, column = (
-        _Value() if hidden else _shared(own, frames, which, gain, relative)
-        for which in ("row", "column")
-    )
-    full = _full_well(lit, own, fit, dark_of)
-    pixel = {"full_well_e": full, "dsnu_e": dsnu, "prnu": prnu}
-    pixel |= {"row_noise_e": row, "column_noise_e": column}
-    if hidden:
-        pixel["dark_current_e_per_s"] = _Value()
+    if not own.hidden:
+        current = _Value(fit.dark_current_e_per_s, fit.dark_current_se)
+        if fixed.dark is not None:
+            dsnu = _root(fixed.dark.variance_dn2, fixed.dark.se_dn2, gain, relative)
+        if own.darks:
+            row, column = (
+                _root(*mean_shared(own.darks, which), gain, relative) for which in ("row", "column")
+            )
+    transfer = _Transfer.of(own, fit)
+    pixel = {
+        "full_well_e": _full_well(transfer, fit),
+        "dsnu_e": dsnu,
+        "prnu": prnu,
+        "row_noise_e": row,
+        "column_noise_e": column,
+        "dark_current_e_per_s": current,
+    }
+    alone = fixed.dark_alone if dsnu.value is not None else None
     return plane_of_fit(
         fit,
         **{name: one.value for name, one in pixel.items()},
         **{f"{name}_se": one.se for name, one in pixel.items()},
         name=name,
-        black_level_dn_se=_black_level(
-            own, frames, fit, 0.0 if dsnu.value is None else dsnu.value * gain
-        ),
-        linearity_error_percent=_linearity_error(lit, own, fit, dark_of),
+        black_level_dn_se=_black_level(own, fit, (dsnu.value or 0.0) * gain),
+        linearity_error_percent=_linearity_error(transfer, fit),
         dsnu_of_own_frames_e=None
-        if dark_alone is None or dsnu.value is None
-        else math.sqrt(max(dark_alone.variance_dn2, 0.0)) / gain,
-        hot_pixels=hot,
-        levels=_levels(lit, own, fit, dark_of, dark=bool(darks_of(frames))),
+        if alone is None
+        else math.sqrt(max(alone.variance_dn2, 0.0)) / gain,
+        hot_pixels=fixed.hot,
+        levels=tuple(transfer.noises(fit)),
     )
 
 
@@ -194,95 +198,125 @@ def plane_of_fit(fit: TransferFit, **values: Any) -> PlaneNoise:
     return PlaneNoise(**of_fit | values)
 
 
-def _dark_of(frames: FrameSet, own: Mapping[Key, PlaneSample], fit: TransferFit) -> DarkOf:
-    """As `dark_of_levels`; without darks, the stated black level and the noise of the fit."""
-    if darks_of(frames) or fit.black_dn is None:
-        return dark_of_levels(frames, own)
-    base = fit.black_dn, (fit.gain_dn_per_e * (fit.read_noise_e or 0.0)) ** 2 + ROUNDING_DN2
-    return lambda _level: base
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Transfer:
+    """The levels with light, from dark to bright, with mean and variance of each in the dark.
+
+    Attributes
+    ----------
+    levels, samples
+        Of each level.
+    dark
+        Mean and variance without light: [DN], [DN^2].
+    measured
+        Whether they are of darks.
+    """
+
+    levels: Sequence[FrameLevel]
+    samples: Sequence[PlaneSample]
+    dark: Float[Array, "m 2"]
+    measured: bool
+
+    @classmethod
+    def of(cls, own: PlaneLights, fit: TransferFit) -> "_Transfer":
+        """Without darks, in the dark are the stated black level and the noise of the fit."""
+        levels = own.lights.lit
+        dark = [own.dark_of(level) for level in levels]
+        if not own.darks and fit.black_dn is not None:
+            noise_dn = fit.gain_dn_per_e * (fit.read_noise_e or 0.0)
+            dark = [(fit.black_dn, noise_dn**2 + ROUNDING_DN2)] * len(levels)
+        samples = [own.of(level.flats) for level in levels]
+        return cls(levels=levels, samples=samples, dark=np.array(dark), measured=bool(own.darks))
+
+    @property
+    def signal_dn(self) -> Float[Array, " m"]:
+        """Mean above dark. [DN]"""
+        return np.array([one.mean_dn for one in self.samples]) - self.dark[:, 0]
+
+    def noises(self, fit: TransferFit) -> Iterator[LevelNoise]:
+        """The noise of each level."""
+        rows = zip(self.levels, self.samples, self.dark.tolist(), fit.fitted.tolist(), strict=False)
+        for level, sample, dark, fitted in rows:
+            yield level_noise(
+                level.name,
+                sample.mean_dn,
+                sample.variance_dn2,
+                sample.samples,
+                (dark[0], dark[1]),
+                fit.gain_dn_per_e,
+                dark_measured=self.measured,
+                frames=len(level.flats),
+                time_ms=level.time_ms,
+                photons_per_pixel=level.photons_per_pixel,
+                fitted=fitted,
+                clipped_share=sample.top_share,
+                correlation_right=sample.correlation_right,
+                correlation_down=sample.correlation_down,
+                drift_z=sample.drift_z,
+            )
 
 
-def threshold_e(gain_dn_per_e: float, dark_noise_e: float | None) -> float | None:
-    """The absolute sensitivity threshold; ``None`` without dark noise. [e-]
+def level_noise(
+    name: str,
+    mean_dn: float,
+    variance_dn2: float,
+    samples: float | None,
+    dark: tuple[float, float],
+    gain_dn_per_e: float,
+    *,
+    dark_measured: bool,
+    **values: Any,
+) -> LevelNoise:
+    """The noise of a level, with its error and what the linear model predicts.
 
     Parameters
     ----------
+    name
+        Of the level.
+    mean_dn, variance_dn2, samples
+        Mean and temporal variance, and number of samples; ``None`` if not known. [DN], [DN^2], [1]
+    dark
+        Mean and variance without light. [DN], [DN^2]
     gain_dn_per_e
         The gain K. [DN/e-]
-    dark_noise_e
-        Temporal dark noise, rounding not included. [e-]
-
-    Notes
-    -----
-    EMVA Standard 1288, release 4.0 Linear: sqrt(sigma_d^2 + 1 / (12 K^2)) + 1/2.
+    dark_measured
+        Whether they are of darks.
+    values
+        Other fields of `LevelNoise`.
     """
-    if dark_noise_e is None:
-        return None
-    return math.sqrt(dark_noise_e**2 + ROUNDING_DN2 / gain_dn_per_e**2) + _LEAST_SIGNAL_E
+    black_dn, floor_dn2 = dark
+    error_dn2 = 0.0 if samples is None else variance_dn2 * math.sqrt(2 / (samples - 1))
+    return LevelNoise(
+        name=name,
+        mean_dn=mean_dn,
+        variance_dn2=variance_dn2,
+        variance_se_dn2=error_dn2,
+        predicted_variance_dn2=gain_dn_per_e * (mean_dn - black_dn) + floor_dn2,
+        dark_mean_dn=black_dn if dark_measured else None,
+        dark_variance_dn2=floor_dn2 if dark_measured else None,
+        **values,
+    )
 
 
-def dynamic_range_db(capacity_e: float | None, least_e: float | None) -> float | None:
-    """20 log10 of the saturation capacity over `threshold_e`; ``None`` if one is unknown. [dB]
-
-    Parameters
-    ----------
-    capacity_e, least_e
-        Of a plane. [e-]
-
-    Notes
-    -----
-    EMVA Standard 1288, release 4.0 Linear: mu_e.sat / mu_e.min.
-    """
-    return 20 * math.log10(capacity_e / least_e) if capacity_e and least_e else None
-
-
-def hidden_by_rounding(frames: FrameSet, own: Mapping[Key, PlaneSample]) -> bool:
-    """Whether the dark noise is so low that rounding hides small effects in the dark.
-
-    EMVA 1288, release 4.0: a dark variance below 0.24 DN^2 is mostly quantization.
-    """
-    darks = dark_samples(frames, own)
-    return bool(darks) and min(one.variance_dn2 for one in darks) < LEAST_DARK_DN2
-
-
-def _shared(
-    own: Mapping[Key, PlaneSample], frames: FrameSet, which: str, gain: float, relative: float
-) -> _Value:
-    """Noise that all pixels of a row, or of a column, share in the dark, from all darks."""
-    samples = dark_samples(frames, own)
-    if not samples:
-        return _Value()
-    return _root(*mean_shared(samples, which), gain, relative)
-
-
-def _black_level(
-    own: Mapping[Key, PlaneSample], frames: FrameSet, fit: TransferFit, dsnu_dn: float
-) -> float | None:
+def _black_level(own: PlaneLights, fit: TransferFit, dsnu_dn: float) -> float | None:
     """Standard error of the mean code without light at exposure time 0. [DN]"""
-    groups = {key: level.time_ms for key, level in darks_of(frames).items()}
-    if fit.black_dn is None or not groups:
+    if fit.black_dn is None or not own.darks:
         return None
-    variances = np.array([own[key].mean_variance_dn2 for key in groups])
-    pixels = next(iter(own.values())).pixels
-    noise_dn2 = min(own[key].variance_dn2 for key in groups) + dsnu_dn**2
-    weights = np.full(variances.size, 1 / variances.size)
-    known = [time for time in groups.values() if time is not None]
-    if len(known) == variances.size and len(set(known)) > 1:
-        times = np.array(known)
+    times = np.array([level.time_ms for level in own.lights.darks.values()], dtype=float)
+    weights = np.full(times.size, 1 / times.size)
+    if np.isfinite(times).all() and np.unique(times).size > 1:
         weights = (times == times.min()) / (times == times.min()).sum()
-        if len(set(known)) > 2:
+        if np.unique(times).size > 2:
             away = times - times.mean()
             weights = 1 / times.size - times.mean() * away / float(away @ away)
+    noise_dn2 = min(one.variance_dn2 for one in own.darks) + dsnu_dn**2
     rounding = 0.5 * (math.exp(-2 * math.pi**2 * noise_dn2) / math.pi) ** 2
-    return math.sqrt(float(weights**2 @ variances) + dsnu_dn**2 / pixels + rounding)
+    variances = np.array([one.mean_variance_dn2 for one in own.darks])
+    patterns = dsnu_dn**2 / own.darks[0].pixels
+    return math.sqrt(float(weights**2 @ variances) + patterns + rounding)
 
 
-def _full_well(
-    lit: Sequence[FrameLevel],
-    own: Mapping[Key, PlaneSample],
-    fit: TransferFit,
-    dark_of: DarkOf,
-) -> _Value:
+def _full_well(transfer: _Transfer, fit: TransferFit) -> _Value:
     """Electrons at which codes saturate. [e-]
 
     Above saturation the variance collapses and the mean stays constant: that mean is used. Without
@@ -291,78 +325,32 @@ def _full_well(
     if fit.full_well_e is None or fit.saturation_dn is None:
         return _Value()
     gain, relative = fit.gain_dn_per_e, fit.gain_se / fit.gain_dn_per_e
-    samples = [own[key_of(level.flats)] for level in lit]
-    shot = [one.variance_dn2 - dark_of(level)[1] for level, one in zip(lit, samples, strict=True)]
-    at = [one.mean_dn - dark_of(level)[0] for level, one in zip(lit, samples, strict=True)]
-    flat = [
-        i
-        for i, one in enumerate(samples)
-        if shot[i] < _PLATEAU * max(shot) and one.mean_dn > fit.saturation_dn
-    ]
-    if flat:
-        brightest = max(flat, key=lambda i: samples[i].mean_dn)
-        black = dark_of(lit[0])[0] if fit.black_dn is None else fit.black_dn
-        value = (samples[brightest].mean_dn - black) / gain  # dark electrons fill the well too
-        return _Value(value=value, se=value * relative)
-    k = int(np.argmin([abs(one.mean_dn - fit.saturation_dn) for one in samples]))
-    spacing = (at[min(k + 1, len(at) - 1)] - at[max(k - 1, 0)]) / gain
+    mean = np.array([one.mean_dn for one in transfer.samples])
+    shot = np.array([one.variance_dn2 for one in transfer.samples]) - transfer.dark[:, 1]
+    flat = (shot < _PLATEAU * shot.max()) & (mean > fit.saturation_dn)
+    if flat.any():
+        black = transfer.dark[0, 0] if fit.black_dn is None else fit.black_dn
+        value = float(mean[flat].max() - black) / gain  # dark electrons fill the well too
+        return _Value(value, value * relative)
+    k, at = int(np.abs(mean - fit.saturation_dn).argmin()), transfer.signal_dn
+    spacing = float(at[min(k + 1, at.size - 1)] - at[max(k - 1, 0)]) / gain
     value = fit.full_well_e
-    return _Value(value=value, se=math.hypot(value * relative, spacing / math.sqrt(12)))
+    return _Value(value, math.hypot(value * relative, spacing / math.sqrt(12)))
 
 
-def _linearity_error(
-    lit: Sequence[FrameLevel],
-    own: Mapping[Key, PlaneSample],
-    fit: TransferFit,
-    dark_of: DarkOf,
-) -> float | None:
+def _linearity_error(transfer: _Transfer, fit: TransferFit) -> float | None:
     """Largest deviation from a line by relative least squares, 5 to 95 % of saturation. [%]
 
     Against photons where they are given, else against the exposure time.
     """
-    light = [level.photons_per_pixel for level in lit]
+    light = [level.photons_per_pixel for level in transfer.levels]
     if None in light:
-        light = [level.time_ms for level in lit]
-    if None in light or len(set(light)) < 3:
+        light = [level.time_ms for level in transfer.levels]
+    if None in light:
         return None
-    signal = np.array([own[key_of(level.flats)].mean_dn - dark_of(level)[0] for level in lit])
-    top = None if fit.saturation_dn is None else fit.saturation_dn - dark_of(lit[-1])[0]
-    found = linearity(signal, np.array(light, float), top)
+    top = None if fit.saturation_dn is None else fit.saturation_dn - float(transfer.dark[-1, 0])
+    found = linearity(transfer.signal_dn, np.array(light, float), top)
     return None if found is None else float(np.nanmax(np.abs(found[1])))
-
-
-def _levels(
-    lit: Sequence[FrameLevel],
-    own: Mapping[Key, PlaneSample],
-    fit: TransferFit,
-    dark_of: DarkOf,
-    *,
-    dark: bool,
-) -> tuple[LevelNoise, ...]:
-    noises = []
-    for i, level in enumerate(lit):
-        sample, (dark_mean, dark_variance) = own[key_of(level.flats)], dark_of(level)
-        predicted = fit.gain_dn_per_e * (sample.mean_dn - dark_mean) + dark_variance
-        noises.append(
-            LevelNoise(
-                name=level.name,
-                frames=len(level.flats),
-                time_ms=level.time_ms,
-                photons_per_pixel=level.photons_per_pixel,
-                mean_dn=sample.mean_dn,
-                variance_dn2=sample.variance_dn2,
-                variance_se_dn2=sample.variance_dn2 * math.sqrt(2 / (sample.samples - 1)),
-                predicted_variance_dn2=predicted,
-                dark_mean_dn=dark_mean if dark else None,
-                dark_variance_dn2=dark_variance if dark else None,
-                fitted=bool(fit.fitted[i]),
-                clipped_share=sample.top_share,
-                correlation_right=sample.correlation_right,
-                correlation_down=sample.correlation_down,
-                drift_z=sample.drift_z,
-            )
-        )
-    return tuple(noises)
 
 
 _POINTS = 120
@@ -431,36 +419,43 @@ def plane_curves(plane: PlaneNoise) -> PlaneCurves | None:
     is the deviation from a line that is fitted to the relative deviations, i.e. with the weights
     1 / signal^2, from 5 to 95 % of saturation (chapter 6).
     """
-    black = plane.black_level_dn if plane.black_level_dn is not None else 0.0
+    black = plane.black_level_dn or 0.0
     darks = [black if one.dark_mean_dn is None else one.dark_mean_dn for one in plane.levels]
     signals = np.array([one.mean_dn for one in plane.levels]) - np.array(darks)
-    lit = [i for i in range(len(plane.levels)) if signals[i] > 0]
-    if not lit:
+    if not (signals > 0).any():
         return None
-    levels, signal = [plane.levels[i] for i in lit], signals[lit]
-    gain, dark_dn2 = plane.gain_dn_per_e, _dark_dn2(plane)
-    variance = np.array([one.variance_dn2 for one in levels])
-    error = np.array([one.variance_se_dn2 for one in levels])
-    predicted = np.array([one.predicted_variance_dn2 for one in levels])
-    own_dark = np.array(
-        [dark_dn2 if one.dark_variance_dn2 is None else one.dark_variance_dn2 for one in levels]
-    )
+    levels = [one for one, signal in zip(plane.levels, signals, strict=True) if signal > 0]
+
+    def column(name: str) -> Array:
+        return np.array([getattr(one, name) for one in levels], dtype=float)
+
+    signal, gain, dark_dn2 = signals[signals > 0], plane.gain_dn_per_e, _dark_dn2(plane)
+    variance, error = column("variance_dn2"), column("variance_se_dn2")
+    predicted, own_dark = column("predicted_variance_dn2"), column("dark_variance_dn2")
     model = np.geomspace(signal.min() / 2, signal.max(), _POINTS)
-    light, unit = _light(plane, lit)
-    line, deviation = _linearity(plane, signal, light)
-    residual = np.divide(variance - predicted, error, out=np.zeros_like(variance), where=error > 0)
+    photons, times = column("photons_per_pixel"), column("time_ms")
+    light: Array | None = None
+    unit: Literal["photons", "ms", ""] = ""
+    if np.isfinite(photons).all():
+        light, unit = photons, "photons"
+    elif np.isfinite(times).all() and np.unique(times).size > 2:
+        light, unit = times, "ms"
+    top = None if plane.saturation_dn is None else plane.saturation_dn - black
+    straight = None if light is None else linearity(signal, light, top)
+    line, deviation = straight or (None, None)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        snr = np.where(variance > 0, signal / np.sqrt(variance), np.nan)
+        residual_z = np.where(error > 0, (variance - predicted) / error, 0.0)
     return PlaneCurves(
         name=plane.name,
         signal_dn=signal,
         variance_dn2=variance,
         predicted_dn2=predicted,
-        shot_dn2=variance - own_dark,
+        shot_dn2=variance - np.where(np.isnan(own_dark), dark_dn2, own_dark),
         shot_se_dn2=error,
         fitted=np.array([one.fitted for one in levels], dtype=bool),
-        residual_z=residual,
-        snr=np.divide(
-            signal, np.sqrt(variance), out=np.full_like(signal, np.nan), where=variance > 0
-        ),
+        residual_z=residual_z,
+        snr=snr,
         model_signal_dn=model,
         model_shot_dn2=gain * model,
         model_snr=model / np.sqrt(gain * model + dark_dn2),
@@ -478,26 +473,3 @@ def _dark_dn2(plane: PlaneNoise) -> float:
         return plane.dark_variance_dn2
     known = [one.dark_variance_dn2 for one in plane.levels if one.dark_variance_dn2 is not None]
     return known[0] if known else ROUNDING_DN2
-
-
-def _light(
-    plane: PlaneNoise, lit: list[int]
-) -> tuple[Float[Array, " m"] | None, Literal["photons", "ms", ""]]:
-    """Photons if every level has them, else times if they differ."""
-    photons = [plane.levels[i].photons_per_pixel for i in lit]
-    if all(one is not None for one in photons):
-        return np.array(photons, dtype=float), "photons"
-    times = [plane.levels[i].time_ms for i in lit]
-    if all(one is not None for one in times) and len(set(times)) > 2:
-        return np.array(times, dtype=float), "ms"
-    return None, ""
-
-
-def _linearity(
-    plane: PlaneNoise, signal: Array, light: Array | None
-) -> tuple[Float[Array, " m"] | None, Float[Array, " m"] | None]:
-    if light is None:
-        return None, None
-    black = plane.black_level_dn if plane.black_level_dn is not None else 0.0
-    top = None if plane.saturation_dn is None else plane.saturation_dn - black
-    return linearity(signal, light, top) or (None, None)

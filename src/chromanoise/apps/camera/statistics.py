@@ -208,10 +208,9 @@ def light_sample(frames: Sequence[RawFrame], tile: tuple[int, int]) -> LightSamp
     shape = _whole_cells(frames[0], tile)
     sums = [PairSums(shape, tile) for _ in frames[1:]]
     first, second = _added(frames, tile, sums)
-    pairs = [_pair(one, tile) for one in sums]
-    means = [pair.mean_dn for pair in pairs]
-    means.append(means[-1] - pairs[-1].difference_dn)
-    return _sample(pairs, np.array(means), _band(difference_rests(first, second)), first)
+    means = [one.totals.ravel() / _cells(shape, tile) for one in sums]
+    means.append(means[-1] - _differences(sums[-1])[0] / _cells(shape, tile))
+    return _sample(sums, np.array(means), difference_rests(first, second), first)
 
 
 def scaled_sample(
@@ -244,10 +243,8 @@ def scaled_sample(
     The signal of pixels near saturation is not proportional to the light. If the mean difference
     depends significantly on the signal, its variance over the signal is subtracted too.
     """
-    shape, means = (
-        _whole_cells(frames[0], tile),
-        np.array([p.frame_means_dn for p in sample.planes]),
-    )
+    shape = _whole_cells(frames[0], tile)
+    means = np.array([plane.frame_means_dn for plane in sample.planes])
     signal = means - np.array([mean for mean, _ in darks])[:, None]  # of each plane and frame
     one, other, both = signal[:, :-1], signal[:, 1:], signal.mean(axis=1, keepdims=True)
     level = np.sqrt(2 * both * one * other / (one + other))
@@ -257,21 +254,17 @@ def scaled_sample(
     sums = [ScaledPairSums(shape, tile, own, top) for own in by_pair]
     first, second = _added(frames, tile, sums)
     (g, h), index = factors[:, :, 0], (slice(None), None, None)
-    found = _sample(
-        [_pair(one, tile) for one in sums],
-        means.T,
-        _band(_centered(g[index] * first - h[index] * second)),
-        first,
-    )
+    rests = _centered(g[index] * first - h[index] * second)
+    found = _sample(sums, means.T, rests, first)
     excess = (0.5 * (factors**2).sum(axis=0) - 1).mean(axis=1)
     planes = []
     for i, (plane, (_, dark_dn2)) in enumerate(zip(found.planes, darks, strict=True)):
-        y, x = divmod(i, tile[1])
-        less = float(excess[i]) * dark_dn2 + _unlike_light(sums, (y, x), plane.variance_dn2)
-        variance = max(plane.variance_dn2 - less, 0.0)
-        planes.append(
-            replace(plane, variance_dn2=variance, rest_dn2=max(plane.rest_dn2 - less, 0.0))
-        )
+        unlike = _unlike_light(sums, divmod(i, tile[1]), plane.variance_dn2)
+        less = float(excess[i]) * dark_dn2 + unlike
+        left = {
+            name: max(getattr(plane, name) - less, 0.0) for name in ("variance_dn2", "rest_dn2")
+        }
+        planes.append(replace(plane, **left))
     return replace(found, planes=tuple(planes))
 
 
@@ -388,53 +381,32 @@ def _whole_cells(frame: RawFrame, tile: tuple[int, int]) -> tuple[int, int]:
     return height, width
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _Pair:
-    """Per plane: mean of the first frame, mean difference, and mean squares of its parts."""
-
-    mean_dn: Array
-    difference_dn: Array
-    row_square: Array
-    column_square: Array
-    rest_square: Array
-    rows: int
-    columns: int
+def _cells(shape: tuple[int, int], tile: tuple[int, int]) -> int:
+    """Pixels of each plane."""
+    return shape[0] // tile[0] * (shape[1] // tile[1])
 
 
-def _pair(sums: PairSums, tile: tuple[int, int]) -> _Pair:
-    """The analysis of variance of a difference: mean squares of rows, columns and the rest."""
-    rows, columns = sums.rows.shape[0] // tile[0], sums.columns.shape[1] // tile[1]
-    n, found = rows * columns, []
-    for y in range(tile[0]):
-        for x in range(tile[1]):
-            by_column = sums.columns[y, x :: tile[1]]
-            by_row = sums.rows[y :: tile[0], x]
-            whole, square = by_column.sum().item(), sums.squares[y, x].item()
-            mean = whole / n
-            of_rows = columns * float(((by_row / columns - mean) ** 2).sum())
-            of_columns = rows * float(((by_column / rows - mean) ** 2).sum())
-            rest = max((square * n - whole**2) / n - of_rows - of_columns, 0.0)
-            found.append(
-                (
-                    int(sums.totals[y, x]) / n,
-                    mean,
-                    of_rows / (rows - 1),
-                    of_columns / (columns - 1),
-                    rest / ((rows - 1) * (columns - 1)),
-                )
-            )
-    names = ("mean_dn", "difference_dn", "row_square", "column_square", "rest_square")
-    parts = dict(zip(names, np.array(found).T, strict=True))
-    return _Pair(**parts, rows=rows, columns=columns)
+def _differences(sums: PairSums) -> tuple[Array, Array, Array]:
+    """Sums of the difference of two frames in each plane: of all pixels, by row, by column."""
+    (high, wide), (rows, columns) = sums.totals.shape, (len(sums.rows), sums.columns.shape[1])
+    by_row = sums.rows.reshape(rows // high, high * wide).T
+    by_place = sums.columns.reshape(high, columns // wide, wide).swapaxes(1, 2)
+    by_column = by_place.reshape(high * wide, columns // wide)
+    return by_column.sum(axis=1), by_row, by_column
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _Band:
-    """Correlations in a band of rows of a difference, rows and columns subtracted."""
-
-    right: Array
-    down: Array
-    covariance: Array
+def _mean_squares(sums: PairSums) -> Float[Array, "3 p"]:
+    """The analysis of variance of a difference: mean squares of the rest, rows and columns."""
+    whole, by_row, by_column = _differences(sums)
+    rows, columns = by_row.shape[1], by_column.shape[1]
+    n, mean = rows * columns, whole[:, None] / (rows * columns)
+    of_rows = columns * ((by_row / columns - mean) ** 2).sum(axis=1)
+    of_columns = rows * ((by_column / rows - mean) ** 2).sum(axis=1)
+    totals = zip(sums.squares.ravel().tolist(), whole.tolist(), strict=True)  # may exceed 64 bits
+    squares = np.array([(square * n - one**2) / n for square, one in totals])
+    rest = np.maximum(squares - of_rows - of_columns, 0.0)
+    free = (rows - 1) * (columns - 1), rows - 1, columns - 1
+    return np.stack([rest, of_rows, of_columns]) / np.array(free)[:, None]
 
 
 def _step(codes: Integer[Array, "m n"], bottom: int) -> int:
@@ -458,7 +430,16 @@ def _centered(values: Float[Array, "p m n"]) -> Float[Array, "p m n"]:
     return np.asarray(values - values.mean(axis=2, keepdims=True), np.float32)
 
 
-def _band(rests: Float[Array, "p m n"]) -> _Band:
+def _correlations(
+    rests: Float[Array, "p m n"],
+) -> tuple[Float[Array, " p"], Float[Array, " p"], Float[Array, "p p"]]:
+    """Correlations of neighbors in rows and columns, and the covariance of the planes.
+
+    Parameters
+    ----------
+    rests
+        Rows in the middle of a difference, row and column means subtracted.
+    """
     planes, rows, columns = rests.shape
     products = np.empty((planes, planes))
     for i in range(planes):
@@ -468,63 +449,63 @@ def _band(rests: Float[Array, "p m n"]) -> _Band:
     squares = np.where(squares > 0, squares, 1.0)
     right = np.array([product_sum(rest, rest, 0, 1) for rest in rests]) / (rows * (columns - 1))
     down = np.array([product_sum(rest, rest, 1, 0) for rest in rests]) / ((rows - 1) * columns)
-    return _Band(  # the subtracted means correlate neighbors by -1 / (n - 1)
-        right=right / squares + 1 / (columns - 1),
-        down=down / squares + 1 / (rows - 1),
-        covariance=products / (2 * (rows - 1) * (columns - 1)),
+    return (  # the subtracted means correlate neighbors by -1 / (n - 1)
+        right / squares + 1 / (columns - 1),
+        down / squares + 1 / (rows - 1),
+        products / (2 * (rows - 1) * (columns - 1)),
     )
 
 
 def _sample(
-    pairs: Sequence[_Pair],
+    sums: Sequence[PairSums],
     means: Float[Array, "k p"],
-    band: _Band,
+    rests: Float[Array, "p m n"],
     first: Integer[Array, "p m n"],
 ) -> LightSample:
-    count, rows, columns = len(pairs) + 1, pairs[0].rows, pairs[0].columns
+    count, (high, wide) = len(means), sums[0].totals.shape
+    rows, columns = len(sums[0].rows) // high, sums[0].columns.shape[1] // wide
     # variance of one frame: half that of a difference
-    rest, of_rows, of_columns = (
-        0.5 * np.mean([getattr(pair, name) for pair in pairs], axis=0)
-        for name in ("rest_square", "row_square", "column_square")
-    )
+    rest, of_rows, of_columns = 0.5 * np.mean([_mean_squares(one) for one in sums], axis=0)
     independent = independent_pairs(count)
     row, column = (of_rows - rest) / columns, (of_columns - rest) / rows
     kept = independent * (rows - 1) * (columns - 1)
-    row_se = np.sqrt(2 * of_rows**2 / (independent * (rows - 1)) + 2 * rest**2 / kept) / columns
-    column_se = (
-        np.sqrt(2 * of_columns**2 / (independent * (columns - 1)) + 2 * rest**2 / kept) / rows
+    row_error2, column_error2 = (
+        2 * own**2 / (independent * (lines - 1)) + 2 * rest**2 / kept
+        for own, lines in ((of_rows, rows), (of_columns, columns))
     )
     variance = rest + row + column
     shared = np.maximum(row, 0) ** 2 / rows + np.maximum(column, 0) ** 2 / columns
     error2 = (rest**2 / (rows * columns) + shared) / independent  # half the squared error
     samples = np.where(error2 > 0, variance**2 / np.where(error2 > 0, error2, 1.0), kept) + 1
     of_mean = rest / (rows * columns) + np.maximum(row, 0) / rows
-    of_mean = (of_mean + np.maximum(column, 0) / columns) / count
-    planes = []
-    for i, plane in enumerate(first):
-        top, bottom = int(plane.max()), int(plane.min())
-        planes.append(
-            PlaneSample(
-                frame_means_dn=tuple(means[:, i].tolist()),
-                variance_dn2=float(max(variance[i], 0.0)),
-                rest_dn2=float(rest[i]),
-                row_dn2=float(row[i]),
-                row_se_dn2=float(row_se[i]),
-                column_dn2=float(column[i]),
-                column_se_dn2=float(column_se[i]),
-                samples=float(max(samples[i], 2.0)),
-                mean_variance_dn2=float(of_mean[i]),
-                pixels=rows * columns,
-                top_share=np.count_nonzero(plane == top) / plane.size,
-                top_dn=top,
-                bottom_dn=bottom,
-                bottom_share=np.count_nonzero(plane == bottom) / plane.size,
-                step_dn=_step(plane, bottom),
-                correlation_right=float(band.right[i]),
-                correlation_down=float(band.down[i]),
-            )
+    right, down, covariance = _correlations(rests)
+    by_plane = {
+        "variance_dn2": np.maximum(variance, 0.0),
+        "rest_dn2": rest,
+        "row_dn2": row,
+        "row_se_dn2": np.sqrt(row_error2) / columns,
+        "column_dn2": column,
+        "column_se_dn2": np.sqrt(column_error2) / rows,
+        "samples": np.maximum(samples, 2.0),
+        "mean_variance_dn2": (of_mean + np.maximum(column, 0) / columns) / count,
+        "correlation_right": right,
+        "correlation_down": down,
+    }
+    planes = (
+        PlaneSample(
+            frame_means_dn=tuple(means[:, i].tolist()),
+            pixels=rows * columns,
+            top_share=np.count_nonzero(codes == top) / codes.size,
+            top_dn=top,
+            bottom_dn=bottom,
+            bottom_share=np.count_nonzero(codes == bottom) / codes.size,
+            step_dn=_step(codes, bottom),
+            **{name: float(values[i]) for name, values in by_plane.items()},
         )
-    return LightSample(planes=tuple(planes), covariance_dn2=band.covariance)
+        for i, codes in enumerate(first)
+        for top, bottom in ((int(codes.max()), int(codes.min())),)
+    )
+    return LightSample(planes=tuple(planes), covariance_dn2=covariance)
 
 
 _HOT_SIGMA = 6.0  # of the spread of the dark mean: of 10^8 normal pixels, 0.1 lie above

@@ -14,14 +14,15 @@ A photon transfer of a virtual camera, written as a folder of frames.
 import io
 import json
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, replace
+from itertools import count
 from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
 
-from chromanoise.apps.camera.characterization import plane_names
+from chromanoise.apps.camera.characterization import dynamic_range_db, plane_names, threshold_e
 from chromanoise.base import (
     Array,
     Float,
@@ -247,8 +248,8 @@ class VirtualCamera(PartialPixel):
         object.__setattr__(self, "hot_pixels", hot)
         black_dn = check.within("black_level_dn", "DN", self.black_level_dn, 0, self.top_code - 1)
         object.__setattr__(self, "black_level_dn", black_dn)
-        object.__setattr__(self, "gain_dn_per_e", self._per_channel("gain_dn_per_e", 1e-6, 1e6))
-        object.__setattr__(self, "sensitivity", self._per_channel("sensitivity", 1e-6, 1.0))
+        for name, most in (("gain_dn_per_e", 1e6), ("sensitivity", 1.0)):
+            object.__setattr__(self, name, self._per_channel(name, 1e-6, most))
 
     @property
     def pattern(self) -> Mosaic:
@@ -316,50 +317,37 @@ class VirtualCamera(PartialPixel):
     def planes(self) -> tuple[PlaneTruth, ...]:
         """The true values of each plane, in the order of the pixels of one period."""
         high, wide = self.pattern.shape
-        maps = (
-            self._channel_map(self.gain_dn_per_e),
-            self.qe * self._light_map(),
-            self._pixel_sensitivity(),
-            self._offsets_e(),
-            self._hot_map(),
-        )
-        return tuple(
-            self._plane_truth(name, *(one[i // wide :: high, i % wide :: wide] for one in maps))
-            for i, name in enumerate(plane_names(self.pattern))
-        )
-
-    def _plane_truth(
-        self,
-        name: str,
-        gains: Float[Array, "h w"],
-        qe: Float[Array, "h w"],
-        response: Float[Array, "h w"],
-        offsets_e: Float[Array, "h w"],
-        hot: Int[Array, "h w"],
-    ) -> PlaneTruth:
-        gain, reading = float(gains[0, 0]), self.reading
-        full_well_e, saturation_dn = self._saturation(gain, reading.pixel.full_well_e)
-        a = _blur_share(self.neighbor_correlation)
+        gains, response = self._channel_map(self.gain_dn_per_e), self._pixel_sensitivity()
+        light, offsets_e, hot = self.qe * self._light_map(), self._offsets_e(), self._hot_map()
+        reading, a = self.reading, _blur_share(self.neighbor_correlation)
         kept = (2 * a**2 + (1 - 2 * a) ** 2) ** 2
         others_e2 = reading.coefficient("floor_e2", READ_OUT, but=("reading",))
         dark_noise_e = math.sqrt(kept * reading.sd("reading") ** 2 + others_e2)
         noise = {name: getattr(self, name) for name in PIXEL_NOISE}
         noise["dark_current_e_per_s"] = reading.pixel.dark_electrons_e(time_s=1.0)
-        return PlaneTruth(
-            **noise,
-            name=name,
-            gain_dn_per_e=gain,
-            dark_noise_e=dark_noise_e,
-            black_level_dn=self.black_level_dn + gain * float(offsets_e.mean()),
-            saturation_dn=saturation_dn,
-            full_well_e=full_well_e,
-            dynamic_range_db=20
-            * math.log10(full_well_e / (math.sqrt(dark_noise_e**2 + 1 / (12 * gain**2)) + 0.5)),
-            qe=float(qe.mean()),
-            dsnu_of_pixels_e=float(offsets_e.std()),
-            prnu_of_pixels=float(response.std()),
-            hot_pixels=int(hot.sum()),
-        )
+        planes = []
+        for i, name in enumerate(plane_names(self.pattern)):
+            own = np.s_[i // wide :: high, i % wide :: wide]
+            gain = float(gains[own][0, 0])
+            full_well_e, saturation_dn = self._saturation(gain, reading.pixel.full_well_e)
+            least_e = threshold_e(gain, dark_noise_e)
+            planes.append(
+                PlaneTruth(
+                    **noise,
+                    name=name,
+                    gain_dn_per_e=gain,
+                    dark_noise_e=dark_noise_e,
+                    black_level_dn=self.black_level_dn + gain * float(offsets_e[own].mean()),
+                    saturation_dn=saturation_dn,
+                    full_well_e=full_well_e,
+                    dynamic_range_db=dynamic_range_db(full_well_e, least_e) or 0.0,
+                    qe=float(light[own].mean()),
+                    dsnu_of_pixels_e=float(offsets_e[own].std()),
+                    prnu_of_pixels=float(response[own].std()),
+                    hot_pixels=int(hot[own].sum()),
+                )
+            )
+        return tuple(planes)
 
     def _saturation(self, gain: float, well_e: float) -> tuple[float, float]:
         """Electrons and mean code at saturation: by the full well, or by the largest code."""
@@ -523,16 +511,6 @@ FRAME_FORMATS = ("npy", "tiff", "pgm", "fits")
 _MOST_LEVELS, _MOST_FRAMES = 200, 100
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Level:
-    """Exposure of one level, and the numbers of its frames by file name."""
-
-    time_ms: float
-    photons_per_pixel: float
-    flats: Mapping[str, int]
-    darks: Mapping[str, int]
-
-
 def photon_transfer_frames(
     camera: VirtualCamera,
     *,
@@ -594,43 +572,27 @@ def photon_transfer_frames(
     whole("darks", darks, 1, _MOST_FRAMES)
     truth = camera.planes()
     photons = brightest * max(plane.full_well_e / plane.qe for plane in truth)
-    planned = []
-    for i in range(1, levels + 1):
-        share = i / levels
-        first = (i - 1) * (frames + darks)
-        planned.append(
-            _Level(
-                time_ms=longest_time_ms * (share if varied == "time" else 1.0),
-                photons_per_pixel=photons * share,
-                flats=_names(f"level-{i:02}-flat", frames, first, file_format),
-                darks=_names(f"level-{i:02}-dark", darks, first + frames, file_format),
-            )
-        )
-    paths = []
+    lines = ["# Frames of a virtual camera; truth.toml has its true values."]
+    lines += _pairs({"mosaic": camera.mosaic, "bits": camera.bits})
+    paths, numbers = [], count()
     with whole_folder(folder, "demo-frames") as scratch:
-        for name, codes in _drawn(camera, planned):
-            (scratch / name).write_bytes(written(codes, camera))
-            paths.append(folder / name)
-        (scratch / "capture.toml").write_text(_capture_toml(camera, planned), encoding="utf-8")
+        for i in range(1, levels + 1):
+            light = photons * (i / levels)
+            time_ms = longest_time_ms * (i / levels if varied == "time" else 1.0)
+            files: dict[str, list[str]] = {}
+            for kind, many in (("flat", frames), ("dark", darks)):
+                of_kind = {"dark": True} if kind == "dark" else {"photons_per_pixel": light}
+                names = [f"level-{i:02}-{kind}-{k}.{file_format}" for k in range(1, many + 1)]
+                for name in names:
+                    codes = camera.frame(**of_kind, time_ms=time_ms, number=next(numbers))
+                    (scratch / name).write_bytes(written(codes, camera))
+                files[f"{kind}s"] = names
+                paths += [folder / name for name in names]
+            entry = {**files, "time_ms": time_ms, "photons_per_pixel": light}
+            lines += ["", "[[levels]]", *_pairs(entry)]
+        (scratch / "capture.toml").write_text("\n".join(lines) + "\n", encoding="utf-8")
         (scratch / "truth.toml").write_text(_truth_toml(camera, truth), encoding="utf-8")
     return tuple(paths)
-
-
-def _drawn(camera: VirtualCamera, planned: list[_Level]) -> Iterator[tuple[str, Array]]:
-    """Name and codes of each frame."""
-    for level in planned:
-        for name, number in level.flats.items():
-            light = level.photons_per_pixel
-            yield (
-                name,
-                camera.frame(photons_per_pixel=light, time_ms=level.time_ms, number=number),
-            )
-        for name, number in level.darks.items():
-            yield name, camera.frame(time_ms=level.time_ms, dark=True, number=number)
-
-
-def _names(stem: str, count: int, first: int, ending: str) -> dict[str, int]:
-    return {f"{stem}-{i + 1}.{ending}": first + i for i in range(count)}
 
 
 # ---- files ----
@@ -638,18 +600,21 @@ def _names(stem: str, count: int, first: int, ending: str) -> dict[str, int]:
 Codes = UInt16[Array, "h w"]
 
 
-def _npy(codes: Codes, _: VirtualCamera) -> bytes:
+def _bytes_of(write: Callable[[io.BytesIO], Any]) -> bytes:
     kept = io.BytesIO()
-    np.save(kept, codes)
+    write(kept)
     return kept.getvalue()
+
+
+def _npy(codes: Codes, _: VirtualCamera) -> bytes:
+    return _bytes_of(lambda file: np.save(file, codes))
 
 
 def _tiff(codes: Codes, _: VirtualCamera) -> bytes:
     from tifffile import imwrite
 
-    kept = io.BytesIO()
-    imwrite(kept, codes, photometric="minisblack", metadata=None, software="chromanoise")
-    return kept.getvalue()
+    facts: dict[str, Any] = {"photometric": "minisblack", "software": "chromanoise"}
+    return _bytes_of(lambda file: imwrite(file, codes, metadata=None, **facts))
 
 
 def _pgm(codes: Codes, camera: VirtualCamera) -> bytes:
@@ -667,9 +632,7 @@ def _fits(codes: Codes, _: VirtualCamera) -> bytes:
         value="fits",
         otherwise=("use another format",),
     )
-    kept = io.BytesIO()
-    fits.PrimaryHDU(codes).writeto(kept)
-    return kept.getvalue()
+    return _bytes_of(fits.PrimaryHDU(codes).writeto)
 
 
 _FORMATS: Mapping[str, Callable[[Codes, VirtualCamera], bytes]] = {
@@ -678,16 +641,6 @@ _FORMATS: Mapping[str, Callable[[Codes, VirtualCamera], bytes]] = {
     "pgm": _pgm,
     "fits": _fits,
 }
-
-
-def _capture_toml(camera: VirtualCamera, planned: list[_Level]) -> str:
-    lines = ["# Frames of a virtual camera; truth.toml has its true values."]
-    lines += _pairs({"mosaic": camera.mosaic, "bits": camera.bits})
-    for level in planned:
-        entry: dict[str, Any] = {"flats": list(level.flats), "darks": list(level.darks)}
-        entry |= {"time_ms": level.time_ms, "photons_per_pixel": level.photons_per_pixel}
-        lines += ["", "[[levels]]", *_pairs(entry)]
-    return "\n".join(lines) + "\n"
 
 
 def _truth_toml(camera: VirtualCamera, truth: tuple[PlaneTruth, ...]) -> str:
@@ -699,9 +652,6 @@ def _truth_toml(camera: VirtualCamera, truth: tuple[PlaneTruth, ...]) -> str:
 
 
 def _pairs(values: Mapping[str, Any]) -> list[str]:
-    return [f"{name} = {_toml(value)}" for name, value in values.items() if value is not None]
-
-
-def _toml(value: Any) -> str:
-    """A value as TOML, which writes lists and strings as JSON does, and finite numbers too."""
-    return json.dumps(value, ensure_ascii=False)
+    """Lines of TOML, which writes lists, strings and finite numbers as JSON does."""
+    known = {name: value for name, value in values.items() if value is not None}
+    return [f"{name} = {json.dumps(value, ensure_ascii=False)}" for name, value in known.items()]

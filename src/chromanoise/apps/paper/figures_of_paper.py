@@ -6,8 +6,10 @@ have another unit than the light and a common scale factor.
 The ten figures of the paper.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -34,242 +36,178 @@ from chromanoise.charts import (
     write_beside,
     write_heading,
 )
-from chromanoise.sensor import Mosaic, bayer, rgbw_sparse_4x4
+from chromanoise.sensor import Mosaic, Sensor, bayer, rgbw_sparse_4x4
 from chromanoise.spectra import Spectra, cie_1931
 from chromanoise.study import metric_of, raw_snr_db
 
 _ORIGIN = np.zeros(2)
-_AXIS_DASHES = (0, (7, 2, 1.5, 2))  # of a color axis; not used for channels or sensors
+_AXIS: dict[str, Any] = {"linewidth": 0.9, "zorder": 2}
+_COLOR_AXIS = _AXIS | {"color": INK, "linestyle": (0, (7, 2, 1.5, 2))}  # dashes of no channel
+_DROP: dict[str, Any] = {"color": QUIET, "linewidth": 0.9, "linestyle": (0, (3, 2)), "zorder": 3}
+_BAR: dict[str, Any] = {"linewidth": 5, "solid_capstyle": "butt", "alpha": 0.9, "zorder": 6}
+_FOOT: dict[str, Any] = {"marker": "o", "markersize": 5.5, "zorder": 6}
+_LABEL_PT = 9.0
 _NO_NOISE = "to scale, without noise"
 _HAT = r"$\hat{\mathbf{L}}$"
 
+Vector = Float[Array, " 2"]
+
 
 def draw_light_above_plane(plane: ChannelPlane, ax: Axes) -> Axes:
-    """The plane of two channels seen edge-on, with the distance of the light from it.
-
-    Parameters
-    ----------
-    plane
-        The plane of two channels, and what lies in it.
-    ax
-        Axes of matplotlib to draw on.
-    """
+    """The plane of two channels seen edge-on, with the distance of the light from it."""
     tilt = np.radians(plane.light_tilt_deg)
     tip = plane.light_length * np.array([np.cos(tilt), np.sin(tilt)])
     foot = tip * [1.0, 0.0]
-    draw_axis(ax, 1.3 * foot, QUIET)
-    write_at(ax, 0.5 * foot, "plane of\n" + " and ".join(plane.channels), (0, -1), QUIET)
-    draw_drop(ax, tip, foot)
-    draw_arrow(ax, _ORIGIN, tip, INK)
-    draw_arrow(ax, _ORIGIN, foot, INK)
-    draw_angle(
+    _line(ax, [_ORIGIN, 1.3 * foot], color=QUIET, **_AXIS)
+    _write(ax, 0.5 * foot, "plane of\n" + " and ".join(plane.channels), (0, -1), QUIET)
+    _draw_drop(ax, tip, foot)
+    _draw_arrow(ax, tip, INK)
+    _draw_arrow(ax, foot, INK)
+    _draw_angle(
         ax, foot, tip, f"{plane.light_tilt_deg:.1f}°", radius=0.5 * float(np.linalg.norm(foot))
     )
-    write_at(ax, tip, r"$\mathbf{L}$", tip, INK)
-    write_at(ax, foot, _HAT, (1, 1), INK)
+    _write(ax, tip, r"$\mathbf{L}$", tip, INK)
+    _write(ax, foot, _HAT, (1, 1), INK)
     write_heading(ax, "Seen edge-on", f"L and its projection\n{_NO_NOISE}")
-    fit_view(ax, [_ORIGIN, tip, 1.3 * foot], margin=0.12)
-    return ax
+    return _fit_view(ax, tip, 1.3 * foot, margin=0.12)
 
 
 def draw_measurement(plane: ChannelPlane, ax: Axes) -> Axes:
-    """Figure 3: raw electrons as orthogonal projections of the light on the channels.
-
-    Parameters
-    ----------
-    plane
-        The plane of two channels, and what lies in it.
-    ax
-        Axes of matplotlib to draw on.
-    """
+    """Figure 3: raw electrons as orthogonal projections of the light on the channels."""
     _draw_channels(plane, ax)
     _draw_channel_angle(plane, ax)
     _draw_light(plane, ax)
-    sides = _outward(plane)
-    for i, name in enumerate(plane.channels):
-        color = channel_color(name)
-        draw_drop(ax, plane.measured.mean, plane.feet[i])
-        draw_point(ax, plane.feet[i], color)
+    for i, (name, side) in enumerate(zip(plane.channels, _outward(plane), strict=True)):
+        color, foot = channel_color(name), plane.feet[i]
+        _draw_drop(ax, plane.measured.mean, foot)
+        _line(ax, [foot], color=color, **_FOOT)
         electrons = f"$M_{{{as_index(name)}}}$ = {plane.two.raw.mean[i]:.0f} e$^-$"
-        write_at(ax, plane.feet[i], electrons, sides[i], color, points=10)
+        _write(ax, foot, electrons, side, color, points=10)
     write_heading(ax, _source(plane), f"{_angle(plane)}\n{_time(plane)} · {_NO_NOISE}")
-    fit_view(ax, [_ORIGIN, plane.measured.mean, *_tips(plane)])
-    return ax
+    return _fit_view(ax, plane.measured.mean, *_tips(plane))
 
 
 def draw_contravariant(plane: ChannelPlane, ax: Axes) -> Axes:
-    """Figure 4: contravariant coordinates, whose parallelogram closes at the measured light.
-
-    Parameters
-    ----------
-    plane
-        The plane of two channels, and what lies in it.
-    ax
-        Axes of matplotlib to draw on.
-    """
+    """Figure 4: contravariant coordinates, whose parallelogram closes at the measured light."""
     _draw_channels(plane, ax)
     _draw_channel_angle(plane, ax)
-    sides = _outward(plane)
-    for i, name in enumerate(plane.channels):
-        part, color = plane.parts[i], channel_color(name)
-        draw_drop(ax, plane.measured.mean, part, square=False)
-        draw_arrow(ax, _ORIGIN, part, paled(color), width=3.2, under=True)
-        index = as_index(name)
-        label = rf"$M^{{{index}}}\,\mathbf{{f}}_{{{index}}}$"
-        write_at(ax, part, label, sides[i], color, points=10)
+    for i, (name, side) in enumerate(zip(plane.channels, _outward(plane), strict=True)):
+        part, color, index = plane.parts[i], channel_color(name), as_index(name)
+        _draw_drop(ax, plane.measured.mean, part, square=False)
+        _draw_arrow(ax, part, paled(color), width=3.2, zorder=4)
+        _write(ax, part, rf"$M^{{{index}}}\,\mathbf{{f}}_{{{index}}}$", side, color, points=10)
     _draw_light(plane, ax)
     write_heading(ax, _source(plane), f"{_angle(plane)}\n{_time(plane)} · {_NO_NOISE}")
-    fit_view(ax, [_ORIGIN, plane.measured.mean, *_tips(plane), *plane.parts])
-    return ax
+    return _fit_view(ax, plane.measured.mean, *_tips(plane), *plane.parts)
 
 
 def draw_color_projection(plane: ChannelPlane, ax: Axes) -> Axes:
-    """Figure 6: a color coordinate as the orthogonal projection of L^ on a color axis.
-
-    Parameters
-    ----------
-    plane
-        The plane of two channels, and what lies in it.
-    ax
-        Axes of matplotlib to draw on.
-    """
+    """Figure 6: a color coordinate as the orthogonal projection of L^ on a color axis."""
     _draw_channels(plane, ax, beside=[plane.axis.direction])
     _draw_color_axis(plane, ax)
-    draw_drop(ax, plane.measured.mean, plane.axis.foot)
+    _draw_drop(ax, plane.measured.mean, plane.axis.foot)
     _draw_light(plane, ax)
-    draw_point(ax, plane.axis.foot, INK)
+    _line(ax, [plane.axis.foot], color=INK, **_FOOT)
     value = rf"$\hat{{{plane.axis.name.upper()}}}$ = {plane.axis.color:.2f} lx"
     away = plane.axis.foot - plane.measured.mean
-    write_at(ax, plane.axis.foot, value, away, INK, points=10)
+    _write(ax, plane.axis.foot, value, away, INK, points=10)
     facts = f"{_angle(plane)} · {_tilt(plane)}\n{_time(plane)} · {_NO_NOISE}"
     write_heading(ax, _source(plane), facts)
-    fit_view(ax, [_ORIGIN, plane.measured.mean, *_tips(plane), _axis_tip(plane)])
-    return ax
+    return _fit_view(ax, plane.measured.mean, *_tips(plane), _axis_tip(plane))
 
 
 def draw_uncertainty(
     plane: ChannelPlane, noise: MagnifiedNoise, ax: Axes, *, title: str = ""
 ) -> Axes:
-    """Figure 9: the uncertainty of the measured light from the noise of two channels.
-
-    Parameters
-    ----------
-    plane
-        The plane of two channels, and what lies in it.
-    noise
-        Noise of the plane, magnified to be seen.
-    ax
-        Axes of matplotlib to draw on.
-    title
-        Text above the drawing.
-    """
+    """Figure 9: the uncertainty of the measured light from the noise of two channels."""
     _draw_channels(plane, ax)
     _draw_channel_angle(plane, ax)
     _draw_noise(noise, ax)
-    draw_area(ax, noise.locus)
+    ax.add_patch(Polygon(noise.locus, closed=True, facecolor=FAINT, edgecolor="none", zorder=1))
     sides, directions = _outward(plane), _unit(plane.arrows)
     for i, name in enumerate(plane.channels):
         color, bar = channel_color(name), noise.feet_bars[i]
         for end, corner in zip(bar, _locus_sides(noise, i), strict=True):
-            draw_drop(ax, corner, end, square=False)
-        draw_bar(ax, bar, color)
+            _draw_drop(ax, corner, end, square=False)
+        _line(ax, bar, color=color, **_BAR)
         # the locus begins at the bar, so a label before it does not cover the noise
-        write_at(ax, bar[0], f"$M_{{{as_index(name)}}}$", sides[i] - directions[i], color, points=9)
-    _draw_noisy_light(plane, ax, beside=[])
+        _write(ax, bar[0], f"$M_{{{as_index(name)}}}$", sides[i] - directions[i], color, points=9)
+    _draw_noisy_light(plane, ax)
+    raw_snr = ", ".join(_decibels(*one) for one in raw_snr_db(plane.two).items())
     write_heading(
         ax,
         title + _source(plane),
-        f"{_angle(plane)} · {_time(plane)} · {_raw_snr(plane)}\n"
+        f"{_angle(plane)} · {_time(plane)} · raw SNR {raw_snr}\n"
         f"{_magnified(noise)} · {_decibels('spectral SNR', plane.two.spectral_snr_db)}",
     )
-    fit_view(ax, [_ORIGIN, *_tips(plane), *noise.outline, *noise.locus])
-    return ax
+    return _fit_view(ax, *_tips(plane), *noise.outline, *noise.locus)
 
 
 def draw_color_uncertainty(
     plane: ChannelPlane, noise: MagnifiedNoise, ax: Axes, *, title: str = ""
 ) -> Axes:
-    """Figure 10: the uncertainty of the measured light, projected on a color axis.
-
-    Parameters
-    ----------
-    plane
-        The plane of two channels, and what lies in it.
-    noise
-        Noise of the plane, magnified to be seen.
-    ax
-        Axes of matplotlib to draw on.
-    title
-        Text above the drawing.
-    """
+    """Figure 10: the uncertainty of the measured light, projected on a color axis."""
     beside = [plane.axis.direction]
     _draw_channels(plane, ax, beside=beside)
     _draw_color_axis(plane, ax)
     _draw_noise(noise, ax)
     for touch, end in zip(noise.axis_touch, noise.axis_bar, strict=True):
-        draw_drop(ax, touch, end, square=False)
-    draw_bar(ax, noise.axis_bar, INK)
+        _draw_drop(ax, touch, end, square=False)
+    _line(ax, noise.axis_bar, color=INK, **_BAR)
     _draw_noisy_light(plane, ax, beside=beside)
     letter = plane.axis.name.upper()
     away = plane.axis.foot - plane.measured.mean
-    write_at(ax, plane.axis.foot, rf"$\hat{{{letter}}}$", away, INK, points=10)
+    _write(ax, plane.axis.foot, rf"$\hat{{{letter}}}$", away, INK, points=10)
     snr = _decibels(f"SNR$_{letter}$ of these two channels", plane.axis.color_snr_db)
     write_heading(
         ax,
         title + _source(plane),
         f"{_angle(plane)} · {_time(plane)} · {_tilt(plane)}\n{_magnified(noise)} · {snr}",
     )
-    fit_view(ax, [_ORIGIN, *_tips(plane), _axis_tip(plane), *noise.outline, *noise.axis_bar])
-    return ax
+    return _fit_view(ax, *_tips(plane), _axis_tip(plane), *noise.outline, *noise.axis_bar)
 
 
-def _draw_channels(
-    plane: ChannelPlane, ax: Axes, *, beside: Sequence[Float[Array, " 2"]] = ()
-) -> None:
+def _draw_channels(plane: ChannelPlane, ax: Axes, *, beside: Sequence[Vector] = ()) -> None:
     """Both channel axes with their letters, and the vectors f on them."""
     tips, arrows = _tips(plane), plane.arrows
     for i, name in enumerate(plane.channels):
         color = channel_color(name)
-        draw_axis(ax, tips[i], color)
-        write_at(ax, tips[i], name, tips[i], color, points=4, bold=True)
-        draw_arrow(ax, _ORIGIN, arrows[i], color)
-        side = open_side(arrows[i], [arrows[1 - i], plane.measured.mean, *beside])
-        write_at(ax, arrows[i], rf"$\mathbf{{f}}_{{{as_index(name)}}}$", side, color, points=5)
+        _line(ax, [_ORIGIN, tips[i]], color=color, **_AXIS)
+        _write(ax, tips[i], name, tips[i], color, points=4, fontweight="bold")
+        _draw_arrow(ax, arrows[i], color)
+        side = _open_side(arrows[i], [arrows[1 - i], plane.measured.mean, *beside])
+        _write(ax, arrows[i], rf"$\mathbf{{f}}_{{{as_index(name)}}}$", side, color, points=5)
 
 
 def _draw_channel_angle(plane: ChannelPlane, ax: Axes) -> None:
     radius = 0.6 * float(np.linalg.norm(plane.arrows, axis=1).min())
-    first, second = plane.arrows
-    text = f"{plane.angle_deg:.1f}°"
-    draw_angle(ax, first, second, text, radius=radius, avoid=plane.measured.mean)
+    (first, second), text = plane.arrows, f"{plane.angle_deg:.1f}°"
+    _draw_angle(ax, first, second, text, radius=radius, avoid=plane.measured.mean)
 
 
 def _draw_light(plane: ChannelPlane, ax: Axes) -> None:
-    mean = plane.measured.mean
-    draw_arrow(ax, _ORIGIN, mean, INK)
-    write_at(ax, mean, _HAT, mean, INK)
+    _draw_arrow(ax, plane.measured.mean, INK)
+    _write(ax, plane.measured.mean, _HAT, plane.measured.mean, INK)
 
 
-def _draw_noisy_light(
-    plane: ChannelPlane, ax: Axes, *, beside: Sequence[Float[Array, " 2"]]
-) -> None:
+def _draw_noisy_light(plane: ChannelPlane, ax: Axes, *, beside: Sequence[Vector] = ()) -> None:
     """The measured light, thin and labeled along its shaft, because the noise is at its tip."""
     mean = plane.measured.mean
-    draw_arrow(ax, _ORIGIN, mean, INK, width=1.0)
-    side = open_side(mean, [*plane.arrows, *beside])
-    write_at(ax, 0.6 * mean, _HAT, side, INK, points=5)
+    _draw_arrow(ax, mean, INK, width=1.0)
+    _write(ax, 0.6 * mean, _HAT, _open_side(mean, [*plane.arrows, *beside]), INK, points=5)
 
 
 def _draw_color_axis(plane: ChannelPlane, ax: Axes) -> None:
     tip = _axis_tip(plane)
-    draw_axis(ax, tip, INK, dashes=_AXIS_DASHES)
-    write_at(ax, tip, plane.axis.name, tip, INK, points=4, bold=True)
+    _line(ax, [_ORIGIN, tip], **_COLOR_AXIS)
+    _write(ax, tip, plane.axis.name, tip, INK, points=4, fontweight="bold")
 
 
 def _draw_noise(noise: MagnifiedNoise, ax: Axes) -> None:
     """The sampled acquisitions as small dots, and the closed form as a line on top."""
-    ax.plot(*noise.cloud.T, ".", color=QUIET, markersize=2.2, markeredgewidth=0, zorder=4)
-    ax.plot(*noise.outline.T, color=INK, linewidth=1.2, zorder=6)
+    dots: dict[str, Any] = {"linestyle": "none", "marker": ".", "markersize": 2.2}
+    _line(ax, noise.cloud, color=QUIET, markeredgewidth=0, zorder=4, **dots)
+    _line(ax, noise.outline, color=INK, linewidth=1.2, zorder=6)
 
 
 def _tips(plane: ChannelPlane) -> Float[Array, "2 2"]:
@@ -278,7 +216,7 @@ def _tips(plane: ChannelPlane) -> Float[Array, "2 2"]:
     return 1.18 * np.linalg.norm(on_axes, axis=2).max(axis=0)[:, None] * _unit(plane.arrows)
 
 
-def _axis_tip(plane: ChannelPlane) -> Float[Array, " 2"]:
+def _axis_tip(plane: ChannelPlane) -> Vector:
     return 1.2 * float(np.linalg.norm(plane.measured.mean)) * plane.axis.direction
 
 
@@ -319,116 +257,72 @@ def _tilt(plane: ChannelPlane) -> str:
     )
 
 
-def _raw_snr(plane: ChannelPlane) -> str:
-    texts = (_decibels(name, value) for name, value in raw_snr_db(plane.two).items())
-    return "raw SNR " + ", ".join(texts)
-
-
 def _decibels(what: str, value: float | None) -> str:
     return f"{what} undefined (saturated)" if value is None else f"{what} {value:.1f} dB"
 
 
-def _locus_sides(noise: MagnifiedNoise, i: int) -> Float[Array, "2 2"]:
+def _locus_sides(noise: MagnifiedNoise, i: int) -> list[Vector]:
     """The far corner of the locus on each border of channel ``i``'s interval, low border first."""
-    low, high = ((1, 2), (0, 3)) if i == 0 else ((2, 3), (0, 1))
-    borders = zip(noise.feet_bars[i], (low, high), strict=True)
-    return np.stack([_farthest(noise.locus[list(corners)], end) for end, corners in borders])
+    corners = ((1, 2), (0, 3)) if i == 0 else ((2, 3), (0, 1))
+    return [
+        max(noise.locus[list(own)], key=lambda point: float(np.linalg.norm(point - end)))
+        for end, own in zip(noise.feet_bars[i], corners, strict=True)
+    ]
 
 
-def _farthest(points: Float[Array, "k 2"], start: Float[Array, " 2"]) -> Float[Array, " 2"]:
-    return points[int(np.linalg.norm(points - start, axis=1).argmax())]
+def _line(ax: Axes, points: Sequence[Vector] | Float[Array, "k 2"], **look: Any) -> None:
+    ax.plot(*np.transpose(points), **look)
 
 
-Dashes = str | tuple[float, tuple[float, ...]]
-
-_LABEL_PT = 9.0
-
-
-def draw_arrow(
-    ax: Axes,
-    start: Float[Array, " 2"],
-    end: Float[Array, " 2"],
-    color: str | tuple[float, ...],
-    *,
-    width: float = 1.8,
-    under: bool = False,
+def _draw_arrow(
+    ax: Axes, tip: Vector, color: str | tuple[float, ...], *, width: float = 1.8, zorder: float = 5
 ) -> None:
-    """A vector; ``under`` the other vectors where they share an axis."""
-    ax.annotate(
-        "",
-        xy=tuple(end),
-        xytext=tuple(start),
-        arrowprops={
-            "arrowstyle": "-|>,head_length=0.5,head_width=0.22",
-            "color": color,
-            "linewidth": width,
-            "joinstyle": "miter",
-            "shrinkA": 0,
-            "shrinkB": 0,
-            "mutation_scale": 8 + 3 * width,
-        },
-        zorder=4 if under else 5,
-    )
+    """A vector from the origin."""
+    look = {
+        "arrowstyle": "-|>,head_length=0.5,head_width=0.22",
+        "color": color,
+        "linewidth": width,
+        "joinstyle": "miter",
+        "shrinkA": 0,
+        "shrinkB": 0,
+        "mutation_scale": 8 + 3 * width,
+    }
+    ax.annotate("", xy=tuple(tip), xytext=(0, 0), arrowprops=look, zorder=zorder)
 
 
-def draw_axis(ax: Axes, tip: Float[Array, " 2"], color: str, *, dashes: Dashes = "solid") -> None:
-    """A thin axis from the origin to ``tip``."""
-    ax.plot(*_line(np.zeros(2), tip), color=color, linewidth=0.9, linestyle=dashes, zorder=2)
-
-
-def draw_drop(
-    ax: Axes, start: Float[Array, " 2"], foot: Float[Array, " 2"], *, square: bool = True
-) -> None:
+def _draw_drop(ax: Axes, start: Vector, foot: Vector, *, square: bool = True) -> None:
     """A dashed helping line; ``square`` marks that it meets the axis through ``foot`` at 90°."""
-    ax.plot(*_line(start, foot), color=QUIET, linewidth=0.9, linestyle=(0, (3, 2)), zorder=3)
+    _line(ax, [start, foot], **_DROP)
     if square:
         size = 0.04 * np.linalg.norm(start)
         along, across = -size * _direction(foot), size * _direction(start - foot)
-        corner = np.array([foot + along, foot + along + across, foot + across])
-        ax.plot(*corner.T, color=QUIET, linewidth=0.9, zorder=3)
+        corner = [foot + along, foot + along + across, foot + across]
+        _line(ax, corner, **_DROP | {"linestyle": "solid"})
 
 
-def draw_bar(ax: Axes, ends: Float[Array, "2 2"], color: str) -> None:
-    """An interval on an axis."""
-    ax.plot(*ends.T, color=color, linewidth=5, solid_capstyle="butt", alpha=0.9, zorder=6)
-
-
-def draw_point(ax: Axes, point: Float[Array, " 2"], color: str) -> None:
-    """A point of an axis: where a projection ends."""
-    ax.plot(*point, "o", color=color, markersize=5.5, zorder=6)
-
-
-def draw_area(ax: Axes, corners: Float[Array, "k 2"]) -> None:
-    """A filled polygon in the palest gray, under all else."""
-    ax.add_patch(Polygon(corners, closed=True, facecolor=FAINT, edgecolor="none", zorder=1))
-
-
-def draw_angle(
+def _draw_angle(
     ax: Axes,
-    first: Float[Array, " 2"],
-    second: Float[Array, " 2"],
+    first: Vector,
+    second: Vector,
     text: str,
     *,
     radius: float,
-    avoid: Float[Array, " 2"] | None = None,
+    avoid: Vector | None = None,
 ) -> None:
     """The arc from one vector to another, and its angle beside it, clear of the line ``avoid``."""
     start, end = _bearing(first), _bearing(second)
-    ax.add_patch(
-        Arc((0, 0), 2 * radius, 2 * radius, theta1=start, theta2=end, color=QUIET, zorder=3)
-    )
+    arc = Arc((0, 0), 2 * radius, 2 * radius, theta1=start, theta2=end, color=QUIET, zorder=3)
+    ax.add_patch(arc)
     stops = [start, end]
     if avoid is not None and start < _bearing(avoid) < end:
         stops.insert(1, _bearing(avoid))
     _, low, high = max((b - a, a, b) for a, b in pairwise(stops))
     middle = np.radians((low + high) / 2)
     toward = np.array([np.cos(middle), np.sin(middle)])
-    write_at(ax, radius * toward, text, toward, QUIET, points=4)
+    _write(ax, radius * toward, text, toward, QUIET, points=4)
 
 
-def open_side(
-    direction: Float[Array, " 2"], others: Sequence[Float[Array, " 2"]]
-) -> Float[Array, " 2"]:
+def _open_side(direction: Vector, others: Sequence[Vector]) -> Vector:
     """The direction across a line, to the side where no other line is near."""
     left = np.array([-direction[1], direction[0]])
     turns = [(_bearing(other) - _bearing(direction) + 180) % 360 - 180 for other in others]
@@ -437,46 +331,41 @@ def open_side(
     return left if room_left > room_right else -left
 
 
-def write_at(
+def _write(
     ax: Axes,
-    point: Float[Array, " 2"],
+    point: Vector,
     text: str,
-    away: Sequence[float] | Float[Array, " 2"],
+    away: Sequence[float] | Vector,
     color: str,
     *,
     points: float = 7,
-    bold: bool = False,
+    **look: Any,
 ) -> None:
     """``text`` some points away from ``point``, on the side that ``away`` points to."""
     x, y = _direction(np.asarray(away, dtype=float))
-    sides = {"ha": _side(x, "left", "right"), "va": _side(y, "bottom", "top")}
-    look = {"color": color, "fontweight": "bold" if bold else "normal"}
+    look |= {"ha": _side(x, "left", "right"), "va": _side(y, "bottom", "top"), "color": color}
     by = (points * x, points * y)
-    write_beside(ax, text, point.tolist(), by, fontsize=_LABEL_PT, zorder=7, **sides, **look)
+    write_beside(ax, text, point.tolist(), by, fontsize=_LABEL_PT, zorder=7, **look)
 
 
-def fit_view(ax: Axes, points: Sequence[Float[Array, " 2"]], *, margin: float = 0.11) -> None:
-    """Show all ``points`` to scale, with room for their labels, and no frame."""
-    low, high = np.min(points, axis=0), np.max(points, axis=0)
+def _fit_view(ax: Axes, *points: Vector, margin: float = 0.11) -> Axes:
+    """Show the origin and all points to scale, with room for their labels, and no frame."""
+    low, high = np.min([_ORIGIN, *points], axis=0), np.max([_ORIGIN, *points], axis=0)
     room = margin * (high - low).max()
     ax.set(xlim=(low[0] - room, high[0] + room), ylim=(low[1] - room, high[1] + room))
     ax.set_aspect("equal")
     ax.set_axis_off()
+    return ax
 
 
-def _direction(vector: Float[Array, " 2"]) -> Float[Array, " 2"]:
+def _direction(vector: Vector) -> Vector:
     """The vector at length 1; one without length has no direction and stays as it is."""
     return vector / (np.linalg.norm(vector) or 1.0)
 
 
-def _bearing(vector: Float[Array, " 2"]) -> float:
+def _bearing(vector: Vector) -> float:
     """Angle from the first coordinate, counterclockwise. [deg]"""
     return float(np.degrees(np.arctan2(vector[1], vector[0])))
-
-
-def _line(start: Float[Array, " 2"], end: Float[Array, " 2"]) -> Float[Array, "2 2"]:
-    """Abscissas and ordinates of a straight line."""
-    return np.array([start, end]).T
 
 
 def _side(component: float, positive: str, negative: str) -> str:
@@ -560,110 +449,89 @@ def paper_figures(
     figures
         By the keys of `CAPTIONS`, in the paper's order.
     """
+    plane, correlated = planes.measurement, ("Weakly correlated: ", "Highly correlated: ")
+    sensors = {column: study.columns[column].sensor for column in (RGBW_12, RGB_12)}
     with chromanoise_style():
-        plane = planes.measurement
-        figures = {
-            "figure-01-mosaics": _mosaics(),
-            "figure-02-flow": _flow(study),
-            "figure-03-measurement": _measurement(plane),
-            "figure-04-contravariant": _alone(draw_contravariant, plane),
-            "figure-05-observer": _observer(study),
-            "figure-06-projection": _alone(draw_color_projection, plane),
-            "figure-07-sensitivities": _sensitivities(study),
+        return {
+            "figure-01-mosaics": _side_by_side(
+                [
+                    partial(draw_mosaic, bayer(), title="RGB with IR-cut (Bayer)"),
+                    partial(draw_mosaic, rgbw_sparse_4x4(), title="RGBW without IR-cut (sparse)"),
+                ],
+                height_in=3.0,
+                heading_in=_TITLE_IN,
+            ),
+            "figure-02-flow": _framed(
+                8.8, 5.1, [partial(draw_flow, study.columns[one]) for one in sensors]
+            ),
+            "figure-03-measurement": _side_by_side(
+                [partial(draw_light_above_plane, plane), partial(draw_measurement, plane)],
+                height_in=_TALLEST_IN,
+                heading_in=_HEADING_IN,
+            ),
+            "figure-04-contravariant": _stack([partial(draw_contravariant, plane)]),
+            "figure-05-observer": _framed(
+                6.4, 3.5, [partial(draw_observer, cie_1931(study.scene.illuminant.grid))]
+            ),
+            "figure-06-projection": _stack([partial(draw_color_projection, plane)]),
+            "figure-07-sensitivities": _sensitivities([*sensors.values()]),
+            **({} if pictures is None else {"figure-08-pictures": _pictures(sensors, pictures)}),
+            "figure-09-correlation": _stack(
+                [
+                    partial(draw_uncertainty, *noisy, title=title)
+                    for noisy, title in zip(planes.correlation, correlated, strict=True)
+                ]
+            ),
+            "figure-10-color-axis": _stack(
+                [
+                    partial(draw_color_uncertainty, *noisy, title=title)
+                    for noisy, title in zip(
+                        planes.color_axis, ("Far from y: ", "Near y: "), strict=True
+                    )
+                ]
+            ),
         }
-        if pictures is not None:
-            figures["figure-08-pictures"] = _pictures(study, pictures)
-        figures["figure-09-correlation"] = _uncertainties(
-            draw_uncertainty, planes.correlation, ("Weakly correlated: ", "Highly correlated: ")
-        )
-        figures["figure-10-color-axis"] = _uncertainties(
-            draw_color_uncertainty, planes.color_axis, ("Far from y: ", "Near y: ")
-        )
-    return figures
 
 
-def _mosaics() -> Figure:
-    figure = Figure()
-    left, right = figure.subplots(1, 2)
-    draw_mosaic(bayer(), left, title="RGB with IR-cut (Bayer)")
-    draw_mosaic(rgbw_sparse_4x4(), right, title="RGBW without IR-cut (sparse)")
-    _side_by_side(figure, [left, right], height_in=3.0, heading_in=_TITLE_IN)
+Draw = Callable[..., Axes]
+"""Draws on the axes given as ``ax``."""
+
+
+def _framed(width_in: float, height_in: float, draws: Sequence[Draw], **shared: Any) -> Figure:
+    """Panels over each other in a figure of a fixed size."""
+    figure = framed_figure(width_in, height_in)
+    panels = figure.subplots(len(draws), 1, squeeze=False, **shared).ravel()
+    for draw, ax in zip(draws, panels, strict=True):
+        draw(ax=ax)
     return figure
 
 
-def _flow(study: PaperStudy) -> Figure:
-    figure = framed_figure(8.8, 5.1)
-    top, bottom = figure.subplots(2, 1)
-    draw_flow(study.columns[RGBW_12], top)
-    draw_flow(study.columns[RGB_12], bottom)
-    return figure
-
-
-def _measurement(plane: ChannelPlane) -> Figure:
-    figure = Figure()
-    edge_on, above = figure.subplots(1, 2)
-    draw_light_above_plane(plane, edge_on)
-    draw_measurement(plane, above)
-    _side_by_side(figure, [edge_on, above], height_in=_TALLEST_IN, heading_in=_HEADING_IN)
-    return figure
-
-
-def _alone(draw: Callable[[ChannelPlane, Axes], Axes], plane: ChannelPlane) -> Figure:
-    figure = Figure()
-    _stack(figure, [draw(plane, figure.add_subplot())])
-    return figure
-
-
-def _observer(study: PaperStudy) -> Figure:
-    figure = framed_figure(6.4, 3.5)
-    draw_observer(cie_1931(study.scene.illuminant.grid), figure.add_subplot())
-    return figure
-
-
-def _sensitivities(study: PaperStudy) -> Figure:
-    figure = framed_figure(6.4, 5.6)
-    top, bottom = figure.subplots(2, 1, sharex=True)
-    sensors = [study.columns[column].sensor for column in (RGBW_12, RGB_12)]
+def _sensitivities(sensors: Sequence[Sensor]) -> Figure:
     highest = 1.15 * max(float(sensor.qe.max()) for sensor in sensors)
-    draw_sensitivities(sensors[0], top, top=highest)
-    draw_sensitivities(sensors[1], bottom, top=highest)
-    top.set_xlabel("")
+    draws = [partial(draw_sensitivities, sensor, top=highest) for sensor in sensors]
+    figure = _framed(6.4, 5.6, draws, sharex=True)
+    figure.axes[0].set_xlabel("")
     return figure
 
 
 def _pictures(
-    study: PaperStudy, pictures: tuple[UInt8[Array, "h w 3"], UInt8[Array, "h w 3"]]
+    sensors: Mapping[str, Sensor], pictures: tuple[UInt8[Array, "h w 3"], UInt8[Array, "h w 3"]]
 ) -> Figure:
-    figure = Figure()
-    panels = list(figure.subplots(1, 2))
-    for picture, column, ax in zip(pictures, (RGB_12, RGBW_12), panels, strict=True):
-        sensor = study.columns[column].sensor
-        draw_picture(picture, ax, title=sensor_label(sensor.name, sensor.origin))
-    height, width = pictures[0].shape[:2]
-    _side_by_side(figure, panels, height_in=4.0 * height / width, heading_in=_TITLE_IN)
-    return figure
-
-
-def _uncertainties(
-    draw: Callable[..., Axes],
-    pairs: Sequence[tuple[ChannelPlane, MagnifiedNoise]],
-    titles: Sequence[str],
-) -> Figure:
-    figure = Figure()
-    panels = [
-        draw(plane, noise, figure.add_subplot(2, 1, i), title=title)
-        for i, ((plane, noise), title) in enumerate(zip(pairs, titles, strict=True), 1)
+    shown = [sensors[column] for column in (RGB_12, RGBW_12)]
+    draws = [
+        partial(draw_picture, picture, title=sensor_label(sensor.name, sensor.origin))
+        for picture, sensor in zip(pictures, shown, strict=True)
     ]
-    _stack(figure, panels)
-    return figure
+    height, width = pictures[0].shape[:2]
+    return _side_by_side(draws, height_in=4.0 * height / width, heading_in=_TITLE_IN)
 
 
-def _side_by_side(
-    figure: Figure, panels: Sequence[Axes], *, height_in: float, heading_in: float
-) -> None:
+def _side_by_side(draws: Sequence[Draw], *, height_in: float, heading_in: float) -> Figure:
     """One panel beside the other, equally tall: the figure grows as wide as they need."""
-    spans = [_span(ax) for ax in panels]
-    widths = [height_in * width / height for width, height in spans]
+    figure = Figure()
+    axes = figure.subplots(1, len(draws))
+    panels = [draw(ax=ax) for draw, ax in zip(draws, axes, strict=True)]
+    widths = [height_in * width / height for width, height in map(_span, panels)]
     total_in = max(sum(widths) + _SIDE_IN * (len(panels) + 1), _WIDTH_IN)
     tall_in = height_in + heading_in + _SIDE_IN
     figure.set_size_inches(total_in, tall_in)
@@ -673,10 +541,13 @@ def _side_by_side(
             (left / total_in, _SIDE_IN / tall_in, width / total_in, height_in / tall_in)
         )
         left += width + _SIDE_IN
+    return figure
 
 
-def _stack(figure: Figure, panels: Sequence[Axes]) -> None:
+def _stack(draws: Sequence[Draw]) -> Figure:
     """One panel over the other in one scale: the figure grows as tall as they need."""
+    figure = Figure()
+    panels = [draw(ax=figure.add_subplot(len(draws), 1, i)) for i, draw in enumerate(draws, 1)]
     left = min(ax.get_xlim()[0] for ax in panels)
     right = max(ax.get_xlim()[1] for ax in panels)
     inside_in = _WIDTH_IN - 2 * _SIDE_IN
@@ -692,6 +563,7 @@ def _stack(figure: Figure, panels: Sequence[Axes]) -> None:
         ax.set_xlim(left - slack, right + slack)
         ax.set_position((_SIDE_IN / _WIDTH_IN, top / total, inside_in / _WIDTH_IN, height / total))
         top -= _SIDE_IN
+    return figure
 
 
 def _span(ax: Axes) -> tuple[float, float]:
@@ -714,32 +586,21 @@ def draw_mosaic(mosaic: Mosaic, ax: Axes, *, cells: int = 8, title: str = "") ->
     title
         Text above the drawing.
     """
-    pattern = mosaic.pattern
-    height, width = len(pattern), len(pattern[0])
+    (height, width), pattern = mosaic.shape, mosaic.pattern
     for row in range(cells):
         for column in range(cells):
-            _draw_cell(ax, row, column, pattern[row % height][column % width])
+            name = pattern[row % height][column % width]
+            face, ink = ("white", INK) if name == "W" else (channel_color(name), "white")
+            look: dict[str, Any] = {"facecolor": face, "edgecolor": QUIET, "linewidth": 0.6}
+            ax.add_patch(Rectangle((column, row), 1, 1, **look))
+            centered: dict[str, Any] = {"ha": "center", "va": "center_baseline"}
+            letter: dict[str, Any] = {"color": ink, "fontweight": "bold", "fontsize": 11}
+            ax.text(column + 0.5, row + 0.5, name, **centered, **letter)
     ax.add_patch(Rectangle((0, 0), width, height, fill=False, edgecolor=INK, linewidth=2.6))
     ax.set(xlim=(-0.08, cells + 0.08), ylim=(cells + 0.08, -0.08), title=title)
     ax.set_aspect("equal")
     ax.set_axis_off()
     return ax
-
-
-def _draw_cell(ax: Axes, row: int, column: int, name: str) -> None:
-    white = name == "W"
-    face = "white" if white else channel_color(name)
-    ax.add_patch(Rectangle((column, row), 1, 1, facecolor=face, edgecolor=QUIET, linewidth=0.6))
-    ax.text(
-        column + 0.5,
-        row + 0.5,
-        name,
-        ha="center",
-        va="center_baseline",
-        color=INK if white else "white",
-        fontweight="bold",
-        fontsize=11,
-    )
 
 
 _LOOKS = {

@@ -7,7 +7,6 @@ The cells of a reproduction: in the layout of the paper, as tables for files, as
 
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -38,7 +37,7 @@ from chromanoise.metrics import (
     snr_db,
     without_infrared,
 )
-from chromanoise.noise import Estimate, expected_electrons, monte_carlo, with_noise
+from chromanoise.noise import expected_electrons, monte_carlo, with_noise
 from chromanoise.spectra import INFRARED_FROM_NM
 from chromanoise.study import (
     RECONSTRUCTION,
@@ -271,13 +270,23 @@ def reproduced(
         If the seed is negative, or there are fewer than 2 draws or more than 1e10.
     """
     analyses = witnessed_columns(study)
-    drawn = partial(_witness, draws=draws, seed=seed, clip=clip, progress=progress)
-    witnesses = {
-        column: drawn(analysis, number=number)
+    sampled = {
+        column: _sampled(
+            analysis, draws=draws, seed=seed, name=(number,), clip=clip, progress=progress
+        )
         for number, (column, analysis) in enumerate(analyses.items())
     }
     cells = [
-        _snr_cell(line, column, printed, analyses[column], witnesses[column])
+        Cell(
+            table=line.table,
+            row=line.row,
+            column=column,
+            quantity=line.quantity,
+            unit="dB",
+            paper=printed,
+            closed_form=_SNR_OF[line.quantity](analyses[column])[line.coordinate],
+            **sampled[column][line.quantity, line.coordinate],
+        )
         for line in _LINES
         for column, printed in line.printed.items()
     ]
@@ -327,65 +336,25 @@ _LINES = (
 )
 
 
-@dataclass(frozen=True, slots=True)
-class _Witness:
-    """Monte Carlo of every (quantity, coordinate) of one column, from the same acquisitions."""
-
-    estimate: Estimate
-    coordinates: tuple[tuple[str, str], ...]
-
-
-def _witness(
-    analysis: Analysis,
-    *,
-    draws: int,
-    seed: int,
-    number: int,
-    clip: bool,
-    progress: Callable[[int], None],
-) -> _Witness:
+def _sampled(analysis: Analysis, **how: Any) -> dict[tuple[str, str], dict[str, float]]:
+    """Monte Carlo of every quantity and coordinate of one column, from the same acquisitions."""
     channels = analysis.sensor.names
-    rows = np.vstack(
-        [np.eye(len(channels)), analysis.matrix.frame.inverse_gram, analysis.matrix.matrix]
-    )
-    estimate = monte_carlo(
-        analysis.raw.mean,
-        analysis.sensor.pixel,
-        rows,
-        draws=draws,
-        seed=seed,
-        name=(number,),
-        clip=clip,
-        progress=progress,
-    )
-    coordinates = (
-        *(("raw SNR", name) for name in channels),
-        *(("contravariant SNR", name) for name in channels),
-        *(("Y SNR", name) for name in analysis.color.names),
-    )
-    return _Witness(estimate, coordinates)
-
-
-def _snr_cell(
-    line: _Line, column: str, printed: float, analysis: Analysis, witness: _Witness
-) -> Cell:
-    i = witness.coordinates.index((line.quantity, line.coordinate))
-    estimate = witness.estimate
-    clipped = estimate.any_clipped_share
-    if line.quantity == "raw SNR":
-        clipped = float(estimate.clipped_share[analysis.sensor.names.index(line.coordinate)])
-    return Cell(
-        table=line.table,
-        row=line.row,
-        column=column,
-        quantity=line.quantity,
-        unit="dB",
-        paper=printed,
-        closed_form=_SNR_OF[line.quantity](analysis)[line.coordinate],
-        monte_carlo=float(estimate.snr_db[i]),
-        monte_carlo_se=float(estimate.snr_se_db[i]),
-        clipped_share=clipped,
-    )
+    names = {
+        "raw SNR": channels,
+        "contravariant SNR": channels,
+        "Y SNR": analysis.color.names,
+    }
+    rows = [np.eye(len(channels)), analysis.matrix.frame.inverse_gram, analysis.matrix.matrix]
+    found = monte_carlo(analysis.raw.mean, analysis.sensor.pixel, np.vstack(rows), **how)
+    keys = [(quantity, name) for quantity, own in names.items() for name in own]
+    clipped = np.full(len(keys), found.any_clipped_share)
+    clipped[: len(channels)] = found.clipped_share
+    numbers = zip(found.snr_db, found.snr_se_db, clipped, strict=True)
+    fields = ("monte_carlo", "monte_carlo_se", "clipped_share")
+    return {
+        key: dict(zip(fields, map(float, own), strict=True))
+        for key, own in zip(keys, numbers, strict=True)
+    }
 
 
 def _noiseless_cells(study: PaperStudy) -> Iterator[Cell]:
