@@ -11,7 +11,7 @@ from chromanoise.apps.design.objectives import OBJECTIVES, Candidate, value_of
 from chromanoise.apps.design.parameters import (
     Candidates,
     Parameter,
-    ToleranceDraws,
+    RobustPart,
     noise_properties,
     over_tolerances,
 )
@@ -443,7 +443,7 @@ def test_the_worst_of_a_small_tolerance_is_the_gradient_times_the_tolerance():
     def loss(around):
         return values - evaluator.values(space.candidates(around))
 
-    worst = over_tolerances(loss, AT[None], space.parameters, ToleranceDraws(samples=4096))[0, 0]
+    worst = over_tolerances(loss, AT[None], space.parameters, RobustPart(samples=4096))[0, 0]
     np.testing.assert_allclose(worst, 1e-4 * np.abs(jacobian).sum(), rtol=0.1)
 
 
