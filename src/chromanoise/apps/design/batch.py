@@ -381,7 +381,7 @@ class Block:
 
     @cached_property
     def chart(self) -> tuple[Array, Array]:
-        """L*, a*, b* of the chart (3 k m), and the slopes of the cube roots."""
+        """L*, a*, b* of the chart (3 k m), and the slopes of the cube roots by shares of white."""
         return self._cielab(0.0)
 
     @cached_property
@@ -393,17 +393,18 @@ class Block:
     def _cielab(self, black_e: float) -> tuple[Array, Array]:
         from chromanoise.apps.design.kernels import cielab
 
-        xyz = np.einsum("jcm,ckm->jkm", self.matrix, self.seen("chart_e") + black_e)
-        share = np.ascontiguousarray(xyz / self.white_xyz[:, None])
+        own = self.matrix / self.white_xyz[:, None]
+        share = np.ascontiguousarray(np.einsum("jcm,ckm->jkm", own, self.seen("chart_e")))
+        share += black_e * own.sum(axis=1)[:, None]
         lab, slope = np.empty_like(share), np.empty_like(share)
         cielab(share, lab, slope)
-        return lab, slope / self.white_xyz[:, None]
+        return lab, slope
 
     @cached_property
     def noise_of_chart(self) -> Inexact[Array, "k m"]:
         """Variance in CIELAB of each patch, first order: the trace of J S J^T."""
         total: Any = 0.0
-        _, slope = self.chart_with_black
+        slope = self.chart_with_black[1] / self.white_xyz[:, None]
         variance = self.variance(self.seen("chart_e"))
         for channel, own in enumerate(variance):
             x, y, z = slope * self.matrix[:, channel, None]
