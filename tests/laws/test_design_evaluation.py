@@ -5,12 +5,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
+from chromanoise.apps.design import batch
 from chromanoise.apps.design.evaluation import DesignScene, Objectives, candidate_point
-from chromanoise.apps.design.objectives import FAST, OBJECTIVES, Candidate, value_of
+from chromanoise.apps.design.objectives import OBJECTIVES, Candidate, value_of
 from chromanoise.apps.design.parameters import (
     Candidates,
     Parameter,
-    ToleranceDraws,
+    RobustPart,
     noise_properties,
     over_tolerances,
 )
@@ -28,6 +29,7 @@ from chromanoise.spectra import (
 )
 from outcomes import refused_input
 
+FAST = tuple(batch.FAST)
 GRID = Grid.uniform(400, 1000, 20)
 NM = GRID.wavelength_nm
 E_LAMP = equal_energy(GRID)
@@ -441,7 +443,7 @@ def test_the_worst_of_a_small_tolerance_is_the_gradient_times_the_tolerance():
     def loss(around):
         return values - evaluator.values(space.candidates(around))
 
-    worst = over_tolerances(loss, AT[None], space.parameters, ToleranceDraws(samples=4096))[0, 0]
+    worst = over_tolerances(loss, AT[None], space.parameters, RobustPart(samples=4096))[0, 0]
     np.testing.assert_allclose(worst, 1e-4 * np.abs(jacobian).sum(), rtol=0.1)
 
 

@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 
 from chromanoise.apps.design import read_design
-from chromanoise.apps.design.design_result import Design
-from chromanoise.apps.design.optimizing import searched, task_of
-from chromanoise.apps.design.parameters import Parameter, ToleranceDraws, over_tolerances
+from chromanoise.apps.design.design_result import searched
+from chromanoise.apps.design.optimizing import task_of
+from chromanoise.apps.design.parameters import Parameter, RobustPart, over_tolerances
 from chromanoise.base.errors import errors_in
 from outcomes import refused_input
 
 WIDE = Parameter(name="x", unit="nm", low=0.0, high=10.0, tolerance=2.0)
 EXACT = Parameter(name="y", unit="nm", low=0.0, high=10.0)
-DRAWS = ToleranceDraws(samples=16)
+DRAWS = RobustPart(samples=16)
 
 DESIGN = """
 [[sensors]]
@@ -85,7 +85,7 @@ def test_a_deviation_does_not_lead_beyond_what_is_possible():
 
 
 def test_five_percent_of_the_copies_are_worse_than_the_percentile():
-    draws = ToleranceDraws(samples=100, statistic="percentile-95")
+    draws = RobustPart(samples=100, statistic="percentile-95")
     seen = []
 
     def cost(each):
@@ -119,7 +119,7 @@ def test_over_the_tolerances_no_objective_is_better_and_no_constraint_has_more_s
 @pytest.mark.parametrize(("text", "name"), [(DESIGN, "robust"), (DESIGN + ROBUST, "nominal")])
 def test_a_front_with_tolerances_gives_both_kinds_of_objectives(tmp_path, text, name):
     one = task(tmp_path, text)
-    design = Design(search=searched(one))
+    design = searched(one)
     other = "nominal" if name == "robust" else "robust"
     table = design.to_table()
     for member in design.to_file().members:
@@ -139,7 +139,7 @@ def test_a_front_with_tolerances_gives_both_kinds_of_objectives(tmp_path, text, 
 
 @pytest.mark.parametrize(("text", "name"), [(DESIGN, "robust"), (DESIGN + ROBUST, "nominal")])
 def test_the_extremes_with_and_without_tolerances_are_both_marked(tmp_path, text, name):
-    front = Design(search=searched(task(tmp_path, text))).to_file()
+    front = searched(task(tmp_path, text)).to_file()
     for objective, best in (("snr_y_db", max), ("delta_e", min)):
         values = {one.name: getattr(one, name)[objective] for one in front.members}
         marked = [
@@ -160,15 +160,13 @@ def test_a_candidate_without_signal_counts_as_infeasible_and_is_counted(tmp_path
     found = one.evaluation(None)(rows).objectives
     assert not np.isfinite(found[0]).any()
     assert np.isfinite(found[1]).all()
-    result = searched(one).result
-    assert result.undefined > 0
-    convergence = Design(search=searched(one)).to_file().convergence
-    assert convergence.undefined == result.undefined
+    design = searched(one)
+    assert design.to_file().convergence.undefined == design.result.undefined > 0
 
 
 def test_a_front_without_tolerances_has_neither(tmp_path):
     text = DESIGN.replace(", tolerance = 5", "").replace(", tolerance = 3", "")
-    design = Design(search=searched(task(tmp_path, text)))
+    design = searched(task(tmp_path, text))
     assert all(one.nominal == one.robust == {} for one in design.to_file().members)
 
 

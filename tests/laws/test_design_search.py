@@ -31,6 +31,17 @@ def found(problem, method="nsga2", budget=1600, population=40, **options):
     )
 
 
+def watched(problem):
+    """The problem, and a list of the values that it evaluates from now on."""
+    seen = []
+
+    def kept(values):
+        seen.append(values)
+        return problem.evaluate(values)
+
+    return replace(problem, evaluate=kept), seen
+
+
 def same(one, other):
     return all(np.array_equal(getattr(one, name), getattr(other, name)) for name in FIELDS)
 
@@ -332,13 +343,8 @@ def test_a_search_that_was_stopped_gives_the_bits_of_one_that_was_not(
 
 @pytest.mark.parametrize("method", OF_ONE)
 def test_methods_that_have_converged_start_again_and_resume_with_the_same_bits(tmp_path, method):
-    file, seen = tmp_path / "search.npz", []
-
-    def kept(values):
-        seen.append(values)
-        return bowl().evaluate(values)
-
-    whole = found(replace(bowl(), evaluate=kept), method, 2000, 12)
+    file, (problem, seen) = tmp_path / "search.npz", watched(bowl())
+    whole = found(problem, method, 2000, 12)
     late = np.concatenate(seen)[-1000:]
     assert np.abs(late - [0.3, -0.2]).max() > 0.3
     found(bowl(), method, 1600, 12, checkpoint=file)
@@ -354,26 +360,16 @@ def test_a_search_leaves_the_global_random_numbers_and_warnings_alone(method):
 
 @pytest.mark.parametrize("method", METHODS)
 def test_the_budget_is_never_exceeded_and_seeds_differ(method):
-    seen = []
-
-    def counted(values):
-        seen.append(len(values))
-        return half_plane().evaluate(values)
-
-    one = found(replace(half_plane(), evaluate=counted), method, 439)
-    assert sum(seen) == one.evaluations == 400
+    problem, seen = watched(half_plane())
+    one = found(problem, method, 439)
+    assert sum(map(len, seen)) == one.evaluations == 400
     assert not same(one, found(half_plane(), method, 439, seed=2))
     assert same(one, found(half_plane(), method, 439))
 
 
 def test_the_front_is_that_of_all_candidates_ever_evaluated():
-    seen = []
-
-    def kept(values):
-        seen.append(values)
-        return bnh().evaluate(values)
-
-    result = found(replace(bnh(), evaluate=kept), budget=600)
+    problem, seen = watched(bnh())
+    result = found(problem, budget=600)
     values = np.concatenate(seen)
     every = bnh().evaluate(values)
     feasible = (every.violation <= 0).all(axis=1)
@@ -394,13 +390,7 @@ def test_a_front_has_at_most_a_thousand_members_and_keeps_its_ends(monkeypatch):
 
 @pytest.mark.parametrize("method", METHODS)
 def test_given_values_join_the_first_generation(method):
-    seen = []
-
-    def kept(values):
-        seen.append(values)
-        return rosenbrock().evaluate(values)
-
-    problem = replace(rosenbrock(), evaluate=kept)
+    problem, seen = watched(rosenbrock())
     result = found(problem, method, 120, start=np.array([[1.0, 1.0], [-1.5, 0.25]]))
     assert (seen[0][:2] == [[1, 1], [-1.5, 0.25]]).all()
     assert result.objectives[0, 0] == 0
@@ -417,13 +407,8 @@ def test_integer_parameters_take_whole_numbers_within_the_bounds(method):
         ),
         integer=("x0",),
     )
-    seen = []
-
-    def kept(values):
-        seen.append(values)
-        return problem.evaluate(values)
-
-    result = found(replace(problem, evaluate=kept), method)
+    problem, seen = watched(problem)
+    result = found(problem, method)
     assert result.values[0] == pytest.approx([3, 0.4], abs=0.01)
     assert set(np.concatenate(seen)[:, 0]) <= set(range(1, 8))
 
@@ -459,19 +444,43 @@ def test_saturated_candidates_are_never_members(method):
     assert result.objectives[0, 0] == pytest.approx(0.25, abs=0.05)
 
 
+def of_one_parameter():
+    return problem_of(lambda a: ([a], []), [0.0], [1.0], better=("lower",))
+
+
 @pytest.mark.parametrize(
-    ("fields", "subject"),
+    ("make", "fields", "expected"),
     [
-        ({"method": "nsga4"}, "method"),
-        ({"budget": 50, "population": 100}, "budget"),
-        ({"population": 3}, "population"),
-        ({"seed": -1}, "seed"),
-        ({"seeds": 0}, "seeds"),
+        (SearchOptions, {"method": "nsga4"}, {"subject": "method"}),
+        (SearchOptions, {"budget": 50, "population": 100}, {"subject": "budget"}),
+        (SearchOptions, {"population": 3}, {"subject": "population"}),
+        (SearchOptions, {"seed": -1}, {"subject": "seed"}),
+        (SearchOptions, {"seeds": 0}, {"subject": "seeds"}),
+        (bnh, {"names": ()}, {"subject": "the design"}),
+        (bnh, {"objectives": (), "better": ()}, {"subject": "the design"}),
+        (bnh, {"names": ("a", "a")}, {"subject": "names of parameters"}),
+        (bnh, {"low": np.array([0.0, 3.0])}, {"subject": "x1"}),
+        (bnh, {"low": np.array([0.0, np.nan])}, {"subject": "Problem.low"}),
+        (bnh, {"better": ("lower", "least")}, {"subject": "better"}),
+        (bnh, {"integer": ("y",)}, {"subject": "integer parameters"}),
+        (found, {"problem": of_one_parameter(), "method": "cma-es"}, {"value": "cma-es"}),
+        (found, {"problem": zdt1(), "method": "de"}, {"value": "de"}),
+        (found, {"problem": zdt1(), "method": "cma-es"}, {"value": "cma-es"}),
+        (
+            found,
+            {"problem": rosenbrock(), "start": np.array([[1.0, 1.0], [1.0, 2.5]])},
+            {"subject": "start", "value": 2.5, "where": "candidate 2", "requirement": "x1"},
+        ),
+        (
+            found,
+            {"problem": replace(bowl(), gradient=None), "polish": True},
+            {"subject": "polish", "setting": "polish"},
+        ),
     ],
 )
-def test_bad_settings_are_one_sentence(fields, subject):
-    with refused_input(subject=subject):
-        SearchOptions(**fields)
+def test_what_cannot_be_searched_is_one_sentence(make, fields, expected):
+    with refused_input(**expected):
+        replace(bnh(), **fields) if make is bnh else make(**fields)
 
 
 @pytest.mark.parametrize("method", ["nsga2", "nsga3", "cma-es"])
@@ -482,27 +491,8 @@ def test_a_missing_package_is_one_sentence(method, monkeypatch):
     found(bowl(), "de")
 
 
-def test_cma_es_refuses_a_single_parameter():
-    problem = problem_of(lambda a: ([a], []), [0.0], [1.0], better=("lower",))
-    with refused_input(subject="method", value="cma-es"):
-        found(problem, "cma-es")
-    assert found(problem, "de").objectives[0, 0] == pytest.approx(0, abs=1e-6)
-
-
-@pytest.mark.parametrize("method", OF_ONE)
-def test_a_method_for_one_objective_refuses_several(method):
-    with refused_input(subject="method", value=method, requirement="several objectives"):
-        found(zdt1(), method)
-
-
-def test_a_start_outside_the_bounds_is_one_sentence():
-    with refused_input(subject="start", value=2.5, where="candidate 2", requirement="x1"):
-        found(rosenbrock(), start=np.array([[1.0, 1.0], [1.0, 2.5]]))
-
-
-def test_polish_without_gradients_is_one_sentence():
-    with refused_input(subject="polish", setting="polish"):
-        found(replace(bowl(), gradient=None), polish=True)
+def test_differential_evolution_takes_a_single_parameter():
+    assert found(of_one_parameter(), "de").objectives[0, 0] == pytest.approx(0, abs=1e-6)
 
 
 def test_an_evaluation_that_is_nan_is_one_sentence_with_the_candidate():
@@ -534,15 +524,10 @@ def test_a_constraint_that_no_candidate_meets_is_named_with_its_distance():
 
 
 def test_constraints_that_exclude_each_other_are_named_with_the_nearest_miss():
-    problem, seen = contradiction(0.8, 0.2), []
-
-    def kept(values):
-        seen.append(problem.evaluate(values))
-        return seen[-1]
-
+    problem, seen = watched(contradiction(0.8, 0.2))
     with refused_input(subject="the constraints", value=("a at least", "a at most")) as refused:
-        found(replace(problem, evaluate=kept), "de")
-    violation = np.concatenate([one.violation for one in seen])
+        found(problem, "de")
+    violation = contradiction(0.8, 0.2).evaluate(np.concatenate(seen)).violation
     nearest = violation[np.maximum(violation, 0).sum(axis=1).argmin()]
     for amount in nearest[:2]:
         assert f"by {amount:.3g}" in refused.value.found
@@ -625,23 +610,6 @@ def test_the_checkpoint_is_written_every_few_seconds(tmp_path, monkeypatch):
     monkeypatch.setattr(searching, "write_checkpoint", lambda path, now: written.append(now))
     found(bnh(), budget=200, checkpoint=tmp_path / "search.npz")
     assert [now.evaluations for now in written] == [40, 80, 120, 160, 200, 200]
-
-
-@pytest.mark.parametrize(
-    ("fields", "subject"),
-    [
-        ({"names": ()}, "the design"),
-        ({"objectives": (), "better": ()}, "the design"),
-        ({"names": ("a", "a")}, "names of parameters"),
-        ({"low": np.array([0.0, 3.0])}, "x1"),
-        ({"low": np.array([0.0, np.nan])}, "Problem.low"),
-        ({"better": ("lower", "least")}, "better"),
-        ({"integer": ("y",)}, "integer parameters"),
-    ],
-)
-def test_an_impossible_problem_is_one_sentence(fields, subject):
-    with refused_input(subject=subject):
-        replace(bnh(), **fields)
 
 
 def test_a_problem_is_frozen():

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
         Design as Design,
         optimized as optimized,
         read_design as read_design,
+        searched as searched,
     )
     from chromanoise.apps.design.evaluation import (
         DesignScene as DesignScene,
@@ -57,7 +58,6 @@ if TYPE_CHECKING:
     from chromanoise.apps.design.optimizing import (
         Reference as Reference,
         Task as Task,
-        searched as searched,
         task_of as task_of,
     )
     from chromanoise.apps.design.parameters import (

@@ -15,9 +15,8 @@ from chromanoise.apps.design.algorithms import METHODS
 from chromanoise.apps.design.evaluation import OverScenes
 from chromanoise.apps.design.objectives import OBJECTIVES
 from chromanoise.apps.design.parameters import (
-    STATISTICS,
     Free,
-    ToleranceDraws,
+    RobustPart,
     Value,
     noise_properties,
 )
@@ -120,7 +119,6 @@ at_most = "best reference"           # or a number, or the name of a reference; 
 
 BEST_REFERENCE = "best reference"
 """Limit of a constraint: the best value of all references."""
-_DRAWS = ToleranceDraws()
 _FREE_KEYS = ("low", "high", "start", "tolerance")
 _FORMS = "must be a number, [low, high], {low = .., high = ..}, or the name of another number"
 
@@ -370,31 +368,6 @@ class ConstraintPart(Part):
         given = self.at_least if self.at_most is None else self.at_most
         assert given is not None  # one of both is given
         return given
-
-
-class RobustPart(Part):
-    """Draws within the tolerances of the parameters, over which the search takes the objectives."""
-
-    samples: Annotated[int, Field(ge=2, le=4096)] = Field(
-        _DRAWS.samples, description="Perturbed copies of each candidate, an even number."
-    )
-    statistic: Annotated[
-        Literal["worst", "percentile-95"],
-        Before(lambda word: known_name(str(word), STATISTICS)),
-    ] = Field(_DRAWS.statistic, description=f"What of the copies counts: {', '.join(STATISTICS)}.")
-    seed: Annotated[int, Field(ge=0, lt=2**32)] = Field(
-        _DRAWS.seed, description="Seed of the deviations."
-    )
-
-    @after
-    def _possible(self) -> "RobustPart":
-        _ = self.draws
-        return self
-
-    @property
-    def draws(self) -> ToleranceDraws:
-        """The draws."""
-        return ToleranceDraws(samples=self.samples, statistic=self.statistic, seed=self.seed)
 
 
 def _shares(given: Any) -> PixelShares:

@@ -30,18 +30,20 @@ from chromanoise.apps.design.front import (
     FrontScene,
     FrontSeed,
     Member,
+    front_of,
 )
 from chromanoise.apps.design.objectives import OBJECTIVES, Objective
 from chromanoise.apps.design.optimizing import (
     Reference,
-    Search,
     Task,
+    beside_of,
     impossible,
-    searched,
+    start_of,
     task_of,
+    with_constraint_sizes,
 )
 from chromanoise.apps.design.parameters import Parameter
-from chromanoise.apps.design.search import FrontResult, Progress, Scheduler
+from chromanoise.apps.design.search import FrontResult, Progress, Scheduler, searched_front
 from chromanoise.base import (
     InputError,
     __version__,
@@ -141,8 +143,7 @@ def tolerance_sentence(member: Member, beside: Mapping[str, float], which: str) 
     for name, value in member.objectives.items():
         exact, robust = (beside[name], value) if which == "nominal" else (value, beside[name])
         one = OBJECTIVES[name]
-        after = _shown(robust, one) if np.isfinite(robust) else "undefined"
-        parts.append(f"{one.short} from {_shown(exact, one)} to {after}")
+        parts.append(f"{one.short} from {_shown(exact, one)} to {_shown(robust, one)}")
     return f"{member.name}: its tolerances change {', '.join(parts)}."
 
 
@@ -164,8 +165,7 @@ def tolerances_sentence(
     for name in members[0].objectives:
         objective = OBJECTIVES[name]
         best = best_of(objective, [one[name] for one in beside])
-        value = beside[best][name]
-        shown = _shown(value, objective) if np.isfinite(value) else "undefined"
+        shown = _shown(beside[best][name], objective)
         parts.append(f"the {_best(objective)} is {shown} ({members[best].name})")
     words = "Within the tolerances" if which == "robust" else "With exact parameters"
     return f"{words}, {', '.join(parts)}."
@@ -375,7 +375,7 @@ def _percent(share: float) -> str:
 
 def _shown(value: float, objective: Objective) -> str:
     unit = "" if objective.unit == "1" else f" {objective.unit}"
-    return f"{value:.4g}{unit}"
+    return f"{value:.4g}{unit}" if np.isfinite(value) else "undefined"
 
 
 SENSORS = "sensors"
@@ -389,21 +389,20 @@ class Design(Result):
 
     Attributes
     ----------
-    search
-        What was searched, and the front with its sensors.
+    task
+        What was searched.
+    front
+        The members, the best in the first objective first, with their sensors.
+    result
+        Counts and the whole front.
+    beside
+        Of `beside_of`.
     """
 
-    search: Search
-
-    @property
-    def task(self) -> Task:
-        """What was searched."""
-        return self.search.task
-
-    @property
-    def front(self) -> Front:
-        """The members, the best in the first objective first."""
-        return self.search.front
+    task: Task
+    front: Front
+    result: FrontResult
+    beside: tuple[Mapping[str, float], ...] = ()
 
     @property
     def members(self) -> tuple[Member, ...]:
@@ -430,7 +429,7 @@ class Design(Result):
             for one in self.references
             if one.name not in references
         ]
-        if self.search.beside:
+        if self.beside:
             sentences += [
                 tolerance_sentence(one, beside, self.beside_name)
                 for one, beside in zip(self.members, self._beside, strict=True)
@@ -441,17 +440,17 @@ class Design(Result):
             sentences.append(
                 "The design has no tolerances, so the extremes hold for exact parameters only."
             )
-        sentences += convergence_sentences(self.search.result, names)
+        sentences += convergence_sentences(self.result, names)
         return tuple(sentences)
 
     @property
     def beside_name(self) -> str:
-        """What `Search.beside` holds: ``nominal`` or ``robust`` objectives."""
+        """What `beside` holds: ``nominal`` or ``robust`` objectives."""
         return "robust" if self.task.draws is None else "nominal"
 
     @property
     def _beside(self) -> tuple[Mapping[str, float], ...]:
-        return self.search.beside or ({},) * len(self.members)
+        return self.beside or ({},) * len(self.members)
 
     def sensor(self, name: str) -> Sensor:
         """The sensor of a member.
@@ -582,7 +581,7 @@ class Design(Result):
         }
 
     def _convergence(self) -> FrontConvergence:
-        result, names = self.search.result, self.front.objectives
+        result, names = self.result, self.front.objectives
         own = result.convergence
 
         def named(values: Any) -> dict[str, float | None]:
@@ -622,7 +621,7 @@ class Design(Result):
         objectives: list[Objective | Parameter] = [
             OBJECTIVES[name] for name in self.front.objectives
         ]
-        beside_names = self.front.objectives if self.search.beside else ()
+        beside_names = self.front.objectives if self.beside else ()
         columns = [
             Column(name="sensor"),
             *(
@@ -725,6 +724,49 @@ def _pixel_part(pixel: Pixel) -> PixelPart:
     return PixelPart(**known)
 
 
+def searched(
+    task: Task,
+    *,
+    checkpoint: Path | None = None,
+    resume: bool = False,
+    evaluate_on: Scheduler | None = None,
+    progress: Callable[[Progress], None] | None = None,
+) -> Design:
+    """Search the front of a design.
+
+    Parameters
+    ----------
+    task
+        Of `task_of`.
+    checkpoint, resume, evaluate_on, progress
+        As `chromanoise.apps.design.search.searched_front`.
+
+    Raises
+    ------
+    InputError
+        As `chromanoise.apps.design.search.searched_front`.
+    """
+    design, problem = task.document.design, with_constraint_sizes(task)
+    found = searched_front(
+        problem,
+        design.search,
+        start=start_of(task.space.parameters),
+        checkpoint=checkpoint,
+        resume=resume,
+        evaluate_on=evaluate_on,
+        progress=progress,
+    )
+    front = front_of(
+        problem,
+        found.values,
+        found.objectives,
+        found.violation,
+        most=design.members,
+        sensor_of=lambda values, name: task.space.sensor(values, name=name),
+    )
+    return Design(task=task, front=front, result=found, beside=beside_of(task, front))
+
+
 def read_design(path: Path | str) -> DesignStudy:
     """The design in a TOML file.
 
@@ -822,8 +864,7 @@ def optimized(
     if folder is None:
         if resume:
             raise InputError("resume", "must be given with the folder of the stopped search")
-        found = searched(task_of(document, given), evaluate_on=evaluate_on, progress=progress)
-        return Design(search=found)
+        return searched(task_of(document, given), evaluate_on=evaluate_on, progress=progress)
     refuse_unwritable(folder)
     task = task_of(document, given)
     _refuse_other_design(folder, task.identity)
@@ -846,14 +887,13 @@ def optimized(
                 text = f"{json.dumps(record, indent=1)}\n"
                 (scratch / RECORD).write_text(text, encoding="utf-8")
         claimed.keep(CHECKPOINT, adopted=resume)
-        found = searched(
+        design = searched(
             task,
             checkpoint=folder / CHECKPOINT,
             resume=resume,
             evaluate_on=evaluate_on,
             progress=progress,
         )
-        design = Design(search=found)
         with claimed.scratch(outdated=f"{SENSORS}/*.json") as scratch:
             _write_design(design, scratch)
     return design

@@ -1,10 +1,9 @@
 """From a design document to its front, for the command and for Python."""
 
 import hashlib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,21 +18,17 @@ from chromanoise.apps.design.design_document import (
     FilterPart,
 )
 from chromanoise.apps.design.evaluation import DesignScene, Objectives
-from chromanoise.apps.design.front import Evaluated, Front, Linearized, Problem, front_of
+from chromanoise.apps.design.front import Evaluated, Front, Linearized, Problem
 from chromanoise.apps.design.objectives import OBJECTIVES
 from chromanoise.apps.design.parameters import (
     Candidates,
     Parameter,
-    ToleranceDraws,
+    RobustPart,
     over_tolerances,
     refuse_exact,
 )
 from chromanoise.apps.design.search import (
-    FrontResult,
-    Progress,
-    Scheduler,
     SearchOptions,
-    searched_front,
 )
 from chromanoise.apps.design.space import LEAST_QE, Channel, DesignSpace, Filter
 from chromanoise.base import Array, Float, InputError, check
@@ -150,12 +145,11 @@ class Task:
         return self.document.design.objectives
 
     @property
-    def draws(self) -> ToleranceDraws | None:
+    def draws(self) -> RobustPart | None:
         """Of the tolerances over which the objectives are taken; ``None`` for the exact values."""
-        robust = self.document.design.robust
-        return None if robust is None else robust.draws
+        return self.document.design.robust
 
-    def evaluation(self, draws: ToleranceDraws | None) -> "Evaluation":
+    def evaluation(self, draws: RobustPart | None) -> "Evaluation":
         """Objectives and constraints over the draws; those of the exact parameters if ``None``.
 
         Parameters
@@ -225,7 +219,7 @@ class Evaluation:
     evaluator: Objectives
     objectives: int
     limits: tuple[tuple[int, float, float], ...]
-    draws: ToleranceDraws | None = None
+    draws: RobustPart | None = None
 
     def __call__(self, values: Float[Array, "m d"]) -> Evaluated:
         """Objectives and violations of ``m`` candidates."""
@@ -240,14 +234,14 @@ class Evaluation:
     def _costs(self, values: Float[Array, "m d"]) -> Float[Array, "m c"]:
         """Objectives with the sign of costs, then violations."""
         candidates = self.space.candidates(values)
-        found = self.evaluator.values(candidates)
+        found, fullness = self.evaluator.values_and_fullness(candidates)
         costs = found[:, : self.objectives] * self._sign
         dark = (candidates.qe.max(axis=1) < LEAST_QE).any(axis=1)  # cannot be a sensor
         return np.column_stack(
             [
                 np.where(dark[:, None], np.inf, costs),
                 *(sign * (found[:, i] - value) for i, sign, value in self.limits),
-                self.evaluator.share_of_full_well(candidates) - FULLEST,
+                fullness - FULLEST,
             ]
         )
 
@@ -278,30 +272,6 @@ class Evaluation:
             violation_jacobian=np.vstack([*slope, at.fullness_slope]),
             constraint=np.array([*constraint, len(self.limits)]),
         )
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Search:
-    """A finished search.
-
-    Attributes
-    ----------
-    task
-        What was searched.
-    front
-        The members, with their sensors.
-    result
-        Counts and the whole front.
-    beside
-        Further objectives of each member, by name, where parameters have tolerances: the nominal
-        ones, of the exact parameters, if the search took them over the tolerances, else the robust
-        ones, the worst of the draws. Empty without tolerances.
-    """
-
-    task: Task
-    front: Front
-    result: FrontResult
-    beside: tuple[Mapping[str, float], ...] = ()
 
 
 _EFFORT = (*(one.name for one in fields(SearchOptions)), "members")
@@ -577,50 +547,7 @@ def _refuse_contradiction(limits: Sequence[Limit]) -> None:
                 )
 
 
-def searched(
-    task: Task,
-    *,
-    checkpoint: Path | None = None,
-    resume: bool = False,
-    evaluate_on: Scheduler | None = None,
-    progress: Callable[[Progress], None] | None = None,
-) -> Search:
-    """Search the front of a design.
-
-    Parameters
-    ----------
-    task
-        Of `task_of`.
-    checkpoint, resume, evaluate_on, progress
-        As `chromanoise.apps.design.search.searched_front`.
-
-    Raises
-    ------
-    InputError
-        As `chromanoise.apps.design.search.searched_front`.
-    """
-    design, problem = task.document.design, _with_constraint_sizes(task)
-    found = searched_front(
-        problem,
-        design.search,
-        start=_start(task.space.parameters),
-        checkpoint=checkpoint,
-        resume=resume,
-        evaluate_on=evaluate_on,
-        progress=progress,
-    )
-    front = front_of(
-        problem,
-        found.values,
-        found.objectives,
-        found.violation,
-        most=design.members,
-        sensor_of=lambda values, name: task.space.sensor(values, name=name),
-    )
-    return Search(task=task, front=front, result=found, beside=_beside(task, front))
-
-
-def _with_constraint_sizes(task: Task) -> Problem:
+def with_constraint_sizes(task: Task) -> Problem:
     """The problem whose constraints have their spread over the design space as size.
 
     The sizes depend on the design alone, so that a search that is resumed has the same. Two digits
@@ -636,15 +563,20 @@ def _with_constraint_sizes(task: Task) -> Problem:
     return replace(problem, constraint_sizes=tuple(sizes))
 
 
-def _beside(task: Task, front: Front) -> tuple[Mapping[str, float], ...]:
+def beside_of(task: Task, front: Front) -> tuple[Mapping[str, float], ...]:
+    """Further objectives of each member, by name, where parameters have tolerances.
+
+    The nominal ones, of the exact parameters, if the search took them over the tolerances, else the
+    robust ones, the worst of the draws. Empty without tolerances.
+    """
     if not any(one.tolerance for one in task.space.parameters):
         return ()
-    evaluate = task.evaluation(ToleranceDraws() if task.draws is None else None)
+    evaluate = task.evaluation(RobustPart() if task.draws is None else None)
     found = evaluate(np.array([one.values for one in front.members])).objectives
     return tuple(dict(zip(task.objectives, row, strict=True)) for row in found.tolist())
 
 
-def _start(parameters: Sequence[Parameter]) -> Float[Array, "1 d"] | None:
+def start_of(parameters: Sequence[Parameter]) -> Float[Array, "1 d"] | None:
     """One candidate at the starts, elsewhere in the middle; ``None`` if there is no start."""
     if all(one.start is None for one in parameters):
         return None

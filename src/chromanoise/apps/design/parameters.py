@@ -8,21 +8,25 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from functools import cache, lru_cache
 from types import MappingProxyType, SimpleNamespace
-from typing import Any, Literal, get_args
+from typing import Annotated, Any, Literal, get_args
 
 import numpy as np
 
 from chromanoise.base import (
     Array,
+    Before,
+    Field,
     Float,
     Inexact,
     InputError,
     Property,
+    after,
     check,
     did_you_mean,
     known_name,
 )
 from chromanoise.sensor import PIXEL, Sensor, Term, possible, quantization_step_e, sources_of
+from chromanoise.study import Part
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -77,6 +81,10 @@ class Candidates:
         given = {name: getattr(self, name) for name in _ARRAYS}
         some: dict[str, Any] = {k: None if v is None else v[which] for k, v in given.items()}
         return Candidates(**some, pixel={name: v[which] for name, v in self.pixel.items()})
+
+    def resolved(self) -> "Candidates":
+        """The candidates with their curves, where these are those of a library."""
+        return self
 
     @property
     def dtype(self) -> np.dtype:
@@ -302,35 +310,21 @@ _FEWEST_OF_SHARE = 20  # with fewer copies the percentile is the worst
 _AT_ONCE = 4096  # candidates
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ToleranceDraws:
-    """How many perturbed copies of a candidate are evaluated, and which statistic counts.
+class RobustPart(Part):
+    """Draws within the tolerances of the parameters, over which the search takes the objectives."""
 
-    Attributes
-    ----------
-    samples
-        Copies beside the candidate itself; an even number, as they come in pairs of opposite
-        deviations.
-    statistic
-        ``worst``, or ``percentile-95``: the value that 95 % of the copies reach or surpass.
-    seed
-        Of the deviations, which are the same for all candidates.
+    samples: Annotated[int, Field(ge=2, le=4096)] = Field(
+        16, description="Perturbed copies of each candidate, an even number."
+    )
+    statistic: Annotated[
+        Literal["worst", "percentile-95"],
+        Before(lambda word: known_name(str(word), STATISTICS)),
+    ] = Field("worst", description=f"What of the copies counts: {', '.join(STATISTICS)}.")
+    seed: Annotated[int, Field(ge=0, lt=2**32)] = Field(1, description="Seed of the deviations.")
 
-    Raises
-    ------
-    InputError
-        If the number of samples is not positive and even, there is no such statistic, or it needs
-        more samples.
-    """
-
-    samples: int = 16
-    statistic: Literal["worst", "percentile-95"] = "worst"
-    seed: int = 1
-
-    def __post_init__(self) -> None:
-        statistic = check.one_of("statistic", self.statistic, STATISTICS)
-        object.__setattr__(self, "statistic", statistic)
-        if self.samples < 2 or self.samples % 2:
+    @after
+    def _possible(self) -> "RobustPart":
+        if self.samples % 2:  # they come in pairs of opposite deviations
             raise InputError("samples", "must be an even number, at least 2", value=self.samples)
         if self.statistic == "percentile-95" and self.samples < _FEWEST_OF_SHARE:
             raise InputError(
@@ -338,13 +332,14 @@ class ToleranceDraws:
                 f"must be at least {_FEWEST_OF_SHARE} for statistic = 'percentile-95'",
                 value=self.samples,
             )
+        return self
 
 
 def over_tolerances(
     costs: Callable[[Array], Float[Array, "m c"]],
     values: Float[Array, "m d"],
     parameters: Sequence[Parameter],
-    draws: ToleranceDraws,
+    draws: RobustPart,
 ) -> Float[Array, "m c"]:
     """The costs of candidates whose parameters deviate within their tolerances.
 
@@ -403,14 +398,14 @@ def refuse_exact(parameters: Sequence[Parameter]) -> None:
         )
 
 
-def _place(draws: ToleranceDraws) -> int:
+def _place(draws: RobustPart) -> int:
     """Index of the cost that counts among those of a candidate and its copies, in rising order."""
     share = 1.0 if draws.statistic == "worst" else _SHARE
     return int(np.ceil(share * draws.samples))
 
 
 @lru_cache(maxsize=16)
-def _deviations(d: int, draws: ToleranceDraws) -> Float[Array, "s d"]:
+def _deviations(d: int, draws: RobustPart) -> Float[Array, "s d"]:
     """Sobol points in -1 to 1, each followed by its opposite."""
     from scipy.stats import qmc
 
