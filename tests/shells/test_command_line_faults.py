@@ -183,7 +183,7 @@ def test_an_impossible_number_of_threads_is_refused(run, threads):
 
 
 def test_pictures_without_compiled_kernels_are_refused(run, monkeypatch):
-    monkeypatch.setattr("numba.config.DISABLE_JIT", 1)
+    monkeypatch.setenv("NUMBA_DISABLE_JIT", "1")
     refused(run("simulate", "builtin:checker", "--sensor", "onyx-rgb"), "NUMBA_DISABLE_JIT")
 
 
