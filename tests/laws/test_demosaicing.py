@@ -422,7 +422,7 @@ def test_visual_noise_of_demosaicked_flat_fields_is_as_predicted(bank):
 
 @every_bank
 def test_compiled_demosaicing_gives_the_same_bits_for_any_block_of_rows(bank):
-    from chromanoise.imaging.demosaic_kernels import demosaicked_rows, surrounded_rows, taps_of
+    from chromanoise.imaging.demosaic import demosaicked_rows, surrounded_rows, taps_of
 
     raw, taps = 1000.0 * stream(9).random((23, 17)), taps_of(bank)
     whole = demosaicked_rows(surrounded_rows(raw, bank, 0, 23), taps, 0)

@@ -1,4 +1,4 @@
-"""Compiled kernels match their sources: after a change no old code runs, in any cache."""
+"""Compiled kernels match their sources, in any cache; the first small picture needs none."""
 
 import os
 import shutil
@@ -7,9 +7,13 @@ import sys
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 
-from chromanoise.imaging import kernel_cache
+from chromanoise.base.rng import stream
+from chromanoise.imaging import kernel_cache, plain
+from chromanoise.imaging.blocks import Converter, Draw, Layout, RowsInMemory, Well
+from chromanoise.imaging.plans import srgb_table
 
 OUTER = """
 from mini.inner import INNER
@@ -97,3 +101,49 @@ def test_without_a_folder_for_kernels_they_are_kept_for_the_user_or_in_memory(in
     assert asked(installed, **none)[:2] == (2, 1)
     private.chmod(0o777)  # another user could have put code there
     assert asked(installed, **none) == (2, 0, None)
+
+
+@pytest.mark.parametrize("layout", ["BIP", "BSQ"])
+@pytest.mark.parametrize(
+    "draw", [(2.0, 0.01, 0.5, 0.3, 0.2, 0.1, 1.0), (0.5, *[0.0] * 6), (0.0, *[0.0] * 6)]
+)
+def test_plain_pictures_have_the_bits_of_the_kernels(layout, draw):
+    from chromanoise.imaging import fused_kernels
+
+    f, pitch = np.float32, {"BIP": (31, 1), "BSQ": (1, 600)}[layout]
+    weights = np.zeros((4, 32), f)
+    weights[:, :31] = stream(1).random((4, 31)) * 0.01
+    noise = Draw(*map(f, draw), 2, f(3), f(0.5), True, np.uint64(12345678912345), np.uint64(3))
+    matrices = (stream(2).random((6, 4)) * 1e-3).astype(f)
+    made = []
+    for code in (fused_kernels, plain):
+        seen = np.repeat(np.array([3e38, -3e38], f), 8)
+        numbers = stream(3).integers(0, 4000, 5 * 600 * 31).astype(f)
+        numbers.flags.writeable = False
+        rows = RowsInMemory(numbers, Layout(31, 600 * 31, *pitch), weights, seen)
+        codes, counts = np.zeros((5, 600), np.uint16), np.zeros((2, 5, 3, 4))
+        adc = Converter(f(3000), f(1.3), f(64), f(4095))
+        code.raw_rows(rows, np.array([[0, 1], [2, 3]]), 5, noise, adc, codes, counts[0])
+        xyz, srgb = np.zeros((5, 600, 3), f), np.zeros((5, 600, 3), np.uint8)
+        well = Well(f(3000), True)
+        code.color_rows(rows, 5, noise, well, matrices, srgb_table(), xyz, srgb, counts[1])
+        made.append((codes, xyz.view(np.uint32), srgb, counts, seen[:8].min(), seen[8:].max()))
+    for ours, theirs in zip(*made, strict=True):
+        np.testing.assert_array_equal(ours, theirs)
+
+
+def test_the_first_small_picture_needs_no_compiler(tmp_path):
+    arguments = ["simulate", "builtin:checker", "--sensor", "onyx-rgbw", "--mosaic", "sensor"]
+    arguments += ["--out", str(tmp_path / "out")]
+    question = (
+        "import atexit, os, sys; from chromanoise.cli import main;"
+        "atexit.register(lambda: 'numba' in sys.modules and os._exit(3));"
+        f"main({arguments})"
+    )
+    variables = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)}
+    done = subprocess.run(
+        [sys.executable, "-c", question], env=variables, capture_output=True, timeout=60
+    )
+    assert done.returncode == 0, done.stderr
+    (spent,) = tmp_path.glob("chromanoise/*/milliseconds-of-plain-pictures")
+    assert spent.stat().st_size > 0

@@ -95,7 +95,7 @@ def test_a_parameter_of_a_matrix_beyond_its_bounds_is_refused_by_all_shells(run,
 
 
 def test_pictures_without_compiled_kernels_are_refused(run, monkeypatch):
-    monkeypatch.setattr("numba.config.DISABLE_JIT", 1)
+    monkeypatch.setenv("NUMBA_DISABLE_JIT", "1")
     refused(run("simulate", "builtin:checker", "--sensor", "onyx-rgb"), "NUMBA_DISABLE_JIT")
 
 

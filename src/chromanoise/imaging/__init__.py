@@ -9,7 +9,17 @@ from chromanoise.base.lazy import lazy_names
 
 if TYPE_CHECKING:
     from chromanoise.imaging.acquisition import add_readout_offsets
-    from chromanoise.imaging.blocks import new_rows
+    from chromanoise.imaging.blocks import (
+        COLUMN,
+        LEVEL,
+        LIGHT,
+        PIXEL_GAIN,
+        PIXEL_LEVELS,
+        PIXEL_OFFSET,
+        READOUT,
+        ROW,
+        new_rows,
+    )
     from chromanoise.imaging.capture import (
         Camera,
         Capture,
@@ -63,18 +73,10 @@ if TYPE_CHECKING:
         product_sum,
         value_counts,
     )
-    from chromanoise.imaging.kernel_cache import kernel
+    from chromanoise.imaging.kernel_cache import inlined, inner, kernel
     from chromanoise.imaging.noise_draws import (
         ALIASES,
-        COLUMN,
         LANES,
-        LEVEL,
-        LIGHT,
-        PIXEL_GAIN,
-        PIXEL_LEVELS,
-        PIXEL_OFFSET,
-        READOUT,
-        ROW,
         cell_of,
         count_few,
         count_refused,

@@ -31,9 +31,24 @@ from typing import no_type_check
 
 import numpy as np
 
-from chromanoise.imaging.blocks import RUN, RUN_LANES, RowsInMemory
-from chromanoise.imaging.dot_kernels import (
+from chromanoise.imaging.blocks import (
+    COLUMN,
+    ENCODED,
+    LEVEL,
+    LIGHT,
+    PIXEL_GAIN,
+    PIXEL_LEVELS,
+    PIXEL_OFFSET,
+    READING,
+    READOUT,
+    ROW,
+    RUN,
+    RUN_LANES,
+    STRANDS,
     TILE,
+    RowsInMemory,
+)
+from chromanoise.imaging.dot_kernels import (
     fused,
     means_of_mosaic,
     means_of_mosaic_planes,
@@ -41,18 +56,9 @@ from chromanoise.imaging.dot_kernels import (
     means_of_planes,
     weights_over_columns,
 )
-from chromanoise.imaging.kernel_cache import kernel
+from chromanoise.imaging.kernel_cache import inlined, inner, kernel
 from chromanoise.imaging.noise_draws import (
-    COLUMN,
-    LEVEL,
-    LIGHT,
     PER_CALL,
-    PIXEL_GAIN,
-    PIXEL_LEVELS,
-    PIXEL_OFFSET,
-    READING,
-    READOUT,
-    ROW,
     draw_light,
     draw_readout,
     groups_of,
@@ -68,7 +74,7 @@ from chromanoise.imaging.noise_draws import (
 _1, _2, _3, _4 = np.uintp(1), np.uintp(2), np.uintp(3), np.uintp(4)
 
 
-@kernel(error_model="numpy")
+@inner
 @no_type_check
 def four_apart(pixels, a, b, c, d):
     """Pixels (4 n,), four numbers each, to four arrays (n,)."""
@@ -80,7 +86,7 @@ def four_apart(pixels, a, b, c, d):
         d[i] = pixels[j + _3]
 
 
-@kernel(error_model="numpy")
+@inner
 @no_type_check
 def four_together(a, b, c, d, pixels):
     """Four arrays (n,) to pixels (4 n,), four numbers each."""
@@ -92,7 +98,7 @@ def four_together(a, b, c, d, pixels):
         pixels[j + _3] = d[i]
 
 
-@kernel(error_model="numpy")
+@inner
 @no_type_check
 def three_together(a, b, c, pixels):
     """Three arrays (n,) to pixels (3 n,), three numbers each."""
@@ -103,20 +109,17 @@ def three_together(a, b, c, pixels):
         pixels[j + _2] = c[i]
 
 
-STRANDS = 64
-"""At most, if the columns of a mosaic do not repeat later."""
-
 _ZERO = np.float32(0.0)
 
 
-@kernel(error_model="numpy")
+@inner
 @no_type_check
 def strands_for(period):
     """Strands of a row whose channels repeat after ``period`` pixels: a whole number of periods."""
     return np.empty(max(STRANDS // period, 1) * period)
 
 
-@kernel(error_model="numpy")
+@inner
 @no_type_check
 def total_means(mean, strands):
     """Sum of the means of one channel."""
@@ -127,7 +130,7 @@ def total_means(mean, strands):
     return total
 
 
-@kernel(error_model="numpy")
+@inner
 @no_type_check
 def count_means(mean, channel, strands, counts):
     """Add the means of pixels to those of the channel over each: counts (3, p)."""
@@ -136,7 +139,7 @@ def count_means(mean, channel, strands, counts):
         counts[0, channel[k]] += strands[k]
 
 
-@kernel(error_model="numpy")
+@inner
 @no_type_check
 def _fill_strands(mean, strands):
     """Strand k: the sum of values k, k + size, k + 2 size ..."""
@@ -148,7 +151,7 @@ def _fill_strands(mean, strands):
             strands[k] += here[k]
 
 
-@kernel(error_model="numpy")
+@inner
 @no_type_check
 def _count_above(electrons, most_e):
     """How many exceed full well; counted in 32 bits, as wide as the electrons, to vectorize."""
@@ -158,7 +161,7 @@ def _count_above(electrons, most_e):
     return above
 
 
-@kernel(error_model="numpy")
+@inner
 @no_type_check
 def hold_at_well(electrons, n, p, well, counts):
     """Count what lies above full well, and clip it to 0 and full well."""
@@ -178,14 +181,14 @@ _ONE = _F(1.0)
 _TO_SHARE, _LOW, _ONE_BIT = _F(2.0**-32), np.uint64(0xFFFFFFFF), np.uint64(1)
 
 
-@kernel(error_model="numpy")
+@inner
 @no_type_check
 def room_for_run(channels):
     """Scratch of a run: words, channels being rounded up to 4, and what noise needs."""
     return np.empty(groups_of(channels) * PER_CALL * RUN, np.uint32), room_for(RUN * channels)
 
 
-@kernel(inline="always")
+@inlined
 @no_type_check
 def row_offset_e(at_row, draw):
     """What all pixels of a row share: row noise and black-level error."""
@@ -195,7 +198,7 @@ def row_offset_e(at_row, draw):
     return draw.black_error_e
 
 
-@kernel(error_model="numpy")
+@inner
 @no_type_check
 def column_offsets_e(channels, columns, draw):
     """Column noise (channels, columns) f4; no columns without any.
@@ -212,7 +215,7 @@ def column_offsets_e(channels, columns, draw):
     return offsets
 
 
-@kernel(inline="always")
+@inlined
 @no_type_check
 def readout_offset_e(pixel, channel, column_e, draw):
     """Column noise ``column_e`` and telegraph noise of one pixel."""
@@ -247,7 +250,7 @@ def add_readout_offsets(values, several, draw):
                 values[row, column, c] += row_e + readout_offset_e(at, c, column_e, draw)
 
 
-@kernel(error_model="numpy")
+@inner
 @no_type_check
 def acquire(mean, pixel, n, channels, draw, row_e, columns_e, room, electrons):
     """Electrons (n * p,) from mean (n * p,): p values of ``n`` pixels, one after the other.
@@ -279,7 +282,7 @@ def acquire(mean, pixel, n, channels, draw, row_e, columns_e, room, electrons):
         _imperfect_readout(electrons, pixel, n, channels, draw, row_e - dark_e, columns_e)
 
 
-@kernel(error_model="numpy")
+@inner
 @no_type_check
 def _imperfect_means(mean, pixel, n, channels, draw, dark_e):
     """Sensitivity that differs from pixel to pixel, then the dark electrons.
@@ -295,7 +298,7 @@ def _imperfect_means(mean, pixel, n, channels, draw, dark_e):
             mean[c * n + i] = mean[c * n + i] * gain + dark_e
 
 
-@kernel(error_model="numpy")
+@inner
 @no_type_check
 def _imperfect_readout(electrons, pixel, n, channels, draw, shared_e, columns_e):
     """DSNU, and row, column and telegraph noise."""
@@ -309,7 +312,7 @@ def _imperfect_readout(electrons, pixel, n, channels, draw, shared_e, columns_e)
             electrons[c * n + i] = electrons[c * n + i] + offset
 
 
-@kernel(inline="always")
+@inlined
 @no_type_check
 def normal_of(pixel, purpose, frame, channel, key):
     """A standard normal variate (f4) that belongs to a pixel, or a row, a purpose and a channel."""
@@ -317,7 +320,7 @@ def normal_of(pixel, purpose, frame, channel, key):
     return normal_quantile(np.uint32(word))
 
 
-@kernel(error_model="numpy")
+@inner
 @no_type_check
 def _fill_words(pixel, n, channels, purpose, draw, words):
     """A word for each value, in their order."""
@@ -331,7 +334,7 @@ def _fill_words(pixel, n, channels, purpose, draw, words):
         _words_of_group(pixel, group, purpose, draw.frame, draw.key, w0, w1, w2, w3)
 
 
-@kernel(error_model="numpy")
+@inner
 @no_type_check
 def _words_of_group(pixel, group, purpose, frame, key, w0, w1, w2, w3):
     """Words of four channels of as many pixels as ``w0`` has."""
@@ -343,7 +346,7 @@ def _words_of_group(pixel, group, purpose, frame, key, w0, w1, w2, w3):
         w3[i] = four[3]
 
 
-@kernel(error_model="numpy")
+@inner
 @no_type_check
 def _words_of_one(pixel, channel, purpose, frame, key, words):
     """The word of the one channel of each pixel: that which it has when all are rendered."""
@@ -354,13 +357,10 @@ def _words_of_one(pixel, channel, purpose, frame, key, words):
 # mypy: disable-error-code="no-untyped-def,no-untyped-call,misc"
 
 
-ENCODED = 16384
-"""Number of entries in the table of sRGB codes."""
-
 _HALF = _F(0.5)
 
 
-@kernel(error_model="numpy")
+@inner
 @no_type_check
 def colors_of_run(electrons, n, p, matrices, table, colors, entry, xyz, srgb):
     """Eq. 5 for a run, channel after channel; sRGB codes are looked up.
@@ -374,7 +374,7 @@ def colors_of_run(electrons, n, p, matrices, table, colors, entry, xyz, srgb):
     _codes(table, entry[:n], entry[n : 2 * n], entry[2 * n : 3 * n], srgb)
 
 
-@kernel(error_model="numpy")
+@inner
 @no_type_check
 def _products(electrons, n, p, rows, colors):
     """Three rows of a matrix times the channels: colors (3 * n,), one color after the other."""
@@ -390,28 +390,28 @@ def _products(electrons, n, p, rows, colors):
             _add_weighted_pair(here, next_one, row[c], row[c + 1], color)
 
 
-@kernel(error_model="numpy")
+@inner
 @no_type_check
 def _weighted(values, weight, out):
     for i in range(out.size):
         out[i] = values[i] * weight
 
 
-@kernel(error_model="numpy")
+@inner
 @no_type_check
 def _weighted_pair(values, others, weight, other, out):
     for i in range(out.size):
         out[i] = fused(others[i], other, values[i] * weight)
 
 
-@kernel(error_model="numpy")
+@inner
 @no_type_check
 def _add_weighted_pair(values, others, weight, other, out):
     for i in range(out.size):
         out[i] = fused(others[i], other, fused(values[i], weight, out[i]))
 
 
-@kernel(error_model="numpy")
+@inner
 @no_type_check
 def _codes(table, first, second, third, srgb):
     for i in range(first.size):
@@ -438,7 +438,7 @@ def color_of_electrons(electrons, matrices, table, xyz, srgb):
             )
 
 
-@kernel(error_model="numpy")
+@inner
 @no_type_check
 def _entries(screen, entry):
     """Where in the table of codes a linear value stands; held to 0 .. 1."""
@@ -451,14 +451,14 @@ def _entries(screen, entry):
 # mypy: disable-error-code="no-untyped-def,no-untyped-call,misc"
 
 
-@kernel(error_model="numpy")
+@inner
 @no_type_check
 def with_own_weights(stored):
     """The same rows with a copy of their weights."""
     return RowsInMemory(stored.flat, stored.lay, stored.weights.copy(), stored.seen)
 
 
-@kernel(inline="always")
+@inlined
 @no_type_check
 def rows_of_tile(lay, columns):
     """Rows of a tile: several if they are short and follow each other."""
@@ -466,14 +466,14 @@ def rows_of_tile(lay, columns):
     return max(1, TILE // columns) if follow else 1
 
 
-@kernel(inline="always")
+@inlined
 @no_type_check
 def start_of(row, first, lay):
     """Where a pixel's first band lies in the flat array."""
     return row * lay.row_pitch + first * lay.pixel_pitch
 
 
-@kernel(error_model="numpy")
+@inner
 @no_type_check
 def room_for_tile(stored):
     """``sums`` and ``fours`` for all channels."""
@@ -481,7 +481,7 @@ def room_for_tile(stored):
     return np.empty(channels * TILE, np.float32), np.empty((channels // 4, TILE, 4), np.float32)
 
 
-@kernel(error_model="numpy")
+@inner
 @no_type_check
 def means_by_pixel(stored, start, n, sums, fours):
     """All channels of ``n`` pixels, four side by side at each: fours (p / 4, n or more, 4)."""
@@ -495,7 +495,7 @@ def means_by_pixel(stored, start, n, sums, fours):
         four_together(a, b, c, d, fours[g].reshape(-1))
 
 
-@kernel(error_model="numpy")
+@inner
 @no_type_check
 def means_by_channel(stored, start, n, sums, fours):
     """All channels of ``n`` pixels, one after the other: channel c in sums[c * TILE :]."""
@@ -509,7 +509,7 @@ def means_by_channel(stored, start, n, sums, fours):
         four_apart(fours[g].reshape(-1), a, b, c, d)
 
 
-@kernel(inline="always")
+@inlined
 @no_type_check
 def _four_planes(sums, g, n):
     at = 4 * g * TILE
@@ -521,7 +521,7 @@ def _four_planes(sums, g, n):
     )
 
 
-@kernel(error_model="numpy")
+@inner
 @no_type_check
 def means_by_filter(stored, start, rows, first, n, over, phase, tables, sums, out):
     """The one channel over each of ``n`` pixels of some rows from column ``first`` on.
@@ -545,7 +545,7 @@ def means_by_filter(stored, start, rows, first, n, over, phase, tables, sums, ou
                 out[i] = sums[own[i - row * n] * TILE + i]
 
 
-@kernel(error_model="numpy")
+@inner
 @no_type_check
 def channels_over(tile, columns):
     """The channel over every pixel of the rows of one period: (tile rows, columns)."""
@@ -556,7 +556,7 @@ def channels_over(tile, columns):
     return over
 
 
-@kernel(error_model="numpy")
+@inner
 @no_type_check
 def tables_over(over, period, stored):
     """`weights_over_columns` where pixels lie together and columns repeat in time; else empty."""

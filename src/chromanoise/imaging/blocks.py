@@ -99,6 +99,24 @@ RUN = 256
 PADDED_BANDS = 16
 """Bands of the weights are zero-padded to a multiple of this number."""
 
+TILE = 4096
+"""Number of pixels whose sums stay in the second cache during the loop over bands."""
+STRANDS = 64
+"""Partial sums of a row, at most, if the columns of a mosaic do not repeat later."""
+ENCODED = 16384
+"""Number of entries in the table of sRGB codes."""
+
+LIGHT, READOUT, PIXEL_GAIN, PIXEL_OFFSET, ROW, COLUMN, PIXEL_LEVELS, LEVEL = range(8)
+"""Purposes: shot noise, also with read noise as one sum; read noise by itself; PRNU; DSNU; rows;
+columns; which pixels have two levels, and which level a reading has."""
+READING = 1 << 18
+"""Added to a channel for each further reading of a sum."""
+FEW_E = np.float32(20.0)
+"""Mean from which the expansion is used; below it, the distribution function is summed. [e-]"""
+SMOOTH_E = np.float32(0.75)
+"""Read noise s from which the steps of whole electrons are negligible: their relative ripple of the
+density is 2 exp(-2 pi^2 s^2) = 3e-5, which 10^8 samples do not resolve. [e-]"""
+
 _LARGE_PAGE_BYTES = 2 << 20
 _FILE_BYTES = 32 << 20  # arrays from this size on are kept in a file
 _PART_BYTES = 1 << 20

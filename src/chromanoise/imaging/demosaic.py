@@ -10,7 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from chromanoise.base import Array, Float, InputError, Int, Setting, check
+from chromanoise.base import Array, Float, Float32, InputError, Int, Num, Setting, check
+from chromanoise.imaging.kernel_cache import kernel_of
 from chromanoise.sensor import MOSAIC_NAMES, Mosaic, mosaic_named
 
 
@@ -359,3 +360,100 @@ def _malvar(here: Array) -> Float[Array, "5 5"]:
         kernel[1, 1] = kernel[1, 3] = kernel[3, 1] = kernel[3, 3] = -1.0
         kernel = kernel if here[1, 0] else kernel.T
     return kernel / 8.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Taps:
+    """The nonzero weights of a filter bank as one list.
+
+    Attributes
+    ----------
+    starts
+        Index of the first tap of each filter, and the end of the last filter.
+    rows, columns
+        Position of each tap in the window, from its upper left corner.
+    weights
+        Weight of each tap.
+    radius
+        Radius of the filters. [pixels]
+    """
+
+    starts: Int[Array, "ty tx p1"]
+    rows: Int[Array, " taps"]
+    columns: Int[Array, " taps"]
+    weights: Float32[Array, " taps"]
+    radius: int
+
+
+def taps_of(bank: FilterBank) -> Taps:
+    """The filter bank in the form that the kernel uses.
+
+    Examples
+    --------
+    >>> from chromanoise.sensor import bayer
+    >>> taps_of(bilinear_filters(bayer(), ("R", "G", "B"))).starts[0, 0]  # 1 + 4 + 4 pixels
+    array([0, 1, 5, 9])
+    """
+    count = (bank.kernels != 0).sum(axis=(-2, -1))
+    ends = np.cumsum(count).reshape(count.shape)
+    starts = np.concatenate([ends[..., :1] - count[..., :1], ends], axis=-1)
+    at = np.argwhere(bank.kernels != 0)
+    return Taps(
+        starts=starts.astype(np.int64),
+        rows=at[:, 3].copy(),
+        columns=at[:, 4].copy(),
+        weights=bank.kernels[bank.kernels != 0].astype(np.float32),
+        radius=bank.radius,
+    )
+
+
+def surrounded_rows(
+    raw: Num[Array, "h w"], bank: FilterBank, start: int, stop: int
+) -> Float32[Array, "rows w2"]:
+    """Rows ``start`` to ``stop`` of a raw image, padded by the radius of the filters.
+
+    The values are electrons or codes; float32 represents both.
+
+    Raises
+    ------
+    InputError
+        If the image is smaller than one tile of the mosaic.
+
+    Examples
+    --------
+    >>> from chromanoise.sensor import bayer
+    >>> surrounded_rows(np.array([[1.0, 2.0], [3.0, 4.0]]), bilinear_filters(bayer()), 1, 2)
+    array([[2., 1., 2., 1.],
+           [4., 3., 4., 3.],
+           [2., 1., 2., 1.]], dtype=float32)
+    """
+    rows, columns = border_pixels(raw.shape, bank)
+    return raw[rows[start : stop + 2 * bank.radius], columns].astype(np.float32)
+
+
+def demosaicked_rows(
+    surrounded: Float32[Array, "rows2 w2"], taps: Taps, first_row: int
+) -> Float32[Array, "rows w p"]:
+    """All channels of a block of rows, float32. [e-]
+
+    Parameters
+    ----------
+    surrounded
+        Result of `surrounded_rows`. [e-]
+    taps
+        Result of `taps_of`.
+    first_row
+        Row of the image at which the block starts; it determines the position in the tile.
+
+    Examples
+    --------
+    >>> from chromanoise.sensor import bayer
+    >>> bank, raw = bilinear_filters(bayer()), np.array([[10.0, 20.0], [20.0, 30.0]])
+    >>> demosaicked_rows(surrounded_rows(raw, bank, 1, 2), taps_of(bank), 1)[0, 1]
+    array([10., 20., 30.], dtype=float32)
+    """
+    rows, columns = (n - 2 * taps.radius for n in surrounded.shape)
+    out = np.empty((rows, columns, taps.starts.shape[2] - 1), np.float32)
+    demosaic_block = kernel_of("demosaic_kernels", "demosaic_block", out.size)
+    demosaic_block(surrounded, taps.starts, taps.rows, taps.columns, taps.weights, first_row, out)
+    return out

@@ -8,13 +8,19 @@ import numpy as np
 from chromanoise.base import Array, Float32, InputError, UInt8, UInt16, check
 from chromanoise.color import ColorMatrix, kernel_matrix
 from chromanoise.imaging.blocks import Scratch, release
-from chromanoise.imaging.demosaic import FilterBank
+from chromanoise.imaging.demosaic import (
+    FilterBank,
+    demosaicked_rows,
+    surrounded_rows,
+    taps_of,
+)
 from chromanoise.imaging.demosaic_methods import (
     around_places,
     demosaicked_covariance,
     flat_field_means,
     flat_field_noise,
 )
+from chromanoise.imaging.kernel_cache import kernel_of
 from chromanoise.imaging.plans import color_matrices, srgb_table
 from chromanoise.imaging.render import ALL_CORES, Picture, RawPicture, filled_colors
 from chromanoise.imaging.work import Work
@@ -116,13 +122,11 @@ def _developed_block(
     srgb: UInt8[Array, "rows w 3"],
 ) -> Any:
     """Fill ``xyz`` and ``srgb`` with the rows ``start`` to ``stop``."""
-    from chromanoise.imaging.acquisition import color_of_electrons
-    from chromanoise.imaging.demosaic_kernels import demosaicked_rows, surrounded_rows, taps_of
-
     values = surrounded_rows(plan.values, plan.bank, start, stop)
     release(plan.values)
     raw_e = (values - plan.black) * plan.gain_e
     electrons = demosaicked_rows(raw_e, taps_of(plan.bank), start)
+    color_of_electrons = kernel_of("acquisition", "color_of_electrons", electrons.size)
     color_of_electrons(electrons, plan.matrices, srgb_table(), xyz, srgb)
 
 

@@ -21,11 +21,12 @@ from typing import no_type_check
 
 import numpy as np
 from llvmlite import ir
-from numba import njit, types
+from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
-from chromanoise.imaging.blocks import CHANNELS_AT_ONCE, LANES, RUN_LANES
+from chromanoise.imaging.blocks import CHANNELS_AT_ONCE, LANES, RUN_LANES, TILE
+from chromanoise.imaging.kernel_cache import inner
 
 # mypy: disable-error-code="no-untyped-def,no-untyped-call,misc"
 
@@ -478,8 +479,6 @@ def _add_bands(builder, counter, n, lanes, planes, kind, totals, factor, least):
 
 BANDS_AT_ONCE = 8
 """Bands per pass, limited by the hardware prefetcher; sums are loaded and stored once per pass."""
-TILE = 4096
-"""Number of pixels whose sums stay in the second cache during the loop over bands."""
 
 _AGAIN = 128  # pixels that stay in the cache until all channels are summed
 _ZERO = np.float32(0.0)
@@ -488,7 +487,7 @@ _add_pixels = pixel_adder()
 _add_some_own, _add_own = own_band_adder(BANDS_AT_ONCE), own_band_adder(1)
 
 
-@njit(nogil=True, inline="never", error_model="numpy")
+@inner
 @no_type_check
 def means_of_pixels(flat, start, pitch, n, bands, weights, fours, seen):
     """All channels of ``n`` pixels, ``pitch`` apart, whose bands lie together from ``flat[start]``.
@@ -505,7 +504,7 @@ def means_of_pixels(flat, start, pitch, n, bands, weights, fours, seen):
             _add_pixels(flat, at, pitch, some, bands, weights, c, every, first, step, seen)
 
 
-@njit(nogil=True, inline="never", error_model="numpy")
+@inner
 @no_type_check
 def means_of_mosaic(flat, start, pitch, n, bands, weights, channel, out, seen):
     """Only the channel over each pixel: channel (n,) int64, out (n,)."""
@@ -514,7 +513,7 @@ def means_of_mosaic(flat, start, pitch, n, bands, weights, channel, out, seen):
         out[i] = weighted_sum(flat, at, bands, weights, channel[i], seen)
 
 
-@njit(nogil=True, inline="never", error_model="numpy")
+@inner
 @no_type_check
 def means_of_planes(flat, start, band_pitch, n, bands, weights, sums, seen):
     """All channels of ``n`` <= `TILE` pixels whose neighbors lie together: sums (p * TILE,).
@@ -535,7 +534,7 @@ def means_of_planes(flat, start, band_pitch, n, bands, weights, sums, seen):
             _add_one(flat, at, band_pitch, n, weights, c, b, sums, TILE, seen)
 
 
-@njit(nogil=True, error_model="numpy")
+@inner
 @no_type_check
 def weights_over_columns(weights, over, bands):
     """The weight of each band at each of `RUN_LANES` columns: (tile rows, bands * RUN_LANES).
@@ -550,7 +549,7 @@ def weights_over_columns(weights, over, bands):
     return table
 
 
-@njit(nogil=True, inline="never", error_model="numpy")
+@inner
 @no_type_check
 def means_of_mosaic_planes(flat, start, lay, rows, n, tables, phase, out, seen):
     """Only the channel over each of ``n`` pixels of some rows: out (rows * n,).

@@ -43,10 +43,8 @@ from chromanoise.imaging.acquisition import (
     total_means,
     with_own_weights,
 )
-from chromanoise.imaging.blocks import RUN
-from chromanoise.imaging.dot_kernels import TILE
-from chromanoise.imaging.kernel_cache import kernel
-from chromanoise.imaging.noise_draws import READOUT
+from chromanoise.imaging.blocks import READOUT, RUN, TILE
+from chromanoise.imaging.kernel_cache import inner, kernel
 
 # mypy: disable-error-code="no-untyped-def,no-untyped-call,misc"
 
@@ -117,7 +115,7 @@ def raw_rows(stored, tile, first_row, draw, adc, codes, counts):
                     codes_of_run(electrons, channel, adc, counts[row], codes[row, first + run :])
 
 
-@kernel(error_model="numpy")
+@inner
 @no_type_check
 def codes_of_run(electrons, channel, adc, counts, codes):
     """Held at full well, converted, rounded, and held to the range of the converter."""
@@ -175,7 +173,7 @@ def color_rows(stored, first_row, draw, well, matrices, table, xyz, srgb, counts
                     colors_of_run(electrons, m, p, matrices, table, colors, entry, there, shown)
 
 
-@kernel(error_model="numpy")
+@inner
 @no_type_check
 def _copy(values, out):
     """Written out, because assigning a slice takes five times as long."""
@@ -278,7 +276,7 @@ def coupled_color_rows(
             colors_of_run(electrons, n, p, matrices, table, colors, entry, there, shown)
 
 
-@kernel(error_model="numpy")
+@inner
 @no_type_check
 def _mixed(values, row, column, places, shares):
     """The sum of the shares of a pixel and its neighbors, in a fixed order."""
@@ -293,7 +291,7 @@ def _mixed(values, row, column, places, shares):
     return total
 
 
-@kernel(error_model="numpy")
+@inner
 @no_type_check
 def _read_out(electrons, pixel, n, channels, draw, row_e, columns_e):
     """Add what the readout adds: channels and columns_e as in `acquire`."""

@@ -54,6 +54,95 @@ def kernel(**options: Any) -> Callable[[Callable[..., Any]], Any]:
     return compiled
 
 
+def inner(function: Callable[..., Any]) -> Any:
+    """A compiled function that only kernels call: it has no form that Python could call."""
+    from numba import njit
+
+    return njit(**_INNER)(function)
+
+
+def inlined(function: Callable[..., Any]) -> Any:
+    """As `inner`, for functions of few lines: LLVM, not numba, copies them to where they are used.
+
+    With ``inline="always"`` numba would infer the types of each copy anew.
+    """
+    from numba import njit
+
+    return njit(**_INNER, forceinline=True)(function)
+
+
+def kernel_of(module: str, name: str, values: int, bands: int = 0) -> Callable[..., Any]:
+    """The compiled kernel; for a small picture its twin of `plain`, while nothing is compiled.
+
+    Compiling takes as long as some ten small pictures. So nothing is compiled until pictures of
+    plain numpy have cost as much, in this process and those before it.
+
+    Parameters
+    ----------
+    module, name
+        Where the kernel is in this package.
+    values
+        Number of values of the picture: pixels, or pixels times channels.
+    bands
+        Number of bands that are summed for each value.
+    """
+    seconds = values * (_VALUE_S + bands * _BAND_S)
+    compiled = f"{__package__}.{module}"
+    if seconds > _SMALL_S or _is_compiled(compiled, name) or _spent_s() + seconds > _COMPILING_S:
+        return getattr(import_module(compiled), name)  # type: ignore[no-any-return]
+    plain = getattr(import_module(f"{__package__}.plain"), name)
+
+    def timed(*arguments: Any) -> None:
+        began = time.thread_time()
+        plain(*arguments)
+        _add_spent(time.thread_time() - began)
+
+    return timed
+
+
+_VALUE_S, _BAND_S = 1e-6, 1e-8  # processor time of `plain` on a machine of 2020
+_SMALL_S, _COMPILING_S = 2.5, 10.0
+_spent: list[float] = []  # of this process, where no folder can be written
+
+
+def _spent_file() -> Path | None:
+    folder = kernel_folder(_PACKAGE)
+    return folder and folder / "milliseconds-of-plain-pictures"
+
+
+def _spent_s() -> float:
+    """Processor time of plain pictures so far: the file has a byte for each millisecond."""
+    file = _spent_file()
+    with suppress(OSError):
+        return file.stat().st_size / 1e3 if file else sum(_spent)
+    return 0.0
+
+
+def _add_spent(seconds: float) -> None:
+    _spent.append(seconds)
+    file = _spent_file()
+    with suppress(OSError):
+        if file:
+            with file.open("ab") as end:
+                end.write(b"." * round(1e3 * seconds))
+
+
+def _is_compiled(module: str, name: str) -> bool:
+    loaded = getattr(sys.modules.get(module), name, None)
+    if loaded is not None and loaded.signatures:
+        return True
+    folder = kernel_folder(_PACKAGE)
+    return folder is not None and any(folder.glob(f"*/{module.rpartition('.')[2]}.{name}-*.nbi"))
+
+
+_INNER = {
+    "nogil": True,
+    "error_model": "numpy",
+    "no_cpython_wrapper": True,
+    "no_cfunc_wrapper": True,
+}
+
+
 @contextmanager
 def cached_compilation(package: Path) -> Iterator[bool]:
     """Whether numba can keep what is declared inside, in `kernel_folder`.
@@ -125,6 +214,15 @@ def _remove_on_compilation(folder: Path, package: Path) -> None:
     event.register("numba:compile", _RemovalOnCompilation(folder.parent, package))
 
 
+@cache
+def _say_that_kernels_are_compiled() -> None:
+    print(
+        "chromanoise compiles numerical code for this processor, once: some 10 to 20 s",
+        file=sys.stderr,
+        flush=True,
+    )
+
+
 class _RemovalOnCompilation:
     """Removes folders for other sources of a package when its first kernel is compiled.
 
@@ -138,6 +236,7 @@ class _RemovalOnCompilation:
     def notify(self, event: Any) -> None:
         """The removal, at the end of a compilation, if a kernel of this package was compiled."""
         if not event.is_end:
+            _say_that_kernels_are_compiled()
             return
         source = event.data["dispatcher"].py_func.__code__.co_filename
         if self._is_done or Path(source).parent != self._package:

@@ -59,19 +59,13 @@ from decimal import Decimal
 from typing import no_type_check
 
 import numpy as np
-from numba import njit
 
+from chromanoise.imaging.blocks import FEW_E, LIGHT, READOUT, SMOOTH_E
 from chromanoise.imaging.dot_kernels import fused
-from chromanoise.imaging.kernel_cache import kernel
-
-LIGHT, READOUT, PIXEL_GAIN, PIXEL_OFFSET, ROW, COLUMN, PIXEL_LEVELS, LEVEL = range(8)
-"""Purposes: shot noise, also with read noise as one sum; read noise by itself; PRNU; DSNU; rows;
-columns; which pixels have two levels, and which level a reading has."""
+from chromanoise.imaging.kernel_cache import inlined, inner, kernel
 
 PER_CALL = 4
 """Number of channels that share one call of the cipher, one word each."""
-READING = 1 << 18
-"""Added to a channel for each further reading of a sum."""
 
 _WORD = np.uint64(0xFFFFFFFF)
 _HALF = np.uint64(32)
@@ -82,7 +76,7 @@ _WEYL_0 = np.uint64(0x9E3779B9)
 _WEYL_1 = np.uint64(0xBB67AE85)
 
 
-@njit(inline="always")
+@inlined
 @no_type_check
 def _two_rounds(c0, c1, c2, c3, k0, k1):
     """Two rounds of the cipher; only the low halves of what goes in and comes out matter."""
@@ -100,7 +94,7 @@ def _two_rounds(c0, c1, c2, c3, k0, k1):
     )
 
 
-@njit(inline="always")
+@inlined
 @no_type_check
 def philox4x32(c0, c1, c2, c3, k0, k1):
     """Four words (c0 .. c3: the counter, k0, k1: the key), each in the low half of a uint64.
@@ -121,14 +115,14 @@ def philox4x32(c0, c1, c2, c3, k0, k1):
     return w0 & _WORD, w1 & _WORD, w2 & _WORD, w3 & _WORD
 
 
-@njit(inline="always")
+@inlined
 @no_type_check
 def groups_of(channels):
     """So many groups these channels need."""
     return (channels + PER_CALL - 1) // PER_CALL
 
 
-@njit(inline="always")
+@inlined
 @no_type_check
 def words_at(pixel, purpose, frame, group, seed):
     """The four words of a pixel (all arguments uint64) for one purpose, frame and group."""
@@ -136,7 +130,7 @@ def words_at(pixel, purpose, frame, group, seed):
     return philox4x32(pixel, high, frame, group, seed & _WORD, seed >> _HALF)
 
 
-@njit(inline="always")
+@inlined
 @no_type_check
 def word_at(pixel, purpose, frame, channel, seed):
     """The one word of a pixel that belongs to a channel (int64)."""
@@ -145,13 +139,6 @@ def word_at(pixel, purpose, frame, channel, seed):
     low, high = (w1 if odd else w0), (w3 if odd else w2)
     return high if later else low
 
-
-FEW_E = np.float32(20.0)
-"""Mean from which the expansion is used; below it, the distribution function is summed. [e-]"""
-
-SMOOTH_E = np.float32(0.75)
-"""Read noise s from which the steps of whole electrons are negligible: their relative ripple of the
-density is 2 exp(-2 pi^2 s^2) = 3e-5, which 10^8 samples do not resolve. [e-]"""
 
 _F = np.float32
 _ONE = _F(1.0)
@@ -185,7 +172,7 @@ _Q1, _Q2, _Q3 = _F(0.09955993205337688), _F(0.03269102304549773), _F(0.002291294
 _Q4, _Q5 = _F(0.00016975149536817527), _F(1.0038387061978881e-06)
 
 
-@njit(inline="always", error_model="numpy")
+@inlined
 @no_type_check
 def minus_log(y):
     """-ln y (f4) for a normal y > 0; errs by 1e-7 of it or of 1."""
@@ -199,7 +186,7 @@ def minus_log(y):
     return fused(_F(exponent), -_LN_2, -(series * f))
 
 
-@njit(inline="always", error_model="numpy")
+@inlined
 @no_type_check
 def middle_and_log(word):
     """Of a word (u4), its share being t: 2t - 1 and w = -ln 4t(1 - t), both f4."""
@@ -210,7 +197,7 @@ def middle_and_log(word):
     return away if signed < 0 else -away, minus_log((tail + tail) * (_ONE + away))
 
 
-@njit(inline="always", error_model="numpy")
+@inlined
 @no_type_check
 def quantile_of_log(middle, w):
     """Standard normal variate (f4) from what `middle_and_log` gives."""
@@ -221,7 +208,7 @@ def quantile_of_log(middle, w):
     return middle * above / below
 
 
-@njit(inline="always", error_model="numpy")
+@inlined
 @no_type_check
 def normal_quantile(word):
     """Standard normal variate (f4) of a word (u4), -6.3 to 6.3; errs by 4e-7 of it."""
@@ -236,7 +223,7 @@ _D1, _D3, _D5 = _F(671 / 38880), _F(-137 / 38880), _F(-23 / 17280)
 _ZERO = _F(0.0)
 
 
-@njit(inline="always", error_model="numpy")
+@inlined
 @no_type_check
 def poisson_quantile_of_many(mean, z):
     """Poisson variate (f4) of mean >= ``FEW_E`` at the normal quantile z (both f4).
@@ -264,7 +251,7 @@ _K0, _K1, _K2 = _F(17 / 324), _F(-53 / 324), _F(12 / 324)
 _SIXTH = _F(1 / 6)
 
 
-@njit(inline="always", error_model="numpy")
+@inlined
 @no_type_check
 def read_quantile_of_many(mean, variance_e2, z):
     """Poisson variate plus normal read noise of >= ``SMOOTH_E`` (f4) at the normal quantile z.
@@ -288,7 +275,7 @@ _E = tuple((-1.0) ** k / math.factorial(k) for k in range(12))
 _SHRINK = 1.0 / 32.0
 
 
-@njit(inline="always", error_model="numpy")
+@inlined
 @no_type_check
 def chance_of_none(mean):
     """e^-mean (float64) for a mean (float64) of 0 to ``FEW_E``; errs by 1e-12 of it."""
@@ -312,7 +299,7 @@ _EXPONENT_OF_1 = np.int32(127)
 _X2, _X3, _X4, _X5, _X6, _X7 = (_F(1 / math.factorial(k)) for k in range(2, 8))
 
 
-@njit(inline="always", error_model="numpy")
+@inlined
 @no_type_check
 def exponential_less_one(x):
     """e^x - 1 (f4) for x (f4) of -80 to 80; errs by 2e-7 of it, and by 1e-7 |x| of e^x."""
@@ -368,14 +355,14 @@ def fill_noise(mean, electrons, start, stop, tile_width, origin, width, frame, s
     return refused
 
 
-@kernel(error_model="numpy")
+@inner
 @no_type_check
 def room_for(count):
     """Scratch of `draw_light` and `draw_readout`: which lanes are low, variates, logarithms."""
     return np.empty(count, np.int32), np.empty(count, np.float32), np.empty(count, np.float32)
 
 
-@kernel(error_model="numpy")
+@inner
 @no_type_check
 def name_pixels(pixel, first, count, groups, tile_width, origin, width):
     """Index of the pixel in the whole picture, once for each group of its channels."""
@@ -391,7 +378,7 @@ def name_pixels(pixel, first, count, groups, tile_width, origin, width):
             row, column = row + 1, 0
 
 
-@kernel(error_model="numpy")
+@inner
 @no_type_check
 def fill_words(pixel, group, count, channels, purpose, frame, seed, words):
     """A word for each channel of ``count`` pixels, in order; pixel, group: of each four words."""
@@ -410,7 +397,7 @@ def fill_words(pixel, group, count, channels, purpose, frame, seed, words):
                 words[i * channels + c] = words[i * padded + c]
 
 
-@kernel(error_model="numpy")
+@inner
 @no_type_check
 def count_refused(mean):
     """How many means are negative, infinite or not a number; counted as `count_few` does."""
@@ -420,7 +407,7 @@ def count_refused(mean):
     return mean.size - right
 
 
-@kernel(error_model="numpy")
+@inner
 @no_type_check
 def count_low(mean, words, electrons, lanes, count):
     """Poisson electrons of the ``count`` lanes listed in ``lanes``, whose means are low.
@@ -459,7 +446,7 @@ def count_low(mean, words, electrons, lanes, count):
                 electrons[np.uintp(lanes[start + j])] = found[j]
 
 
-@njit(inline="always", error_model="numpy")
+@inlined
 @no_type_check
 def _count_together(low, left, chance, found):
     for k in range(1, 77, 4):
@@ -485,7 +472,7 @@ def _count_together(low, left, chance, found):
             left[j], chance[j], found[j] = r, c, f
 
 
-@kernel(error_model="numpy")
+@inner
 @no_type_check
 def list_low(mean, count, few_e, lanes):
     """How many means are below ``few_e``; ``lanes``, with room for all, starts with these lanes."""
@@ -501,7 +488,7 @@ def list_low(mean, count, few_e, lanes):
     return few
 
 
-@kernel(error_model="numpy")
+@inner
 @no_type_check
 def count_few(mean, few_e):
     """How many means are low; counted in 32 bits, as wide as the means, to vectorize."""
@@ -511,7 +498,7 @@ def count_few(mean, few_e):
     return few
 
 
-@kernel(error_model="numpy")
+@inner
 @no_type_check
 def normal_of_words(words, count, normal, logs):
     """Standard normal variates of ``count`` words; logs has room for as many.
@@ -524,7 +511,7 @@ def normal_of_words(words, count, normal, logs):
         normal[j] = quantile_of_log(normal[j], logs[j])
 
 
-@kernel(error_model="numpy")
+@inner
 @no_type_check
 def draw_light(mean, words, count, read_noise_e, room, electrons):
     """Electrons of ``count`` lanes; how many of them, listed in ``room``, lack their read noise.
@@ -551,7 +538,7 @@ def draw_light(mean, words, count, read_noise_e, room, electrons):
     return few if together else count
 
 
-@kernel(error_model="numpy")
+@inner
 @no_type_check
 def draw_readout(words, waiting, count, read_noise_e, room, electrons):
     """Add read noise to the ``waiting`` of ``count`` lanes; words of `READOUT`, not kept."""
@@ -618,7 +605,7 @@ _SIX, _AT = np.uint32(6), np.uint32(_PART_BITS)
 _WHOLE = np.int32(_PART)
 
 
-@njit(inline="always", error_model="numpy")
+@inlined
 @no_type_check
 def cell_of(mean):
     """Which multiple of 1/2 e- is drawn from the table (i4); the last or the first for others."""
@@ -627,21 +614,21 @@ def cell_of(mean):
     return np.int32(cell if cell < _LAST_CELL else _LAST_CELL)
 
 
-@njit(inline="always", error_model="numpy")
+@inlined
 @no_type_check
 def start_of(cell):
     """Mean (f4) of a cell."""
     return _F(cell) * _E_PER_CELL
 
 
-@njit(inline="always", error_model="numpy")
+@inlined
 @no_type_check
 def place_of(cell, word):
     """Where in the table the column of a word lies (i4)."""
     return np.int32(np.int32(cell << np.int32(6)) + np.int32(word >> _AT))
 
 
-@njit(inline="always", error_model="numpy")
+@inlined
 @no_type_check
 def leading_count(entry, word):
     """Count (i4) by the entry of a column, and a uniform share (f4) between 0 and 1."""
@@ -658,7 +645,7 @@ _EXPONENTIAL = tuple(_F((-1.0) ** k / math.factorial(k)) for k in range(8))
 _S2, _S3, _S4, _S5, _S6, _S7, _S8 = (_F(1 / k) for k in range(2, 9))
 
 
-@njit(inline="always", error_model="numpy")
+@inlined
 @no_type_check
 def few_more(mean, share):
     """Poisson variate (f4) of mean 0 to 1/2 (f4) at the upper share (f4); chances err by 1e-7."""

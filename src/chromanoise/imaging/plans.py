@@ -21,6 +21,7 @@ from chromanoise.base import Array, Float, Float32, Float64, InputError, Int64, 
 from chromanoise.color import ColorMatrix, linear_srgb, srgb_from_linear
 from chromanoise.imaging.blocks import (
     CHANNELS_AT_ONCE,
+    ENCODED,
     LANES,
     PADDED_BANDS,
     Converter,
@@ -32,6 +33,7 @@ from chromanoise.imaging.blocks import (
     is_planar,
 )
 from chromanoise.imaging.demosaic import mirrored
+from chromanoise.imaging.kernel_cache import kernel_of
 from chromanoise.imaging.work import Block, row_pieces
 from chromanoise.noise import (
     OperatingPoint,
@@ -299,8 +301,8 @@ def raw_block(
     InputError
         If the cube has an invalid reflectance in these rows.
     """
-    from chromanoise.imaging.fused_kernels import raw_rows
-
+    height, width, bands = plan.light.source.shape
+    raw_rows = kernel_of("fused_kernels", "raw_rows", height * width, bands)
     counts = np.zeros((stop - start, 3, plan.light.channels))
 
     def fill(stored: RowsInMemory) -> None:
@@ -401,8 +403,9 @@ def color_block(
     InputError
         As `raw_block`.
     """
-    from chromanoise.imaging.fused_kernels import color_rows
-
+    height, width, bands = plan.light.source.shape
+    values = height * width * plan.light.channels
+    color_rows = kernel_of("fused_kernels", "color_rows", values, bands)
     counts = np.zeros((stop - start, 3, plan.light.channels))
 
     def fill(stored: RowsInMemory) -> None:
@@ -416,8 +419,6 @@ def color_block(
 @cache
 def srgb_table() -> UInt8[Array, " entries"]:
     """8-bit codes of linear values at equal steps from 0 to 1."""
-    from chromanoise.imaging.acquisition import ENCODED
-
     codes = np.round(255 * srgb_from_linear(np.linspace(0, 1, ENCODED))).astype(np.uint8)
     codes.flags.writeable = False  # all images share it
     return codes

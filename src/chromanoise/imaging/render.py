@@ -8,6 +8,7 @@ import numpy as np
 from chromanoise.base import Array, Float, Float32, InputError, Int, Setting, UInt8, UInt16, check
 from chromanoise.color import ColorMatrix, kernel_matrix
 from chromanoise.imaging.blocks import Draw, Scratch, new_rows
+from chromanoise.imaging.kernel_cache import kernel_of
 from chromanoise.imaging.plans import (
     BadPixels,
     ElectronPlan,
@@ -389,9 +390,8 @@ def _colored_block(
     srgb: UInt8[Array, "rows w 3"],
 ) -> None:
     """Fill ``xyz`` and ``srgb`` with the rows ``start`` to ``stop``."""
-    from chromanoise.imaging.acquisition import color_of_electrons
-
     values, matrices = plan
+    color_of_electrons = kernel_of("acquisition", "color_of_electrons", xyz.size)
     color_of_electrons(values[start:stop], matrices, srgb_table(), xyz, srgb)
 
 

@@ -249,13 +249,11 @@ def made(
     work
         Threads or executor. The first error ends the computation.
     """
-    from numba import config
-
-    if config.DISABLE_JIT:
+    if (disabled := os.environ.get("NUMBA_DISABLE_JIT", "0")) not in ("", "0"):
         raise InputError(
             "NUMBA_DISABLE_JIT",
             "must not be set, because pictures need compiled kernels",
-            value=config.DISABLE_JIT,
+            value=disabled,
             remedy="unset it",
         )
     if work.executor is None:

@@ -13,7 +13,6 @@ with the high half of the item.
 from typing import no_type_check
 
 import numpy as np
-from numba import njit
 
 from chromanoise.imaging import (
     ALIASES,
@@ -30,6 +29,8 @@ from chromanoise.imaging import (
     exponential_less_one,
     few_more,
     fused,
+    inlined,
+    inner,
     kernel,
     leading_count,
     list_low,
@@ -113,14 +114,14 @@ def add_noise(
     return refused
 
 
-@njit(inline="always")
+@inlined
 @no_type_check
 def _words(call, purpose, item, key):
     mark = _MARK | ((item >> _HIGH) << _SHIFT_16)
     return words_at(call, np.uint64(purpose), item & _WORD, mark, key)
 
 
-@kernel(error_model="numpy")
+@inner
 @no_type_check
 def fill_lane_words(call, n, purpose, item, key, words):
     """A word for each of ``n`` lanes; a call of the cipher serves lanes a quarter of them apart."""
@@ -137,7 +138,7 @@ def fill_lane_words(call, n, purpose, item, key, words):
         w3[i] = four[3]
 
 
-@kernel(error_model="numpy")
+@inner
 @no_type_check
 def _electrons_of(given, lanes, phase, first, light, n):
     zero, per_unit = lanes[0, phase, first : first + n], lanes[1, phase, first : first + n]
@@ -145,7 +146,7 @@ def _electrons_of(given, lanes, phase, first, light, n):
         light[j] = (given[j] - zero[j]) * per_unit[j]
 
 
-@kernel(error_model="numpy")
+@inner
 @no_type_check
 def _counted_means(light, pattern, row, first, n, use, noise, counted):
     """Sensitivity of the pixels, in place; the mean of what is counted: light, dark, or both."""
@@ -166,7 +167,7 @@ def _counted_means(light, pattern, row, first, n, use, noise, counted):
             counted[j] = dark_e
 
 
-@kernel(error_model="numpy")
+@inner
 @no_type_check
 def draw_counts(mean, read_e, words, count, use, few_e, room, picked, electrons):
     """Electrons of ``count`` lanes, from ``few_e`` on together with read noise if so used."""
@@ -193,14 +194,14 @@ def draw_counts(mean, read_e, words, count, use, few_e, room, picked, electrons)
         count_by_table(mean, few_e, words, count, room, electrons)
 
 
-@njit(inline="always")
+@inlined
 @no_type_check
 def _is_rare(few, count):
     """Whether these lanes are picked out, instead of drawing all and keeping theirs."""
     return 0 < few < count // _RARE
 
 
-@kernel(error_model="numpy")
+@inner
 @no_type_check
 def _room_for_picked(count):
     """Scratch for lanes of low mean: which ones, their means and words, and what is drawn."""
@@ -230,7 +231,7 @@ def count_by_table(mean, few_e, words, count, room, electrons):
         electrons[j] = found if mean[j] < few_e else electrons[j]
 
 
-@kernel(error_model="numpy")
+@inner
 @no_type_check
 def add_read(mean, alone_e, words, count, read_e, shape, use, room, electrons):
     """Add read noise to those of ``count`` lanes with means < ``alone_e``."""
@@ -244,7 +245,7 @@ def add_read(mean, alone_e, words, count, read_e, shape, use, room, electrons):
         electrons[j] = added if mean[j] < alone_e else electrons[j]
 
 
-@kernel(error_model="numpy")
+@inner
 @no_type_check
 def add_read_of(picked, count, words, read_e, room, electrons):
     """Add normal read noise to the ``count`` lanes that are listed in ``picked``."""
@@ -283,7 +284,7 @@ def tail_scores(words, count, shape, scores, logs):
         scores[j] = size if scores[j] > _ZERO else -size
 
 
-@kernel(error_model="numpy")
+@inner
 @no_type_check
 def _collect(electrons, light, pattern, row, first, n, use, shared):
     """Add what is not counted: light without shot noise, and offsets of the row and the pixels."""
@@ -309,7 +310,7 @@ def _collect(electrons, light, pattern, row, first, n, use, shared):
             electrons[j] = electrons[j] + now[j]
 
 
-@kernel(error_model="numpy")
+@inner
 @no_type_check
 def _finish(electrons, lanes, phase, first, n, use, noisy):
     """Codes, and back to the unit of the clean values."""
@@ -337,7 +338,7 @@ def _finish(electrons, lanes, phase, first, n, use, noisy):
             noisy[j] = code * scale[j] + zero[j]
 
 
-@kernel(error_model="numpy")
+@inner
 @no_type_check
 def _variance(light, lanes, phase, first, n, use, gain_sd, variance):
     """Shot noise, PRNU and what does not depend on light, in the square of the unit."""
@@ -364,7 +365,7 @@ def draw_levels(share, level_e, first_row, first_lane, pattern, item, key, value
                 values[row, j] += level_e if up else -level_e
 
 
-@njit(inline="always")
+@inlined
 @no_type_check
 def _word_of(call, purpose, number, k, key):
     four = _words(call, purpose, number, key)
