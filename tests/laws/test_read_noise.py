@@ -4,11 +4,11 @@ from math import comb
 
 import numpy as np
 import pytest
-import reference_noise as reference
 from hypothesis import given, strategies as st
 from scipy import stats
 from scipy.special import ndtri
 
+import reference_noise as reference
 from chromanoise.imaging.sampling import noisy_electrons
 from goodness import chi_square_score, correlation_z, kolmogorov_p_at, scores_of_moments
 
