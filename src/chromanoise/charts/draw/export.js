@@ -1,7 +1,6 @@
 /** Charts and pictures as files: SVG that stands alone, PNG of it, CSV; loaded when first used. */
 
-import { kindOf } from "draw/save.js";
-import { html, svg, tenth } from "draw/svg.js";
+import { html, kindOf, svg, tenth } from "draw/svg.js";
 
 /** @import { Saved } from "draw/save.js" */
 

@@ -1,6 +1,6 @@
 /** A small menu in the heading of a chart: saves it as SVG, PNG or CSV. */
 
-import { html, uniqueId } from "draw/svg.js";
+import { html, kindOf, uniqueId } from "draw/svg.js";
 
 /**
  * @typedef {object} Saved what `draw/export.js` needs of a chart
@@ -52,15 +52,6 @@ export function savePictures(heading, element) {
 export function saveImage(image) {
   const kind = kindOf(image).toUpperCase();
   return saveMenu(image.alt, () => [[kind, () => import("draw/export.js").then((to) => to.savePicture(image))]]);
-}
-
-/**
- * The ending of a file with what an image shows.
- *
- * @param {HTMLImageElement} image
- */
-export function kindOf({ src }) {
-  return src.startsWith("data:image/svg") ? "svg" : "png";
 }
 
 /**

@@ -155,3 +155,12 @@ export function figureWidth(element, options) {
   const asked = options?.width ?? element.clientWidth;
   return Math.max(240, Math.round(asked || 640));
 }
+
+/**
+ * The ending of a file with what an image shows.
+ *
+ * @param {HTMLImageElement} image
+ */
+export function kindOf({ src }) {
+  return src.startsWith("data:image/svg") ? "svg" : "png";
+}

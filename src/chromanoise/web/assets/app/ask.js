@@ -183,3 +183,16 @@ export class Asker {
     this.#pause = 250;
   }
 }
+
+export const UNHEARD = "The server does not answer, so the file was not read; try again.";
+
+/**
+ * Sends a file; the reply tells what it is.
+ *
+ * @param {string} name
+ * @param {Blob} body
+ */
+export function sent(name, body) {
+  const headers = { "Content-Type": "application/octet-stream", "X-Filename": encodeURIComponent(name) };
+  return fetch("/api/upload", { method: "POST", headers, body });
+}

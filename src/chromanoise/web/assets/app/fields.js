@@ -1,12 +1,11 @@
 /** Rows of controls for the fields of a study, made from the descriptions that the server gives. */
 
-import { Refused, understood } from "app/ask.js";
+import { Refused, sent, understood, UNHEARD } from "app/ask.js";
 import { attribute, button, choice, drawer, el, fillChoice, say, square, uniqueId } from "app/dom.js";
 import { complain } from "app/faults.js";
 import { setAt, valueAt } from "app/paths.js";
 import { shownUnit, slider } from "app/slider.js";
 import { changeStudy } from "app/state.js";
-import { sent, UNHEARD } from "app/upload.js";
 import { learn, shownName } from "app/uploads.js";
 
 /** @import { Choices, Field, Head, Range, Study, UploadedFile } from "answers" */

@@ -1,13 +1,12 @@
 /** A front of a design search: its panel, and what a click loads into the study. */
 
-import { Refused, understood } from "app/ask.js";
+import { Refused, sent, understood } from "app/ask.js";
 import * as cloud from "app/cloud.js";
 import { attribute, byId, choice, el, fillChoice, say, square, uniqueId, within } from "app/dom.js";
 import { matricesOf } from "app/matrix.js";
 import { pack, tableOf, tablePlace } from "app/panels.js";
 import { most } from "app/paths.js";
 import { changeStudy, current, subscribe } from "app/state.js";
-import { sent } from "app/upload.js";
 import { remember, shownName } from "app/uploads.js";
 
 /** @import { Front, FrontMember, FrontScene, SensorPart, Study } from "answers" */

@@ -1,10 +1,9 @@
 /** Bring your own: a file of any kind, dropped anywhere or chosen. */
 
-import { Refused, understood } from "app/ask.js";
+import { Refused, sent, understood, UNHEARD } from "app/ask.js";
 import { el } from "app/dom.js";
 
 const LARGEST = 12e6;
-export const UNHEARD = "The server does not answer, so the file was not read; try again.";
 
 /**
  * Puts the field for files into its place and lets files be dropped anywhere.
@@ -62,17 +61,6 @@ function dropAnywhere(take) {
 function frontIn(folder, take) {
   const none = () => take(new File([], folder.name));
   folder.getFile("front.json", {}, (entry) => /** @type {FileSystemFileEntry} */ (entry).file(take, none), none);
-}
-
-/**
- * Sends a file; the reply tells what it is.
- *
- * @param {string} name
- * @param {Blob} body
- */
-export function sent(name, body) {
-  const headers = { "Content-Type": "application/octet-stream", "X-Filename": encodeURIComponent(name) };
-  return fetch("/api/upload", { method: "POST", headers, body });
 }
 
 let latest = 0;
