@@ -562,14 +562,6 @@ def test_a_stopped_run_goes_on_with_what_it_has_read(tmp_path):
         cn.characterize(folder, resume=kept)
 
 
-def test_a_changed_frame_is_read_again(tmp_path):
-    folder, kept = frames_of(tmp_path / "f", levels=6), tmp_path / "kept.json"
-    first = cn.characterize(folder, resume=kept)
-    path = sorted(folder.glob("*flat*.npy"))[0]
-    np.save(path, np.load(path) + 3)
-    assert cn.characterize(folder, resume=kept).to_dict() != first.to_dict()
-
-
 # ---- refusals ----
 
 
