@@ -1,9 +1,11 @@
 """A characterization of a made-up camera, for tests of what is written about it."""
 
+from dataclasses import replace
+
 import numpy as np
 
-from chromanoise.apps.camera import Characterization, LevelNoise, ModelVerdict, PlaneNoise
-from chromanoise.sensor import Mosaic, PhotonTransfer, photon_transfer_fit
+from chromanoise.apps.camera import Characterization, ModelVerdict, characterized_table
+from chromanoise.sensor import Mosaic, PhotonTransfer
 
 BAYER = Mosaic((("R", "G1"), ("G2", "B")))
 SAMPLES = 200_000.0
@@ -11,7 +13,7 @@ BLACK_DN, DARK_E, WELL_E, QE, TIME_UNIT_MS = 64.25, 5.0, 7500.0, 0.61, 3.0
 
 
 def plane_of(
-    name="mono", *, gain=0.5, seed=1, light=1.0, black_dn=BLACK_DN, dark_e=DARK_E, bend=0.0, **given
+    name="mono", *, gain=0.5, seed=1, light=1.0, black_dn=BLACK_DN, dark_e=DARK_E, **given
 ):
     """A plane with levels from 1 % to 105 % of saturation, variances drawn with their errors."""
     rng = np.random.default_rng(seed)
@@ -20,58 +22,26 @@ def plane_of(
     )
     times = TIME_UNIT_MS * np.arange(1, 10)
     dark_dn2 = (gain * dark_e) ** 2 + 1 / 12
-    true = dark_dn2 + gain**2 * electrons * (1 - bend * electrons / WELL_E)
+    true = dark_dn2 + gain**2 * electrons
     true[electrons >= WELL_E] *= 0.3
     variance = true * (1 + np.sqrt(2 / (SAMPLES - 1)) * rng.standard_normal(true.size))
-    mean = black_dn + gain * electrons
-    fit = photon_transfer_fit(
-        PhotonTransfer(
-            mean_dn=mean,
-            variance_dn2=variance,
-            dark=np.zeros(mean.size, dtype=bool),
-            samples=np.full(mean.size, SAMPLES),
-            dark_mean_dn=np.full(mean.size, black_dn),
-            dark_variance_dn2=np.full(mean.size, dark_dn2),
-            time_ms=times,
-            photons=electrons / QE,
-        )
+    table = PhotonTransfer(
+        mean_dn=black_dn + gain * electrons,
+        variance_dn2=variance,
+        dark=np.zeros(true.size, dtype=bool),
+        samples=np.full(true.size, SAMPLES),
+        dark_mean_dn=np.full(true.size, black_dn),
+        dark_variance_dn2=np.full(true.size, dark_dn2),
+        time_ms=times,
+        photons=electrons / QE,
     )
-    levels = tuple(
-        LevelNoise(
-            name=f"level {i}",
-            frames=2,
-            time_ms=float(times[i]),
-            photons_per_pixel=float(electrons[i] / QE),
-            mean_dn=float(mean[i]),
-            variance_dn2=float(variance[i]),
-            variance_se_dn2=float(variance[i] * np.sqrt(2 / (SAMPLES - 1))),
-            predicted_variance_dn2=float(dark_dn2 + fit.gain_dn_per_e * (mean[i] - black_dn)),
-            dark_mean_dn=black_dn,
-            dark_variance_dn2=dark_dn2,
-            fitted=bool(fit.fitted[i]),
-            clipped_share=0.0,
-            correlation_right=0.001,
-            correlation_down=-0.0005,
-            drift_z=0.7,
-        )
-        for i in range(mean.size)
-    )
+    (plane,) = characterized_table(table).planes
+    usual = {"correlation_right": 0.001, "correlation_down": -0.0005, "drift_z": 0.7}
+    levels = (replace(one, name=f"level {i}", **usual) for i, one in enumerate(plane.levels))
     values = {
-        "gain_dn_per_e": fit.gain_dn_per_e,
-        "gain_dn_per_e_se": fit.gain_se,
-        "dark_noise_e": fit.read_noise_e,
-        "dark_noise_e_se": fit.read_noise_se,
         "black_level_dn": black_dn,
         "black_level_dn_se": 0.01,
-        "saturation_dn": fit.saturation_dn,
-        "saturation_capacity_e": fit.saturation_capacity_e,
-        "full_well_e": fit.full_well_e,
         "full_well_e_se": 12.0,
-        "dynamic_range_db": 20
-        * np.log10(
-            fit.saturation_capacity_e
-            / (np.hypot(fit.read_noise_e, 12**-0.5 / fit.gain_dn_per_e) + 0.5)
-        ).item(),
         "qe": QE,
         "qe_se": 0.004,
         "linearity_error_percent": 0.12,
@@ -87,11 +57,9 @@ def plane_of(
         "column_noise_e": 0.1,
         "column_noise_e_se": 0.01,
         "hot_pixels": 3,
-        "bend_z": fit.bend_z,
-        "levels": levels,
-        "fit": fit,
+        "levels": tuple(levels),
     }
-    return PlaneNoise(name=name, **(values | given))
+    return replace(plane, name=name, **(values | given))
 
 
 def monochrome(**given):

@@ -8,6 +8,7 @@ import pytest
 from scipy import integrate, stats
 
 import chromanoise as cn
+from chromanoise.apps.training import sampler
 from chromanoise.sensor import (
     CameraNoise,
     LogLinearNoise,
@@ -128,7 +129,7 @@ def test_the_camera_of_a_sensor_has_the_values_of_pixel_and_converter():
     assert own.dark_current_e_per_s == pytest.approx(16.0)
     assert (own.dsnu_e, own.prnu, own.row_noise_e) == (1.5, 0.01, 0.7)
     np.testing.assert_allclose(own.black_offsets_dn, 2.0)
-    frame = cn.apps.training.sampler(own)(np.zeros((300, 400, 3)), unit="electron", time_s=0.1)
+    frame = sampler(own)(np.zeros((300, 400, 3)), unit="electron", time_s=0.1)
     assert frame.noisy.mean() == pytest.approx(4.0, abs=0.1)
 
 
@@ -166,7 +167,7 @@ def eld_draws(count, seed):
 
 def test_elds_parameters_reproduce_its_model():
     count = 300
-    add_noise = cn.apps.training.sampler(eld(), seed=7, quantize=False, clamp=False, threads=1)
+    add_noise = sampler(eld(), seed=7, quantize=False, clamp=False, threads=1)
     clean = np.full((24, 24), 20.0)
     samples = [add_noise(clean, unit="electron", item=i) for i in range(count)]
     gains = np.array([one.camera.gain_dn_per_e[0] for one in samples])
@@ -195,7 +196,7 @@ def test_elds_read_noise_at_a_gain_is_its_log_linear_law():
 
 
 def test_rounding_adds_the_variance_of_elds_uniform_noise():
-    rounded, plain = (cn.apps.training.sampler(eld(), seed=7, quantize=on) for on in (True, False))
+    rounded, plain = (sampler(eld(), seed=7, quantize=on) for on in (True, False))
     clean = np.full((600, 600), 30.0)
     one, other = (f(clean, unit="electron", item=4) for f in (rounded, plain))
     gain = one.camera.gain_dn_per_e[0]
@@ -207,7 +208,7 @@ def test_rounding_adds_the_variance_of_elds_uniform_noise():
 def test_the_color_bias_of_eld_is_in_the_order_red_green_blue_green():
     own = eld(color_bias=np.array([[1.0, 2.0, 3.0, 4.0]]))
     off = dict.fromkeys(("shot", "read", "row", "quantize", "clamp"), False)
-    frame = cn.apps.training.sampler(own, **off)(np.full((2, 2), 512.0), unit="dn").noisy
+    frame = sampler(own, **off)(np.full((2, 2), 512.0), unit="dn").noisy
     np.testing.assert_allclose(frame, 512 + np.array([[1.0, 2.0], [4.0, 3.0]]))
 
 
@@ -246,7 +247,7 @@ def test_damaged_eld_parameters_are_refused_in_a_sentence(changes, words):
     assert words in str(caught.value)
 
 
-def test_eld_parameters_that_are_no_dictionary_are_refused():
+def test_eld_parameters_of_another_shape_are_refused():
     with refused_input(subject="ELD parameters"):
         CameraNoise.from_eld({}, black_level_dn=0, top_code_dn=1023)
     with refused_input(subject="color_bias"):

@@ -139,12 +139,6 @@ def test_the_verdict_tells_what_each_sensor_keeps_of_its_raw_channels(study):
         assert float(number) == pytest.approx(bound - y, abs=0.3)
 
 
-def test_the_verdict_agrees_with_the_printed_tables_within_half_a_decibel(study):
-    better, worse = (float(n) for n in re.findall(r"([\d.]+) dB (?:better|worse)", verdict(study)))
-    assert better == pytest.approx((38.1 - 32.6 + 36.8 - 32.8 + 36.4 - 32.6) / 3, abs=0.5)
-    assert worse == pytest.approx(32.4 - 26.1, abs=0.5)
-
-
 def test_the_finding_on_table_5_tells_the_share_within_reach(study):
     # cos^2 of the printed angles 50.7 and 18.1 degrees
     assert {40.1, 90.3} <= set(numbers(table_5_finding(study)))

@@ -5,13 +5,12 @@ import re
 import sys
 from dataclasses import replace
 from html.parser import HTMLParser
-from pathlib import Path
 
 import pytest
 
 from characterizations import color, monochrome, plane_of
 from chromanoise.apps.camera import ModelVerdict, characterization_as_json, pixel_of, pixel_toml
-from chromanoise.base.files import OWN_FILES, claimed_folder
+from chromanoise.base.files import OWN_FILES
 from chromanoise.io.pixels import read_emva_sheet, read_photon_transfer_csv
 from chromanoise.study import read_pixel_source
 from chromanoise.web import characterization_report, write_characterization
@@ -165,46 +164,12 @@ def test_what_cannot_be_written_is_named_with_its_reason(quick, tmp_path):
     assert omitted_files(color()) == []
 
 
-def test_a_second_run_replaces_the_files_of_the_first_and_keeps_others(quick, tmp_path):
-    write_characterization(color(), tmp_path)
-    (tmp_path / "mine.txt").write_text("mine")
-    write_characterization(color(source="again"), tmp_path)
-    assert (tmp_path / "mine.txt").read_text() == "mine"
-    assert json.loads((tmp_path / "characterization.json").read_text())["source"] == "again"
-
-
 def test_a_folder_with_files_of_another_camera_is_refused(quick, tmp_path):
     write_characterization(color(), tmp_path)
     before = (tmp_path / "report.html").read_bytes()
     with refused_input(subject=str(tmp_path), value="darktable.json"):
         write_characterization(monochrome(), tmp_path)
     assert (tmp_path / "report.html").read_bytes() == before
-
-
-def test_a_folder_in_use_is_refused(quick, tmp_path):
-    with claimed_folder(tmp_path / "out", "test"), refused_input(subject=str(tmp_path / "out")):
-        write_characterization(monochrome(), tmp_path / "out")
-    assert not (tmp_path / "out").exists()
-
-
-def test_a_file_in_the_place_of_the_folder_is_refused(quick, tmp_path):
-    (tmp_path / "out").write_text("mine")
-    with refused_input(subject=str(tmp_path / "out")):
-        write_characterization(monochrome(), tmp_path / "out")
-
-
-def test_after_a_failure_there_is_no_folder(quick, tmp_path, monkeypatch):
-    full = Path.write_bytes
-
-    def fails(path, content):
-        if path.name == "report.html":
-            raise OSError(28, "No space left on device", str(path))
-        return full(path, content)
-
-    monkeypatch.setattr(Path, "write_bytes", fails)
-    with refused_input(subject=str(tmp_path / "out" / "report.html")):
-        write_characterization(monochrome(), tmp_path / "out")
-    assert listed(tmp_path) == set()
 
 
 def test_names_of_planes_are_safe_and_distinct_names_of_files():

@@ -142,20 +142,13 @@ def _refuse_replaced(
         if target is None or target == "-":
             continue
         path = true_path(Path(target))
+        demand, remedy = "", "name another one"
         if path in inputs or (option == "--out" and path in folders):
-            raise InputError(
-                option,
-                "must not be a frame, the list of frames or their folder",
-                value=str(target),
-                remedy="name another one",
-            )
-        if path in seen:
-            raise InputError(
-                option,
-                f"must not be that of {seen[path]}",
-                value=str(target),
-                remedy="name another file",
-            )
+            demand = "must not be a frame, the list of frames or their folder"
+        elif path in seen:
+            demand, remedy = f"must not be that of {seen[path]}", "name another file"
+        if demand:
+            raise InputError(option, demand, value=str(target), remedy=remedy)
         seen[path] = option
 
 

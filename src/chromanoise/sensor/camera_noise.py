@@ -625,13 +625,15 @@ class CameraNoise:
         read_dn = law.noise_dn(gain, score=read_score)
         if isinstance(law, LogLinearNoise) and law.tukey_scale:
             read_dn = read_dn * math.sqrt(tukey_lambda_variance(shapes[0]))
-        row_e = self.row_noise_e
-        if self.row_noise_law is not None:
-            row_dn = self.row_noise_law.noise_dn(gain, score=row_score)
-            row_e = float(np.mean(row_dn / gain))
-        others = {"dsnu_e": self.dsnu_law, "column_noise_e": self.column_noise_law}
-        given: dict[str, Any] = {
-            name: float(np.mean(one.noise_dn(gain) / gain)) for name, one in others.items() if one
+        laws = (
+            ("row_noise_e", self.row_noise_law, row_score),
+            ("column_noise_e", self.column_noise_law, 0.0),
+            ("dsnu_e", self.dsnu_law, 0.0),
+        )
+        others: dict[str, Any] = {
+            name: float(np.mean(one.noise_dn(gain, score=score) / gain))
+            for name, one, score in laws
+            if one is not None
         }
         ratio = float(gain[0] / self.gain_dn_per_e[0])
         return replace(
@@ -639,8 +641,7 @@ class CameraNoise:
             iso=None if self.iso is None else self.iso * ratio,
             gain_dn_per_e=gain,
             read_noise_e=read_dn / gain,
-            row_noise_e=row_e,
-            **given,
+            **others,
             tail_lambda=shapes[:1],
             gain_range_dn_per_e=None,
         )

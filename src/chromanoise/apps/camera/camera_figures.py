@@ -90,26 +90,13 @@ def draw_predicted_variance(curves: Sequence[PlaneCurves], ax: Axes) -> Axes:
 
 
 def draw_characterization(result: Characterization, ax: Axes) -> Axes:
-    """The photon transfer of a characterization, with the camera in the title. [DN^2]
-
-    Parameters
-    ----------
-    result
-        A characterization.
-    ax
-        To draw on.
-    """
+    """The photon transfer of a characterization, with the camera in the title. [DN^2]"""
     ax.set_title(_text(result.to_table().title))
     return draw_photon_transfer(_curves(result), ax)
 
 
 def characterization_figures(result: Characterization) -> dict[str, Figure]:
     """A figure of each kind of curve for which the result has data.
-
-    Parameters
-    ----------
-    result
-        A characterization.
 
     Returns
     -------

@@ -60,24 +60,12 @@ class Quantity:
     field: str
 
     def of(self, plane: "PlaneNoise") -> tuple[float | None, float | None]:
-        """The value of a plane and its standard error, ``None`` where it is not known or finite.
-
-        Parameters
-        ----------
-        plane
-            Measured noise of one plane of the mosaic.
-        """
+        """The value of a plane and its standard error, ``None`` where it is not known or finite."""
         value, error = getattr(plane, self.field), getattr(plane, f"{self.field}_se", None)
         return defined(value), defined(error)
 
     def shown(self, plane: "PlaneNoise") -> tuple[float | None, float | None]:
-        """As `of`, in `shown_unit`.
-
-        Parameters
-        ----------
-        plane
-            Measured noise of one plane of the mosaic.
-        """
+        """As `of`, in `shown_unit`."""
         scale = 100 if self.is_share else 1
         value, error = (None if one is None else scale * one for one in self.of(plane))
         return value, error
@@ -443,11 +431,6 @@ def by_iso(results: Sequence[Characterization]) -> list[tuple[float, Characteriz
 def characterization_as_json(result: Characterization) -> dict[str, Any]:
     """All numbers of a characterization with all digits, as plain data for ``json.dumps``.
 
-    Parameters
-    ----------
-    result
-        A characterization.
-
     Returns
     -------
     dict
@@ -461,11 +444,6 @@ def characterization_as_json(result: Characterization) -> dict[str, Any]:
 
 def plane_names(mosaic: Mosaic | None) -> tuple[str, ...]:
     """Names of the planes, in the order of the pixels of a period; repeated channels are numbered.
-
-    Parameters
-    ----------
-    mosaic
-        Which channel each pixel has.
 
     Examples
     --------
@@ -489,8 +467,6 @@ def threshold_e(gain_dn_per_e: float, dark_noise_e: float | None) -> float | Non
 
     Parameters
     ----------
-    gain_dn_per_e
-        The gain K. [DN/e-]
     dark_noise_e
         Temporal dark noise, rounding not included. [e-]
 
@@ -519,13 +495,7 @@ def dynamic_range_db(capacity_e: float | None, least_e: float | None) -> float |
 
 
 def is_characterization(data: Any) -> bool:
-    """Whether data of JSON name the schema of a characterization.
-
-    Parameters
-    ----------
-    data
-        Data of JSON.
-    """
+    """Whether data of JSON name the schema of a characterization."""
     return isinstance(data, dict) and data.get("schema") == SCHEMA
 
 
@@ -534,8 +504,6 @@ def characterization_from_json(data: Mapping[str, Any], source: str) -> Characte
 
     Parameters
     ----------
-    data
-        The object of the JSON.
     source
         Name of the file, for messages.
 

@@ -46,11 +46,6 @@ _TOP_16 = 16  # bits of the scale of libcamera's tuning files
 def color_of_plane(name: str) -> str:
     """The color of a plane: its name without the number of the pixel.
 
-    Parameters
-    ----------
-    name
-        Name of the plane, such as ``G1``.
-
     Examples
     --------
     >>> color_of_plane("G2"), color_of_plane("IR"), color_of_plane("2")
@@ -66,8 +61,6 @@ def noise_profile_json(
 
     Parameters
     ----------
-    result
-        A characterization.
     white_level_dn
         Code of x = 1; if ``None``, the lowest code at which a plane saturates, and at most the
         largest code of the converter. [DN]
@@ -374,13 +367,6 @@ STANDARD = "EMVA Standard 1288, Release 4.0 Linear"
 def emva_sheet(result: Characterization, plane: PlaneNoise) -> str:
     """The data sheet of one plane as text, a value with its unit per line, with all digits.
 
-    Parameters
-    ----------
-    result
-        The characterization that the plane belongs to.
-    plane
-        The plane.
-
     Notes
     -----
     EMVA Standard 1288, Release 4.0 Linear (2021), chapters 2 and 10: u_e.min = sqrt(sigma_d^2 +
@@ -399,13 +385,6 @@ def emva_sheet(result: Characterization, plane: PlaneNoise) -> str:
 
 def emva_sheet_xml(result: Characterization, plane: PlaneNoise) -> str:
     """The data sheet of one plane as XML, in the form of the reference code of the standard.
-
-    Parameters
-    ----------
-    result
-        The characterization that the plane belongs to.
-    plane
-        The plane.
 
     Notes
     -----
@@ -438,11 +417,6 @@ def emva_sheet_xml(result: Characterization, plane: PlaneNoise) -> str:
 
 def photon_transfer_csv(plane: PlaneNoise) -> str:
     """The levels of one plane as a table that `read_photon_transfer_csv` reads to the last digit.
-
-    Parameters
-    ----------
-    plane
-        The plane.
 
     Notes
     -----
@@ -595,8 +569,6 @@ def variance_through(
 
     Parameters
     ----------
-    result
-        A characterization.
     matrix
         One column per channel; of several planes of one channel (``G1``, ``G2``) the mean is taken.
     channels
@@ -633,8 +605,6 @@ def variance_through_file(result: Characterization, given: GivenMatrix) -> Matri
 
     Parameters
     ----------
-    result
-        A characterization.
     given
         From `chromanoise.io.matrix_files.read_matrix`. A matrix for white-balanced raw is applied
         to electrons divided by those of the brightest fitted level, whose light counts as white.

@@ -307,11 +307,6 @@ def unclipped(lights: Lights) -> Lights:
 
     The variance of a clipped dark is too small, and its mean is too large.
 
-    Parameters
-    ----------
-    lights
-        All frames, and their statistics.
-
     Raises
     ------
     InputError
@@ -383,11 +378,6 @@ class LightChange:
 
 def light_changes(lights: Lights) -> dict[Key, LightChange]:
     """The levels between whose flats the light changed significantly, by the names of the flats.
-
-    Parameters
-    ----------
-    lights
-        All frames, and their statistics.
 
     Notes
     -----

@@ -151,8 +151,6 @@ def model_verdict(
     ----------
     given, lights
         All frames, and those that were evaluated.
-    planes
-        Results of the planes.
     correlation
         Temporal correlation between the planes of a cell.
     """
@@ -184,13 +182,7 @@ def _deviations(plane: PlaneNoise) -> Array:
 
 
 def bend_sentences(planes: Sequence[PlaneNoise]) -> Iterator[str]:
-    """A sentence on each plane whose variance is no straight line over the mean.
-
-    Parameters
-    ----------
-    planes
-        Results of the planes.
-    """
+    """A sentence on each plane whose variance is no straight line over the mean."""
     for plane in planes:
         low, high = plane.fit.low_light_gain_dn_per_e, plane.fit.high_light_gain_dn_per_e
         if plane.bend_z is None or low is None or high is None:

@@ -33,11 +33,6 @@ Known = list[tuple[PlaneNoise, float]]
 def pixel_of(result: Characterization) -> PixelSource:
     """The pixel of a camera from all planes of its mosaic; the notes state how, with the spread.
 
-    Parameters
-    ----------
-    result
-        A characterization.
-
     Returns
     -------
     PixelSource
@@ -98,11 +93,6 @@ def pixel_of(result: Characterization) -> PixelSource:
 
 def pixel_toml(result: Characterization) -> str:
     """The pixel of `pixel_of` as TOML, which ``--pixel FILE`` takes.
-
-    Parameters
-    ----------
-    result
-        A characterization.
 
     Raises
     ------

@@ -120,14 +120,10 @@ def plane_noise(own: PlaneLights, fit: TransferFit, fixed: FixedNoise, name: str
 
     Parameters
     ----------
-    own
-        Statistics of the plane.
     fit
         The photon transfer, whose rows are the levels from dark to bright, then the darks.
     fixed
         Its fixed patterns.
-    name
-        Of the plane.
     """
     gain, relative = fit.gain_dn_per_e, fit.gain_se / fit.gain_dn_per_e
     prnu = dsnu = row = column = current = _Value()
@@ -176,8 +172,6 @@ def plane_of_fit(fit: TransferFit, **values: Any) -> PlaneNoise:
 
     Parameters
     ----------
-    fit
-        The photon transfer.
     values
         Other fields of `PlaneNoise`, also in place of those of the fit.
     """
@@ -271,14 +265,10 @@ def level_noise(
 
     Parameters
     ----------
-    name
-        Of the level.
     mean_dn, variance_dn2, samples
         Mean and temporal variance, and number of samples; ``None`` if not known. [DN], [DN^2], [1]
     dark
         Mean and variance without light. [DN], [DN^2]
-    gain_dn_per_e
-        The gain K. [DN/e-]
     dark_measured
         Whether they are of darks.
     values
@@ -407,11 +397,6 @@ class PlaneCurves:
 
 def plane_curves(plane: PlaneNoise) -> PlaneCurves | None:
     """The curves of one plane; ``None`` if no level is brighter than the darks.
-
-    Parameters
-    ----------
-    plane
-        A plane.
 
     Notes
     -----

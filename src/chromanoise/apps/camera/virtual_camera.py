@@ -532,8 +532,6 @@ def photon_transfer_frames(
 
     Parameters
     ----------
-    camera
-        The camera.
     folder
         Output folder; files of the same names are replaced.
     levels

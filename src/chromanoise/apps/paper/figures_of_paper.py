@@ -577,14 +577,8 @@ def draw_mosaic(mosaic: Mosaic, ax: Axes, *, cells: int = 8, title: str = "") ->
 
     Parameters
     ----------
-    mosaic
-        Which channel each pixel has.
-    ax
-        Axes of matplotlib to draw on.
     cells
         Number of pixels on a side.
-    title
-        Text above the drawing.
     """
     (height, width), pattern = mosaic.shape, mosaic.pattern
     for row in range(cells):
@@ -611,15 +605,7 @@ _LOOKS = {
 
 
 def draw_observer(observer: Spectra, ax: Axes) -> Axes:
-    """The color-matching functions x, y, z over wavelength, each with its letter at its peak.
-
-    Parameters
-    ----------
-    observer
-        The observer of the colors.
-    ax
-        Axes of matplotlib to draw on.
-    """
+    """The color-matching functions x, y, z over wavelength, each with its letter at its peak."""
     wavelength_nm = observer.wavelength_nm
     for name, curve in zip(observer.names, observer.values.T, strict=True):
         color, dashes = _LOOKS[name]

@@ -51,13 +51,7 @@ from chromanoise.study import (
 
 
 def verdict(study: PaperStudy) -> str:
-    """The paper's result in one sentence with its numbers and reasons.
-
-    Parameters
-    ----------
-    study
-        The study.
-    """
+    """The paper's result in one sentence with its numbers and reasons."""
     bare, cut = study.columns[RGBW_12], study.columns[RGB_12]
     shared = cut.sensor.names
     raw_gain = np.mean([_db(raw_snr_db(bare)[c]) - _db(raw_snr_db(cut)[c]) for c in shared])
@@ -77,13 +71,7 @@ def verdict(study: PaperStudy) -> str:
 
 
 def luminance_budget(analysis: Analysis) -> Budget:
-    """From all photons down to SNR_Y, cause by cause.
-
-    Parameters
-    ----------
-    analysis
-        Results of one sensor.
-    """
+    """From all photons down to SNR_Y, cause by cause."""
     budget = color_budget(analysis.scene, analysis.sensor, analysis.exposure, analysis.matrix)
     assert budget is not None  # the paper's white is seen by all of its sensors
     return budget
@@ -94,13 +82,7 @@ def _cost(budget: Budget, cause: str) -> float:
 
 
 def metric_remark(study: PaperStudy) -> str:
-    """Whether printed and computed values can be compared in this metric.
-
-    Parameters
-    ----------
-    study
-        The study.
-    """
+    """Whether printed and computed values can be compared in this metric."""
     if study.metric == "quanta":
         return "Metric quanta, in which the reconstruction was fitted."
     return (
@@ -117,13 +99,7 @@ def nir_share(analysis: Analysis) -> float:
 
 
 def table_5_finding(study: PaperStudy) -> str:
-    """Why Table 5's loss is not an effect of the angle, and what the angle does govern.
-
-    Parameters
-    ----------
-    study
-        The study.
-    """
+    """Why Table 5's loss is not an effect of the angle, and what the angle does govern."""
     bare, cut = study.greens[G_N], study.greens[G]
     columns = (G_N, G)
     snr_y = [PRINTED_GREEN_SNR_Y_DB[c] for c in columns]
@@ -148,11 +124,6 @@ def set_aside_reasons(study: PaperStudy) -> tuple[str, ...]:
     """Why the paper leaves out its two other sensors, one sentence each.
 
     Each stands beside the sensor with the same channels that the paper keeps.
-
-    Parameters
-    ----------
-    study
-        The study.
     """
     rgb, rgbw = study.set_aside["onyx-rgb"], study.set_aside["onyx-rgbw-ircut"]
     kept_rgb, kept_rgbw = study.columns[RGB_59], study.columns[RGBW_12]
@@ -296,13 +267,7 @@ def reproduced(
 
 
 def witnessed_columns(study: PaperStudy) -> dict[str, Analysis]:
-    """The columns of the tables that are checked by Monte Carlo.
-
-    Parameters
-    ----------
-    study
-        The study.
-    """
+    """The columns of the tables that are checked by Monte Carlo."""
     return {**study.columns, **study.greens}
 
 
@@ -426,13 +391,7 @@ _TITLES = {
 
 
 def paper_tables(result: Reproduction) -> tuple[PaperTable, ...]:
-    """The cells of a reproduction in the layout of the paper.
-
-    Parameters
-    ----------
-    result
-        The reproduction.
-    """
+    """The cells of a reproduction in the layout of the paper."""
     return tuple(_laid_out(number, title, result.cells) for number, title in _TITLES.items())
 
 
@@ -472,13 +431,7 @@ def paper_as_table(table: PaperTable) -> Table:
 
 
 def reproduction_as_json(result: Reproduction) -> dict[str, Any]:
-    """The paper's tables with ours beside them, and what they say.
-
-    Parameters
-    ----------
-    result
-        The reproduction.
-    """
+    """The paper's tables with ours beside them, and what they say."""
     times_s = result.study.times_s
     return {
         "version": __version__,

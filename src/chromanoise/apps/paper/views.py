@@ -370,15 +370,7 @@ class PaperPlanes:
 
 
 def paper_planes(study: PaperStudy, *, seed: int = 0) -> PaperPlanes:
-    """The planes of the paper's geometric figures; ``seed`` names the sampled acquisitions.
-
-    Parameters
-    ----------
-    study
-        The study.
-    seed
-        Seed of the random numbers.
-    """
+    """The planes of the paper's geometric figures; ``seed`` names the sampled acquisitions."""
     rgb, rgbw = study.columns[RGB_59], study.columns[RGBW_12]
     return PaperPlanes(
         measurement=channel_plane(rgb, _PAIR, seed=seed),
