@@ -104,7 +104,7 @@ $(LOWEST)/.installed: pyproject.toml tools/lowest_requirements.py
 	$(PYTHON) -m venv $(LOWEST)
 	$(PYTHON) tools/lowest_requirements.py > $(LOWEST)/requirements.txt
 	$(LOWEST_BIN)/python -m pip install --quiet --disable-pip-version-check --only-binary :all: \
-	    -r $(LOWEST)/requirements.txt pytest hypothesis httpx beartype pyyaml
+	    -r $(LOWEST)/requirements.txt pytest hypothesis httpx beartype jaxtyping pyyaml
 	$(LOWEST_BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps -e .
 	touch $@
 

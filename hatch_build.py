@@ -1,7 +1,5 @@
-"""The README of a distribution: its pictures and links work outside of the repository."""
+"""The README and the links of a distribution, with the address of the repository if it is known."""
 
-import base64
-import mimetypes
 import os
 import re
 from pathlib import Path
@@ -12,51 +10,59 @@ from hatchling.metadata.plugin.interface import MetadataHookInterface
 REPOSITORY_VARIABLE = "CHROMANOISE_REPOSITORY"
 """Names the environment variable with the address of the repository, as a release sets it."""
 
-_RELATIVE = re.compile(r"(!?)\[([^\]]*)\]\((?!https?:|#|data:)([^)\s]+)\)")
+_RELATIVE = re.compile(r"(!?)\[([^\]]*)\]\((?!https?:|#)([^)\s]+)\)")
+_PAGES = {
+    "Documentation": "docs/index.md",
+    "Changelog": "CHANGELOG.md",
+    "Deprecations": "docs/stability.md",
+}
 
 
-def portable_readme(text: str, *, folder: Path, repository: str | None, version: str) -> str:
-    """The README with absolute links, or, without a repository, with its pictures inside.
+def _revision(version: str) -> str:
+    """The tag of a released version, else the newest commit."""
+    return f"v{version}" if re.fullmatch(r"[0-9.]+", version) else "HEAD"
+
+
+def portable_readme(text: str, *, repository: str | None, version: str) -> str:
+    """The README with absolute links to the repository.
 
     Parameters
     ----------
     text
         Markdown.
-    folder
-        The folder of the README.
     repository
-        Address of the repository; None if it is unknown: then pictures become ``data:`` addresses
-        and links to files become their text.
+        Its address; None if it is unknown: then pictures and links to files become their words.
     version
         Of the distribution; a released version is the name of a tag behind a ``v``.
     """
-    revision = f"v{version}" if re.fullmatch(r"[0-9.]+", version) else "HEAD"
 
     def replaced(match: re.Match[str]) -> str:
         picture, words, target = match.groups()
-        if repository:
-            kind = "raw" if picture else "blob"
-            return f"{picture}[{words}]({repository.rstrip('/')}/{kind}/{revision}/{target})"
-        return f"![{words}]({_data_address(folder / target)})" if picture else words
+        if not repository:
+            return f"*{words}*" if picture else words
+        kind = "raw" if picture else "blob"
+        return f"{picture}[{words}]({repository.rstrip('/')}/{kind}/{_revision(version)}/{target})"
 
     return _RELATIVE.sub(replaced, text)
 
 
-def _data_address(path: Path) -> str:
-    kind = mimetypes.guess_type(path.name)[0] or "application/octet-stream"
-    return f"data:{kind};base64,{base64.b64encode(path.read_bytes()).decode('ascii')}"
+def project_links(*, repository: str | None, version: str) -> dict[str, str]:
+    """The addresses that a package index shows, by their names; none without a repository."""
+    if not repository:
+        return {}
+    home = repository.rstrip("/")
+    pages = {name: f"{home}/blob/{_revision(version)}/{page}" for name, page in _PAGES.items()}
+    return {"Repository": home, "Issues": f"{home}/issues", **pages}
 
 
 class CustomMetadataHook(MetadataHookInterface):
-    """Adds the README to the metadata of a build."""
+    """Adds README and links to the metadata of a build."""
 
     def update(self, metadata: dict[str, Any]) -> None:
-        """Set ``readme``."""
-        folder = Path(self.root)
-        text = portable_readme(
-            (folder / "README.md").read_text(encoding="utf-8"),
-            folder=folder,
-            repository=os.environ.get(REPOSITORY_VARIABLE) or None,
-            version=str(metadata.get("version", "")),
-        )
+        """Set ``readme`` and ``urls``."""
+        repository = os.environ.get(REPOSITORY_VARIABLE) or None
+        version = str(metadata.get("version", ""))
+        readme = (Path(self.root) / "README.md").read_text(encoding="utf-8")
+        text = portable_readme(readme, repository=repository, version=version)
         metadata["readme"] = {"content-type": "text/markdown", "text": text}
+        metadata["urls"] = project_links(repository=repository, version=version)

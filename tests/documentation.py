@@ -1,5 +1,7 @@
 """What the docstring of a public name must hold, and what one lacks."""
 
+import builtins
+import importlib
 import inspect
 import re
 
@@ -7,10 +9,15 @@ from chromanoise.base import Record
 
 SECTIONS = r"^(Parameters|Attributes|Other Parameters|Returns|Raises|Notes|Examples)\n-{3,}\n"
 QUANTITY = re.compile(r"(^|_)(lux|ms|s|nm|um|e|db|lx|s_per_e)$|^(qe|irradiance)$")
-UNIT = re.compile(r"\[[^\]]+\]|^ *As ")  # or where the unit is documented
+UNIT = re.compile(r"\[[^\]]+\]|^ *As |^ *In ``unit``")  # or where the unit is documented
 NO_QUANTITY = {"source", "e"}
 ANY = ("args", "kwargs")  # of a protocol
 SOURCE = re.compile(r"\beq\. \d|\(\d{4}\)|Table \d")
+NUMBERS = re.compile(
+    r"\b(float|complex|Float\w*|Int\d*|Integer|Inexact|Complex|Num|ndarray|Array)\b"
+)
+LEAST_WORDS = 4
+CROSS_REFERENCE = re.compile(r"(?<![`\w:])`([A-Za-z_][\w.]*)`(?!`)")
 
 
 def sections(text):
@@ -39,12 +46,13 @@ def faults_of_function(name, function, *, computes, text=None):
     documented = entries(message.get("Parameters", "")) | entries(
         message.get("Other Parameters", "")
     )
+    quantities = [one for one in wanted if is_quantity(signature.parameters[one].annotation)]
     faults += [
-        f"{name}: {one} is no documented parameter" for one in wanted if one not in documented
+        f"{name}: {one} is no documented parameter" for one in quantities if one not in documented
     ]
     faults += faults_of_units(name, {one: documented.get(one, "") for one in wanted})
     returns = signature.return_annotation not in (None, "None", inspect.Signature.empty)
-    if wanted and returns and "Returns" not in message:
+    if documented and returns and "Returns" not in message:
         faults.append(f"{name}: no Returns")
     if (
         re.search(r"^ +raise ", inspect.getsource(function), re.MULTILINE)
@@ -62,6 +70,41 @@ def faults_of_units(name, documented):
         for one, text in documented.items()
         if QUANTITY.search(one) and one not in NO_QUANTITY and not UNIT.search(text)
     ]
+
+
+def is_quantity(annotation):
+    """Whether a number or an array is asked for, whose unit or shape no name can say."""
+    if annotation is inspect.Parameter.empty:
+        return True
+    shown = annotation if isinstance(annotation, str) else inspect.formatannotation(annotation)
+    named = "str" in shown or "Callable" in shown
+    return NUMBERS.search(shown) is not None and not named
+
+
+def short_entries(name, value):
+    """Entries of a function, or of a class and its methods, that only repeat the name.
+
+    A unit or a reference says something in few words.
+    """
+    text = sections(value.__doc__ or "")
+    kinds = ("Parameters", "Other Parameters", "Attributes")
+    documented = {} if value.__doc__ is None else entries("".join(text.get(k, "") for k in kinds))
+    found = [
+        f"{name}: the entry {one} says too little"
+        for one, text in documented.items()
+        if len(text.split()) < LEAST_WORDS and not UNIT.search(text)
+    ]
+    for own, member in public_methods(value) if inspect.isclass(value) else ():
+        found += short_entries(f"{name}.{own}", member)
+    return found
+
+
+def public_methods(kind):
+    """The functions of the own methods and properties of a class by name."""
+    for own, method in vars(kind).items():
+        function = getattr(method, "fget", None) or getattr(method, "__func__", method)
+        if inspect.isfunction(function) and not own.startswith("_"):
+            yield own, function
 
 
 def faults_of_class(name, kind):
@@ -82,17 +125,74 @@ def faults_of_class(name, kind):
             for one in inspect.signature(kind).parameters
             if not one.startswith("_") and one not in ANY
         ]
-        faults += [f"{name}: {one} is not documented" for one in fields if one not in documented]
+        of = inspect.signature(kind).parameters
+        faults += [
+            f"{name}: {one} is not documented"
+            for one in fields
+            if one not in documented and is_quantity(of[one].annotation)
+        ]
         grouped = {one: documented.get(one, "") for one in fields}
         faults += faults_of_units(name, grouped)
     checks = vars(kind).get("__post_init__")
     if checks is not None and "Raises" not in values:
         faults.append(f"{name}: no Raises")
-    for own, method in vars(kind).items():
-        if own.startswith("_") or own in ("plot", "model_config"):
-            continue
-        function = getattr(method, "fget", None) or getattr(method, "__func__", method)
-        if inspect.isfunction(function):
-            computes = own.endswith("_db")
+    for own, function in public_methods(kind):
+        if own != "plot":
+            computes = own.endswith("_db") and not isinstance(vars(kind)[own], property)
             faults += faults_of_function(f"{name}.{own}", function, computes=computes)
     return faults
+
+
+# ---- cross references ----
+
+
+def references(text):
+    """The names in single backticks."""
+    return CROSS_REFERENCE.findall(text or "")
+
+
+def has(value, steps):
+    """Whether a dotted name leads to something public of a value."""
+    for step in steps:
+        fields = {
+            **getattr(value, "__dataclass_fields__", {}),
+            **getattr(value, "__annotations__", {}),
+        }
+        if step in fields or step in getattr(value, "model_fields", ()):
+            return True
+        own = inspect.ismodule(value) and value.__name__.startswith("chromanoise")
+        if own and step not in (*value.__all__, "__version__"):
+            return False
+        if not hasattr(value, step):
+            return False
+        value = getattr(value, step)
+    return True
+
+
+def leads_somewhere(name, owner, module, public):
+    """Whether a name in the docstring of ``owner`` is public, a parameter, or of another library.
+
+    ``public`` are the values of the public names of all packages by their name.
+    """
+    first, *rest = name.split(".")
+    if inspect.isroutine(owner) or inspect.isclass(owner):
+        parameters = getattr(inspect.unwrap(owner), "__signature__", None) or (
+            inspect.signature(owner) if not inspect.isclass(owner) else None
+        )
+        if parameters is not None and first in parameters.parameters:
+            return True
+        if inspect.isclass(owner) and has(owner, [first, *rest]):
+            return True
+    if has(module, [first, *rest]) or any(has(one, rest) for one in public.get(first, ())):
+        return True
+    if hasattr(builtins, name):
+        return True
+    for end in range(len(rest) + 1, 0, -1):
+        path = ".".join([first, *rest][:end])
+        try:
+            found = importlib.import_module(path)
+        except ImportError:
+            continue
+        if first != "chromanoise" or found in public.get(path.rpartition(".")[2], ()):
+            return has(found, rest[end - 1 :])
+    return False

@@ -33,7 +33,7 @@ def command(*arguments, script=COMMAND, **variables):
         process.communicate()
 
 
-def wait_for(happened, process, *, seconds=60):
+def wait_for(happened, process, *, seconds=300):
     """Wait until a function of no arguments is true, while a process lives."""
     end = time.monotonic() + seconds
     while not happened():
@@ -46,7 +46,7 @@ class Patient(httpx.HTTPTransport):
     """Sends a request again where the server of the page is too busy (503), as the page does."""
 
     def handle_request(self, request):
-        end = time.monotonic() + 120
+        end = time.monotonic() + 600
         while True:
             reply = super().handle_request(request)
             if reply.status_code != 503 or time.monotonic() > end:

@@ -70,6 +70,50 @@ def test_analyze_imports_no_library_that_it_does_not_use():
     assert not unused & imported
 
 
+LIGHT = """
+import importlib, sys
+from importlib.abc import MetaPathFinder
+
+class Others(MetaPathFinder):
+    def find_spec(self, name, path, target=None):
+        top = name.partition(".")[0]
+        if path is None and top not in {"numpy", "scipy", "chromanoise", *sys.stdlib_module_names}:
+            raise ImportError(f"{name} is blocked")
+
+sys.meta_path.insert(0, Others())
+import chromanoise as cn
+for room in ("base", "spectra", "sensor", "noise", "geometry", "color", "metrics", "study"):
+    module = importlib.import_module(f"chromanoise.{room}")
+    for name in module.__all__:
+        getattr(module, name)
+results = [
+    cn.analyze("onyx-rgbw", "model-rgb", budget=True, matrix="lmmse"),
+    cn.compare("onyx-rgbw", points=3),
+    cn.matrix("onyx-rgb-ircut", matrix="white-preserving"),
+]
+for one in results:
+    print(one.to_dict(), one.to_table(), one.to_latex(), one._repr_html_(), one)
+"""
+
+
+def test_stages_analyze_compare_and_matrix_need_numpy_and_scipy_alone():
+    subprocess.run([sys.executable, "-c", LIGHT], check=True, stdout=subprocess.PIPE)
+
+
+def test_every_direct_dependency_is_used_and_says_why():
+    """jaxtyping is for type checkers, and what imports it first."""
+    text = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
+    block = text.partition("\ndependencies = [\n")[2].partition("]\n")[0]
+    lines = [re.fullmatch(r' +"([a-z0-9-]+)>=[0-9.]+", +# \S.*', one) for one in block.splitlines()]
+    assert all(lines)
+    assert len(lines) <= 12
+    modules = {"colour-science": "colour", "pillow": "PIL"}
+    sources = [path.read_text(encoding="utf-8") for path in PACKAGE.rglob("*.py")]
+    for one in lines:
+        name = modules.get(one[1], one[1])
+        assert any(re.search(rf"^ *(import|from) {name}\b", text, re.M) for text in sources), name
+
+
 def test_the_stages_before_the_shells_do_not_import_the_color_library_until_it_is_used():
     assert "colour" not in imported_by("import chromanoise.study, chromanoise.imaging")
 

@@ -6,6 +6,7 @@ import runpy
 import shutil
 import subprocess
 import sys
+import tomllib
 from email.parser import HeaderParser
 from pathlib import Path
 from zipfile import ZipFile
@@ -13,7 +14,8 @@ from zipfile import ZipFile
 import pytest
 
 ROOT = Path(__file__).parents[1]
-portable_readme = runpy.run_path(str(ROOT / "hatch_build.py"))["portable_readme"]
+BUILD = runpy.run_path(str(ROOT / "hatch_build.py"))
+portable_readme, project_links = BUILD["portable_readme"], BUILD["project_links"]
 VERSION = "9.8.7"
 VERSION_VARIABLES = ("SETUPTOOLS_SCM_PRETEND_VERSION", "VCS_VERSIONING_PRETEND_VERSION")
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -71,25 +73,53 @@ def test_two_builds_give_the_same_bytes(distributions, tmp_path):
         assert first.read_bytes() == second.read_bytes()
 
 
-def test_the_readme_of_the_wheel_contains_its_pictures_and_no_relative_link(description):
-    pictures = re.findall(r"!\[[^\]]*\]\(([^)]*)\)", description)
-    assert len(pictures) == len(re.findall(r"!\[", README)) > 0
-    assert all(re.match(r"data:image/(png|jpeg);base64,", one) for one in pictures)
-    links = re.findall(r"(?<!!)\[[^\]]*\]\(([^)]*)\)", description)
+def test_the_readme_of_the_wheel_is_short_text_without_relative_links(description):
+    assert len(description.encode()) < 20_000
+    assert "data:image" not in description
+    links = re.findall(r"\[[^\]]*\]\(([^)]*)\)", description)
     assert all(one.startswith(("http", "#")) for one in links)
 
 
 def test_with_the_address_of_the_repository_links_lead_to_the_tag():
     text = "![a](docs/a.png) and [b](docs/b.md), [c](https://c.org/d)"
-    assert portable_readme(
-        text, folder=ROOT, repository="https://host.org/me/it/", version="0.2.0"
-    ) == (
+    assert portable_readme(text, repository="https://host.org/me/it/", version="0.2.0") == (
         "![a](https://host.org/me/it/raw/v0.2.0/docs/a.png) and "
         "[b](https://host.org/me/it/blob/v0.2.0/docs/b.md), [c](https://c.org/d)"
     )
-    assert "/blob/HEAD/docs/b.md" in portable_readme(
-        text, folder=ROOT, repository="https://host.org/me/it", version="0.3.0.dev4+gabc"
-    )
+    own = {"repository": "https://host.org/me/it", "version": "0.3.0.dev4+gabc"}
+    assert "/blob/HEAD/docs/b.md" in portable_readme(text, **own)
+    assert project_links(**own)["Repository"] == "https://host.org/me/it"
+    pages = [url.partition("/blob/HEAD/")[2] for url in project_links(**own).values()]
+    assert all((ROOT / page).is_file() for page in pages if page)
+
+
+def license_of(text):
+    """The words of a license, without indents and line breaks."""
+    return " ".join(text.split())
+
+
+LICENSES = {  # of the tables that name them as their source
+    "ISETCam": "Permission is hereby granted, free of charge",
+    "isofit": "Apache License Version 2.0, January 2004",
+    "pvlib": "Redistribution and use in source and binary forms",
+}
+
+
+@pytest.mark.parametrize("project", LICENSES)
+def test_the_wheel_has_the_license_of_each_source_of_its_tables(distributions, project):
+    with ZipFile(distributions[0]) as archive:
+        folder = f"chromanoise-{VERSION}.dist-info/licenses"
+        text = archive.read(f"{folder}/licenses/{project}.txt").decode("utf-8")
+        sources = archive.read("chromanoise/spectra/tables/SOURCES.toml").decode("utf-8")
+        assert f"{folder}/LICENSE" in archive.namelist()
+    assert LICENSES[project] in license_of(text)
+    assert "Copyright" in text
+    taken = {
+        name
+        for name, one in tomllib.loads(sources).items()
+        if project in one["source"] + one["license"]
+    }
+    assert set(re.findall(r"tables/([\w-]+)\.csv", text)) == taken != set()
 
 
 def test_an_installation_without_git_knows_its_version(distributions, tmp_path):

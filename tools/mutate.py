@@ -1,13 +1,16 @@
 """Mutation testing: change the physics in one place at a time, and see whether a test fails.
 
     python tools/mutate.py                   200 mutants
-    python tools/mutate.py --count 30 --seed 1 --tests OTHER/tests --json found.json
+    python tools/mutate.py --count 30 --seed 1 --json found.json
+    python tools/mutate.py --again found.json --tests OTHER/tests
 
-A mutant is one changed comparison, operator or constant, or one removed statement, drawn at random
-over the lines of `ROOMS`. The tests near it run in a copy of this checkout until one fails: first
-those of the files that import a name of the changed module, then those that import a module that
-imports it. A mutant survives if they all pass, or pass until the time is up; the survivors are
-printed, for reading. The same seed gives the same mutants for any folder of tests.
+A mutant is one changed comparison, operator, sign or constant, one variable returned in place of
+another, or one removed statement, drawn at random over the lines of `ROOMS`. The tests near it run
+in a copy of this checkout until one fails: first those of the files that import a name of the
+changed module, then those that import a module that imports it. A mutant survives if they all pass,
+or pass until the time is up; the survivors are printed, for reading. The same seed gives the same
+mutants for any folder of tests. ``--again`` runs the mutants of a file of outcomes that were not
+killed, e.g. with the tests of another checkout: what these kill, the tests here have lost.
 """
 
 import argparse
@@ -25,7 +28,7 @@ import time
 from collections import Counter, defaultdict
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, fields
 from importlib import import_module
 from pathlib import Path
 
@@ -55,7 +58,7 @@ class Mutant:
     line
         Where the change is.
     kind
-        ``comparison``, ``operator``, ``constant`` or ``statement``.
+        ``comparison``, ``operator``, ``sign``, ``constant``, ``variable`` or ``statement``.
     old, new
         The text before and after.
     start, end
@@ -106,6 +109,11 @@ def mutants_of(path: Path) -> Iterator[Mutant]:
             start, end = span(node.left)[1], span(node.right)[0]
             new = _OPERATORS[type(node.op)]
             yield made(node, "operator", *_bare(source, start, end), new)
+        elif isinstance(node, ast.UnaryOp):
+            yield made(node, "sign", span(node)[0], span(node.operand)[0], "")
+        elif isinstance(node, ast.FunctionDef):
+            for name, new in _returned_in_place_of_another(node):
+                yield made(name, "variable", *span(name), new)
         elif isinstance(node, ast.Constant) and isinstance(node.value, int | float):
             yield made(node, "constant", *span(node), repr(_other(node.value)))
         elif isinstance(node, ast.Raise | ast.AugAssign) or (
@@ -127,6 +135,19 @@ def _computing(tree: ast.Module) -> Iterator[ast.AST]:
                 continue
             inside = value if isinstance(value, list) else [value]
             waiting += [one for one in inside if isinstance(one, ast.AST)]
+
+
+def _returned_in_place_of_another(function: ast.FunctionDef) -> Iterator[tuple[ast.Name, str]]:
+    """Each local variable in what a function returns, and the one that is assigned before it."""
+    names = dict.fromkeys(one.arg for one in (*function.args.args, *function.args.kwonlyargs))
+    inside = [one for one in ast.walk(function) if isinstance(one, ast.Name)]
+    names |= dict.fromkeys(one.id for one in inside if isinstance(one.ctx, ast.Store))
+    local = list(names)
+    for statement in ast.walk(function):
+        if isinstance(statement, ast.Return) and len(local) > 1:
+            for one in ast.walk(statement):
+                if isinstance(one, ast.Name) and one.id in names:
+                    yield one, local[local.index(one.id) - 1]
 
 
 def _bare(source: bytes, start: int, end: int) -> tuple[int, int]:
@@ -157,6 +178,19 @@ def drawn(count: int, seed: int) -> list[Mutant]:
     paths = [path for room in ROOMS for path in sorted(_room(room))]
     every = [one for path in paths for one in mutants_of(path)]
     return random.Random(seed).sample(every, min(count, len(every)))
+
+
+def survivors(outcomes: Path) -> list[Mutant]:
+    """The mutants of a file of outcomes that were not killed.
+
+    Parameters
+    ----------
+    outcomes
+        Written by ``--json``, for the sources of this checkout.
+    """
+    names = [one.name for one in fields(Mutant)]
+    rows = json.loads(outcomes.read_text(encoding="utf-8"))
+    return [Mutant(**{n: row[n] for n in names}) for row in rows if row["outcome"] != "killed"]
 
 
 def _room(name: str) -> Iterator[Path]:
@@ -286,6 +320,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--limit-s", type=float, default=120.0, help="per mutant")
     parser.add_argument("--tests", type=Path, default=ROOT / "tests", help="folder of the tests")
+    parser.add_argument("--again", type=Path, help="file of outcomes, of which to run survivors")
     parser.add_argument("--json", type=Path, help="file for the outcomes")
     given = parser.parse_args()
     near = test_files_near(given.tests.resolve())
@@ -298,7 +333,8 @@ def main() -> None:
         for path in ROOT.glob("*.*"):
             if path.is_file():
                 shutil.copy2(path, copy)
-        for number, mutant in enumerate(drawn(given.count, given.seed), 1):
+        mutants = drawn(given.count, given.seed) if given.again is None else survivors(given.again)
+        for number, mutant in enumerate(mutants, 1):
             files = near[_module_of(ROOT / mutant.path)]
             result, seconds = outcome(mutant, copy, files, given.limit_s)
             outcomes.append(asdict(mutant) | {"outcome": result, "seconds": round(seconds, 1)})

@@ -6,8 +6,8 @@
     python tools/pin_commands.py --renew-help-texts    writes new help texts beside the old outputs
 
 Text is compared exactly, except that numbers may differ by 1e-9 (relative), and that versions,
-hashes, times and the scratch folder are masked. Lines of one row of the table run one after the
-other in the same folder.
+hashes, times, the processor and the scratch folder are masked. Lines of one row of the table run
+one after the other in the same folder.
 """
 
 import argparse
@@ -255,6 +255,7 @@ _MASKS = [
     (re.compile(r"\b[0-9.]+ (ms|s|min)\b(?= (?:for|left|so far))"), "<time>"),
     (re.compile(r'(?<="seconds": )[0-9.e-]+'), "<time>"),
     (re.compile(r"\b20\d\d-\d\d-\d\dT[0-9:.+Z-]+"), "<date>"),
+    (re.compile(r'(?<="cpu_features": )\[[^\]]*\]|(?<="blas_kernel": )"\w*"'), "<processor>"),
 ]
 _NUMBER = re.compile(r"(?<![\w.])[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 

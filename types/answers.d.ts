@@ -186,7 +186,7 @@ export interface Explanation {
 
 /** A chart as a section: `shows` is its caption, `explanations` are keys of equations. */
 export interface Section {
-  part: Part | "head" | "picture";
+  part: Part;
   heading: string;
   shows: string;
   explanations: string[];
@@ -227,7 +227,7 @@ export interface Choices {
 export interface StoryStep {
   heading: string;
   /** The panels that show it. */
-  parts: (Part | "picture" | "head")[];
+  parts: Part[];
   sentences: string[];
   task: string;
   /** Key of the control that the task names, or empty. */
@@ -292,68 +292,6 @@ export interface RankingColumn {
   better: "higher" | "lower" | null;
 }
 
-export type ByName = Record<string, Maybe>;
-
-export interface StagesSensor {
-  name: string;
-  raw: ByName;
-  contravariant: ByName;
-  spectral_db?: Maybe;
-  color: ByName;
-  lab_sd: ByName;
-  bound_db: Maybe;
-  price_db: Maybe;
-  why_not: string | null;
-}
-
-/** A channel or coordinate: value and text per sensor; no text where a sensor has none such. */
-export interface StageLine {
-  name: string;
-  values: Maybe[];
-  text: (string | null)[];
-}
-
-export interface StageKind {
-  key: string;
-  title: string;
-  heading: string;
-  unit: string;
-  of: string;
-  description: string;
-  lines: StageLine[];
-}
-
-export interface Stages {
-  title: string;
-  gray: number;
-  sensors: StagesSensor[];
-  kinds: StageKind[];
-  table: Table;
-}
-
-export interface BudgetStep {
-  label: string;
-  change_db: Maybe;
-  from_db: number;
-  to_db: number;
-  kind: "start" | "gain" | "cost" | "end";
-  text: string;
-  reading?: string | null;
-}
-
-export interface BudgetSensor {
-  name: string;
-  why_not: string | null;
-  bound_db: Maybe;
-  steps: BudgetStep[];
-}
-
-export interface Budget extends Chartable {
-  coordinate: string;
-  coordinates: string[];
-  sensors: BudgetSensor[];
-}
-
 export interface Vector {
   at: number[];
   norm_share: number;
@@ -391,80 +329,21 @@ export interface Vectors {
   sensors: VectorsSensor[];
 }
 
-export interface ChartPatch {
-  srgb?: string | null;
-  delta_e?: Maybe;
-  noise?: Maybe;
-  text?: [string, string];
-}
+/** What is drawn: the vectors are special. */
+export type Drawn = Chart | Vectors;
 
-export interface ChartSensor {
-  name: string;
-  why_not: string | null;
-  mean_delta_e: Maybe;
-  mean_noise: Maybe;
-  means: string;
-  patches: ChartPatch[];
-}
-
-export interface Checker extends Chartable {
-  unit: string;
-  patches: { name: string; srgb: string }[];
-  sensors: ChartSensor[];
-}
-
-export interface MapAxis {
-  what: string;
-  logarithmic: boolean;
-  values: number[];
-  /** Name, value and unit. */
-  text: string[];
-}
-
-export interface DrawnMap extends Chartable {
-  why_not: null;
-  kind: "value" | "difference" | "best";
-  matrix: string;
-  what: string;
-  unit: string;
-  x: MapAxis;
-  y: MapAxis;
-  /** Rows from the lowest value of y; `null` where there is no value. */
-  colors: (string | null)[][];
-  cells: string[][];
-  scale: { low: number; high: number; colors: string[] } | null;
-  key: { name: string; color: string }[];
-  /** Lines along which two sensors are equal. */
-  equal: number[][][];
-  note: string;
-}
-
-export type SweepMap = DrawnMap | (Chartable & { why_not: string });
-
-/** The data of each drawn part. */
-export interface Drawn {
-  stages: Stages;
-  budget: Budget;
-  sensitivities: Chart;
-  levels: Chart;
-  pareto: Chart;
-  map: SweepMap;
-  vectors: Vectors;
-  ellipses: Chart;
-  chart: Checker;
-}
-
-export type Part = keyof Drawn;
+/** Name of a drawn part. */
+export type Part = string;
 
 /** Drawn parts of one answer; `null` where there is nothing to show. */
-export type Parts = { [P in Part]?: Drawn[P] | Failed | null };
+export type Parts = Record<Part, Drawn | Failed | null | undefined>;
 
 export interface Answer {
   number: number;
   hash?: string;
   seconds?: number;
   files?: Record<string, string>;
-  parts: Parts & { head?: Head | Failed | null };
+  parts: Record<Part, Drawn | Head | Failed | null | undefined>;
 }
 
 // ---- /api/picture and /api/upload -------------------------------------------------------------
@@ -583,7 +462,8 @@ export interface ReportSlide {
   label: string;
   own: number;
   texts: string[];
-  answers: ReportChanges[];
+  /** By part, a change per position. */
+  answers: Record<string, ReportChanges[string][]>;
 }
 
 /** By part: the keys that differ, or the whole part. */

@@ -24,23 +24,17 @@ export interface Column {
 }
 
 export interface Panel {
+  marks: (Line | Point | Ellipses | Area | Band | Rule | Bars | Dots | Swatches | Cells)[];
   x: Axis;
   y: Axis;
-  marks: (Line | Point | Ellipses | Area | Band | Rule)[];
+  title: string;
+  remark: string;
+  explanation: string;
+  description: string;
   sensor: number | null;
   equal: boolean;
   better: string;
-  remark: string;
   absence: string;
-}
-
-export interface Axis {
-  label: string;
-  low: number;
-  high: number;
-  logarithmic: boolean;
-  exact: boolean;
-  zero: boolean;
 }
 
 export interface Line {
@@ -97,4 +91,54 @@ export interface Rule {
   text: string;
   height: number | null;
   kind: "rule";
+}
+
+export interface Bars {
+  label: number;
+  start: number;
+  end: number;
+  first: number;
+  last: number;
+  roles: ("total" | "cost" | "gain")[];
+  texts: string[];
+  kind: "bars";
+}
+
+export interface Dots {
+  label: number;
+  values: number[];
+  first: number;
+  last: number;
+  kind: "dots";
+}
+
+export interface Swatches {
+  colors: string[];
+  sensor: number | null;
+  texts: [string, string][];
+  name: string;
+  kind: "swatches";
+}
+
+export interface Cells {
+  x: number;
+  y: number;
+  value: number;
+  across: number;
+  name: string;
+  low: number;
+  high: number;
+  colors: string[];
+  names: string[];
+  equal: [number, number][][];
+  kind: "cells";
+}
+
+export interface Axis {
+  label: string;
+  low: number;
+  high: number;
+  logarithmic: boolean;
+  exact: boolean;
+  zero: boolean;
 }

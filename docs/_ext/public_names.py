@@ -15,7 +15,14 @@ PACKAGES = {  # by the headings of the Python reference
     "Whole studies": ["study"],
     "Charts and reports": ["charts", "web"],
     "Applications, not yet stable": [
-        *("apps.camera", "apps.design", "apps.training", "apps.denoising_benchmark", "apps.paper"),
+        *(
+            "apps",
+            "apps.camera",
+            "apps.design",
+            "apps.training",
+            "apps.denoising_benchmark",
+            "apps.paper",
+        ),
     ],
     "Basics": ["base"],
 }

@@ -23,8 +23,8 @@ with cn.charts.chromanoise_style():
             photon_transfer_frames(camera, folder=Path(folder), levels=12)
             measured = cn.characterize(folder)
         curves = [plane_curves(plane) for plane in measured.planes]
-        cn.charts.draw_variance_residuals(curves, row[0])
-        cn.charts.draw_linearity_deviation(curves, row[1])
+        cn.apps.camera.draw_variance_residuals(curves, row[0])
+        cn.apps.camera.draw_linearity_deviation(curves, row[1])
         row[0].set_title(f"gain falls by {100 * bend:.0f} %: variance")
         row[1].set_title("mean")
         assert measured.verdict.holds == (bend == 0)

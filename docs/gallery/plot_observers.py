@@ -15,7 +15,7 @@ with cn.charts.chromanoise_style():
     figure, axes = plt.subplots(1, 2, figsize=(9.6, 3.6), sharey=True, layout="constrained")
     for observer, ax in zip(("cie-1931-2", "cie-1964-10"), axes, strict=True):
         curves = cn.spectra.color_matching_functions(cn.spectra.DEFAULT_GRID, observer)
-        cn.charts.draw_observer(curves, ax)
+        cn.apps.paper.draw_observer(curves, ax)
         seen = cn.analyze("onyx-rgb-ircut", lux=10, time_ms=12, observer=observer)
         snr = seen.color_snr_db()["onyx-rgb-ircut"]
         ax.set_title(f"{observer}: " + ", ".join(f"{k} {v:.1f} dB" for k, v in snr.items()))

@@ -18,4 +18,4 @@ with cn.charts.chromanoise_style():
     figure, axes = plt.subplots(2, 1, figsize=(6.8, 8.4), layout="constrained")
     titles = ("Weakly correlated: ", "Highly correlated: ")
     for (plane, noise), title, ax in zip(planes.correlation, titles, axes, strict=True):
-        cn.charts.draw_uncertainty(plane, noise, ax, title=title)
+        cn.apps.paper.draw_uncertainty(plane, noise, ax, title=title)

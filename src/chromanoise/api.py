@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeVar, Unpack
 import numpy as np
 
 from chromanoise.apps.design import DEFAULT_OBJECTIVES, Sensitivity, half_widths, sensitivity_of
-from chromanoise.base import InputError, Setting, renamed_keywords
+from chromanoise.base import InputError, Setting, no_place_for, renamed_keywords
 from chromanoise.color import ColorMatrix
 from chromanoise.imaging import Work
 from chromanoise.io import matrix_of_array
@@ -25,7 +25,6 @@ from chromanoise.study import (
     Comparison,
     ComparisonMap,
     ComparisonSettings,
-    DenoisedPicture,
     DenoiseSettings,
     Given,
     MapSettings,
@@ -37,16 +36,11 @@ from chromanoise.study import (
     SensitivitySettings,
     Study,
     curves_of_object,
-    denoised_picture,
     described_settings,
-    electrons_of_array,
-    frame_of_array,
-    frames_of_pictures,
     in_arguments,
     interface_of,
     is_of_colour_science,
     object_word,
-    prepared_denoising,
     read_study,
     run as run_of,
     study_of,
@@ -56,7 +50,7 @@ if TYPE_CHECKING:
     from chromanoise.apps.design import Design, DesignStudy, Progress
     from chromanoise.io.frames import RawFrame
     from chromanoise.io.spectra import Found
-    from chromanoise.study import Electrons
+    from chromanoise.study import DenoisedPicture, Electrons
 
 Matrix = str | Path | np.ndarray | list[Any] | ColorMatrix | Callable[[OperatingPoint], Any]
 """A method, a file, 3 x p numbers [lx/e-], a matrix, or a function that returns one of the two."""
@@ -130,11 +124,7 @@ def analyze(
     >>> cn.analyze("onyx-rgbw", lux=10)
     <Analyses: SNR Y onyx-rgbw 26.0 dB at 10 lx (illuminant E, 11.94 ms, f/1.8)>
     """
-
-    def made(names: list[str], rest: dict[str, Any], named: _Named) -> Study:
-        return study_of("analyze", names, rest, matrices=[named.matrix(matrix)])
-
-    results = _results("analyze", made, sensors, settings)
+    results = _results("analyze", [matrix], sensors, settings)
     (result,) = results.analyses.values()
     return result
 
@@ -170,11 +160,7 @@ def compare(
     -----
     Clouet, Vaillant & Alleysson, CIC27 (2019), eq. 1-7, evaluated at each value.
     """
-
-    def made(names: list[str], rest: dict[str, Any], named: _Named) -> Study:
-        return study_of("compare", names, rest, matrices=named.matrices(matrices))
-
-    (result,) = _results("compare", made, sensors, settings).sweeps
+    (result,) = _results("compare", matrices, sensors, settings).sweeps
     return result
 
 
@@ -216,11 +202,7 @@ def compare_map(
     >>> made.maps[0].value.shape
     (3, 4)
     """
-
-    def made(names: list[str], rest: dict[str, Any], named: _Named) -> Study:
-        return study_of("compare_map", names, rest, matrices=named.matrices(matrices))
-
-    (result,) = _results("compare_map", made, sensors, settings).maps
+    (result,) = _results("compare_map", matrices, sensors, settings).maps
     return result
 
 
@@ -238,7 +220,7 @@ def denoise(
     white_level: float | None = None,
     threads: int | None = None,
     **settings: Unpack[DenoiseSettings],
-) -> DenoisedPicture:
+) -> "DenoisedPicture":
     """A raw picture of any camera after denoising with its known noise, and its color.
 
     Parameters
@@ -288,6 +270,8 @@ def denoise(
     >>> result = cn.denoise("night.dng", denoise="guided")                  # doctest: +SKIP
     >>> result.values_e, result.summary["residual"]                         # doctest: +SKIP
     """
+    from chromanoise.study import denoised_picture, prepared_denoising  # loads readers of frames
+
     try:
         frames = _raw_pictures(picture, unit, shape, stored)
         named = _Named()
@@ -310,6 +294,8 @@ def _raw_pictures(
     picture: Any, unit: str | None, shape: tuple[int, int] | None, stored: str | None
 ) -> "tuple[RawFrame, ...] | tuple[Electrons, ...]":
     """The picture or pictures that an argument names or holds."""
+    from chromanoise.study import electrons_of_array, frame_of_array, frames_of_pictures
+
     if not isinstance(picture, np.ndarray):
         if unit is not None:
             raise InputError("unit", "must be given only for an array", value=unit)
@@ -358,11 +344,7 @@ def matrix(
     -----
     Clouet, Vaillant & Alleysson, CIC27 (2019), eq. 6.
     """
-
-    def made(names: list[str], rest: dict[str, Any], named: _Named) -> Study:
-        return study_of("matrix", names, rest, matrices=[named.matrix(matrix)])
-
-    (found,) = _results("matrix", made, [sensor], settings).matrices.values()
+    (found,) = _results("matrix", [matrix], [sensor], settings).matrices.values()
     (result,) = found.results
     return result
 
@@ -482,12 +464,7 @@ def render(
     Shot noise and read noise are drawn for each pixel (eq. 7). The same seed gives identical
     pictures with any number of threads.
     """
-
-    def made(names: list[str], rest: dict[str, Any], named: _Named) -> Study:
-        word = named.cube(cube)
-        return study_of("render", names, rest, matrices=[named.matrix(matrix)], cube=word)
-
-    (result,) = _results("render", made, sensors, settings, folder=folder).pictures
+    (result,) = _results("render", [matrix], sensors, settings, cube, folder).pictures
     return result
 
 
@@ -608,17 +585,18 @@ def sensitivity(
 
 def _results(
     function: str,
-    made: Callable[[list[str], dict[str, Any], "_Named"], Study],
+    matrices: Any,
     sensors: Sequence[Any],
     settings: Mapping[str, Any],
-    *,
+    cube: Any = "",
     folder: str | Path | None = None,
 ) -> Results:
     """Results of the study of a function; errors name its arguments, not the keys of the study."""
     try:
         named = _Named()
         names, rest = named.of(sensors, settings)
-        study = made(names, rest, named)
+        words = named.matrices(matrices)
+        study = study_of(function, names, rest, matrices=words, cube=named.cube(cube))
         return run_of(study, given=named.given, folder=_folder(folder))
     except InputError as error:
         raise in_arguments(error, function) from error.__cause__
@@ -637,14 +615,8 @@ class _Named:
     """Words for the study, and the objects to which they refer."""
 
     def __init__(self) -> None:
-        self._sensors: dict[str, Sensor] = {}
-        self._illuminants: dict[str, Illuminant] = {}
-        self._others: dict[str, Any] = {}
-
-    @property
-    def given(self) -> Given:
-        """The objects, by their words."""
-        return Given(sensors=self._sensors, illuminants=self._illuminants, others=self._others)
+        self._objects: dict[str, Any] = {}
+        self.given = Given(objects=self._objects)
 
     def of(
         self, sensors: Sequence[Any], settings: Mapping[str, Any], *, none: bool = False
@@ -659,13 +631,8 @@ class _Named:
             own = _of_point(points[0])
             for name, value in settings.items():
                 if value is not None and name in (*own, "equal", "saturate"):
-                    raise InputError(
-                        name,
-                        "must not be given with an operating point, which has its own",
-                        value=value,
-                        found=None,
-                        remedy="omit it",
-                    )
+                    demand = "must not be given with an operating point, which has its own"
+                    raise no_place_for(name, demand, value)
             sensors = [points[0].sensor]
             settings = {**settings, **own}
         words = self._words_of_sensors(sensors, none=none)
@@ -730,7 +697,7 @@ class _Named:
         words = []
         for name, one in zip(names, found, strict=True):
             if isinstance(one, Sensor):
-                self._sensors[object_word(name)] = one
+                self._objects[object_word(name)] = one
                 words.append(object_word(name))
             else:
                 words.append(one if isinstance(one, str) else self._other(name, one))
@@ -746,7 +713,7 @@ class _Named:
         if value is None or isinstance(value, str | Path | bool | int | float | np.generic):
             return _plain(value)
         if isinstance(value, Illuminant) and name in ("illuminant", "white_balance"):
-            return self._word(value.name, value, self._illuminants)
+            return self._other(value.name, value)
         if isinstance(value, OwnObserver) and name == "observer":
             return self._other(str(value), value)
         if isinstance(value, PatchPairs) and name == "pairs":
@@ -769,17 +736,12 @@ class _Named:
         return self._other(found.source, found)
 
     def _other(self, name: str, one: Any) -> str:
-        return self._word(name, one, self._others)
-
-    def _word(self, name: str, one: Any, kept: dict[str, Any]) -> str:
         """The word of an object, with a number if another object has its name."""
         word, count = object_word(name), 1
-        while any(word in held for held in (self._sensors, self._illuminants, self._others)):
-            if kept.get(word) is one:
-                return word
+        while self._objects.get(word, one) is not one:
             count += 1
             word = object_word(f"{name} ({count})")
-        kept[word] = one
+        self._objects[word] = one
         return word
 
 

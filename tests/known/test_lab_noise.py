@@ -90,26 +90,6 @@ def test_lognormal_luminance_has_these_moments_of_lightness():
     assert np.sqrt(second - first**2) == pytest.approx(6.598931, abs=1e-6)
 
 
-@pytest.mark.parametrize(
-    ("electrons", "read_noise_e", "mean", "sd"),
-    [(10, 2.0, 48.2704, 9.2548), (10, 0.0, 48.7196, 7.1842), (100, 2.0, 49.4199, 2.2349)],
-)
-def test_poisson_and_read_noise_on_a_gray_of_18_percent(electrons, read_noise_e, mean, sd):
-    # the exact sum over Poisson's law; docs/numbers.md
-    counts = np.arange(0, 3 * electrons + 20)
-    chance = stats.poisson.pmf(counts, electrons)
-
-    def powers(values):
-        found = LAB.from_xyz(values, ONES)[..., :1]
-        return np.concatenate([found, found**2], axis=-1)
-
-    y = 0.18 * counts[:, None] * ONES / electrons
-    variance = (0.18 * read_noise_e / electrons) ** 2 * np.ones((counts.size, 3, 3))
-    first, second = chance @ gaussian_expectation(powers, y, variance)
-    assert first == pytest.approx(mean, abs=1e-4)
-    assert np.sqrt(second - first**2) == pytest.approx(sd, abs=2e-4)
-
-
 @pytest.mark.parametrize("snr_db", [30.0, 10.0, 5.0, 0.0])
 def test_the_cubature_stays_right_in_the_dark(snr_db):
     sd = 0.18 / 10 ** (snr_db / 20)

@@ -5,6 +5,7 @@ import re
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache, partial
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -12,17 +13,18 @@ import pytest
 from hypothesis import example, given, strategies as st
 
 import chromanoise
+from chart_values import rows_of, stages_of, steps_of
 from chromanoise.base import notebook as _notebook, plain
 from chromanoise.base.errors import InputError
 from chromanoise.base.palette import CHANNELS, INK
-from chromanoise.charts import PARTS, Look, Shown, drawing, shown
-from chromanoise.charts.ellipses import hex_colors, in_plane, patches_of
+from chromanoise.charts import PARTS, Look, Shown, as_data, drawing, shown
+from chromanoise.charts.ellipses import SIGMAS, hex_colors, in_plane, patches_of
 from chromanoise.charts.figure_style import channel_color
 from chromanoise.charts.numbers import brief, decimal
 from chromanoise.charts.vectors import color_frame, half_axes, round_magnification
 from chromanoise.charts.verdicts import verdict_sentences
 from chromanoise.color import LAB, XYY, ElectronSource, encoded_srgb, exact, noisy_color, propagate
-from chromanoise.geometry import reconstructed_light
+from chromanoise.geometry import reconstructed_light, unit_circle
 from chromanoise.noise import expected_electrons, level_in_words, white_scene
 from chromanoise.sensor import behind_ir_cut, with_shifted_curves
 from chromanoise.spectra import DEFAULT_GRID, color_axes, colorchecker
@@ -85,6 +87,17 @@ def analyzed_as_json():
     return plain(outcomes)
 
 
+def rows_in(part, of, **look):
+    """The numbers of each row of a chart, by heading."""
+    return rows_of(drawing(part, of, Look(**look)))
+
+
+def marks_of(part, of, kind):
+    """The marks of one kind of a chart of one panel."""
+    (panel,) = drawing(part, of).panels
+    return [one for one in panel.marks if one.kind == kind]
+
+
 def numbers_of(value):
     if isinstance(value, dict):
         value = list(value.values())
@@ -96,7 +109,7 @@ def numbers_of(value):
 @pytest.mark.parametrize("part", PARTS)
 @pytest.mark.parametrize("of", [usual, bright], ids=["usual", "saturated"])
 def test_every_drawing_is_plain_data_without_a_number_that_is_none(part, of):
-    result = drawing(part, of(), Look())
+    result = as_data(drawing(part, of(), Look()))
     assert json.loads(json.dumps(result, allow_nan=False)) == result
     assert np.isfinite(numbers_of(result)).all()
 
@@ -104,7 +117,7 @@ def test_every_drawing_is_plain_data_without_a_number_that_is_none(part, of):
 @pytest.mark.parametrize("part", PARTS)
 @pytest.mark.parametrize("of", [usual, bright], ids=["usual", "saturated"])
 def test_every_chart_has_a_table_of_text_with_a_cell_per_column(part, of):
-    table = drawing(part, of())["table"]
+    table = as_data(drawing(part, of()))["table"]
     assert table["rows"]
     for row in [table["head"], *table["rows"]]:
         assert len(row) == len(table["head"])
@@ -113,7 +126,7 @@ def test_every_chart_has_a_table_of_text_with_a_cell_per_column(part, of):
 
 @pytest.mark.parametrize("part", [part for part in PARTS if part != "head"])
 def test_the_title_of_a_chart_names_what_holds_for_all_of_it(part):
-    title = drawing(part, usual())["title"]
+    title = as_data(drawing(part, usual()))["title"]
     assert "illuminant E" in title
     assert ("10 lx (" in title) == (part not in ("levels", "sensitivities"))
     assert ("11.94 ms, f/1.8" in title) == (part != "sensitivities")
@@ -164,19 +177,24 @@ def test_a_short_number_keeps_its_significant_digits_and_no_zeros_after_them(val
 
 
 def test_head_and_stages_have_the_digits_of_analyze():
-    head, stages = (drawing(part, usual())["sensors"] for part in ("head", "stages"))
+    head, stages = drawing("head", usual())["sensors"], stages_of(drawing("stages", usual()))
     for own, top, kinds in zip(analyzed_as_json(), head, stages, strict=True):
         assert top["time_ms"] == own["time_ms"]
         assert top["notes"] == own["notes"]
         assert top["mean_e"] == {c["name"]: c["mean_e"] for c in own["channels"]}
-        assert kinds["raw"] == {c["name"]: c["snr_db"] for c in own["channels"]}
-        assert kinds["contravariant"] == {
-            c["name"]: c["contravariant_snr_db"] for c in own["channels"]
-        }
-        assert kinds["color"] == own["color"]["snr_db"]
-        for key in ("bound_db", "price_db"):
-            assert kinds[key] == own[key]
-        assert kinds["spectral_db"] == own["spectral_snr_db"]
+        assert_kinds_are_those_of(own, kinds)
+
+
+def assert_kinds_are_those_of(own, kinds):
+    """The values of the chart ``stages`` are those of a sensor in the JSON of an analysis."""
+    channels = own["channels"]
+    assert kinds["raw SNR"] == {c["name"]: c["snr_db"] for c in channels}
+    unmixed = {c["name"]: c["contravariant_snr_db"] for c in channels}
+    assert kinds["contravariant SNR"] == unmixed
+    assert kinds["color SNR"] == own["color"]["snr_db"]
+    assert kinds["bound"] == {"Y": own["bound_db"]}
+    assert kinds["color SNR loss"] == {"Y": own["price_db"]}
+    assert kinds["spectral SNR"] == {"spectrum": own["spectral_snr_db"]}
 
 
 def night(*, clip):
@@ -197,50 +215,46 @@ def night(*, clip):
 def test_charts_have_the_numbers_of_a_run(clip):
     of, results = shown(night(clip=clip)), run(night(clip=clip))
     data = next(iter(results.analyses.values())).to_dict()["sensors"]
-    head, stages, chart, pareto = (
-        drawing(part, of)["sensors"] for part in ("head", "stages", "chart", "pareto")
-    )
+    head, stages = drawing("head", of)["sensors"], stages_of(drawing("stages", of))
+    errors = rows_in("chart", of)
     for i, own in enumerate(data):
         channels = own["channels"]
         assert head[i]["mean_e"] == {c["name"]: c["mean_e"] for c in channels}
         assert head[i]["notes"] == own["notes"]
-        assert stages[i]["raw"] == {c["name"]: c["snr_db"] for c in channels}
-        unmixed = {c["name"]: c["contravariant_snr_db"] for c in channels}
-        assert stages[i]["contravariant"] == unmixed
-        assert stages[i]["color"] == own["color"]["snr_db"]
-        assert stages[i]["bound_db"] == own["bound_db"]
-        assert stages[i]["price_db"] == own["price_db"]
-        assert stages[i]["spectral_db"] == own["spectral_snr_db"]
+        assert_kinds_are_those_of(own, stages[i])
         # by the cubature of charts, which has fewer points
-        assert stages[i]["lab_sd"] == pytest.approx(own["gray_noise"]["sd_normal_law"], rel=0.02)
-        assert chart[i]["mean_delta_e"] == own["color_error_mean"]
+        spread = own["gray_noise"]["sd_normal_law"]
+        assert stages[i]["noise in CIELAB"] == pytest.approx(spread, rel=0.02)
+        found = [row[f"{own['name']} color error [Delta E*ab]"] for row in errors]
+        assert np.mean(found) == pytest.approx(own["color_error_mean"], rel=1e-12)
     (matrices,) = results.matrices.values()
-    for drawn, own in zip(pareto, matrices.to_dict()["sensors"], strict=True):
-        assert [p["snr_db"] for p in drawn["points"]] == [p["snr_y_db"] for p in own["pareto"]]
-        assert drawn["now"]["snr_db"] == own["report"]["snr_db"]["Y"]
+    trades = [row["SNR of Y [dB]"] for row in rows_in("pareto", of)]
+    for k, own in enumerate(matrices.to_dict()["sensors"]):
+        *points, now = trades[14 * k : 14 * (k + 1)]
+        assert points == [p["snr_y_db"] for p in own["pareto"]]
+        assert now == own["report"]["snr_db"]["Y"]
     (sweep,) = results.sweeps
-    curves = drawing("levels", of)["curves"]
-    assert [c["values"] for c in curves] == [c["value"] for c in sweep.to_dict()["curves"]]
+    drawn = [list(one.values) for one in drawing("levels", of).columns[1:]]
+    assert drawn == [c["value"] for c in sweep.to_dict()["curves"]]
     assert data[0]["color"]["snr_db"]["Y"] == pytest.approx(-16.25 if clip else -15.81, abs=0.01)
 
 
 def test_the_noise_of_patches_is_clipped_where_the_study_clips():
     """Clipping at black removes noise from dark patches: less of it at equal color errors."""
-    clipped, whole = (
-        drawing("chart", shown(night(clip=clip)))["sensors"][0] for clip in (True, False)
-    )
-    assert clipped["mean_delta_e"] == whole["mean_delta_e"]
-    assert clipped["mean_noise"] < 0.9 * whole["mean_noise"]
+    clipped, whole = (rows_in("chart", shown(night(clip=clip))) for clip in (True, False))
+    error, noise = (f"onyx-rgbw color {what} [Delta E*ab]" for what in ("error", "noise"))
+    assert [row[error] for row in clipped] == [row[error] for row in whole]
+    assert sum(row[noise] for row in clipped) < 0.9 * sum(row[noise] for row in whole)
 
 
 def test_a_clipped_study_has_no_budget_and_says_what_is_not_clipped():
     """A study refuses a budget together with clipping: it follows eq. 7."""
     of = shown(night(clip=True))
-    for sensor in drawing("budget", of)["sensors"]:
-        assert sensor["steps"] == []
-        assert "eq. 7" in sensor["why_not"]
+    for panel in drawing("budget", of).panels:
+        assert not panel.marks
+        assert "eq. 7" in panel.absence
     for part in PARTS:
-        title = drawing(part, of).get("title", "")
+        title = as_data(drawing(part, of)).get("title", "")
         assert title.endswith("without clipping") == (part in ("levels", "pareto"))
     result = drawing("head", of)["verdict"]
     assert not any(sentence.startswith("What") for sentence in result)
@@ -259,39 +273,40 @@ def test_a_slider_keeps_the_clipping_of_the_study():
 
 @pytest.mark.parametrize("coordinate", ["X", "Y", "Z", "M^G", "L*", "a*", "b*"])
 def test_the_waterfall_has_the_digits_of_analyze_and_leads_from_the_photons_to_the_snr(coordinate):
-    result = drawing("budget", usual(), Look(coordinate=coordinate))["sensors"]
-    for own, drawn in zip(analyzed_as_json(), result, strict=True):
+    result = steps_of(drawing("budget", usual(), Look(coordinate=coordinate)))
+    for own, (start, *middle, end) in zip(analyzed_as_json(), result, strict=True):
         kept = [*own["budget"], *own["contravariant_budget"], *own["lab_budget"]]
         (budget,) = [one for one in kept if one and one["coordinate"] == coordinate]
-        start, *middle, end = drawn["steps"]
-        assert [s["change_db"] for s in middle] == [-c["loss_db"] for c in budget["costs"]]
-        assert start["to_db"] == budget["photons_db"]
-        assert end["to_db"] == budget["snr_db"]
-        assert drawn["bound_db"] == budget["bound_db"]
+        assert [change for _, change, _, _ in middle] == [-c["loss_db"] for c in budget["costs"]]
+        assert start[-1] == budget["photons_db"]
+        assert end[-1] == budget["snr_db"]
 
 
 @pytest.mark.parametrize("coordinate", ["Y", "b*"])
 def test_the_steps_of_the_waterfall_meet_and_add_up(coordinate):
-    for sensor in drawing("budget", usual(), Look(coordinate=coordinate))["sensors"]:
-        start, *middle, end = sensor["steps"]
-        assert start["to_db"] + sum(s["change_db"] for s in middle) == pytest.approx(end["to_db"])
-        for before, after in zip(sensor["steps"], sensor["steps"][1:], strict=False):
-            assert after["from_db"] == pytest.approx(before["to_db"])
-        assert {s["kind"] for s in middle if s["change_db"] < 0} == {"cost"}
+    chart = drawing("budget", usual(), Look(coordinate=coordinate))
+    for steps, panel in zip(steps_of(chart), chart.panels, strict=True):
+        (start, *middle, end), (bars,) = steps, panel.marks
+        changes = [change for _, change, _, _ in middle]
+        assert start[-1] + sum(changes) == pytest.approx(end[-1])
+        for (*_, after), (_, _, before, _) in pairwise(steps):
+            assert before == pytest.approx(after)
+        roles = ["gain" if change > 0 else "cost" for change in changes]
+        assert bars.roles == ("total", *roles, "total")
 
 
 def test_a_coordinate_made_of_infrared_has_an_snr_but_no_budget_and_says_why():
     """Behind a perfect cut the same matrix makes Z negative: by the sweep of an added IR-cut."""
     of = shown(study_of("onyx-rgb", light={"illuminant": "A", "level_lux": 10.0}))
-    (sensor,) = drawing("budget", of, Look(coordinate="Z"))["sensors"]
-    (stages,) = drawing("stages", of)["sensors"]
-    assert stages["color"]["Z"] == pytest.approx(18.7, abs=0.1)
-    assert sensor["steps"] == []
-    assert "its Z comes from the infrared" in sensor["why_not"]
-    assert "no SNR" not in sensor["why_not"]
+    (panel,) = drawing("budget", of, Look(coordinate="Z")).panels
+    (stages,) = stages_of(drawing("stages", of))
+    assert stages["color SNR"]["Z"] == pytest.approx(18.7, abs=0.1)
+    assert not panel.marks
+    assert "its Z comes from the infrared" in panel.absence
+    assert "no SNR" not in panel.absence
     (cut,) = (SWEEPS["ircut-nm"].at(one, 700.0) for one in of.operating_points)
     assert np.isnan(QUANTITIES["snr-z"].of(cut, of.analyses[0].matrix))
-    assert drawing("budget", of, Look(coordinate="X"))["sensors"][0]["why_not"] is None
+    assert drawing("budget", of, Look(coordinate="X")).panels[0].marks
 
 
 @pytest.mark.parametrize("matrices", [("kernel",), ("lmmse",)], ids=" ".join)
@@ -300,13 +315,14 @@ def test_curves_and_crossovers_over_the_light_are_those_of_compare(matrices):
     result = drawing("levels", of)
     values = swept_values(SWEEPS["lux"], 0.01, 10_000.0, 73)
     curves = compared(of.operating_points, of.makers, values)
-    assert result["lux"] == values.tolist()
-    for drawn, curve in zip(result["curves"], curves, strict=True):
-        known = [np.nan if v is None else v for v in drawn["values"]]
-        np.testing.assert_array_equal(known, curve.value)
+    lux, *drawn = result.columns
+    assert list(lux.values) == values.tolist()
+    for one, curve in zip(drawn, curves, strict=True):
+        np.testing.assert_array_equal(np.array(one.values, dtype=float), curve.value)
     (crossed,) = crossovers(of.operating_points, of.makers, curves)
-    assert [c["lux"] for c in result["crossovers"]] == list(crossed.at or (None,))
-    assert result["crossovers"][0]["sentence"] == crossover_sentence(crossed)
+    rules = marks_of("levels", of, "rule")
+    assert [one.at for one in rules if one.role == "crossing"] == list(crossed.at)
+    assert (result.numbered or result.notes)[0] == crossover_sentence(crossed)
 
 
 @pytest.mark.parametrize(
@@ -315,14 +331,15 @@ def test_curves_and_crossovers_over_the_light_are_those_of_compare(matrices):
 )
 def test_curves_reach_over_the_slider_and_to_the_level_in_equal_ratios(level_lux, low, high):
     """Twelve per decade, so that a ratio of neighbors is 10^(1/12)."""
-    lux = np.array(drawing("levels", shown(fast_study(*BOTH, level_lux=level_lux)))["lux"])
+    of = shown(fast_study(*BOTH, level_lux=level_lux))
+    lux = np.array(drawing("levels", of).columns[0].values)
     assert lux[[0, -1]] == pytest.approx([low, high], rel=1e-12)
     np.testing.assert_allclose(lux[1:] / lux[:-1], 10 ** (1 / 12), rtol=1e-9)
 
 
 def test_the_slider_of_the_page_ends_where_the_curves_end():
     (level,) = (one for one in choices()["sliders"] if one["key"] == "light.level_lux")
-    lux = drawing("levels", usual())["lux"]
+    lux = drawing("levels", usual()).columns[0].values
     assert (level["low"], level["high"]) == pytest.approx((lux[0], lux[-1]), rel=1e-12)
 
 
@@ -350,7 +367,7 @@ def test_no_sentence_or_slider_tells_a_level_with_an_e(level_lux):
     slider, *_ = slides_of(of)
     message = [*drawing("head", of)["verdict"], *slider.texts]
     if level_lux > 1:  # else the span of the curves is told as the command tells it
-        message += [one["sentence"] for one in drawing("levels", of)["crossovers"]]
+        message += drawing("levels", of).numbered
     for sentence in message:
         assert not re.search(r"\de[+-]?\d", sentence)
 
@@ -441,21 +458,19 @@ def test_the_fullest_level_is_where_the_fullest_channel_holds_its_well():
 def test_a_curve_tells_from_which_light_on_it_is_saturated_and_not_the_next_point():
     """The time fills the fuller sensor's well to the share asked for at the study's own level."""
     of = shown(study_of(*BOTH, exposure={"saturate": 0.8}))
-    values = [curve["saturated_from_lux"] for curve in drawing("levels", of)["curves"]]
+    (told,) = [one for one in drawing("levels", of).notes if one.startswith("Saturated from")]
+    values = [float(one) for one in re.findall(r"([\d.]+) lx", told)]
     assert min(values) == pytest.approx(10.0 / 0.8, rel=1e-9)
     assert max(values) > 1.5 * min(values)
 
 
 def test_two_sensors_are_equal_where_their_curves_cross():
     of = shown(study_of(*BOTH, matrices=["lmmse"]))
-    found = drawing("levels", of)["crossovers"]
-    assert found[0]["lux"] is not None
+    found = [one for one in marks_of("levels", of, "rule") if one.role == "crossing"]
+    assert found
     (maker,) = of.makers.values()
     for crossing in found:
-        lit = [
-            SWEEPS["lux"].at(operating_point, crossing["lux"])
-            for operating_point in of.operating_points
-        ]
+        lit = [SWEEPS["lux"].at(one, crossing.at) for one in of.operating_points]
         ours, theirs = (QUANTITIES["snr-y"].of(each, maker(each)) for each in lit)
         assert ours == pytest.approx(theirs, abs=1e-6)
 
@@ -463,19 +478,27 @@ def test_two_sensors_are_equal_where_their_curves_cross():
 def test_a_saturated_sensor_has_no_snr_and_says_so_everywhere():
     of = bright()
     assert drawing("head", of)["sensors"][0]["saturated"]
-    for part in ("stages", "budget", "vectors", "ellipses", "chart", "pareto"):
-        full, fine = drawing(part, of)["sensors"]
-        assert "saturated" in full["why_not"]
-        assert "onyx-rgbw" in full["why_not"]
-        assert fine["why_not"] is None
-    stages = drawing("stages", of)["sensors"][0]
-    assert set(stages["color"].values()) == {None}
-    assert set(stages["lab_sd"].values()) == {None}
-    assert drawing("vectors", of)["sensors"][0]["ellipsoid"] is None
-    first = drawing("levels", of)["curves"][0]
-    beyond = [lux > 10.0 for lux in drawing("levels", of)["lux"]]
-    assert all(v is None for v, out in zip(first["values"], beyond, strict=True) if out)
-    assert first["saturated_from_lux"] < 10.0
+    stages = stages_of(drawing("stages", of))[0]
+    assert set(stages["color SNR"].values()) == {None}
+    assert set(stages["noise in CIELAB"].values()) == {None}
+    full, fine = drawing("vectors", of)["sensors"]
+    assert "onyx-rgbw: channels" in full["why_not"]
+    assert full["ellipsoid"] is None
+    assert fine["why_not"] is None
+    for part in ("budget", "ellipses"):
+        full, fine = drawing(part, of).panels
+        assert "onyx-rgbw: channel" in full.absence
+        assert not full.marks
+        assert fine.marks
+        assert not fine.absence
+    _, full, fine = marks_of("chart", of, "swatches")
+    assert (full.colors, len(fine.colors)) == ((), 24)
+    assert "onyx-rgbw: channel" in drawing("chart", of).description
+    lux, first, _ = (one.values for one in drawing("levels", of).columns)
+    assert all(v is None for v, at in zip(first, lux, strict=True) if at > 10.0)
+    assert "Saturated from: onyx-rgbw " in " ".join(drawing("levels", of).notes)
+    known = {row["sensor"] for row in rows_in("pareto", of) if row["SNR of Y [dB]"] is not None}
+    assert known == {"onyx-rgb-ircut"}
 
 
 def test_the_frame_is_orthonormal_and_spans_the_color_axes():
@@ -566,15 +589,15 @@ def test_a_magnification_that_is_asked_for_is_taken():
 
 
 def test_chart_errors_are_those_of_analyze():
-    for own, result in zip(analyzed_as_json(), drawing("chart", usual())["sensors"], strict=True):
-        assert result["mean_delta_e"] == own["color_error_mean"]
-        errors = [patch["delta_e"] for patch in result["patches"]]
+    for name, own in zip(BOTH, analyzed_as_json(), strict=True):
+        errors = [row[f"{name} color error [Delta E*ab]"] for row in rows_in("chart", usual())]
         assert np.mean(errors) == pytest.approx(own["color_error_mean"], rel=1e-12)
 
 
 def test_chart_noise_is_that_of_the_exact_distribution():
     analysis = usual().analyses[1]
-    result = drawing("chart", usual())["sensors"][1]["patches"]
+    rows = rows_in("chart", usual())
+    result = [row["onyx-rgb-ircut color noise [Delta E*ab]"] for row in rows]
     chart, some = colorchecker(DEFAULT_GRID), [0, 12, 21]
     scene = replace(analysis.scene, reflectance=chart.values.T[some])
     source = ElectronSource(
@@ -584,58 +607,46 @@ def test_chart_noise_is_that_of_the_exact_distribution():
     )
     color = noisy_color(source, analysis.color.mean)
     noise = propagate(color, LAB, partial(exact, points=2**11))
-    np.testing.assert_allclose([result[i]["noise"] for i in some], noise.delta_e, rtol=0.02)
+    np.testing.assert_allclose([result[i] for i in some], noise.delta_e, rtol=0.02)
 
 
-def test_ellipses_are_closed_and_of_48_points_around_their_center():
-    for plane in ("ab", "xy"):
-        for sensor in drawing("ellipses", usual(), Look(plane=plane))["sensors"]:
-            assert len(sensor["patches"]) == 24
-            for patch in sensor["patches"]:
-                outline = np.array(patch["outline"])
-                assert outline.shape == (48, 2)
-                assert patch["outline"][0] == patch["outline"][-1]
-                reach = np.abs(outline - patch["center"]).max()
-                middle = outline[:-1].mean(axis=0)
-                np.testing.assert_allclose(middle, patch["center"], atol=0.01 * reach)
+def half_axes_of(of, plane):
+    """The two conjugate half axes of each ellipse, the sensors one after the other."""
+    names = [f"conjugate half axis {k} {axis}" for k in (1, 2) for axis in AXES[plane]]
+    rows = rows_in("ellipses", of, plane=plane)
+    return np.array([[row[name] for name in names] for row in rows]).reshape(-1, 2, 2)
+
+
+def covariances_of(of, plane):
+    return np.concatenate([in_plane(patches_of(one), plane)[2] for one in of.analyses])
+
+
+AXES = {"ab": ("a*", "b*"), "xy": ("x", "y")}
 
 
 @pytest.mark.parametrize("plane", ["ab", "xy"])
 def test_the_half_axes_of_an_ellipse_are_conjugate_for_its_covariance(plane):
     """For half axes u, v: u u^T + v v^T is the covariance, times the square of the sigmas."""
-    of = usual()
-    drawn = drawing("ellipses", of, Look(plane=plane))
-    for analysis, sensor in zip(of.analyses, drawn["sensors"], strict=True):
-        covariance = in_plane(patches_of(analysis), plane)[2]
-        axes = np.array([patch["half_axes"] for patch in sensor["patches"]])
-        result = np.einsum("pki,pkj->pij", axes, axes) / drawn["sigmas"] ** 2
-        np.testing.assert_allclose(result, covariance, rtol=1e-9, atol=1e-15)
+    axes = half_axes_of(usual(), plane)
+    assert len(axes) == 2 * 24
+    result = np.einsum("pki,pkj->pij", axes, axes) / SIGMAS**2
+    np.testing.assert_allclose(result, covariances_of(usual(), plane), rtol=1e-9, atol=1e-15)
 
 
 @pytest.mark.parametrize("plane", ["ab", "xy"])
 def test_an_ellipse_reaches_as_far_as_the_spread_in_its_worst_direction(plane):
     """By another road: the spread along each of many directions, not the eigenvalues."""
-    of = usual()
     angle = np.linspace(0, np.pi, 2001)
     around = np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    drawn = drawing("ellipses", of, Look(plane=plane))
-    for analysis, sensor in zip(of.analyses, drawn["sensors"], strict=True):
-        covariance = in_plane(patches_of(analysis), plane)[2]
-        spread = np.sqrt(np.einsum("ki,pij,kj->pk", around, covariance, around)).max(axis=1)
-        result = np.array([patch["reach"] for patch in sensor["patches"]])
-        np.testing.assert_allclose(result, drawn["sigmas"] * spread, rtol=1e-6)
-        for patch in sensor["patches"]:
-            farthest = max(np.hypot(*np.subtract(at, patch["center"])) for at in patch["outline"])
-            assert np.cos(np.pi / 47) * patch["reach"] * 0.998 < farthest < patch["reach"] * 1.002
-
-
-def test_the_table_of_ellipses_tells_their_reach():
-    of = usual()
-    data = drawing("ellipses", of)
-    rows = iter(data["table"]["rows"])
-    for sensor in data["sensors"]:
-        for patch, row in zip(sensor["patches"], rows, strict=False):
-            assert float(row[-1]) == pytest.approx(patch["reach"], abs=0.0501)
+    covariance = covariances_of(usual(), plane)
+    spread = np.sqrt(np.einsum("ki,pij,kj->pk", around, covariance, around)).max(axis=1)
+    rows = rows_in("ellipses", usual(), plane=plane)
+    reach = np.array([row["reach of 2 sigma"] for row in rows])
+    np.testing.assert_allclose(reach, SIGMAS * spread, rtol=1e-6)
+    outline = np.einsum("ks,psi->pki", unit_circle(48), half_axes_of(usual(), plane))
+    farthest = np.linalg.norm(outline, axis=2).max(axis=1)
+    assert (np.cos(np.pi / 47) * reach * 0.998 < farthest).all()
+    assert (farthest < reach * 1.002).all()
 
 
 def test_ellipses_hold_the_share_of_draws_that_two_sigma_hold():
@@ -679,12 +690,11 @@ def test_chromaticity_of_equal_energy_is_a_third_and_its_slope_that_of_differenc
 
 def test_the_pareto_curve_trades_error_for_noise_and_passes_through_its_own_matrix():
     of = shown(study_of("onyx-rgbw", matrices=["noise-regularized=1"]))
-    (result,) = drawing("pareto", of)["sensors"]
+    *points, now = rows_in("pareto", of)
     assert noise_weights(1e-3, 1e3, points=13)[6] == pytest.approx(1.0)
-    at_one = result["points"][6]
-    assert result["now"]["snr_db"] == pytest.approx(at_one["snr_db"], rel=1e-9)
-    assert result["now"]["color_error"] == pytest.approx(at_one["color_error"], rel=1e-9)
-    snr = [p["snr_db"] for p in result["points"]]
+    for name in ("SNR of Y [dB]", "training error, mean Delta E*ab"):
+        assert now[name] == pytest.approx(points[6][name], rel=1e-9)
+    snr = [row["SNR of Y [dB]"] for row in points]
     assert snr == sorted(snr)
 
 
@@ -698,8 +708,12 @@ def test_the_verdict_of_the_papers_sensors_is_the_papers():
 
 def bars(of):
     """What the bars of each sensor are called, and their numbers as they are shown."""
-    sensors = drawing("budget", of)["sensors"]
-    return {one["name"]: {step["label"]: step["text"] for step in one["steps"]} for one in sensors}
+    chart = drawing("budget", of)
+    texts = [panel.marks[0].texts for panel in chart.panels]
+    return {
+        name: dict(zip([label for label, *_ in steps], told, strict=True))
+        for name, steps, told in zip(chart.sensors, steps_of(chart), texts, strict=True)
+    }
 
 
 @pytest.mark.parametrize(
@@ -927,7 +941,7 @@ def test_curves_are_shifted_before_the_added_cut_which_stays_where_it_is():
 
 def test_the_grays_noise_is_that_of_the_full_cubature():
     for analysis, result in zip(
-        usual().analyses, drawing("stages", usual())["sensors"], strict=True
+        usual().analyses, stages_of(drawing("stages", usual())), strict=True
     ):
         full = plain(gray_noise(analysis, LAB))["sd_normal_law"]
-        assert result["lab_sd"] == pytest.approx(full, rel=3e-3)
+        assert result["noise in CIELAB"] == pytest.approx(full, rel=3e-3)

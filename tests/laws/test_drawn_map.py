@@ -1,7 +1,5 @@
 """The heat map of the page: the values of `compare_map`, their colors, and the line of equality."""
 
-import json
-
 import numpy as np
 import pytest
 
@@ -20,12 +18,17 @@ TIME_MS = 12.0
 
 
 def record(count, **changes):
+    """The chart, and its cells."""
     sweep = {**SWEEP, "second": SECOND, **changes}
     sensors = [{"name": name} for name in SENSORS[:count]]
     study = {"sensors": sensors, "sweeps": [sweep], "exposure": {"time_ms": TIME_MS}}
-    told = drawing("map", shown(study_from_data(study, source="")))
-    assert json.loads(json.dumps(told, allow_nan=False)) == told
-    return told
+    chart = drawing("map", shown(study_from_data(study, source="")))
+    return chart, chart.panels[0].marks[0]
+
+
+def drawn_values(chart, cells):
+    """What chooses the colors, NaN where there is none."""
+    return np.array(chart.columns[cells.value].values, dtype=float)
 
 
 def computed(count):
@@ -36,7 +39,7 @@ def computed(count):
 
 @pytest.mark.parametrize("count", [1, 2, 3])
 def test_the_table_has_the_values_of_a_comparison_in_python(count):
-    table, values = record(count)["table"], computed(count)
+    table, values = record(count)[0].table, computed(count)
     assert len(table["rows"]) == values[0].size
     for row, *cells in zip(table["rows"], *(one.ravel() for one in values), strict=True):
         for text, value in zip(row[2:], cells, strict=False):
@@ -53,36 +56,33 @@ def test_the_table_has_the_values_of_a_comparison_in_python(count):
     [(1, VALUES, lambda values: values[0]), (2, DIFFERENCES, lambda values: values[0] - values[1])],
 )
 def test_the_colors_rise_with_the_value_and_are_absent_where_there_is_none(count, colors, drawn):
-    told, values = record(count), drawn(computed(count))
-    scale = told["scale"]
-    assert (scale["colors"][0], scale["colors"][-1]) == (colors[0], colors[-1])
-    assert scale["high"] == pytest.approx(np.nanmax(np.abs(values) if count == 2 else values))
-    assert scale["low"] == pytest.approx(-scale["high"] if count == 2 else np.nanmin(values))
-    flat = [color for row in told["colors"] for color in row]
-    assert [one is None for one in flat] == np.isnan(values).ravel().tolist()
-    assert any(one is None for one in flat)  # saturated at 1000 lx
-    ranks = [scale["colors"].index(flat[i]) for i in np.argsort(values, axis=None) if flat[i]]
-    assert ranks == sorted(ranks)
+    (chart, cells), values = record(count), drawn(computed(count))
+    assert (cells.colors[0], cells.colors[-1]) == (colors[0], colors[-1])
+    assert cells.high == pytest.approx(np.nanmax(np.abs(values) if count == 2 else values))
+    assert cells.low == pytest.approx(-cells.high if count == 2 else np.nanmin(values))
+    np.testing.assert_array_equal(drawn_values(chart, cells), values.ravel())
+    assert np.isnan(values).any()  # saturated at 1000 lx
+    assert "Gray: a channel is saturated" in chart.notes[0]
 
 
-def test_the_difference_of_a_sensor_and_itself_has_the_color_of_zero():
+def test_the_difference_of_a_sensor_and_itself_is_in_the_middle_of_the_scale():
     study = {
         "sensors": [{"name": "onyx-rgb"}, {"name": "onyx-rgb", "pixel": {"prnu": 0.0}}],
         "sweeps": [{**SWEEP, "second": SECOND}],
     }
-    told = drawing("map", shown(study_from_data(study, source="")))
-    colors = {one for row in told["colors"] for one in row} - {None}
-    assert len(colors) == 1
-    assert told["scale"]["low"] == -told["scale"]["high"] < 0
+    chart = drawing("map", shown(study_from_data(study, source="")))
+    (cells,) = chart.panels[0].marks
+    assert set(drawn_values(chart, cells)[np.isfinite(drawn_values(chart, cells))]) == {0.0}
+    assert cells.low == -cells.high < 0
 
 
 def test_on_the_line_both_sensors_have_the_same_snr():
     """Infrared helps a sensor without IR-cut as long as read noise dominates."""
     infrared, dim = {"vary": "infrared", "first": 0.0}, {"vary": "lux", "first": 0.01, "last": 0.1}
-    told = record(2, **infrared, last=2.0, second=dim | {"points": 3})
-    assert told["scale"]["low"] == -told["scale"]["high"] < 0
-    (line,) = told["equal"]
-    assert [level for _, level in line] == told["y"]["values"]
+    chart, cells = record(2, **infrared, last=2.0, second=dim | {"points": 3})
+    assert cells.low == -cells.high < 0
+    (line,) = cells.equal
+    assert [level for _, level in line] == list(chart.columns[1].values[:: cells.across])
     for ratio, level in line:
         near = {"vary": "infrared", "first": ratio, "last": ratio + 1e-6, "points": 2}
         curves = cn.compare(*SENSORS[:2], **near, lux=level, time_ms=TIME_MS).curves
@@ -91,24 +91,26 @@ def test_on_the_line_both_sensors_have_the_same_snr():
 
 
 def test_of_many_sensors_the_key_names_those_that_win_somewhere():
-    told, values = record(3), computed(3)
+    (chart, cells), values = record(3), computed(3)
     known = np.isfinite(values).all(axis=0)
     winners = {SENSORS[i] for i in np.argmax(values[:, known], axis=0)}
-    assert winners <= {one["name"] for one in told["key"]}
-    assert {one["color"] for one in told["key"]} == {c for row in told["colors"] for c in row if c}
+    assert winners <= set(cells.names)
+    best = drawn_values(chart, cells)
+    assert {SENSORS[int(i)] for i in best[np.isfinite(best)]} == set(cells.names) - {""}
 
 
 def test_a_fine_sweep_is_drawn_on_fewer_values_with_the_same_ends_and_says_so():
-    told = record(1, points=61, second={**SECOND, "points": 21})
-    assert (len(told["x"]["values"]), len(told["y"]["values"])) == MOST_VALUES
-    for axis, part in (("x", SWEEP), ("y", SECOND)):
-        ends = told[axis]["values"][0], told[axis]["values"][-1]
-        assert ends == pytest.approx((part["first"], part["last"]))
-    assert "61 by 21" in told["note"]
-    assert record(1)["note"] == ""
+    chart, cells = record(1, points=61, second={**SECOND, "points": 21})
+    across, up = (one.values for one in chart.columns[:2])
+    assert (cells.across, len(up) // cells.across) == MOST_VALUES
+    for values, part in ((across, SWEEP), (up, SECOND)):
+        assert (values[0], values[-1]) == pytest.approx((part["first"], part["last"]))
+    assert "61 by 21" in chart.notes[-1]
+    assert not any("a run computes" in one for one in record(1)[0].notes)
 
 
 def test_a_study_without_such_a_sweep_has_no_map():
-    told = drawing("map", shown(study_from_data({"sensors": [{"name": "onyx-rgb"}]}, source="")))
-    assert told["why_not"]
-    assert told["table"]["rows"] == []
+    chart = drawing("map", shown(study_from_data({"sensors": [{"name": "onyx-rgb"}]}, source="")))
+    assert chart.notes
+    assert not chart.panels
+    assert chart.table["rows"] == []

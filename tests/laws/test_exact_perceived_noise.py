@@ -37,12 +37,14 @@ from chromanoise.noise import (
     read_moments,
     read_values,
 )
-from chromanoise.spectra import DEFAULT_GRID, flat_field
+from chromanoise.sensor import PAPER_PIXEL, Sensor
+from chromanoise.spectra import DEFAULT_GRID, equal_energy, flat_field
 from chromanoise.study import analyzed, gray_noise, sensor_named
-from laws.test_closed_form_against_draws import CASES, EXPOSURE, IDS, LAMP, SENSORS
 from noise_samples import noise_of
 from outcomes import refused_input
 
+LAMP = equal_energy(DEFAULT_GRID)
+EXPOSURE = Exposure(time_s=0.0119)
 ONES = np.ones(3)
 HELD = Readout(black_e=0.0, full_well_e=10_000.0)
 NORMAL = stats.norm.ppf((np.arange(2**17) + 0.5) / 2**17)
@@ -361,6 +363,33 @@ BOTH = pytest.mark.parametrize("readout", [Readout(), HELD], ids=["unclipped", "
 
 
 @BOTH
+def toy(name, curves):
+    names = tuple(f"c{i}" for i in range(len(curves)))
+    return Sensor(
+        name=name, grid=DEFAULT_GRID, qe=np.stack(curves, 1), names=names, pixel=PAPER_PIXEL
+    )
+
+
+def bands(count):
+    at, centers = DEFAULT_GRID.wavelength_nm, np.linspace(430, 1000, count)
+    curves = [0.5 * np.exp(-(((at - c) / (900 / count)) ** 2)) for c in centers]
+    return toy(f"bands-{count}", curves)
+
+
+def deficient():
+    curves = sensor_named("model-rgb-ircut", DEFAULT_GRID).qe.T
+    return toy("deficient", [*curves, curves.mean(axis=0)])
+
+
+NAMED = (
+    "model-mono", "onyx-rgb-ircut", "onyx-rgbw", "model-cmy-ircut", "model-rgbir",
+    "model-three-layer", "model-rgbwir",
+)  # fmt: skip
+SENSORS = [*(sensor_named(n, DEFAULT_GRID) for n in NAMED), bands(8), bands(16), deficient()]
+CASES = [(sensor, level_lux) for sensor in SENSORS for level_lux in (1000.0, 10.0, 0.1, 0.01)]
+IDS = [f"{sensor.name}-{level_lux:g}lx" for sensor, level_lux in CASES]
+
+
 @pytest.mark.parametrize("which", [0, 1, 2, 8, 9], ids=lambda i: SENSORS[i].name)
 def test_noise_from_the_electrons_agrees_with_sampling(which, readout):
     z_mean, z_sd, _ = deviations(SENSORS[which], 0.1, readout, 60_000, 2**12)

@@ -1,5 +1,6 @@
 """What is behind each `?`: every symbol is explained, and is that of the nomenclature."""
 
+import json
 import re
 import unicodedata
 import xml.etree.ElementTree as ET
@@ -7,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+import make_formulas
 from chromanoise.charts.by_name import SECTIONS
 from chromanoise.charts.explanations import EXPLANATIONS, explanation_as_json, mathml
 
@@ -16,9 +18,9 @@ OPERATORS = {"log", "tr", "min"}
 EACH = pytest.mark.parametrize("key", EXPLANATIONS)
 
 
-def letters(latex):
+def letters(latex, *, block=False):
     """The identifiers of a formula, and the transposition sign."""
-    elements = ET.fromstring(mathml(latex)).iter()
+    elements = ET.fromstring(mathml(latex, block=block)).iter()
     texts = {one.text for one in elements if one.tag in (f"{_MATHML}mi", f"{_MATHML}mo")}
     return {text for text in texts if text and (text.isalpha() or text == "⊤")} - OPERATORS
 
@@ -39,13 +41,19 @@ def plain(text):
     return unicodedata.normalize("NFKD", text)
 
 
+def test_the_stored_formulas_are_those_of_all_explanations():
+    """Otherwise ``python tools/make_formulas.py`` writes them anew."""
+    stored = json.loads(make_formulas.FORMULAS.read_text(encoding="utf-8"))
+    assert stored == make_formulas.formulas()
+
+
 @EACH
 def test_every_letter_of_a_formula_is_in_the_list_of_symbols(key):
     one = EXPLANATIONS[key]
     listed = set().union(*(letters(symbol.latex) for symbol in one.symbols))
     for latex in one.latex:
-        assert letters(latex) <= listed
-    used = set().union(*map(letters, one.latex))
+        assert letters(latex, block=True) <= listed
+    used = set().union(*(letters(latex, block=True) for latex in one.latex))
     for symbol in one.symbols:
         assert letters(symbol.latex) <= used
         assert symbol.meaning

@@ -20,18 +20,6 @@ def test_deeper_silicon_collects_more_at_every_wavelength(depth_um, factor):
     assert deep[-1] > shallow[-1]  # at 1050 nm silicon is nearly transparent
 
 
-def test_thin_silicon_absorbs_in_proportion_to_its_depth_where_it_is_transparent():
-    one, two = (silicon_qe(DEFAULT_GRID, depth_um=d)[-1] for d in (1.0, 2.0))
-    assert two / one == pytest.approx(2.0, rel=2e-3)  # 16.3/cm: 0.2 % in 1 um
-
-
-def test_a_known_depth_gives_the_absorbed_share_of_beer_and_lambert():
-    # 850 nm: 535/cm (Green & Keevers 1995); 10 um hold 1 - exp(-0.535) = 0.4143
-    at_850 = int(np.searchsorted(DEFAULT_GRID.wavelength_nm, 850))
-    qe = silicon_qe(DEFAULT_GRID, depth_um=10.0, dead_layer_um=0.0, reflectance=0.0)
-    assert qe[at_850] == pytest.approx(0.4143, abs=5e-5)
-
-
 def test_silicon_is_not_continued_beyond_its_table():
     with refused_input(subject="grid", value=Grid.uniform(350, 700, 5)):
         silicon_qe(Grid.uniform(350, 700, 5), depth_um=4.0)

@@ -55,10 +55,10 @@ def test_later_versions_may_add_keys(front, data):
         (("members", 0, "name"), "onyx-rgbw", "members"),
         (("members", 0, "objectives"), {"snr_y_db": 1.0}, "front-001"),
         (("members", 0, "objectives", "snr_y_db"), "high", "key 'members.0.objectives.snr_y_db'"),
-        (("members", 0, "pixel", "prnu"), 2.0, "members.0.pixel.prnu"),
+        (("members", 0, "pixel", "prnu"), 2.0, "key 'members.0.pixel.prnu'"),
         (("members", 0, "curves", "qe", 3, 1), 1.5, "key 'members.0.curves.qe.3.1'"),
         (("members", 0, "pixel", "size"), 2.0, "key 'members.0.pixel.size'"),
-        (("scenes", 0, "matrix"), "best", "scenes.0.matrix"),
+        (("scenes", 0, "matrix"), "best", "key 'scenes.0.matrix'"),
         (("scenes", 0, "light", "level_lux"), -1.0, "key 'scenes.0.light.level_lux'"),
     ],
 )

@@ -150,15 +150,12 @@ def test_what_is_no_mosaic_is_refused_with_the_nearest(text, named):
     assert named in refusal.value.remedy[0]
 
 
-@pytest.mark.parametrize("text", ["RG//GB", "/RG", ""])
-def test_a_mosaic_with_an_empty_row_is_refused(text):
-    with refused_input(subject="mosaic", value=text):
-        mosaic_named(text)
-
-
-@pytest.mark.parametrize("text", ["RG/B", "R G/IR"])
-def test_a_mosaic_of_rows_of_different_lengths_is_refused(text):
-    with refused_input(subject="mosaic", value=(2, 1)):
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [("RG//GB", "RG//GB"), ("/RG", "/RG"), ("", ""), ("RG/B", (2, 1)), ("R G/IR", (2, 1))],
+)
+def test_a_mosaic_with_an_empty_row_or_rows_of_different_lengths_is_refused(text, value):
+    with refused_input(subject="mosaic", value=value):
         mosaic_named(text)
 
 

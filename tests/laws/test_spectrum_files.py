@@ -171,17 +171,6 @@ def test_a_workbook_that_unpacks_to_too_much_or_declares_entities_is_refused(tmp
     assert refusal(laughs).where == "part 'xl/workbook.xml'"
 
 
-def test_without_openpyxl_a_workbook_says_what_to_install(file, monkeypatch):
-    import importlib
-
-    def absent(name):
-        raise ImportError(name)
-
-    monkeypatch.setattr(importlib, "import_module", absent)
-    (remedy,) = refusal(file(SAMPLES["book.xlsx"], "book.xlsx")).remedy
-    assert "chromanoise[xlsx]" in remedy
-
-
 def test_percent_is_understood_and_said_and_between_one_and_one_and_a_half_asked(file):
     percent = read_curves(file("nm,QE\n400,10\n410,45\n"))
     assert percent.curves.values.ravel().tolist() == [0.1, 0.45]

@@ -1,6 +1,5 @@
 """Formats of spectra other than text: camera databases, ENVI libraries, FITS; and other files."""
 
-import importlib
 import io
 import json
 import struct
@@ -278,15 +277,6 @@ def fits_bytes(unit: str | None = "Angstrom", flux=RED, cards=()) -> bytes:
         *(card(key, value) for key, value in cards),
     ]
     return block(first) + block(table) + rows.tobytes().ljust(2880, b"\0")
-
-
-def test_without_astropy_the_refusal_of_a_fits_table_names_the_package(file, monkeypatch):
-    def absent(name):
-        raise ImportError(name)
-
-    monkeypatch.setattr(importlib, "import_module", absent)
-    (remedy,) = refusal(file("lamp.fits", fits_bytes())).remedy
-    assert "chromanoise[fits]" in remedy
 
 
 def test_a_fits_table_is_read_in_the_unit_of_its_column(file):

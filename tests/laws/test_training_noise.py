@@ -537,7 +537,7 @@ def test_without_pytorch_a_sentence_says_how_to_install_it(monkeypatch):
     noise = cn.apps.training.sampler(mono())
     for make in (lambda: NoisyDataset([np.zeros((2, 2))], noise, unit="dn"),
                  lambda: AddCameraNoise(cn.apps.training.sampler(mono()), unit="dn")):  # fmt: skip
-        with refused_input(subject="data sets of PyTorch") as caught:
+        with refused_input(subject="a data set of PyTorch") as caught:
             make()
         assert "chromanoise[torch]" in str(caught.value)
 

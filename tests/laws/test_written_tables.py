@@ -44,7 +44,7 @@ from chromanoise.noise import Exposure, OperatingPoint
 from chromanoise.sensor import Mosaic, Pixel, Sensor
 from chromanoise.spectra import DEFAULT_GRID, Grid, Spectra, equal_energy, read_spectra_csv
 from chromanoise.study import compared, sensor_named
-from chromanoise.study.analysis_tables import analyses_as_table, curves_as_table
+from chromanoise.study.results import analyses_as_table, curves_as_table
 from outcomes import refused_input
 
 SMALL = Grid.uniform(400, 420, 10)
@@ -549,9 +549,3 @@ def test_a_comparison_has_a_row_per_light_and_nothing_where_nothing_is_defined()
     mean = 32_555 * 0.5 * 100 * 0.01 / (4 * 1.8**2)
     snr_db = 20 * np.log10(mean / np.sqrt(mean + 100))
     assert float(rows[1][1]) == pytest.approx(snr_db, abs=0.05)  # the grid of 5 nm has 0.6 % more
-
-
-def test_tables_of_nothing_or_of_two_sweeps_are_refused():
-    for maker, subject in ((analyses_as_table, "analyses"), (curves_as_table, "curves")):
-        with refused_input(subject=subject):
-            maker([])

@@ -1,6 +1,5 @@
 """Two parameters on the command line, in a study, in copies of it, in figures and in reports."""
 
-import json
 import re
 
 import numpy as np
@@ -10,7 +9,6 @@ import chromanoise as cn
 from chromanoise.charts import draw_maps, shown, study_figures
 from chromanoise.study import study_from_data
 from chromanoise.web import study_report
-from outcomes import refused
 
 PAIR = ("onyx-rgbw", "onyx-rgb-ircut")
 SWEEP = ("--sweep", "lux=0.1:10", "--points", 4)
@@ -29,41 +27,11 @@ STUDY = {
 }
 
 
-def test_command_study_copy_and_python_give_the_same_digits(run, here):
-    asked = ("compare", *PAIR, *SWEEP, "--and", "prnu=0:0.1:3")
-    code, out, _ = run(*asked, "--json", "-")
-    assert code == 0
-    data = json.loads(out)
-    (result,) = cn.run(study_from_data(STUDY)).maps
-    second = {"second_vary": "prnu", "second_first": 0.0, "second_last": 0.1, "second_points": 3}
-    python = cn.compare_map(*PAIR, first=0.1, last=10.0, points=4, **second)
-    assert data == result.to_dict() == python.to_dict()
-    code, copied, _ = run(*asked, "--copy-as", "toml")
-    (here / "copied.toml").write_text(copied)
-    code, _, err = run("run", "copied.toml", "-o", "copied")
-    assert code == 0, err
-    file = here / "copied" / "sweep-1-lux-prnu-snr-y.json"
-    assert json.loads(file.read_bytes())["result"] == data
-    assert "cn.compare_map(" in run(*asked, "--copy-as", "python")[1]
-
-
 def test_the_terminal_shows_values_and_the_best_sensor(run):
     code, out, _ = run("compare", *PAIR, *SWEEP, "--and", "prnu=0:0.1:3")
     assert code == 0
     assert "PRNU" in out
     assert "Best SNR of Y" in out
-
-
-@pytest.mark.parametrize(
-    ("text", "part"),
-    [("prnu", "--and"), ("prnu=0:0.1:x", "--and"), ("prnu=0.1:0", "prnu"), ("nosuch=1:2", "--and")],
-)
-def test_a_second_parameter_that_cannot_be_used_is_refused(run, text, part):
-    refused(run("compare", *PAIR, *SWEEP, "--and", text), part)
-
-
-def test_the_same_parameter_twice_is_refused(run):
-    refused(run("compare", *PAIR, *SWEEP, "--and", "lux=1:2"), "--sweep", value="lux")
 
 
 def test_the_heat_map_of_one_sensor_has_its_values_and_of_two_their_difference():

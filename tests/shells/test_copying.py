@@ -57,52 +57,6 @@ def sheet(tmp_path):
 @pytest.mark.parametrize(
     "options",
     [
-        ("onyx-rgbw",),
-        ("onyx-rgbw", "model-rgb", *GIVEN, "--budget", "--matrix", "lmmse", "--prior", "chart"),
-        ("model-rgb", "--time-ms", 4, "--clip", "--space", "lab"),
-        ("model-rgb", "--ircut-nm", 680, "--shift-nm", -5.5),
-        ("model-rgb", "--saturate", 0.5, "--magnification", 0.1, "--read-noise-e", 2, "--merit"),
-        ("model-rgb", "--illuminant", "D65", "--illuminant-beyond", "zero"),
-    ],
-)
-def test_a_study_copied_from_analyze_gives_its_digits(run, copied, options):
-    (result,) = copied("analyze", *options).values()
-    assert result == told_by(run, "analyze", *options)
-
-
-def test_files_and_what_is_said_of_them_are_copied_too(run, copied, curves, sheet):
-    options = (curves, "--percent", "--beyond", "zero", "--pixel", sheet, "--pitch-um", 4)
-    (result,) = copied("analyze", *options).values()
-    assert result == told_by(run, "analyze", *options)
-
-
-@pytest.mark.parametrize(
-    "options",
-    [
-        ("onyx-rgbw", "onyx-rgb-ircut"),
-        ("onyx-rgbw", "onyx-rgb", *GIVEN, "--equal", "light", "--matrix", "kernel, ridge=0.1"),
-        ("onyx-rgbw", "onyx-rgb", "--matrix", "lmmse", "--prior", "all", "--quantity", "bound"),
-        ("onyx-rgbw", "onyx-rgb", "--sweep", "kelvin=2000:9000", "--equal", "saturation"),
-    ],
-)
-def test_a_study_copied_from_compare_gives_its_digits(run, copied, options):
-    options = (*options, "--points", 4)
-    (result,) = copied("compare", *options).values()
-    assert result == told_by(run, "compare", *options)
-
-
-@pytest.mark.parametrize(
-    "options",
-    [("--matrix", "lmmse", "--prior", "chart"), ("--pareto", "0.1:10:3", *GIVEN), ("--time-ms", 2)],
-)
-def test_a_study_copied_from_matrix_gives_its_digits(run, copied, options):
-    (result,) = copied("matrix", "onyx-rgbw", *options).values()
-    assert result["sensors"] == [told_by(run, "matrix", "onyx-rgbw", *options)]
-
-
-@pytest.mark.parametrize(
-    "options",
-    [
         ("--clip", "--prnu", 0.02, "--dsnu-e", 5, "--format", "png,xyz,srgb16"),
         ("--mosaic", "sensor", "--demosaic", "lmmse", "--bits", 10, "--black-level", 32),
         ("--mosaic", "bayer", "--raw-only", "--frames", 2, "--seed", 5, "--row-noise-e", 3),
@@ -161,32 +115,6 @@ def test_what_a_study_cannot_say_is_refused_by_name(run, options, tmp_path, monk
     monkeypatch.chdir(tmp_path)
     refused(run(*options, "--copy-as", "toml"), subject=options[-2], value=str(options[-1]))
     assert not list(tmp_path.iterdir())
-
-
-@pytest.mark.parametrize(
-    ("options", "fields"),
-    [
-        (("analyze", "x", "--lux", -1), {"setting": "light.level_lux", "value": -1.0}),
-        (("analyze", "x", "--time-ms", 1, "--saturate", 0.5), {"setting": "exposure.time_ms"}),
-        (("analyze", "x", "--matrix", "lmse"), {"setting": "matrices.0", "value": "lmse"}),
-        (("compare", "x", "--sweep", "lux=3"), {"subject": "--sweep", "value": "lux=3"}),
-        (
-            ("compare", "x", "--time-ms", 3, "--equal", "light"),
-            {"setting": "exposure.equal", "value": "light"},
-        ),
-        (("matrix", "x", "--pareto", "3"), {"subject": "--pareto", "value": "3"}),
-        (
-            ("simulate", "x", "--sensor", "x", "--bits", 9),
-            {"setting": "pictures.0.bits", "remedy_setting": "mosaic"},
-        ),
-        (
-            ("analyze", "onyx-rgbw", "onyx-rgbw"),
-            {"setting": "sensors.1.name", "value": "onyx-rgbw"},
-        ),
-    ],
-)
-def test_what_a_command_refuses_is_not_copied(run, options, fields):
-    refused(run(*options, "--copy-as", "toml"), **fields)
 
 
 COMMANDS = [

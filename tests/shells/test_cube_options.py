@@ -51,12 +51,6 @@ def test_a_study_finds_a_file_of_wavelengths_in_its_folder_and_hashes_it(files, 
     refused(run("rerun", str(files / "out"), "-o", str(files / "again")), "wl.txt")
 
 
-@pytest.mark.parametrize("word", ["400", "none.txt", "400:x", "nan"])
-def test_wavelengths_that_are_neither_two_ends_nor_a_file_are_refused(files, run, word):
-    message = run("simulate", str(files / "a.npy"), "--sensor", "model-rgb", "--wavelengths", word)
-    refused(message, subject="--wavelengths", value=word)
-
-
 @pytest.mark.parametrize("value", ["5", "[400]", "[400, 500, 600]", "true", '["a", "b"]'])
 def test_a_study_refuses_other_wavelengths_in_one_sentence(files, run, value):
     (files / "study.toml").write_text(STUDY.replace('"wl.txt"', value))

@@ -283,34 +283,45 @@ def bars_of(ax):
     }
 
 
-def test_the_losses_of_each_sensor_lead_from_the_photons_to_its_snr(ax):
-    """By the SNR of the analysis and the photons of the legend, which no bar holds."""
+def test_the_bars_of_each_sensor_lead_from_the_photons_to_its_snr(ax):
+    """By the SNR of the analysis and the photons of the legend."""
     result = analyze(*PAIR)
     assert draw_analyses(result.analyses, ax) is ax
     drawn = bars_of(ax)
     for analysis in result.analyses:
         (label,) = (one for one in drawn if one.startswith(f"{analysis.sensor.name}: "))
         left, photons = (float(one) for one in re.findall(r"([\d.]+) dB", label))
-        assert left == pytest.approx(color_snr_db(analysis)["Y"], abs=0.051)
-        assert sum(drawn[label]) == pytest.approx(photons - left, abs=0.11)
-    assert ax.get_xlabel() == "loss of SNR of Y [dB]"
+        start, *changes, end = drawn[label]
+        assert start == pytest.approx(photons, abs=0.051)
+        assert end == pytest.approx(color_snr_db(analysis)["Y"])
+        assert left == pytest.approx(end, abs=0.051)
+        assert start + sum(changes) == pytest.approx(end)
+    assert ax.get_xlabel() == "SNR of Y [dB]"
     assert POINT in ax.get_title(loc="left")
     names = [text.get_text() for text in ax.get_yticklabels()]
-    assert names[-1].split() == ["infrared", "leaking", "into", "Y"]
+    assert (names[0], names[-2], names[-1]) == (
+        "all photons",
+        "infrared leaking into Y",
+        "SNR of Y",
+    )
+
+
+def test_a_cause_of_one_sensor_alone_stands_among_those_of_the_other(ax):
+    mixed = analyze("onyx-rgb", crosstalk=0.3, mosaic="bayer").analyses
+    draw_analyses([*analyze("onyx-rgb").analyses, *mixed], ax)
+    names = [text.get_text() for text in ax.get_yticklabels()]
+    assert 0 < names.index("crosstalk") < len(names) - 1
+    assert len(set(names)) == len(names)
 
 
 def test_a_saturated_sensor_has_no_bar_and_is_named(ax):
-    draw_analyses(analyze(*PAIR, time_ms=30.0).analyses, ax)
-    (label,) = bars_of(ax)
-    assert label.startswith("onyx-rgb-ircut")
-    named = [text.get_text() for text in ax.get_legend().get_texts()]
-    assert "onyx-rgbw: saturated" in named
-
-
-def test_nothing_but_saturated_sensors_is_a_chart_that_says_so(ax):
-    draw_analyses(analyze("onyx-rgbw", time_ms=30.0).analyses, ax)
-    assert bars_of(ax) == {}
-    assert [text.get_text() for text in ax.get_legend().get_texts()] == ["onyx-rgbw: saturated"]
+    for sensors, drawn in ((PAIR, ["onyx-rgb-ircut"]), (PAIR[:1], [])):
+        ax.clear()
+        draw_analyses(analyze(*sensors, time_ms=30.0).analyses, ax)
+        assert [label.partition(":")[0] for label in bars_of(ax)] == drawn
+        named = " ".join(text.get_text() for text in ax.get_legend().get_texts())
+        assert "onyx-rgbw: channels" in named
+        assert "saturated" in named
 
 
 def test_each_entry_of_a_matrix_is_a_bar_in_the_color_of_its_channel(ax):

@@ -1,7 +1,6 @@
 """One rule decides whether a word for a sensor, a light or a filter names a file."""
 
 import json
-import os
 
 import numpy as np
 import pytest
@@ -9,12 +8,11 @@ import pytest
 from chromanoise.io.spectra import Answers
 from chromanoise.study import read_study, study_hash
 from chromanoise.study.resolve import (
-    illuminant_files,
     is_file_word,
     resolve_filter,
     resolve_illuminant,
+    word_files,
 )
-from outcomes import refused
 
 CAMERA = "wavelength_nm,R,G,B\n400,0.1,0.1,0.5\n700,0.6,0.2,0.1\n1050,0.1,0.1,0.1\n"
 LAMP = "wavelength [nm],power [W]\n380,1\n1060,2\n"
@@ -82,24 +80,6 @@ def test_a_word_is_a_file_if_it_looks_like_one_or_exists_and_is_not_in_the_catal
     assert not is_file_word("folder", kind)
 
 
-@pytest.mark.parametrize(
-    ("arguments", "parts", "key"),
-    [
-        (("nothing.dat",), ("nothing.dat", "catalog"), "sensors.0.name"),
-        (("onyx-rgbw", "--illuminant", "lamp.dat"), ("lamp.dat", "catalog"), "light.illuminant"),
-        (("onyx-rgbw", "--illuminant", "lmp"), ("'lmp'", "file"), "light.illuminant"),
-        (("onyx-rgbw", "--filter", "glass.sed"), ("glass.sed", "catalog"), "sensors.0.filter"),
-        (("onyx-rgbw", "--filter", "glss"), ("'glss'", "file"), "sensors.0.filter"),
-        (("onyx",), ("'onyx'", "onyx-rgb", "file"), "sensors.0.name"),
-        (("onyx-rgbw", "--illuminant", "a/lamp"), ("a/lamp", "catalog"), "light.illuminant"),
-    ],
-)
-def test_the_refusal_of_an_unknown_word_says_that_there_is_no_such_name_and_no_such_file(
-    run, arguments, parts, key
-):
-    refused(run("analyze", *arguments), *parts, setting=key)
-
-
 @pytest.mark.parametrize("ending", [".dat", ""])
 def test_files_of_a_study_are_found_in_its_folder_with_any_ending(here, ending):
     for name, text in (("cam", CAMERA), ("lamp", LAMP), ("glass", GLASS)):
@@ -120,7 +100,7 @@ def test_files_of_a_study_are_found_in_its_folder_with_any_ending(here, ending):
 def test_the_digest_of_an_envi_library_covers_header_and_data(here):
     written(here / "lamp.hdr", "ENVI\n")
     written(here / "lamp.sli", "")
-    assert {path.name for path in illuminant_files("lamp.sli")} == {"lamp.hdr", "lamp.sli"}
+    assert {path.name for path in word_files("lamp.sli", "light")} == {"lamp.hdr", "lamp.sli"}
 
 
 def test_an_envi_library_works_as_light_and_filter(here):
@@ -135,18 +115,3 @@ def test_an_envi_library_works_as_light_and_filter(here):
     light = resolve_illuminant("x.hdr", answers=Answers(quantity="power", per="energy"))
     slope = light.irradiance / (0.25 + 0.5 * (light.grid.wavelength_nm - 380) / 680)
     assert slope == pytest.approx(slope[0])
-
-
-@pytest.mark.parametrize(
-    ("option", "key"),
-    [
-        ("sensor", "sensors.0.name"),
-        ("--filter", "sensors.0.filter"),
-        ("--illuminant", "light.illuminant"),
-    ],
-)
-def test_a_pipe_without_an_ending_is_refused_as_a_pipe(run, tmp_path, monkeypatch, option, key):
-    monkeypatch.chdir(tmp_path)
-    os.mkfifo("queue")
-    words = ("queue",) if option == "sensor" else ("onyx-rgb", option, "queue")
-    refused(run("analyze", *words), "queue", "pipe", setting=key)

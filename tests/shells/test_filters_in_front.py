@@ -5,7 +5,6 @@ import json
 import numpy as np
 import pytest
 
-import chromanoise as cn
 from chromanoise.io.spectra import Answers
 from chromanoise.spectra import DEFAULT_GRID
 from chromanoise.spectra.tables import catalog_curves, catalog_tables
@@ -20,8 +19,8 @@ from chromanoise.study import (
 )
 from chromanoise.study.assembly import sensor_of
 from chromanoise.study.document import SensorPart
-from chromanoise.study.resolve import behind_resolved_filter, filter_files, resolve_filter
-from outcomes import refused, refused_input
+from chromanoise.study.resolve import behind_resolved_filter, resolve_filter, word_files
+from outcomes import refused
 
 SOURCES = """[gray-glass]
 kind = "filter"
@@ -84,7 +83,7 @@ def test_a_filter_of_a_study_has_its_own_name_enters_the_hash_and_the_files(fold
     one, other = (study_from_text(STUDY.format(w), source="t") for w in ("ircut-650", "ircut-651"))
     assert [sensor_of(part).name for part in one.sensors] == ["onyx-rgb", "onyx-rgb+ircut-650"]
     assert study_hash(one) != study_hash(other)
-    assert filter_files("ircut-650") == ()
+    assert word_files("ircut-650", "filter") == ()
     message = study_from_text(STUDY.format("glass.csv"), source="t")
     assert list(provenance(message)["files"]) == ["glass.csv"]
     before = study_hash(message)
@@ -210,45 +209,6 @@ def test_a_shifted_filter_is_checked_where_it_is_used(run, folder, at_nm, shift_
         assert outcome[0] == 0, outcome[2]
     else:  # the wavelength of the file
         refused(outcome, f"{at_nm:g} nm", value=-0.5, setting="sensors.0.filter")
-
-
-@pytest.mark.parametrize(
-    ("more", "subject", "value"),
-    [
-        ({"shift_ircut_nm": 5.0}, "shift_ircut_nm", 5.0),
-        ({"shift_ircut_nm": 5.0, "channel_filters": {"R": MODEL}}, "shift_ircut_nm", 5.0),
-    ],
-    ids=str,
-)
-def test_a_shift_without_a_filter_is_refused_by_every_entrance(run, folder, more, subject, value):
-    key = {"setting_name": subject, "value": value}
-    with refused_input(**key):
-        cn.analyze("onyx-rgb", **more)
-    with refused_input(**key):
-        cn.run(cn.study_from_data({"sensors": [{"name": "onyx-rgb"} | more]}))
-    words = [
-        *("--shift-ircut-nm", value),
-        *(("--channel-filter", f"R={MODEL}") if "channel_filters" in more else ()),
-    ]
-    outcome = run("analyze", "onyx-rgb", *words)
-    refused(outcome, "--shift-ircut-nm", value=value, setting=f"sensors.0.{subject}")
-    assert len(outcome[2].splitlines()) == 1
-
-
-def test_a_shift_of_a_command_is_copied_and_comes_back_with_its_numbers(run, folder):
-    write_table(folder / "coarse.csv", RISING[10.0], waves(RISING[10.0]))
-    line = ["analyze", "onyx-rgb", "--filter", "coarse.csv", "--shift-ircut-nm", "-12.5"]
-    code, out, err = run(*line, "--copy-as", "toml")
-    assert (code, err) == (0, "")
-    study = study_from_text(out, source="copied")
-    assert study.sensors[0].shift_ircut_nm == -12.5
-    assert study_as_command(study) == f"chromanoise {' '.join(line)}"
-    assert provenance(study)["study"]["sensors"][0]["shift_ircut_nm"] == -12.5
-    script, made = run(*line, "--copy-as", "python")[1], {}
-    exec(compile(script.replace("print(", "str("), "script", "exec"), made)
-    given = cn.analyze("onyx-rgb", filter=folder / "coarse.csv", shift_ircut_nm=-12.5)
-    for (point,) in (made["result"].points, given.points):
-        np.testing.assert_array_equal(point.sensor.qe, sensor_of(study.sensors[0]).qe)
 
 
 def test_a_shift_of_zero_changes_neither_the_curves_nor_the_hash(folder):

@@ -171,10 +171,6 @@ def test_the_record_of_a_run_has_all_defaults_and_is_run_again(here):
         ({"outputs": {"space": "nonsense"}}, "outputs.space", "nonsense"),
         ({"pictures": [{"mosaic": "bayer", "demosaic": "x"}]}, "pictures.0.demosaic", "x"),
         ({"pictures": [{"formats": ["png", "jpg"]}]}, "pictures.0.formats.1", "jpg"),
-        ({"light": {"level_lux": 1e16}}, "light.level_lux", 1e16),
-        ({"exposure": {"time_ms": 1e-13}}, "exposure.time_ms", 1e-13),
-        ({"exposure": {"f_number": 1e-3}}, "exposure.f_number", 1e-3),
-        ({"exposure": {"saturate": 1e-10}}, "exposure.saturate", 1e-10),
     ],
     ids=str,
 )
@@ -186,19 +182,6 @@ def test_a_study_built_in_python_is_checked_when_it_is_built(data, setting, valu
     assert fault.error.value == value
     with refused_input(setting_name=setting.split(".")[-1 - setting[-1].isdigit()], value=value):
         cn.study_from_data({"sensors": ONE} | data)
-
-
-@pytest.mark.parametrize(
-    ("words", "subject", "value"),
-    [
-        (("--beyond", "zero"), "beyond", "zero"),
-        (("--negatives", "zero"), "negatives", "zero"),
-        (("--white-balance", "gray"), "white_balance", "gray"),
-        (("--tone", "srgb"), "tone", "srgb"),
-    ],
-)
-def test_a_setting_of_curves_or_steps_that_are_not_there_is_refused(run, words, subject, value):
-    refused(run("analyze", "onyx-rgbw", *words), subject=subject, value=value)
 
 
 def test_a_filter_or_a_catalog_sensor_that_ends_early_may_be_extrapolated(run):

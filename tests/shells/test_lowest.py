@@ -15,7 +15,6 @@ PROJECT = Path(__file__).parents[2] / "pyproject.toml"
 
 
 def test_a_study_takes_gains_of_white_balance_as_a_list():
-    """Pydantic below 2.11 refuses a list for a strict tuple in a union."""
     pipeline = {"run": True, "white_balance": [2.0, 1.0, 1.5]}
     study = study_from_data(
         {"sensors": [{"name": "onyx-rgb"}], "outputs": {"pipeline": pipeline}}, source=""

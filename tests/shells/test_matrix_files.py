@@ -14,7 +14,6 @@ from chromanoise.io.matrix_files import MadeMatrix, balanced, matrix_clf
 from chromanoise.noise import Exposure, expected_electrons
 from chromanoise.spectra import DEFAULT_GRID, equal_energy, flat_field
 from chromanoise.study import sensor_named
-from outcomes import refused
 
 EXPOSURE = Exposure(time_s=0.0119)
 
@@ -94,9 +93,3 @@ def test_the_camera_profile_goes_from_xyz_to_camera_and_its_neutral_is_the_white
 def test_four_channels_do_not_fit_a_three_by_three_format():
     with pytest.raises(InputError, match="4"):
         matrix_clf(made("onyx-rgbw"))
-
-
-def test_an_unknown_ending_is_refused_before_anything_is_computed(run, tmp_path):
-    outcome = run("matrix", "onyx-rgbw", "--export", tmp_path / "m.xyz")
-    refused(outcome, ".clf", subject="--export", value=str(tmp_path / "m.xyz"))
-    assert list(tmp_path.iterdir()) == []

@@ -8,7 +8,7 @@ import tifffile
 
 import chromanoise as cn
 from chromanoise.spectra import OBSERVERS
-from outcomes import refused, refused_input
+from outcomes import refused
 
 
 def data_of(done, *words):
@@ -95,11 +95,6 @@ def test_an_exported_matrix_says_its_observer(done, here, ending):
 def test_an_unknown_observer_is_refused_with_near_names(run, here, words):
     outcome = run(*words, "--observer", "cie-1964")
     refused(outcome, "--observer", "cie-1964-10", subject="observer", value="cie-1964")
-
-
-def test_an_unknown_observer_is_refused_in_python():
-    with refused_input(subject="observer", value="1964"):
-        cn.analyze("model-rgb-ircut", observer="1964")
 
 
 def test_a_study_has_an_observer(done, here):

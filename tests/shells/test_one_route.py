@@ -14,58 +14,15 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 import chromanoise as cn
+from chart_values import stages_of
 from chromanoise.base.errors import InputError, errors_in
 from chromanoise.cli.entry import commands
+from chromanoise.study import FUNCTIONS, flags_of, option_of
 from chromanoise.web.answers import ChartReplies
 from chromanoise.web.page_studies import Studies
 from chromanoise.web.requests import QuestionError, Uploads
 
 SENSORS = ["onyx-rgbw", "onyx-rgb-ircut", "onyx-rgb", "model-mono", "model-rgbir", "cam.csv"]
-FLAGS = {
-    ("qe_scale", "percent"): "--percent",
-    ("qe_scale", "fraction"): "--fraction",
-    ("level", "absolute"): "--absolute",
-    ("per", "photon"): "--photons",
-    ("illuminant_per", "photon"): "--illuminant-photons",
-    ("illuminant_per", "energy"): "--illuminant-energy",
-}
-KEYS = {  # in a study, where it is not the setting's own name in one of these tables
-    "light": {
-        "illuminant": "illuminant",
-        "lux": "level_lux",
-        "illuminant_beyond": "beyond",
-        "illuminant_per": "per",
-    },
-    "exposure": {
-        name: name for name in ("equal", "time_ms", "saturate", "f_number", "magnification")
-    },
-    "outputs": {name: name for name in ("clip", "budget", "chart", "space", "merit")},
-    "": {"metric": "metric", "observer": "observer", "prior": "prior"},
-}
-OF_SENSOR = {
-    "beyond": ("beyond",),
-    "filter": ("filter",),
-    "filter_wavelength_unit": ("filter_wavelength_unit",),
-    "ircut_nm": ("ircut_nm",),
-    "shift_nm": ("shift_nm",),
-    "shift_ircut_nm": ("shift_ircut_nm",),
-    "qe_scale": ("answers", "scale"),
-    "level": ("answers", "level"),
-    "per": ("answers", "per"),
-    "peak_qe": ("answers", "peak_qe"),
-    "pixel": ("pixel", "file"),
-    "pitch_um": ("pixel", "pitch_um"),
-    "full_well_e": ("pixel", "full_well_e"),
-    **{
-        name: ("pixel", name)
-        for name in (
-            *("read_noise_e", "dark_current_e_per_s", "temperature_c", "dark_reference_c"),
-            *("dark_doubling_k", "dsnu_e", "prnu", "row_noise_e", "black_error_e", "bits"),
-            "gain_dn_per_e",
-        )
-    },
-    **{name: (name,) for name in ("crosstalk", "crosstalk_stage", "mosaic")},
-}
 
 
 def columns(head, last, *values):
@@ -89,6 +46,12 @@ FILES = {
     "pixel.txt": "K = 0.5 DN/e-\nsigma_d [e-] = 2.4\nmu_e.sat: 9000 e-\npixel pitch = 3 um\n"
     "dark current = 40 e-/s\nDSNU = 3 e-\nPRNU = 1 %\nbits = 12\n",
     "mix.csv": "to,R,G,B\nR,0.9,0.05,0\nG,0.05,0.9,0.05\nB,0,0.05,0.9\n",
+    "cards.csv": columns(
+        "wavelength_nm,red,green",
+        1050,
+        lambda w: 10 + 60 * (w > 600),
+        lambda w: 10 + 50 * (500 < w < 600),
+    ),
     "kernel.csv": "0,0.02,0\n0.02,0.9,0.03\n0,0.03,0\n",
 }
 
@@ -250,22 +213,28 @@ def printed(*words):
 
 
 def words_of(asked):
-    words = [asked.function, *asked.sensors]
+    words = [asked.function.removesuffix("_map"), *asked.sensors]
     if asked.matrix != "kernel":
         words += ["--matrix", asked.matrix]
     rest = dict(asked.settings)
     if "vary" in rest:
         words += ["--sweep", f"{rest.pop('vary')}={rest.pop('first')}:{rest.pop('last')}"]
+    if "second_vary" in rest:
+        name, *ends = (rest.pop(f"second_{key}") for key in ("vary", "first", "last", "points"))
+        words += ["--and", f"{name}={':'.join(map(str, ends))}"]
     if "pareto_first" in rest:
         ends = rest.pop("pareto_first"), rest.pop("pareto_last"), rest.pop("pareto_points")
         words += ["--pareto", ":".join(map(str, ends))]
     for name, value in rest.items():
-        if (name, value) in FLAGS:
-            words.append(FLAGS[name, value])
-        elif value is True:
-            words.append(f"--{name}")
+        option = option_of(name, value)
+        if value is True or option in flags_of(name).values():
+            words.append(option)
+        elif isinstance(value, dict):
+            words += [part for key, own in value.items() for part in (option, f"{key}={own}")]
+        elif name == "labels":
+            words += [part for own in value for part in (option, own)]
         elif value is not False:
-            words += [f"--{name.replace('_', '-')}", value]
+            words += [option, ",".join(map(str, value)) if isinstance(value, tuple) else value]
     return words
 
 
@@ -277,10 +246,10 @@ def outcome(act, *given):
 
 
 def in_python(asked):
-    if asked.function == "compare":
-        matrices = asked.matrix.split(",")
-        return cn.compare(*asked.sensors, matrices=matrices, **asked.settings).to_dict()
     function = getattr(cn, asked.function)
+    if asked.function.startswith("compare"):
+        matrices = asked.matrix.split(",")
+        return function(*asked.sensors, matrices=matrices, **asked.settings).to_dict()
     return as_a_step(
         asked, function(*asked.sensors, matrix=asked.matrix, **asked.settings).to_dict()
     )
@@ -319,17 +288,16 @@ def data_of(asked):
         "outputs": {"budget": False},
         "sensors": [{"name": name} for name in asked.sensors],
     }
-    for table, names in KEYS.items():
-        for name in asked.settings.keys() & names.keys():
-            at = data.setdefault(table, {}) if table else data
-            at[names[name]] = asked.settings[name]
-    for name in asked.settings.keys() & OF_SENSOR.keys():
-        *path, last = OF_SENSOR[name]
-        for sensor in data["sensors"]:
-            at = sensor
+    keys = {name: FUNCTIONS["analyze"][name][0] for name in asked.settings}
+    for name, key in keys.items():
+        place, _, rest = key.partition("sensors.*.")
+        for i, start in enumerate(data["sensors"] if rest else [data]):
+            *path, last = (rest or place).split(".")
+            at = start
             for step in path:
                 at = at.setdefault(step, {})
-            at[last] = asked.settings[name]
+            value = asked.settings[name]
+            at[last] = value[i] if name == "labels" else value
     return data
 
 
@@ -369,17 +337,15 @@ def agree(one, other):
 
 def page_agrees(result, parts):
     """The SNR of each kind, the operating point and the notes of each sensor."""
-    for own, drawn, head in zip(
-        result["sensors"], parts["stages"]["sensors"], parts["head"]["sensors"], strict=True
-    ):
-        assert own["name"] == drawn["name"] == head["name"]
-        agree({c["name"]: c["snr_db"] for c in own["channels"]}, drawn["raw"])
-        agree(
-            {c["name"]: c["contravariant_snr_db"] for c in own["channels"]},
-            drawn["contravariant"],
-        )
-        agree(own["color"]["snr_db"], drawn["color"])
-        agree(own["price_db"], drawn["price_db"])
+    stages, heads = stages_of(parts["stages"]), parts["head"]["sensors"]
+    for own, drawn, head in zip(result["sensors"], stages, heads, strict=True):
+        assert own["name"] == head["name"]
+        channels = own["channels"]
+        agree({c["name"]: c["snr_db"] for c in channels}, drawn["raw SNR"])
+        unmixed = {c["name"]: c["contravariant_snr_db"] for c in channels}
+        agree(unmixed, drawn["contravariant SNR"])
+        agree(own["color"]["snr_db"], drawn["color SNR"])
+        agree({"Y": own["price_db"]}, drawn["color SNR loss"])
         assert own["notes"] == head["notes"]
 
 
@@ -507,10 +473,40 @@ def test_a_comparison_is_the_same_by_every_route(result):
     routes_agree(replace(capture_settings_of(start | result), function="compare"))
 
 
+def test_a_comparison_over_two_parameters_is_the_same_by_every_route():
+    second = {"second_vary": "prnu", "second_first": 0.0, "second_last": 0.1, "second_points": 3}
+    given = {"vary": "lux", "first": 0.1, "last": 10.0, "points": 4, **second}
+    start = {"sensors": PAIR, "matrix": "kernel"}
+    routes_agree(replace(capture_settings_of(start | given), function="compare_map"))
+
+
 @pytest.mark.parametrize("result", MATRIXED, ids=str)
 def test_a_color_matrix_is_the_same_by_every_route(result):
     start = {"sensors": ("onyx-rgbw",), "matrix": "kernel"}
     routes_agree(replace(capture_settings_of(start | result), function="matrix"))
+
+
+FURTHER = [
+    {
+        **{"sensors": ("cam.csv",), "qe_scale": "percent", "beyond": "hold", "negatives": "zero"},
+        **{"filter": "filter.csv", "shift_ircut_nm": 5.0, "channel_filters": {"R": "ircut-650"}},
+        **{"labels": ("mine",), "merit": True, "reader": "machine", "pairs": "cards.csv"},
+        **{"chart_file": "cards.csv", "patch": 0.5, "reflectance_scale": "percent"},
+        **{"illuminant": "lamp.csv", "illuminant_per": "energy", "illuminant_column": "power"},
+    },
+    {
+        **{"pipeline": True, "white_balance": (2.0, 1.0, 1.2), "exposure_gain": 0.7},
+        **{"saturation": 1.2, "tone": "rec709", "luma": "bt601", "base_iso": 50.0},
+        **{"iso": (100.0, 800.0), "iso_read_noise_e": (2.0, 3.0), "column_noise_e": 1.0},
+        **{"rtn_share": 0.1, "rtn_amplitude_e": 20.0, "binning": 4, "binning_mode": "digital"},
+    },
+]
+
+
+@pytest.mark.parametrize("settings", FURTHER, ids=["curves", "pipeline"])
+def test_further_settings_of_an_analysis_are_the_same_by_every_route(settings):
+    start = {"sensors": ("onyx-rgb-ircut",), "matrix": "kernel"}
+    assert not isinstance(routes_agree(capture_settings_of(start | settings)), Refusal)
 
 
 def times_ms(result):

@@ -550,6 +550,6 @@ def test_a_search_of_another_sensor_object_has_another_identity():
     start, identities = sensor_named("onyx-rgbw", DEFAULT_GRID), []
     for factor in (0.5, 0.5, 0.6):
         own = replace(start, name="own", qe=start.qe * factor)
-        task = task_of(document, Given(sensors={object_word("own"): own}))
+        task = task_of(document, Given(objects={object_word("own"): own}))
         identities.append(task.identity)
     assert identities[0] == identities[1] != identities[2]

@@ -9,7 +9,7 @@ import xml.etree.ElementTree as ElementTree
 import httpx
 import pytest
 
-from chromanoise.charts import Look, chart_csv, drawing, shown
+from chromanoise.charts import Look, as_data, chart_csv, drawing, shown
 from chromanoise.cli.entry import run as run_command
 from chromanoise.study import study_from_data
 from chromanoise.web.answers import report_reply
@@ -33,7 +33,7 @@ CHARTS = ("stages", "budget", "sensitivities", "levels", "pareto", "vectors", "e
 
 @pytest.fixture(scope="module")
 def client(address):
-    with httpx.Client(base_url=address, timeout=120, transport=Patient()) as asking:
+    with httpx.Client(base_url=address, timeout=600, transport=Patient()) as asking:
         yield asking
 
 
@@ -123,7 +123,9 @@ def as_told(table, row, columns=None):
 
 def test_values_are_read_by_key_pointer_and_touch_as_the_table_has_them(window, of):
     page = window({"study": STUDY, "look": {}})
-    levels, stages, budget = (drawing(part, of)["table"] for part in ("levels", "stages", "budget"))
+    levels, stages, budget = (
+        as_data(drawing(part, of))["table"] for part in ("levels", "stages", "budget")
+    )
     keys = ("Home", "ArrowRight", "ArrowRight", "ArrowDown")
     assert read_by_key(page, "levels", *keys) == as_told(levels, 2, (0, 2))
     assert page.locator(".d-unseen").inner_text() == ", ".join(as_told(levels, 2, (0, 2)))
@@ -269,7 +271,7 @@ def test_the_report_is_saved_from_the_page_and_its_charts_from_the_report(
         tab.close()
     tab = opened()
     size_of(saved(tab, "section[data-part=levels]", "PNG")[1])
-    table = drawing("levels", of)["table"]
+    table = drawing("levels", of).table
     assert read_by_key(tab, "levels", "Home", "ArrowRight") == as_told(table, 1, (0, 1))
     tab.locator("#slide-0").focus()
     tab.keyboard.press("ArrowLeft")

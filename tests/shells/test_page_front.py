@@ -4,6 +4,7 @@ import json
 
 import pytest
 
+from chart_values import stages_of
 from fronts import EXPOSURE, LIGHT, MATRIX, REFERENCES, front_of_ir_cuts
 from outcomes import refused
 from served_page import served
@@ -72,7 +73,7 @@ def test_a_click_loads_a_sensor_with_its_scene_and_the_page_computes_the_same_sn
         f"{page.url.partition('#')[0]}api/answer", data={"study": study, "want": ["stages"]}
     )
     [member] = [one for one in front.members if one.name == name]
-    snr_y_db = reply.json()["parts"]["stages"]["sensors"][-1]["color"]["Y"]
+    snr_y_db = stages_of(reply.json()["parts"]["stages"])[-1]["color SNR"]["Y"]
     assert snr_y_db == pytest.approx(member.objectives["snr_y_db"], rel=1e-9)
 
 

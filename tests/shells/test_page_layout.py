@@ -181,10 +181,10 @@ def test_axe_finds_no_fault_in_a_wide_window_with_ten_sensors(window, axe, schem
 def test_a_tap_in_the_middle_of_each_button_of_a_phone_s_header_reaches_it(window, width):
     page = window(viewport={"width": width, "height": 844})
     for name in ("#tour", "#menu", "#more"):
-        page.locator(name).click(trial=True, timeout=3000)
+        page.locator(name).click(trial=True)
     page.locator("#tour").click()
     page.locator("#sheet").click()
-    page.locator("#study .track").first.click(trial=True, timeout=3000)
+    page.locator("#study .track").first.click(trial=True)
 
 
 def test_one_sensor_stands_beside_itself_without_noise(window):

@@ -45,18 +45,6 @@ def test_json_has_the_digits_of_the_library(done):
     assert pipeline_of(out) == json.loads(json.dumps(own))
 
 
-def test_command_python_and_study_file_agree(done, here):
-    out, _ = done(*WORDS, "--json", "-")
-    assert cn.analyze("model-rgb-ircut", **SETTINGS).to_dict() == json.loads(out)
-    copied, _ = done(*WORDS, "--copy-as", "toml")
-    (here / "study.toml").write_text(copied)
-    done("run", "study.toml", "--out", "o")
-    (result,) = (json.loads(path.read_bytes()) for path in (here / "o").glob("analysis-*.json"))
-    assert result["result"] == json.loads(out)
-    script, _ = done(*WORDS, "--copy-as", "python")
-    assert "white_balance=(2.0, 1.0, 1.2)" in script.replace("[", "(").replace("]", ")")
-
-
 def test_without_the_option_no_result_has_the_key(done):
     out, _ = done("analyze", "model-rgb-ircut", "--json", "-")
     assert "pipeline" not in json.loads(out)["sensors"][0]

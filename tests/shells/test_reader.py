@@ -27,11 +27,6 @@ def test_the_json_has_medians_with_probabilities_and_the_worst_pair(done):
     assert set(found["worst_pair"]["names"]) == {"orange", "orange yellow"}
 
 
-def test_python_gives_the_digits_of_the_command(done):
-    result = cn.analyze("onyx-rgbw", lux=10, time_ms=12, reader="machine").to_dict()
-    assert result["sensors"][0]["separation"] == separation(done)
-
-
 def test_for_an_eye_nothing_of_a_machine_is_computed(done):
     out, _ = done("analyze", "onyx-rgbw", *LIGHT, "--json", "-")
     (sensor,) = json.loads(out)["sensors"]
@@ -86,10 +81,6 @@ def test_a_list_may_have_the_line_ends_of_any_system(done, here):
 def test_a_file_without_pairs_is_refused(run, here, text):
     (here / "pairs.csv").write_text(text)
     refused(run("analyze", "onyx-rgbw", "--reader", "machine", "--pairs", "pairs.csv"), "pairs.csv")
-
-
-def test_a_missing_file_of_pairs_is_named(run):
-    refused(run("analyze", "onyx-rgbw", "--pairs", "none.csv"), "none.csv")
 
 
 def test_a_comparison_of_separations_crosses_where_the_medians_do(done):

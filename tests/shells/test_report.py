@@ -6,13 +6,15 @@ import gzip
 import json
 import re
 from decimal import ROUND_HALF_UP, Decimal
+from functools import partial
 from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
 from hypothesis import given, strategies as st
 
-from chromanoise.charts import PARTS, drawing, shown, study_figures
+from chart_values import rows_of, stages_of
+from chromanoise.charts import PARTS, as_data, drawing, shown, study_figures
 from chromanoise.charts.by_name import SECTIONS
 from chromanoise.charts.explanations import EXPLANATIONS, mathml
 from chromanoise.charts.figure_style import figure_bytes
@@ -147,11 +149,9 @@ def test_a_title_is_words_and_never_markup(page):
 def test_the_data_is_json_whose_numbers_are_those_of_the_library(page, there):
     result = block(page)["parts"]
     for part in ("stages", "budget", "levels", "chart", "pareto", "sensitivities", "vectors"):
-        assert result[part]["table"] == drawing(part, there)["table"]
-    named = {one["name"]: one["color"] for one in result["stages"]["sensors"]}
-    for analysis in there.analyses:
-        for name, value in color_snr_db(analysis).items():
-            assert named[analysis.sensor.name][name] == pytest.approx(value, rel=1e-4)
+        assert result[part]["table"] == as_data(drawing(part, there))["table"]
+    for analysis, found in zip(there.analyses, stages_of(result["stages"]), strict=True):
+        assert found["color SNR"] == pytest.approx(color_snr_db(analysis), rel=1e-4)
 
 
 def test_verdict_tables_equations_and_study_stand_in_the_page_without_a_script(page, there):
@@ -266,32 +266,9 @@ def test_every_number_of_a_sweep_of_every_matrix_is_in_the_report():
                 assert written(cell, column.digits).replace("-", "\N{MINUS SIGN}") in cells
 
 
-def unpacked(packed, chart):
-    """Outlines as the page lays them: points of one circle along two half axes."""
-    values = []
-    for center, right, up, reach in packed["patches"]:
-        points = [
-            [center[k] + c * right[k] + s * up[k] for k in (0, 1)] for c, s in chart["circle"]
-        ]
-        values.append((center, points, reach))
-    return values
-
-
-def test_ellipses_come_back_from_their_half_axes(page, there):
-    data, whole = block(page), drawing("ellipses", there)
-    assert data["chart_of"]["patches"][0]["name"] == "dark skin"
-    for packed, sensor in zip(data["parts"]["ellipses"]["sensors"], whole["sensors"], strict=True):
-        found = unpacked(packed, data["chart_of"])
-        for (center, points, reach), patch in zip(found, sensor["patches"], strict=True):
-            assert center == pytest.approx(patch["center"], rel=1e-4)
-            assert reach == pytest.approx(patch["reach"], rel=1e-4)
-            for mine, his in zip(points, patch["outline"], strict=True):
-                assert mine == pytest.approx(his, abs=2e-3)
-
-
 def answered(data, slide, i):
     """What the page shows at a position, as its script puts it together."""
-    changed = data["slides"][slide]["answers"][i]
+    changed = {part: each[i] for part, each in data["slides"][slide]["answers"].items()}
     return {
         part: changed.get(part, {}).get("whole") or {**own, **changed.get(part, {})}
         for part, own in data["parts"].items()
@@ -319,17 +296,17 @@ def test_what_a_slider_shows_is_a_fresh_analysis_at_that_value(page, there, slid
     }[slide]()
     answer = answered(data, slide, i)
     for part in ("stages", "budget", "levels", "chart", "pareto", "sensitivities", "vectors"):
-        assert answer[part]["table"] == drawing(part, asked)["table"]
-    assert answer["levels"]["now_lux"] == pytest.approx(asked.study.light.level_lux, rel=1e-4)
+        assert answer[part]["table"] == as_data(drawing(part, asked))["table"]
+    (now,) = [one for one in answer["levels"]["panels"][0]["marks"] if one.get("role") == "now"]
+    assert now["at"] == pytest.approx(asked.study.light.level_lux, rel=1e-4)
     head = drawing("head", asked)
     light, called = f"E + {value} x 850 nm LED, 20 nm wide", f"E+{value}xLED850"
     assert [one.replace(light, called) for one in answer["head"]["verdict"]] == head["verdict"]
     assert answer["head"]["table"] == head["table"]
-    pairs = zip(answer["ellipses"]["sensors"], drawing("ellipses", asked)["sensors"], strict=True)
-    for packed, sensor in pairs:
-        assert len(packed["patches"]) == len(sensor["patches"])
-        for mine, patch in zip(packed["patches"], sensor["patches"], strict=True):
-            assert mine[0] == pytest.approx(patch["center"], rel=1e-4, abs=1e-9)
+    close = partial(pytest.approx, rel=1e-4, abs=1e-9)
+    mine, his = (rows_of(one) for one in (answer["ellipses"], drawing("ellipses", asked)))
+    for row, whole in zip(mine, his, strict=True):
+        assert row == {k: close(v) if isinstance(v, float) else v for k, v in whole.items()}
 
 
 def test_the_study_itself_is_a_position_of_every_slider_and_changes_nothing(page, there):
@@ -338,7 +315,8 @@ def test_the_study_itself_is_a_position_of_every_slider_and_changes_nothing(page
     assert [len(slide["values"]) for slide in data["slides"]] == [25, 13, 7]
     assert data["slides"][0]["values"][data["slides"][0]["own"]] == 10.0
     for i, slide in enumerate(slides_of(there)):
-        assert data["slides"][i]["answers"][slide.own] == {}
+        changes = [one[slide.own] for one in data["slides"][i]["answers"].values()]
+        assert not any(changes)
         assert len(slide.texts) == len(set(slide.texts))
     assert at_value(there, slides_of(there)[1], None) is there
 
@@ -355,9 +333,9 @@ def test_a_saturated_sensor_has_a_report_that_says_so():
     page = study_report(shown(study))
     data = block(page)
     assert "saturated" in data["parts"]["head"]["verdict"][0]
-    assert data["parts"]["ellipses"]["sensors"][0]["patches"] == []
-    assert len(data["chart_of"]["patches"]) == 24  # of a position of the slider that has colors
-    assert len(data["slides"][0]["answers"][0]["ellipses"]["sensors"][0]["patches"]) == 24
+    assert data["parts"]["ellipses"]["panels"] == []
+    columns = data["slides"][0]["answers"]["ellipses"][0]["columns"]
+    assert len(columns[0]["values"]) == 24  # of a position of the slider that has colors
 
 
 @given(st.floats(1e-9, 1e9), st.integers(1, 4))

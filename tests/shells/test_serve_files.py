@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from chart_values import stages_of
 from chromanoise.base.errors import InputError
 from chromanoise.study import read_study, run_study, study_from_data, study_from_text, study_hash
 from chromanoise.study.hashes import file_words, with_file_words
@@ -177,10 +178,10 @@ def test_a_study_with_all_noise_of_a_pixel_is_answered_and_its_copies_keep_it(an
     noisy = {"crosstalk": 0.1, "crosstalk_stage": "charge", "mosaic": "bayer"}
     study = {"sensors": [{"name": "onyx-rgb", "pixel": PIXEL, **noisy}]}
     head, plain = (
-        asked(answers, one, "stages")["parts"]["stages"]["sensors"][0]
+        stages_of(asked(answers, one, "stages")["parts"]["stages"])[0]
         for one in (study, {"sensors": [{"name": "onyx-rgb"}]})
     )
-    assert head["color"]["Y"] < plain["color"]["Y"] - 2
+    assert head["color SNR"]["Y"] < plain["color SNR"]["Y"] - 2
     message = answers.texts({"study": study})
     copied = study_from_text(message["toml"], source="a test").sensors[0]
     assert copied.pixel.model_dump(exclude_none=True) == PIXEL
@@ -202,8 +203,8 @@ def test_served_files_of_crosstalk_and_matrix_are_read_and_read_again(uploads, t
     result, answers, _ = serving(uploads, path)
 
     def snr_db():
-        (sensor,) = asked(answers, result, "stages")["parts"]["stages"]["sensors"]
-        return sensor["raw"]["R"], sensor["color"]["Y"]
+        (sensor,) = stages_of(asked(answers, result, "stages")["parts"]["stages"])
+        return sensor["raw SNR"]["R"], sensor["color SNR"]["Y"]
 
     first = snr_db()
     done("matrix", *made[1:], made[0], "--matrix", "lmmse")
@@ -296,7 +297,7 @@ def test_a_drawing_that_failed_for_want_of_something_is_tried_again(answers, mon
         patched.setattr(answering, "drawing", fails)
         assert "fault" in asked(answers, study, "stages")["parts"]["stages"]
     assert "the drawing stages failed" in caplog.text
-    assert "sensors" in asked(answers, study, "stages")["parts"]["stages"]
+    assert asked(answers, study, "stages")["parts"]["stages"]["panels"]
 
 
 def test_what_is_wrong_with_one_study_is_not_said_of_the_next(answers, monkeypatch):
@@ -309,7 +310,7 @@ def test_what_is_wrong_with_one_study_is_not_said_of_the_next(answers, monkeypat
         result = asked(answers, study | {"matrices": ["lmmse"]}, "sensitivities")
         assert result["parts"]["sensitivities"]["fault"] == "the matrix: cannot be made"
     result = asked(answers, study, "sensitivities")  # which depend on no matrix
-    assert result["parts"]["sensitivities"]["sensors"]
+    assert result["parts"]["sensitivities"]["panels"]
 
 
 # ---- one sensor twice ----

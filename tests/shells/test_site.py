@@ -15,7 +15,14 @@ from urllib.parse import urlsplit
 import pytest
 
 import chromanoise as cn
-from documentation import faults_of_class, faults_of_function
+from documentation import (
+    faults_of_class,
+    faults_of_function,
+    leads_somewhere,
+    public_methods,
+    references,
+    short_entries,
+)
 
 ROOT = Path(__file__).parents[2]
 PAGES = sorted(
@@ -235,3 +242,61 @@ def test_every_parameter_unit_and_error_of_a_public_name_is_documented(path):
         elif site.kind_of(value) == "functions":
             faults += faults_of_function(name, inspect.unwrap(value), computes=False)
     assert [one for one in faults if not one.endswith((": no Returns", ": no source"))] == []
+
+
+def docstrings_of(path):
+    """Name, owner and text of each docstring of the public names of a package."""
+    module = importlib.import_module(path)
+    yield path, module, module.__doc__
+    for name, value in names_of(path):
+        if site.kind_of(value) == "data":
+            yield (
+                name,
+                module,
+                "" if inspect.ismodule(value) else site.documentation_of_data(path, name),
+            )
+            continue
+        yield name, value, value.__doc__
+        for own, function in public_methods(value) if inspect.isclass(value) else ():
+            yield f"{name}.{own}", value, function.__doc__
+
+
+@pytest.fixture(scope="module")
+def public():
+    found = {}
+    for path in site.all_packages():
+        module = importlib.import_module(path)
+        found.setdefault(path.rpartition(".")[2], []).append(module)
+        for name, value in names_of(path):
+            found.setdefault(name, []).append(value)
+    return found
+
+
+MENDED = ("chromanoise.base", "chromanoise.apps")
+DOCSTRINGS = [
+    path if path in MENDED else pytest.param(path, marks=pytest.mark.xfail(strict=False))
+    for path in site.all_packages()
+]
+
+
+@pytest.mark.parametrize("path", DOCSTRINGS)
+def test_no_entry_of_a_docstring_only_repeats_the_name(path):
+    found = [
+        one
+        for name, value in names_of(path)
+        if site.kind_of(value) != "data"
+        for one in short_entries(name, inspect.unwrap(value))
+    ]
+    assert found == []
+
+
+@pytest.mark.parametrize("path", DOCSTRINGS)
+def test_cross_references_name_public_things_only(path, public):
+    module = importlib.import_module(path)
+    lost = [
+        f"{where}: {name}"
+        for where, owner, text in docstrings_of(path)
+        for name in references(text)
+        if not leads_somewhere(name, owner, module, public)
+    ]
+    assert lost == []

@@ -118,12 +118,6 @@ def test_csv_json_and_csv_again_keeps_source_and_notes(run, here):
     assert (kept["source"], kept["notes"][:2]) == ("a bench", ["one", "two"])
 
 
-def test_no_result_takes_the_place_of_another(run, here):
-    both = ("--json", "zz.json", "--table", "./zz.json")
-    refused(run("analyze", "onyx-rgbw", *both), "--json", subject="--table", value="./zz.json")
-    assert not (here / "zz.json").exists()
-
-
 @pytest.mark.parametrize(
     ("text", "read_noise_e"),
     [

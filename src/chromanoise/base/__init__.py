@@ -18,6 +18,7 @@ if TYPE_CHECKING:
         errors_in as errors_in,
         in_study as in_study,
         known_name,
+        no_place_for,
         refusal,
         setting_of_study,
     )
@@ -44,11 +45,13 @@ if TYPE_CHECKING:
         keys_of,
         plain,
         schema,
+        with_short_repr,
     )
     from chromanoise.base.lazy import MovedPackages, lazy_names, renamed_keywords, warn_of_old_name
     from chromanoise.base.linalg import (
         RANK_TOLERANCE,
         angles_deg,
+        blas_kernel,
         cholesky,
         congruence,
         covariance_root,
@@ -64,6 +67,7 @@ if TYPE_CHECKING:
         unit_columns,
         whitening,
     )
+    from chromanoise.base.packages import optional_package, refuse_absent_package
     from chromanoise.base.palette import (
         CHANNELS,
         DIFFERENCES,
@@ -95,7 +99,6 @@ if TYPE_CHECKING:
         RecordError,
         Written,
         after,
-        before,
         dotted,
         short,
         subclass,

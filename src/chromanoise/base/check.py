@@ -67,6 +67,14 @@ def fraction(name: str, unit: str, values: Any) -> Array:
     )
 
 
+def number(text: str, subject: str, requirement: str, **said: Any) -> float:
+    """The number that a text is; else raises `InputError`, with what is ``said`` of the text."""
+    try:
+        return float(text)
+    except ValueError:
+        raise InputError(subject, requirement, **{"value": text, **said}) from None
+
+
 def positive(name: str, unit: str, value: float) -> float:
     """A finite number > 0."""
     number = float(value)
@@ -147,6 +155,13 @@ def among(name: str, value: str, choices: Sequence[str]) -> str:
     raise InputError(name, "must be a known name", value=value, remedy=hint)
 
 
+def shape(subject: str, array: Any, holds: bool, requirement: str) -> None:
+    """Raise `InputError` with the shape of an array unless the requirement ``holds``."""
+    if not holds:
+        found = f"has shape {array.shape}"
+        raise InputError(subject, requirement, value=array.shape, found=found)
+
+
 def same_names(what: str, **names: tuple[str, ...]) -> None:
     """Raise `InputError` if the names of channels differ in content or order."""
     if len(set(names.values())) > 1:
@@ -164,9 +179,15 @@ def frozen(array: Array) -> Array:
 
 
 def freeze(noun: object, *fields: str) -> None:
-    """Replace array fields of a frozen dataclass by read-only copies."""
-    for field in fields:
-        object.__setattr__(noun, field, frozen(getattr(noun, field)))
+    """Replace array fields of a frozen dataclass by read-only copies; ``None`` stays."""
+    values = {field: getattr(noun, field) for field in fields}
+    keep(noun, **{field: value for field, value in values.items() if value is not None})
+
+
+def keep(noun: object, **arrays: Array) -> None:
+    """Set array fields of a frozen dataclass, as it is created, to read-only copies."""
+    for field, array in arrays.items():
+        object.__setattr__(noun, field, frozen(array))
 
 
 def _demand(

@@ -203,11 +203,6 @@ class InputError(ValueError):
     def called(self, subject: str) -> "InputError":
         """The same error with another subject.
 
-        Parameters
-        ----------
-        subject
-            The new subject.
-
         Returns
         -------
         InputError
@@ -256,6 +251,29 @@ class InputError(ValueError):
             for one in self.remedy
         )
         return _rebuilt(type(self), self.__dict__ | {"setting": setting, "remedy": remedy})
+
+
+def no_place_for(
+    subject: str, requirement: str, value: Any, *remedy: Remedy, setting: str = ""
+) -> InputError:
+    """The error for a setting that is given where it has no effect, or contradicts another one.
+
+    Parameters
+    ----------
+    subject, requirement, value, setting
+        As `InputError`; the message does not mention the value.
+    remedy
+        To omit it, if nothing else is said.
+
+    Examples
+    --------
+    >>> print(no_place_for("clip", "must not be given with a mosaic", True))
+    clip must not be given with a mosaic; omit it
+    """
+    remedies = remedy or ("omit it",)
+    return InputError(
+        subject, requirement, value=value, found=None, remedy=remedies, setting=setting
+    )
 
 
 class StudyError(InputError):

@@ -79,8 +79,6 @@ def json_file(path: Path, *, most_bytes: int, any_number: bool = False) -> Any:
 
     Parameters
     ----------
-    path
-        A regular file.
     most_bytes
         Largest size that is read.
     any_number

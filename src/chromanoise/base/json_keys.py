@@ -5,17 +5,19 @@ lists as ``KEYS``: a name, or a `JsonKey` where the value has another name, unit
 keys can also be given with the record, for a view of records of lower rooms.
 
 `plain` writes: it walks from a record to numbers, text, lists and objects. `schema` describes: it
-walks from the class along the same keys, and reads types from annotations.
+walks from the class along the same keys, and reads types from annotations. `with_short_repr` shows
+a record in an interactive session.
 """
 
 import math
+import reprlib
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, fields, is_dataclass
 from functools import reduce
 from operator import or_
 from types import NoneType, UnionType
-from typing import Annotated, Any, Literal, Union, get_args, get_origin
+from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 
 import numpy as np
 
@@ -172,6 +174,49 @@ def _named(value: Any, by: Sequence[str | tuple[str, ...]], owners: tuple[Any, .
         return value
     names = _at(by[0], owners) if isinstance(by[0], str) else by[0]
     return {name: _named(one, by[1:], owners) for name, one in zip(names, value, strict=True)}
+
+
+_Class = TypeVar("_Class", bound=type)
+_LONGEST_REPR = 400
+
+
+class _Short(reprlib.Repr):
+    def __init__(self) -> None:
+        super().__init__()
+        self.maxstring = self.maxother = 60
+
+    def repr_ndarray(self, array: Any, level: int) -> str:
+        return f"<{' x '.join(map(str, array.shape))} {array.dtype}>"
+
+    def repr_instance(self, value: Any, level: int) -> str:
+        if not is_dataclass(value):
+            return super().repr_instance(value, level)
+        name = getattr(value, "name", "...")
+        return f"{type(value).__name__}({name})"
+
+
+_SHORT = _Short()
+
+
+def with_short_repr(kind: _Class) -> _Class:
+    """A decorator of a class of records: ``repr`` has the sizes of arrays, not their numbers.
+
+    Records inside are shown by their names; fields without a value are left out.
+    """
+
+    def shortly(self: Any) -> str:
+        values = {one.name: getattr(self, one.name) for one in fields(self) if one.repr}
+        given = {
+            name: _SHORT.repr(one)
+            for name, one in values.items()
+            if isinstance(one, np.ndarray) or one not in (None, ())
+        }
+        text = ", ".join(f"{name}={one}" for name, one in given.items())
+        shown = text if len(text) <= _LONGEST_REPR else f"{text[:_LONGEST_REPR]}..."
+        return f"{type(self).__name__}({shown})"
+
+    kind.__repr__ = shortly  # type: ignore[assignment, method-assign] # of a class
+    return kind
 
 
 _NUMBERS: dict[str, Any] = {"$ref": "#/$defs/numbers"}

@@ -4,11 +4,13 @@ All linear solvers are called here, after a check for numbers that are not finit
 forever over such a number while it holds the interpreter lock.
 """
 
+import ctypes
 from collections.abc import Callable
 from functools import partial
 from typing import Any
 
 import numpy as np
+from numpy.linalg import _umath_linalg
 
 from chromanoise.base.check import Array
 from chromanoise.base.errors import InputError
@@ -115,3 +117,24 @@ def angle_deg(a: Float[Array, " n"], b: Float[Array, " n"]) -> float:
     """Angle between two vectors, accurate near 0 and 180 degrees (Kahan). [deg]"""
     u, v = a / np.linalg.norm(a), b / np.linalg.norm(b)
     return float(np.degrees(2 * np.arctan2(np.linalg.norm(u - v), np.linalg.norm(u + v))))
+
+
+def blas_kernel() -> str | None:
+    """The kernel that OpenBLAS chose for this processor, or that OPENBLAS_CORETYPE names.
+
+    ``None`` if numpy uses another BLAS, and on Windows, where a library shows only its own names.
+    """
+    loaded = ctypes.CDLL(_umath_linalg.__file__)  # names of all libraries that it is linked to
+    for name in _KERNEL_NAMES:
+        if hasattr(loaded, name):
+            named = getattr(loaded, name)
+            named.restype = ctypes.c_char_p
+            return str(named().decode())
+    return None
+
+
+_KERNEL_NAMES = [
+    f"{library}_get_corename{integers}"
+    for library in ("scipy_openblas", "openblas")
+    for integers in ("64_", "")
+]

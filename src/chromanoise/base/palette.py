@@ -61,7 +61,7 @@ def color_between(colors: Sequence[str], share: float) -> str:
     colors
         Of `VALUES` or `DIFFERENCES`.
     share
-        0 to 1.
+        From 0 (the first color) to 1 (the last).
 
     Examples
     --------

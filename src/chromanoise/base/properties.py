@@ -93,8 +93,6 @@ class Property:
         ----------
         name
             Of the field, for the sentence.
-        value
-            To be checked.
 
         Raises
         ------
@@ -112,15 +110,7 @@ class Property:
         return number
 
     def checked(self, value: Any, place: Any) -> Any:
-        """A value of a record within the bounds.
-
-        Parameters
-        ----------
-        value
-            Of the property.
-        place
-            A `chromanoise.base.records.Place`.
-        """
+        """A value of a record within the bounds."""
         return After(lambda given: self.demand(place.name, given)).checked(value, place)
 
     def schema(self) -> dict[str, Any]:
@@ -219,13 +209,7 @@ def required_of(owner: type) -> tuple[str, ...]:
 
 
 def beside_their_needs(properties: Mapping[str, Property]) -> Mapping[str, Property]:
-    """Properties in their order, but each directly after the one that it needs.
-
-    Parameters
-    ----------
-    properties
-        By name.
-    """
+    """Properties in their order, but each directly after the one that it needs."""
     names = list(properties)
 
     def place(name: str) -> tuple[int, bool]:
@@ -242,8 +226,6 @@ def partial_class(name: str, properties: Mapping[str, Property]) -> type:
 
     Parameters
     ----------
-    name
-        Of the class.
     properties
         Its fields by name, in order.
     """

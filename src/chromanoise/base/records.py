@@ -86,10 +86,6 @@ class Fault:
 
     Attributes
     ----------
-    key
-        Where.
-    error
-        What.
     of_part
         Whether ``error`` is of a check that sees several fields of a record, whose names are inside
         of ``key``.
@@ -101,13 +97,7 @@ class Fault:
 
 
 class RecordError(ValueError):
-    """All faults of a document.
-
-    Attributes
-    ----------
-    faults
-        At least one.
-    """
+    """All faults of a document."""
 
     def __init__(self, faults: Sequence[Fault]) -> None:
         super().__init__("; ".join(f"{dotted(one.key)}: {one.error}" for one in faults))
@@ -137,8 +127,6 @@ class DeclaredField:
     ----------
     default
         ``...`` if it must be given.
-    description
-        In words.
     alias
         Its key, where that is no name of Python.
     ge, gt, le, lt, finite
@@ -236,25 +224,13 @@ class Before(After):
 
 @dataclass(frozen=True, slots=True)
 class Written:
-    """How a value is written as plain data, where that differs.
-
-    Attributes
-    ----------
-    plain
-        From the value.
-    """
+    """How a value is written as plain data, where that differs."""
 
     plain: Callable[[Any], Any]
 
 
 def before(*names: str) -> Callable[[Any], Any]:
-    """A decorator: a class method that checks what is given for fields, as `Before`.
-
-    Parameters
-    ----------
-    names
-        The fields.
-    """
+    """A decorator: a class method that checks what is given for fields, as `Before`."""
 
     def marked(method: Any) -> Any:
         method.__func__.fields_before = names
@@ -320,8 +296,6 @@ class Record(metaclass=_OfRecords):
         ----------
         data
             Its values by key; ``_`` and ``-`` are equal.
-        context
-            For the checks.
 
         Raises
         ------
@@ -418,25 +392,13 @@ class Record(metaclass=_OfRecords):
 
 
 def short(word: Any) -> str:
-    """Enough of a word to know it.
-
-    Parameters
-    ----------
-    word
-        A key.
-    """
+    """Enough of a word to know it."""
     text = str(word)
     return text if len(text) <= _LONGEST_WORD else f"{text[:_LONGEST_WORD]}..."
 
 
 def dotted(key: Key) -> str:
-    """A key as text: ``sensors.0.name``.
-
-    Parameters
-    ----------
-    key
-        Its steps.
-    """
+    """A key as text: ``sensors.0.name``."""
     return ".".join(map(short, key))
 
 
@@ -449,8 +411,6 @@ def subclass(
     ----------
     base
         The class that it extends.
-    name
-        Its name.
     fields
         Type and declaration of each further field.
     more
@@ -584,13 +544,7 @@ def _check_of(cls: type[Record], name: str) -> _Check:
         type.__setattr__(cls, "_checks", checks)
     if name not in checks:
         one = cls.model_fields[name]
-        methods = [
-            getattr(cls, key)
-            for base in cls.__mro__
-            for key, method in vars(base).items()
-            if name in getattr(getattr(method, "__func__", None), "fields_before", ())
-        ]
-        inside = (*one.metadata, *map(Before, methods))
+        inside = one.metadata
         checks[name] = _checker(Annotated[one.annotation, *inside] if inside else one.annotation)
     return checks[name]
 
@@ -737,13 +691,7 @@ def _plain(value: Any, options: Mapping[str, Any]) -> Any:
 
 
 def record_schema(cls: type[Record]) -> dict[str, Any]:
-    """The JSON Schema of a class of records, with those inside under ``$defs``.
-
-    Parameters
-    ----------
-    cls
-        The class.
-    """
+    """The JSON Schema of a class of records, with those inside under ``$defs``."""
     definitions: dict[str, Any] = {}
     own = _of_record(cls, definitions)
     definitions.pop(cls.__name__, None)

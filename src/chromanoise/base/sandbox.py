@@ -89,8 +89,6 @@ def started_python(program: str, *arguments: str, **options: Any) -> "subprocess
         Source text that the process runs.
     arguments
         Its ``sys.argv[1:]``.
-    options
-        Options of `subprocess.Popen`.
 
     Raises
     ------

@@ -14,6 +14,8 @@ if TYPE_CHECKING:
         PARTS as PARTS,
         SECTIONS,
         Section,
+        chart_csv as chart_csv,
+        chart_rows as chart_rows,
         drawing as drawing,
     )
     from chromanoise.charts.charted_study import (
@@ -58,8 +60,6 @@ if TYPE_CHECKING:
     from chromanoise.charts.numbers import (
         NONE,
         brief,
-        chart_csv as chart_csv,
-        chart_rows as chart_rows,
         decimal,
         electrons,
         listed,

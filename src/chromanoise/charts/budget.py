@@ -1,17 +1,25 @@
 """The dB budget of one coordinate, from all photons, as a waterfall chart."""
 
+from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 from chromanoise.base import check
 from chromanoise.charts.charted_study import Look, Shown, saturation_sentence
-from chromanoise.charts.numbers import NONE, decimal, signed, table
+from chromanoise.charts.description import Axis, Bars, Chart, Panel, Role, column
+from chromanoise.charts.numbers import NONE, decimal, signed
 from chromanoise.color import LAB
 from chromanoise.metrics import REST, WEIGHTS, Budget, without_infrared
 from chromanoise.noise import conditions, expected_electrons
 from chromanoise.study import Analysis, color_snr_db, coordinate_budget, metric_of
 
+_KEY = (
+    "First and last bar: the SNR before and after. Gray: costs. Outlined: gains. All in dB, on "
+    "one scale."
+)
 
-def drawn_budget(shown: Shown, look: Look) -> dict[str, Any]:
+
+def drawn_budget(shown: Shown, look: Look) -> Chart:
     """The dB budget of one coordinate as a waterfall.
 
     Raises
@@ -29,18 +37,127 @@ def drawn_budget(shown: Shown, look: Look) -> dict[str, Any]:
         )
     )
     check.one_of("coordinate", look.coordinate, tuple(known))
-    sensors = [_sensor(analysis, look.coordinate) for analysis in shown.analyses]
-    return {
-        "title": (
-            f"Budget of the SNR of {coordinate_label(look.coordinate)} at "
-            f"{conditions(shown.operating_points)}, {metric_of(shown.analyses)}"
+    return budget_of(shown.analyses, look.coordinate)
+
+
+def budget_of(analyses: Sequence[Analysis], coordinate: str) -> Chart:
+    """The chart ``budget`` of some analyses under one light.
+
+    Parameters
+    ----------
+    analyses
+        One per sensor.
+    coordinate
+        X, Y or Z, a contravariant coordinate as M^R, or L*, a*, b* of a gray.
+    """
+    budgets = [coordinate_budget(analysis, coordinate) for analysis in analyses]
+    return waterfall(
+        [one.sensor.label for one in analyses],
+        budgets,
+        coordinate,
+        title=(
+            f"Budget of the SNR of {coordinate_label(coordinate)} at "
+            f"{conditions([one.point for one in analyses])}, {metric_of(analyses)}"
         ),
-        "description": _description(sensors, look.coordinate),
-        "coordinate": look.coordinate,
-        "coordinates": list(known),
-        "sensors": sensors,
-        "table": _table(sensors, look.coordinate),
-    }
+        why_not=[
+            "" if budget else _why_not(analysis, coordinate)
+            for analysis, budget in zip(analyses, budgets, strict=True)
+        ],
+    )
+
+
+def waterfall(
+    names: Sequence[str],
+    budgets: Sequence[Budget | None],
+    coordinate: str,
+    *,
+    title: str = "",
+    why_not: Sequence[str] = (),
+) -> Chart:
+    """A panel per sensor with a bar per step, from all photons to the SNR.
+
+    Parameters
+    ----------
+    names
+        Names of the sensors.
+    budgets
+        One per sensor, all of one coordinate.
+    coordinate
+        That coordinate.
+    title
+        Of the chart.
+    why_not
+        Why each sensor has no budget, empty where it has one; none where all have one.
+    """
+    reasons, label = why_not or [""] * len(names), coordinate_label(coordinate)
+    rows: list[tuple[Any, ...]] = []
+    panels, parts = [], [f"What the SNR of {label} loses and gains, from all photons to the end."]
+    levels = [0.0, *(db for one in budgets if one for step in _steps(one) for db in step[2:4])]
+    x = Axis(label=f"SNR of {label} [dB]", low=min(levels), high=max(levels) or 1.0)
+    for i, (name, budget, reason) in enumerate(zip(names, budgets, reasons, strict=True)):
+        steps, first = _steps(budget) if budget else [], len(rows)
+        rows += [(name, *step) for step in steps] or [(name, reason, *[None] * 3, NONE)]
+        texts: list[str] = []
+        roles: list[Role] = []
+        for _, change, _, level, _ in steps:
+            if change is None:
+                roles.append("total")
+                texts.append(decimal(level))
+            else:
+                roles.append("cost" if change <= 0 else "gain")
+                texts.append(signed(change))
+        bars = Bars(
+            label=1,
+            start=3,
+            end=4,
+            first=first,
+            last=len(rows),
+            roles=tuple(roles),
+            texts=tuple(texts),
+        )
+        panels.append(Panel(x=x, marks=(bars,) if budget else (), sensor=i, absence=reason))
+        told = ", ".join(f"{step[0]} {text} dB" for step, text in zip(steps, texts, strict=True))
+        parts.append(f"{name}: {told or reason}.")
+    sensors, labels, changes, before, after, why = zip(*rows, strict=True)
+    number = partial(decimal, digits=2)
+    return Chart(
+        title=title,
+        description=" ".join(parts),
+        sensors=tuple(names),
+        columns=(
+            column("sensor", sensors),
+            column("step", labels),
+            column(
+                "change [dB]",
+                [0.0 if one is None else one for one in changes],
+                [NONE if one is None else signed(one, 2) for one in changes],
+            ),
+            column(f"SNR of {coordinate} before [dB]", before, None),
+            column(f"SNR of {coordinate} [dB]", after, number, shown=f"SNR of {label} [dB]"),
+            column(None, why, shown="why"),
+        ),
+        panels=tuple(panels),
+        whole_rows=True,
+        notes=(_KEY,) if any(budgets) else (),
+        without_numbers=tuple(i for i, row in enumerate(rows) if row[4] is None),
+    )
+
+
+def _steps(budget: Budget) -> list[tuple[str, float | None, float, float, str]]:
+    """Label, change, SNR before and after, and why: all photons, each cause, the SNR. [dB]"""
+    at, end = budget.photons_db, budget.snr_db
+    found: list[tuple[str, float | None, float, float, str]] = [
+        ("all photons", None, at, at, "every photon that hits the pixels")
+    ]
+    for cost in budget.costs:
+        after = at - cost.loss_db
+        label = cause_label(cost.cause, budget.coordinate)
+        found.append((label, -cost.loss_db, at, after, cost.reading))
+        at = after
+    return [
+        *found,
+        (f"SNR of {coordinate_label(budget.coordinate)}", None, end, end, "what is left"),
+    ]
 
 
 def cause_label(cause: str, *coordinates: str) -> str:
@@ -80,16 +197,6 @@ def coordinate_label(coordinate: str) -> str:
     return f"contravariant {channel}" if power else letter
 
 
-def _sensor(analysis: Analysis, coordinate: str) -> dict[str, Any]:
-    budget = coordinate_budget(analysis, coordinate)
-    return {
-        "name": analysis.sensor.label,
-        "why_not": None if budget else _why_not(analysis, coordinate),
-        "bound_db": budget.optimal_linear_snr_db if budget else None,
-        "steps": budget_steps(budget) if budget else [],
-    }
-
-
 def _why_not(analysis: Analysis, coordinate: str) -> str:
     name = analysis.sensor.label
     full = saturation_sentence(analysis)
@@ -122,61 +229,3 @@ def _why_no_budget(analysis: Analysis, coordinate: str) -> str:
         f"{analysis.sensor.label}: its {coordinate} comes from the infrared; the visible part of "
         "is not above 0, so it has no budget; use an IR-cut, another matrix or another light"
     )
-
-
-def _description(sensors: list[dict[str, Any]], coordinate: str) -> str:
-    name = coordinate_label(coordinate)
-    parts = [f"What the SNR of {name} loses and gains, from all photons to the end."]
-    for sensor in sensors:
-        steps = ", ".join(f"{step['label']} {step['text']} dB" for step in sensor["steps"])
-        parts.append(f"{sensor['name']}: {steps or sensor['why_not']}.")
-    return " ".join(parts)
-
-
-def _table(sensors: list[dict[str, Any]], coordinate: str) -> dict[str, Any]:
-    rows = []
-    for sensor in sensors:
-        if not sensor["steps"]:
-            rows.append([sensor["name"], sensor["why_not"], NONE, NONE, NONE])
-        for step in sensor["steps"]:
-            change = NONE if step["kind"] in ("start", "end") else signed(step["change_db"], 2)
-            level = decimal(step["to_db"], 2)
-            rows.append([sensor["name"], step["label"], change, level, step["reading"]])
-    return table(
-        ["sensor", "step", "change [dB]", f"SNR of {coordinate_label(coordinate)} [dB]", "why"],
-        rows,
-    )
-
-
-def budget_steps(budget: Budget) -> list[dict[str, Any]]:
-    """The bars of a waterfall: all photons, each cause from where the bar before ends, the SNR.
-
-    Parameters
-    ----------
-    budget
-        The budget of one coordinate.
-    """
-    at = budget.photons_db
-    steps = [_step("all photons", 0.0, at, at, "start", "every photon that hits the pixels")]
-    for cost in budget.costs:
-        kind = "gain" if cost.loss_db < 0 else "cost"
-        label = cause_label(cost.cause, budget.coordinate)
-        steps.append(_step(label, -cost.loss_db, at, at - cost.loss_db, kind, cost.reading))
-        at -= cost.loss_db
-    end = budget.snr_db
-    name = coordinate_label(budget.coordinate)
-    return [*steps, _step(f"SNR of {name}", 0.0, end, end, "end", "what is left")]
-
-
-def _step(
-    label: str, change_db: float, from_db: float, to_db: float, kind: str, reading: str
-) -> dict[str, Any]:
-    return {
-        "label": label,
-        "change_db": change_db,
-        "from_db": from_db,
-        "to_db": to_db,
-        "kind": kind,
-        "reading": reading,
-        "text": decimal(to_db) if kind in ("start", "end") else signed(change_db),
-    }

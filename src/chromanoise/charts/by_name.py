@@ -7,11 +7,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from chromanoise.base import check
+from chromanoise.base import check, csv_text
 from chromanoise.charts.budget import drawn_budget
 from chromanoise.charts.charted_study import Look, Shown
 from chromanoise.charts.color_checker import drawn_chart
-from chromanoise.charts.description import Chart
+from chromanoise.charts.description import Chart, as_data, csv_rows
 from chromanoise.charts.ellipses import drawn_ellipses
 from chromanoise.charts.levels import drawn_levels
 from chromanoise.charts.maps import drawn_map
@@ -157,3 +157,45 @@ def drawing(part: str, of: Shown, look: Look | None = None) -> Any:
         If there is no such chart, or an option does not fit the study.
     """
     return DRAWINGS[check.one_of("part", part, tuple(DRAWINGS))](of, look or Look())
+
+
+def chart_rows(part: str, record: Chart | Mapping[str, Any]) -> list[list[Any]]:
+    """The numbers behind a chart: first a row of headings with units, then the rows.
+
+    Parameters
+    ----------
+    part
+        A name from `DRAWINGS`.
+    record
+        Of that chart, from `drawing`, or as plain data.
+
+    Returns
+    -------
+    list
+        Rows of text and numbers, ``None`` where a value is undefined; empty if the chart is.
+
+    Raises
+    ------
+    InputError
+        If there is no such chart.
+    """
+    check.one_of("part", part, tuple(DRAWINGS))
+    return csv_rows(as_data(record))
+
+
+def chart_csv(part: str, record: Chart | Mapping[str, Any]) -> str:
+    """`chart_rows` as CSV (RFC 4180, lines end in LF); an undefined value is an empty cell.
+
+    Text that a spreadsheet would interpret as a formula is prefixed with an apostrophe.
+
+    Parameters
+    ----------
+    part, record
+        As `chart_rows`.
+
+    Raises
+    ------
+    InputError
+        If there is no such chart.
+    """
+    return csv_text(chart_rows(part, record))

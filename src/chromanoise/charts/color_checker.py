@@ -1,67 +1,78 @@
 """Color error and noise of every ColorChecker patch."""
 
+from collections.abc import Sequence
 from functools import partial
-from typing import Any
 
 from chromanoise.charts.charted_study import Look, Shown
+from chromanoise.charts.description import Chart, Column, Panel, Swatches, Value, column
 from chromanoise.charts.ellipses import Patches, hex_colors, patches_of, why_no_patches
-from chromanoise.charts.numbers import decimal, text_table
+from chromanoise.charts.numbers import decimal
 from chromanoise.noise import conditions
 from chromanoise.spectra import chart_title
-from chromanoise.study import Analysis
+
+_KEY = (
+    "Strip: the true color. Bold: color error ΔE*ab without noise. n: ΔE*ab of the noise "
+    "(CIE 1976)."
+)
 
 
-def drawn_chart(shown: Shown, look: Look) -> dict[str, Any]:
+def drawn_chart(shown: Shown, look: Look) -> Chart:
     """True and measured color of each patch, with CIE 1976 color error and noise."""
     found = [patches_of(analysis) for analysis in shown.analyses]
-    seen = next((one for one in found if one is not None), None)
-    patches = [] if seen is None else _true_patches(seen)
-    sensors = [_sensor(*pair) for pair in zip(shown.analyses, found, strict=True)]
-    where = conditions(shown.operating_points)
+    names = tuple(analysis.sensor.label for analysis in shown.analyses)
+    why_not = [
+        why_no_patches(analysis) if seen is None else ""
+        for analysis, seen in zip(shown.analyses, found, strict=True)
+    ]
+    first = next((one for one in found if one is not None), None)
+    marks: list[Swatches] = []
+    columns: list[Column] = []
+    parts = ["Color error and noise, both CIE 1976 differences."]
+    if first is not None:
+        marks.append(Swatches(colors=tuple(hex_colors(first.truth, first.true_white))))
+        columns.append(column("patch", first.names))
+    for i, (name, seen, reason) in enumerate(zip(names, found, why_not, strict=True)):
+        parts.append(f"{reason}." if seen is None else _described(name, seen))
+        marks.append(_swatches(name, i, seen))
+        columns += _columns(name, seen, len(first.names)) if first else []
     chart = chart_title(shown.operating_points[0].chart)
-    record: dict[str, Any] = {
-        "title": f"Color error and noise of {chart} at {where}",
-        "description": _description(patches, sensors),
-        "patches": patches,
-        "unit": "Delta E*ab",
-        "sensors": sensors,
-    }
-    cell = partial(decimal, none="saturated")
-    return record | {"table": text_table("chart", record, str, cell)}
+    return Chart(
+        title=f"Color error and noise of {chart} at {conditions(shown.operating_points)}",
+        description=" ".join(parts),
+        sensors=names,
+        columns=tuple(columns)
+        or (column(None, names, shown="sensor"), column(None, why_not, shown="why")),
+        panels=(Panel(marks=tuple(marks)),) if first else (),
+        notes=(_KEY,) if first else tuple(why_not),
+    )
 
 
-def _true_patches(seen: Patches) -> list[dict[str, str]]:
-    colors = hex_colors(seen.truth, seen.true_white)
-    return [{"name": name, "srgb": color} for name, color in zip(seen.names, colors, strict=True)]
+def _errors(seen: Patches) -> tuple[list[float], list[float]]:
+    """Color error and noise of each patch. [Delta E*ab]"""
+    assert seen.noise.delta_e is not None  # CIELAB has one
+    return seen.color_error.tolist(), seen.noise.delta_e.tolist()
 
 
-def _sensor(analysis: Analysis, seen: Patches | None) -> dict[str, Any]:
-    name = analysis.sensor.label
+def _swatches(name: str, i: int, seen: Patches | None) -> Swatches:
     if seen is None:
-        none: dict[str, Any] = {"mean_delta_e": None, "mean_noise": None, "patches": []}
-        return {"name": name, **none, "means": "", "why_not": why_no_patches(analysis)}
-    colors = hex_colors(seen.xyz.mean, seen.white)
-    noise = seen.noise.delta_e
-    assert noise is not None  # CIELAB has one
-    mean, mean_noise = float(seen.color_error.mean()), float(noise.mean())
-    return {
-        "name": name,
-        "mean_delta_e": mean,
-        "mean_noise": mean_noise,
-        "means": f"{_short(mean)}, n {_short(mean_noise)}",
-        "patches": [
-            {
-                "srgb": color,
-                "delta_e": error,
-                "noise": spread,
-                "text": [_short(error), _short_noise(spread)],
-            }
-            for color, error, spread in zip(
-                colors, seen.color_error.tolist(), noise.tolist(), strict=True
-            )
-        ],
-        "why_not": None,
-    }
+        return Swatches(colors=(), sensor=i, name=name)
+    errors, noises = _errors(seen)
+    mean, spread = (_short(sum(each) / len(each)) for each in (errors, noises))
+    return Swatches(
+        colors=tuple(hex_colors(seen.xyz.mean, seen.white)),
+        sensor=i,
+        name=f"{name}, mean {mean}, n {spread}",
+        texts=tuple(
+            (_short(error), _noise(noise)) for error, noise in zip(errors, noises, strict=True)
+        ),
+    )
+
+
+def _columns(name: str, seen: Patches | None, count: int) -> list[Column]:
+    each: Sequence[Sequence[Value]] = _errors(seen) if seen else [[None] * count] * 2
+    cell = partial(decimal, none="saturated")
+    heads = [f"{name} {what} [Delta E*ab]" for what in ("color error", "color noise")]
+    return [column(head, values, cell) for head, values in zip(heads, each, strict=True)]
 
 
 def _short(value: float) -> str:
@@ -71,23 +82,15 @@ def _short(value: float) -> str:
     return decimal(value, 0 if value >= 99.95 else 1)
 
 
-def _short_noise(value: float) -> str:
+def _noise(value: float) -> str:
     return "n>999" if value >= 999.5 else f"n {_short(value)}"
 
 
-def _description(patches: list[dict[str, str]], sensors: list[dict[str, Any]]) -> str:
-    parts = ["Color error and noise, both CIE 1976 differences."]
-    names = [patch["name"] for patch in patches]
-    for sensor in sensors:
-        if not sensor["patches"]:
-            parts.append(f"{sensor['why_not']}.")
-            continue
-        errors = [patch["delta_e"] for patch in sensor["patches"]]
-        noises = [patch["noise"] for patch in sensor["patches"]]
-        worst, noisiest = max(errors), max(noises)
-        parts.append(
-            f"{sensor['name']}: mean color error {decimal(sensor['mean_delta_e'])}, largest for "
-            f"{names[errors.index(worst)]} ({decimal(worst)}); most noise on "
-            f"{names[noises.index(noisiest)]} ({decimal(noisiest)})."
-        )
-    return " ".join(parts)
+def _described(name: str, seen: Patches) -> str:
+    errors, noises = _errors(seen)
+    worst, noisiest = max(errors), max(noises)
+    return (
+        f"{name}: mean color error {decimal(float(seen.color_error.mean()))}, largest for "
+        f"{seen.names[errors.index(worst)]} ({decimal(worst)}); most noise on "
+        f"{seen.names[noises.index(noisiest)]} ({decimal(noisiest)})."
+    )

@@ -47,7 +47,7 @@ class Column:
 def column(
     head: str | None,
     values: Sequence[Value],
-    text: Callable[[Any], str] | None = str,
+    text: Callable[[Any], str] | Sequence[str] | None = str,
     *,
     shown: str | None = None,
 ) -> Column:
@@ -60,7 +60,7 @@ def column(
     values
         A value per row.
     text
-        The text of a value in the table; ``None`` for a column of the CSV alone.
+        The text of a value in the table, or all texts; ``None`` for a column of the CSV alone.
     shown
         Another heading of the table.
     """
@@ -69,7 +69,7 @@ def column(
         head=head,
         shown=None if text is None else title,
         values=tuple(values),
-        texts=() if text is None else tuple(map(text, values)),
+        texts=tuple(map(text, values)) if callable(text) else tuple(text or ()),
     )
 
 
@@ -97,6 +97,10 @@ class Axis:
     logarithmic: bool = False
     exact: bool = False
     zero: bool = False
+
+
+NO_AXIS = Axis(label="", low=0.0, high=1.0)
+"""The axis of marks that need none."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -248,39 +252,155 @@ class Rule:
     kind: Literal["rule"] = "rule"
 
 
-Mark = Line | Point | Ellipses | Area | Band | Rule
+Role = Literal["total", "cost", "gain"]
+"""What a bar of a waterfall is; a ``total`` begins at 0."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Bars:
+    """A bar per row along the axis across, one under the other: a waterfall.
+
+    Attributes
+    ----------
+    label, start, end
+        Indices of the columns of its name and of both its ends.
+    first, last
+        Its rows, without ``last``.
+    roles
+        Of each row.
+    texts
+        Written beside each bar.
+    """
+
+    label: int
+    start: int
+    end: int
+    first: int
+    last: int
+    roles: tuple[Role, ...]
+    texts: tuple[str, ...]
+    kind: Literal["bars"] = "bars"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Dots:
+    """A line of marks per row along the axis across, one mark per sensor, with their numbers.
+
+    Attributes
+    ----------
+    label
+        Index of the column of names.
+    values
+        Index of the column of each sensor.
+    first, last
+        Its rows, without ``last``.
+    """
+
+    label: int
+    values: tuple[int, ...]
+    first: int
+    last: int
+    kind: Literal["dots"] = "dots"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Swatches:
+    """Cells of one size, six side by side, one per row: what one sensor makes of each patch.
+
+    Attributes
+    ----------
+    colors
+        A fill per row, as ``#rrggbb``; empty where the sensor shows none.
+    sensor
+        Index of the sensor; ``None`` for the true colors.
+    texts
+        Two short texts per row.
+    name
+        Its entry in the legend.
+    """
+
+    colors: tuple[str, ...]
+    sensor: int | None = None
+    texts: tuple[tuple[str, str], ...] = ()
+    name: str = ""
+    kind: Literal["swatches"] = "swatches"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Cells:
+    """A colored cell per row, on a grid over both axes; rows go across first.
+
+    Attributes
+    ----------
+    x, y, value
+        Indices of its columns; the value chooses the color.
+    across
+        Number of cells side by side.
+    name
+        What the colors show.
+    low, high
+        Values of the first and of the last color.
+    colors
+        Colors at equal distances of the value.
+    names
+        What each color stands for, empty for one that is nowhere; none of a scale of values.
+    equal
+        Lines along which two sensors are equal, as points across and up.
+    """
+
+    x: int
+    y: int
+    value: int
+    across: int
+    name: str
+    low: float
+    high: float
+    colors: tuple[str, ...]
+    names: tuple[str, ...] = ()
+    equal: tuple[tuple[tuple[float, float], ...], ...] = ()
+    kind: Literal["cells"] = "cells"
+
+
+Mark = Line | Point | Ellipses | Area | Band | Rule | Bars | Dots | Swatches | Cells
 """What a panel can show, drawn in the order of its list."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Panel:
-    """A pair of axes with marks.
+    """Marks, and the axes that they need.
 
     Attributes
     ----------
     x, y
-        Its axes; of one chart all panels have the same.
+        Its axes; panels with both have the same.
     marks
         What it shows.
+    title, remark
+        Said over it, and in its upper right corner or beside the title.
+    explanation
+        Key of `chromanoise.charts.explanations.EXPLANATIONS`, for its ``?``; empty for none.
+    description
+        The panel in words for screen readers, where it is a figure of its own.
     sensor
         Index of the sensor that it is of; ``None`` for one panel of all sensors.
     equal
         Whether a unit is as long across as up.
     better
         Sign of the corner where both axes are best; empty for none.
-    remark
-        Said in its upper right corner.
     absence
         Why it shows nothing.
     """
 
-    x: Axis
-    y: Axis
     marks: tuple[Mark, ...]
+    x: Axis = NO_AXIS
+    y: Axis = NO_AXIS
+    title: str = ""
+    remark: str = ""
+    explanation: str = ""
+    description: str = ""
     sensor: int | None = None
     equal: bool = False
     better: str = ""
-    remark: str = ""
     absence: str = ""
 
 
@@ -342,9 +462,19 @@ class Chart:
 def csv_rows(data: Mapping[str, Any]) -> list[list[Any]]:
     """`Chart.csv_rows` of a chart as plain data (`as_data`); empty of a chart without numbers."""
     named = [one for one in data["columns"] if one["head"] is not None]
+    if not named:
+        return []
     rows = zip(*(one["values"] for one in named), strict=True)
-    kept = [list(row) for i, row in enumerate(rows) if i not in data["without_numbers"]]
+    left_out = data.get("without_numbers", ())
+    kept = [list(row) for i, row in enumerate(rows) if i not in left_out]
     return [[one["head"] for one in named], *kept]
+
+
+def numbers_of(rows: Sequence[Sequence[Value]]) -> dict[str, Any]:
+    """Rows under a row of headings as the columns of a CSV, for a chart that is plain data."""
+    head, *more = rows
+    columns = zip(head, zip(*more, strict=True), strict=True)
+    return {"columns": [as_data(column(str(name), one, None)) for name, one in columns]}
 
 
 def as_data(noun: Any) -> Any:

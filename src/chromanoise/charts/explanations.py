@@ -5,30 +5,38 @@ What is behind the ``?`` of each chart: words, formulas, their symbols and the s
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache
 from html import escape
+from importlib import resources
 from typing import Any
 
+from chromanoise.base import json_of
 
-@lru_cache(maxsize=512)
+
 def mathml(latex: str, *, block: bool = False) -> str:
     r"""A formula as one MathML element, which browsers draw and screen readers speak.
 
     Parameters
     ----------
     latex
-        The formula, without dollar signs; no text of a user, which could hold markup.
+        One of the formulas in ``formulas.json``, which ``python tools/make_formulas.py`` writes.
     block
         Whether it stands in a line of its own.
 
     Examples
     --------
-    >>> mathml("M^i").startswith("<math")
+    >>> mathml("Y").startswith("<math")
     True
     """
-    from latex2mathml.converter import convert  # an analysis needs no formulas
+    return _formulas()["block" if block else "inline"][latex]
 
-    return convert(latex, display="block" if block else "inline")
+
+@cache
+def _formulas() -> dict[str, dict[str, str]]:
+    """MathML by LaTeX, of formulas in a line of their own and of those within a line."""
+    text = resources.files("chromanoise.charts").joinpath("formulas.json").read_text("utf-8")
+    found: dict[str, dict[str, str]] = json_of(text, "formulas.json")
+    return found
 
 
 def coordinate_mathml(coordinate: str) -> str:

@@ -6,12 +6,24 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.patches import Polygon
-from matplotlib.ticker import EngFormatter, MaxNLocator
+from matplotlib.colors import LinearSegmentedColormap
+from matplotlib.patches import Patch, Polygon
+from matplotlib.ticker import EngFormatter, LogFormatter, MaxNLocator
 
 from chromanoise.base import Array, Float
-from chromanoise.charts.description import Chart, Ellipses, Line, Panel, Point, Rule
+from chromanoise.charts.description import (
+    MOST_DASHED,
+    Bars,
+    Cells,
+    Chart,
+    Ellipses,
+    Line,
+    Panel,
+    Point,
+    Rule,
+)
 from chromanoise.charts.figure_style import (
+    FAINT,
     INK,
     QUIET,
     are_many,
@@ -26,6 +38,7 @@ from chromanoise.charts.figure_style import (
     spread,
     write_beside,
 )
+from chromanoise.charts.numbers import decimal
 from chromanoise.geometry import unit_circle
 from chromanoise.spectra import INFRARED_FROM_NM
 
@@ -37,12 +50,15 @@ _GAP, _HEIGHT = 0.02, 0.075  # of the scale: under the letter, and of the letter
 _SHADES = (INK, *(channel_color(name) for name in "BRG"))
 _OUTLINE = unit_circle(48)
 _THOUSANDS = 1e4
+_BAR_ROWS = 0.62  # height of the bars of a row, in rows
+_LEAST_ROOM, _NUMBER_ROOM = 0.03, 0.16  # of the scale, below 0 and for the numbers beside the bars
 
 
 def draw_panel(chart: Chart, i: int, ax: Axes) -> Axes:
     """Draw one panel of a chart, without its title.
 
-    The light of a chart of sensitivities and the line of the study's own level are left out.
+    Dots and swatches are drawn by the page alone. The light of a chart of sensitivities and the
+    line of the study's own level are left out.
 
     Parameters
     ----------
@@ -54,6 +70,8 @@ def draw_panel(chart: Chart, i: int, ax: Axes) -> Axes:
         Axes of matplotlib to draw on.
     """
     panel = chart.panels[i]
+    if any(isinstance(one, Bars) for one in panel.marks):
+        return draw_waterfalls(chart, [i], ax)
     curves = [one for one in panel.marks if isinstance(one, Line)]
     pointed = any(isinstance(one, Point) for one in panel.marks)
     for one in curves:
@@ -63,6 +81,8 @@ def draw_panel(chart: Chart, i: int, ax: Axes) -> Axes:
             _draw_point(chart, mark, ax)
         elif isinstance(mark, Ellipses):
             _draw_ellipses(chart, mark, ax)
+        elif isinstance(mark, Cells):
+            _draw_cells(chart, mark, ax)
         elif isinstance(mark, Rule) and mark.height is not None:
             _draw_crossing(mark, mark.height, ax)
     _frame(panel, ax)
@@ -74,6 +94,90 @@ def draw_panel(chart: Chart, i: int, ax: Axes) -> Axes:
     elif any(one.name for one in curves):
         _name_curves(chart, panel, curves, ax)
     return ax
+
+
+def draw_waterfalls(chart: Chart, panels: Sequence[int], ax: Axes) -> Axes:
+    """Draw the bars of some panels on one axes; in each row those of several sensors side by side.
+
+    Parameters
+    ----------
+    chart
+        The chart ``budget`` of `chromanoise.charts`.
+    panels
+        Indices of the panels, which have bars.
+    ax
+        Axes of matplotlib to draw on.
+    """
+    bars = [one for i in panels for one in chart.panels[i].marks if isinstance(one, Bars)]
+    names = [_texts(chart, one) for one in bars]
+    # a cause of some sensors alone stands where it stands among theirs
+    shares = [(k / len(each), name) for each in names for k, name in enumerate(each)]
+    rows = list(dict.fromkeys(name for _, name in sorted(shares, key=lambda one: one[0])))
+    high = _BAR_ROWS / max(1, len(bars))
+    for k, (one, each) in enumerate(zip(bars, names, strict=True)):
+        offset = (k - (len(bars) - 1) / 2) * high
+        at = np.array([rows.index(name) + offset for name in each])
+        shade = None if len(bars) == 1 else str(0.15 + 0.7 * k / len(bars))
+        _draw_bars(chart, one, ax, at=at, high=high, shade=shade)
+    ax.set_yticks(range(len(rows)), rows)
+    ax.tick_params(axis="y", length=0)
+    x = chart.panels[0].x
+    below = _LEAST_ROOM if x.low < 0 else 0.0
+    span = x.high - x.low
+    ax.set(
+        xlim=(x.low - below * span, x.high + _NUMBER_ROOM * span),
+        ylim=(len(rows) - 0.4, -0.6),
+        xlabel=x.label,
+    )
+    ax.set_axisbelow(True)
+    ax.grid(visible=True, axis="x", alpha=0.25)
+    mark_zero(ax, axis="x")
+    return ax
+
+
+def _draw_bars(
+    chart: Chart, one: Bars, ax: Axes, *, at: Float[Array, " k"], high: float, shade: str | None
+) -> None:
+    start, end = (numbers(chart, index, one.first, one.last) for index in (one.start, one.end))
+    start = np.where([role == "total" for role in one.roles], 0.0, start)
+    own = {"cost": QUIET, "gain": "none", "total": INK}
+    fills = [own[role] if shade is None or role == "gain" else shade for role in one.roles]
+    edges = [INK if shade is not None or fill == "none" else fill for fill in fills]
+    look: dict[str, Any] = {"color": fills, "edgecolor": edges, "left": start}
+    look |= {"height": high, "linewidth": 1.2} if shade is None else {"height": 0.9 * high}
+    name = chart.columns[0].values[one.first]
+    left = f"{name}: {decimal(float(end[-1]))} dB left of {decimal(float(end[0]))} dB"
+    ax.barh(at, end - start, label=left, **look)
+    small: dict[str, Any] = {} if shade is None else {"fontsize": 7}
+    for y, right, text in zip(at, np.maximum(start, end), one.texts, strict=True):
+        if len(chart.sensors) <= MOST_DASHED or shade is None:
+            write_beside(ax, text, (right, y), (4, 0), va="center_baseline", **small)
+    for k in range(1, len(at)) if shade is None else ():
+        ends = [at[k - 1] + high / 2, at[k] - high / 2]
+        joint = end[k - 1]
+        ax.plot([joint, joint], ends, color=QUIET, linewidth=0.8)
+
+
+def _texts(chart: Chart, one: Bars) -> list[str]:
+    return [str(name) for name in chart.columns[one.label].values[one.first : one.last]]
+
+
+def _draw_cells(chart: Chart, one: Cells, ax: Axes) -> None:
+    rows = len(chart.columns[one.value].values)
+    x, y, value = (numbers(chart, index, 0, rows) for index in (one.x, one.y, one.value))
+    values = np.ma.masked_invalid(value.reshape(-1, one.across))
+    how: dict[str, Any] = {"cmap": LinearSegmentedColormap.from_list("cells", one.colors)}
+    how |= {"vmin": one.low, "vmax": one.high, "shading": "nearest", "rasterized": True}
+    ax.set_facecolor(FAINT)
+    mesh = ax.pcolormesh(x[: one.across], y[:: one.across], values, **how)
+    if one.names:
+        named = zip(one.colors, one.names, strict=True)
+        patches = [Patch(color=color, label=name) for color, name in named if name]
+        legend_beside(ax, fontsize=8, handles=patches)
+    else:
+        ax.figure.colorbar(mesh, ax=ax, label=one.name[one.name.rindex("[") :])
+    for points in one.equal:
+        ax.plot(*zip(*points, strict=True), color=INK, marker="" if len(points) > 1 else "|")
 
 
 def numbers(chart: Chart, index: int, first: int, last: int) -> Float[Array, " k"]:
@@ -160,6 +264,12 @@ def _frame(panel: Panel, ax: Axes) -> None:
         ax.set_xscale("log")
     if y.logarithmic:
         ax.set_yscale("log")
+    if any(isinstance(one, Cells) for one in panel.marks):
+        for axis, one in ((ax.xaxis, x), (ax.yaxis, y)):
+            if one.logarithmic:
+                axis.set_major_formatter("{x:g}")
+                axis.set_minor_formatter(LogFormatter(minor_thresholds=(1.0, 0.5)))
+        return
     ax.grid(visible=True, alpha=0.25)
     if panel.equal:
         margin = 0.03 * max(x.high - x.low, y.high - y.low)

@@ -160,7 +160,7 @@ def _axes(drawn: Float[Array, "k 2"]) -> tuple[Axis, Axis]:
     least, most = min(errors), max(errors)
     far = most > _MOST_LINEAR * least > 0
     low, high = (_BELOW * max(_LEAST, least), _BEYOND * most) if far else (least, most)
-    label = "training error, mean ΔE*ab"
+    label = "training error, mean [ΔE*ab]"
     return (
         Axis(label="SNR of Y [dB]", low=min(snr_db), high=max(snr_db), zero=True),
         Axis(label=label, low=low, high=high, logarithmic=far, exact=far),

@@ -11,29 +11,24 @@ The main chart of each result, on one axes; every title names the operating poin
 
 from collections.abc import Callable, Sequence
 from textwrap import fill
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.container import BarContainer
 from matplotlib.patches import FancyBboxPatch
 
 from chromanoise.base import Array, UInt8
-from chromanoise.charts.budget import budget_steps, cause_label
-from chromanoise.charts.charted_study import saturation_sentence
+from chromanoise.charts.budget import budget_of, coordinate_label, waterfall
 from chromanoise.charts.description import Chart, Value
 from chromanoise.charts.ellipses import ellipses_of
-from chromanoise.charts.figure_marks import draw_panel
+from chromanoise.charts.figure_marks import draw_panel, draw_waterfalls
 from chromanoise.charts.figure_style import (
     INK,
     QUIET,
-    are_many,
     channel_color,
-    mark_zero,
     sensor_label,
     write_beside,
 )
-from chromanoise.charts.numbers import UNDEFINED, decimal
 from chromanoise.charts.pareto_curves import trades_chart
 from chromanoise.imaging import Capture
 from chromanoise.metrics import Budget
@@ -44,21 +39,10 @@ from chromanoise.study import (
     MatrixResult,
     color_snr_db,
     contravariant_snr_db,
-    coordinate_budget,
     defined,
     metric_of,
     raw_snr_db,
 )
-
-_HIGH = 0.62  # of a bar, in rows
-_ROOM = 0.16  # of the scale, for the numbers beside the bars
-
-
-def budget_limits_db(budgets: Sequence[Budget]) -> tuple[float, float]:
-    """The scale that holds all bars of some budgets from 0 dB, and the numbers beside them."""
-    ends = [step["to_db"] for budget in budgets for step in budget_steps(budget)]
-    low, high = min(0.0, *ends), max(0.0, *ends)
-    return low - (0.03 * (high - low) if low < 0 else 0.0), high + _ROOM * (high - low)
 
 
 def draw_budget(
@@ -77,29 +61,9 @@ def draw_budget(
     limits_db
         Ends of the scale, where panels share one; ``None`` for those of this budget. [dB]
     """
-    steps = budget_steps(budget)
-    for row, step in enumerate(steps):
-        is_change = step["kind"] in ("cost", "gain")
-        start, end = step["from_db"] if is_change else 0.0, step["to_db"]
-        fill = {"cost": QUIET, "gain": "none"}.get(step["kind"], INK)
-        edge = INK if fill == "none" else fill
-        look: dict[str, Any] = {"facecolor": fill, "edgecolor": edge, "linewidth": 1.2}
-        ax.barh(row, abs(end - start), left=min(start, end), height=_HIGH, **look)
-        write_beside(ax, step["text"], (max(start, end), row), (4, 0), va="center_baseline")
-        if is_change:
-            ends = [row - 1 + _HIGH / 2, row - _HIGH / 2]
-            ax.plot([start, start], ends, color=QUIET, linewidth=0.8)
-    ax.set_yticks(range(len(steps)), [step["label"] for step in steps])
-    ax.tick_params(axis="y", length=0)
-    ax.set(
-        xlim=limits_db or budget_limits_db([budget]),
-        ylim=(len(steps) - 0.4, -0.6),
-        xlabel="SNR [dB]",
-        title=sensor_label(sensor.label, sensor.origin),
-    )
-    ax.set_axisbelow(True)
-    ax.grid(visible=True, axis="x", alpha=0.25)
-    mark_zero(ax, axis="x")
+    chart = waterfall([sensor.label], [budget], budget.coordinate)
+    draw_panel(chart, 0, ax)
+    ax.set(title=sensor_label(sensor.label, sensor.origin), xlim=limits_db or ax.get_xlim())
     return ax
 
 
@@ -273,14 +237,12 @@ Panels = Literal["budget", "ellipses", "flow"]
 
 _WIDE = 62  # characters of a title line that fit the axes of a default figure
 _LEGEND_ROW = 0.45  # of a line of the legend, in rows of bars
-_HEIGHT = 0.8  # of the bars of one row together, in rows
 
 
 def draw_analyses(analyses: Sequence[Analysis], ax: Axes, *, coordinate: str = "Y") -> Axes:
-    """Draw the loss of SNR of one coordinate: a bar per sensor and cause. [dB]
+    """Draw the budget of one coordinate: in each row the bars of all sensors. [dB]
 
-    The legend gives the remaining SNR. A sensor without a budget has no bars, and the legend calls
-    its SNR undefined.
+    The legend gives the remaining SNR; for a sensor without a budget it says why.
 
     Parameters
     ----------
@@ -291,23 +253,20 @@ def draw_analyses(analyses: Sequence[Analysis], ax: Axes, *, coordinate: str = "
     coordinate
         X, Y or Z, a contravariant coordinate as M^R, or L*, a*, b* of a gray.
     """
-    budgets = [coordinate_budget(one, coordinate) for one in analyses]
-    causes = next(([c.cause for c in one.costs] for one in budgets if one is not None), [])
-    high = _HEIGHT / len(analyses)
-    for i, (analysis, budget) in enumerate(zip(analyses, budgets, strict=True)):
-        offset = (i - (len(analyses) - 1) / 2) * high
-        bars = _draw_losses(analysis, budget, ax, shade=i / len(analyses), offset=offset, high=high)
-        if bars is not None and not are_many(one.sensor.label for one in analyses):
-            _write_losses(bars, ax)
-    ax.axvline(0, color=INK, linewidth=0.8)
-    ax.set_yticks(range(len(causes)), [fill(cause_label(c, coordinate), 16) for c in causes])
-    ax.set_ylim(len(causes) - 0.4 + _LEGEND_ROW * len(analyses), -0.6)  # the legend is below
-    ax.margins(x=0.15)
-    ax.set_xlabel(f"loss of SNR of {coordinate} [dB]")
-    ax.set_axisbelow(True)
-    ax.grid(visible=True, axis="x", alpha=0.25)
+    chart = budget_of(analyses, coordinate)
+    drawn = [i for i, panel in enumerate(chart.panels) if panel.marks]
+    draw_waterfalls(chart, drawn, ax)
+    lines = 0
+    for panel in chart.panels:
+        reason = fill(panel.absence.partition(";")[0], _WIDE)
+        lines += reason.count("\n") + 1
+        if reason:
+            ax.plot([], [], " ", label=reason)
+    bottom, top = ax.get_ylim()
+    ax.set_ylim(bottom + _LEGEND_ROW * lines, top)  # the legend is below
     ax.legend(loc="lower right", fontsize=8)
-    return _titled(ax, f"Losses from all photons to {coordinate}", [one.point for one in analyses])
+    what = f"Budget of the SNR of {coordinate_label(coordinate)}"
+    return _titled(ax, what, [one.point for one in analyses])
 
 
 def draw_panels(analyses: Sequence[Analysis], kind: Panels, axes: Sequence[Axes]) -> Sequence[Axes]:
@@ -323,47 +282,20 @@ def draw_panels(analyses: Sequence[Analysis], kind: Panels, axes: Sequence[Axes]
     axes
         To draw on, one per sensor.
     """
-    budgets = [coordinate_budget(one, "Y") for one in analyses]
-    known = [one for one in budgets if one is not None]
-    chart = ellipses_of(analyses, "ab") if kind == "ellipses" else None
-    for i, (analysis, budget, ax) in enumerate(zip(analyses, budgets, axes, strict=True)):
-        if chart is not None:
-            draw_ellipses(chart, i, ax)
-        elif kind == "flow":
-            draw_flow(analysis, ax)
-        elif budget is not None:
-            draw_budget(budget, analysis.sensor, ax, limits_db=budget_limits_db(known))
+    if kind == "flow":
+        return [draw_flow(analysis, ax) for analysis, ax in zip(analyses, axes, strict=True)]
+    if kind == "ellipses":
+        ellipses = ellipses_of(analyses, "ab")
+        return [draw_ellipses(ellipses, i, ax) for i, ax in enumerate(axes)]
+    budgets = budget_of(analyses, "Y")
+    for i, (analysis, ax) in enumerate(zip(analyses, axes, strict=True)):
+        if budgets.panels[i].marks:
+            draw_panel(budgets, i, ax)
+            ax.set_title(sensor_label(analysis.sensor.label, analysis.sensor.origin))
         else:
             ax.set_title(f"{analysis.sensor.label}: no budget")
             ax.set_axis_off()
     return axes
-
-
-def _draw_losses(
-    analysis: Analysis, budget: Budget | None, ax: Axes, *, shade: float, offset: float, high: float
-) -> BarContainer | None:
-    name = analysis.sensor.label
-    if budget is None:
-        if saturation_sentence(analysis):
-            why = "saturated"
-        else:
-            why = f"SNR {UNDEFINED}" if analysis.readout is None else "no budget with clipping"
-        ax.plot([], [], " ", label=f"{name}: {why}")
-        return None
-    losses = [cost.loss_db for cost in budget.costs]
-    rows = np.arange(len(losses)) + offset
-    label = f"{name}: {decimal(budget.snr_db)} dB left of {decimal(budget.photons_db)} dB"
-    color = str(0.15 + 0.7 * shade)
-    bars = ax.barh(rows, losses, height=0.9 * high, color=color, edgecolor=INK, linewidth=0.6)
-    bars.set_label(label)
-    return bars
-
-
-def _write_losses(bars: BarContainer, ax: Axes) -> None:
-    for bar in bars:
-        loss = float(bar.get_width())
-        at = (max(loss, 0.0), bar.get_y() + bar.get_height() / 2)
-        write_beside(ax, decimal(loss), at, (3, 0), va="center_baseline", fontsize=7)
 
 
 def draw_matrices(results: Sequence[MatrixResult], ax: Axes) -> Axes:

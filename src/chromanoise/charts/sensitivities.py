@@ -38,7 +38,8 @@ def sensitivities_chart(sensors: Sequence[Sensor], lamp: Illuminant | None = Non
         first.insert(0, Area(x=0, y=1, first=0, last=rows, name=f"light {lamp.name}"))
     x = Axis(label="wavelength [nm]", low=wavelength_nm[0], high=wavelength_nm[-1], exact=True)
     highest = _ABOVE * max(float(sensor.qe.max()) for sensor in sensors)
-    y = Axis(label="quantum efficiency [e⁻/photon]", low=0.0, high=max(0.01, highest))
+    label = "quantum efficiency [e⁻/photon]"
+    y = Axis(label=label, low=0.0, high=max(0.01, highest), exact=True)
     panels = []
     for i, sensor in enumerate(sensors):
         marks = list(first)

@@ -12,7 +12,8 @@ import numpy as np
 
 from chromanoise.base import Array, Float, eigh, qr
 from chromanoise.charts.charted_study import Look, Shown, saturation_sentence
-from chromanoise.charts.numbers import NONE, brief, decimal, listed, percent, table, vector_rows
+from chromanoise.charts.description import numbers_of
+from chromanoise.charts.numbers import NONE, brief, decimal, listed, percent, table
 from chromanoise.geometry import reconstructed_light
 from chromanoise.noise import conditions
 from chromanoise.spectra import color_axes, light
@@ -127,7 +128,7 @@ def drawn_vectors(shown: Shown, look: Look) -> dict[str, Any]:
         "magnification": magnification,
         "sensors": [one | _sentences(one) for one in sensors],
     }
-    return record | {"table": _table(record)}
+    return record | numbers_of(_rows(record)) | {"table": _table(record)}
 
 
 def _sentences(sensor: dict[str, Any]) -> dict[str, str]:
@@ -148,8 +149,29 @@ def _sentences(sensor: dict[str, Any]) -> dict[str, str]:
     return {"note": note, "description": f"{what} {note}"}
 
 
+def _rows(record: dict[str, Any], *, drawn: bool = False) -> list[list[Any]]:
+    """A row per vector under a row of headings: half axes as long as they are, or magnified."""
+    rows: list[list[Any]] = [
+        ["sensor", "vector", "first", "second", "third", "share of squared norm"],
+        *(["color axes", axis["name"], *axis["at"], None] for axis in record["axes"]),
+        ["scene", "true light", *record["scene"]["at"], record["scene"]["norm_share"]],
+    ]
+    times = record["magnification"]
+    for one in record["sensors"]:
+        light = [{"name": "light", **one["light"]}] if one["light"] else []
+        rows += [
+            [one["name"], arrow["name"], *arrow["at"], arrow["norm_share"]]
+            for arrow in (*one["channels"], *light)
+        ]
+        for k, axis in enumerate((one["ellipsoid"] or {}).get("half_axes", ()), 1):
+            how = f", ×{brief(times)}" if drawn else f" of {_SIGMAS:g} sigma"
+            lengths = axis if drawn else [value / times for value in axis]
+            rows.append([one["name"], f"half axis {k}{how}", *lengths, None])
+    return rows
+
+
 def _table(record: dict[str, Any]) -> dict[str, Any]:
-    head, *rows = vector_rows(record, drawn=True)
+    head, *rows = _rows(record, drawn=True)
     shares = [NONE if row[-1] is None else percent(row[-1]) for row in rows]
     texts = [
         [sensor, vector, *(decimal(value, 4) for value in at), share]

@@ -19,6 +19,7 @@ import numpy as np
 from chromanoise.base import check
 from chromanoise.charts.budget import cause_label
 from chromanoise.charts.charted_study import Look, Shown, saturated_names, saturation_sentence
+from chromanoise.charts.description import numbers_of
 from chromanoise.charts.numbers import NONE, brief, decimal, electrons, signed, table
 from chromanoise.metrics import CORRELATION, FILTERS, INFRARED, REST, WEIGHTS, Budget
 from chromanoise.noise import conditions, level_in_words
@@ -622,9 +623,21 @@ def drawn_head(shown: Shown, look: Look) -> dict[str, Any]:
         ),
         "light": {"name": first.illuminant.name, **level},
         "sensors": sensors,
+        **numbers_of(_rows_of_head(sensors)),
         "table": _table(sensors),
         "ranking": ranking(shown.analyses),
     }
+
+
+def _rows_of_head(sensors: Sequence[Mapping[str, Any]]) -> list[list[Any]]:
+    """A row per channel of a sensor, under a row of headings."""
+    head = ["sensor", "channel", "electrons of a white [e-]", "full well [e-]"]
+    rows = [
+        [one["name"], name, mean_e, one["full_well_e"], one["time_ms"], one["f_number"]]
+        for one in sensors
+        for name, mean_e in one["mean_e"].items()
+    ]
+    return [[*head, "exposure time [ms]", "f-number"], *rows]
 
 
 def sensor_values(sensor: Sensor) -> dict[str, Any]:

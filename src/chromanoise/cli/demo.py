@@ -147,8 +147,6 @@ class Reference:
     ----------
     kind
         Of the entry, as BibTeX names it.
-    key
-        Of the entry.
     fields
         Further fields in their order, as BibTeX names them.
     text

@@ -362,13 +362,7 @@ _TEXTS = 2  # columns of text before those of numbers
 
 
 def print_machine_readings(readings: Sequence[MachineReading]) -> None:
-    """Print distances of patches, contrast detection and information.
-
-    Parameters
-    ----------
-    readings
-        One per sensor.
-    """
+    """Print distances of patches, contrast detection and information."""
     console = terminal()
     for one in machine_tables(readings):
         table = Table(title=one["title"], title_justify="left")

@@ -111,7 +111,7 @@ def gaussian_expectation(
     mean, covariance
         Mean and covariance of the variables; the covariance may be singular.
     rule
-        By default `gaussian_cubature`.
+        Points and weights; by default `gaussian_cubature`.
 
     Raises
     ------
@@ -139,8 +139,6 @@ def cubature(color: NoisyColor, space: Space, *, rule: Cubature | None = None) -
     ----------
     color
         X, Y, Z with their noise, assumed jointly normal.
-    space
-        The color space.
     rule
         By default `gaussian_cubature` with 8192 points: for a gray at 5 dB its error is below 1e-3
         of a standard deviation, in CIELUV 6e-3. For a large picture 6 radii, 4 latitudes and 8
@@ -167,15 +165,19 @@ def cubature(color: NoisyColor, space: Space, *, rule: Cubature | None = None) -
         reference=noiseless,
     )
     still = _coordinates(space, color.noiseless_xyz, white, noiseless)
-    bias = shift + (at_mean - still)
+    return _split(space, shift + (at_mean - still), covariance)
+
+
+def _split(space: Space, bias: Array, covariance: Array) -> SpaceMoments:
+    """The moments of `_coordinates`, with chroma and color difference apart."""
     if not space.has_color_difference:
         return SpaceMoments(bias=bias, covariance=covariance)
     return SpaceMoments(
         bias=bias[..., :3],
         covariance=covariance[..., :3, :3],
         chroma_sd=np.asarray(np.sqrt(covariance[..., 3, 3])),
-        chroma_bias=bias[..., 3],
-        delta_e=bias[..., 4],
+        chroma_bias=np.asarray(bias[..., 3]),
+        delta_e=np.asarray(bias[..., 4]),
     )
 
 
@@ -214,7 +216,7 @@ def _coordinates(space: Space, xyz: Array, white: Array, noiseless: Array) -> Ar
     noisy = space.from_xyz(xyz, white)
     if not space.has_color_difference:
         return noisy
-    chroma = np.hypot(noisy[..., 1], noisy[..., 2])[..., None]
+    chroma = np.hypot(*_ab(noisy))[..., None]
     away = np.linalg.norm(noisy - noiseless, axis=-1)[..., None]
     return np.concatenate([noisy, chroma, away], axis=-1)
 
@@ -332,8 +334,6 @@ def exact(color: NoisyColor, space: Space, *, points: int = 2**16) -> SpaceMomen
     ----------
     color
         A color with its source (`noisy_color`), or a few colors, which are computed one by one.
-    space
-        The color space.
     points
         Points per net, a power of 2; eight nets are used.
 
@@ -374,28 +374,17 @@ def exact(color: NoisyColor, space: Space, *, points: int = 2**16) -> SpaceMomen
         )
     rows = source.mean_e.reshape(-1, channels)
     noiseless = space.from_xyz(color.noiseless_xyz.reshape(-1, 3), color.white)
-    found = []
+    each = []
     for row, center in zip(rows, noiseless, strict=True):
         turn = _turned(row, source, color.white, space)
         of = _seen(space, color.white, center)
-        found.append(_moments(of, row, source, turn, points))
+        each.append(_moments(of, row, source, turn, points))
     px = source.mean_e.shape[:-1]
     bias, covariance, mean_error, sd_error = (
-        np.stack(part).reshape(*px, *part[0].shape) for part in zip(*found, strict=True)
+        np.stack(part).reshape(*px, *part[0].shape) for part in zip(*each, strict=True)
     )
-    if not space.has_color_difference:
-        return SpaceMoments(
-            bias=bias, covariance=covariance, mean_error=mean_error, sd_error=sd_error
-        )
-    return SpaceMoments(
-        bias=bias[..., :3],
-        covariance=covariance[..., :3, :3],
-        chroma_sd=np.asarray(np.sqrt(covariance[..., 3, 3])),
-        chroma_bias=np.asarray(bias[..., 3]),
-        delta_e=np.asarray(bias[..., 4]),
-        mean_error=mean_error[..., :3],
-        sd_error=sd_error[..., :3],
-    )
+    found = _split(space, bias, covariance)
+    return replace(found, mean_error=mean_error[..., :3], sd_error=sd_error[..., :3])
 
 
 def normal_fails(source: ElectronSource) -> Bool[Array, "*px"]:
@@ -433,6 +422,8 @@ def exact_where_needed(color: NoisyColor, space: Space, *, points: int = 2**11) 
         As `exact`.
     """
     source, found = _source(color), cubature(color, space)
+    names = ("bias", "covariance", "chroma_sd", "chroma_bias", "delta_e")
+    moments = {name: np.array(own) for name in names if (own := getattr(found, name)) is not None}
     for at in np.argwhere(normal_fails(source)):
         one = tuple(at.tolist())
         few = replace(
@@ -441,21 +432,9 @@ def exact_where_needed(color: NoisyColor, space: Space, *, points: int = 2**11) 
             source=replace(source, mean_e=source.mean_e[one]),
         )
         better = exact(few, space, points=points)
-        found = replace(
-            found,
-            **{
-                name: _with(getattr(found, name), one, value)
-                for name in ("bias", "covariance", "chroma_sd", "chroma_bias", "delta_e")
-                if (value := getattr(better, name)) is not None
-            },
-        )
-    return found
-
-
-def _with(values: Array, at: tuple[int, ...], value: Array) -> Array:
-    changed = np.array(values)
-    changed[at] = value
-    return changed
+        for name, values in moments.items():
+            values[one] = getattr(better, name)
+    return replace(found, **moments)
 
 
 def _source(color: NoisyColor) -> ElectronSource:
@@ -585,8 +564,6 @@ def first_order(color: NoisyColor, space: Space) -> SpaceMoments:
     ----------
     color
         X, Y, Z with their noise.
-    space
-        The color space.
 
     Raises
     ------

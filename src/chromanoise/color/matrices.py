@@ -28,9 +28,10 @@ from chromanoise.base import (
     qr,
     svd,
     whitening,
+    with_short_repr,
 )
 from chromanoise.color.spaces import balanced_cielab, cie1976_difference
-from chromanoise.color.training import Training, TrainingResponse, training_response, white_scale
+from chromanoise.color.training import Training, TrainingResponse, training_response
 from chromanoise.geometry import DualBasis, dual_frame
 from chromanoise.noise import (
     Exposure,
@@ -46,6 +47,7 @@ from chromanoise.spectra import DEFAULT_OBSERVER, Metric, Scene, color_axes, kno
 XYZ = ("X", "Y", "Z")
 
 
+@with_short_repr
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ColorMatrix:
     """A matrix from raw electrons to color, and how it was made.
@@ -59,7 +61,7 @@ class ColorMatrix:
     coordinates
         Names of the rows.
     made_by
-        Method and equation.
+        Method of the fit, and its equation.
     metric
         Metric of the space of spectra.
     frame
@@ -87,16 +89,11 @@ class ColorMatrix:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "observer", known_observer(self.observer))
-        checked = check.finite(f"{self.made_by} matrix", "lx/e-", self.matrix)
-        if checked.shape != (len(self.coordinates), len(self.channels)):
-            raise InputError(
-                f"{self.made_by} matrix",
-                f"must have shape {(len(self.coordinates), len(self.channels))}, one row per "
-                "coordinate and one column per channel",
-                value=checked.shape,
-                found=f"has shape {checked.shape}",
-            )
-        object.__setattr__(self, "matrix", check.frozen(checked))
+        what, shape = f"{self.made_by} matrix", (len(self.coordinates), len(self.channels))
+        checked = check.finite(what, "lx/e-", self.matrix)
+        need = f"must have shape {shape}, one row per coordinate and one column per channel"
+        check.shape(what, checked, checked.shape == shape, need)
+        check.keep(self, matrix=checked)
 
     def _repr_html_(self) -> str:
         rows = [
@@ -257,10 +254,6 @@ def kernel(
 
     Parameters
     ----------
-    sensor
-        The sensor.
-    exposure
-        Time and lens.
     training
         Spectra that the matrix is trained on, with the responses of sensor and observer.
     level_lux
@@ -287,10 +280,6 @@ def least_squares(
 
     Parameters
     ----------
-    sensor
-        The sensor.
-    exposure
-        Time and lens.
     training
         Spectra that the matrix is trained on, with the responses of sensor and observer.
     level_lux
@@ -320,10 +309,6 @@ def white_preserving(
 
     Parameters
     ----------
-    sensor
-        The sensor.
-    exposure
-        Time and lens.
     training
         Spectra that the matrix is trained on, with the responses of sensor and observer.
     level_lux
@@ -346,7 +331,7 @@ def white_preserving(
         f"white of {sensor.name} in {training.illuminant.name}", "e-", seen.white_e.max()
     )
     root = np.sqrt(seen.share)[:, None]
-    relative = seen.electrons / white_scale(seen)  # the white is a row of ones
+    relative = seen.electrons / seen.scale  # the white is a row of ones
     ones = (seen.white_e > 0).astype(np.float64)
     direction = ones / np.linalg.norm(ones)
     free = svd("white", direction[None])[2][1:].T  # spans the null space of the white
@@ -354,8 +339,9 @@ def white_preserving(
     made_by = f"white-preserving ({training.source})"
     left, right = root * (relative @ free), root * (seen.xyz - relative @ fixed.T)
     rest, *_ = lstsq(_over_white(made_by, sensor, seen), left, right, rcond=RANK_TOLERANCE)
-    matrix = (fixed + (free @ rest).T) / white_scale(seen)
-    return _made(sensor, exposure, metric, seen, matrix, made_by)
+    matrix = (fixed + (free @ rest).T) / seen.scale
+    framed = kernel_matrix(sensor, exposure, metric, seen.observer)
+    return replace(framed, matrix=matrix, made_by=made_by)
 
 
 def lmmse(
@@ -370,10 +356,6 @@ def lmmse(
 
     Parameters
     ----------
-    sensor
-        The sensor.
-    exposure
-        Time and lens.
     training
         The prior, K = E[L L^T] over the set.
     level_lux
@@ -410,10 +392,6 @@ def lmmse_over_light(
 
     Parameters
     ----------
-    sensor
-        The sensor.
-    exposure
-        Time and lens.
     training
         Spectra that the matrix is trained on, with the responses of sensor and observer.
     level_lux
@@ -430,14 +408,14 @@ def lmmse_over_light(
     check.positive("smallest level_lux", "lx", float(levels.min()))
     share = check.not_negative("weight of the noise", "1", weight)
     seen = training_response(training, sensor, exposure, level_lux=1.0)
-    scale, root = white_scale(seen), np.sqrt(seen.share)[:, None]
+    scale, (electrons, xyz) = seen.scale, seen.weighted
     what = _over_white("LMMSE over light", sensor, seen)
-    q, r = qr(what, root * seen.electrons / scale)
+    q, r = qr(what, electrons / scale)
     light = levels[:, None, None]
     noise = mean_noise_covariance(seen.electrons, seen.share, sensor, exposure, light=levels)
     left = np.concatenate([light * r, covariance_root(what, share * noise) / scale], axis=1)
     nothing = np.zeros((levels.size, scale.size, 3))
-    right = np.concatenate([light * (q.T @ (root * seen.xyz)), nothing], axis=1)
+    right = np.concatenate([light * (q.T @ xyz), nothing], axis=1)
     solution = pinv(what, left, rcond=RANK_TOLERANCE) @ right
     return np.asarray(np.swapaxes(solution, -1, -2) / scale)
 
@@ -455,10 +433,6 @@ def ridge(
 
     Parameters
     ----------
-    sensor
-        The sensor.
-    exposure
-        Time and lens.
     training
         Spectra that the matrix is trained on, with the responses of sensor and observer.
     level_lux
@@ -495,10 +469,6 @@ def noise_regularized(
 
     Parameters
     ----------
-    sensor
-        The sensor.
-    exposure
-        Time and lens.
     training
         Spectra that the matrix is trained on, with the responses of sensor and observer.
     level_lux
@@ -537,10 +507,6 @@ def pareto(
 
     Parameters
     ----------
-    sensor
-        The sensor.
-    exposure
-        Time and lens.
     training
         Spectra that the matrix is trained on, with the responses of sensor and observer.
     weights
@@ -560,7 +526,14 @@ def pareto(
     """
     weight = check.non_negative("weights of the noise", "1", weights)
     seen = training_response(training, sensor, exposure, level_lux=level_lux)
-    _refuse_unseen(sensor, training, seen)
+    if not seen.white_e.max() > 0:
+        raise InputError(
+            f"sensor {sensor.name}",
+            "must have a channel that sees the lamp, as its white is preserved",
+            value=training.illuminant.name,
+            found=f"sees no light of {training.illuminant.name}",
+            remedy="take another lamp",
+        )
     matrices = _along(seen, weight, _over_white("Pareto curve", sensor, seen))
     error = seen.electrons @ np.swapaxes(matrices, -1, -2) - seen.xyz
     luminance = matrices[:, 1]
@@ -590,10 +563,6 @@ def training_color_error(
 
     Parameters
     ----------
-    sensor
-        The sensor.
-    exposure
-        Time and lens.
     training
         Spectra that the matrix is trained on, with the responses of sensor and observer.
     matrix
@@ -611,29 +580,6 @@ def training_color_error(
     return _mean_delta_e(seen, matrix.matrix[None])[0]
 
 
-def _made(
-    sensor: Sensor,
-    exposure: Exposure,
-    metric: Metric,
-    seen: TrainingResponse,
-    matrix: Float[Array, "3 p"],
-    made_by: str,
-) -> ColorMatrix:
-    framed = kernel_matrix(sensor, exposure, metric, seen.observer)
-    return replace(framed, matrix=matrix, made_by=made_by)
-
-
-def _refuse_unseen(sensor: Sensor, training: Training, seen: TrainingResponse) -> None:
-    if not seen.white_e.max() > 0:
-        raise InputError(
-            f"sensor {sensor.name}",
-            "must have a channel that sees the lamp, as its white is preserved",
-            value=training.illuminant.name,
-            found=f"sees no light of {training.illuminant.name}",
-            remedy="take another lamp",
-        )
-
-
 def _penalized(
     sensor: Sensor,
     exposure: Exposure,
@@ -643,12 +589,10 @@ def _penalized(
     made_by: str,
 ) -> ColorMatrix:
     """C of least E|C M - XYZ|^2 + tr(C P C^T), with the covariance P as ``penalty_e2``."""
-    root = np.sqrt(seen.share)[:, None]
     what = _over_white(made_by, sensor, seen)
-    matrix = penalized_matrix(
-        what, root * seen.electrons, root * seen.xyz, penalty_e2, scale=white_scale(seen)
-    )
-    return _made(sensor, exposure, metric, seen, matrix, made_by)
+    matrix = penalized_matrix(what, *seen.weighted, penalty_e2, scale=seen.scale)
+    framed = kernel_matrix(sensor, exposure, metric, seen.observer)
+    return replace(framed, matrix=matrix, made_by=made_by)
 
 
 def penalized_matrix(
@@ -693,12 +637,11 @@ def _over_white(made_by: str, sensor: Sensor, seen: TrainingResponse) -> str:
 def _along(seen: TrainingResponse, weight: Float[Array, " q"], what: str) -> Array:
     """The matrices of least E|C M - XYZ|^2 + w tr(C D C^T)."""
     white = whitening(what, seen.noise_e2)  # 0 without noise, where there is no signal either
-    root = np.sqrt(seen.share)[:, None]
-    u, s, vt = svd(what, root * seen.electrons @ white, full_matrices=False)
+    electrons, xyz = seen.weighted
+    u, s, vt = svd(what, electrons @ white, full_matrices=False)
     kept = s > RANK_TOLERANCE * s[0]
     gain = np.where(kept, s, 0.0) / np.where(kept, s**2 + weight[:, None], 1.0)
-    cross = (root * seen.xyz).T @ u
-    return np.asarray((cross * gain[:, None, :]) @ vt @ white.T)
+    return np.asarray(((xyz.T @ u) * gain[:, None, :]) @ vt @ white.T)
 
 
 def _mean_delta_e(seen: TrainingResponse, matrices: Array) -> tuple[float | None, ...]:
@@ -728,10 +671,6 @@ def bounded_psi(
 
     Parameters
     ----------
-    sensor
-        The sensor.
-    exposure
-        Time and lens.
     training
         Spectra that the matrix is trained on, with the responses of sensor and observer.
     level_lux
@@ -761,7 +700,7 @@ def bounded_psi(
     if noise_gain(normalized) <= limit:
         return replace(free, made_by=made_by)
     rows = _rows_within(seen, limit)
-    matrix = rows * seen.white_xyz[:, None] / white_scale(seen)
+    matrix = rows * seen.white_xyz[:, None] / seen.scale
     return replace(free, matrix=matrix, made_by=made_by)
 
 
@@ -825,13 +764,12 @@ def noise_gain(matrix: Float[Array, "c p"]) -> float:
 
 def _rows_within(seen: TrainingResponse, limit: float) -> Float[Array, "3 p"]:
     """The white-normalized rows of least E|C M - XYZ|^2 whose norms add up to ``limit``."""
-    root = np.sqrt(seen.share)[:, None]
-    relative = root * seen.electrons / white_scale(seen)
-    u, s, vt = svd("training set relative to the white", relative, full_matrices=False)
-    kept = np.where(
-        s > RANK_TOLERANCE * s[0], s, 0.0
-    )  # linearly dependent channels would amplify rounding
-    answer = kept * ((root * seen.xyz / seen.white_xyz).T @ u)  # V^T E[x y]
+    electrons, xyz = seen.weighted
+    u, s, vt = svd(
+        "training set relative to the white", electrons / seen.scale, full_matrices=False
+    )
+    kept = np.where(s > RANK_TOLERANCE * s[0], s, 0.0)  # dependent channels amplify rounding
+    answer = kept * ((xyz / seen.white_xyz).T @ u)  # V^T E[x y]
     emptying = seen.white_xyz**2 * np.linalg.norm(answer, axis=1)  # multipliers
 
     def rows(log_share: float) -> Float[Array, "3 p"]:

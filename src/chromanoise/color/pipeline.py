@@ -17,11 +17,11 @@ from chromanoise.base import Array, Float, InputError, check, congruence, inv
 from chromanoise.color.spaces import (
     D65_WHITE,
     LAB,
-    SRGB_TOE,
     XYZ_TO_LINEAR_SRGB,
     Space,
     linear_srgb,
     srgb_from_linear,
+    srgb_slope,
 )
 from chromanoise.noise import Measurement, through
 
@@ -190,7 +190,7 @@ def white_balanced(raw: Measurement, gains: Float[Array, " p"]) -> Measurement:
     Parameters
     ----------
     raw
-        Black level subtracted.
+        Raw values without the black level.
     gains
         As from `gray_gains` or `checked_gains`.
     """
@@ -327,8 +327,6 @@ def encoded(rgb: Measurement, curve: ToneCurve) -> Measurement:
     ----------
     rgb
         Mean and covariance of linear R, G, B. [1]
-    curve
-        Tone curve.
     """
     slope = curve.slope(rgb.mean)
     return Measurement(
@@ -412,8 +410,6 @@ def encoded_space(curve: ToneCurve, *, exposure_gain: float, saturation: float) 
 
     Parameters
     ----------
-    curve
-        Tone curve.
     exposure_gain
         Gain of linear R, G, B. [1]
     saturation
@@ -459,11 +455,6 @@ def rendered_lab_space(*, exposure_gain: float, saturation: float) -> Space:
     return Space(name=LAB.name, coordinates=LAB.coordinates, from_xyz=from_xyz, jacobian=jacobian)
 
 
-def _srgb_slope(x: Array) -> Array:
-    power = 1.055 / 2.4 * np.maximum(x, SRGB_TOE) ** (1 / 2.4 - 1)
-    return np.where(x <= SRGB_TOE, 12.92, power)
-
-
 def _rec709(x: Array) -> Array:
     return np.where(x < _REC709_TOE, 4.5 * x, 1.099 * np.maximum(x, _REC709_TOE) ** 0.45 - 0.099)
 
@@ -481,7 +472,7 @@ def _power_slope(x: Array, *, exponent: float) -> Array:
 
 
 _NAMED = {
-    "srgb": ToneCurve(name="sRGB", of=srgb_from_linear, slope=_srgb_slope),
+    "srgb": ToneCurve(name="sRGB", of=srgb_from_linear, slope=srgb_slope),
     "rec709": ToneCurve(name="Rec. 709", of=_rec709, slope=_rec709_slope),
     "linear": ToneCurve(name="linear", of=np.array, slope=np.ones_like),
 }

@@ -15,7 +15,7 @@ A method is a function of a `NoisyColor` and a `Space`; set its accuracy by `fun
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -183,7 +183,7 @@ Method = Callable[[NoisyColor, Space], SpaceMoments]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class ColorNoise:
+class ColorNoise(SpaceMoments):
     """Noise of one color, or of each pixel of a picture, in a color space.
 
     Attributes
@@ -192,8 +192,8 @@ class ColorNoise:
         Mean and covariance of the coordinates; its kind is the name of the space.
     noiseless
         Coordinates of the color without noise and without clipping.
-    bias
-        Mean minus ``noiseless``.
+    bias, covariance
+        Mean minus ``noiseless``; covariance of the coordinates.
     chroma_sd
         Standard deviation of C*. At a neutral, where C* has a kink, the first order returns the
         largest one in any direction.
@@ -209,17 +209,9 @@ class ColorNoise:
 
     measurement: Measurement
     noiseless: Float[Array, "*px 3"]
-    bias: Float[Array, "*px 3"]
-    chroma_sd: Float[Array, "*px"] | None
-    chroma_bias: Float[Array, "*px"] | None
-    delta_e: Float[Array, "*px"] | None
-    mean_error: Float[Array, "*px 3"] | None
-    sd_error: Float[Array, "*px 3"] | None
 
     def __post_init__(self) -> None:
-        check.freeze(self, "noiseless", "bias")
-        known = ("chroma_sd", "chroma_bias", "delta_e", "mean_error", "sd_error")
-        check.freeze(self, *(name for name in known if getattr(self, name) is not None))
+        check.freeze(self, "noiseless", *(one.name for one in fields(SpaceMoments)))
 
     @property
     def sd(self) -> Float[Array, "*px 3"]:
@@ -235,7 +227,7 @@ def propagate(color: NoisyColor, space: Space, method: Method) -> ColorNoise:
     color
         X, Y, Z with their noise; `exact` also needs its source, as returned by `noisy_color`.
     space
-        E.g. `chromanoise.color.LAB`.
+        Coordinates of the result, e.g. `chromanoise.color.LAB`.
     method
         `first_order`, `cubature`, `exact`, or one of them with its accuracy set by
         `functools.partial`.
@@ -267,16 +259,8 @@ def propagate(color: NoisyColor, space: Space, method: Method) -> ColorNoise:
         kind=space.name,
         unit="1",
     )
-    return ColorNoise(
-        measurement=measurement,
-        noiseless=noiseless,
-        bias=found.bias,
-        chroma_sd=found.chroma_sd,
-        chroma_bias=found.chroma_bias,
-        delta_e=found.delta_e,
-        mean_error=found.mean_error,
-        sd_error=found.sd_error,
-    )
+    moments = {one.name: getattr(found, one.name) for one in fields(SpaceMoments)}
+    return ColorNoise(measurement=measurement, noiseless=noiseless, **moments)
 
 
 def relative_sd_error(rough: Measurement, trusted: Measurement) -> Float[Array, "*px q"]:
@@ -300,9 +284,7 @@ def relative_sd_error(rough: Measurement, trusted: Measurement) -> Float[Array, 
     one, two = np.sqrt(rough.variance), np.sqrt(trusted.variance)
     size = 1 + np.abs(rough.mean).max(axis=-1, keepdims=True)
     largest = np.maximum(one, two).max(axis=-1, keepdims=True)
-    nothing = np.maximum(
-        1e-9 * largest, 1e-13 * size
-    )  # below this a standard deviation is rounding
+    nothing = np.maximum(1e-9 * largest, 1e-13 * size)  # below it, it is rounding
     one, two = np.where(one > nothing, one, 0.0), np.where(two > nothing, two, 0.0)
     ratio = np.where(two > 0, one / np.where(two > 0, two, 1.0), np.where(one > 0, np.inf, 1.0))
     return ratio - 1

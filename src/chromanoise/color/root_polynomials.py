@@ -85,7 +85,8 @@ def rooted(raw_mean: Float[Array, "*px p"], *, degree: int = 2) -> Float[Array, 
     array([1., 4., 9., 2., 3., 6.])
     """
     mean = check.non_negative("raw_mean", "e-", raw_mean)
-    roots = [np.sqrt(mean[..., i]) * np.sqrt(mean[..., j]) for i, j in _pairs_of(mean, degree)]
+    pairs = _pairs(mean.shape[-1], degree)
+    roots = [np.sqrt(mean[..., i]) * np.sqrt(mean[..., j]) for i, j in pairs]
     return np.concatenate([mean, *(root[..., None] for root in roots)], axis=-1)
 
 
@@ -112,7 +113,7 @@ def root_jacobian(raw_mean: Float[Array, "*px p"], *, degree: int = 2) -> Float[
            [1.  , 0.25]])
     """
     mean = _above_zero(raw_mean, degree=degree)
-    pairs, p = _pairs_of(mean, degree), mean.shape[-1]
+    pairs, p = _pairs(mean.shape[-1], degree), mean.shape[-1]
     jacobian = np.zeros((*mean.shape[:-1], p + len(pairs), p))
     jacobian[..., :p, :] = np.eye(p)
     for row, (i, j) in enumerate(pairs, start=p):
@@ -241,7 +242,7 @@ def root_polynomial_bias(raw: Measurement, model: RootPolynomial) -> Float[Array
     check.same_names("color", raw=raw.names, model=model.channels)
     mean, spread = _above_zero(raw.mean, degree=model.degree), raw.covariance
     bias = np.zeros((*mean.shape[:-1], model.matrix.shape[1]))
-    for term, (i, j) in enumerate(_pairs_of(mean, model.degree), start=mean.shape[-1]):
+    for term, (i, j) in enumerate(_pairs(mean.shape[-1], model.degree), start=mean.shape[-1]):
         ratio = np.sqrt(mean[..., j]) / np.sqrt(mean[..., i])
         own = ratio * spread[..., i, i] / mean[..., i] + spread[..., j, j] / mean[..., j] / ratio
         cross = spread[..., i, j] / np.sqrt(mean[..., i]) / np.sqrt(mean[..., j])
@@ -325,7 +326,7 @@ def root_first_order_error(
     mean = check.non_negative("mean_e", "e-", mean_e)
     s = sensor.pixel.read_noise_e
     exact = root_polynomial_color_exact(mean, model, read_noise_e=s).variance
-    dark = (mean == 0).any(axis=-1, keepdims=True) & bool(_pairs_of(mean, model.degree))
+    dark = (mean == 0).any(axis=-1, keepdims=True) & bool(_pairs(mean.shape[-1], model.degree))
     pixel = shot_and_read_only(sensor.pixel)
     plain = replace(sensor, pixel=pixel, converter=UNKNOWN_CONVERTER, crosstalk=None)
     first = root_polynomial_color(with_noise(np.where(dark, 1.0, mean), plain), model).variance
@@ -350,7 +351,7 @@ def _color(
 def _exact_terms(mean: Array, noise: float, degree: int) -> tuple[Array, Array]:
     """Mean and covariance of the terms of `rooted`, from moments of single channels."""
     p = mean.shape[-1]
-    pairs = _pairs_of(mean, degree)
+    pairs = _pairs(mean.shape[-1], degree)
     covariance = np.zeros((*mean.shape[:-1], p + len(pairs), p + len(pairs)))
     channels = np.arange(p)
     covariance[..., channels, channels] = mean + noise**2
@@ -396,16 +397,12 @@ def _root_moments(mean: Array, noise: float) -> tuple[Array, Array, Array]:
 def _above_zero(raw_mean: Array, *, degree: int) -> Array:
     """The mean; an error where a root would have an infinite slope."""
     mean = check.non_negative("raw_mean", "e-", raw_mean)
-    if _pairs_of(mean, degree) and not (mean > 0).all():
+    if _pairs(mean.shape[-1], degree) and not (mean > 0).all():
         first = tuple(int(i) for i in np.argwhere(mean <= 0)[0])
         found = f"is 0 at index {first} (from 0)"
         remedy = "take root_polynomial_color_exact, degree 1 or a linear matrix there"
         raise InputError("raw_mean", "must be > 0 [e-]", value=0.0, found=found, remedy=remedy)
     return mean
-
-
-def _pairs_of(mean: Float[Array, "*px p"], degree: int) -> list[tuple[int, int]]:
-    return _pairs(mean.shape[-1], degree)
 
 
 def _pairs(p: int, degree: int) -> list[tuple[int, int]]:

@@ -194,6 +194,12 @@ def srgb_from_linear(linear: Float[Array, "*px"]) -> Float[Array, "*px"]:
     return np.where(linear <= SRGB_TOE, 12.92 * linear, 1.055 * power - 0.055)
 
 
+def srgb_slope(linear: Float[Array, "*px"]) -> Float[Array, "*px"]:
+    """The slope of `srgb_from_linear`."""
+    power = 1.055 / 2.4 * np.maximum(linear, SRGB_TOE) ** (1 / 2.4 - 1)
+    return np.where(linear <= SRGB_TOE, 12.92, power)
+
+
 _DELTA = 6 / 29  # CIE 015:2018, eq. 8.7: below its cube the cube root becomes a line
 _UV = np.array([1.0, 15.0, 3.0])  # CIE 015:2018, eq. 8.25: X + 15 Y + 3 Z
 _LAB = np.array([[0.0, 116.0, 0.0], [500.0, -500.0, 0.0], [0.0, 200.0, -200.0]])
@@ -351,9 +357,7 @@ def _linear_srgb_jacobian(
 def _encoded_srgb_jacobian(
     xyz: Float[Array, "*px 3"], white: Float[Array, " 3"]
 ) -> Float[Array, "*px 3 3"]:
-    linear = linear_srgb(xyz, white)
-    power = np.maximum(linear, SRGB_TOE) ** (1 / 2.4 - 1)
-    slope = np.where(linear <= SRGB_TOE, 12.92, 1.055 / 2.4 * power)
+    slope = srgb_slope(linear_srgb(xyz, white))
     return slope[..., None] * _linear_srgb_jacobian(xyz, white)
 
 
@@ -373,7 +377,8 @@ def _cieluv_jacobian(
     lightness = (116 * _cube_root(y) - 16)[..., None]
     rising = 116 * _cube_root_slope(y) * np.array([0.0, 1.0, 0.0]) / white[1]
     away = np.where(black, 0.0, _chromaticity(xyz) - neutral)
-    turning = np.where(black[..., None], 0.0, _chromaticity_slope(xyz))
+    slope = np.array([[4.0], [9.0]]) * _shares_slope(xyz, _UV)
+    turning = np.where(black[..., None], 0.0, slope)
     uv = 13 * (away[..., None] * rising[..., None, :] + lightness * turning)
     return np.concatenate([rising[..., None, :], uv], axis=-2)
 
@@ -388,21 +393,32 @@ def _cube_root_slope(t: Array) -> Array:
 
 
 def _chromaticity(xyz: Float[Array, "*px 3"]) -> Float[Array, "*px 2"]:
-    """u', v' with the pole of 1/d replaced by a line; zeros at black."""
-    d, half = (xyz @ _UV)[..., None], (np.abs(xyz) @ _UV)[..., None] / 2
-    size = np.where(half > 0, np.maximum(np.abs(d), half), 1.0)
-    return np.array([4.0, 9.0]) * (xyz[..., :2] / size) * (d / size)
+    """u', v' (CIE 015:2018, eq. 8.25 and 8.26)."""
+    return np.array([4.0, 9.0]) * _shares(xyz, _UV)
 
 
-def _chromaticity_slope(xyz: Float[Array, "*px 3"]) -> Float[Array, "*px 2 3"]:
-    d, half = (xyz @ _UV)[..., None], (np.abs(xyz) @ _UV)[..., None] / 2
-    regular = np.abs(d) >= half
-    size = np.where(half > 0, np.where(regular, np.abs(d), half), 1.0)
-    reciprocal = d / size**2
-    bent = _UV / size**2 - d * _UV * np.sign(xyz) / size**3
-    slope = np.where(regular, -_UV / size**2, bent)  # of the reciprocal
-    own = np.eye(2, 3) * reciprocal[..., None]
-    return np.array([4.0, 9.0])[:, None] * (own + xyz[..., :2, None] * slope[..., None, :])
+def _shares(xyz: Float[Array, "*px 3"], weights: Float[Array, " 3"]) -> Float[Array, "*px 2"]:
+    """X and Y over a weighted sum of X, Y, Z that is kept away from 0."""
+    d, size = _sums(xyz, weights)
+    return xyz[..., :2] / size * (d / size)
+
+
+def _shares_slope(
+    xyz: Float[Array, "*px 3"], weights: Float[Array, " 3"]
+) -> Float[Array, "*px 2 3"]:
+    """The Jacobian of `_shares`."""
+    d, size = _sums(xyz, weights)
+    bent = weights / size**2 - d * weights * np.sign(xyz) / size**3
+    slope = np.where(np.abs(d) >= size, -weights / size**2, bent)  # of the reciprocal
+    return np.eye(2, 3) * (d / size**2)[..., None] + xyz[..., :2, None] * slope[..., None, :]
+
+
+def _sums(
+    xyz: Float[Array, "*px 3"], weights: Float[Array, " 3"]
+) -> tuple[Float[Array, "*px 1"], Float[Array, "*px 1"]]:
+    """The weighted sum d, and max(|d|, half the sum of the weighted magnitudes); 1 for black."""
+    d, half = (xyz @ weights)[..., None], (np.abs(xyz) @ weights)[..., None] / 2
+    return d, np.where(half > 0, np.maximum(np.abs(d), half), 1.0)
 
 
 def _white(white: Float[Array, " 3"]) -> Float[Array, " 3"]:
@@ -478,26 +494,12 @@ def xyy(xyz: Float[Array, "*px 3"], white: Float[Array, " 3"]) -> Float[Array, "
     >>> xyy(np.array([1.0, 2.0, 1.0]), np.ones(3))
     array([0.25, 0.5 , 2.  ])
     """
-    d, size = _sums(xyz)
-    return np.concatenate([xyz[..., :2] / size * (d / size), xyz[..., 1:2]], axis=-1)
+    return np.concatenate([_shares(xyz, np.ones(3)), xyz[..., 1:2]], axis=-1)
 
 
 def _xyy_jacobian(xyz: Float[Array, "*px 3"], white: Float[Array, " 3"]) -> Float[Array, "*px 3 3"]:
-    d, size = _sums(xyz)
-    regular = np.abs(d) >= size  # there the size is |d|
-    toward = np.where(regular, np.sign(d), 0.5 * np.sign(xyz))  # slope of the size
-    reciprocal = d / size**2
-    slope = 1 / size**2 - 2 * d * toward / size**3
-    own = np.eye(2, 3) * reciprocal[..., None]
-    chromaticity = own + xyz[..., :2, None] * slope[..., None, :]
     luminance = np.broadcast_to(np.eye(3)[1], (*xyz.shape[:-1], 1, 3))
-    return np.concatenate([chromaticity, luminance], axis=-2)
-
-
-def _sums(xyz: Float[Array, "*px 3"]) -> tuple[Float[Array, "*px 1"], Float[Array, "*px 1"]]:
-    """X + Y + Z, and its size: at least half the sum of the absolute values, never 0."""
-    d, half = xyz.sum(axis=-1, keepdims=True), np.abs(xyz).sum(axis=-1, keepdims=True) / 2
-    return d, np.where(half > 0, np.maximum(np.abs(d), half), 1.0)
+    return np.concatenate([_shares_slope(xyz, np.ones(3)), luminance], axis=-2)
 
 
 XYY = Space(name="xyY", coordinates=("x", "y", "Y"), from_xyz=xyy, jacobian=_xyy_jacobian)

@@ -37,7 +37,7 @@ class Training:
     reflectance
         One row per reflectance, >= 0. [1]
     names
-        One per reflectance.
+        Name of each reflectance.
     source
         Where the reflectances come from.
     weights
@@ -66,25 +66,20 @@ class Training:
         object.__setattr__(self, "observer", known_observer(self.observer))
         where = f"reflectance of {self.source}"
         rho = check.non_negative(where, "1", self.reflectance)
-        if rho.ndim != 2 or rho.shape[0] == 0:
-            raise InputError(
-                where,
-                "must have shape (reflectances, wavelengths)",
-                value=rho.shape,
-                found=f"has shape {rho.shape}",
-            )
+        full = rho.ndim == 2 and rho.shape[0] > 0
+        check.shape(where, rho, full, "must have shape (reflectances, wavelengths)")
         check.same_length(
             "wavelengths", illuminant=self.illuminant.grid.n, reflectance=rho.shape[1]
         )
         check.same_length("reflectances", names=len(self.names), reflectance=rho.shape[0])
         object.__setattr__(self, "names", check.distinct(f"names of {self.source}", self.names))
-        object.__setattr__(self, "reflectance", check.frozen(rho))
+        check.keep(self, reflectance=rho)
         if self.weights is None:
             return
         weights = check.non_negative(f"weights of {self.source}", "1", self.weights)
         check.same_length("reflectances", names=len(self.names), weights=weights.size)
         check.positive(f"sum of the weights of {self.source}", "1", float(weights.sum()))
-        object.__setattr__(self, "weights", check.frozen(weights))
+        check.keep(self, weights=weights)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -115,6 +110,17 @@ class TrainingResponse:
     noise_e2: Float[Array, "p p"]
     observer: str = DEFAULT_OBSERVER
 
+    @property
+    def scale(self) -> Float[Array, " p"]:
+        """Electrons of the white, 1 where there are none; makes equations well conditioned."""
+        return np.where(self.white_e > 0, self.white_e, 1.0)
+
+    @property
+    def weighted(self) -> tuple[Float[Array, "k p"], Float[Array, "k 3"]]:
+        """Electrons and X, Y, Z times the roots of the shares: sums of squares are means."""
+        root = np.sqrt(self.share)[:, None]
+        return root * self.electrons, root * self.xyz
+
     def __post_init__(self) -> None:
         check.same_length("reflectances", electrons=len(self.electrons), xyz=len(self.xyz))
         check.same_length("channels", white=self.white_e.size, electrons=self.electrons.shape[1])
@@ -123,11 +129,6 @@ class TrainingResponse:
 
 def chart_training(illuminant: Illuminant) -> Training:
     """The 24 patches of a ColorChecker, measured from 400 to 1050 nm.
-
-    Parameters
-    ----------
-    illuminant
-        The light.
 
     Raises
     ------
@@ -274,8 +275,6 @@ def light_second_moment(
 
     Parameters
     ----------
-    training
-        The training set.
     level_lux
         Illuminance on the set. [lx]
     metric
@@ -297,10 +296,6 @@ def training_response(
     ----------
     training
         Spectra that the matrix is trained on, with the responses of sensor and observer.
-    sensor
-        The sensor.
-    exposure
-        Time and lens.
     level_lux
         Illuminance on the scene. [lx]
 
@@ -336,11 +331,6 @@ def training_response(
         noise_e2=mean_noise_covariance(electrons, share, sensor, exposure),
         observer=training.observer,
     )
-
-
-def white_scale(seen: TrainingResponse) -> Float[Array, " p"]:
-    """Electrons of the white per channel; 1 for a channel without light. [e-]"""
-    return np.where(seen.white_e > 0, seen.white_e, 1.0)
 
 
 def _scene(training: Training, level_lux: float) -> Scene:

@@ -82,7 +82,7 @@ def unit_circle(points: int) -> Float[Array, "points 2"]:
     Parameters
     ----------
     points
-        Number of points.
+        Number of points on the outline.
 
     Examples
     --------
@@ -107,13 +107,13 @@ def ellipse_outline(
     Parameters
     ----------
     center
-        The two means.
+        Means of the two coordinates.
     covariance
         Covariance of two coordinates.
     sigmas
         Standard deviations from the center. [1]
     points
-        Number of points.
+        Number of points on the outline.
 
     Examples
     --------

@@ -7,11 +7,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from chromanoise.base import RANK_TOLERANCE, Array, Float, InputError, check, svd, unit_columns
+from chromanoise.base import (
+    RANK_TOLERANCE,
+    Array,
+    Float,
+    InputError,
+    check,
+    svd,
+    unit_columns,
+    with_short_repr,
+)
 from chromanoise.noise import Measurement, through
 from chromanoise.spectra import Metric
 
 
+@with_short_repr
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class DualBasis:
     """``p`` measurement vectors, their dual basis and their conditioning.
@@ -27,7 +37,7 @@ class DualBasis:
         G^-1 = (F^T F)^-1; the pseudo-inverse where F is rank-deficient.
         [(unit of light)^2 per e-^2]
     names
-        One per channel.
+        Name of each channel, in the order of ``basis``.
     metric
         Metric of the space of spectra.
     rank
@@ -61,7 +71,7 @@ def dual_frame(basis: Float[Array, "n p"], *, names: tuple[str, ...], metric: Me
     basis
         F, the matrix with one column per channel.
     names, metric
-        Of the channels.
+        Names of the channels, and the metric of their light.
 
     Raises
     ------

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from chromanoise.base import InputError, Setting, distinct, one_of, renamed
+from chromanoise.base import InputError, Setting, distinct, one_of, renamed, with_short_repr
 from chromanoise.color import ColorMatrix
 from chromanoise.imaging.blocks import parts_of_rows
 from chromanoise.imaging.demosaic import FilterBank
@@ -93,6 +93,7 @@ class CaptureSettings:
                 )
 
 
+@with_short_repr
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Camera:
     """A camera prepared for capture: all data that its frames share.
@@ -122,6 +123,7 @@ class Camera:
     no_profile: InputError | None = None
 
 
+@with_short_repr
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Capture:
     """The result of a capture: codes, color, or both.

@@ -9,7 +9,7 @@ from contextlib import ExitStack, contextmanager
 from multiprocessing import resource_tracker
 from typing import Any
 
-from chromanoise.base import InputError, Setting
+from chromanoise.base import InputError, Setting, optional_package
 
 _QUIET = {
     "distributed.admin.large-graph-warning-threshold": "1 GiB",  # blocks are
@@ -54,18 +54,12 @@ def client_of(scheduler: str, *, workers: int | None = None, smaller: Setting) -
         If dask is not installed, the processes cannot be started, the scheduler does not answer
         within 10 s, or all of its workers are lost.
     """
-    try:
-        import dask
-        from dask.distributed import Client, LocalCluster
-    except ImportError:
-        raise InputError(
-            "scheduler",
-            "needs the package dask, which is not installed",
-            remedy=(
-                "install it with pip install 'chromanoise[distributed]'",
-                "omit the scheduler to use the threads of this machine",
-            ),
-        ) from None
+    threads = ("omit the scheduler to use the threads of this machine",)
+    for package in ("dask", "distributed"):
+        optional_package(package, "scheduler", extra="distributed", otherwise=threads)
+    import dask
+    from dask.distributed import Client, LocalCluster
+
     with ExitStack() as stack:
         stack.enter_context(dask.config.set(_QUIET))
         if scheduler == "local":

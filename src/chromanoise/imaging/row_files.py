@@ -10,14 +10,13 @@ import errno
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from importlib import import_module
 from pathlib import Path
 from threading import Lock
 from typing import Any, BinaryIO
 
 import numpy as np
 
-from chromanoise.base import Array, Float, InputError, Setting, check
+from chromanoise.base import Array, Float, InputError, Setting, check, optional_package
 from chromanoise.color import linear_srgb
 
 PutRows = Callable[[int, Array], None]
@@ -272,11 +271,4 @@ def openexr() -> Any:
     InputError
         If it is not installed.
     """
-    try:
-        return import_module("OpenEXR")
-    except ImportError:
-        raise InputError(
-            "EXR files",
-            "need the package OpenEXR, which is not installed",
-            remedy=("install it with pip install 'chromanoise[exr]'", "write TIFF"),
-        ) from None
+    return optional_package("OpenEXR", "EXR", extra="exr", otherwise=("write TIFF",))

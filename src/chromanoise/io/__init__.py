@@ -25,6 +25,7 @@ if TYPE_CHECKING:
         Table,
         head,
         number_text,
+        table_of,
         table_writer,
         written,
     )

@@ -20,9 +20,9 @@ import struct
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from html import escape
 from pathlib import Path
 from typing import Any, Literal
-from xml.sax.saxutils import escape, quoteattr
 
 import numpy as np
 
@@ -495,14 +495,14 @@ def matrix_clf(made: MadeMatrix) -> str:
     rows = "\n".join("    " + " ".join(map(repr, row)) for row in balanced(made).tolist())
     identity = f"chromanoise-{made.sensor}-{made.matrix.made_by.split()[0]}"
     described = "\n".join(
-        f"  <Description>{escape(f'{name}: {value}')}</Description>"
+        f"  <Description>{escape(f'{name}: {value}', quote=False)}</Description>"
         for name, value in _facts(made).items()
     )
     return (
         '<?xml version="1.0" encoding="UTF-8"?>\n'
-        f'<ProcessList xmlns="urn:AMPAS:CLF:v3.0" compCLFversion="3.0" id={quoteattr(identity)}>\n'
+        f'<ProcessList xmlns="urn:AMPAS:CLF:v3.0" compCLFversion="3.0" id="{escape(identity)}">\n'
         f"{described}\n"
-        f"  <InputDescriptor>{escape(made.sensor)}, raw over white</InputDescriptor>\n"
+        f"  <InputDescriptor>{escape(made.sensor, quote=False)}, raw over white</InputDescriptor>\n"
         "  <OutputDescriptor>CIE XYZ, Y = 1 for white</OutputDescriptor>\n"
         '  <Matrix inBitDepth="32f" outBitDepth="32f">\n'
         '   <Array dim="3 3">\n'

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from importlib import import_module
 from typing import Any
 
-from chromanoise.base import from_above, notebook, plain
+from chromanoise.base import from_above, notebook, optional_package, plain
 from chromanoise.io.result_tables import Table, head, table_latex, written_rows
 from chromanoise.io.source_files import has
 
@@ -45,10 +45,10 @@ class Result(ABC):
 
         Raises
         ------
-        ImportError
-            If pandas is missing.
+        InputError
+            If pandas is not installed.
         """
-        pandas = import_module("pandas")
+        pandas = optional_package("pandas", "a data frame", extra="pandas")
         table = self.to_table()
         heads = [head(column) for column in table.columns]
         return pandas.DataFrame(list(table.rows), columns=heads)

@@ -9,12 +9,14 @@ the digits of the column. An undefined value is an empty cell, or ``null`` in JS
 import json
 import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
-from chromanoise.base import InputError, __version__, check, csv_text
+import numpy as np
+
+from chromanoise.base import InputError, __version__, check, csv_text, defined, with_short_repr
 from chromanoise.io.source_files import has, refused
 from chromanoise.io.spectra.parsed import SCHEMA_VERSION, held_json, named, word_of, words_of
 
@@ -57,6 +59,7 @@ class Column:
             raise refused("Column.digits", need, self.digits, where=where) from None
 
 
+@with_short_repr
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Table:
     """Rows of cells under columns.
@@ -95,6 +98,35 @@ class Table:
                     where = f"column {column.name!r} in row {i} (from 0)"
                     remedy = "use None where it is not defined"
                     raise refused(f"table {self.title!r}", need, cell, where=where, remedy=remedy)
+
+
+Row = TypeVar("Row")
+ColumnOf = tuple[str, str, str, Callable[[Row], Entry]]
+"""Name, unit and digits of a column, and its cell in a row."""
+
+
+def table_of(
+    title: str, rows: Iterable[Row], *columns: ColumnOf[Row], notes: Iterable[str] = ()
+) -> Table:
+    """A table with one row per record; numbers that are not finite are not defined.
+
+    Examples
+    --------
+    >>> table = table_of("shares", [0.5, math.inf], ("share", "1", ".1f", float))
+    >>> table.rows
+    ((0.5,), (None,))
+    """
+    return Table(
+        title=title,
+        columns=tuple(Column(name=n, unit=unit, digits=digits) for n, unit, digits, _ in columns),
+        rows=tuple(tuple(_cell(of(row)) for *_, of in columns) for row in rows),
+        notes=tuple(dict.fromkeys(notes)),
+    )
+
+
+def _cell(value: Any) -> Entry:
+    cell: Entry = value.item() if isinstance(value, np.generic) else value
+    return defined(cell) if isinstance(cell, float) else cell
 
 
 def written(cell: Entry, digits: str) -> str:

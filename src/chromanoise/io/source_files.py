@@ -1,16 +1,22 @@
 """What all readers share: errors about a file, small texts, numbers, XML without entities."""
 
-import importlib
-import importlib.util
 import re
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
 
-from chromanoise.base import InputError, Remedy, Setting, regular_file
+from chromanoise.base import (
+    InputError,
+    Remedy,
+    Setting,
+    optional_package,
+    refuse_absent_package,
+    regular_file,
+)
 
 
 def refused(
@@ -41,39 +47,8 @@ def by(shape: tuple[int, ...]) -> str:
     return "x".join(str(n) for n in shape) or "scalar"
 
 
-def library(name: str, what: str, *, extra: str = "cubes", where: str = "") -> Any:
-    """Import an optional package that only some cubes need.
-
-    Parameters
-    ----------
-    name
-        Name of the package.
-    what, where
-        The file that needs the package, and the place in it.
-    extra
-        The extra of chromanoise that installs it.
-
-    Raises
-    ------
-    InputError
-        If the package is not installed.
-    """
-    try:
-        return importlib.import_module(name)
-    except ImportError:
-        raise _absent(name, what, extra, where) from None
-
-
-def refuse_absent_library(name: str, what: str, *, extra: str = "cubes", where: str = "") -> None:
-    """Like `library`, for a package that only the child process imports."""
-    if importlib.util.find_spec(name) is None:
-        raise _absent(name, what, extra, where)
-
-
-def _absent(name: str, what: str, extra: str, where: str) -> InputError:
-    need = f"needs the package {name.partition('.')[0]}, which is not installed"
-    remedy = f"install it with pip install 'chromanoise[{extra}]'"
-    return refused(what, need, where=where, remedy=remedy)
+library = partial(optional_package, extra="cubes")
+refuse_absent_library = partial(refuse_absent_package, extra="cubes")
 
 
 def refuse_not_numbers(path: Path, name: str, dtype: np.dtype) -> None:

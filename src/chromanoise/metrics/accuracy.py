@@ -22,10 +22,12 @@ from chromanoise.base import (
     svd,
 )
 from chromanoise.color import (
+    LAB,
     ColorMatrix,
     balanced_cielab,
     cie1976_difference,
     ciede2000_difference,
+    cielab,
     colored,
     noise_gain,
     white_normalized,
@@ -103,14 +105,8 @@ def chart_ciede2000(
 
     Parameters
     ----------
-    sensor
-        The sensor.
     matrix
         The color matrix. [lx/e-]
-    exposure
-        Time and lens.
-    illuminant
-        The light.
     chart
         Reflectances of the patches; those of the ColorChecker if ``None``.
 
@@ -135,14 +131,8 @@ def chart_lab(
 
     Parameters
     ----------
-    sensor
-        The sensor.
     matrix
         The color matrix. [lx/e-]
-    exposure
-        Time and lens.
-    illuminant
-        The light.
     chart
         Reflectances of the patches; those of the ColorChecker if ``None``.
     """
@@ -197,7 +187,7 @@ def _white_and_chart(illuminant: Illuminant, chart: Spectra | None) -> Scene:
 PENALTY = 5.5
 """Slope of the index: SMI = 100 - 5.5 mean Delta E*ab."""
 
-_CUBE_ROOT_FROM = (6.0 / 29.0) ** 3  # below it CIELAB is linear
+_WHITE = np.ones(3)  # of patches that are white-balanced
 _FAINTEST = 1e-9  # Delta E*ab below which the gradient of the difference is set to 0
 
 
@@ -264,11 +254,11 @@ def metamerism(
     100.0
     """
     raw = _white_balanced("filters", filters, illuminant, reflectance)
-    wanted = _lab(_white_balanced("eye", eye, illuminant, reflectance))
     seen = _white_balanced("eye", eye, illuminant, reflectance)
+    wanted = cielab(seen, _WHITE)
     start = lstsq("white-balanced patches", raw, seen, rcond=None)
     matrix = _descended(raw, wanted, np.asarray(start[0].T))
-    error = np.linalg.norm(_lab(raw @ matrix.T) - wanted, axis=-1)
+    error = np.linalg.norm(cielab(raw @ matrix.T, _WHITE) - wanted, axis=-1)
     return Metamerism(index=float(100.0 - PENALTY * error.mean()), color_error=error, matrix=matrix)
 
 
@@ -276,11 +266,6 @@ def sensor_metamerism(sensor: Sensor) -> Metamerism:
     """SMI of a sensor with the light and patches of the standard: D55, 18 colors of the chart.
 
     Outside 380-780 nm, where neither is defined, the sensor's response is set to 0.
-
-    Parameters
-    ----------
-    sensor
-        The sensor.
 
     Raises
     ------
@@ -341,33 +326,17 @@ def _descended(raw: Array, wanted: Array, start: Array) -> Array:
 
     def mean_error(entries: Array) -> tuple[float, Array]:
         xyz = raw @ entries.reshape(start.shape).T
-        missed = _lab(xyz) - wanted
+        missed = cielab(xyz, _WHITE) - wanted
         length = np.linalg.norm(missed, axis=-1)
         far = length > _FAINTEST
         direction = missed / np.where(far, length, 1.0)[:, None] * far[:, None]
-        uphill = np.einsum("ml,lx,mx,mp->xp", direction, _LAB_FROM_F, _slope(xyz), raw)
+        uphill = np.einsum("ml,mlx,mp->xp", direction, LAB.jacobian(xyz, _WHITE), raw)
         return float(length.mean()), uphill.ravel() / len(raw)
 
     entries = start.ravel()
     for _ in range(4):  # restart with a new Hessian estimate: the mean of lengths has kinks
         entries = minimize(mean_error, entries, jac=True, method="BFGS", options={"gtol": 1e-9}).x
     return np.asarray(entries.reshape(start.shape))
-
-
-_LAB_FROM_F = np.array([[0.0, 116.0, 0.0], [500.0, -500.0, 0.0], [0.0, 200.0, -200.0]])
-
-
-def _lab(xyz: Array) -> Array:
-    """CIELAB of XYZ relative to white (CIE 015:2018, eq. 8.3-8.8)."""
-    straight = xyz / (3.0 * (6.0 / 29.0) ** 2) + 4.0 / 29.0
-    f = np.where(xyz > _CUBE_ROOT_FROM, np.cbrt(xyz), straight)
-    return f @ _LAB_FROM_F.T - np.array([16.0, 0.0, 0.0])
-
-
-def _slope(xyz: Array) -> Array:
-    """df/dX of the f in `_lab`."""
-    bright = np.cbrt(np.maximum(xyz, _CUBE_ROOT_FROM))
-    return 1.0 / (3.0 * bright**2)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -425,10 +394,6 @@ def effective_filters(
     ----------
     matrix
         The color matrix. [lx/e-]
-    sensor
-        The sensor.
-    exposure
-        Time and lens.
 
     Raises
     ------

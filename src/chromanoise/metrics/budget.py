@@ -51,7 +51,7 @@ The infrared carries almost no signal here, because H is almost zero there.
 
 from collections.abc import Callable, Container, Sequence
 from dataclasses import dataclass, replace
-from functools import cache, partial
+from functools import cache
 from typing import ClassVar
 
 import numpy as np
@@ -167,10 +167,11 @@ def allowed_sets(
     """
     found: dict[Switches, None] = {frozenset(): None}
     queue: list[Switches] = [frozenset()]
+    needed = {name: {first for first, second in precedence if second == name} for name in players}
     for before in queue:
         for name in players:
             after = before | {name}
-            if name not in before and after not in found and _may_follow(name, before, precedence):
+            if name not in before and after not in found and needed[name] <= before:
                 found[after] = None
                 queue.append(after)
     if frozenset(players) not in found:
@@ -181,10 +182,6 @@ def allowed_sets(
             found="allows none",
         )
     return tuple(found)
-
-
-def _may_follow(name: str, before: Switches, precedence: tuple[tuple[str, str], ...]) -> bool:
-    return all(first in before for first, second in precedence if second == name)
 
 
 @cache
@@ -308,9 +305,6 @@ class Seen:
     sought_e: Float[Array, " p"]
     is_change: bool = False
 
-    def __post_init__(self) -> None:
-        check.freeze(self, "signal_e", "noise_e", "sought_e")
-
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Channels:
@@ -330,9 +324,6 @@ class Channels:
     with_infrared: Seen
     row: Float[Array, " p"]
     single_row: Float[Array, " p"]
-
-    def __post_init__(self) -> None:
-        check.freeze(self, "row", "single_row")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -448,22 +439,10 @@ def counting_snr_db(
     return float(decibel(np.asarray(snr)))
 
 
-def photons_on_pixels(sensor: Sensor, exposure: Exposure) -> float:
-    """Photons on the pixels of all channels per unit of light and wavelength. [s um2 nm]
-
-    p k of eq. 2, or k for channels that are stacked on one pixel.
-    """
-    return pixels_of(sensor) * exposure_factor(exposure, sensor.pixel, sensor.grid.step_nm)
-
-
 def without_infrared(scene: Scene) -> Scene:
     """The same scene behind an ideal IR-cut filter at `INFRARED_FROM_NM`."""
     visible = ~is_infrared(scene.illuminant.grid)
-    return Scene(
-        illuminant=scene.illuminant,
-        level_lux=scene.level_lux,
-        reflectance=scene.reflectance * visible,
-    )
+    return replace(scene, reflectance=scene.reflectance * visible)
 
 
 def chain_snr_db(chain: Chain, on: Switches) -> float:
@@ -596,20 +575,17 @@ def chain_budget(
     )
 
 
-def shared_readings(
-    chain: Chain, frame: DualBasis, *, photons: float, all_e: Array, visible_e: Array
-) -> dict[str, str]:
+def shared_readings(chain: Chain, frame: DualBasis, got: "_Electrons") -> dict[str, str]:
     """One sentence per cause that explains it in terms of the sensor.
 
     Parameters
     ----------
     chain, frame
         The chain and the frame of the sensor.
-    photons
-        On all pixels together.
-    all_e, visible_e
-        Mean electrons with and without the infrared. [e-]
+    got
+        What the sensor gets of the scene.
     """
+    all_e, visible_e, photons = got.all_e, got.visible_e, got.photons
     vif = variance_inflation(frame)
     worst = int(np.argmax(vif))
     counted = counted_electrons(all_e, after_counting(chain.crosstalk))
@@ -657,8 +633,6 @@ def moved_share(crosstalk: Crosstalk, before_e: Float[Array, " p"]) -> float:
 
     Parameters
     ----------
-    crosstalk
-        The crosstalk.
     before_e
         Electrons of one pixel of each channel without it. [e-]
 
@@ -717,10 +691,11 @@ def color_budget(
     if not min(usable) > 0:
         return None
     causes = causes_of(chain)
-    readings = _readings(chain, matrix.frame, got)
+    readings = shared_readings(chain, matrix.frame, got)
     all_light = chain_snr_db(chain, frozenset(causes) - {INFRARED})  # at the end all is signal
-    rest = chain_snr_db(chain, frozenset(causes)) - all_light
-    readings[REST] = _rest_reading(rest, coordinate)
+    rest_db = chain_snr_db(chain, frozenset(causes)) - all_light
+    passed = round(100 * (1 - 10 ** (rest_db / 20)), 1) + 0.0  # avoids -0.0
+    readings[REST] = f"{passed:.1f} % of {coordinate} is infrared that the matrix lets through"
     return chain_budget(
         chain,
         coordinate,
@@ -771,7 +746,7 @@ def contravariant_budget(
     if not (defined and got.all_e[i] > 0):
         return None
     causes = causes_of(chain, infrared=False)
-    readings = _readings(chain, frame, got)
+    readings = shared_readings(chain, frame, got)
     readings[WEIGHTS] = f"{channel} alone, of all {len(sensor.names)} channels"
     readings[REST] = "nothing is left"
     return chain_budget(
@@ -799,19 +774,40 @@ def weights_one_by_one(axis: Float[Array, " n"], frame: DualBasis) -> Float[Arra
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Electrons:
-    """Photons on all pixels, and the electrons that the channels collect from them."""
+    """Light of a scene, and the electrons that the channels collect from it.
 
-    photons: float
-    photons_db: float
+    Attributes
+    ----------
+    light
+        Photons, in the unit of `chromanoise.spectra.light`.
+    photons_per_unit_light
+        Photons on the pixels of all channels, p k of eq. 2; k for channels that are stacked on one
+        pixel. [s um2 nm]
+    all_e, visible_e
+        Mean electrons with and without the infrared. [e-]
+    """
+
+    light: Float[Array, " n"]
+    photons_per_unit_light: float
     all_e: Float[Array, " p"]
     visible_e: Float[Array, " p"]
 
+    @property
+    def photons(self) -> float:
+        """Photons on all pixels together."""
+        return self.photons_per_unit_light * float(self.light.sum())
+
+    @property
+    def photons_db(self) -> float:
+        """Their SNR. [dB]"""
+        return counting_snr_db(self.light, self.light, self.photons_per_unit_light)
+
 
 def _electrons(scene: Scene, sensor: Sensor, exposure: Exposure) -> _Electrons:
-    photons, factor = light(scene, "quanta"), photons_on_pixels(sensor, exposure)
+    per_pixel = exposure_factor(exposure, sensor.pixel, sensor.grid.step_nm)
     return _Electrons(
-        photons=factor * float(photons.sum()),
-        photons_db=counting_snr_db(photons, photons, factor),
+        light=light(scene, "quanta"),
+        photons_per_unit_light=pixels_of(sensor) * per_pixel,
         all_e=expected_electrons(scene, sensor, exposure),
         visible_e=expected_electrons(without_infrared(scene), sensor, exposure),
     )
@@ -843,17 +839,6 @@ def _chain(
         noise=noise_sources(sensor, exposure),
         crosstalk=crosstalk,
     )
-
-
-def _readings(chain: Chain, frame: DualBasis, got: _Electrons) -> dict[str, str]:
-    return shared_readings(
-        chain, frame, photons=got.photons, all_e=got.all_e, visible_e=got.visible_e
-    )
-
-
-def _rest_reading(rest_db: float, coordinate: str) -> str:
-    infrared = round(100 * (1 - 10 ** (rest_db / 20)), 1) + 0.0  # avoids -0.0
-    return f"{infrared:.1f} % of {coordinate} is infrared that the matrix lets through"
 
 
 _ROUNDING = 1e-10  # of the sum of absolute terms: below, a sum is rounding
@@ -941,91 +926,54 @@ def lab_budget(
     check.one_of("coordinate", coordinate, LAB.coordinates)
     check.same_names("budget", sensor=sensor.names, matrix=matrix.channels)
     check.same_names("budget in CIELAB", needed=XYZ, matrix=matrix.coordinates)
-    point = _point(scene, sensor, exposure, matrix)
-    if point is None:
-        return None
-    i = LAB.coordinates.index(coordinate)
-    step = inv(f"slope of {coordinate} of {sensor.name}", point.slope)[:, i]
-    change = faintest_change(point.light, point.axes, step)
-    if change is None:
-        return None
-    chain = _chain(
-        sensor,
-        exposure,
-        matrix.frame,
-        matrix.matrix,
-        partial(_lab_channels, point, exposure, change, i),
-        counting_snr_db(point.light, change, point.photons_per_unit_light),
-    )
-    if not _followed(chain):
-        return None
-    row = chain.channels.row
-    seen = chain.channels.with_infrared
-    share = rounded_share(seen, chain.noise) if after_counting(chain.crosstalk) is None else 1.0
-    gain = float(row @ (share * seen.signal_e))
-    noise = with_noise(point.all_e, sensor, exposure).covariance
-    return chain_budget(
-        chain,
-        coordinate,
-        causes_of(chain),
-        _lab_readings(chain, matrix, point, coordinate, gain),
-        optimal_linear_snr_db=chain_snr_db(chain, noise_causes(chain) | {INFRARED}),
-        snr_db=-10 * float(np.log10(row @ noise @ row)),
-    )
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _Point:
-    """One color: its light [photons], its electrons, and the Jacobian of CIELAB there."""
-
-    light: Float[Array, " n"]
-    axes: Float[Array, "n 3"]
-    observer: str
-    photons_per_unit_light: float
-    all_e: Float[Array, " p"]
-    visible_e: Float[Array, " p"]
-    slope: Float[Array, "3 3"]
-
-
-def _point(scene: Scene, sensor: Sensor, exposure: Exposure, matrix: ColorMatrix) -> _Point | None:
-    """``None`` where X, Y or Z of the sensor's white is not above 0."""
     white_scene = flat_field(scene.illuminant, level_lux=scene.level_lux)
     white = matrix.matrix @ expected_electrons(white_scene, sensor, exposure)
     if not (white > 0).all():
         return None
-    all_e = expected_electrons(scene, sensor, exposure)
-    return _Point(
-        light=light(scene, "quanta"),
-        axes=color_axes(sensor.grid, "quanta", matrix.observer),
-        observer=matrix.observer,
-        photons_per_unit_light=photons_on_pixels(sensor, exposure),
-        all_e=all_e,
-        visible_e=expected_electrons(without_infrared(scene), sensor, exposure),
-        slope=LAB.jacobian(matrix.matrix @ all_e, white),
-    )
+    i, got = LAB.coordinates.index(coordinate), _electrons(scene, sensor, exposure)
+    slopes = LAB.jacobian(matrix.matrix @ got.all_e, white)
+    slope, axes = slopes[i], color_axes(sensor.grid, "quanta", matrix.observer)
+    step = inv(f"slope of {coordinate} of {sensor.name}", slopes)[:, i]
+    change = faintest_change(got.light, axes, step)
+    if change is None:
+        return None
 
+    def channels(of_sensor: Sensor, frame: DualBasis, rows: Float[Array, "3 p"]) -> Channels:
+        basis, visible = (
+            measurement_vectors(of_sensor, exposure, "quanta"),
+            ~is_infrared(sensor.grid),
+        )
+        cut, whole = (change * visible) @ basis, change @ basis
+        noise_e, visible_e = got.light @ basis, (got.light * visible) @ basis
+        axes = color_axes(sensor.grid, frame.metric, matrix.observer)
+        one_by_one = [weights_one_by_one(axis, frame) for axis in axes.T]
+        return Channels(
+            without_infrared=Seen(signal_e=cut, noise_e=visible_e, sought_e=cut, is_change=True),
+            with_infrared=Seen(signal_e=whole, noise_e=noise_e, sought_e=whole, is_change=True),
+            row=_sum_of(slope[:, None] * rows),
+            single_row=_sum_of(slope[:, None] * np.stack(one_by_one)),
+        )
 
-def _lab_channels(
-    point: _Point,
-    exposure: Exposure,
-    change: Float[Array, " n"],
-    i: int,
-    sensor: Sensor,
-    frame: DualBasis,
-    rows: Float[Array, "3 p"],
-) -> Channels:
-    """Signals and weights of one coordinate, for the rows of a matrix and the frame of a sensor."""
-    basis = measurement_vectors(sensor, exposure, "quanta")
-    visible = ~is_infrared(sensor.grid)
-    cut, whole = (change * visible) @ basis, change @ basis
-    noise_e, visible_e = point.light @ basis, (point.light * visible) @ basis
-    axes = color_axes(sensor.grid, frame.metric, point.observer)
-    one_by_one = [weights_one_by_one(axis, frame) for axis in axes.T]
-    return Channels(
-        without_infrared=Seen(signal_e=cut, noise_e=visible_e, sought_e=cut, is_change=True),
-        with_infrared=Seen(signal_e=whole, noise_e=noise_e, sought_e=whole, is_change=True),
-        row=_sum_of(point.slope[i, :, None] * rows),
-        single_row=_sum_of(point.slope[i, :, None] * np.stack(one_by_one)),
+    photons_db = counting_snr_db(got.light, change, got.photons_per_unit_light)
+    chain = _chain(sensor, exposure, matrix.frame, matrix.matrix, channels, photons_db)
+    if not _followed(chain):
+        return None
+    row, seen = chain.channels.row, chain.channels.with_infrared
+    share = rounded_share(seen, chain.noise) if after_counting(chain.crosstalk) is None else 1.0
+    noise = with_noise(got.all_e, sensor, exposure).covariance
+    readings = shared_readings(chain, matrix.frame, got)
+    colorimeter = got.photons_per_unit_light / ((axes @ slope) ** 2 @ got.light)
+    pays_db = photons_db - 10 * float(np.log10(colorimeter))
+    readings[WEIGHTS] += f"; a perfect colorimeter pays {pays_db:.1f} dB"
+    gain = float(row @ (share * seen.signal_e))
+    readings[REST] = f"one unit of {coordinate} comes out as {gain:.2f}"
+    return chain_budget(
+        chain,
+        coordinate,
+        causes_of(chain),
+        readings,
+        optimal_linear_snr_db=chain_snr_db(chain, noise_causes(chain) | {INFRARED}),
+        snr_db=-10 * float(np.log10(row @ noise @ row)),
     )
 
 
@@ -1044,17 +992,3 @@ def _followed(chain: Chain) -> bool:
     signals = np.stack([of.without_infrared.signal_e, of.with_infrared.signal_e], axis=1)
     own, single = (_sum_of(row[:, None] * signals) for row in (of.row, of.single_row))
     return bool((own > 0).all() and (single != 0).all())
-
-
-def _lab_readings(
-    chain: Chain, matrix: ColorMatrix, point: _Point, coordinate: str, gain: float
-) -> dict[str, str]:
-    photons = point.photons_per_unit_light * float(point.light.sum())
-    readings = shared_readings(
-        chain, matrix.frame, photons=photons, all_e=point.all_e, visible_e=point.visible_e
-    )
-    h = point.axes @ point.slope[LAB.coordinates.index(coordinate)]
-    perfect = 10 * float(np.log10(point.photons_per_unit_light / (h**2 @ point.light)))
-    readings[WEIGHTS] += f"; a perfect colorimeter pays {chain.photons_db - perfect:.1f} dB"
-    readings[REST] = f"one unit of {coordinate} comes out as {gain:.2f}"
-    return readings

@@ -45,7 +45,8 @@ def picture_color_difference(
     white
         XYZ of a perfect white in the same light.
     difference
-        `chromanoise.color.ciede2000_difference` or `chromanoise.color.cie1976_difference`.
+        Formula of the difference: `chromanoise.color.ciede2000_difference` or
+        `chromanoise.color.cie1976_difference`.
 
     Raises
     ------
@@ -79,7 +80,7 @@ def psnr_db(
         Values from 0 to ``peak``; usually encoded sRGB (`chromanoise.color.srgb_from_xyz`), not
         linear light.
     peak
-        Largest possible value.
+        Largest possible value of a pixel, in the unit of the pictures.
 
     Raises
     ------
@@ -111,7 +112,7 @@ def structural_similarity(
         Values from 0 to ``peak``; usually the luma of encoded RGB
         (`chromanoise.color.LUMA_WEIGHTS`).
     peak
-        Largest possible value.
+        Largest possible value of a pixel, in the unit of the pictures.
 
     Raises
     ------
@@ -134,13 +135,8 @@ def structural_similarity(
 
     x, y = _same_shape(picture, reference)
     window = 2 * _SSIM_RADIUS_PX + 1
-    if x.ndim != 2 or min(x.shape) < window:
-        raise InputError(
-            "picture",
-            f"must have one channel and at least {window} x {window} pixels, the window of SSIM",
-            value=x.shape,
-            found=f"has shape {x.shape}",
-        )
+    need = f"must have one channel and at least {window} x {window} pixels, the window of SSIM"
+    check.shape("picture", x, x.ndim == 2 and min(x.shape) >= window, need)
     c1, c2 = (k * check.positive("peak", "1", peak) for k in (_SSIM_K1, _SSIM_K2))
     at = np.arange(-_SSIM_RADIUS_PX, _SSIM_RADIUS_PX + 1)
     weights = np.exp(-0.5 * (at / _SSIM_SD_PX) ** 2)
@@ -258,13 +254,8 @@ def near_edges(
     values = check.finite("lab", "CIELAB", lab)
     radius = check.not_negative("radius_px", "px", radius_px)
     least = check.positive("edge_per_px", "Delta E*ab / px", edge_per_px)
-    if values.ndim != 3 or values.shape[2] != 3 or min(values.shape[:2]) < 2:
-        raise InputError(
-            "lab",
-            "must have the shape (h, w, 3) with at least 2 x 2 pixels",
-            value=values.shape,
-            found=f"has shape {values.shape}",
-        )
+    full = values.ndim == 3 and values.shape[2] == 3 and min(values.shape[:2]) >= 2
+    check.shape("lab", values, full, "must have the shape (h, w, 3) with at least 2 x 2 pixels")
     down, across = np.gradient(values, axis=(0, 1))
     edge = np.einsum("hwc,hwc->hw", down, down) + np.einsum("hwc,hwc->hw", across, across)
     flat = edge < least**2
@@ -329,14 +320,13 @@ def flat_noise_sd(
 def same_pictures(xyz: Array, reference: Array) -> tuple[Array, Array]:
     """Two pictures (h w 3) of one shape as float64, checked."""
     first, second = _same_shape(xyz, reference)
-    if first.ndim != 3 or first.shape[2] != 3 or not first.size:
-        raise InputError(
-            "picture",
-            "must have the shape (h, w, 3)",
-            value=first.shape,
-            found=f"has shape {first.shape}",
-        )
+    _demand_three_planes("picture", first)
     return first, second
+
+
+def _demand_three_planes(name: str, picture: Array) -> None:
+    full = picture.ndim == 3 and picture.shape[2] == 3 and picture.size > 0
+    check.shape(name, picture, full, "must have the shape (h, w, 3)")
 
 
 def _same_shape(picture: Array, reference: Array) -> tuple[Array, Array]:
@@ -453,13 +443,7 @@ def scielab_filtered(
 
     picture = check.finite("xyz", "1", xyz)
     scale = check.within("pixels_per_degree", "1/deg", pixels_per_degree, 1.0, 10_000.0)
-    if picture.ndim != 3 or picture.shape[2] != 3 or not picture.size:
-        raise InputError(
-            "xyz",
-            "must have the shape (h, w, 3)",
-            value=picture.shape,
-            found=f"has shape {picture.shape}",
-        )
+    _demand_three_planes("xyz", picture)
     opponent = np.asarray(OPPONENT_FROM_XYZ)
     planes = np.moveaxis(picture @ opponent.T, -1, 0)
     passed = np.stack([_passed(plane, planes.shape[1:], scale) for plane in GAUSSIANS])
@@ -605,7 +589,7 @@ class EdgeResponse:
     Attributes
     ----------
     line
-        The edge.
+        Where the edge lies.
     frequency_cy_px
         Spatial frequencies, 0 to 1. [cycles/px]
     mtf
@@ -692,7 +676,8 @@ def slanted_edge_response(
             found=f"has {max(reach, 0.0):.3g} px",
             remedy="take a larger region around the edge",
         )
-    low, high = (upright[side] for side in _sides(distance, reach))
+    outer = (np.abs(distance) > reach / 2) & (np.abs(distance) <= reach)
+    low, high = upright[outer & (distance < 0)], upright[outer & (distance > 0)]
     step = float(high.mean() - low.mean())
     variances = low.var(), high.var()
     error = float(np.sqrt(variances[0] / low.size + variances[1] / high.size))
@@ -777,13 +762,8 @@ def edge_line(region: Float[Array, "h w"]) -> EdgeLine:
 
 def _region(region: Array) -> Array:
     values = check.finite("region", "1", region)
-    if values.ndim != 2 or min(values.shape) < _LEAST_SIDE_PX:
-        raise InputError(
-            "region",
-            f"must have one channel and at least {_LEAST_SIDE_PX} x {_LEAST_SIDE_PX} pixels",
-            value=values.shape,
-            found=f"has shape {values.shape}",
-        )
+    need = f"must have one channel and at least {_LEAST_SIDE_PX} x {_LEAST_SIDE_PX} pixels"
+    check.shape("region", values, values.ndim == 2 and min(values.shape) >= _LEAST_SIDE_PX, need)
     return values
 
 
@@ -803,12 +783,6 @@ def _distances(shape: tuple[int, ...], line: EdgeLine) -> tuple[Array, float]:
     shrink = 1 / np.hypot(1.0, line.slope)
     reach = min(edge.min(), width - 1 - edge.max()) * shrink
     return (np.arange(width) - edge[:, None]) * shrink, float(reach // _BIN_PX * _BIN_PX)
-
-
-def _sides(distance: Array, reach: float) -> tuple[Array, Array]:
-    """The pixels of the outer half of either side."""
-    outer = (np.abs(distance) > reach / 2) & (np.abs(distance) <= reach)
-    return outer & (distance < 0), outer & (distance > 0)
 
 
 def _edge_spread(upright: Array, distance: Array, reach: float) -> Array:

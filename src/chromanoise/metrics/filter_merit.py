@@ -343,13 +343,8 @@ def _outside(seen: Array, wanted: Array) -> Array:
 def _root(name: str, values: Array, size: int) -> Array:
     """The symmetric square root of a symmetric matrix >= 0."""
     matrix = check.finite(name, "1", values)
-    if matrix.shape != (size, size):
-        raise InputError(
-            name,
-            f"must have shape {(size, size)}",
-            value=matrix.shape,
-            found=f"has shape {matrix.shape}",
-        )
+    shape = (size, size)
+    check.shape(name, matrix, matrix.shape == shape, f"must have shape {shape}")
     scale = float(np.abs(matrix).max())
     off = float(np.abs(matrix - matrix.T).max())
     if off > NEGATIVE_TOLERANCE * scale:

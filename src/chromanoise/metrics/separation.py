@@ -222,7 +222,7 @@ def independent_coordinates(raw: Measurement, matrix: Float[Array, "q p"]) -> Me
     raw
         The measurement in p coordinates.
     matrix
-        q rows.
+        The linear map to q coordinates, one row each.
 
     Raises
     ------
@@ -442,7 +442,7 @@ def contrast_detection_probability(
     tolerance
         Relative tolerance of the contrast, > 0.
     contrast
-        ``weber`` or ``michelson``.
+        Definition of contrast: ``weber`` or ``michelson``.
 
     Raises
     ------

@@ -31,7 +31,7 @@ def snr_db(measurement: Measurement) -> dict[str, Float[Array, "*px"]]:
     Parameters
     ----------
     measurement
-        Mean and covariance.
+        Mean and covariance of any coordinates.
 
     Examples
     --------

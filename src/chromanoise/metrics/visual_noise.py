@@ -200,13 +200,12 @@ def visual_noise_from_spectrum(
     at = frequencies_cpd(power.shape[:2], pixels_per_degree=pixels_per_degree)
     passed = _passed(at, model)
     opponent = np.asarray(model.opponent_from_xyz)
-    seen = (
-        np.einsum(
-            "ac,hwcd,bd,hwa,hwb->ab", opponent, power, opponent, passed, passed, optimize=True
-        )
-        / at.size
-    )
-    return _seen(seen, luv_from_xyz, model)
+    factors = (opponent, power, opponent, passed, passed)
+    seen = np.einsum("ac,hwcd,bd,hwa,hwb->ab", *factors, optimize=True) / at.size
+    jacobian = check.finite("luv_from_xyz", "1", luv_from_xyz)
+    into = jacobian @ inv("opponent_from_xyz", opponent)
+    variance = np.einsum("ia,ab,ib->i", into, seen, into)
+    return _weighted(np.sqrt(np.maximum(variance, 0.0)), model)
 
 
 def visual_noise_of_white(
@@ -280,13 +279,6 @@ def _passed(frequency_cpd: Array, model: VisualNoiseModel) -> Array:
     """The CSF with 0 at frequency 0, because the mean is not noise."""
     curves = contrast_sensitivity(frequency_cpd, model)
     return np.where(frequency_cpd[..., None] > 0, curves, 0.0)
-
-
-def _seen(opponent_covariance: Array, luv_from_xyz: Array, model: VisualNoiseModel) -> VisualNoise:
-    jacobian = check.finite("luv_from_xyz", "1", luv_from_xyz)
-    into = jacobian @ inv("opponent_from_xyz", np.asarray(model.opponent_from_xyz))
-    variance = np.einsum("ia,ab,ib->i", into, opponent_covariance, into)
-    return _weighted(np.sqrt(np.maximum(variance, 0.0)), model)
 
 
 def _weighted(sigma_luv: Array, model: VisualNoiseModel) -> VisualNoise:

@@ -153,7 +153,7 @@ def raw_measurement(moments: Moments, names: tuple[str, ...]) -> Measurement:
     moments
         Of the values read.
     names
-        One per channel.
+        Name of each channel.
     """
     return Measurement(
         mean=moments.mean,
@@ -398,8 +398,6 @@ def few_electrons(mean_e: Float[Array, "*k"], noise: NoiseSources) -> Bool[Array
     ----------
     mean_e
         Expected electrons of the light. [e-]
-    noise
-        The noise sources.
 
     Examples
     --------
@@ -522,7 +520,7 @@ def channel_distribution(
     mean_e
         Expected electrons of the light; one column per channel. [e-]
     channel
-        Its index.
+        Index of the channel, from 0.
     noise, readout
         As `reading_distribution`.
 

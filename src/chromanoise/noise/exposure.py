@@ -11,10 +11,11 @@ Operating point: a sensor with its exposure, light and observer; its text.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any, TypedDict, Unpack
 
 import numpy as np
 
-from chromanoise.base import Array, Float, InputError, check
+from chromanoise.base import Array, Float, InputError, check, with_short_repr
 from chromanoise.sensor import Pixel, Sensor, code_range_e, pixels_of
 from chromanoise.spectra import (
     DEFAULT_OBSERVER,
@@ -98,10 +99,6 @@ def exposure_factor(exposure: Exposure, pixel: Pixel, step_nm: float) -> float:
 
     Parameters
     ----------
-    exposure
-        Time and lens.
-    pixel
-        The pixel.
     step_nm
         Step of the wavelengths. [nm]
 
@@ -111,14 +108,11 @@ def exposure_factor(exposure: Exposure, pixel: Pixel, step_nm: float) -> float:
     >>> round(exposure_factor(Exposure(time_s=0.0324, f_number=1.8), pixel, 1.0), 6)
     0.25
     """
-    return exposure.time_s * pixel.pitch_um**2 * step_nm * _image_illuminance(exposure)
-
-
-def _image_illuminance(exposure: Exposure) -> float:
-    """Illuminance on the pixel divided by the illuminance on a white scene."""
-    if exposure.magnification is None:
-        return 1.0 / (4.0 * exposure.f_number**2)
-    return 1.0 / (1.0 + 4.0 * exposure.f_number**2 * (1.0 + abs(exposure.magnification)) ** 2)
+    share = 1.0 / (4.0 * exposure.f_number**2)  # illuminance of the image over that of the white
+    if exposure.magnification is not None:
+        near = (1.0 + abs(exposure.magnification)) ** 2
+        share = 1.0 / (1.0 + 4.0 * exposure.f_number**2 * near)
+    return exposure.time_s * pixel.pitch_um**2 * step_nm * share
 
 
 def measurement_vectors(sensor: Sensor, exposure: Exposure, metric: Metric) -> Float[Array, "n p"]:
@@ -126,10 +120,6 @@ def measurement_vectors(sensor: Sensor, exposure: Exposure, metric: Metric) -> F
 
     Parameters
     ----------
-    sensor
-        The sensor.
-    exposure
-        Time and lens.
     metric
         The unit in which L is a vector; in ``energy``, f carries lambda / (h c) as well.
         [e- per unit of L]
@@ -145,10 +135,6 @@ def expected_electrons(scene: Scene, sensor: Sensor, exposure: Exposure) -> Floa
     ----------
     scene
         Light from the scene.
-    sensor
-        The sensor.
-    exposure
-        Time and lens.
 
     Raises
     ------
@@ -180,8 +166,6 @@ def time_to_saturation(
     ----------
     scene
         Scene; its brightest point determines the time.
-    sensor
-        The sensor.
     f_number, magnification
         As `Exposure`.
     share
@@ -213,33 +197,35 @@ def time_to_saturation(
     return share * min(to_full_well, code_range_e(sensor) / most)
 
 
-def saturating_exposure(
-    scene: Scene,
-    sensor: Sensor,
-    *,
-    f_number: float = 1.8,
-    share: float = 0.99,
-    magnification: float | None = None,
-) -> Exposure:
+class SaturationTerms(TypedDict, total=False):
+    """Keyword arguments of `time_to_saturation`, with its defaults.
+
+    Attributes
+    ----------
+    f_number, magnification
+        As `Exposure`.
+    share
+        Share of full well or top code that the most sensitive channel reaches. [1]
+    """
+
+    f_number: float
+    share: float
+    magnification: float | None
+
+
+def saturating_exposure(scene: Scene, sensor: Sensor, **terms: Unpack[SaturationTerms]) -> Exposure:
     """The exposure with the time of `time_to_saturation`.
 
     Parameters
     ----------
-    scene
-        Light from the scene.
-    sensor
-        The sensor.
-    f_number
-        Aperture of the lens. [1]
-    share
-        Share of full well that the most sensitive channel reaches. [1]
-    magnification
-        Magnification of the lens; ``None``: a distant scene. [1]
+    scene, sensor
+        As `time_to_saturation`.
+    terms
+        ``f_number``, ``share`` and ``magnification`` of `time_to_saturation`.
     """
-    time_s = time_to_saturation(
-        scene, sensor, f_number=f_number, share=share, magnification=magnification
-    )
-    return Exposure(time_s=time_s, f_number=f_number, magnification=magnification)
+    time_s = time_to_saturation(scene, sensor, **terms)
+    lens: dict[str, Any] = {name: one for name, one in terms.items() if name != "share"}
+    return Exposure(time_s=time_s, **lens)
 
 
 def refuse_other_grid(scene: Scene, sensor: Sensor) -> None:
@@ -297,12 +283,7 @@ def band_weights(
 
 
 def equal_saturation(
-    white: Scene,
-    sensors: Sequence[Sensor],
-    *,
-    f_number: float = 1.8,
-    share: float = 0.99,
-    magnification: float | None = None,
+    white: Scene, sensors: Sequence[Sensor], **terms: Unpack[SaturationTerms]
 ) -> list[Exposure]:
     """Each sensor has its own time: its most sensitive channel reaches ``share`` of full well.
 
@@ -311,32 +292,20 @@ def equal_saturation(
     white
         The brightest object that must not saturate.
     sensors
-        The sensors to compare.
-    f_number, magnification
-        As `Exposure`, the same for all.
-    share
-        Share of full well.
+        Sensors that are to be compared.
+    terms
+        ``f_number``, ``share`` and ``magnification`` of `time_to_saturation`, the same for all.
 
     Raises
     ------
     InputError
         As `saturating_exposure`.
     """
-    return [
-        saturating_exposure(
-            white, sensor, f_number=f_number, share=share, magnification=magnification
-        )
-        for sensor in sensors
-    ]
+    return [saturating_exposure(white, sensor, **terms) for sensor in sensors]
 
 
 def equal_exposure(
-    white: Scene,
-    sensors: Sequence[Sensor],
-    *,
-    f_number: float = 1.8,
-    share: float = 0.99,
-    magnification: float | None = None,
+    white: Scene, sensors: Sequence[Sensor], **terms: Unpack[SaturationTerms]
 ) -> list[Exposure]:
     """All sensors have the same time: the longest at which none exceeds ``share``.
 
@@ -344,30 +313,15 @@ def equal_exposure(
 
     Parameters
     ----------
-    white
-        The light of a perfect white.
-    sensors
-        The sensors.
-    f_number
-        Aperture of the lens. [1]
-    share
-        Share of full well that the most sensitive channel reaches. [1]
-    magnification
-        Magnification of the lens; ``None``: a distant scene. [1]
+    white, sensors, terms
+        As `equal_saturation`.
     """
-    own = equal_saturation(
-        white, sensors, f_number=f_number, share=share, magnification=magnification
-    )
+    own = equal_saturation(white, sensors, **terms)
     return [min(own, key=lambda exposure: exposure.time_s)] * len(own)
 
 
 def equal_light(
-    white: Scene,
-    sensors: Sequence[Sensor],
-    *,
-    f_number: float = 1.8,
-    share: float = 0.99,
-    magnification: float | None = None,
+    white: Scene, sensors: Sequence[Sensor], **terms: Unpack[SaturationTerms]
 ) -> list[Exposure]:
     """Each set of channels receives the same photons, for any number of pixels per set.
 
@@ -379,20 +333,10 @@ def equal_light(
 
     Parameters
     ----------
-    white
-        The light of a perfect white.
-    sensors
-        The sensors.
-    f_number
-        Aperture of the lens. [1]
-    share
-        Share of full well that the most sensitive channel reaches. [1]
-    magnification
-        Magnification of the lens; ``None``: a distant scene. [1]
+    white, sensors, terms
+        As `equal_saturation`.
     """
-    own = equal_saturation(
-        white, sensors, f_number=f_number, share=share, magnification=magnification
-    )
+    own = equal_saturation(white, sensors, **terms)
     area_um2 = [pixels_of(sensor) * sensor.pixel.pitch_um**2 for sensor in sensors]
     least = min(e.time_s * area for e, area in zip(own, area_um2, strict=True))
     return [
@@ -412,6 +356,7 @@ _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _MOST_TIMES = 3
 
 
+@with_short_repr
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class OperatingPoint:
     """A sensor, its exposure, the light on the scene, and the observer of the colors.
@@ -564,7 +509,7 @@ def level_in_words(level_lux: float, digits: int = 3) -> str:
     level_lux
         > 0. [lx]
     digits
-        That count.
+        Significant digits, at least 1.
 
     Examples
     --------

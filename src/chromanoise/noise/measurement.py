@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from chromanoise.base import Array, Float, InputError, check, congruence, notebook
+from chromanoise.base import Array, Float, check, congruence, notebook
 from chromanoise.spectra import Metric
 
 
@@ -49,23 +49,17 @@ class Measurement:
     def __post_init__(self) -> None:
         mean = check.finite(f"{self.kind} mean", self.unit, self.mean)
         covariance = check.finite(f"{self.kind} covariance", f"{self.unit}^2", self.covariance)
-        if covariance.shape != (*mean.shape, mean.shape[-1]):
-            raise InputError(
-                f"{self.kind} covariance",
-                f"must have shape {(*mean.shape, mean.shape[-1])} for a mean of {mean.shape}",
-                value=covariance.shape,
-                found=f"has shape {covariance.shape}",
-            )
+        square = (*mean.shape, mean.shape[-1])
+        need = f"must have shape {square} for a mean of {mean.shape}"
+        check.shape(f"{self.kind} covariance", covariance, covariance.shape == square, need)
         check.same_length("coordinates", names=len(self.names), mean=mean.shape[-1])
         diagonal = np.diagonal(covariance, axis1=-2, axis2=-1)
         check.non_negative(f"{self.kind} variance", f"{self.unit}^2", diagonal)
-        object.__setattr__(self, "mean", check.frozen(mean))
-        object.__setattr__(self, "covariance", check.frozen(covariance))
+        check.keep(self, mean=mean, covariance=covariance)
         if self.reading_variance is not None:
-            own = check.non_negative(
-                f"{self.kind} reading variance", f"{self.unit}^2", self.reading_variance
-            )
-            object.__setattr__(self, "reading_variance", check.frozen(own))
+            what = f"{self.kind} reading variance"
+            own = check.non_negative(what, f"{self.unit}^2", self.reading_variance)
+            check.keep(self, reading_variance=own)
 
     @property
     def variance(self) -> Float[Array, "*px p"]:

@@ -131,7 +131,7 @@ class Estimate:
     mean, sd
         Sample mean and standard deviation per coordinate.
     mean_se, sd_se
-        Their standard errors.
+        Standard errors of mean and standard deviation.
     snr_db, snr_se_db
         20 log10(|mean| / sd) and its standard error. [dB]
     clipped_share
@@ -139,7 +139,7 @@ class Estimate:
     any_clipped_share
         Share of the acquisitions in which any channel clipped.
     draws
-        Number of acquisitions.
+        Number of acquisitions that were drawn.
     """
 
     mean: Float[Array, " q"]

@@ -136,13 +136,7 @@ def over_counts_each(
 
 
 def _refuse_many(mean_e: Float[Array, "*px p"]) -> None:
-    if mean_e.size == 0:
-        raise InputError(
-            "mean_e",
-            "must hold at least one channel to sum over",
-            value=mean_e.shape,
-            found=f"has shape {mean_e.shape}",
-        )
+    check.shape("mean_e", mean_e, mean_e.size > 0, "must hold at least one channel to sum over")
     if mean_e.max() > _MOST_E:
         most = float(mean_e.max())
         raise InputError(

@@ -519,11 +519,6 @@ def demand_independent_channels(sensor: Sensor) -> None:
 
     Clipped values and the exact distribution are computed channel by channel.
 
-    Parameters
-    ----------
-    sensor
-        The sensor.
-
     Raises
     ------
     InputError
@@ -730,10 +725,6 @@ def saturated(
     ----------
     mean_e
         Expected electrons of each channel. [e-]
-    sensor
-        The sensor.
-    exposure
-        Time and lens.
     """
     return np.asarray(mean_e) > signal_limit_e(sensor, exposure) * (1 + 1e-12)
 
@@ -762,15 +753,7 @@ def one_code(
 
 
 def signal_limit_e(sensor: Sensor, exposure: Exposure | None = None) -> float:
-    """`white_level_e` at an exposure, whose time determines the dark electrons. [e-]
-
-    Parameters
-    ----------
-    sensor
-        The sensor.
-    exposure
-        Time and lens.
-    """
+    """`white_level_e` at an exposure, whose time determines the dark electrons. [e-]"""
     pixel = sensor.pixel
     dark_e = 0.0 if exposure is None else pixel.dark_electrons_e(time_s=exposure.time_s)
     return white_level_e(sensor, dark_e=dark_e)

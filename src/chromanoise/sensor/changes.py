@@ -123,8 +123,6 @@ def pixel_from(source: PixelSource, **answers: Unpack[PixelSettings]) -> Pixel:
 
     Parameters
     ----------
-    source
-        The known values.
     answers
         Properties of `Pixel`, each only if the source does not give it.
 
@@ -188,8 +186,6 @@ def with_pixel(
 
     Parameters
     ----------
-    sensor
-        Any sensor.
     changes
         Values by the names of the fields of `Pixel` and `Converter`; of one pixel, if the
         sensor's are binned. A 0 among them is a value: a temperature beside a dark current of 0 is
@@ -277,8 +273,6 @@ def behind_ir_cut(sensor: Sensor, edge_nm: float, *, noted: bool = True) -> Sens
 
     Parameters
     ----------
-    sensor
-        Any sensor.
     edge_nm
         Wavelength of half transmittance; from 450 to 2000. [nm]
     noted
@@ -305,8 +299,6 @@ def with_shifted_curves(sensor: Sensor, shift_nm: float) -> Sensor:
 
     Parameters
     ----------
-    sensor
-        Any sensor.
     shift_nm
         Positive toward longer wavelengths; 0 returns the sensor itself. [nm]
 
@@ -407,13 +399,7 @@ def with_crosstalk(sensor: Sensor, crosstalk: Crosstalk) -> Sensor:
 
 
 def without_crosstalk(sensor: Sensor) -> Sensor | None:
-    """The sensor before crosstalk was added; ``None`` where the mixing cannot be inverted.
-
-    Parameters
-    ----------
-    sensor
-        The sensor.
-    """
+    """The sensor before crosstalk was added; ``None`` where the mixing cannot be inverted."""
     if sensor.crosstalk is None:
         return sensor
     unmixing = sensor.crosstalk.inverse
@@ -429,7 +415,7 @@ def with_analog_gain(sensor: Sensor, gain: float, *, read_noise_e: float | None 
     Parameters
     ----------
     sensor
-        At gain 1.
+        The sensor at a gain of 1.
     gain
         Above 0. The quantization step in electrons, and the electrons at the top code, are divided
         by it. Where the converter is unknown, the top code is at the full well.
@@ -524,11 +510,6 @@ def overridden(sensor: Sensor, given: PixelOverrides, *, raw: bool) -> Sensor:
 
 def refuse_summed_readings(sensor: Sensor) -> None:
     """Refuse raw codes of digital binning: each would be a sum of codes, not a code.
-
-    Parameters
-    ----------
-    sensor
-        The sensor.
 
     Raises
     ------

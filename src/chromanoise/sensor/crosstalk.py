@@ -273,13 +273,8 @@ class Crosstalk:
         check.one_of("stage of the crosstalk", self.stage, get_args(Stage))
         matrix = check.non_negative("crosstalk matrix", "1", self.matrix)
         p = len(self.pixels)
-        if matrix.shape != (p, p):
-            raise InputError(
-                "crosstalk matrix",
-                f"must have {p} rows and {p} columns, one per channel",
-                value=matrix.shape,
-                found=f"has shape {matrix.shape}",
-            )
+        need = f"must have {p} rows and {p} columns, one per channel"
+        check.shape("crosstalk matrix", matrix, matrix.shape == (p, p), need)
         count = np.asarray(self.pixels, dtype=np.float64)
         kept = count @ matrix / count
         if (kept > 1 + _ROUNDING).any():
@@ -292,9 +287,8 @@ class Crosstalk:
                 + _weights(count, column),
                 remedy=() if len(set(self.pixels)) > 1 else _EQUAL,
             )
-        object.__setattr__(self, "matrix", check.frozen(matrix))
-        if self.kernel is not None:
-            object.__setattr__(self, "kernel", check.frozen(self.kernel))
+        check.keep(self, matrix=matrix)
+        check.freeze(self, "kernel")
 
     @property
     def inverse(self) -> Float[Array, "p p"] | None:
@@ -423,13 +417,9 @@ def crosstalk_of_kernel(
         different channels.
     """
     kernel = check.non_negative("crosstalk kernel", "1", kernel)
-    if kernel.ndim != 2 or not all(size % 2 for size in kernel.shape):
-        raise InputError(
-            "crosstalk kernel",
-            "must have an odd number of rows and columns, the pixel in the middle",
-            value=kernel.shape,
-            found=f"has shape {kernel.shape}",
-        )
+    odd = kernel.ndim == 2 and all(size % 2 for size in kernel.shape)
+    need = "must have an odd number of rows and columns, the pixel in the middle"
+    check.shape("crosstalk kernel", kernel, odd, need)
     if kernel.sum() > 1 + _ROUNDING:
         raise InputError(
             "crosstalk kernel",

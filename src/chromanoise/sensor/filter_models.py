@@ -20,25 +20,25 @@ and the sensor is `stacked`, with the tile as its pixel.
 The models of filters by name, with the numbers that each takes.
 """
 
-import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import reduce
 from inspect import signature
+from typing import Annotated
 
 import numpy as np
 
 from chromanoise.base import Array, Inexact, InputError, check
 from chromanoise.sensor.filters import (
     LEAST_LENGTH_NM,
-    LEAST_LENGTH_UM,
-    MOST_REFLECTANCE,
+    ModelNumber,
     Number,
     dual_band_filter,
     dye_of_bands,
     fabry_perot_filter,
     gaussian_filter,
     ir_cut,
+    length_nm,
     logistic,
     long_pass,
     per_candidate,
@@ -137,16 +137,24 @@ def thin_film_stack(
     return 1.0 / (1.0 + reflected / (4.0 * before * behind))
 
 
+def _index(what: str) -> ModelNumber:
+    return ModelNumber(unit="1", what=what, least=LEAST_INDEX)
+
+
+def _cauchy_b(which: str) -> ModelNumber:
+    return ModelNumber(unit="um^2", what=f"Cauchy's B of the {which} material")
+
+
 def alternating_stack(
     grid: Grid,
     *,
-    thickness_nm: Sequence[Number],
-    index_high: Number = 2.3,
-    dispersion_high_um2: Number = 0.0,
-    index_low: Number = 1.46,
-    dispersion_low_um2: Number = 0.0,
-    index_in: Number = 1.0,
-    index_out: Number = 1.52,
+    thickness_nm: Annotated[Sequence[Number], ModelNumber(unit="nm", what="thickness of a film")],
+    index_high: Annotated[Number, _index("index of the first material")] = 2.3,
+    dispersion_high_um2: Annotated[Number, _cauchy_b("first")] = 0.0,
+    index_low: Annotated[Number, _index("index of the second material")] = 1.46,
+    dispersion_low_um2: Annotated[Number, _cauchy_b("second")] = 0.0,
+    index_in: Annotated[Number, _index("index before the stack")] = 1.0,
+    index_out: Annotated[Number, _index("index behind the stack")] = 1.52,
 ) -> Inexact[Array, "*m n"]:
     """Transmittance of films of two materials in turn, that of the high index first.
 
@@ -195,7 +203,7 @@ def router_shares(
     *,
     collection: Inexact[Array, "*m p b"],
     crossing_nm: Sequence[Number],
-    edge_nm: Number = 10.0,
+    edge_nm: Annotated[Number, length_nm("logistic scale between bands")] = 10.0,
 ) -> Inexact[Array, "*m n p"]:
     """Share of the light of a tile that reaches each channel.
 
@@ -290,29 +298,6 @@ MOST_REPEATED = 100
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ModelNumber:
-    """One number of a filter model.
-
-    Attributes
-    ----------
-    unit
-        Its unit; ``1`` for a ratio.
-    what
-        What it is, in one phrase.
-    default
-        Its value where none is given; ``None`` if one must be given.
-    least, most
-        What is possible.
-    """
-
-    unit: str
-    what: str
-    default: float | None = None
-    least: float = 0.0
-    most: float = math.inf
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class FilterModel:
     """A filter that can be made, with its numbers.
 
@@ -341,7 +326,7 @@ class FilterModel:
         Parameters
         ----------
         given
-            Names of numbers.
+            Names of the numbers that are given.
 
         Raises
         ------
@@ -392,191 +377,84 @@ def _nth(name: str, i: int) -> str:
     return f"{stem}_{i}_{unit}" if stem else f"{name}_{i}"
 
 
-def with_defaults(
-    function: Callable[..., Array], numbers: Mapping[str, ModelNumber]
-) -> dict[str, ModelNumber]:
-    """Numbers with the defaults that a function has for keywords of their names.
+def declared_numbers(function: Callable[..., Array]) -> dict[str, ModelNumber]:
+    """The numbers that a function declares at its parameters, with their defaults.
 
     Parameters
     ----------
     function
-        With numbers as defaults.
-    numbers
-        By name; those for which the function has no default stay as they are.
+        With parameters whose type is ``Annotated`` with a `ModelNumber`.
     """
-    defaults = {
-        name: float(one.default)
-        for name, one in signature(function).parameters.items()
-        if one.default is not one.empty
-    }
-    return {
-        name: replace(number, default=defaults.get(name, number.default))
-        for name, number in numbers.items()
-    }
+    found = {}
+    for name, one in signature(function).parameters.items():
+        for number in getattr(one.annotation, "__metadata__", ()):
+            default = number.default if one.default is one.empty else float(one.default)
+            found[name] = replace(number, default=default)
+    return found
 
 
 def _model(
-    what: str,
-    transmittance: Callable[..., Array],
-    numbers: Mapping[str, ModelNumber],
-    repeated: Mapping[str, ModelNumber] | None = None,
-    defaults_of: Callable[..., Array] | None = None,
+    what: str, *functions: Callable[..., Array], repeated: Sequence[str] = ()
 ) -> FilterModel:
+    """A filter by the first of the functions, which passes other numbers on to the next."""
+    numbers = {name: one for each in functions for name, one in declared_numbers(each).items()}
     return FilterModel(
         what=what,
-        transmittance=transmittance,
-        numbers=with_defaults(defaults_of or transmittance, numbers),
-        repeated=repeated or {},
+        transmittance=functions[0],
+        numbers={name: one for name, one in numbers.items() if name not in repeated},
+        repeated={name: numbers[name] for name in repeated},
     )
 
 
-def _length(what: str) -> ModelNumber:
-    return ModelNumber(unit="nm", what=what, least=LEAST_LENGTH_NM)
-
-
-def _share(what: str) -> ModelNumber:
-    return ModelNumber(unit="1", what=what, most=1.0)
-
-
-def _index(what: str) -> ModelNumber:
-    return ModelNumber(unit="1", what=what, least=LEAST_INDEX)
-
-
-def _dispersion(what: str) -> ModelNumber:
-    return ModelNumber(unit="um^2", what=what)
-
-
-_BAND = {
-    "peak": _share("highest transmittance"),
-    "floor": _share("transmittance far from the band"),
-    "infrared_leak": _share("share of the stopped light that passes in the infrared"),
-    "leak_nm": _length("wavelength above which it passes"),
-}
-
-
 def _resin(
-    grid: Grid, *, low_nm: Number, band_width_nm: Number, gap_nm: Number, **others: Number
+    grid: Grid,
+    *,
+    low_nm: Annotated[Number, length_nm("wavelength at which the band begins")],
+    band_width_nm: Annotated[Number, length_nm("full width of the band")],
+    gap_nm: Annotated[
+        Number,
+        ModelNumber(unit="nm", what="distance from the end of the passband to the infrared edge"),
+    ],
+    **others: Number,
 ) -> Array:
     """`resin_filter` by distances, so that no choice of numbers puts its edges out of order."""
     high_nm = low_nm + band_width_nm
     return resin_filter(grid, low_nm=low_nm, high_nm=high_nm, leak_nm=high_nm + gap_nm, **others)
 
 
-def _ir_cut(grid: Grid, *, cutoff_nm: Number, width_nm: Number) -> Array:
-    return ir_cut(grid, edge_nm=cutoff_nm, width_nm=width_nm)
+def _ir_cut(
+    grid: Grid,
+    *,
+    cutoff_nm: Annotated[Number, length_nm("wavelength of half transmittance")],
+    **others: Number,
+) -> Array:
+    return ir_cut(grid, edge_nm=cutoff_nm, **others)
 
 
 FILTER_MODELS: Mapping[str, FilterModel] = {
-    "gaussian": _model(
-        what="a passband with the shape of a Gaussian",
-        transmittance=gaussian_filter,
-        numbers={
-            "center_nm": _length("wavelength of the peak"),
-            "width_nm": _length("standard deviation"),
-            **_BAND,
-        },
-    ),
+    "gaussian": _model("a passband with the shape of a Gaussian", gaussian_filter),
     "raised-cosine": _model(
-        what="a passband with the shape of one period of a cosine",
-        transmittance=raised_cosine_filter,
-        numbers={
-            "center_nm": _length("wavelength of the peak"),
-            "fwhm_nm": _length("full width at half maximum"),
-            **_BAND,
-        },
+        "a passband with the shape of one period of a cosine", raised_cosine_filter
     ),
     "resin": _model(
-        what="a passband with logistic edges, transparent again in the infrared",
-        transmittance=_resin,
-        defaults_of=resin_filter,
-        numbers={
-            "low_nm": _length("wavelength at which the band begins"),
-            "band_width_nm": _length("full width of the band"),
-            "gap_nm": ModelNumber(
-                unit="nm", what="distance from the end of the passband to the infrared edge"
-            ),
-            "edge_nm": _length("logistic scale of the edges"),
-            "peak": _share("transmittance of the band"),
-            "leak": _share("transmittance in the infrared"),
-            "floor": _share("transmittance between them"),
-        },
+        "a passband with logistic edges, transparent again in the infrared", _resin, resin_filter
     ),
     "dye-bands": _model(
-        what="a dye with Gaussian absorption bands",
-        transmittance=dye_of_bands,
-        numbers={"thickness": ModelNumber(unit="1", what="relative thickness times concentration")},
-        repeated={
-            "band_nm": _length("center of an absorption band"),
-            "width_nm": _length("standard deviation of the band"),
-            "density": ModelNumber(unit="1", what="optical density at the center"),
-        },
+        "a dye with Gaussian absorption bands",
+        dye_of_bands,
+        repeated=("band_nm", "width_nm", "density"),
     ),
-    "fabry-perot": _model(
-        what="a cavity between two mirrors (Airy)",
-        transmittance=fabry_perot_filter,
-        numbers={
-            "center_nm": _length("wavelength of the peak"),
-            "reflectance": ModelNumber(
-                unit="1", what="reflectance of each mirror", most=MOST_REFLECTANCE
-            ),
-            "order": ModelNumber(
-                unit="1", what="order: number of half wavelengths in the cavity", least=0.5
-            ),
-            "peak": _share("transmittance at the peak"),
-        },
-    ),
+    "fabry-perot": _model("a cavity between two mirrors (Airy)", fabry_perot_filter),
     "thin-film": _model(
-        what="a stack of films of two alternating materials, the high index first",
-        transmittance=alternating_stack,
-        numbers={
-            "index_high": _index("index of the first material"),
-            "dispersion_high_um2": _dispersion("Cauchy's B of the first material"),
-            "index_low": _index("index of the second material"),
-            "dispersion_low_um2": _dispersion("Cauchy's B of the second material"),
-            "index_in": _index("index before the stack"),
-            "index_out": _index("index behind the stack"),
-        },
-        repeated={"thickness_nm": ModelNumber(unit="nm", what="thickness of a film")},
+        "a stack of films of two alternating materials, the high index first",
+        alternating_stack,
+        repeated=("thickness_nm",),
     ),
-    "ir-cut": _model(
-        what="1 below a logistic edge, 0 above it",
-        transmittance=_ir_cut,
-        defaults_of=ir_cut,
-        numbers={
-            "cutoff_nm": _length("wavelength of half transmittance"),
-            "width_nm": _length("logistic scale of the edge"),
-        },
-    ),
-    "long-pass": _model(
-        what="0 below a logistic edge, 1 above it",
-        transmittance=long_pass,
-        numbers={
-            "cuton_nm": _length("wavelength of half transmittance"),
-            "width_nm": _length("logistic scale of the edge"),
-        },
-    ),
-    "dual-band": _model(
-        what="a passband for visible light and one infrared band",
-        transmittance=dual_band_filter,
-        numbers={
-            "cutoff_nm": _length("wavelength at which the visible ends"),
-            "band_nm": _length("center of the infrared band"),
-            "band_width_nm": _length("full width of the infrared band"),
-            "width_nm": _length("logistic scale of the edges"),
-            "band_peak": _share("transmittance of the infrared band"),
-        },
-    ),
+    "ir-cut": _model("1 below a logistic edge, 0 above it", _ir_cut, ir_cut),
+    "long-pass": _model("0 below a logistic edge, 1 above it", long_pass),
+    "dual-band": _model("a passband for visible light and one infrared band", dual_band_filter),
 }
-"""Models of filters by the names that a design gives them."""
+"""The filters that can be made, by name."""
 
-SILICON_NUMBERS: Mapping[str, ModelNumber] = with_defaults(
-    silicon_qe,
-    {
-        "depth_um": ModelNumber(
-            unit="um", what="collection depth", default=4.0, least=LEAST_LENGTH_UM
-        ),
-        "dead_layer_um": ModelNumber(unit="um", what="depth whose carriers are lost"),
-        "reflectance": _share("share of the light that the surface reflects"),
-    },
-)
+SILICON_NUMBERS: Mapping[str, ModelNumber] = declared_numbers(silicon_qe)
 """Numbers of `chromanoise.sensor.silicon_qe`."""

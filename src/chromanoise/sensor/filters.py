@@ -13,7 +13,8 @@ step. Each transmittance is a mean or a product of values within 0 to 1, with we
 import math
 import re
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import Annotated
 
 import numpy as np
 
@@ -32,6 +33,46 @@ _MODEL = r"ircut-([\d.]+)(?:/([\d.]+))?"
 
 Number = float | complex | Array
 """A number, or one per candidate (m,); complex for a derivative by the complex step."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ModelNumber:
+    """One number of a filter model.
+
+    Attributes
+    ----------
+    unit
+        Its unit; ``1`` for a ratio.
+    what
+        What it is, in one phrase.
+    default
+        Its value where none is given; ``None`` if one must be given.
+    least, most
+        The smallest and the largest possible value.
+    """
+
+    unit: str
+    what: str
+    default: float | None = None
+    least: float = 0.0
+    most: float = math.inf
+
+
+def length_nm(what: str) -> ModelNumber:
+    """A length above 0."""
+    return ModelNumber(unit="nm", what=what, least=LEAST_LENGTH_NM)
+
+
+def share_of_light(what: str) -> ModelNumber:
+    """A share or a transmittance, 0 to 1."""
+    return ModelNumber(unit="1", what=what, most=1.0)
+
+
+_Peak = Annotated[Number, share_of_light("highest transmittance")]
+_Floor = Annotated[Number, share_of_light("transmittance far from the band")]
+_Leak = Annotated[Number, share_of_light("share of the stopped light that passes in the infrared")]
+_LeakFrom = Annotated[Number, length_nm("wavelength above which it passes")]
+_EdgeWidth = Annotated[Number, length_nm("logistic scale of the edge")]
 
 
 def per_candidate(
@@ -78,7 +119,18 @@ def possible(least: float, most: float) -> str:
 
 
 def silicon_qe(
-    grid: Grid, *, depth_um: Number, dead_layer_um: Number = 0.05, reflectance: Number = 0.1
+    grid: Grid,
+    *,
+    depth_um: Annotated[
+        Number,
+        ModelNumber(unit="um", what="collection depth", default=4.0, least=LEAST_LENGTH_UM),
+    ],
+    dead_layer_um: Annotated[
+        Number, ModelNumber(unit="um", what="depth whose carriers are lost")
+    ] = 0.05,
+    reflectance: Annotated[
+        Number, share_of_light("share of the light that the surface reflects")
+    ] = 0.1,
 ) -> Inexact[Array, "*m n"]:
     """Electrons per photon of a silicon photodiode (Beer-Lambert). [e-/photon]
 
@@ -133,7 +185,7 @@ def layered_silicon_qe(grid: Grid, ends_um: Sequence[Number]) -> Inexact[Array, 
     Parameters
     ----------
     grid
-        Within 400-1050 nm.
+        Wavelengths, within 400-1050 nm. [nm]
     ends_um
         Depth at which each diode ends, increasing. [um]
 
@@ -155,10 +207,10 @@ def resin_filter(
     low_nm: Number,
     high_nm: Number,
     leak_nm: Number,
-    edge_nm: Number = 12.0,
-    peak: Number = 0.9,
-    leak: Number = 0.95,
-    floor: Number = 0.02,
+    edge_nm: Annotated[Number, length_nm("logistic scale of the edges")] = 12.0,
+    peak: Annotated[Number, share_of_light("transmittance of the band")] = 0.9,
+    leak: Annotated[Number, share_of_light("transmittance in the infrared")] = 0.95,
+    floor: Annotated[Number, share_of_light("transmittance between them")] = 0.02,
 ) -> Inexact[Array, "*m n"]:
     """Transmittance of a color filter resin: one passband, and transparent again in the NIR.
 
@@ -215,7 +267,7 @@ def resin_filter(
 
 
 def ir_cut(
-    grid: Grid, *, edge_nm: Number = 655.0, width_nm: Number = 8.0
+    grid: Grid, *, edge_nm: Number = 655.0, width_nm: _EdgeWidth = 8.0
 ) -> Inexact[Array, "*m n"]:
     """Transmittance of an IR-cut filter: 1 below a logistic edge, 0 above it.
 
@@ -327,15 +379,9 @@ def is_filter_name(name: str) -> bool:
 
 
 def _number(text: str, name: str) -> float:
-    try:
-        return float(text)
-    except ValueError:
-        raise InputError(
-            "filter",
-            "must have numbers after ircut-, as ircut-650/8 [nm]",
-            value=name,
-            found=f"{text!r} of {name!r} is not a number",
-        ) from None
+    need = "must have numbers after ircut-, as ircut-650/8 [nm]"
+    found = f"{text!r} of {name!r} is not a number"
+    return check.number(text, "filter", need, value=name, found=found)
 
 
 def logistic(at: Float[Array, " n"], middle: Number, scale: Number) -> Inexact[Array, "*m n"]:
@@ -358,12 +404,12 @@ LEAK_EDGE_NM = 24.0
 def gaussian_filter(
     grid: Grid,
     *,
-    center_nm: Number,
-    width_nm: Number,
-    peak: Number = 1.0,
-    floor: Number = 0.0,
-    infrared_leak: Number = 0.0,
-    leak_nm: Number = 800.0,
+    center_nm: Annotated[Number, length_nm("wavelength of the peak")],
+    width_nm: Annotated[Number, length_nm("standard deviation")],
+    peak: _Peak = 1.0,
+    floor: _Floor = 0.0,
+    infrared_leak: _Leak = 0.0,
+    leak_nm: _LeakFrom = 800.0,
 ) -> Inexact[Array, "*m n"]:
     """Transmittance of a passband with the shape of a Gaussian, with the infrared leak of a dye.
 
@@ -406,12 +452,12 @@ def gaussian_filter(
 def raised_cosine_filter(
     grid: Grid,
     *,
-    center_nm: Number,
-    fwhm_nm: Number,
-    peak: Number = 1.0,
-    floor: Number = 0.0,
-    infrared_leak: Number = 0.0,
-    leak_nm: Number = 800.0,
+    center_nm: Annotated[Number, length_nm("wavelength of the peak")],
+    fwhm_nm: Annotated[Number, length_nm("full width at half maximum")],
+    peak: _Peak = 1.0,
+    floor: _Floor = 0.0,
+    infrared_leak: _Leak = 0.0,
+    leak_nm: _LeakFrom = 800.0,
 ) -> Inexact[Array, "*m n"]:
     """Transmittance of a passband with the shape of one period of a cosine: exactly 0 beside it.
 
@@ -444,7 +490,12 @@ def raised_cosine_filter(
     return _leaking(grid, shape, peak, floor, infrared_leak, leak_nm)
 
 
-def long_pass(grid: Grid, *, cuton_nm: Number, width_nm: Number = 8.0) -> Inexact[Array, "*m n"]:
+def long_pass(
+    grid: Grid,
+    *,
+    cuton_nm: Annotated[Number, length_nm("wavelength of half transmittance")],
+    width_nm: _EdgeWidth = 8.0,
+) -> Inexact[Array, "*m n"]:
     """Transmittance of a long-pass filter: 0 below a logistic edge, 1 above it.
 
     Parameters
@@ -474,11 +525,11 @@ def long_pass(grid: Grid, *, cuton_nm: Number, width_nm: Number = 8.0) -> Inexac
 def dual_band_filter(
     grid: Grid,
     *,
-    cutoff_nm: Number,
-    band_nm: Number,
-    band_width_nm: Number,
-    width_nm: Number = 8.0,
-    band_peak: Number = 1.0,
+    cutoff_nm: Annotated[Number, length_nm("wavelength at which the visible ends")],
+    band_nm: Annotated[Number, length_nm("center of the infrared band")],
+    band_width_nm: Annotated[Number, length_nm("full width of the infrared band")],
+    width_nm: Annotated[Number, length_nm("logistic scale of the edges")] = 8.0,
+    band_peak: Annotated[Number, share_of_light("transmittance of the infrared band")] = 1.0,
 ) -> Inexact[Array, "*m n"]:
     """Transmittance of a dual-band filter: the visible up to a cutoff, and one infrared band.
 
@@ -519,10 +570,15 @@ def dual_band_filter(
 def fabry_perot_filter(
     grid: Grid,
     *,
-    center_nm: Number,
-    reflectance: Number,
-    order: Number = 1.0,
-    peak: Number = 1.0,
+    center_nm: Annotated[Number, length_nm("wavelength of the peak")],
+    reflectance: Annotated[
+        Number, ModelNumber(unit="1", what="reflectance of each mirror", most=MOST_REFLECTANCE)
+    ],
+    order: Annotated[
+        Number,
+        ModelNumber(unit="1", what="order: number of half wavelengths in the cavity", least=0.5),
+    ] = 1.0,
+    peak: Annotated[Number, share_of_light("transmittance at the peak")] = 1.0,
 ) -> Inexact[Array, "*m n"]:
     """Transmittance of a Fabry-Perot cavity between two equal mirrors, by Airy's formula.
 
@@ -595,10 +651,14 @@ def beer_lambert(transmittance: Float[Array, "*m n"], thickness: Number) -> Inex
 def dye_of_bands(
     grid: Grid,
     *,
-    band_nm: Sequence[Number],
-    width_nm: Sequence[Number],
-    density: Sequence[Number],
-    thickness: Number = 1.0,
+    band_nm: Annotated[Sequence[Number], length_nm("center of an absorption band")],
+    width_nm: Annotated[Sequence[Number], length_nm("standard deviation of the band")],
+    density: Annotated[
+        Sequence[Number], ModelNumber(unit="1", what="optical density at the center")
+    ],
+    thickness: Annotated[
+        Number, ModelNumber(unit="1", what="relative thickness times concentration")
+    ] = 1.0,
 ) -> Inexact[Array, "*m n"]:
     """Transmittance of a model dye: 10^-(thickness times a sum of Gaussian absorption bands).
 

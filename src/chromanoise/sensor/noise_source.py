@@ -90,7 +90,7 @@ class VarianceLaw:
         Parameters
         ----------
         count
-            Number of planes.
+            Number of planes of the result.
 
         Raises
         ------
@@ -587,14 +587,11 @@ def read_noise_sum(
     check.same_length("entries", gain_dn_per_e=gain.size, read_noise_dn=noise.size)
     if np.unique(gain).size < 2:
         raise InputError("gain_dn_per_e", "must have two different gains", value=gain.tolist())
-    one, square = 1 / noise**2, (gain / noise) ** 2  # a one + b square = 1
-    aa, ab, bb = one @ one, one @ square, square @ square
-    a = (one.sum() * bb - square.sum() * ab) / (aa * bb - ab**2)
-    b = (square.sum() * aa - one.sum() * ab) / (aa * bb - ab**2)
-    if a < 0:
-        a, b = 0.0, square.sum() / bb
-    elif b < 0:
-        a, b = one.sum() / aa, 0.0
+    from scipy.optimize import nnls
+
+    terms = np.stack([1 / noise**2, (gain / noise) ** 2], axis=1)
+    scale = terms.max(axis=0)
+    a, b = nnls(terms / scale, np.ones(gain.size))[0] / scale  # (a + b gain^2) / noise^2 = 1
     return ReadNoiseSum(after_gain_dn=float(np.sqrt(a)), before_gain_e=float(np.sqrt(b)))
 
 

@@ -307,24 +307,12 @@ PIXEL_NOISE = tuple(name for name in EXTRA_NOISE if PIXEL[name].least == 0)
 
 
 def shot_and_read_only(pixel: Pixel) -> Pixel:
-    """The pixel with shot noise and read noise only.
-
-    Parameters
-    ----------
-    pixel
-        The pixel.
-    """
+    """The pixel with shot noise and read noise only."""
     return replace(pixel, **dict.fromkeys(_extra_noise_of(type(pixel)), 0.0), temperature_c=None)
 
 
 def extra_noise(pixel: Pixel) -> dict[str, float]:
-    """The values of `EXTRA_NOISE`, and of own noise, that are not 0, by name.
-
-    Parameters
-    ----------
-    pixel
-        The pixel.
-    """
+    """The values of `EXTRA_NOISE`, and of own noise, that are not 0, by name."""
     names = _extra_noise_of(type(pixel))
     return {name: value for name in names if (value := getattr(pixel, name))}
 
@@ -419,7 +407,7 @@ def of_one_reading(pixel: Pixel, readings: int) -> Pixel:
     Parameters
     ----------
     pixel
-        The sum.
+        The pixel whose readings are summed.
     readings
         How many are summed.
     """
@@ -441,7 +429,7 @@ class Adc:
     Attributes
     ----------
     bits
-        8 to 16.
+        Bits of a code, 8 to 16.
     gain_e_per_dn
         Electrons per code: the conversion gain K of a data sheet, inverted. [e-/DN]
     black_level_dn
@@ -516,8 +504,6 @@ def adc_of(converter: Converter, pixel: Pixel) -> Adc:
     ----------
     converter
         What is known of the converter.
-    pixel
-        The pixel.
 
     Raises
     ------
@@ -581,8 +567,6 @@ def code_step_e(converter: Converter, pixel: Pixel) -> float:
     ----------
     converter
         What is known of the converter.
-    pixel
-        The pixel.
 
     Examples
     --------
@@ -609,8 +593,6 @@ def quantization_step_e(converter: Converter, pixel: Pixel) -> float:
     ----------
     converter
         What is known of the converter.
-    pixel
-        The pixel.
 
     Examples
     --------
@@ -627,8 +609,6 @@ def adc_to_full_well(pixel: Pixel, *, bits: int = 12, black_level_dn: int = 0) -
 
     Parameters
     ----------
-    pixel
-        The pixel.
     bits
         Bits of a code.
     black_level_dn

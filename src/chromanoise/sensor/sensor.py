@@ -12,11 +12,12 @@ Transmittances of dyes that exist, from sensors with and without them.
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Literal, get_args
 
 import numpy as np
 
-from chromanoise.base import Array, Float, InputError, check, notebook
+from chromanoise.base import Array, Float, InputError, check, notebook, with_short_repr
 from chromanoise.sensor.crosstalk import (
     Crosstalk,
     Mosaic,
@@ -32,6 +33,7 @@ from chromanoise.spectra import Grid, Spectra
 Origin = Literal["given", "measured", "model", "reconstruction"]
 
 
+@with_short_repr
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Sensor:
     """``p`` spectral channels sharing one pixel design.
@@ -46,7 +48,7 @@ class Sensor:
         Electrons per photon, filter and IR-cut included: the paper's QE = QE_ph T_f.
         [e-/photon]
     names
-        Channel names.
+        Name of each channel, in the order of ``qe``.
     pixel
         Pitch, full well, and all noise of the pixel.
     mosaic
@@ -85,27 +87,20 @@ class Sensor:
     shown_as: str = ""
 
     def __post_init__(self) -> None:
-        qe = check.fraction(f"QE of sensor {self.name}", "e-/photon", self.qe)
-        if qe.ndim != 2 or qe.shape[1] == 0:
-            raise InputError(
-                f"QE of sensor {self.name}",
-                "must be (wavelengths, channels)",
-                value=qe.shape,
-                found=f"has shape {qe.shape}",
-            )
+        what = f"QE of sensor {self.name}"
+        qe = check.fraction(what, "e-/photon", self.qe)
+        full = qe.ndim == 2 and qe.shape[1] > 0
+        check.shape(what, qe, full, "must be (wavelengths, channels)")
         check.one_of("origin", self.origin, get_args(Origin))
         check.same_length("wavelengths", grid=self.grid.n, qe=qe.shape[0])
         check.same_length("channels", names=len(self.names), qe=qe.shape[1])
         names = check.distinct(f"channel names of {self.name}", self.names)
         for name in self.mosaic.names if self.mosaic else ():
             check.among(f"mosaic channel of {self.name}", name, names)
-        if self.stacked and float(qe.sum(axis=1).max()) > 1 + 1e-9:
-            raise InputError(
-                f"QE of sensor {self.name}",
-                "must sum to at most 1 over the stacked channels at each wavelength [e-/photon]",
-                value=float(qe.sum(axis=1).max()),
-            )
-        object.__setattr__(self, "qe", check.frozen(qe))
+        if self.stacked and (most := float(qe.sum(axis=1).max())) > 1 + 1e-9:
+            need = "must sum to at most 1 over the stacked channels at each wavelength [e-/photon]"
+            raise InputError(what, need, value=most)
+        check.keep(self, qe=qe)
         object.__setattr__(self, "names", names)
 
     @property
@@ -129,13 +124,7 @@ class Sensor:
 
 
 def pixels_of(sensor: Sensor) -> int:
-    """Number of pixels for one set of channels: p, or 1 if the channels are stacked.
-
-    Parameters
-    ----------
-    sensor
-        The sensor.
-    """
+    """Number of pixels for one set of channels: p, or 1 if the channels are stacked."""
     return 1 if sensor.stacked else len(sensor.names)
 
 
@@ -151,8 +140,6 @@ def behind_filter(
 
     Parameters
     ----------
-    sensor
-        Any sensor.
     transmittance
         Transmittance, 0 .. 1, on the sensor's grid.
     name
@@ -184,8 +171,6 @@ def with_channels(
 
     Parameters
     ----------
-    sensor
-        The sensor.
     names
         Names of the channels.
     name
@@ -215,11 +200,6 @@ def code_range_e(sensor: Sensor) -> float:
     """Electrons from black level to top code; inf where bits or gain are not known. [e-]
 
     Where n readings are summed (`chromanoise.sensor.binned`), it is n times that of one reading.
-
-    Parameters
-    ----------
-    sensor
-        The sensor.
     """
     converter = sensor.converter
     if converter.bits is None or converter.gain_e_per_dn is None:
@@ -265,8 +245,6 @@ def white_level_name(sensor: Sensor, *, dark_e: float = 0.0) -> str:
 
     Parameters
     ----------
-    sensor
-        The sensor.
     dark_e
         Dark electrons. [e-]
     """
@@ -299,24 +277,20 @@ def _transmittance(name: str, grid: Grid) -> Float[Array, " n"]:
 
 
 def _resin_sensor(
-    name: str, channels: str | tuple[str, ...], *, cut: bool, mosaic: Mosaic | None
-) -> Callable[[Grid], Sensor]:
-    def made(grid: Grid) -> Sensor:
-        silicon = silicon_qe(grid, depth_um=_DEPTH_UM)
-        passed = silicon * ir_cut(grid) if cut else silicon
-        qe = np.stack([passed * _transmittance(c, grid) for c in channels], axis=1)
-        return Sensor(
-            name=name,
-            grid=grid,
-            qe=qe,
-            names=tuple(channels),
-            pixel=PAPER_PIXEL,
-            mosaic=mosaic,
-            origin="model",
-            notes=(_NOTE,),
-        )
-
-    return made
+    name: str, channels: Sequence[str], cut: bool, mosaic: Mosaic | None, grid: Grid
+) -> Sensor:
+    silicon = silicon_qe(grid, depth_um=_DEPTH_UM)
+    passed = silicon * ir_cut(grid) if cut else silicon
+    return Sensor(
+        name=name,
+        grid=grid,
+        qe=np.stack([passed * _transmittance(c, grid) for c in channels], axis=1),
+        names=tuple(channels),
+        pixel=PAPER_PIXEL,
+        mosaic=mosaic,
+        origin="model",
+        notes=(_NOTE,),
+    )
 
 
 def three_layer(grid: Grid) -> Sensor:
@@ -339,27 +313,24 @@ def three_layer(grid: Grid) -> Sensor:
 
 _CMY, _RYB, _RCCB = mosaic_named("CY/YM"), mosaic_named("RY/YB"), mosaic_named("RW/WB")
 
+_RGBWIR = mosaic_named("R W G W/W IR W IR/G W B W/W IR W IR")
+_RESIN_SENSORS: dict[str, tuple[Sequence[str], bool, Mosaic | None]] = {  # IR-cut or not
+    "model-mono": ("W", False, None),
+    "model-rgb-ircut": ("RGB", True, bayer()),
+    "model-rgb": ("RGB", False, bayer()),
+    "model-rgbw-ircut": ("RGBW", True, rgbw_sparse_4x4()),
+    "model-rgbw": ("RGBW", False, rgbw_sparse_4x4()),
+    "model-rgbwir": (("R", "G", "B", "W", "IR"), False, _RGBWIR),
+    "model-rgbir": (("R", "G", "B", "IR"), False, rgb_ir()),
+    "model-cmy-ircut": ("CMY", True, _CMY),
+    "model-cmy": ("CMY", False, _CMY),
+    "model-ryb-ircut": ("RYB", True, _RYB),
+    "model-ryb": ("RYB", False, _RYB),
+    "model-rccb-ircut": ("RWB", True, _RCCB),
+    "model-rccb": ("RWB", False, _RCCB),
+}
 MODELS: Mapping[str, Callable[[Grid], Sensor]] = {
-    "model-mono": _resin_sensor("model-mono", "W", cut=False, mosaic=None),
-    "model-rgb-ircut": _resin_sensor("model-rgb-ircut", "RGB", cut=True, mosaic=bayer()),
-    "model-rgb": _resin_sensor("model-rgb", "RGB", cut=False, mosaic=bayer()),
-    "model-rgbw-ircut": _resin_sensor(
-        "model-rgbw-ircut", "RGBW", cut=True, mosaic=rgbw_sparse_4x4()
-    ),
-    "model-rgbw": _resin_sensor("model-rgbw", "RGBW", cut=False, mosaic=rgbw_sparse_4x4()),
-    "model-rgbwir": _resin_sensor(
-        "model-rgbwir",
-        ("R", "G", "B", "W", "IR"),
-        cut=False,
-        mosaic=mosaic_named("R W G W/W IR W IR/G W B W/W IR W IR"),
-    ),
-    "model-rgbir": _resin_sensor("model-rgbir", ("R", "G", "B", "IR"), cut=False, mosaic=rgb_ir()),
-    "model-cmy-ircut": _resin_sensor("model-cmy-ircut", "CMY", cut=True, mosaic=_CMY),
-    "model-cmy": _resin_sensor("model-cmy", "CMY", cut=False, mosaic=_CMY),
-    "model-ryb-ircut": _resin_sensor("model-ryb-ircut", "RYB", cut=True, mosaic=_RYB),
-    "model-ryb": _resin_sensor("model-ryb", "RYB", cut=False, mosaic=_RYB),
-    "model-rccb-ircut": _resin_sensor("model-rccb-ircut", "RWB", cut=True, mosaic=_RCCB),
-    "model-rccb": _resin_sensor("model-rccb", "RWB", cut=False, mosaic=_RCCB),
+    **{name: partial(_resin_sensor, name, *row) for name, row in _RESIN_SENSORS.items()},
     "model-three-layer": three_layer,
 }
 """Filter sets by name. RGBC is RGBW behind the IR-cut, with white called clear."""

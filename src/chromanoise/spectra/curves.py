@@ -34,6 +34,7 @@ from chromanoise.base import (
     Setting,
     check,
     photons_per_joule,
+    with_short_repr,
 )
 
 
@@ -129,6 +130,7 @@ SMALL_SHARE = 0.01
 _SLACK_NM = 1e-6  # wavelengths read from text may miss the grid's end by rounding
 
 
+@with_short_repr
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Spectra:
     """``k`` curves sampled at ``m`` increasing wavelengths, equidistant or not.
@@ -186,8 +188,6 @@ def interpolation_matrix(
     ----------
     wavelength_nm
         The wavelengths of the samples, increasing. [nm]
-    grid
-        The target grid.
     beyond
         Outside the samples: ``refuse`` with an error, use ``zero``, or ``hold`` the last value.
     what
@@ -258,8 +258,6 @@ def means_on_grid(spectra: Spectra, grid: Grid, *, beyond: Beyond = "refuse") ->
 
     Parameters
     ----------
-    spectra
-        The curves.
     grid
         Wavelengths of the result.
     beyond
@@ -287,8 +285,6 @@ def shifted(spectra: Spectra, shift_nm: float) -> Spectra:
 
     Parameters
     ----------
-    spectra
-        The curves.
     shift_nm
         Added to their wavelengths, positive towards red; 0 returns the curves themselves. [nm]
     """
@@ -347,8 +343,6 @@ def refuse_outside(
 
     Parameters
     ----------
-    spectra
-        The curves.
     low, high
         The allowed range, in the unit of the curves.
     remedy
@@ -397,10 +391,6 @@ def on_grid(spectra: Spectra, grid: Grid, *, beyond: Beyond = "refuse") -> Spect
 
     Parameters
     ----------
-    spectra
-        Measured curves.
-    grid
-        The target grid.
     beyond
         How to extrapolate curves that do not cover the grid; ``notes`` records the choice.
 

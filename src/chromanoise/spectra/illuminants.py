@@ -23,6 +23,7 @@ from chromanoise.base import (
     check,
     colour_science,
     photons_per_joule,
+    with_short_repr,
 )
 from chromanoise.spectra.curves import (
     DEFAULT_GRID,
@@ -48,6 +49,7 @@ _NOTED_IN_LINES = 0.03  # the absorption of the air alone gives sunlight 0.02
 _DARKEST_LM_PER_W = 1e-3  # a source below this has practically no visible light
 
 
+@with_short_repr
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Illuminant:
     """A light source at one lux.
@@ -57,7 +59,7 @@ class Illuminant:
     name
         The name in results.
     grid
-        Its wavelengths.
+        Wavelengths of ``irradiance``; n of them. [nm]
     irradiance
         Spectral irradiance at 1 lx. [W m-2 nm-1 lx-1]
     notes
@@ -83,11 +85,6 @@ class Illuminant:
 
 def photon_irradiance(illuminant: Illuminant) -> Float[Array, " n"]:
     """The i(lambda) of eq. 1: photon irradiance at one lux. [photons s-1 um-2 nm-1 lx-1]
-
-    Parameters
-    ----------
-    illuminant
-        The light.
 
     Examples
     --------
@@ -532,8 +529,6 @@ def with_infrared(
 
     Parameters
     ----------
-    illuminant
-        Any light.
     peak_nm, width_nm
         Peak and width of the diode, as in `led`. [nm]
     ratio
@@ -589,9 +584,5 @@ def _diode_within(grid: Grid, peak_nm: float, width_nm: float) -> Power:
 
 
 def _number(text: str, name: str) -> float:
-    try:
-        return float(text)
-    except ValueError:
-        raise InputError(
-            f"illuminant {name!r}", "must have a number", value=text, found=f"{text!r} is not one"
-        ) from None
+    found = f"{text!r} is not one"
+    return check.number(text, f"illuminant {name!r}", "must have a number", found=found)

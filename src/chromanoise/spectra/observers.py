@@ -174,8 +174,6 @@ def color_matching_functions(grid: Grid, observer: str = DEFAULT_OBSERVER) -> Sp
 
     Parameters
     ----------
-    grid
-        The wavelengths.
     observer
         A name from `OBSERVERS`.
 

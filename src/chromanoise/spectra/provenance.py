@@ -20,6 +20,7 @@ _LEVELS = ("absolute", "relative")
 _PERS = ("photon", "energy")
 _TEXTS = ("quantity", "unit", "source", "license", "defects")
 _REQUIRED = ("kind", "level", *_TEXTS)
+_OPTIONAL = ("done", "mosaic", "pattern", "carried_as")
 _OF_TABLES = (*_REQUIRED, "what", "per", "done", "mosaic", "pixel")
 _OF_THE_HOUSE = ("name", "names", "pattern", "range_nm", "carried_as", "channels")
 _ABSOLUTE = ("A/W", "e-/photon")  # units of an absolute response
@@ -230,7 +231,7 @@ def _checked(section: dict[str, Any], place: _Place, keys: tuple[str, ...]) -> N
     for key, known in (("kind", get_args(Kind)), ("level", _LEVELS), ("per", _PERS)):
         if key in section:
             check.among(f"{key} in {', '.join(place)}", section[key], known)
-    for key in ("done", "mosaic", "pattern", "carried_as"):
+    for key in _OPTIONAL:
         if not isinstance(section.get(key, ""), str):
             raise _refused(place, f"key {key!r}", "must be text", section[key])
 
@@ -252,12 +253,7 @@ def _provenance(
     name: str, what: str, section: dict[str, Any], place: _Place, *, table: str = ""
 ) -> Provenance:
     pixel = dict(_pixel(section, place))
-    texts = {key: section[key] for key in _REQUIRED}
-    optional = {
-        key: str(section[key])
-        for key in ("per", "done", "mosaic", "pattern", "carried_as")
-        if key in section
-    }
+    texts = {key: section[key] for key in (*_REQUIRED, "per", *_OPTIONAL) if key in section}
     source = section.get("pixel", {}).get("source", "") if pixel else ""
     return Provenance(
         name=name,
@@ -268,7 +264,6 @@ def _provenance(
         range_nm=_range(section.get("range_nm"), name),
         channels=tuple(section.get("channels", ())),
         **texts,
-        **optional,  # type: ignore[arg-type]
     )
 
 

@@ -65,8 +65,6 @@ def reflectance_named(name: str, grid: Grid, *, beyond: Beyond = "refuse") -> Sp
     name
         ``colorchecker``, ``lawn``, ``skin`` ..., or ``gray-<percent>``, which is constant over
         wavelength.
-    grid
-        The target grid.
     beyond
         How to extrapolate a table that does not cover the grid; that of skin ends at 950 nm.
 
@@ -89,15 +87,8 @@ def reflectance_named(name: str, grid: Grid, *, beyond: Beyond = "refuse") -> Sp
 
 
 def _gray(name: str, percent: str, grid: Grid) -> Spectra:
-    try:
-        share = float(percent) / 100
-    except ValueError:
-        raise InputError(
-            f"reflectance {name!r}",
-            "must have a number of percent",
-            value=percent,
-            found=f"{percent!r} is not a number",
-        ) from None
+    need, found = "must have a number of percent", f"{percent!r} is not a number"
+    share = check.number(percent, f"reflectance {name!r}", need, found=found) / 100
     check.within(f"percent of {name}", "%", 100 * share, 0.0, 100.0)
     return Spectra(
         wavelength_nm=grid.wavelength_nm,

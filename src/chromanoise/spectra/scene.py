@@ -7,12 +7,22 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from chromanoise.base import Array, Float, InputError, Remedy, Setting, Shaped, check
+from chromanoise.base import (
+    Array,
+    Float,
+    InputError,
+    Remedy,
+    Setting,
+    Shaped,
+    check,
+    with_short_repr,
+)
 from chromanoise.spectra.curves import Grid, Metric, photons_per_unit
 from chromanoise.spectra.illuminants import Illuminant, photon_irradiance
 from chromanoise.spectra.scene_rows import RowSource, row_source, with_bands
 
 
+@with_short_repr
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Scene:
     """Points of known reflectance under one illuminant.
@@ -52,8 +62,6 @@ def flat_field(illuminant: Illuminant, *, level_lux: float, reflectance: float =
 
     Parameters
     ----------
-    illuminant
-        The light.
     level_lux
         Illuminance on the scene. [lx]
     reflectance
@@ -77,6 +85,7 @@ def light(scene: Scene, metric: Metric) -> Float[Array, "*px n"]:
     return photons / photons_per_unit(scene.illuminant.grid, metric)
 
 
+@with_short_repr
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Cube:
     """``h`` x ``w`` pixels with ``m`` bands.
@@ -208,9 +217,9 @@ def flat_cube(
     reflectance
         Reflectance at every wavelength. [1]
     height
-        Number of rows.
+        Rows of pixels. [px]
     width
-        Number of columns.
+        Columns of pixels. [px]
     """
     wavelength = np.asarray(wavelength_nm, dtype=np.float64)
     stored = np.broadcast_to(np.float64(reflectance), (height, width, wavelength.size))

@@ -324,7 +324,7 @@ class RowSource(Protocol):
         Parameters
         ----------
         start
-            First row.
+            First row, counted from 0.
         stop
             Row after the last.
         into
@@ -337,7 +337,7 @@ class RowSource(Protocol):
         Parameters
         ----------
         rows
-            Number of rows.
+            How many rows are read at once.
         """
 
     def with_bands(self, keep: slice) -> "RowSource":

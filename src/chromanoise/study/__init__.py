@@ -88,13 +88,21 @@ if TYPE_CHECKING:
         GRAY,
         ChartNoise as ChartNoise,
         GrayNoise as GrayNoise,
+        TotalError as TotalError,
+        better_matrix as better_matrix,
         chart_noise as chart_noise,
         color_budgets as color_budgets,
         contravariant_budgets as contravariant_budgets,
         coordinate_budget as coordinate_budget,
         gray_noise as gray_noise,
         lab_budgets as lab_budgets,
+        mean_total_error as mean_total_error,
         missing_lab_budgets as missing_lab_budgets,
+        noise_weights as noise_weights,
+        pareto_of as pareto_of,
+        total_error_of as total_error_of,
+        total_errors as total_errors,
+        white_snr_db as white_snr_db,
     )
     from chromanoise.study.denoised_files import (
         DenoisedPicture as DenoisedPicture,
@@ -109,8 +117,11 @@ if TYPE_CHECKING:
         write_denoised as write_denoised,
     )
     from chromanoise.study.document import (
+        KEYS as KEYS,
         MOST_SENSORS as MOST_SENSORS,
+        STARTER as STARTER,
         ExposurePart,
+        KeyOfStudy as KeyOfStudy,
         LightPart,
         OutputsPart as OutputsPart,
         Part as Part,
@@ -132,7 +143,6 @@ if TYPE_CHECKING:
         study_hash as study_hash,
         with_file_words,
     )
-    from chromanoise.study.keys import KEYS as KEYS, STARTER as STARTER, KeyOfStudy as KeyOfStudy
     from chromanoise.study.keywords import (
         AnalysisSettings as AnalysisSettings,
         ComparisonSettings as ComparisonSettings,
@@ -149,21 +159,9 @@ if TYPE_CHECKING:
         merits_of as merits_of,
         visual_merits,
     )
-    from chromanoise.study.pareto import (
-        TotalError as TotalError,
-        better_matrix as better_matrix,
-        mean_total_error as mean_total_error,
-        noise_weights as noise_weights,
-        pareto_of as pareto_of,
-        total_error_of as total_error_of,
-        total_errors as total_errors,
-        white_snr_db as white_snr_db,
-    )
-    from chromanoise.study.patches_by_name import PAIRS_HEADER, resolve_pairs
     from chromanoise.study.pixel_files import (
         converter_of as converter_of,
         idle_answers as idle_answers,
-        on_pixel as on_pixel,
         own_sensor_of as own_sensor_of,
         read_pixel_source as read_pixel_source,
         sensor_with_pixel as sensor_with_pixel,
@@ -231,6 +229,7 @@ if TYPE_CHECKING:
     )
     from chromanoise.study.resolve import (
         CURVES,
+        PAIRS_HEADER,
         curves_of_object,
         file_of,
         file_there,
@@ -239,6 +238,7 @@ if TYPE_CHECKING:
         object_word,
         resolve_filter,
         resolve_illuminant,
+        resolve_pairs,
         resolve_sensor,
         word_beside,
     )
@@ -294,4 +294,6 @@ if TYPE_CHECKING:
         swept_values as swept_values,
     )
 
-__getattr__, __dir__, __all__ = lazy_names(__name__, Method="MatrixMethod")
+__getattr__, __dir__, __all__ = lazy_names(
+    __name__, Method="MatrixMethod", on_pixel="sensor_with_pixel"
+)

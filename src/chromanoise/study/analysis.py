@@ -13,7 +13,17 @@ from functools import lru_cache
 
 import numpy as np
 
-from chromanoise.base import Array, Bool, Float, InputError, check, decibel, defined, notebook
+from chromanoise.base import (
+    Array,
+    Bool,
+    Float,
+    InputError,
+    check,
+    decibel,
+    defined,
+    notebook,
+    with_short_repr,
+)
 from chromanoise.color import (
     UNBOUNDED,
     ColorMatrix,
@@ -74,6 +84,7 @@ from chromanoise.spectra import (
 )
 
 
+@with_short_repr
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Stages:
     """Measurements at every stage; the leading axes are light levels, then patches.
@@ -326,6 +337,7 @@ _WORTH_NAMING = 0.005  # weight of a channel in a mix
 _NEAR_MIX_DEG = 10.0  # a channel closer than this to the span of the others gets a note
 
 
+@with_short_repr
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Analysis:
     """Results of one sensor at one exposure, at every stage.

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
-from chromanoise.base import InputError, Setting, check, refusal
+from chromanoise.base import InputError, Setting, check, no_place_for, refusal
 from chromanoise.io import read_crosstalk
 from chromanoise.io.spectra import Answers, Found
 from chromanoise.noise import EQUAL_TERMS, Exposure, OperatingPoint
@@ -42,22 +42,21 @@ from chromanoise.study.color_matrices import (
     trained_names,
 )
 from chromanoise.study.document import PicturePart, PixelPart, ReflectancesPart, SensorPart, Study
-from chromanoise.study.patches_by_name import (
-    is_reflectance_file,
-    resolve_pairs,
-    resolve_patch,
-    resolve_reflectances,
-)
-from chromanoise.study.pixel_files import idle_answers, on_pixel, sensor_with_pixel
+from chromanoise.study.pixel_files import idle_answers, sensor_with_pixel
 from chromanoise.study.resolve import (
+    Curves,
     WordKind,
     behind_resolved_filter,
     catalog_word,
     file_of,
     is_file_word,
     is_object_word,
+    is_reflectance_file,
     resolve_illuminant,
     resolve_observer,
+    resolve_pairs,
+    resolve_patch,
+    resolve_reflectances,
     resolve_sensor,
     shown_word,
 )
@@ -71,24 +70,16 @@ class Given:
 
     Attributes
     ----------
-    sensors, illuminants
-        By the name in the study.
-    others
-        Curves (`Found`), reflectances on the grid, pairs of patches, observers, cubes, matrices and
-        functions that give one, by the word in the study (`object_word`).
+    objects
+        Sensors, illuminants, curves (`Found`), reflectances on the grid, pairs of patches,
+        observers, cubes, matrices and functions that give one, by the word in the study: that of
+        the object (`object_word`), or a name in whose place it is.
     """
 
-    sensors: Mapping[str, Sensor] = field(default_factory=dict)
-    illuminants: Mapping[str, Illuminant] = field(default_factory=dict)
-    others: Mapping[str, Any] = field(default_factory=dict)
-
-    @property
-    def objects(self) -> Mapping[str, Any]:
-        """All objects, by the words of the study."""
-        return {**self.sensors, **self.illuminants, **self.others}
+    objects: Mapping[str, Any] = field(default_factory=dict)
 
     def of(self, word: Any) -> Any:
-        """What a word refers to: an object in ``others``, or the word itself.
+        """What a word refers to: an object, or the word itself.
 
         Parameters
         ----------
@@ -100,13 +91,11 @@ class Given:
         InputError
             If the word refers to an object that is not given.
         """
-        if not is_object_word(word):
-            return word
-        if word not in self.others:
+        if word not in self.objects and is_object_word(word):
             raise InputError(
                 shown_word(word), "must be given as an object of Python", value=word, found=None
             )
-        return self.others[word]
+        return self.objects.get(word, word)
 
     def reads_reflectances(self, word: object) -> bool:
         """Whether a word for reflectances refers to a file or to curves.
@@ -116,9 +105,8 @@ class Given:
         word
             Word of a study.
         """
-        if is_object_word(word):
-            return isinstance(self.of(word), Found)
-        return isinstance(word, str) and is_reflectance_file(word)
+        one = self.of(word)
+        return isinstance(one, Found) or (isinstance(one, str) and is_reflectance_file(one))
 
     def reads(self, word: str, kind: WordKind) -> bool:
         """Whether a word refers to a file or to curves, rather than to a name or an object.
@@ -130,9 +118,8 @@ class Given:
         kind
             What it refers to.
         """
-        if word in self.sensors or word in self.illuminants:
-            return False
-        return is_file_word(self.of(word), kind)
+        one = self.of(word)
+        return isinstance(one, Curves) and is_file_word(one, kind)
 
 
 NOTHING_GIVEN: Given = Given()
@@ -263,7 +250,7 @@ def idle_settings(study: Study, given: Given = NOTHING_GIVEN) -> list[InputError
         for value in sorted(values, key=str):
             parts = [part for part in study.sensors if getattr(part.answers, name) == value]
             if all(
-                part.name in given.sensors
+                isinstance(given.of(part.name), Sensor)
                 or name in idle_answers([given.of(part.name)], _answers(part))
                 for part in parts
             ):
@@ -314,7 +301,7 @@ def _is_incomplete(part: SensorPart, given: Given) -> bool:
     """Whether curves of a sensor come from a file or a filter, or do not cover the grid."""
     if part.filter is not None or part.channel_filters:
         return True
-    if part.name in given.sensors:
+    if isinstance(given.of(part.name), Sensor):
         return False
     if given.reads(part.name, "sensor"):
         return True
@@ -360,14 +347,8 @@ def _all_idle(key: str, values: Mapping[str, Any], of: str) -> list[InputError]:
 
 
 def _idle(key: str, value: Any, of: str) -> InputError:
-    return InputError(
-        key.rpartition(".")[2],
-        f"must not be given for {of}, where it changes nothing",
-        value=value,
-        found=None,
-        remedy="omit it",
-        setting=key,
-    )
+    demand = f"must not be given for {of}, where it changes nothing"
+    return no_place_for(key.rpartition(".")[2], demand, value, setting=key)
 
 
 def operating_points_in(
@@ -417,11 +398,13 @@ def illuminant_of(study: Study, given: Given = NOTHING_GIVEN) -> Illuminant:
     InputError
         If its name names nothing, or a file cannot be read.
     """
-    word = study.light.illuminant
-    if word in given.illuminants:
-        return given.illuminants[word]
     with keyed("light.illuminant", lambda name: f"light.{'column' if name == 'columns' else name}"):
-        return resolve_illuminant(given.of(word), answers=light_answers_of(study))
+        own = given.of(study.light.illuminant)
+        return _lamp(own, light_answers_of(study))
+
+
+def _lamp(own: Illuminant | Curves, answers: Answers) -> Illuminant:
+    return own if isinstance(own, Illuminant) else resolve_illuminant(own, answers=answers)
 
 
 def observer_of(study: Study, given: Given = NOTHING_GIVEN) -> str:
@@ -451,12 +434,10 @@ def balance_light_of(study: Study, given: Given = NOTHING_GIVEN) -> Illuminant |
         return None
     if word == "illuminant" or word == study.light.illuminant:
         return illuminant_of(study, given)
-    if word in given.illuminants:
-        return given.illuminants[word]
     with keyed("outputs.pipeline.white_balance", lambda name: f"light.{name}"):
         light = study.light
         answers = Answers(quantity="power", beyond=light.beyond, negatives=light.negatives)
-        return resolve_illuminant(given.of(word), answers=answers)
+        return _lamp(given.of(word), answers)
 
 
 def light_answers_of(study: Study) -> Answers:
@@ -563,12 +544,9 @@ def sensor_of(
     own |= {} if part.pixel.file is None else {part.pixel.file: f"{key}.pixel.file"}
     pixel = _pixel_changes(part.pixel)
     with keyed(f"{key}.name", lambda name: own.get(name, f"{key}.{name}"), own):
-        if part.name in given.sensors:
-            sensor = on_pixel(given.sensors[part.name], varied=varied, **pixel)
-        else:
-            sensor = sensor_with_pixel(
-                given.of(part.name), answers=_answers(part), varied=varied, **pixel
-            )
+        sensor = sensor_with_pixel(
+            given.of(part.name), answers=_answers(part), varied=varied, **pixel
+        )
     if part.pixel.binning is not None:
         with keyed(f"{key}.pixel.binning"):
             sensor = with_binning(sensor, part.pixel.binning, part.pixel.binning_mode or "charge")

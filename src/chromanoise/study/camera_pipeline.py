@@ -11,7 +11,16 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from chromanoise.base import Array, Float, InputError, JsonKey, JsonKeys, check, decibel
+from chromanoise.base import (
+    Array,
+    Float,
+    InputError,
+    JsonKey,
+    JsonKeys,
+    check,
+    decibel,
+    with_short_repr,
+)
 from chromanoise.color import (
     FIRST_ORDER_TOLERANCE,
     RGB,
@@ -156,6 +165,7 @@ class PipelineSettings:
         return balance.name if isinstance(balance, Illuminant) else balance
 
 
+@with_short_repr
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PipelineStep:
     """The patches after one step.
@@ -188,6 +198,7 @@ class PipelineStep:
     measurement: Measurement
 
 
+@with_short_repr
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class GainStep:
     """The sensor at one ISO.
@@ -280,6 +291,7 @@ class WhiteBalanceNoise:
         return np.asarray(np.sqrt(np.trace(self.lab_covariance, axis1=-2, axis2=-1)))
 
 
+@with_short_repr
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PipelineNoise:
     """Noise of the chart through the pipeline of one sensor.

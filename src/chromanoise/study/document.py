@@ -2,14 +2,25 @@
 
 The classes define which studies are valid. File names are relative to the folder of the study
 file.
+
+The keys of a study with their types, defaults, descriptions and interfaces.
+
+The commented study that `chromanoise init` writes.
 """
 
 import os
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar
+from dataclasses import dataclass
+from functools import reduce
+from importlib import resources
+from pathlib import Path
+from types import MappingProxyType, UnionType
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 
 from chromanoise.base import (
     After,
+    Before,
+    DeclaredField,
     Field,
     InputError,
     Interface,
@@ -17,11 +28,11 @@ from chromanoise.base import (
     Record,
     Setting,
     after,
-    before,
     beside_their_needs,
     check,
     did_you_mean,
     known_name,
+    no_place_for,
     refusal,
     subclass,
 )
@@ -56,8 +67,7 @@ from chromanoise.study.color_matrices import (
     matrix_makers,
     trained_names,
 )
-from chromanoise.study.patches_by_name import is_reflectance_file
-from chromanoise.study.resolve import is_file_word, is_object_word
+from chromanoise.study.resolve import is_file_word, is_object_word, is_reflectance_file
 from chromanoise.study.sweeps import QUANTITIES, SWEEPS
 
 if TYPE_CHECKING:
@@ -178,6 +188,44 @@ def _own_prior(field: str, name: str) -> str:
 def _own_observer(field: str, name: str) -> str:
     own = is_object_word(name) or is_file_word(name, "observer")
     return name if own else _one_of(field, name, tuple(OBSERVERS))
+
+
+def _is_number(given: Any) -> bool:
+    return isinstance(given, int | float) and not isinstance(given, bool)
+
+
+def _or_text(demand: str, fits: Callable[[Any], bool]) -> Before:
+    """A check with one error message; the type alone gives one for each type of its union."""
+
+    def checked(given: Any) -> Any:
+        if not isinstance(given, str) and not fits(given):
+            raise ValueError(demand)
+        return given
+
+    return Before(checked)
+
+
+def _share_or_text(demand: str) -> Before:
+    """As `_or_text`, for a share from 0 to 1."""
+
+    def checked(given: Any, place: Any) -> Any:
+        if given is None or isinstance(given, str):
+            return given
+        if not _is_number(given):
+            raise ValueError(demand)
+        return check.within(str(place.name), "1", float(given), 0.0, 1.0)
+
+    return Before(checked)
+
+
+def _is_span(given: Any) -> bool:
+    pair = isinstance(given, list | tuple) and len(given) == 2
+    return given is None or (pair and all(map(_is_number, given)))
+
+
+def _is_gains(given: Any) -> bool:
+    listed = isinstance(given, list | tuple) and len(given) > 0
+    return listed and all(_is_number(one) and 0 < one < float("inf") for one in given)
 
 
 Positive = Annotated[float, Field(gt=0, finite=True)]
@@ -393,7 +441,9 @@ class ReflectancesPart(Part):
         hint="the ColorChecker",
         file="spectrum",
     )
-    patch: float | str | None = setting(
+    patch: Annotated[
+        float | str | None, _share_or_text("must be a number from 0 to 1, a name or a file")
+    ] = setting(
         None,
         "The patch that is analyzed instead of a perfect white: a number, e.g. 0.18, a patch of "
         "the ColorChecker (dark skin) or of the catalog (lawn), or a curve of a file.",
@@ -433,16 +483,6 @@ class ReflectancesPart(Part):
         keyword="reflectance_beyond",
         label="Outside the range of the curves",
     )
-
-    @before("patch")
-    @classmethod
-    def _number_or_name(cls, given: Any) -> Any:
-        """Give one error message; the schema alone would give one for each type of value."""
-        if given is None or isinstance(given, str):
-            return given
-        if isinstance(given, bool) or not isinstance(given, int | float):
-            raise ValueError("must be a number from 0 to 1, a name or a file")
-        return check.within("patch", "1", float(given), 0.0, 1.0)
 
 
 _BEFORE = "none; e.g. ircut-650"
@@ -507,7 +547,9 @@ class SensorPart(Part):
         later=True,
     )
     negatives: Negatives = setting("refuse", **_NEGATIVES)
-    crosstalk: float | str | None = setting(
+    crosstalk: Annotated[
+        float | str | None, _share_or_text("must be a share from 0 to 1, or the name of a file")
+    ] = setting(
         None,
         "Share of its light that a pixel loses to its four neighbors, a quarter to each (needs a "
         "mosaic), or a file: a table with one row and column per channel, or a kernel of "
@@ -547,16 +589,6 @@ class SensorPart(Part):
         slider=(-50.0, 50.0, 1.0),
     )
 
-    @before("crosstalk")
-    @classmethod
-    def _share_or_file(cls, given: Any) -> Any:
-        """Give one error message; the schema alone would give one for each type of value."""
-        if isinstance(given, int | float) and not isinstance(given, bool):
-            return check.within("crosstalk", "1", float(given), 0.0, 1.0)
-        if given is None or isinstance(given, str):
-            return given
-        raise ValueError("must be a share from 0 to 1, or the name of a file")
-
 
 class ExposurePart(Part):
     """Exposure time, lens, and the rule by which the sensors are compared."""
@@ -590,12 +622,11 @@ class ExposurePart(Part):
     @after
     def _one_rule(self, place: Any) -> "ExposurePart":
         if _shares_time(self) and not _keeps(place):
-            raise InputError(
+            raise no_place_for(
                 "time_ms",
                 "must not be given with a share of full well, from which the time is solved",
-                value=self.time_ms,
-                found=None,
-                remedy=(Setting("time_ms", omit=True), Setting("saturate", omit=True)),
+                self.time_ms,
+                *(Setting("time_ms", omit=True), Setting("saturate", omit=True)),
             )
         if self.time_ms is not None and self.equal != "exposure":
             raise InputError(
@@ -674,21 +705,12 @@ class SweepPart(Part):
         if self.second is None:
             return self
         if self.second.vary == self.vary:
-            raise InputError(
-                "vary",
-                "must differ from the second parameter of the sweep",
-                value=self.vary,
-                found=None,
-                remedy=("vary another thing", Setting("second.vary", omit=True)),
-            )
+            remedies = ("vary another thing", Setting("second.vary", omit=True))
+            demand = "must differ from the second parameter of the sweep"
+            raise no_place_for("vary", demand, self.vary, *remedies)
         if self.all_priors:
-            raise InputError(
-                "all_priors",
-                "must not be given with a second parameter",
-                value=True,
-                found=None,
-                remedy="omit one of them",
-            )
+            demand = "must not be given with a second parameter"
+            raise no_place_for("all_priors", demand, True, "omit one of them")
         count = self.points * self.second.points
         if count > _MOST_VALUES:
             raise InputError(
@@ -716,7 +738,12 @@ class PicturePart(Part):
     shape: tuple[int, int] | None = setting(
         None, "Rows and columns of a cube stored as a 2-D array.", metavar="ROWSxCOLUMNS"
     )
-    wavelengths: tuple[float, float] | str | None = setting(
+    wavelengths: Annotated[
+        tuple[float, float] | str | None,
+        _or_text(
+            "must be [FIRST, LAST] in nm, or the name of a file that lists them all", _is_span
+        ),
+    ] = setting(
         None,
         "If the cube does not declare them: first and last band [nm], evenly spaced, or a text "
         "file that lists one wavelength per band.",
@@ -783,51 +810,25 @@ class PicturePart(Part):
         label="Clip electrons in the picture",
     )
 
-    @before("wavelengths")
-    @classmethod
-    def _ends_or_a_file(cls, given: Any) -> Any:
-        """Give one error message; the schema alone would give one for each type of value."""
-        pair = isinstance(given, list | tuple) and len(given) == 2
-        numbers = pair and all(
-            isinstance(n, int | float) and not isinstance(n, bool) for n in given
-        )
-        if given is None or isinstance(given, str) or numbers:
-            return given
-        raise ValueError("must be [FIRST, LAST] in nm, or the name of a file that lists them all")
-
     @after
     def _of_a_mosaic(self) -> "PicturePart":
         given = {name: getattr(self, name) for name in _OF_MOSAIC}
+        demand = "must not be given without a mosaic"
         idle = [
-            InputError(
-                name,
-                "must not be given without a mosaic",
-                value=value,
-                found=None,
-                remedy=Setting("mosaic"),
-            )
+            no_place_for(name, demand, value, Setting("mosaic"))
             for name, value in given.items()
             if value is not None and value is not False
         ]
         if self.mosaic is None and idle:
             raise refusal(idle)
         if self.mosaic is not None and self.clip:
-            raise InputError(
-                "clip",
-                "must not be given with a mosaic, whose converter clips anyway",
-                value=self.clip,
-                found=None,
-                remedy="omit one of them",
-            )
+            demand = "must not be given with a mosaic, whose converter clips anyway"
+            raise no_place_for("clip", demand, self.clip, "omit one of them")
         for name in ("demosaic", "denoise"):
-            if self.raw_only and getattr(self, name) is not None:
-                raise InputError(
-                    name,
-                    "must not be given where only raw codes are asked for",
-                    value=getattr(self, name),
-                    found=None,
-                    remedy="omit one of them",
-                )
+            value = getattr(self, name)
+            if self.raw_only and value is not None:
+                demand = "must not be given where only raw codes are asked for"
+                raise no_place_for(name, demand, value, "omit one of them")
         return self
 
 
@@ -863,7 +864,14 @@ class PipelinePart(Part):
         keyword="pipeline",
         label="Noise after each step",
     )
-    white_balance: tuple[Positive, ...] | str = setting(
+    white_balance: Annotated[
+        tuple[Positive, ...] | str,
+        _or_text(
+            "must be gray, illuminant, the name of an illuminant, or finite gains > 0, one per "
+            "channel",
+            _is_gains,
+        ),
+    ] = setting(
         BALANCE_WORDS[0],
         "White balance of the pipeline. gray: equal raw values of an 18 % gray as it is read. "
         "illuminant, or the name or file of another one: equal raw values of a white under it. Or "
@@ -891,7 +899,9 @@ class PipelinePart(Part):
         label="Color saturation",
         slider=(0.0, 2.0),
     )
-    tone: float | str = setting(
+    tone: Annotated[
+        float | str, _or_text(f"must be {', '.join(TONES)}, or a gamma", _is_number)
+    ] = setting(
         "srgb",
         f"Tone curve: {', '.join(TONES)}, or the gamma of a power law, e.g. 2.2.",
         metavar=f"{'|'.join(TONES)}|GAMMA",
@@ -922,29 +932,6 @@ class PipelinePart(Part):
         hint="the same",
     )
 
-    @before("white_balance")
-    @classmethod
-    def _gains_or_a_name(cls, given: Any) -> Any:
-        """Give one error message; the schema alone would give one for each type of value."""
-        numbers = isinstance(given, list | tuple) and all(
-            isinstance(n, int | float) and not isinstance(n, bool) and 0 < n < float("inf")
-            for n in given
-        )
-        if isinstance(given, str) or (numbers and given):
-            return given
-        raise ValueError(
-            "must be gray, illuminant, the name of an illuminant, or finite gains > 0, one per "
-            "channel"
-        )
-
-    @before("tone")
-    @classmethod
-    def _name_or_gamma(cls, given: Any) -> Any:
-        """As `_gains_or_a_name`."""
-        if isinstance(given, bool) or not isinstance(given, str | int | float):
-            raise ValueError(f"must be {', '.join(TONES)}, or a gamma")
-        return given
-
     @after
     def _that_has_an_effect(self, place: Any) -> "PipelinePart":
         pipeline_settings(self)
@@ -952,13 +939,8 @@ class PipelinePart(Part):
             value = getattr(self, name)
             given = name in self.model_fields_set - {"run"} and not _keeps(place)
             if not self.run and (given or value != field.default):
-                raise InputError(
-                    name,
-                    "must be given only with the pipeline",
-                    value=value,
-                    found=None,
-                    remedy=(Setting("run", (True,)), "omit it"),
-                )
+                demand = "must be given only with the pipeline"
+                raise no_place_for(name, demand, value, Setting("run", (True,)), "omit it")
         return self
 
 
@@ -1039,16 +1021,9 @@ class OutputsPart(Part):
     def _that_go_together(self) -> "OutputsPart":
         unclipped = [name for name in ("budget", "merit") if getattr(self, name)]
         if self.clip and unclipped:
-            raise InputError(
-                "clip",
-                f"must not be given with {' or '.join(unclipped)}: eq. 7 has no clipping",
-                value=self.clip,
-                found=None,
-                remedy=(
-                    Setting("clip", omit=True),
-                    *(Setting(name, (False,)) for name in unclipped if len(unclipped) == 1),
-                ),
-            )
+            others = [Setting(name, (False,)) for name in unclipped if len(unclipped) == 1]
+            demand = f"must not be given with {' or '.join(unclipped)}: eq. 7 has no clipping"
+            raise no_place_for("clip", demand, self.clip, Setting("clip", omit=True), *others)
         if self.pareto is not None and not self.matrix:
             raise InputError(
                 "pareto", "must be given with the matrix", remedy=Setting("matrix", (True,))
@@ -1182,14 +1157,9 @@ def _replaced_settings(study: Study) -> Iterator[InputError]:
         for step in one.split("."):
             value = value[int(step)] if step.isdigit() else getattr(value, step)
         if value is not None:
-            yield InputError(
-                one.rpartition(".")[2],
-                "must not be given where it varies",
-                value=value,
-                found=None,
-                remedy="omit it, or vary another thing",
-                setting=one,
-            )
+            name, demand = one.rpartition(".")[2], "must not be given where it varies"
+            remedy = "omit it, or vary another thing"
+            yield no_place_for(name, demand, value, remedy, setting=one)
 
 
 def without_idle_settings(study: Study) -> Study:
@@ -1223,3 +1193,101 @@ def without_idle_settings(study: Study) -> Study:
 def study_schema() -> dict[str, Any]:
     """The JSON Schema of a study file, for editors and other programs."""
     return Study.model_json_schema() | {"$schema": "https://json-schema.org/draft/2020-12/schema"}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class KeyOfStudy:
+    """A key of a study that holds a value.
+
+    Attributes
+    ----------
+    key
+        With ``*`` for a sensor and ``0`` for an entry of another list: ``sensors.*.pixel.dsnu_e``.
+    field
+        Its type, default and description.
+    interface
+        How interfaces offer it; ``None`` for a key of study files alone.
+    """
+
+    key: str
+    field: DeclaredField
+    interface: Interface | None
+
+    @property
+    def keyword(self) -> str | None:
+        """Its flat name as a setting; ``None`` if it is none."""
+        if self.interface is None or self.interface.keyword is None:
+            return None
+        return self.interface.keyword or self.key.rpartition(".")[2]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of which its word is one; other words may be possible too."""
+        found = [one for one in _inside(self) if isinstance(one, Known)]
+        return found[0].names if found else ()
+
+    @property
+    def others(self) -> bool:
+        """Whether it takes other words than `names`."""
+        return any(one.others for one in _inside(self) if isinstance(one, Known))
+
+    @property
+    def type(self) -> Any:
+        """Type of its value in Python, without ``None``."""
+        if self.interface is not None and self.interface.each:
+            return Sequence[str]
+        return _of_python(self.field.annotation, self.interface or Interface())
+
+
+def _inside(one: KeyOfStudy) -> list[Any]:
+    """The metadata and the types of a field, also those inside a union."""
+    return [*one.field.metadata, *_parts_of(one.field.annotation)]
+
+
+def _parts_of(annotation: Any) -> list[Any]:
+    """A type with all types and metadata inside it."""
+    return [annotation, *(part for one in get_args(annotation) for part in _parts_of(one))]
+
+
+_MAPPING: Any = Mapping  # types of values, which type checkers do not follow
+_SEQUENCE: Any = Sequence
+_TUPLE: Any = tuple
+
+
+def _of_python(annotation: Any, interface: Interface) -> Any:
+    origin, inside = get_origin(annotation), get_args(annotation)
+    if origin is Annotated:
+        return _of_python(inside[0], interface)
+    if origin in (Union, UnionType):
+        kinds = [_of_python(one, interface) for one in inside if one is not type(None)]
+        return reduce(lambda a, b: a | b, kinds)
+    if origin is dict:
+        return _MAPPING[str, _of_python(inside[1], interface)]
+    if origin is tuple:
+        ends = [_of_python(one, Interface()) for one in inside if one is not ...]
+        return _SEQUENCE[ends[0]] if ... in inside else _TUPLE[*ends]
+    if annotation is str and interface.curves:
+        return str | Path | object
+    return str | Path if annotation is str and interface.paths else annotation
+
+
+def _walked(model: type[Record], prefix: str) -> Iterator[KeyOfStudy]:
+    for name, field in model.model_fields.items():
+        key = f"{prefix}{field.alias or name}"
+        inside = _parts_of(field.annotation)
+        part = next((p for p in inside if isinstance(p, type) and issubclass(p, Record)), None)
+        if part is not None:
+            many = any(get_origin(p) is tuple for p in inside)
+            index = ("*." if name == "sensors" else "0.") if many else ""
+            yield from _walked(part, f"{key}.{index}")
+            continue
+        interface = next((one for one in field.metadata if isinstance(one, Interface)), None)
+        yield KeyOfStudy(key=key, field=field, interface=interface)
+
+
+KEYS: Mapping[str, KeyOfStudy] = MappingProxyType({one.key: one for one in _walked(Study, "")})
+"""The keys of a study that hold values, in the order of its classes."""
+
+
+STARTER = resources.files("chromanoise.study").joinpath("starter.toml").read_text(encoding="utf-8")
+"""The commented study file that ``chromanoise init`` writes."""

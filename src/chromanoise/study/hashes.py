@@ -23,20 +23,17 @@ from typing import Any, Literal
 
 import numpy as np
 
-from chromanoise.base import InputError, __version__, regular_file
+from chromanoise.base import InputError, __version__, blas_kernel, regular_file
 from chromanoise.io import DATA_SUFFIXES, envi_pair, is_matrix_file
 from chromanoise.study.catalog import catalog_folder
-from chromanoise.study.document import BALANCE_WORDS, Study, StudyKind
-from chromanoise.study.keys import KEYS
-from chromanoise.study.patches_by_name import is_reflectance_file, reflectance_files
+from chromanoise.study.document import BALANCE_WORDS, KEYS, Study, StudyKind
 from chromanoise.study.resolve import (
     file_of,
-    filter_files,
-    illuminant_files,
     is_file_word,
     is_object_word,
-    observer_files,
-    sensor_files,
+    is_reflectance_file,
+    reflectance_files,
+    word_files,
 )
 
 Kind = Literal[
@@ -175,18 +172,10 @@ def files_of_word(one: FileWord) -> tuple[Path, ...]:
         if one.kind == "cube":
             built_in = one.word.startswith("builtin:")
             return () if built_in else tuple(cube_files(file_of(one.word)))
-        return _FILES[one.kind](one.word)
+        return word_files(one.word, one.kind)  # type: ignore[arg-type] # the others are above
     except OSError as error:  # a name that is too long to ask for
         name = str(error.filename)[:60]
         raise InputError(name, f"cannot be read ({error.strerror})") from None
-
-
-_FILES = {
-    "light": illuminant_files,
-    "sensor": sensor_files,
-    "filter": filter_files,
-    "observer": observer_files,
-}
 
 
 def study_hash(
@@ -444,14 +433,6 @@ def numerics() -> dict[str, Any]:
         "numpy": np.__version__,
         "scipy": scipy.__version__,
         "blas": f"{blas.get('name', 'unknown')} {blas.get('version', '')}".strip(),
-        "blas_kernel": _blas_kernel(),
+        "blas_kernel": blas_kernel(),
         "cpu_features": built.get("SIMD Extensions", {}).get("found", []),
     }
-
-
-def _blas_kernel() -> str | None:
-    """The kernel that OpenBLAS chose for this processor, or that OPENBLAS_CORETYPE names."""
-    from threadpoolctl import threadpool_info
-
-    found = [lib.get("architecture") for lib in threadpool_info() if lib["user_api"] == "blas"]
-    return next(filter(None, found), None)

@@ -17,6 +17,7 @@ from chromanoise.base import (
     congruence,
     defined,
     keys_of,
+    with_short_repr,
 )
 from chromanoise.color import LAB, LINEAR_SRGB, LUV, scene_xyz
 from chromanoise.imaging import FilterBank, bilinear_filters, flat_field_noise, noise_power_spectrum
@@ -573,6 +574,7 @@ def matrix_merits(analysis: Analysis) -> tuple[Merit, ...]:
     )
 
 
+@with_short_repr
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Merits:
     """All figures of merit of a sensor in a light and with an exposure.

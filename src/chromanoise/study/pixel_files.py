@@ -1,8 +1,7 @@
 """Replace the pixel of a sensor by one from a file: TOML, data sheet, noise profile, table."""
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import asdict, fields, replace
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -153,29 +152,20 @@ def _own_sensor(word: Curves) -> Sensor | None:
     return own_sensor_of(file_there(word, "sensor"))
 
 
-def _sensor(
-    word: Curves, answers: Answers, varied: Collection[str], changes: Mapping[str, Any]
-) -> Sensor:
-    own = _own_sensor(word)
-    if own is None:
-        return resolve_sensor(word, answers=answers, varied=varied, **changes)
-    return with_pixel(own, changes, varied=varied)
-
-
 def sensor_with_pixel(
-    word: Curves,
+    word: Curves | Sensor,
     *,
     answers: Answers = ASK,
     file: str | None = None,
     varied: Collection[str] = (),
     **given: float | None,
 ) -> Sensor:
-    """A sensor from `resolve_sensor` or from our own JSON, with the pixel of a file.
+    """A sensor from `resolve_sensor`, from our own JSON or in memory, with the pixel of a file.
 
     Parameters
     ----------
     word, answers
-        As for `resolve_sensor`.
+        As for `resolve_sensor`, or a sensor, which needs no answers.
     file
         A file for `read_pixel_source`; ``None`` keeps the sensor's pixel.
     varied
@@ -189,52 +179,28 @@ def sensor_with_pixel(
     InputError
         As for `resolve_sensor` and `read_pixel_source`, or if the file gives no value.
     """
-    return _on_pixel(partial(_sensor, word, answers, varied), file, given)
 
+    def made(changes: Mapping[str, Any]) -> Sensor:
+        if isinstance(word, Sensor):
+            return with_pixel(word, changes, varied=varied)
+        if (own := _own_sensor(word)) is not None:
+            return with_pixel(own, changes, varied=varied)
+        return resolve_sensor(word, answers=answers, varied=varied, **changes)
 
-def on_pixel(
-    sensor: Sensor,
-    *,
-    file: str | None = None,
-    varied: Collection[str] = (),
-    **given: float | None,
-) -> Sensor:
-    """A sensor with the pixel of a file; see `sensor_with_pixel`.
-
-    Parameters
-    ----------
-    sensor
-        The sensor whose pixel is replaced.
-    file, varied, given
-        As for `sensor_with_pixel`.
-
-    Raises
-    ------
-    InputError
-        As for `sensor_with_pixel`.
-    """
-    return _on_pixel(partial(with_pixel, sensor, varied=varied), file, given)
-
-
-def _on_pixel(
-    made: Callable[[Mapping[str, Any]], Sensor], file: str | None, given: Mapping[str, Any]
-) -> Sensor:
-    """The sensor that ``made`` returns for the given values, which override those of the file."""
     values = {name: value for name, value in given.items() if value is not None}
     if file is None:
         return made(values)
     source = read_pixel_source(file_of(file))
     own = {name: getattr(source, name) for name in PIXEL}
     held = {name: value for name, value in own.items() if value is not None}
-    converter = converter_of(source).known
-    if not held and not converter:
+    of_file = {**held, **converter_of(source).known}
+    if not of_file:
         raise InputError(
             file,
             "must give pitch, full well, read noise or another value of a pixel or its converter",
             value=source.notes,
             found=f"gives none ({'; '.join(source.notes)})",
         )
-    of_file = {**held, **converter}
     try:
         sensor = made({**of_file, **values})
     except InputError as error:

@@ -14,7 +14,16 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from chromanoise.base import Array, Float, InputError, Int, JsonKey, JsonKeys, check
+from chromanoise.base import (
+    Array,
+    Float,
+    InputError,
+    Int,
+    JsonKey,
+    JsonKeys,
+    check,
+    with_short_repr,
+)
 from chromanoise.io import number_text
 from chromanoise.noise import OperatingPoint
 from chromanoise.spectra import Metric
@@ -35,6 +44,7 @@ TIE = 1e-9
 _CROSSING_TOLERANCE = 1e-9  # of the logarithm of the value, or of the span of a linear sweep
 
 
+@with_short_repr
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Crossover:
     """Where two sensors with the same matrix are equally good.
@@ -230,43 +240,15 @@ def _refuse_nothing_common(first: Curve, second: Curve) -> None:
 
 
 def _root(function: Callable[[float], float], low: float, high: float, logarithmic: bool) -> float:
-    """Where the sign changes that differs at ``low`` and ``high``.
+    """Where the sign changes that differs at ``low`` and ``high``."""
+    from scipy.optimize.elementwise import find_root  # most comparisons have few crossovers
 
-    Notes
-    -----
-    Inverse quadratic steps where they are safe, halves elsewhere: Chandrupatla, *Adv. Eng. Softw.*
-    28 (1997) 145-149.
-    """
     there, back = (np.log, np.exp) if logarithmic else (float, float)
-    a, b = float(there(low)), float(there(high))
-    tolerance = _CROSSING_TOLERANCE * (1.0 if logarithmic else b - a)
-    at_a, at_b = function(float(back(a))), function(float(back(b)))
-    share = 0.5
-    while abs(b - a) > tolerance and at_a != 0:
-        x = a + share * (b - a)
-        at_x = function(float(back(x)))
-        if np.sign(at_x) == np.sign(at_a):
-            c, at_c = a, at_a
-        else:
-            c, at_c, b, at_b = b, at_b, a, at_a
-        a, at_a = x, at_x
-        share = _next_share((a, at_a), (b, at_b), (c, at_c), tolerance)
-    return float(back(a if abs(at_a) < abs(at_b) else b))
-
-
-Point = tuple[float, float]
-
-
-def _next_share(a: Point, b: Point, c: Point, tolerance: float) -> float:
-    """Share of the way from a to b of the next evaluation; c is the point before."""
-    (xa, fa), (xb, fb), (xc, fc) = a, b, c
-    place, height = (xa - xb) / (xc - xb), (fa - fb) / (fc - fb)
-    share = 0.5
-    if height**2 < place and (1 - height) ** 2 < 1 - place:
-        share = fa / (fb - fa) * fc / (fb - fc)
-        share += (xc - xa) / (xb - xa) * fa / (fc - fa) * fb / (fc - fb)
-    least = 0.5 * tolerance / abs(xb - xa) if xb != xa else 0.5
-    return min(1 - least, max(least, share)) if least < 0.5 else 0.5
+    ends = float(there(low)), float(there(high))
+    tolerance = _CROSSING_TOLERANCE * (1.0 if logarithmic else ends[1] - ends[0])
+    values = np.vectorize(lambda x: function(float(back(x))), otypes=[float])
+    only = {"xatol": tolerance, "xrtol": 0, "fatol": 0, "frtol": 0}
+    return float(back(float(find_root(values, ends, tolerances=only).x)))
 
 
 def crossover_sentence(crossover: Crossover) -> str:
@@ -316,6 +298,7 @@ def value_in_words(value: float, digits: int = 3) -> str:
     return f"{float(text):.0f}" if "e+" in text and value < 1e6 else text
 
 
+@with_short_repr
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CrossoverBand:
     """Where two sensors are equally good, over all priors of one trained matrix.
@@ -444,6 +427,7 @@ class Rank:
     value: float | None
 
 
+@with_short_repr
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Lead:
     """A range of the sweep in which one sensor is the best of all, with one matrix.
@@ -502,24 +486,20 @@ def ranked(found: Sequence[Named], *, matrix: str, more_is_better: bool) -> tupl
     for i in range(1, len(known)):
         equal = abs(known[i][2] - known[places[i - 1]][2]) <= TIE
         places[i] = places[i - 1] if equal else i
-    ranks = [
+    ranks: list[tuple[Named, int | None]] = [
+        (one, place + 1) for one, place in zip(known, places, strict=True)
+    ]
+    ranks += [(one, None) for one in found if not np.isfinite(one[2])]
+    return tuple(
         Rank(
             sensor=name,
             label=label,
             matrix=matrix,
-            value=value,
-            rank=place + 1,
-            tied=places.count(place) > 1,
+            value=None if rank is None else value,
+            rank=rank,
+            tied=rank is not None and places.count(rank - 1) > 1,
         )
-        for (name, label, value), place in zip(known, places, strict=True)
-    ]
-    return (
-        *ranks,
-        *(
-            Rank(sensor=name, label=label, matrix=matrix, value=None, rank=None, tied=False)
-            for name, label, value in found
-            if not np.isfinite(value)
-        ),
+        for (name, label, value), rank in ranks
     )
 
 
@@ -727,6 +707,7 @@ def _range_in_words(lead: Lead) -> str:
     return f"at {first}" if first == last else f"from {first} to {last}"
 
 
+@with_short_repr
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class QuantityMap(SweptQuantity):
     """A quantity over two parameters: one row of values per value of the second.

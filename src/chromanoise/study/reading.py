@@ -106,11 +106,11 @@ def _objects(data: Any) -> list[str]:
 def _pairs(data: dict[str, Any], prefix: str = "") -> list[str]:
     """``key = value`` lines; tables inside become dotted keys."""
     lines = []
-    for key, value in data.items():
-        if isinstance(value, dict):
-            lines += _pairs(value, f"{prefix}{key}.")
-        else:
-            lines.append(f"{prefix}{key} = {_value(value)}")
+    for name, value in data.items():
+        key = prefix + (name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else _value(name))
+        lines += (
+            _pairs(value, f"{key}.") if isinstance(value, dict) else [f"{key} = {_value(value)}"]
+        )
     return lines
 
 

@@ -16,7 +16,17 @@ from typing import ClassVar, Literal, get_args
 
 import numpy as np
 
-from chromanoise.base import Array, Float, JsonKey, JsonKeys, check, matrix_rank, pinv, svd
+from chromanoise.base import (
+    Array,
+    Float,
+    JsonKey,
+    JsonKeys,
+    check,
+    matrix_rank,
+    pinv,
+    svd,
+    with_short_repr,
+)
 from chromanoise.color import ColorMatrix, shares
 from chromanoise.metrics import (
     contrast_detection_probability,
@@ -228,6 +238,7 @@ class InformationStep:
         check.freeze(self, "bits", "lost_bits")
 
 
+@with_short_repr
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class InformationChain:
     """Information about a prior of spectra after each step of a camera (`information_chain`).
@@ -509,6 +520,7 @@ def _worst_keys(reading: str) -> JsonKeys:
     )
 
 
+@with_short_repr
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Separation:
     """Distance and separation probability of each pair of patches, for an ideal reader.
@@ -767,6 +779,7 @@ def _raw_probabilities(at: Stages, pairs: PatchPairs) -> Float[Array, " m"]:
     return found
 
 
+@with_short_repr
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class MachineReading:
     """What a machine can know from the raw values of one sensor.

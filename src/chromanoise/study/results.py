@@ -3,12 +3,19 @@
 Each result can be converted to plain data (`to_dict`, as the JSON of the commands), a table, a
 pandas data frame, LaTeX and a figure. Its keys in JSON are its ``KEYS``. The further outputs of an
 analysis are registered in `OUTPUTS`.
+
+Results as tables: a title, columns with units and digits, rows of numbers and text.
 """
 
-from collections.abc import Callable, Mapping
+import math
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
+from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
+
+import numpy as np
 
 from chromanoise.base import (
     VERSION,
@@ -20,11 +27,12 @@ from chromanoise.base import (
     Setting,
     check,
     warn_of_old_name,
+    with_short_repr,
     write_whole,
 )
 from chromanoise.color import SPACES, UNBOUNDED, ColorMatrix, ParetoCurve
 from chromanoise.io import (
-    Column,
+    Entry,
     MadeMatrix,
     Result,
     Table,
@@ -33,6 +41,7 @@ from chromanoise.io import (
     matrix_writer,
     number_text,
     panels_of,
+    table_of,
 )
 from chromanoise.metrics import MatrixReport
 from chromanoise.noise import OperatingPoint, clipping_readout, conditions, patch_scene
@@ -50,16 +59,8 @@ from chromanoise.study.analysis import (
     temporal_color_snr_db,
     temporal_raw_snr_db,
 )
-from chromanoise.study.analysis_tables import (
-    analyses_as_table,
-    curves_as_table,
-    maps_as_table,
-    matrices_as_table,
-    pipeline_as_table,
-    ranking_of_analyses,
-)
 from chromanoise.study.assembly import keyed
-from chromanoise.study.camera_pipeline import PipelineNoise, pipeline_noise
+from chromanoise.study.camera_pipeline import GainStep, PipelineNoise, pipeline_noise
 from chromanoise.study.color_matrices import MatrixMaker
 from chromanoise.study.color_noise import (
     CHART_KEYS,
@@ -70,10 +71,11 @@ from chromanoise.study.color_noise import (
     contravariant_budgets,
     gray_noise,
     lab_budgets,
+    mean_total_error,
+    white_snr_db,
 )
 from chromanoise.study.document import OutputsPart, Study, pipeline_settings
 from chromanoise.study.merits import Merits, merits_of
-from chromanoise.study.pareto import mean_total_error, white_snr_db
 from chromanoise.study.ranking import (
     MOST_PAIRS_SENSORS,
     Crossover,
@@ -89,6 +91,7 @@ from chromanoise.study.ranking import (
     lead_sentences,
     leading_crossovers,
     matrix_sentences,
+    ranked,
 )
 from chromanoise.study.reading_quality import (
     MachineReading,
@@ -98,6 +101,197 @@ from chromanoise.study.sweeps import Curve
 
 if TYPE_CHECKING:
     from chromanoise.imaging import Capture
+
+
+def ranking_of_analyses(analyses: Sequence[Analysis]) -> tuple[Rank, ...]:
+    """The sensors from highest to lowest SNR of Y."""
+    found = [(one.sensor.name, one.sensor.label, color_snr_db(one)["Y"]) for one in analyses]
+    return ranked(
+        [(name, label, math.nan if snr is None else snr) for name, label, snr in found],
+        matrix=analyses[0].matrix.made_by,
+        more_is_better=True,
+    )
+
+
+def _entry(place: int) -> Callable[[Any], Entry]:
+    """The cell of a row that is a tuple."""
+    return lambda row: row[place]
+
+
+def _key(name: str) -> Callable[[Any], Entry]:
+    """The cell of a row that ends in a mapping; none where that has no such key."""
+    return lambda row: row[-1].get(name)
+
+
+def analyses_as_table(analyses: Sequence[Analysis]) -> Table:
+    """One row per sensor: exposure, SNR of color, best linear SNR, loss, condition, color error.
+
+    Raises
+    ------
+    InputError
+        If their color coordinates differ.
+    """
+    axes = analyses[0].color.names
+    for analysis in analyses:
+        check.same_names("a table of analyses", first=axes, other=analysis.color.names)
+
+    def snr_db(axis: str, analysis: Analysis) -> float | None:
+        return color_snr_db(analysis)[axis]
+
+    return table_of(
+        "SNR of color",
+        analyses,
+        ("sensor", "", "", lambda one: one.sensor.label),
+        ("time", "ms", ".4g", lambda one: 1e3 * one.exposure.time_s),
+        *((f"SNR {axis}", "dB", ".1f", partial(snr_db, axis)) for axis in axes),
+        ("bound", "dB", ".1f", lambda one: one.optimal_linear_snr_db),
+        ("color SNR loss", "dB", ".1f", lambda one: one.color_snr_loss_db),
+        ("condition of channels", "", ".4g", lambda one: one.matrix.frame.condition),
+        ("color error", "Delta E*ab", ".2f", mean_color_error),
+        ("total color error", "Delta E*ab", ".2f", mean_total_error),
+        notes=(note for one in analyses for note in one.sensor.notes),
+    )
+
+
+def pipeline_as_table(found: Mapping[str, PipelineNoise | None]) -> Table:
+    """Standard deviations of each patch at each ISO: one row per sensor, ISO and patch.
+
+    Raw channels (e-) are columns where all sensors have the same; encoded sRGB and Y'CbCr are in
+    1/255, CIELAB is that of the picture, relative to D65.
+
+    Parameters
+    ----------
+    found
+        Noise of the pipeline by sensor; ``None`` where it has no color.
+
+    Raises
+    ------
+    InputError
+        If no sensor has a pipeline.
+    """
+    able = {name: one for name, one in found.items() if one is not None}
+    if not able:
+        raise InputError(
+            "analyses", "must hold at least one with a pipeline for its table", value=tuple(found)
+        )
+    steps = next(iter(able.values())).steps
+    raw = steps[:1] if len({one.channels for one in able.values()}) == 1 else ()
+    columns = [
+        *((f"raw {name}", "e-", ".2f") for one in raw for name in one.measurement.names),
+        *((name, "1/255", ".2f") for one in steps[-3:-1] for name in one.measurement.names),
+        *((name, "", ".2f") for name in steps[-1].measurement.names),
+    ]
+    rows = [
+        (name, one.iso, patch, *values)
+        for name, noise in able.items()
+        for one in noise.iso
+        for patch, values in zip(noise.patches, _sds(one, bool(raw)), strict=True)
+    ]
+    heads = [("sensor", "", ""), ("ISO", "", ".4g"), ("patch", "", ""), *columns]
+    cells = [(*head, _entry(place)) for place, head in enumerate(heads)]
+    return table_of("Pipeline, standard deviations", rows, *cells)
+
+
+def _sds(one: GainStep, with_raw: bool) -> list[list[float]]:
+    """The numbers of each patch, in the order of the columns."""
+    steps = [(one.steps[0], 1.0)] if with_raw else []
+    steps += [(step, 255.0) for step in one.steps[-3:-1]] + [(one.steps[-1], 1.0)]
+    blocks = [factor * np.sqrt(step.measurement.variance) for step, factor in steps]
+    rows: list[list[float]] = np.hstack(blocks).tolist()
+    return rows
+
+
+def matrices_as_table(matrices: Sequence[tuple[str, ColorMatrix, MatrixReport]]) -> Table:
+    """Color matrices, one row per coordinate; error, condition and SNR are in the notes.
+
+    Parameters
+    ----------
+    matrices
+        Name of the sensor, its matrix and the report on it. Of several sensors there is a column
+        with the names; a channel that only other sensors have is an empty cell.
+    """
+    several = len(matrices) > 1
+    names = ", ".join(name for name, _, _ in matrices)
+    channels = dict.fromkeys(channel for _, matrix, _ in matrices for channel in matrix.channels)
+    rows = [
+        (name, coordinate, dict(zip(matrix.channels, weights, strict=True)))
+        for name, matrix, _ in matrices
+        for coordinate, weights in zip(matrix.coordinates, matrix.matrix.tolist(), strict=True)
+    ]
+    sensor = [("sensor", "", "", _entry(0))] if several else []
+    return table_of(
+        f"Color matrix of {names}: {matrices[0][2].made_by}",
+        rows,
+        *sensor,
+        ("coordinate", "", "", _entry(1)),
+        *((channel, "lx/e-", ".6g", _key(channel)) for channel in channels),
+        notes=(
+            f"{name}: {note}" if several else note
+            for name, _, report in matrices
+            for note in _notes_of(report)
+        ),
+    )
+
+
+def _notes_of(report: MatrixReport) -> list[str]:
+    none = "not defined"
+    error = number_text(report.color_error_mean, ".4g", none)
+    return [
+        f"mean color error without noise {error} Delta E*ab over {report.chart}",
+        f"condition of the matrix {number_text(report.condition, '.4g', none)}",
+        *(
+            f"SNR {name} of {report.patch} {number_text(snr, '.2f', none)} dB"
+            for name, snr in (report.snr_db or {}).items()
+        ),
+    ]
+
+
+def curves_as_table(curves: Sequence[Curve]) -> Table:
+    """A comparison: one row per value of the sweep, two columns per sensor and matrix."""
+    first = curves[0]
+    columns = [(first.sweep.what, first.sweep.unit, ".4g", first.at)]
+    for one in curves:
+        who = f"{one.label}, {one.matrix}"
+        quantity = one.quantity
+        columns += [
+            (f"{who}: {quantity.what}", quantity.unit, ".4g", one.value),
+            (f"{who}: color error", "Delta E*ab", ".2f", one.color_error),
+        ]
+    return table_of(
+        f"{first.quantity.what} over {first.sweep.what}",
+        range(first.at.size),
+        *((name, unit, digits, values.item) for name, unit, digits, values in columns),
+    )
+
+
+def maps_as_table(maps: Sequence[QuantityMap]) -> Table:
+    """A comparison over two parameters: one row per pair of values.
+
+    Columns are the two parameters, the quantity of each sensor and matrix, and the best sensor with
+    each matrix.
+    """
+    first = maps[0]
+
+    def leader(mine: Sequence[QuantityMap]) -> Callable[[tuple[int, int]], Entry]:
+        best = best_of(mine)
+        return lambda at: None if best[at] < 0 else mine[best[at]].label
+
+    return table_of(
+        f"{first.quantity.what} over {first.sweep.what} and {first.second.what}",
+        product(range(first.second_at.size), range(first.at.size)),
+        (first.second.what, first.second.unit, ".4g", lambda at: first.second_at[at[0]]),
+        (first.sweep.what, first.sweep.unit, ".4g", lambda at: first.at[at[1]]),
+        *(
+            (
+                f"{one.label}, {one.matrix}: {one.quantity.what}",
+                one.quantity.unit,
+                ".4g",
+                one.value.__getitem__,
+            )
+            for one in maps
+        ),
+        *((f"best, {name}", "", "", leader(mine)) for name, mine in by_matrix(maps).items()),
+    )
 
 
 SENSOR_KEYS: JsonKeys = (
@@ -231,6 +425,7 @@ def _asked_keys(name: str, output: Output) -> JsonKey:
     return JsonKey("", ".", keys=output.keys, when=lambda outcome: name in outcome.asked)
 
 
+@with_short_repr
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Outcome:
     """Every stage of one sensor, and the further outputs of the study.
@@ -766,7 +961,7 @@ class ComparisonMap(Result):
         of more the best sensor.
         """
         title = f"{self.maps[0].quantity.what}, from {conditions(self.points)}"
-        return figures().draw_maps(self.maps, axes_of(ax), title=title)
+        return figures().draw_maps(self.maps, axes_of(ax), lines=self.lines, title=title)
 
     def __repr__(self) -> str:
         """The quantity, the parameters and the operating point."""
@@ -809,26 +1004,17 @@ class Pictures(Result):
 
         The share is of all pixels of the channel.
         """
-        columns = (
-            Column(name="sensor"),
-            Column(name="matrix"),
-            Column(name="frame"),
-            Column(name="channel"),
-            Column(name="time", unit="ms", digits=".4g"),
-            Column(name="mean", unit="e-", digits=".4g"),
-            Column(name="above full well", digits=".2%"),
+        return table_of(
+            f"Pictures of {self.cube}",
+            [(one, channel) for one in self.summaries for channel in one["mean_e"]],
+            ("sensor", "", "", lambda row: row[0]["label"]),
+            ("matrix", "", "", lambda row: row[0]["matrix"]),
+            ("frame", "", "", lambda row: row[0]["frame"]),
+            ("channel", "", "", lambda row: row[1]),
+            ("time", "ms", ".4g", lambda row: row[0]["time_ms"]),
+            ("mean", "e-", ".4g", lambda row: row[0]["mean_e"][row[1]]),
+            ("above full well", "", ".2%", lambda row: row[0]["above_full_well_share"][row[1]]),
         )
-        rows = [
-            (one["label"], one["matrix"], one["frame"], channel, one["time_ms"], mean, share)
-            for one in self.summaries
-            for channel, mean, share in zip(
-                one["mean_e"],
-                one["mean_e"].values(),
-                one["above_full_well_share"].values(),
-                strict=True,
-            )
-        ]
-        return Table(title=f"Pictures of {self.cube}", columns=columns, rows=tuple(rows))
 
     def plot(self, ax: Any = None) -> Any:
         """Draw all pictures, side by side.

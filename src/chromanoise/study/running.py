@@ -35,8 +35,8 @@ from chromanoise.study.assembly import (
     prior_of,
 )
 from chromanoise.study.color_matrices import MatrixMaker
+from chromanoise.study.color_noise import noise_weights, pareto_of
 from chromanoise.study.document import PicturePart, SecondSweepPart, Study, SweepPart
-from chromanoise.study.pareto import noise_weights, pareto_of
 from chromanoise.study.ranking import (
     CrossoverBand,
     crossover_bands,

@@ -18,8 +18,7 @@ from typing import Any, Literal, Union, get_args, get_origin
 
 from chromanoise.base import InputError, Interface, did_you_mean, errors_in, refusal
 from chromanoise.study.color_matrices import DEFAULT_METHOD
-from chromanoise.study.document import Study
-from chromanoise.study.keys import KEYS, KeyOfStudy
+from chromanoise.study.document import KEYS, KeyOfStudy, Study
 from chromanoise.study.reading import refuse_objects, study_as_toml, study_from_data
 from chromanoise.study.resolve import shown_word
 
@@ -42,10 +41,9 @@ class _Function:
         """The keys by the names of its settings; pictures precede sensors, and these the light."""
         found: dict[str, tuple[str, ...]] = {}
         for beginning in self.keys:
-            for key, one in KEYS.items():
-                excluded = any(_begins(key, no) for no in self.without)
-                if one.keyword is not None and _begins(key, beginning) and not excluded:
-                    found[one.keyword] = (*found.get(one.keyword, ()), key)
+            for key, keyword in _KEYWORDS.items():
+                if _begins(key, beginning) and not any(_begins(key, no) for no in self.without):
+                    found[keyword] = (*found.get(keyword, ()), key)
         order = {"pictures": 0, "sensors": 1, "light": 2}
         return MappingProxyType(
             {
@@ -56,7 +54,10 @@ class _Function:
 
 
 def _begins(key: str, beginning: str) -> bool:
-    return f"{key}.".startswith(f"{beginning}.")
+    return key == beginning or key.startswith(f"{beginning}.")
+
+
+_KEYWORDS = {key: one.keyword for key, one in KEYS.items() if one.keyword is not None}
 
 
 _OF_RAW = ("mosaic", "demosaic", "bits", "black_level")  # its file may give them, too

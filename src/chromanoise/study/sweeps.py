@@ -15,7 +15,17 @@ from typing import Any, ClassVar, TypeVar
 
 import numpy as np
 
-from chromanoise.base import Array, Bool, Float, InputError, JsonKey, JsonKeys, Setting, check
+from chromanoise.base import (
+    Array,
+    Bool,
+    Float,
+    InputError,
+    JsonKey,
+    JsonKeys,
+    Setting,
+    check,
+    with_short_repr,
+)
 from chromanoise.color import LAB, ColorMatrix, cubature, propagate
 from chromanoise.metrics import chart_color_error, mean_chart_errors
 from chromanoise.noise import OperatingPoint, saturated, signal_limit_e
@@ -30,8 +40,7 @@ from chromanoise.sensor import (
 from chromanoise.spectra import black_body, with_infrared
 from chromanoise.study.analysis import Stages, electrons_at, noisy_color_at, stages_at
 from chromanoise.study.color_matrices import MatrixFunction, MatrixMaker
-from chromanoise.study.color_noise import GRAY
-from chromanoise.study.pareto import total_errors
+from chromanoise.study.color_noise import GRAY, total_errors
 from chromanoise.study.reading_quality import (
     COLOR,
     COLOR_WITHOUT,
@@ -516,6 +525,7 @@ class SweptQuantity:
         check.freeze(self, *(name for name in names if isinstance(getattr(self, name), np.ndarray)))
 
 
+@with_short_repr
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Curve(SweptQuantity):
     """A quantity over one parameter.

@@ -104,7 +104,7 @@ class ChartReplies:
         data = json_of(answer, "the answer")["parts"][part]
         text = "" if "fault" in data else chart_csv(part, data)
         if not text:
-            raise QuestionError(("part", data.get("fault") or data["why_not"]))
+            raise QuestionError(("part", data.get("fault") or " ".join(data["notes"])))
         return text
 
     def texts(self, question: Mapping[str, Any]) -> dict[str, str]:

@@ -4,14 +4,11 @@ The study in a request: check it, resolve its files, and cache its sensors.
 """
 
 import os
-import threading
 from collections.abc import Callable, Hashable, Iterable, Mapping
 from dataclasses import replace
-from functools import partial
+from functools import lru_cache, partial
 from pathlib import Path
 from typing import Any, Generic, TypeVar
-
-from cachetools import LRUCache, cached
 
 from chromanoise.base import InputError, errors_in, regular_file
 from chromanoise.noise import OperatingPoint
@@ -54,12 +51,14 @@ class Remembered(Generic[T]):
     """A cache that drops the least recently used values."""
 
     def __init__(self, most: int) -> None:
-        remembered = cached(LRUCache(most), key=lambda key, make: key, lock=threading.Lock())
-        self._of: Callable[[Hashable, Callable[[], T]], T] = remembered(lambda key, make: make())
+        self._entry = lru_cache(most)(lambda key: list[T]())
 
     def of(self, key: Hashable, make: Callable[[], T]) -> T:
         """The value of a key, computed if it is missing; two threads may both compute it."""
-        return self._of(key, make)
+        entry = self._entry(key)
+        if not entry:
+            entry.append(make())
+        return entry[0]
 
 
 Stamps = tuple[tuple[str, tuple[int, int] | None], ...]

@@ -6,6 +6,7 @@ import hashlib
 import json
 import re
 from collections.abc import Callable, Mapping
+from functools import partial
 from importlib import resources
 from typing import Any
 
@@ -156,17 +157,24 @@ def _mathematics(part: str, symbols: Mapping[str, Callable[[str], str]]) -> str:
 
 def _lowered(word: str) -> str:
     name, _, index = word.partition("_")
-    return mathml(rf"\mathrm{{{name}}}_{{\mathrm{{{index}}}}}")
+    below = f"<msub><mtext>{escape(name)}</mtext><mtext>{escape(index)}</mtext></msub>"
+    return f'<math xmlns="http://www.w3.org/1998/Math/MathML" display="inline">{below}</math>'
 
 
+PAPER_FORMULAS = {
+    r"theta\(y,\s?g\)": r"\theta(y, g)",
+    r"\bY\^(?!\w)": r"\hat{Y}",
+    r"cos\^2 theta": r"\cos^2 \theta",
+    r"\|y\|\^2": "|y|^2",
+}
+"""The formula, in LaTeX, for what a pattern finds in the tables of the paper."""
 _COORDINATES: dict[str, Callable[[str], str]] = {r"M\^[^\s\[\],;]+": coordinate_mathml}
 _OF_THE_PAPER: dict[str, Callable[[str], str]] = {
     r"\bSNR_\w+": _lowered,
     r"\b(?:RGBW|RGB|G)_n\b": _lowered,
-    r"theta\(y,\s?g\)": lambda _: mathml(r"\theta(y, g)"),
-    r"\bY\^(?!\w)": lambda _: mathml(r"\hat{Y}"),
-    r"cos\^2 theta": lambda _: mathml(r"\cos^2 \theta"),
-    r"\|y\|\^2": lambda _: mathml("|y|^2"),
+} | {
+    pattern: partial(lambda latex, _: mathml(latex), latex)
+    for pattern, latex in PAPER_FORMULAS.items()
 }
 
 

@@ -286,14 +286,18 @@ def changed_keys(answer: dict[str, Any], own: dict[str, Any]) -> dict[str, Any]:
 def slide_as_json(
     slide: Slide, answers: Sequence[dict[str, Any]], own: dict[str, Any]
 ) -> dict[str, Any]:
-    """A slider with its answers, each as `changed_keys` of the study's own."""
+    """A slider with its answers, as `changed_keys` of the study's own, by part.
+
+    What is alike in them then stands together, and compresses well.
+    """
+    changed = [changed_keys(answer, own) for answer in answers]
     return {
         "key": slide.key,
         "label": slide.label,
         "values": list(slide.values),
         "texts": list(slide.texts),
         "own": slide.own,
-        "answers": [changed_keys(answer, own) for answer in answers],
+        "answers": {part: [one.get(part, {}) for one in changed] for part in own},
     }
 
 

@@ -11,7 +11,6 @@ f(e) = e - bend e^2 / (2 full well).
 A photon transfer of a virtual camera, written as a folder of frames.
 """
 
-import importlib
 import io
 import json
 import math
@@ -32,6 +31,7 @@ from chromanoise.base import (
     Setting,
     UInt16,
     check,
+    optional_package,
     properties_of,
     stream,
     whole_folder,
@@ -660,14 +660,13 @@ def _pgm(codes: Codes, camera: VirtualCamera) -> bytes:
 
 
 def _fits(codes: Codes, _: VirtualCamera) -> bytes:
-    try:
-        fits = importlib.import_module("astropy.io.fits")
-    except ImportError:
-        raise InputError(
-            "file_format",
-            "fits needs the package astropy",
-            remedy=("install it with: pip install 'chromanoise[fits]'", "use another format"),
-        ) from None
+    fits = optional_package(
+        "astropy.io.fits",
+        "file_format",
+        extra="fits",
+        value="fits",
+        otherwise=("use another format",),
+    )
     kept = io.BytesIO()
     fits.PrimaryHDU(codes).writeto(kept)
     return kept.getvalue()

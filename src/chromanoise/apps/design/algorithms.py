@@ -17,7 +17,6 @@ import math
 import warnings
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from importlib import util
 from itertools import zip_longest
 from typing import Any, Protocol, runtime_checkable
 
@@ -34,7 +33,16 @@ from chromanoise.apps.design.front import (
     non_dominated,
     thinned,
 )
-from chromanoise.base import Array, Bool, Float, InputError, Int64, lstsq, stream
+from chromanoise.base import (
+    Array,
+    Bool,
+    Float,
+    InputError,
+    Int64,
+    lstsq,
+    refuse_absent_package,
+    stream,
+)
 
 State = dict[str, Array]
 
@@ -513,16 +521,13 @@ def refuse_method(problem: Problem, method: str) -> None:
         problem has too few parameters for it.
     """
     chosen = METHODS[method]
-    if chosen.package and util.find_spec(chosen.package) is None:
-        raise InputError(
+    if chosen.package:
+        refuse_absent_package(
+            chosen.package,
             "method",
-            f"needs the package {chosen.package}, which is not installed",
+            extra="design",
             value=method,
-            found=None,
-            remedy=(
-                "install it with pip install 'chromanoise[design]'",
-                "use de for one objective",
-            ),
+            otherwise=("use de for one objective",),
         )
     count = len(problem.objectives)
     if count > 1 and not chosen.of_several:

@@ -843,6 +843,6 @@ def _refuse_repeated(subject: str, names: list[str]) -> None:
 
 def _first_fault(fault: Fault, source: str) -> InputError:
     place = dotted(fault.key)
-    if fault.of_part:
-        place = f"{place} {fault.error.subject}".strip()
+    if fault.of_part:  # its subject is a table or the name of a sensor
+        return fault.error.within(source, f"{place} {fault.error.subject}".strip())
     return fault.error.within(source, f"key {place!r}")

@@ -179,7 +179,8 @@ class Variation:
         if "crosstalk" in changes:
             share = part.crosstalk if isinstance(part.crosstalk, float) else 0.0
             update["crosstalk"] = share + changes["crosstalk"] / 100
-        changed = replace(self.given, sensors={part.name: self._with_curves(changes)})
+        objects = {**self.given.objects, part.name: self._with_curves(changes)}
+        changed = replace(self.given, objects=objects)
         sensor = sensor_of(part.model_copy(update=update), given=changed)
         pixel = _scaled(sensor.pixel, changes, _OF_PIXEL)
         return replace(

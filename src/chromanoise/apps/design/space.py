@@ -30,13 +30,13 @@ from chromanoise.sensor import (
     bayer,
     beer_lambert,
     crosstalk_of_share,
+    declared_numbers,
     layered_silicon_qe,
     of_the_sum,
     refuse_other_channels,
     router_collection,
     router_shares,
     silicon_qe,
-    with_defaults,
     with_pixel,
 )
 from chromanoise.spectra import Grid
@@ -681,12 +681,11 @@ def _router_numbers(names: Sequence[str]) -> dict[str, ModelNumber]:
         unit="1", what="share of its band that the channel receives of what is collected", most=1.0
     )
     crossing = ModelNumber(unit="nm", what="wavelength between two bands", least=LEAST_LENGTH_NM)
-    edge = ModelNumber(unit="nm", what="logistic scale between bands", least=LEAST_LENGTH_NM)
     return {
         "efficiency": ModelNumber(unit="1", what="share of the light collected", most=1.0),
         **{f"{name}_selectivity": selectivity for name in names},
         **{f"crossing_{i}_nm": crossing for i in range(1, len(names))},
-        **with_defaults(router_shares, {"edge_nm": edge}),
+        **declared_numbers(router_shares),
     }
 
 

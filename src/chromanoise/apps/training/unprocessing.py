@@ -9,13 +9,12 @@ PyTorch is imported when an object of this module is made.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from importlib import import_module
 from typing import Any
 
 import numpy as np
 
 from chromanoise.apps.training.training_noise import NoiseSampler, Unit
-from chromanoise.base import Array, Float, InputError, check, inv
+from chromanoise.base import Array, Float, InputError, check, inv, optional_package
 from chromanoise.color import srgb_from_linear
 from chromanoise.imaging import FilterBank, channel_tile, demosaicked
 from chromanoise.sensor import Mosaic
@@ -450,14 +449,5 @@ def _tensor(torch: Any, values: Array) -> Any:
 
 
 def _torch() -> Any:
-    try:
-        return import_module("torch")
-    except ImportError:
-        raise InputError(
-            "data sets of PyTorch",
-            "need the package torch, which is not installed",
-            remedy=(
-                "install it with pip install 'chromanoise[torch]'",
-                "use cn.apps.training.sampler",
-            ),
-        ) from None
+    otherwise = ("use cn.apps.training.sampler",)
+    return optional_package("torch", "a data set of PyTorch", extra="torch", otherwise=otherwise)

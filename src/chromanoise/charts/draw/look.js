@@ -256,6 +256,20 @@ export function note(text, look = "d-note") {
 }
 
 /**
+ * The sentences below a chart.
+ *
+ * @param {{ notes: string[] }} data
+ */
+export const notes = (data) => data.notes.map((sentence) => note(sentence));
+
+/**
+ * The rows of a mark.
+ *
+ * @param {{ first: number, last: number }} mark
+ */
+export const rowsOf = ({ first, last }) => Array.from({ length: last - first }, (_, k) => first + k);
+
+/**
  * The same sensor in an earlier answer: by its name, else none.
  *
  * @template {{ name: string }} T

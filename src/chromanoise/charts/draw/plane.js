@@ -5,7 +5,7 @@
 
 import { axes, fitting, linear, logarithmic, niceRange, niceStep, panels, spread, textWidth, wrapped } from "draw/axes.js";
 import { readable } from "draw/hover.js";
-import { areMany, caption, channelColor, legend, mark, markPath, note, panelName, sensorDashes, sensorLines, sideNames } from "draw/look.js";
+import { areMany, caption, channelColor, legend, mark, markPath, notes, panelName, rowsOf, sensorDashes, sensorLines, sideNames } from "draw/look.js";
 import { refill } from "draw/refill.js";
 import { figure, figureWidth, html, known, line, svg, tenth, words } from "draw/svg.js";
 
@@ -32,19 +32,15 @@ const CIRCLE = Array.from({ length: 48 }, (_, i) => (2 * Math.PI * i) / 47).map(
  * @param {Options<Chart>} [options]
  */
 export function draw(element, data, options = {}) {
-  const [first] = data.panels;
-  if (!first) return refill(element, ...data.notes.map((sentence) => note(sentence)));
   const width = figureWidth(element, options);
-  const alike = (/** @type {Chart} */ { panels: [other] }) => other?.x.label === first.x.label && other.y.label === first.y.label;
-  const ghosts = (options.ghosts ?? []).filter(alike).map(source);
+  const ghosts = (options.ghosts ?? []).map(source);
   const own = source(data);
   const beside = data.named === "ends" && width >= LEAST_BESIDE;
   const { views, height, room } = layout(own, ghosts, width, beside);
   const nodes = views.flatMap((view, i) => panel(own, i, view, { ghosts, options, beside, room }));
   readable(element, data.table, () => views.flatMap((view, i) => places(own, i, view)));
   const drawn = figure(width, height, data.title, data.description, nodes);
-  refill(element, caption(data), ...key(own, ghosts.length, beside), drawn, ...sentences(data));
-  return undefined;
+  refill(element, caption(data), ...key(own, ghosts.length, beside), drawn, ...numbered(data), ...notes(data));
 }
 
 /**
@@ -309,9 +305,6 @@ function band({ low }, { x, y }) {
   const from = x.at(low);
   return svg("rect", { x: from, y: y.to, width: Math.max(0, x.to - from), height: y.from - y.to, class: "d-nir" });
 }
-
-/** @param {{ first: number, last: number }} rows */
-const rowsOf = ({ first, last }) => Array.from({ length: last - first }, (_, k) => first + k);
 
 /**
  * Few elements: a path per row, the widest undermost, and one for all crosses and errors.
@@ -678,8 +671,7 @@ function key({ chart, styleOf }, ghosts, beside) {
 }
 
 /** @param {Chart} data */
-function sentences({ numbered, notes }) {
-  const items = numbered.map((sentence) => html("li", {}, sentence));
-  const list = items.length ? [html("ol", { class: "d-list" }, items)] : [];
-  return [...list, ...notes.map((sentence) => note(sentence))];
+function numbered({ numbered: sentences }) {
+  const items = sentences.map((sentence) => html("li", {}, sentence));
+  return items.length ? [html("ol", { class: "d-list" }, items)] : [];
 }

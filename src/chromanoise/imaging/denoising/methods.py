@@ -13,12 +13,11 @@ All denoising methods by name: add a method here.
 """
 
 from collections.abc import Callable, Mapping
-from importlib import import_module
 from typing import Any
 
 import numpy as np
 
-from chromanoise.base import Array, Float, Float32, InputError, check
+from chromanoise.base import Array, Float, Float32, InputError, check, optional_package
 from chromanoise.imaging.denoising.guided import GUIDED
 from chromanoise.imaging.denoising.linear import LMMSE, WIENER
 from chromanoise.imaging.denoising.patches import AGGREGATE, PATCHES
@@ -155,15 +154,9 @@ def _package(module: str, method: str, planes: NoisyPlanes, *, least_px: int) ->
             found=f"has {shape[0]} x {shape[1]}",
             remedy="take a larger picture or another method",
         )
-    try:
-        return import_module(module)
-    except ImportError:
-        raise InputError(
-            "denoise",
-            f"needs the package {module.partition('.')[0]}, which is not installed",
-            value=method,
-            remedy=("install it with pip install 'chromanoise[denoise]'", "take another method"),
-        ) from None
+    return optional_package(
+        module, "denoise", extra="denoise", value=method, otherwise=("take another method",)
+    )
 
 
 def _baseline(name: str, what: str, denoise: Any) -> DenoisingMethod:

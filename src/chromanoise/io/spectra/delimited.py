@@ -16,8 +16,8 @@ from typing import Any
 
 import numpy as np
 
-from chromanoise.base import text_of_comment
-from chromanoise.io.source_files import has, library, refused
+from chromanoise.base import optional_package, text_of_comment
+from chromanoise.io.source_files import has, refused
 from chromanoise.io.spectra.declared import (
     declared_keys,
     ecsv_units,
@@ -366,9 +366,8 @@ def read_workbook(path: Path) -> Found:
         type, or a cell is not a number; the message names the row.
     """
     _refuse_bombs(path)
-    book = library("openpyxl", str(path), extra="xlsx").load_workbook(
-        path, read_only=True, data_only=True
-    )
+    openpyxl = optional_package("openpyxl", str(path), extra="xlsx")
+    book = openpyxl.load_workbook(path, read_only=True, data_only=True)
     try:
         sheets = {sheet.title: _rows(path, sheet) for sheet in book.worksheets}
     finally:

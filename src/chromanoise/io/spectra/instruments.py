@@ -17,9 +17,9 @@ from typing import Any
 
 import numpy as np
 
-from chromanoise.base import Array, InputError
+from chromanoise.base import Array, InputError, optional_package
 from chromanoise.io.matlab import mat_array, mat_arrays, mat_texts
-from chromanoise.io.source_files import has, library, refused, xml_root
+from chromanoise.io.source_files import has, refused, xml_root
 from chromanoise.io.spectra.declared import known_unit
 from chromanoise.io.spectra.parsed import (
     LARGEST,
@@ -139,7 +139,7 @@ def read_fits(path: Path, content: bytes) -> Found:
     -----
     FITS Standard 4.0 (IAU FITS Working Group, 2018), sections 4.3 and 7.
     """
-    fits = library("astropy.io.fits", str(path), extra="fits")
+    fits = optional_package("astropy.io.fits", str(path), extra="fits")
     with fits.open(io.BytesIO(content), memmap=False) as parts:
         for place, part in enumerate(parts):
             names = list(getattr(getattr(part, "columns", None), "names", None) or ())

@@ -6,9 +6,9 @@ Numbers are written with all significant digits, so reading them restores the sa
 import os
 from collections.abc import Mapping
 from dataclasses import replace
+from html import escape
 from pathlib import Path
 from typing import Any
-from xml.sax.saxutils import escape
 
 import numpy as np
 
@@ -303,4 +303,4 @@ def _xml(text: str) -> str:
         ):
             need = "must have only characters that XML allows"
             raise refused(repr(text[:40]), need, letter, f"has {letter!r}", remedy="rename it")
-    return escape(" ".join(text.split()))
+    return escape(" ".join(text.split()), quote=False)

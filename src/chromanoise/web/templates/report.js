@@ -1,18 +1,18 @@
 /** Draws a report, and draws it anew from its own answers when a slider moves. */
 
-import { CHARTS } from "draw/charts.js";
+import { draw as drawChart } from "draw/charts.js";
 import * as picture from "draw/picture.js";
 import { saveChart, saveImage, savePictures } from "draw/save.js";
 import { html } from "draw/svg.js";
 
 /** @typedef {import("answers").Drawn} Drawn */
 /** @typedef {import("answers").Failed} Failed */
-/** @typedef {Exclude<import("answers").Part, "map">} Part a map is a picture here */
+/** @typedef {import("answers").Part} Part */
 /** @typedef {import("answers").ReportChanges} ReportChanges */
 /** @typedef {import("answers").ReportData} ReportData */
 /** @typedef {import("answers").ReportHead} ReportHead */
-/** @typedef {{ [P in Part]: Drawn[P] | Failed } & { head: ReportHead }} Told */
-/** @typedef {{ data: Drawn[Part] | Failed, stale: boolean, part: Part }} Shown */
+/** @typedef {{ head: ReportHead, parts: Record<Part, Drawn | Failed> }} Told */
+/** @typedef {{ data: Drawn | Failed, stale: boolean }} Shown */
 
 const PAPER_PX = 976; // of A4 and Letter, where the style of print makes 0.7 of it
 /** @type {ReportData} */
@@ -64,7 +64,8 @@ function answer(changed) {
   for (const [part, own] of Object.entries(data.parts)) {
     told[part] = changed[part]?.whole ?? { ...own, ...changed[part] };
   }
-  return /** @type {Told} */ (told);
+  const { head, ...parts } = told;
+  return /** @type {Told} */ ({ head, parts });
 }
 
 /** @param {Told} told */
@@ -74,10 +75,10 @@ function show(told) {
   byId("reasons").replaceChildren(...more.map((text) => html("li", {}, text)));
   fill(/** @type {HTMLTableElement} */ (byId("sensors")), told.head.table.rows);
   for (const section of all("section[data-part]")) {
-    const part = /** @type {Part} */ (section.dataset.part);
+    const now = told.parts[section.dataset.part ?? ""];
     const before = JSON.stringify(shown.get(section)?.data);
-    if (before === JSON.stringify(told[part]) && !shown.get(section)?.stale) continue;
-    shown.set(section, { data: told[part], stale: true, part });
+    if (before === JSON.stringify(now) && !shown.get(section)?.stale) continue;
+    shown.set(section, { data: now, stale: true });
     draw(section);
     if (before) tell(section);
   }
@@ -86,10 +87,10 @@ function show(told) {
 /** @param {HTMLElement} section */
 function draw(section) {
   const one = /** @type {Shown} */ (shown.get(section));
-  const { data: told, part } = one;
+  const { data: told } = one;
   const element = /** @type {HTMLElement} */ (section.querySelector(".chart"));
   if ("fault" in told) element.replaceChildren(html("p", { class: "d-note" }, told.fault));
-  else CHARTS[part].draw(element, told, width ? { width } : {});
+  else drawChart(element, told, width ? { width } : {});
   one.stale = false;
 }
 
@@ -134,7 +135,7 @@ function slid(moved) {
     const output = slider.parentElement?.querySelector("output");
     if (output) output.textContent = slide.texts[at];
     if (at === slide.own) continue;
-    changed = slide.answers[at];
+    changed = Object.fromEntries(Object.entries(slide.answers).map(([part, all]) => [part, all[at]]));
     said.push(`${slide.label}: ${slide.texts[at]}; all else, the time too, as in the study.`);
   }
   byId("changed").textContent = said.join(" ") || "The study as it is.";
@@ -178,7 +179,7 @@ function savable(section) {
   if (!part || !heading || !(part in data.csv)) return;
   const menu = saveChart({
     ...{ part, heading: heading.textContent ?? "" },
-    draw: (element) => CHARTS[/** @type {Part} */ (part)].draw(element, shownNow(), { width: element.clientWidth, look: { turn } }),
+    draw: (element) => drawChart(element, /** @type {Drawn} */ (shownNow()), { width: element.clientWidth, look: { turn } }),
     data: () => /** @type {{ title: string }} */ (/** @type {unknown} */ (shownNow())),
     csv: async () => {
       if (isChanged()) throw new Error("The CSV contains the values of the study itself: move the sliders back to the study first.");

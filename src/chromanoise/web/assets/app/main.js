@@ -21,7 +21,7 @@ import { headingTools } from "app/tools.js";
 import { uploads } from "app/upload.js";
 import { learn } from "app/uploads.js";
 
-/** @import { Answer, Budget, Failed, Fault, Head, Look, Part, State, Study } from "answers" */
+/** @import { Answer, Failed, Fault, Head, Look, Part, State, Study } from "answers" */
 /** @import { Panel } from "app/panels.js" */
 /** @import { Question } from "app/ask.js" */
 /** @import { What } from "app/state.js" */
@@ -148,7 +148,7 @@ function answered(reply, asked) {
     root.dataset.hash = reply.hash ?? "";
     say(byId("hash"), reply.hash ? `study ${reply.hash.slice(0, 12)}` : "");
   }
-  for (const part of want) show(part, reply.parts[/** @type {Part | "head"} */ (part)] ?? null, version);
+  for (const part of want) show(part, reply.parts[part] ?? null, version);
   if (learn(reply.files)) {
     page.showControls(current(), page.head);
     page.picture(current());
@@ -182,13 +182,13 @@ function show(part, data, version) {
       return notice("faults", head && "fault" in head ? head.fault : "No verdict available.");
     }
     page.head = head;
+    page.tools.channels(head, current().look);
     headAgain();
     return page.showControls(current(), head);
   }
   const panel = panelOf(/** @type {Part} */ (part));
   if (version < panel.version) return undefined;
   panel.version = version;
-  if (part === "budget") page.tools.coordinates(/** @type {Budget | Failed | null} */ (data));
   return panel.show(data, drawingOptions(panel.part, data));
 }
 

@@ -2,11 +2,10 @@
 
 import { attribute, button, byId, el, uniqueId, within } from "app/dom.js";
 import { changeLook } from "app/state.js";
-import { CHARTS } from "draw/charts.js";
-import { note } from "draw/look.js";
+import { draw } from "draw/charts.js";
 import { refill } from "draw/refill.js";
 
-/** @import { DrawingModule, Look, Options, Part, Section, SweepMap, Table } from "answers" */
+/** @import { Drawn, Look, Options, Part, Section, Table } from "answers" */
 /** @typedef {Options<any> & { look: Look & { level_lux?: number, level?: string } }} DrawnOptions */
 /**
  * @typedef {object} Panel
@@ -25,29 +24,9 @@ import { refill } from "draw/refill.js";
  * @property {(data: object | null, options: DrawnOptions) => void} show
  */
 
-/** @type {DrawingModule<SweepMap> | null} */
-let heatmap = null;
-
-/** The module that draws maps is loaded with the first map. */
-/** @type {DrawingModule<SweepMap>} */
-const map = {
-  draw(element, data, options) {
-    if (heatmap) heatmap.draw(element, data, options);
-    else if (data.why_not !== null) refill(element, note(data.why_not));
-    else {
-      import("app/heatmap.js").then((loaded) => {
-        heatmap = loaded;
-        heatmap.draw(element, data, options);
-      });
-    }
-  },
-};
-
-/** @type {{ [P in Part]: DrawingModule<any> }} */
-const DRAWN = { ...CHARTS, map };
-
-/** The drawn parts. */
-export const PARTS = /** @type {Part[]} */ (Object.keys(DRAWN));
+/** The drawn parts, in their order. */
+/** @type {Part[]} */
+export const PARTS = [];
 
 /** Sections that need more than one column. */
 const BROAD = ["head", "picture"];
@@ -91,6 +70,7 @@ function sectionOf({ part, heading, shows, explanations }) {
  */
 export function panels(sections, { seen, tools, resized }) {
   byId("panels").append(...sections.map(sectionOf));
+  PARTS.push(...sections.map(({ part }) => part).filter((part) => !BROAD.includes(part)));
   /** @type {Map<Part, Panel>} */
   const made = new Map();
   /** @param {Element} target */
@@ -217,7 +197,7 @@ function faultOf(data) {
  */
 function drawn(panel, data, options) {
   try {
-    DRAWN[panel.part].draw(panel.body, data, { width: panel.width, ...options });
+    draw(panel.body, /** @type {Drawn} */ (data), { width: panel.width, ...options });
     return null;
   } catch (error) {
     return `This could not be drawn (${error instanceof Error ? error.message : error}); the table has the numbers.`;
@@ -230,9 +210,9 @@ function drawn(panel, data, options) {
  * @param {Panel} panel
  * @param {HTMLElement} element
  */
-export function drawAgain({ part, section, data, options }, element) {
+export function drawAgain({ section, data, options }, element) {
   if (section.hasAttribute("aria-busy")) throw new Error("The chart is still being computed; save it afterwards.");
-  DRAWN[part].draw(element, data, { ...options, width: element.clientWidth });
+  draw(element, /** @type {Drawn} */ (data), { ...options, width: element.clientWidth });
 }
 
 /**

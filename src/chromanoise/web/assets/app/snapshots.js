@@ -11,8 +11,6 @@ import { shownName } from "app/uploads.js";
 /** @typedef {{ study: Study, name: string, parts: Parts & { head?: Head }, turn: number }} Ghost */
 
 const MOST = 3;
-/** A map has no place for an earlier one. */
-const PINNED = ["head", ...PARTS.filter((part) => part !== "map")];
 
 /**
  * Of a look, what the server needs to know.
@@ -70,20 +68,9 @@ export function snapshots(place, changed) {
    * @param {Part} part
    * @param {object | null} data
    */
-  const ghosts = (part, data) => kept.map((ghost) => ghost.parts[part]).filter((old) => comparable(old, data));
+  const ghosts = (part, data) => kept.map((ghost) => ghost.parts[part]).filter((old) => data && old && !("fault" in old));
   const heads = () => kept.flatMap(({ parts: { head } }) => (head?.ranking ? [head] : []));
   return { ghosts, heads, look };
-}
-
-/** What two drawings must share to stand on the same axes. */
-const AXES = ["coordinate", "plane", "quantity", "unit"];
-
-/**
- * @param {any} old
- * @param {any} data
- */
-function comparable(old, data) {
-  return Boolean(old && data && !old.fault && AXES.every((key) => old[key] === data[key]));
 }
 
 /**
@@ -94,9 +81,10 @@ function comparable(old, data) {
  */
 async function refreshed(ghost) {
   const look = askedLook(current().look);
+  const want = ["head", ...PARTS.filter((part) => part !== "map")]; // which has no place for an earlier one
   const turn = (ghost.turn += 1);
   try {
-    const reply = await posted("/api/answer", { number: 0, study: ghost.study, want: PINNED, look });
+    const reply = await posted("/api/answer", { number: 0, study: ghost.study, want, look });
     // a newer question about this ghost is under way, and its answer is the one that counts
     if (turn !== ghost.turn) return "";
     if (JSON.stringify(look) !== JSON.stringify(askedLook(current().look))) return refreshed(ghost);

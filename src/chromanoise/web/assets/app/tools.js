@@ -3,7 +3,7 @@
 import { choice, fillChoice } from "app/dom.js";
 import { changeLook } from "app/state.js";
 
-/** @import { Budget, Choices, Failed, Look } from "answers" */
+/** @import { Choices, Head, Look } from "answers" */
 /** @import { Option } from "app/dom.js" */
 
 const MAGNIFICATIONS = ["auto", "1", "2", "5", "10", "20", "50", "100"];
@@ -30,19 +30,17 @@ export function headingTools(choices) {
     fillChoice(magnification.select, times, String(look.magnification ?? "auto"));
   };
   /**
-   * The budget tells which coordinates these sensors have.
+   * A budget can be of the contravariant coordinate of any channel, too.
    *
-   * @param {Budget | Failed | null} data
+   * @param {Head} head
+   * @param {Look} look
    */
-  const budgetOf = (data) => {
-    const told = data && "coordinates" in data ? data : null;
-    const names = told?.coordinates ?? offered;
-    if (names.join() === offered.join()) return;
-    offered = names;
-    fillChoice(coordinate.select, offered, told?.coordinate);
+  const channels = ({ sensors }, look) => {
+    offered = [...coordinates, ...new Set(sensors.flatMap((one) => one.channels.map((name) => `M^${name}`)))];
+    fillChoice(coordinate.select, offered, look.coordinate);
   };
   const nodes = { budget: coordinate.row, ellipses: plane.row, vectors: magnification.row };
-  return { nodes, show, coordinates: budgetOf };
+  return { nodes, show, channels };
 }
 
 /**

@@ -1,15 +1,16 @@
-/** SNR raw, contravariant and in color: dots on one dB scale, with the numbers beside them. */
+/** A figure per kind of value: a mark per sensor on a line per name, with the numbers beside them. */
 
 import { fitting, linear, niceRange, panels, textWidth, zeroLine } from "draw/axes.js";
 import { readable } from "draw/hover.js";
-import { areMany, caption, channelColor, ghostMark, legend, mark, note, sameSensor, sensorLines } from "draw/look.js";
+import { areMany, caption, channelColor, ghostMark, legend, mark, note, rowsOf as rowsIn, sensorLines } from "draw/look.js";
 import { refill } from "draw/refill.js";
 import { figure, figureWidth, html, known, svg, words } from "draw/svg.js";
 
-/** @import { Maybe, Options, StageKind, StageLine, Stages } from "answers" */
+/** @import { Axis, Chart, Options } from "answers" */
 /** @import { Scale } from "draw/axes.js" */
-/** @typedef {StageLine & { ghosts: (number | null | undefined)[][] }} Row */
-/** @typedef {Omit<StageKind, "lines"> & { lines: Row[] }} Filled */
+/** @typedef {(number | null)[]} Values of each sensor */
+/** @typedef {{ row: number, name: string, values: Values, text: string[], ghosts: Values[] }} Row text is empty where a sensor has none such */
+/** @typedef {{ title: string, of: string, explanation: string, description: string, x: Axis, lines: Row[] }} Kind */
 /** @typedef {ReturnType<typeof layout>} Layout */
 
 const HEAD = 20;
@@ -19,79 +20,78 @@ const LEAST_DOTS = 100;
 
 /**
  * @param {HTMLElement} element
- * @param {Stages} data
- * @param {Options<Stages>} [options]
+ * @param {Chart} data
+ * @param {Options<Chart>} [options]
  */
 export function draw(element, data, options = {}) {
   const width = figureWidth(element, options);
   const ghosts = options.ghosts ?? [];
-  const kinds = data.kinds.map((kind) => withGhosts(kind, data, ghosts));
-  const shown = kinds.filter((kind) => kind.lines.length);
-  const plan = layout(data, shown, width);
-  const key = legend(data.sensors.map((s) => s.name), "mark", ghosts.length);
-  const figures = shown.map((kind, k) => section(kind, plan, k));
-  const boxes = shown.map((kind, k) => html("div", { class: "d-view" }, [heading(kind), figures[k]]));
+  const kinds = kindsOf(data, ghosts);
+  const plan = layout(data.sensors, kinds, width);
+  const key = legend(data.sensors, "mark", ghosts.length);
+  const figures = kinds.map((kind, k) => section(kind, plan, k));
+  const boxes = kinds.map((kind, k) => html("div", { class: "d-view" }, [heading(kind), figures[k]]));
   const all = html("div", { class: "d-views d-kinds" }, boxes);
-  readable(element, data.table, () => places(shown, plan), true);
-  const more = plan.numbers ? [] : [note(`The table has the numbers.${missing(data, shown)}`)];
+  readable(element, data.table, () => places(kinds, plan), true);
+  const more = plan.numbers ? [] : [note(`The table has the numbers.${missing(data, kinds)}`)];
   refill(element, html("div", {}, [caption(data), key, all, ...more]));
 }
 
 /**
  * The sensors that have no mark anywhere.
  *
- * @param {Stages} data
- * @param {Filled[]} kinds
+ * @param {Chart} data
+ * @param {Kind[]} kinds
  */
-function missing(data, kinds) {
-  const empty = data.sensors.filter((_, i) => !kinds.some((kind) => kind.lines.some((row) => known(row.values[i]))));
-  return empty.length ? ` Without values: ${empty.map((sensor) => sensor.name).join(", ")}.` : "";
+function missing({ sensors }, kinds) {
+  const empty = sensors.filter((_, i) => !kinds.some((kind) => kind.lines.some((row) => known(row.values[i]))));
+  return empty.length ? ` Without values: ${empty.join(", ")}.` : "";
 }
 
+const NONE = "\u2013"; // in the table, where a sensor has none such
+
 /**
- * Each line of a kind with the values of the same sensors in earlier answers.
+ * Each panel with its lines, and the values of the same sensors in earlier answers.
  *
- * @param {StageKind} kind
- * @param {Stages} data
- * @param {Stages[]} ghosts
- * @returns {Filled}
+ * @param {Chart} data
+ * @param {Chart[]} ghosts
+ * @returns {Kind[]}
  */
-function withGhosts(kind, data, ghosts) {
-  /**
-   * @param {Stages} ghost
-   * @param {string} name
-   */
-  const before = (ghost, name) => {
-    const line = ghost.kinds.find((other) => other.key === kind.key)?.lines.find((one) => one.name === name);
-    return data.sensors.map((sensor, i) => {
-      const there = sameSensor(ghost, sensor, i);
-      return there === null ? null : line?.values[ghost.sensors.indexOf(there)];
+function kindsOf(data, ghosts) {
+  const before = ghosts.map((ghost) => ({ sensors: ghost.sensors, kinds: kindsOf(ghost, []) }));
+  return data.panels.map(({ title, remark, explanation, description, x, marks: [dots] }) => {
+    const lines = dots.kind !== "dots" ? [] : rowsIn(dots).map((row) => {
+      const name = String(data.columns[dots.label].values[row]);
+      const values = dots.values.map((index) => /** @type {number | null} */ (data.columns[index].values[row]));
+      const text = data.table.rows[row].slice(-values.length);
+      const old = before.map(({ sensors, kinds }) => {
+        const line = kinds.find((kind) => kind.explanation === explanation)?.lines.find((one) => one.name === name);
+        return data.sensors.map((sensor) => line?.values[sensors.indexOf(sensor)] ?? null);
+      });
+      return { row, name, values, text: text.map((one) => (one === NONE ? "" : one)), ghosts: old };
     });
-  };
-  const lines = kind.lines.map((line) => ({ ...line, ghosts: ghosts.map((ghost) => before(ghost, line.name)) }));
-  return { ...kind, lines };
+    return { title, of: remark, explanation, description, x, lines };
+  });
 }
 
 /**
  * Columns of numbers only as wide as their words, the rest for the marks; without numbers where
  * they would leave no room. Two kinds side by side if there is room for the marks of both.
  *
- * @param {Stages} data
- * @param {Filled[]} kinds
+ * @param {string[]} names
+ * @param {Kind[]} kinds
  * @param {number} whole
  */
-function layout(data, kinds, whole) {
+function layout(names, kinds, whole) {
   const all = kinds.flatMap((kind) => kind.lines);
   const left = Math.min(90, Math.max(26, ...all.map((row) => textWidth(row.name, 14) + 6)));
-  const columns = data.sensors.map((_, i) => Math.max(42, ...all.map((row) => columnWidth(row, i))));
+  const columns = names.map((_, i) => Math.max(42, ...all.map((row) => columnWidth(row, i))));
   const room = columns.reduce((sum, column) => sum + column, 4);
   const width = panels(kinds.length, whole, Math.max(460, left + room + 240), 40).each;
   const numbers = width - left - room >= LEAST_DOTS;
   const dots = numbers ? Math.min(width - room, 900) : width - 8;
-  const decibels = kinds.filter((kind) => kind.unit === "dB" && kind.key !== "price");
-  const names = data.sensors.map((sensor) => sensor.name);
   const colors = areMany(names) ? sensorLines(names).map((line) => line.color) : null;
-  return { width, left, columns, numbers, dots, colors, dB: range(decibels) };
+  return { width, left, columns, numbers, dots, colors };
 }
 
 /**
@@ -99,39 +99,39 @@ function layout(data, kinds, whole) {
  * @param {number} i
  */
 function columnWidth(row, i) {
-  const text = row.text[i] ?? "";
+  const text = row.text[i];
   return known(row.values[i]) ? textWidth(text, 14) + 8 : textWidth(text, 12) + 4;
 }
 
-/** @param {Filled[]} kinds */
-function range(kinds) {
-  const values = kinds.flatMap((kind) => kind.lines.flatMap((row) => [...row.values, ...row.ghosts.flat()]));
-  return niceRange(values, 5, [0]);
-}
+/**
+ * The title of a kind without its unit.
+ *
+ * @param {Kind} kind
+ */
+const plain = ({ title }) => title.replace(/ \[.*\]$/, "");
 
-/** @param {Filled} kind */
+/** @param {Kind} kind */
 function heading(kind) {
-  const nodes = [html("span", {}, kind.heading)];
-  const named = { type: "button", class: "equation", "data-equation": kind.key };
-  nodes.push(html("button", { ...named, "aria-label": `Equation of the ${kind.title}` }, "?"));
+  const nodes = [html("span", {}, kind.title)];
+  const named = { type: "button", class: "equation", "data-equation": kind.explanation };
+  nodes.push(html("button", { ...named, "aria-label": `Equation of the ${plain(kind)}` }, "?"));
   nodes.push(html("small", {}, kind.of));
   return html("p", { class: "d-kind" }, nodes);
 }
 
 /**
- * @param {Filled} kind
+ * @param {Kind} kind
  * @param {Layout} plan
  */
-function dotScale(kind, plan) {
-  const own = kind.unit !== "dB" || kind.key === "price";
-  const [low, high] = own ? range([kind]) : plan.dB;
+function dotScale({ x, lines }, plan) {
+  const [low, high] = niceRange([x.low, x.high, ...lines.flatMap(({ ghosts }) => ghosts.flat())], 5, [0]);
   return linear(low, high, plan.left + 8, plan.dots - 12);
 }
 
 /**
  * The rows of a kind with their lanes.
  *
- * @param {Filled} kind
+ * @param {Kind} kind
  * @param {Layout} plan
  */
 function rowsOf(kind, plan) {
@@ -160,19 +160,17 @@ function height({ top, tall, lanes }, i) {
 /**
  * Where each value of the table stands: its mark, or its number where there is none.
  *
- * @param {Filled[]} kinds
+ * @param {Kind[]} kinds
  * @param {Layout} plan
  */
 function places(kinds, plan) {
-  let row = -1;
   return kinds.flatMap((kind, figure) => {
     const { x, rows } = rowsOf(kind, plan);
-    return kind.lines.flatMap(({ values, text }, k) => {
-      row += 1;
+    return kind.lines.flatMap(({ row, values, text }, k) => {
       let end = plan.dots;
       return values.flatMap((value, i) => {
         end += plan.columns[i];
-        if ((text[i] ?? null) === null || !(known(value) || plan.numbers)) return [];
+        if (!text[i] || !(known(value) || plan.numbers)) return [];
         const at = known(value) ? x.at(value) : end - 14;
         return [{ x: at, y: height(rows[k], i), row, cells: [0, 1, 2 + i], series: i, figure }];
       });
@@ -181,7 +179,7 @@ function places(kinds, plan) {
 }
 
 /**
- * @param {Filled} kind
+ * @param {Kind} kind
  * @param {Layout} plan
  * @param {number} k
  */
@@ -189,8 +187,8 @@ function section(kind, plan, k) {
   const { x, head, rows, bottom } = rowsOf(kind, plan);
   const nodes = plan.numbers ? columnMarks(plan) : [];
   kind.lines.forEach((row, j) => nodes.push(...drawnRow(row, rows[j], x, plan)));
-  const scales = kind.lines.some((row) => row.values.some(known)) ? scale(x, head, bottom, kind.unit) : [];
-  const title = `${kind.title}, ${kind.of}`;
+  const scales = kind.lines.some((row) => row.values.some(known)) ? scale(x, head, bottom, kind.x.label) : [];
+  const title = `${plain(kind)}, ${kind.of}`;
   const tall = bottom + (scales.length ? 22 : 2);
   return figure(plan.width, tall, title, kind.description, [...scales, ...nodes], k ? { tabindex: null } : {}); // one stop
 }
@@ -198,7 +196,7 @@ function section(kind, plan, k) {
 /**
  * A lane per value, so that no mark is over another: the first that is free there.
  *
- * @param {Maybe[]} values
+ * @param {Values} values
  * @param {Scale} x
  */
 function lanesOf(values, x) {
@@ -274,7 +272,7 @@ function drawnRow(row, place, x, plan) {
   if (!plan.numbers) return nodes;
   row.values.forEach((v, i) => {
     end += plan.columns[i];
-    nodes.push(words(end, y + 5, row.text[i] ?? "", known(v) ? "" : "d-tick", "end"));
+    nodes.push(words(end, y + 5, row.text[i], known(v) ? "" : "d-tick", "end"));
   });
   return nodes;
 }

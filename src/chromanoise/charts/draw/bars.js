@@ -1,69 +1,73 @@
-/** Waterfall of each sensor from its raw signal to the color coordinate, on one dB scale. */
+/** Waterfalls: a panel per sensor with a bar per row, one under the other, all on one scale. */
 
 import { fitting, linear, niceRange, panels, textWidth, wrapped, zeroLine } from "draw/axes.js";
 import { readable } from "draw/hover.js";
-import { caption, legend, note, panelName, sameSensor } from "draw/look.js";
+import { caption, legend, notes, panelName, rowsOf } from "draw/look.js";
 import { refill } from "draw/refill.js";
-import { figure, figureWidth, known, svg, tenth, words } from "draw/svg.js";
+import { figure, figureWidth, svg, tenth, words } from "draw/svg.js";
 
-/** @import { Budget, BudgetSensor, BudgetStep, Options } from "answers" */
+/** @import { Chart, Options } from "answers" */
 /** @import { Grid } from "draw/axes.js" */
 /** @typedef {ReturnType<typeof layout>} Layout */
+/** @typedef {{ row: number, label: string, from: number, to: number, role: string, text: string }} Step */
+/** @typedef {{ name: string, absence: string, steps: Step[] }} Waterfall */
 
-const KEY =
-  "First and last bar: the SNR before and after. Gray: costs. Outlined: gains. All in dB, on one scale.";
 const BAR = 14;
 const LINE = 16;
 const MOST_TALL = 4; // of more sensors the rows are closer
 
 /**
  * @param {HTMLElement} element
- * @param {Budget} data
- * @param {Options<Budget>} [options]
+ * @param {Chart} data
+ * @param {Options<Chart>} [options]
  */
 export function draw(element, data, options = {}) {
   const width = figureWidth(element, options);
-  const ghosts = options.ghosts ?? [];
-  const names = data.sensors.map((sensor) => sensor.name);
+  const [own, ...ghosts] = [data, ...(options.ghosts ?? [])].map(waterfalls);
+  const names = own.map(({ name }) => name);
   const grid = panels(names.length, width, 420, 32);
-  const scale = range(data, ghosts);
-  const boxes = data.sensors.map((sensor) => layout(sensor, grid.each, scale, names.length > MOST_TALL ? 20 : 24));
+  const ends = [data, ...(options.ghosts ?? [])].flatMap(({ panels: [{ x }] }) => [x.low, x.high]);
+  const scale = niceRange(ends, 5, [0]);
+  const { label } = data.panels[0].x;
+  const unit = label.slice(label.indexOf("[") + 1, -1);
+  const boxes = own.map((one) => layout(one, grid.each, scale, names.length > MOST_TALL ? 20 : 24, unit));
   const tops = rowTops(boxes, grid);
-  const nodes = data.sensors.flatMap((sensor, i) => {
+  const nodes = own.flatMap((one, i) => {
     const at = { left: grid.places[i].left, top: tops.rows[grid.places[i].row] };
-    return waterfall(
-      sensor,
-      boxes[i],
-      { ...at, title: panelName(names, i, { left: 0, top: 0, room: grid.each }) },
-      ghosts.map((ghost) => sameSensor(ghost, sensor, i)),
-    );
+    const title = panelName(names, i, { left: 0, top: 0, room: grid.each });
+    const before = ghosts.flatMap((all) => all.filter(({ name }) => name === one.name));
+    return waterfall(one, boxes[i], { ...at, title }, before);
   });
   const drawn = figure(width, tops.height, data.title, data.description, nodes);
-  readable(element, data.table, () => places(data, boxes, grid, tops.rows), true);
-  const any = data.sensors.some((sensor) => sensor.steps.length);
+  readable(element, data.table, () => places(own, boxes, grid, tops.rows), true);
   const kept = ghosts.length ? [legend([], "mark", 0, [pinned()])] : [];
-  refill(element, caption(data), ...kept, drawn, ...(any ? [note(KEY)] : []));
+  refill(element, caption(data), ...kept, drawn, ...notes(data));
 }
 
 /**
- * @param {Budget} data
- * @param {Budget[]} ghosts
+ * @param {Chart} chart
+ * @returns {Waterfall[]}
  */
-function range(data, ghosts) {
-  const steps = [data, ...ghosts].flatMap((answer) => answer.sensors.flatMap((s) => s.steps));
-  return niceRange(steps.flatMap((step) => [step.from_db, step.to_db]), 5, [0]);
+function waterfalls({ columns, panels: all, sensors }) {
+  return all.map(({ title, sensor, marks: [bars], absence }) => {
+    const steps = bars?.kind !== "bars" ? [] : rowsOf(bars).map((row, k) => {
+      const [label, from, to] = [bars.label, bars.start, bars.end].map((index) => columns[index].values[row]);
+      return { row, label: String(label), from: Number(from), to: Number(to), role: bars.roles[k], text: bars.texts[k] };
+    });
+    return { name: sensor === null ? title : sensors[sensor], absence, steps };
+  });
 }
 
 /**
  * Labels stand beside their bars where there is room, else above them.
  *
- * @param {BudgetSensor} sensor
+ * @param {Waterfall} of
  * @param {number} width
  * @param {number[]} limits
  * @param {number} pitch
+ * @param {string} unit
  */
-function layout(sensor, width, [low, high], pitch) {
-  const steps = sensor.steps;
+function layout({ steps, absence }, width, [low, high], pitch, unit) {
   const longest = Math.max(60, ...steps.map((step) => textWidth(step.label)));
   const beside = width - longest - 64 >= 64;
   const left = beside ? Math.min(longest + 12, 0.5 * width) : 4;
@@ -75,9 +79,9 @@ function layout(sensor, width, [low, high], pitch) {
     tops.push(y);
     y += beside ? pitch : LINE * told.length + BAR + 10;
   }
-  const why = steps.length ? [] : wrapped(sensor.why_not ?? "no budget", width - 8);
+  const why = steps.length ? [] : wrapped(absence, width - 8);
   const bottom = steps.length ? y : y + why.length * 18;
-  return { x, beside, lines, tops, why, width, bottom, height: bottom + (steps.length ? 26 : 6) };
+  return { x, unit, beside, lines, tops, why, width, bottom, height: bottom + (steps.length ? 26 : 6) };
 }
 
 /**
@@ -96,27 +100,26 @@ function rowTops(boxes, grid) {
 }
 
 /**
- * @param {BudgetSensor} sensor
+ * @param {Waterfall} of
  * @param {Layout} box
  * @param {{ left: number, top: number, title: SVGElement[] }} at
- * @param {(BudgetSensor | null)[]} ghosts
+ * @param {Waterfall[]} ghosts
  */
-function waterfall(sensor, box, at, ghosts) {
+function waterfall({ steps }, box, at, ghosts) {
   const nodes = [...at.title];
   nodes.push(...box.why.map((text, k) => words(0, 44 + 18 * k, text, "d-quiet")));
-  const steps = sensor.steps;
   if (steps.length) nodes.push(...scale(box));
-  for (const ghost of ghosts) nodes.push(...ghostSteps(ghost, sensor, box));
+  for (const ghost of ghosts) nodes.push(...ghostSteps(ghost.steps, steps, box));
   steps.forEach((step, k) => nodes.push(...bar(step, k, box, steps[k + 1])));
   return [svg("g", { transform: `translate(${at.left} ${at.top})` }, nodes)];
 }
 
 /** @param {Layout} box */
-function scale({ x, bottom }) {
+function scale({ x, unit, bottom }) {
   const ticks = x.ticks(Math.max(2, Math.floor((x.to - x.from) / 56)));
   const d = ticks.map((tick) => `M${tenth(x.at(tick.value))} 26V${bottom}`).join("");
   const marks = ticks.map((tick, k) => {
-    const label = k === ticks.length - 1 ? `${tick.label} dB` : tick.label;
+    const label = k === ticks.length - 1 ? `${tick.label} ${unit}` : tick.label;
     const place = Math.max(x.at(tick.value), textWidth(label, 12) / 2);
     return words(place, bottom + 17, label, "d-tick", "middle");
   });
@@ -132,47 +135,44 @@ function barTop(k, box) {
 }
 
 /**
- * @param {BudgetStep} step
+ * @param {Step} step
  * @param {Layout} box
  */
 function span(step, { x }) {
-  const whole = step.kind === "start" || step.kind === "end";
-  return { whole, from: whole ? x.at(Math.max(0, x.low)) : x.at(step.from_db), to: x.at(step.to_db) };
+  const whole = step.role === "total";
+  return { whole, from: x.at(whole ? Math.max(0, x.low) : step.from), to: x.at(step.to) };
 }
 
 /**
  * Where each step of the table stands.
  *
- * @param {Budget} data
+ * @param {Waterfall[]} own
  * @param {Layout[]} boxes
  * @param {Grid} grid
  * @param {number[]} rows
  */
-function places(data, boxes, grid, rows) {
-  let row = 0;
-  return data.sensors.flatMap(({ steps }, i) => {
+function places(own, boxes, grid, rows) {
+  return own.flatMap(({ steps }, i) => {
     const [left, top] = [grid.places[i].left, rows[grid.places[i].row]];
-    const first = row;
-    row += Math.max(1, steps.length);
     return steps.map((step, k) => {
       const { from, to } = span(step, boxes[i]);
       const area = { width: Math.max(2, Math.abs(to - from)), height: BAR };
       const y = top + barTop(k, boxes[i]) + BAR / 2;
-      return { x: left + (from + to) / 2, y, ...area, row: first + k, series: i };
+      return { x: left + (from + to) / 2, y, ...area, row: step.row, series: i };
     });
   });
 }
 
 /**
- * @param {BudgetStep} step
+ * @param {Step} step
  * @param {number} k
  * @param {Layout} box
- * @param {BudgetStep | undefined} next
+ * @param {Step | undefined} next
  */
 function bar(step, k, box, next) {
   const { whole, from, to } = span(step, box);
   const y = barTop(k, box);
-  const look = whole ? "d-full" : step.kind === "gain" ? "d-gain" : "d-cost";
+  const look = whole ? "d-full" : step.role === "gain" ? "d-gain" : "d-cost";
   const wide = Math.max(1.5, Math.abs(to - from));
   const area = { x: tenth(Math.min(from, to)), y, width: tenth(wide), height: BAR, class: look };
   const nodes = [svg("rect", area)];
@@ -188,16 +188,14 @@ function bar(step, k, box, next) {
 /**
  * Where the same steps of an earlier answer ended.
  *
- * @param {BudgetSensor | null} ghost
- * @param {BudgetSensor} sensor
+ * @param {Step[]} before
+ * @param {Step[]} steps
  * @param {Layout} box
  */
-function ghostSteps(ghost, sensor, box) {
-  const steps = sensor.steps;
-  return (ghost?.steps ?? []).flatMap((step) => {
-    const k = steps.findIndex((now) => now.label === step.label);
-    if (k < 0 || !known(step.to_db)) return [];
-    return [ghostMark(box.x.at(step.to_db), barTop(k, box))];
+function ghostSteps(before, steps, box) {
+  return before.flatMap(({ label, to }) => {
+    const k = steps.findIndex((now) => now.label === label);
+    return k < 0 ? [] : [ghostMark(box.x.at(to), barTop(k, box))];
   });
 }
 

@@ -1,88 +1,100 @@
-/** A quantity over two parameters: a cell per pair of values, a color scale, and a value to read. */
+/** A value over two axes: a colored cell per pair, a color scale, and a value to read. */
 
 import { axes, linear, logarithmic, wrapped } from "draw/axes.js";
 import { readable } from "draw/hover.js";
-import { caption, note } from "draw/look.js";
+import { caption, notes } from "draw/look.js";
 import { refill } from "draw/refill.js";
-import { figure, figureWidth, line, svg, tenth, words } from "draw/svg.js";
+import { figure, figureWidth, known, line, svg, tenth, words } from "draw/svg.js";
 
-/** @import { DrawnMap, MapAxis, Options, SweepMap } from "answers" */
+/** @import { Axis, Cells, Chart, Options } from "answers" */
 /** @import { Scale } from "draw/axes.js" */
 /** @typedef {ReturnType<typeof layout>} Layout */
 
 const ROOM = { left: 46, right: 14, top: 76, bottom: 44 };
 
+const COLORS = 10; // of sensors
+
 /**
  * @param {HTMLElement} element
- * @param {SweepMap} data
- * @param {Options<SweepMap>} [options]
+ * @param {Chart} data
+ * @param {Options<Chart>} [options]
  */
 export function draw(element, data, options = {}) {
-  if (data.why_not !== null) {
-    refill(element, note(data.why_not));
-    return;
-  }
-  const plan = layout(data, figureWidth(element, options));
-  const nodes = axes(plan.x, plan.y, { y: data.y.what, yTop: ROOM.top - 12, xRoom: 48, levelOnly: true });
+  const [{ x, y, marks: [of] }] = data.panels;
+  if (of.kind !== "cells") return;
+  const count = { x: of.across, y: data.columns[of.value].values.length / of.across };
+  const plan = layout(x, y, count, figureWidth(element, options));
+  const nodes = axes(plan.x, plan.y, { y: y.label, yTop: ROOM.top - 12, xRoom: 48, levelOnly: true });
   plan.title.forEach((text, i) => nodes.push(words((plan.left + plan.right) / 2, plan.bottom + 35 + 16 * i, text, "d-quiet", "middle")));
   const area = `M${plan.left} ${plan.top}H${tenth(plan.right)}V${plan.bottom}H${plan.left}Z`;
-  nodes.push(...scaleOf(data, plan), svg("path", { d: area, class: "d-undefined" }), ...cells(data, plan));
-  for (const points of data.equal) nodes.push(...equal(points, plan));
+  nodes.push(...scaleOf(of, plan), svg("path", { d: area, class: "d-undefined" }), ...cells(data, of, plan));
+  for (const points of of.equal) nodes.push(...equal(points, plan));
   const root = figure(plan.width, plan.height, data.title, data.description, nodes, { class: "d-figure d-map" });
-  readable(element, data.table, () => places(data, plan));
+  readable(element, data.table, () => places(count, plan));
   refill(element, caption(data), root, ...notes(data));
 }
 
 /**
  * Values are equally far apart on their axis, so every cell has one size.
  *
- * @param {DrawnMap} data
+ * @param {Axis} x
+ * @param {Axis} y
+ * @param {{ x: number, y: number }} count
  * @param {number} width
  */
-function layout({ x, y }, width) {
+function layout(x, y, count, width) {
   const left = ROOM.left;
   const right = width - ROOM.right;
   const tall = Math.round(Math.min(340, Math.max(200, 0.45 * width)));
   const [top, bottom] = [ROOM.top, ROOM.top + tall];
-  const cell = { width: (right - left) / x.values.length, height: tall / y.values.length };
+  const cell = { width: (right - left) / count.x, height: tall / count.y };
   const across = centered(x, left, right, cell.width / 2);
   const up = centered(y, bottom, top, -cell.height / 2);
-  const title = wrapped(x.what, right - left);
+  const title = wrapped(x.label, right - left);
   const height = bottom + ROOM.bottom + 16 * (title.length - 1);
   return { width, height, left, right, top, bottom, cell, title, x: across, y: up };
 }
 
 /**
- * @param {MapAxis} axis
+ * @param {Axis} axis
  * @param {number} from
  * @param {number} to
  * @param {number} half
  * @returns {Scale}
  */
-function centered({ values, logarithmic: log }, from, to, half) {
+function centered({ low, high, logarithmic: log }, from, to, half) {
   const scale = log ? logarithmic : linear;
-  return { ...scale(values[0], values[values.length - 1], from + half, to - half), from, to };
+  return { ...scale(low, high, from + half, to - half), from, to };
 }
 
 /**
  * One path per color, each cell a little too large, so that no gap shows between neighbors.
  *
- * @param {DrawnMap} data
+ * @param {Chart} data
+ * @param {Cells} of
  * @param {Layout} plan
  */
-function cells(data, plan) {
+function cells({ columns }, of, plan) {
   /** @type {Map<string, string>} */
   const paths = new Map();
-  data.colors.forEach((row, j) =>
-    row.forEach((color, k) => {
-      if (color === null) return;
-      const { left, top, width, height } = place(plan, k, j);
-      const d = `M${tenth(left)} ${tenth(top)}h${tenth(width + 0.4)}v${tenth(height + 0.4)}h${tenth(-width - 0.4)}z`;
-      paths.set(color, (paths.get(color) ?? "") + d);
-    }),
-  );
+  columns[of.value].values.forEach((value, row) => {
+    if (!known(value)) return;
+    const share = (value - of.low) / (of.high - of.low);
+    const color = colorOf(of, Math.round(share * (of.colors.length - 1)));
+    const { left, top, width, height } = place(plan, row % of.across, Math.floor(row / of.across));
+    const d = `M${tenth(left)} ${tenth(top)}h${tenth(width + 0.4)}v${tenth(height + 0.4)}h${tenth(-width - 0.4)}z`;
+    paths.set(color, (paths.get(color) ?? "") + d);
+  });
   return [...paths].map(([fill, d]) => svg("path", { d, fill }));
 }
+
+/**
+ * A color of the scale; that of a sensor fits the theme.
+ *
+ * @param {Cells} of
+ * @param {number} i
+ */
+const colorOf = ({ names, colors }, i) => (names.length ? `var(--sensor-${i % COLORS})` : colors[i]);
 
 /**
  * @param {Layout} plan
@@ -96,13 +108,13 @@ function place({ left, bottom, cell }, k, j) {
 /**
  * The scale of colors with its unit; of more than two sensors, the color of each.
  *
- * @param {DrawnMap} data
+ * @param {Cells} of
  * @param {Layout} plan
  */
-function scaleOf({ what, unit, scale, key }, { left, right }) {
-  if (!scale) return keyOf(what, key, right);
-  const { low, high, colors } = scale;
-  const nodes = [words(0, 12, `${what} [${unit}]`, "d-quiet")];
+function scaleOf(of, { left, right }) {
+  if (of.names.length) return keyOf(of, right);
+  const { low, high, colors, name } = of;
+  const nodes = [words(0, 12, name, "d-quiet")];
   const bar = linear(low, high, left, Math.min(right, left + 380));
   const step = (bar.to - bar.from) / colors.length;
   colors.forEach((fill, i) =>
@@ -116,12 +128,12 @@ function scaleOf({ what, unit, scale, key }, { left, right }) {
 }
 
 /**
- * @param {string} what
- * @param {{ name: string, color: string }[]} key
+ * @param {Cells} of
  * @param {number} right
  */
-function keyOf(what, key, right) {
-  const nodes = [words(0, 12, what, "d-quiet")];
+function keyOf(of, right) {
+  const key = of.names.flatMap((name, i) => (name ? [{ name, color: colorOf(of, i) }] : []));
+  const nodes = [words(0, 12, of.name, "d-quiet")];
   const each = (right + 14) / Math.max(1, Math.min(4, key.length));
   key.forEach(({ name, color }, i) => {
     const [x, y] = [(i % 4) * each, 22 + 18 * Math.floor(i / 4)];
@@ -140,27 +152,18 @@ function equal(points, { x, y, cell }) {
   return [svg("path", { d: line(drawn), class: "d-casing" }), svg("path", { d: line(drawn), class: "d-curve d-ink-line" })];
 }
 
-/** @param {DrawnMap} data */
-function notes({ equal: lines, colors, note: more }) {
-  const told = [];
-  if (lines.length) told.push("Line: both are equal.");
-  if (colors.some((row) => row.includes(null))) told.push("Gray: a channel is saturated, or the value is undefined.");
-  if (more) told.push(more);
-  return told.length ? [note(told.join(" "))] : [];
-}
-
 /**
  * The cells of the table, whose rows rise with y; keys go over them as they are seen.
  *
- * @param {DrawnMap} data
+ * @param {{ x: number, y: number }} count
  * @param {Layout} plan
  */
-function places({ x, y }, plan) {
-  const rows = y.values.map((_, j) =>
-    x.values.map((_, k) => {
+function places(count, plan) {
+  const rows = Array.from({ length: count.y }, (_, j) =>
+    Array.from({ length: count.x }, (_, k) => {
       const { left, top, width, height } = place(plan, k, j);
-      const row = j * x.values.length + k;
-      return { x: left + width / 2, y: top + height / 2, width, height, row, series: y.values.length - j };
+      const area = { x: left + width / 2, y: top + height / 2, width, height };
+      return { ...area, row: j * count.x + k, series: count.y - j };
     }),
   );
   return rows.reverse().flat();

@@ -1,12 +1,12 @@
-/** The chart's 24 patches, each split by sensor, with color error and noise as numbers. */
+/** Cells with two numbers, each split by sensor, under a strip of its true color. */
 
 import { textWidth } from "draw/axes.js";
 import { readable } from "draw/hover.js";
-import { caption, isFull, legend, mark, markPath, note, sameSensor, sensorLines } from "draw/look.js";
+import { caption, isFull, legend, mark, markPath, note, sensorLines } from "draw/look.js";
 import { refill } from "draw/refill.js";
 import { figure, figureWidth, svg, tenth, words } from "draw/svg.js";
 
-/** @import { Checker, ChartSensor, Options } from "answers" */
+/** @import { Chart, Options, Swatches } from "answers" */
 /** @typedef {ReturnType<typeof layout>} Layout */
 
 const COLUMNS = 6;
@@ -14,33 +14,32 @@ const GAP = 4;
 
 /**
  * @param {HTMLElement} element
- * @param {Checker} data
- * @param {Options<Checker>} [options]
+ * @param {Chart} data
+ * @param {Options<Chart>} [options]
  */
 export function draw(element, data, options = {}) {
   const width = Math.min(1080, figureWidth(element, options));
-  const ghosts = options.ghosts ?? [];
-  const plan = layout(data, width);
-  const nodes = data.patches.map((patch, k) => cell(data, patch, k, plan));
-  const across = Math.ceil(data.patches.length / COLUMNS);
+  const [truth, ...sensors] = swatchesOf(data);
+  const plan = layout(sensors.length, width);
+  const nodes = truth.colors.map((color, k) => cell(color, sensors, k, plan));
+  const across = Math.ceil(truth.colors.length / COLUMNS);
   const height = across * (plan.tall + GAP) - GAP;
-  if (!data.patches.length) {
-    refill(element, ...data.sensors.map((sensor) => note(sensor.why_not ?? "")));
-    return;
-  }
-  readable(element, data.table, () => data.patches.map((_, k) => placeOf(k, plan)));
+  readable(element, data.table, () => truth.colors.map((_, k) => placeOf(k, plan)));
   const drawn = figure(width, height, data.title, data.description, nodes);
-  refill(element, caption(data), ...key(data, plan, ghosts), drawn);
+  const how = data.notes.map((sentence) => note(sentence, "d-note d-over"));
+  refill(element, caption(data), key(data, sensors, plan, options.ghosts ?? []), ...how, drawn);
 }
+
+/** @param {Chart} data */
+const swatchesOf = ({ panels: [{ marks }] }) => marks.filter((one) => one.kind === "swatches");
 
 /**
  * The sensors of a patch in as many columns as four digits fit.
  *
- * @param {Checker} data
+ * @param {number} count
  * @param {number} width
  */
-function layout(data, width) {
-  const count = Math.max(1, data.sensors.length);
+function layout(count, width) {
   const each = (width - GAP * (COLUMNS - 1)) / COLUMNS;
   const fit = Math.max(1, Math.min(count, Math.floor(each / (count > 2 ? 74 : 58))));
   const rows = Math.ceil(count / fit);
@@ -71,22 +70,22 @@ function placeOf(k, plan) {
 }
 
 /**
- * @param {Checker} data
- * @param {Checker["patches"][number]} patch
+ * @param {string} color
+ * @param {Swatches[]} sensors
  * @param {number} k
  * @param {Layout} plan
  */
-function cell(data, patch, k, plan) {
+function cell(color, sensors, k, plan) {
   const { left, top } = corner(k, plan);
-  const nodes = [svg("rect", { width: plan.each, height: plan.strip, fill: patch.srgb })];
-  data.sensors.forEach((sensor, i) => nodes.push(...half(sensor, k, i, plan)));
+  const nodes = [svg("rect", { width: plan.each, height: plan.strip, fill: color })];
+  sensors.forEach((sensor, i) => nodes.push(...half(sensor, k, i, plan)));
   const edge = { width: plan.each, height: plan.tall, class: "d-cell" };
   nodes.push(svg("rect", edge));
   return svg("g", { transform: `translate(${left} ${top})` }, nodes);
 }
 
 /**
- * @param {ChartSensor} sensor
+ * @param {Swatches} sensor
  * @param {number} k
  * @param {number} i
  * @param {Layout} plan
@@ -95,14 +94,14 @@ function half(sensor, k, i, plan) {
   const { each, columns, strip, high, count } = plan;
   const width = each / columns;
   const box = { x: (i % columns) * width, y: strip + Math.floor(i / columns) * high, width, height: high };
-  const patch = sensor.patches[k] ?? {};
-  const fill = patch.srgb ?? "var(--paper)";
-  const ink = patch.srgb ? legible(patch.srgb) : "var(--ink)";
+  const color = sensor.colors[k];
+  const fill = color ?? "var(--paper)";
+  const ink = color ? legible(color) : "var(--ink)";
   const nodes = [svg("rect", { ...box, fill })];
   const beside = count > 2 && width >= 56 ? 12 : 0; // for the mark
   const middle = box.x + (width + beside) / 2;
   const base = box.y + (high === 48 ? 21 : 17);
-  const [error, noise] = patch.text ?? [full(width - beside), ""];
+  const [error, noise] = sensor.texts[k] ?? [full(width - beside), ""];
   if (beside) nodes.push(dot(i, box.x + 9, box.y + high / 2, ink, fill));
   nodes.push(
     number(middle, base, error, ink, "d-strong"),
@@ -159,24 +158,25 @@ function legible(srgb) {
 }
 
 /**
- * @param {Checker} data
+ * @param {Chart} data
+ * @param {Swatches[]} sensors
  * @param {Layout} plan
- * @param {Checker[]} ghosts
+ * @param {Chart[]} ghosts
  */
-function key(data, plan, ghosts) {
+function key(data, sensors, plan, ghosts) {
   const places = plan.columns === 2 ? ["left", "right"] : ["upper", "lower"];
-  const color = sensorLines(data.sensors.map(({ name }) => name)).map((one) => one.color);
-  const more = data.sensors.map((sensor, i) => {
+  const color = sensorLines(data.sensors).map((one) => one.color);
+  const more = sensors.map(({ name }, i) => {
     const place = plan.count === 2 ? `${places[i]}: ` : "";
-    const before = ghosts.map((ghost) => sameSensor(ghost, sensor, i)?.means).filter(Boolean);
+    const before = ghosts.flatMap((ghost) => {
+      const old = swatchesOf(ghost).find(({ sensor }) => sensor !== null && ghost.sensors[sensor] === data.sensors[i]);
+      return old?.texts.length ? [old.name.slice(data.sensors[i].length).replace(/^, mean /, "")] : [];
+    });
     const ghost = before.length ? ` (pinned ${before.join("; ")})` : "";
-    const means = sensor.means ? `, mean ${sensor.means}` : "";
     const drawn = [swatch(i, plan), ...(plan.count > 2 ? [mark(i, 45, 8, color[i], 4)] : [])];
-    return { drawn, name: `${place}${sensor.name}${means}${ghost}`, width: plan.count > 2 ? 54 : 36 };
+    return { drawn, name: `${place}${name}${ghost}`, width: plan.count > 2 ? 54 : 36 };
   });
-  const how =
-    "Strip: the true color. Bold: color error ΔE*ab without noise. n: ΔE*ab of the noise (CIE 1976).";
-  return [legend([], "line", 0, more), note(how, "d-note d-over")];
+  return legend([], "line", 0, more);
 }
 
 /**

@@ -1,0 +1,62 @@
+"""What needs an optional package names the extra that installs it, in one sentence."""
+
+import ast
+import re
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from chromanoise.base import optional_package, refuse_absent_package
+from chromanoise.io import Column, Result, Table
+from outcomes import refused_input
+
+ROOT = Path(__file__).resolve().parents[2]
+EXTRAS = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["optional-dependencies"]
+DISTRIBUTIONS = {"skimage": "scikit-image", "cv2": "opencv-python-headless", "pywt": "pywavelets"}
+FUNCTIONS = ("optional_package", "refuse_absent_package", "library", "refuse_absent_library")
+
+
+class _OfOneCell(Result):
+    def to_table(self):
+        return Table(title="one", columns=(Column(name="a"),), rows=((1.0,),))
+
+    plot = _repr_html_ = None
+
+
+def _calls():
+    """Package and extra of each call whose package stands in the source."""
+    for path in (ROOT / "src").rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.Call) and getattr(node.func, "id", "") in FUNCTIONS:
+                given = {one.arg: one.value for one in node.keywords}
+                extra = given.get("extra", ast.Constant("cubes"))
+                if isinstance(node.args[0], ast.Constant):
+                    yield node.args[0].value.partition(".")[0], extra.value
+
+
+def test_each_optional_package_is_in_the_extra_that_its_error_names():
+    found = set(_calls())
+    assert len(found) > 8
+    for package, extra in found:
+        names = {re.split(r"[><=]", one)[0].strip().lower() for one in EXTRAS[extra]}
+        assert DISTRIBUTIONS.get(package, package).lower() in names, (package, extra)
+
+
+@pytest.mark.parametrize("function", [optional_package, refuse_absent_package])
+def test_an_absent_package_is_named_with_its_extra_and_what_else_helps(function, monkeypatch):
+    monkeypatch.setitem(sys.modules, "openpyxl", None)
+    with refused_input(subject="a.xlsx", requirement="needs the package openpyxl") as caught:
+        function("openpyxl", "a.xlsx", extra="xlsx", otherwise=("save it as CSV",))
+    assert str(caught.value) == (
+        "a.xlsx: needs the package openpyxl, which is not installed; install it with "
+        "pip install 'chromanoise[xlsx]', or save it as CSV"
+    )
+
+
+def test_a_data_frame_without_pandas_names_the_extra(monkeypatch):
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    with refused_input(subject="a data frame", requirement="needs the package pandas") as caught:
+        _OfOneCell().to_dataframe()
+    assert "chromanoise[pandas]" in str(caught.value)
