@@ -70,8 +70,6 @@ def small_text(path: Path, most_bytes: int, need: str, remedy: str = "") -> str:
 
     Parameters
     ----------
-    path
-        A regular file.
     most_bytes, need
         Largest size [bytes], and the requirement that a larger file violates.
     remedy

@@ -41,8 +41,6 @@ class Chunks:
 
     Attributes
     ----------
-    path
-        The file.
     index
         Of each chunk the first byte in the file, the length in bytes, and which filters were left
         out (bit k: the k-th); chunks in the order of C.
