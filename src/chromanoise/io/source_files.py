@@ -2,21 +2,13 @@
 
 import re
 from collections.abc import Sequence
-from functools import partial
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
 
-from chromanoise.base import (
-    InputError,
-    Remedy,
-    Setting,
-    optional_package,
-    refuse_absent_package,
-    regular_file,
-)
+from chromanoise.base import InputError, Remedy, Setting, regular_file
 
 
 def refused(
@@ -45,10 +37,6 @@ def has(
 def by(shape: tuple[int, ...]) -> str:
     """A shape as text: 156x9025."""
     return "x".join(str(n) for n in shape) or "scalar"
-
-
-library = partial(optional_package, extra="cubes")
-refuse_absent_library = partial(refuse_absent_package, extra="cubes")
 
 
 def refuse_not_numbers(path: Path, name: str, dtype: np.dtype) -> None:
