@@ -423,11 +423,6 @@ def read_envi_library(header: EnviHeader, data: Path) -> Found:
 def library_files(path: Path) -> tuple[Path, ...]:
     """All files that belong to a file of spectra: header and data of a library, or the file.
 
-    Parameters
-    ----------
-    path
-        The file.
-
     Raises
     ------
     InputError

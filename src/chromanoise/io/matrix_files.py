@@ -84,8 +84,6 @@ class GivenMatrix:
 
     Attributes
     ----------
-    source
-        The file.
     kind
         ``electrons``: raw electrons to XYZ [lx/e-]; ``balanced``: raw over the raw of a white;
         ``from-xyz``: XYZ to camera values (DNG, chapter 6).

@@ -68,8 +68,6 @@ class Table:
     ----------
     title
         The title of the table.
-    columns
-        The columns.
     rows
         One cell per column; ``None`` where a quantity is not defined.
     notes

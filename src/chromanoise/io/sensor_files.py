@@ -191,8 +191,6 @@ def read_sensor(
     path
         The file; its name without the suffix becomes the name of the sensor. Curves in memory give
         their source as the name.
-    grid
-        The target grid.
     pixel
         The pixel of the sensor, which the file does not contain.
     answers
@@ -223,8 +221,6 @@ def read_sensor_csv(
     ----------
     path
         The CSV file; its name without the suffix becomes the name of the sensor.
-    grid
-        The target grid.
     pixel
         The pixel of the sensor, which the file does not contain.
     beyond

@@ -2,21 +2,13 @@
 
 import re
 from collections.abc import Sequence
-from functools import partial
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
 
-from chromanoise.base import (
-    InputError,
-    Remedy,
-    Setting,
-    optional_package,
-    refuse_absent_package,
-    regular_file,
-)
+from chromanoise.base import InputError, Remedy, Setting, regular_file
 
 
 def refused(
@@ -47,10 +39,6 @@ def by(shape: tuple[int, ...]) -> str:
     return "x".join(str(n) for n in shape) or "scalar"
 
 
-library = partial(optional_package, extra="cubes")
-refuse_absent_library = partial(refuse_absent_package, extra="cubes")
-
-
 def refuse_not_numbers(path: Path, name: str, dtype: np.dtype) -> None:
     """Raise an error for text, objects, complex numbers and booleans."""
     if dtype.kind not in "fiu":
@@ -70,8 +58,6 @@ def small_text(path: Path, most_bytes: int, need: str, remedy: str = "") -> str:
 
     Parameters
     ----------
-    path
-        A regular file.
     most_bytes, need
         Largest size [bytes], and the requirement that a larger file violates.
     remedy

@@ -184,8 +184,6 @@ def read_wavelengths(path: Path, bands: int) -> Float[Array, " bands"]:
 
     Parameters
     ----------
-    path
-        The file.
     bands
         The number of bands of the cube, which is also the number of wavelengths.
 

@@ -21,14 +21,23 @@ from typing import Any, BinaryIO
 
 import numpy as np
 
-from chromanoise.base import Array, Int64, Shaped, check, printable, sandbox
+from chromanoise.base import (
+    Array,
+    Int64,
+    Shaped,
+    check,
+    optional_package,
+    printable,
+    refuse_absent_package,
+    sandbox,
+)
 from chromanoise.io.cubes.labeled import Axes, Labeled, Store, StoredRows
 from chromanoise.io.cubes.raw_cube import (
     memory_bytes,
     packed_rows,
     reading,
 )
-from chromanoise.io.source_files import library, refuse_absent_library, refused
+from chromanoise.io.source_files import refused
 from chromanoise.io.spectra.declared import SPECTRAL_NAMES
 from chromanoise.spectra import RowSource
 
@@ -41,8 +50,6 @@ class Chunks:
 
     Attributes
     ----------
-    path
-        The file.
     index
         Of each chunk the first byte in the file, the length in bytes, and which filters were left
         out (bit k: the k-th); chunks in the order of C.
@@ -165,7 +172,7 @@ def hdf5_store(path: Path, *, matlab: bool = False) -> Store:
         need = "must be an HDF5 file, as NetCDF-4 is"
         remedy = ("convert it (nccopy -k nc4)", "save it again")
         raise refused(path, need, found="is in another format", remedy=remedy)
-    refuse_absent_library("h5py", f"{path}: {kind} files")
+    refuse_absent_package("h5py", f"{path}: {kind} files", extra="cubes")
     with reading(path, kind):
         listed, attributes = sandbox.sandboxed(_listed, path, path=path, limit_s=_LIMIT_S)
     if len(listed) > _MOST_ARRAYS:
@@ -230,7 +237,7 @@ def _opened(path: Path, name: str) -> Iterator[Any]:
 
 
 def _file(path: Path) -> Any:
-    return library("h5py", str(path)).File(path, "r")
+    return optional_package("h5py", str(path), extra="cubes").File(path, "r")
 
 
 # in the child process: the content of the file
@@ -244,7 +251,7 @@ def _listed(path: Path) -> tuple[dict[str, Labeled], Mapping[str, Any]]:
     with _file(path) as file:
         names: list[str] = []
         seen = itertools.count(1)
-        dataset_type = library("h5py", str(path)).Dataset
+        dataset_type = optional_package("h5py", str(path), extra="cubes").Dataset
 
         def see(name: str | bytes, thing: Any) -> bool | None:
             depth = os.fsencode(name).count(b"/")
@@ -416,7 +423,7 @@ def _lies_as_numpy_has_it(dataset: Any) -> bool:
     """Whether the bytes in the file are those of the NumPy type."""
     if dataset.dtype.kind not in "fiu":
         return False
-    types = library("h5py.h5t", "HDF5 files")
+    types = optional_package("h5py.h5t", "HDF5 files", extra="cubes")
     return bool(dataset.id.get_type().equal(types.py_create(dataset.dtype)))
 
 

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from chromanoise.base import Array, InputError, Setting, Shaped, UInt8, printable
+from chromanoise.base import Array, InputError, Setting, Shaped, UInt8, optional_package, printable
 from chromanoise.io.cubes.cube_metadata import interpreted
 from chromanoise.io.cubes.raw_cube import (
     MOST_INFLATED,
@@ -32,7 +32,7 @@ from chromanoise.io.cubes.raw_cube import (
     refuse_other_shape,
     refuse_other_size,
 )
-from chromanoise.io.source_files import by, kind_of, library, refused
+from chromanoise.io.source_files import by, kind_of, refused
 from chromanoise.io.spectra.declared import (
     BAND_NAMES,
     NM_PER,
@@ -557,7 +557,7 @@ def picture_to_xarray(picture: "Picture") -> Any:
     InputError
         If xarray is not installed.
     """
-    xarray = library("xarray", "a picture as an xarray.Dataset")
+    xarray = optional_package("xarray", "a picture as an xarray.Dataset", extra="cubes")
     height, width = picture.xyz.shape[:2]
     xyz, rgb = ["X", "Y", "Z"], ["R", "G", "B"]
     return xarray.Dataset(

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from chromanoise.base import Array, InputError, Setting, Shaped, json_of, sandbox
+from chromanoise.base import Array, InputError, Setting, Shaped, json_of, optional_package, sandbox
 from chromanoise.io.cubes.raw_cube import (
     MOST_INFLATED,
     Found,
@@ -26,7 +26,7 @@ from chromanoise.io.cubes.raw_cube import (
     refuse_other_shape,
     refuse_other_size,
 )
-from chromanoise.io.source_files import by, has, library, refuse_not_numbers, refused, xml_root
+from chromanoise.io.source_files import by, has, refuse_not_numbers, refused, xml_root
 from chromanoise.io.spectra.declared import NAMED_WAVELENGTH, NM_PER, SPECTRAL_NAMES, nanometers
 from chromanoise.spectra import FileRows, PlaneRows, RowSource
 
@@ -118,7 +118,7 @@ def _by_pillow(path: Path, pages: list[Any]) -> Shaped[Array, "pages h w"]:
     if numbers is None:
         compression = getattr(first.compression, "name", first.compression)
         where = f"pages ({compression}, {first.dtype})"
-        library("imagecodecs", str(path), extra="tiff", where=where)
+        optional_package("imagecodecs", str(path), extra="tiff", where=where)
         raise refused(
             path, "cannot be decoded", where=where, remedy="save it uncompressed or with deflate"
         )

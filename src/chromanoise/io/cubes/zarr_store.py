@@ -14,10 +14,10 @@ from typing import Any
 
 import numpy as np
 
-from chromanoise.base import Array, Shaped, json_file, printable, regular_file
+from chromanoise.base import Array, Shaped, json_file, optional_package, printable, regular_file
 from chromanoise.io.cubes.labeled import Axes, Labeled, Store, StoredRows
 from chromanoise.io.cubes.raw_cube import MOST_INFLATED, Notes, memory_bytes, reading
-from chromanoise.io.source_files import library, refused
+from chromanoise.io.source_files import refused
 from chromanoise.spectra import RowSource
 
 _HEADERS = (".zarray", "zarr.json")
@@ -45,7 +45,7 @@ def zarr_store(path: Path) -> Store:
     InputError
         If zarr is not installed, or the folder has unsafe or unreadable content.
     """
-    library("zarr", f"{path}: Zarr folders")
+    optional_package("zarr", f"{path}: Zarr folders", extra="cubes")
     arrays: dict[str, Labeled] = {}
     with reading(path, "Zarr"):
         size = 0
@@ -153,7 +153,7 @@ def _opened_for_rows(path: Path, name: str) -> Iterator[Any]:
 
 
 def _opened(path: Path, name: str) -> Any:
-    zarr = library("zarr", str(path))
+    zarr = optional_package("zarr", str(path), extra="cubes")
     guard_codecs()
     store = zarr.storage.LocalStore(path, read_only=True)
     return zarr.open_array(store=store, path=name, mode="r")
@@ -234,7 +234,9 @@ def guard_codecs() -> None:
     """
     for codec, look in (("blosc.Blosc", _refuse_short_blosc), ("zstd.Zstd", _refuse_large_zstd)):
         module, _, name = codec.partition(".")
-        kind = getattr(library(f"numcodecs.{module}", "chunks of Zarr folders"), name)
+        kind = getattr(
+            optional_package(f"numcodecs.{module}", "chunks of Zarr folders", extra="cubes"), name
+        )
         kind.decode = _looked_at(kind.decode, look)
 
 

@@ -16,7 +16,7 @@ from typing import Any, TypeGuard
 
 import numpy as np
 
-from chromanoise.base import Array, Integer, UInt16, json_of, sandbox
+from chromanoise.base import Array, Integer, UInt16, json_of, refuse_absent_package, sandbox
 from chromanoise.io.cubes.raw_cube import (
     reading,
     reading_rows,
@@ -37,7 +37,7 @@ from chromanoise.io.frames.frame import (
     refused_picture,
     whole_codes,
 )
-from chromanoise.io.source_files import refuse_absent_library, refused
+from chromanoise.io.source_files import refused
 from chromanoise.sensor import Mosaic
 
 CFA = 32803
@@ -284,7 +284,7 @@ def raw_frames(path: Path) -> tuple[RawFrame, ...]:
     from_tags, frame = _of_tags(path)
     if frame is not None:
         return (frame,)
-    refuse_absent_library("rawpy", str(path), extra="raw")
+    refuse_absent_package("rawpy", str(path), extra="raw")
     size = path.stat().st_size
     with reading(path, "camera raw"):
         raw_shape, shape = sandbox.sandboxed(

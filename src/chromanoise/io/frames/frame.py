@@ -33,8 +33,6 @@ class StoredPlane:
 
     Attributes
     ----------
-    path
-        The file.
     offset
         Where the first code is. [bytes]
     stored
@@ -205,8 +203,6 @@ class RawFrame:
 
     Attributes
     ----------
-    path
-        The file.
     shape
         Rows and columns. [px]
     read
@@ -351,8 +347,6 @@ class FrameSet:
     ----------
     source
         Folder or file they come from.
-    levels
-        In any order.
     mosaic
         The channel of each pixel; ``None`` for a monochrome sensor.
     notes
@@ -438,10 +432,6 @@ def refuse_few(
     ----------
     source
         Of the frames, for the message.
-    levels
-        To check.
-    kinds
-        ``flats``, ``darks``.
 
     Raises
     ------

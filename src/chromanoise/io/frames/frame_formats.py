@@ -21,7 +21,7 @@ from typing import Any
 
 import numpy as np
 
-from chromanoise.base import Array, InputError, Integer, printable, regular_file
+from chromanoise.base import Array, InputError, Integer, optional_package, printable, regular_file
 from chromanoise.io.cubes.cube_files import npy_array, npy_header, npz_arrays
 from chromanoise.io.cubes.raw_cube import reading, reading_rows, refuse_impossible
 from chromanoise.io.frames.camera_raw import (
@@ -37,7 +37,7 @@ from chromanoise.io.frames.frame import (
     refused_picture,
     whole_codes,
 )
-from chromanoise.io.source_files import has, library, refused
+from chromanoise.io.source_files import has, refused
 from chromanoise.sensor import Mosaic
 
 _MOST_ARRAYS = 20_000
@@ -311,7 +311,7 @@ def fits_frames(path: Path) -> tuple[RawFrame, ...]:
     FITS Standard 4.0 (IAU FITS Working Group, 2018), section 4.4. The rows of the mosaic are those
     of the file from its start, as ``ROWORDER = TOP-DOWN``; with ``BOTTOM-UP`` they are reversed.
     """
-    fits = library("astropy.io.fits", str(path), extra="fits")
+    fits = optional_package("astropy.io.fits", str(path), extra="fits")
     frames: list[RawFrame] = []
     with reading(path, "FITS"), path.open("rb") as file:
         if file.read(10) != b"SIMPLE  = ":

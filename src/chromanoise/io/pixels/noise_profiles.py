@@ -145,10 +145,8 @@ class RelativeNoise:
 
     Attributes
     ----------
-    camera
-        Maker and model.
     iso
-        The ISO setting.
+        The ISO setting of the profile. [1]
     a, b
         Coefficients of red, green and blue, up to one unknown factor. [1]
     notes
@@ -227,8 +225,6 @@ def pixel_from_darktable(
 
     Parameters
     ----------
-    noise
-        A profile.
     full_well_e
         Electrons at the largest code, at the ISO of the profile. [e-]
     adc

@@ -38,8 +38,6 @@ def in_file(error: InputError, path: Path) -> InputError:
     ----------
     error
         An error about the file, about a part of it (``pitch_um of sheet.txt``), or about a value.
-    path
-        The file.
 
     Examples
     --------

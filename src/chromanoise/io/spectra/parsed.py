@@ -200,8 +200,6 @@ class Found(_Described):
     ----------
     source
         The name of the file in messages.
-    columns
-        The curves.
     heading
         The heading of the column of wavelengths.
     words
@@ -244,8 +242,6 @@ class ParsedSpectra(_Described):
         The number of points that were merged with others at the same wavelength.
     deviations
         Standard deviations, if the file has columns of them.
-    questions
-        Missing metadata.
     own_form
         Whether the heading is ``wavelength_nm``, as in the documented table of a sensor's QE.
     """
@@ -442,8 +438,6 @@ def held_json(text: str, schema: str, *, source: str) -> dict[str, Any]:
 
     Parameters
     ----------
-    text
-        The whole file.
     schema
         The schema, e.g. ``chromanoise sensor``.
     source

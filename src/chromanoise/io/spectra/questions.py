@@ -259,8 +259,6 @@ class UndeclaredError(InputError):
 
     Parameters
     ----------
-    subject
-        The file.
     questions
         All questions; ``remedy`` contains their settings in the same order.
 
@@ -306,12 +304,8 @@ def questions_of(parsed: ParsedSpectra, words: str, answers: Answers) -> ParsedS
 
     Parameters
     ----------
-    parsed
-        The parsed file.
     words
         The free text of the file. A question may quote it, but it answers none.
-    answers
-        The user's answers.
     """
     use = use_of(parsed.quantity)
     own = tuple(sensor_questions(parsed, answers)) if use == "sensor" else ()
@@ -435,8 +429,6 @@ def qe_of(parsed: ParsedSpectra, answers: Answers) -> Spectra:
 
     Parameters
     ----------
-    parsed
-        The parsed file.
     answers
         The answers of the user; ``peak_qe`` scales relative curves.
 
@@ -496,11 +488,6 @@ def _refuse_open(parsed: ParsedSpectra, questions: Iterable[Question]) -> None:
 
 def power_of(parsed: ParsedSpectra) -> Spectra:
     """Convert one curve to relative power over wavelength, for `illuminant_from`.
-
-    Parameters
-    ----------
-    parsed
-        The parsed file.
 
     Raises
     ------
