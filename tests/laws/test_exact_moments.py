@@ -1,5 +1,7 @@
 """Laws of values that are held between bounds and rounded, and plain sums with scipy's laws."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
@@ -50,8 +52,9 @@ def plain_moments(mean, noise, readout):
     counts = np.arange(int(mean + 12 * np.sqrt(mean)) + 40)
     weights = stats.poisson.pmf(counts, mean)
     weights /= weights.sum()
+    counts = counts + readout.offset_e
     if readout.step_e:
-        low, high = -12 * noise / readout.step_e, (counts[-1] + 12 * noise) / readout.step_e
+        low, high = (counts[[0, -1]] + np.array([-12, 12]) * noise) / readout.step_e
         codes = np.arange(np.floor(low) - 1, np.ceil(high) + 2)
         edges = (codes[:-1] + 0.5) * readout.step_e
         above = np.stack([exceeding(edges - n, noise) for n in counts])
@@ -84,8 +87,14 @@ def exceeding(threshold, noise):
 
 
 @settings(max_examples=40)
-@given(st.floats(0.0, 60.0), noises, readouts(st.one_of(st.just(0.0), st.floats(0.5, 50.0))))
-def test_moments_and_shares_are_those_of_a_plain_sum(mean, noise, readout):
+@given(
+    st.floats(0.0, 60.0),
+    noises,
+    readouts(st.one_of(st.just(0.0), st.floats(0.5, 50.0))),
+    st.one_of(st.just(0.0), st.floats(-20.0, 20.0)),
+)
+def test_moments_and_shares_are_those_of_a_plain_sum(mean, noise, readout, offset):
+    readout = replace(readout, offset_e=offset)
     read = read_moments(np.array([mean]), read_noise_e=noise, readout=readout)
     found = read.mean[0], read.variance[0], read.black_share[0], read.full_share[0]
     average, variance, black, full = plain_moments(mean, noise, readout)

@@ -276,6 +276,33 @@ def test_the_color_difference_of_clipped_values_is_that_of_the_moved_mean(method
     assert noise.delta_e == pytest.approx(24389 / 27 * 1e-6 * length, rel=1e-2)
 
 
+def toy(name, curves):
+    names = tuple(f"c{i}" for i in range(len(curves)))
+    return Sensor(
+        name=name, grid=DEFAULT_GRID, qe=np.stack(curves, 1), names=names, pixel=PAPER_PIXEL
+    )
+
+
+def bands(count):
+    at, centers = DEFAULT_GRID.wavelength_nm, np.linspace(430, 1000, count)
+    curves = [0.5 * np.exp(-(((at - c) / (900 / count)) ** 2)) for c in centers]
+    return toy(f"bands-{count}", curves)
+
+
+def deficient():
+    curves = sensor_named("model-rgb-ircut", DEFAULT_GRID).qe.T
+    return toy("deficient", [*curves, curves.mean(axis=0)])
+
+
+NAMED = (
+    "model-mono", "onyx-rgb-ircut", "onyx-rgbw", "model-cmy-ircut", "model-rgbir",
+    "model-three-layer", "model-rgbwir",
+)  # fmt: skip
+SENSORS = [*(sensor_named(n, DEFAULT_GRID) for n in NAMED), bands(8), bands(16), deficient()]
+CASES = [(sensor, level_lux) for sensor in SENSORS for level_lux in (1000.0, 10.0, 0.1, 0.01)]
+IDS = [f"{sensor.name}-{level_lux:g}lx" for sensor, level_lux in CASES]
+
+
 @pytest.mark.parametrize("method", [first_order, cubature])
 def test_only_the_exact_method_reports_an_error_of_its_own(method):
     source = ElectronSource(mean_e=ONES, matrix=MATRIX, noise=noise_of(read_noise_e=1.0))
@@ -363,33 +390,6 @@ BOTH = pytest.mark.parametrize("readout", [Readout(), HELD], ids=["unclipped", "
 
 
 @BOTH
-def toy(name, curves):
-    names = tuple(f"c{i}" for i in range(len(curves)))
-    return Sensor(
-        name=name, grid=DEFAULT_GRID, qe=np.stack(curves, 1), names=names, pixel=PAPER_PIXEL
-    )
-
-
-def bands(count):
-    at, centers = DEFAULT_GRID.wavelength_nm, np.linspace(430, 1000, count)
-    curves = [0.5 * np.exp(-(((at - c) / (900 / count)) ** 2)) for c in centers]
-    return toy(f"bands-{count}", curves)
-
-
-def deficient():
-    curves = sensor_named("model-rgb-ircut", DEFAULT_GRID).qe.T
-    return toy("deficient", [*curves, curves.mean(axis=0)])
-
-
-NAMED = (
-    "model-mono", "onyx-rgb-ircut", "onyx-rgbw", "model-cmy-ircut", "model-rgbir",
-    "model-three-layer", "model-rgbwir",
-)  # fmt: skip
-SENSORS = [*(sensor_named(n, DEFAULT_GRID) for n in NAMED), bands(8), bands(16), deficient()]
-CASES = [(sensor, level_lux) for sensor in SENSORS for level_lux in (1000.0, 10.0, 0.1, 0.01)]
-IDS = [f"{sensor.name}-{level_lux:g}lx" for sensor, level_lux in CASES]
-
-
 @pytest.mark.parametrize("which", [0, 1, 2, 8, 9], ids=lambda i: SENSORS[i].name)
 def test_noise_from_the_electrons_agrees_with_sampling(which, readout):
     z_mean, z_sd, _ = deviations(SENSORS[which], 0.1, readout, 60_000, 2**12)

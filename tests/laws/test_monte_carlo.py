@@ -22,18 +22,20 @@ seeds = st.integers(0, 2**32)
     ids=["bright", "shot only", "skewed", "dark"],
 )
 def test_the_spread_of_200_repetitions_is_the_standard_error_that_each_tells(mean_e, noise_e):
-    values, mean, snr = [], [], []
+    values, mean, snr, sd = [], [], [], []
     for seed in range(200):
         drawn = monte_carlo(
             np.array([mean_e]), pixel_with(noise_e), np.eye(1), draws=1000, seed=seed
         )
-        values.append((drawn.mean_se[0], drawn.snr_se_db[0]))
+        values.append((drawn.mean_se[0], drawn.snr_se_db[0], drawn.sd_se[0]))
+        sd.append(drawn.sd[0])
         mean.append(drawn.mean[0])
         snr.append(drawn.snr_db[0])
-    mean_se, snr_se = np.mean(values, axis=0)
+    mean_se, snr_se, sd_se = np.mean(values, axis=0)
     # a spread of 200 is itself known to 5 %: 25 % are 5 of its own standard errors
     assert np.std(mean, ddof=1) == pytest.approx(mean_se, rel=0.25)
     assert np.std(snr, ddof=1) == pytest.approx(snr_se, rel=0.25)
+    assert np.std(sd, ddof=1) == pytest.approx(sd_se, rel=0.25)
 
 
 def test_the_standard_error_of_a_skewed_signal_counts_its_skewness():
