@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 import chromanoise as cn
-from chromanoise.apps.design.front_charts import drawn_sensitivity
 from chromanoise.cli.entry import commands
 from chromanoise.sensor import moved_curve
 from outcomes import refused_input
@@ -204,11 +203,8 @@ def test_the_command_writes_what_the_function_returns(tmp_path):
     assert json.loads(target.read_text()) == wanted.to_dict()
 
 
-def test_the_chart_holds_the_effects_and_the_figure_draws_them():
+def test_the_figure_draws_the_effects():
     found = cn.sensitivity(SENSOR, objectives=["snr_y_db", "vora"], **LIGHT)
-    drawn = drawn_sensitivity(found)
-    assert [bar["effects"] for bar in drawn["bars"]] == [dict(one.slope) for one in found.effects]
-    assert len(drawn["table"]["rows"]) == len(found.effects)
     widths = [bar.get_width() for bar in found.plot().patches]
     assert widths == [one.slope["snr_y_db"] for one in found.effects[: len(widths)]]
 

@@ -366,8 +366,8 @@ class Block:
             diagonal += strength / len(gram) * diagonal.sum(axis=0)
         else:
             mean_e = self.seen("training_mean_e")[:, 0]
-            weight = self.candidates.noise_weight
-            weight = self.scene.noise_weight if weight is None else weight
+            own = self.candidates.noise_weight
+            weight = self.scene.noise_weight if own is None else own
             diagonal += weight * self.variance(mean_e, diagonal.copy())
         inverse = self._inverse(gram)
         seen = np.einsum("tj,ctm->cjm", self.arrays.training_xyz, training_e)

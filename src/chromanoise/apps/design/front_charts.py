@@ -1,7 +1,4 @@
-"""Charts of a design: the front of a search, and the sensitivity of a sensor to its parameters.
-
-Figures of a design: the front of a search, and the sensitivity of a sensor.
-"""
+"""Charts of a design: the front of a search, and the sensitivity of a sensor to its parameters."""
 
 from typing import Any
 
@@ -9,11 +6,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from chromanoise.apps.design.front import FrontFile, FrontMember, FrontObjective, FrontReference
-from chromanoise.apps.design.sensitivity import Effect, Sensitivity
+from chromanoise.apps.design.sensitivity import Sensitivity
 from chromanoise.base import check
 from chromanoise.charts import (
     INK,
-    NONE,
     QUIET,
     brief,
     chromanoise_style,
@@ -24,7 +20,6 @@ from chromanoise.charts import (
 from chromanoise.noise import conditions
 
 _DIGITS = 4
-_MOST = 3  # parameters in the description of a sensitivity
 
 
 def drawn_front(front: FrontFile, *, x: str | None = None, y: str | None = None) -> dict[str, Any]:
@@ -151,51 +146,6 @@ def _description(front: FrontFile, sensors: str) -> str:
     return f"{sensors}; better is {listed(better)}.{beside} {' '.join(front.sentences)}".strip()
 
 
-def drawn_sensitivity(result: Sensitivity) -> dict[str, Any]:
-    """One bar per parameter and objective.
-
-    Returns
-    -------
-    dict
-        ``title``, ``description``; ``objectives`` with their value; ``bars``, one per parameter,
-        with ``effects`` and their ``text`` by objective; ``notes``; ``table``.
-    """
-    bars = [_bar(effect, result) for effect in result.effects]
-    heads = (o.name if o.unit == "1" else f"{o.name} [{o.unit}]" for o in result.objectives)
-    first = result.objectives[0]
-    largest = "; ".join(
-        f"{bar['what']} {bar['text'][first.name]} per {bar['unit']}" for bar in bars[:_MOST]
-    )
-    return {
-        "title": f"Sensitivity of {result.point.sensor.label} at {conditions([result.point])}",
-        "description": f"Largest effects on {first.what}: {largest}.",
-        "objectives": [
-            {"name": one.name, "what": one.what, "unit": one.unit, "value": result.value[one.name]}
-            for one in result.objectives
-        ],
-        "bars": bars,
-        "notes": list(result.notes),
-        "table": table(
-            ["parameter", "change", *heads],
-            [[bar["what"], f"+1 {bar['unit']}", *bar["text"].values()] for bar in bars],
-        ),
-    }
-
-
-def _bar(effect: Effect, result: Sensitivity) -> dict[str, Any]:
-    text = {}
-    for one in result.objectives:
-        slope = brief(effect.slope[one.name])
-        text[one.name] = slope if one.unit == "1" or slope == NONE else f"{slope} {one.unit}"
-    return {
-        "name": effect.parameter.name,
-        "what": effect.parameter.what,
-        "unit": effect.parameter.unit,
-        "effects": dict(effect.slope),
-        "text": text,
-    }
-
-
 _REFERENCES = "sD^vP*"
 _MOST_NAMED = 6
 _SIZE_IN = (6.4, 4.4)
@@ -270,13 +220,13 @@ def draw_sensitivity(result: Sensitivity, ax: Axes) -> Axes:
     ax
         Axes.
     """
-    drawn = drawn_sensitivity(result)
-    one = drawn["objectives"][0]
-    bars = [bar for bar in drawn["bars"] if bar["effects"][one["name"]] is not None][:_MOST_BARS]
-    for row, bar in enumerate(bars):
-        size = bar["effects"][one["name"]]
+    first = result.objectives[0]
+    sizes = [(one.parameter, one.slope[first.name]) for one in result.effects]
+    bars = [(one, size) for one, size in sizes if size is not None][:_MOST_BARS]
+    for row, (_, size) in enumerate(bars):
         ax.barh(row, size, color=INK if size >= 0 else QUIET)
-    ax.set_yticks(range(len(bars)), [f"{bar['what']}, +1 {bar['unit']}" for bar in bars])
+    ax.set_yticks(range(len(bars)), [f"{one.what}, +1 {one.unit}" for one, _ in bars])
     ax.invert_yaxis()
-    ax.set(xlabel=f"change of {one['what']} [{one['unit']}]", title=drawn["title"])
+    title = f"Sensitivity of {result.point.sensor.label} at {conditions([result.point])}"
+    ax.set(xlabel=f"change of {first.what} [{first.unit}]", title=title)
     return ax

@@ -1,7 +1,7 @@
 """Effects of 1 nm or 1 % of each parameter of a sensor on objectives, and tolerance budgets."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import Any, ClassVar
 
@@ -684,12 +684,10 @@ def _spread(
     draws: int,
     seed: int,
 ) -> Spread:
-    slopes = np.array([[effect.slope[one.name] or 0.0 for effect in effects] for one in entries])
-    contribution = np.abs(slopes) * widths / np.sqrt(3.0)
-    names = [one.name for one in entries]
-    drawn = [_Drawn() for _ in names]
+    parameters = [effect.parameter for effect in effects]
+    columns: list[Array | None] = [None] * len(entries)
+    amounts = np.empty((0, len(effects)))
     if draws:
-        parameters = [effect.parameter for effect in effects]
         low = np.array([0.0 if one.one_sided else -1.0 for one in parameters])
         uniform = stream(seed).random((draws, len(effects)))
         amounts = (low + (1.0 - low) * uniform) * widths
@@ -697,47 +695,37 @@ def _spread(
             values({one.name: float(x) for one, x in zip(parameters, row, strict=True) if x})
             for row in amounts
         ]
-        drawn = [_drawn(amounts, column) for column in np.array(found).T]
-    by_name = dict(zip(names, drawn, strict=True))
-    return Spread(
-        contribution=dict(zip(names, contribution, strict=True)),
-        total=dict(zip(names, np.sqrt((contribution**2).sum(axis=1)).tolist(), strict=True)),
-        worst=dict(zip(names, (np.abs(slopes) @ widths).tolist(), strict=True)),
-        drawn={name: one.spread for name, one in by_name.items()},
-        drawn_share={name: one.shares for name, one in by_name.items()},
-        explained={name: one.explained for name, one in by_name.items()},
-        undefined={name: one.undefined for name, one in by_name.items()},
-    )
+        columns = list(np.array(found).T)
+    spreads = {}
+    for one, column in zip(entries, columns, strict=True):
+        slopes = np.abs([effect.slope[one.name] or 0.0 for effect in effects])
+        contribution = slopes * widths / np.sqrt(3.0)
+        spreads[one.name] = {
+            "contribution": contribution,
+            "total": float(np.sqrt((contribution**2).sum())),
+            "worst": float(slopes @ widths),
+        } | _drawn(amounts, column)
+    names = [one.name for one in fields(Spread)]
+    return Spread(**{name: {key: one[name] for key, one in spreads.items()} for name in names})
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _Drawn:
-    """One objective of the drawn sensors, as in `Spread`."""
-
-    spread: float | None = None
-    shares: Float[Array, " d"] | None = None
-    explained: float | None = None
-    undefined: int = 0
-
-
-def _drawn(amounts: Float[Array, "draws d"], column: Float[Array, " draws"]) -> _Drawn:
+def _drawn(amounts: Float[Array, "draws d"], column: Array | None) -> dict[str, Any]:
     """Spread of an objective of drawn sensors, and its linear regression on their parameters."""
+    found: dict[str, Any] = {"drawn": None, "drawn_share": None, "explained": None, "undefined": 0}
+    if column is None:
+        return found
     defined = np.isfinite(column)
-    undefined = int((~defined).sum())
+    found["undefined"] = int((~defined).sum())
     column, amounts = column[defined], amounts[defined]
     if column.size < FEWEST_DRAWS:
-        return _Drawn(undefined=undefined)
-    spread = float(column.std(ddof=1))
-    if spread == 0 or column.size <= amounts.shape[1] + 1:
-        return _Drawn(spread=spread, undefined=undefined)
-    centered, variance = amounts - amounts.mean(axis=0), column.var()
-    fit = lstsq("tolerances", centered, column - column.mean(), rcond=None)[0]
-    return _Drawn(
-        spread=spread,
-        shares=fit**2 * centered.var(axis=0) / variance,
-        explained=float((centered @ fit).var() / variance),
-        undefined=undefined,
-    )
+        return found
+    found["drawn"] = float(column.std(ddof=1))
+    if found["drawn"] and column.size > amounts.shape[1] + 1:
+        centered, variance = amounts - amounts.mean(axis=0), column.var()
+        fit = lstsq("tolerances", centered, column - column.mean(), rcond=None)[0]
+        found["drawn_share"] = fit**2 * centered.var(axis=0) / variance
+        found["explained"] = float((centered @ fit).var() / variance)
+    return found
 
 
 def _finite(value: float) -> float | None:
