@@ -252,7 +252,7 @@ def compare(
 def _second_span(text: str) -> dict[str, Any]:
     """Parse NAME=FIRST:LAST[:POINTS]: the second parameter, its range and its number of values."""
     span, _, points = text.rpartition(":")
-    if ":" not in span:
+    if span.count(":") != 1:
         span, points = text, ""
     try:
         count = {"second_points": int(points)} if points or span != text else {}
