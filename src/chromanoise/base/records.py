@@ -310,8 +310,11 @@ class Record(metaclass=_OfRecords):
 
     @classmethod
     def model_json_schema(cls) -> dict[str, Any]:
-        """The JSON Schema of the record."""
-        return record_schema(cls)
+        """The JSON Schema of the record, with those inside it under ``$defs``."""
+        definitions: dict[str, Any] = {}
+        own = _of_record(cls, definitions)
+        definitions.pop(cls.__name__, None)
+        return {"$defs": dict(sorted(definitions.items())), **own} if definitions else own
 
     def model_copy(self: SomeRecord, *, update: Mapping[str, Any] | None = None) -> SomeRecord:
         """A copy with some fields replaced by values that are not checked."""
@@ -585,27 +588,23 @@ def _annotated(check: _Check, metadata: Iterable[Any]) -> _Check:
     return checked
 
 
-def _number(value: Any, place: Place) -> Any:
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        return place.refuse("must be a valid number", value)
-    return float(value)
+def _of_plain_type(kind: Any, accepted: Any, words: str) -> _Check:
+    """The check of a type without parts; a truth value is no number."""
+
+    def checked(value: Any, place: Place) -> Any:
+        if not isinstance(value, accepted) or (isinstance(value, bool) and kind is not bool):
+            return place.refuse(f"must be a valid {words}", value)
+        return kind(value)
+
+    return checked
 
 
-def _integer(value: Any, place: Place) -> Any:
-    if isinstance(value, bool) or not isinstance(value, int):
-        return place.refuse("must be a valid integer", value)
-    return value
-
-
-def _text(value: Any, place: Place) -> Any:
-    return value if isinstance(value, str) else place.refuse("must be a valid string", value)
-
-
-def _flag(value: Any, place: Place) -> Any:
-    return value if isinstance(value, bool) else place.refuse("must be a valid boolean", value)
-
-
-_PLAIN: dict[Any, _Check] = {float: _number, int: _integer, str: _text, bool: _flag}
+_PLAIN: dict[Any, _Check] = {
+    float: _of_plain_type(float, int | float, "number"),
+    int: _of_plain_type(int, int, "integer"),
+    str: _of_plain_type(str, str, "string"),
+    bool: _of_plain_type(bool, bool, "boolean"),
+}
 
 
 def _one_of_types(kinds: Sequence[Any], may_be_none: bool) -> _Check:
@@ -659,7 +658,7 @@ def _table_of(check: _Check) -> _Check:
     def checked(value: Any, place: Place) -> Any:
         if not isinstance(value, Mapping):
             return place.refuse("must be a table of keys", value)
-        if any(_text(key, place.inside(str(key))) is _REFUSED for key in value):
+        if any(_PLAIN[str](key, place.inside(str(key))) is _REFUSED for key in value):
             return _REFUSED
         found = {key: check(one, place.inside(key)) for key, one in value.items()}
         return _REFUSED if any(one is _REFUSED for one in found.values()) else found
@@ -688,14 +687,6 @@ def _plain(value: Any, options: Mapping[str, Any]) -> Any:
 
 
 # ---- schema ----
-
-
-def record_schema(cls: type[Record]) -> dict[str, Any]:
-    """The JSON Schema of a class of records, with those inside under ``$defs``."""
-    definitions: dict[str, Any] = {}
-    own = _of_record(cls, definitions)
-    definitions.pop(cls.__name__, None)
-    return {"$defs": dict(sorted(definitions.items())), **own} if definitions else own
 
 
 def _of_record(cls: type[Record], definitions: dict[str, Any]) -> dict[str, Any]:

@@ -33,6 +33,7 @@ from chromanoise.cli.output import (
     print_lines,
     progress_of,
     refuse_taken_inputs,
+    superfluous,
     table_text,
     write_outputs,
 )
@@ -83,13 +84,8 @@ def print_copy(kind: str, study: Study) -> None:
     context = click.get_current_context()
     for name, option in _NOT_COPIED.items():
         if context.get_parameter_source(name) is click.core.ParameterSource.COMMANDLINE:
-            raise InputError(
-                option,
-                "must not be given with --copy-as, as a study does not contain it",
-                value=str(context.params[name]),
-                found=None,
-                remedy="omit it",
-            )
+            why = "with --copy-as, as a study does not contain it"
+            raise superfluous(option, why, str(context.params[name]))
     refuse_idle(study)
     click.echo(_TEXTS[kind](study), nl=False)
 
@@ -256,16 +252,13 @@ def compare(
 def _second_span(text: str) -> dict[str, Any]:
     """Parse NAME=FIRST:LAST[:POINTS]: the second parameter, its range and its number of values."""
     span, _, points = text.rpartition(":")
-    count = {}
-    if span.count(":") == 1:
-        text = span
-        try:
-            count = {"second_points": int(points)}
-        except ValueError:
-            raise InputError(
-                "--and", "must end with a whole number of values", value=points
-            ) from None
-    return {f"second_{key}": value for key, value in _span(text, "--and").items()} | count
+    if span.count(":") != 1:
+        span, points = text, ""
+    try:
+        count = {"second_points": int(points)} if points or span != text else {}
+    except ValueError:
+        raise InputError("--and", "must end with a whole number of values", value=points) from None
+    return {f"second_{key}": value for key, value in _span(span, "--and").items()} | count
 
 
 def _span(text: str | None, option: str) -> dict[str, Any]:
@@ -349,14 +342,11 @@ def _span_of_matrix(text: str | None) -> dict[str, Any]:
     """Parse FIRST:LAST[:POINTS]."""
     if text is None:
         return {}
-    parts = text.split(":")
     try:
-        first, last = map(float, parts[:2])
-        points = {"pareto_points": int(parts[2])} if len(parts) == 3 else {}
+        first, last, *points = text.split(":")
+        (count,) = map(int, points or ["0"])
+        span = {"pareto_first": float(first), "pareto_last": float(last)}
     except ValueError:
-        parts = []
-    if len(parts) not in (2, 3):
-        raise InputError(
-            "--pareto", "must be FIRST:LAST or FIRST:LAST:POINTS, e.g. 0.001:1000", value=text
-        )
-    return {"pareto_first": first, "pareto_last": last, **points}
+        demand = "must be FIRST:LAST or FIRST:LAST:POINTS, e.g. 0.001:1000"
+        raise InputError("--pareto", demand, value=text) from None
+    return span | ({"pareto_points": count} if points else {})

@@ -337,7 +337,6 @@ def _escaped(error: UnicodeError) -> tuple[str, int]:
 def _prepare_libraries() -> None:
     """Override settings of libraries that do not apply to a command."""
     os.environ["MPLBACKEND"] = "agg"  # figures go to files, never to a window
-    os.environ["PYDANTIC_DISABLE_PLUGINS"] = "1"  # plugins: reads all installed packages
     os.environ.pop("NUMBA_NUM_THREADS", None)  # numba's own threads are not used
 
 

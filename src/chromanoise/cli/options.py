@@ -124,15 +124,15 @@ def pair(option: str, text: str | None, separator: str, kind: Any) -> Any:
     InputError
         If the text is anything else.
     """
-    if text is None:
-        return None
-    parts = text.split(separator)
     try:
-        first, second = (kind(part) for part in parts)
+        return None if text is None else _two(text, separator, kind)
     except ValueError:
-        raise InputError(
-            option, f"must be two numbers with {separator!r} between them", value=text
-        ) from None
+        demand = f"must be two numbers with {separator!r} between them"
+        raise InputError(option, demand, value=text) from None
+
+
+def _two(text: str, separator: str, kind: Any) -> tuple[Any, Any]:
+    first, second = map(kind, text.split(separator))
     return first, second
 
 
@@ -257,83 +257,78 @@ def answers_of(settings: Mapping[str, Any]) -> Answers:
     return Answers(**given)
 
 
-class _WholeNumber(click.ParamType):
-    """A whole number, also in the form 1e6."""
+class _Read(click.ParamType):
+    """The type of an option whose text a function reads; what is no text stays as it is.
 
-    name = "integer"
+    Parameters
+    ----------
+    name
+        Shown in the help where the option has no metavar.
+    read
+        Gives the value of a text, or raises a ValueError.
+    demand
+        What the text must be, for the error.
+    otherwise
+        Gives the value of a text that ``read`` refuses, or ``None`` to refuse it.
+    """
 
-    def convert(self, value: Any, param: Any, ctx: Any) -> int:
-        for read in (int, float):
-            with suppress(ValueError, OverflowError):  # not a number; infinite
-                if int(read(value)) == read(value):
-                    return int(read(value))
-        raise InputError(max(param.opts, key=len), "must be a whole number", value=str(value))
-
-
-WHOLE = _WholeNumber()
-
-
-class _NumberOrFile(click.ParamType):
-    """A number, or else the name of a file."""
-
-    name = "number or file"
-
-    def convert(self, value: Any, param: Any, ctx: Any) -> float | str:
-        try:
-            return float(value)
-        except ValueError:
-            return str(value)
-
-
-class _Numbers(click.ParamType):
-    """Numbers separated by commas; with ``or_word``, or else a word."""
-
-    name = "numbers"
-
-    def __init__(self, *, or_word: bool = False) -> None:
-        self.or_word = or_word
+    def __init__(
+        self,
+        name: str,
+        read: Callable[[str], Any],
+        demand: str = "",
+        otherwise: Callable[[str], Any] = lambda _: None,
+    ) -> None:
+        self.name, self.read, self.demand, self.otherwise = name, read, demand, otherwise
 
     def convert(self, value: Any, param: Any, ctx: Any) -> Any:
         if not isinstance(value, str):
             return value
         try:
-            return tuple(float(part) for part in value.split(","))
-        except ValueError:
-            if self.or_word:
-                return value
+            return self.read(value)
+        except (ValueError, OverflowError):  # an infinite number is an OverflowError
+            found = self.otherwise(value)
+            if found is not None:
+                return found
             option = max(param.opts, key=len)
-            raise InputError(option, "must be numbers with commas between", value=value) from None
+            raise InputError(option, f"must be {self.demand}", value=value) from None
 
 
-class _Pair(click.ParamType):
+def _whole(text: str) -> int:
+    """A whole number, also in the form 1e6."""
+    with suppress(ValueError):
+        return int(text)
+    if int(float(text)) != float(text):
+        raise ValueError
+    return int(float(text))
+
+
+def _existing(text: str) -> str | None:
+    return text if file_of(text).exists() else None
+
+
+WHOLE = _Read("integer", _whole, "a whole number")
+_NUMBER_OR_FILE = _Read("number or file", float, otherwise=str)
+_WORDS = _Read("words", lambda text: text.split(","))
+
+
+def _numbers(*, or_word: bool) -> _Read:
+    """Numbers separated by commas; with ``or_word``, or else a word."""
+
+    def read(text: str) -> tuple[float, ...]:
+        return tuple(float(one) for one in text.split(","))
+
+    otherwise: Callable[[str], Any] = str if or_word else lambda _: None
+    return _Read("numbers", read, "numbers with commas between", otherwise)
+
+
+def _pair(*, whole: bool, or_file: bool) -> _Read:
     """Two numbers, whole with ``x`` between them, else with a colon; or else the name of a file."""
-
-    name = "pair"
-
-    def __init__(self, *, whole: bool, or_file: bool) -> None:
-        self.whole, self.or_file = whole, or_file
-
-    def convert(self, value: Any, param: Any, ctx: Any) -> Any:
-        option = max(param.opts, key=len)
-        try:
-            return pair(option, value, *(("x", int) if self.whole else (":", float)))
-        except InputError:
-            if not self.or_file:
-                raise
-            if file_of(value).exists():
-                return value
-            raise InputError(
-                option, "must be FIRST:LAST in nm, or a file that lists them", value=value
-            ) from None
-
-
-class _Words(click.ParamType):
-    """Words separated by commas."""
-
-    name = "words"
-
-    def convert(self, value: Any, param: Any, ctx: Any) -> Any:
-        return value.split(",") if isinstance(value, str) else value
+    separator, kind = ("x", int) if whole else (":", float)
+    read = partial(_two, separator=separator, kind=kind)
+    if or_file:
+        return _Read("pair", read, "FIRST:LAST in nm, or a file that lists them", _existing)
+    return _Read("pair", read, f"two numbers with {separator!r} between them")
 
 
 def _by_channel(_: Any, __: Any, given: tuple[str, ...]) -> dict[str, str] | None:
@@ -443,15 +438,15 @@ def _type_of(one: DescribedSetting) -> click.ParamType | type:
     if get_origin(kind) is Literal:
         return click.Choice(get_args(kind))
     if get_origin(kind) is Sequence and str in kinds:
-        return _Words()
+        return _WORDS
     if one.of.names and not one.of.others:
         return click.Choice(one.of.names)
     if any(get_origin(part) is Sequence for part in (kind, *get_args(kind))):
-        return _Numbers(or_word=str in kinds)
+        return _numbers(or_word=str in kinds)
     if any(get_origin(part) is tuple for part in (kind, *get_args(kind))):
-        return _Pair(whole=int in kinds, or_file=str in kinds)
+        return _pair(whole=int in kinds, or_file=str in kinds)
     if float in kinds and str in kinds:
-        return _NumberOrFile()
+        return _NUMBER_OR_FILE
     return WHOLE if kind is int else float if kind is float else str
 
 

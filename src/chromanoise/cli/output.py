@@ -108,6 +108,14 @@ def refuse_taken_inputs(
             table_writer(Path(target))
 
 
+def superfluous(option: str, why: str, value: Any, *, setting: str = "") -> InputError:
+    """The error of an option that must not be given here; ``why`` follows "must not be given"."""
+    requirement = f"must not be given {why}"
+    return InputError(
+        option, requirement, value=value, found=None, remedy="omit it", setting=setting
+    )
+
+
 def terminal() -> Console:
     """Standard output for tables; 140 columns wide if it is no terminal."""
     console = Console(highlight=False, markup=False)

@@ -13,7 +13,7 @@ import numpy as np
 
 from chromanoise.base import InputError, Setting, among, write_whole
 from chromanoise.cli.options import answering, answers_of, command, of_one_file
-from chromanoise.cli.output import options_text, refuse_inputs, write_json
+from chromanoise.cli.output import options_text, refuse_inputs, superfluous, write_json
 from chromanoise.io import read_curves, sensor_data, sensor_json, spectra_json
 from chromanoise.io.spectra import (
     ParsedSpectra,
@@ -73,20 +73,12 @@ def convert(source: str, target: Path, form: str, created: str | None, **options
     cannot keep.
     """
     ending = target.suffix.lower()
-    if ending not in _ENDINGS:
-        raise InputError(
-            str(target),
-            f"must end in {', '.join(_ENDINGS)}",
-            value=ending,
-            found=f"ends in {ending!r}" if ending else "has no ending",
-        )
-    if form == "rawtoaces" and ending != ".json":
-        raise InputError(
-            str(target),
-            "must end in .json for --as rawtoaces",
-            value=ending,
-            found=f"ends in {ending!r}",
-        )
+    demand = "" if ending in _ENDINGS else f"must end in {', '.join(_ENDINGS)}"
+    if not demand and form == "rawtoaces" and ending != ".json":
+        demand = "must end in .json for --as rawtoaces"
+    if demand:
+        found = f"ends in {ending!r}" if ending else "has no ending"
+        raise InputError(str(target), demand, value=ending, found=found)
     refuse_inputs(target, "OUT", source)
     kind = form if form == "rawtoaces" else ending
     day = _day(created)
@@ -114,22 +106,11 @@ def _read(source: str, options: dict[str, Any]) -> Sensor | ParsedSpectra:
     """A sensor of the catalog or of a chromanoise JSON file, or the parsed curves of a file."""
     if not is_file_word(source, "sensor"):
         if options["quantity"] is not None:
-            raise InputError(
-                "--quantity",
-                f"must not be given for {source}, a sensor of the catalog",
-                value=options["quantity"],
-                found=None,
-                remedy="omit it",
-            )
+            why = f"for {source}, a sensor of the catalog"
+            raise superfluous("--quantity", why, options["quantity"])
         for name in idle_answers([source], answers_of(options)):
-            raise InputError(
-                name,
-                f"must not be given for {source}, where it changes nothing",
-                value=options[name],
-                found=None,
-                remedy="omit it",
-                setting=name,
-            )
+            why = f"for {source}, where it changes nothing"
+            raise superfluous(name, why, options[name], setting=name)
         return resolve_sensor(source, answers=answers_of(options))
     path = file_there(source, "sensor")
     own = own_sensor_of(path)
@@ -236,13 +217,7 @@ def _one(names: tuple[str, ...], columns: tuple[str, ...], source: str) -> str:
 
 def _refuse_columns(columns: tuple[str, ...], what: str) -> None:
     if columns:
-        raise InputError(
-            "--column",
-            f"must not be given for {what}, which keeps all its curves",
-            value=columns,
-            found=None,
-            remedy="omit it",
-        )
+        raise superfluous("--column", f"for {what}, which keeps all its curves", columns)
 
 
 def _unit_lost(spectra: Spectra) -> list[str]:
@@ -309,14 +284,8 @@ def _refuse_answers(options: dict[str, Any]) -> None:
     """Refuse options: the JSON of a sensor declares everything they could supply."""
     for name, value in options.items():
         if value not in (None, ()):
-            raise InputError(
-                name,
-                "must not be given for the JSON of a sensor, which declares it",
-                value=value,
-                found=None,
-                remedy="omit it",
-                setting=name,
-            )
+            why = "for the JSON of a sensor, which declares it"
+            raise superfluous(name, why, value, setting=name)
 
 
 def own_lines(file: Path, own: Sensor) -> list[str]:

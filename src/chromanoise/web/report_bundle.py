@@ -161,6 +161,10 @@ def _lowered(word: str) -> str:
     return f'<math xmlns="http://www.w3.org/1998/Math/MathML" display="inline">{below}</math>'
 
 
+def _formula(latex: str, _: str) -> str:
+    return mathml(latex)
+
+
 PAPER_FORMULAS = {
     r"theta\(y,\s?g\)": r"\theta(y, g)",
     r"\bY\^(?!\w)": r"\hat{Y}",
@@ -172,9 +176,7 @@ _COORDINATES: dict[str, Callable[[str], str]] = {r"M\^[^\s\[\],;]+": coordinate_
 _OF_THE_PAPER: dict[str, Callable[[str], str]] = {
     r"\bSNR_\w+": _lowered,
     r"\b(?:RGBW|RGB|G)_n\b": _lowered,
-} | {
-    pattern: partial(lambda latex, _: mathml(latex), latex)
-    for pattern, latex in PAPER_FORMULAS.items()
+    **{pattern: partial(_formula, latex) for pattern, latex in PAPER_FORMULAS.items()},
 }
 
 
