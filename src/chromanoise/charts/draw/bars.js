@@ -40,7 +40,7 @@ export function draw(element, data, options = {}) {
   });
   const drawn = figure(width, tops.height, data.title, data.description, nodes);
   readable(element, data.table, () => places(own, boxes, grid, tops.rows), true);
-  const kept = ghosts.length ? [legend([], "mark", 0, [pinned()])] : [];
+  const kept = ghosts.length ? [legend([pinned()])] : [];
   refill(element, caption(data), ...kept, drawn, ...notes(data));
 }
 

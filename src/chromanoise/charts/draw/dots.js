@@ -28,7 +28,9 @@ export function draw(element, data, options = {}) {
   const ghosts = options.ghosts ?? [];
   const kinds = kindsOf(data, ghosts);
   const plan = layout(data.sensors, kinds, width);
-  const key = legend(data.sensors, "mark", ghosts.length);
+  const lines = sensorLines(data.sensors);
+  const entries = data.sensors.map((name, i) => ({ drawn: [mark(i, 18, 8, lines[i].color)], name }));
+  const key = legend(entries, ghosts.length, ghostMark(0, 18, 8));
   const figures = kinds.map((kind, k) => section(kind, plan, k));
   const boxes = kinds.map((kind, k) => html("div", { class: "d-view" }, [heading(kind), figures[k]]));
   const all = html("div", { class: "d-views d-kinds" }, boxes);

@@ -183,46 +183,17 @@ export function ghostMark(i, x, y, r = 5) {
 }
 
 /**
- * The sensors' names with their dash or mark, in HTML so that it wraps at any width.
- * `how` is "line", "mark" or "both".
+ * Names with what stands for them, in HTML so that they wrap at any width.
  *
- * @param {string[]} names
- * @param {"line" | "mark" | "both"} [how]
- * @param {number} [ghosts]
- * @param {Entry[]} [more]
+ * @param {Entry[]} entries
+ * @param {number} [ghosts] number of pinned answers, which have an entry
+ * @param {Node} [ghost] what stands for them; a line where there is none
  */
-export function legend(names, how = "line", ghosts = 0, more = []) {
-  const lines = sensorLines(names);
-  const items = names.map((name, i) => {
-    const drawn = [];
-    if (how !== "mark") drawn.push(swatchLine("d-curve", lines[i].dash, lines[i].color));
-    if (how !== "line") drawn.push(mark(i, 18, 8, lines[i].color));
-    return item(drawn, name);
-  });
-  for (const extra of more) items.push(item(extra.drawn, extra.name, extra.width));
-  if (ghosts) {
-    const drawn = how === "mark" ? ghostMark(0, 18, 8) : swatchLine("d-curve d-ghost", "");
-    items.push(item([drawn], "pinned"));
-  }
-  return html("p", { class: "d-legend" }, items);
-}
-
-/**
- * The legend of a chart that names its sensors elsewhere: none without pinned answers.
- *
- * @param {object[]} ghosts
- */
-export function pinnedLegend(ghosts) {
-  return ghosts.length ? [legend([], "line", ghosts.length)] : [];
-}
-
-/**
- * @param {string} look
- * @param {string} dash
- * @param {string | null} [color]
- */
-function swatchLine(look, dash, color = null) {
-  return svg("path", { d: "M1 8H35", class: look, "stroke-dasharray": dash || null, stroke: color });
+export function legend(entries, ghosts = 0, ghost = undefined) {
+  /** @type {Entry} */
+  const pinned = { drawn: [ghost ?? svg("path", { d: "M1 8H35", class: "d-curve d-ghost" })], name: "pinned" };
+  const all = ghosts ? [...entries, pinned] : entries;
+  return html("p", { class: "d-legend" }, all.map(({ drawn, name, width }) => item(drawn, name, width)));
 }
 
 /**

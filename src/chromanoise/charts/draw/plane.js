@@ -667,7 +667,7 @@ function key({ chart, styleOf }, ghosts, beside) {
     if (shape !== null) drawn.push(mark(shape, 18, 8, color ?? "var(--ink)", 4));
     return [{ drawn, name: one.name }];
   });
-  return entries.length || ghosts ? [legend([], "line", ghosts, entries)] : [];
+  return entries.length || ghosts ? [legend(entries, ghosts)] : [];
 }
 
 /** @param {Chart} data */

@@ -176,7 +176,7 @@ function key(data, sensors, plan, ghosts) {
     const drawn = [swatch(i, plan), ...(plan.count > 2 ? [mark(i, 45, 8, color[i], 4)] : [])];
     return { drawn, name: `${place}${name}${ghost}`, width: plan.count > 2 ? 54 : 36 };
   });
-  return legend([], "line", 0, more);
+  return legend(more);
 }
 
 /**

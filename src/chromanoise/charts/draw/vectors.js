@@ -77,7 +77,7 @@ function built(element, data, width, ghosts) {
   view.status = html("p", { class: "d-note", role: "status" });
   view.title = caption(data);
   const boxes = view.solids.map(({ box }) => box);
-  const kept = ghosts ? [legend([], "line", ghosts)] : [];
+  const kept = ghosts ? [legend([], ghosts)] : [];
   view.root = html("div", {}, [view.title, ...kept, html("div", { class: "d-views" }, boxes), view.status]);
   return view;
 }

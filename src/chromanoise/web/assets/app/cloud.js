@@ -167,7 +167,7 @@ function key({ members, references }) {
   });
   if (references.length) entries.push({ drawn: [svg("path", { d: markPath(1, 18, 8), class: "d-reference" })], name: "reference" });
   entries.push({ drawn: [svg("circle", { cx: 18, cy: 8, r: 7, class: "d-loaded" })], name: "loaded" });
-  return legend([], "mark", 0, entries);
+  return legend(entries);
 }
 
 /** @param {number} count */
