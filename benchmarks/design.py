@@ -15,8 +15,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
-from chromanoise.apps.design.batch import DesignScene, SceneArrays, scene_arrays
-from chromanoise.apps.design.evaluation import Objectives
+from chromanoise.apps.design.evaluation import DesignScene, Objectives, SceneArrays, scene_arrays
 from chromanoise.apps.design.parameters import Candidates
 from chromanoise.noise import Exposure, OperatingPoint
 from chromanoise.spectra import Grid, equal_energy

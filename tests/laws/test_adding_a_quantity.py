@@ -19,7 +19,7 @@ def _headroom(candidate: Candidate) -> float:
 """
 EDITS = {
     "study/sweeps.py": ("def is_saturated(", QUANTITY),
-    "apps/design/objectives.py": ('@_objective(\n    "share of full well"', OBJECTIVE),
+    "apps/design/objectives.py": ("FAST = tuple(", OBJECTIVE),
 }
 QUESTIONS = """
 import contextlib, io, json

@@ -5,9 +5,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from chromanoise.apps.design import batch
 from chromanoise.apps.design.evaluation import DesignScene, Objectives, candidate_point
-from chromanoise.apps.design.objectives import OBJECTIVES, Candidate, value_of
+from chromanoise.apps.design.objectives import FAST, OBJECTIVES, Candidate, value_of
 from chromanoise.apps.design.parameters import (
     Candidates,
     Parameter,
@@ -29,7 +28,6 @@ from chromanoise.spectra import (
 )
 from outcomes import refused_input
 
-FAST = tuple(batch.FAST)
 GRID = Grid.uniform(400, 1000, 20)
 NM = GRID.wavelength_nm
 E_LAMP = equal_energy(GRID)

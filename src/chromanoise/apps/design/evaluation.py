@@ -1,30 +1,145 @@
-"""Objectives of many candidates in one or more scenes, and their derivatives."""
+"""The scenes of a design: light and exposure, the color matrix, and the arrays of a batch.
+
+Objectives of many candidates in one or more scenes.
+"""
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any, Literal, Protocol, get_args, runtime_checkable
 
 import numpy as np
 
-from chromanoise.apps.design.batch import (
-    FAST,
-    FULL,
-    NOISE_WEIGHTED,
-    Block,
-    Choices,
-    DesignScene,
-    noise_in,
-    scene_arrays,
+from chromanoise.apps.design.objectives import FAST, OBJECTIVES, Candidate, Objective, value_of
+from chromanoise.apps.design.parameters import Candidates, noise_of
+from chromanoise.base import (
+    Array,
+    Bool,
+    Float,
+    Inexact,
+    InputError,
+    Integer,
+    check,
+    qr,
+    svd,
+    unit_columns,
 )
-from chromanoise.apps.design.objectives import OBJECTIVES, Candidate, Objective, value_of
-from chromanoise.apps.design.parameters import Candidates
-from chromanoise.base import Array, Bool, Float, Inexact, InputError, Integer, check
-from chromanoise.color import penalized_matrix
+from chromanoise.color import balanced_cielab, penalized_matrix, shares
 from chromanoise.geometry import dual_and_orthonormal_bases
-from chromanoise.noise import OperatingPoint, noise_sources
-from chromanoise.study import electrons_at, matrix_makers
+from chromanoise.noise import (
+    OperatingPoint,
+    demand_independent_channels,
+    measurement_vectors,
+    noise_sources,
+)
+from chromanoise.sensor import code_range_e
+from chromanoise.spectra import Metric, Scene, Spectra, chart_on, color_axes, is_infrared, light
+from chromanoise.study import (
+    DEFAULT_METHOD,
+    DEFAULT_PRIOR,
+    MatrixMaker,
+    electrons_at,
+    matrix_makers,
+    pairs_of,
+    training_named,
+)
+
+_ROUNDING = 1e-16  # of the largest singular value of a training set
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class DesignScene:
+    """Light, exposure and color matrix with which every candidate of a design is evaluated.
+
+    Attributes
+    ----------
+    point
+        Light, exposure, observer and chart. Its sensor gives the pixel and the converter; its
+        curves are replaced by those of a candidate.
+    name
+        Name of the scene.
+    matrix
+        A name from `chromanoise.study.METHODS`, with its parameter: ``ridge=0.01``.
+    metric
+        Metric of the space of spectra.
+    prior
+        Training set of a trained matrix: a name, or reflectances on the grid.
+
+    Raises
+    ------
+    InputError
+        If there is no such matrix or prior, light and sensor have different grids, or crosstalk
+        after counting correlates the channels.
+    """
+
+    point: OperatingPoint
+    name: str = ""
+    matrix: str = DEFAULT_METHOD
+    metric: Metric = "quanta"
+    prior: str | Spectra = DEFAULT_PRIOR
+
+    def __post_init__(self) -> None:
+        matrix_makers([self.matrix], self.metric, prior=self.prior)
+        demand_independent_channels(self.point.sensor)
+        lit, own = self.point.illuminant.grid, self.point.sensor.grid
+        if lit != own:
+            raise InputError(
+                f"scene {self.name}",
+                "must have the grid of the sensor",
+                value=lit,
+                found=f"is on {lit} and {self.point.sensor.name} on {own}",
+            )
+
+    @property
+    def maker(self) -> MatrixMaker:
+        """The method of the color matrix."""
+        return matrix_makers([self.matrix], self.metric, prior=self.prior)[self.matrix.strip()]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SceneArrays:
+    """What a batch of candidates needs of a scene. Electrons are those of a QE of 1.
+
+    Attributes
+    ----------
+    white_e, infrared_e
+        Electrons per wavelength of a perfect white, and of its part from 700 nm on. [e-]
+    chart_e
+        Of the patches of the chart. [e-]
+    paired_e
+        Of the patches of the pairs; ``None`` where they are those of the chart. [e-]
+    pairs
+        Indices of the two patches of each pair.
+    training_e, training_xyz
+        The training set, weighted by the roots of its shares and reduced to as many rows as are
+        independent, with their X, Y, Z: sums over the set are sums over these rows. [e-], [lx]
+    training_mean_e
+        Mean of the training set. [e-]
+    basis
+        The measurement vector f of a QE of 1. [e- per unit of light]
+    axes, orthonormal_axes
+        The color axes H, and an orthonormal basis of their span.
+    chart_lab
+        L*, a*, b* of the chart for the observer.
+    white_y
+        Y of a perfect white for the observer. [lx]
+    """
+
+    white_e: Float[Array, " n"]
+    infrared_e: Float[Array, " n"]
+    chart_e: Float[Array, "k n"]
+    paired_e: Float[Array, "l n"] | None
+    pairs: Integer[Array, "pairs 2"]
+    training_e: Float[Array, "t n"]
+    training_xyz: Float[Array, "t 3"]
+    training_mean_e: Float[Array, " n"]
+    basis: Float[Array, " n"]
+    axes: Float[Array, "n 3"]
+    orthonormal_axes: Float[Array, "n 3"]
+    chart_lab: Float[Array, "k 3"]
+    white_y: float
 
 
 def candidate_point(
@@ -62,15 +177,72 @@ def candidate_point(
     return replace(point, sensor=sensor, exposure=exposure)
 
 
+@lru_cache(maxsize=32)
+def scene_arrays(scene: DesignScene) -> SceneArrays:
+    """The arrays of a scene, computed once."""
+    point, grid = scene.point, scene.point.illuminant.grid
+    one = replace(
+        point.sensor,
+        qe=np.ones((grid.n, 1)),
+        names=("all",),
+        mosaic=None,
+        stacked=False,
+        crosstalk=None,
+    )
+    photons = measurement_vectors(one, point.exposure, "quanta")[:, 0]
+    basis = measurement_vectors(one, point.exposure, scene.metric)[:, 0]
+
+    def electrons(reflectance: Float[Array, "k n"]) -> Float[Array, "k n"]:
+        return photons * light(_scene(point, reflectance), "quanta")
+
+    def xyz(reflectance: Float[Array, "k n"]) -> Float[Array, "k 3"]:
+        return light(_scene(point, reflectance), "energy") @ color_axes(
+            grid, "energy", point.observer
+        )
+
+    chart = chart_on(grid, point.chart).values.T
+    white = np.ones((1, grid.n))
+    infrared = is_infrared(grid).astype(np.float64)
+    own_pairs = pairs_of(point)
+    training = training_named(scene.prior, point.illuminant, point.observer)
+    share, rho = shares(training), training.reflectance
+    root = np.sqrt(share)[:, None]
+    u, size, vt = svd("training set", root * electrons(rho), full_matrices=False)
+    kept = size > _ROUNDING * size[0]
+    axes = color_axes(grid, scene.metric, point.observer)
+    orthonormal, _ = qr("color axes", unit_columns(axes)[0])
+    white_xyz, chart_xyz = xyz(white)[0], xyz(chart)
+    return SceneArrays(
+        white_e=electrons(white)[0],
+        infrared_e=electrons(infrared[None])[0],
+        chart_e=electrons(chart),
+        paired_e=None if point.pairs is None else electrons(own_pairs.patches.values.T),
+        pairs=own_pairs.indices,
+        training_e=size[kept, None] * vt[kept],
+        training_xyz=u[:, kept].T @ (root * xyz(rho)),
+        training_mean_e=share @ electrons(rho),
+        basis=basis,
+        axes=axes,
+        orthonormal_axes=orthonormal,
+        chart_lab=balanced_cielab(chart_xyz / white_xyz),
+        white_y=float(white_xyz[1]),
+    )
+
+
+def _scene(point: OperatingPoint, reflectance: Float[Array, "k n"]) -> Scene:
+    return Scene(illuminant=point.illuminant, level_lux=point.level_lux, reflectance=reflectance)
+
+
 OverScenes = Literal["worst", "mean"]
 """Which value counts of those of all scenes."""
-_AT_ONCE = 256  # candidates, which fit the cache
+_WEIGHTED = ("least-squares", "lmmse", "noise-regularized")
 _COMPLEX_STEP = 1e-30
 _DIFFERENCE_STEP = 1e-5  # of the range of a parameter
 _ENDS = ("low", "high")
-_FULLNESS = "share_of_full_well"
 _LEAST_INDEPENDENCE = 1e-5  # 1 / VIF; below it normal equations lose too many digits
 _LEAST_SIGNAL_E = 1e-100  # of a perfect white; the square of its inverse is finite
+_FULL = 1 + 1e-12  # as `chromanoise.noise.saturated`
+_FEWEST_BLOCKS = 4  # of one thread
 
 
 @runtime_checkable
@@ -163,10 +335,7 @@ class Objectives:
         candidates
             The designs.
         """
-        if not len(candidates):
-            raise InputError("candidates", "must hold at least one", found="there is none")
-        self._demand_grid(candidates.qe.shape[1])
-        return np.array([_values(self, one, candidates, self.objectives) for one in self.scenes])
+        return self._real(_given(self, candidates), self.objectives)
 
     def values_of_choices(
         self, choices: Integer[Array, "m p"], curves: Float[Array, "n filters"]
@@ -188,24 +357,7 @@ class Objectives:
         InputError
             As `values`, or if a choice is not a column.
         """
-        index, library = np.asarray(choices, np.int64), np.asarray(curves, np.float64)
-        self._demand_grid(len(library))
-        if index.ndim != 2 or not index.size:
-            raise InputError(
-                "choices", "must be (candidates, channels)", found=f"has shape {index.shape}"
-            )
-        outside = (index < 0) | (index >= library.shape[1])
-        if outside.any():
-            raise InputError(
-                "choices",
-                f"must be columns of the library, 0 to {library.shape[1] - 1}",
-                value=int(index[outside][0]),
-            )
-        found = [
-            _values(self, one, Choices(index=index, library=library), self.objectives)
-            for one in self.scenes
-        ]
-        return self._over_scenes(np.array(found))
+        return self._over_scenes(self._real(_chosen(self, choices, curves), self.objectives))
 
     def share_of_full_well(self, candidates: Candidates) -> Float[Array, " m"]:
         """Electrons of a perfect white over full well or top code, fullest channel and scene. [1]
@@ -215,23 +367,8 @@ class Objectives:
         candidates
             As `values`.
         """
-        own = replace(self, objectives=(_FULLNESS,), over_scenes="worst")
+        own = replace(self, objectives=("share_of_full_well",), over_scenes="worst")
         return own.values(candidates)[:, 0]
-
-    def values_and_fullness(
-        self, candidates: Candidates
-    ) -> tuple[Float[Array, "m q"], Float[Array, " m"]]:
-        """`values` and `share_of_full_well`, computed together.
-
-        Parameters
-        ----------
-        candidates
-            As `values`.
-        """
-        names = tuple(dict.fromkeys((*self.objectives, _FULLNESS)))
-        found = replace(self, objectives=names).values_of_scenes(candidates)
-        fullness = found[..., names.index(_FULLNESS)].max(axis=0)
-        return self._over_scenes(found[..., : len(self.objectives)]), fullness
 
     def has_exact_gradients(self, noise_weight_is_free: bool) -> bool:
         """Whether `gradient` is exact for all objectives, by kernels and without differences.
@@ -242,7 +379,7 @@ class Objectives:
             Whether the weight of the noise in the matrix is a free number.
         """
         return all(
-            scene.in_batches and _is_fast(scene, noise_weight_is_free, name)
+            _matrix_group(scene) and _is_fast(scene, noise_weight_is_free, name)
             for scene in self.scenes
             for name in self.objectives
         )
@@ -283,20 +420,16 @@ class Objectives:
         space, values
             As `gradient`.
         """
-        own = replace(self, objectives=(_FULLNESS,), over_scenes="worst")
-        names = tuple(dict.fromkeys((*self.objectives, _FULLNESS)))
+        own = replace(self, objectives=("share_of_full_well",), over_scenes="worst")
+        names = tuple(dict.fromkeys((*self.objectives, *own.objectives)))
         found, slope = replace(self, objectives=names)._slopes(space, values)
-        q, at = len(self.objectives), names.index(_FULLNESS)
+        q, at = len(self.objectives), names.index("share_of_full_well")
         share, rise = own._slopes_over_scenes(found[:, at : at + 1], slope[:, at : at + 1])
         objectives, jacobian = self._slopes_over_scenes(found[:, :q], slope[:, :q])
         apart: list[Array] = []
         if "least_separation" in self.objectives and self.over_scenes == "worst":
-            turned = _turned(space, values)
-            with np.errstate(all="ignore"):
-                apart = [
-                    Block(scene, turned, noise_in(scene, turned)).separations
-                    for scene in self.scenes
-                ]
+            turned = _given(self, _turned(space, values))
+            apart = [_separations(scene, turned) for scene in self.scenes]
         separations = np.vstack([np.zeros((0, values.size)), *apart])
         return Linearization(
             objectives=objectives,
@@ -315,15 +448,14 @@ class Objectives:
         d, q = at.size, len(self.objectives)
         found = np.empty((len(self.scenes), q))
         slope = np.empty((len(self.scenes), q, d))
-        turned = _turned(space, at)
+        turned = _given(self, _turned(space, at))
         around: tuple[Array, Array] | None = None
         for s, scene in enumerate(self.scenes):
             exact = np.zeros(q, dtype=bool)
-            if scene.in_batches:
-                raw, independence = _fast(1, scene, turned, self.objectives)
+            if _matrix_group(scene):
+                raw, independence = _fast(self, scene, turned, self.objectives)
                 found[s], slope[s] = raw[0].real, raw.imag.T / _COMPLEX_STEP
-                weighted = turned.noise_weight is not None
-                exact[:] = [_is_fast(scene, weighted, name) for name in self.objectives]
+                exact[:] = [_is_fast(scene, turned.weighted, name) for name in self.objectives]
                 exact &= bool((independence >= _LEAST_INDEPENDENCE).all())
             if not exact.all():
                 around = self._differences(space, at) if around is None else around
@@ -363,15 +495,8 @@ class Objectives:
             return values.mean(axis=0)
         return np.where(self._higher, values.min(axis=0), values.max(axis=0))
 
-    def _demand_grid(self, n: int) -> None:
-        grid = self.scenes[0].point.illuminant.grid
-        if n != grid.n:
-            raise InputError(
-                "QE of candidates",
-                f"must have the {grid.n} wavelengths of the scenes",
-                value=n,
-                found=f"has {n}",
-            )
+    def _real(self, batch: "SensorBatch", names: tuple[str, ...]) -> Float[Array, "s m q"]:
+        return np.array([_values(self, scene, batch, names) for scene in self.scenes])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -398,107 +523,339 @@ class Linearization:
     separations_jacobian: Float[Array, "l d"]
 
 
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SensorBatch:
+    """Candidates, or choices from a library with what else was chosen.
+
+    ``of`` returns some of them as candidates.
+    """
+
+    m: int
+    p: int
+    dtype: np.dtype
+    qe: Array
+    choices: Array
+    curves: Array | None
+    more: Candidates
+    of: Callable[[Any], Candidates]
+
+    @property
+    def weighted(self) -> bool:
+        """Whether the weight of the noise in the matrix is one of the free numbers."""
+        return self.more.noise_weight is not None
+
+
 def _turned(space: Space, values: Float[Array, " d"]) -> Candidates:
     """One copy of the candidate per parameter, with an imaginary step in that parameter."""
     return space.candidates(values + 1j * _COMPLEX_STEP * np.eye(len(values)))
 
 
+def _given(evaluator: Objectives, candidates: Candidates) -> SensorBatch:
+    """The batch of candidates, checked."""
+    if len(candidates) == 0:
+        raise InputError("candidates", "must hold at least one", found="there is none")
+    _demand_grid(evaluator, candidates.qe.shape[1])
+    dtype = candidates.dtype
+    m, _, p = candidates.qe.shape
+    return SensorBatch(
+        m=m,
+        p=p,
+        dtype=dtype,
+        qe=_own(candidates.qe.transpose(0, 2, 1), dtype),
+        choices=np.zeros((0, p), np.int64),
+        curves=None,
+        more=candidates,
+        of=candidates.some,
+    )
+
+
+def _chosen(evaluator: Objectives, choices: Array, curves: Array) -> SensorBatch:
+    """The batch of choices, checked."""
+    index, library = _own(choices, np.int64), np.asarray(curves, np.float64)
+    _demand_grid(evaluator, len(library))
+    if index.ndim != 2 or not index.size:
+        raise InputError(
+            "choices", "must be (candidates, channels)", found=f"has shape {index.shape}"
+        )
+    outside = (index < 0) | (index >= library.shape[1])
+    if outside.any():
+        raise InputError(
+            "choices",
+            f"must be columns of the library, 0 to {library.shape[1] - 1}",
+            value=int(index[outside][0]),
+        )
+    (m, p), n = index.shape, len(library)
+
+    def of(which: Any) -> Candidates:
+        return Candidates(qe=np.moveaxis(library[:, index[which]], 0, 1))
+
+    return SensorBatch(
+        m=m,
+        p=p,
+        dtype=np.dtype(np.float64),
+        qe=np.zeros((0, p, n)),
+        choices=index,
+        curves=library,
+        more=Candidates(qe=np.zeros((0, n, p))),
+        of=of,
+    )
+
+
+def _demand_grid(evaluator: Objectives, n: int) -> None:
+    grid = evaluator.scenes[0].point.illuminant.grid
+    if n != grid.n:
+        raise InputError(
+            "QE of candidates",
+            f"must have the {grid.n} wavelengths of the scenes",
+            value=n,
+            found=f"has {n}",
+        )
+
+
 def _is_fast(scene: DesignScene, noise_weight_is_free: bool, name: str) -> bool:
-    """Whether it is computed in batches; not so SNR10 of a matrix that depends on the light."""
+    """Whether the kernels compute it; not so SNR10 of a matrix that depends on the light."""
     adapts = scene.maker.method.over_light is not None or noise_weight_is_free
-    return name in FAST and not (name == "snr10_lux" and adapts)
+    return OBJECTIVES[name].fast and not (name == "snr10_lux" and adapts)
 
 
 def _values(
-    evaluator: Objectives, scene: DesignScene, batch: Candidates, names: tuple[str, ...]
+    evaluator: Objectives, scene: DesignScene, batch: SensorBatch, names: tuple[str, ...]
 ) -> Float[Array, "m q"]:
     """The objectives in one scene."""
-    found, independence = _fast(evaluator.threads, scene, batch, names)
+    found, independence = _fast(evaluator, scene, batch, names)
     lost = np.flatnonzero(~(independence >= _LEAST_INDEPENDENCE))
     if lost.size:
-        some = batch.some(lost).resolved()
+        some = _given(evaluator, batch.of(lost))
         matrices, vora = _by_singular_values(scene, some)
-        found[lost] = _fast(evaluator.threads, scene, some, names, matrices)[0]
+        found[lost] = _fast(evaluator, scene, some, names, matrices)[0]
         if "vora" in names:
             found[lost, names.index("vora")] = vora
     for q, name in enumerate(names):
-        if not _is_fast(scene, batch.noise_weight is not None, name):
-            found[:, q] = _library_values(scene, batch.resolved(), OBJECTIVES[name])
+        if not _is_fast(scene, batch.weighted, name):
+            _refuse_shares(OBJECTIVES[name], batch.more)
+            found[:, q] = _library_values(scene, batch.of(slice(None)), OBJECTIVES[name])
     return found
 
 
 def _fast(
-    threads: int | None,
+    evaluator: Objectives,
     scene: DesignScene,
-    batch: Candidates,
+    batch: SensorBatch,
     names: tuple[str, ...],
     matrices: Array | None = None,
 ) -> tuple[Inexact[Array, "m q"], Float[Array, " m"]]:
     """Values, and 1 over the largest VIF of the equations; NaN for objectives that are not fast."""
-    m, weighted = len(batch), batch.noise_weight is not None
-    if weighted and scene.method not in NOISE_WEIGHTED:
-        raise InputError(
-            f"matrix of scene {scene.name}".rstrip(),
-            f"must be one of {', '.join(NOISE_WEIGHTED)} where the weight of the noise is free",
-            value=scene.matrix,
-        )
-    if matrices is None and not scene.in_batches:
-        matrices = _matrices(scene, batch.resolved())
-    found, independence = np.full((m, len(names)), np.nan, batch.dtype), np.ones(m)
-    columns = [q for q, name in enumerate(names) if _is_fast(scene, weighted, name)]
-    # real blocks have one size, so that the bits of a candidate do not depend on the others
-    size = m if batch.dtype.kind == "c" else _AT_ONCE
+    from chromanoise.apps.design import kernels
 
-    noise = noise_in(scene, batch)
+    columns = [name for name in names if _is_fast(scene, batch.weighted, name)]
+    wanted = np.array([name in columns for name in FAST])
+    groups = {OBJECTIVES[name].rows or "" for name in columns}
+    rows = _rows(scene, frozenset(groups | {_matrix_group(scene)}))
+    sensor, more, m, p, dtype = scene.point.sensor, batch.more, batch.m, batch.p, batch.dtype
+    gain, law, dark_e, spread = _noise(scene, batch)
+    well_e, range_e = sensor.pixel.full_well_e - dark_e, code_range_e(sensor)
+    full_e = np.where(well_e.real < range_e, well_e, range_e)
+    method, strength, weight = _method(scene, more)
+    if method == kernels.GIVEN and matrices is None:
+        matrices = _matrices(scene, batch)
+    if matrices is not None:
+        method = kernels.GIVEN
+    out = np.empty((len(kernels.COLUMNS), m), dtype)
+    used = np.zeros((0, 3, p), dtype) if matrices is None else _own(matrices, dtype)
+    table, gram = np.zeros((0, 0)), np.zeros((0, 0))
+    if batch.curves is not None:
+        n = len(batch.curves)
+        table = np.ascontiguousarray(batch.curves.T @ rows.rows_e[:, :n].T)
+        gram = np.ascontiguousarray((batch.curves.T * rows.squared[:n]) @ batch.curves)
+    arrays = scene_arrays(scene)
+    given = (
+        batch.qe,
+        batch.choices,
+        gain,
+        law,
+        full_e * _FULL,
+        _each(more.noise_weight, weight, m, dtype),
+        spread,
+        rows.rows_e,
+        rows.squared,
+        table,
+        gram,
+        rows.layout,
+        rows.pairs,
+        rows.training_xyz,
+        rows.truth,
+        method,
+        np.array([strength, arrays.white_y, sensor.pixel.black_error_e, scene.point.level_lux]),
+        wanted,
+        used,
+        out,
+    )
+    _run(evaluator.threads, -(-m // kernels.LANES), lambda a, b: kernels.evaluate(a, b, *given))
+    fullness = np.where(full_e.real > 0, out[FAST.index("share_of_full_well")] * _FULL, np.inf)
+    found = np.full((m, len(names)), np.nan, dtype)
+    for name in columns:
+        value = out[FAST.index(name)]
+        found[:, names.index(name)] = _finished(OBJECTIVES[name], value, fullness)
+    return found, out[-1].real
 
-    def work(first: int) -> None:
-        last = min(first + size, m)
-        rows: Any = slice(first, last)
-        if last - first < size:
-            rows = np.minimum(np.arange(first, first + size), m - 1)
-        with np.errstate(all="ignore"):
-            given = None if matrices is None else matrices[rows]
-            at = Block(scene, batch.some(rows), noise[:, rows], given)
-            for q in columns:
-                values = _finished(OBJECTIVES[names[q]], FAST[names[q]](at), at.fullness)
-                found[first:last, q] = values[: last - first]
-        independence[first:last] = at.independence[: last - first]
 
-    starts = range(0, m, size)
-    with ThreadPoolExecutor(max(1, min(threads or os.cpu_count() or 1, len(starts)))) as pool:
-        list(pool.map(work, starts))
-    return found, independence
+def _noise(scene: DesignScene, batch: SensorBatch) -> tuple[Array, Array, Array, Array]:
+    """Gain of all electrons, law of the variance, dark electrons, factors on the variance."""
+    exposure, more = scene.point.exposure, batch.more
+    m, p, dtype = batch.m, batch.p, batch.dtype
+    time_s = _each(more.time_s, exposure.time_s, m, dtype)
+    noise = noise_of(scene.point.sensor, time_s, more.pixel)
+    spread = np.ones((m, p), dtype)
+    if more.pixel_share is not None:
+        spread = _own(1.0 / (p * more.pixel_share), dtype)
+    return time_s / exposure.time_s, _own(noise[:3], dtype), noise[3], spread
+
+
+def _separations(scene: DesignScene, turned: SensorBatch) -> Inexact[Array, "pairs d"]:
+    """D_M of each pair, with an imaginary step of each parameter."""
+    from chromanoise.apps.design import kernels
+
+    arrays = scene_arrays(scene)
+    rows_e = arrays.chart_e if arrays.paired_e is None else arrays.paired_e
+    gain, law, _, spread = _noise(scene, turned)
+    e = gain * np.moveaxis(turned.qe @ rows_e.T, 0, -1)  # channel, patch, parameter
+    variance = kernels.variance_of(law, ..., e, e * e) * (0.5 * spread.T[:, None])
+    one, other = arrays.pairs.T
+    with np.errstate(divide="ignore", invalid="ignore"):
+        apart, noise = (e[:, one] - e[:, other]) ** 2, variance[:, one] + variance[:, other]
+        without = np.where(apart.real > 0, np.inf, 0.0)
+        return np.sqrt(np.where(noise.real > 0, apart / noise, without).sum(axis=0))
 
 
 def _finished(objective: Objective, value: Array, fullness: Array) -> Inexact[Array, " m"]:
-    """A column with `Objective.undefined` in place of NaN, and where a channel is saturated."""
+    """A column in its own unit, with `Objective.undefined` in place of NaN."""
+    if objective.name == "share_of_full_well":
+        return fullness
+    if objective.name == "snr_y_db":
+        with np.errstate(divide="ignore", invalid="ignore"):
+            value = 10.0 * np.log10(value)
     lost = np.isnan(value.real)
     if not objective.of_saturated:
-        lost |= ~(fullness.real <= FULL)
+        lost |= ~(fullness.real <= _FULL)
     return np.where(lost, objective.undefined, value)
 
 
+def _run(threads: int | None, blocks: int, work: Callable[[int, int], Any]) -> None:
+    """Ranges of blocks, one per thread."""
+    many = max(1, min(threads or os.cpu_count() or 1, blocks // _FEWEST_BLOCKS))
+    if many == 1:
+        work(0, blocks)
+        return
+    ends = [blocks * i // many for i in range(many + 1)]
+    with ThreadPoolExecutor(many) as pool:
+        list(pool.map(work, ends[:-1], ends[1:]))
+
+
+def _each(values: Array | None, otherwise: float, m: int, dtype: np.dtype) -> Inexact[Array, " m"]:
+    if values is None:
+        return np.full(m, otherwise, dtype)
+    return _own(values, dtype)
+
+
+def _own(values: Array, dtype: Any) -> Array:
+    """Contiguous and writable, a copy where needed: kernels are compiled for such arrays only."""
+    return np.require(values, dtype, ["C", "W"])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Rows:
+    """The rows of a scene that some objectives need, and where each group begins."""
+
+    rows_e: Array
+    squared: Array
+    layout: Array
+    pairs: Array
+    training_xyz: Array
+    truth: Array
+
+
+@lru_cache(maxsize=64)
+def _rows(scene: DesignScene, groups: frozenset[str]) -> _Rows:
+    from chromanoise.apps.design import kernels
+
+    arrays, n = scene_arrays(scene), scene.point.illuminant.grid.n
+    own_pairs = arrays.paired_e is not None
+    needed = groups | ({"chart"} if "paired" in groups and not own_pairs else set())
+    of_group: dict[str, Array | None] = {
+        "infrared": arrays.infrared_e[None],
+        "chart": arrays.chart_e,
+        "paired": arrays.paired_e,
+        "training": np.vstack([arrays.training_e, arrays.training_mean_e]),
+        "axes": arrays.axes.T * arrays.basis,
+        "orthonormal": arrays.orthonormal_axes.T * arrays.basis,
+    }
+    parts, layout, count = [arrays.white_e[None]], [], 1
+    for group in kernels.GROUPS:
+        rows = of_group[group]
+        if rows is None or group not in needed:
+            layout.append(-1)
+            continue
+        layout.append(count)
+        parts.append(rows)
+        count += len(rows)
+    padding = -n % kernels.TOGETHER
+    lab = arrays.chart_lab
+    return _Rows(
+        rows_e=_own(np.pad(np.vstack(parts), ((0, 0), (0, padding))), np.float64),
+        squared=np.pad(arrays.basis**2, (0, padding)),
+        layout=np.array([*layout, count]),
+        pairs=_own(arrays.pairs, np.int64),
+        training_xyz=_own(arrays.training_xyz, np.float64),
+        truth=_own(np.column_stack([lab, np.hypot(lab[:, 1], lab[:, 2])]), np.float64),
+    )
+
+
+def _matrix_group(scene: DesignScene) -> str:
+    word = scene.matrix.partition("=")[0].strip()
+    if word in (*_WEIGHTED, "ridge"):
+        return "training"
+    return "axes" if word == "kernel" else ""
+
+
+def _method(scene: DesignScene, more: Candidates) -> tuple[int, float, float]:
+    """Method of the kernels, strength of ridge, weight of the noise."""
+    from chromanoise.apps.design import kernels
+
+    word, value = scene.matrix.partition("=")[0].strip(), dict(scene.maker.parameters)
+    if more.noise_weight is not None and word not in _WEIGHTED:
+        raise InputError(
+            f"matrix of scene {scene.name}".rstrip(),
+            f"must be one of {', '.join(_WEIGHTED)} where the weight of the noise is free",
+            value=scene.matrix,
+        )
+    if word == "ridge":
+        return kernels.RIDGE, value["strength"], 0.0
+    if word in _WEIGHTED:
+        return kernels.NOISE_WEIGHTED, 0.0, value.get("weight", float(word == "lmmse"))
+    return (kernels.KERNEL if word == "kernel" else kernels.GIVEN), 0.0, 0.0
+
+
 def _by_singular_values(
-    scene: DesignScene, candidates: Candidates
+    scene: DesignScene, batch: SensorBatch
 ) -> tuple[Float[Array, "m 3 p"], Float[Array, " m"]]:
     """Matrices and Vora values; NaN and -inf where a channel measures nothing."""
-    arrays = scene_arrays(scene)
+    candidates, arrays = batch.of(slice(None)), scene_arrays(scene)
     dark = (candidates.qe.max(axis=1) == 0).any(axis=1)
     qe = np.where(dark[:, None, None], np.eye(*candidates.qe.shape[1:]), candidates.qe)
     dual, span = dual_and_orthonormal_bases(qe * arrays.basis[:, None])
     overlap = np.swapaxes(span, 1, 2) @ arrays.orthonormal_axes
     vora = np.where(dark, -np.inf, (overlap**2).sum(axis=(1, 2)) / 3)
-    if scene.method != "kernel":
-        return _matrices(scene, candidates), vora
-    time_s = scene.point.exposure.time_s
-    gain = np.ones(len(dark)) if candidates.time_s is None else candidates.time_s / time_s
-    matrices = arrays.axes.T @ dual / gain[:, None, None]
+    if _matrix_group(scene) != "axes":
+        return _matrices(scene, batch), vora
+    gain = _each(candidates.time_s, scene.point.exposure.time_s, batch.m, batch.dtype)
+    matrices = arrays.axes.T @ dual / (gain / scene.point.exposure.time_s)[:, None, None]
     return np.where(dark[:, None, None], np.nan, matrices), vora
 
 
-def _matrices(scene: DesignScene, candidates: Candidates) -> Float[Array, "m 3 p"]:
+def _matrices(scene: DesignScene, batch: SensorBatch) -> Float[Array, "m 3 p"]:
     """The matrices one by one; NaN where a channel measures nothing."""
-    return np.array([_matrix(scene, candidates, i) for i in range(len(candidates))])
+    candidates = batch.of(slice(None))
+    return np.array([_matrix(scene, candidates, i) for i in range(batch.m)])
 
 
 def _matrix(scene: DesignScene, candidates: Candidates, i: int) -> Float[Array, "3 p"]:
@@ -506,9 +863,14 @@ def _matrix(scene: DesignScene, candidates: Candidates, i: int) -> Float[Array, 
     sensor, p = point.sensor, len(point.sensor.names)
     if not _has_signal(point):
         return np.full((3, p), np.nan)
-    share, weight = candidates.pixel_share, candidates.noise_weight
-    if scene.method not in NOISE_WEIGHTED or (share is None and weight is None):
+    if candidates.noise_weight is None and candidates.pixel_share is None:
         return scene.maker(point).matrix
+    word, parameters = scene.matrix.partition("=")[0].strip(), dict(scene.maker.parameters)
+    if word not in _WEIGHTED:
+        return scene.maker(point).matrix
+    weight = parameters.get("weight", float(word == "lmmse"))
+    if candidates.noise_weight is not None:
+        weight = float(candidates.noise_weight[i])
     arrays, gain = scene_arrays(scene), point.exposure.time_s / scene.point.exposure.time_s
     seen, mean_e, white_e = (
         gain * (rows @ sensor.qe)
@@ -516,13 +878,13 @@ def _matrix(scene: DesignScene, candidates: Candidates, i: int) -> Float[Array, 
     )
     law = noise_sources(sensor, point.exposure).law()
     variance = mean_e + law.floor_e2 + law.square * (seen**2).sum(axis=0)
-    if share is not None:
-        variance = variance / (p * share[i])
+    if candidates.pixel_share is not None:
+        variance = variance / (p * candidates.pixel_share[i])
     return penalized_matrix(
         f"{scene.matrix} for {sensor.name}",
         seen,
         arrays.training_xyz,
-        np.diag((scene.noise_weight if weight is None else weight[i]) * variance),
+        np.diag(weight * variance),
         scale=np.where(white_e > 0, white_e, 1.0),
     )
 
@@ -531,12 +893,6 @@ def _library_values(
     scene: DesignScene, candidates: Candidates, objective: Objective
 ) -> Float[Array, " m"]:
     """One objective by the library's function, candidate by candidate."""
-    if candidates.pixel_share is not None and objective.of_noise:
-        raise InputError(
-            f"objective {objective.name}",
-            "cannot be combined with free pixel shares",
-            remedy="fix the shares, or take snr_y_db or noise_delta_e",
-        )
     return np.array(
         [_library_value(scene, candidates, i, objective) for i in range(len(candidates))]
     )
@@ -557,6 +913,15 @@ def _library_value(
 def _has_signal(point: OperatingPoint) -> bool:
     """Whether every channel counts electrons of a perfect white."""
     return bool((electrons_at(point) > _LEAST_SIGNAL_E).all())
+
+
+def _refuse_shares(objective: Objective, more: Candidates) -> None:
+    if more.pixel_share is not None and objective.of_noise:
+        raise InputError(
+            f"objective {objective.name}",
+            "cannot be combined with free pixel shares",
+            remedy="fix the shares, or take snr_y_db or noise_delta_e",
+        )
 
 
 def _point(scene: DesignScene, candidates: Candidates, i: int) -> OperatingPoint:

@@ -1,8 +1,8 @@
 """The objectives of a design: one table, each with the library's function.
 
 To add an objective, write a function below `_objective`. The evaluator calls it for each
-candidate, which takes some milliseconds. The module ``batch`` computes those of `batch.FAST` for
-many candidates at once; tests compare them with the function.
+candidate, which takes some milliseconds. The module ``kernels`` computes those of `FAST` for a
+whole batch; tests compare them with the function.
 """
 
 from collections.abc import Callable
@@ -86,6 +86,9 @@ class Objective:
         The function that computes it; ``None`` or not finite where it is undefined.
     source
         Standard or paper.
+    rows
+        The rows of a scene that its kernel needs beside the white (`kernels.GROUPS`), empty if
+        none; ``None`` without a kernel.
     of_saturated
         Whether it is defined if a channel is saturated on a perfect white.
     of_noise
@@ -99,8 +102,14 @@ class Objective:
     better: Literal["higher", "lower"]
     of: Callable[[Candidate], float | None]
     source: str = ""
+    rows: str | None = None
     of_saturated: bool = False
     of_noise: bool = True
+
+    @property
+    def fast(self) -> bool:
+        """Whether it is computed for a whole batch."""
+        return self.rows is not None
 
     @property
     def undefined(self) -> float:
@@ -169,6 +178,7 @@ def _objective(
     "dB",
     "higher",
     source="Clouet, Vaillant & Alleysson 2019, eq. 5-7",
+    rows="",
 )
 def _snr_y_db(candidate: Candidate) -> float:
     at = stages_at(candidate.point, candidate.matrix)
@@ -181,6 +191,7 @@ def _snr_y_db(candidate: Candidate) -> float:
     "Delta E*ab",
     "lower",
     source="JCGM 102:2011, 6.2 (first order)",
+    rows="chart",
 )
 def _noise_delta_e(candidate: Candidate) -> float | None:
     error = total_errors(candidate.point, candidate.matrix, method=first_order)
@@ -193,6 +204,7 @@ def _noise_delta_e(candidate: Candidate) -> float | None:
     "Delta E*ab",
     "lower",
     source="JCGM 102:2011, 6.2 (first order)",
+    rows="chart",
 )
 def _total_delta_e(candidate: Candidate) -> float | None:
     error = total_errors(candidate.point, candidate.matrix, method=first_order)
@@ -205,6 +217,7 @@ def _total_delta_e(candidate: Candidate) -> float | None:
     "Delta E*ab",
     "lower",
     source="CIE 015:2018, eq. 8.21",
+    rows="chart",
 )
 def _delta_e(candidate: Candidate) -> float | None:
     return _mean_error(candidate, chart_color_error)
@@ -216,6 +229,7 @@ def _delta_e(candidate: Candidate) -> float | None:
     "1",
     "lower",
     source="CIE 142-2001 (ISO/CIE 11664-6)",
+    rows="chart",
 )
 def _ciede2000(candidate: Candidate) -> float | None:
     return _mean_error(candidate, chart_ciede2000)
@@ -227,6 +241,7 @@ def _ciede2000(candidate: Candidate) -> float | None:
     "1",
     "higher",
     source="Vora & Trussell 1993",
+    rows="orthonormal",
     of_saturated=True,
     of_noise=False,
 )
@@ -269,6 +284,7 @@ def _visual_noise(candidate: Candidate) -> float | None:
     "lx",
     "lower",
     source="Alakarhu, IISW 2007",
+    rows="",
     of_saturated=True,
 )
 def _snr10_lux(candidate: Candidate) -> float | None:
@@ -301,6 +317,7 @@ def _information_bits(candidate: Candidate) -> float:
     "1",
     "higher",
     source="ICRU Report 54 (1996)",
+    rows="paired",
 )
 def _least_separation(candidate: Candidate) -> float | None:
     distance = _distances(candidate.point, candidate.matrix)
@@ -313,6 +330,7 @@ def _least_separation(candidate: Candidate) -> float | None:
     "1",
     "higher",
     source="ICRU Report 54 (1996)",
+    rows="paired",
 )
 def _mean_separation(candidate: Candidate) -> float | None:
     distance = _distances(candidate.point, candidate.matrix)
@@ -324,6 +342,7 @@ def _mean_separation(candidate: Candidate) -> float | None:
     f"share of the electrons of a white beyond {INFRARED_FROM_NM:g} nm, worst channel",
     "1",
     "lower",
+    rows="infrared",
     of_saturated=True,
     of_noise=False,
 )
@@ -342,6 +361,7 @@ def _infrared_share(candidate: Candidate) -> float | None:
     "1",
     "lower",
     source="EMVA 1288, release 4.0",
+    rows="",
     of_saturated=True,
     of_noise=False,
 )
@@ -349,3 +369,7 @@ def _share_of_full_well(candidate: Candidate) -> float:
     point = candidate.point
     limit_e = signal_limit_e(point.sensor, point.exposure)
     return float(electrons_at(point).max() / limit_e) if limit_e > 0 else np.inf
+
+
+FAST = tuple(name for name, one in OBJECTIVES.items() if one.fast)
+"""Objectives that the kernels compute for a whole batch, in the order of their columns."""

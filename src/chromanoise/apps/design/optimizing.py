@@ -234,14 +234,14 @@ class Evaluation:
     def _costs(self, values: Float[Array, "m d"]) -> Float[Array, "m c"]:
         """Objectives with the sign of costs, then violations."""
         candidates = self.space.candidates(values)
-        found, fullness = self.evaluator.values_and_fullness(candidates)
+        found = self.evaluator.values(candidates)
         costs = found[:, : self.objectives] * self._sign
         dark = (candidates.qe.max(axis=1) < LEAST_QE).any(axis=1)  # cannot be a sensor
         return np.column_stack(
             [
                 np.where(dark[:, None], np.inf, costs),
                 *(sign * (found[:, i] - value) for i, sign, value in self.limits),
-                fullness - FULLEST,
+                self.evaluator.share_of_full_well(candidates) - FULLEST,
             ]
         )
 

@@ -82,10 +82,6 @@ class Candidates:
         some: dict[str, Any] = {k: None if v is None else v[which] for k, v in given.items()}
         return Candidates(**some, pixel={name: v[which] for name, v in self.pixel.items()})
 
-    def resolved(self) -> "Candidates":
-        """The candidates with their curves, where these are those of a library."""
-        return self
-
     @property
     def dtype(self) -> np.dtype:
         """Complex if an array is, otherwise float64."""
