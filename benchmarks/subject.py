@@ -112,8 +112,8 @@ def plans_of(cube: Cube) -> Plans:
     return Plans(
         light=light,
         electrons=ElectronPlan(light=light),
-        raw=raw_plan(light, draw, at, rgbw_sparse_4x4(), adc),
-        color=color_plan(light, draw, at, matrices, clip=False),
+        raw=raw_plan(light, draw, at, rgbw_sparse_4x4(), adc, None),
+        color=color_plan(light, draw, at, matrices, None, clip=False),
     )
 
 

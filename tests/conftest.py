@@ -1,11 +1,13 @@
 """What all tests share: shapes in signatures are checked, and hypothesis draws reproducibly."""
 
+import contextlib
 import dataclasses
 import functools
 import inspect
 import re
 import sys
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import get_args
 
 import jaxtyping
@@ -76,6 +78,20 @@ def pytest_configure(config: pytest.Config) -> None:
     config.addinivalue_line(
         "filterwarnings", "ignore:Do not use the `random` module inside strategies"
     )
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_setupnodes() -> None:
+    """Compile the kernels of pictures once, not in each of the processes at the same time."""
+    from chromanoise.cli import main
+    from chromanoise.imaging import kernel_cache
+
+    with pytest.MonkeyPatch.context() as patch, TemporaryDirectory() as folder:
+        patch.setattr(kernel_cache, "_SMALL_S", 0.0)
+        for options in ([], ["--mosaic", "sensor"]):
+            with contextlib.suppress(SystemExit):
+                out = str(Path(folder, str(len(options))))
+                main(["simulate", "builtin:checker", "--sensor", "onyx-rgbw", "-o", out, *options])
 
 
 @pytest.hookimpl(optionalhook=True)

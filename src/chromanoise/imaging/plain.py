@@ -44,6 +44,7 @@ _LOW_WORD, _HALF_WORD = np.uint64(0xFFFFFFFF), np.uint64(32)
 _LOST, _MIDDLE = (1 << 29) - 1, 1 << 28  # of the bits of float64, those that float32 lacks
 
 
+@np.errstate(all="ignore")  # what is no reflectance is refused or mended later
 def raw_rows(
     stored: RowsInMemory,
     tile: Int64[Array, "ty tx"],
@@ -83,6 +84,7 @@ def _raw_part(
         counts[:, 1, c] += (above & (channel == c)).sum(axis=1)
 
 
+@np.errstate(all="ignore")  # what is no reflectance is refused or mended later
 def color_rows(
     stored: RowsInMemory,
     first_row: int,
@@ -136,6 +138,7 @@ def _parts(stored: RowsInMemory, rows: int, columns: int) -> Iterator[tuple[slic
         yield slice(start, min(start + step, rows)), stored._replace(flat=flat)
 
 
+@np.errstate(all="ignore")  # what is no reflectance is refused or mended later
 def color_of_electrons(
     electrons: Float32[Array, "rows w p"],
     matrices: Float32[Array, "6 p"],
@@ -180,18 +183,17 @@ def _means(
     size, lay = stored.flat.itemsize, stored.lay
     steps = tuple(size * step for step in (lay.row_pitch, lay.pixel_pitch, lay.band_pitch))
     block = np.lib.stride_tricks.as_strided(stored.flat, (*shape, lay.bands), steps)
-    with np.errstate(invalid="ignore", over="ignore"):
-        values = block.astype(F)
-        stored.seen[0] = min(stored.seen[0], np.fmin.reduce(values, axis=None))
-        stored.seen[LANES] = max(stored.seen[LANES], np.fmax.reduce(values, axis=None))
-        lanes = 1 if lay.pixel_pitch == 1 else LANES
-        totals = np.zeros((lanes, *channel.shape), F)
-        for band in range(lay.bands):
-            weight = stored.weights[:, band][channel]
-            lane = band % lanes
-            totals[lane] = fused(values[..., band, None], weight, totals[lane])
-        while len(totals) > 1:  # halves onto halves
-            totals = totals[: len(totals) // 2] + totals[len(totals) // 2 :]
+    values = block.astype(F)
+    stored.seen[0] = np.fmin(stored.seen[0], np.fmin.reduce(values, axis=None))
+    stored.seen[LANES] = np.fmax(stored.seen[LANES], np.fmax.reduce(values, axis=None))
+    lanes = 1 if lay.pixel_pitch == 1 else LANES
+    totals = np.zeros((lanes, *channel.shape), F)
+    for band in range(lay.bands):
+        weight = stored.weights[:, band][channel]
+        lane = band % lanes
+        totals[lane] = fused(values[..., band, None], weight, totals[lane])
+    while len(totals) > 1:  # halves onto halves
+        totals = totals[: len(totals) // 2] + totals[len(totals) // 2 :]
     return totals[0]
 
 

@@ -11,7 +11,7 @@ Plans and blocks of pictures of a sensor whose crosstalk follows counting.
 import math
 import zlib
 from collections.abc import Callable
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any, Literal
 
@@ -271,24 +271,41 @@ class RawPlan:
         Indices of the channels in one period of the mosaic.
     adc
         The converter.
+    shares
+        Shares of a count that end around its pixel, if neighbors mix after counting; ``light`` is
+        then that of the counts. [1]
     """
 
     light: Light
     draw: Draw
     tile: Int64[Array, "ty tx"]
     adc: Converter
+    height: int
+    shares: Float32[Array, "ky kx"] | None
 
 
 def raw_plan(
-    light: Light, draw: Draw, operating_point: OperatingPoint, mosaic: Mosaic, adc: Adc
+    light: Light,
+    draw: Draw,
+    operating_point: OperatingPoint,
+    mosaic: Mosaic,
+    adc: Adc,
+    shares: Array | None,
 ) -> RawPlan:
-    """The plan for one frame of a mosaic."""
+    """The plan for one frame of a mosaic, whose pixels beyond the edge are mirrored."""
     demand_well(operating_point, draw)
     names, most_e = operating_point.sensor.names, _most_e(operating_point, draw)
     tile = [[names.index(name) for name in row] for row in mosaic.pattern]
     numbers = (most_e, 1.0 / adc.gain_e_per_dn, adc.black_level_dn, adc.top_code)
     converter = Converter(*(np.float32(number) for number in numbers))
-    return RawPlan(light=light, draw=draw, tile=np.array(tile, np.int64), adc=converter)
+    return RawPlan(
+        light=light,
+        draw=draw,
+        tile=np.array(tile, np.int64),
+        adc=converter,
+        height=light.source.shape[0],
+        shares=None if shares is None else shares.astype(np.float32),
+    )
 
 
 def raw_block(
@@ -299,8 +316,10 @@ def raw_block(
     Raises
     ------
     InputError
-        If the cube has an invalid reflectance in these rows.
+        If the cube has an invalid reflectance in these rows, or in those that mix with them.
     """
+    if plan.shares is not None:
+        return _coupled_raw_block(plan, plan.shares, start, stop, scratch, codes)
     height, width, bands = plan.light.source.shape
     raw_rows = kernel_of("fused_kernels", "raw_rows", height * width, bands)
     counts = np.zeros((stop - start, 3, plan.light.channels))
@@ -324,12 +343,16 @@ class ColorPlan:
         Full well, and whether electrons are clipped to 0 and full well.
     matrices
         Matrices to XYZ (Y = 1 for a perfect white) and to linear sRGB, three rows each. [1/e-]
+    coupling
+        The crosstalk matrix, if channels mix after counting; ``light`` is then that of the counts.
+        [1]
     """
 
     light: Light
     draw: Draw
     well: Well
     matrices: Float32[Array, "6 p"]
+    coupling: Float32[Array, "p p"] | None
 
 
 def color_plan(
@@ -337,6 +360,7 @@ def color_plan(
     draw: Draw,
     operating_point: OperatingPoint,
     matrices: Float32[Array, "6 p"],
+    coupling: Array | None,
     *,
     clip: bool,
 ) -> ColorPlan:
@@ -344,7 +368,8 @@ def color_plan(
     if clip:
         demand_well(operating_point, draw)
     well = Well(np.float32(_most_e(operating_point, draw)), clip)
-    return ColorPlan(light=light, draw=draw, well=well, matrices=matrices)
+    mixing = None if coupling is None else coupling.astype(np.float32)
+    return ColorPlan(light=light, draw=draw, well=well, matrices=matrices, coupling=mixing)
 
 
 def color_matrices(
@@ -403,6 +428,8 @@ def color_block(
     InputError
         As `raw_block`.
     """
+    if plan.coupling is not None:
+        return _coupled_color_block(plan, plan.coupling, start, stop, scratch, xyz, srgb)
     height, width, bands = plan.light.source.shape
     values = height * width * plan.light.channels
     color_rows = kernel_of("fused_kernels", "color_rows", values, bands)
@@ -440,14 +467,20 @@ class ElectronPlan:
 def plan_for_rows(plan: Any, start: int, stop: int) -> tuple[Any, list[Block]]:
     """The plan for rows ``start`` to ``stop`` in another process, and their pieces.
 
-    Of a cube in memory only these rows are sent. A cube in a file is opened again in the other
-    process, also if it is a memory map, which would be sent whole and with another axis order.
+    Of a cube in memory only these rows are sent, and the neighbors that mix with them. A cube in
+    a file is opened again in the other process, also if it is a memory map, which would be sent
+    whole and with another axis order.
     """
     light, source, first_row = plan.light, plan.light.source, plan.light.first_row
+    pieces = row_pieces(source, start, stop)
     if isinstance(source, ArrayRows):
-        source, first_row = np.array(source.rows(start, stop)), start
+        first_row, end = start, stop
+        if (shares := getattr(plan, "shares", None)) is not None:
+            rows = _rows_around(plan, len(shares), start, stop)
+            first_row, end = int(rows.min()), int(rows.max()) + 1
+        source = np.array(source.rows(first_row, end))
     part = replace(light, cube=replace(light.cube, stored=source), first_row=first_row)
-    return replace(plan, light=part), row_pieces(plan.light.source, start, stop)
+    return replace(plan, light=part), pieces
 
 
 def electron_block(
@@ -468,111 +501,55 @@ def electron_block(
     on_rows(plan.light, start, stop, scratch, out, fill)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class CoupledRawPlan(RawPlan):
-    """Plan for the raw codes of a mosaic whose pixels mix with their neighbors after counting.
-
-    Attributes
-    ----------
-    shares
-        Shares of a count that end around its pixel. [1]
-    height
-        Rows of the picture; neighbors beyond its edge are pixels inside of the same channel.
-    """
-
-    shares: Float32[Array, "ky kx"]
-    height: int
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class CoupledColorPlan(ColorPlan):
-    """Plan for a color image whose channels mix in each pixel after counting.
-
-    Attributes
-    ----------
-    coupling
-        The crosstalk matrix. [1]
-    """
-
-    coupling: Float32[Array, "p p"]
-
-
-def coupled_raw_plan(plan: RawPlan, kernel: Array, height: int) -> CoupledRawPlan:
-    """A plan of a mosaic whose neighbors mix by ``kernel``; its light is that of the counts."""
-    return CoupledRawPlan(**_values(plan), shares=kernel.astype(np.float32), height=height)
-
-
-def coupled_color_plan(plan: ColorPlan, coupling: Array) -> CoupledColorPlan:
-    """A plan of color, with channels that mix; its light is that of the counts."""
-    return CoupledColorPlan(**_values(plan), coupling=coupling.astype(np.float32))
-
-
-def coupled_raw_block(
-    plan: CoupledRawPlan, start: int, stop: int, scratch: Scratch, codes: UInt16[Array, "rows w"]
+def _coupled_raw_block(
+    plan: RawPlan,
+    shares: Float32[Array, "ky kx"],
+    start: int,
+    stop: int,
+    scratch: Scratch,
+    codes: UInt16[Array, "rows w"],
 ) -> Counts:
-    """Fill ``codes`` with the rows ``start`` to ``stop`` of the mosaic.
-
-    Raises
-    ------
-    InputError
-        As `chromanoise.imaging.plans.raw_block`; also for a row beside the block.
-    """
     from chromanoise.imaging.fused_kernels import count_rows, coupled_raw_rows
 
-    rows, columns = _rows_around(plan, start, stop), codes.shape[1]
+    rows, columns = _rows_around(plan, len(shares), start, stop), codes.shape[1]
     first, last = int(rows.min()), int(rows.max()) + 1
     mean, bad = _means(plan.light, first, last, scratch, columns)
     light, counted = (np.empty((last - first, columns), np.float32) for _ in range(2))
     count_rows(mean, plan.tile, first, _without_readout(plan.draw), light, counted)
     counts = np.zeros((stop - start, 3, plan.light.channels))
-    reach, period = plan.shares.shape[1] // 2, plan.tile.shape[1]
+    reach, period = shares.shape[1] // 2, plan.tile.shape[1]
     places = (rows - first, mirrored(columns, period, reach))
     coupled_raw_rows(
-        light, counted, places, plan.shares, plan.tile, start, plan.draw, plan.adc, codes, counts
+        light, counted, places, shares, plan.tile, start, plan.draw, plan.adc, codes, counts
     )
     counts[:, 2] = bad[start - first : stop - first, None]
     return counts
 
 
-def coupled_color_block(
-    plan: CoupledColorPlan,
+def _coupled_color_block(
+    plan: ColorPlan,
+    coupling: Float32[Array, "p p"],
     start: int,
     stop: int,
     scratch: Scratch,
     xyz: Float32[Array, "rows w 3"],
     srgb: UInt8[Array, "rows w 3"],
 ) -> Counts:
-    """Fill ``xyz`` and ``srgb`` with the rows ``start`` to ``stop``.
-
-    Raises
-    ------
-    InputError
-        As `chromanoise.imaging.plans.raw_block`.
-    """
     from chromanoise.imaging.fused_kernels import coupled_color_rows
 
     mean, bad = _means(plan.light, start, stop, scratch, xyz.shape[1])
     counts = np.zeros((stop - start, 3, plan.light.channels))
     draws = (_without_readout(plan.draw), plan.draw)
     where = (xyz, srgb, counts)
-    coupled_color_rows(
-        mean, plan.coupling, start, draws, plan.well, plan.matrices, srgb_table(), *where
-    )
-    counts[:, 0] = counts[:, 0] @ plan.coupling.T.astype(np.float64)
+    coupled_color_rows(mean, coupling, start, draws, plan.well, plan.matrices, srgb_table(), *where)
+    counts[:, 0] = counts[:, 0] @ coupling.T.astype(np.float64)
     counts[:, 2] = bad[:, None]
     return counts
 
 
-def coupled_part(plan: Any, start: int, stop: int) -> tuple[Any, list[Block]]:
-    """As `plan_for_rows`, with the rows of the neighbors."""
-    rows = _rows_around(plan, start, stop)
-    part, _ = plan_for_rows(plan, int(rows.min()), int(rows.max()) + 1)
-    return part, row_pieces(plan.light.source, start, stop)
-
-
-def _rows_around(plan: CoupledRawPlan, start: int, stop: int) -> Int64[Array, " rows"]:
+def _rows_around(plan: RawPlan, side: int, start: int, stop: int) -> Int64[Array, " rows"]:
     """The rows of the picture that surround each of some rows, neighbors of the first one first."""
-    reach = plan.shares.shape[0] // 2
+    reach = side // 2
     return mirrored(plan.height, plan.tile.shape[0], reach)[start : stop + 2 * reach]
 
 
@@ -595,7 +572,3 @@ def _without_readout(draw: Draw) -> Draw:
     drawn = {f"{one}_e" for one in READ_OUT} & set(Draw._fields)
     nothing: dict[str, Any] = dict.fromkeys((*drawn, "black_error_e"), np.float32(0.0))
     return draw._replace(**nothing)
-
-
-def _values(plan: RawPlan | ColorPlan) -> dict[str, Any]:
-    return {one.name: getattr(plan, one.name) for one in fields(plan)}

@@ -16,11 +16,6 @@ from chromanoise.imaging.plans import (
     color_block,
     color_matrices,
     color_plan,
-    coupled_color_block,
-    coupled_color_plan,
-    coupled_part,
-    coupled_raw_block,
-    coupled_raw_plan,
     draw_of,
     electron_block,
     light_of,
@@ -29,7 +24,7 @@ from chromanoise.imaging.plans import (
     raw_plan,
     srgb_table,
 )
-from chromanoise.imaging.work import FillBlock, Part, Work, filled, made, row_blocks
+from chromanoise.imaging.work import FillBlock, Work, filled, made, row_blocks
 from chromanoise.noise import Exposure, OperatingPoint, after_counting
 from chromanoise.sensor import (
     Adc,
@@ -415,14 +410,12 @@ class _Products:
         light = light_of(
             self.cube, _of_counts(point), beyond=self.beyond, bad_pixels=self.bad_pixels
         )
-        plan = color_plan(light, self.draw, point, matrices, clip=self.clip)
+        coupling = after_counting(point.sensor.crosstalk)
+        plan = color_plan(light, self.draw, point, matrices, coupling, clip=self.clip)
         height, width, _ = light.source.shape
         kinds = (((height, width, 3), np.float32), ((height, width, 3), np.uint8))
         blocks = row_blocks(light.source, self.work)
-        fill: FillBlock = color_block
-        if (coupling := after_counting(point.sensor.crosstalk)) is not None:
-            plan, fill = coupled_color_plan(plan, coupling), coupled_color_block
-        (products, codes), counts = made(fill, plan, plan_for_rows, blocks, kinds, self.work)
+        (products, codes), counts = made(color_block, plan, plan_for_rows, blocks, kinds, self.work)
         total, above, bad = np.concatenate(counts).sum(axis=0)
         return (
             products,
@@ -486,16 +479,11 @@ def acquired(
         counting, places, owner = _of_counts(operating_point), mosaic, np.arange(len(sensor.names))
     light = light_of(cube, counting, beyond=beyond, bad_pixels=bad_pixels)
     draw = draw_of(operating_point, seed=seed, frame=frame, noisy=noisy)
-    plan = raw_plan(light, draw, counting, places, adc)
+    plan = raw_plan(light, draw, counting, places, adc, shares)
     height, width, _ = light.source.shape
-    fill: FillBlock = raw_block
-    part: Part = plan_for_rows
-    if shares is not None:
-        plan = coupled_raw_plan(plan, shares, height)
-        fill, part = coupled_raw_block, coupled_part
     kinds = (((height, width), np.uint16),)
     blocks = row_blocks(light.source, work)
-    (codes,), counts = made(fill, plan, part, blocks, kinds, work)
+    (codes,), counts = made(raw_block, plan, plan_for_rows, blocks, kinds, work)
     member = owner == np.arange(len(sensor.names))[:, None]
     own = member @ _pixels_of_channels(plan.tile, height, width, light.channels)
     sums = np.concatenate(counts).sum(axis=0)
