@@ -1,6 +1,6 @@
 """Arrays of real numbers and text in MATLAB files of versions 4 and 5 (``save -v7`` and before).
 
-SciPy reads them, in the child process of `chromanoise.base.sandbox`, because it crashes on some
+SciPy reads them, in the child process of ``chromanoise.base.sandbox``, because it crashes on some
 damaged files (scipy/scipy, pull request 25349). It accepts compressed arrays without their
 checksum, so the parts of a file are checked before.
 """
