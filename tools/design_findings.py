@@ -191,8 +191,8 @@ def main(designs: tuple[Path, ...]) -> None:
                     print(error)
                     continue
                 print(*rows(found), sep="\n")
-                print(*convergence_sentences(found.search.result, found.front.objectives), sep="\n")
-                print("best of each seed:", found.search.result.convergence.best.tolist())
+                print(*convergence_sentences(found.result, found.front.objectives), sep="\n")
+                print("best of each seed:", found.result.convergence.best.tolist())
                 print(deviating(found))
                 if not crosstalk:
                     print(checked(found, level_lux))

@@ -89,7 +89,7 @@ def kernel_of(module: str, name: str, values: int, bands: int = 0) -> Callable[.
     seconds = values * (_VALUE_S + bands * _BAND_S)
     compiled = f"{__package__}.{module}"
     if seconds > _SMALL_S or _is_compiled(compiled, name) or _spent_s() + seconds > _COMPILING_S:
-        return getattr(import_module(compiled), name)  # type: ignore[no-any-return]
+        return getattr(import_module(compiled), name)
     plain = getattr(import_module(f"{__package__}.plain"), name)
 
     def timed(*arguments: Any) -> None:

@@ -243,14 +243,14 @@ def _acquired(
         electrons = mean + draw.reading_e * normal_quantiles(words(READOUT))
     else:
         electrons = mean.copy()
-    offset = np.full((rows, 1, 1), draw.black_error_e)
+    offset: Array = np.full((rows, 1, 1), draw.black_error_e)
     if draw.row_e > 0:
         offset = offset + draw.row_e * normal(ROW, row, np.zeros_like(row), int(draw.frame))
     offset = offset - dark_e
     if draw.column_e > 0:
         column = np.arange(columns)[:, None]
         each = np.arange(p)[None, :]
-        shared = draw.column_e * normal(COLUMN, column, each, int(draw.frame))
+        shared: Array = draw.column_e * normal(COLUMN, column, each, int(draw.frame))
     else:
         shared = np.zeros((columns, p), F)
     shared = np.broadcast_to(shared, mean.shape)
@@ -343,12 +343,12 @@ def normal_quantiles(words: Array) -> Array:
     y = (tail + tail) * (F(1) + away)
     exponent = (y.view(np.int32) - np.int32(0x3F3504F3)) >> 23
     f = (y.view(np.int32) - (exponent << 23)).view(F) - F(1)
-    log = [
+    terms = [
         0.9999998139228, -0.5000066740315, 0.3333618193219, -0.2495934346,
         0.1987304861918, -0.1733347148318, 0.1641997547084, -0.1010220041,
     ]  # fmt: skip
     f2 = f * f
-    log = fused(_fused_quartet(log[4:], f, f2), f2 * f2, _fused_quartet(log[:4], f, f2))
+    log = fused(_fused_quartet(terms[4:], f, f2), f2 * f2, _fused_quartet(terms[:4], f, f2))
     w = fused(exponent.astype(F), -F(0.6931471805599453), -(log * f))
     above = [
         1.2533142805743616, 0.4528931760819228, 0.08998653582631565, 0.011902043399865366,
@@ -358,8 +358,7 @@ def normal_quantiles(words: Array) -> Array:
         1.0, 0.09955993205337688, 0.03269102304549773, 0.002291294635803468,
         0.00016975149536817527, 1.0038387061978881e-06,
     ]  # fmt: skip
-    above, below = _fused_sextet(above, w), _fused_sextet(below, w)
-    z = away * above / below
+    z = away * _fused_sextet(above, w) / _fused_sextet(below, w)
     return np.where(signed < 0, z, -z)
 
 
