@@ -141,8 +141,6 @@ def compare(
     ----------
     sensors
         As `analyze`.
-    matrices
-        Color matrices.
     settings
         As the options of ``chromanoise compare``; see the list below.
 
@@ -176,8 +174,6 @@ def compare_map(
     ----------
     sensors
         As `analyze`.
-    matrices
-        Color matrices.
     settings
         As the options of ``chromanoise compare --and``; see the list below.
 

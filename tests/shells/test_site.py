@@ -272,14 +272,7 @@ def public():
     return found
 
 
-MENDED = ("chromanoise.base", "chromanoise.apps")
-DOCSTRINGS = [
-    path if path in MENDED else pytest.param(path, marks=pytest.mark.xfail(strict=False))
-    for path in site.all_packages()
-]
-
-
-@pytest.mark.parametrize("path", DOCSTRINGS)
+@pytest.mark.parametrize("path", list(site.all_packages()))
 def test_no_entry_of_a_docstring_only_repeats_the_name(path):
     found = [
         one
@@ -290,7 +283,7 @@ def test_no_entry_of_a_docstring_only_repeats_the_name(path):
     assert found == []
 
 
-@pytest.mark.parametrize("path", DOCSTRINGS)
+@pytest.mark.parametrize("path", list(site.all_packages()))
 def test_cross_references_name_public_things_only(path, public):
     module = importlib.import_module(path)
     lost = [

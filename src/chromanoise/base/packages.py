@@ -27,8 +27,6 @@ def optional_package(
         The file, the parameter or the output that needs it, and the place in a file.
     extra
         The extra of chromanoise that installs it.
-    value
-        Of the parameter.
     otherwise
         What can be done without the package.
 

@@ -1,6 +1,6 @@
 """Properties of physical things and keys of a study, each declared once: on the field of its class.
 
-A field of a physical thing is annotated with a `Property`, which carries its bounds, its unit and
+A field of a physical thing is annotated with a ``Property``, which carries its bounds, its unit and
 its words. A field of a study carries an `Interface`. Whatever reads, sweeps, searches, shows or
 documents the field takes them from there.
 """
@@ -182,7 +182,7 @@ def properties_of(owner: type) -> Mapping[str, Property]:
     Parameters
     ----------
     owner
-        A class whose fields are annotated with `Property`.
+        A class whose fields are annotated with ``Property``.
     """
     hints = get_type_hints(owner, include_extras=True)
     listed = fields(owner) if is_dataclass(owner) else ()

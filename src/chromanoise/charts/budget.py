@@ -45,8 +45,6 @@ def budget_of(analyses: Sequence[Analysis], coordinate: str) -> Chart:
 
     Parameters
     ----------
-    analyses
-        One per sensor.
     coordinate
         X, Y or Z, a contravariant coordinate as M^R, or L*, a*, b* of a gray.
     """
@@ -82,10 +80,6 @@ def waterfall(
         Names of the sensors.
     budgets
         One per sensor, all of one coordinate.
-    coordinate
-        That coordinate.
-    title
-        Of the chart.
     why_not
         Why each sensor has no budget, empty where it has one; none where all have one.
     """

@@ -30,8 +30,6 @@ class Section:
     ----------
     part
         A name from `chromanoise.charts.DRAWINGS`, or ``picture``.
-    heading
-        Its heading.
     shows
         What it shows, in one sentence.
     explanations

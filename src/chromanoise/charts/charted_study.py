@@ -22,8 +22,6 @@ class Shown:
 
     Attributes
     ----------
-    study
-        The study.
     operating_points
         Each sensor with its exposure and light.
     makers
@@ -72,8 +70,6 @@ def shown(study: Study, *, operating_points: Sequence[OperatingPoint] | None = N
 
     Parameters
     ----------
-    study
-        The study.
     operating_points
         Its operating points, if they are already computed.
 
@@ -98,13 +94,6 @@ def shown(study: Study, *, operating_points: Sequence[OperatingPoint] | None = N
 
 def shown_at(of: Shown, operating_points: Sequence[OperatingPoint]) -> Shown:
     """The same study at other operating points, under one light.
-
-    Parameters
-    ----------
-    of
-        The unchanged study.
-    operating_points
-        One per sensor.
 
     Raises
     ------

@@ -145,10 +145,6 @@ class Point:
     ----------
     x, y
         Indices of its columns.
-    row
-        Its row.
-    text
-        Written beside it.
     sensor
         Index of its sensor.
     """
@@ -239,8 +235,6 @@ class Rule:
     role
         ``now`` for the setting of the study, which a slider may move before the answer comes;
         ``crossing`` for one that has a number, whose sentence is in `Chart.numbered`.
-    text
-        Written above it.
     height
         Where curves meet on it; ``None`` for no such place. [unit of the axis up]
     """
@@ -266,8 +260,6 @@ class Bars:
         Indices of the columns of its name and of both its ends.
     first, last
         Its rows, without ``last``.
-    roles
-        Of each row.
     texts
         Written beside each bar.
     """
@@ -373,8 +365,6 @@ class Panel:
     ----------
     x, y
         Its axes; panels with both have the same.
-    marks
-        What it shows.
     title, remark
         Said over it, and in its upper right corner or beside the title.
     explanation
@@ -416,8 +406,6 @@ class Chart:
         The same in words for screen readers, with its main numbers.
     sensors
         Names of the sensors; marks have their indices.
-    columns
-        Its numbers.
     panels
         What is drawn; none where nothing can be, for the reasons in ``notes``.
     whole_rows
@@ -426,8 +414,6 @@ class Chart:
         Where the curves have their names: at their ends where there is room, or in a legend.
     numbered
         Sentences for the rules that have a number, in the order of their places.
-    notes
-        Sentences below it.
     without_numbers
         Rows of the table that are not in the CSV.
     """

@@ -148,15 +148,7 @@ def drawn_ellipses(shown: Shown, look: Look) -> Chart:
 
 
 def ellipses_of(analyses: Sequence[Analysis], plane: str) -> Chart:
-    """The chart ``ellipses`` of some analyses under one light.
-
-    Parameters
-    ----------
-    analyses
-        One per sensor.
-    plane
-        ``ab`` or ``xy``.
-    """
+    """The chart ``ellipses`` of some analyses under one light."""
     points = [one.point for one in analyses]
     sensors = [_sensor(analysis, plane) for analysis in analyses]
     across, up = _NAMES[plane]

@@ -66,8 +66,6 @@ class Symbol:
 
     Attributes
     ----------
-    latex
-        The symbol.
     meaning
         What it stands for.
     unit
@@ -92,8 +90,6 @@ class Explanation:
         Name of the quantity.
     words
         What it is, what a large value means, and why it matters, in plain sentences.
-    latex
-        The formulas.
     symbols
         Every symbol of the formulas.
     source
@@ -534,13 +530,7 @@ EXPLANATIONS: Mapping[str, Explanation] = {
 
 
 def explanation_as_json(key: str) -> dict[str, Any]:
-    """An explanation with its formulas as MathML, for page and report.
-
-    Parameters
-    ----------
-    key
-        Of `EXPLANATIONS`.
-    """
+    """An explanation with its formulas as MathML, for page and report."""
     one = EXPLANATIONS[key]
     return {
         "title": one.title,

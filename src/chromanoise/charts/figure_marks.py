@@ -62,8 +62,6 @@ def draw_panel(chart: Chart, i: int, ax: Axes) -> Axes:
 
     Parameters
     ----------
-    chart
-        The chart.
     i
         Index of the panel.
     ax

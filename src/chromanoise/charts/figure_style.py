@@ -177,8 +177,6 @@ def sensor_mark(i: int, color: Any = INK) -> dict[str, Any]:
     ----------
     i
         Index of the sensor in the study.
-    color
-        Its color.
 
     Examples
     --------
@@ -195,8 +193,6 @@ def write_sensor(ax: Axes, origin: str, i: int, names: Sequence[str], *, letters
 
     Parameters
     ----------
-    ax
-        The panel.
     origin
         Origin of the curves, told of up to three sensors.
     i
@@ -326,8 +322,6 @@ def write_figures(
 
     Parameters
     ----------
-    figures
-        E.g. of `paper_figures`.
     folder
         Made if it does not exist.
     endings

@@ -53,8 +53,6 @@ def draw_comparison(
     ----------
     curves
         Curves from `chromanoise.study.compared`, all of one sweep and quantity.
-    ax
-        To draw on.
     crossovers
         Crossovers from `chromanoise.study.crossovers`, marked by circles and sweep values.
     title
@@ -82,8 +80,6 @@ def draw_color_errors(curves: Sequence[Curve], ax: Axes) -> Axes:
     ----------
     curves
         As `draw_comparison`.
-    ax
-        To draw on.
     """
     chart = curves_chart(
         curves,
@@ -113,10 +109,6 @@ def draw_maps(
 
     Parameters
     ----------
-    maps
-        From `chromanoise.study.ranking.mapped`.
-    ax
-        To draw on.
     lines
         Where two sensors are equal, with each matrix.
     title
@@ -147,7 +139,7 @@ def draw_sensitivities(
     top
         Upper end of the scale, where panels share one. [e-/photon]
     dashes
-        The dash pattern, from `sensor_dashes`, where several sensors share a figure.
+        The dash pattern, from ``sensor_dashes``, where several sensors share a figure.
     """
     draw_panel(sensitivities_chart([sensor]), 0, ax)
     ax.set(title=sensor_label(sensor.label, sensor.origin))
@@ -179,7 +171,7 @@ def study_figures(of: Shown) -> Mapping[str, Figure]:
     Parameters
     ----------
     of
-        A study from `chromanoise.charts.charted_study`.
+        A study from ``charted_study``.
 
     Raises
     ------

@@ -32,11 +32,6 @@ _NO_MAP = "Choose two parameters to compare the sensors on a grid of their value
 def sweep_maps(of: Shown) -> tuple[ComparisonMap, ...]:
     """Each sweep of two parameters of a study, as a run computes it.
 
-    Parameters
-    ----------
-    of
-        The study.
-
     Raises
     ------
     InputError
@@ -87,12 +82,8 @@ def map_of(
 
     Parameters
     ----------
-    maps
-        One per sensor.
     lines
         Where two sensors are equal.
-    title, note
-        Of the chart.
     """
     first, several = maps[0], len(maps) > 1
     best = best_of(maps)

@@ -18,8 +18,6 @@ def decimal(value: float | None, digits: int = 1, none: str = NONE) -> str:
     ----------
     value
         A finite number, or ``None``.
-    digits
-        Number of decimals.
     none
         The text for ``None``.
 

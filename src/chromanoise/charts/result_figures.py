@@ -248,8 +248,6 @@ def draw_analyses(analyses: Sequence[Analysis], ax: Axes, *, coordinate: str = "
     ----------
     analyses
         Analyses under one light.
-    ax
-        To draw on.
     coordinate
         X, Y or Z, a contravariant coordinate as M^R, or L*, a*, b* of a gray.
     """
@@ -308,8 +306,6 @@ def draw_matrices(results: Sequence[MatrixResult], ax: Axes) -> Axes:
     ----------
     results
         One result per sensor, all by one method.
-    ax
-        To draw on.
     """
     if all(one.pareto is not None for one in results):
         _draw_curves(results, ax)
@@ -365,8 +361,6 @@ def draw_capture(capture: Capture, ax: Axes) -> Axes:
     ----------
     capture
         Codes, color, or both.
-    ax
-        To draw on.
     """
     point = capture.camera.operating_point
     if capture.picture is not None:

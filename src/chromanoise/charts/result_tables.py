@@ -321,8 +321,6 @@ def pipeline_tables(name: str, found: PipelineNoise | None) -> list[Table]:
 
     Parameters
     ----------
-    name
-        Of the sensor.
     found
         ``None`` where it has no color.
     """

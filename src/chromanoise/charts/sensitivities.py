@@ -23,8 +23,6 @@ def sensitivities_chart(sensors: Sequence[Sensor], lamp: Illuminant | None = Non
 
     Parameters
     ----------
-    sensors
-        One per panel.
     lamp
         The light; ``None`` for none.
     """

@@ -121,13 +121,7 @@ _HEADS = ("raw", "color", "raw, no brightness", "color, no brightness")
 
 
 def machine_tables(readings: Sequence[MachineReading]) -> list[dict[str, Any]]:
-    """Tables of distances, contrast detection and information, each with ``title`` and ``note``.
-
-    Parameters
-    ----------
-    readings
-        One per sensor.
-    """
+    """Tables of distances, contrast detection and information, with ``title`` and ``note``."""
     return [_separations(readings), _contrasts(readings), _information(readings)]
 
 
@@ -641,13 +635,7 @@ def _rows_of_head(sensors: Sequence[Mapping[str, Any]]) -> list[list[Any]]:
 
 
 def sensor_values(sensor: Sensor) -> dict[str, Any]:
-    """Channels, origin and pixel of a sensor as plain data.
-
-    Parameters
-    ----------
-    sensor
-        The sensor.
-    """
+    """Channels, origin and pixel of a sensor as plain data."""
     names = ("pitch_um", "full_well_e", "read_noise_e")
     pixel = asdict(sensor.pixel)
     values = {"channels": list(sensor.names), "origin": sensor.origin, "pixel": pixel}

@@ -66,8 +66,6 @@ def rooted(raw_mean: Float[Array, "*px p"], *, degree: int = 2) -> Float[Array, 
     ----------
     raw_mean
         Electrons, >= 0. [e-]
-    degree
-        1 or 2.
 
     Raises
     ------
@@ -91,7 +89,7 @@ def rooted(raw_mean: Float[Array, "*px p"], *, degree: int = 2) -> Float[Array, 
 
 
 def root_jacobian(raw_mean: Float[Array, "*px p"], *, degree: int = 2) -> Float[Array, "*px q p"]:
-    """Derivative of each term of `rooted` with respect to each channel. [1]
+    """Derivative of each term of ``rooted`` with respect to each channel. [1]
 
     Parameters
     ----------
@@ -153,7 +151,7 @@ def root_polynomial(
 
     Notes
     -----
-    Finlayson, Mackiewicz & Hurlbert (2015), as `rooted`. Every term is of first order in light,
+    Finlayson, Mackiewicz & Hurlbert (2015), as ``rooted``. Every term is of first order in light,
     so scaling the exposure scales XYZ.
     """
     seen = training_response(training, sensor, exposure, level_lux=level_lux)
@@ -349,7 +347,7 @@ def _color(
 
 
 def _exact_terms(mean: Array, noise: float, degree: int) -> tuple[Array, Array]:
-    """Mean and covariance of the terms of `rooted`, from moments of single channels."""
+    """Mean and covariance of the terms of ``rooted``, from moments of single channels."""
     p = mean.shape[-1]
     pairs = _pairs(mean.shape[-1], degree)
     covariance = np.zeros((*mean.shape[:-1], p + len(pairs), p + len(pairs)))

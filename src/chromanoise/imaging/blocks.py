@@ -151,8 +151,6 @@ def new_rows(
 
     Parameters
     ----------
-    shape, dtype
-        Of the array.
     folder
         Where a file without a name holds an array above 32 MB, if there is space; memory then holds
         only rows that were not yet given to `release`. ``None``: memory.

@@ -130,12 +130,8 @@ class Capture:
 
     Attributes
     ----------
-    camera
-        The camera.
     raw
         Codes as acquired, also where the color is denoised.
-    picture
-        Color.
     denoised_by
         Name of the denoising method before color; ``None`` without denoising.
     """
@@ -225,10 +221,6 @@ def captured(cube: Cube, camera: Camera, *, frame: int, work: Work, noisy: bool 
 
     Parameters
     ----------
-    cube
-        Reflectances.
-    camera
-        Result of `camera_for`.
     frame
         Number of the image in a burst.
     work

@@ -66,8 +66,6 @@ def channel_tile(mosaic: Mosaic, names: Sequence[str]) -> Int[Array, "ty tx"]:
 
     Parameters
     ----------
-    mosaic
-        The periodic array.
     names
         Channels in the order of the result; each must occur in the mosaic.
 
@@ -141,8 +139,6 @@ def bilinear_filters(mosaic: Mosaic, names: Sequence[str] | None = None) -> Filt
 
     Parameters
     ----------
-    mosaic
-        The periodic array.
     names
         Channels in the order of the result; by default that of first appearance in the mosaic.
 
@@ -243,8 +239,6 @@ def demosaicked(raw_e: Float[Array, "h w"], bank: FilterBank) -> Float[Array, "h
     ----------
     raw_e
         One number per pixel. [e-]
-    bank
-        The method.
 
     Raises
     ------
@@ -440,8 +434,6 @@ def demosaicked_rows(
     ----------
     surrounded
         Result of `surrounded_rows`. [e-]
-    taps
-        Result of `taps_of`.
     first_row
         Row of the image at which the block starts; it determines the position in the tile.
 

@@ -49,8 +49,6 @@ class PicturePrior:
 
     Attributes
     ----------
-    names
-        The ``p`` channels.
     covariance_e2
         Covariance of the channels of one pixel over all images. [e-^2]
     noise_e2
@@ -105,8 +103,6 @@ def picture_prior(
     ----------
     electrons
         Expected electrons of each color of the set. [e-]
-    names
-        Channel names.
     noise_e2
         Variance of the noise of a raw pixel, per channel: eq. 7 at the mean of the set. [e-^2]
     correlation
@@ -148,8 +144,6 @@ def gradient_corrected_filters(
 
     Parameters
     ----------
-    mosaic
-        The periodic array.
     names
         As `bilinear_filters`.
     prior
@@ -208,8 +202,6 @@ def lmmse_filters(mosaic: Mosaic, prior: PicturePrior, *, side: int | None = Non
 
     Parameters
     ----------
-    mosaic
-        The periodic array.
     prior
         Statistics of the images and of the raw noise; its names give the order of the result.
     side
@@ -362,8 +354,6 @@ def demosaicked_covariance(
 
     Parameters
     ----------
-    bank
-        The demosaicing method.
     variance_e2
         Variance of a raw pixel of each channel, or of each place of the tile, independent of the
         others; eq. 7 for a flat field. [e-^2]
@@ -419,7 +409,7 @@ def noise_power_spectrum(
     -----
     A raw pixel at position q has the transfer functions H_qc(f) to channel c. The mean spectrum is
     exact: the sum over q of v_q Re(H_qc H_qd*) / (number of positions), with
-    frequencies as `np.fft.fftfreq`. Its mean over the plane is the mean covariance, the scaling
+    frequencies as `numpy.fft.fftfreq`. Its mean over the plane is the mean covariance, the scaling
     that `metrics.visual_noise_from_spectrum` takes; through a color matrix C it is C S C^T. The
     quadrature part is odd in frequency and has no effect through symmetric filters. The correlation
     between frequencies that the period of the tile causes is averaged out.
@@ -448,10 +438,8 @@ def raw_transfers(
 
     Parameters
     ----------
-    bank
-        The demosaicing method.
     shape
-        Rows and columns of the Fourier plane, with frequencies as `np.fft.fftfreq`.
+        Rows and columns of the Fourier plane, with frequencies as `numpy.fft.fftfreq`.
 
     Raises
     ------
@@ -515,8 +503,6 @@ def flat_field_means(
 
     Parameters
     ----------
-    bank
-        The demosaicing method.
     mean_e
         Expected electrons per channel. [e-]
     sensor
@@ -547,8 +533,6 @@ def flat_field_noise(
     ----------
     of
         One of the two, or a function as linear in the variance.
-    bank
-        The demosaicing method.
     mean_e
         Expected electrons per channel. [e-]
     sensor, exposure
@@ -593,8 +577,6 @@ def around_places(bank: FilterBank, values: Float[Array, "ty tx"]) -> Float[Arra
 
     Parameters
     ----------
-    bank
-        The demosaicing method.
     values
         Of each place.
     """

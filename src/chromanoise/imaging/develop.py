@@ -59,8 +59,6 @@ def developed(
 
     Parameters
     ----------
-    raw
-        Result of `acquired`.
     bank
         Linear demosaicing, e.g. `bilinear_filters(raw.mosaic, raw.operating_point.sensor.names)`.
     matrix

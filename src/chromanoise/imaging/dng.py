@@ -280,8 +280,6 @@ def write_dng(path: Path, codes: UInt16[Array, "h w"], profile: RawProfile) -> N
 
     Parameters
     ----------
-    path
-        The file.
     codes
         Codes of the converter. [DN]
     profile

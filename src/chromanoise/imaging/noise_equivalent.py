@@ -32,15 +32,13 @@ def noise_equivalent_quanta(
 
     Parameters
     ----------
-    bank
-        The demosaicing method.
     mean_e
         Expected electrons M of each channel in the flat field, >= 0. [e-]
     variance_e2
         Variance v of a raw pixel of each channel, > 0 and independent of the others. [e-^2]
     shape
         Rows and columns of the Fourier plane, each at least the side of a filter, with frequencies
-        as `np.fft.fftfreq`.
+        as `numpy.fft.fftfreq`.
     matrix
         A color matrix C after demosaicing; ``None`` for the channels. An invertible one changes
         nothing.

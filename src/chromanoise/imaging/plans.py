@@ -269,8 +269,6 @@ class RawPlan:
         Parameters of expected electrons, and of noise.
     tile
         Indices of the channels in one period of the mosaic.
-    adc
-        The converter.
     shares
         Shares of a count that end around its pixel, if neighbors mix after counting; ``light`` is
         then that of the counts. [1]

@@ -361,8 +361,6 @@ def filled_colors(
     ----------
     fill
         (plan, start, stop, scratch, xyz, srgb): fills the rows ``start`` to ``stop``.
-    plan
-        What ``fill`` needs.
     height, width
         [pixels]
     work

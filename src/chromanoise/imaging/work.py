@@ -242,8 +242,6 @@ def made(
         All data that ``fill`` needs.
     part
         Function that gives the part of the plan to send to an executor.
-    blocks
-        Result of `row_blocks`.
     kinds
         Shapes and types of the arrays; the first axis is rows.
     work

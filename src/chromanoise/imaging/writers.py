@@ -43,8 +43,6 @@ def write_png(path: Path, srgb: UInt8[Array, "h w 3"]) -> None:
 
     Parameters
     ----------
-    path
-        The file.
     srgb
         Encoded R, G, B of each pixel, the channels last.
     """
@@ -123,8 +121,6 @@ def write_srgb_tiff(path: Path, srgb: UInt16[Array, "h w 3"]) -> None:
 
     Parameters
     ----------
-    path
-        The file.
     srgb
         Encoded R, G, B of each pixel, the channels last.
     """
@@ -168,8 +164,6 @@ def write_xyz_tiff(
 
     Parameters
     ----------
-    path
-        The file.
     xyz
         X, Y, Z of each pixel, the coordinates last. [lx]
     observer
@@ -258,8 +252,6 @@ def write_mosaic_tiff(
 
     Parameters
     ----------
-    path
-        The file.
     codes
         Codes of the converter. [DN]
     sensor_name
@@ -284,8 +276,6 @@ def picture_summary(
 
     Parameters
     ----------
-    picture
-        Any image.
     seconds
         Duration of each step, if measured; the only entry that differs between equal runs. [s]
     """
@@ -311,8 +301,6 @@ def raw_summary(
 
     Parameters
     ----------
-    picture
-        Any raw image.
     seconds
         Duration of each step, if measured; the only entry that differs between equal runs. [s]
     """

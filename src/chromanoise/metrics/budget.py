@@ -229,7 +229,7 @@ class Cost:
     Attributes
     ----------
     cause
-        One of `CAUSES`, or "rest".
+        One of ``CAUSES``, or "rest".
     loss_db
         Its Shapley value; negative where the cause raises the SNR. [dB]
     reading

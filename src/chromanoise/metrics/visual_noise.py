@@ -148,7 +148,7 @@ def pixels_per_degree(*, distance_mm: float, pixel_pitch_mm: float) -> float:
 
 
 def frequencies_cpd(shape: tuple[int, int], *, pixels_per_degree: float) -> Float[Array, "h w"]:
-    """Spatial frequency of each cell of a picture's Fourier plane, in the order of `np.fft`. [cpd]
+    """Spatial frequency of each cell of a picture's Fourier plane, ordered as `numpy.fft`. [cpd]
 
     Raises
     ------
@@ -178,7 +178,7 @@ def visual_noise_from_spectrum(
     ----------
     spectrum
         Covariance of X, Y, Z (over those of white) per cell of the Fourier plane, in the order of
-        `np.fft`, scaled so that its mean over the plane is the covariance of one pixel.
+        `numpy.fft`, scaled so that its mean over the plane is the covariance of one pixel.
     luv_from_xyz
         Jacobian of L*, u*, v* at the mean color, for first-order propagation.
     pixels_per_degree

@@ -390,7 +390,7 @@ class ReadingDistribution:
 def few_electrons(mean_e: Float[Array, "*k"], noise: NoiseSources) -> Bool[Array, "*k"]:
     """Whether one reading needs its exact distribution, because a Gaussian is too inaccurate.
 
-    True up to 1000 electrons of light and dark, and up to `MOST_COUNTED_E` where the step of the
+    True up to 1000 electrons of light and dark, and up to ``MOST_COUNTED_E`` where the step of the
     converter exceeds the noise, with at most 100 electrons of noise that is not counted. Not for a
     sum of readings whose step exceeds the noise, of which mean and variance alone are exact.
 
@@ -434,7 +434,7 @@ def reading_distribution(
     Parameters
     ----------
     mean_e
-        Expected electrons of the light, from 0 to `MOST_COUNTED_E`. [e-]
+        Expected electrons of the light, from 0 to ``MOST_COUNTED_E``. [e-]
     noise
         The noise sources, as in `sensor_moments`.
     readout

@@ -36,7 +36,7 @@ def sample_electrons(
     pixel
         The pixel, for its read noise.
     rng
-        A random stream of `chromanoise.base.rng`.
+        A random stream of ``rng``.
     noise
         All noise sources; ``None`` for shot noise and read noise only.
 
@@ -181,7 +181,7 @@ def monte_carlo(
     draws
         Number of acquisitions, at least 2; the paper uses 5000.
     seed, name
-        Seed and name of the random stream; see `chromanoise.base.rng.stream`.
+        Seed and name of the random stream; see `chromanoise.base.stream`.
     clip
         Clip each acquisition to 0 and full well, as a real sensor does. The paper does not clip.
     noise

@@ -373,8 +373,6 @@ class CameraNoise:
 
     Attributes
     ----------
-    names
-        The ``p`` channels.
     gain_dn_per_e
         Gain K of each channel at ``iso``, > 0. [DN/e-]
     read_noise_e

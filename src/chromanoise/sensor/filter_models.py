@@ -331,7 +331,7 @@ class FilterModel:
         Raises
         ------
         InputError
-            If more than `MOST_REPEATED` films or bands are named.
+            If more than ``MOST_REPEATED`` films or bands are named.
         """
         named = set(given)
         count = 1

@@ -592,7 +592,7 @@ def fabry_perot_filter(
     center_nm
         Wavelength of the peak of ``order``; the others are at ``order * center_nm / k``. [nm]
     reflectance
-        R of each mirror; at most `MOST_REFLECTANCE`. [1]
+        R of each mirror; at most ``MOST_REFLECTANCE``. [1]
     order
         Half wavelengths in the cavity, whose optical thickness is L = order * center_nm / 2. [1]
     peak

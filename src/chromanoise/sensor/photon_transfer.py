@@ -148,13 +148,7 @@ def photon_transfer_fit(table: PhotonTransfer, *, black_dn: float | None = None)
 
 
 def pixel_from_photon_transfer(fit: TransferFit) -> PixelSource:
-    """The pixel values that a photon transfer gives.
-
-    Parameters
-    ----------
-    fit
-        `photon_transfer_fit`.
-    """
+    """The pixel values that a photon transfer gives."""
     notes = [
         f"{what} {value:.4g} +- {error:.2g} {unit}"
         for what, value, error, unit in (

@@ -173,8 +173,6 @@ class TransferFit:
 
     Attributes
     ----------
-    source
-        Of the table.
     gain_dn_per_e, gain_se
         The gain K. If the bend is significant, the error includes in quadrature the difference
         between K and the slope at low light. [DN/e-]

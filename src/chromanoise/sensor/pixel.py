@@ -43,7 +43,7 @@ def _pixels(name: str, count: float) -> int:
 class Pixel:
     """One pixel design, the same for all channels.
 
-    A subclass may add noise sources: ``own_noise``, with a `Property` on a field of each.
+    A subclass may add noise sources: ``own_noise``, with a ``Property`` on a field of each.
 
     Attributes
     ----------

@@ -215,8 +215,8 @@ def dead_leaves_cube() -> Cube:
 
     Notes
     -----
-    The model: `occluding_discs`. The infrared of dyed and painted surfaces hardly depends on their
-    visible color: Salamati, Fredembach & Susstrunk, "Material classification using color and
+    The model: ``occluding_discs``. The infrared of dyed and painted surfaces hardly depends on
+    their visible color: Salamati, Fredembach & Susstrunk, "Material classification using color and
     NIR images", CIC17 (2009).
     """
     label, radii = occluding_discs(
@@ -321,7 +321,7 @@ def foliage_reflectances() -> Mapping[str, Float[Array, " n"]]:
 def foliage_cube() -> Cube:
     """Leaves on soil, black and blue cotton and skin, 256 x 256 pixels, 400-1050 nm.
 
-    The reflectances are those of `foliage_reflectances`, times a smooth illumination that falls
+    The reflectances are those of ``foliage_reflectances``, times a smooth illumination that falls
     from one corner to the other, a texture whose amplitude falls as 1/f, and the weave of the
     cloth. Pixels on the border of leaves are means of 4 x 4 samples.
     """
@@ -421,7 +421,7 @@ class SlantedEdge:
     Attributes
     ----------
     kind
-        One of `EDGE_KINDS`: what differs between the two sides.
+        One of ``EDGE_KINDS``: what differs between the two sides.
     direction
         ``vertical`` or ``horizontal``, before the tilt.
     rows, columns
@@ -468,7 +468,7 @@ class SlantedEdge:
     def flat_regions(self) -> tuple[Region, Region]:
         """Rows and columns of the largest flat rectangle on the first and the second side.
 
-        They are at least `FLAT_MARGIN_PX` from the edge and from the border of the cell.
+        They are at least ``FLAT_MARGIN_PX`` from the edge and from the border of the cell.
         """
         far = np.abs(self.distance_px) >= FLAT_MARGIN_PX + 1
         vertical = self.direction == "vertical"

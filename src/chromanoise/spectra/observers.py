@@ -220,7 +220,7 @@ def color_axes(grid: Grid, metric: Metric, observer: str = DEFAULT_OBSERVER) -> 
     grid
         The wavelengths of L.
     metric
-        The unit in which L is a vector; see `chromanoise.spectra.curves`.
+        The unit in which L is a vector; see ``curves``.
     observer
         A name from `OBSERVERS`.
 

@@ -142,8 +142,6 @@ def table_provenances(text: str, source: str, *, house: bool = False) -> dict[st
 
     Parameters
     ----------
-    text
-        The TOML text.
     source
         The name of its file in messages.
     house
@@ -303,8 +301,6 @@ class UserTable:
     ----------
     provenance
         The section of SOURCES.toml for this table.
-    path
-        The CSV file.
     """
 
     provenance: Provenance

@@ -28,14 +28,10 @@ class FileRows:
 
     Attributes
     ----------
-    path
-        The file.
     offset
         Position of row 0, column 0, band 0. [bytes]
     stored
         Type of the numbers in the file, byte order included.
-    shape
-        Rows, columns, bands.
     strides
         Step along each axis; may be negative. [bytes]
     """
@@ -401,8 +397,6 @@ class ReorderedRows:
 
     Attributes
     ----------
-    source
-        The source.
     order
         For each band, the index of the stored band.
     """

@@ -238,8 +238,6 @@ def stages_at(
     ----------
     point
         Sensor, exposure and light.
-    matrix
-        Color matrix.
     level_lux, reflectance
         As `electrons_at`.
     readout
@@ -581,13 +579,7 @@ def mean_color_error(analysis: Analysis) -> float | None:
 
 
 def metric_of(analyses: Iterable[Analysis]) -> str:
-    """The metric in which contravariant and spectral SNR, VIF and angles are given, in words.
-
-    Parameters
-    ----------
-    analyses
-        At least one.
-    """
+    """The metric in which contravariant and spectral SNR, VIF and angles are given, in words."""
     found = dict.fromkeys(one.matrix.metric for one in analyses)
     return f"metric{'s' if len(found) > 1 else ''} {', '.join(found)}"
 

@@ -71,9 +71,9 @@ class Given:
     Attributes
     ----------
     objects
-        Sensors, illuminants, curves (`Found`), reflectances on the grid, pairs of patches,
+        Sensors, illuminants, curves (``Found``), reflectances on the grid, pairs of patches,
         observers, cubes, matrices and functions that give one, by the word in the study: that of
-        the object (`object_word`), or a name in whose place it is.
+        the object (``object_word``), or a name in whose place it is.
     """
 
     objects: Mapping[str, Any] = field(default_factory=dict)
@@ -131,8 +131,6 @@ def operating_points_of(study: Study, given: Given = NOTHING_GIVEN) -> list[Oper
 
     Parameters
     ----------
-    study
-        The study.
     given
         Objects of Python that the study names.
 
@@ -156,8 +154,6 @@ def refuse_idle(study: Study, given: Given = NOTHING_GIVEN) -> None:
 
     Parameters
     ----------
-    study
-        The study.
     given
         Objects of Python that the study names.
 
@@ -363,8 +359,6 @@ def operating_points_in(
     ----------
     study
         Of which the exposure, the light level and the observer are used.
-    illuminant, sensors
-        What it names.
     given
         Objects in place of names.
 
@@ -526,8 +520,6 @@ def sensor_of(
 
     Parameters
     ----------
-    part
-        Of a study.
     key
         Its key, for errors.
     given
@@ -651,13 +643,7 @@ def keyed(
 
 
 def unresolved(study: Study) -> list[InputError]:
-    """What a study names and cannot be made, each with its key.
-
-    Parameters
-    ----------
-    study
-        The study.
-    """
+    """What a study names and cannot be made, each with its key."""
     found: list[InputError] = []
 
     def tried(make: Callable[[], Any]) -> Any:
@@ -689,8 +675,6 @@ def makers_of(study: Study, given: Given = NOTHING_GIVEN) -> Mapping[str, Matrix
 
     Parameters
     ----------
-    study
-        The study.
     given
         Objects in place of names.
 
@@ -733,8 +717,6 @@ def cube_of(part: PicturePart, *, key: str = "pictures.0", given: Given = NOTHIN
 
     Parameters
     ----------
-    part
-        Of a study.
     key
         Its key, for errors.
     given

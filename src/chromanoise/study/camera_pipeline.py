@@ -98,8 +98,6 @@ class PipelineSettings:
         Factor of linear RGB, and of its distance to luminance. [1]
     tone
         ``srgb``, ``rec709``, ``linear``, or a gamma.
-    luma
-        ``bt709`` or ``bt601``.
     iso
         ISO settings; at each, the analog gain is the ISO over the base, and the exposure is divided
         by it, so that the codes stay the same.
@@ -298,12 +296,10 @@ class PipelineNoise:
 
     Attributes
     ----------
-    settings
-        Of the pipeline.
     patches, channels
         Names of the 24 patches and of the channels.
     gains
-        White balance gains.
+        White balance gain of each channel. [1]
     steps
         The patches after each step, at the operating point.
     iso

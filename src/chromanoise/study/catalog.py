@@ -149,8 +149,6 @@ def sensor_from_table(
         The provenance of the table.
     curves
         The curves of its channels.
-    grid
-        The target grid.
     answers
         Metadata that the table lacks: extrapolation ``beyond`` its ends, ``peak_qe`` of relative
         curves, ``per``.
@@ -209,8 +207,6 @@ def assumed_pixel(name: str, pixel: Pixel, known: Collection[str]) -> tuple[str,
     ----------
     name
         Name of the sensor.
-    pixel
-        Its pixel.
     known
         Names of the fields that are known.
 
@@ -235,8 +231,6 @@ def is_assumed(sensor: Sensor, name: str) -> bool:
     ----------
     sensor
         Of the catalog or a file.
-    name
-        One of `chromanoise.sensor.PIXEL_REQUIRED`.
     """
     return any(
         _USING in note and PIXEL[name].label in note.partition(" of ")[0] for note in sensor.notes
@@ -306,10 +300,6 @@ def sensor_named(
 
     Parameters
     ----------
-    name
-        One of `KNOWN_SENSORS`.
-    grid
-        The target grid.
     answers
         Metadata that the table of a real device lacks: the extrapolation, the highest QE of
         relative curves, how light was counted.
@@ -405,7 +395,7 @@ def catalog_entries(kind: str | None = None, *, folder: Path | None = None) -> t
     Parameters
     ----------
     kind
-        One of `KINDS`; None for all.
+        One of ``KINDS``; None for all.
     folder
         A user's folder, if any.
 
@@ -459,7 +449,7 @@ def catalog_names(kind: str, *, folder: Path | None = None) -> tuple[str, ...]:
     Raises
     ------
     InputError
-        As for `own_tables`.
+        As for ``own_tables``.
     """
     own = [table.provenance for table in own_tables(folder).values()]
     return tuple(
@@ -497,7 +487,7 @@ def own_table(name: str, kind: str) -> UserTable | None:
     Raises
     ------
     InputError
-        As for `own_tables`, or if the table is of another kind.
+        As for ``own_tables``, or if the table is of another kind.
     """
     table = own_tables(catalog_folder()).get(name)
     if table is not None and table.provenance.kind != kind:
@@ -519,7 +509,7 @@ def catalog_file_of(name: str) -> Path | None:
     Raises
     ------
     InputError
-        As for `own_tables`.
+        As for ``own_tables``.
     """
     parts = infrared_parts(name)
     if parts is not None:

@@ -75,8 +75,6 @@ def training_named(
     ----------
     prior
         A name from `PRIORS`, or reflectances on the grid of the lamp, which are used as they are.
-    illuminant
-        The lamp.
     observer
         A name from `chromanoise.spectra.OBSERVERS`.
     """
@@ -183,8 +181,6 @@ class MatrixMaker:
 
     Attributes
     ----------
-    method
-        One of `METHODS`.
     metric
         Metric of the space of spectra.
     prior
@@ -296,7 +292,7 @@ def matrix_makers(
     ----------
     names
         Names from `METHODS`; a method with a parameter as ``name=value``, e.g. ``ridge=0.01``; or
-        files for `chromanoise.io.read_matrix`.
+        files for ``read_matrix``.
     metric
         Metric of the space of spectra.
     prior

@@ -88,7 +88,7 @@ class GrayNoise:
     Attributes
     ----------
     reflectance
-        Of the gray.
+        Of the gray. [1]
     exact
         From the exact Poisson-Gaussian distribution: the reference.
     first_order, normal
@@ -142,8 +142,6 @@ def gray_noise(
     ----------
     analysis
         The analysis of a perfect white.
-    space
-        E.g. `chromanoise.color.LAB`.
     reflectance
         Of the gray. [1]
     readout
@@ -388,8 +386,6 @@ def noise_weights(first: float, last: float, *, points: int = 13) -> Float[Array
         Lowest weight, > 0. [1]
     last
         Highest weight. [1]
-    points
-        Number of weights.
 
     Raises
     ------
@@ -514,8 +510,6 @@ def total_errors(
     ----------
     operating_point
         Sensor, exposure and light.
-    matrix
-        Its color matrix.
     readout
         Clipping and rounding of the values; ``None`` for none.
     method
@@ -571,7 +565,7 @@ def mean_total_error(analysis: Analysis) -> float | None:
 
 
 def better_matrix(analysis: Analysis) -> tuple[str, float] | None:
-    """The method with the least total error where noise exceeds `NOISY_DELTA_E`, and that error.
+    """The method with the least total error where noise exceeds ``NOISY_DELTA_E``, and that error.
 
     ``None`` where the noise is lower, or no other method is better.
 

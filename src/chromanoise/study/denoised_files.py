@@ -91,8 +91,6 @@ class Electrons:
     ----------
     values_e
         One value per pixel. [e-]
-    name
-        For messages.
     """
 
     values_e: Float32[Array, "h w"]
@@ -114,7 +112,7 @@ def frames_of_pictures(
     shape
         Rows and columns of a raw dump. [px]
     stored
-        Type of the codes of a raw dump, a name of `DUMP_TYPES`; uint16 if ``None``.
+        Type of the codes of a raw dump, a name of ``DUMP_TYPES``; uint16 if ``None``.
 
     Raises
     ------
@@ -241,8 +239,6 @@ class DenoisingPlan:
     ----------
     pictures
         Frames of files, or electrons; several are a burst.
-    study
-        Settings.
     operating_point
         Sensor and light; ``None`` if only the pixel is known.
     maker
@@ -256,8 +252,6 @@ class DenoisingPlan:
     is_bright
         Whether the illuminance is given. Otherwise it is that at which the mean of the ColorChecker
         is the mean of the picture.
-    method
-        Of `DENOISING`.
     notes
         On what was used.
     """
@@ -335,16 +329,10 @@ def prepared_denoising(
 
     Parameters
     ----------
-    pictures
-        Of one scene.
     sensor
         Name of the catalog, or file; ``None`` if only the pixel or a noise profile is known.
     settings
         By the names of `DenoiseSettings`.
-    denoise
-        Of `DENOISING`.
-    matrix
-        Of the color.
     white_level
         Code from which on pixels are saturated; that of the file, or the largest code of its bits,
         if ``None``. [DN]
@@ -418,8 +406,6 @@ class _Pixel:
     ----------
     sources
         Its noise, rounding not included; ``None`` if the read noise is not known.
-    converter
-        Its converter.
     source
         Where both come from.
     """
@@ -685,8 +671,6 @@ class DenoisedPicture:
         The channel of each pixel.
     summary
         Inputs, noise, method, clipped shares, residual and notes as plain data.
-    plan
-        What was denoised.
     """
 
     values_e: Float32[Array, "h w"]
@@ -714,8 +698,6 @@ def denoised_picture(plan: DenoisingPlan, *, work: Work = ALL_CORES) -> Denoised
 
     Parameters
     ----------
-    plan
-        Result of `prepared_denoising`.
     work
         Threads and rows per strip.
 
@@ -929,8 +911,6 @@ def refuse_other_denoised(plan: DenoisingPlan, folder: Path) -> None:
     ----------
     plan
         Of the picture to be written.
-    folder
-        Its folder.
 
     Raises
     ------
@@ -951,13 +931,6 @@ def refuse_other_denoised(plan: DenoisingPlan, folder: Path) -> None:
 
 def write_denoised(result: DenoisedPicture, folder: Path) -> tuple[list[str], list[str]]:
     """Write the codes as TIFF and DNG, the color as PNG and XYZ.
-
-    Parameters
-    ----------
-    result
-        A denoised picture.
-    folder
-        Of the files.
 
     Returns
     -------

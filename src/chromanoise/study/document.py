@@ -94,8 +94,6 @@ class Known:
 
     Parameters
     ----------
-    names
-        Known names.
     others
         Whether other words are kept, e.g. files, or a function that checks them.
     """
@@ -111,15 +109,7 @@ class Known:
         return tuple(self._registry)
 
     def checked(self, word: str, place: Any) -> Any:
-        """The known name that a word is, or another word.
-
-        Parameters
-        ----------
-        word
-            To be checked.
-        place
-            Where it is.
-        """
+        """The known name that a word is, or another word."""
         return After(self._known).checked(word, place)
 
     def _known(self, word: str, place: Any) -> str:
@@ -132,15 +122,7 @@ class Known:
 
 
 def setting(default: Any, description: str, **interface: Any) -> Any:
-    """A field of a part that interfaces offer.
-
-    Parameters
-    ----------
-    default, description
-        Of the key.
-    interface
-        Of its `Interface`.
-    """
+    """A field of a part that interfaces offer."""
     return Field(default, description, metadata=(Interface(**interface),))
 
 
@@ -949,8 +931,6 @@ def pipeline_settings(part: PipelinePart, light: Illuminant | None = None) -> Pi
 
     Parameters
     ----------
-    part
-        Of a study.
     light
         The illuminant that ``white_balance`` names; ``None`` only checks the other values.
 
@@ -1164,11 +1144,6 @@ def _replaced_settings(study: Study) -> Iterator[InputError]:
 
 def without_idle_settings(study: Study) -> Study:
     """A study that was checked with `KEEP_IDLE`, without the settings that have no effect.
-
-    Parameters
-    ----------
-    study
-        Of the page.
 
     Examples
     --------

@@ -60,10 +60,6 @@ class FileWord:
 
     Attributes
     ----------
-    where
-        Its key: ``sensors.0.pixel.file``.
-    kind
-        What it names.
     word
         As the study has it.
     """
@@ -259,11 +255,6 @@ def _pieces(one: Any) -> Iterator[bytes]:
 def file_digests(study: Study) -> dict[str, str]:
     """SHA-256 of every file that a study names; of a folder or a pair, of all that belongs to it.
 
-    Parameters
-    ----------
-    study
-        The study.
-
     Raises
     ------
     InputError
@@ -386,23 +377,12 @@ def _digest(file: Path) -> str:
 
 
 def study_as_json(study: Study) -> dict[str, Any]:
-    """The study as plain data, with all defaults.
-
-    Parameters
-    ----------
-    study
-        The study.
-    """
+    """The study as plain data, with all defaults."""
     return study.model_dump(mode="json", by_alias=True)
 
 
 def provenance(study: Study) -> dict[str, Any]:
     """The provenance that every output records.
-
-    Parameters
-    ----------
-    study
-        The study.
 
     Raises
     ------

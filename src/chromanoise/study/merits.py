@@ -89,12 +89,8 @@ class Merit:
 
     Attributes
     ----------
-    name
-        In JSON.
     what
         In words, unit not included.
-    unit
-        Of the value.
     value
         ``None`` where it is not defined.
     source
@@ -581,8 +577,6 @@ class Merits:
 
     Attributes
     ----------
-    sensor, illuminant, matrix
-        Names.
     level_lux, time_s
         The exposure. [lx], [s]
     metric

@@ -83,11 +83,6 @@ def _source(path: Path, text: str) -> PixelSource:
 def own_sensor_of(path: Path) -> Sensor | None:
     """The sensor in a JSON file of the schema ``chromanoise sensor``; ``None`` for other files.
 
-    Parameters
-    ----------
-    path
-        The file.
-
     Raises
     ------
     InputError
@@ -160,12 +155,12 @@ def sensor_with_pixel(
     varied: Collection[str] = (),
     **given: float | None,
 ) -> Sensor:
-    """A sensor from `resolve_sensor`, from our own JSON or in memory, with the pixel of a file.
+    """A sensor from ``resolve_sensor``, from our own JSON or in memory, with the pixel of a file.
 
     Parameters
     ----------
     word, answers
-        As for `resolve_sensor`, or a sensor, which needs no answers.
+        As for ``resolve_sensor``, or a sensor, which needs no answers.
     file
         A file for `read_pixel_source`; ``None`` keeps the sensor's pixel.
     varied
@@ -177,7 +172,7 @@ def sensor_with_pixel(
     Raises
     ------
     InputError
-        As for `resolve_sensor` and `read_pixel_source`, or if the file gives no value.
+        As for ``resolve_sensor`` and `read_pixel_source`, or if the file gives no value.
     """
 
     def made(changes: Mapping[str, Any]) -> Sensor:
@@ -212,11 +207,6 @@ def sensor_with_pixel(
 
 def converter_of(source: PixelSource) -> Converter:
     """The known values of the converter, from the file or from its complete converter.
-
-    Parameters
-    ----------
-    source
-        Result of `read_pixel_source`.
 
     Raises
     ------

@@ -51,8 +51,6 @@ class Crossover:
 
     Attributes
     ----------
-    first, second, matrix
-        Names.
     labels
         Names of first and second in sentences.
     sweep, quantity
@@ -93,12 +91,8 @@ class Incomparable:
 
     Attributes
     ----------
-    first, second, matrix
-        Names.
     labels
         Names of first and second in sentences.
-    why
-        A sentence.
     """
 
     first: str
@@ -121,8 +115,6 @@ def crossovers(
     ----------
     contestants, makers
         As they were compared.
-    curves
-        Of `chromanoise.study.compared`.
 
     Raises
     ------
@@ -305,8 +297,6 @@ class CrossoverBand:
 
     Attributes
     ----------
-    first, second, matrix
-        Names.
     by_prior
         The crossover under each prior.
     """
@@ -346,8 +336,6 @@ def crossover_bands(
         As `chromanoise.study.compared`.
     names, metric
         As `chromanoise.study.matrix_makers`; untrained ones have no prior and are passed over.
-    priors
-        Of `PRIORS`.
 
     Raises
     ------
@@ -413,8 +401,6 @@ class Rank:
         a value.
     tied
         Whether another sensor has the same rank.
-    sensor, label, matrix
-        Its names.
     value
         Of the quantity at the operating point; ``None`` where it is not defined.
     """
@@ -434,8 +420,6 @@ class Lead:
 
     Attributes
     ----------
-    sensor, label, matrix
-        Its names.
     sweep, quantity
         The parameter that varies, and the quantity.
     first, last
@@ -533,8 +517,6 @@ def matrix_sentences(ranks: Sequence[Rank], quantity: Quantity) -> list[str]:
 
     Parameters
     ----------
-    ranks
-        Of `ranking`.
     quantity
         That of the ranks.
     """
@@ -558,8 +540,6 @@ def leads(curves: Sequence[Curve], crossed: Sequence[Crossover]) -> tuple[Lead, 
 
     Parameters
     ----------
-    curves
-        Of `chromanoise.study.compared`.
     crossed
         Of `chromanoise.study.crossovers`: the ends of the ranges.
 
@@ -650,15 +630,7 @@ def _change(
 def leading_crossovers(
     leading: Sequence[Lead], crossed: Sequence[Crossover]
 ) -> tuple[Crossover, ...]:
-    """The crossovers at which the leader changes; of all pairs, those that matter.
-
-    Parameters
-    ----------
-    leading
-        Of `leads`.
-    crossed
-        Of `chromanoise.study.crossovers`.
-    """
+    """The crossovers at which the leader changes; of all pairs, those that matter."""
     changes = {
         (one.matrix, frozenset((one.sensor, other.sensor)))
         for one, other in pairwise(leading)
@@ -714,8 +686,6 @@ class QuantityMap(SweptQuantity):
 
     Attributes
     ----------
-    second
-        The second parameter.
     second_at
         Its values. [unit of ``second``]
     """
@@ -730,8 +700,6 @@ class CrossoverLine:
 
     Attributes
     ----------
-    first, second, matrix
-        Names.
     at
         Their values of the first sweep, one entry per value of the second sweep; empty where there
         is none. [unit of the first sweep]
@@ -868,13 +836,7 @@ def _of_pair(row: Sequence[Crossover], a: QuantityMap, b: QuantityMap) -> tuple[
 
 
 def best_of(maps: Sequence[QuantityMap]) -> Int[Array, "j k"]:
-    """Index of the best map at each pair of values, -1 where none has a value; ties to the first.
-
-    Parameters
-    ----------
-    maps
-        Of one matrix.
-    """
+    """Index of the best map at each pair of values, the first of equal ones; -1 without a value."""
     values = np.array([one.value for one in maps])
     return np.asarray(leaders_of(values, maps[0].quantity.more_is_better))
 

@@ -36,11 +36,6 @@ from chromanoise.study.resolve import file_of, is_object_word, shown_word, word_
 def study_as_toml(study: Study) -> str:
     """What differs from the defaults, and the sensors; `study_from_text` gives the study back.
 
-    Parameters
-    ----------
-    study
-        The study.
-
     Raises
     ------
     InputError
@@ -72,11 +67,6 @@ def study_as_toml(study: Study) -> str:
 
 def refuse_objects(study: Study) -> None:
     """Refuse to write a study that refers to objects of Python, which no text contains.
-
-    Parameters
-    ----------
-    study
-        The study.
 
     Raises
     ------
@@ -167,8 +157,6 @@ def document_text(path: Path, kind: str) -> str:
 
     Parameters
     ----------
-    path
-        The file.
     kind
         What it holds, for messages: ``study``.
 
@@ -196,13 +184,7 @@ def document_text(path: Path, kind: str) -> str:
 
 
 def is_relative_to_working_folder(path: Path) -> bool:
-    """Whether file names in a document are relative to the working folder, as in piped text.
-
-    Parameters
-    ----------
-    path
-        The file.
-    """
+    """Whether file names in a document are relative to the working folder, as in piped text."""
     return path.parent == Path() or Path("/dev") in path.absolute().parents
 
 
@@ -246,12 +228,8 @@ def study_from_text(
 
     Parameters
     ----------
-    text
-        TOML.
     source
         Name of the text in messages.
-    changes
-        Changes as KEY=VALUE.
     change_label
         Name of the changes in messages.
     keep_idle
@@ -283,10 +261,6 @@ def document_from_text(
 
     Parameters
     ----------
-    kind
-        Its class.
-    text
-        TOML.
     unfit
         What is wrong with a document whose classes accept it, each error with its key.
     source, changes, change_label
@@ -352,12 +326,10 @@ def study_from_data(data: Any, *, source: str = "", keep_idle: bool = False) -> 
 
     Parameters
     ----------
-    data
-        The data.
     source
         Names it in messages; empty where the data are arguments of a call.
     keep_idle
-        Whether settings without effect are accepted, as `document.KEEP_IDLE`.
+        Whether settings without effect are accepted, as ``document.KEEP_IDLE``.
 
     Returns
     -------
@@ -582,11 +554,6 @@ def refuse_shared_file_names(operating_points: Sequence[OperatingPoint]) -> None
 
 def file_word(name: str) -> str:
     """A name as a file's name or a part of one: it leads into no other folder and hides nothing.
-
-    Parameters
-    ----------
-    name
-        The name.
 
     Examples
     --------

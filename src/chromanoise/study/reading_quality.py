@@ -626,8 +626,6 @@ def median_distances(
     ----------
     point, matrix
         Sensor, exposure and light; the color matrix.
-    reading
-        One of `READINGS`.
     level_lux, lux_per_e
         As `stages_at`.
     """
@@ -786,8 +784,6 @@ class MachineReading:
 
     Attributes
     ----------
-    label
-        Of the sensor.
     separation, contrast
         ``None`` where a patch or a gray saturates a channel.
     information

@@ -78,12 +78,10 @@ def run_study(
 ) -> list[Path]:
     """Run all steps of a study; a stopped run continues with the missing results.
 
-    After an error the folder is as it was before; see `chromanoise.base.files.claimed_folder`.
+    After an error the folder is as it was before; see ``claimed_folder``.
 
     Parameters
     ----------
-    study
-        From `read_study`.
     folder
         Output folder: ``study.json`` and one JSON file per step, and the pictures.
     work
@@ -572,13 +570,7 @@ def agreement_of(first: Path, second: Path) -> Agreement:
 
 
 def agreement_text(found: Agreement) -> str:
-    """The agreement in one sentence.
-
-    Parameters
-    ----------
-    found
-        The compared results.
-    """
+    """The agreement in one sentence."""
     parts = []
     if found.place:
         parts.append(f"the original was made with files in {found.place}")

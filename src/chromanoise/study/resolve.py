@@ -1,7 +1,7 @@
 """Curves that are objects of Python: of colour-science, pandas, xarray, NumPy, and our own.
 
-An object becomes the `Found` of a file, so it is interpreted and checked as a file is. The foreign
-packages are not imported.
+An object becomes the ``Found`` of a file, so it is interpreted and checked as a file is. The
+foreign packages are not imported.
 
 Resolve a name or a path, from a study or a command, to a sensor, light or filter.
 
@@ -703,8 +703,6 @@ def is_reflectance_file(word: str, folder: Path = Path()) -> bool:
 
     Parameters
     ----------
-    word
-        The word.
     folder
         The folder to which a file name is relative.
 

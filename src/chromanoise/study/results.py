@@ -2,7 +2,7 @@
 
 Each result can be converted to plain data (`to_dict`, as the JSON of the commands), a table, a
 pandas data frame, LaTeX and a figure. Its keys in JSON are its ``KEYS``. The further outputs of an
-analysis are registered in `OUTPUTS`.
+analysis are registered in ``OUTPUTS``.
 
 Results as tables: a title, columns with units and digits, rows of numbers and text.
 """
@@ -435,7 +435,7 @@ class Outcome:
     analysis
         Raw, spectral and color coordinates of a perfect white.
     asked
-        Names of the further outputs that the study asks for, of `OUTPUTS`.
+        Names of the further outputs that the study asks for, of ``OUTPUTS``.
     gray_noise, chart
         ``None`` where not asked for, or where a channel is saturated or white is no color.
     merits
@@ -513,10 +513,8 @@ def outcome_of(
         Sensor, exposure and light.
     maker
         Of its color matrix.
-    outputs
-        The requested outputs.
     balance_light
-        The illuminant that the white balance of the pipeline names (`balance_light_of`).
+        The illuminant that the white balance of the pipeline names (``balance_light_of``).
 
     Raises
     ------
@@ -548,8 +546,6 @@ class Analyses(Result):
         Operating point of each sensor.
     outcomes
         Per sensor: stages, chart, figures of merit, noise in a color space.
-    outputs
-        The requested outputs.
     """
 
     KEYS: ClassVar[JsonKeys] = (
@@ -792,8 +788,6 @@ class Matrices(Result):
     ----------
     method
         Name of the method.
-    results
-        One per sensor.
     """
 
     KEYS: ClassVar[JsonKeys] = (JsonKey("sensors", "results"),)
@@ -1060,8 +1054,6 @@ class Results:
 
     Attributes
     ----------
-    study
-        The study.
     points
         Operating point of each sensor.
     steps

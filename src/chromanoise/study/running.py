@@ -70,8 +70,6 @@ def capture_settings_of(
 
     Parameters
     ----------
-    part
-        Of a study.
     seed
         Of all noise that is drawn.
     key
@@ -114,8 +112,6 @@ def prepared_cameras(
 
     Parameters
     ----------
-    study
-        The study.
     number
         Which part, from 0.
     operating_points
@@ -128,7 +124,7 @@ def prepared_cameras(
     Raises
     ------
     InputError
-        If the cube cannot be read, or as `capture_settings_of` and `camera_for`.
+        If the cube cannot be read, or as ``capture_settings_of`` and ``camera_for``.
     """
     refuse_shared_file_names(operating_points)
     part, key = study.pictures[number], f"pictures.{number}"
@@ -275,8 +271,6 @@ class Step:
     ----------
     name
         Name of its output file without suffix.
-    what
-        Description.
     parts
         Number of its parts.
     unit

@@ -129,7 +129,7 @@ def interface_of(name: str) -> Interface:
     Parameters
     ----------
     name
-        Its flat name; for another name an `Interface` without entries.
+        Its flat name; for another name an ``Interface`` without entries.
 
     Examples
     --------
@@ -142,11 +142,6 @@ def interface_of(name: str) -> Interface:
 
 def flags_of(name: str) -> Mapping[str, str]:
     """The options of a setting by its values; empty where its option takes a value.
-
-    Parameters
-    ----------
-    name
-        Its flat name.
 
     Examples
     --------
@@ -166,8 +161,6 @@ class DescribedSetting:
         Name of the argument.
     default
         What the function starts with, else the default of the key.
-    of
-        Its key.
     """
 
     name: str
@@ -507,11 +500,6 @@ def study_as_command(study: Study) -> str:
     otherwise ``chromanoise run`` of the study itself, as a here-document. Results are written into
     a folder named after the study, so that the line runs again, and beside those of other studies.
 
-    Parameters
-    ----------
-    study
-        The study.
-
     Examples
     --------
     >>> from chromanoise.study.reading import study_from_text
@@ -546,11 +534,6 @@ def study_as_python(study: Study) -> str:
     """A script that prints what a run of the study computes: a JSON list, one entry per step.
 
     Pictures are written into the folder in which it is run.
-
-    Parameters
-    ----------
-    study
-        The study.
     """
     refuse_objects(study)
     title = "".join(c if c.isprintable() else " " for c in study.title).strip()

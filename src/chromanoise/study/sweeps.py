@@ -62,14 +62,12 @@ class Quantity:
         Its name in options and studies.
     what
         In words, unit not included.
-    unit
-        Of the number.
     more_is_better
         Whether the higher value is the better one.
     of
         The number; NaN where it is not defined: a channel is saturated, a color is no signal.
     over_levels
-        The same for many light levels [lx] at once, as `color_snr_over_levels`; ``None`` where
+        The same for many light levels [lx] at once, as ``color_snr_over_levels``; ``None`` where
         there is no such function.
     of_raw
         Whether it is one of raw values, which neither a color matrix nor its color error concerns.
@@ -88,7 +86,7 @@ class Quantity:
 
 _Function = TypeVar("_Function", bound=Callable[..., Array | float])
 QUANTITIES: dict[str, Quantity] = {}
-"""The quantities by which sensors are compared, by name: `_quantity` enters one."""
+"""The quantities by which sensors are compared, by name: ``_quantity`` enters one."""
 
 
 def _quantity(
@@ -286,8 +284,6 @@ class Sweep:
         Its name in options and studies.
     what
         Description, unit not included.
-    unit
-        Of its values.
     lowest, highest
         Its range. [unit]
     at
@@ -330,7 +326,7 @@ class Sweep:
 
 _At = Callable[[OperatingPoint, float], OperatingPoint]
 SWEEPS: dict[str, Sweep] = {}
-"""The parameters that a comparison can vary, by name: `_sweep` enters one."""
+"""The parameters that a comparison can vary, by name: ``_sweep`` enters one."""
 
 
 def _sweep(
@@ -494,8 +490,6 @@ class SweptQuantity:
 
     Attributes
     ----------
-    sensor, matrix
-        Names.
     label
         Name of the sensor in tables and charts.
     sweep, quantity

@@ -211,8 +211,6 @@ def report_reply(studies: Studies, question: Mapping[str, Any], folder: Path) ->
 
     Parameters
     ----------
-    studies
-        Of the page.
     question
         With the key ``study``.
     folder

@@ -101,11 +101,6 @@ _OWN_FILES = re.compile(
 def characterization_report(result: Characterization) -> str:
     """The report as self-contained HTML, without network access.
 
-    Parameters
-    ----------
-    result
-        A characterization.
-
     Returns
     -------
     str
@@ -140,8 +135,6 @@ def write_characterization(result: Characterization, folder: Path | str) -> tupl
 
     Parameters
     ----------
-    result
-        A characterization.
     folder
         Made if it does not exist; other files in it stay.
 
@@ -194,13 +187,7 @@ def file_names(planes: Sequence[PlaneNoise]) -> tuple[str, ...]:
 
 
 def omitted_files(result: Characterization) -> list[str]:
-    """A sentence for each file that `write_characterization` does not write, with the reason.
-
-    Parameters
-    ----------
-    result
-        A characterization.
-    """
+    """A sentence for each file that `write_characterization` does not write, with the reason."""
     return _optional_files(result)[1]
 
 
@@ -351,8 +338,6 @@ def write_denoising_report(cells: Sequence[BenchmarkCell], folder: Path) -> Path
 
     Parameters
     ----------
-    cells
-        Result of `chromanoise.apps.denoising_benchmark.cells.denoising_benchmark`.
     folder
         Made if it does not exist; files of the same names are replaced, others stay.
 

@@ -79,8 +79,6 @@ def shortened(data: Any, *, digits: int = 5) -> Any:
 
     Parameters
     ----------
-    data
-        Plain data.
     digits
         Significant ones; a number that would end in a 5 there keeps more, so that rounding it to
         fewer gives what rounding the number itself gives. [1]

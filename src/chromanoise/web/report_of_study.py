@@ -151,8 +151,6 @@ class Slide:
 
     Attributes
     ----------
-    key
-        Of the sweep.
     label
         Label of the setting that it changes.
     values
@@ -191,8 +189,6 @@ def at_value(of: Shown, slide: Slide, value: float | None) -> Shown:
 
     Parameters
     ----------
-    of
-        The unchanged study.
     slide
         What is changed; its key is one of `chromanoise.study.SWEEPS`.
     value
@@ -306,10 +302,8 @@ def study_report(of: Shown, sights: Sequence[Sight] = ()) -> str:
 
     Parameters
     ----------
-    of
-        The study.
     sights
-        Its pictures, of `chromanoise.web.report_of_study`.
+        Its pictures, of ``report_of_study``.
 
     Raises
     ------
@@ -359,12 +353,10 @@ def study_report(of: Shown, sights: Sequence[Sight] = ()) -> str:
 def report_data(of: Shown, full: dict[str, Any] | None = None) -> dict[str, Any]:
     """What the drawing modules get: the study's own parts, and what differs at each slider.
 
-    Numbers have as many digits as are shown (`chromanoise.web.report_bundle.shortened`).
+    Numbers have as many digits as are shown (``shortened``).
 
     Parameters
     ----------
-    of
-        The study.
     full
         Its parts, if they are known.
     """
@@ -495,11 +487,6 @@ class StudyResults:
 
 def results_of(of: Shown) -> StudyResults:
     """Compute the results of a study that its charts do not have.
-
-    Parameters
-    ----------
-    of
-        The study.
 
     Raises
     ------

@@ -60,8 +60,6 @@ def refusal(scope: Scope, hosts: frozenset[str]) -> str | None:
     ----------
     scope
         Of an HTTP request.
-    hosts
-        Of `own_hosts`.
     """
     headers = Headers(scope=scope)
     if headers.getlist("host") != [host := headers.get("host", "")] or host.lower() not in hosts:
@@ -109,8 +107,6 @@ def guarded(app: ASGIApp, *, port: int, policy: Callable[[], str]) -> ASGIApp:
 
     Parameters
     ----------
-    app
-        Of starlette.
     port
         On which it listens.
     policy
@@ -489,8 +485,6 @@ class Upload:
         Where it lies, under a name of ours.
     kind
         ``table``, ``cube``, ``either``, ``matrix`` or ``toml``, by its ending.
-    size_bytes
-        Of the file.
     """
 
     id: str

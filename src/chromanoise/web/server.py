@@ -131,8 +131,6 @@ def page_server(
 
     Parameters
     ----------
-    listening
-        From `listening_socket`.
     study, front
         As for `application`.
     """

@@ -267,8 +267,6 @@ class Lane:
 
     Attributes
     ----------
-    workers
-        How many processes.
     memory_bytes
         Memory of each process beyond what all of them share.
     """
@@ -283,8 +281,6 @@ class Job:
 
     Attributes
     ----------
-    lane
-        Of `LANES`.
     cpu_s
         Limit of CPU time; whole seconds. [s]
     limit_s
@@ -337,12 +333,8 @@ class Workers:
 
         Parameters
         ----------
-        name
-            Of `JOBS`.
         kept
             The files that it may name.
-        given
-            Its arguments.
 
         Raises
         ------

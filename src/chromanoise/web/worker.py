@@ -45,8 +45,6 @@ class Services:
 
     Parameters
     ----------
-    uploads
-        The uploaded files.
     study
         The initial study as plain data.
     """

@@ -49,8 +49,6 @@ class Quantity:
 
     Attributes
     ----------
-    name, unit
-        Of the value.
     field
         Its field in `PlaneNoise`; ``field_se``, where it exists, has the standard error.
     """
@@ -87,8 +85,6 @@ class LevelNoise:
 
     Attributes
     ----------
-    name
-        Of the level.
     frames
         Number of flats. [1]
     time_ms, photons_per_pixel
@@ -179,8 +175,6 @@ class PlaneNoise(PartialPixel):
         Quadratic term of the variance over its standard error; a bend is significant above 3.
     levels
         From dark to bright.
-    fit
-        The photon transfer.
     """
 
     name: str

@@ -606,7 +606,7 @@ def variance_through_file(result: Characterization, given: GivenMatrix) -> Matri
     Parameters
     ----------
     given
-        From `chromanoise.io.matrix_files.read_matrix`. A matrix for white-balanced raw is applied
+        From ``read_matrix``. A matrix for white-balanced raw is applied
         to electrons divided by those of the brightest fitted level, whose light counts as white.
 
     Raises

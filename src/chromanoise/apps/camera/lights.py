@@ -100,8 +100,6 @@ class PlaneLights:
 
     Attributes
     ----------
-    lights
-        All planes.
     number
         Of the plane, from 0.
     """

@@ -598,11 +598,6 @@ def is_table(path: Path) -> bool:
 def characterized_table(table: PhotonTransfer) -> Characterization:
     """One plane from a table: without fixed patterns, row noise and correlations.
 
-    Parameters
-    ----------
-    table
-        Means and variances.
-
     Raises
     ------
     InputError

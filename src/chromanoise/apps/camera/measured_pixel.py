@@ -254,7 +254,7 @@ def camera_noise(results: Characterization | Sequence[Characterization]) -> Came
     Raises
     ------
     InputError
-        As `by_iso` for several results, if there is none, if a plane has no dark noise or black
+        As ``by_iso`` for several results, if there is none, if a plane has no dark noise or black
         level, or if the bits are not known.
 
     Notes

@@ -122,8 +122,6 @@ def plane_noise(own: PlaneLights, fit: TransferFit, fixed: FixedNoise, name: str
     ----------
     fit
         The photon transfer, whose rows are the levels from dark to bright, then the darks.
-    fixed
-        Its fixed patterns.
     """
     gain, relative = fit.gain_dn_per_e, fit.gain_se / fit.gain_dn_per_e
     prnu = dsnu = row = column = current = _Value()
@@ -198,8 +196,6 @@ class _Transfer:
 
     Attributes
     ----------
-    levels, samples
-        Of each level.
     dark
         Mean and variance without light: [DN], [DN^2].
     measured
@@ -352,8 +348,6 @@ class PlaneCurves:
 
     Attributes
     ----------
-    name
-        Of the plane.
     signal_dn
         Mean above dark, of each level with light. [DN]
     variance_dn2, predicted_dn2

@@ -133,8 +133,6 @@ def mean_shared(samples: Sequence[PlaneSample], which: str) -> tuple[float, floa
     ----------
     samples
         Of one plane, at least one.
-    which
-        ``row`` or ``column``.
 
     Notes
     -----
@@ -196,7 +194,7 @@ def light_sample(frames: Sequence[RawFrame], tile: tuple[int, int]) -> LightSamp
     Notes
     -----
     For k frames, the variances of k - 1 differences of consecutive frames are averaged. Their mean
-    has the error of a mean over `independent_pairs` (k) differences.
+    has the error of a mean over ``independent_pairs`` (k) differences.
     """
     if len(frames) < 2:
         raise InputError(

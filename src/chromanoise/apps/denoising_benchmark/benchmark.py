@@ -72,8 +72,6 @@ class BenchmarkScene:
 
     Attributes
     ----------
-    name
-        In the tables.
     cube
         Only the part, in memory.
     edges
@@ -176,8 +174,6 @@ class BenchmarkCamera:
 
     Attributes
     ----------
-    name
-        In the tables.
     point
         Sensor, exposure and light.
     matrix
@@ -254,8 +250,6 @@ class BenchmarkCell:
         Mean square of Y without noise over the mean square error of Y: noise and lost detail. [dB]
     seconds
         Time of the method alone. [s]
-    settings
-        Exposure and sensor.
     srgb, reference_srgb
         The picture, and that of the camera without noise, white-balanced.
     """
@@ -332,12 +326,8 @@ def benchmark_cells(
 
     Parameters
     ----------
-    scene
-        By `benchmark_scene`.
     camera
         Sensor, exposure, light and color matrix.
-    methods
-        Names of `DENOISING`.
     seed
         Of the noise, which also depends on the names of scene and camera and on the light; 0 to
         2^64 - 1.
@@ -559,8 +549,6 @@ class Verdict:
 
     Attributes
     ----------
-    method
-        Its name.
     places, won
         Number of combinations of scene, sensor and light, and of those in which the method has a
         lower mean CIEDE2000 and a lower mean S-CIELAB than every baseline.

@@ -486,12 +486,8 @@ def algorithm_of(problem: Problem, method: str, population: int, seed: int) -> A
 
     Parameters
     ----------
-    problem
-        What is searched.
     method
         A name in `METHODS`.
-    population
-        Candidates per generation.
     seed
         Of the random numbers.
 
@@ -509,8 +505,6 @@ def refuse_method(problem: Problem, method: str) -> None:
 
     Parameters
     ----------
-    problem
-        What is searched.
     method
         A name in `METHODS`.
 

@@ -545,8 +545,6 @@ def with_effort(
 
     Parameters
     ----------
-    document
-        The design.
     budget
         Number of evaluations; ``None`` keeps that of the document.
     seed

@@ -88,8 +88,6 @@ def held_by(member: Member, parameters: Sequence[Parameter]) -> list[str]:
 
     Parameters
     ----------
-    member
-        Of a front.
     parameters
         In the order of its values.
     """
@@ -113,10 +111,6 @@ def front_sentences(
 
     Parameters
     ----------
-    front
-        The front.
-    parameters
-        Of its members.
     references
         Objectives of the references by name.
     """
@@ -132,12 +126,8 @@ def tolerance_sentence(member: Member, beside: Mapping[str, float], which: str) 
 
     Parameters
     ----------
-    member
-        Of a front.
     beside
         Its ``nominal`` or its ``robust`` objectives, by name, beside those of the front.
-    which
-        What ``beside`` holds.
     """
     parts = []
     for name, value in member.objectives.items():
@@ -158,8 +148,6 @@ def tolerances_sentence(
         Members of a front.
     beside
         The ``nominal`` or ``robust`` objectives of each member, by name.
-    which
-        ``nominal`` or ``robust``.
     """
     parts = []
     for name in members[0].objectives:
@@ -389,14 +377,12 @@ class Design(Result):
 
     Attributes
     ----------
-    task
-        What was searched.
     front
         The members, the best in the first objective first, with their sensors.
     result
         Counts and the whole front.
     beside
-        Of `beside_of`.
+        The ``nominal`` or ``robust`` objectives of each member, by name; empty without tolerances.
     """
 
     task: Task
@@ -736,15 +722,13 @@ def searched(
 
     Parameters
     ----------
-    task
-        Of `task_of`.
     checkpoint, resume, evaluate_on, progress
-        As `chromanoise.apps.design.search.searched_front`.
+        As `chromanoise.apps.design.searched_front`.
 
     Raises
     ------
     InputError
-        As `chromanoise.apps.design.search.searched_front`.
+        As `chromanoise.apps.design.searched_front`.
     """
     design, problem = task.document.design, with_constraint_sizes(task)
     found = searched_front(
@@ -847,8 +831,6 @@ def optimized(
 
     Parameters
     ----------
-    document
-        The design.
     folder
         For the outputs and the checkpoint of the search; ``None`` writes nothing.
     resume

@@ -269,8 +269,6 @@ class Objectives:
     ----------
     scenes
         The scenes, with one wavelength grid.
-    objectives
-        Names from `chromanoise.apps.design.objectives.OBJECTIVES`.
     over_scenes
         ``worst`` or ``mean`` of each objective over the scenes.
     threads
@@ -328,13 +326,7 @@ class Objectives:
         return self._over_scenes(self.values_of_scenes(candidates))
 
     def values_of_scenes(self, candidates: Candidates) -> Float[Array, "s m q"]:
-        """`values` of each scene.
-
-        Parameters
-        ----------
-        candidates
-            The designs.
-        """
+        """`values` of each scene."""
         return self._real(_given(self, candidates), self.objectives)
 
     def values_of_choices(
@@ -391,8 +383,6 @@ class Objectives:
 
         Parameters
         ----------
-        space
-            The design space.
         values
             Its parameters, within their bounds.
 

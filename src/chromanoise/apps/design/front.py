@@ -83,8 +83,6 @@ class Problem:
 
     Attributes
     ----------
-    names
-        Of the parameters.
     low, high
         Bounds of the parameters, each in its unit.
     objectives
@@ -410,8 +408,6 @@ class Front:
         Names of the objectives.
     better
         ``higher`` or ``lower``, per objective.
-    members
-        At least one.
     """
 
     objectives: tuple[str, ...]
@@ -450,7 +446,7 @@ def front_of(
     problem
         For the names and the better sides.
     values, objectives, violation
-        As in `chromanoise.apps.design.search.FrontResult`.
+        As in `chromanoise.apps.design.FrontResult`.
     most
         Largest number of members; extremes and knee are always kept.
     sensor_of
@@ -755,11 +751,6 @@ class FrontFile(_Record):
 def read_front(path: Path | str) -> FrontFile:
     """The front in a file ``front.json``.
 
-    Parameters
-    ----------
-    path
-        The file.
-
     Raises
     ------
     InputError
@@ -786,8 +777,6 @@ def front_from_text(text: str, *, source: str) -> FrontFile:
 
     Parameters
     ----------
-    text
-        The whole file.
     source
         The name of the file, for errors.
 

@@ -27,8 +27,6 @@ def drawn_front(front: FrontFile, *, x: str | None = None, y: str | None = None)
 
     Parameters
     ----------
-    front
-        The front.
     x, y
         Objectives of the two axes; ``None`` for the first and the second.
 
@@ -158,8 +156,6 @@ def draw_front(front: FrontFile, ax: Axes) -> Axes:
     ----------
     front
         The front; its first two objectives are drawn.
-    ax
-        To draw on.
     """
     data = drawn_front(front)
     axes = {one["name"]: one for one in data["axes"]}
@@ -194,13 +190,7 @@ def _points(entries: list[dict[str, Any]], x: str, y: str) -> tuple[list[float],
 
 
 def front_figure(front: FrontFile) -> Figure:
-    """`draw_front` on a figure of its own.
-
-    Parameters
-    ----------
-    front
-        The front.
-    """
+    """`draw_front` on a figure of its own."""
     with chromanoise_style():
         figure = Figure(figsize=_SIZE_IN, layout="constrained")
         draw_front(front, figure.add_subplot())
@@ -211,15 +201,7 @@ _MOST_BARS = 15
 
 
 def draw_sensitivity(result: Sensitivity, ax: Axes) -> Axes:
-    """Draw one bar per parameter, the 15 with the largest effect on the first objective.
-
-    Parameters
-    ----------
-    result
-        From `chromanoise.sensitivity`.
-    ax
-        Axes.
-    """
+    """Draw one bar per parameter, the 15 with the largest effect on the first objective."""
     first = result.objectives[0]
     sizes = [(one.parameter, one.slope[first.name]) for one in result.effects]
     bars = [(one, size) for one, size in sizes if size is not None][:_MOST_BARS]

@@ -1,6 +1,6 @@
 """The objectives of a design: one table, each with the library's function.
 
-To add an objective, write a function below `_objective`. The evaluator calls it for each
+To add an objective, write a function below ``_objective``. The evaluator calls it for each
 candidate, which takes some milliseconds. The module ``kernels`` computes those of `FAST` for a
 whole batch; tests compare them with the function.
 """
@@ -55,8 +55,6 @@ class Candidate:
     ----------
     point
         Sensor, exposure and light.
-    matrix
-        Its color matrix.
     maker
         The method of the matrix, for other light levels.
     """
@@ -78,16 +76,10 @@ class Objective:
         Its name in sentences.
     what
         Its name in tables and on axes, without the unit.
-    unit
-        Of the number.
-    better
-        ``higher`` or ``lower``.
     of
         The function that computes it; ``None`` or not finite where it is undefined.
-    source
-        Standard or paper.
     rows
-        The rows of a scene that its kernel needs beside the white (`kernels.GROUPS`), empty if
+        The rows of a scene that its kernel needs beside the white (``kernels.GROUPS``), empty if
         none; ``None`` without a kernel.
     of_saturated
         Whether it is defined if a channel is saturated on a perfect white.
@@ -154,7 +146,7 @@ def _rms(values: Array) -> float:
 
 _Function = Callable[[Candidate], float | None]
 OBJECTIVES: dict[str, Objective] = {}
-"""Objectives by name: `_objective` enters a function by its name."""
+"""Objectives by name: ``_objective`` enters a function by its name."""
 
 
 def _objective(

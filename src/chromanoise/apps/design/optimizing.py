@@ -63,8 +63,6 @@ class Reference:
     ----------
     name
         Its name in results.
-    sensor
-        The sensor.
     objectives
         Value of each objective of the design and of its constraints, by name.
     """
@@ -115,8 +113,6 @@ class Task:
 
     Attributes
     ----------
-    document
-        The design.
     space
         The sensors that are searched.
     scenes
@@ -296,8 +292,6 @@ def task_of(document: DesignStudy, given: Given = NOTHING_GIVEN) -> Task:
 
     Parameters
     ----------
-    document
-        The design.
     given
         Objects of Python in place of names.
 
@@ -391,8 +385,6 @@ def space_of(document: DesignStudy, base: Sensor) -> DesignSpace:
 
     Parameters
     ----------
-    document
-        The design.
     base
         Gives grid, pixel and curves.
 

@@ -49,7 +49,7 @@ class Candidates:
         Weight of the noise in the color matrix: 0 least squares, 1 LMMSE; ``None`` where the matrix
         of the scene decides. [1]
     pixel
-        Noise of the pixel of each, by names of `noise_properties`, as the fields of `Pixel`; what
+        Noise of the pixel of each, by names of ``noise_properties``, as the fields of `Pixel`; what
         is omitted is that of the scene.
 
     Raises
@@ -102,7 +102,7 @@ def noise_properties() -> Mapping[str, Property]:
 
 
 def refuse_other_noise(names: Iterable[str]) -> None:
-    """Refuse a name that is none of `noise_properties`.
+    """Refuse a name that is none of ``noise_properties``.
 
     Raises
     ------
@@ -350,8 +350,6 @@ def over_tolerances(
         own values only.
     values
         One row of parameters per candidate.
-    parameters
-        With their tolerances.
     draws
         Number of copies and statistic.
 

@@ -63,8 +63,6 @@ class Scheduler:
     ----------
     executor
         Of dask, which evaluates the chunks of a killed worker again.
-    threads
-        Number of chunks.
     """
 
     executor: Executor
@@ -88,7 +86,7 @@ class Scheduler:
 
 @contextmanager
 def scheduler_at(address: str, *, workers: int | None = None) -> Iterator[Scheduler]:
-    """A dask cluster for `chromanoise.apps.design.search.searched_front`.
+    """A dask cluster for `chromanoise.apps.design.searched_front`.
 
     Parameters
     ----------
@@ -101,7 +99,7 @@ def scheduler_at(address: str, *, workers: int | None = None) -> Iterator[Schedu
     Raises
     ------
     InputError
-        As `chromanoise.imaging.distributed.client_of`, or if the address has no port.
+        As ``client_of``, or if the address has no port.
     """
     if address != "local" and not re.fullmatch(r"(\w+://)?[^/]+:\d+", address):
         raise InputError(
@@ -296,11 +294,9 @@ class SearchOptions:
     Attributes
     ----------
     method
-        A name in `chromanoise.apps.design.algorithms.METHODS`.
+        A name in ``METHODS``.
     budget
         Largest number of evaluated candidates. Only whole generations are evaluated.
-    population
-        Candidates per generation.
     seed
         Seed of the random numbers of the first population; the other populations have the
         following integers.
@@ -374,8 +370,6 @@ class Milestone:
 
     Attributes
     ----------
-    evaluations
-        Evaluated candidates.
     hypervolume
         Share that the front (at most 64 members of it) dominates of the box between the best values
         of the final front and the reference point, 0 to 1. ``None`` for one objective.
@@ -438,8 +432,6 @@ class FrontResult:
     undefined
         Evaluated candidates with an undefined objective, such as those without signal; they count
         as infeasible.
-    convergence
-        Of the search.
     """
 
     values: Float[Array, "k d"]

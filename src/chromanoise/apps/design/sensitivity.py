@@ -50,10 +50,6 @@ class Varied:
 
     Attributes
     ----------
-    name
-        ``R.shift``, ``read_noise_e`` ...
-    what
-        In words.
     unit
         Of a change: ``nm``, ``%`` of the value, or ``% points``.
     one_sided
@@ -77,8 +73,6 @@ class Variation:
 
     Attributes
     ----------
-    study
-        With one sensor.
     given
         Objects for names in the study.
 
@@ -269,13 +263,7 @@ class HalfWidths:
             raise InputError("tolerance_nm", "must be above 0, or tolerance_percent", value=0.0)
 
     def of(self, parameter: Varied) -> float:
-        """The half width for a parameter, in its unit.
-
-        Parameters
-        ----------
-        parameter
-            The parameter.
-        """
+        """The half width for a parameter, in its unit."""
         if parameter.of_use:
             return 0.0
         return self.nm if parameter.unit == NM else self.percent
@@ -305,8 +293,6 @@ class Effect:
 
     Attributes
     ----------
-    parameter
-        What changes.
     slope
         Change of each objective per nm, percent or percentage point; ``None`` where it is not
         defined.
@@ -366,8 +352,6 @@ class Sensitivity(Result):
         The operating point; the name of the matrix.
     keeps_matrix
         Whether a changed sensor keeps the matrix of the unchanged one.
-    objectives
-        What is computed.
     value
         Value of each objective; ``None`` where it is not defined.
     effects
@@ -378,8 +362,6 @@ class Sensitivity(Result):
         Tolerances and what they cause; ``None`` without them.
     draws
         Number of drawn sensors.
-    notes
-        Remarks.
     """
 
     KEYS: ClassVar[JsonKeys] = (
@@ -411,10 +393,6 @@ class Sensitivity(Result):
 
         Parameters
         ----------
-        effect
-            One of ``effects``.
-        objective
-            One of ``losses``.
         together
             Whether all parameters vary, each with an equal contribution: their root sum of squares
             is then the loss.
@@ -527,16 +505,12 @@ def sensitivity_of(
         With one sensor and one matrix. The exposure time stays that of the unchanged sensor.
     given
         Objects for names in the study.
-    objectives
-        Names of `chromanoise.apps.design.objectives.OBJECTIVES`.
     losses
         By objective, how much it may lose: the allowed change of each parameter is computed.
     tolerances
         Half widths: the spread of the objectives is computed.
     draws
         Sensors to draw within the tolerances, as a check of the first order; 0 for none.
-    seed
-        Of the draws.
     keep_matrix
         Whether a changed sensor keeps the color matrix of the unchanged one, as a camera that is
         not calibrated again; otherwise each has its own.

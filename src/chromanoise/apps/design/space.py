@@ -65,7 +65,7 @@ class Filter:
     Attributes
     ----------
     model
-        A name of `chromanoise.sensor.filter_models.FILTER_MODELS`, or ``dye``: a curve of the
+        A name of `chromanoise.sensor.FILTER_MODELS`, or ``dye``: a curve of the
         library to the power of the number ``thickness`` (Beer-Lambert), 1 by default.
     numbers
         Fixed, free or tied numbers of the model by name; what is omitted has its default.
@@ -120,7 +120,7 @@ class DesignSpace:
         to long wavelengths.
     structure
         ``mosaic``: each channel has its own pixels. ``layers``: channels are stacked in silicon.
-        ``router``: all light of a tile is sorted to its pixels. The last two are `stacked`.
+        ``router``: all light of a tile is sorted to its pixels. The last two are ``stacked``.
     ir_cut
         A filter in front of all channels, with numbers ``ir_cut.cutoff_nm`` and so on.
     silicon
@@ -138,7 +138,7 @@ class DesignSpace:
     pixel_shares
         Shares of the pixels: ``equal``, one per channel with the sum 1, or ``free``: the numbers
         ``NAME.share_of_rest``, one less than channels, are the share of what the channels before
-        it leave, so that any set of shares of at least `LEAST_SHARE` can be reached.
+        it leave, so that any set of shares of at least ``LEAST_SHARE`` can be reached.
     crosstalk
         ``crosstalk.share``, as for `chromanoise.sensor.crosstalk_of_share`; before counting. [1]
     time_ms
@@ -148,7 +148,7 @@ class DesignSpace:
         scene. [1]
     pixel
         ``pixel.read_noise_e`` and so on: noise of the pixel by the names of
-        `chromanoise.apps.design.parameters.noise_properties`; what is omitted is that of the base.
+        ``noise_properties``; what is omitted is that of the base.
     parameters
         The free numbers, in the order of the coordinates of a search; made from all others.
 
@@ -475,9 +475,7 @@ class DesignSpace:
         Parameters
         ----------
         values
-            Its free numbers.
-        name
-            Its name.
+            The free numbers, in the order and the units of `parameters`.
 
         Returns
         -------
@@ -654,8 +652,6 @@ def model_numbers(model: str, given: Iterable[str]) -> Mapping[str, ModelNumber]
 
     Parameters
     ----------
-    model
-        One of `MODELS`.
     given
         Names of the numbers that are given, for a model of several films or bands.
 

@@ -437,10 +437,6 @@ def paper_figures(
 
     Parameters
     ----------
-    study
-        `chromanoise.apps.paper.paper_study`.
-    planes
-        `chromanoise.apps.paper.paper_planes`.
     pictures
         8-bit sRGB of the RGB sensor and of the RGBW sensor; without them Figure 8 is omitted.
 

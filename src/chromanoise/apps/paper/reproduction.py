@@ -167,8 +167,6 @@ class Cell:
     ----------
     table, row, column
         Where it stands in the paper.
-    quantity, unit
-        What it is.
     paper
         As printed; ``None`` where the paper prints nothing.
     closed_form, monte_carlo, monte_carlo_se
@@ -223,8 +221,6 @@ def reproduced(
 
     Parameters
     ----------
-    study
-        `paper_study`.
     draws
         Acquisitions per column; the paper takes 5000.
     seed

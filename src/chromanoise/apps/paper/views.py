@@ -95,8 +95,6 @@ class ChannelPlane:
         M^1 f_1 and M^2 f_2, which add up to L^ (eq. 4).
     duals
         f^1 and f^2, the dual basis.
-    axis
-        The color axis.
     cloud
         L^ of sampled acquisitions.
     """

@@ -92,8 +92,6 @@ class NoiseSampler:
 
     Attributes
     ----------
-    camera
-        The noise model.
     shot, read, dark, prnu, dsnu, row, column, telegraph, quantize, clamp
         Whether each part is used, as `sampler`.
     seed

@@ -235,7 +235,7 @@ def linear_from_srgb(encoded: Float[Array, "*px"]) -> Float[Array, "*px"]:
     Parameters
     ----------
     encoded
-        0 .. 1.
+        Values from 0 to 1. [1]
 
     Returns
     -------
@@ -317,8 +317,6 @@ class NoisyDataset:
     pictures
         Clean linear raw pictures: anything with a length and an index, such as a list of arrays,
         tensors or ``np.memmap``.
-    sampler
-        Adds the noise.
     unit
         Unit of the pictures, see `NoiseSampler`.
     iso, time_s
@@ -336,7 +334,7 @@ class NoisyDataset:
     -----
     The noise of item i depends on the sampler's seed and on i only, so it is the same with any
     number of workers and in any order. A worker process uses one thread. For new noise in
-    each epoch, set `epoch` before the workers start.
+    each epoch, set ``epoch`` before the workers start.
     """
 
     def __init__(
@@ -385,8 +383,6 @@ class AddCameraNoise:
 
     Parameters
     ----------
-    sampler
-        Adds the noise.
     unit
         Unit of the tensors, see `NoiseSampler`.
     iso, time_s

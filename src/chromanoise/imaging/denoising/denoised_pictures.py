@@ -41,8 +41,6 @@ def denoised_planes(
     ----------
     planes
         Noisy values and their noise.
-    method
-        Of `DENOISING`.
     work
         Threads and rows per strip; an executor is not used, because the planes are in memory here.
         The result is bit-identical for any setting.
@@ -102,7 +100,7 @@ def planes_of_electrons(
 
     Notes
     -----
-    With crosstalk X after counting, the values must be those before it, which `without_coupling`
+    With crosstalk X after counting, the values must be those before it, which ``without_coupling``
     gives: X^-1 S. The read noise R is then X^-1 R X^-T, of which the diagonal is used.
     """
     noise = noise_sources(operating_point.sensor, operating_point.exposure)
@@ -203,8 +201,6 @@ def denoised_electrons(
         Noisy electrons. [e-]
     operating_point
         As `planes_of_electrons`.
-    method
-        Of `DENOISING`.
     work
         Threads, and rows per strip.
 
@@ -261,14 +257,14 @@ def captured_with(
     Parameters
     ----------
     cube, camera, frame, work, noisy
-        As `chromanoise.imaging.capture.captured`.
+        As ``captured``.
     method
         Of `DENOISING`; ``None`` for no denoising.
 
     Raises
     ------
     InputError
-        As `captured`, `planes_of_electrons` and the method.
+        As ``captured``, `planes_of_electrons` and the method.
     """
     if method is None:
         return captured(cube, camera, frame=frame, work=work, noisy=noisy)

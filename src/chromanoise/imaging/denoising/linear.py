@@ -265,8 +265,6 @@ def denoised_covariance(
 
     Parameters
     ----------
-    linear_filter
-        Of `linear_filters`.
     variance_e2
         Variance of each plane before it, independent between pixels and planes, as
         `NoisyPlanes.variance_e2` at the mean of the flat field. [e-^2]
@@ -316,8 +314,8 @@ def denoised_noise_spectrum(
 
     Notes
     -----
-    Frequencies as `np.fft.fftfreq`. The mean over the Fourier plane is `denoised_covariance`, as in
-    `chromanoise.imaging.noise_power_spectrum`.
+    Frequencies as `numpy.fft.fftfreq`. The mean over the Fourier plane is `denoised_covariance`, as
+    in `chromanoise.imaging.noise_power_spectrum`.
 
     Examples
     --------
@@ -340,8 +338,6 @@ def denoised_bank(linear_filter: LinearFilter, bank: FilterBank) -> FilterBank:
     ----------
     linear_filter
         For the planes of `packed`: one per place of the tile, in the order of its rows.
-    bank
-        The demosaicing method.
 
     Raises
     ------

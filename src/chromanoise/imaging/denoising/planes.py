@@ -94,8 +94,6 @@ class NoisyPlanes:
 
         Parameters
         ----------
-        start
-            First row.
         stop
             Row after the last.
         """

@@ -34,8 +34,6 @@ class CodeNoise:
 
     Attributes
     ----------
-    names
-        Channels.
     gain_e_per_dn
         Electrons per code. [e-/DN]
     black_level_dn
@@ -140,8 +138,6 @@ def code_noise(
     ----------
     sources
         Of the pixel; ``step_e`` is the gain of the codes.
-    names
-        Channels.
     black_level_dn, saturation_dn, source
         As `CodeNoise`.
 
@@ -184,8 +180,6 @@ def code_noise_of_profile(
     ----------
     profile
         S and O of each channel, with x = 0 at black and 1 at the white level. [1]
-    names
-        Channels.
     black_level_dn, white_level_dn
         Codes of x = 0 and x = 1. [DN]
     source
@@ -276,8 +270,6 @@ class Burst:
     used
         Share of the weights that was used at each pixel: 1 where all frames agree. 0 where every
         frame is saturated; the values there are those of the first frame.
-    frames
-        Number of frames.
     """
 
     planes: NoisyPlanes
@@ -555,8 +547,6 @@ def neutral_planes(raw_e: Float32[Array, "h w"], mosaic: Mosaic, noise: CodeNois
         The picture. [e-]
     mosaic
         The channel of each pixel.
-    noise
-        Of the picture.
 
     Raises
     ------
@@ -603,10 +593,6 @@ def denoised_raw(
         The picture, or the first one. [e-]
     mosaic
         The channel of each pixel.
-    noise
-        Of a picture.
-    method
-        Of `DENOISING`.
     operating_point
         Its sensor gives the covariance of the planes; `neutral_planes` without it.
     others

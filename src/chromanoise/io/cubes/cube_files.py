@@ -294,7 +294,7 @@ def read_cube(
         Rows and columns of an array that stores pixels in one axis. [pixels]
     wavelengths
         Centers of the first and the last band, with the others evenly spaced between; or a text
-        file that lists all (`chromanoise.io.cubes.cube_metadata.read_wavelengths`). Overrides
+        file that lists all (``read_wavelengths``). Overrides
         those of the cube. [nm]
     scale
         Reflectance per stored unit. Overrides the file, even if it declares radiance.

@@ -342,12 +342,8 @@ def _tiled_codes(path: Path, stored: tuple[int, int], area: _Area) -> UInt16[Arr
 
     Parameters
     ----------
-    path
-        The file.
     stored
         Rows and columns of all pixels. [px]
-    area
-        The visible pixels.
     """
     with opened_tiff(path) as tiff:
         (page,) = _mosaic_pages(tiff)

@@ -227,7 +227,7 @@ class RawFrame:
         Code without light and largest code, if the file states them. [DN]
     noise_profile
         S and O of each channel, if the file states them: variance = S x + O, with x = 0 at black
-        and 1 at the white level (`chromanoise.sensor.camera_noise`). [1]
+        and 1 at the white level (``chromanoise.sensor``). [1]
     """
 
     path: Path

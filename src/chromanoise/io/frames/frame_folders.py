@@ -429,9 +429,9 @@ def read_frame_set(words: Sequence[Path | str]) -> FrameSet:
     Parameters
     ----------
     words
-        One of: a folder with ``capture.toml``, or that file (see `read_capture`); an EMVA 1288
-        descriptor, or the folder with it (see `read_descriptor`); otherwise folders and files of
-        frames, which are grouped by name and exposure time (see `levels_by_name`). Files of
+        One of: a folder with ``capture.toml``, or that file (see ``read_capture``); an EMVA 1288
+        descriptor, or the folder with it (see ``read_descriptor``); otherwise folders and files of
+        frames, which are grouped by name and exposure time (see ``levels_by_name``). Files of
         other formats in a folder are left out, and a note states how many.
 
     Raises
