@@ -19,7 +19,7 @@ from skimage.restoration import denoise_nl_means
 from chromanoise.base.rng import stream
 from chromanoise.imaging.denoising import NoisyPlanes, denoised_planes
 from chromanoise.imaging.denoising.guided import GUIDED
-from chromanoise.imaging.work import Work
+from chromanoise.imaging.shared_rows import Work
 from chromanoise.sensor import VarianceLaw
 
 SIDE, COUNT, THREADS, ROUNDS = 1024, 4, 2, 3

@@ -24,7 +24,7 @@ from chromanoise.imaging.plans import (
     raw_block,
     raw_plan,
 )
-from chromanoise.imaging.work import Work, filled, row_blocks
+from chromanoise.imaging.shared_rows import Work, filled, row_blocks
 from chromanoise.noise import Exposure, OperatingPoint
 from chromanoise.sensor import adc_to_full_well, rgbw_sparse_4x4
 from chromanoise.spectra import DEFAULT_GRID, Cube, equal_energy

@@ -9,7 +9,7 @@ from chromanoise.apps.design.front import (
     FrontScene,
 )
 from chromanoise.study import makers_of, operating_points_of, study_from_data
-from chromanoise.study.document import ExposurePart, LightPart, PixelPart
+from chromanoise.study.schema import ExposurePart, LightPart, PixelPart
 from chromanoise.study.sweeps import QUANTITIES
 
 LIGHT = {"illuminant": "A", "level_lux": 5.0}

@@ -15,8 +15,8 @@ from typing import Any, Literal, Union, get_args, get_origin
 import chromanoise
 from chromanoise.base.properties import beside_their_needs
 from chromanoise.sensor import PIXEL
+from chromanoise.study.function_settings import described_settings
 from chromanoise.study.keywords import NAMES
-from chromanoise.study.settings import described_settings
 
 PACKAGE = Path(chromanoise.__file__).parent
 _PIXEL_HEAD = '''\

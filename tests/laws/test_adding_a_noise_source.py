@@ -21,7 +21,7 @@ ENTRY = """    NoiseSource(
 """
 EDITS = {
     "sensor/pixel.py": ("    black_error_e: Annotated[", PROPERTY),
-    "sensor/noise_source.py": ('    NoiseSource(\n        cause="DSNU"', ENTRY),
+    "sensor/noise_sources.py": ('    NoiseSource(\n        cause="DSNU"', ENTRY),
 }
 QUESTIONS = """
 import contextlib, io, json

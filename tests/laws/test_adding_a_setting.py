@@ -61,7 +61,7 @@ print(json.dumps({
 def answers(tmp_path_factory):
     """What a copy of the package with the edit answers."""
     return answers_of_copy(
-        tmp_path_factory.mktemp("copy"), {"study/document.py": (BEFORE, SETTING)}, QUESTIONS
+        tmp_path_factory.mktemp("copy"), {"study/schema.py": (BEFORE, SETTING)}, QUESTIONS
     )
 
 

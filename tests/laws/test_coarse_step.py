@@ -19,7 +19,7 @@ from chromanoise.noise import (
     sensor_moments,
     with_noise,
 )
-from chromanoise.noise.sources import crosstalk_pattern
+from chromanoise.noise.variance import crosstalk_pattern
 from chromanoise.sensor import (
     PAPER_PIXEL,
     Crosstalk,

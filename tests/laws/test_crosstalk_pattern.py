@@ -25,7 +25,7 @@ from chromanoise.noise import (
     with_noise,
 )
 from chromanoise.noise.readout import Readout
-from chromanoise.noise.sources import CrosstalkPattern, crosstalk_pattern
+from chromanoise.noise.variance import CrosstalkPattern, crosstalk_pattern
 from chromanoise.sensor import (
     Adc,
     Crosstalk,

@@ -12,7 +12,7 @@ from chromanoise.color import kernel_matrix
 from chromanoise.imaging.denoising import NoisyPlanes, denoised_planes
 from chromanoise.imaging.denoising.guided import GUIDED, denoise
 from chromanoise.imaging.denoising.guided_kernels import add_estimates
-from chromanoise.imaging.work import Work
+from chromanoise.imaging.shared_rows import Work
 from chromanoise.sensor import VarianceLaw
 from chromanoise.study import sensor_named
 from strategies import EXPOSURE

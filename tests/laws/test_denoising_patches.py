@@ -9,7 +9,7 @@ from hypothesis import given, settings, strategies as st
 
 from chromanoise.imaging.denoising import NoisyPlanes, denoised_planes
 from chromanoise.imaging.denoising.patches import PATCHES, patches_estimate
-from chromanoise.imaging.work import Work
+from chromanoise.imaging.shared_rows import Work
 from chromanoise.sensor import VarianceLaw
 
 

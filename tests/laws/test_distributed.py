@@ -26,7 +26,7 @@ from chromanoise.imaging import (
 )
 from chromanoise.imaging.distributed import cluster
 from chromanoise.imaging.plans import ElectronPlan, light_of, plan_for_rows
-from chromanoise.imaging.work import row_blocks
+from chromanoise.imaging.shared_rows import row_blocks
 from chromanoise.io.cubes import read_cube
 from chromanoise.noise import OperatingPoint
 from chromanoise.sensor import bayer

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from chromanoise.imaging.blocks import new_rows, parts_of_rows, release
-from chromanoise.imaging.work import Work
+from chromanoise.imaging.shared_rows import Work
 from chromanoise.study import (
     makers_of,
     operating_points_of,

@@ -35,7 +35,7 @@ from chromanoise.sensor import (
     binned,
     with_pixel,
 )
-from chromanoise.sensor.noise_source import FIXED, SOURCES
+from chromanoise.sensor.noise_sources import FIXED, SOURCES
 from chromanoise.spectra import DEFAULT_GRID, Grid, equal_energy, flat_cube, flat_field
 from chromanoise.study import analyzed, color_budgets, sensor_named
 from strategies import white_channel

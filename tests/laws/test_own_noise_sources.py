@@ -23,7 +23,7 @@ from chromanoise.noise import (
     with_noise,
 )
 from chromanoise.sensor import CameraNoise, Pixel, binned, shot_and_read_only, with_pixel
-from chromanoise.sensor.noise_source import NoiseSource
+from chromanoise.sensor.noise_sources import NoiseSource
 from chromanoise.spectra import DEFAULT_GRID
 from chromanoise.study import sensor_named, study_from_data, study_hash
 from chromanoise.study.resolve import object_word

@@ -44,7 +44,7 @@ from chromanoise.study.assembly import (
     repeated_labels,
     with_distinct_names,
 )
-from chromanoise.study.document import (
+from chromanoise.study.schema import (
     Known,
     LightPart,
     ParetoPart,

@@ -13,7 +13,7 @@ from scipy import stats
 
 from chromanoise.apps.camera import VirtualCamera, photon_transfer_frames
 from chromanoise.apps.camera.virtual_camera import FRAME_FORMATS
-from chromanoise.sensor.noise_source import SOURCES
+from chromanoise.sensor.noise_sources import SOURCES
 from goodness import chi_square_score, correlation_z
 from outcomes import refused_input
 

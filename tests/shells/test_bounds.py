@@ -13,7 +13,7 @@ import chromanoise as cn
 from chromanoise.base.errors import InputError, errors_in
 from chromanoise.sensor import PIXEL, Pixel
 from chromanoise.study import FUNCTIONS, read_study, study_from_data
-from chromanoise.study.document import KEYS
+from chromanoise.study.schema import KEYS
 from chromanoise.web.answers import ChartReplies
 from chromanoise.web.page_studies import Studies
 from chromanoise.web.requests import QuestionError, Uploads

@@ -7,9 +7,9 @@ import chromanoise as cn
 from chromanoise.spectra import DEFAULT_GRID
 from chromanoise.study import study_from_data, study_from_text
 from chromanoise.study.assembly import sensor_of
+from chromanoise.study.function_settings import study_as_command
 from chromanoise.study.hashes import study_hash
 from chromanoise.study.resolve import resolve_filter, resolve_sensor
-from chromanoise.study.settings import study_as_command
 from outcomes import refused, refused_input
 
 

@@ -15,7 +15,7 @@ from chromanoise.study import (
     study_hash,
     study_of_output,
 )
-from chromanoise.study.document import KEEP_IDLE, without_idle_settings
+from chromanoise.study.schema import KEEP_IDLE, without_idle_settings
 from chromanoise.web.answers import ChartReplies
 from chromanoise.web.page_studies import Studies
 from chromanoise.web.requests import Uploads

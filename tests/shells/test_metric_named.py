@@ -7,7 +7,7 @@ import pytest
 import chromanoise as cn
 from chromanoise.charts import drawing, shown
 from chromanoise.charts.charted_study import Look
-from chromanoise.charts.result_tables import budget_tables, channels_table
+from chromanoise.charts.run_tables import budget_tables, channels_table
 from chromanoise.study import study_from_data
 from chromanoise.study.analysis import contravariant_snr_db, diagnosis
 from chromanoise.web.story import story

@@ -5,7 +5,7 @@ import re
 import pytest
 
 from chromanoise.study import study_as_json, study_from_data
-from chromanoise.study.document import PixelPart, SensorPart, Study
+from chromanoise.study.schema import PixelPart, SensorPart, Study
 from chromanoise.web.controls import ELSEWHERE, SECTION_HINTS, described_fields, study_defaults
 from chromanoise.web.requests import asset
 from shells.browser import answer_to, at_rest, open_drawers, state_of, study_of

@@ -30,15 +30,15 @@ from chromanoise.base.errors import InputError
 from chromanoise.io.matlab import mat_array
 from chromanoise.io.sensor_files import sensor_json
 from chromanoise.study import sensor_named
-from chromanoise.web import requests, work, work as processes, worker
+from chromanoise.web import processes, requests, worker
+from chromanoise.web.processes import Workers
 from chromanoise.web.requests import Bodies, Kept, QuestionError, Uploads
 from chromanoise.web.server import _Server
-from chromanoise.web.work import Workers
 from chromanoise.web.worker import Services
 from processes import Patient
 from served_page import served
 
-LANE = work.LANES["questions"]
+LANE = processes.LANES["questions"]
 
 FILE = {"Content-Type": "application/octet-stream"}
 STUDY = {"sensors": [{"name": "onyx-rgb"}]}
@@ -340,8 +340,8 @@ def results(workers, *jobs):
 def test_a_computation_that_takes_too_long_is_stopped_and_the_next_is_answered(
     workers, monkeypatch
 ):
-    short = work.JOBS | {"answer": replace(work.JOBS["answer"], cpu_s=0, limit_s=0.2)}
-    monkeypatch.setattr(work, "JOBS", short)
+    short = processes.JOBS | {"answer": replace(processes.JOBS["answer"], cpu_s=0, limit_s=0.2)}
+    monkeypatch.setattr(processes, "JOBS", short)
     stopped, answered = results(workers, ("answer", HEAVY), ("texts", HEAD))
     assert isinstance(stopped, QuestionError)
     assert stopped.status == 200
@@ -350,8 +350,10 @@ def test_a_computation_that_takes_too_long_is_stopped_and_the_next_is_answered(
 
 
 def test_a_file_that_takes_too_much_of_the_processor_is_refused(workers, monkeypatch):
-    short = work.JOBS | {"previewed": replace(work.JOBS["previewed"], cpu_s=0, limit_s=60.0)}
-    monkeypatch.setattr(work, "JOBS", short)
+    short = processes.JOBS | {
+        "previewed": replace(processes.JOBS["previewed"], cpu_s=0, limit_s=60.0)
+    }
+    monkeypatch.setattr(processes, "JOBS", short)
     uploads = Uploads()
     try:  # with cpu_s=0, the limit is the next full second of the process
         (refused,) = results(workers, ("previewed", uploads.keep("a.csv", ROWS)))
@@ -371,13 +373,13 @@ def test_a_computation_that_needs_too_much_memory_is_refused_in_one_sentence(wor
 
 
 def test_an_answer_that_is_too_long_is_refused_in_one_sentence(workers, monkeypatch):
-    monkeypatch.setattr(work, "MOST_ANSWER_BYTES", 100)
+    monkeypatch.setattr(processes, "MOST_ANSWER_BYTES", 100)
     (refused,) = results(workers, ("texts", HEAD))
     assert isinstance(refused, QuestionError)
 
 
 def test_a_question_that_would_wait_too_long_gets_status_503(workers, monkeypatch):
-    monkeypatch.setattr(work, "LONGEST_WAIT_S", -1.0)
+    monkeypatch.setattr(processes, "LONGEST_WAIT_S", -1.0)
     (refused,) = results(workers, ("texts", HEAD))
     assert isinstance(refused, QuestionError)
     assert refused.status == 503
@@ -388,7 +390,7 @@ def test_jobs_of_clients_that_left_are_not_computed(workers, monkeypatch):
     monkeypatch.setattr(
         processes.Worker, "asked", lambda one, job: asked.append(job) or ask(one, job)
     )
-    monkeypatch.setattr(work, "ABANDONED_S", 0.0)
+    monkeypatch.setattr(processes, "ABANDONED_S", 0.0)
 
     async def abandoned():
         jobs = [asyncio.ensure_future(workers.done("answer", HEAVY)) for _ in range(30)]
@@ -454,12 +456,16 @@ def test_no_file_of_the_working_folder_is_imported_by_a_worker_process(tmp_path,
 def test_a_limit_of_the_processor_that_several_threads_reach_is_said_to_be_one_of_time(
     workers, monkeypatch
 ):
-    long = work.JOBS | {"previewed": replace(work.JOBS["previewed"], cpu_s=1, limit_s=60.0)}
-    monkeypatch.setattr(work, "JOBS", long)
+    long = processes.JOBS | {
+        "previewed": replace(processes.JOBS["previewed"], cpu_s=1, limit_s=60.0)
+    }
+    monkeypatch.setattr(processes, "JOBS", long)
     # what the server sees where threads use a second of the processor in less than a second
     for code in (-signal.SIGXCPU, _sandbox.TOO_LONG):
         ended = processes.ProcessEndedError(0.6, has_begun=True, exit_code=code)
-        assert "longer than 1 s" in str(work._stopped(work.JOBS["previewed"], ended, LANE))
+        assert "longer than 1 s" in str(
+            processes._stopped(processes.JOBS["previewed"], ended, LANE)
+        )
 
 
 @pytest.mark.parametrize(

@@ -385,7 +385,7 @@ def test_a_run_that_a_full_disk_ends_keeps_the_results_that_are_complete(run, mo
         return plan
 
     with monkeypatch.context() as full:
-        full.setattr("chromanoise.study.records.run_plan", planned)
+        full.setattr("chromanoise.study.run_files.run_plan", planned)
         assert run("run", "study.toml", "-o", "o")[0] == 2
     assert outputs("o") == {"study.json", "analysis-kernel.json"}
     code, _, err = run("run", "study.toml", "-o", "o")

@@ -37,16 +37,6 @@ if TYPE_CHECKING:
         write_whole,
     )
     from chromanoise.base.inputs import content_hash, json_file, json_of, regular_file, true_path
-    from chromanoise.base.json_keys import (
-        VERSION,
-        JsonKey,
-        JsonKeys,
-        defined,
-        keys_of,
-        plain,
-        schema,
-        with_short_repr,
-    )
     from chromanoise.base.lazy import MovedPackages, lazy_names, renamed_keywords, warn_of_old_name
     from chromanoise.base.linalg import (
         RANK_TOLERANCE,
@@ -102,6 +92,16 @@ if TYPE_CHECKING:
         dotted,
         short,
         subclass,
+    )
+    from chromanoise.base.result_json import (
+        VERSION,
+        JsonKey,
+        JsonKeys,
+        defined,
+        keys_of,
+        plain,
+        schema,
+        with_short_repr,
     )
     from chromanoise.base.rng import stream as stream
     from chromanoise.base.sandbox import (

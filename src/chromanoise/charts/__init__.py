@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from chromanoise.base.lazy import lazy_names
 
 if TYPE_CHECKING:
-    from chromanoise.charts.budget import cause_label as cause_label
+    from chromanoise.charts.budget_chart import cause_label as cause_label
     from chromanoise.charts.by_name import (
         DRAWINGS as DRAWINGS,
         PARTS as PARTS,
@@ -76,7 +76,7 @@ if TYPE_CHECKING:
         draw_pareto as draw_pareto,
         draw_picture as draw_picture,
     )
-    from chromanoise.charts.result_tables import (
+    from chromanoise.charts.run_tables import (
         channels_table,
         color_table,
         outcome_tables,

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from chromanoise.base import check, csv_text
-from chromanoise.charts.budget import drawn_budget
+from chromanoise.charts.budget_chart import drawn_budget
 from chromanoise.charts.charted_study import Look, Shown
 from chromanoise.charts.color_checker import drawn_chart
 from chromanoise.charts.description import Chart, as_data, csv_rows

@@ -18,7 +18,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import FancyBboxPatch
 
 from chromanoise.base import Array, UInt8
-from chromanoise.charts.budget import budget_of, coordinate_label, waterfall
+from chromanoise.charts.budget_chart import budget_of, coordinate_label, waterfall
 from chromanoise.charts.description import Chart, Value
 from chromanoise.charts.ellipses import ellipses_of
 from chromanoise.charts.figure_marks import draw_panel, draw_waterfalls

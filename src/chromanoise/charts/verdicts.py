@@ -17,7 +17,7 @@ from typing import Any, Literal
 import numpy as np
 
 from chromanoise.base import check
-from chromanoise.charts.budget import cause_label
+from chromanoise.charts.budget_chart import cause_label
 from chromanoise.charts.charted_study import Look, Shown, saturated_names, saturation_sentence
 from chromanoise.charts.description import numbers_of
 from chromanoise.charts.numbers import NONE, brief, decimal, electrons, signed, table

@@ -18,7 +18,7 @@ import click
 
 from chromanoise.base import InputError
 from chromanoise.charts import outcome_tables, pareto_table, verdict_sentences
-from chromanoise.cli import tables
+from chromanoise.cli import terminal_tables
 from chromanoise.cli.options import (
     RenamedOption,
     command,
@@ -37,7 +37,7 @@ from chromanoise.cli.output import (
     table_text,
     write_outputs,
 )
-from chromanoise.cli.tables import print_machine_readings
+from chromanoise.cli.terminal_tables import print_machine_readings
 from chromanoise.imaging import Work
 from chromanoise.io import Table, matrix_writer
 from chromanoise.noise import conditions
@@ -157,13 +157,13 @@ def _table(result: Analyses) -> Table:
 
 def _print(result: Analyses, sentences: list[str]) -> None:
     analyses = result.analyses
-    tables.print_conditions(conditions(result.points))
-    tables.print_analyses(analyses)
+    terminal_tables.print_conditions(conditions(result.points))
+    terminal_tables.print_analyses(analyses)
     print_lines(sentences)
     if len(analyses) > MOST_PAIRS_SENSORS:
-        tables.print_ranking(result.ranking, "Ranking by SNR of Y [dB]")
+        terminal_tables.print_ranking(result.ranking, "Ranking by SNR of Y [dB]")
     for table in outcome_tables(result):
-        tables.print_table(table)
+        terminal_tables.print_table(table)
     readings = [one.machine for one in result.outcomes if one.machine is not None]
     if readings:
         print_machine_readings(readings)
@@ -242,9 +242,9 @@ def compare(
         fixed = conditions(result.points)
         print_lines([f"Settings (all but those that vary stay fixed): {fixed}"])
         if isinstance(result, ComparisonMap):
-            tables.print_maps(result.maps, result.ranking)
+            terminal_tables.print_maps(result.maps, result.ranking)
             return
-        tables.print_comparison(
+        terminal_tables.print_comparison(
             result.curves, result.ranking, result.shown_sentences, result.shown_bands
         )
 
@@ -332,10 +332,10 @@ def matrix(
     )
     if json_target == "-":
         return
-    tables.print_conditions(conditions([point]))
-    tables.print_matrix(result.matrix, report, point.sensor.label)
+    terminal_tables.print_conditions(conditions([point]))
+    terminal_tables.print_matrix(result.matrix, report, point.sensor.label)
     if result.pareto:
-        tables.print_table(pareto_table(result.pareto, report, point.sensor.label))
+        terminal_tables.print_table(pareto_table(result.pareto, report, point.sensor.label))
 
 
 def _span_of_matrix(text: str | None) -> dict[str, Any]:

@@ -23,7 +23,7 @@ from chromanoise.apps.paper import (
 )
 from chromanoise.base import __version__, refuse_unwritable, whole_folder
 from chromanoise.charts import shown, write_figures
-from chromanoise.cli import tables
+from chromanoise.cli import terminal_tables
 from chromanoise.cli.options import WHOLE, command
 from chromanoise.cli.output import progress_of, write_json
 from chromanoise.imaging import Picture, write_png
@@ -65,7 +65,7 @@ def demo(out: Path) -> None:
     """
     refuse_unwritable(out)
     result = reproduced(paper_study())
-    tables.print_reproduction(result)
+    terminal_tables.print_reproduction(result)
     pictures = paper_pictures(result.study)
     with whole_folder(out, "demo") as folder:
         figures = _write_figures(result, pictures, 0, folder)
@@ -131,7 +131,7 @@ def reproduce(
     with progress_of("the Monte Carlo", drawn, "draws") as progress:
         result = reproduced(study, draws=draws, seed=seed, clip=clip, progress=progress)
     if json_target != "-":
-        tables.print_reproduction(result)
+        terminal_tables.print_reproduction(result)
     if out:
         pictures = paper_pictures(result.study, seed=seed)
         with whole_folder(out, "reproduce") as folder:

@@ -15,7 +15,7 @@ import numpy as np
 
 from chromanoise.apps.design import DEFAULT_OBJECTIVES, OBJECTIVES, half_widths, sensitivity_of
 from chromanoise.base import InputError
-from chromanoise.cli import tables
+from chromanoise.cli import terminal_tables
 from chromanoise.cli.options import WHOLE, command, matrix_option, table_option, with_settings
 from chromanoise.cli.output import (
     duration,
@@ -128,9 +128,9 @@ def _front_so_far(now: "Progress", objectives: tuple[str, ...]) -> str:
 
 
 def _print_design(found: "Design", folder: Path) -> None:
-    tables.print_conditions(conditions([one.point for one in found.task.scenes[:1]]))
-    tables.print_table(_objectives_table(found), width=_WIDTH)
-    tables.print_table(_values_table(found), width=_WIDTH)
+    terminal_tables.print_conditions(conditions([one.point for one in found.task.scenes[:1]]))
+    terminal_tables.print_table(_objectives_table(found), width=_WIDTH)
+    terminal_tables.print_table(_values_table(found), width=_WIDTH)
     print_lines([*found.sentences, ""])
     written = f"{folder}: front.json, front.csv, front.svg, sensors/ ({len(found.members)} files)"
     print_lines([written])
@@ -250,7 +250,7 @@ def sensitivity(
     )
     if json_target != "-":
         for part in _parts(result.to_table(), effects=2 + len(result.objectives)):
-            tables.print_table(part)
+            terminal_tables.print_table(part)
 
 
 def _parts(whole: Table, *, effects: int) -> list[Table]:

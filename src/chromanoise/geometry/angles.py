@@ -14,7 +14,7 @@ from chromanoise.base import (
     matrix_rank,
     unit_columns,
 )
-from chromanoise.geometry.frame import DualBasis
+from chromanoise.geometry.dual_basis import DualBasis
 from chromanoise.spectra import Metric
 
 

@@ -118,7 +118,7 @@ if TYPE_CHECKING:
         write_xyz_exr as write_xyz_exr,
     )
     from chromanoise.imaging.sampling import noisy_electrons as noisy_electrons
-    from chromanoise.imaging.work import Work as Work
+    from chromanoise.imaging.shared_rows import Work as Work
     from chromanoise.imaging.writers import (
         mosaic_description,
         mosaic_tiff_rows as mosaic_tiff_rows,

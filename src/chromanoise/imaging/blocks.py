@@ -52,7 +52,7 @@ class RowsInMemory(NamedTuple):
 
 
 class Draw(NamedTuple):
-    """Standard deviations, as `chromanoise.sensor.noise_source.Drawn`, bias, and random words."""
+    """Standard deviations, as `chromanoise.sensor.noise_sources.Drawn`, bias, and random words."""
 
     reading_e: np.float32
     gain: np.float32

@@ -17,7 +17,7 @@ from chromanoise.imaging.formats import FORMATS
 from chromanoise.imaging.plans import BadPixels, color_matrices, demand_well, draw_of
 from chromanoise.imaging.render import Picture, RawPicture, acquired, mosaic_of, rendered
 from chromanoise.imaging.row_files import openexr, write_linear_exr
-from chromanoise.imaging.work import Work
+from chromanoise.imaging.shared_rows import Work
 from chromanoise.imaging.writers import (
     picture_summary,
     raw_summary,

@@ -23,7 +23,7 @@ from chromanoise.imaging.demosaic_methods import (
 from chromanoise.imaging.kernel_cache import kernel_of
 from chromanoise.imaging.plans import color_matrices, srgb_table
 from chromanoise.imaging.render import ALL_CORES, Picture, RawPicture, filled_colors
-from chromanoise.imaging.work import Work
+from chromanoise.imaging.shared_rows import Work
 from chromanoise.noise import (
     Measurement,
     OperatingPoint,

@@ -34,7 +34,7 @@ from chromanoise.imaging.blocks import (
 )
 from chromanoise.imaging.demosaic import mirrored
 from chromanoise.imaging.kernel_cache import kernel_of
-from chromanoise.imaging.work import Block, row_pieces
+from chromanoise.imaging.shared_rows import Block, row_pieces
 from chromanoise.noise import (
     OperatingPoint,
     band_weights,

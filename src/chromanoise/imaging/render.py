@@ -24,7 +24,7 @@ from chromanoise.imaging.plans import (
     raw_plan,
     srgb_table,
 )
-from chromanoise.imaging.work import FillBlock, Work, filled, made, row_blocks
+from chromanoise.imaging.shared_rows import FillBlock, Work, filled, made, row_blocks
 from chromanoise.noise import Exposure, OperatingPoint, after_counting
 from chromanoise.sensor import (
     Adc,

@@ -11,9 +11,9 @@ import numpy as np
 
 from chromanoise.base import Array, Float, InputError, Setting, Shaped
 from chromanoise.io.source_files import has, refused
+from chromanoise.io.spectra.cell_tables import number_in
 from chromanoise.io.spectra.declared import NAMED_WAVELENGTH, NM_PER, known_unit, nanometers
 from chromanoise.io.spectra.parsed import LARGEST, Found, known_columns, missing_notes
-from chromanoise.io.spectra.tables import number_in
 
 DATA_SUFFIXES = (".sli", ".img", ".raw", ".dat", ".bin", ".bsq", ".bil", ".bip")
 _LARGEST_HEADER_BYTES = 16 * 2**20

@@ -60,7 +60,7 @@ if TYPE_CHECKING:
         over_counts,
         read_moments as read_moments,
     )
-    from chromanoise.noise.sources import (
+    from chromanoise.noise.variance import (
         NoiseSources as NoiseSources,
         after_counting as after_counting,
         counted_electrons as counted_electrons,

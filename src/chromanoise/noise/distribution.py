@@ -25,7 +25,7 @@ from chromanoise.noise.readout import (
     count_window,
     read_moments,
 )
-from chromanoise.noise.sources import (
+from chromanoise.noise.variance import (
     CrosstalkPattern,
     NoiseSources,
     demand_independent_channels,

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from chromanoise.base import Array, Bool, Float, InputError, check, stream
-from chromanoise.noise.sources import CrosstalkPattern, NoiseSources
+from chromanoise.noise.variance import CrosstalkPattern, NoiseSources
 from chromanoise.sensor import NORMAL, Pixel
 
 _MOST_E = 1e15  # above it double precision does not resolve single electrons

@@ -80,7 +80,7 @@ if TYPE_CHECKING:
         resin_filter as resin_filter,
         silicon_qe as silicon_qe,
     )
-    from chromanoise.sensor.noise_source import (
+    from chromanoise.sensor.noise_sources import (
         ALL,
         FIXED,
         NORMAL,

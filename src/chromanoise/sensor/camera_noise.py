@@ -20,7 +20,7 @@ import numpy as np
 from chromanoise.base import Array, Float, InputError, Setting, check
 from chromanoise.sensor.changes import PixelSource
 from chromanoise.sensor.crosstalk import Mosaic
-from chromanoise.sensor.noise_source import (
+from chromanoise.sensor.noise_sources import (
     LARGEST_LAMBDA,
     LEAST_LAMBDA,
     MOST_DN,

@@ -96,7 +96,7 @@ class Pixel:
     """
 
     own_noise: ClassVar[tuple[Any, ...]] = ()
-    """The noise sources of a subclass, each a `chromanoise.sensor.noise_source.NoiseSource`."""
+    """The noise sources of a subclass, each a `chromanoise.sensor.noise_sources.NoiseSource`."""
 
     pitch_um: Annotated[
         float,

@@ -116,21 +116,21 @@ if TYPE_CHECKING:
         refuse_other_denoised as refuse_other_denoised,
         write_denoised as write_denoised,
     )
-    from chromanoise.study.document import (
-        KEYS as KEYS,
-        MOST_SENSORS as MOST_SENSORS,
-        STARTER as STARTER,
-        ExposurePart,
-        KeyOfStudy as KeyOfStudy,
-        LightPart,
-        OutputsPart as OutputsPart,
-        Part as Part,
-        PicturePart,
-        PixelPart,
-        Study as Study,
-        StudyKind as StudyKind,
-        study_schema as study_schema,
-        without_idle_settings,
+    from chromanoise.study.function_settings import (
+        FUNCTIONS as FUNCTIONS,
+        Call as Call,
+        DescribedSetting as DescribedSetting,
+        argument_of as argument_of,
+        call_of as call_of,
+        default_of as default_of,
+        described_settings as described_settings,
+        flags_of as flags_of,
+        in_arguments as in_arguments,
+        interface_of as interface_of,
+        option_of as option_of,
+        study_as_command as study_as_command,
+        study_as_python as study_as_python,
+        study_of as study_of,
     )
     from chromanoise.study.hashes import (
         FileWord,
@@ -217,16 +217,6 @@ if TYPE_CHECKING:
         raw_information,
         raw_outcomes,
     )
-    from chromanoise.study.records import (
-        Agreement as Agreement,
-        RecordedRun as RecordedRun,
-        agreement_of as agreement_of,
-        agreement_text as agreement_text,
-        recorded_run as recorded_run,
-        refuse_other_pictures as refuse_other_pictures,
-        run_study as run_study,
-        study_of_output as study_of_output,
-    )
     from chromanoise.study.resolve import (
         CURVES,
         PAIRS_HEADER,
@@ -254,6 +244,16 @@ if TYPE_CHECKING:
         analysis_of as analysis_of,
         outcome_of as outcome_of,
     )
+    from chromanoise.study.run_files import (
+        Agreement as Agreement,
+        RecordedRun as RecordedRun,
+        agreement_of as agreement_of,
+        agreement_text as agreement_text,
+        recorded_run as recorded_run,
+        refuse_other_pictures as refuse_other_pictures,
+        run_study as run_study,
+        study_of_output as study_of_output,
+    )
     from chromanoise.study.running import (
         Progress as Progress,
         Step as Step,
@@ -266,21 +266,21 @@ if TYPE_CHECKING:
         sweep_map,
         taken_pictures as taken_pictures,
     )
-    from chromanoise.study.settings import (
-        FUNCTIONS as FUNCTIONS,
-        Call as Call,
-        DescribedSetting as DescribedSetting,
-        argument_of as argument_of,
-        call_of as call_of,
-        default_of as default_of,
-        described_settings as described_settings,
-        flags_of as flags_of,
-        in_arguments as in_arguments,
-        interface_of as interface_of,
-        option_of as option_of,
-        study_as_command as study_as_command,
-        study_as_python as study_as_python,
-        study_of as study_of,
+    from chromanoise.study.schema import (
+        KEYS as KEYS,
+        MOST_SENSORS as MOST_SENSORS,
+        STARTER as STARTER,
+        ExposurePart,
+        KeyOfStudy as KeyOfStudy,
+        LightPart,
+        OutputsPart as OutputsPart,
+        Part as Part,
+        PicturePart,
+        PixelPart,
+        Study as Study,
+        StudyKind as StudyKind,
+        study_schema as study_schema,
+        without_idle_settings,
     )
     from chromanoise.study.sweeps import (
         QUANTITIES as QUANTITIES,

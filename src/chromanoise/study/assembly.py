@@ -41,7 +41,6 @@ from chromanoise.study.color_matrices import (
     matrix_makers,
     trained_names,
 )
-from chromanoise.study.document import PicturePart, PixelPart, ReflectancesPart, SensorPart, Study
 from chromanoise.study.pixel_files import idle_answers, sensor_with_pixel
 from chromanoise.study.resolve import (
     Curves,
@@ -60,6 +59,7 @@ from chromanoise.study.resolve import (
     resolve_sensor,
     shown_word,
 )
+from chromanoise.study.schema import PicturePart, PixelPart, ReflectancesPart, SensorPart, Study
 
 _OF_ANSWERS = ("scale", "level", "per", "wavelength_unit", "peak_qe")
 

@@ -75,12 +75,12 @@ from chromanoise.sensor import (
 from chromanoise.study.assembly import NOTHING_GIVEN, Given, keyed, makers_of, operating_points_of
 from chromanoise.study.catalog import is_assumed
 from chromanoise.study.color_matrices import DEFAULT_METHOD, MatrixMaker
-from chromanoise.study.document import Study
+from chromanoise.study.function_settings import FUNCTIONS, Settings, study_of
 from chromanoise.study.hashes import digests_of, study_as_json
 from chromanoise.study.pixel_files import converter_of, read_pixel_source
-from chromanoise.study.records import refuse_other_record
 from chromanoise.study.resolve import file_of
-from chromanoise.study.settings import FUNCTIONS, Settings, study_of
+from chromanoise.study.run_files import refuse_other_record
+from chromanoise.study.schema import Study
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -26,7 +26,6 @@ import numpy as np
 from chromanoise.base import InputError, __version__, blas_kernel, regular_file
 from chromanoise.io import DATA_SUFFIXES, envi_pair, is_matrix_file
 from chromanoise.study.catalog import catalog_folder
-from chromanoise.study.document import BALANCE_WORDS, KEYS, Study, StudyKind
 from chromanoise.study.resolve import (
     file_of,
     is_file_word,
@@ -35,6 +34,7 @@ from chromanoise.study.resolve import (
     reflectance_files,
     word_files,
 )
+from chromanoise.study.schema import BALANCE_WORDS, KEYS, Study, StudyKind
 
 Kind = Literal[
     "light",
@@ -74,7 +74,7 @@ def with_file_words(study: StudyKind, replaced: Callable[[FileWord], str]) -> St
 
     Examples
     --------
-    >>> from chromanoise.study.document import SensorPart
+    >>> from chromanoise.study.schema import SensorPart
     >>> study = Study(sensors=(SensorPart(name="a.csv", filter="b.csv"),))
     >>> other = with_file_words(study, lambda one: f"{one.kind}-{one.word}").sensors[0]
     >>> other.name, other.filter, other.pixel.file

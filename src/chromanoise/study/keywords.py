@@ -5,7 +5,7 @@ Type checkers read the stub, which ``tools/make_stubs.py`` writes.
 
 from typing import Any, TypedDict
 
-from chromanoise.study.settings import described_settings
+from chromanoise.study.function_settings import described_settings
 
 
 def _keywords(name: str, function: str) -> Any:

@@ -28,9 +28,9 @@ from chromanoise.base import (
 )
 from chromanoise.noise import OperatingPoint
 from chromanoise.study.assembly import unresolved
-from chromanoise.study.document import KEEP_IDLE, Study, StudyKind
 from chromanoise.study.hashes import FileWord, with_file_words
 from chromanoise.study.resolve import file_of, is_object_word, shown_word, word_beside
+from chromanoise.study.schema import KEEP_IDLE, Study, StudyKind
 
 
 def study_as_toml(study: Study) -> str:
@@ -43,7 +43,7 @@ def study_as_toml(study: Study) -> str:
 
     Examples
     --------
-    >>> from chromanoise.study.document import SensorPart
+    >>> from chromanoise.study.schema import SensorPart
     >>> print(study_as_toml(Study(sensors=(SensorPart(name="onyx-rgbw"),))), end="")
     schema = 1
     <BLANKLINE>

@@ -74,7 +74,6 @@ from chromanoise.study.color_noise import (
     mean_total_error,
     white_snr_db,
 )
-from chromanoise.study.document import OutputsPart, Study, pipeline_settings
 from chromanoise.study.merits import Merits, merits_of
 from chromanoise.study.ranking import (
     MOST_PAIRS_SENSORS,
@@ -97,6 +96,7 @@ from chromanoise.study.reading_quality import (
     MachineReading,
     machine_reading,
 )
+from chromanoise.study.schema import OutputsPart, Study, pipeline_settings
 from chromanoise.study.sweeps import Curve
 
 if TYPE_CHECKING:

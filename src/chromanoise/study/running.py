@@ -36,7 +36,6 @@ from chromanoise.study.assembly import (
 )
 from chromanoise.study.color_matrices import MatrixMaker
 from chromanoise.study.color_noise import noise_weights, pareto_of
-from chromanoise.study.document import PicturePart, SecondSweepPart, Study, SweepPart
 from chromanoise.study.ranking import (
     CrossoverBand,
     crossover_bands,
@@ -57,6 +56,7 @@ from chromanoise.study.results import (
     Results,
     outcome_of,
 )
+from chromanoise.study.schema import PicturePart, SecondSweepPart, Study, SweepPart
 from chromanoise.study.sweeps import QUANTITIES, SWEEPS, compared, swept_values
 
 if TYPE_CHECKING:

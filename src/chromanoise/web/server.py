@@ -20,6 +20,7 @@ from starlette.responses import Response
 from starlette.routing import Route
 from starlette.types import ASGIApp, Receive, Scope, Send
 
+from chromanoise.web.processes import Workers
 from chromanoise.web.requests import (
     UPLOAD_BYTES,
     AsciiJSONResponse,
@@ -36,7 +37,6 @@ from chromanoise.web.requests import (
     question_of,
     upload_at,
 )
-from chromanoise.web.work import Workers
 
 if TYPE_CHECKING:
     from uvicorn import Server

@@ -13,6 +13,14 @@ if TYPE_CHECKING:
         planes_of_electrons as planes_of_electrons,
         planes_of_mosaic as planes_of_mosaic,
     )
+    from chromanoise.imaging.denoising.electron_planes import (
+        DenoisingMethod as DenoisingMethod,
+        NoisyPlanes as NoisyPlanes,
+        packed as packed,
+        stabilized as stabilized,
+        unpacked as unpacked,
+        unstabilized as unstabilized,
+    )
     from chromanoise.imaging.denoising.linear import (
         LMMSE as LMMSE,
         WIENER as WIENER,
@@ -26,14 +34,6 @@ if TYPE_CHECKING:
     from chromanoise.imaging.denoising.methods import (
         DENOISING as DENOISING,
         denoising_named as denoising_named,
-    )
-    from chromanoise.imaging.denoising.planes import (
-        DenoisingMethod as DenoisingMethod,
-        NoisyPlanes as NoisyPlanes,
-        packed as packed,
-        stabilized as stabilized,
-        unpacked as unpacked,
-        unstabilized as unstabilized,
     )
     from chromanoise.imaging.denoising.raw_pictures import (
         Burst as Burst,

@@ -13,10 +13,15 @@ from chromanoise.imaging.blocks import Scratch, new_rows
 from chromanoise.imaging.capture import Camera, Capture, captured, frame_settings
 from chromanoise.imaging.demosaic import channel_tile
 from chromanoise.imaging.demosaic_methods import chart_electrons
-from chromanoise.imaging.denoising.planes import DenoisingMethod, NoisyPlanes, packed, unpacked
+from chromanoise.imaging.denoising.electron_planes import (
+    DenoisingMethod,
+    NoisyPlanes,
+    packed,
+    unpacked,
+)
 from chromanoise.imaging.develop import developed
 from chromanoise.imaging.render import ALL_CORES, RawPicture, acquired, colored, rendered_electrons
-from chromanoise.imaging.work import Work, filled, threads_of
+from chromanoise.imaging.shared_rows import Work, filled, threads_of
 from chromanoise.noise import OperatingPoint, after_counting, noise_sources
 from chromanoise.sensor import Mosaic, VarianceLaw
 from chromanoise.spectra import Cube

@@ -23,7 +23,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from chromanoise.base import Array, Float, Float32
-from chromanoise.imaging.denoising.planes import DenoisingMethod, NoisyPlanes
+from chromanoise.imaging.denoising.electron_planes import DenoisingMethod, NoisyPlanes
 
 _NARROW, _WIDE = 1.0, 8.0  # difference of two levels that is halved, with and without structure
 

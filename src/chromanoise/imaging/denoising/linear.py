@@ -22,7 +22,7 @@ from chromanoise.imaging.demosaic_methods import (
     power_through,
     transfer_functions,
 )
-from chromanoise.imaging.denoising.planes import DenoisingMethod, NoisyPlanes
+from chromanoise.imaging.denoising.electron_planes import DenoisingMethod, NoisyPlanes
 from chromanoise.sensor import Mosaic
 
 RADIUS_PX = 12

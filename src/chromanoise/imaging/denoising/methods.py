@@ -1,7 +1,7 @@
 """Denoising methods of other packages, for comparison, with the same known noise.
 
-All but `NONE` work on stabilized planes (`chromanoise.imaging.denoising.planes`), whose noise is
-white with a variance of 1. All but ``bm3d`` first rotate the planes to the components of
+All but `NONE` work on stabilized planes (`chromanoise.imaging.denoising.electron_planes`), whose
+noise is white with a variance of 1. All but ``bm3d`` first rotate the planes to the components of
 `NoisyPlanes.components`, which leaves the noise unchanged and separates luminance from color,
 which has the lower SNR. Parameters are those that the packages recommend for a known noise; where
 they leave a choice, it was made for the lowest mean CIEDE2000 on ``builtin:dead-leaves`` and
@@ -18,15 +18,15 @@ from typing import Any
 import numpy as np
 
 from chromanoise.base import Array, Float, Float32, InputError, check, optional_package
-from chromanoise.imaging.denoising.guided import GUIDED
-from chromanoise.imaging.denoising.linear import LMMSE, WIENER
-from chromanoise.imaging.denoising.patches import AGGREGATE, PATCHES
-from chromanoise.imaging.denoising.planes import (
+from chromanoise.imaging.denoising.electron_planes import (
     DenoisingMethod,
     NoisyPlanes,
     stabilized,
     unstabilized,
 )
+from chromanoise.imaging.denoising.guided import GUIDED
+from chromanoise.imaging.denoising.linear import LMMSE, WIENER
+from chromanoise.imaging.denoising.patches import AGGREGATE, PATCHES
 
 _PATCH_PX, _REACH_PX = 7, 11  # defaults of denoise_nl_means
 _NLM_H = 0.6  # its documentation: 0.6 sigma for the fast mode with a known sigma

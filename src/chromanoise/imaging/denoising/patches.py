@@ -30,8 +30,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from chromanoise.base import Array, Float, Float32
-from chromanoise.imaging.denoising.guided import USUAL, WIDE, guided_estimate
-from chromanoise.imaging.denoising.planes import (
+from chromanoise.imaging.denoising.electron_planes import (
     PLACES,
     SIDE,
     DenoisingMethod,
@@ -39,6 +38,7 @@ from chromanoise.imaging.denoising.planes import (
     deviations_from_dark,
     with_raised_floor,
 )
+from chromanoise.imaging.denoising.guided import USUAL, WIDE, guided_estimate
 from chromanoise.sensor import VarianceLaw
 
 _RADII = (8, 7, 6, 4)

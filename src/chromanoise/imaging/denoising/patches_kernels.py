@@ -10,7 +10,7 @@ from typing import no_type_check
 
 import numpy as np
 
-from chromanoise.imaging.denoising.planes import PLACES, SIDE
+from chromanoise.imaging.denoising.electron_planes import PLACES, SIDE
 from chromanoise.imaging.kernel_cache import kernel
 
 _OPTIONS = {"error_model": "numpy", "fastmath": {"contract", "reassoc"}}

@@ -21,9 +21,14 @@ from chromanoise.imaging.denoising.denoised_pictures import (
     place_correlation,
     planes_of_mosaic,
 )
-from chromanoise.imaging.denoising.planes import DenoisingMethod, NoisyPlanes, packed, unpacked
+from chromanoise.imaging.denoising.electron_planes import (
+    DenoisingMethod,
+    NoisyPlanes,
+    packed,
+    unpacked,
+)
 from chromanoise.imaging.render import ALL_CORES
-from chromanoise.imaging.work import Work
+from chromanoise.imaging.shared_rows import Work
 from chromanoise.noise import NoiseSources, OperatingPoint
 from chromanoise.sensor import Mosaic, VarianceLaw, shot_and_dark
 

@@ -9,9 +9,9 @@ import numpy as np
 from chromanoise.base import Array
 from chromanoise.io.pixels.pixel_toml import errors_in_file, source_text
 from chromanoise.io.source_files import has, refused
+from chromanoise.io.spectra.cell_tables import number_in
 from chromanoise.io.spectra.delimited import DELIMITERS, cells_of_line, decimal_sign, split_line
 from chromanoise.io.spectra.parsed import Row
-from chromanoise.io.spectra.tables import number_in
 from chromanoise.sensor import PhotonTransfer
 
 _NEEDED = ("mean_dn", "variance_dn2")

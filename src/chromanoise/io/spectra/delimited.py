@@ -18,6 +18,13 @@ import numpy as np
 
 from chromanoise.base import optional_package, text_of_comment
 from chromanoise.io.source_files import has, refused
+from chromanoise.io.spectra.cell_tables import (
+    finite_number,
+    is_number,
+    name_and_unit,
+    number_in,
+    table_of,
+)
 from chromanoise.io.spectra.declared import (
     declared_keys,
     ecsv_units,
@@ -34,13 +41,6 @@ from chromanoise.io.spectra.parsed import (
     Quantity,
     Row,
     declared,
-)
-from chromanoise.io.spectra.tables import (
-    finite_number,
-    is_number,
-    name_and_unit,
-    number_in,
-    table_of,
 )
 
 _COMMENT = ("#", "%", "//", ";")

@@ -20,6 +20,7 @@ import numpy as np
 from chromanoise.base import Array, InputError, optional_package
 from chromanoise.io.matlab import mat_array, mat_arrays, mat_texts
 from chromanoise.io.source_files import has, refused, xml_root
+from chromanoise.io.spectra.cell_tables import finite_number
 from chromanoise.io.spectra.declared import known_unit
 from chromanoise.io.spectra.parsed import (
     LARGEST,
@@ -31,7 +32,6 @@ from chromanoise.io.spectra.parsed import (
     known_columns,
     missing_notes,
 )
-from chromanoise.io.spectra.tables import finite_number
 
 _MARK = re.compile(rb"ASD|as[2-8]")
 _HEADER_BYTES = 484

@@ -9,6 +9,7 @@ import numpy as np
 
 from chromanoise.base import Array, InputError, Setting
 from chromanoise.io.source_files import refused
+from chromanoise.io.spectra.cell_tables import DIGITIZED
 from chromanoise.io.spectra.declared import (
     is_wavelength_heading,
     quantity_of_key,
@@ -34,7 +35,6 @@ from chromanoise.io.spectra.parsed import (
     step_nm,
 )
 from chromanoise.io.spectra.questions import defects_of, questions_of
-from chromanoise.io.spectra.tables import DIGITIZED
 from chromanoise.spectra import Spectra, are_small_negatives
 
 _WORDS: tuple[tuple[Quantity, str], ...] = (

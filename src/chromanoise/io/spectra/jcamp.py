@@ -14,9 +14,9 @@ import numpy as np
 
 from chromanoise.base import Array, InputError
 from chromanoise.io.source_files import refused
+from chromanoise.io.spectra.cell_tables import finite_number
 from chromanoise.io.spectra.declared import known_unit
 from chromanoise.io.spectra.parsed import Column, Found, Unit
-from chromanoise.io.spectra.tables import finite_number
 
 _LABEL = re.compile(r"\s*##(.*?)=(.*)", re.DOTALL)
 _EQUAL_STEPS = re.compile(r"\(?\s*([A-Z])\+\+\(\s*([A-Z])\.\.[A-Z]\s*\)\s*\)?", re.IGNORECASE)

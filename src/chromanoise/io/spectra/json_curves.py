@@ -9,6 +9,7 @@ import numpy as np
 
 from chromanoise.base import Array, json_of
 from chromanoise.io.source_files import has, refused
+from chromanoise.io.spectra.cell_tables import number_in
 from chromanoise.io.spectra.parsed import (
     LARGEST,
     SPECTRA_SCHEMA,
@@ -20,7 +21,6 @@ from chromanoise.io.spectra.parsed import (
     number_of,
     own_spectra,
 )
-from chromanoise.io.spectra.tables import number_in
 
 _WAVELENGTHS = re.compile(r"(?i)(wavelengths?|lambdas?|waves?|wls?|nm)([ _]?\(?\w{1,12}\)?)?")
 _UNIT = re.compile(r"(?i)wavelengths?[ _]units?")

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Sequence
 import numpy as np
 
 from chromanoise.base import Array
-from chromanoise.charts.budget import cause_label
+from chromanoise.charts.budget_chart import cause_label
 from chromanoise.color import ParetoCurve
 from chromanoise.io import Column, Entry, Table, number_text
 from chromanoise.metrics import Budget, MatrixReport

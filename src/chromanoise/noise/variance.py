@@ -1,6 +1,6 @@
 """All noise sources of a pixel in closed form (eq. 7 and EMVA 1288).
 
-`chromanoise.sensor.noise_source` lists them.
+`chromanoise.sensor.noise_sources` lists them.
 
 The pattern of crosstalk is that between the places of a mosaic at which one channel has different
 neighbors. Before counting, PRNU acts on each M_k: its variance is PRNU^2 times the mean of M_k^2.

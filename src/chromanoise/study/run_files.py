@@ -28,7 +28,6 @@ from chromanoise.base import (
 )
 from chromanoise.imaging import Work
 from chromanoise.io.spectra import named
-from chromanoise.study.document import KEEP_IDLE, Study
 from chromanoise.study.hashes import (
     changes_since,
     digests_of,
@@ -40,6 +39,7 @@ from chromanoise.study.hashes import (
     study_hash,
 )
 from chromanoise.study.running import Progress, no_progress, run_plan
+from chromanoise.study.schema import KEEP_IDLE, Study
 
 STUDY_FILE, SUMMARY_FILE = "study.json", "summary.json"
 _LARGEST_BYTES = 256 << 20
