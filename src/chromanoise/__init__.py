@@ -1,11 +1,11 @@
 """From photons to color, with the noise.
 
-The list goes from the tools that all rooms share along the way of the light to what people use. A
-room imports only rooms above it, and only what their ``__init__`` names (``pyproject.toml`` lists
-them in reverse order).
+Packages, lowest layer first: shared tools, the stages along the light path, the interfaces. A
+package imports only packages listed before it, and only what their ``__init__`` names
+(``pyproject.toml`` lists them in reverse order).
 
 ============  ===================================================================================
-``base``      errors, records, files, bounds, linear solvers: tools of all rooms, no physics
+``base``      errors, records, files, bounds, linear solvers: shared tools, no physics
 ``spectra``   one wavelength grid; curves, illuminants, observers, reflectances; scenes and cubes
 ``sensor``    model of a camera: channels, filters, pixel, mosaic
 ``noise``     expected electrons (eq. 1-2), exposure; sources, covariance (eq. 7), Monte Carlo

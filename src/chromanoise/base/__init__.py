@@ -1,4 +1,4 @@
-"""What all rooms use: errors, declared properties, checks of input, files, linear algebra."""
+"""What all packages use: errors, declared properties, checks of input, files, linear algebra."""
 
 from typing import TYPE_CHECKING
 

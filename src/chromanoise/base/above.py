@@ -1,6 +1,6 @@
-"""What a room uses of the rooms above it, which the package registers by name.
+"""What a package uses of higher layers, which the root package registers by name.
 
-So no import runs up: a result draws itself without its module importing charts.
+So no package imports a higher layer: a result draws itself without importing charts.
 """
 
 from importlib import import_module

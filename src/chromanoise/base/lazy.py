@@ -31,7 +31,7 @@ MOVED_PACKAGES = {
     "chromanoise.scene.builtin": "chromanoise.spectra",
     "chromanoise.units": "chromanoise.base",
 }
-"""Where the packages of release 0.1 are; the old names warn and work for one release."""
+"""Where the packages of release 0.2 are; the old names warn and work for one release."""
 
 _TRAINING = "chromanoise.apps.training"
 MOVED_NAMES = {

@@ -68,7 +68,7 @@ def drawn_pareto(shown: Shown, look: Look) -> Chart:
             f"{conditions(shown.operating_points)}"
             f"{unclipped_remark(shown)}"
         ),
-        note=f"{_KEY} Large mark: the matrix now ({matrix}).",
+        note=f"{_KEY} Large mark: current matrix ({matrix}).",
         why_not=tuple(dict.fromkeys(why)),
     )
 

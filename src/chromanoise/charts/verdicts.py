@@ -22,7 +22,7 @@ from chromanoise.charts.charted_study import Look, Shown, saturated_names, satur
 from chromanoise.charts.description import numbers_of
 from chromanoise.charts.numbers import NONE, brief, decimal, electrons, signed, table
 from chromanoise.metrics import CORRELATION, FILTERS, INFRARED, REST, WEIGHTS, Budget
-from chromanoise.noise import conditions, level_in_words
+from chromanoise.noise import DEFAULT_RULE, conditions, level_in_words
 from chromanoise.sensor import SOURCES, Sensor
 from chromanoise.spectra import chart_title
 from chromanoise.study import (
@@ -377,7 +377,7 @@ Reader = Literal["eye", "machine"]
 
 
 def verdict_sentences(
-    analyses: Sequence[Analysis], *, equal: str = "exposure", reader: Reader = "eye"
+    analyses: Sequence[Analysis], *, equal: str = DEFAULT_RULE, reader: Reader = "eye"
 ) -> list[str]:
     """Sentences that compare the sensors of several analyses.
 

@@ -217,7 +217,7 @@ def _remove_on_compilation(folder: Path, package: Path) -> None:
 @cache
 def _say_that_kernels_are_compiled() -> None:
     print(
-        "chromanoise compiles numerical code for this processor, once: some 10 to 20 s",
+        "Compiling numerical code for this processor, only once: about 10 to 20 s ...",
         file=sys.stderr,
         flush=True,
     )

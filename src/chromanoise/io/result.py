@@ -79,7 +79,7 @@ class Result(ABC):
 
 
 def figures() -> Any:
-    """The package ``figures``, a higher layer, imported only when a figure is drawn."""
+    """`chromanoise.charts`, a higher layer, imported only when a figure is drawn."""
     return from_above("figures")
 
 

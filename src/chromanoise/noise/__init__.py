@@ -24,6 +24,9 @@ if TYPE_CHECKING:
         sensor_moments as sensor_moments,
     )
     from chromanoise.noise.exposure import (
+        DEFAULT_F_NUMBER,
+        DEFAULT_RULE,
+        DEFAULT_SHARE,
         EQUAL_TERMS as EQUAL_TERMS,
         Exposure as Exposure,
         OperatingPoint as OperatingPoint,

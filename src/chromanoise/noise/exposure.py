@@ -34,6 +34,11 @@ from chromanoise.spectra import (
     photons_per_unit,
 )
 
+DEFAULT_RULE = "exposure"
+"""Of `EQUAL_TERMS`: all sensors have the same time."""
+DEFAULT_F_NUMBER = 1.8
+DEFAULT_SHARE = 0.99
+"""Of full well, for the time to saturation: that of the paper. [1]"""
 FASTEST_F_NUMBER = 0.5
 """The least f-number of a lens in air, by the sine condition."""
 
@@ -60,7 +65,7 @@ class Exposure:
     """
 
     time_s: float
-    f_number: float = 1.8
+    f_number: float = DEFAULT_F_NUMBER
     magnification: float | None = None
 
     def __post_init__(self) -> None:
@@ -153,8 +158,8 @@ def time_to_saturation(
     scene: Scene,
     sensor: Sensor,
     *,
-    f_number: float = 1.8,
-    share: float = 0.99,
+    f_number: float = DEFAULT_F_NUMBER,
+    share: float = DEFAULT_SHARE,
     magnification: float | None = None,
 ) -> float:
     """The time at which the most sensitive channel reaches ``share`` of its range. [s]
@@ -349,7 +354,7 @@ EQUAL_TERMS: Mapping[str, Callable[..., list[Exposure]]] = {
     "saturation": equal_saturation,
     "light": equal_light,
 }
-"""The exposure rules by name."""
+"""The exposure rules by name; `DEFAULT_RULE` is one of them."""
 
 
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")

@@ -41,7 +41,7 @@ from chromanoise.imaging import DEMOSAICING, FORMATS, MOST_FRAMES
 from chromanoise.imaging.denoising import DENOISING
 from chromanoise.io import MATRIX_ENDINGS, is_matrix_file
 from chromanoise.io.spectra import Level, Negatives, Per, Scale, Unit
-from chromanoise.noise import refuse_f_number
+from chromanoise.noise import DEFAULT_F_NUMBER, DEFAULT_RULE, DEFAULT_SHARE, refuse_f_number
 from chromanoise.sensor import (
     MOSAIC_NAMES,
     MOST_BINNING,
@@ -576,7 +576,7 @@ class ExposurePart(Part):
     """Exposure time, lens, and the rule by which the sensors are compared."""
 
     equal: Literal["exposure", "saturation", "light"] = setting(
-        "exposure",
+        DEFAULT_RULE,
         "What is equal for all sensors. exposure: the time. saturation: the share of full well, "
         "each with its own time. light: time x pixel area x pixels per set of channels, so with "
         "equal pixels a 4-channel mosaic has 3/4 of the time of a 3-channel one.",
@@ -587,11 +587,13 @@ class ExposurePart(Part):
         "well.",
     )
     saturate: Annotated[float, Field(gt=0, le=1), _within("of full well", 1e-9, 1.0)] = setting(
-        0.99,
+        DEFAULT_SHARE,
         "Share of full well that the most sensitive channel reaches on a perfect white, if the "
         "time is solved.",
     )
-    f_number: Annotated[Positive, After(_of_a_lens)] = setting(1.8, "f-number of the lens.")
+    f_number: Annotated[Positive, After(_of_a_lens)] = setting(
+        DEFAULT_F_NUMBER, "f-number of the lens."
+    )
     magnification: Finite | None = setting(
         None,
         "Magnification m of the lens [1], with the camera equation 1/(1 + 4 f#^2 (1 + |m|)^2); "
