@@ -9,6 +9,7 @@ from scipy import stats
 from scipy.special import ndtri
 
 import reference_noise as reference
+from chromanoise.imaging.blocks import READOUT
 from chromanoise.imaging.sampling import noisy_electrons
 from goodness import chi_square_score, correlation_z, kolmogorov_p_at, scores_of_moments
 
@@ -41,7 +42,7 @@ def test_shot_noise_says_nothing_of_read_noise_drawn_by_itself(mean, noise):
 def test_read_noise_of_a_dark_picture_is_the_quantile_of_its_word():
     shape = (100, 200, 10)
     noise = noisy_electrons(np.zeros(shape, np.float32), read_noise_e=1.0, seed=8)
-    share = (reference.readout_words(shape, seed=8) + 0.5) / 2**32
+    share = (reference.words_for(READOUT, shape, seed=8) + 0.5) / 2**32
     np.testing.assert_allclose(noise, ndtri(share), rtol=5e-7, atol=5e-7)
 
 

@@ -154,7 +154,7 @@ def test_a_touch_reads_a_value_within_the_window(window, of):
     chart.scroll_into_view_if_needed()
     box = chart.bounding_box()
     page.touchscreen.tap(box["x"] + box["width"] - 20, box["y"] + 20)  # the sixth patch
-    assert told(page) == as_told(drawing("chart", of)["table"], 5)
+    assert told(page) == as_told(drawing("chart", of).table, 5)
     tip = page.locator(".d-tip").bounding_box()
     assert tip["x"] >= 0
     assert tip["x"] + tip["width"] <= 390
