@@ -71,6 +71,17 @@ def test_a_change_in_a_file_that_a_kernel_calls_is_seen_though_its_date_is_older
     assert folder.exists()  # another process may work with it
 
 
+def test_a_change_in_a_file_that_a_kernel_of_another_package_calls_is_seen(installed):
+    other = installed.parent / "other"
+    other.mkdir()
+    (other / "outer.py").write_text(OUTER)
+    question = ASK.replace("mini.outer", "other.outer")
+    (first, *_), (second, hits, _) = asked(installed, question), asked(installed, question)
+    assert (first, second, hits) == (2, 2, 1)
+    (installed / "inner.py").write_text(INNER.format(added=2))
+    assert asked(installed, question)[:2] == (3, 0)
+
+
 def test_old_kernels_are_removed_when_new_ones_are_compiled_and_not_before(installed):
     (kept,) = (one for one in asked(installed)[2].parents if one.name.startswith("kernels-"))
     (installed / "__pycache__" / "kernels-mine").mkdir()

@@ -177,11 +177,11 @@ def kernel_folder(package: Path) -> Path | None:
     package
         The folder of the sources of the kernels.
     """
-    sources = sorted(package.glob("*.py"))
-    if not sources:
+    if not any(package.glob("*.py")):
         return None
     digest = hashlib.sha256(_numba_version())
-    for source in sources:
+    # kernels of all packages use functions of this one, whose changes numba does not notice
+    for source in sorted({*package.glob("*.py"), *_PACKAGE.glob("*.py")}):
         content = source.read_bytes()
         digest.update(f"\n{source.name} {len(content)}\n".encode() + content)
     for place in _places(package):
@@ -235,11 +235,13 @@ class _RemovalOnCompilation:
 
     def notify(self, event: Any) -> None:
         """The removal, at the end of a compilation, if a kernel of this package was compiled."""
+        source = event.data["dispatcher"].py_func.__code__.co_filename
+        if Path(source).parent != self._package:
+            return
         if not event.is_end:
             _say_that_kernels_are_compiled()
             return
-        source = event.data["dispatcher"].py_func.__code__.co_filename
-        if self._is_done or Path(source).parent != self._package:
+        if self._is_done:
             return
         self._is_done = True
         for folder in self._place.glob(f"{_prefix(self._package)}*"):
