@@ -86,7 +86,7 @@ format: $(VENV)/.dev
 	$(BIN)/ruff check --fix .
 
 clean-kernels:
-	rm -rf src/chromanoise/imaging/__pycache__/kernels-*
+	find src -path '*__pycache__/kernels-*' -prune -exec rm -rf {} +
 	find src -name '*.nb[ic]' -delete
 
 clean: clean-kernels

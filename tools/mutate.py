@@ -296,7 +296,7 @@ def outcome(mutant: Mutant, copy: Path, files: list[str], limit_s: float) -> tup
     )  # fmt: skip
     try:
         code = process.wait(limit_s)
-        found = {0: "survived", 5: "untested"}.get(code, "killed")
+        found = {0: "survived", 1: "killed", 2: "killed", 5: "untested"}.get(code, "error")
     except subprocess.TimeoutExpired:
         found = "time"
     finally:

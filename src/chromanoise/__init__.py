@@ -94,7 +94,7 @@ if TYPE_CHECKING:
         study_from_data as study_from_data,
     )
 
-sys.meta_path.append(MovedPackages())
+sys.meta_path.insert(0, MovedPackages())
 register_above(
     figures="chromanoise.charts", camera="chromanoise.apps.camera", design="chromanoise.apps.design"
 )

@@ -1,5 +1,8 @@
 """Names of ours: ``_`` and ``-`` are equal wherever a person writes one; the stored name is one."""
 
+import re
+import subprocess
+import sys
 from importlib import import_module
 from pathlib import Path
 
@@ -15,6 +18,7 @@ from chromanoise.apps.design.algorithms import METHODS as SEARCHES
 from chromanoise.apps.design.design_document import DesignPart
 from chromanoise.apps.design.space import MODELS, Filter
 from chromanoise.base.errors import InputError, known_name
+from chromanoise.base.lazy import MOVED_NAMES, MOVED_PACKAGES
 from chromanoise.cli.entry import COMMANDS, commands
 from chromanoise.color import SPACES
 from chromanoise.imaging import DEMOSAICING
@@ -299,6 +303,40 @@ def test_an_old_name_of_a_class_is_the_class_and_warns_where_it_is_used(package,
     assert Path(caught[0].filename) == Path(__file__)
     assert old not in module.__all__
     assert new in module.__all__
+
+
+def found_again(old):
+    """What an old name imports, and the file of the line that the warning names."""
+    sys.modules.pop(old, None)
+    with pytest.warns(FutureWarning, match=re.escape(old)) as caught:
+        module = import_module(old)
+    return module, Path(caught[0].filename)
+
+
+@pytest.mark.parametrize("old", MOVED_PACKAGES)
+def test_an_old_package_is_the_new_one_and_warns_where_it_is_used(old):
+    assert found_again(old) == (import_module(MOVED_PACKAGES[old]), Path(__file__))
+
+
+def test_a_module_of_an_old_package_is_no_second_copy():
+    # in a process of its own: the checks of shapes here import modules before the finder is asked
+    lines = "import chromanoise.scene.curves as old, chromanoise.spectra.curves as new"
+    done = subprocess.run(
+        [sys.executable, "-c", f"{lines}\nassert old is new"], capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+    assert "chromanoise.scene.curves is now chromanoise.spectra.curves" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("package", "name"),
+    [(package, name) for package, names in MOVED_NAMES.items() for name in names],
+)
+def test_a_name_that_moved_to_another_package_is_found_in_the_old_one(package, name):
+    new = MOVED_NAMES[package][name]
+    with pytest.warns(FutureWarning, match=re.escape(f"{new}.{name}")):
+        found = getattr(import_module(package), name)
+    assert found is getattr(import_module(new), name)
 
 
 def test_a_sensor_is_repeated_in_either_spelling():

@@ -26,6 +26,7 @@ MOVED_PACKAGES = {
     "chromanoise.figures": "chromanoise.charts",
     "chromanoise.paper": "chromanoise.apps.paper",
     "chromanoise.properties": "chromanoise.base",
+    "chromanoise.report": "chromanoise.web",
     "chromanoise.rng": "chromanoise.base",
     "chromanoise.scene": "chromanoise.spectra",
     "chromanoise.scene.builtin": "chromanoise.spectra",
@@ -107,14 +108,33 @@ class MovedPackages(MetaPathFinder, Loader):
     """Imports an old package as the one that has its names now, with a `FutureWarning`."""
 
     def find_spec(self, fullname: str, path: object, target: object = None) -> ModuleSpec | None:
-        """A spec for the old names of packages alone."""
-        return ModuleSpec(fullname, self) if fullname in MOVED_PACKAGES else None
+        """A spec for the old names of packages, and for the modules in them, alone."""
+        return None if _new_place(fullname) is None else ModuleSpec(fullname, self)
 
     def exec_module(self, module: ModuleType) -> None:
-        """Put the new package in the place of the old one."""
-        new = MOVED_PACKAGES[module.__name__]
-        warn_of_old_name(module.__name__, new, stacklevel=6)
+        """Put the new module in the place of the old one."""
+        new = str(_new_place(module.__name__))
+        frame = sys._getframe(1)  # of the line that imports: stacklevels differ by form of import
+        while frame.f_back and (
+            "importlib" in frame.f_code.co_filename or frame.f_code.co_filename == __file__
+        ):
+            frame = frame.f_back
+        warnings.warn_explicit(
+            old_name_sentence(module.__name__, new),
+            FutureWarning,
+            frame.f_code.co_filename,
+            frame.f_lineno,
+            module=frame.f_globals.get("__name__"),
+            registry=frame.f_globals.setdefault("__warningregistry__", {}),
+        )
         sys.modules[module.__name__] = import_module(new)
+
+
+def _new_place(name: str) -> str | None:
+    parent, _, last = name.rpartition(".")
+    if parent in MOVED_PACKAGES and name not in MOVED_PACKAGES:
+        return f"{MOVED_PACKAGES[parent]}.{last}"
+    return MOVED_PACKAGES.get(name)
 
 
 def _moved(package: str, name: str) -> object:
@@ -259,8 +279,12 @@ def warn_of_old_name(old: str, new: str, *, stacklevel: int = 3) -> None:
     stacklevel
         As `warnings.warn`.
     """
-    sentence = f"{old} is now {new}; the old name works in this release only"
-    warnings.warn(sentence, FutureWarning, stacklevel=stacklevel)
+    warnings.warn(old_name_sentence(old, new), FutureWarning, stacklevel=stacklevel)
+
+
+def old_name_sentence(old: str, new: str) -> str:
+    """The text of the warning of `warn_of_old_name`."""
+    return f"{old} is now {new}; the old name works in this release only"
 
 
 def _imports(package: str) -> tuple[dict[str, tuple[str, str]], list[str]]:

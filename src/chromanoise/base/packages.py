@@ -44,7 +44,9 @@ not installed; install it with pip install 'chromanoise[pandas]'
     """
     try:
         return import_module(name)
-    except ImportError:
+    except ImportError as error:
+        if (error.name or "").partition(".")[0] != name.partition(".")[0]:
+            raise  # it is installed, but what it needs is not
         raise _absent(name, needed_by, extra, where, value, otherwise) from None
 
 
@@ -58,7 +60,7 @@ def refuse_absent_package(
     otherwise: Sequence[Remedy] = (),
 ) -> None:
     """Like `optional_package`, for a package that is imported later or by another process."""
-    if find_spec(name) is None:
+    if find_spec(name.partition(".")[0]) is None:
         raise _absent(name, needed_by, extra, where, value, otherwise)
 
 

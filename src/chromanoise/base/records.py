@@ -229,16 +229,6 @@ class Written:
     plain: Callable[[Any], Any]
 
 
-def before(*names: str) -> Callable[[Any], Any]:
-    """A decorator: a class method that checks what is given for fields, as `Before`."""
-
-    def marked(method: Any) -> Any:
-        method.__func__.fields_before = names
-        return method
-
-    return marked
-
-
 def after(method: Any) -> Any:
     """A decorator: a method that checks a whole record, with its `Place` if it takes it."""
     method.checks_record = True

@@ -144,7 +144,7 @@ def _draw_bars(
     look: dict[str, Any] = {"color": fills, "edgecolor": edges, "left": start}
     look |= {"height": high, "linewidth": 1.2} if shade is None else {"height": 0.9 * high}
     name = chart.columns[0].values[one.first]
-    left = f"{name}: {decimal(float(end[-1]))} dB left of {decimal(float(end[0]))} dB"
+    left = f"{name}: {decimal(float(end[-1]))} dB remain of {decimal(float(end[0]))} dB"
     ax.barh(at, end - start, label=left, **look)
     small: dict[str, Any] = {} if shade is None else {"fontsize": 7}
     for y, right, text in zip(at, np.maximum(start, end), one.texts, strict=True):
