@@ -31,7 +31,9 @@ def _calls():
         for node in ast.walk(ast.parse(path.read_text())):
             if isinstance(node, ast.Call) and getattr(node.func, "id", "") in FUNCTIONS:
                 given = {one.arg: one.value for one in node.keywords}
-                extra = given.get("extra", ast.Constant("cubes"))
+                # `library` of the readers has the extra of cubes by default
+                own = "library" in node.func.id
+                extra = given.get("extra", ast.Constant("cubes")) if own else given["extra"]
                 if isinstance(node.args[0], ast.Constant):
                     yield node.args[0].value.partition(".")[0], extra.value
 

@@ -1,5 +1,5 @@
 # mypy: disable-error-code="no-untyped-def,no-untyped-call,misc"
-"""Loops of `frame_sums`, compiled by `stored_kernels`: pointers to contiguous arrays, and sizes.
+"""Loops of `frame_sums`, compiled by `stored_kernel`: pointers to contiguous arrays, and sizes.
 
 All sums of codes are integers, so their order changes no digit. Codes of 16 bits are added in 32
 bits wherever these sums cannot overflow, which is twice as fast as in 64.

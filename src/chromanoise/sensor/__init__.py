@@ -92,6 +92,7 @@ if TYPE_CHECKING:
         Drawn,
         LogLinearNoise as LogLinearNoise,
         NoiseKind,
+        NoiseSource as NoiseSource,
         PixelReading,
         ReadNoiseLaw as ReadNoiseLaw,
         ReadNoiseSum as ReadNoiseSum,
