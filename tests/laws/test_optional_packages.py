@@ -8,8 +8,11 @@ from pathlib import Path
 
 import pytest
 
+import chromanoise as cn
 from chromanoise.base import optional_package, refuse_absent_package
+from chromanoise.imaging.denoising import DENOISING
 from chromanoise.io import Column, Result, Table
+from chromanoise.study import running
 from outcomes import refused_input
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -44,6 +47,19 @@ def test_each_optional_package_is_in_the_extra_that_its_error_names():
     for package, extra in found:
         names = {re.split(r"[><=]", one)[0].strip().lower() for one in EXTRAS[extra]}
         assert DISTRIBUTIONS.get(package, package).lower() in names, (package, extra)
+
+
+def test_the_packages_of_denoising_methods_are_in_their_extra():
+    names = {re.split(r"[><=]", one)[0].strip().lower() for one in EXTRAS["denoise"]}
+    needed = {package for method in DENOISING.values() for package in method.packages}
+    assert {DISTRIBUTIONS.get(one, one) for one in needed} == names
+
+
+def test_an_absent_package_of_a_denoising_method_is_named_before_the_cube_is_rendered(monkeypatch):
+    monkeypatch.setitem(sys.modules, "bm3d", None)
+    monkeypatch.setattr(running, "captured_with", None)
+    with refused_input(subject="denoise", value="bm3d"):
+        cn.render("builtin:checker", "onyx-rgbw", denoise="bm3d")
 
 
 @pytest.mark.parametrize("function", [optional_package, refuse_absent_package])

@@ -19,7 +19,7 @@ from chromanoise.imaging import (
     capture_summary,
     write_capture,
 )
-from chromanoise.imaging.denoising import DENOISING, captured_with
+from chromanoise.imaging.denoising import captured_with, denoising_named
 from chromanoise.metrics import matrix_report
 from chromanoise.noise import OperatingPoint, expected_electrons, white_scene
 from chromanoise.sensor import PIXEL_NOISE, PixelOverrides, mosaic_named
@@ -130,6 +130,8 @@ def prepared_cameras(
     part, key = study.pictures[number], f"pictures.{number}"
     cube = cube_of(part, key=key, given=given)
     with _keyed(key):
+        if part.denoise is not None:
+            denoising_named(part.denoise)  # refused here if its package is absent
         settings = capture_settings_of(part, seed=study.seed, key=key)
         return cube, {
             name: [camera_for(cube, each, maker(each), settings) for each in operating_points]
@@ -208,7 +210,7 @@ def taken_pictures(
     part = study.pictures[number]
     first = sum(one.frames for one in study.pictures[:number])  # no two parts share their noise
     work = replace(work, folder=folder)
-    method = None if part.denoise is None else DENOISING[part.denoise]
+    method = None if part.denoise is None else denoising_named(part.denoise)
     for i in range(len(study.sensors)):
         for name, own in cameras.items():
             sensor = file_word(own[i].operating_point.sensor.name)

@@ -18,7 +18,7 @@ from typing import Any
 from chromanoise.apps.design import FRONT_SCHEMA, FrontMember, drawn_front, member_csv, read_front
 from chromanoise.base import InputError, Setting, StudyError, check, errors_in
 from chromanoise.imaging import Work, camera_for, picture_summary, png_bytes
-from chromanoise.imaging.denoising import DENOISING, captured_with
+from chromanoise.imaging.denoising import captured_with, denoising_named
 from chromanoise.io import GivenMatrix, crosstalk_table, is_matrix_file, read_curves, read_matrix
 from chromanoise.io.cubes import reading
 from chromanoise.io.spectra import ParsedSpectra, defects_of_a_light
@@ -162,7 +162,7 @@ def _taken(
     color = part.model_copy(update={"mosaic": None, "formats": None})
     settings = capture_settings_of(color, seed=study.seed)
     camera = camera_for(cube, operating_point, maker(operating_point), settings)
-    method = DENOISING[part.denoise] if part.denoise is not None and noisy else None
+    method = denoising_named(part.denoise) if part.denoise is not None and noisy else None
     work = Work(threads=1)
     picture = captured_with(cube, camera, method, frame=0, work=work, noisy=noisy).picture
     assert picture is not None  # no picture without color is requested

@@ -28,6 +28,7 @@ from chromanoise.imaging import (
     white_lux_of,
 )
 from chromanoise.imaging.denoising import (
+    DENOISING,
     DenoisingMethod,
     NoisyPlanes,
     denoised_planes,
@@ -588,9 +589,7 @@ def verdict(cells: Iterable[BenchmarkCell], method: str) -> Verdict:
     ratios = {}
     for place, errors in _errors(cells).items():
         others = [
-            error
-            for name, error in errors.items()
-            if name != method and denoising_named(name).baseline
+            error for name, error in errors.items() if name != method and DENOISING[name].baseline
         ]
         if method in errors and others:
             best = np.min(others, axis=0)
@@ -626,7 +625,7 @@ def verdict_sentences(cells: Iterable[BenchmarkCell]) -> tuple[str, ...]:
     """
     cells = tuple(cells)
     names = tuple(dict.fromkeys(cell.method for cell in cells))
-    own = [name for name in names if not denoising_named(name).baseline]
+    own = [name for name in names if not DENOISING[name].baseline]
     if len(own) == len(names):
         return ()
     out = []

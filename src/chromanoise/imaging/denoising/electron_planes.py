@@ -240,6 +240,8 @@ class DenoisingMethod:
         Whether the result is linear in the values, so that its noise has a closed form.
     baseline
         Whether the method is for comparison only: none, or one of another package.
+    packages
+        What it imports of the extra ``denoise``.
     """
 
     name: str
@@ -249,6 +251,7 @@ class DenoisingMethod:
     grid_px: int = 1
     linear: bool = False
     baseline: bool = False
+    packages: tuple[str, ...] = ()
 
 
 _EXACT_COUNTS = 400.0  # mean counts up to which the expectation is summed

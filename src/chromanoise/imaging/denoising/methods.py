@@ -13,11 +13,12 @@ All denoising methods by name: add a method here.
 """
 
 from collections.abc import Callable, Mapping
+from importlib import import_module
 from typing import Any
 
 import numpy as np
 
-from chromanoise.base import Array, Float, Float32, InputError, check, optional_package
+from chromanoise.base import Array, Float, Float32, InputError, check, refuse_absent_package
 from chromanoise.imaging.denoising.electron_planes import (
     DenoisingMethod,
     NoisyPlanes,
@@ -61,7 +62,7 @@ def _each(clean: Callable[[Float[Array, "h w"]], Array]) -> Callable[[Stable], S
 
 
 def _nlm(planes: NoisyPlanes) -> Float32[Array, "h w p"]:
-    restoration = _package("skimage.restoration", "nlm", planes, least_px=2)
+    restoration = _package("skimage.restoration", NLM, planes)
 
     def clean(plane: Float[Array, "h w"]) -> Array:
         return restoration.denoise_nl_means(
@@ -72,8 +73,7 @@ def _nlm(planes: NoisyPlanes) -> Float32[Array, "h w p"]:
 
 
 def _wavelets(planes: NoisyPlanes) -> Float32[Array, "h w p"]:
-    restoration = _package("skimage.restoration", "wavelets", planes, least_px=2)
-    _package("pywt", "wavelets", planes, least_px=2)
+    restoration = _package("skimage.restoration", WAVELETS, planes)
     levels = min(planes.values_e.shape[:2]).bit_length() - 1
 
     def clean(stable: Stable) -> Stable:
@@ -97,7 +97,7 @@ def _wavelets(planes: NoisyPlanes) -> Float32[Array, "h w p"]:
 
 
 def _opencv(planes: NoisyPlanes) -> Float32[Array, "h w p"]:
-    cv2 = _package("cv2", "opencv", planes, least_px=2)
+    cv2 = _package("cv2", OPENCV, planes)
 
     def clean(plane: Float[Array, "h w"]) -> Array:
         low = plane.min()
@@ -116,12 +116,12 @@ def _opencv(planes: NoisyPlanes) -> Float32[Array, "h w p"]:
 
 
 def _bm3d(planes: NoisyPlanes) -> Float32[Array, "h w p"]:
-    package = _package("bm3d", "bm3d", planes, least_px=_BM3D_LEAST_PX)
+    package = _package("bm3d", BM3D, planes, least_px=_BM3D_LEAST_PX)
     return _of_planes(_each(lambda plane: package.bm3d(plane, 1.0, _profile(package))), planes)
 
 
 def _bm3d_joint(planes: NoisyPlanes) -> Float32[Array, "h w p"]:
-    package = _package("bm3d", "bm3d-joint", planes, least_px=_BM3D_LEAST_PX)
+    package = _package("bm3d", BM3D_JOINT, planes, least_px=_BM3D_LEAST_PX)
 
     def clean(stable: Stable) -> Stable:
         smooth = package.bm3d(stable, 1.0, _profile(package))
@@ -137,7 +137,9 @@ def _profile(package: Any) -> Any:
     return profile
 
 
-def _package(module: str, method: str, planes: NoisyPlanes, *, least_px: int) -> Any:
+def _package(
+    module: str, method: DenoisingMethod, planes: NoisyPlanes, *, least_px: int = 2
+) -> Any:
     """The module of a package, for planes that it can process.
 
     Raises
@@ -145,22 +147,35 @@ def _package(module: str, method: str, planes: NoisyPlanes, *, least_px: int) ->
     InputError
         If it is not installed, or the planes have a side below ``least_px``.
     """
+    _refuse_absent(method)
     shape = planes.values_e.shape[:2]
     if min(shape) < least_px:
         raise InputError(
             "picture",
-            f"must have at least {least_px} x {least_px} pixels per plane for the method {method}",
+            f"must have at least {least_px} x {least_px} pixels per plane for the method "
+            f"{method.name}",
             value=shape,
             found=f"has {shape[0]} x {shape[1]}",
             remedy="take a larger picture or another method",
         )
-    return optional_package(
-        module, "denoise", extra="denoise", value=method, otherwise=("take another method",)
+    return import_module(module)
+
+
+def _refuse_absent(method: DenoisingMethod) -> None:
+    for package in method.packages:
+        refuse_absent_package(
+            package,
+            "denoise",
+            extra="denoise",
+            value=method.name,
+            otherwise=("take another method",),
+        )
+
+
+def _baseline(name: str, what: str, denoise: Any, *packages: str) -> DenoisingMethod:
+    return DenoisingMethod(
+        name=name, what=what, denoise=denoise, reach_px=None, baseline=True, packages=packages
     )
-
-
-def _baseline(name: str, what: str, denoise: Any) -> DenoisingMethod:
-    return DenoisingMethod(name=name, what=what, denoise=denoise, reach_px=None, baseline=True)
 
 
 NONE = DenoisingMethod(
@@ -171,20 +186,25 @@ NONE = DenoisingMethod(
     linear=True,
     baseline=True,
 )
-NLM = _baseline("nlm", "Non-local means of scikit-image, on components of stabilized planes.", _nlm)
+NLM = _baseline(
+    "nlm", "Non-local means of scikit-image, on components of stabilized planes.", _nlm, "skimage"
+)
 WAVELETS = _baseline(
     "wavelets",
     "BayesShrink wavelets of scikit-image with cycle spinning, on components of stabilized planes.",
     _wavelets,
+    "skimage",
+    "pywt",
 )
 OPENCV = _baseline(
-    "opencv", "Non-local means of OpenCV, on components of stabilized planes.", _opencv
+    "opencv", "Non-local means of OpenCV, on components of stabilized planes.", _opencv, "cv2"
 )
-BM3D = _baseline("bm3d", "BM3D on each stabilized plane.", _bm3d)
+BM3D = _baseline("bm3d", "BM3D on each stabilized plane.", _bm3d, "bm3d")
 BM3D_JOINT = _baseline(
     "bm3d-joint",
     "BM3D on all components of stabilized planes; blocks are matched on the first component.",
     _bm3d_joint,
+    "bm3d",
 )
 BASELINES = (NONE, NLM, WAVELETS, OPENCV, BM3D, BM3D_JOINT)
 
@@ -206,6 +226,8 @@ def denoising_named(name: str) -> DenoisingMethod:
     Raises
     ------
     InputError
-        If no method has this name.
+        If no method has this name, or a package that it needs is not installed.
     """
-    return DENOISING[check.one_of("denoise", name, tuple(DENOISING))]
+    method = DENOISING[check.one_of("denoise", name, tuple(DENOISING))]
+    _refuse_absent(method)
+    return method
