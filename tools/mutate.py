@@ -166,7 +166,7 @@ def _other(value: float) -> float:
 
 
 def drawn(count: int, seed: int) -> list[Mutant]:
-    """Mutants of all rooms, drawn at random.
+    """Mutants of all packages, drawn at random.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
-"""Count the lines of each room of the package and of the tests.
+"""Count the lines of each package of chromanoise and of each folder of tests.
 
     python tools/size.py            writes docs/size.toml
-    python tools/size.py --check    ends with status 1 where a room is larger than that file says
+    python tools/size.py --check    ends with status 1 where one is larger than that file says
 
 Code lines are those without docstrings, comments and blank lines. A change that needs more lines
 writes the file anew, so that its difference shows what it costs.
@@ -23,7 +23,7 @@ _HEAD = (
 
 
 def sizes() -> dict[str, dict[str, int]]:
-    """Modules, lines of code, of docstrings and of JavaScript by room; the tests are a room."""
+    """Modules, lines of code, of docstrings and of JavaScript by package; tests count as one."""
     found: dict[str, dict[str, int]] = defaultdict(lambda: dict.fromkeys(KINDS, 0))
     package = ROOT / "src" / "chromanoise"
     for top, room in ((package, None), (ROOT / "tests", "tests")):
@@ -75,7 +75,7 @@ def ledger(of: dict[str, dict[str, int]]) -> str:
 
 
 def larger(of: dict[str, dict[str, int]]) -> list[str]:
-    """The rooms that are larger than the file says, a sentence each."""
+    """The packages that are larger than the file says, a sentence each."""
     ceilings = tomllib.loads(LEDGER.read_text(encoding="utf-8"))
     return [
         f"{name} has {one[kind]} ({kind}), and its ceiling is {most}"
@@ -86,7 +86,7 @@ def larger(of: dict[str, dict[str, int]]) -> list[str]:
 
 
 def main() -> int:
-    """Write the file; or compare, and return 1 if a room is larger."""
+    """Write the file; or compare, and return 1 if a package is larger."""
     found = sizes()
     if "--check" not in sys.argv[1:]:
         LEDGER.write_text(ledger(found), encoding="utf-8")

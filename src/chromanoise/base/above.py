@@ -10,12 +10,12 @@ _MODULES: dict[str, str] = {}
 
 
 def register_above(**modules: str) -> None:
-    """Register modules of higher rooms, imported on first use.
+    """Register modules of higher packages, imported on first use.
 
     Parameters
     ----------
     modules
-        The dotted name of a module by the name under which lower rooms ask for it.
+        The dotted name of a module by the name under which lower packages ask for it.
     """
     _MODULES.update(modules)
 

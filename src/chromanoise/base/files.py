@@ -1,4 +1,6 @@
-"""Atomic output: a file or folder appears complete or not at all; no foreign file is replaced.
+"""Output files and folders that appear complete or not at all, and CSV text that is safe to open.
+
+No foreign file is replaced.
 
 An output folder holds the list ``.chromanoise-files``: the name of each file that a run wrote, the
 command, and the SHA-256 of its content. A run replaces or removes a file only if the list shows
@@ -14,7 +16,7 @@ for an existing folder, a second line lists the files that are replaced. The cle
 scratch folder and keeps files that other programs have added. It is done by this run or, if this
 run was killed, by the next one.
 
-CSV that a spreadsheet does not read as formulas, and that is read back to the same text.
+CSV is written so that a spreadsheet reads no cell as a formula, and reading restores the text.
 """
 
 import csv

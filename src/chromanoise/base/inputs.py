@@ -1,6 +1,7 @@
-"""Input files: only regular files are read, because reading a pipe or a device may never end.
+"""Input files: checks of paths, strict JSON, and content hashes.
 
-All JSON is read here, strictly: nothing that it returns breaks a later computation or output.
+Only regular files are read, because reading a pipe or a device may never end. All JSON is read
+here, strictly: nothing that it returns breaks a later computation or output.
 """
 
 import hashlib

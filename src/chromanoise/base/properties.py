@@ -1,4 +1,4 @@
-"""Properties of physical things and keys of a study, each declared once: on the field of its class.
+"""Properties of physical things and keys of a study, each declared once on a field of its class.
 
 A field of a physical thing is annotated with a ``Property``, which carries its bounds, its unit and
 its words. A field of a study carries an `Interface`. Whatever reads, sweeps, searches, shows or

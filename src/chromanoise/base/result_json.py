@@ -1,8 +1,8 @@
-"""A result is one record: its keys in JSON are declared once; JSON and its schema follow from them.
+"""Results as records: JSON keys are declared once, and JSON and its schema follow from them.
 
 A record is a frozen dataclass. Its keys are its fields in their order, or those that its class
 lists as ``KEYS``: a name, or a `JsonKey` where the value has another name, unit or place. A list of
-keys can also be given with the record, for a view of records of lower rooms.
+keys can also be given with the record, for a view of records of lower packages.
 
 `plain` writes: it walks from a record to numbers, text, lists and objects. `schema` describes: it
 walks from the class along the same keys, and reads types from annotations. `with_short_repr` shows

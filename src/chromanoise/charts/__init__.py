@@ -1,6 +1,8 @@
-"""Results as chart records: marks, axes, table rows and their text.
+"""Charts of results: columns of numbers, panels with axes and marks, tables and sentences.
 
-One module per chart; undefined values are ``None``, with the reason in ``why_not``.
+A chart is a `Chart`, or plain data where its drawing is special. The page draws it in SVG; figures
+draw it with Matplotlib. An undefined value is ``None``; a panel without data states the reason in
+its ``absence``.
 """
 
 from typing import TYPE_CHECKING

@@ -1,6 +1,6 @@
-"""Charts of a study as sections of page and report: order, headings and captions.
+"""The charts of a study by name, as sections of the page and of reports.
 
-Every chart of a study, by name.
+A section has its place, heading and caption; a chart can also be written as rows or CSV.
 """
 
 from collections.abc import Callable, Mapping

@@ -1,6 +1,6 @@
-"""True and measured colors of the patches of a chart, with noise.
+"""Noise ellipses of ColorChecker patches: true and measured colors in planes of color spaces.
 
-Noise ellipses of each ColorChecker patch at two standard deviations.
+The ellipses are drawn at two standard deviations.
 """
 
 from collections.abc import Sequence

@@ -1,6 +1,7 @@
-"""Formulas in LaTeX as MathML, for the page, reports and the demo.
+"""Explanations of charts and their formulas, for the ``?`` of the page, for reports and the demo.
 
-What is behind the ``?`` of each chart: words, formulas, their symbols and the source.
+An explanation has words, formulas, their symbols and the source. Formulas are written in LaTeX and
+converted to MathML.
 """
 
 from collections.abc import Mapping

@@ -1,4 +1,4 @@
-"""Charts of panels drawn with Matplotlib: the same marks as ``draw/plane.js``."""
+"""Panels of page charts drawn with Matplotlib: lines, points, bars, ellipses, cells, crossings."""
 
 from collections.abc import Sequence
 from textwrap import fill

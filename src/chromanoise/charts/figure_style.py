@@ -1,6 +1,6 @@
-"""Common style of all figures: color-blind safe colors, dash patterns, letters.
+"""Style of all Matplotlib figures, and their files in PNG, SVG and PDF.
 
-Write figures to PNG, SVG and PDF files.
+The colors are color-blind safe; dash patterns, marks and letters repeat what the colors show.
 """
 
 import re

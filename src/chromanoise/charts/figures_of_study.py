@@ -1,10 +1,7 @@
-"""Sensors over a sweep: a quantity and the color error.
+"""The figures of a study for papers and slides: comparisons over sweeps, heat maps, QE curves.
 
-Heat maps of a quantity over two parameters.
-
-Figure 7: the quantum efficiency of every channel.
-
-The figures of a study, with the charts of its report, for papers and slides.
+They show the charts of the study's report. `draw_sensitivities` is Figure 7 of the paper: the
+quantum efficiency of every channel.
 """
 
 from collections.abc import Mapping, Sequence

@@ -1,12 +1,7 @@
-"""The dB budget of one coordinate as a waterfall chart.
+"""The main figure of each result: budget, ellipses, stages, Pareto curves, matrices and pictures.
 
-Noise of every ColorChecker patch in a plane of color, on equal axes.
-
-Figure 2: the stages from scene to color, with the numbers of one analysis.
-
-Color error against noise, over the weight of the noise in the matrix.
-
-The main chart of each result, on one axes; every title names the operating point.
+Each title names the operating point. `draw_flow` is Figure 2 of the paper: the stages from scene to
+color, with the numbers of one analysis.
 """
 
 from collections.abc import Callable, Sequence

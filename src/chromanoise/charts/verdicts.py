@@ -1,10 +1,8 @@
-"""Results for a machine that reads raw values: the verdict in sentences, and tables.
+"""Verdicts in sentences and tables that compare sensors, for color and for machine readings.
 
-The table of the sensors (rank, SNR, color error, time), and the raw SNR that compares them.
-
-Sentences that compare sensors: raw SNR, luminance SNR, their difference and its causes.
-
-The head of a page: verdict, light, and settings and electrons of each sensor.
+The head of a page has the verdict, the light, and the settings and electrons of each sensor. The
+table of sensors has rank, SNR, color error and time. A machine reads raw values without a color
+matrix.
 """
 
 import math

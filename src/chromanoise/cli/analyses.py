@@ -1,12 +1,7 @@
-"""``--copy-as``: the study of a command as text.
+"""The commands ``chromanoise analyze``, ``compare`` and ``matrix``.
 
-Messages and progress of a study during the computation.
-
-``chromanoise analyze``.
-
-``chromanoise compare``.
-
-``chromanoise matrix``.
+``--copy-as`` prints the study of a command as text. Other functions here print the messages and the
+progress of a study.
 """
 
 from collections.abc import Callable

@@ -1,7 +1,4 @@
-"""``chromanoise characterize``.
-
-``chromanoise demo-frames``.
-"""
+"""The commands ``chromanoise characterize`` and ``chromanoise demo-frames``."""
 
 import re
 from collections.abc import Mapping, Sequence

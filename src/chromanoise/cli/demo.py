@@ -1,8 +1,6 @@
-"""``chromanoise demo``.
+"""The commands ``chromanoise demo``, ``reproduce`` and ``cite``.
 
-``chromanoise reproduce``.
-
-``chromanoise cite``: how to cite the program and the paper whose equations it computes.
+``cite`` prints how to cite the program and the paper whose equations it computes.
 """
 
 from pathlib import Path

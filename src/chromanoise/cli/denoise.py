@@ -1,7 +1,4 @@
-"""``chromanoise denoise``.
-
-``chromanoise denoise-bench``.
-"""
+"""The commands ``chromanoise denoise`` and ``chromanoise denoise-bench``."""
 
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor

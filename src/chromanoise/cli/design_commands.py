@@ -1,7 +1,4 @@
-"""``chromanoise optimize``.
-
-``chromanoise sensitivity``.
-"""
+"""The commands ``chromanoise optimize`` and ``chromanoise sensitivity``."""
 
 import time
 from collections.abc import Sequence

@@ -1,6 +1,7 @@
-"""``chromanoise --version``: the version, and which packages are installed for it.
+"""The command ``chromanoise``: its subcommands, ``--version``, and error messages.
 
-The command ``chromanoise``, and the conversion of errors to messages and exit codes.
+``--version`` also prints the versions of the packages that chromanoise uses. Errors of the library
+become messages and exit codes.
 """
 
 import codecs

@@ -1,7 +1,4 @@
-"""``chromanoise convert``.
-
-``chromanoise inspect``.
-"""
+"""The commands ``chromanoise convert`` and ``chromanoise inspect``."""
 
 import datetime
 from dataclasses import replace

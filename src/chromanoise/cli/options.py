@@ -1,8 +1,7 @@
-"""Commands that refuse an option that is given twice, and name what they refuse.
+"""Options of the commands: settings of a study from its keys, and options that commands share.
 
-Options that supply what a file of spectra lacks.
-
-Options of the settings of a study, made from its keys, and options that commands share.
+Among them are the options that supply metadata that a file of spectra lacks. A command refuses an
+option that is given twice, and its errors name the option that they refuse.
 """
 
 import re

@@ -1,8 +1,7 @@
-"""Write JSON and tables to a file or to standard output.
+"""Output of the commands: JSON and tables, errors with options in place of settings, progress.
 
-Render errors for the command line, with options in place of settings.
-
-Progress of a computation: an estimate of its duration, and a bar on a terminal.
+JSON and tables go to a file or to standard output. Progress is an estimate of the duration, and a
+bar on a terminal.
 """
 
 import json

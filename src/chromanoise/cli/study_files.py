@@ -1,13 +1,4 @@
-"""``chromanoise run``.
-
-``chromanoise rerun``.
-
-``chromanoise study``.
-
-``chromanoise init``.
-
-``chromanoise report``.
-"""
+"""The commands ``chromanoise run``, ``rerun``, ``study``, ``init`` and ``report``."""
 
 import json
 import os

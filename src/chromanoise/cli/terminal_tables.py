@@ -1,7 +1,4 @@
-"""Print results as tables on a terminal.
-
-The tables for a machine on a terminal.
-"""
+"""Results as tables on a terminal: analyses, comparisons, matrices, machine readings."""
 
 from collections.abc import Iterable, Mapping, Sequence
 

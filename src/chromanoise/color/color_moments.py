@@ -1,15 +1,13 @@
-"""Averages over three jointly normal variables, by cubature instead of random samples.
+"""Noise in a color space by three methods: first order, cubature, and the exact distribution.
 
-`cubature` averages the coordinates of a color space over the Gaussian distribution of X, Y, Z, so
-it also computes the bias, unlike `first_order`.
+`first_order` is fast, and accurate for small noise. `cubature` averages the coordinates of a color
+space over the Gaussian distribution of X, Y, Z, without random samples, so it also computes the
+bias, unlike `first_order`.
 
-Noise in a color space from the exact Poisson-Gaussian distribution of the electrons.
-
-The result is also valid in the dark and with clipping: each channel follows the exact distribution
-of its readout (`chromanoise.noise.poisson_gaussian_ppf`) with point masses at black and full well,
-and the average over all channels uses randomized quasi-Monte Carlo nets.
-
-Noise in a color space to first order: fast, and accurate for small noise.
+`exact` uses the Poisson-Gaussian distribution of the electrons and is also valid in the dark and
+with clipping: each channel follows the exact distribution of its readout
+(`chromanoise.noise.poisson_gaussian_ppf`) with point masses at black and full well, and the average
+over all channels uses randomized quasi-Monte Carlo nets.
 """
 
 import math

@@ -1,13 +1,12 @@
-"""Color conversion matrices: the kernel CCM of eq. 6.
-
-Color matrices fitted to a training set; one signature, from least squares to LMMSE.
+"""Color matrices: the kernel CCM of eq. 6, matrices fitted to training sets, and Kodak's Psi.
 
 Every method is called as ``method(sensor, exposure, training, level_lux=..., metric=...)``, some
-with a further parameter, and returns a `ColorMatrix` in lx/e-. All methods except `kernel`
-minimize E|C M - XYZ|^2 over the set plus a penalty, so their matrix does not depend on the metric;
-only the frame stored with it does.
+with a further parameter, and returns a `ColorMatrix` in lx/e-. All methods except `kernel` minimize
+E|C M - XYZ|^2 over the set plus a penalty, so their matrix does not depend on the metric; only the
+frame stored with it does.
 
-Kodak's noise gain Psi of a color matrix, and the best matrix with bounded Psi.
+Psi is Kodak's noise gain of a matrix (`noise_gain`); `bounded_psi` is the best matrix below a given
+Psi.
 """
 
 from dataclasses import dataclass, replace

@@ -1,6 +1,4 @@
-"""A color with its noise: the input of every propagation method.
-
-Noise of a color in a color space, by one of three methods.
+"""A color with its noise, and that noise in a color space, by one of three methods.
 
 ===============  =================================================  =============================
 method           uses                                               accurate

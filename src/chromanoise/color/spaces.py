@@ -1,8 +1,4 @@
-"""Color differences between balanced colors, for which white is X = Y = Z = 1.
-
-Conversion of linear XYZ to sRGB pixels.
-
-Color spaces with their Jacobians for the propagation of noise.
+"""Color spaces with Jacobians for the propagation of noise, color differences, and sRGB pixels.
 
 Every map is exact for physical colors and continues beyond them without clipping: noise makes X, Y
 and Z negative or larger than white, and clipping would hide it. The docstring of each map defines
@@ -10,6 +6,8 @@ how it continues. For noise see `chromanoise.color.propagate`.
 
 All maps depend only on the ratio of a color to its white: ``xyz`` and ``white`` may have any common
 unit.
+
+Color differences are between balanced colors, for which white is X = Y = Z = 1.
 """
 
 from collections.abc import Callable

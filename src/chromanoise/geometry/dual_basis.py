@@ -1,7 +1,4 @@
-"""The basis of sensor space and its dual basis.
-
-Contravariant coordinates from covariant ones, with their noise (eq. 3).
-"""
+"""The basis of sensor space, its dual, and contravariant coordinates with their noise (eq. 3)."""
 
 from dataclasses import dataclass
 

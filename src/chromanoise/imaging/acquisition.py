@@ -1,30 +1,22 @@
-"""Counts per row for the summary of an image: expected electrons, and pixels above full well.
+"""Kernels for a run of pixels: expected electrons, noisy readout, color, and counts per row.
 
-Sums are float64 and split into many partial sums, because additions to one sum depend on each
-other. Partial sums restart with every tile of a row, so results are bit-identical for any choice of
-blocks and threads.
+Functions without annotations are compiled, serial, and release the GIL; ``draw`` is a `Draw`.
 
-One noisy acquisition of a run of pixels: from expected electrons to electrons after readout.
+Expected electrons are in the order that noise and color use. A tile is some thousand pixels of a
+row, or of several short rows that are contiguous in memory: memory access is faster for long runs
+in one band. ``stored`` is the block as stored in memory, `RowsInMemory`; ``sums`` (p * `TILE`,) and
+``fours`` (p / 4, `TILE`, 4), p being rounded up to 4, are buffers for all channels.
 
-In physical order: PRNU, dark electrons, shot noise and read noise (`noise_blocks`), DSNU, and row,
-column and telegraph noise. The mean of the dark electrons is subtracted, as sensors do with their
-shielded pixels.
+Noise is added in physical order: PRNU, dark electrons, shot noise and read noise (`noise_draws`),
+DSNU, and row, column and telegraph noise. The mean of the dark electrons is subtracted, as sensors
+do with their shielded pixels.
 
-Functions without annotations are compiled, serial, and release the GIL; ``draw`` is
-a `Draw`.
+Color is eq. 5: electrons to XYZ and to sRGB codes, one channel after the other.
 
-Eq. 5 for a run of pixels: electrons to XYZ and to sRGB codes, one channel after the other.
-
-Functions without annotations are compiled, serial, and release the GIL.
-
-Expected electrons of a tile, in the order that noise and color use.
-
-A tile is some thousand pixels of a row, or of several short rows that are contiguous in memory:
-memory access is faster for long runs in one band. ``stored`` is the block as stored in memory,
-`RowsInMemory`; ``sums`` (p * `TILE`,) and ``fours`` (p / 4, `TILE`, 4), p being rounded up to 4,
-are buffers for all channels.
-
-Functions without annotations are compiled, serial, and release the GIL.
+Counts for the summary of an image are expected electrons, and pixels above full well. Sums are
+float64 and split into many partial sums, because additions to one sum depend on each other. Partial
+sums restart with every tile of a row, so results are bit-identical for any choice of blocks and
+threads.
 """
 
 from typing import no_type_check

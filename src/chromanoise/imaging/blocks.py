@@ -1,11 +1,9 @@
-"""Named tuples of parameters; numba accepts these directly, but not dataclasses.
+"""Parameters and memory of the kernels: named tuples, layouts, and reusable buffers.
 
-Memory layout of a block of rows, and reusable memory.
-
-Conversion of a run of pixels between interleaved channels and separate channel arrays.
-
-Unsigned indices need no check for negative values, so the loops compile to shuffles of whole
-vectors; with a loop over channels each number would be moved separately.
+Parameters are named tuples because numba accepts these directly, but not dataclasses. Unsigned
+indices need no check for negative values, so the loops between interleaved and separate channels
+compile to shuffles of whole vectors; with a loop over channels each number would be moved
+separately.
 """
 
 import contextlib

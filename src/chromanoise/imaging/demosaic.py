@@ -1,8 +1,8 @@
 """Every channel at every pixel: linear demosaicing of any periodic mosaic.
 
 A linear method is a table of filters, one for each position in the tile and each channel, so its
-noise has a closed form (`demosaic_noise`). This module defines the table, its application to a raw
-image, and the two methods that need no statistical model of images.
+noise has a closed form (`demosaic_methods`). This module defines the table, its application to a
+raw image, and the two methods that need no statistical model of images.
 """
 
 from collections.abc import Sequence

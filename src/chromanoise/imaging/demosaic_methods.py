@@ -1,15 +1,13 @@
-"""Demosaicing filters from a prior: neighbors and channels of an image are correlated.
+"""Demosaicing filters from a statistical model of images, their noise, and all methods by name.
 
-The model is the simplest that has both correlations: the covariance of channel c at a pixel and
-channel d at a distance r is C_cd rho^r. It determines how much of another channel's detail to add
-(`gradient_corrected_filters`) and the best weights of a whole window (`lmmse_filters`).
-
-Noise of a demosaicked image in closed form.
+The model is the simplest in which both neighbors and channels are correlated: the covariance of
+channel c at a pixel and channel d at a distance r is C_cd rho^r. It determines how much of another
+channel's detail to add (`gradient_corrected_filters`) and the best weights of a whole window
+(`lmmse_filters`).
 
 A filter bank is linear, so it determines the covariance of the channels at each position in the
-tile, and the noise power spectrum over the whole image.
-
-Demosaicing methods by name, built for one operating point.
+tile, and the noise power spectrum over the whole image, both in closed form. The methods by name
+are built for one operating point.
 """
 
 from collections.abc import Callable, Mapping, Sequence

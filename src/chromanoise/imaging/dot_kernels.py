@@ -1,17 +1,14 @@
-"""Sums over the bands of pixels, in the same order on all processors.
+"""Compiled sums over the bands of pixels: eq. 2, expected electrons of a cube.
 
-If the compiler may reorder sums, results differ between processors; if it may not, sums are eight
-times slower. Therefore the order is explicit: lane j of eight adds bands j, j + 8, j + 16 ... by
-fused multiply-add, and the lanes are folded in halves. The smallest and the largest stored number
-are found in the same loop, because each number is read only once.
-
-Compiled sums over the bands of pixels: for one pixel or a run, by pixel or by band.
-
-Eq. 2 for the pixels of a cube: expected electrons are stored numbers times weights.
+Expected electrons are stored numbers times weights. If the compiler may reorder sums, results
+differ between processors; if it may not, sums are eight times slower. Therefore the order is
+explicit: lane j of eight adds bands j, j + 8, j + 16 ... by fused multiply-add, and the lanes are
+folded in halves. The smallest and the largest stored number are found in the same loop, because
+each number is read only once.
 
 The cube is read once, in its memory order. If the bands of a pixel are contiguous (BIP), each pixel
-is summed by `dot_kernels`; if the pixels of a band are contiguous (BIL, BSQ), a run of pixels is
-summed band by band. Both orders are fixed, so results are bit-identical for any choice of blocks.
+is summed by itself; if the pixels of a band are contiguous (BIL, BSQ), a run of pixels is summed
+band by band. Both orders are fixed, so results are bit-identical for any choice of blocks.
 
 Functions without annotations are compiled; a tile is ``n`` consecutive pixels.
 """

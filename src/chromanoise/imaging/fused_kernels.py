@@ -1,19 +1,16 @@
-"""Conversion of a block of rows of the cube to codes or color, in one pass within the caches.
+"""Conversion of a block of rows of the cube to electrons, codes or color, in one pass.
 
-A block is split into tiles for the expected electrons (`tiles`), and tiles into runs of one row for
-noise (`acquisition`) and codes or color (`color_kernels`). Functions without annotations are
-compiled, serial, and release the GIL; data shared by threads is read-only.
+A block is split into tiles for the expected electrons, and tiles into runs of one row for noise and
+codes or color (`acquisition`), so that the data stay within the caches. Functions without
+annotations are compiled, serial, and release the GIL; data shared by threads is read-only.
 
 ``stored`` is the block as stored in memory, `RowsInMemory`. Its weights are copied to aligned
 memory, because vector loads across cache lines take twice as long.
 
-Rows of a sensor whose crosstalk follows counting: pixels count, neighbors mix, readout follows.
-
-Pixels count the light with PRNU, dark electrons and DSNU (`acquire` without readout). The counts
-are mixed, by a kernel of neighbors in a mosaic or by the crosstalk matrix where each pixel has all
-channels. Then read noise, row noise and black-level error are added.
-
-Functions without annotations are compiled, serial, and release the GIL.
+If the sensor's crosstalk follows counting, pixels count the light with PRNU, dark electrons and
+DSNU (`acquire` without readout). The counts are mixed, by a kernel of neighbors in a mosaic or by
+the crosstalk matrix where each pixel has all channels. Then read noise, row noise and black-level
+error are added.
 """
 
 import math
@@ -135,7 +132,7 @@ def color_rows(stored, first_row, draw, well, matrices, table, xyz, srgb, counts
     """Every channel at every pixel, then color: xyz (rows, columns, 3) f4, srgb the same uint8.
 
     draw, counts as `raw_rows`; well: `Well`; matrices (6, p): to XYZ and to linear sRGB; table:
-    `color_kernels.ENCODED` codes of sRGB.
+    `blocks.ENCODED` codes of sRGB.
     """
     stored = with_own_weights(stored)
     rows, columns, _ = xyz.shape

@@ -1,16 +1,14 @@
-"""Cache of compiled kernels, in a folder named by a hash of all sources.
+"""Compilation of kernels with numba, and the cache of their object code.
 
-numba checks only whether the file of a kernel has changed (some versions by its date), not the
-files of the functions that the kernel calls. The name of the folder is a hash of all sources of
-the kernel's package and of numba's version, so that no outdated kernel is used after a change of
-either.
+The folder of the cache is named by a hash. numba checks only whether the file of a kernel has
+changed (some versions by its date), not the files of the functions that the kernel calls. The name
+of the folder is a hash of all sources of the kernel's package and of numba's version, so that no
+outdated kernel is used after a change of either.
 
-Compiled kernels that a process loads without numba, whose import and start take 0.3 s.
-
-The first process compiles a kernel with numba for the types of its arguments, and keeps the object
-code in the folder of `kernel_cache`, by the name of the kernel, these types and the processor.
-Later ones load it with llvmlite alone. Object code is kept on Linux only; elsewhere numba's own
-cache is used.
+A process can load a `stored_kernel` without numba, whose import and start take 0.3 s. The first
+process compiles it with numba for the types of its arguments, and keeps the object code in the
+folder of the cache, by the name of the kernel, these types and the processor. Later ones load it
+with llvmlite alone. Object code is kept on Linux only; elsewhere numba's own cache is used.
 """
 
 import ctypes

@@ -1,7 +1,11 @@
-"""Philox4x32-10: random words as a function of seed, pixel, purpose, frame and channel only.
+"""Random draws of the kernels: Philox words, quantiles, and shot and read noise of blocks.
 
-A cipher turns the 64-bit key and the 128-bit counter into four words of 32 bits. There is no
-state, so the order of tiles, threads and machines is arbitrary. The counter:
+Functions without annotations are compiled; a word is a uint64 whose high half is ignored, for the
+wide multiplication of the processor; ``f4`` is float32, ``u4`` uint32.
+
+Words are a function of seed, pixel, purpose, frame and channel only (Philox4x32-10). A cipher turns
+the 64-bit key and the 128-bit counter into four words of 32 bits. There is no state, so the order
+of tiles, threads and machines is arbitrary. The counter:
 
 ====  =======  ==================================================================
 word  bits     what
@@ -21,34 +25,26 @@ The four words belong to the four channels of the group, in their order.
 Salmon, Moraes, Dror & Shaw, "Parallel random numbers: as easy as 1, 2, 3", SC11 (2011),
 doi:10.1145/2063384.2063405.
 
-Functions without annotations are compiled; a word is a uint64 whose high half is ignored, for the
-wide multiplication of the processor.
+Quantile functions map one random word to one variate, without branches. Each variate is an
+increasing function of one word u of 32 bits, through (u + 1/2) / 2^32; the complement of the word
+gives the opposite normal variate. Only + - * /, square root, floor and fused multiply-add are used,
+whose roundings are fixed, so the bits are the same on every processor.
 
-Quantile functions without branches, which map one random word to one variate.
+Polynomials are summed in pairs, because the latency of a chain of products limits speed, not their
+number. A function that calls the quantile functions needs ``error_model="numpy"``, because a test
+for division by zero prevents vectorization.
 
-Each variate is an increasing function of one word u of 32 bits, through (u + 1/2) / 2^32; the
-complement of the word gives the opposite normal variate. Only + - * /, square root, floor and fused
-multiply-add are used, whose roundings are fixed, so the bits are the same on every processor.
+Noise of a block of pixels is drawn in loops over lanes that vectorize. A lane is one channel of one
+pixel, in memory order. The steps for a block are: random words of all lanes; their normal
+quantiles; electrons as if all means were high; then the lanes of low mean are collected, sampled in
+parallel, and written back. If any lane still lacks read noise, words for it are generated for the
+whole block, and each such lane uses its own. Blocks fit in the first cache.
 
-Functions without annotations are compiled; ``f4`` is float32, ``u4`` uint32. Polynomials are summed
-in pairs, because the latency of a chain of products limits speed, not their number. A function
-that calls these needs ``error_model="numpy"``, because a test for division by zero prevents
-vectorization.
-
-Shot and read noise of a block of pixels, in loops over lanes that vectorize.
-
-A lane is one channel of one pixel, in memory order. The steps for a block are: random words of all
-lanes; their normal quantiles; electrons as if all means were high; then the lanes of low mean are
-collected, sampled in parallel, and written back. If any lane still lacks read noise, words for it
-are generated for the whole block, and each such lane uses its own. Blocks fit in the first cache.
-
-Poisson variates of means below 20 electrons, from one word, in the same time at every mean.
-
-A count of mean M is the sum of a count of the largest multiple of 1/2 e- in M, drawn from a table,
-and a count of the rest. The table is that of the alias method: the high 6 bits of the word select
-one of 64 columns of equal chance, in which at most two counts share the low 26 bits. The position
-within the part of a count is uniform, and draws the count of the rest. All chances are multiples
-of 2^-32.
+Poisson variates of means below 20 electrons take one word, and the same time at every mean. A count
+of mean M is the sum of a count of the largest multiple of 1/2 e- in M, drawn from a table, and a
+count of the rest. The table is that of the alias method: the high 6 bits of the word select one of
+64 columns of equal chance, in which at most two counts share the low 26 bits. The position within
+the part of a count is uniform, and draws the count of the rest. All chances are multiples of 2^-32.
 
 Walker, "An efficient method for generating discrete random variables with general distributions",
 ACM Trans. Math. Softw. 3 (1977), 253-256, doi:10.1145/355744.355749.

@@ -1,11 +1,9 @@
-"""Conversion of a block of a cube's rows to expected electrons, with checks of the reflectances.
+"""Plans: all parameters for the conversion of a block of rows, computed once, and the blocks.
 
-Plans: all parameters for the conversion of a block of rows to codes or color, computed once.
-
-A plan contains plain numbers and a source of rows, so that it can be pickled, and another process
-computes bit-identical results for its block.
-
-Plans and blocks of pictures of a sensor whose crosstalk follows counting.
+A plan has a weight per band and channel for the expected electrons, and the parameters of noise and
+of codes or color, also for a sensor whose crosstalk follows counting. Reflectances are checked when
+a block is computed. A plan contains plain numbers and a source of rows, so that it can be pickled,
+and another process computes bit-identical results for its block.
 """
 
 import math

@@ -1,9 +1,8 @@
-"""Image files written a few rows at a time; space is allocated before the first row.
+"""Large images as files: TIFF written a few rows at a time, and linear light as OpenEXR.
 
-Linear light as OpenEXR, float32 or half, without clipping.
-
-The files are written by the library `OpenEXR` of the Academy Software Foundation (extra ``exr``),
-which needs the whole image in memory.
+The space of a TIFF file is allocated before its first row. OpenEXR is float32 or half, without
+clipping. Its files are written by the library `OpenEXR` of the Academy Software Foundation (extra
+``exr``), which needs the whole image in memory.
 """
 
 import errno

@@ -1,13 +1,12 @@
-"""Rows that several processes of one machine write to shared memory.
+"""Blocks of an image on threads or any executor, and rows in memory that processes share.
+
+Each block depends only on its plan and its rows, so the result does not depend on which thread or
+process computes a block, nor on the order.
 
 Sending an image between processes takes as long as computing it: it is packed, copied through
-sockets and unpacked, each time into new memory. Workers do not map the shared memory: they write a
-few rows at a time, as to a file, which avoids a page fault for every page.
-
-Scheduling of blocks on threads of this process or on any executor, with identical results.
-
-An image is computed block by block. Each block depends only on its plan and its rows, so the result
-does not depend on which thread or process computes a block, nor on the order.
+sockets and unpacked, each time into new memory. Therefore processes of one machine write rows to
+shared memory. Workers do not map the shared memory: they write a few rows at a time, as to a file,
+which avoids a page fault for every page.
 """
 
 import errno

@@ -1,15 +1,14 @@
-"""Read a color matrix from a file: CSV, JSON, CLF, a camera profile (DNG, DCP, JSON).
+"""Color matrices and crosstalk tables in files: CSV, JSON, CLF, camera profiles (DNG, DCP, JSON).
 
-A file holds one of two kinds of matrix. ``electrons``: raw electrons to XYZ in lx/e-, as
-`matrix_csv` writes it. ``balanced``: raw over the raw of a perfect white to XYZ with Y = 1 for that
-white, or to linear sRGB, as camera makers give it. A DNG or DCP profile maps XYZ to camera values.
+A file to read holds one of two kinds of color matrix. ``electrons``: raw electrons to XYZ in lx/e-,
+as `matrix_csv` writes it. ``balanced``: raw over the raw of a perfect white to XYZ with Y = 1 for
+that white, or to linear sRGB, as camera makers give it. A DNG or DCP profile maps XYZ to camera
+values.
 
-Write a color matrix for other programs: CSV, JSON, CLF, camera-profile JSON.
+CLF and the camera profile are written with the white-normalized matrix. It maps raw divided by the
+raw of a perfect white to XYZ with Y = 1 for that white, as in a raw converter after white balance.
 
-CLF and the camera profile contain the white-normalized matrix. It maps raw divided by the raw of a
-perfect white to XYZ with Y = 1 for that white, as in a raw converter after white balance.
-
-Read a crosstalk matrix or kernel from a table of text.
+A crosstalk matrix or kernel is read from a table of text.
 """
 
 import csv

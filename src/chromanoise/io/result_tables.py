@@ -1,9 +1,8 @@
-"""A table: a title, columns with units and digits, and rows of numbers or text.
+"""Tables of results, written as CSV, JSON, Markdown and LaTeX.
 
-A table as text: CSV and JSON for programs, Markdown and LaTeX for readers.
-
-CSV and JSON have all digits, so reading them restores the same numbers; Markdown and LaTeX round to
-the digits of the column. An undefined value is an empty cell, or ``null`` in JSON.
+A table has a title, columns with units and digits, and rows of numbers or text. CSV and JSON have
+all digits, so reading them restores the same numbers; Markdown and LaTeX round to the digits of the
+column. An undefined value is an empty cell, or ``null`` in JSON.
 """
 
 import json

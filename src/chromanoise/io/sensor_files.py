@@ -1,6 +1,6 @@
-"""Write sensors and spectra as JSON of this library, and read sensors from it.
+"""Sensors in files: this library's JSON, written and read, and tables of quantum efficiencies.
 
-A sensor from a table of its quantum efficiencies.
+Spectra are also written in this JSON.
 """
 
 from collections.abc import Callable, Iterable, Mapping

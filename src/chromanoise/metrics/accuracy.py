@@ -1,8 +1,7 @@
-"""Color error of a sensor relative to an observer: that of the color matrix.
+"""Color error of a sensor and its matrix: differences on a chart, metamerism index, and a report.
 
-Sensitivity metamerism index (ISO 17321): color error that remains with the best matrix.
-
-Report on a color matrix: color error, noise, condition, noise gain Psi, near infrared.
+The sensitivity metamerism index (ISO 17321) is the color error that remains with the best matrix.
+The report on a matrix has color error, noise, condition, noise gain Psi and near infrared.
 """
 
 from dataclasses import dataclass, replace

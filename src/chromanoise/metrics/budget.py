@@ -1,6 +1,4 @@
-"""Shapley values, with optional precedence constraints.
-
-SNR budget: the loss per cause, from all incident photons to one color coordinate.
+"""SNR budgets: the loss per cause, from all incident photons to one color coordinate.
 
 Causes of loss are switched on one after the other. The loss of a cause is its mean loss over
 all allowed orders (Shapley value): the filters come first, and the weights of the coordinate come

@@ -1,10 +1,11 @@
-"""Errors of a whole picture relative to its reference: color, PSNR, SSIM, false color, flats.
+"""Quality of a whole picture relative to its reference, and edge sharpness.
 
-S-CIELAB, the color difference of two pictures as seen from a viewing distance: Zhang & Wandell, "A
-spatial extension of CIELAB for digital color-image reproduction", SID Symposium Digest 27, 731
-(1996); J. Soc. Inf. Disp. 5, 61 (1997).
+The measures are color difference, PSNR, SSIM, false color, noise on flats, and S-CIELAB: the color
+difference of two pictures as seen from a viewing distance, Zhang & Wandell, "A spatial extension of
+CIELAB for digital color-image reproduction", SID Symposium Digest 27, 731 (1996); J. Soc. Inf.
+Disp. 5, 61 (1997).
 
-Edge sharpness by the slanted edge of ISO 12233 (e-SFR): MTF and rise distance.
+Edge sharpness uses the slanted edge of ISO 12233 (e-SFR): MTF and rise distance.
 """
 
 from collections.abc import Callable

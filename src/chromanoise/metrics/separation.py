@@ -1,13 +1,12 @@
-"""Separation of two patches by an ideal reader: what a classifier can tell from one reading.
+"""Separation of two patches by one noisy reading, and contrast detection probability.
 
 A reader of raw values (a classifier, a threshold) decides from one noisy reading which of two
-patches it sees. No invertible matrix changes what it can know. The distance is Mahalanobis',
-the detectability index d' of ICRU Report 54 (1996) with the mean of both covariances. Near black,
+patches it sees. No invertible matrix changes what it can know. The distance is Mahalanobis', the
+detectability index d' of ICRU Report 54 (1996) with the mean of both covariances. Near black,
 probabilities come from the exact distributions of the readings.
 
-Contrast detection probability: how often two noisy patches show the contrast of the scene.
-
-The published idea of the working group IEEE P2020 (Geese, Seger & Paolillo, "Detection
+The contrast detection probability is how often two noisy patches show the contrast of the scene. It
+follows the published idea of the working group IEEE P2020 (Geese, Seger & Paolillo, "Detection
 Probabilities: Performance Prediction for Sensors of Autonomous Vehicles", Electronic Imaging 2018,
 AVM-148); no conformity is claimed.
 """

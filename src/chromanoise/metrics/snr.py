@@ -1,9 +1,4 @@
-"""Signal-to-noise ratios, the best SNR of any linear readout, and the SNR loss of color.
-
-Information of raw channels about a Gaussian signal, in bits per pixel.
-
-Distinguishable levels and colors of a pixel.
-"""
+"""SNR, its linear optimum and the loss of color, and information: bits, levels and colors."""
 
 import numpy as np
 

@@ -1,8 +1,4 @@
-"""Noise of the electrons: covariance (eq. 7), exact moments, propagation, Monte Carlo.
-
-`sampler` adds the noise of a camera to training data. It is in ``imaging``, whose compiled kernels
-it uses, and is imported on first use.
-"""
+"""Noise of the electrons: covariance (eq. 7), exact moments, propagation, Monte Carlo."""
 
 from typing import TYPE_CHECKING
 

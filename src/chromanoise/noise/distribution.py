@@ -1,11 +1,8 @@
-"""Exact mean and variance of the values that a pixel gives, clipped at black and full well.
+"""The exact distribution of readings: moments, quantiles, and all values for few electrons.
 
-The quantile function of the exact Poisson-Gaussian distribution.
-
-Rounding and clipping are monotonic, so they are applied to the quantile function itself, and point
-masses at black or full well need no special case.
-
-The whole distribution of one reading, for few electrons, where a Gaussian is not enough.
+Mean and variance are of values clipped at black and full well. Rounding and clipping are monotonic,
+so they are applied to the quantile function itself, and point masses at black or full well need no
+special case. The whole distribution of one reading serves where a Gaussian is not enough.
 """
 
 import math

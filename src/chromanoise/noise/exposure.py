@@ -1,12 +1,9 @@
-"""Eq. 1-2: expected electrons of a scene in each channel.
+"""Expected electrons of scenes and cubes (eq. 1-2), exposure rules, and the operating point.
 
-Eq. 2 for a cube: resampling, illuminant, exposure and QE as one weight per band.
-
-Exposure rules for comparing sensors: equal time, equal saturation, or equal photons.
-
-The rule determines which sensor is best, so each comparison names its rule.
-
-Operating point: a sensor with its exposure, light and observer; its text.
+For a cube, resampling, illuminant, exposure and QE are one weight per band. Exposure rules compare
+sensors at equal time, equal saturation, or equal photons. The rule determines which sensor is best,
+so each comparison names its rule. An operating point is a sensor with its exposure, light and
+observer.
 """
 
 from collections.abc import Callable, Mapping, Sequence

@@ -1,6 +1,6 @@
-"""Random noisy acquisitions: Poisson electrons plus Gaussian read noise.
+"""Random noisy acquisitions, and the Monte Carlo simulation that checks the closed form.
 
-Monte Carlo simulation that checks the closed form, with its standard errors.
+Electrons are Poisson plus Gaussian read noise; simulated values have standard errors.
 """
 
 import math

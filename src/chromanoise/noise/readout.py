@@ -1,18 +1,15 @@
-"""Averages over the Poisson distribution of moments that are known per count.
+"""The readout of Poisson electrons: noise, rounding and clipping, with exact moments.
+
+One reading is counted electrons and normal noise, rounded to the codes of a converter and clipped.
+`Readout` declares the values that a reading can have: the only lattice of raw codes. Moments,
+distributions, quantiles and draws all take it from here. A known number of electrons gives a
+clipped, rounded Gaussian; its moments, and those of any function, are averaged over the Poisson
+distribution of the count.
 
 A count has probability exp(peak(n) - deviance(n, M)), where the peak is the logarithm of the
 probability of n at mean n, and the deviance is n log(n / M) + M - n. Both are accurate to rounding
 for a million electrons, where exp(n log M - M - log n!) loses seven digits. C. Loader, "Fast and
 accurate computation of binomial probabilities" (2000).
-
-Readout of a known number of electrons: moments of a clipped, rounded Gaussian.
-
-Mean and variance of any function of Poisson electrons with Gaussian read noise.
-
-One reading: counted electrons and normal noise, rounded to the codes of a converter and clipped.
-
-`Readout` declares the values that a reading can have: the only lattice of raw codes. Moments,
-distributions, quantiles and draws all take it from here.
 """
 
 import math

@@ -1,13 +1,12 @@
-"""The noise profile of DNG and Android, variance = S x + O, and the pixel derived from it.
+"""Noise of a camera in codes, and its sources: noise profiles of DNG and Android, and ELD.
 
-x is 0 at the black level and 1 at the white level; the variance is in the square of this unit.
+A noise profile is variance = S x + O: x is 0 at the black level and 1 at the white level; the
+variance is in the square of this unit. `pixel_from_noise_profile` derives a pixel from it. ELD's
+calibration is the dictionary of a file ``camera_params/*.npy``.
 
-The noise of a camera as calibrated by ELD: the dictionary of a file ``camera_params/*.npy``.
-
-The noise of a camera in codes: what a sampler of training data needs, per channel of a mosaic.
-
-`Pixel` has one design for all channels and one gain. A camera that was measured, or calibrated in
-the way of ELD, has a gain and a read noise for each channel, and changes them with the ISO setting.
+A sampler of training data needs the noise in codes, per channel of a mosaic. `Pixel` has one design
+for all channels and one gain. A camera that was measured, or calibrated in the way of ELD, has a
+gain and a read noise for each channel, and changes them with the ISO setting.
 """
 
 import math

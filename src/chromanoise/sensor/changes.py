@@ -1,11 +1,10 @@
-"""Pixel data of one source: known values, missing values, and questions for the user.
+"""Changes to a sensor and its pixel, and pixels from the values of one source.
 
-A data sheet, a noise profile and a photon-transfer table each give only some of the values. Missing
-values are never guessed.
+A change concerns the pixel, binning, gain, crosstalk, an added IR-cut filter, or a shift in
+wavelength. `PixelOverrides` are the values of a picture that override those of the sensor.
 
-Changes to a sensor: its pixel, gain, an added IR-cut filter, or a shift in wavelength.
-
-Pixel values of a picture that override those of the sensor.
+A data sheet, a noise profile and a photon-transfer table each give only some of the values of a
+pixel. Missing values are never guessed; they become questions for the user.
 """
 
 import math

@@ -1,11 +1,10 @@
-"""Mosaics: the channel of each pixel.
+"""Mosaics, and crosstalk: photons or charge of one pixel that end in its neighbors.
 
-Crosstalk: photons or charge of one pixel that end in its neighbors.
-
-Before counting (light or charge that diffuses one by one) the channels stay independent: a random
-part of a Poisson count is a Poisson count. After counting (interpixel capacitance) the readings of
-neighbors are correlated. Agranov, Berezin & Tsai, "Crosstalk and microlens study in a color CMOS
-image sensor", IEEE Trans. Electron Devices 50 (2003) 4.
+A mosaic gives the channel of each pixel. Before counting (light or charge that diffuses one by one)
+the channels stay independent: a random part of a Poisson count is a Poisson count. After counting
+(interpixel capacitance) the readings of neighbors are correlated. Agranov, Berezin & Tsai,
+"Crosstalk and microlens study in a color CMOS image sensor", IEEE Trans. Electron Devices 50 (2003)
+4.
 """
 
 import math

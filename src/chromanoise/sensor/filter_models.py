@@ -1,9 +1,10 @@
-"""Transmittance of a stack of thin films without absorption, at normal incidence.
+"""The models of filters by name, with their numbers: also stacks of thin films and color routers.
 
-The transfer matrix of a film with the phase d is [[cos d, i sin d / n], [i n sin d, cos d]]. The
-product of such matrices is [[a, i b], [i c, e]] with real a, b, c, e and a e + b c = 1. Only these
-four are multiplied: the transmittance is then an analytic function of all thicknesses and indices,
-which |t|^2 is not, and never above 1:
+The transmittance of a stack is that of films without absorption, at normal incidence. The transfer
+matrix of a film with the phase d is [[cos d, i sin d / n], [i n sin d, cos d]]. The product of such
+matrices is [[a, i b], [i c, e]] with real a, b, c, e and a e + b c = 1. Only these four are
+multiplied: the transmittance is then an analytic function of all thicknesses and indices, which
+|t|^2 is not, and never above 1:
 
     1 / T = 1 + ((n0 a - ns e)^2 + (n0 ns b - c)^2) / (4 n0 ns).
 
@@ -11,13 +12,10 @@ The package `tmm` gives the same numbers (the tests compare them), but takes one
 stack per call, and real thicknesses only, so that it has no complex step. For 12 films at 66
 wavelengths it took 9,500 us per stack, 200 stacks by these functions 25 us each.
 
-Color routers: optics over a tile of pixels that sort its light by wavelength.
-
-A filter stops the light that its pixel does not want; a router sends it to a pixel of the same tile
-that does. All channels share the light of the tile: the shares sum to 1 at most at each wavelength,
-and the sensor is `stacked`, with the tile as its pixel.
-
-The models of filters by name, with the numbers that each takes.
+A color router is optics over a tile of pixels that sort its light by wavelength. A filter stops the
+light that its pixel does not want; a router sends it to a pixel of the same tile that does. All
+channels share the light of the tile: the shares sum to 1 at most at each wavelength, and the sensor
+is `stacked`, with the tile as its pixel.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence

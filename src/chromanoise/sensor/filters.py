@@ -1,9 +1,7 @@
-"""Models of silicon, color filters and IR-cut filters.
+"""Models of silicon, color filters and IR-cut filters, as functions of the grid and few numbers.
 
 The models have the right physics and few parameters. They are for hypothetical sensors; a real
 sensor is given by its measured curves.
-
-Transmittances of filters that can be made, as pure functions of the grid and few numbers.
 
 Each number may be one, or one per candidate (m,); the result has the shape (n,) or (m, n). All are
 analytic functions of their numbers, so that complex numbers give exact derivatives by the complex

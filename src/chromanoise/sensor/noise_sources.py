@@ -1,12 +1,11 @@
-"""The law of the variance of a reading: floor + slope m + square m^2 at m expected electrons.
+"""The noise sources of a pixel, the variance of a reading, and models of read noise.
 
-The noise sources of a pixel: add a source to `SOURCES`, and its property to `Pixel`.
+Add a source to `SOURCES`, and its property to `Pixel`. Outside of this package, add both to a
+subclass of `Pixel`, the source in its ``own_noise``.
 
-Outside of this package, add both to a subclass of `Pixel`, the source in its ``own_noise``.
-
-Read noise: its distribution, and how it depends on the gain.
-
-Three laws: ELD's straight line of logarithms, noise before and after the gain, a measured table.
+The variance of a reading is floor + slope m + square m^2 at m expected electrons. Three laws give
+the read noise over the gain: ELD's straight line of logarithms, noise before and after the gain, a
+measured table.
 """
 
 import math

@@ -1,9 +1,8 @@
-"""The table of a photon transfer, and the results of its fit.
+"""The data, the least-squares fits and the results of photon transfer, with their errors.
 
-Least squares for photon transfer: levels above their dark, and fits with their errors.
-
-The sampling errors of each level and of each dark measurement are propagated through the fit, so
-that levels with the same dark measurement have correlated errors.
+A level is measured above its dark. The sampling errors of each level and of each dark measurement
+are propagated through the fit, so that levels with the same dark measurement have correlated
+errors.
 """
 
 from dataclasses import dataclass, replace

@@ -1,10 +1,10 @@
-"""The pixel: pitch, full well, and every number that determines its noise.
+"""The pixel: pitch, full well, every number that determines its noise, and its converter.
 
 Names as in EMVA 1288, release 4.0: DSNU and PRNU differ from pixel to pixel and are the same in
 every frame; row noise differs in every row and frame; dark current adds electrons with their own
 shot noise, and its mean is subtracted. All are 0 by default, as in the paper.
 
-From electrons to codes: gain, black level, number of bits.
+The converter turns electrons into codes: gain, black level, number of bits.
 """
 
 import math

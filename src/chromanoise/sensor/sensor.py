@@ -1,12 +1,9 @@
-"""The sensor: p spectral channels that share one pixel design.
+"""The sensor: p spectral channels on one pixel design; white level, and model sensors.
 
-The largest signal of a pixel: its full well, or the top code of its converter.
-
-Model sensors: the industry's filter sets on the same silicon, from `sensor.filters`.
-
-All have the same silicon, resins and pixel, so that a comparison shows only the filter set.
-
-Transmittances of dyes that exist, from sensors with and without them.
+The white level is the largest signal of a pixel: its full well, or the top code of its converter.
+Model sensors are the industry's filter sets with the same silicon, resins and pixel, so that a
+comparison shows only the filter set (`sensor.filters`). `dye_transmittances` computes the
+transmittances of dyes that exist, from sensors with and without them.
 """
 
 import math

@@ -1,14 +1,9 @@
-"""A ColorChecker as a cube.
+"""The built-in cubes by name: ColorChecker, dead leaves, foliage and slanted edges.
 
-Cubes of mixtures of a few reflectances, curves for these, and shapes that hide each other.
-
-Dead leaves: occluding discs of random size, the standard target for texture.
-
-Leaves on soil, dyed cotton and skin, whose infrared differs from their visible color.
-
-Straight edges tilted by 5 degrees, also one that exists only in the infrared.
-
-The names of the built-in cubes.
+All but the ColorChecker are mixtures of a few reflectances. Dead leaves are occluding discs of
+random size, the standard target for texture. Foliage has leaves on soil, dyed cotton and skin,
+whose infrared differs from their visible color. The edges are straight and tilted by 5 degrees; one
+kind exists only in the infrared.
 """
 
 from collections.abc import Callable, Mapping

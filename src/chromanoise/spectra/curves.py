@@ -1,12 +1,9 @@
-"""The common wavelength grid of illuminants, sensors, filters and observers.
+"""The wavelength grid, spectral curves resampled onto it, and the unit of spectra as vectors.
 
-Measured spectral curves and their resampling onto the wavelength grid.
-
-The unit of spectra as vectors: radiant power or photons.
-
-Eq. 5 applies color-matching functions, which are defined for radiant power, to the spectrum of
-eq. 4. Two consistent choices exist. They give different dual bases, kernels and contravariant
-coordinates, so every result records which one was used:
+The unit is that of radiant power or of photons. Eq. 5 applies color-matching functions, which are
+defined for radiant power, to the spectrum of eq. 4. Two consistent choices exist. They give
+different dual bases, kernels and contravariant coordinates, so every result records which one was
+used:
 
 ========== ============================ ==================== =======================
 metric     light L                      sensor f             color axes H

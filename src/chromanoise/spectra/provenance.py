@@ -1,7 +1,4 @@
-"""Provenance of tables: the sections of a SOURCES.toml, packaged or in a user's folder.
-
-A user's own folder of tables, with the same provenance as the package's own.
-"""
+"""Provenance of tables and formulas, and tables in a user's own folder with a SOURCES.toml."""
 
 import os
 import re

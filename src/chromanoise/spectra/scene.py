@@ -1,6 +1,6 @@
-"""Reflectances under an illuminant: L of eq. 2.
+"""Scenes: reflectances under an illuminant (L of eq. 2), and hyperspectral images of them.
 
-A hyperspectral image of reflectances, in memory or on disk.
+An image is in memory or on disk.
 """
 
 from dataclasses import dataclass, replace

@@ -1,8 +1,8 @@
 """A study: its document, errors, run and records.
 
-``settings`` makes a study from the options of a command or the arguments of a function, and
-``reading`` makes one from a file. ``assembly`` resolves its names, and ``running`` computes its
-``results``.
+``function_settings`` makes a study from the options of a command or the arguments of a function,
+and ``reading`` makes one from a file. ``assembly`` resolves its names, and ``running`` computes
+its ``results``.
 """
 
 from typing import TYPE_CHECKING

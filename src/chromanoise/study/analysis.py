@@ -1,9 +1,7 @@
-"""Electrons and measurements of one sensor at every stage, for many levels and patches.
+"""Closed-form analysis of a sensor: electrons, measurements, SNR and conditioning at each stage.
 
 All computations of SNR use this module: the analysis of one patch, sweeps over the light level and
 the patches of a chart.
-
-Closed-form analysis of one sensor and one flat patch: all stages, SNR and conditioning.
 """
 
 import math

@@ -1,6 +1,6 @@
-"""Settings and results of the camera's own pipeline.
+"""Noise after each step of the camera's own pipeline: settings and results.
 
-Noise of every ColorChecker patch after each step of the camera's own pipeline, at every gain.
+The results are of every ColorChecker patch, at every gain.
 """
 
 import math

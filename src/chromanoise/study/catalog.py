@@ -1,14 +1,9 @@
-"""The error for a name that is not in the catalog.
+"""The catalog of sensors and tables by name, with provenance: built-in, or in a user's folder.
 
-Sensors from tables with provenance: from data sheets, and cameras of colour-science.
-
-Sensors by name.
-
-The four ``onyx-*`` sensors are a reconstruction consistent with the printed figures of the paper,
-whose Figure 7 shows the curves of the Teledyne e2v Onyx only as a picture. They are neither a
-measurement nor an independent validation.
-
-Catalog entries with their provenance: built-in ones, and those of a user's folder.
+Sensors come from data sheets, from cameras of colour-science, and from the paper. The four
+``onyx-*`` sensors are a reconstruction consistent with the printed figures of the paper, whose
+Figure 7 shows the curves of the Teledyne e2v Onyx only as a picture. They are neither a measurement
+nor an independent validation.
 """
 
 import os

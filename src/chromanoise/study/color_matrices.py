@@ -1,7 +1,4 @@
-"""Spectral priors by name: the reflectances on which color matrices are trained.
-
-Color matrix methods by name.
-"""
+"""Methods for color matrices by name, and the spectral priors on which matrices are trained."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace

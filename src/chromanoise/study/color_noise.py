@@ -1,12 +1,4 @@
-"""Noise of a sensor on a mid-gray in a color space.
-
-Color error and noise of every patch of a chart, measured by one sensor.
-
-The SNR budgets of all coordinates of an analysis.
-
-Color error against noise at an operating point.
-
-Total color error: bias and noise together, over a chart.
+"""Color noise and color error of a sensor: on a gray and a chart, as budgets and Pareto curves.
 
 A matrix or a sensor that desaturates colors has less noise and a better SNR, but wrong colors. The
 total error counts both, in CIELAB: E|x - x_true|^2 = |bias|^2 + trace of the covariance.

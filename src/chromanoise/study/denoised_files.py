@@ -1,9 +1,7 @@
-"""Raw pictures of other cameras: frames of files or arrays, or electrons, and what denoises them.
+"""Denoised pictures of other cameras: frames of files or arrays, denoising, and output files.
 
 Nothing is assumed of a camera: black level, mosaic, gain and read noise come from the options, the
 sensor, the pixel or the file, and what is missing is an error.
-
-Denoised pictures of other cameras, and their files.
 """
 
 import shutil

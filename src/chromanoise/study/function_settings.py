@@ -1,9 +1,8 @@
-"""The settings of commands and functions: flat names of keys of a study.
+"""The settings of commands and functions: flat names of keys of a study, and their conversion.
 
 `FUNCTIONS` lists them, made from the fields of `Study`. `study_of` builds the study from their
-values, for the command line and for Python alike.
-
-Convert a study to a Python call, a script or a command line.
+values, for the command line and for Python alike. `study_as_command` and `study_as_python` convert
+a study to a command line, a Python call or a script.
 """
 
 import hashlib

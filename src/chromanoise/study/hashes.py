@@ -1,6 +1,7 @@
-"""The hash of a study: of its settings, the version, and the content of its files.
+"""The hash of a study, and a record of what determines the last digits of its results.
 
-What determines the last digits besides study and version: processor, libraries, kernels.
+The hash covers the settings, the version, and the content of the files. Beyond them, processor,
+libraries and kernels determine the last digits.
 """
 
 import hashlib

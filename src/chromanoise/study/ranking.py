@@ -1,10 +1,7 @@
-"""Crossovers: values of a parameter at which two sensors are equally good, and their sentences.
+"""Ranks of sensors, crossovers where two are equally good, and maps over two parameters.
 
-Crossovers over spectral priors: what a trained matrix expects decides who wins.
-
-Many sensors: their ranks by one quantity, and the best one over each range of a sweep.
-
-A quantity of several sensors as a function of two parameters: a grid of values each.
+A crossover over spectral priors shows how the sensor that wins depends on what a trained matrix
+expects. Over a sweep, the best sensor of each range is listed.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence

@@ -1,8 +1,6 @@
-"""A study as TOML.
+"""Studies as TOML: reading, writing, and sensor and matrix names in file names.
 
-Read a study from TOML; all errors are reported at once, each with file, line and key.
-
-Names of sensors and matrices as parts of file names.
+All errors in a file are reported at once, each with file, line and key.
 """
 
 import copy

@@ -1,13 +1,9 @@
-"""Contrast detection of two grays by one pixel, and the light at which it is reliable.
-
-What the raw channels know about spectra, and where a camera loses it.
-
-What a machine can tell apart: distances of pairs of patches in raw values and after the matrix.
+"""What a machine can tell from raw values: separation, contrast detection and information.
 
 The paper judges a sensor by the noise of luminance, for an eye. A classifier reads raw values: no
 invertible matrix costs it anything, and a fourth channel is lost only in three color coordinates.
-
-All that is computed of one sensor for a machine: separation, contrast detection, information.
+The results also show the light at which contrast detection is reliable, and where a camera loses
+information about spectra.
 """
 
 from collections.abc import Mapping

@@ -1,13 +1,8 @@
-"""Curves that are objects of Python: of colour-science, pandas, xarray, NumPy, and our own.
+"""Names, paths and Python objects of a study, resolved to sensors, lights, filters, reflectances.
 
-An object becomes the ``Found`` of a file, so it is interpreted and checked as a file is. The
-foreign packages are not imported.
-
-Resolve a name or a path, from a study or a command, to a sensor, light or filter.
-
-Resolve the reflectances that a study names: its chart, its prior, the patch it analyzes.
-
-Resolve the file of pairs of patches that a study names.
+A file of pairs of patches is also resolved here. Python objects are curves of colour-science,
+pandas, xarray, NumPy, and our own. An object becomes the ``Found`` of a file, so it is interpreted
+and checked as a file is. The foreign packages are not imported.
 """
 
 import csv

@@ -3,8 +3,6 @@
 Each result can be converted to plain data (`to_dict`, as the JSON of the commands), a table, a
 pandas data frame, LaTeX and a figure. Its keys in JSON are its ``KEYS``. The further outputs of an
 analysis are registered in ``OUTPUTS``.
-
-Results as tables: a title, columns with units and digits, rows of numbers and text.
 """
 
 import math

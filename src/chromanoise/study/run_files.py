@@ -1,4 +1,4 @@
-"""A run on disk: one file per step; existing results of the same study are kept.
+"""A run on disk: one file per step, existing results of the same study, and comparison of runs.
 
 The outputs of two runs of one study agree in all bytes, or up to the largest relative difference of
 their numbers.

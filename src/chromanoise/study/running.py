@@ -1,6 +1,6 @@
-"""The pictures of a study: their settings and cameras, prepared before the computation.
+"""A run of a study, step by step, with its pictures.
 
-Run a study step by step and return its results.
+The settings and cameras of the pictures are prepared before the computation.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence

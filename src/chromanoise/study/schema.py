@@ -1,11 +1,7 @@
-"""The schema of a study: light, sensors, exposure rule, matrices, sweeps, pictures, outputs.
+"""The schema of a study: its records, its keys with their interfaces, and the commented starter.
 
-The classes define which studies are valid. File names are relative to the folder of the study
-file.
-
-The keys of a study with their types, defaults, descriptions and interfaces.
-
-The commented study that `chromanoise init` writes.
+The classes define which studies are valid. File names are relative to the folder of the study file.
+`STARTER` is the commented study that `chromanoise init` writes.
 """
 
 import os

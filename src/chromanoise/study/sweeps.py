@@ -1,11 +1,8 @@
-"""Quantities that can be compared: each is one number of an operating point and a matrix.
+"""Sweeps: one quantity of several sensors as a function of one parameter.
 
-Parameters that can be varied: light, exposure, IR-cut edge, noise of the pixel, crosstalk.
-
-A sweep changes one parameter of an operating point and nothing else; the exposure time, for
-example, stays.
-
-A quantity of several sensors as a function of one parameter: one curve each.
+A quantity is one number of an operating point and a matrix. Parameters are light, exposure, IR-cut
+edge, noise of the pixel, and crosstalk. A sweep changes one parameter and nothing else; the
+exposure time, for example, stays.
 """
 
 from collections.abc import Callable, Mapping, Sequence

@@ -1,9 +1,8 @@
-"""The controls of the page: one description for each key of a study, made from its classes.
+"""The controls of the page, made from the keys of a study, and the choices that they offer.
 
 A new field of a study appears on the page by itself, with the label, unit and range of its
 declaration, or else with those of its schema. `ELSEWHERE` has the keys with a control of their own.
-
-The choices on the page: names, and the ranges of the sliders.
+Choices are names, and the ranges of the sliders.
 """
 
 import re

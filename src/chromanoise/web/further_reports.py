@@ -1,8 +1,8 @@
-"""A characterization as one HTML file, and as a folder with every form of its noise model.
+"""Reports other than that of a study: characterization, denoising benchmark, demo.
 
-Report of the denoising benchmark: a folder with one HTML file and its pictures.
-
-The page of ``chromanoise demo``: verdict, pictures, tables, equations, figures, downloads.
+A characterization is one HTML file, or a folder with every form of its noise model. The report of
+the benchmark is a folder with one HTML file and its pictures. The page of ``chromanoise demo`` has
+verdict, pictures, tables, equations, figures and downloads.
 """
 
 import json

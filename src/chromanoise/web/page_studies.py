@@ -1,7 +1,4 @@
-"""Caches of bounded size for computed values.
-
-The study in a request: check it, resolve its files, and cache its sensors.
-"""
+"""The study in a request: its checks and files, and bounded caches of sensors and matrices."""
 
 import os
 from collections.abc import Callable, Hashable, Iterable, Mapping

@@ -1,9 +1,8 @@
-"""Render a cube with one sensor to a picture in memory, with or without noise.
+"""Previews of uploaded files: how a file was parsed, and which metadata it lacks.
 
-Preview of an uploaded file: how it was parsed, and which metadata it lacks.
-
-Curves, cubes and studies; a front with the data that load its members; for a sensor or a study
-crosstalk, a color matrix, a pixel, pairs.
+Files are curves, cubes and studies; a front, with the data that load its members; and, for a sensor
+or a study, crosstalk, a color matrix, a pixel and pairs. A cube is rendered with one sensor to a
+picture in memory, with or without noise.
 """
 
 import json

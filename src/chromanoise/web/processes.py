@@ -1,10 +1,8 @@
-"""Worker processes: started once, forked on Linux, ended with the server.
+"""Worker processes, and queues of bounded length for the jobs that they compute.
 
-On Linux one process imports and computes what all questions need, and forks the workers: they share
-its memory, and a worker that was stopped is replaced in milliseconds. On other systems each worker
-is started separately.
-
-Queues of bounded length, and the worker processes that compute their jobs.
+Processes are started once and end with the server. On Linux one process imports and computes what
+all questions need, and forks the workers: they share its memory, and a worker that was stopped is
+replaced in milliseconds. On other systems each worker is started separately.
 """
 
 import asyncio

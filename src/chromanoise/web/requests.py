@@ -1,10 +1,8 @@
-"""Checks of requests: only this page in a browser on this machine is accepted.
+"""Requests to the page: access checks, parsing, uploads, and the files of the page.
 
-The files of the page, and the drawing modules of the figures as its folder ``draw``.
-
-Parse requests: JSON of bounded size, with checks of the types of values.
-
-Uploaded files, stored temporarily under generated names.
+Only this page in a browser on this machine is accepted. Requests are JSON of bounded size, with
+checks of the types of values. The drawing modules of the figures are served as the folder ``draw``.
+Uploaded files are stored temporarily under generated names.
 """
 
 import asyncio

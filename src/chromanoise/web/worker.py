@@ -1,6 +1,6 @@
-"""The computations behind the routes of the page.
+"""The computations behind the routes of the page, and the process that answers with them.
 
-A process that computes answers, within limits of time and memory.
+The process has limits of time and memory.
 """
 
 import contextlib

@@ -1,7 +1,4 @@
-"""Results of a characterization: one per plane of the mosaic, and a verdict.
-
-Read a characterization back from the JSON of ``chromanoise characterize``.
-"""
+"""Results of a characterization: planes, quantities and a verdict; written and read as JSON."""
 
 import math
 from collections.abc import Mapping, Sequence

@@ -1,8 +1,8 @@
-"""Noise models for other programs: DNG, darktable, and the camera tuning of libcamera.
+"""Results of a characterization for other programs, and a check of a color matrix's variance.
 
-Data sheets of EMVA 1288 for one plane: text, XML, and the table of the photon transfer.
-
-Predicted against measured variance through a color matrix.
+Noise profiles are written for DNG, darktable and the camera tuning of libcamera; data sheets of
+EMVA 1288 and the photon-transfer table of one plane as text, XML and CSV. The check compares the
+predicted with the measured variance through a color matrix.
 """
 
 import math

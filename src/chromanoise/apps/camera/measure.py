@@ -1,10 +1,8 @@
-"""Statistics of frames kept in a file, so that a stopped run continues where it ended.
+"""Characterization of a camera: from frames or a table to the noise of each plane and a verdict.
 
-Whether frames follow the linear model: variance = K mean + dark variance, white in space.
-
-From raw frames to the noise of each plane of a camera, by the methods of EMVA 1288.
-
-A characterization from frames, or from a table of means and variances.
+The methods are those of EMVA 1288. The verdict states whether the frames follow the linear model:
+variance = K mean + dark variance, white in space. The statistics of the frames are kept in a file,
+so that a stopped run continues where it ended.
 """
 
 import hashlib

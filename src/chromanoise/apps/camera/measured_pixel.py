@@ -1,6 +1,6 @@
-"""One pixel from all planes of a mosaic, as values and as a file for ``--pixel``.
+"""A characterized camera as one pixel, as a file for ``--pixel``, and as the noise of a sampler.
 
-A characterized camera as the noise model of a sampler of training data.
+The pixel is derived from all planes of a mosaic; the sampler adds noise to training data.
 """
 
 import math

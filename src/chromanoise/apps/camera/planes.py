@@ -1,8 +1,8 @@
-"""Deviation of the mean from a straight line over the light, as EMVA 1288 defines it.
+"""Results of one plane: noise, linearity error, and the curves of EMVA 1288.
 
-Results of one plane from its statistics, its photon transfer and its fixed patterns.
-
-The curves of EMVA 1288 for one plane: photon transfer, SNR, linearity.
+They follow from the plane's statistics, its photon transfer and its fixed patterns. The linearity
+error is the deviation of the mean from a straight line over the light, as EMVA 1288 defines it. The
+curves are photon transfer, SNR and linearity.
 """
 
 import math

@@ -1,14 +1,15 @@
-"""Temporal statistics of frames of one light: variance, row and column noise, correlation.
+"""Statistics of raw frames: temporal noise of frames of one light, and fixed-pattern noise.
 
-All come from differences of consecutive frames, in which fixed patterns cancel. The mean of each
-difference is subtracted (EMVA 1288, release 4.0, section 6.5, with two frames). Row and column
-noise follow from the analysis of variance of the difference: rows, columns, rest.
+Temporal variance, row and column noise and correlation come from differences of consecutive frames,
+in which fixed patterns cancel. The mean of each difference is subtracted (EMVA 1288, release 4.0,
+section 6.5, with two frames). Row and column noise follow from the analysis of variance of the
+difference: rows, columns, rest.
 
 If the light changes between two frames, shading and PRNU do not cancel: a relative change d adds
 d^2 / 2 times the spatial variance of the flats. `scaled_sample` therefore scales both frames to one
 light.
 
-Fixed-pattern noise of one plane, from sums of frames: DSNU, PRNU, hot pixels (EMVA 1288).
+DSNU, PRNU and hot pixels of a plane come from sums of frames (EMVA 1288).
 """
 
 import math

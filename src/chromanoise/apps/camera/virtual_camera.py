@@ -8,7 +8,7 @@ transfer. One pixel with the mean electrons mu of light and d of dark current re
 limited to 0 and 2^bits - 1, where N is Poisson with the mean mu + d, and
 f(e) = e - bend e^2 / (2 full well).
 
-A photon transfer of a virtual camera, written as a folder of frames.
+`photon_transfer_frames` writes a photon transfer of a virtual camera as a folder of frames.
 """
 
 import io

@@ -1,6 +1,7 @@
-"""Scenes of the benchmark of denoising: a part of a cube with its edges and flat regions.
+"""The benchmark of denoising: scenes, cameras, cells of results, verdict and table.
 
-The benchmark of denoising: cells of scene, camera, light and method; verdict and table.
+A scene is a part of a cube with its edges and flat regions; a cell is one scene, camera, light
+level and method.
 """
 
 import time

@@ -1,16 +1,15 @@
-"""NSGA-II, NSGA-III, differential evolution and CMA-ES, one generation at a time.
+"""Search algorithms: NSGA-II, NSGA-III, differential evolution, CMA-ES, and gradient descent.
 
-Each algorithm returns the candidates of a generation (`ask`), takes their costs (`tell`), and
-returns its state as arrays. Its random numbers are derived from seed and generation, so that a
+Each of the first four returns the candidates of a generation (`ask`), takes their costs (`tell`),
+and returns its state as arrays. Its random numbers are derived from seed and generation, so that a
 restored state continues with the same digits.
 
-Improvement of candidates by exact gradients, under the constraints.
-
-A descent repeats short runs of SLSQP in a box around the best point so far. After each run it
-evaluates points between the start and the end of the run, because an evaluation costs much less
-than a gradient, and moves the end onto the constraints that it breaks by little. The box shrinks
-where the linearizations are poor. A constraint on the least of several distances is a constraint on
-each distance within reach, because the least one has kinks.
+`improved` improves a candidate by exact gradients under the constraints. It repeats short runs of
+SLSQP in a box around the best point so far. After each run it evaluates points between the start
+and the end of the run, because an evaluation costs much less than a gradient, and moves the end
+onto the constraints that it breaks by little. The box shrinks where the linearizations are poor. A
+constraint on the least of several distances is a constraint on each distance within reach, because
+the least one has kinks.
 """
 
 import math

@@ -1,9 +1,8 @@
-"""The commented design that `chromanoise init --design` writes.
+"""The schema of ``design.toml``, and the commented design that `chromanoise init --design` writes.
 
-The schema of ``design.toml``: the tables of a study and the table ``design``.
-
-The sensors of the study are the references of the design. The first of them, or the one that
-``design.base`` names, gives the grid and the pixel of all designs.
+A design has the tables of a study and the table ``design``. The sensors of the study are the
+references of the design. The first of them, or the one that ``design.base`` names, gives the grid
+and the pixel of all designs.
 """
 
 import math

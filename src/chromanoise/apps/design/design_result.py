@@ -1,9 +1,8 @@
-"""Sentences on a front: extremes, knee, references, limits that hold, tolerances, convergence.
+"""A design: reading its file, the search, its result, and the sentences and files about it.
 
-The result of a design: its front as data, table and figure.
-
-The files of a design: ``design.toml``, whose errors are reported together, each with file, line
-and key; the folder with ``front.json``, ``front.csv``, ``front.svg`` and a file per sensor.
+Errors in ``design.toml`` are reported together, each with file, line and key. The output folder has
+``front.json``, ``front.csv``, ``front.svg`` and a file per sensor. The sentences state extremes,
+knee, references, active limits, tolerances and convergence.
 """
 
 import json

@@ -1,6 +1,6 @@
-"""The scenes of a design: light and exposure, the color matrix, and the arrays of a batch.
+"""Evaluation of candidate sensors: the scenes of a design, and the objectives of a batch in them.
 
-Objectives of many candidates in one or more scenes.
+A scene fixes light, exposure and color matrix. Its arrays are computed once for all batches.
 """
 
 import os

@@ -1,8 +1,7 @@
-"""An optimization problem: bounds, objectives, constraints and the function that computes them.
+"""Optimization problems, their non-dominated fronts, and the schema of ``front.json``.
 
-Sets of costs of which none dominates another: the front, its thinning, extremes and knee.
-
-The schema of ``front.json``: objectives, scenes, references and members of a front.
+A problem has bounds, objectives, constraints and the function that computes them. No member of a
+front dominates another one; a front can be thinned, and has extremes and a knee.
 """
 
 from collections import Counter

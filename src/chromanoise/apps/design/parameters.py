@@ -1,6 +1,6 @@
-"""The arrays of many sensors that a batched evaluation reads, and the noise of their pixels.
+"""Free numbers of a design with bounds, ties and tolerances, and arrays of many candidates.
 
-The free numbers of a design: bounds, start, ties, and manufacturing tolerances.
+The arrays are what a batched evaluation reads of the sensors, with the noise of their pixels.
 """
 
 import math

@@ -1,11 +1,9 @@
-"""Evaluation of a generation on a dask cluster, with the results of one process.
+"""Search for the front of a design problem: generations, checkpoints, convergence, dask cluster.
 
-A file from which a stopped search continues with the same digits.
-
-It holds plain arrays and one JSON text in the form of ``numpy.savez``, no pickled objects. The
-comment of this ZIP archive is the SHA-256 of the archive without it; a changed file is refused.
-
-Search for the front of a design problem: seeds, generations, checkpoint, polish, convergence.
+An evaluation on a cluster has the results of one process. A stopped search continues from its
+checkpoint with the same digits. A checkpoint holds plain arrays and one JSON text in the form of
+``numpy.savez``, no pickled objects. The comment of this ZIP archive is the SHA-256 of the archive
+without it; a changed file is refused.
 """
 
 import hashlib

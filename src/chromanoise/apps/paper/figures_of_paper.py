@@ -1,9 +1,8 @@
-"""Figures 3, 4, 6, 9 and 10: two channels, the light and its uncertainty in their true plane.
+"""The ten figures of the paper.
 
-Every panel is to scale: lengths and angles are those of the n-dimensional vectors. The arrows f
+Figures 3, 4, 6, 9 and 10 show two channels, the light and its uncertainty in their true plane. Each
+of their panels is to scale: lengths and angles are those of the n-dimensional vectors. The arrows f
 have another unit than the light and a common scale factor.
-
-The ten figures of the paper.
 """
 
 from collections.abc import Callable, Mapping, Sequence

@@ -1,9 +1,8 @@
-"""The paper's own study: its sensors, its two exposure times, and the printed values.
+"""The paper's own study: its sensors, two exposure times, printed values, and its Figure 8.
 
-Clouet, Vaillant & Alleysson, "Physical noise propagation in color image construction: a
-geometrical interpretation", CIC27 (2019), Tables 1-5.
-
-The paper's Figure 8: one scene through both sensors at the same exposure.
+Clouet, Vaillant & Alleysson, "Physical noise propagation in color image construction: a geometrical
+interpretation", CIC27 (2019), Tables 1-5. Figure 8 shows one scene through both sensors at the same
+exposure.
 """
 
 from dataclasses import dataclass

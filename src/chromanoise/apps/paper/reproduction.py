@@ -1,8 +1,7 @@
-"""What the numbers of the paper's study say, in sentences.
+"""The reproduction of Tables 2-5 of the paper: its cells, tables, and sentences on the numbers.
 
-Tables 2-5: as printed, in closed form, and by Monte Carlo with its error bar.
-
-The cells of a reproduction: in the layout of the paper, as tables for files, as plain data.
+Each cell has the printed value, the value in closed form, and that of a Monte Carlo simulation with
+its standard error.
 """
 
 from collections.abc import Callable, Iterator

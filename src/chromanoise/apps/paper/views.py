@@ -1,9 +1,8 @@
-"""Two channels of a sensor seen in the plane that they span: what Figures 3, 4, 6, 9, 10 show.
+"""The planes of two channels that the paper's Figures 3, 4, 6, 9 and 10 show.
 
-The paper draws these planes by hand. Here they are computed: lengths and angles are those of
-the n-dimensional vectors, and only the noise, too small to be seen, is magnified.
-
-Which planes the paper's geometric figures show, and how far their noise is magnified.
+The paper draws these planes by hand. Here they are computed: lengths and angles are those of the
+n-dimensional vectors, and only the noise, too small to be seen, is magnified. `paper_planes`
+chooses the channels and the magnification of each figure.
 """
 
 from dataclasses import dataclass

@@ -5,9 +5,9 @@ A lane is one value in memory order: a pixel of a mosaic, or a channel of a pixe
 (gain, read noise, black level ...) come from tables with one row for each row of the mosaic. The
 random words depend only on seed, item, row and lane, so rows can be computed in any order.
 
-The counter of the cipher (`philox`): the pixel index is row * 2^24 + number of the call in the row,
-the frame is the low half of the item, and the fourth word is a mark that no simulated picture uses,
-with the high half of the item.
+The counter of the cipher (`philox4x32`): the pixel index is row * 2^24 + number of the call in the
+row, the frame is the low half of the item, and the fourth word is a mark that no simulated picture
+uses, with the high half of the item.
 """
 
 from typing import no_type_check

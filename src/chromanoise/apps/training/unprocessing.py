@@ -1,10 +1,8 @@
-"""From an sRGB picture to linear raw and back: the clean pictures of training data.
+"""Training data from sRGB pictures: conversion to linear raw and back, and PyTorch classes.
 
-Each step can be switched off: tone curve, sRGB curve, color matrix, gains, mosaic.
-
-Noisy training data for PyTorch, an optional extra: ``pip install 'chromanoise[torch]'``.
-
-PyTorch is imported when an object of this module is made.
+Each step of the conversion can be switched off: tone curve, sRGB curve, color matrix, gains,
+mosaic. PyTorch is an optional extra, ``pip install 'chromanoise[torch]'``, and is imported when an
+object that uses it is made.
 """
 
 from collections.abc import Sequence

@@ -1,6 +1,7 @@
-"""Denoising in strips of rows on several threads; the result is bit-identical for any number.
+"""Denoising between capture and color: electrons or raw codes to planes, and back.
 
-Denoising between capture and color: from electrons or raw codes to planes, and back.
+Planes are denoised in strips of rows on several threads; the result is bit-identical for any
+number.
 """
 
 from dataclasses import dataclass, replace

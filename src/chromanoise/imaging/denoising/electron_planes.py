@@ -1,15 +1,10 @@
-"""Size of the patches, for `patches` and its kernels.
-
-Input of every denoising method: planes of independent noise, and the noise itself.
+"""Input of all denoising methods: planes of independent noise, and variance stabilization.
 
 A mosaic becomes one plane per place of its tile, so the methods have no code for mosaics.
+`DenoisingMethod` declares a method.
 
-What a denoising method is.
-
-Variance stabilization: planes of unit noise, for methods that expect white Gaussian noise.
-
-The generalized Anscombe transform with the sensitivity of the pixels folded in, and its exact
-unbiased inverse.
+Methods that expect white Gaussian noise take stabilized planes of unit noise: the generalized
+Anscombe transform with the sensitivity of the pixels folded in, and its exact unbiased inverse.
 """
 
 from collections.abc import Callable

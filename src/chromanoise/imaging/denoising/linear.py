@@ -1,11 +1,9 @@
-"""Linear denoising: one symmetric filter per component of the planes, the same everywhere.
+"""Linear denoising: one symmetric filter per component, and its noise on a flat field.
 
-The filters follow from the model of `chromanoise.imaging.PicturePrior`: neighbors of a picture are
-correlated, and its noise is white. Their noise has a closed form (`denoising.prediction`).
-
-Noise of a flat field after a linear method, in closed form.
-
-For planes and, followed by demosaicing, for a mosaic.
+The filters are the same everywhere. They follow from the model of
+`chromanoise.imaging.PicturePrior`: neighbors of a picture are correlated, and its noise is white.
+The noise of a flat field after a linear method has a closed form, for planes and, followed by
+demosaicing, for a mosaic.
 """
 
 from collections.abc import Callable, Mapping

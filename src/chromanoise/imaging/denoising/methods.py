@@ -1,15 +1,14 @@
-"""Denoising methods of other packages, for comparison, with the same known noise.
+"""All denoising methods by name, and those of other packages for comparison.
 
-All but `NONE` work on stabilized planes (`chromanoise.imaging.denoising.electron_planes`), whose
-noise is white with a variance of 1. All but ``bm3d`` first rotate the planes to the components of
-`NoisyPlanes.components`, which leaves the noise unchanged and separates luminance from color,
-which has the lower SNR. Parameters are those that the packages recommend for a known noise; where
-they leave a choice, it was made for the lowest mean CIEDE2000 on ``builtin:dead-leaves`` and
+Add a method to `DENOISING`. The methods of other packages get the same known noise. All but `NONE`
+work on stabilized planes (`chromanoise.imaging.denoising.electron_planes`), whose noise is white
+with a variance of 1. All but ``bm3d`` first rotate the planes to the components of
+`NoisyPlanes.components`, which leaves the noise unchanged and separates luminance from color, which
+has the lower SNR. Parameters are those that the packages recommend for a known noise; where they
+leave a choice, it was made for the lowest mean CIEDE2000 on ``builtin:dead-leaves`` and
 ``builtin:foliage`` at 10 and 0.1 lx through ``onyx-rgbw``.
 
 The packages come with the extra ``denoise``. BM3D is licensed for noncommercial use only.
-
-All denoising methods by name: add a method here.
 """
 
 from collections.abc import Callable, Mapping

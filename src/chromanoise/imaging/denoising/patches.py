@@ -1,15 +1,19 @@
-"""Denoising with groups of similar patches, at several scales: non-local Bayes with known noise.
+"""The methods `patches`, by groups of similar patches at several scales, and `aggregate`.
 
-Similar patches of all planes are treated as samples of one distribution. The covariance of the
-noise is known from the mean, so that of the signal follows, and with it the best linear estimate of
-each patch. Step 1 takes the covariance of the noisy patches: it keeps the eigenvalues above those
-of noise alone, less what noise adds to them. Step 2 groups the patches again in the result of
-step 1, whose covariance gives the Wiener filter.
+`patches` is non-local Bayes with known noise. Similar patches of all planes are treated as samples
+of one distribution. The covariance of the noise is known from the mean, so that of the signal
+follows, and with it the best linear estimate of each patch. Step 1 takes the covariance of the
+noisy patches: it keeps the eigenvalues above those of noise alone, less what noise adds to them.
+Step 2 groups the patches again in the result of step 1, whose covariance gives the Wiener filter.
 
 This is done for means of 1, 2 x 2, 4 x 4, and 8 x 8 pixels, from coarse to fine. Low frequencies of
 the coarser estimate replace those of the finer one, in which weak large structures are hidden by
 noise. Where the two differ by more than the noise, the coarser one has blurred an edge, and the
 finer one is kept.
+
+`aggregate` is the mean of two estimates, chosen by the SNR of the exposure. The errors of `guided`
+and `patches` differ, so their mean usually has a smaller error. In low light noise hides which
+patches are similar, so `guided` is averaged with itself in wider windows.
 
 Notes
 -----
@@ -17,11 +21,6 @@ Lebrun, Buades & Morel, SIAM J. Imaging Sci. 6 (2013) 1665 (groups and the two s
 Pierazzo & Morel, SIAM J. Imaging Sci. 10 (2017) 1603 (scales); Gavish & Donoho, IEEE Trans. Inf.
 Theory 63 (2017) 2137 (eigenvalues). Ours: the noise of every plane in the units of its group, a
 rotation of the planes for each group, the number of patches, and the limit of the replacement.
-
-`aggregate`: the mean of two estimates, chosen by the SNR of the exposure.
-
-The errors of `guided` and `patches` differ, so their mean usually has a smaller error. In low light
-noise hides which patches are similar, so `guided` is averaged with itself in wider windows.
 """
 
 import math

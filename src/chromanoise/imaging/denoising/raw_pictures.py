@@ -1,8 +1,8 @@
-"""The noise of the codes of a raw picture: from a pixel, or from the noise profile of a DNG.
+"""Denoising of raw pictures of any camera: noise of their codes, planes, and merging of bursts.
 
-Frames of one scene, merged by their variance; pixels where something moved are rejected.
-
-Raw pictures of any camera: their planes, and a check of the noise model.
+The noise comes from a pixel, or from the noise profile of a DNG, and the noise model is checked
+against the picture. Frames of one scene are merged by their variance; pixels where something moved
+are rejected.
 """
 
 import math

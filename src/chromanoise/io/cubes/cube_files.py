@@ -1,8 +1,7 @@
-"""Arrays in NumPy's file formats; pickled data are never loaded.
+"""Read hyperspectral cubes: the formats of `FORMATS`, NumPy's files, and a folder of PNG files.
 
-A folder of one PNG per band, as in the CAVE database.
-
-Read hyperspectral cubes from files: a format is one entry of `FORMATS`.
+Pickled data in NumPy's files are never loaded. A folder has one PNG per band, as in the CAVE
+database.
 """
 
 import io

@@ -2,10 +2,10 @@
 
 Only the file itself is read: links to other files are not followed, and arrays with external data
 raise an error. libhdf5 (2.0.0) crashes or loops on some damaged files, so a file is first opened in
-the child process of `_sandbox`. Uncompressed numbers, and numbers compressed with zlib, are then
-read without libhdf5, which returns uninitialized memory for a chunk that inflates to too few bytes,
-and reads one chunk at a time. Here an incomplete chunk raises an error, and several threads can
-read.
+the child process of `chromanoise.base.sandbox`. Uncompressed numbers, and numbers compressed with
+zlib, are then read without libhdf5, which returns uninitialized memory for a chunk that inflates to
+too few bytes, and reads one chunk at a time. Here an incomplete chunk raises an error, and several
+threads can read.
 """
 
 import itertools

@@ -1,9 +1,8 @@
-"""Cubes from files of named arrays: HDF5, NetCDF-4, Zarr, MATLAB and NumPy archives.
+"""Cubes from files of named arrays, and cubes and pictures as labeled arrays of xarray.
 
-Files with labels identify their axes by names, by a list of wavelengths, or not at all. Missing
-metadata is assumed and noted; ambiguous metadata raises an error.
-
-Read cubes from, and write pictures to, labeled arrays of xarray.
+The files are HDF5, NetCDF-4, Zarr, MATLAB and NumPy archives. Those with labels identify their axes
+by names, by a list of wavelengths, or not at all. Missing metadata is assumed and noted; ambiguous
+metadata raises an error.
 """
 
 import math

@@ -1,8 +1,7 @@
-"""Turn exceptions of third-party readers into errors of this library.
+"""The content of a file of pixels before it becomes a cube, and checks of its arrays.
 
-The content of a file of pixels before it becomes a cube.
-
-Reject arrays that are not numeric or are implausibly large, before allocating memory.
+Arrays that are not numeric, or that are implausibly large, are rejected before memory is allocated.
+Exceptions of third-party readers become errors of this library.
 """
 
 import math

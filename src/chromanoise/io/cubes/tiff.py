@@ -1,7 +1,4 @@
-"""Compressed pages of a TIFF file, decoded into memory.
-
-TIFF files of one page per band, or of pages with many samples.
-"""
+"""TIFF files of one page per band, or of pages with many samples, also compressed."""
 
 import logging
 import lzma

@@ -1,10 +1,7 @@
-"""What the tags of a TIFF file state about the exposure, the camera and its mosaic.
+"""Raw frames in TIFF files, and in DNG and all camera files that LibRaw reads.
 
-Raw frames in TIFF files: one per page.
-
-Raw frames in the files of cameras: DNG and all that LibRaw reads.
-
-LibRaw runs in a child process with limits on time and memory, because a damaged file may crash it.
+A TIFF file has one frame per page; its tags state the exposure, the camera and its mosaic. LibRaw
+runs in a child process with limits on time and memory, because a damaged file may crash it.
 """
 
 import math

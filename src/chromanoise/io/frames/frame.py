@@ -1,8 +1,6 @@
-"""Codes of raw frames as they are stored: bounds, planes read in place, and whole numbers.
+"""Raw frames of a camera: stored codes, sets of light levels with their darks, and checks.
 
-Raw frames of a camera, and how they belong together: levels of light, each with its darks.
-
-Checks that frames can be evaluated together: one camera, size, gain and mosaic.
+Planes of codes are read in place. The frames of a set must have one camera, size, gain and mosaic.
 """
 
 import math

@@ -1,10 +1,9 @@
-"""Levels and darks from the names of the frames and the exposure times stated in their files.
+"""Frames of a folder, of files or of a list, as levels of light with their darks.
 
-A level has the frames whose names differ only in the last number or letter, and that have the same
-exposure time. Where this leaves two interpretations, the frames are refused, and the message
-states what is unclear.
-
-Frames of a folder, of files or of a list, as levels of light with their darks.
+Levels and darks are recognized by the names of the frames and the exposure times stated in their
+files. A level has the frames whose names differ only in the last number or letter, and that have
+the same exposure time. Where this leaves two interpretations, the frames are refused, and the
+message states what is unclear.
 """
 
 import os

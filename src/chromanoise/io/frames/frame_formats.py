@@ -1,12 +1,8 @@
-"""Raw frames in NumPy's files: NPY and NPZ; pickled data are never loaded.
+"""The formats of raw frames by file ending: NPY, NPZ, PGM, PNG, raw dumps, FITS.
 
-Raw frames in PGM files, and in PNG files of one channel.
-
-Raw dumps: the codes of one frame, row by row, without a header.
-
-Raw frames in FITS files; astropy reads the headers, the codes are read in place.
-
-The formats of raw frames, by the ending of the file.
+Pickled data are never loaded. A PNG file must have one channel. A raw dump has the codes of one
+frame, row by row, without a header. astropy reads the headers of FITS files; their codes are read
+in place.
 """
 
 import math

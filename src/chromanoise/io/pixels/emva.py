@@ -1,9 +1,7 @@
-"""Relations that the values of an EMVA 1288 data sheet must satisfy.
-
-A pixel from the values of an EMVA 1288 data sheet, with units and consistency checks.
+"""A pixel from the values of an EMVA 1288 data sheet, with units and consistency checks.
 
 EMVA Standard 1288, Release 4.0 Linear (2021): the camera model of its chapter 2, the summary sheet
-of its chapter 10.
+of its chapter 10. The checks are relations that the values must satisfy.
 """
 
 import math

@@ -1,10 +1,11 @@
-"""The noise profile of DNG and Android, from JSON or from a text list of the tags of a DNG.
+"""Noise profiles as sources of a pixel: those of DNG and Android, and those of darktable.
 
-darktable's noise profiles: variance = a x + b per channel, relative only.
+The profile of DNG and Android is read from JSON or from a text list of the tags of a DNG.
 
-The profiles are measured on developed pictures (demosaiced, white-balanced, filtered by a wavelet),
-which scales a and b by an unknown factor. The ratio b / a does not depend on that factor. Together
-with a full well from another source it gives the read noise. The profile cannot give the full well.
+A profile of darktable, variance = a x + b per channel, is relative only: it is measured on
+developed pictures (demosaiced, white-balanced, filtered by a wavelet), which scales a and b by an
+unknown factor. The ratio b / a does not depend on that factor. Together with a full well from
+another source it gives the read noise. The profile cannot give the full well.
 """
 
 import re

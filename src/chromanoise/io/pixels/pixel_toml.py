@@ -1,6 +1,7 @@
-"""Read text of files that describe a pixel, with one error for each fault.
+"""A pixel as TOML, and checks that all text files of a pixel share.
 
-A pixel as TOML: every value is optional; ``--pixel FILE`` takes it.
+Every value of the TOML file is optional; ``--pixel FILE`` takes it. Each fault of a file is an
+error of its own.
 """
 
 import json

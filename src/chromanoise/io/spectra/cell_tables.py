@@ -1,4 +1,4 @@
-"""Interpret tables of cells from any format: find the rows of numbers and assign the columns.
+"""Interpretation of tables of cells from any format: rows of numbers and their columns.
 
 Spectra may be in rows, and units in the cells of the wavelengths.
 """

@@ -1,9 +1,8 @@
-"""Declarations in a file: units in headings, and ``key: value`` lines with known keys.
+"""What a file of spectra declares: units, known ``key: value`` lines, and its wavelengths.
 
 Only headings and these keys determine units, scale and quantity. Free text is ignored, so that a
-title or a comment about the measurement cannot change them.
-
-Lists of wavelengths in files: their usual names, their units, and which of several applies.
+title or a comment about the measurement cannot change them. A list of wavelengths is recognized by
+its usual names; where there are several, the one that applies is chosen.
 """
 
 import re

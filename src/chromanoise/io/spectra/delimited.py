@@ -1,8 +1,7 @@
-"""Delimited text: comma, semicolon, tab or spaces; decimal point or comma.
+"""Tables of spectra in delimited text, CGATS files, and spreadsheets (``.xlsx``).
 
-CGATS tables of spectra, such as the ``.sp`` files of Argyll.
-
-Read spreadsheets (``.xlsx``) with openpyxl, if it is installed.
+Delimiters are comma, semicolon, tab or spaces; numbers have a decimal point or comma. CGATS are
+files such as the ``.sp`` files of Argyll. Spreadsheets need openpyxl.
 """
 
 import csv

@@ -1,10 +1,8 @@
-"""Binary files of ASD field spectrometers (``.asd``, or numbers such as ``.000``).
+"""Spectra in files of instruments and tools: ASD, FITS tables, MATLAB, IES TM-27.
 
-Tables in FITS files, read with astropy.
-
-MATLAB files of ISETCam (``wavelength``, ``data``), of Psychtoolbox and of camera databases.
-
-IES TM-27: one spectrum of a lamp in XML (``.spdx``).
+ASD files are binary files of ASD field spectrometers (``.asd``, or numbers such as ``.000``). FITS
+tables are read with astropy. MATLAB files are those of ISETCam (``wavelength``, ``data``), of
+Psychtoolbox and of camera databases. IES TM-27 is one spectrum of a lamp in XML (``.spdx``).
 """
 
 import io

@@ -1,8 +1,7 @@
-"""Data classes: what a reader found in a file, the answers of the user, the parsed spectra.
+"""Parsed spectra: what a reader found, answers and questions, resampling, and versioned JSON.
 
-Resample curves with different wavelengths to a common list of wavelengths.
-
-JSON in versioned schemas of this library; files of other versions raise an error.
+Curves with different wavelengths are resampled to a common list of wavelengths. JSON files of other
+versions of the schemas raise an error.
 """
 
 import json

@@ -1,9 +1,8 @@
-"""Detect defects of curves from their numbers.
-
-Questions about metadata that neither a file nor its user has given, with their settings.
+"""Questions about metadata that a file and its user have not given, and defects of its curves.
 
 A preview of a file shows the questions; `qe_of` and `power_of`, which convert curves to QE per
-photon and to power, raise errors with the same text.
+photon and to power, raise errors with the same text. Defects are detected from the numbers of the
+curves.
 """
 
 import re
