@@ -271,7 +271,7 @@ def _schema(kind: Any, keys: JsonKeys, owners: tuple[Any, ...]) -> dict[str, Any
 
 
 def _object_schema(owners: tuple[Any, ...], keys: JsonKeys, *, row: bool = False) -> dict[str, Any]:
-    """An object without other keys; of a row, with the types of entries of the values."""
+    """An object with these keys, and any that a later release adds; of a row, its entries."""
     properties: dict[str, Any] = {}
     found: dict[str, Any]
     required: list[str] = []
@@ -292,12 +292,7 @@ def _object_schema(owners: tuple[Any, ...], keys: JsonKeys, *, row: bool = False
         properties |= {key.name: found} if key.name else found["properties"]
         names = [key.name] if key.name else found["required"]
         required += [] if key.when else names
-    return {
-        "type": "object",
-        "properties": properties,
-        "required": required,
-        "additionalProperties": False,
-    }
+    return {"type": "object", "properties": properties, "required": required}
 
 
 def _is_array(kind: Any) -> bool:

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from importlib import import_module
 from typing import Any
 
-from chromanoise.base import from_above, notebook, optional_package, plain
+from chromanoise.base import from_above, notebook, optional_package, plain, schema
 from chromanoise.io.result_tables import Table, head, table_latex, written_rows
 from chromanoise.io.source_files import has
 
@@ -19,6 +19,11 @@ class Result(ABC):
         """Plain data, as the JSON of the command; ``None`` where a value is not defined."""
         data: dict[str, Any] = plain(self)
         return data
+
+    @classmethod
+    def json_schema(cls) -> dict[str, Any]:
+        """The JSON schema (2020-12) of `to_dict`; a later release may add keys."""
+        return schema(cls)
 
     @abstractmethod
     def to_table(self) -> Table:

@@ -1,6 +1,6 @@
 """Figures of merit, each with its source: of the filters, and of the sensor in its light."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import ClassVar
@@ -597,7 +597,7 @@ class Merits:
         ),
         JsonKey(
             "values",
-            lambda one: {entry.name: entry for entry in one.entries},
+            "by_name",
             keys=(
                 "value",
                 "unit",
@@ -617,6 +617,11 @@ class Merits:
     observer: str
     viewing: Viewing
     entries: tuple[Merit, ...]
+
+    @property
+    def by_name(self) -> Mapping[str, Merit]:
+        """The figures by their names."""
+        return {entry.name: entry for entry in self.entries}
 
     def __post_init__(self) -> None:
         check.distinct(f"merits of {self.sensor}", [entry.name for entry in self.entries])
