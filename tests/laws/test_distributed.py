@@ -22,7 +22,7 @@ from chromanoise.imaging import (
     distributed as on_clusters,
     electrons_of_cube,
     rendered,
-    work as shared_rows,
+    shared_rows,
 )
 from chromanoise.imaging.distributed import cluster
 from chromanoise.imaging.plans import ElectronPlan, light_of, plan_for_rows

@@ -368,10 +368,15 @@ def test_the_figures_of_a_study_say_its_numbers(folder, there):
         name: re.findall(r">([^<>]+)</text>", (folder / "figures" / f"{name}.svg").read_text())
         for name in FIGURES
     }
-    for sensor in drawing("budget", there)["sensors"]:
-        start, *causes, end = sensor["steps"]
-        values = {f"{step['to_db']:.1f}" for step in (start, end)}
-        values |= {f"\N{MINUS SIGN}{-step['change_db']:.1f}" for step in causes[:1]}
+    budget = drawing("budget", there)
+    changes_db, snrs_db = (
+        next(one.values for one in budget.columns if one.head == head)
+        for head in ("change [dB]", "SNR of Y [dB]")
+    )
+    for panel in budget.panels:
+        (bars,) = panel.marks
+        values = {f"{snrs_db[row]:.1f}" for row in (bars.first, bars.last - 1)}
+        values.add(f"\N{MINUS SIGN}{-changes_db[bars.first + 1]:.1f}")
         assert values <= set(texts["budget"])
     assert {"a*", "b*"} <= set(texts["ellipses"])
     for name in ("comparison", "budget", "ellipses", "pareto"):
@@ -444,7 +449,7 @@ def test_a_browser_draws_every_chart_from_disk(seen):
 def test_every_table_of_the_file_is_that_of_its_chart(seen, there):
     for part in PARTS:
         if part != "head":
-            assert cells(seen, part) == drawing(part, there)["table"]["rows"]
+            assert cells(seen, part) == as_data(drawing(part, there))["table"]["rows"]
 
 
 def test_sliders_answer_by_key_with_the_digits_of_the_library(seen, there):
@@ -460,7 +465,7 @@ def test_sliders_answer_by_key_with_the_digits_of_the_library(seen, there):
     assert seen.inner_text("#verdict") == drawing("head", darker)["verdict"][0]
     assert slider.get_attribute("aria-valuetext") == "1 lx"
     seen.click("section[data-part=budget] summary:text-is('Table')")
-    assert cells(seen, "budget") == drawing("budget", darker)["table"]["rows"]
+    assert cells(seen, "budget") == drawing("budget", darker).table["rows"]
     seen.locator("#slide-1").focus()
     seen.keyboard.press("Home")
     assert slider.get_attribute("aria-valuetext") == "10 lx"  # one thing changes at a time

@@ -104,11 +104,11 @@ COMMANDS = {
         "Built-in sensors, lights and filters, with source, range and known defects.",
     ),
     "inspect": (
-        "readers",
+        "inspect_convert",
         "How a file of spectra is parsed, what looks wrong, and what it does not declare.",
     ),
     "convert": (
-        "readers",
+        "inspect_convert",
         "Curves of a file or a sensor as CSV, JSON, rawtoaces' JSON or IES TM-27.",
     ),
     "serve": ("serve", "A local web page with sliders."),
