@@ -55,7 +55,7 @@ def client_of(scheduler: str, *, workers: int | None = None, smaller: Setting) -
         within 10 s, or all of its workers are lost.
     """
     threads = ("omit the scheduler to use the threads of this machine",)
-    for package in ("dask", "distributed"):
+    for package in ("dask", "distributed", "dask.distributed"):
         optional_package(package, "scheduler", extra="distributed", otherwise=threads)
     import dask
     from dask.distributed import Client, LocalCluster
