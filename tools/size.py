@@ -66,12 +66,16 @@ def _docstring_lines(text: str) -> set[int]:
 
 def ledger(of: dict[str, dict[str, int]]) -> str:
     """The text of the file."""
-    total = {kind: sum(one[kind] for name, one in of.items() if name != "tests") for kind in KINDS}
-    rows = {"all of src": total, **of}
+    rows = _with_total(of)
     return _HEAD + "".join(
         f'\n["{name}"]\n' + "".join(f"{kind} = {one[kind]}\n" for kind in KINDS if one[kind])
         for name, one in rows.items()
     )
+
+
+def _with_total(of: dict[str, dict[str, int]]) -> dict[str, dict[str, int]]:
+    total = {kind: sum(one[kind] for name, one in of.items() if name != "tests") for kind in KINDS}
+    return {"all of src": total, **of}
 
 
 def larger(of: dict[str, dict[str, int]]) -> list[str]:
@@ -79,7 +83,7 @@ def larger(of: dict[str, dict[str, int]]) -> list[str]:
     ceilings = tomllib.loads(LEDGER.read_text(encoding="utf-8"))
     return [
         f"{name} has {one[kind]} ({kind}), and its ceiling is {most}"
-        for name, one in of.items()
+        for name, one in _with_total(of).items()
         for kind in ("modules", "code", "javascript")
         if one[kind] > (most := ceilings.get(name, {}).get(kind, 0))
     ]
