@@ -8,10 +8,10 @@ import scipy.optimize
 from hypothesis import HealthCheck, given, settings, strategies as st
 
 import chromanoise.apps.design.search as searching
-from chromanoise.apps.design import algorithms
 from chromanoise.apps.design.algorithms import METHODS, improved
 from chromanoise.apps.design.front import Evaluated, Problem, non_dominated
 from chromanoise.apps.design.search import SearchOptions, searched_front
+from chromanoise.base import packages
 from chromanoise.base.errors import InputError
 from design_problems import bnh, bowl, dtlz2, half_plane, problem_of, rosenbrock, zdt1
 from outcomes import refused_input
@@ -154,7 +154,9 @@ def test_polish_keeps_a_member_where_the_gradient_is_undefined():
         found(replace(rosenbrock(), gradient=nowhere), budget=400, polish=polish)
         for polish in (False, True)
     )
-    assert same(rough, fine)
+    # to rounding: some versions of SLSQP return their start moved by an ulp
+    np.testing.assert_allclose(fine.values, rough.values, rtol=1e-14)
+    np.testing.assert_allclose(fine.objectives, rough.objectives, rtol=1e-14)
 
 
 def test_polish_reaches_an_optimum_at_a_kink_of_a_constraint():
@@ -485,7 +487,7 @@ def test_what_cannot_be_searched_is_one_sentence(make, fields, expected):
 
 @pytest.mark.parametrize("method", ["nsga2", "nsga3", "cma-es"])
 def test_a_missing_package_is_one_sentence(method, monkeypatch):
-    monkeypatch.setattr(algorithms.util, "find_spec", lambda _: None)
+    monkeypatch.setattr(packages, "find_spec", lambda _: None)
     with refused_input(subject="method", value=method, requirement="not installed"):
         found(bowl(), method)
     found(bowl(), "de")
