@@ -101,7 +101,7 @@ def short_entries(name, value):
 
 def public_methods(kind):
     """The functions of the own methods and properties of a class by name."""
-    for own, method in vars(kind).items():
+    for own, method in tuple(vars(kind).items()):
         function = getattr(method, "fget", None) or getattr(method, "__func__", method)
         if inspect.isfunction(function) and not own.startswith("_"):
             yield own, function

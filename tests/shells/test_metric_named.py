@@ -5,7 +5,7 @@ import re
 import pytest
 
 import chromanoise as cn
-from chromanoise.charts import drawing, shown
+from chromanoise.charts import as_data, drawing, shown
 from chromanoise.charts.charted_study import Look
 from chromanoise.charts.run_tables import budget_tables, channels_table
 from chromanoise.study import study_from_data
@@ -61,7 +61,7 @@ def test_the_terminal_names_the_metric_of_each_table_and_of_the_angles(done, met
 def test_charts_with_angles_name_the_metric(metric, part):
     of = shown(study_from_data(study_data(metric), source=""))
     look = Look(coordinate="M^R") if part == "budget" else Look()
-    assert names_only(drawing(part, of, look)["title"], metric)
+    assert names_only(as_data(drawing(part, of, look))["title"], metric)
 
 
 @pytest.mark.parametrize("metric", METRICS)

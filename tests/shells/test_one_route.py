@@ -339,7 +339,7 @@ def page_agrees(result, parts):
     """The SNR of each kind, the operating point and the notes of each sensor."""
     stages, heads = stages_of(parts["stages"]), parts["head"]["sensors"]
     for own, drawn, head in zip(result["sensors"], stages, heads, strict=True):
-        assert own["name"] == head["name"]
+        assert own["label"] == head["name"]
         channels = own["channels"]
         agree({c["name"]: c["snr_db"] for c in channels}, drawn["raw SNR"])
         unmixed = {c["name"]: c["contravariant_snr_db"] for c in channels}

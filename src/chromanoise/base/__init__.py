@@ -69,9 +69,9 @@ if TYPE_CHECKING:
         palette_css,
     )
     from chromanoise.base.properties import (
-        Growth as Growth,
+        Growth,
         Interface,
-        Property as Property,
+        Property,
         beside_their_needs,
         demand_properties,
         partial_class,

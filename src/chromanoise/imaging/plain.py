@@ -301,7 +301,7 @@ def electrons_of(
     return electrons
 
 
-def philox4x32(counter: Sequence[Any], key: tuple[int, int]) -> tuple[Array, ...]:
+def philox4x32(counter: Sequence[Any], key: tuple[int, int]) -> tuple[Any, ...]:
     """Ten rounds over arrays of uint64 that hold 32-bit words (Salmon et al., SC11, 2011)."""
     c0, c1, c2, c3 = (np.asarray(c, np.uint64) for c in counter)
     k0, k1 = (int(k) for k in key)

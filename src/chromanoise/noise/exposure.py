@@ -351,7 +351,7 @@ EQUAL_TERMS: Mapping[str, Callable[..., list[Exposure]]] = {
     "saturation": equal_saturation,
     "light": equal_light,
 }
-"""The exposure rules by name; `DEFAULT_RULE` is one of them."""
+"""The exposure rules by name; ``DEFAULT_RULE`` is one of them."""
 
 
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")

@@ -188,7 +188,7 @@ READ_OUT = frozenset[Drawn]({"reading", "levels", "row", "column", "rounding", "
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NoiseSource:
-    """One source of noise. Table, budget, exact distribution and all draws walk `sources_of`.
+    """One source of noise. Table, budget, exact distribution and all draws walk ``sources_of``.
 
     Attributes
     ----------
