@@ -110,8 +110,8 @@ def waterfall(
             texts=tuple(texts),
         )
         panels.append(Panel(x=x, marks=(bars,) if budget else (), sensor=i, absence=reason))
-        told = ", ".join(f"{step[0]} {text} dB" for step, text in zip(steps, texts, strict=True))
-        parts.append(f"{name}: {told or reason}.")
+        changes = ", ".join(f"{step[0]} {text} dB" for step, text in zip(steps, texts, strict=True))
+        parts.append(f"{name}: {changes or reason}.")
     sensors, labels, changes, before, after, why = zip(*rows, strict=True)
     number = partial(decimal, digits=2)
     return Chart(

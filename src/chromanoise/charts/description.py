@@ -12,7 +12,7 @@ from typing import Any, Literal
 from chromanoise.base import check
 
 MOST_DASHED = 3
-"""Number of sensors up to which curves are told apart by dashes; more have a color each."""
+"""Up to this number of sensors, curves differ by their dashes; above it, each has a color."""
 
 Value = float | str | None
 """A number, a name, or ``None`` where a value is undefined."""

@@ -130,7 +130,7 @@ def sensor_dashes(names: Iterable[str]) -> dict[str, Any]:
 
 
 def are_many(names: Iterable[str]) -> bool:
-    """Whether sensors are told apart by color and named at their curves: more than three."""
+    """Whether sensors have a color each and a name at their curves: more than three."""
     return len(set(names)) > _MOST_DASHED
 
 

@@ -11,7 +11,7 @@ import { html } from "draw/svg.js";
 /** @typedef {import("answers").ReportChanges} ReportChanges */
 /** @typedef {import("answers").ReportData} ReportData */
 /** @typedef {import("answers").ReportHead} ReportHead */
-/** @typedef {{ head: ReportHead, parts: Record<Part, Drawn | Failed> }} Told */
+/** @typedef {{ head: ReportHead, parts: Record<Part, Drawn | Failed> }} Reply */
 /** @typedef {{ data: Drawn | Failed, stale: boolean }} Shown */
 
 const PAPER_PX = 976; // of A4 and Letter, where the style of print makes 0.7 of it
@@ -56,26 +56,26 @@ function all(selector) {
  * The study's own answer with what differs at a position of a slider.
  *
  * @param {ReportChanges} changed
- * @returns {Told}
+ * @returns {Reply}
  */
 function answer(changed) {
   /** @type {Record<string, object>} */
-  const told = {};
+  const reply = {};
   for (const [part, own] of Object.entries(data.parts)) {
-    told[part] = changed[part]?.whole ?? { ...own, ...changed[part] };
+    reply[part] = changed[part]?.whole ?? { ...own, ...changed[part] };
   }
-  const { head, ...parts } = told;
-  return /** @type {Told} */ ({ head, parts });
+  const { head, ...parts } = reply;
+  return /** @type {Reply} */ ({ head, parts });
 }
 
-/** @param {Told} told */
-function show(told) {
-  const [first, ...more] = told.head.verdict;
+/** @param {Reply} reply */
+function show(reply) {
+  const [first, ...more] = reply.head.verdict;
   byId("verdict").textContent = first;
   byId("reasons").replaceChildren(...more.map((text) => html("li", {}, text)));
-  fill(/** @type {HTMLTableElement} */ (byId("sensors")), told.head.table.rows);
+  fill(/** @type {HTMLTableElement} */ (byId("sensors")), reply.head.table.rows);
   for (const section of all("section[data-part]")) {
-    const now = told.parts[section.dataset.part ?? ""];
+    const now = reply.parts[section.dataset.part ?? ""];
     const before = JSON.stringify(shown.get(section)?.data);
     if (before === JSON.stringify(now) && !shown.get(section)?.stale) continue;
     shown.set(section, { data: now, stale: true });
@@ -87,10 +87,10 @@ function show(told) {
 /** @param {HTMLElement} section */
 function draw(section) {
   const one = /** @type {Shown} */ (shown.get(section));
-  const { data: told } = one;
+  const { data: reply } = one;
   const element = /** @type {HTMLElement} */ (section.querySelector(".chart"));
-  if ("fault" in told) element.replaceChildren(html("p", { class: "d-note" }, told.fault));
-  else drawChart(element, told, width ? { width } : {});
+  if ("fault" in reply) element.replaceChildren(html("p", { class: "d-note" }, reply.fault));
+  else drawChart(element, reply, width ? { width } : {});
   one.stale = false;
 }
 
@@ -100,9 +100,9 @@ function draw(section) {
  * @param {HTMLElement} section
  */
 function tell(section) {
-  const { data: told } = /** @type {Shown} */ (shown.get(section));
+  const { data: reply } = /** @type {Shown} */ (shown.get(section));
   const table = section.querySelector("table");
-  if (!("fault" in told) && table) fill(table, told.table.rows);
+  if (!("fault" in reply) && table) fill(table, reply.table.rows);
 }
 
 /**

@@ -187,7 +187,7 @@ export class Asker {
 export const UNHEARD = "The server does not answer, so the file was not read; try again.";
 
 /**
- * Sends a file; the reply tells what it is.
+ * Uploads a file; the reply gives its kind and content.
  *
  * @param {string} name
  * @param {Blob} body
