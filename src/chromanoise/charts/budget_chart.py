@@ -110,8 +110,8 @@ def waterfall(
             texts=tuple(texts),
         )
         panels.append(Panel(x=x, marks=(bars,) if budget else (), sensor=i, absence=reason))
-        changes = ", ".join(f"{step[0]} {text} dB" for step, text in zip(steps, texts, strict=True))
-        parts.append(f"{name}: {changes or reason}.")
+        said = ", ".join(f"{step[0]} {text} dB" for step, text in zip(steps, texts, strict=True))
+        parts.append(f"{name}: {said or reason}.")
     sensors, labels, changes, before, after, why = zip(*rows, strict=True)
     number = partial(decimal, digits=2)
     return Chart(
