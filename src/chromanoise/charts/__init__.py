@@ -87,6 +87,7 @@ if TYPE_CHECKING:
     from chromanoise.charts.verdicts import (
         machine_tables as machine_tables,
         sensor_values,
+        verdict_of as verdict_of,
         verdict_sentences as verdict_sentences,
     )
 

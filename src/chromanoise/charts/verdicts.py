@@ -8,45 +8,46 @@ matrix.
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from functools import lru_cache
 from itertools import chain
-from typing import Any, Literal
+from typing import Any
 
-import numpy as np
-
-from chromanoise.base import check
+from chromanoise.base import check, defined
 from chromanoise.charts.budget_chart import cause_label
 from chromanoise.charts.charted_study import Look, Shown, saturated_names, saturation_sentence
 from chromanoise.charts.description import numbers_of
-from chromanoise.charts.numbers import NONE, brief, decimal, electrons, signed, table
+from chromanoise.charts.numbers import NONE, brief, decimal, electrons, listed, signed, table
 from chromanoise.metrics import CORRELATION, FILTERS, INFRARED, REST, WEIGHTS, Budget
 from chromanoise.noise import DEFAULT_RULE, conditions, level_in_words
 from chromanoise.sensor import SOURCES, Sensor
-from chromanoise.spectra import chart_title
+from chromanoise.spectra import Spectra, chart_title
 from chromanoise.study import (
     BRIGHT,
     DARK,
+    DEFAULT_PRIOR,
     RAW,
     RAW_WITHOUT,
     READINGS,
     TARGET,
     TOLERANCE,
     Analysis,
+    EqualColor,
     MachineReading,
     PairOutcome,
     RawOutcome,
-    better_matrix,
+    Reader,
+    Verdict,
     color_snr_db,
     coordinate_budget,
     diagnosis,
+    equal_color,
+    lost_colors,
     mean_color_error,
-    mean_total_error,
     pairs_of,
     raw_outcomes,
-    raw_snr_db,
-    total_error_of,
+    visual_noise,
 )
 
+_VIEWED = "visual noise of an 18 % gray as viewed (ISO 15739)"
 _TIE = 0.005  # relative difference that is no lead
 
 _Labeled = tuple[str, RawOutcome]
@@ -237,12 +238,10 @@ def _columns(analyses: Sequence[Analysis]) -> list[_Column]:
         return None if luminance_db is None else 1.0 + shown.index(round(luminance_db, 1))
 
     def raw_db(analysis: Analysis) -> float | None:
-        found = (
-            compared_raw_snr_db(analysis, able) if _luminance_db(analysis) is not None else math.inf
-        )
+        found = math.inf if _luminance_db(analysis) is None else _raw_db(analysis)
         return found if math.isfinite(found) else None
 
-    raw = f"raw SNR: {compared_raw_name(able)}" if able else "raw SNR"
+    raw = f"raw SNR: {RAW_SNR}"
     loss, error = "best linear SNR minus the SNR of Y", "mean CIE 1976 difference"
     return [
         _Column("rank", "rank", "rank by the SNR of Y", "lower", rank, brief),
@@ -252,13 +251,7 @@ def _columns(analyses: Sequence[Analysis]) -> list[_Column]:
         _Column(
             "color_error", "color error [ΔE]", f"{error}, without noise", "lower", mean_color_error
         ),
-        _Column(
-            "total_error",
-            "total color error [ΔE]",
-            f"{error}, with noise",
-            "lower",
-            mean_total_error,
-        ),
+        _Column("visual_noise", "visual noise", _VIEWED, "lower", _visual_noise, _noise),
         _Column("time_ms", "time [ms]", "exposure time", None, _time_ms, _four_digits),
         _Column("f_number", "f-number", "f-number", None, lambda one: one.exposure.f_number, brief),
         *map(_channel, dict.fromkeys(name for one in analyses for name in one.sensor.names)),
@@ -297,6 +290,10 @@ def _notes(analyses: Sequence[Analysis]) -> list[str]:
     return [f"{', '.join(names)}: {note}" for note, names in named.items()]
 
 
+def _visual_noise(analysis: Analysis) -> float | None:
+    return defined(visual_noise(analysis.point, analysis.matrix))
+
+
 def _luminance_db(analysis: Analysis) -> float | None:
     return color_snr_db(analysis)["Y"]
 
@@ -313,44 +310,14 @@ def _four_digits(value: float) -> str:
     return brief(value, 4)
 
 
-def compared_raw_snr_db(analysis: Analysis, analyses: Sequence[Analysis]) -> float:
-    """Mean raw SNR of the channels that all sensors have; without them the best linear SNR. [dB]
+RAW_SNR = "best linear readout of all channels"
+"""What the raw SNR of a sensor is; it depends on no other sensor."""
 
-    Infinite for a signal without noise.
 
-    Parameters
-    ----------
-    analysis
-        That of one sensor, without saturated channels.
-    analyses
-        Those of all compared sensors.
-    """
-    shared, snr = _shared(tuple(analyses)), raw_snr_db(analysis)
-    if shared:
-        return float(np.mean([snr[name] for name in shared]))
+def _raw_db(analysis: Analysis) -> float:
+    """Raw SNR of a sensor without saturated channels; infinite for a signal without noise. [dB]"""
     best = analysis.optimal_linear_snr_db
-    return math.inf if best is None else best  # not saturated: it is signal without noise
-
-
-def compared_raw_name(analyses: Sequence[Analysis]) -> str:
-    """What `compared_raw_snr_db` is, in a few words.
-
-    Parameters
-    ----------
-    analyses
-        Those of all compared sensors.
-    """
-    shared = _shared(tuple(analyses))
-    return f"mean of {', '.join(shared)}" if shared else "best linear readout of all channels"
-
-
-@lru_cache(maxsize=16)  # verdict and ranking ask for each sensor
-def _shared(analyses: tuple[Analysis, ...]) -> tuple[str, ...]:
-    """Channels that all sensors have, with signal in all of them."""
-    found = [raw_snr_db(analysis) for analysis in analyses]
-    return tuple(
-        name for name in analyses[0].sensor.names if all(one.get(name) is not None for one in found)
-    )
+    return math.inf if best is None else best
 
 
 _TIE_DB = 0.05  # differences below one decimal
@@ -371,17 +338,69 @@ _TERMS: Mapping[str, str] = {
 }
 
 
-Reader = Literal["eye", "machine"]
+def verdict_of(
+    analyses: Sequence[Analysis],
+    *,
+    equal: str = DEFAULT_RULE,
+    reader: Reader = "eye",
+    prior: str | Spectra = DEFAULT_PRIOR,
+) -> Verdict:
+    """The verdict on the sensors of several analyses.
+
+    Parameters
+    ----------
+    analyses, equal, reader, prior
+        As `verdict_sentences`.
+
+    Raises
+    ------
+    InputError
+        As `verdict_sentences`.
+    """
+    able = [one.point for one in analyses if _left_out(one) is None]
+    found = equal_color(able, prior=prior) if len(able) > 1 else None
+    sentences = _verdict_sentences(analyses, found, equal=equal, reader=reader, prior=prior)
+    winner, margin_db, error = None, None, None
+    if reader == "machine":
+        distances = sorted(
+            ((both[RAW].median.distance, one.sensor.label) for one, both in _read(analyses)),
+            reverse=True,
+        )
+        if len(distances) > 1:
+            (best, winner), (second, _), *_ = distances
+            margin_db = 20 * math.log10(best / second) if second > 0 else None
+    elif found is not None:
+        winner, margin_db, error = found.winner, found.margin_db, found.at_color_error
+        winner = None if found.is_tie else winner
+    return Verdict(
+        winner=winner,
+        margin_db=margin_db,
+        at_color_error=error,
+        reader=reader,
+        sentences=tuple(sentences),
+        equal=found,
+    )
+
+
+def _read(analyses: Sequence[Analysis]) -> list[tuple[Analysis, Mapping[str, RawOutcome]]]:
+    """The analyses that a machine can read, with the outcomes."""
+    outcomes = [(one, raw_outcomes(one)) for one in analyses]
+    return [(one, both) for one, both in outcomes if both is not None]
 
 
 def verdict_sentences(
-    analyses: Sequence[Analysis], *, equal: str = DEFAULT_RULE, reader: Reader = "eye"
+    analyses: Sequence[Analysis],
+    *,
+    equal: str = DEFAULT_RULE,
+    reader: Reader = "eye",
+    prior: str | Spectra = DEFAULT_PRIOR,
 ) -> list[str]:
     """Sentences that compare the sensors of several analyses.
 
-    For an eye, they compare raw SNR and luminance SNR, name the causes of the difference, and give
-    the color errors; for a machine, they compare the distances of patches in raw values. Sensors
-    that are saturated or have no luminance get a sentence of their own.
+    For an eye, they compare the color noise at equal color error, then raw SNR and luminance SNR
+    with the matrix of the analyses, name the causes of the difference, and give the color errors;
+    for a machine, they compare the distances of patches in raw values. Sensors that are saturated
+    or have no luminance get a sentence of their own.
 
     Parameters
     ----------
@@ -392,16 +411,29 @@ def verdict_sentences(
         all sensors have the same exposure time.
     reader
         Whose sentence comes first.
+    prior
+        The training set of the comparison at equal color error.
 
     Raises
     ------
     InputError
         If ``equal`` is unknown.
     """
+    return list(verdict_of(analyses, equal=equal, reader=reader, prior=prior).sentences)
+
+
+def _verdict_sentences(
+    analyses: Sequence[Analysis],
+    found: EqualColor | None,
+    *,
+    equal: str,
+    reader: Reader,
+    prior: str | Spectra,
+) -> list[str]:
     check.one_of("terms of a comparison", equal, tuple(_TERMS))
     left_out = [sentence for a in analyses if (sentence := _left_out(a))]
     able = [a for a in analyses if _left_out(a) is None]
-    sentences = [*left_out, *(sentence for a in able if (sentence := _too_noisy(a)))]
+    sentences = [*left_out, *(sentence for a in able if (sentence := _too_noisy(a, prior)))]
     machine = machine_sentences(analyses)
     if left_out and len(able) < 2 and not (machine and reader == "machine"):
         alone = [_alone(a) for a in able]
@@ -409,8 +441,8 @@ def verdict_sentences(
         return [first, *left_out[1:], *alone, *sentences[len(left_out) :], *machine]
     if reader == "machine":
         opening = [f"{_setting(analyses, equal)} {_lower(one)}" for one in machine[:1]]
-        return [*opening, *machine[1:], *_for_an_eye(analyses, able, sentences, equal)]
-    return _for_an_eye(analyses, able, [*machine, *sentences], equal)
+        return [*opening, *machine[1:], *_for_an_eye(analyses, able, sentences, equal, found)]
+    return _for_an_eye(analyses, able, [*machine, *sentences], equal, found)
 
 
 def _lower(sentence: str) -> str:
@@ -418,20 +450,106 @@ def _lower(sentence: str) -> str:
 
 
 def _for_an_eye(
-    analyses: Sequence[Analysis], able: list[Analysis], sentences: list[str], equal: str
+    analyses: Sequence[Analysis],
+    able: list[Analysis],
+    sentences: list[str],
+    equal: str,
+    found: EqualColor | None,
 ) -> list[str]:
     if len(able) == 1:
         sentences.insert(0, f"{_setting(analyses, equal)} {_alone(able[0])}")
     if len(able) < 2:
         return sentences
-    best_raw = max(able, key=lambda a: compared_raw_snr_db(a, able))
+    able = [a for a in able if found is None or a.sensor.label not in found.left_out]
+    best_raw = max(able, key=_raw_db)
     best_color = max(able, key=_known_luminance_db)
     if abs(_known_luminance_db(best_raw) - _known_luminance_db(best_color)) < _TIE_DB:
         best_color = best_raw  # equal: the leader in raw is named once
     others = [a for a in able if a is not best_color]
     rival = best_raw if best_raw is not best_color else max(others, key=_known_luminance_db)
-    first = _setting(analyses, equal) + _contest(best_color, rival, best_raw, able)
-    return [first, *_reasons(best_color, rival), _colors(able), *sentences]
+    contest = _contest(best_color, rival, best_raw)
+    if found is None:
+        first = [f"{_setting(analyses, equal)} {contest}."]
+    else:
+        first = [
+            *_at_equal_color(_setting(analyses, equal), found),
+            f"With the matrix {able[0].matrix.made_by}, {contest}"
+            f"{_why_another_order(found, best_color, able)}.",
+        ]
+    return [*first, *_reasons(best_color, rival), _colors(able), *sentences]
+
+
+def _at_equal_color(setting: str, found: EqualColor) -> list[str]:
+    """The winner at equal color error, whether color is lost, and where the order turns."""
+    best, *others = found.standings
+    at = f"at equal color error ({found.at_color_error:.1f} ΔE*ab)"
+    margins = list(zip(others, found.margins_db[1:], strict=True))
+    tied = [one.sensor for one, margin_db in margins if margin_db <= found.tie_db]
+    behind = [
+        f"{margin_db:.1f} dB less than {one.sensor} ({_noise(best.noise)} against "
+        f"{_noise(one.noise)})"
+        for one, margin_db in margins
+        if margin_db > found.tie_db
+    ]
+    if tied:
+        who = f"{listed([best.sensor, *tied])} have the same visual noise {at}, within the "
+        rest = f"; {best.sensor} has {listed(behind)}" if behind else ""
+        first = f"{who}{found.tie_db:.1f} dB that the choice of training colors decides{rest}."
+    else:
+        first = f"{best.sensor} has the least visual noise {at}: {listed(behind)}."
+    sentences = [f"{setting} {first}"]
+    if found.lost:
+        every = len(found.lost) == len(found.trade_offs)
+        who = "No sensor" if every else listed(found.lost)
+        has = "has" if every or len(found.lost) == 1 else "have"
+        no = "" if every else "no "
+        sentences.append(
+            f"{who} {has} {no}color information at this level: a gray picture is nearer to the "
+            "true colors."
+        )
+    if found.left_out:
+        sentences.append(
+            f"{listed(found.left_out)} cannot reach this color error with fewer than three "
+            "independent channels."
+        )
+    return [*sentences, *_turns(found)]
+
+
+def _turns(found: EqualColor) -> list[str]:
+    """Where another sensor has less noise, or that none has."""
+    low_lux, high_lux = found.levels_lux
+    least, most = found.errors
+    if not found.turns:
+        span = f"from {low_lux:.3g} to {high_lux:.3g} lx" if high_lux > low_lux else "at this level"
+        return [f"No other sensor has less {span}, or at a color error up to {most:.1f}."]
+    parts = []
+    for one in found.turns:
+        lowest, highest = (low_lux, high_lux) if one.over == "light" else (least, most)
+        unit, what = (" lx", "") if one.over == "light" else ("", "color errors ")
+        if one.first <= lowest:
+            where = f"{what}below {one.last:.2g}{unit}"
+        elif one.last >= highest:
+            where = f"{what}above {one.first:.2g}{unit}"
+        else:
+            where = f"{what}from {one.first:.2g} to {one.last:.2g}{unit}"
+        parts.append(f"{one.winner} has less {'at ' if what else ''}{where}")
+    return [f"The order turns: {listed(parts)}."]
+
+
+def _why_another_order(found: EqualColor, best_color: Analysis, able: Sequence[Analysis]) -> str:
+    """Why the matrix names another sensor; empty where it does not."""
+    if found.is_tie or best_color.sensor.label == found.winner:
+        return ""
+    errors = [mean_color_error(one) for one in able]
+    unequal = listed([f"{error:.1f}" for error in errors if error is not None])
+    return (
+        "; the order differs, because with this matrix the color errors are unequal "
+        f"({unequal}) and its noise is not the least for them"
+    )
+
+
+def _noise(value: float) -> str:
+    return brief(value, 3)
 
 
 def _left_out(analysis: Analysis) -> str | None:
@@ -459,27 +577,27 @@ def _alone(analysis: Analysis) -> str:
     )
 
 
-def _contest(winner: Analysis, rival: Analysis, best_raw: Analysis, able: list[Analysis]) -> str:
+def _contest(winner: Analysis, rival: Analysis, best_raw: Analysis) -> str:
     gap = _known_luminance_db(winner) - _known_luminance_db(rival)
     if best_raw is winner:
         same = abs(gap) < _TIE_DB
         color = (
             "has the same luminance SNR" if same else f"{gap:.1f} dB better in luminance for an eye"
         )
-        if compared_raw_snr_db(winner, able) - compared_raw_snr_db(rival, able) < _TIE_DB:
+        if _raw_db(winner) - _raw_db(rival) < _TIE_DB:
             color = color if same else f"is {color}"
-        return f" {_raw_lead(winner, rival, able)} and {color} ({_pair(winner, rival)})."
-    same = compared_raw_snr_db(rival, able) - compared_raw_snr_db(winner, able) < _TIE_DB
+        return f"{_raw_lead(winner, rival)} and {color} ({_pair(winner, rival)})"
+    same = _raw_db(rival) - _raw_db(winner) < _TIE_DB
     color = f"{'is ' if same else ''}{gap:.1f} dB worse in luminance for an eye"
-    return f" {_raw_lead(rival, winner, able)} but {color} ({_pair(rival, winner)})."
+    return f"{_raw_lead(rival, winner)} but {color} ({_pair(rival, winner)})"
 
 
-def _raw_lead(first: Analysis, second: Analysis, able: Sequence[Analysis]) -> str:
-    raw = compared_raw_snr_db(first, able) - compared_raw_snr_db(second, able)
+def _raw_lead(first: Analysis, second: Analysis) -> str:
+    raw = _raw_db(first) - _raw_db(second)
     lead = f"is {raw:.1f} dB better than {second.sensor.label} in raw"
     if raw < _TIE_DB:
         lead = f"has the same raw SNR as {second.sensor.label}"
-    return f"{first.sensor.label} {lead} ({compared_raw_name(able)})"
+    return f"{first.sensor.label} {lead} ({RAW_SNR})"
 
 
 def _pair(first: Analysis, second: Analysis) -> str:
@@ -534,9 +652,9 @@ def _label(cause: str) -> str:
 
 def _colors(able: Sequence[Analysis]) -> str:
     errors = ", ".join(f"{a.sensor.label} {_delta_e(mean_color_error(a))}" for a in able)
-    sums = ", ".join(f"{a.sensor.label} {_delta_e(mean_total_error(a))}" for a in able)
+    noises = ", ".join(f"{a.sensor.label} {_in_noise(a)}" for a in able)
     over = _patches(able[0])
-    return f"Color error (mean ΔE*ab over {over}): {errors}; total color error, with noise: {sums}."
+    return f"Color error (mean ΔE*ab over {over}): {errors}; visual noise: {noises}."
 
 
 def _costs(budget: Budget | None) -> dict[str, float]:
@@ -574,13 +692,18 @@ def _known_loss_db(analysis: Analysis) -> float:
 
 
 def _error(analysis: Analysis) -> str:
-    error, total = mean_color_error(analysis), mean_total_error(analysis)
+    error = mean_color_error(analysis)
     if error is None:
         return "no color error"
     return (
-        f"color error {error:.1f} (mean ΔE*ab over {_patches(analysis)}), total color error with "
-        f"noise {_delta_e(total)}"
+        f"color error {error:.1f} (mean ΔE*ab over {_patches(analysis)}), visual noise "
+        f"{_in_noise(analysis)}"
     )
+
+
+def _in_noise(analysis: Analysis) -> str:
+    noise = _visual_noise(analysis)
+    return "none" if noise is None else _noise(noise)
 
 
 def _patches(analysis: Analysis) -> str:
@@ -592,15 +715,19 @@ def _delta_e(error: float | None) -> str:
     return "none" if error is None else f"{error:.1f}"
 
 
-def _too_noisy(analysis: Analysis) -> str | None:
-    """Where noise exceeds `NOISY_DELTA_E`: the matrix that has less total color error."""
-    better, own = better_matrix(analysis), total_error_of(analysis)
-    if better is None or own is None:
+def _too_noisy(analysis: Analysis, prior: str | Spectra) -> str | None:
+    """Where the matrix loses the colors in the noise: the weight of the noise that loses least."""
+    lost = lost_colors(analysis.point, analysis.matrix, prior=prior)
+    if lost is None:
         return None
-    name, error = better
+    instead = (
+        f"The matrix noise-aware={lost.weight:.3g} reduces the total color error as viewed from "
+        f"{lost.total_error:.0f} to {lost.least_total_error:.0f} ΔE*ab."
+    )
+    remedy = "" if math.isinf(lost.weight) else f" {instead}"
     return (
-        f"{analysis.sensor.label}: the color noise is {own.noise.mean():.0f} ΔE*ab. The matrix "
-        f"{name} reduces the total color error from {own.total.mean():.0f} to {error:.0f} ΔE*ab."
+        f"{analysis.sensor.label}: no color information with the matrix {analysis.matrix.made_by}, "
+        f"because a gray picture is nearer to the true colors.{remedy}"
     )
 
 
@@ -611,7 +738,10 @@ def drawn_head(shown: Shown, look: Look) -> dict[str, Any]:
     level = {"level_lux": first.level_lux, "text": level_in_words(first.level_lux, 4)}
     return {
         "verdict": verdict_sentences(
-            shown.analyses, equal=shown.study.exposure.equal, reader=shown.study.outputs.reader
+            shown.analyses,
+            equal=shown.study.exposure.equal,
+            reader=shown.study.outputs.reader,
+            prior=next(iter(shown.makers.values())).prior,
         ),
         "light": {"name": first.illuminant.name, **level},
         "sensors": sensors,

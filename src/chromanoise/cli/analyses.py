@@ -4,7 +4,7 @@
 progress of a study.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any
@@ -12,7 +12,7 @@ from typing import Any
 import click
 
 from chromanoise.base import InputError
-from chromanoise.charts import outcome_tables, pareto_table, verdict_sentences
+from chromanoise.charts import outcome_tables, pareto_table
 from chromanoise.cli import terminal_tables
 from chromanoise.cli.options import (
     RenamedOption,
@@ -131,7 +131,7 @@ def analyze(
     refuse_taken_inputs({"--json": json_target, "--table": table}, sensors, settings)
     (result,) = run(study, progress=progress_of_step).analyses.values()
     printed = json_target != "-"
-    sentences = _sentences(result, study.exposure.equal) if printed else []
+    sentences = result.verdict.sentences if printed else ()
     write_outputs(
         (table, lambda: table_text(_table(result), str(table))),
         (json_target, lambda: json_text(result.to_dict())),
@@ -140,21 +140,16 @@ def analyze(
         _print(result, sentences)
 
 
-def _sentences(result: Analyses, equal: str) -> list[str]:
-    """The verdict; computed before anything is written, because it may raise an error."""
-    return list(verdict_sentences(result.analyses, equal=equal, reader=result.outputs.reader))
-
-
 def _table(result: Analyses) -> Table:
     """Of the sensors; with a pipeline of each patch at each ISO."""
     return result.pipeline_table() if result.outputs.pipeline.run else result.to_table()
 
 
-def _print(result: Analyses, sentences: list[str]) -> None:
+def _print(result: Analyses, sentences: Sequence[str]) -> None:
     analyses = result.analyses
+    print_lines(sentences)
     terminal_tables.print_conditions(conditions(result.points))
     terminal_tables.print_analyses(analyses)
-    print_lines(sentences)
     if len(analyses) > MOST_PAIRS_SENSORS:
         terminal_tables.print_ranking(result.ranking, "Ranking by SNR of Y [dB]")
     for table in outcome_tables(result):

@@ -18,6 +18,7 @@ from chromanoise.apps.paper import (
     table_5_finding,
     verdict,
 )
+from chromanoise.base import defined
 from chromanoise.charts import machine_tables
 from chromanoise.cli.output import print_lines, terminal
 from chromanoise.color import ColorMatrix
@@ -39,9 +40,9 @@ from chromanoise.study import (
     contravariant_snr_db,
     diagnosis,
     mean_color_error,
-    mean_total_error,
     metric_of,
     raw_snr_db,
+    visual_noise,
 )
 
 _WIDE = 6  # most channels in one row
@@ -127,7 +128,7 @@ def print_analyses(analyses: Iterable[Analysis]) -> None:
         "color SNR loss dB",
         "condition of channels",
         "color error",
-        "total color error",
+        "visual noise",
     ):
         left = head == "sensor"
         color.add_column(head, justify="left" if left else "right", overflow="fold")
@@ -308,7 +309,7 @@ def _add_color(table: Table, analysis: Analysis) -> None:
         number_text(analysis.color_snr_loss_db),
         f"{analysis.matrix.frame.condition:.3g}",
         number_text(mean_color_error(analysis), ".1f"),
-        number_text(mean_total_error(analysis), ".1f"),
+        number_text(defined(visual_noise(analysis.point, analysis.matrix)), ".3g"),
     )
 
 

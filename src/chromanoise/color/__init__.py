@@ -37,6 +37,11 @@ if TYPE_CHECKING:
         white_normalized as white_normalized,
         white_preserving as white_preserving,
     )
+    from chromanoise.color.noise_aware_matrices import (
+        NoiseAwareFamily as NoiseAwareFamily,
+        noise_aware as noise_aware,
+        noise_aware_over_light as noise_aware_over_light,
+    )
     from chromanoise.color.pipeline import (
         LUMA_WEIGHTS as LUMA_WEIGHTS,
         RGB,

@@ -11,6 +11,8 @@ if TYPE_CHECKING:
     from chromanoise.metrics.accuracy import (
         MatrixReport as MatrixReport,
         Metamerism as Metamerism,
+        balanced_charts as balanced_charts,
+        balanced_truth as balanced_truth,
         chart_ciede2000 as chart_ciede2000,
         chart_color_error as chart_color_error,
         chart_lab as chart_lab,
@@ -99,6 +101,7 @@ if TYPE_CHECKING:
         VisualNoiseModel as VisualNoiseModel,
         contrast_sensitivity as contrast_sensitivity,
         pixels_per_degree as pixels_per_degree,
+        viewed_covariance as viewed_covariance,
         visual_noise_from_spectrum as visual_noise_from_spectrum,
         visual_noise_of_picture as visual_noise_of_picture,
         visual_noise_of_white as visual_noise_of_white,

@@ -34,6 +34,7 @@ from chromanoise.color import (
 from chromanoise.metrics.snr import signal_snr_db
 from chromanoise.noise import (
     Exposure,
+    OperatingPoint,
     expected_electrons,
     measurement_vectors,
     saturated,
@@ -167,14 +168,54 @@ def mean_chart_errors(
     InputError
         As `chart_color_error`.
     """
+    truth, balanced = balanced_charts(sensor, matrices, exposure, illuminant, observer, chart)
+    errors = cie1976_difference(balanced_cielab(truth), balanced_cielab(balanced))
+    return np.asarray(errors.mean(axis=-1))
+
+
+def balanced_charts(
+    sensor: Sensor,
+    matrices: Float[Array, "k 3 p"],
+    exposure: Exposure,
+    illuminant: Illuminant,
+    observer: str = DEFAULT_OBSERVER,
+    chart: Spectra | None = None,
+) -> tuple[Float[Array, "c 3"], Float[Array, "k c 3"]]:
+    """X, Y, Z of each patch over those of the white, for the observer and for each matrix. [1]
+
+    NaN for a matrix whose white has an X, Y or Z that is not above 0.
+
+    Parameters
+    ----------
+    sensor, matrices, exposure, illuminant, observer, chart
+        As `mean_chart_errors`.
+
+    Raises
+    ------
+    InputError
+        As `chart_color_error`.
+    """
     scene = _white_and_chart(illuminant, chart)
-    truth = light(scene, "energy") @ color_axes(sensor.grid, "energy", observer)
     seen = expected_electrons(scene, sensor, exposure) @ np.swapaxes(matrices, -1, -2)
     known = (seen[:, 0] > 0).all(axis=-1)
-    white = np.where(known[:, None], seen[:, 0], 1.0)
-    lab = balanced_cielab(seen[:, 1:] / white[:, None])
-    errors = cie1976_difference(balanced_cielab(truth[1:] / truth[0]), lab)
-    return np.where(known, errors.mean(axis=-1), np.nan)
+    white = np.where(known[:, None], seen[:, 0], np.nan)
+    return _balanced_truth(scene, observer), seen[:, 1:] / white[:, None]
+
+
+def balanced_truth(point: OperatingPoint) -> Float[Array, "c 3"]:
+    """X, Y, Z of each patch of the chart over those of the white, for the observer. [1]
+
+    Parameters
+    ----------
+    point
+        Its light, chart and observer.
+    """
+    return _balanced_truth(_white_and_chart(point.illuminant, point.chart), point.observer)
+
+
+def _balanced_truth(scene: Scene, observer: str) -> Float[Array, "c 3"]:
+    truth = light(scene, "energy") @ color_axes(scene.illuminant.grid, "energy", observer)
+    return np.asarray(truth[1:] / truth[0])
 
 
 def _white_and_chart(illuminant: Illuminant, chart: Spectra | None) -> Scene:

@@ -6,10 +6,11 @@ neutral are 0; the caller supplies the transform from there to L*, u*, v*.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
-from chromanoise.base import Array, Float, InputError, check, inv, matrix_rank
+from chromanoise.base import Array, Float, InputError, check, congruence, inv, matrix_rank
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -232,10 +233,49 @@ def visual_noise_of_white(
     InputError
         If an entry is not finite.
     """
-    flat = np.broadcast_to(covariance, (samples, samples, 3, 3))
-    return visual_noise_from_spectrum(
-        np.asarray(flat), luv_from_xyz, pixels_per_degree=pixels_per_degree, model=model
+    viewed = viewed_covariance(
+        covariance, pixels_per_degree=pixels_per_degree, model=model, samples=samples
     )
+    jacobian = check.finite("luv_from_xyz", "1", luv_from_xyz)
+    variance = np.diagonal(congruence(jacobian, viewed))
+    return _weighted(np.sqrt(np.maximum(variance, 0.0)), model)
+
+
+def viewed_covariance(
+    covariance: Float[Array, "*px 3 3"],
+    *,
+    pixels_per_degree: float,
+    model: VisualNoiseModel = ISO_15739_2017,
+    samples: int = 256,
+) -> Float[Array, "*px 3 3"]:
+    """Covariance of X, Y, Z that the CSF leave of pixels with mutually independent noise. [1]
+
+    Parameters
+    ----------
+    covariance
+        Covariance of X, Y, Z (over those of white) in one pixel.
+    pixels_per_degree, model, samples
+        As `visual_noise_of_white`.
+
+    Raises
+    ------
+    InputError
+        If an entry is not finite.
+    """
+    opponent = np.asarray(model.opponent_from_xyz)
+    in_pixel = congruence(opponent, check.finite("covariance", "1", covariance))
+    shares = _shares_of_white(pixels_per_degree, model, samples)
+    return congruence(inv("opponent_from_xyz", opponent), in_pixel * shares)
+
+
+@lru_cache(maxsize=32)
+def _shares_of_white(
+    pixels_per_degree: float, model: VisualNoiseModel, samples: int
+) -> Float[Array, "3 3"]:
+    """Of a covariance of A, C1, C2 in one pixel, the shares that pass the CSF."""
+    at = frequencies_cpd((samples, samples), pixels_per_degree=pixels_per_degree)
+    passed = _passed(at, model).reshape(-1, 3)
+    return passed.T @ passed / at.size
 
 
 def visual_noise_of_picture(

@@ -89,7 +89,7 @@ if TYPE_CHECKING:
         ChartNoise as ChartNoise,
         GrayNoise as GrayNoise,
         TotalError as TotalError,
-        better_matrix as better_matrix,
+        Viewing as Viewing,
         chart_noise as chart_noise,
         color_budgets as color_budgets,
         contravariant_budgets as contravariant_budgets,
@@ -98,10 +98,12 @@ if TYPE_CHECKING:
         lab_budgets as lab_budgets,
         mean_total_error as mean_total_error,
         missing_lab_budgets as missing_lab_budgets,
+        noise_as_viewed as noise_as_viewed,
         noise_weights as noise_weights,
         pareto_of as pareto_of,
         total_error_of as total_error_of,
         total_errors as total_errors,
+        visual_noise as visual_noise,
         white_snr_db as white_snr_db,
     )
     from chromanoise.study.denoised_files import (
@@ -155,7 +157,6 @@ if TYPE_CHECKING:
     from chromanoise.study.merits import (
         Merit as Merit,
         Merits as Merits,
-        Viewing as Viewing,
         merits_of as merits_of,
         visual_merits,
     )
@@ -292,6 +293,17 @@ if TYPE_CHECKING:
         compared as compared,
         fullest_level_lux,
         swept_values as swept_values,
+    )
+    from chromanoise.study.trade_offs import (
+        EqualColor as EqualColor,
+        Reader,
+        Standing as Standing,
+        TradeOff as TradeOff,
+        Turn as Turn,
+        Verdict as Verdict,
+        equal_color as equal_color,
+        lost_colors as lost_colors,
+        trade_off as trade_off,
     )
 
 __getattr__, __dir__, __all__ = lazy_names(

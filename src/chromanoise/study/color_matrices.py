@@ -20,6 +20,8 @@ from chromanoise.color import (
     lmmse,
     lmmse_over_light,
     nir_diverse,
+    noise_aware,
+    noise_aware_over_light,
     noise_regularized,
     ridge,
     scene_xyz,
@@ -159,6 +161,12 @@ METHODS: Mapping[str, MatrixMethod] = {
         make=noise_regularized,
         parameter="weight",
         over_light=lmmse_over_light,
+        label="Weight of the noise",
+    ),
+    "noise-aware": MatrixMethod(
+        make=noise_aware,
+        parameter="weight",
+        over_light=noise_aware_over_light,
         label="Weight of the noise",
     ),
     "bounded-psi": MatrixMethod(

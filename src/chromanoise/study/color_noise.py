@@ -4,9 +4,10 @@ A matrix or a sensor that desaturates colors has less noise and a better SNR, bu
 total error counts both, in CIELAB: E|x - x_true|^2 = |bias|^2 + trace of the covariance.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache, partial
+from functools import cache, lru_cache, partial
 from typing import ClassVar
 
 import numpy as np
@@ -19,12 +20,14 @@ from chromanoise.base import (
     JsonKey,
     JsonKeys,
     check,
+    congruence,
     defined,
     with_short_repr,
 )
 from chromanoise.color import (
     FIRST_ORDER_TOLERANCE,
     LAB,
+    LUV,
     UNBOUNDED,
     ColorMatrix,
     ColorNoise,
@@ -40,6 +43,7 @@ from chromanoise.color import (
     relative_sd_error,
 )
 from chromanoise.metrics import (
+    ISO_15739_2017,
     Budget,
     MatrixReport,
     chart_ciede2000,
@@ -48,9 +52,19 @@ from chromanoise.metrics import (
     color_budget,
     contravariant_budget,
     lab_budget,
+    pixels_per_degree,
     signal_snr_db,
+    viewed_covariance,
 )
-from chromanoise.noise import OperatingPoint, Readout, demand_independent_channels, saturated
+from chromanoise.noise import (
+    Exposure,
+    OperatingPoint,
+    Readout,
+    demand_independent_channels,
+    saturated,
+    with_noise,
+)
+from chromanoise.sensor import Sensor
 from chromanoise.spectra import Spectra, chart_on, flat_field
 from chromanoise.study.analysis import (
     Analysis,
@@ -62,14 +76,105 @@ from chromanoise.study.analysis import (
 )
 from chromanoise.study.color_matrices import (
     DEFAULT_PRIOR,
-    matrix_makers,
     refuse_unknown_prior,
     training_named,
 )
 
 GRAY = 0.18
 """Reflectance of the gray card."""
+PLANE = 128
+"""Side of the Fourier plane on which visual noise is averaged."""
 _AXES = ("exact.measurement.names",)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Viewing:
+    """Display and distance from which a picture is viewed, one picture pixel per display pixel.
+
+    Attributes
+    ----------
+    pixel_pitch_mm
+        Of the display or print. [mm]
+    distance_mm
+        Of the eye. [mm]
+    """
+
+    pixel_pitch_mm: float = 0.25
+    distance_mm: float = 600.0
+
+    def __post_init__(self) -> None:
+        check.positive("pixel_pitch_mm", "mm", self.pixel_pitch_mm)
+        check.positive("distance_mm", "mm", self.distance_mm)
+
+    @property
+    def pixels_per_degree(self) -> float:
+        """Pixels in one degree of visual angle. [1/deg]"""
+        return pixels_per_degree(distance_mm=self.distance_mm, pixel_pitch_mm=self.pixel_pitch_mm)
+
+
+def noise_as_viewed(
+    white_e: Float[Array, " p"],
+    sensor: Sensor,
+    exposure: Exposure,
+    matrices: Float[Array, "*q 3 p"],
+    viewing: Viewing,
+) -> Float[Array, "*q"]:
+    """Visual noise of an 18 % gray, with every channel in each pixel. [CIELUV]
+
+    NaN where X, Y or Z of the sensor's white is not above 0.
+
+    Parameters
+    ----------
+    white_e
+        Expected electrons of a perfect white. [e-]
+    sensor, exposure
+        The sensor and its exposure.
+    matrices
+        Color matrices. [lx/e-]
+    viewing
+        Size and distance of the picture.
+
+    Notes
+    -----
+    ISO 15739:2017, annex B, to first order at the mean color.
+    """
+    in_e2 = with_noise(GRAY * white_e, sensor, exposure).covariance
+    white = matrices @ white_e
+    known = (white > 0).all(axis=-1)
+    balanced = matrices / np.where(known[..., None], white, 1.0)[..., None]
+    in_pixel = balanced @ in_e2 @ np.swapaxes(balanced, -1, -2)
+    viewed = viewed_covariance(in_pixel, pixels_per_degree=viewing.pixels_per_degree, samples=PLANE)
+    variance = np.diagonal(congruence(_gray_to_luv(), viewed), axis1=-2, axis2=-1)
+    noise = np.sqrt(np.maximum(variance, 0.0)) @ ISO_15739_2017.weights
+    return np.where(known, noise, np.nan)
+
+
+def visual_noise(
+    operating_point: OperatingPoint, matrix: ColorMatrix, viewing: Viewing | None = None
+) -> float:
+    """The color noise of a sensor: `noise_as_viewed` of one matrix. [CIELUV]
+
+    NaN where a channel is saturated, or X, Y or Z of the white is not above 0.
+
+    Parameters
+    ----------
+    operating_point
+        Sensor, exposure and light.
+    matrix
+        The color matrix. [lx/e-]
+    viewing
+        Size and distance of the picture; ``None`` for those of `Viewing`.
+    """
+    sensor, exposure = operating_point.sensor, operating_point.exposure
+    white_e = electrons_at(operating_point)
+    if saturated(white_e, sensor, exposure).any():
+        return math.nan
+    return float(noise_as_viewed(white_e, sensor, exposure, matrix.matrix, viewing or Viewing()))
+
+
+@cache
+def _gray_to_luv() -> Float[Array, "3 3"]:
+    return LUV.jacobian(np.full(3, GRAY), np.ones(3))
 
 
 @with_short_repr
@@ -456,12 +561,8 @@ def white_snr_db(curve: ParetoCurve, report: MatrixReport) -> tuple[float | None
     return tuple(defined(float(value)) for value in curve.snr_y_db)
 
 
-NOISY_DELTA_E = 50.0
-"""Noise above which a verdict names a better matrix. [Delta E*ab]"""
-
 # error below 4e-3 of a standard deviation
 _BY_CUBATURE = partial(cubature, rule=gaussian_cubature(radii=5, latitudes=3, longitudes=6))
-_OTHERS = ("least-squares", "white-preserving", "lmmse")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -530,7 +631,7 @@ def total_errors(
     return TotalError(bias=bias, noise=np.sqrt(spread), total=np.sqrt(bias**2 + spread))
 
 
-@lru_cache(maxsize=64)  # table, verdict and JSON use the same one
+@lru_cache(maxsize=64)
 def total_error_of(analysis: Analysis) -> TotalError | None:
     """`total_errors` of an analysis, with its matrix and readout; ``None`` without a color.
 
@@ -554,27 +655,3 @@ def mean_total_error(analysis: Analysis) -> float | None:
     """
     error = total_error_of(analysis)
     return None if error is None else float(error.total.mean())
-
-
-def better_matrix(analysis: Analysis) -> tuple[str, float] | None:
-    """The method with the least total error where noise exceeds ``NOISY_DELTA_E``, and that error.
-
-    ``None`` where the noise is lower, or no other method is better.
-
-    Parameters
-    ----------
-    analysis
-        With the matrix that is to be replaced.
-    """
-    own = total_error_of(analysis)
-    if own is None or not own.noise.mean() > NOISY_DELTA_E:
-        return None
-    found: dict[str, float] = {}
-    for name, maker in matrix_makers(_OTHERS, analysis.matrix.metric).items():
-        error = total_errors(analysis.point, maker(analysis.point), readout=analysis.readout)
-        if error is not None:
-            found[name] = float(error.total.mean())
-    best = min(found, key=lambda name: found[name], default=None)
-    if best is None or not found[best] < own.total.mean():
-        return None
-    return best, found[best]

@@ -14,7 +14,6 @@ from chromanoise.base import (
     JsonKey,
     JsonKeys,
     check,
-    congruence,
     defined,
     keys_of,
     with_short_repr,
@@ -36,13 +35,11 @@ from chromanoise.metrics import (
     metamerism,
     noise_speed,
     perceptual_weight,
-    pixels_per_degree,
     principal_angles_deg,
     second_moment,
     sensor_metamerism,
     tonal_range_bits,
     visual_noise_from_spectrum,
-    visual_noise_of_white,
     vora_value,
 )
 from chromanoise.noise import (
@@ -60,27 +57,7 @@ from chromanoise.sensor import Sensor, code_step_e
 from chromanoise.spectra import Scene, cie_1931, color_axes, colorchecker, light, photons_per_unit
 from chromanoise.study.analysis import Analysis, electrons_at, stages_at
 from chromanoise.study.color_matrices import MatrixFunction
-from chromanoise.study.color_noise import GRAY
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Viewing:
-    """Display and distance from which a picture is viewed, one picture pixel per display pixel.
-
-    Attributes
-    ----------
-    pixel_pitch_mm
-        Of the display or print. [mm]
-    distance_mm
-        Of the eye. [mm]
-    """
-
-    pixel_pitch_mm: float = 0.25
-    distance_mm: float = 600.0
-
-    def __post_init__(self) -> None:
-        check.positive("pixel_pitch_mm", "mm", self.pixel_pitch_mm)
-        check.positive("distance_mm", "mm", self.distance_mm)
+from chromanoise.study.color_noise import GRAY, PLANE, Viewing, noise_as_viewed
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -334,7 +311,6 @@ def _mean_noise(scene: Scene, analysis: Analysis) -> Float[Array, "p p"]:
     return with_noise(electrons, analysis.sensor, analysis.exposure).covariance.mean(axis=0)
 
 
-_PLANE = 128  # side of the Fourier plane on which visual noise is averaged
 _SAME_MATRIX = 1e-9  # two matrices that differ by less are one
 _SPEEDS = ((10, "first acceptable"), (40, "first excellent"))
 
@@ -496,48 +472,31 @@ def visual_merits(analysis: Analysis, viewing: Viewing) -> tuple[Merit, ...]:
 
 
 def _pixel_noise(analysis: Analysis, viewing: Viewing) -> float:
-    to_xyz, to_luv, noise_e2 = _gray_noise(analysis)
-    return visual_noise_of_white(
-        congruence(to_xyz, noise_e2),
-        to_luv,
-        pixels_per_degree=viewed_pixels_per_degree(viewing),
-        samples=_PLANE,
-    ).total
+    refuse_full(analysis)
+    white_color(analysis)
+    sensor, exposure, matrix = analysis.sensor, analysis.exposure, analysis.matrix.matrix
+    return float(noise_as_viewed(white_electrons(analysis), sensor, exposure, matrix, viewing))
 
 
 def _mosaic_noise(analysis: Analysis, viewing: Viewing) -> float | None:
     sensor = analysis.sensor
     if sensor.mosaic is None:
         return None
-    to_xyz, to_luv, _ = _gray_noise(analysis)
+    refuse_full(analysis)
+    to_xyz = analysis.matrix.matrix / white_color(analysis)[:, None]
+    to_luv = LUV.jacobian(np.full(3, GRAY), np.ones(3))
     bank, spectrum = bilinear_filters(sensor.mosaic, sensor.names), _plane_spectrum
     gray_e = GRAY * white_electrons(analysis)
     raw = flat_field_noise(spectrum, bank, gray_e, sensor, analysis.exposure)
     return visual_noise_from_spectrum(
         to_xyz @ raw @ to_xyz.T,
         to_luv,
-        pixels_per_degree=viewed_pixels_per_degree(viewing),
+        pixels_per_degree=viewing.pixels_per_degree,
     ).total
 
 
 def _plane_spectrum(bank: FilterBank, variance_e2: Array) -> Float[Array, "h w p p"]:
-    return noise_power_spectrum(bank, variance_e2, (_PLANE, _PLANE))
-
-
-def _gray_noise(
-    analysis: Analysis,
-) -> tuple[Float[Array, "3 p"], Float[Array, "3 3"], Float[Array, "p p"]]:
-    """Of the gray: raw to XYZ over the sensor's white, from there to L*u*v*, raw covariance."""
-    refuse_full(analysis)
-    white = white_color(analysis)
-    noise = with_noise(GRAY * white_electrons(analysis), analysis.sensor, analysis.exposure)
-    to_luv = LUV.jacobian(np.full(3, GRAY), np.ones(3))
-    return analysis.matrix.matrix / white[:, None], to_luv, noise.covariance
-
-
-def viewed_pixels_per_degree(viewing: Viewing) -> float:
-    """Pixels in one degree of visual angle. [1/deg]"""
-    return pixels_per_degree(distance_mm=viewing.distance_mm, pixel_pitch_mm=viewing.pixel_pitch_mm)
+    return noise_power_spectrum(bank, variance_e2, (PLANE, PLANE))
 
 
 # the matrix
@@ -593,7 +552,7 @@ class Merits:
         *("matrix", "metric", "observer"),
         JsonKey(
             "viewing",
-            keys=(*keys_of(Viewing), JsonKey("pixels_per_degree", viewed_pixels_per_degree)),
+            keys=(*keys_of(Viewing), "pixels_per_degree"),
         ),
         JsonKey(
             "values",

@@ -24,6 +24,7 @@ from chromanoise.base import (
     JsonKeys,
     Setting,
     check,
+    defined,
     warn_of_old_name,
     with_short_repr,
     write_whole,
@@ -42,8 +43,14 @@ from chromanoise.io import (
     table_of,
 )
 from chromanoise.metrics import MatrixReport
-from chromanoise.noise import OperatingPoint, clipping_readout, conditions, patch_scene
-from chromanoise.spectra import Illuminant, observer_notes
+from chromanoise.noise import (
+    DEFAULT_RULE,
+    OperatingPoint,
+    clipping_readout,
+    conditions,
+    patch_scene,
+)
+from chromanoise.spectra import Illuminant, Spectra, observer_notes
 from chromanoise.study.analysis import (
     Analysis,
     analyzed,
@@ -59,7 +66,7 @@ from chromanoise.study.analysis import (
 )
 from chromanoise.study.assembly import keyed
 from chromanoise.study.camera_pipeline import GainStep, PipelineNoise, pipeline_noise
-from chromanoise.study.color_matrices import MatrixMaker
+from chromanoise.study.color_matrices import DEFAULT_PRIOR, MatrixMaker
 from chromanoise.study.color_noise import (
     CHART_KEYS,
     ChartNoise,
@@ -70,6 +77,7 @@ from chromanoise.study.color_noise import (
     gray_noise,
     lab_budgets,
     mean_total_error,
+    visual_noise,
     white_snr_db,
 )
 from chromanoise.study.merits import Merits, merits_of
@@ -96,6 +104,7 @@ from chromanoise.study.reading_quality import (
 )
 from chromanoise.study.schema import OutputsPart, Study, pipeline_settings
 from chromanoise.study.sweeps import Curve
+from chromanoise.study.trade_offs import Verdict
 
 if TYPE_CHECKING:
     from chromanoise.imaging import Capture
@@ -119,6 +128,11 @@ def _entry(place: int) -> Callable[[Any], Entry]:
 def _key(name: str) -> Callable[[Any], Entry]:
     """The cell of a row that ends in a mapping; none where that has no such key."""
     return lambda row: row[-1].get(name)
+
+
+def _visual_noise(analysis: Analysis) -> float | None:
+    """Of an 18 % gray as viewed. [CIELUV]"""
+    return defined(visual_noise(analysis.point, analysis.matrix))
 
 
 def analyses_as_table(analyses: Sequence[Analysis]) -> Table:
@@ -146,7 +160,7 @@ def analyses_as_table(analyses: Sequence[Analysis]) -> Table:
         ("color SNR loss", "dB", ".1f", lambda one: one.color_snr_loss_db),
         ("condition of channels", "", ".4g", lambda one: one.matrix.frame.condition),
         ("color error", "Delta E*ab", ".2f", mean_color_error),
-        ("total color error", "Delta E*ab", ".2f", mean_total_error),
+        ("visual noise", "CIELUV", ".3g", _visual_noise),
         notes=(note for one in analyses for note in one.sensor.notes),
     )
 
@@ -319,6 +333,7 @@ SENSOR_KEYS: JsonKeys = (
         keys=(
             JsonKey("snr_db", color_snr_db),
             JsonKey("temporal_snr_db", temporal_color_snr_db),
+            JsonKey("visual_noise", _visual_noise),
             JsonKey("total_error_delta_e", mean_total_error),
             JsonKey("mean_lux", "color.mean", by=("color.names",)),
             JsonKey("covariance_lux2", "color.covariance"),
@@ -544,6 +559,12 @@ class Analyses(Result):
         Operating point of each sensor.
     outcomes
         Per sensor: stages, chart, figures of merit, noise in a color space.
+    outputs
+        What the study asks for.
+    prior
+        The training set of the comparison at equal color error.
+    equal
+        The exposure rule, from `chromanoise.noise.EQUAL_TERMS`.
     """
 
     KEYS: ClassVar[JsonKeys] = (
@@ -553,6 +574,7 @@ class Analyses(Result):
         JsonKey("level_lux", "analyses.0.scene.level_lux"),
         JsonKey("observer", "analyses.0.matrix.observer"),
         JsonKey("sensors", "outcomes"),
+        JsonKey("verdict", when="is_comparison"),
         "ranking",
         JsonKey("reader", "outputs.reader", when="outcomes.0.machine"),
     )
@@ -561,6 +583,8 @@ class Analyses(Result):
     points: tuple[OperatingPoint, ...]
     outcomes: tuple[Outcome, ...]
     outputs: OutputsPart
+    prior: str | Spectra = DEFAULT_PRIOR
+    equal: str = DEFAULT_RULE
 
     @property
     def analyses(self) -> tuple[Analysis, ...]:
@@ -571,6 +595,19 @@ class Analyses(Result):
     def ranking(self) -> tuple[Rank, ...]:
         """The sensors from highest to lowest SNR of Y."""
         return ranking_of_analyses(self.analyses)
+
+    @property
+    def is_comparison(self) -> bool:
+        """Whether there are sensors to compare."""
+        return len(self.points) > 1
+
+    @property
+    def verdict(self) -> Verdict:
+        """The best sensor for the reader, by how much, and why."""
+        found: Verdict = figures().verdict_of(
+            self.analyses, equal=self.equal, reader=self.outputs.reader, prior=self.prior
+        )
+        return found
 
     def raw_snr_db(self) -> dict[str, dict[str, float | None]]:
         """Raw SNR by sensor and channel (eq. 7); ``None`` where it is not defined. [dB]"""

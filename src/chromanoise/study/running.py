@@ -420,7 +420,12 @@ def _analysis(
             outcomes.append(outcome_of(point, maker, study.outputs, balance_light=balance_light))
             advance(1)
         return Analyses(
-            matrix=name, points=tuple(points), outcomes=tuple(outcomes), outputs=study.outputs
+            matrix=name,
+            points=tuple(points),
+            outcomes=tuple(outcomes),
+            outputs=study.outputs,
+            prior=maker.prior,
+            equal=study.exposure.equal,
         )
 
     return Step(

@@ -37,7 +37,7 @@ from chromanoise.sensor import (
 from chromanoise.spectra import black_body, with_infrared
 from chromanoise.study.analysis import Stages, electrons_at, noisy_color_at, stages_at
 from chromanoise.study.color_matrices import MatrixFunction, MatrixMaker
-from chromanoise.study.color_noise import GRAY, total_errors
+from chromanoise.study.color_noise import GRAY, total_errors, visual_noise
 from chromanoise.study.reading_quality import (
     COLOR,
     COLOR_WITHOUT,
@@ -161,6 +161,15 @@ def gray_delta_e(operating_point: OperatingPoint, matrix: ColorMatrix) -> float:
     difference = propagate(gray, LAB, cubature).delta_e
     assert difference is not None  # CIELAB has one
     return float(difference)
+
+
+_quantity(
+    "visual-noise",
+    "visual noise of an 18 % gray as viewed",
+    "CIELUV",
+    more_is_better=False,
+    over_levels=False,
+)(visual_noise)
 
 
 @_color_difference("color-error", "mean color error of the chart without noise")

@@ -11,7 +11,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from chromanoise.base import Array
+from chromanoise.base import Array, defined
 from chromanoise.color import ColorMatrix, first_order
 from chromanoise.metrics import (
     chart_ciede2000,
@@ -27,20 +27,17 @@ from chromanoise.noise import (
     measurement_vectors,
     saturated,
     signal_limit_e,
-    white_scene,
 )
 from chromanoise.spectra import INFRARED_FROM_NM, color_axes, is_infrared
 from chromanoise.study import (
     GRAY,
     MatrixMaker,
-    Viewing,
-    analyzed,
     electrons_at,
     pairs_of,
     raw_information,
     stages_at,
     total_errors,
-    visual_merits,
+    visual_noise,
 )
 
 SNR10 = 10.0
@@ -258,16 +255,13 @@ def _smi(candidate: Candidate) -> float:
 
 @_objective(
     "visual noise",
-    "visual noise of a gray, all channels in each pixel",
+    "visual noise of an 18 % gray as viewed",
     "CIELUV",
     "lower",
     source="ISO 15739:2017",
 )
 def _visual_noise(candidate: Candidate) -> float | None:
-    point = candidate.point
-    white = analyzed(white_scene(point), point.sensor, point.exposure, matrix=candidate.matrix)
-    merit, _ = visual_merits(white, Viewing())
-    return merit.value
+    return defined(visual_noise(candidate.point, candidate.matrix))
 
 
 @_objective(

@@ -14,7 +14,7 @@ const TITLE = "Sensors";
 /** The column of the names, which is sorted by the alphabet. */
 const NAME = "name";
 /** Columns with one number for each state; an earlier one stands under it. */
-const COMPARED = new Set(["raw_db", "luminance_db", "loss_db", "color_error", "total_error", "time_ms"]);
+const COMPARED = new Set(["raw_db", "luminance_db", "loss_db", "color_error", "visual_noise", "time_ms"]);
 
 /** How the table is sorted: by which column, and whether from its low end; none: as in the study. */
 /** @type {{ key: string, up: boolean } | null} */

@@ -1,0 +1,173 @@
+"""White-preserving color matrices that know the noise, from least squares to a gray picture.
+
+Of the matrices that are exact on a perfect white, a weight w of the noise selects the one of least
+E|C M - XYZ|^2 + w tr(C D C^T), D the covariance averaged over the training set. A weight of 0 is
+least squares, 1 gives the least total error, and an infinite weight the matrix of least noise. The
+picture of that one is gray. In noise-whitened channels (C^T = W y with W^T D W = 1) the white
+demands a^T y = XYZ with a = W^T m. The part of y along a is the gray matrix. The rest is a ridge
+problem, and one singular value decomposition serves all weights.
+"""
+
+from copy import copy
+from dataclasses import replace
+
+import numpy as np
+
+from chromanoise.base import RANK_TOLERANCE, Array, Float, check, qr, svd, whitening
+from chromanoise.color.matrices import ColorMatrix, kernel_matrix
+from chromanoise.color.training import Training, training_response
+from chromanoise.noise import Exposure, mean_noise_covariance
+from chromanoise.sensor import Sensor
+from chromanoise.spectra import Metric
+
+_PER_DECADE = 12  # weights of a family
+_BEYOND = 1e3  # of the least and the largest singular value of a whitened training set, squared
+
+
+def noise_aware(
+    sensor: Sensor,
+    exposure: Exposure,
+    training: Training,
+    *,
+    level_lux: float,
+    metric: Metric = "quanta",
+    weight: float,
+) -> ColorMatrix:
+    """The white-preserving matrix of least squared color error plus ``weight`` times the noise.
+
+    Parameters
+    ----------
+    training
+        Spectra that the matrix is trained on, with the responses of sensor and observer.
+    level_lux
+        Illuminance on the set; D is the mean covariance of the readings there. [lx]
+    metric
+        Whether spectra are expressed in photons (``quanta``) or in ``energy``.
+    weight
+        Weight of tr(C D C^T): 0 is the white-preserving least squares, 1 has the least total error
+        in X, Y and Z of all white-preserving matrices. [1]
+
+    Raises
+    ------
+    InputError
+        As `white_preserving`, and if the weight is negative.
+
+    Notes
+    -----
+    Vora & Herley (ICIP 1998) with the constraint of Finlayson & Drew (CIC5, 1997).
+    """
+    check.not_negative("weight of the noise", "1", weight)
+    family = NoiseAwareFamily(sensor, exposure, training, level_lux=level_lux)
+    matrix = family.matrices(np.array([weight]))[0]
+    framed = kernel_matrix(sensor, exposure, metric, training.observer)
+    made_by = f"noise-aware {weight:g} at {level_lux:g} lx ({training.source})"
+    return replace(framed, matrix=matrix, made_by=made_by)
+
+
+def noise_aware_over_light(
+    sensor: Sensor,
+    exposure: Exposure,
+    training: Training,
+    level_lux: Float[Array, " k"],
+    *,
+    weight: float = 1.0,
+) -> Float[Array, "k 3 p"]:
+    """The matrices of `noise_aware` for many light levels. [lx/e-]
+
+    Parameters
+    ----------
+    training
+        Spectra that the matrix is trained on, with the responses of sensor and observer.
+    level_lux
+        Illuminances on the set, > 0. [lx]
+    weight
+        As `noise_aware`. [1]
+
+    Raises
+    ------
+    InputError
+        As `noise_aware`, or if a level is not positive.
+    """
+    check.not_negative("weight of the noise", "1", weight)
+    levels = check.non_negative("level_lux", "lx", level_lux)
+    families = (
+        NoiseAwareFamily(sensor, exposure, training, level_lux=float(level)) for level in levels
+    )
+    return np.stack([one.matrices(np.array([weight]))[0] for one in families])
+
+
+class NoiseAwareFamily:
+    """The matrices of `noise_aware` for all weights of the noise.
+
+    Parameters
+    ----------
+    sensor, exposure, training, level_lux
+        As `noise_aware`.
+
+    Raises
+    ------
+    InputError
+        As `noise_aware`.
+    """
+
+    def __init__(
+        self, sensor: Sensor, exposure: Exposure, training: Training, *, level_lux: float
+    ) -> None:
+        seen = training_response(training, sensor, exposure, level_lux=level_lux)
+        white = f"white of {sensor.name} in {training.illuminant.name}"
+        check.positive(white, "e-", seen.white_e.max())
+        self._what = f"noise-aware matrices of {sensor.name}"
+        self._seen, self._sensor, self._exposure = seen, sensor, exposure
+        self._lit = seen.white_e > 0
+        self._scale = seen.scale[self._lit]
+        electrons, xyz = seen.weighted
+        turn, self._relative = qr(self._what, electrons[:, self._lit] / self._scale)
+        self._xyz = turn.T @ xyz
+        self._solve(seen.noise_e2)
+
+    def in_light(self, factor: float) -> "NoiseAwareFamily":
+        """The family at that many times the light; spectra and their colors are kept."""
+        seen, brighter = self._seen, copy(self)
+        brighter._solve(
+            mean_noise_covariance(
+                seen.electrons, seen.share, self._sensor, self._exposure, light=factor
+            )
+            / factor**2
+        )
+        return brighter
+
+    def _solve(self, noise_e2: Float[Array, "p p"]) -> None:
+        """Separate gray, and the directions across it in channels of unit noise."""
+        lit, scale = self._lit, self._scale
+        unit = whitening(self._what, noise_e2[np.ix_(lit, lit)] / np.outer(scale, scale))
+        toward = unit.sum(axis=0)  # of the white, a row of ones
+        across = svd(self._what, toward[None])[2][1:].T
+        self._gray = np.outer(self._seen.white_xyz, unit @ toward / (toward @ toward))
+        self._directions = unit @ across
+        left, self._s, self._turn = svd(
+            self._what, self._relative @ self._directions, full_matrices=False
+        )
+        self._target = left.T @ (self._xyz - self._relative @ self._gray.T)
+        self._kept = self._s > RANK_TOLERANCE * max(self._s, default=0.0)
+
+    def weights(self) -> Float[Array, " q"]:
+        """Weights from 0 to infinity, dense where the matrix changes. [1]
+
+        That is around the squares of the singular values of the training set in channels of unit
+        noise.
+        """
+        squares = self._s[self._kept] ** 2
+        if not squares.size:
+            return np.array([0.0, np.inf])
+        low, high = squares.min() / _BEYOND, squares.max() * _BEYOND
+        count = 1 + int(np.ceil(_PER_DECADE * np.log10(high / low)))
+        return np.concatenate([[0.0], np.geomspace(low, high, count), [np.inf]])
+
+    def matrices(self, weights: Float[Array, " q"]) -> Float[Array, "q 3 p"]:
+        """One matrix per weight; an infinite weight gives the matrix of least noise. [lx/e-]"""
+        s = np.where(self._kept, self._s, 1.0)
+        gain = np.where(self._kept, s / (s**2 + weights[:, None]), 0.0)
+        moved = (self._target.T * gain[:, None, :]) @ self._turn @ self._directions.T
+        found = np.zeros((weights.size, len(self._gray), self._lit.size))
+        found[..., self._lit] = (self._gray + moved) / self._scale
+        return found

@@ -1,0 +1,320 @@
+"""Noise-aware matrices, trade-offs, and sensors compared at equal color error."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, strategies as st
+
+import chromanoise as cn
+from chromanoise.charts import drawing, shown
+from chromanoise.color import NoiseAwareFamily, noise_aware, training_response, white_preserving
+from chromanoise.color.spaces import LUV
+from chromanoise.color.training import chart_training, smooth_training
+from chromanoise.metrics import mean_chart_errors
+from chromanoise.metrics.visual_noise import visual_noise_of_picture
+from chromanoise.noise import Exposure, OperatingPoint, expected_electrons
+from chromanoise.sensor import Pixel, with_channels
+from chromanoise.spectra import DEFAULT_GRID, Grid, cie_illuminant, equal_energy, flat_field
+from chromanoise.study import (
+    Viewing,
+    electrons_at,
+    equal_color,
+    noise_as_viewed,
+    sensor_named,
+    study_from_data,
+    trade_off,
+    training_named,
+)
+from strategies import EXPOSURE, GRID, bell_qe, sensor_of, sensors
+
+LAMP = equal_energy(GRID)
+SMOOTH = smooth_training(LAMP)
+WEIGHTS = np.array([0.0, 1e-3, 1.0, 30.0, np.inf])
+PAIR = ("onyx-rgbw", "onyx-rgb-ircut")
+SENSORS = (
+    "onyx-rgb",
+    "onyx-rgb-ircut",
+    "onyx-rgbw-ircut",
+    "model-cmy",
+    "model-mono",
+    "ar0132at-rgbw",
+)
+
+
+def paper_point(name, level_lux=10.0, time_s=11.94e-3):
+    return OperatingPoint(
+        sensor=sensor_named(name, DEFAULT_GRID),
+        exposure=Exposure(time_s=time_s),
+        illuminant=equal_energy(DEFAULT_GRID),
+        level_lux=level_lux,
+    )
+
+
+def xyz_costs(matrices, seen):
+    """Squared color error and noise variance of X, Y, Z, over the training set."""
+    missed = seen.electrons @ np.swapaxes(matrices, -1, -2) - seen.xyz
+    bias = np.einsum("k,qkc->q", seen.share, missed**2)
+    return bias, np.einsum("qcp,pr,qcr->q", matrices, seen.noise_e2, matrices)
+
+
+# the family
+
+
+@given(sensors(min_channels=2))
+def test_every_noise_aware_matrix_keeps_the_white(sensor):
+    family = NoiseAwareFamily(sensor, EXPOSURE, SMOOTH, level_lux=1.0)
+    seen = training_response(SMOOTH, sensor, EXPOSURE, level_lux=1.0)
+    for matrix in family.matrices(WEIGHTS):
+        assert matrix @ seen.white_e == pytest.approx(seen.white_xyz, rel=1e-9)
+
+
+@given(sensors(min_channels=3, max_channels=4))
+def test_without_weight_it_is_the_white_preserving_least_squares(sensor):
+    ours = noise_aware(sensor, EXPOSURE, SMOOTH, level_lux=1.0, weight=0.0).matrix
+    theirs = white_preserving(sensor, EXPOSURE, SMOOTH, level_lux=1.0).matrix
+    seen = training_response(SMOOTH, sensor, EXPOSURE, level_lux=1.0)
+    errors = [xyz_costs(one[None], seen)[0][0] for one in (ours, theirs)]
+    assert errors[0] == pytest.approx(errors[1], rel=1e-6, abs=1e-18 * (seen.xyz**2).sum())
+
+
+@given(sensors(min_channels=2), st.floats(1e-3, 1e3), st.integers(0, 2**32 - 1))
+def test_no_other_matrix_that_keeps_the_white_has_less_error_plus_weighted_noise(
+    sensor, weight, seed
+):
+    family = NoiseAwareFamily(sensor, EXPOSURE, SMOOTH, level_lux=1.0)
+    seen = training_response(SMOOTH, sensor, EXPOSURE, level_lux=1.0)
+    best = family.matrices(np.array([weight]))
+    step = np.random.default_rng(seed).normal(size=best.shape)
+    step -= (step @ seen.white_e)[..., None] * seen.white_e / (seen.white_e @ seen.white_e)
+    size = 1e-3 * np.abs(best).max() / np.abs(step).max()
+    own, moved = (
+        float(bias[0] + weight * noise[0])
+        for bias, noise in (xyz_costs(best, seen), xyz_costs(best + size * step, seen))
+    )
+    assert own <= moved * (1 + 1e-9)
+
+
+@given(sensors(min_channels=2))
+def test_more_weight_means_more_color_error_and_less_noise_in_xyz(sensor):
+    family = NoiseAwareFamily(sensor, EXPOSURE, SMOOTH, level_lux=1.0)
+    seen = training_response(SMOOTH, sensor, EXPOSURE, level_lux=1.0)
+    bias, noise = xyz_costs(family.matrices(family.weights()), seen)
+    size = bias.max() + noise.max()
+    assert (np.diff(bias) >= -1e-9 * size).all()
+    assert (np.diff(noise) <= 1e-9 * size).all()
+
+
+def test_the_matrix_of_least_noise_is_the_one_printed_for_read_noise_alone():
+    # the limit of (13.5) for D65 on 400-1050 nm at 5 nm: noise without light
+
+    grid = Grid.uniform(400, 1050, 5)
+    lamp = cie_illuminant("D65", grid, beyond="hold")
+    sensor = replace(
+        sensor_named("onyx-rgb-ircut", grid),
+        pixel=Pixel(pitch_um=10, full_well_e=1e6, read_noise_e=3.0),
+    )
+    training = chart_training(lamp)
+    family = NoiseAwareFamily(sensor, EXPOSURE, training, level_lux=1e-9)
+    seen = training_response(training, sensor, EXPOSURE, level_lux=1e-9)
+    gray = family.matrices(np.array([np.inf]))[0] * seen.white_e / seen.white_xyz[:, None]
+    assert gray == pytest.approx(np.tile([0.275624, 0.343794, 0.380582], (3, 1)), abs=1e-6)
+
+
+# trade-offs and the comparison
+
+
+def test_the_noise_of_a_trade_off_is_that_of_a_drawn_picture_of_the_gray():
+    point = paper_point("onyx-rgb-ircut", level_lux=100.0, time_s=1e-3)
+    trade = trade_off(point)
+    k = int(np.argmin(trade.color_error))
+    rng = np.random.default_rng(5)
+    white_e = expected_electrons(
+        flat_field(point.illuminant, level_lux=100.0), point.sensor, point.exposure
+    )
+    gray_e, read_e = 0.18 * white_e, point.sensor.pixel.read_noise_e
+    totals = []
+    for _ in range(6):
+        raw = rng.poisson(gray_e, (256, 256, white_e.size)) + read_e * rng.normal(
+            size=(256, 256, white_e.size)
+        )
+        xyz = raw @ trade.matrix[k].T / (trade.matrix[k] @ white_e)
+        totals.append(
+            visual_noise_of_picture(
+                xyz,
+                lambda one: LUV.from_xyz(one, np.ones(3)),
+                pixels_per_degree=Viewing().pixels_per_degree,
+            ).total
+        )
+    assert trade.noise[k] == pytest.approx(np.mean(totals), rel=0.03)
+
+
+def test_the_color_error_of_a_trade_off_is_that_of_its_matrices():
+    point = paper_point("onyx-rgbw")
+    trade = trade_off(point)
+    others = mean_chart_errors(point.sensor, trade.matrix, point.exposure, point.illuminant)
+    assert trade.color_error == pytest.approx(others, rel=1e-9)
+
+
+@pytest.mark.parametrize("color_error", [11.0, 14.0, 25.0])
+def test_between_two_weights_the_least_noise_is_that_of_a_finer_grid(color_error):
+    point = paper_point("onyx-rgbw", level_lux=1.0)
+    trade = trade_off(point)
+    training = training_named("chart-nir", point.illuminant)
+    family = NoiseAwareFamily(point.sensor, point.exposure, training, level_lux=1.0)
+    fine = np.geomspace(1e-4, 1e4, 4001)
+    matrices = family.matrices(fine)
+    errors = mean_chart_errors(point.sensor, matrices, point.exposure, point.illuminant)
+    last = np.flatnonzero(errors <= color_error)[-1]
+    finer = np.interp(np.log(trade.at(color_error).weight), np.log(fine), errors)
+    assert finer == pytest.approx(color_error, rel=2e-3)
+    white_e = electrons_at(point)
+    noise = noise_as_viewed(white_e, point.sensor, point.exposure, matrices[last], Viewing())
+    assert trade.at(color_error).noise == pytest.approx(noise, rel=2e-3)
+
+
+def test_of_the_papers_pair_the_sensor_with_ir_cut_has_less_noise_at_equal_color_error():
+    # PHYSICS-2 section 16: the paper's verdict stands at equal color error
+    for level_lux in (0.1, 1.0, 10.0):
+        found = equal_color([paper_point(name, level_lux) for name in PAIR])
+        assert (found.winner, found.is_tie) == ("onyx-rgb-ircut", False)
+        assert found.at_color_error == max(one.least_color_error for one in found.trade_offs)
+
+
+def test_the_winner_of_a_hundred_random_pairs_is_that_of_drawn_pictures():
+    rng, lamp = np.random.default_rng(3), equal_energy(GRID)
+    agreed = compared = 0
+    for _ in range(100):
+        points = [
+            OperatingPoint(
+                sensor=sensor_of(
+                    bell_qe(
+                        np.array([450, 540, 610]) + rng.normal(0, 12, 3),
+                        rng.uniform(25, 50, 3),
+                        rng.uniform(0.3, 0.7, 3),
+                    ),
+                    pixel=Pixel(
+                        pitch_um=3.0, full_well_e=1e5, read_noise_e=float(rng.uniform(1, 6))
+                    ),
+                    name=name,
+                ),
+                exposure=Exposure(time_s=0.01),
+                illuminant=lamp,
+                level_lux=float(10 ** rng.uniform(1.5, 3)),
+            )
+            for name in ("one", "other")
+        ]
+        points[1] = replace(points[1], level_lux=points[0].level_lux)
+        found = equal_color(points, prior="smooth-50", turns=False)
+        if found.margin_db < 0.3:  # less than the sampling error of a picture
+            continue
+        totals = {}
+        for point, standing in ((p, s) for p in points for s in found.standings):
+            if standing.sensor != point.sensor.label:
+                continue
+            training = training_named("smooth-50", lamp)
+            family = NoiseAwareFamily(
+                point.sensor, point.exposure, training, level_lux=point.level_lux
+            )
+            matrix = family.matrices(np.array([standing.weight]))[0]
+            white_e = electrons_at(point)
+            read_e = point.sensor.pixel.read_noise_e
+            raw = rng.poisson(0.18 * white_e, (96, 96, 3)) + read_e * rng.normal(size=(96, 96, 3))
+            totals[point.sensor.label] = visual_noise_of_picture(
+                raw @ matrix.T / (matrix @ white_e),
+                lambda one: LUV.from_xyz(one, np.ones(3)),
+                pixels_per_degree=Viewing().pixels_per_degree,
+            ).total
+        compared += 1
+        agreed += min(totals, key=totals.get) == found.winner
+    assert compared > 50
+    assert agreed >= compared - 2
+
+
+@given(st.floats(0.25, 4.0))
+def test_a_common_gain_of_all_channels_with_the_electrons_kept_changes_nothing(gain):
+    point = paper_point("onyx-rgb-ircut", level_lux=1.0)
+    qe = point.sensor.qe * gain / 4
+    weaker = replace(
+        point,
+        sensor=replace(point.sensor, qe=qe),
+        exposure=Exposure(time_s=point.exposure.time_s * 4 / gain),
+    )
+    one, other = trade_off(point), trade_off(weaker)
+    assert other.noise == pytest.approx(one.noise, rel=1e-7)
+    assert other.color_error == pytest.approx(one.color_error, rel=1e-9)
+
+
+@given(st.integers(0, 2**32 - 1))
+def test_one_more_channel_never_raises_the_least_total_error_in_xyz(seed):
+    rng = np.random.default_rng(seed)
+    qe = bell_qe(rng.uniform(430, 640, 4), rng.uniform(20, 60, 4), rng.uniform(0.1, 0.8, 4))
+    names = ("a", "b", "c", "d")
+    four = sensor_of(qe, names=names)
+    three = with_channels(four, names[:3], name="three")
+    totals = []
+    for sensor in (three, four):
+        seen = training_response(SMOOTH, sensor, EXPOSURE, level_lux=1.0)
+        best = noise_aware(sensor, EXPOSURE, SMOOTH, level_lux=1.0, weight=1.0).matrix
+        bias, noise = xyz_costs(best[None], seen)
+        totals.append(float(bias[0] + noise[0]))
+    assert totals[1] <= totals[0] * (1 + 1e-9)
+
+
+def test_a_sensor_against_itself_is_a_tie_and_no_winner():
+    twin = replace(sensor_named("onyx-rgb-ircut", DEFAULT_GRID), name="twin")
+    verdict = cn.analyze("onyx-rgb-ircut", twin, lux=1.0, time_ms=10.0).verdict
+    assert verdict.winner is None
+    assert verdict.margin_db == 0.0
+
+
+def test_a_sensor_with_two_channels_is_left_out_and_said_so():
+    verdict = cn.analyze(*PAIR, "model-mono", lux=1.0, time_ms=10.0).verdict
+    assert [one.sensor for one in verdict.equal.standings] == ["onyx-rgb-ircut", "onyx-rgbw"]
+    assert any("model-mono cannot reach" in one for one in verdict.sentences)
+
+
+def test_in_deep_dark_no_sensor_has_color_and_the_verdict_says_so():
+    dark = cn.analyze(*PAIR, lux=0.01, time_ms=11.94).verdict
+    light = cn.analyze(*PAIR, lux=10.0, time_ms=11.94).verdict
+    assert set(dark.equal.lost) == set(PAIR)
+    assert light.equal.lost == ()
+
+
+@pytest.mark.parametrize("level_lux", [0.1, 10.0])
+@given(names=st.sets(st.sampled_from(SENSORS), min_size=1, max_size=3))
+def test_no_number_of_a_sensor_depends_on_its_neighbors(level_lux, names):
+    data = {
+        "light": {"level_lux": level_lux},
+        "exposure": {"time_ms": 1.0},
+    }
+
+    def rows(*sensors):
+        parts = [{"name": one} for one in sensors]
+        of = shown(study_from_data({"sensors": parts, **data}, source=""))
+        return {
+            row["name"]: dict(zip(keys, row["values"], strict=True))
+            for ranking in [drawing("head", of)["ranking"]]
+            for keys in [[one["key"] for one in ranking["columns"]]]
+            for row in ranking["rows"]
+        }
+
+    alone = rows("onyx-rgbw")["onyx-rgbw"]
+    among = rows("onyx-rgbw", *sorted(names - {"onyx-rgbw"}))["onyx-rgbw"]
+    assert {key: among[key] for key in alone if key != "rank"} == {
+        key: value for key, value in alone.items() if key != "rank"
+    }
+
+
+def test_the_json_of_two_sensors_has_the_verdict_and_that_of_one_has_none():
+    data = cn.analyze(*PAIR, lux=10.0, time_ms=11.94).to_dict()["verdict"]
+    assert {"winner", "margin_db", "at_color_error", "reader", "sentences"} <= set(data)
+    assert data["winner"] == "onyx-rgb-ircut"
+    assert data["reader"] == "eye"
+    assert "verdict" not in cn.analyze("onyx-rgbw", lux=10.0).to_dict()
+
+
+def test_for_a_machine_the_winner_is_that_of_the_median_pair():
+    verdict = cn.analyze(*PAIR, lux=10.0, time_ms=11.94, reader="machine").verdict
+    assert (verdict.winner, verdict.at_color_error) == ("onyx-rgbw", None)
+    assert verdict.margin_db > 3.0
