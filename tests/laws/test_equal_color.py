@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, strategies as st
+from hypothesis import given, settings, strategies as st
 
 import chromanoise as cn
 from chromanoise.charts import drawing, shown
@@ -38,7 +38,7 @@ SENSORS = (
     "onyx-rgbw-ircut",
     "model-cmy",
     "model-mono",
-    "ar0132at-rgbw",
+    "model-rgbir",
 )
 
 
@@ -181,10 +181,10 @@ def test_of_the_papers_pair_the_sensor_with_ir_cut_has_less_noise_at_equal_color
         assert found.at_color_error == max(one.least_color_error for one in found.trade_offs)
 
 
-def test_the_winner_of_a_hundred_random_pairs_is_that_of_drawn_pictures():
+def test_the_winner_of_random_pairs_is_that_of_drawn_pictures():
     rng, lamp = np.random.default_rng(3), equal_energy(GRID)
     agreed = compared = 0
-    for _ in range(100):
+    for _ in range(25):
         points = [
             OperatingPoint(
                 sensor=sensor_of(
@@ -227,8 +227,8 @@ def test_the_winner_of_a_hundred_random_pairs_is_that_of_drawn_pictures():
             ).total
         compared += 1
         agreed += min(totals, key=totals.get) == found.winner
-    assert compared > 50
-    assert agreed >= compared - 2
+    assert compared > 12
+    assert agreed >= compared - 1
 
 
 @given(st.floats(0.25, 4.0))
@@ -281,8 +281,11 @@ def test_in_deep_dark_no_sensor_has_color_and_the_verdict_says_so():
     assert light.equal.lost == ()
 
 
-@pytest.mark.parametrize("level_lux", [0.1, 10.0])
-@given(names=st.sets(st.sampled_from(SENSORS), min_size=1, max_size=3))
+@settings(max_examples=4)
+@given(
+    level_lux=st.sampled_from([0.1, 10.0]),
+    names=st.sets(st.sampled_from(SENSORS), min_size=1, max_size=3),
+)
 def test_no_number_of_a_sensor_depends_on_its_neighbors(level_lux, names):
     data = {
         "light": {"level_lux": level_lux},

@@ -293,7 +293,10 @@ def test_crosstalk_after_counting_is_undone_where_the_readout_adds_no_noise():
 def test_a_mosaic_of_one_channel_leaves_its_visual_noise_alone():
     alone = replace(white_channel(), mosaic=Mosaic((("W",),)))
     result = values(merits_at(alone))
-    assert result["visual_noise_bilinear"] == pytest.approx(result["visual_noise"], rel=1e-12)
+    assert result["visual_noise_bilinear"] == pytest.approx(
+        result["visual_noise"],
+        rel=1e-6,  # u* and v* of one channel are roots of rounding
+    )
 
 
 def test_visual_noise_of_a_bayer_mosaic_is_that_of_simulated_pictures():

@@ -10,7 +10,13 @@ from chromanoise.base.colour import colour_science
 from chromanoise.base.rng import stream
 from chromanoise.color import scene_xyz
 from chromanoise.spectra import Scene, colorchecker
-from chromanoise.study import better_matrix, mean_total_error, total_errors
+from chromanoise.study import (
+    Viewing,
+    lost_colors,
+    mean_total_error,
+    total_error_as_viewed,
+    total_errors,
+)
 from chromanoise.study.analysis import electrons_at
 
 DRAWS = 20_000
@@ -67,14 +73,15 @@ def test_a_black_level_error_adds_to_the_total_error_and_not_to_the_noise():
     )
 
 
-def test_where_noise_exceeds_50_a_better_matrix_is_named():
+def test_where_a_matrix_loses_the_colors_the_weight_that_loses_least_is_named():
     dark = outcome("onyx-rgbw", lux=0.05, time_ms=12.0)
-    name, error = better_matrix(dark)
-    assert error == pytest.approx(
-        mean_total_error(outcome("onyx-rgbw", lux=0.05, time_ms=12.0, matrix=name)), rel=1e-12
-    )
-    assert error < mean_total_error(dark)
-    assert better_matrix(outcome("onyx-rgbw", lux=10)) is None
+    lost = lost_colors(dark.point, dark.matrix)
+    named = outcome("onyx-rgbw", lux=0.05, time_ms=12.0, matrix=f"noise-aware={lost.weight!r}")
+    assert mean_total_error(named) < mean_total_error(dark)
+    (again,) = total_error_as_viewed(dark.point, named.matrix.matrix[None], Viewing())
+    assert again == pytest.approx(lost.least_total_error, rel=1e-9)
+    bright = outcome("onyx-rgbw", lux=10)
+    assert lost_colors(bright.point, bright.matrix) is None
 
 
 def test_a_saturated_sensor_has_no_total_error():

@@ -517,23 +517,29 @@ def _at_equal_color(setting: str, found: EqualColor) -> list[str]:
 
 def _turns(found: EqualColor) -> list[str]:
     """Where another sensor has less noise, or that none has."""
-    low_lux, high_lux = found.levels_lux
-    least, most = found.errors
+    (low_lux, high_lux), (least, most) = found.levels_lux, found.errors
     if not found.turns:
-        span = f"from {low_lux:.3g} to {high_lux:.3g} lx" if high_lux > low_lux else "at this level"
+        span = (
+            f"from {_lux(low_lux)} to {_lux(high_lux)}" if high_lux > low_lux else "at this level"
+        )
         return [f"No other sensor has less {span}, or at a color error up to {most:.1f}."]
     parts = []
     for one in found.turns:
-        lowest, highest = (low_lux, high_lux) if one.over == "light" else (least, most)
-        unit, what = (" lx", "") if one.over == "light" else ("", "color errors ")
+        of_light = one.over == "light"
+        lowest, highest = (low_lux, high_lux) if of_light else (least, most)
+        first, last = (_lux(at) if of_light else f"{at:.1f}" for at in (one.first, one.last))
         if one.first <= lowest:
-            where = f"{what}below {one.last:.2g}{unit}"
+            where = f"below {last}"
         elif one.last >= highest:
-            where = f"{what}above {one.first:.2g}{unit}"
+            where = f"above {first}"
         else:
-            where = f"{what}from {one.first:.2g} to {one.last:.2g}{unit}"
-        parts.append(f"{one.winner} has less {'at ' if what else ''}{where}")
+            where = f"from {first} to {last}"
+        parts.append(f"{one.winner} has less {'' if of_light else 'at color errors '}{where}")
     return [f"The order turns: {listed(parts)}."]
+
+
+def _lux(level_lux: float) -> str:
+    return level_in_words(level_lux, 2)
 
 
 def _why_another_order(found: EqualColor, best_color: Analysis, able: Sequence[Analysis]) -> str:

@@ -303,6 +303,7 @@ if TYPE_CHECKING:
         Verdict as Verdict,
         equal_color as equal_color,
         lost_colors as lost_colors,
+        total_error_as_viewed as total_error_as_viewed,
         trade_off as trade_off,
     )
 
