@@ -507,6 +507,14 @@ def _at_equal_color(setting: str, found: EqualColor) -> list[str]:
             f"{who} {has} {no}color information at this level: a gray picture is nearer to the "
             "true colors."
         )
+    totals = dict(zip(found.standings, found.least_total_errors, strict=True))
+    nearest = min(totals, key=lambda one: totals[one])
+    if nearest.sensor not in (best.sensor, *tied):
+        against = listed([f"{totals[one]:.3g} of {one.sensor}" for one in totals if one != nearest])
+        sentences.append(
+            f"{nearest.sensor} has the least total color error as viewed: "
+            f"{totals[nearest]:.3g} ΔE*ab, against {against}."
+        )
     if found.left_out:
         sentences.append(
             f"{listed(found.left_out)} cannot reach this color error with fewer than three "

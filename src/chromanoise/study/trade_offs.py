@@ -83,9 +83,9 @@ class TradeOff:
         return total_error_as_viewed(self.point, self.matrix, self.viewing)
 
     @property
-    def is_lost(self) -> bool:
-        """Whether a picture without color is nearer to the true colors than any with color."""
-        return bool(self.total_error().min() >= self.color_error[-1])
+    def gray_error(self) -> float:
+        """Color error of the matrix of least noise, whose picture is gray. [Delta E*ab]"""
+        return float(self.color_error[-1])
 
     def at(self, color_error: float) -> "Standing | None":
         """The least noise with at most that color error; ``None`` where no matrix has it.
@@ -199,6 +199,8 @@ class EqualColor:
         Least and largest color error that all sensors have. [Delta E*ab]
     left_out
         Sensors with fewer than three independent channels.
+    least_total_errors
+        Least `TradeOff.total_error` of each sensor, in the order of ``standings``. [Delta E*ab]
     lost
         Sensors whose color is lost in the noise: a gray picture is nearer to the true colors.
     """
@@ -212,6 +214,7 @@ class EqualColor:
     levels_lux: tuple[float, float]
     errors: tuple[float, float]
     left_out: tuple[str, ...]
+    least_total_errors: tuple[float, ...]
     lost: tuple[str, ...]
 
     @property
@@ -260,6 +263,7 @@ class Verdict:
         *("winner", "margin_db", "at_color_error", "reader", "sentences"),
         JsonKey("tie_db", "equal.tie_db"),
         JsonKey("sensors", "equal.standings"),
+        JsonKey("least_total_errors", "equal.least_total_errors"),
         JsonKey("turns", "equal.turns"),
         JsonKey("lost", "equal.lost"),
     )
@@ -428,7 +432,7 @@ def lost_colors(
     if trade is None:
         return None
     own = float(total_error_as_viewed(point, matrix.matrix[None], trade.viewing)[0])
-    if not own >= trade.color_error[-1]:
+    if not own >= trade.gray_error:
         return None
     totals = trade.total_error()
     best = int(np.argmin(totals))
@@ -478,6 +482,7 @@ def equal_color(
         first, second = (again[one.sensor] for one in standings[:2])
         tie_db = max(tie_db, abs(margin_db - 20 * math.log10(second / first)))
     most = min(float(one.color_error.max()) for one in trades)
+    totals = {one.point.sensor.label: float(one.total_error().min()) for one in trades}
     lit = []
     found_turns: list[Turn] = []
     if turns:
@@ -500,7 +505,12 @@ def equal_color(
         left_out=tuple(
             one.point.sensor.label for one in found if one is not None and not _tells_colors(one)
         ),
-        lost=tuple(one.point.sensor.label for one in trades if one.is_lost),
+        least_total_errors=tuple(totals[one.sensor] for one in standings),
+        lost=tuple(
+            one.point.sensor.label
+            for one in trades
+            if totals[one.point.sensor.label] >= one.gray_error
+        ),
     )
 
 

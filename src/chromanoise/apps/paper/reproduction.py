@@ -43,6 +43,7 @@ from chromanoise.study import (
     Analysis,
     color_snr_db,
     contravariant_snr_db,
+    equal_color,
     mean_color_error,
     mix_sentence,
     raw_snr_db,
@@ -50,7 +51,7 @@ from chromanoise.study import (
 
 
 def verdict(study: PaperStudy) -> str:
-    """The paper's result in one sentence with its numbers and reasons."""
+    """The paper's result with its numbers and reasons, and what it becomes at equal color error."""
     bare, cut = study.columns[RGBW_12], study.columns[RGB_12]
     shared = cut.sensor.names
     raw_gain = np.mean([_db(raw_snr_db(bare)[c]) - _db(raw_snr_db(cut)[c]) for c in shared])
@@ -65,7 +66,20 @@ def verdict(study: PaperStudy) -> str:
         f"{INFRARED_FROM_NM:g} nm and carry no color cost {_cost(after, INFRARED):.1f} dB "
         f"({_cost(before, INFRARED):.1f} dB): its luminance SNR is "
         f"{_db(bare.color_snr_loss_db):.1f} dB below the best linear readout, that of the RGB "
-        f"sensor {_db(cut.color_snr_loss_db):.1f} dB."
+        f"sensor {_db(cut.color_snr_loss_db):.1f} dB. {_at_equal_color(bare, cut)}"
+    )
+
+
+def _at_equal_color(bare: Analysis, cut: Analysis) -> str:
+    """The comparison of both sensors that does not depend on one color matrix."""
+    found = equal_color([bare.point, cut.point], turns=False)
+    assert found is not None  # both tell colors apart
+    best, other = found.standings
+    winner = "RGB sensor behind the IR-cut" if best.sensor == cut.sensor.label else "RGBW sensor"
+    return (
+        f"At equal color error ({found.at_color_error:.1f} Delta E*ab), each with its own best "
+        f"matrix, the {winner} has {found.margin_db:.1f} dB less visual noise "
+        f"({best.noise:.3g} against {other.noise:.3g})."
     )
 
 
