@@ -27,18 +27,14 @@ def main() -> None:
             for one in pair.points
         ]
         found = equal_color(points)
-        assert found is not None
-        noise = {one.sensor: one.noise for one in found.standings}
-        totals = zip(found.standings, found.least_total_errors, strict=True)
-        least = {one.sensor: total for one, total in totals}
-        lost = ", ".join(found.lost) or "none"
+        bare, cut = sorted(found.standings, key=lambda one: -len(one.sensor))[::-1]
         cells = [
             f"{level_lux:g}",
             f"{found.at_color_error:.1f}",
-            *(f"{noise[name]:.3g}" for name in ("onyx-rgbw", "onyx-rgb-ircut")),
-            "tie" if found.is_tie else f"{found.winner}, {found.margin_db:.1f} dB",
-            *(f"{least[name]:.1f}" for name in ("onyx-rgbw", "onyx-rgb-ircut")),
-            lost,
+            *(f"{one.visual_noise:.3g}" for one in (bare, cut)),
+            f"{found.standings[0].sensor}, {found.margin_db:.1f} dB (tie: {found.tie_db:.1f} dB)",
+            *(f"{one.least_total_error:.1f}" for one in (bare, cut)),
+            ", ".join(one.sensor for one in (bare, cut) if one.is_lost),
         ]
         print(f"| {' | '.join(cells)} |")
         for one in found.turns:

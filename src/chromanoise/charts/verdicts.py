@@ -6,12 +6,13 @@ matrix.
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from functools import lru_cache
 from itertools import chain
 from typing import Any
 
-from chromanoise.base import check, defined
+from chromanoise.base import check
 from chromanoise.charts.budget_chart import cause_label
 from chromanoise.charts.charted_study import Look, Shown, saturated_names, saturation_sentence
 from chromanoise.charts.description import numbers_of
@@ -19,16 +20,18 @@ from chromanoise.charts.numbers import NONE, brief, decimal, electrons, listed, 
 from chromanoise.metrics import CORRELATION, FILTERS, INFRARED, REST, WEIGHTS, Budget
 from chromanoise.noise import DEFAULT_RULE, conditions, level_in_words
 from chromanoise.sensor import SOURCES, Sensor
-from chromanoise.spectra import Spectra, chart_title
+from chromanoise.spectra import Spectra, chart_on, chart_title
 from chromanoise.study import (
     BRIGHT,
     DARK,
     DEFAULT_PRIOR,
+    LEAST_TIE_DB,
     RAW,
     RAW_WITHOUT,
     READINGS,
     TARGET,
     TOLERANCE,
+    VISUAL_NOISE,
     Analysis,
     EqualColor,
     MachineReading,
@@ -44,13 +47,13 @@ from chromanoise.study import (
     mean_color_error,
     pairs_of,
     raw_outcomes,
-    visual_noise,
+    visual_noise_of,
 )
 
-_VIEWED = "visual noise of an 18 % gray as viewed (ISO 15739)"
 _TIE = 0.005  # relative difference that is no lead
 
 _Labeled = tuple[str, RawOutcome]
+_Read = tuple[str, Mapping[str, RawOutcome]]
 _PairOf = Callable[[RawOutcome], PairOutcome]
 
 
@@ -65,8 +68,18 @@ def machine_sentences(analyses: Sequence[Analysis]) -> list[str]:
     analyses
         Analyses under one light.
     """
+    return _machine_sentences(analyses, _read(analyses))
+
+
+def _read(analyses: Sequence[Analysis]) -> list[_Read]:
+    """Of the analyses that a machine can read: label and outcomes."""
+    if len(chart_on(analyses[0].sensor.grid, analyses[0].chart).names) < 2:
+        return []
     outcomes = [(one.sensor.label, raw_outcomes(one)) for one in analyses]
-    found = [(label, both) for label, both in outcomes if both is not None]
+    return [(label, both) for label, both in outcomes if both is not None]
+
+
+def _machine_sentences(analyses: Sequence[Analysis], found: Sequence[_Read]) -> list[str]:
     if not found:
         return []
     point = analyses[0].point
@@ -80,6 +93,21 @@ def machine_sentences(analyses: Sequence[Analysis]) -> list[str]:
             ("Without brightness", RAW_WITHOUT),
         )
     ]
+
+
+def _first_for_a_machine(found: Sequence[_Read]) -> tuple[str | None, float | None]:
+    """The sensor of the largest median distance, ``None`` for a tie, and its lead. [dB]"""
+    if len(found) < 2:
+        return None, None
+    ranked = sorted(((label, both[RAW].median) for label, both in found), key=_distance_of)
+    (best, first), (_, second) = ranked[:2]
+    lead_db = 20 * math.log10(first.distance / second.distance) if second.distance > 0 else None
+    tied = first.near_chance or first.distance - second.distance <= _TIE * first.distance
+    return None if tied else best, lead_db
+
+
+def _distance_of(one: tuple[str, PairOutcome]) -> float:
+    return -one[1].distance
 
 
 def _sentence(found: Sequence[_Labeled], count: int) -> str:
@@ -244,14 +272,14 @@ def _columns(analyses: Sequence[Analysis]) -> list[_Column]:
     raw = f"raw SNR: {RAW_SNR}"
     loss, error = "best linear SNR minus the SNR of Y", "mean CIE 1976 difference"
     return [
-        _Column("rank", "rank", "rank by the SNR of Y", "lower", rank, brief),
+        _Column("rank", "rank by SNR of Y", "rank by the SNR of Y", "lower", rank, brief),
         _Column("raw_db", "raw SNR [dB]", raw, "higher", raw_db),
         _Column("luminance_db", "SNR of Y [dB]", "SNR of luminance", "higher", _luminance_db),
         _Column("loss_db", "color SNR loss [dB]", loss, "lower", _loss_db),
         _Column(
             "color_error", "color error [ΔE]", f"{error}, without noise", "lower", mean_color_error
         ),
-        _Column("visual_noise", "visual noise", _VIEWED, "lower", _visual_noise, _noise),
+        _Column("visual_noise", "visual noise", VISUAL_NOISE, "lower", visual_noise_of, _number),
         _Column("time_ms", "time [ms]", "exposure time", None, _time_ms, _four_digits),
         _Column("f_number", "f-number", "f-number", None, lambda one: one.exposure.f_number, brief),
         *map(_channel, dict.fromkeys(name for one in analyses for name in one.sensor.names)),
@@ -290,10 +318,6 @@ def _notes(analyses: Sequence[Analysis]) -> list[str]:
     return [f"{', '.join(names)}: {note}" for note, names in named.items()]
 
 
-def _visual_noise(analysis: Analysis) -> float | None:
-    return defined(visual_noise(analysis.point, analysis.matrix))
-
-
 def _luminance_db(analysis: Analysis) -> float | None:
     return color_snr_db(analysis)["Y"]
 
@@ -320,7 +344,7 @@ def _raw_db(analysis: Analysis) -> float:
     return math.inf if best is None else best
 
 
-_TIE_DB = 0.05  # differences below one decimal
+_TIE_DB = LEAST_TIE_DB
 _WORTH_DB = 0.3  # least loss of a cause that is reported
 _GLOSSES = {  # of bars of the budget whose label is a word of its own
     WEIGHTS: "weights that make Y of the channels",
@@ -336,6 +360,27 @@ _TERMS: Mapping[str, str] = {
     "saturation": " with each sensor exposed to the same share of full well,",
     "light": " with the same photons on all channels of each sensor together,",
 }
+
+
+@lru_cache(maxsize=16)  # table, JSON and page ask for the same one
+def _verdict(
+    analyses: tuple[Analysis, ...], equal: str, reader: Reader, prior: str | Spectra
+) -> Verdict:
+    check.one_of("terms of a comparison", equal, tuple(_TERMS))
+    found = equal_color([one.point for one in analyses], prior=prior)
+    read = _read(analyses)
+    winner, margin_db = found.winner, found.margin_db
+    if reader == "machine":
+        winner, margin_db = _first_for_a_machine(read)
+    return Verdict(
+        winner=winner,
+        margin_db=margin_db,
+        at_color_error=None if reader == "machine" else found.at_color_error,
+        reader=reader,
+        sentences=tuple(_sentences(analyses, found, read, equal, reader, prior)),
+        prior=prior if isinstance(prior, str) else prior.source,
+        at_equal_color=found,
+    )
 
 
 def verdict_of(
@@ -357,35 +402,7 @@ def verdict_of(
     InputError
         As `verdict_sentences`.
     """
-    able = [one.point for one in analyses if _left_out(one) is None]
-    found = equal_color(able, prior=prior) if len(able) > 1 else None
-    sentences = _verdict_sentences(analyses, found, equal=equal, reader=reader, prior=prior)
-    winner, margin_db, error = None, None, None
-    if reader == "machine":
-        distances = sorted(
-            ((both[RAW].median.distance, one.sensor.label) for one, both in _read(analyses)),
-            reverse=True,
-        )
-        if len(distances) > 1:
-            (best, winner), (second, _), *_ = distances
-            margin_db = 20 * math.log10(best / second) if second > 0 else None
-    elif found is not None:
-        winner, margin_db, error = found.winner, found.margin_db, found.at_color_error
-        winner = None if found.is_tie else winner
-    return Verdict(
-        winner=winner,
-        margin_db=margin_db,
-        at_color_error=error,
-        reader=reader,
-        sentences=tuple(sentences),
-        equal=found,
-    )
-
-
-def _read(analyses: Sequence[Analysis]) -> list[tuple[Analysis, Mapping[str, RawOutcome]]]:
-    """The analyses that a machine can read, with the outcomes."""
-    outcomes = [(one, raw_outcomes(one)) for one in analyses]
-    return [(one, both) for one, both in outcomes if both is not None]
+    return _verdict(tuple(analyses), equal, reader, prior)
 
 
 def verdict_sentences(
@@ -397,7 +414,7 @@ def verdict_sentences(
 ) -> list[str]:
     """Sentences that compare the sensors of several analyses.
 
-    For an eye, they compare the color noise at equal color error, then raw SNR and luminance SNR
+    For an eye, they compare the visual noise at equal color error, then raw SNR and luminance SNR
     with the matrix of the analyses, name the causes of the difference, and give the color errors;
     for a machine, they compare the distances of patches in raw values. Sensors that are saturated
     or have no luminance get a sentence of their own.
@@ -422,19 +439,20 @@ def verdict_sentences(
     return list(verdict_of(analyses, equal=equal, reader=reader, prior=prior).sentences)
 
 
-def _verdict_sentences(
+def _sentences(
     analyses: Sequence[Analysis],
-    found: EqualColor | None,
-    *,
+    found: EqualColor,
+    read: Sequence[_Read],
     equal: str,
     reader: Reader,
     prior: str | Spectra,
 ) -> list[str]:
-    check.one_of("terms of a comparison", equal, tuple(_TERMS))
     left_out = [sentence for a in analyses if (sentence := _left_out(a))]
     able = [a for a in analyses if _left_out(a) is None]
-    sentences = [*left_out, *(sentence for a in able if (sentence := _too_noisy(a, prior)))]
-    machine = machine_sentences(analyses)
+    lost = {one.sensor for one in found.standings if one.is_lost}
+    noisy = [_too_noisy(a, prior) for a in able if a.sensor.label not in lost]
+    sentences = [*left_out, *filter(None, noisy)]
+    machine = _machine_sentences(analyses, read)
     if left_out and len(able) < 2 and not (machine and reader == "machine"):
         alone = [_alone(a) for a in able]
         first = f"{_setting(analyses, equal)} {sentences[0]}"
@@ -454,116 +472,125 @@ def _for_an_eye(
     able: list[Analysis],
     sentences: list[str],
     equal: str,
-    found: EqualColor | None,
+    found: EqualColor,
 ) -> list[str]:
     if len(able) == 1:
         sentences.insert(0, f"{_setting(analyses, equal)} {_alone(able[0])}")
     if len(able) < 2:
         return sentences
-    able = [a for a in able if found is None or a.sensor.label not in found.left_out]
-    best_raw = max(able, key=_raw_db)
-    best_color = max(able, key=_known_luminance_db)
+    compared = {one.sensor for one in found.standings}
+    rivals = [a for a in able if a.sensor.label in compared] or able
+    best_raw = max(rivals, key=_raw_db)
+    best_color = max(rivals, key=_known_luminance_db)
     if abs(_known_luminance_db(best_raw) - _known_luminance_db(best_color)) < _TIE_DB:
         best_color = best_raw  # equal: the leader in raw is named once
-    others = [a for a in able if a is not best_color]
+    others = [a for a in rivals if a is not best_color]
     rival = best_raw if best_raw is not best_color else max(others, key=_known_luminance_db)
-    contest = _contest(best_color, rival, best_raw)
-    if found is None:
-        first = [f"{_setting(analyses, equal)} {contest}."]
-    else:
-        first = [
-            *_at_equal_color(_setting(analyses, equal), found),
-            f"With the matrix {able[0].matrix.made_by}, {contest}"
-            f"{_why_another_order(found, best_color, able)}.",
-        ]
-    return [*first, *_reasons(best_color, rival), _colors(able), *sentences]
+    return [
+        *_at_equal_color(_setting(analyses, equal), found, {one.sensor.label for one in able}),
+        _contest(best_color, rival, best_raw),
+        *_another_order(found, rivals),
+        *_reasons(best_color, rival),
+        _colors(able, found),
+        *sentences,
+    ]
 
 
-def _at_equal_color(setting: str, found: EqualColor) -> list[str]:
+def _at_equal_color(setting: str, found: EqualColor, able: Collection[str]) -> list[str]:
     """The winner at equal color error, whether color is lost, and where the order turns."""
+    left_out = [
+        f"{one.sensor} is not compared at equal color error: {one.why}."
+        for one in found.left_out
+        if one.sensor in able
+    ]
+    if not found.standings:
+        return [f"{setting} no two sensors can be compared at equal color error.", *left_out]
     best, *others = found.standings
     at = f"at equal color error ({found.at_color_error:.1f} ΔE*ab)"
-    margins = list(zip(others, found.margins_db[1:], strict=True))
-    tied = [one.sensor for one, margin_db in margins if margin_db <= found.tie_db]
-    behind = [
-        f"{margin_db:.1f} dB less than {one.sensor} ({_noise(best.noise)} against "
-        f"{_noise(one.noise)})"
-        for one, margin_db in margins
-        if margin_db > found.tie_db
-    ]
+    lost = [one for one in found.standings if one.is_lost]
+    every = len(lost) == len(found.standings)
+    who = "each sensor" if every else listed([one.sensor for one in lost])
+    totals = listed([f"{_number(one.least_total_error)} ({one.sensor})" for one in lost])
+    gone = (
+        f"color is lost in the noise of {who}: the least total color error as viewed is {totals}; "
+        f"a gray picture without noise has {_number(found.colorless_error)} ΔE*ab."
+    )
+    tied = [one for one in others if one.behind_db <= (found.tie_db or 0.0)]
+    behind = [one for one in others if one not in tied]
     if tied:
-        who = f"{listed([best.sensor, *tied])} have the same visual noise {at}, within the "
-        rest = f"; {best.sensor} has {listed(behind)}" if behind else ""
-        first = f"{who}{found.tie_db:.1f} dB that the choice of training colors decides{rest}."
+        names = listed([one.sensor for one in (best, *tied)])
+        apart = f"they differ by less than {LEAST_TIE_DB:g} dB"
+        if max(found.tie_db or 0.0, tied[-1].behind_db) > LEAST_TIE_DB:
+            apart = (
+                f"a difference of {tied[-1].behind_db:.1f} dB, where training set, color error and "
+                f"measure of noise decide {found.tie_db:.1f} dB"
+            )
+        more = listed([f"{one.sensor} has {one.behind_db:.1f} dB more" for one in behind])
+        first = f"{names} tie in visual noise {at}: {apart}{'; ' if more else ''}{more}."
     else:
-        first = f"{best.sensor} has the least visual noise {at}: {listed(behind)}."
-    sentences = [f"{setting} {first}"]
-    if found.lost:
-        every = len(found.lost) == len(found.trade_offs)
-        who = "No sensor" if every else listed(found.lost)
-        has = "has" if every or len(found.lost) == 1 else "have"
-        no = "" if every else "no "
-        sentences.append(
-            f"{who} {has} {no}color information at this level: a gray picture is nearer to the "
-            "true colors."
+        less = listed(
+            [
+                f"{one.behind_db:.1f} dB less than {one.sensor} ({_number(best.visual_noise)} "
+                f"against {_number(one.visual_noise)})"
+                for one in behind
+            ]
         )
-    totals = dict(zip(found.standings, found.least_total_errors, strict=True))
-    nearest = min(totals, key=lambda one: totals[one])
-    if nearest.sensor not in (best.sensor, *tied):
-        against = listed([f"{totals[one]:.3g} of {one.sensor}" for one in totals if one != nearest])
-        sentences.append(
-            f"{nearest.sensor} has the least total color error as viewed: "
-            f"{totals[nearest]:.3g} ΔE*ab, against {against}."
-        )
-    if found.left_out:
-        sentences.append(
-            f"{listed(found.left_out)} cannot reach this color error with fewer than three "
-            "independent channels."
-        )
-    return [*sentences, *_turns(found)]
+        first = f"{best.sensor} has the least visual noise {at}: {less}."
+    if every:
+        return [f"{setting} {gone}", first, *left_out, *_turns(found)]
+    some = [f"{gone[0].upper()}{gone[1:]}"] if lost else []
+    return [f"{setting} {first}", *some, *left_out, *_turns(found)]
 
 
 def _turns(found: EqualColor) -> list[str]:
-    """Where another sensor has less noise, or that none has."""
-    (low_lux, high_lux), (least, most) = found.levels_lux, found.errors
+    """Where another sensor has less noise, or that the first has the least everywhere."""
+    (low_lux, high_lux), (least, most) = found.levels_lux, found.errors or (0.0, 0.0)
+    first = found.standings[0].sensor
     if not found.turns:
-        span = (
-            f"from {_lux(low_lux)} to {_lux(high_lux)}" if high_lux > low_lux else "at this level"
-        )
-        return [f"No other sensor has less {span}, or at a color error up to {most:.1f}."]
-    parts = []
+        if found.is_tie:
+            return []
+        light = f"from {_lux(low_lux)} to {_lux(high_lux)}" if high_lux > low_lux else "here"
+        return [f"{first} has the least {light}, and at each color error up to {most:.1f} ΔE*ab."]
+    sentences = []
     for one in found.turns:
-        of_light = one.over == "light"
+        of_light = one.over == "light [lx]"
         lowest, highest = (low_lux, high_lux) if of_light else (least, most)
-        first, last = (_lux(at) if of_light else f"{at:.1f}" for at in (one.first, one.last))
+        start, end = (_lux(at) if of_light else f"{at:.1f}" for at in (one.first, one.last))
         if one.first <= lowest:
-            where = f"below {last}"
+            where = f"below {end}"
         elif one.last >= highest:
-            where = f"above {first}"
+            where = f"above {start}"
         else:
-            where = f"from {first} to {last}"
-        parts.append(f"{one.winner} has less {'' if of_light else 'at color errors '}{where}")
-    return [f"The order turns: {listed(parts)}."]
+            where = f"from {start} to {end}"
+        where = where if of_light else f"at color errors {where} ΔE*ab"
+        sentences.append(f"{one.winner} has less visual noise than {first} {where}.")
+    return sentences
 
 
 def _lux(level_lux: float) -> str:
     return level_in_words(level_lux, 2)
 
 
-def _why_another_order(found: EqualColor, best_color: Analysis, able: Sequence[Analysis]) -> str:
-    """Why the matrix names another sensor; empty where it does not."""
-    if found.is_tie or best_color.sensor.label == found.winner:
-        return ""
-    errors = [mean_color_error(one) for one in able]
-    unequal = listed([f"{error:.1f}" for error in errors if error is not None])
-    return (
-        "; the order differs, because with this matrix the color errors are unequal "
-        f"({unequal}) and its noise is not the least for them"
-    )
+def _another_order(found: EqualColor, able: Sequence[Analysis]) -> list[str]:
+    """That this matrix gives another order of visual noise, and why; empty where it does not."""
+    noises = {one.sensor.label: visual_noise_of(one) for one in able}
+    known = {name: noise for name, noise in noises.items() if noise is not None}
+    if found.is_tie or len(known) < 2 or len(known) < len(found.standings):
+        return []
+    least = min(known, key=lambda name: known[name])
+    first = found.standings[0].sensor if found.standings else least
+    if least == first or 20 * math.log10(known[first] / known[least]) < _TIE_DB:
+        return []
+    errors = listed([f"{one.sensor.label} {_delta_e(mean_color_error(one))}" for one in able])
+    return [
+        f"With this matrix {least} has less visual noise than {first} ({_number(known[least])} "
+        f"against {_number(known[first])}), because the color errors are unequal ({errors} ΔE*ab)."
+    ]
 
 
-def _noise(value: float) -> str:
-    return brief(value, 3)
+def _number(value: float) -> str:
+    """Three digits, also where the last is 0."""
+    return f"{value:#.3g}".removesuffix(".") if 1e-3 <= value < 1000 else brief(value, 3)
 
 
 def _left_out(analysis: Analysis) -> str | None:
@@ -592,26 +619,18 @@ def _alone(analysis: Analysis) -> str:
 
 
 def _contest(winner: Analysis, rival: Analysis, best_raw: Analysis) -> str:
-    gap = _known_luminance_db(winner) - _known_luminance_db(rival)
-    if best_raw is winner:
-        same = abs(gap) < _TIE_DB
-        color = (
-            "has the same luminance SNR" if same else f"{gap:.1f} dB better in luminance for an eye"
-        )
-        if _raw_db(winner) - _raw_db(rival) < _TIE_DB:
-            color = color if same else f"is {color}"
-        return f"{_raw_lead(winner, rival)} and {color} ({_pair(winner, rival)})"
-    same = _raw_db(rival) - _raw_db(winner) < _TIE_DB
-    color = f"{'is ' if same else ''}{gap:.1f} dB worse in luminance for an eye"
-    return f"{_raw_lead(rival, winner)} but {color} ({_pair(rival, winner)})"
-
-
-def _raw_lead(first: Analysis, second: Analysis) -> str:
-    raw = _raw_db(first) - _raw_db(second)
-    lead = f"is {raw:.1f} dB better than {second.sensor.label} in raw"
-    if raw < _TIE_DB:
-        lead = f"has the same raw SNR as {second.sensor.label}"
-    return f"{first.sensor.label} {lead} ({RAW_SNR})"
+    """Raw SNR of both, and their luminance SNR with the matrix of the analyses."""
+    first, second = (winner, rival) if best_raw is winner else (rival, winner)
+    raw_db = _raw_db(first) - _raw_db(second)
+    more = f"{raw_db:.1f} dB more raw SNR than" if raw_db >= _TIE_DB else "the same raw SNR as"
+    gap_db = _known_luminance_db(first) - _known_luminance_db(second)
+    luminance = f"{abs(gap_db):.1f} dB {'more' if gap_db > 0 else 'less'} luminance SNR"
+    if abs(gap_db) < _TIE_DB:
+        luminance = "the same luminance SNR"
+    return (
+        f"{first.sensor.label} has {more} {second.sensor.label} ({RAW_SNR}); with the matrix "
+        f"{first.matrix.made_by}, it has {luminance} ({_pair(first, second)})."
+    )
 
 
 def _pair(first: Analysis, second: Analysis) -> str:
@@ -664,11 +683,25 @@ def _label(cause: str) -> str:
     return cause_label(cause, "Y") + (f" ({gloss})" if gloss else "")
 
 
-def _colors(able: Sequence[Analysis]) -> str:
+def _colors(able: Sequence[Analysis], found: EqualColor) -> str:
     errors = ", ".join(f"{a.sensor.label} {_delta_e(mean_color_error(a))}" for a in able)
     noises = ", ".join(f"{a.sensor.label} {_in_noise(a)}" for a in able)
-    over = _patches(able[0])
-    return f"Color error (mean ΔE*ab over {over}): {errors}; visual noise: {noises}."
+    above = {one.point.sensor.label: one for one in found.trade_offs}
+    parts = []
+    for analysis in able:
+        trade, error, noise = (
+            above.get(analysis.sensor.label),
+            mean_color_error(analysis),
+            visual_noise_of(analysis),
+        )
+        place = None if trade is None or error is None else trade.place(error)
+        if trade is not None and place is not None and noise is not None:
+            parts.append(f"{20 * math.log10(noise / trade.noise_at(place)):.1f} dB")
+    could = f", {listed(parts)} above the least at these color errors" if parts else ""
+    return (
+        f"Color error (mean ΔE*ab over {_patches(able[0])}): {errors}; visual noise: "
+        f"{noises}{could if len(parts) == len(able) else ''}."
+    )
 
 
 def _costs(budget: Budget | None) -> dict[str, float]:
@@ -716,8 +749,8 @@ def _error(analysis: Analysis) -> str:
 
 
 def _in_noise(analysis: Analysis) -> str:
-    noise = _visual_noise(analysis)
-    return "none" if noise is None else _noise(noise)
+    noise = visual_noise_of(analysis)
+    return "none" if noise is None else _number(noise)
 
 
 def _patches(analysis: Analysis) -> str:
@@ -730,18 +763,19 @@ def _delta_e(error: float | None) -> str:
 
 
 def _too_noisy(analysis: Analysis, prior: str | Spectra) -> str | None:
-    """Where the matrix loses the colors in the noise: the weight of the noise that loses least."""
+    """Where the matrix loses the colors in the noise, and the weight of the noise that does not."""
     lost = lost_colors(analysis.point, analysis.matrix, prior=prior)
     if lost is None:
         return None
-    instead = (
-        f"The matrix noise-aware={lost.weight:.3g} reduces the total color error as viewed from "
-        f"{lost.total_error:.0f} to {lost.least_total_error:.0f} ΔE*ab."
+    better = (
+        f" The matrix noise-aware={brief(lost.weight)} gives {_number(lost.least_total_error)}."
+        if lost.total_error - lost.least_total_error >= 1 and math.isfinite(lost.weight)
+        else ""
     )
-    remedy = "" if math.isinf(lost.weight) else f" {instead}"
     return (
-        f"{analysis.sensor.label}: no color information with the matrix {analysis.matrix.made_by}, "
-        f"because a gray picture is nearer to the true colors.{remedy}"
+        f"With the matrix {analysis.matrix.made_by}, color is lost in the noise of "
+        f"{analysis.sensor.label}: the total color error as viewed is {_number(lost.total_error)} "
+        f"ΔE*ab, and a gray picture without noise has {_number(lost.colorless_error)}.{better}"
     )
 
 

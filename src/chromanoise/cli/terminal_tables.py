@@ -18,7 +18,6 @@ from chromanoise.apps.paper import (
     table_5_finding,
     verdict,
 )
-from chromanoise.base import defined
 from chromanoise.charts import machine_tables
 from chromanoise.cli.output import print_lines, terminal
 from chromanoise.color import ColorMatrix
@@ -42,7 +41,7 @@ from chromanoise.study import (
     mean_color_error,
     metric_of,
     raw_snr_db,
-    visual_noise,
+    visual_noise_of,
 )
 
 _WIDE = 6  # most channels in one row
@@ -309,7 +308,7 @@ def _add_color(table: Table, analysis: Analysis) -> None:
         number_text(analysis.color_snr_loss_db),
         f"{analysis.matrix.frame.condition:.3g}",
         number_text(mean_color_error(analysis), ".1f"),
-        number_text(defined(visual_noise(analysis.point, analysis.matrix)), ".3g"),
+        number_text(visual_noise_of(analysis), ".3g"),
     )
 
 

@@ -1,9 +1,9 @@
-"""White-preserving color matrices that know the noise, from least squares to a gray picture.
+"""White-preserving color matrices of least error plus weighted noise, up to a gray picture.
 
 Of the matrices that are exact on a perfect white, a weight w of the noise selects the one of least
 E|C M - XYZ|^2 + w tr(C D C^T), D the covariance averaged over the training set. A weight of 0 is
-least squares, 1 gives the least total error, and an infinite weight the matrix of least noise. The
-picture of that one is gray. In noise-whitened channels (C^T = W y with W^T D W = 1) the white
+least squares, 1 gives the least total error, and an infinite weight the least noise, in a gray
+picture. In noise-whitened channels (C^T = W y with W^T D W = 1) the white
 demands a^T y = XYZ with a = W^T m. The part of y along a is the gray matrix. The rest is a ridge
 problem, and one singular value decomposition serves all weights.
 """
@@ -13,14 +13,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from chromanoise.base import RANK_TOLERANCE, Array, Float, check, qr, svd, whitening
+from chromanoise.base import RANK_TOLERANCE, Array, Bool, Float, check, qr, svd, whitening
 from chromanoise.color.matrices import ColorMatrix, kernel_matrix
 from chromanoise.color.training import Training, training_response
 from chromanoise.noise import Exposure, mean_noise_covariance
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import Metric
 
-_PER_DECADE = 12  # weights of a family
 _BEYOND = 1e3  # of the least and the largest singular value of a whitened training set, squared
 
 
@@ -90,10 +89,10 @@ def noise_aware_over_light(
     """
     check.not_negative("weight of the noise", "1", weight)
     levels = check.non_negative("level_lux", "lx", level_lux)
-    families = (
-        NoiseAwareFamily(sensor, exposure, training, level_lux=float(level)) for level in levels
-    )
-    return np.stack([one.matrices(np.array([weight]))[0] for one in families])
+    check.positive("smallest level_lux", "lx", float(levels.min()))
+    family = NoiseAwareFamily(sensor, exposure, training, level_lux=float(levels[0]))
+    weights = np.array([weight])
+    return np.stack([family.in_light(one / levels[0]).matrices(weights)[0] for one in levels])
 
 
 class NoiseAwareFamily:
@@ -118,39 +117,49 @@ class NoiseAwareFamily:
         check.positive(white, "e-", seen.white_e.max())
         self._what = f"noise-aware matrices of {sensor.name}"
         self._seen, self._sensor, self._exposure = seen, sensor, exposure
-        self._lit = seen.white_e > 0
-        self._scale = seen.scale[self._lit]
         electrons, xyz = seen.weighted
-        turn, self._relative = qr(self._what, electrons[:, self._lit] / self._scale)
+        turn, self._relative = qr(self._what, electrons / seen.scale)
         self._xyz = turn.T @ xyz
-        self._solve(seen.noise_e2)
+        self._noise_e2 = seen.noise_e2
+        self._solve(seen.white_e > 0)
 
     def in_light(self, factor: float) -> "NoiseAwareFamily":
         """The family at that many times the light; spectra and their colors are kept."""
+        if factor == 1:
+            return self
         seen, brighter = self._seen, copy(self)
-        brighter._solve(
-            mean_noise_covariance(
-                seen.electrons, seen.share, self._sensor, self._exposure, light=factor
-            )
-            / factor**2
-        )
+        given = (seen.electrons, seen.share, self._sensor, self._exposure)
+        brighter._noise_e2 = mean_noise_covariance(*given, light=factor) / factor**2
+        brighter._solve(self._used)
         return brighter
 
-    def _solve(self, noise_e2: Float[Array, "p p"]) -> None:
+    def with_channels(self, used: Bool[Array, " p"]) -> "NoiseAwareFamily":
+        """The family of the matrices that weigh no other channels."""
+        fewer = copy(self)
+        fewer._solve(used & (self._seen.white_e > 0))
+        return fewer
+
+    @property
+    def used(self) -> Bool[Array, " p"]:
+        """The channels that the matrices weigh: by default those that see the light."""
+        return self._used
+
+    def _solve(self, used: Bool[Array, " p"]) -> None:
         """Separate gray, and the directions across it in channels of unit noise."""
-        lit, scale = self._lit, self._scale
-        unit = whitening(self._what, noise_e2[np.ix_(lit, lit)] / np.outer(scale, scale))
+        self._used, scale = used, self._seen.scale[used]
+        relative = self._relative[:, used]
+        unit = whitening(self._what, self._noise_e2[np.ix_(used, used)] / np.outer(scale, scale))
         toward = unit.sum(axis=0)  # of the white, a row of ones
         across = svd(self._what, toward[None])[2][1:].T
         self._gray = np.outer(self._seen.white_xyz, unit @ toward / (toward @ toward))
         self._directions = unit @ across
         left, self._s, self._turn = svd(
-            self._what, self._relative @ self._directions, full_matrices=False
+            self._what, relative @ self._directions, full_matrices=False
         )
-        self._target = left.T @ (self._xyz - self._relative @ self._gray.T)
+        self._target = left.T @ (self._xyz - relative @ self._gray.T)
         self._kept = self._s > RANK_TOLERANCE * max(self._s, default=0.0)
 
-    def weights(self) -> Float[Array, " q"]:
+    def weights(self, per_decade: int = 12) -> Float[Array, " q"]:
         """Weights from 0 to infinity, dense where the matrix changes. [1]
 
         That is around the squares of the singular values of the training set in channels of unit
@@ -160,7 +169,7 @@ class NoiseAwareFamily:
         if not squares.size:
             return np.array([0.0, np.inf])
         low, high = squares.min() / _BEYOND, squares.max() * _BEYOND
-        count = 1 + int(np.ceil(_PER_DECADE * np.log10(high / low)))
+        count = 1 + int(np.ceil(per_decade * np.log10(high / low)))
         return np.concatenate([[0.0], np.geomspace(low, high, count), [np.inf]])
 
     def matrices(self, weights: Float[Array, " q"]) -> Float[Array, "q 3 p"]:
@@ -168,6 +177,6 @@ class NoiseAwareFamily:
         s = np.where(self._kept, self._s, 1.0)
         gain = np.where(self._kept, s / (s**2 + weights[:, None]), 0.0)
         moved = (self._target.T * gain[:, None, :]) @ self._turn @ self._directions.T
-        found = np.zeros((weights.size, len(self._gray), self._lit.size))
-        found[..., self._lit] = (self._gray + moved) / self._scale
+        found = np.zeros((weights.size, len(self._gray), self._used.size))
+        found[..., self._used] = (self._gray + moved) / self._seen.scale[self._used]
         return found

@@ -86,6 +86,7 @@ if TYPE_CHECKING:
     )
     from chromanoise.study.color_noise import (
         GRAY,
+        VISUAL_NOISE,
         ChartNoise as ChartNoise,
         GrayNoise as GrayNoise,
         TotalError as TotalError,
@@ -104,6 +105,7 @@ if TYPE_CHECKING:
         total_error_of as total_error_of,
         total_errors as total_errors,
         visual_noise as visual_noise,
+        visual_noise_of as visual_noise_of,
         white_snr_db as white_snr_db,
     )
     from chromanoise.study.denoised_files import (
@@ -295,7 +297,10 @@ if TYPE_CHECKING:
         swept_values as swept_values,
     )
     from chromanoise.study.trade_offs import (
+        LEAST_TIE_DB,
         EqualColor as EqualColor,
+        LeftOut as LeftOut,
+        LostColors as LostColors,
         Reader,
         Standing as Standing,
         TradeOff as TradeOff,

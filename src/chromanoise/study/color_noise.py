@@ -20,7 +20,6 @@ from chromanoise.base import (
     JsonKey,
     JsonKeys,
     check,
-    congruence,
     defined,
     with_short_repr,
 )
@@ -138,15 +137,47 @@ def noise_as_viewed(
     -----
     ISO 15739:2017, annex B, to first order at the mean color.
     """
+    to_luv = _of_gray(LUV)
+    viewed = viewed_gray(white_e, sensor, exposure, matrices, viewing)
+    variance = np.diagonal(to_luv @ viewed @ to_luv.T, axis1=-2, axis2=-1)
+    return np.asarray(np.sqrt(np.maximum(variance, 0.0)) @ ISO_15739_2017.weights)
+
+
+def viewed_gray(
+    white_e: Float[Array, " p"],
+    sensor: Sensor,
+    exposure: Exposure,
+    matrices: Float[Array, "*q 3 p"],
+    viewing: Viewing,
+) -> Float[Array, "*q 3 3"]:
+    """Covariance of X, Y, Z over those of the white, of the gray as viewed. [1]
+
+    NaN where X, Y or Z of the sensor's white is not above 0.
+
+    Parameters
+    ----------
+    white_e, sensor, exposure, matrices, viewing
+        As `noise_as_viewed`.
+    """
     in_e2 = with_noise(GRAY * white_e, sensor, exposure).covariance
     white = matrices @ white_e
-    known = (white > 0).all(axis=-1)
-    balanced = matrices / np.where(known[..., None], white, 1.0)[..., None]
+    known = (white > 0).all(axis=-1)[..., None, None]
+    balanced = matrices / np.where(known, white[..., None], 1.0)
     in_pixel = balanced @ in_e2 @ np.swapaxes(balanced, -1, -2)
     viewed = viewed_covariance(in_pixel, pixels_per_degree=viewing.pixels_per_degree, samples=PLANE)
-    variance = np.diagonal(congruence(_gray_to_luv(), viewed), axis1=-2, axis2=-1)
-    noise = np.sqrt(np.maximum(variance, 0.0)) @ ISO_15739_2017.weights
-    return np.where(known, noise, np.nan)
+    return np.where(known, viewed, np.nan)
+
+
+def noise_in_lab(viewed: Float[Array, "*q 3 3"]) -> Float[Array, "*q"]:
+    """Root of the variances of L*, a* and b* of a `viewed_gray`. [Delta E*ab]"""
+    to_lab = _of_gray(LAB)
+    return np.asarray(np.sqrt(np.einsum("ia,...ab,ib->...", to_lab, viewed, to_lab)))
+
+
+@cache
+def _of_gray(space: Space) -> Float[Array, "3 3"]:
+    """Slopes of a color space at the gray, from X, Y, Z over those of the white."""
+    return space.jacobian(np.full(3, GRAY), np.ones(3))
 
 
 def visual_noise(
@@ -172,9 +203,20 @@ def visual_noise(
     return float(noise_as_viewed(white_e, sensor, exposure, matrix.matrix, viewing or Viewing()))
 
 
-@cache
-def _gray_to_luv() -> Float[Array, "3 3"]:
-    return LUV.jacobian(np.full(3, GRAY), np.ones(3))
+VISUAL_NOISE = "visual noise of an 18 % gray as viewed"
+"""What `visual_noise` is, in tables."""
+
+
+@lru_cache(maxsize=64)  # table, verdict and JSON use the same one
+def visual_noise_of(analysis: Analysis) -> float | None:
+    """`visual_noise` of an analysis with its matrix; ``None`` where it is undefined. [CIELUV]
+
+    Parameters
+    ----------
+    analysis
+        Results of one sensor.
+    """
+    return defined(visual_noise(analysis.point, analysis.matrix))
 
 
 @with_short_repr

@@ -24,7 +24,6 @@ from chromanoise.base import (
     JsonKeys,
     Setting,
     check,
-    defined,
     warn_of_old_name,
     with_short_repr,
     write_whole,
@@ -77,7 +76,7 @@ from chromanoise.study.color_noise import (
     gray_noise,
     lab_budgets,
     mean_total_error,
-    visual_noise,
+    visual_noise_of,
     white_snr_db,
 )
 from chromanoise.study.merits import Merits, merits_of
@@ -130,11 +129,6 @@ def _key(name: str) -> Callable[[Any], Entry]:
     return lambda row: row[-1].get(name)
 
 
-def _visual_noise(analysis: Analysis) -> float | None:
-    """Of an 18 % gray as viewed. [CIELUV]"""
-    return defined(visual_noise(analysis.point, analysis.matrix))
-
-
 def analyses_as_table(analyses: Sequence[Analysis]) -> Table:
     """One row per sensor: exposure, SNR of color, best linear SNR, loss, condition, color error.
 
@@ -160,7 +154,7 @@ def analyses_as_table(analyses: Sequence[Analysis]) -> Table:
         ("color SNR loss", "dB", ".1f", lambda one: one.color_snr_loss_db),
         ("condition of channels", "", ".4g", lambda one: one.matrix.frame.condition),
         ("color error", "Delta E*ab", ".2f", mean_color_error),
-        ("visual noise", "CIELUV", ".3g", _visual_noise),
+        ("visual noise", "CIELUV", ".3g", visual_noise_of),
         notes=(note for one in analyses for note in one.sensor.notes),
     )
 
@@ -333,7 +327,7 @@ SENSOR_KEYS: JsonKeys = (
         keys=(
             JsonKey("snr_db", color_snr_db),
             JsonKey("temporal_snr_db", temporal_color_snr_db),
-            JsonKey("visual_noise", _visual_noise),
+            JsonKey("visual_noise", visual_noise_of),
             JsonKey("total_error_delta_e", mean_total_error),
             JsonKey("mean_lux", "color.mean", by=("color.names",)),
             JsonKey("covariance_lux2", "color.covariance"),

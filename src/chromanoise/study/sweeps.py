@@ -37,7 +37,7 @@ from chromanoise.sensor import (
 from chromanoise.spectra import black_body, with_infrared
 from chromanoise.study.analysis import Stages, electrons_at, noisy_color_at, stages_at
 from chromanoise.study.color_matrices import MatrixFunction, MatrixMaker
-from chromanoise.study.color_noise import GRAY, total_errors, visual_noise
+from chromanoise.study.color_noise import GRAY, VISUAL_NOISE, total_errors, visual_noise
 from chromanoise.study.reading_quality import (
     COLOR,
     COLOR_WITHOUT,
@@ -165,7 +165,7 @@ def gray_delta_e(operating_point: OperatingPoint, matrix: ColorMatrix) -> float:
 
 _quantity(
     "visual-noise",
-    "visual noise of an 18 % gray as viewed",
+    VISUAL_NOISE,
     "CIELUV",
     more_is_better=False,
     over_levels=False,

@@ -1,20 +1,31 @@
 """Sensors compared at equal color error: trade-offs, the winner, and where the order turns.
 
 A color matrix trades color error for noise, so the noise of one matrix compares two things at once.
-Each sensor therefore runs along its own `NoiseAwareFamily`, and the noise is compared where the
-color errors are equal: at the least error that all sensors reach. The noise is that of a gray as
-viewed (visual noise of ISO 15739).
+Each sensor therefore runs along its own `NoiseAwareFamily`, and the visual noise is compared where
+the color errors are equal: at the least error that all sensors reach.
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
+from itertools import combinations, groupby
 from typing import ClassVar, Literal
 
 import numpy as np
 
-from chromanoise.base import Array, Float, JsonKey, JsonKeys, check, decibel, with_short_repr
+from chromanoise.base import (
+    Array,
+    Bool,
+    Float,
+    InputError,
+    Int,
+    JsonKey,
+    JsonKeys,
+    check,
+    decibel,
+    matrix_rank,
+    with_short_repr,
+)
 from chromanoise.color import (
     LAB,
     ColorMatrix,
@@ -22,21 +33,82 @@ from chromanoise.color import (
     balanced_cielab,
     cie1976_difference,
 )
-from chromanoise.metrics import balanced_charts, balanced_truth, viewed_covariance
+from chromanoise.metrics import balanced_truth, viewed_covariance
 from chromanoise.noise import OperatingPoint, saturated, with_noise
 from chromanoise.spectra import Grid, Spectra, chart_on, is_infrared
 from chromanoise.study.analysis import electrons_at
 from chromanoise.study.color_matrices import DEFAULT_PRIOR, training_named
-from chromanoise.study.color_noise import PLANE, Viewing, noise_as_viewed
+from chromanoise.study.color_noise import (
+    PLANE,
+    Viewing,
+    noise_as_viewed,
+    noise_in_lab,
+    viewed_gray,
+)
 
-SECOND_PRIOR = "smooth-50-nir"
-"""Training set with which the margin is computed once more; the difference bounds a tie."""
-LEVELS_LUX = tuple(float(one) for one in np.geomspace(0.01, 1000.0, 11))
-"""Light levels at which the order is checked. [lx]"""
 LEAST_TIE_DB = 0.05
-"""A margin below one decimal is a tie. [dB]"""
+"""A margin that one decimal does not show is a tie. [dB]"""
+_SECOND_PRIOR = "smooth-50-nir"  # its margin must agree with that of the prior of the study
+_LEVELS_LUX = tuple(float(one) for one in np.geomspace(0.01, 1000.0, 11))
 _COLORS = 3  # independent channels of a sensor that tells colors apart
+_MOST_SUBSETS = 5  # channels of which all subsets are tried
+_ROUNDING = 1e-9  # of a color error, relative
+_STRIDE = 4  # of the matrices whose total error is computed first
+_UNSEEN = 0.5  # a difference of color errors that is hardly seen [Delta E*ab]
+_PALE = 1.0  # mean chroma of a chart without colors
 _ERRORS = 17  # color errors at which the order is checked
+_PER_DECADE, _COARSE = 12, 4  # weights of the noise, at the own light level and at others
+
+NO_LIGHT, SATURATED = "no channel sees the light", "a channel is saturated on the white"
+FEW_CHANNELS = "it has fewer than three independent channels"
+NO_COLOR = "X, Y or Z of the light is 0"
+NO_CHART = "the chart has no colors"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Chart:
+    """A chart and its white under the light of an operating point.
+
+    Attributes
+    ----------
+    truth
+        X, Y, Z of the patches over those of the white, for the observer. [1]
+    white_e
+        Electrons of the white. [e-]
+    patches
+        Electrons of the patches over those of the white. [1]
+    """
+
+    truth: Float[Array, "k 3"]
+    white_e: Float[Array, " p"]
+    patches: Float[Array, "k p"]
+
+    @property
+    def colorless_error(self) -> float:
+        """Color error of a gray picture of the right lightness, without noise. [Delta E*ab]"""
+        return float(np.linalg.norm(balanced_cielab(self.truth)[:, 1:], axis=-1).mean())
+
+    def seen(self, matrices: Float[Array, "q 3 p"]) -> Float[Array, "q k 3"]:
+        """X, Y, Z over those of the white; NaN where those are not above 0. [1]"""
+        relative = matrices * self.white_e
+        white = relative.sum(axis=-1, keepdims=True)
+        known = (white > 0).all(axis=-2, keepdims=True)
+        return self.patches @ np.swapaxes(relative / np.where(known, white, np.nan), -1, -2)
+
+    def errors(self, seen: Float[Array, "q k 3"]) -> Float[Array, "q k"]:
+        """Color error of each patch. [Delta E*ab]"""
+        return cie1976_difference(balanced_cielab(self.truth), balanced_cielab(seen))
+
+
+def _chart_of(point: OperatingPoint) -> _Chart:
+    white_e = electrons_at(point)
+    reflectance = chart_on(point.sensor.grid, point.chart).values.T
+    patches_e = electrons_at(point, reflectance=reflectance)
+    return _Chart(
+        truth=balanced_truth(point),
+        white_e=white_e,
+        patches=patches_e / np.where(white_e > 0, white_e, 1.0),
+    )
 
 
 @with_short_repr
@@ -48,127 +120,167 @@ class TradeOff:
     ----------
     point
         Sensor, exposure and light.
-    weight
-        Weights of the noise: 0 is least squares, infinity the matrix of least noise. [1]
-    matrix
+    viewing
+        Size and distance of the picture.
+    weights
+        Weights of the noise: 0 is least squares, infinity the matrix of least noise. Of up to five
+        channels, one such family for every three or more that are used. [1]
+    family
+        Number of the family of each weight.
+    matrices
         One per weight. [lx/e-]
     color_error
         Mean over the chart, without noise. [Delta E*ab]
-    noise
-        Visual noise of an 18 % gray as viewed. [CIELUV]
+    visual_noise
+        Of an 18 % gray as viewed. [CIELUV]
+    noise_in_lab
+        Of that gray as viewed, in L*, a* and b* together. [Delta E*ab]
     snr_y_db
         SNR of Y of a perfect white. [dB]
-    viewing
-        Size and distance of the picture.
     """
 
     point: OperatingPoint
-    weight: Float[Array, " q"]
-    matrix: Float[Array, "q 3 p"]
-    color_error: Float[Array, " q"]
-    noise: Float[Array, " q"]
-    snr_y_db: Float[Array, " q"]
     viewing: Viewing
+    weights: Float[Array, " q"]
+    family: Int[Array, " q"]
+    matrices: Float[Array, "q 3 p"]
+    color_error: Float[Array, " q"]
+    visual_noise: Float[Array, " q"]
+    noise_in_lab: Float[Array, " q"]
+    snr_y_db: Float[Array, " q"]
 
     def __post_init__(self) -> None:
-        check.freeze(self, "weight", "matrix", "color_error", "noise", "snr_y_db")
+        check.freeze(self, "weights", "family", "matrices", "color_error", "visual_noise")
+        check.freeze(self, "noise_in_lab", "snr_y_db")
 
     @property
     def least_color_error(self) -> float:
         """The least color error of its matrices. [Delta E*ab]"""
         return float(self.color_error.min())
 
-    def total_error(self) -> Float[Array, " q"]:
-        """`total_error_as_viewed` of each matrix. [Delta E*ab]"""
-        return total_error_as_viewed(self.point, self.matrix, self.viewing)
+    def least_total_error(self) -> tuple[float, int]:
+        """The least `total_error_as_viewed` of its matrices, and which has it. [Delta E*ab]"""
+        at = np.arange(0, self.weights.size, _STRIDE)
+        for _ in range(2):  # a part of the matrices first, then the neighbors of the best
+            totals = total_error_as_viewed(self.point, self.matrices[at], self.viewing)
+            best = int(at[np.argmin(totals)])
+            at = np.arange(max(0, best - _STRIDE), min(self.weights.size, best + _STRIDE + 1))
+        return float(totals.min()), best
 
-    @property
-    def gray_error(self) -> float:
-        """Color error of the matrix of least noise, whose picture is gray. [Delta E*ab]"""
-        return float(self.color_error[-1])
+    def place(self, color_error: float) -> float | None:
+        """Where the least noise with at most that color error is; ``None`` where no matrix has it.
 
-    def at(self, color_error: float) -> "Standing | None":
-        """The least noise with at most that color error; ``None`` where no matrix has it.
-
-        Between two weights, errors are linear, and so are the logarithms of the noise.
+        A number between two weights is a place on the line between them: color errors, logarithms
+        of the noise and SNRs are linear there.
 
         Parameters
         ----------
         color_error
             Mean over the chart. [Delta E*ab]
         """
-        e, inside = self.color_error, self.color_error <= color_error
+        e = self.color_error
+        inside = e <= color_error * (1 + _ROUNDING)
         if not inside.any():
             return None
-        k = np.flatnonzero(inside[:-1] != inside[1:])
-        edges = k + (color_error - e[k]) / (e[k + 1] - e[k])
-        places = [float(np.flatnonzero(inside)[np.argmin(self.noise[inside])]), *edges.tolist()]
-        return min((self._standing(place) for place in places), key=lambda one: one.noise)
+        together = self.family[:-1] == self.family[1:]
+        k = np.flatnonzero((inside[:-1] != inside[1:]) & together)
+        edges = k + np.clip((color_error - e[k]) / (e[k + 1] - e[k]), 0.0, 1.0)
+        places = [float(np.flatnonzero(inside)[np.argmin(self.visual_noise[inside])]), *edges]
+        return float(min(places, key=self.noise_at))
 
-    def _standing(self, place: float) -> "Standing":
-        at = np.arange(self.weight.size)
+    def noise_at(self, place: float) -> float:
+        """Visual noise at a place. [CIELUV]"""
+        return math.exp(self.value_at(place, np.log(self.visual_noise)))
 
-        def value(of: Float[Array, " q"]) -> float:
-            return float(np.interp(place, at, of))
+    def value_at(self, place: float, values: Float[Array, " q"]) -> float:
+        """A value at a place, of one value per weight."""
+        return float(np.interp(place, np.arange(values.size), values))
 
-        return Standing(
-            sensor=self.point.sensor.label,
-            noise=math.exp(value(np.log(self.noise))),
-            color_error=value(self.color_error),
-            least_color_error=self.least_color_error,
-            snr_y_db=value(self.snr_y_db),
-            weight=_weight(self.weight, place),
-        )
+    def channels_at(self, place: float) -> tuple[str, ...]:
+        """Names of the channels that the matrix at a place uses."""
+        used = self.matrices[math.floor(place)].any(axis=0)
+        return tuple(name for name, one in zip(self.point.sensor.names, used, strict=True) if one)
+
+    def weight_at(self, place: float) -> float:
+        """The weight at a place. [1]"""
+        low, high = (float(self.weights[one]) for one in (math.floor(place), math.ceil(place)))
+        share = place - math.floor(place)
+        if low == 0 or math.isinf(high):
+            return low if share < 0.5 else high
+        return low ** (1 - share) * high**share
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Standing:
-    """A sensor at one color error.
+    """A sensor in a comparison at equal color error.
 
     Attributes
     ----------
     sensor
         Its label.
-    noise
-        Visual noise of an 18 % gray as viewed. [CIELUV]
+    visual_noise
+        Of an 18 % gray as viewed. [CIELUV]
+    behind_db
+        That noise over the noise of the first sensor. [dB]
     color_error, least_color_error
-        Of the matrix, and the least of all matrices. [Delta E*ab]
+        Of the matrix, and the least of all noise-aware matrices. [Delta E*ab]
+    least_total_error
+        The least total color error as viewed of all noise-aware matrices. [Delta E*ab]
+    is_lost
+        Whether a gray picture without noise has less error than that.
     snr_y_db
         SNR of Y of a perfect white. [dB]
     weight
         Weight of the noise in the matrix. [1]
+    channels
+        Names of the channels that the matrix uses.
     """
 
     KEYS: ClassVar[JsonKeys] = (
         JsonKey("name", "sensor"),
-        *("noise", "color_error", "least_color_error", "snr_y_db", "weight"),
+        *("visual_noise", "behind_db", "color_error", "least_color_error", "least_total_error"),
+        *("is_lost", "snr_y_db", "weight", "channels"),
     )
 
     sensor: str
-    noise: float
+    visual_noise: float
+    behind_db: float
     color_error: float
     least_color_error: float
+    least_total_error: float
+    is_lost: bool
     snr_y_db: float
     weight: float
+    channels: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LeftOut:
+    """A sensor that cannot be compared at equal color error, and why."""
+
+    KEYS: ClassVar[JsonKeys] = (JsonKey("name", "sensor"), "why")
+
+    sensor: str
+    why: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Turn:
-    """A range in which another sensor has the least noise.
+    """A range in which another sensor has less visual noise than the winner, beyond a tie.
 
     Attributes
     ----------
     over
-        What varies.
+        What varies: the light, with the exposure kept, or the color error.
     first, last
-        Ends of the range: illuminances [lx] or color errors [Delta E*ab].
+        Ends of the range. [lx, or Delta E*ab]
     winner
         Label of the sensor.
     """
 
     KEYS: ClassVar[JsonKeys] = ("over", "first", "last", "winner")
 
-    over: Literal["light", "color error"]
+    over: Literal["light [lx]", "color error [Delta E*ab]"]
     first: float
     last: float
     winner: str
@@ -177,60 +289,57 @@ class Turn:
 @with_short_repr
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class EqualColor:
-    """Which sensor has the least color noise at equal color error.
+    """Which sensor has the least visual noise at equal color error.
 
     Attributes
     ----------
     trade_offs
-        One per sensor that tells colors apart.
+        One per compared sensor, in the order of the sensors.
     standings
-        At ``at_color_error``, from least to most noise.
+        At ``at_color_error``, from least to most noise; empty where fewer than two sensors can be
+        compared.
     at_color_error
-        The least color error that all these sensors reach. [Delta E*ab]
+        The least color error that all compared sensors reach. [Delta E*ab]
     margin_db
-        Noise of the second over that of the first. [dB]
+        Noise of the second sensor over that of the first. [dB]
     tie_db
-        Margins of this size are a tie: the margins of two training sets differ by as much. [dB]
+        A margin of at most this is a tie, because it changes by as much with another training set,
+        with 0.5 Delta E*ab more color error, or with the noise in CIELAB in place of the visual
+        noise. [dB]
     turns
-        Where another sensor than the winner has the least noise.
+        Where another sensor than the first has less noise.
     levels_lux
-        Lowest and highest light level that was compared; a saturated sensor ends the range. [lx]
+        Lowest and highest light level that was compared; saturation ends the range. [lx]
     errors
-        Least and largest color error that all sensors have. [Delta E*ab]
+        Least and largest color error that was compared. [Delta E*ab]
+    colorless_error
+        Mean color error of a gray picture without noise. [Delta E*ab]
     left_out
-        Sensors with fewer than three independent channels.
-    least_total_errors
-        Least `TradeOff.total_error` of each sensor, in the order of ``standings``. [Delta E*ab]
-    lost
-        Sensors whose color is lost in the noise: a gray picture is nearer to the true colors.
+        The other sensors.
     """
 
     trade_offs: tuple[TradeOff, ...]
     standings: tuple[Standing, ...]
-    at_color_error: float
-    margin_db: float
-    tie_db: float
+    at_color_error: float | None
+    margin_db: float | None
+    tie_db: float | None
     turns: tuple[Turn, ...]
     levels_lux: tuple[float, float]
-    errors: tuple[float, float]
-    left_out: tuple[str, ...]
-    least_total_errors: tuple[float, ...]
-    lost: tuple[str, ...]
-
-    @property
-    def winner(self) -> str:
-        """Label of the sensor of least noise."""
-        return self.standings[0].sensor
-
-    @property
-    def margins_db(self) -> tuple[float, ...]:
-        """Noise of each sensor over that of the winner, in the order of ``standings``. [dB]"""
-        return tuple(20 * math.log10(one.noise / self.standings[0].noise) for one in self.standings)
+    errors: tuple[float, float] | None
+    colorless_error: float
+    left_out: tuple[LeftOut, ...]
 
     @property
     def is_tie(self) -> bool:
-        """Whether the margin is within what the training set decides."""
-        return self.margin_db <= self.tie_db
+        """Whether the margin is within ``tie_db``."""
+        return self.margin_db is not None and self.margin_db <= (self.tie_db or 0.0)
+
+    @property
+    def winner(self) -> str | None:
+        """Label of the first sensor; ``None`` for a tie, and where every color is lost in noise."""
+        if not self.standings or self.is_tie or all(one.is_lost for one in self.standings):
+            return None
+        return self.standings[0].sensor
 
 
 Reader = Literal["eye", "machine"]
@@ -244,28 +353,32 @@ class Verdict:
     Attributes
     ----------
     winner
-        Label of the best sensor; ``None`` where fewer than two can be compared, or for a tie.
+        Label of the best sensor; ``None`` for a tie, where fewer than two can be compared, and
+        where the colors of all are lost in the noise.
     margin_db
-        For an eye, color noise of the second over that of the best at equal color error; for a
-        machine, median distance of the best over that of the second. [dB]
+        For an eye, visual noise of the second over that of the first at equal color error; for a
+        machine, median distance of the first over that of the second. [dB]
     at_color_error
         Color error at which the noise is compared; ``None`` for a machine. [Delta E*ab]
     reader
         Who judges.
     sentences
         The verdict in words, the answer first.
-    equal
-        The comparison at equal color error; ``None`` where fewer than two sensors tell colors
-        apart.
+    prior
+        Name of the training set of the compared matrices.
+    at_equal_color
+        The comparison at equal color error.
     """
 
     KEYS: ClassVar[JsonKeys] = (
-        *("winner", "margin_db", "at_color_error", "reader", "sentences"),
-        JsonKey("tie_db", "equal.tie_db"),
-        JsonKey("sensors", "equal.standings"),
-        JsonKey("least_total_errors", "equal.least_total_errors"),
-        JsonKey("turns", "equal.turns"),
-        JsonKey("lost", "equal.lost"),
+        *("winner", "margin_db", "at_color_error", "reader", "sentences", "prior"),
+        JsonKey("tie_db", "at_equal_color.tie_db"),
+        JsonKey("sensors", "at_equal_color.standings"),
+        JsonKey("left_out", "at_equal_color.left_out"),
+        JsonKey("turns", "at_equal_color.turns"),
+        JsonKey("levels_lux", "at_equal_color.levels_lux"),
+        JsonKey("color_errors", "at_equal_color.errors"),
+        JsonKey("colorless_error", "at_equal_color.colorless_error"),
     )
 
     winner: str | None
@@ -273,20 +386,25 @@ class Verdict:
     at_color_error: float | None
     reader: Reader
     sentences: tuple[str, ...]
-    equal: EqualColor | None
+    prior: str
+    at_equal_color: EqualColor
 
 
 def trade_off(
     point: OperatingPoint, *, prior: str | Spectra = DEFAULT_PRIOR, viewing: Viewing | None = None
 ) -> TradeOff | None:
-    """The trade-off of a sensor; ``None`` where a channel is saturated on the white or sees none.
+    """The trade-off of a sensor.
+
+    ``None`` where a channel is saturated on the white, no channel sees the light, or X, Y or Z of
+    the light is 0.
 
     Parameters
     ----------
     point
         Sensor, exposure and light.
     prior
-        The training set: a name from `PRIORS`, or reflectances on the grid.
+        The training set: a name from `PRIORS`, or reflectances on the grid. On a grid without
+        infrared, the part of its name that varies the infrared is without effect.
     viewing
         Size and distance of the picture; ``None`` for those of `Viewing`.
 
@@ -295,71 +413,69 @@ def trade_off(
     InputError
         If there is no prior of that name.
     """
-    return trade_offs_in_light(point, (point.level_lux,), prior=prior, viewing=viewing)[0]
+    found = _along_light(point, (point.level_lux,), prior, viewing or Viewing(), _PER_DECADE)[0]
+    return found if isinstance(found, TradeOff) else None
 
 
-def trade_offs_in_light(
+def _along_light(
     point: OperatingPoint,
     levels_lux: Sequence[float],
-    *,
-    prior: str | Spectra = DEFAULT_PRIOR,
-    viewing: Viewing | None = None,
-) -> list[TradeOff | None]:
-    """The trade-offs of a sensor at several light levels, with the exposure kept.
-
-    Parameters
-    ----------
-    point
-        Sensor and exposure; its level is ignored.
-    levels_lux
-        Illuminances. [lx]
-    prior, viewing
-        As `trade_off`.
-
-    Raises
-    ------
-    InputError
-        As `trade_off`.
-    """
+    prior: str | Spectra,
+    viewing: Viewing,
+    per_decade: int,
+) -> list[TradeOff | str]:
+    """The trade-off at each light level with the exposure kept, or why there is none."""
     sensor, exposure = point.sensor, point.exposure
-    here_e = electrons_at(point)
-    if not here_e.max() > 0:
-        return [None] * len(levels_lux)
-    prior = _on_grid(prior, sensor.grid)
-    training = training_named(prior, point.illuminant, point.observer)
+    chart = _chart_of(point)
+    why = NO_LIGHT if not chart.white_e.max() > 0 else ""
+    if not np.isfinite(chart.truth).all():
+        why = NO_COLOR
+    elif not chart.colorless_error >= _PALE:
+        why = NO_CHART
+    if why:
+        return [why] * len(levels_lux)
+    training = training_named(_on_grid(prior, sensor.grid), point.illuminant, point.observer)
     family = NoiseAwareFamily(sensor, exposure, training, level_lux=point.level_lux)
-    chart = chart_on(sensor.grid, point.chart).values.T
-    patches = electrons_at(point, reflectance=chart) / np.where(here_e > 0, here_e, 1.0)
-    truth = balanced_cielab(balanced_truth(point))
-    found: list[TradeOff | None] = []
-    viewing = viewing or Viewing()
+    found: list[TradeOff | str] = []
     for level in levels_lux:
         factor = level / point.level_lux
-        white_e = factor * here_e
+        white_e = factor * chart.white_e
         if saturated(white_e, sensor, exposure).any():
-            found.append(None)
+            found.append(SATURATED)
             continue
-        there = family if factor == 1 else family.in_light(factor)
-        weight = there.weights()
-        matrix = there.matrices(weight)
-        relative = matrix * here_e
-        seen = patches @ np.swapaxes(relative / relative.sum(axis=-1, keepdims=True), -1, -2)
-        errors = cie1976_difference(truth, balanced_cielab(seen))
-        in_e2 = with_noise(white_e, sensor, exposure).covariance
-        luminance = matrix[:, 1]
-        variance = ((luminance @ in_e2) * luminance).sum(axis=-1)
+        there = family.in_light(factor)
+        families = [there, *(there.with_channels(one) for one in _subsets(there.used))]
+        every = [one.weights(per_decade) for one in families]
+        weights = np.concatenate(every)
+        matrices = np.concatenate(
+            [one.matrices(mine) for one, mine in zip(families, every, strict=True)]
+        )
+        viewed = viewed_gray(white_e, sensor, exposure, matrices, viewing)
+        in_e2, row = with_noise(white_e, sensor, exposure).covariance, matrices[:, 1]
+        noise_lux = np.sqrt(((row @ in_e2) * row).sum(axis=-1))
         found.append(
             TradeOff(
-                point=point if factor == 1 else replace(point, level_lux=level),
-                weight=weight,
-                matrix=matrix,
-                color_error=errors.mean(axis=-1),
-                noise=noise_as_viewed(white_e, sensor, exposure, matrix, viewing),
-                snr_y_db=decibel(luminance @ white_e / np.sqrt(variance)),
+                point=replace(point, level_lux=level),
                 viewing=viewing,
+                weights=weights,
+                family=np.repeat(np.arange(len(every)), [one.size for one in every]),
+                matrices=matrices,
+                color_error=chart.errors(chart.seen(matrices)).mean(axis=-1),
+                visual_noise=noise_as_viewed(white_e, sensor, exposure, matrices, viewing),
+                noise_in_lab=noise_in_lab(viewed),
+                snr_y_db=decibel(row @ white_e / noise_lux),
             )
         )
     return found
+
+
+def _subsets(used: Bool[Array, " p"]) -> list[Bool[Array, " p"]]:
+    """Every three or more of up to five channels: a sensor may leave a channel out."""
+    at = np.flatnonzero(used)
+    if at.size > _MOST_SUBSETS:
+        return []
+    chosen = [one for count in range(_COLORS, at.size) for one in combinations(at, count)]
+    return [np.isin(np.arange(used.size), one) for one in chosen]
 
 
 def total_error_as_viewed(
@@ -379,45 +495,47 @@ def total_error_as_viewed(
     viewing
         Size and distance of the picture.
     """
-    sensor, exposure = point.sensor, point.exposure
-    truth, seen = balanced_charts(
-        sensor, matrices, exposure, point.illuminant, point.observer, point.chart
-    )
-    errors = cie1976_difference(balanced_cielab(truth), balanced_cielab(seen))
-    known = np.isfinite(errors).all(axis=-1)
-    white = np.where(known[:, None], matrices @ electrons_at(point), 1.0)
-    balanced = matrices / white[..., None]
-    patches_e = electrons_at(point, reflectance=chart_on(sensor.grid, point.chart).values.T)
-    in_e2 = with_noise(patches_e, sensor, exposure).covariance
-    in_pixel = balanced[:, None] @ in_e2 @ np.swapaxes(balanced, -1, -2)[:, None]
+    chart = _chart_of(point)
+    seen = chart.seen(matrices)
+    in_e2 = with_noise(chart.patches * chart.white_e, point.sensor, point.exposure).covariance
+    known = np.isfinite(seen).all(axis=(-1, -2))
+    white = np.where(known[:, None], matrices @ chart.white_e, 1.0)
+    balanced = (matrices / white[..., None])[:, None]
+    in_pixel = balanced @ in_e2 @ np.swapaxes(balanced, -1, -2)
     viewed = viewed_covariance(in_pixel, pixels_per_degree=viewing.pixels_per_degree, samples=PLANE)
     to_lab = LAB.jacobian(np.where(known[:, None, None], seen, 1.0), np.ones(3))
     spread = np.einsum("qkia,qkab,qkib->qk", to_lab, viewed, to_lab)
-    return np.asarray(np.sqrt(errors**2 + spread).mean(axis=-1))
+    return np.asarray(np.sqrt(chart.errors(seen) ** 2 + spread).mean(axis=-1))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LostColors:
-    """A matrix whose picture is farther from the true colors than a gray picture.
+    """A matrix whose colors are lost in the noise: a gray picture without noise has less error.
 
     Attributes
     ----------
     total_error, least_total_error
-        Mean of the roots of squared color error plus noise as viewed: of the matrix, and the least
-        of all noise-aware matrices. [Delta E*ab]
+        Total color error as viewed: of the matrix, and the least of all noise-aware matrices.
+        [Delta E*ab]
+    colorless_error
+        Mean color error of a gray picture without noise. [Delta E*ab]
     weight
         Weight of the noise in the matrix of the least error. [1]
     """
 
     total_error: float
     least_total_error: float
+    colorless_error: float
     weight: float
 
 
 def lost_colors(
     point: OperatingPoint, matrix: ColorMatrix, *, prior: str | Spectra = DEFAULT_PRIOR
 ) -> LostColors | None:
-    """Whether a matrix loses the colors in the noise; ``None`` where it does not.
+    """Whether a matrix loses the colors in the noise.
+
+    ``None`` where it does not, or the sensor has no trade-off or fewer than three independent
+    channels.
 
     Parameters
     ----------
@@ -428,16 +546,19 @@ def lost_colors(
     prior
         The training set of the noise-aware matrices.
     """
+    colorless = _chart_of(point).colorless_error
+    own = float(total_error_as_viewed(point, matrix.matrix[None], Viewing())[0])
+    if not own >= colorless:
+        return None
     trade = trade_off(point, prior=prior)
-    if trade is None:
+    if trade is None or not _tells_colors(trade):
         return None
-    own = float(total_error_as_viewed(point, matrix.matrix[None], trade.viewing)[0])
-    if not own >= trade.gray_error:
-        return None
-    totals = trade.total_error()
-    best = int(np.argmin(totals))
+    least, best = trade.least_total_error()
     return LostColors(
-        total_error=own, least_total_error=float(totals[best]), weight=float(trade.weight[best])
+        total_error=own,
+        least_total_error=least,
+        colorless_error=colorless,
+        weight=float(trade.weights[best]),
     )
 
 
@@ -447,15 +568,13 @@ def equal_color(
     prior: str | Spectra = DEFAULT_PRIOR,
     viewing: Viewing | None = None,
     turns: bool = True,
-) -> EqualColor | None:
-    """Which sensor has the least color noise at equal color error.
-
-    ``None`` where fewer than two sensors tell colors apart.
+) -> EqualColor:
+    """Which sensor has the least visual noise at equal color error.
 
     Parameters
     ----------
     points
-        Sensors with their exposures in one light.
+        Sensors with their exposures, in one light and for one observer and chart.
     prior
         The training set: a name from `PRIORS`, or reflectances on the grid.
     viewing
@@ -466,140 +585,204 @@ def equal_color(
     Raises
     ------
     InputError
-        If there is no prior of that name.
+        If there is no prior of that name, or the points differ in light, observer or chart.
     """
-    found = [trade_off(point, prior=prior, viewing=viewing) for point in points]
-    trades = tuple(one for one in found if one is not None and _tells_colors(one))
+    _refuse_other_light(points)
+    seen = viewing or Viewing()
+    found: list[TradeOff | str] = []
+    for point in points:
+        one = _along_light(point, (point.level_lux,), prior, seen, _PER_DECADE)[0]
+        found.append(FEW_CHANNELS if isinstance(one, TradeOff) and not _tells_colors(one) else one)
+    trades = tuple(one for one in found if isinstance(one, TradeOff))
+    left_out = tuple(
+        LeftOut(sensor=point.sensor.label, why=one)
+        for point, one in zip(points, found, strict=True)
+        if isinstance(one, str)
+    )
+    colorless, level = _chart_of(points[0]).colorless_error, points[0].level_lux
     if len(trades) < 2:
-        return None
-    least, standings = _standings(trades)
-    able = [one.point for one in trades]
-    other = [trade_off(one, prior=_second(prior), viewing=viewing) for one in able]
-    margin_db = _margin_db(standings)
-    tie_db = LEAST_TIE_DB
-    if all(one is not None for one in other):
-        again = {one.sensor: one.noise for one in _standings([o for o in other if o])[1]}
-        first, second = (again[one.sensor] for one in standings[:2])
-        tie_db = max(tie_db, abs(margin_db - 20 * math.log10(second / first)))
+        return EqualColor(
+            trade_offs=trades,
+            standings=(),
+            at_color_error=None,
+            margin_db=None,
+            tie_db=None,
+            turns=(),
+            levels_lux=(level, level),
+            errors=None,
+            colorless_error=colorless,
+            left_out=left_out,
+        )
+    least = max(one.least_color_error for one in trades)
     most = min(float(one.color_error.max()) for one in trades)
-    totals = {one.point.sensor.label: float(one.total_error().min()) for one in trades}
-    lit = []
-    found_turns: list[Turn] = []
-    if turns:
-        by_light = _by_light(able, prior, viewing)
-        lit = [level for level, _ in by_light]
-        found_turns = [
-            *_turns("light", by_light, standings[0].sensor, logarithmic=True),
-            *_turns("color error", _by_error(trades, least, most), standings[0].sensor),
-        ]
-    level = able[0].level_lux
+    noise = _noises(trades, least)
+    order = np.argsort(noise, kind="stable")
+    behind_db = decibel(noise / noise[order[0]])
+    margin_db = float(behind_db[order[1]])
+    again_db = (*_with_others_db(trades, order, least, most), _again_db(trades, order, prior))
+    tie_db = max(LEAST_TIE_DB, *(abs(margin_db - one) for one in again_db))
+    lit, by_light = _by_light(trades, prior, noise) if turns else ([level], noise[None])
+    errors = np.linspace(least, most, _ERRORS)
+    by_error = np.stack([_noises(trades, one) for one in errors]) if turns else noise[None]
+    every = [
+        _standing(trade, least, colorless, float(db))
+        for trade, db in zip(trades, behind_db, strict=True)
+    ]
+    names, first = [one.point.sensor.label for one in trades], int(order[0])
     return EqualColor(
         trade_offs=trades,
-        standings=standings,
+        standings=tuple(every[k] for k in order),
         at_color_error=least,
         margin_db=margin_db,
         tie_db=tie_db,
-        turns=tuple(found_turns),
-        levels_lux=(min(lit, default=level), max(lit, default=level)),
+        turns=(
+            *_turns("light [lx]", lit, by_light, first, names, tie_db),
+            *_turns("color error [Delta E*ab]", errors, by_error, first, names, tie_db),
+        )
+        if turns
+        else (),
+        levels_lux=(min(lit), max(lit)),
         errors=(least, most),
-        left_out=tuple(
-            one.point.sensor.label for one in found if one is not None and not _tells_colors(one)
-        ),
-        least_total_errors=tuple(totals[one.sensor] for one in standings),
-        lost=tuple(
-            one.point.sensor.label
-            for one in trades
-            if totals[one.point.sensor.label] >= one.gray_error
-        ),
+        colorless_error=colorless,
+        left_out=left_out,
     )
 
 
-_Noises = dict[str, float]
+def _refuse_other_light(points: Sequence[OperatingPoint]) -> None:
+    first = points[0]
+    for one in points[1:]:
+        same = (
+            one.level_lux == first.level_lux
+            and one.observer == first.observer
+            and np.array_equal(one.illuminant.irradiance, first.illuminant.irradiance)
+            and one.chart is first.chart
+        )
+        if not same:
+            raise InputError(
+                "sensors that are compared at equal color error",
+                "must have one light, observer and chart",
+                value=one.sensor.label,
+                found=f"differ in these: {first.sensor.label} and {one.sensor.label}",
+            )
 
 
-def _standings(trades: Sequence[TradeOff]) -> tuple[float, tuple[Standing, ...]]:
-    """The least color error that all reach, and the sensors there from least to most noise."""
-    least = max(one.least_color_error for one in trades)
-    found = [standing for one in trades if (standing := one.at(least)) is not None]
-    return least, tuple(sorted(found, key=lambda one: one.noise))
+def _standing(trade: TradeOff, least: float, colorless: float, behind_db: float) -> Standing:
+    place = trade.place(least)
+    assert place is not None  # the least error that all reach
+    total, _ = trade.least_total_error()
+    return Standing(
+        sensor=trade.point.sensor.label,
+        visual_noise=trade.noise_at(place),
+        behind_db=behind_db,
+        color_error=trade.value_at(place, trade.color_error),
+        least_color_error=trade.least_color_error,
+        least_total_error=total,
+        is_lost=total >= colorless,
+        snr_y_db=trade.value_at(place, trade.snr_y_db),
+        weight=trade.weight_at(place),
+        channels=trade.channels_at(place),
+    )
 
 
-def _margin_db(standings: Sequence[Standing]) -> float:
-    return 20 * math.log10(standings[1].noise / standings[0].noise)
+def _noises(trades: Sequence[TradeOff], color_error: float) -> Float[Array, " s"]:
+    """Visual noise of each sensor at a color error that all reach. [CIELUV]"""
+    places = [(one, one.place(color_error)) for one in trades]
+    return np.array([math.nan if at is None else one.noise_at(at) for one, at in places])
 
 
-def _second(prior: str | Spectra) -> str:
-    return DEFAULT_PRIOR if prior == SECOND_PRIOR else SECOND_PRIOR
+def _noises_at_least_error(trades: Sequence[TradeOff]) -> Float[Array, " s"]:
+    return _noises(trades, max(one.least_color_error for one in trades))
+
+
+def _again_db(trades: Sequence[TradeOff], order: Array, prior: str | Spectra) -> float:
+    """The margin of the first over the second with another training set. [dB]"""
+    own = _on_grid(prior, trades[0].point.sensor.grid)
+    other = _on_grid(_SECOND_PRIOR, trades[0].point.sensor.grid)
+    again = [
+        trade_off(one.point, prior="chart" if own == other else other, viewing=one.viewing)
+        for one in trades
+    ]
+    noise = _noises_at_least_error([one for one in again if one is not None])
+    return _over_db(noise[order[1]], noise[order[0]])
+
+
+def _with_others_db(
+    trades: Sequence[TradeOff], order: Array, least: float, most: float
+) -> tuple[float, float]:
+    """The margin with a little more color error, and with the noise in CIELAB. [dB]"""
+    first, second = trades[order[0]], trades[order[1]]
+    more = _noises((first, second), min(least + _UNSEEN, most))
+    lab = [
+        math.exp(one.value_at(place, np.log(one.noise_in_lab)))
+        for one in (first, second)
+        if (place := one.place(least)) is not None
+    ]
+    return _over_db(more[1], more[0]), _over_db(lab[1], lab[0])
+
+
+def _over_db(noise: float, other: float) -> float:
+    return 20 * math.log10(noise / other)
 
 
 def _on_grid(prior: str | Spectra, grid: Grid) -> str | Spectra:
     """The prior; without other infrared values where the grid has no infrared."""
-    has_infrared = is_infrared(grid).sum() > 1
-    if isinstance(prior, Spectra) or has_infrared:
+    if isinstance(prior, Spectra) or is_infrared(grid).sum() > 1:
         return prior
     return prior.removesuffix("-nir")
 
 
 def _tells_colors(trade: TradeOff) -> bool:
     """Whether its matrices span three colors."""
-    scale = np.linalg.norm(trade.matrix[0], axis=0)
-    rank = np.linalg.matrix_rank(trade.matrix[0] / np.where(scale > 0, scale, 1.0))
-    return bool(rank >= _COLORS)
+    scale = np.linalg.norm(trade.matrices[0], axis=0)
+    relative = trade.matrices[0] / np.where(scale > 0, scale, 1.0)
+    return bool(matrix_rank(f"matrix of {trade.point.sensor.name}", relative) >= _COLORS)
 
 
 def _by_light(
-    points: Sequence[OperatingPoint], prior: str | Spectra, viewing: Viewing | None
-) -> list[tuple[float, _Noises]]:
-    """Noise of each sensor at equal color error, at each level at which none is saturated."""
-    levels = sorted({*LEVELS_LUX, points[0].level_lux})
-    along = [trade_offs_in_light(one, levels, prior=prior, viewing=viewing) for one in points]
-    found = []
-    for level, *trades in zip(levels, *along, strict=True):
-        there = [one for one in trades if one is not None]
-        if len(there) == len(points):
-            _, standings = _standings(there)
-            found.append((level, {one.sensor: one.noise for one in standings}))
-    return found
-
-
-def _by_error(trades: Sequence[TradeOff], least: float, most: float) -> list[tuple[float, _Noises]]:
-    return [
-        (error, {one.sensor: one.noise for trade in trades if (one := trade.at(error))})
-        for error in np.linspace(least, most, _ERRORS).tolist()
-    ]
+    trades: Sequence[TradeOff], prior: str | Spectra, own: Float[Array, " s"]
+) -> tuple[list[float], Float[Array, "l s"]]:
+    """Levels at which no sensor is saturated, and the noise of each sensor at equal color error."""
+    here = trades[0].point.level_lux
+    others = [one for one in _LEVELS_LUX if one != here]
+    along = [_along_light(one.point, others, prior, one.viewing, _COARSE) for one in trades]
+    found = {here: own}
+    for level, *there in zip(others, *along, strict=True):
+        able = [one for one in there if isinstance(one, TradeOff)]
+        if len(able) == len(trades):
+            found[level] = _noises_at_least_error(able)
+    levels = sorted(found)
+    return levels, np.stack([found[level] for level in levels])
 
 
 def _turns(
-    over: Literal["light", "color error"],
-    along: Sequence[tuple[float, _Noises]],
-    winner: str,
-    *,
-    logarithmic: bool = False,
+    over: Literal["light [lx]", "color error [Delta E*ab]"],
+    at: Sequence[float] | Float[Array, " l"],
+    noise: Float[Array, "l s"],
+    first: int,
+    names: Sequence[str],
+    tie_db: float,
 ) -> list[Turn]:
-    """Ranges in which another sensor has less noise than the winner, by more than a tie."""
-    scale: Callable[[float], float] = math.log if logarithmic else float
-    back: Callable[[float], float] = math.exp if logarithmic else float
-    turns: list[Turn] = []
-    lead = [(at, min(noises, key=lambda name: noises[name]), noises) for at, noises in along]
-    start = lead[0][0] if lead else 0.0
-    for (at, name, noises), (then, following, others) in pairwise(lead):
-        if following == name:
-            continue
-        before = math.log(noises[following] / noises[name])
-        after = math.log(others[name] / others[following])
-        share = before / (before + after) if before + after > 0 else 0.5
-        edge = back(scale(at) + share * (scale(then) - scale(at)))
-        turns.append(Turn(over=over, first=start, last=edge, winner=name))
-        start = edge
-    if lead:
-        turns.append(Turn(over=over, first=start, last=lead[-1][0], winner=lead[-1][1]))
-    return [one for one in turns if one.winner != winner]
+    """Ranges in which another sensor has less noise than the first one, by more than a tie."""
+    scale, back = (np.log, math.exp) if over == "light [lx]" else (np.asarray, float)
+    where, level_db = scale(np.asarray(at)), decibel(noise)
+    best = level_db.argmin(axis=1)
 
+    def edge(k: int) -> float:
+        """Between k and k + 1, where the leaders of both are level."""
+        lead = level_db[k : k + 2, best[k + 1]] - level_db[k : k + 2, best[k]]
+        return back(float(where[k] + (where[k + 1] - where[k]) * lead[0] / (lead[0] - lead[1])))
 
-def _weight(weights: Float[Array, " q"], place: float) -> float:
-    """The weight at a place between two of a grid, whose ends are 0 and infinity."""
-    low, high = float(weights[math.floor(place)]), float(weights[math.ceil(place)])
-    if low == 0 or not math.isfinite(high):
-        return low if place - math.floor(place) < 0.5 else high
-    share = place - math.floor(place)
-    return low ** (1 - share) * high**share
+    turns = []
+    for leader, group in groupby(range(len(best)), key=lambda k: int(best[k])):
+        k = list(group)
+        lead_db = (level_db[k, first] - level_db[k, leader]).max()
+        if leader != first and lead_db > tie_db:
+            turns.append(
+                Turn(
+                    over=over,
+                    first=edge(k[0] - 1) if k[0] else float(at[0]),
+                    last=edge(k[-1]) if k[-1] + 1 < len(best) else float(at[-1]),
+                    winner=names[leader],
+                )
+            )
+    return turns

@@ -31,6 +31,7 @@ from chromanoise.noise import (
 from chromanoise.spectra import INFRARED_FROM_NM, color_axes, is_infrared
 from chromanoise.study import (
     GRAY,
+    VISUAL_NOISE,
     MatrixMaker,
     electrons_at,
     pairs_of,
@@ -255,7 +256,7 @@ def _smi(candidate: Candidate) -> float:
 
 @_objective(
     "visual noise",
-    "visual noise of an 18 % gray as viewed",
+    VISUAL_NOISE,
     "CIELUV",
     "lower",
     source="ISO 15739:2017",

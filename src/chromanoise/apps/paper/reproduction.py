@@ -73,13 +73,12 @@ def verdict(study: PaperStudy) -> str:
 def _at_equal_color(bare: Analysis, cut: Analysis) -> str:
     """The comparison of both sensors that does not depend on one color matrix."""
     found = equal_color([bare.point, cut.point], turns=False)
-    assert found is not None  # both tell colors apart
     best, other = found.standings
     winner = "RGB sensor behind the IR-cut" if best.sensor == cut.sensor.label else "RGBW sensor"
     return (
         f"At equal color error ({found.at_color_error:.1f} Delta E*ab), each with its own best "
-        f"matrix, the {winner} has {found.margin_db:.1f} dB less visual noise "
-        f"({best.noise:.3g} against {other.noise:.3g})."
+        f"matrix, the {winner} has {other.behind_db:.1f} dB less visual noise "
+        f"({best.visual_noise:.3g} against {other.visual_noise:.3g})."
     )
 
 
