@@ -124,7 +124,7 @@ study
 study --schema
 schema matrix
 schema analyse
-analyze onyx-rgbw onyx-rgb --fail-if "snr_y_db < 27" --fail-if "channels.snr_db.1 < 0"
+analyze onyx-rgbw onyx-rgb --fail-if "snr_y_db < 27" --fail-if "channels.snr_db < 38"
 matrix onyx-rgb --fail-if "snr_y_db < 31" --json -
 compare onyx-rgb --points 3 --fail-if "snr_q < 1"
 run files/study.toml -o out && run files/study.toml -o other --set light.level_lux=3 && diff out other

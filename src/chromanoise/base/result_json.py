@@ -73,7 +73,12 @@ JsonKeys = tuple[JsonKey | str, ...]
 """The keys of a record in their order; a name is a `JsonKey` without further facts."""
 
 
-VERSION = JsonKey("version", lambda _: __version__, text="Version of chromanoise.")
+def _version(_: Any) -> str:
+    """Version of chromanoise."""
+    return __version__
+
+
+VERSION = JsonKey("version", _version)
 """The version of chromanoise, which each output of a command begins with."""
 
 

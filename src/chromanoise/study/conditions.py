@@ -55,7 +55,7 @@ class Condition:
     text
         As it was given.
     key, sign, number
-        Its parts.
+        Which value is compared with which number, and how; ``<`` for smaller ones.
     places
         Per result the path of the key; ``None`` for a result that is not judged.
     """
@@ -157,7 +157,7 @@ def failures_of(
     Parameters
     ----------
     conditions
-        Of `conditions_of`.
+        As `conditions_of` returned them before the results were computed.
     results, steps
         A function that gives the JSON of each of its results; the names of their steps, or empty.
 

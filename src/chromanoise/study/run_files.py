@@ -450,10 +450,15 @@ def _sha256(file: Path) -> str | None:
 def read_record(file: Path) -> dict[str, Any]:
     """The object in a JSON file that a run wrote; empty if it holds another kind of data.
 
+    Parameters
+    ----------
+    file
+        Of a step, or ``study.json``.
+
     Raises
     ------
     InputError
-        As `json_file`.
+        If it cannot be read, is too large, or holds no JSON.
     """
     data = json_file(file, most_bytes=_LARGEST_BYTES)
     return data if isinstance(data, dict) else {}
