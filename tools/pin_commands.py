@@ -122,6 +122,12 @@ cite
 cite --bibtex
 study
 study --schema
+schema matrix
+schema analyse
+analyze onyx-rgbw onyx-rgb --fail-if "snr_y_db < 27" --fail-if "channels.snr_db < 38"
+matrix onyx-rgb --fail-if "snr_y_db < 31" --json -
+compare onyx-rgb --points 3 --fail-if "snr_q < 1"
+run files/study.toml -o out && run files/study.toml -o other --set light.level_lux=3 && diff out other
 init new.toml && run new.toml -o out && rerun out/study.json -o again
 init --design
 init && report study.toml -o r.html --set light.level_lux=3 --set seed=5

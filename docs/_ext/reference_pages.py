@@ -284,6 +284,55 @@ def page_of_keys() -> str:
     )
 
 
+# ---- results ----
+
+
+def keys_of_result(name: str, kind: Any) -> str:
+    """The keys in the JSON of one command."""
+    from chromanoise.base import described_keys
+
+    rows = [
+        f"   * - ``{one.name}``\n     - {type_in_words(one)}\n     - {escaped(one.text)}"
+        for one in described_keys(kind.json_schema())
+    ]
+    head = "   * - key\n     - type\n     - meaning"
+    summary = (inspect.getdoc(kind) or "").partition("\n\n")[0]
+    return "\n".join(
+        [
+            heading(f"``chromanoise {name} --json``", "-"),
+            escaped(summary) + "\n",
+            ".. list-table::\n   :header-rows: 1\n   :widths: 32 18 50\n",
+            *(head, *rows, ""),
+        ]
+    )
+
+
+def type_in_words(one: Any) -> str:
+    """The type of a key, and whether it may be null."""
+    words = {"string": "text", "integer": "whole number", "boolean": "true or false"}
+    shown = [words.get(kind, kind) for kind in sorted(one.kinds - {"null"})]
+    text = " or ".join(shown) + (" or null" if "null" in one.kinds else "")
+    return f"list of {text}" if one.path[-1] == "[]" else text
+
+
+def page_of_results() -> str:
+    """Every key in the JSON of analyze, compare and matrix."""
+    from chromanoise.study import RESULT_KINDS
+
+    commands = {name: name.replace("-map", " --and") for name in RESULT_KINDS}
+    return "\n".join(
+        [
+            heading("Keys of results", "="),
+            "Keys in the JSON of the commands, of ``to_dict()`` and of the files of ``chromanoise"
+            " run``, with units in brackets. Dots separate the parts of a key, lists are left out,"
+            " and ``NAME`` is a name: of a channel, a coordinate, a prior. ``chromanoise schema"
+            " analyze`` prints the same as JSON Schema. New keys may be added in any release."
+            " :doc:`Pipelines <../howto/pipelines>` use them.\n",
+            *(keys_of_result(commands[name], kind) for name, kind in RESULT_KINDS.items()),
+        ]
+    )
+
+
 # ---- Sphinx ----
 
 
@@ -304,6 +353,7 @@ def write_pages(app: Sphinx) -> None:
     pages[folder / "api" / "index.rst"] = api_index()
     pages |= {folder / "commands" / f"{name}.rst": text for name, text in command_pages().items()}
     pages[folder / "study_keys.rst"] = page_of_keys()
+    pages[folder / "result_keys.rst"] = page_of_results()
     for path, text in pages.items():
         written(path, text)
     for old in [*folder.glob("api/*.rst"), *folder.glob("commands/*.rst")]:

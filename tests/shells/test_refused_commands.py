@@ -24,6 +24,7 @@ FILES = {
     "faint.csv": "wavelength_nm,R,G\n400,1e-300,1e-12\n1050,1e-300,1e-12\n",
     "one.csv": command_lines.input_files()["filter.csv"].decode(),
     "old.json": '{"schema": "chromanoise sensor", "schema_version": 9}',
+    "list.json": "[1, 2]",
     "taken": "mine",
     "study.toml": '[[sensors]]\nname = "onyx-rgb"\n',
     "no-profile.txt": '{"noiseprofiles": []}',
@@ -335,6 +336,28 @@ CASES = [
         for command in ("analyze", "compare", "matrix")
     ),
     case("matrix onyx-rgbw --export m.xyz", ".clf", subject="--export", value="m.xyz"),
+    # conditions and comparisons of outputs
+    case(
+        ["analyze", "onyx-rgb", "--fail-if", "snr_y_dbb < 30"],
+        "did you mean snr_y_db",
+        subject="--fail-if",
+        value="snr_y_dbb",
+    ),
+    case(["analyze", "nothing", "--fail-if", "snr_q < 1"], subject="--fail-if", value="snr_q"),
+    case(["matrix", "onyx-rgb", "--fail-if", "color.snr_db.Q < 1"], subject="--fail-if"),
+    case(
+        ["analyze", "onyx-rgb", "--fail-if", "color.snr_db.Q < 1", "--json", "a"], "color.snr_db.Q"
+    ),
+    case(["analyze", "onyx-rgb", "--fail-if", "rank > 1"], "sensors.rank or ranking.rank"),
+    case(["analyze", "onyx-rgb", "--fail-if", "metric == 1"], "is text", value="metric"),
+    case(["run", "study.toml", "-o", "new", "--fail-if", "snr_q < 1"], value="snr_q"),
+    case(["compare", "onyx-rgb", "--fail-if", "sensor"], subject="--fail-if", value="sensor"),
+    case(["analyze", "onyx-rgb", "--fail-if", "condition < nan"], value="condition < nan"),
+    case("diff old.json nowhere", "nowhere"),
+    case("diff old.json made", "made", "study.json"),
+    case("diff old.json nonsense.txt", "nonsense.txt", "JSON"),
+    case("diff list.json old.json", "list.json", "no results"),
+    case("schema anlyze", "analyze", value="anlyze"),
     # convert
     case("convert two.csv two.csv", "OUT", "'two.csv'"),
     case("convert two.csv ./two.csv", "OUT", "'two.csv'"),

@@ -94,10 +94,14 @@ if TYPE_CHECKING:
         subclass,
     )
     from chromanoise.base.result_json import (
+        ANY_NAME,
+        LIST,
         VERSION,
+        DescribedKey,
         JsonKey,
         JsonKeys,
         defined,
+        described_keys,
         keys_of,
         plain,
         schema,

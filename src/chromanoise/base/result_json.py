@@ -5,16 +5,19 @@ lists as ``KEYS``: a name, or a `JsonKey` where the value has another name, unit
 keys can also be given with the record, for a view of records of lower packages.
 
 `plain` writes: it walks from a record to numbers, text, lists and objects. `schema` describes: it
-walks from the class along the same keys, and reads types from annotations. `with_short_repr` shows
-a record in an interactive session.
+walks from the class along the same keys, and reads types from annotations and descriptions from
+docstrings. `described_keys` lists the keys of a schema. `with_short_repr` shows a record in an
+interactive session.
 """
 
+import inspect
 import math
+import re
 import reprlib
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, fields, is_dataclass
-from functools import reduce
+from functools import cache, reduce
 from operator import or_
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
@@ -48,6 +51,10 @@ class JsonKey:
         What a number is multiplied by, as 1000 for ``time_ms`` of ``time_s``.
     when
         Where or how it is decided whether the record has the key, as ``of``; empty for always.
+    text
+        Description, where no docstring of the value has it.
+    is_old
+        Whether the key is an old name of another one.
     """
 
     name: str
@@ -58,13 +65,20 @@ class JsonKey:
     rows: bool = False
     factor: float | None = None
     when: str | Callable[[Any], Any] = ""
+    text: str = ""
+    is_old: bool = False
 
 
 JsonKeys = tuple[JsonKey | str, ...]
 """The keys of a record in their order; a name is a `JsonKey` without further facts."""
 
 
-VERSION = JsonKey("version", lambda _: __version__)
+def _version(_: Any) -> str:
+    """Version of chromanoise."""
+    return __version__
+
+
+VERSION = JsonKey("version", _version)
 """The version of chromanoise, which each output of a command begins with."""
 
 
@@ -289,6 +303,9 @@ def _object_schema(owners: tuple[Any, ...], keys: JsonKeys, *, row: bool = False
             found = _schema(kind, key.keys, owners)
             for _ in key.by:
                 found = {"type": ["object", "null"], "additionalProperties": found}
+        text = _text_of(key, owners)
+        found = found | ({"description": text} if text else {})
+        found |= {"deprecated": True} if key.is_old else {}
         properties |= {key.name: found} if key.name else found["properties"]
         names = [key.name] if key.name else found["required"]
         required += [] if key.when else names
@@ -340,3 +357,123 @@ def _kind_of(member: Any, owner: Any = None, name: str = "") -> Any:
     if isinstance(kind, str):  # a class that is defined below, or imported for type checkers only
         return vars(sys.modules[(owner or function).__module__]).get(kind, Any)
     return kind
+
+
+def _text_of(key: JsonKey, owners: tuple[Any, ...]) -> str:
+    """The description of a key: its own, or that in the docstring of its value."""
+    path = key.of or key.name
+    if key.text or path == ".":
+        return key.text
+    if callable(path):
+        text = _first_paragraph(path)
+    else:
+        before, _, last = path.rpartition(".")
+        near = next((one for one in reversed(owners) if hasattr(one, last)), owners[-1])
+        owner = _unless_none(_kind_at(before, owners)) if before else near
+        member = getattr(owner, last, None)
+        text = attribute_texts(owner).get(last, "") if isinstance(owner, type) else ""
+        text = text or (_first_paragraph(member.fget) if isinstance(member, property) else "")
+    text = re.sub(r"``None``|\bNaN\b|\binf\b", "null", text)  # as JSON has them
+    return text if key.factor is None else text.replace("[s]", "[ms]")
+
+
+def _first_paragraph(documented: Any) -> str:
+    return " ".join((inspect.getdoc(documented) or "").partition("\n\n")[0].split())
+
+
+@cache
+def attribute_texts(kind: type) -> dict[str, str]:
+    """The texts on the attributes of a class, as its docstring and those of its bases have them.
+
+    Parameters
+    ----------
+    kind
+        A class whose docstring has a section "Attributes".
+
+    Examples
+    --------
+    >>> attribute_texts(JsonKey)["factor"]
+    'What a number is multiplied by, as 1000 for ``time_ms`` of ``time_s``.'
+    """
+    found: dict[str, str] = {}
+    for one in reversed(kind.__mro__):
+        doc = inspect.cleandoc(vars(one).get("__doc__") or "")
+        section = doc.partition("Attributes\n----------\n")[2]
+        names: list[str] = []
+        for line in re.split(r"\n\w+\n---", section)[0].splitlines():
+            if not line.startswith(" "):
+                names = line.split(", ")
+                found |= dict.fromkeys(names, "")
+            found |= {name: f"{found[name]} {line}".strip() for name in names if line[:1] == " "}
+    return {name: " ".join(text.split()) for name, text in found.items()}
+
+
+LIST, ANY_NAME = "[]", "NAME"
+"""Steps of the path of a key: to the entries of a list, and to the values of an object by name."""
+
+
+@dataclass(frozen=True, slots=True)
+class DescribedKey:
+    """A key of a JSON document, as its schema describes it.
+
+    Attributes
+    ----------
+    path
+        The keys from the document to it; `LIST` and `ANY_NAME` are steps too.
+    kinds
+        Types of its value: ``number``, ``string``, ``boolean``, ``null`` ...; of a list of numbers
+        those of its entries. Empty if any value may stand there.
+    text
+        Description; empty if there is none.
+    """
+
+    path: tuple[str, ...]
+    kinds: frozenset[str]
+    text: str
+
+    @property
+    def name(self) -> str:
+        """The path without lists, joined by dots: ``sensors.color.snr_db.NAME``."""
+        return ".".join(step for step in self.path if step != LIST)
+
+    @property
+    def is_number(self) -> bool:
+        """Whether the value is, or may be, a number, true or false, or a list of them."""
+        return not self.kinds or not self.kinds.isdisjoint({"number", "integer", "boolean"})
+
+
+def described_keys(whole: Mapping[str, Any]) -> tuple[DescribedKey, ...]:
+    """All keys that hold no further keys, in their order, without old names.
+
+    Parameters
+    ----------
+    whole
+        What `schema` returns.
+    """
+    found: dict[tuple[str, ...], DescribedKey] = {}
+    for one in _described(whole, (), ""):
+        before = found.get(one.path, one)
+        found[one.path] = DescribedKey(one.path, one.kinds | before.kinds, before.text)
+    return tuple(one for one in found.values() if one.kinds != {"null"})
+
+
+def _described(part: Any, path: tuple[str, ...], text: str) -> Iterator[DescribedKey]:
+    if not isinstance(part, Mapping) or part.get("deprecated"):
+        return
+    text = part.get("description", text)
+    kind = part.get("type", [])
+    kinds = {kind} if isinstance(kind, str) else {*kind}
+    inner = [*part.get("anyOf", ())]
+    if "properties" in part:
+        for key, one in part["properties"].items():
+            yield from _described(one, (*path, key), "")
+    elif isinstance(part.get("additionalProperties"), Mapping):
+        yield from _described(part["additionalProperties"], (*path, ANY_NAME), text)
+    elif "items" in part:
+        yield from _described(part["items"], (*path, LIST), text)
+    elif inner:
+        for one in inner:
+            yield from _described(one, path, text)
+    else:
+        kinds |= {"number"} if "$ref" in part else {"string"} if "enum" in part else set()
+        yield DescribedKey(path, frozenset(kinds), text)

@@ -23,8 +23,10 @@ from chromanoise.cli.options import (
     with_settings,
 )
 from chromanoise.cli.output import (
+    fail_if_option,
     json_option,
     json_text,
+    leave_if_failed,
     print_lines,
     progress_of,
     refuse_taken_inputs,
@@ -44,10 +46,16 @@ from chromanoise.study import (
     Analyses,
     Comparison,
     ComparisonMap,
+    Condition,
+    JudgedResult,
+    MatrixResult,
     Step,
     Study,
+    conditions_of,
     default_of,
+    failures_of,
     known_matrices,
+    read_record,
     refuse_idle,
     run,
     run_study,
@@ -59,6 +67,7 @@ from chromanoise.study import (
 _TEXTS = {"python": study_as_python, "toml": study_as_toml}
 _NOT_COPIED = {
     "json_target": "--json",
+    "fail_if": "--fail-if",
     "table": "--table",
     "export": "--export",
     "threads": "--threads",
@@ -85,17 +94,42 @@ def print_copy(kind: str, study: Study) -> None:
     click.echo(_TEXTS[kind](study), nl=False)
 
 
-def print_run(study: Study, out: Path, threads: int | None, place: Path | None = None) -> None:
-    """Run a study whose file names are relative to ``place``, and print the files it writes."""
+def print_run(
+    study: Study,
+    out: Path,
+    threads: int | None,
+    place: Path | None = None,
+    *,
+    fail_if: Sequence[str] = (),
+) -> list[str]:
+    """Run a study whose file names are relative to ``place``, and print the files it writes.
+
+    Returns the sentences of the conditions of ``fail_if`` that are met.
+    """
+    asked: list[Condition] = []
+
+    def planned(steps: Sequence[Step]) -> None:
+        results = [JudgedResult(kind=one.kind, quantity=one.quantity) for one in steps]
+        asked.extend(conditions_of(fail_if, results))
 
     def report(what: str, done: bool) -> None:
         click.echo(f"{what}{' (already done)' if done else ''}", err=True)
 
     work = Work(threads=threads)
-    for file in run_study(
-        study, out, work=work, report=report, progress=progress_of_step, place=place
-    ):
+    files = run_study(
+        study,
+        out,
+        work=work,
+        planned=planned,
+        report=report,
+        progress=progress_of_step,
+        place=place,
+    )
+    for file in files:
         click.echo(file)
+    return failures_of(
+        asked, lambda: [read_record(file)["result"] for file in files], [one.stem for one in files]
+    )
 
 
 def progress_of_step(step: Step) -> AbstractContextManager[Callable[[int], None]]:
@@ -109,12 +143,14 @@ def progress_of_step(step: Step) -> AbstractContextManager[Callable[[int], None]
 @matrix_option
 @table_option
 @json_option
+@fail_if_option
 @copy_option
 def analyze(
     sensors: tuple[str, ...],
     matrix: str,
     table: str | None,
     json_target: str | None,
+    fail_if: tuple[str, ...],
     copy_as: str | None,
     **settings: Any,
 ) -> None:
@@ -128,8 +164,10 @@ def analyze(
     if copy_as is not None:
         print_copy(copy_as, study)
         return
+    asked = conditions_of(fail_if, [JudgedResult(kind=Analyses)])
     refuse_taken_inputs({"--json": json_target, "--table": table}, sensors, settings)
     (result,) = run(study, progress=progress_of_step).analyses.values()
+    failed = failures_of(asked, lambda: [result.to_dict()])
     printed = json_target != "-"
     sentences = result.verdict.sentences if printed else ()
     write_outputs(
@@ -138,6 +176,7 @@ def analyze(
     )
     if printed:
         _print(result, sentences)
+    leave_if_failed(failed)
 
 
 def _table(result: Analyses) -> Table:
@@ -196,6 +235,7 @@ _START = f"{_VARY}={_FIRST:g}:{_LAST:g}"
 )
 @table_option
 @json_option
+@fail_if_option
 @copy_option
 def compare(
     sensors: tuple[str, ...],
@@ -204,6 +244,7 @@ def compare(
     matrices: str,
     table: str | None,
     json_target: str | None,
+    fail_if: tuple[str, ...],
     copy_as: str | None,
     **settings: Any,
 ) -> None:
@@ -220,10 +261,14 @@ def compare(
     if copy_as is not None:
         print_copy(copy_as, study)
         return
+    kind = Comparison if second is None else ComparisonMap
+    judged = JudgedResult(kind=kind, quantity=study.sweeps[0].quantity)
+    asked = conditions_of(fail_if, [judged])
     refuse_taken_inputs({"--json": json_target, "--table": table}, sensors, settings)
     results = run(study, progress=progress_of_step)
     result: Comparison | ComparisonMap
     (result,) = results.maps if second is not None else results.sweeps
+    failed = failures_of(asked, lambda: [result.to_dict()])
     write_outputs(
         (table, lambda: table_text(result.to_table(), str(table))),
         (json_target, lambda: json_text(result.to_dict())),
@@ -233,10 +278,11 @@ def compare(
         print_lines([f"Settings (all but those that vary stay fixed): {fixed}"])
         if isinstance(result, ComparisonMap):
             terminal_tables.print_maps(result.maps, result.ranking)
-            return
-        terminal_tables.print_comparison(
-            result.curves, result.ranking, result.shown_sentences, result.shown_bands
-        )
+        else:
+            terminal_tables.print_comparison(
+                result.curves, result.ranking, result.shown_sentences, result.shown_bands
+            )
+    leave_if_failed(failed)
 
 
 def _second_span(text: str) -> dict[str, Any]:
@@ -291,6 +337,7 @@ def _span(text: str | None, option: str) -> dict[str, Any]:
 )
 @table_option
 @json_option
+@fail_if_option
 @copy_option
 def matrix(
     sensor: str,
@@ -299,6 +346,7 @@ def matrix(
     weights: str | None,
     table: str | None,
     json_target: str | None,
+    fail_if: tuple[str, ...],
     copy_as: str | None,
     **settings: Any,
 ) -> None:
@@ -309,23 +357,25 @@ def matrix(
     if copy_as is not None:
         print_copy(copy_as, study)
         return
+    asked = conditions_of(fail_if, [JudgedResult(kind=MatrixResult)])
     targets = {"--export": export, "--json": json_target, "--table": table}
     refuse_taken_inputs(targets, [sensor], settings)
     writer = None if export is None else matrix_writer(export, "--export")
     (results,) = run(study, progress=progress_of_step).matrices.values()
     (result,) = results.results
     point, report = result.point, result.report
+    failed = failures_of(asked, lambda: [result.to_dict()])
     write_outputs(
         (export, lambda: "" if writer is None else writer(result.made)),
         (table, lambda: table_text(result.to_table(), str(table))),
         (json_target, lambda: json_text(result.to_dict())),
     )
-    if json_target == "-":
-        return
-    terminal_tables.print_conditions(conditions([point]))
-    terminal_tables.print_matrix(result.matrix, report, point.sensor.label)
-    if result.pareto:
-        terminal_tables.print_table(pareto_table(result.pareto, report, point.sensor.label))
+    if json_target != "-":
+        terminal_tables.print_conditions(conditions([point]))
+        terminal_tables.print_matrix(result.matrix, report, point.sensor.label)
+        if result.pareto:
+            terminal_tables.print_table(pareto_table(result.pareto, report, point.sensor.label))
+    leave_if_failed(failed)
 
 
 def _span_of_matrix(text: str | None) -> dict[str, Any]:

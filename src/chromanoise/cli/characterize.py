@@ -24,7 +24,9 @@ from chromanoise.apps.camera import (
 from chromanoise.base import OWN_FILES, InputError, plain, refuse_unwritable, true_path
 from chromanoise.cli.options import WHOLE, Decorated as Command, command
 from chromanoise.cli.output import (
+    fail_if_option,
     json_option,
+    leave_if_failed,
     print_lines,
     progress_of,
     refuse_taken_inputs,
@@ -33,6 +35,7 @@ from chromanoise.cli.output import (
 )
 from chromanoise.io.frames import FrameSet, RawFrame
 from chromanoise.sensor import PhotonTransfer
+from chromanoise.study import JudgedResult, conditions_of, failures_of
 
 
 @command()
@@ -55,12 +58,14 @@ from chromanoise.sensor import PhotonTransfer
     "CLF, DNG, DCP.",
 )
 @json_option
+@fail_if_option
 def characterize(
     frames: tuple[str, ...],
     out: Path | None,
     resume: Path | None,
     matrix: str | None,
     json_target: str | None,
+    fail_if: tuple[str, ...],
 ) -> None:
     """Noise of a camera from its own raw frames, by the methods of EMVA 1288.
 
@@ -68,6 +73,7 @@ def characterize(
     DNG, TIFF, FITS, NPY, NPZ, PGM or gray PNG, or the descriptor of an EMVA 1288 measurement. A
     file capture.toml in it states which frames belong together.
     """
+    asked = conditions_of(fail_if, [JudgedResult(kind=Characterization)])
     refuse_taken_inputs({"--json": json_target}, frames, {})
     if out is not None:
         refuse_unwritable(out)
@@ -88,6 +94,7 @@ def characterize(
             before = done
 
         result = characterized(read, resume=resume, progress=advanced)
+    failed = failures_of(asked, lambda: [result.to_dict()])
     check = None
     if given is not None:
         check = variance_through_file(result, given)
@@ -114,6 +121,7 @@ def characterize(
             )
         if written:
             print_lines([f"Written to {out}: {', '.join(path.name for path in written)}", *omitted])
+    leave_if_failed(failed)
 
 
 def _frames_of(read: FrameSet | PhotonTransfer) -> list[RawFrame]:

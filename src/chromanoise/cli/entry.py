@@ -98,6 +98,8 @@ COMMANDS = {
     "init": ("study_files", "A commented study or design file to start from."),
     "run": ("study_files", "Run a study file: analyses, sweeps, pictures, with provenance."),
     "rerun": ("study_files", "Run the study of an output once more and compare the results."),
+    "diff": ("study_files", "Which inputs, settings and numbers of two outputs differ."),
+    "schema": ("study_files", "The keys in the JSON of a command, as JSON Schema."),
     "study": ("study_files", "A commented study file; --schema lists all keys, for editors."),
     "catalog": (
         "catalog_command",

@@ -31,6 +31,25 @@ json_option = click.option(
     "--json", "json_target", metavar="FILE|-", help="Write JSON; - for standard output."
 )
 
+_FAILED = 3  # exit code
+
+fail_if_option = click.option(
+    "--fail-if",
+    "fail_if",
+    multiple=True,
+    metavar='"KEY < NUMBER"',
+    help="Exit with code 3 and one sentence if a key of the JSON has such a value, or none, for "
+    'any sensor: "snr_y_db < 30"; also <=, >, >=, ==, !=. Repeatable. Keys: `chromanoise schema`.',
+)
+
+
+def leave_if_failed(sentences: Sequence[str]) -> None:
+    """Print each sentence of a condition of ``--fail-if`` that is met, and leave with code 3."""
+    for sentence in sentences:
+        click.echo(f"chromanoise: {sentence}", err=True)
+    if sentences:
+        click.get_current_context().exit(_FAILED)
+
 
 def json_text(data: dict[str, Any]) -> str:
     """JSON as the commands write it."""

@@ -1,7 +1,8 @@
-"""The commands ``chromanoise run``, ``rerun``, ``study``, ``init`` and ``report``."""
+"""The commands on studies and their outputs, from ``chromanoise run`` to ``diff``."""
 
 import json
 import os
+from dataclasses import replace
 from pathlib import Path
 
 import click
@@ -17,18 +18,31 @@ from chromanoise.base import (
 from chromanoise.charts import shown
 from chromanoise.cli.analyses import print_run
 from chromanoise.cli.options import WHOLE, command
-from chromanoise.cli.output import refuse_inputs
+from chromanoise.cli.output import (
+    fail_if_option,
+    json_option,
+    json_text,
+    leave_if_failed,
+    print_lines,
+    refuse_inputs,
+    write_outputs,
+)
+from chromanoise.cli.terminal_tables import print_table
 from chromanoise.study import (
+    RESULT_KINDS,
     STARTER,
     Study,
     agreement_of,
     agreement_text,
+    differences_of,
     file_digests,
     read_study,
     recorded_run,
     study_schema,
 )
 from chromanoise.web import sights_of, study_report
+
+_MOST_ROWS = 20
 
 
 @command()
@@ -47,16 +61,23 @@ from chromanoise.web import sights_of, study_report
     help="Change one value, e.g. light.level_lux=3 or sensors.0.name=onyx-rgb; repeatable.",
 )
 @click.option("--threads", type=WHOLE, help="Threads for pictures. [default: one per core]")
-def run(study: Path, out: Path | None, changes: tuple[str, ...], threads: int | None) -> None:
+@fail_if_option
+def run(
+    study: Path,
+    out: Path | None,
+    changes: tuple[str, ...],
+    threads: int | None,
+    fail_if: tuple[str, ...],
+) -> None:
     """Run all of STUDY, a TOML file as `chromanoise init` writes it.
 
     If a run was stopped, the same command computes the missing results. If a run ends with an
     error, the folder stays as it was. Every result records version, study, seed and hash;
     `chromanoise rerun` runs the study of a result again and compares the results.
     """
-    print_run(
-        read_study(study, changes, change_label="--set"), out or Path("out") / study.stem, threads
-    )
+    parsed = read_study(study, changes, change_label="--set")
+    failed = print_run(parsed, out or Path("out") / study.stem, threads, fail_if=fail_if)
+    leave_if_failed(failed)
 
 
 @command()
@@ -84,6 +105,40 @@ def rerun(output: Path, out: Path, threads: int | None) -> None:
     click.echo(agreement_text(found), err=True)
     if not found.agrees:
         click.get_current_context().exit(1)
+
+
+@command()
+@click.argument("first", type=click.Path(path_type=Path))
+@click.argument("second", type=click.Path(path_type=Path))
+@json_option
+def diff(first: Path, second: Path, json_target: str | None) -> None:
+    """Which inputs, settings and numbers of two outputs differ, by size.
+
+    FIRST and SECOND are folders of `chromanoise run`, or files of --json, also of different
+    versions of chromanoise. Keys that only one of them has are named. The exit code is 0 if inputs,
+    settings and results are equal (numbers to a relative 1e-9; version and machine may differ),
+    and 1 if not. The 20 largest differences are printed; --json has all.
+    """
+    refuse_inputs(json_target, "--json", str(first), str(second))
+    found = differences_of(first, second)
+    write_outputs((json_target, lambda: json_text(found.to_dict())))
+    if json_target != "-":
+        print_lines(found.causes())
+        table = found.to_table()
+        print_table(replace(table, rows=table.rows[:_MOST_ROWS]))
+        print_lines(found.effects())
+    if not found.equal:
+        click.get_current_context().exit(1)
+
+
+@command()
+@click.argument("result", type=click.Choice(list(RESULT_KINDS)))
+def schema(result: str) -> None:
+    """The JSON Schema of what `chromanoise RESULT --json` writes: each key with its description.
+
+    compare-map is `chromanoise compare --and`. A later release may add keys.
+    """
+    click.echo(json.dumps(RESULT_KINDS[result].json_schema(), indent=2, ensure_ascii=False))
 
 
 @command()

@@ -108,6 +108,13 @@ if TYPE_CHECKING:
         visual_noise_of as visual_noise_of,
         white_snr_db as white_snr_db,
     )
+    from chromanoise.study.conditions import (
+        Condition as Condition,
+        JudgedResult as JudgedResult,
+        conditions_of as conditions_of,
+        failures_of as failures_of,
+        names_of_entries as names_of_entries,
+    )
     from chromanoise.study.denoised_files import (
         DenoisedPicture as DenoisedPicture,
         DenoisingPlan as DenoisingPlan,
@@ -236,6 +243,7 @@ if TYPE_CHECKING:
         word_beside,
     )
     from chromanoise.study.results import (
+        RESULT_KINDS as RESULT_KINDS,
         Analyses as Analyses,
         Comparison as Comparison,
         ComparisonMap as ComparisonMap,
@@ -247,11 +255,17 @@ if TYPE_CHECKING:
         analysis_of as analysis_of,
         outcome_of as outcome_of,
     )
+    from chromanoise.study.run_differences import (
+        ChangedValue as ChangedValue,
+        Differences as Differences,
+        differences_of as differences_of,
+    )
     from chromanoise.study.run_files import (
         Agreement as Agreement,
         RecordedRun as RecordedRun,
         agreement_of as agreement_of,
         agreement_text as agreement_text,
+        read_record as read_record,
         recorded_run as recorded_run,
         refuse_other_pictures as refuse_other_pictures,
         run_study as run_study,

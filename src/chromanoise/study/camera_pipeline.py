@@ -98,6 +98,8 @@ class PipelineSettings:
         Factor of linear RGB, and of its distance to luminance. [1]
     tone
         ``srgb``, ``rec709``, ``linear``, or a gamma.
+    luma
+        Standard of the weights of Y'.
     iso
         ISO settings; at each, the analog gain is the ISO over the base, and the exposure is divided
         by it, so that the codes stay the same.
@@ -228,7 +230,12 @@ class GainStep:
         JsonKey("dynamic_range_db", by=("channels",)),
         JsonKey("dynamic_range_stops", by=("channels",)),
         JsonKey("emva_dynamic_range_db", by=("channels",)),
-        JsonKey("noise_profile", "noise_profile.T", by=(("S", "O"), "channels")),
+        JsonKey(
+            "noise_profile",
+            "noise_profile.T",
+            by=(("S", "O"), "channels"),
+            text="Variance S x + O of each channel; x = 1 at the white level (DNG).",
+        ),
         "steps",
     )
 

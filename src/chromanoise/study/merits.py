@@ -68,6 +68,8 @@ class Merit:
     ----------
     what
         In words, unit not included.
+    unit
+        Its unit; 1 for none.
     value
         ``None`` where it is not defined.
     source
@@ -538,6 +540,8 @@ class Merits:
     ----------
     level_lux, time_s
         The exposure. [lx], [s]
+    matrix
+        Name of the color matrix.
     metric
         Metric of the space of spectra.
     observer
@@ -562,7 +566,7 @@ class Merits:
                 "unit",
                 "what",
                 "source",
-                JsonKey("missing", lambda e: e.missing or None),
+                JsonKey("missing", lambda e: e.missing or None, text="Why there is no value."),
             ),
         ),
     )

@@ -48,6 +48,8 @@ class Crossover:
 
     Attributes
     ----------
+    first, second, matrix
+        Names of the two sensors and of the matrix.
     labels
         Names of first and second in sentences.
     sweep, quantity
@@ -66,7 +68,7 @@ class Crossover:
 
     KEYS: ClassVar[JsonKeys] = (
         *("first", "second", "matrix", "better_first", "first_at", "last_at", "at", "color_error"),
-        JsonKey("sentence", lambda one: crossover_sentence(one)),
+        JsonKey("sentence", lambda one: crossover_sentence(one), text="The same in words."),
     )
 
     first: str
@@ -294,13 +296,15 @@ class CrossoverBand:
 
     Attributes
     ----------
+    first, second, matrix
+        Names of the two sensors and of the matrix.
     by_prior
         The crossover under each prior.
     """
 
     KEYS: ClassVar[JsonKeys] = (
         *("first", "second", "matrix", "span", "by_prior"),
-        JsonKey("sentence", lambda one: band_sentence(one)),
+        JsonKey("sentence", lambda one: band_sentence(one), text="The same in words."),
     )
 
     first: str
@@ -398,6 +402,8 @@ class Rank:
         a value.
     tied
         Whether another sensor has the same rank.
+    sensor, label, matrix
+        Name of the sensor, what tables call it, and name of the matrix.
     value
         Of the quantity at the operating point; ``None`` where it is not defined.
     """
@@ -417,6 +423,8 @@ class Lead:
 
     Attributes
     ----------
+    sensor, label, matrix
+        Name of the sensor, what tables call it, and name of the matrix.
     sweep, quantity
         The parameter that varies, and the quantity.
     first, last
@@ -697,6 +705,8 @@ class CrossoverLine:
 
     Attributes
     ----------
+    first, second, matrix
+        Names of the two sensors and of the matrix.
     at
         Their values of the first sweep, one entry per value of the second sweep; empty where there
         is none. [unit of the first sweep]

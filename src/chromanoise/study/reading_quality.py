@@ -93,13 +93,13 @@ class ContrastDetection:
     """
 
     KEYS: ClassVar[JsonKeys] = (
-        JsonKey("bright_reflectance", lambda _: BRIGHT),
-        JsonKey("dark_reflectance", lambda _: DARK),
-        JsonKey("contrast", lambda _: "weber"),
-        JsonKey("tolerance", lambda _: TOLERANCE),
+        JsonKey("bright_reflectance", lambda _: BRIGHT, text="Of the brighter gray. [1]"),
+        JsonKey("dark_reflectance", lambda _: DARK, text="Of the darker gray. [1]"),
+        JsonKey("contrast", lambda _: "weber", text="Definition of the contrast."),
+        JsonKey("tolerance", lambda _: TOLERANCE, text="Allowed error of the contrast. [1]"),
         "channels",
         "luminance",
-        JsonKey("target", lambda _: TARGET),
+        JsonKey("target", lambda _: TARGET, text="Probability of ``target_lux``. [1]"),
         JsonKey("target_lux", "level_lux"),
     )
 
@@ -504,15 +504,31 @@ NEAR_CHANCE = 0.6
 
 def _median_keys(reading: str) -> JsonKeys:
     return (
-        JsonKey(f"median_{reading}", lambda one: one.median_distance(reading)),
-        JsonKey(f"median_{reading}_probability", lambda one: one.median_probability(reading)),
+        JsonKey(
+            f"median_{reading}",
+            lambda one: one.median_distance(reading),
+            text="Distance D_M of the median pair. [1]",
+        ),
+        JsonKey(
+            f"median_{reading}_probability",
+            lambda one: one.median_probability(reading),
+            text="Share of right answers for the median pair. [1]",
+        ),
     )
 
 
 def _worst_keys(reading: str) -> JsonKeys:
     return (
-        JsonKey(reading, lambda one: one.distance[reading][one.worst]),
-        JsonKey(f"{reading}_probability", lambda one: one.probability[reading][one.worst]),
+        JsonKey(
+            reading,
+            lambda one: one.distance[reading][one.worst],
+            text="Distance D_M of the pair. [1]",
+        ),
+        JsonKey(
+            f"{reading}_probability",
+            lambda one: one.probability[reading][one.worst],
+            text="Share of right answers for the pair. [1]",
+        ),
     )
 
 
@@ -539,13 +555,13 @@ class Separation:
 
     KEYS: ClassVar[JsonKeys] = (
         JsonKey("of", "title"),
-        JsonKey("pairs", lambda one: len(one.pairs.indices)),
+        JsonKey("pairs", lambda one: len(one.pairs.indices), text="Number of pairs."),
         *(key for name in READINGS for key in _median_keys(name)),
         JsonKey(
             "worst_pair",
             ".",
             keys=(
-                JsonKey("names", lambda one: one.pairs.names[one.worst]),
+                JsonKey("names", lambda one: one.pairs.names[one.worst], text="Its two patches."),
                 *(key for name in READINGS for key in _worst_keys(name)),
             ),
         ),

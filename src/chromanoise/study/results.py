@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 import numpy as np
 
 from chromanoise.base import (
+    LIST,
     VERSION,
     Array,
     Float,
@@ -340,7 +341,7 @@ SENSOR_KEYS: JsonKeys = (
     JsonKey("nearest_mix", "mix"),
     JsonKey("matrix", "matrix.matrix"),
     JsonKey("matrix_made_by", "matrix.made_by"),
-    JsonKey("matrix_unit", lambda _: "lx/e-"),
+    JsonKey("matrix_unit", lambda _: "lx/e-", text="Unit of the matrix."),
     JsonKey("color_error_mean", mean_color_error),
     JsonKey("notes", diagnosis),
 )
@@ -406,7 +407,7 @@ OUTPUTS: Mapping[str, Output] = {
         asked=lambda outputs: outputs.space is not None,
         keys=(
             "gray_noise",
-            JsonKey("grey_noise", "gray_noise"),
+            JsonKey("grey_noise", "gray_noise", is_old=True),
         ),  # the old key, in this release only
         of=_gray_noise,
     ),
@@ -570,7 +571,7 @@ class Analyses(Result):
         JsonKey("sensors", "outcomes"),
         JsonKey("verdict", when="is_comparison"),
         "ranking",
-        JsonKey("reader", "outputs.reader", when="outcomes.0.machine"),
+        JsonKey("reader", "outputs.reader", when="outcomes.0.machine", text="``machine``."),
     )
 
     matrix: str
@@ -870,6 +871,7 @@ class Comparison(Result):
         JsonKey("observer", "points.0.observer"),
         *("equal", "prior", "bands", "ranking", "leads"),
     )
+    OF_QUANTITY: ClassVar[tuple[str, ...]] = ("curves", LIST, "value")  # the key of the quantity
 
     points: tuple[OperatingPoint, ...]
     curves: tuple[Curve, ...]
@@ -955,6 +957,7 @@ class ComparisonMap(Result):
         JsonKey("crossovers", "lines"),
         *("equal", "prior", "ranking"),
     )
+    OF_QUANTITY: ClassVar[tuple[str, ...]] = ("maps", LIST, "value")
 
     points: tuple[OperatingPoint, ...]
     maps: tuple[QuantityMap, ...]
@@ -1075,6 +1078,15 @@ class Pictures(Result):
 
     def _repr_html_(self) -> str:
         return self._html(f"{self.cube} at {conditions(self.points)}")
+
+
+RESULT_KINDS: Mapping[str, type[Result]] = {
+    "analyze": Analyses,
+    "compare": Comparison,
+    "compare-map": ComparisonMap,
+    "matrix": MatrixResult,
+}
+"""The classes of results with described keys, by the commands that write them as JSON."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -38,7 +38,7 @@ from chromanoise.study.hashes import (
     study_as_json,
     study_hash,
 )
-from chromanoise.study.running import Progress, no_progress, run_plan
+from chromanoise.study.running import Progress, Step, no_progress, run_plan
 from chromanoise.study.schema import KEEP_IDLE, Study
 
 STUDY_FILE, SUMMARY_FILE = "study.json", "summary.json"
@@ -72,6 +72,7 @@ def run_study(
     folder: Path,
     *,
     work: Work | None = None,
+    planned: Callable[[Sequence[Step]], object] = len,
     report: Report | None = None,
     progress: Progress = no_progress,
     place: Path | None = None,
@@ -86,6 +87,8 @@ def run_study(
         Output folder: ``study.json`` and one JSON file per step, and the pictures.
     work
         Threads and tiles for rendering pictures.
+    planned
+        Called with all steps before any is computed; it may refuse them.
     report
         Called for each step.
     progress
@@ -115,6 +118,7 @@ def run_study(
         who = provenance(study) | {"numerics": numerics()}
         _refuse_other_study(results, study, who, folder)
         steps = run_plan(study, work=work).steps
+        planned(steps)
         made = {step.name: _made_by(results / f"{step.name}.json", who["hash"]) for step in steps}
         for step in steps:
             if not made[step.name]:
@@ -446,10 +450,15 @@ def _sha256(file: Path) -> str | None:
 def read_record(file: Path) -> dict[str, Any]:
     """The object in a JSON file that a run wrote; empty if it holds another kind of data.
 
+    Parameters
+    ----------
+    file
+        Of a step, or ``study.json``.
+
     Raises
     ------
     InputError
-        As `json_file`.
+        If it cannot be read, is too large, or holds no JSON.
     """
     data = json_file(file, most_bytes=_LARGEST_BYTES)
     return data if isinstance(data, dict) else {}
@@ -468,7 +477,7 @@ def _write(file: Path, record: dict[str, Any]) -> None:
     file.write_text(json.dumps(record, indent=1, allow_nan=False) + "\n", encoding="utf-8")
 
 
-_ROUNDING = 1e-9
+ROUNDING = 1e-9
 """Largest relative difference of an analysis expected from other BLAS kernels."""
 
 
@@ -509,7 +518,7 @@ class Agreement:
     @property
     def agrees(self) -> bool:
         """Whether all numbers agree to the rounding of other processors and libraries."""
-        return not self.incomparable and self.largest <= _ROUNDING
+        return not self.incomparable and self.largest <= ROUNDING
 
 
 def agreement_of(first: Path, second: Path) -> Agreement:
@@ -584,10 +593,10 @@ def agreement_text(found: Agreement) -> str:
         more = f" and {len(found.incomparable) - 3} more" if len(found.incomparable) > 3 else ""
         parts.append(f"not comparable: {', '.join(found.incomparable[:3])}{more}")
     if found.where:
-        size = "within" if found.largest <= _ROUNDING else "above"
+        size = "within" if found.largest <= ROUNDING else "above"
         parts.append(
             f"the largest relative difference of a number is {found.largest:.1e}, at {found.where}"
-            f" ({size} the {_ROUNDING:g} expected from other processors and libraries)"
+            f" ({size} the {ROUNDING:g} expected from other processors and libraries)"
         )
     elif not found.incomparable:
         parts.append("all numbers are equal")

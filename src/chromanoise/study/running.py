@@ -281,6 +281,10 @@ class Step:
         Function that runs the step. It writes pictures to the given folder (``None``: keeps them in
         memory), calls the given function with the number of newly finished parts, and returns the
         result.
+    kind
+        Class of the result.
+    quantity
+        Name of the quantity that is compared; empty for other steps.
     """
 
     name: str
@@ -288,6 +292,8 @@ class Step:
     parts: int
     unit: str
     run: Callable[[Path | None, Advance], StepResult]
+    kind: type[StepResult]
+    quantity: str = ""
 
 
 Progress = Callable[[Step], AbstractContextManager[Advance]]
@@ -434,6 +440,7 @@ def _analysis(
         parts=len(points),
         unit="sensors",
         run=run,
+        kind=Analyses,
     )
 
 
@@ -469,6 +476,7 @@ def _matrix(
         parts=len(points),
         unit="sensors",
         run=run,
+        kind=Matrices,
     )
 
 
@@ -515,6 +523,8 @@ def _sweep(study: Study, points: Points, makers: Makers, number: int) -> Step:
         parts=len(points) * len(makers) * count,
         unit="values",
         run=curves if part.second is None else map_,
+        kind=Comparison if part.second is None else ComparisonMap,
+        quantity=part.quantity,
     )
 
 
@@ -533,6 +543,7 @@ def _pictures(
             parts=row_source(cube.stored).shape[0] * part.frames * sum(map(len, cameras.values())),
             unit="rows",
             run=_taken(study, i, cube, cameras, work or Work()),
+            kind=Pictures,
         )
 
 

@@ -59,6 +59,8 @@ class Quantity:
         Its name in options and studies.
     what
         In words, unit not included.
+    unit
+        Its unit; 1 for none.
     more_is_better
         Whether the higher value is the better one.
     of
@@ -79,6 +81,12 @@ class Quantity:
     of: Callable[[OperatingPoint, ColorMatrix], float]
     over_levels: Callable[..., Array] | None = None
     of_raw: bool = False
+
+    @property
+    def key(self) -> str:
+        """The name with its unit, where that is one word, in the form of a key: ``snr_y_db``."""
+        unit = f"_{self.unit.lower()}" if self.unit.isalpha() else ""
+        return self.name.replace("-", "_") + unit
 
 
 _Function = TypeVar("_Function", bound=Callable[..., Array | float])
@@ -290,6 +298,8 @@ class Sweep:
         Its name in options and studies.
     what
         Description, unit not included.
+    unit
+        Its unit; 1 for none.
     lowest, highest
         Its range. [unit]
     at
@@ -496,6 +506,8 @@ class SweptQuantity:
 
     Attributes
     ----------
+    sensor, matrix
+        Names of the sensor and of the matrix.
     label
         Name of the sensor in tables and charts.
     sweep, quantity
