@@ -277,7 +277,7 @@ def test_the_waterfall_has_the_digits_of_analyze_and_leads_from_the_photons_to_t
     for own, (start, *middle, end) in zip(analyzed_as_json(), result, strict=True):
         kept = [*own["budget"], *own["contravariant_budget"], *own["lab_budget"]]
         (budget,) = [one for one in kept if one and one["coordinate"] == coordinate]
-        assert [change for _, change, _, _ in middle] == [-c["loss_db"] for c in budget["costs"]]
+        assert [change for _, change, _, _ in middle] == [-c["cost_db"] for c in budget["costs"]]
         assert start[-1] == budget["photons_db"]
         assert end[-1] == budget["snr_db"]
 
