@@ -40,4 +40,4 @@ def gains_of(chart):
     found = {name: [] for name in as_data(chart)["sensors"]}
     for row in rows_of(chart):
         found[row["sensor"]].append(row["gain if removed [dB]"])
-    return list(found.values())
+    return found

@@ -15,8 +15,8 @@ from chromanoise.study import Analysis, color_snr_db, coordinate_budget, metric_
 
 _KEY = (
     "First and last bar: the SNR before and after. Gray: costs. Outlined: gains. All in dB, on "
-    "one scale. Gain if removed: how much the SNR would change without this one cause; these do not "
-    "add up."
+    "one scale. Gain if removed: how much the SNR would change without this one cause; these do "
+    "not add up."
 )
 
 
@@ -149,9 +149,7 @@ _Step = tuple[str, float | None, float | None, float, float, str]
 def _steps(budget: Budget) -> list[_Step]:
     """Label, change, gain if removed, SNR before and after, and why. [dB]"""
     at, end = budget.photons_db, budget.snr_db
-    found: list[_Step] = [
-        ("all photons", None, None, at, at, "every photon that hits the pixels")
-    ]
+    found: list[_Step] = [("all photons", None, None, at, at, "every photon that hits the pixels")]
     for cost in budget.costs:
         after = at - cost.cost_db
         label = cause_label(cost.cause, budget.coordinate)

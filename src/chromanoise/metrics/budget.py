@@ -683,7 +683,7 @@ def _coordinate_snr_db(chain: Chain, on: Switches) -> float:
     found = chain_snr_db(chain, on)
     if not chain.channels.with_infrared.is_change:
         return found
-    return found - float(decibel(np.abs(np.asarray(_units_that_come_out(chain)))))
+    return found - float(decibel(np.asarray(abs(_units_that_come_out(chain)))))
 
 
 def _units_that_come_out(chain: Chain) -> float:
@@ -868,7 +868,7 @@ def contravariant_budget(
     if not (np.isfinite(variance_inflation(frame)[i]) and _has_signal(chain.channels, i)):
         return None
     pure = chain.before_crosstalk
-    unknown = pure is not None and not _has_signal(pure, i)
+    unknown = pure is not None and not _has_signal(pure, i, least=_ROUNDING)
     chain = replace(chain, before_crosstalk=None) if unknown else chain
     causes = causes_of(chain, infrared=False)
     readings = shared_readings(chain, frame, got)
@@ -888,10 +888,13 @@ def contravariant_budget(
     )
 
 
-def _has_signal(of: Channels, i: int) -> bool:
-    """Whether a contravariant coordinate, and its channel alone, have a signal."""
+def _has_signal(of: Channels, i: int, *, least: float = 0.0) -> bool:
+    """Whether a contravariant coordinate, and its channel alone, have a signal.
+
+    ``least`` is the share of all electrons that a channel must exceed.
+    """
     electrons = of.with_infrared.signal_e
-    return bool(of.row @ electrons != 0 and electrons[i] > 0)
+    return bool(of.row @ electrons != 0 and electrons[i] > least * electrons.sum())
 
 
 def weights_one_by_one(axis: Float[Array, " n"], frame: DualBasis) -> Float[Array, " p"]:

@@ -171,8 +171,7 @@ class NoiseSources(PixelReading):
             square = square + pattern
         powers = {"floor_e2": np.ones_like(mean), "slope_e": mean, "square": square}
         found = {
-            one.cause: self.has(one) * one.value(self) * powers[one.term]
-            for one in self.sources
+            one.cause: self.has(one) * one.value(self) * powers[one.term] for one in self.sources
         }
         return found | {PATTERN: pattern}
 
