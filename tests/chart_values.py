@@ -24,8 +24,20 @@ def stages_of(chart):
 
 
 def steps_of(chart):
-    """Of each sensor of the chart ``budget`` its steps: label, change, before, after."""
+    """Of each sensor of the chart ``budget`` its steps: label, change, before, after.
+
+    The gain of removing the cause of a step is not among them: `gains_of`.
+    """
     found = {name: [] for name in as_data(chart)["sensors"]}
     for name, *step in csv_rows(as_data(chart))[1:]:
-        found[name].append(step)
+        label, change, _, before, after = step
+        found[name].append([label, change, before, after])
     return list(found.values())
+
+
+def gains_of(chart):
+    """Of each sensor of the chart ``budget`` what removing the cause of each step would gain."""
+    found = {name: [] for name in as_data(chart)["sensors"]}
+    for row in rows_of(chart):
+        found[row["sensor"]].append(row["gain if removed [dB]"])
+    return found

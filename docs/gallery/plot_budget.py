@@ -22,9 +22,9 @@ with cn.charts.chromanoise_style():
     axes[0].set_xlabel("")
 
 for budget in budgets:
-    lost_db = sum(cost.loss_db for cost in budget.costs)
+    lost_db = sum(cost.cost_db for cost in budget.costs)
     assert abs(budget.photons_db - lost_db - budget.snr_db) < 1e-9
-bare, cut = ({cost.cause: cost.loss_db for cost in budget.costs} for budget in budgets)
+bare, cut = ({cost.cause: cost.cost_db for cost in budget.costs} for budget in budgets)
 assert bare["filters"] < cut["filters"] - 4
 assert bare["correlation"] > cut["correlation"] + 4
 assert bare["infrared"] > cut["infrared"] + 4

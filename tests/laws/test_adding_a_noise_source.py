@@ -59,7 +59,7 @@ print(json.dumps({
     "of Python": [one.to_dict()["sensors"][0]["color"]["snr_db"] for one in (new, known)],
     "of the command": json.loads(table.getvalue())["sensors"][0]["color"]["snr_db"],
     "losses": [
-        {cost.cause: cost.loss_db for cost in one.costs} for one in color_budgets(new.analyses[0])
+        {cost.cause: cost.cost_db for cost in one.costs} for one in color_budgets(new.analyses[0])
     ],
     "variance drawn": float(drawn.var()),
     "of four readings": with_binning(sensor, 4, "digital").pixel.flicker_noise_e,

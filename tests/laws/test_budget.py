@@ -38,7 +38,7 @@ def budget_of(sensor, coordinate="Y", exposure=EXPOSURE, scene=WHITE):
 
 
 def cost(budget, cause):
-    return next(c.loss_db for c in budget.costs if c.cause == cause)
+    return next(c.cost_db for c in budget.costs if c.cause == cause)
 
 
 @given(
@@ -53,7 +53,7 @@ def test_the_costs_add_up_to_the_whole_loss(low, high, leak, read_noise_e, coord
     if budget is None:
         return
     lost = budget.photons_db - budget.snr_db
-    assert sum(c.loss_db for c in budget.costs) == pytest.approx(lost, abs=1e-9)
+    assert sum(c.cost_db for c in budget.costs) == pytest.approx(lost, abs=1e-9)
     assert [c.cause for c in budget.costs] == [*CAUSES, "rest"]
 
 
@@ -130,7 +130,7 @@ def test_permuting_channels_changes_no_cost(order):
     mixed = with_channels(sensor, order, name="mixed")
     ours, theirs = budget_of(sensor), budget_of(mixed)
     for a, b in zip(ours.costs, theirs.costs, strict=True):
-        assert a.loss_db == pytest.approx(b.loss_db, abs=1e-9)
+        assert a.cost_db == pytest.approx(b.cost_db, abs=1e-9)
 
 
 def test_the_paper_finds_correlation_the_most_critical_when_the_ir_cut_goes():
@@ -202,7 +202,7 @@ def test_contravariant_budgets_add_up_to_the_contravariant_snr():
         budget = contravariant_budget(scene, sensor, EXPOSURE, frame, name)
         assert cost(budget, "correlation") == pytest.approx(6.9897, abs=1e-4)
         assert cost(budget, "weights") == pytest.approx(10 * np.log10(2), abs=1e-9)
-        lost = sum(c.loss_db for c in budget.costs)
+        lost = sum(c.cost_db for c in budget.costs)
         assert budget.photons_db - lost == pytest.approx(budget.snr_db, abs=1e-9)
         assert cost(budget, "rest") == 0
 

@@ -72,7 +72,7 @@ def readings(budget):
 
 
 def loss(budget, cause):
-    return next(cost.loss_db for cost in budget.costs if cost.cause == cause)
+    return next(cost.cost_db for cost in budget.costs if cost.cause == cause)
 
 
 def weights_by_hand():

@@ -179,7 +179,7 @@ def test_the_causes_of_a_budget_add_up_to_the_snr_of_the_rounded_readings(level_
     found = color_budgets(analysis) + contravariant_budgets(analysis) + lab_budgets(analysis)
     for budget in found:
         if budget is not None:
-            total = budget.photons_db - sum(cost.loss_db for cost in budget.costs)
+            total = budget.photons_db - sum(cost.cost_db for cost in budget.costs)
             assert total == pytest.approx(budget.snr_db, abs=1e-9)
     known = color_snr_db(analysis) | {
         f"M^{name}": value for name, value in contravariant_snr_db(analysis).items()
@@ -189,7 +189,7 @@ def test_the_causes_of_a_budget_add_up_to_the_snr_of_the_rounded_readings(level_
     for name, value in known.items():
         if name in named:
             assert named[name].snr_db == pytest.approx(value, abs=1e-9)
-            rest = named[name].costs[-1].loss_db
+            rest = named[name].costs[-1].cost_db
             assert rest == pytest.approx(0.0, abs=0.1)  # infrared of a sensor with IR-cut
 
 

@@ -140,9 +140,9 @@ def test_crosstalk_of_nothing_changes_no_digit(none, stage):
         coordinate = "Y" if budget is color_budget else "b*"
         plain = budget(WHITE, noisy, EXPOSURE, matrix, coordinate)
         crossed = budget(WHITE, same, EXPOSURE, matrix, coordinate)
-        costs = {cost.cause: cost.loss_db for cost in crossed.costs}
+        costs = {cost.cause: cost.cost_db for cost in crossed.costs}
         assert costs.pop("crosstalk") == pytest.approx(0.0, abs=1e-12)
-        assert costs == pytest.approx({c.cause: c.loss_db for c in plain.costs}, abs=1e-12)
+        assert costs == pytest.approx({c.cause: c.cost_db for c in plain.costs}, abs=1e-12)
 
 
 def test_the_sensor_before_crosstalk_comes_back():
@@ -476,7 +476,7 @@ def test_a_budget_of_crosstalk_that_cannot_be_inverted_names_the_rows_that_hold_
     readings = {cost.cause: cost.reading for cost in budget.costs}
     assert "crosstalk" not in readings
     assert "crosstalk matrix is singular" in readings["correlation"]
-    lost = sum(cost.loss_db for cost in budget.costs)
+    lost = sum(cost.cost_db for cost in budget.costs)
     assert budget.photons_db - lost == pytest.approx(budget.snr_db, abs=1e-9)
 
 

@@ -381,7 +381,7 @@ def test_the_budget_has_the_pattern_as_a_cause_and_adds_up(share, stage, prnu):
         budgets = [*color_budgets(at), *contravariant_budgets(at), *lab_budgets(at)]
         assert any(budgets)
         for budget in filter(None, budgets):
-            costs = {cost.cause: cost.loss_db for cost in budget.costs}
+            costs = {cost.cause: cost.cost_db for cost in budget.costs}
             assert (CAUSE in costs) == known
             lost = sum(costs.values())
             assert budget.photons_db - lost == pytest.approx(budget.snr_db, abs=1e-12)

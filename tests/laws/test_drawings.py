@@ -13,7 +13,7 @@ import pytest
 from hypothesis import example, given, strategies as st
 
 import chromanoise
-from chart_values import rows_of, stages_of, steps_of
+from chart_values import gains_of, rows_of, stages_of, steps_of
 from chromanoise.base import notebook as _notebook, plain
 from chromanoise.base.errors import InputError
 from chromanoise.base.palette import CHANNELS, INK
@@ -273,11 +273,14 @@ def test_a_slider_keeps_the_clipping_of_the_study():
 
 @pytest.mark.parametrize("coordinate", ["X", "Y", "Z", "M^G", "L*", "a*", "b*"])
 def test_the_waterfall_has_the_digits_of_analyze_and_leads_from_the_photons_to_the_snr(coordinate):
-    result = steps_of(drawing("budget", usual(), Look(coordinate=coordinate)))
+    chart = drawing("budget", usual(), Look(coordinate=coordinate))
+    result = steps_of(chart)
     for own, (start, *middle, end) in zip(analyzed_as_json(), result, strict=True):
         kept = [*own["budget"], *own["contravariant_budget"], *own["lab_budget"]]
         (budget,) = [one for one in kept if one and one["coordinate"] == coordinate]
-        assert [change for _, change, _, _ in middle] == [-c["loss_db"] for c in budget["costs"]]
+        assert [change for _, change, _, _ in middle] == [-c["cost_db"] for c in budget["costs"]]
+        gains = [c["gain_if_removed_db"] for c in budget["costs"]]
+        assert gains_of(chart)[own["name"]] == [None, *gains, None]
         assert start[-1] == budget["photons_db"]
         assert end[-1] == budget["snr_db"]
 

@@ -65,7 +65,7 @@ def budget_of(sensor, coordinate="a*", scene=GRAY, exposure=EXPOSURE, matrix=Non
 
 
 def cost(budget, cause):
-    return next(c.loss_db for c in budget.costs if c.cause == cause)
+    return next(c.cost_db for c in budget.costs if c.cause == cause)
 
 
 def sigmas(sensor, scene=GRAY, exposure=EXPOSURE):
@@ -98,7 +98,7 @@ def test_the_costs_add_up_in_any_light(lamp, name, coordinate, reflectance, log_
     sensor = sensor_named(name, DEFAULT_GRID)
     budget = budget_of(sensor, coordinate, scene)
     assume(budget is not None)
-    lost = sum(c.loss_db for c in budget.costs)
+    lost = sum(c.cost_db for c in budget.costs)
     assert budget.photons_db - lost == pytest.approx(budget.snr_db, abs=1e-9)
     sigma = sigmas(sensor, scene)[coordinate]
     assert budget.snr_db == pytest.approx(-20 * np.log10(sigma), abs=1e-9)
@@ -231,7 +231,7 @@ def test_permuting_channels_changes_no_cost(order, coordinate):
     mixed = with_channels(sensor, order, name="mixed")
     ours, theirs = budget_of(sensor, coordinate), budget_of(mixed, coordinate)
     for a, b in zip(ours.costs, theirs.costs, strict=True):
-        assert a.loss_db == pytest.approx(b.loss_db, abs=1e-9)
+        assert a.cost_db == pytest.approx(b.cost_db, abs=1e-9)
 
 
 @given(st.floats(0.01, 100.0), st.sampled_from(COORDINATES))
@@ -244,7 +244,7 @@ def test_more_time_lifts_a_pixel_without_read_noise_from_start_to_end(times, coo
     assert long.photons_db - short.photons_db == pytest.approx(lifted, abs=1e-9)
     assert long.snr_db - short.snr_db == pytest.approx(lifted, abs=1e-9)
     for a, b in zip(short.costs, long.costs, strict=True):
-        assert a.loss_db == pytest.approx(b.loss_db, abs=1e-9)
+        assert a.cost_db == pytest.approx(b.cost_db, abs=1e-9)
 
 
 @given(st.sampled_from(SENSOR_NAMES), st.sampled_from(COORDINATES))

@@ -245,7 +245,7 @@ def test_the_budget_ends_at_the_snr_of_the_table_and_names_the_source(cause):
     scene = flat_field(equal_energy(DEFAULT_GRID), level_lux=10.0)
     found = analyzed(scene, sensor, Exposure(time_s=TIME_S))
     for budget, in_table in zip(color_budgets(found), snr_db(found.color).values(), strict=True):
-        losses = {cost.cause: cost.loss_db for cost in budget.costs}
+        losses = {cost.cause: cost.cost_db for cost in budget.costs}
         assert abs(losses["rest"]) < 0.01  # the color error of the matrix
         assert budget.snr_db == pytest.approx(in_table, abs=1e-9)
         assert cause == "shot noise" or losses[cause] > 0

@@ -211,7 +211,7 @@ def test_budgets_add_up_for_every_observer(observer):
         known = [one for one in (*color_budgets(analysis), *lab_budgets(analysis)) if one]
         assert len(known) >= 5
         for budget in known:
-            losses = sum(cost.loss_db for cost in budget.costs)
+            losses = sum(cost.cost_db for cost in budget.costs)
             assert budget.photons_db - losses == pytest.approx(budget.snr_db, abs=1e-9)
 
 

@@ -161,8 +161,8 @@ def test_an_analysis_has_its_snr_and_its_own_row_in_the_budget(drawn):
     )
     assert own["color"]["snr_db"] == pytest.approx(known["color"]["snr_db"], rel=1e-12)
     costs = {cost["cause"]: cost for cost in own["budget"][1]["costs"]}
-    assert costs["flicker noise"]["loss_db"] > 0.01
-    assert abs(costs["rest"]["loss_db"]) < 0.01  # the color error of the matrix
+    assert costs["flicker noise"]["cost_db"] > 0.01
+    assert abs(costs["rest"]["cost_db"]) < 0.01  # the color error of the matrix
 
 
 def test_a_change_of_the_pixel_keeps_the_source():

@@ -200,7 +200,7 @@ def everything(sensor):
     budgets = (*color_budgets(found), *contravariant_budgets(found), *lab_budgets(found))
     for budget in budgets:
         numbers.append([] if budget is None else [budget.snr_db, budget.optimal_linear_snr_db])
-        numbers.append([] if budget is None else [cost.loss_db for cost in budget.costs])
+        numbers.append([] if budget is None else [cost.cost_db for cost in budget.costs])
     causes = [[] if b is None else [c.cause for c in b.costs] for b in budgets]
     return np.concatenate([np.ravel(each) for each in numbers]), causes
 
@@ -256,7 +256,7 @@ def assert_adds_up(sensor, causes):
         if budget is None:
             continue
         budgets += 1
-        lost = sum(cost.loss_db for cost in budget.costs)
+        lost = sum(cost.cost_db for cost in budget.costs)
         assert budget.photons_db - lost == pytest.approx(budget.snr_db, abs=1e-9)
         assert budget.snr_db == pytest.approx(float(own_db), abs=1e-9)
         assert causes <= {cost.cause for cost in budget.costs}
@@ -294,11 +294,11 @@ def test_a_single_source_costs_what_it_takes_from_a_single_channel():
     sensor = with_pixel(camera("model-mono"), {"read_noise_e": 0.0, "prnu": 0.05})
     mean = expected_electrons(WHITE, sensor, EXPOSURE)[0]
     budget = contravariant_budgets(analyzed(WHITE, sensor, EXPOSURE))[0]
-    costs = {cost.cause: cost.loss_db for cost in budget.costs}
+    costs = {cost.cause: cost.cost_db for cost in budget.costs}
     assert costs["PRNU"] == pytest.approx(10 * np.log10(1 + 0.05**2 * mean), abs=1e-9)
     twins = with_pixel(camera("model-mono"), {"read_noise_e": 20.0, "dsnu_e": 20.0})
     budget = contravariant_budgets(analyzed(WHITE, twins, EXPOSURE))[0]
-    costs = {cost.cause: cost.loss_db for cost in budget.costs}
+    costs = {cost.cause: cost.cost_db for cost in budget.costs}
     half = 5 * np.log10(1 + 800 / mean)
     assert (costs["read noise"], costs["DSNU"]) == pytest.approx((half, half), abs=1e-9)
 

@@ -315,7 +315,7 @@ def test_the_budget_of_each_color_adds_up_to_its_snr(run):
     _, out, _ = run("analyze", "onyx-rgbw", "--budget", "--json", "-")
     sensor = json.loads(out)["sensors"][0]
     for budget in sensor["budget"]:
-        lost = sum(cost["loss_db"] for cost in budget["costs"])
+        lost = sum(cost["cost_db"] for cost in budget["costs"])
         assert budget["photons_db"] - lost == pytest.approx(budget["snr_db"], abs=1e-9)
         assert budget["snr_db"] == pytest.approx(
             sensor["color"]["snr_db"][budget["coordinate"]], abs=1e-9

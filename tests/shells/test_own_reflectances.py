@@ -139,7 +139,7 @@ def test_a_comparison_and_a_matrix_report_the_snr_of_the_patch(here):
 def test_the_budget_of_a_patch_adds_up_to_its_snr():
     gray = analyzed(patch="red", budget=True)
     for one in filter(None, gray["budget"]):
-        total = one["photons_db"] - sum(cost["loss_db"] for cost in one["costs"])
+        total = one["photons_db"] - sum(cost["cost_db"] for cost in one["costs"])
         assert one["snr_db"] == pytest.approx(total, abs=1e-9)
         assert one["snr_db"] == pytest.approx(gray["color"]["snr_db"][one["coordinate"]], abs=1e-9)
 

@@ -23,7 +23,7 @@ def prose(notebook):
 def claims_of_designer(space):
     (mine, rival), *_ = space["over_light"].crossovers[0].color_error
     yield "Read noise and PRNU cost less than half a decibel each"
-    assert max(c.loss_db for c in space["budget"].costs if c.cause in ("read noise", "PRNU")) < 0.5
+    assert max(c.cost_db for c in space["budget"].costs if c.cause in ("read noise", "PRNU")) < 0.5
     error = space["result"].to_dict()["sensors"][0]["color_error_mean"]
     yield f"a mean color error of {error:.0f}"
     yield f"below {space['break_even_lux']['kernel']:.1f} lx"

@@ -15,7 +15,8 @@ from chromanoise.study import Analysis, color_snr_db, coordinate_budget, metric_
 
 _KEY = (
     "First and last bar: the SNR before and after. Gray: costs. Outlined: gains. All in dB, on "
-    "one scale."
+    "one scale. Gain if removed: how much the SNR would change without this one cause; these do "
+    "not add up."
 )
 
 
@@ -86,14 +87,14 @@ def waterfall(
     reasons, label = why_not or [""] * len(names), coordinate_label(coordinate)
     rows: list[tuple[Any, ...]] = []
     panels, parts = [], [f"What the SNR of {label} loses and gains, from all photons to the end."]
-    levels = [0.0, *(db for one in budgets if one for step in _steps(one) for db in step[2:4])]
+    levels = [0.0, *(db for one in budgets if one for step in _steps(one) for db in step[3:5])]
     x = Axis(label=f"SNR of {label} [dB]", low=min(levels), high=max(levels) or 1.0)
     for i, (name, budget, reason) in enumerate(zip(names, budgets, reasons, strict=True)):
         steps, first = _steps(budget) if budget else [], len(rows)
-        rows += [(name, *step) for step in steps] or [(name, reason, *[None] * 3, NONE)]
+        rows += [(name, *step) for step in steps] or [(name, reason, *[None] * 4, NONE)]
         texts: list[str] = []
         roles: list[Role] = []
-        for _, change, _, level, _ in steps:
+        for _, change, _, _, level, _ in steps:
             if change is None:
                 roles.append("total")
                 texts.append(decimal(level))
@@ -102,8 +103,8 @@ def waterfall(
                 texts.append(signed(change))
         bars = Bars(
             label=1,
-            start=3,
-            end=4,
+            start=4,
+            end=5,
             first=first,
             last=len(rows),
             roles=tuple(roles),
@@ -112,7 +113,7 @@ def waterfall(
         panels.append(Panel(x=x, marks=(bars,) if budget else (), sensor=i, absence=reason))
         said = ", ".join(f"{step[0]} {text} dB" for step, text in zip(steps, texts, strict=True))
         parts.append(f"{name}: {said or reason}.")
-    sensors, labels, changes, before, after, why = zip(*rows, strict=True)
+    sensors, labels, changes, gains, before, after, why = zip(*rows, strict=True)
     number = partial(decimal, digits=2)
     return Chart(
         title=title,
@@ -126,6 +127,11 @@ def waterfall(
                 [0.0 if one is None else one for one in changes],
                 [NONE if one is None else signed(one, 2) for one in changes],
             ),
+            column(
+                "gain if removed [dB]",
+                gains,
+                [NONE if one is None else signed(one, 2) for one in gains],
+            ),
             column(f"SNR of {coordinate} before [dB]", before, None),
             column(f"SNR of {coordinate} [dB]", after, number, shown=f"SNR of {label} [dB]"),
             column(None, why, shown="why"),
@@ -133,24 +139,26 @@ def waterfall(
         panels=tuple(panels),
         whole_rows=True,
         notes=(_KEY,) if any(budgets) else (),
-        without_numbers=tuple(i for i, row in enumerate(rows) if row[4] is None),
+        without_numbers=tuple(i for i, row in enumerate(rows) if row[5] is None),
     )
 
 
-def _steps(budget: Budget) -> list[tuple[str, float | None, float, float, str]]:
-    """Label, change, SNR before and after, and why: all photons, each cause, the SNR. [dB]"""
+_Step = tuple[str, float | None, float | None, float, float, str]
+
+
+def _steps(budget: Budget) -> list[_Step]:
+    """Label, change, gain if removed, SNR before and after, and why. [dB]"""
     at, end = budget.photons_db, budget.snr_db
-    found: list[tuple[str, float | None, float, float, str]] = [
-        ("all photons", None, at, at, "every photon that hits the pixels")
-    ]
+    found: list[_Step] = [("all photons", None, None, at, at, "every photon that hits the pixels")]
     for cost in budget.costs:
-        after = at - cost.loss_db
+        after = at - cost.cost_db
         label = cause_label(cost.cause, budget.coordinate)
-        found.append((label, -cost.loss_db, at, after, cost.reading))
+        gain_db = cost.gain_if_removed_db
+        found.append((label, -cost.cost_db, gain_db, at, after, cost.reading))
         at = after
     return [
         *found,
-        (f"SNR of {coordinate_label(budget.coordinate)}", None, end, end, "what is left"),
+        (f"SNR of {coordinate_label(budget.coordinate)}", None, None, end, end, "what is left"),
     ]
 
 

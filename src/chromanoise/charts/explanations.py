@@ -352,20 +352,23 @@ EXPLANATIONS: Mapping[str, Explanation] = {
         "instead of the lowest noise; correlation is the cost of subtracting channels with similar "
         "curves. Infrared electrons add noise without signal; some SNR comes back where the matrix "
         "counts them as luminance (infrared leaking into Y). What a cause costs depends on the "
-        "causes before it, so each bar is the mean over all orders, and the bars add up exactly.",
+        "causes before it, so each bar is the mean over all orders, and the bars add up exactly. "
+        "Crosstalk comes last, so that its bar is the change of the SNR itself. The gain of "
+        "removing a cause is another number: the SNR without this one cause and with all others, "
+        "minus the SNR. Gains do not add up.",
         latex=(
             r"\ell_j = \frac{1}{n} \sum_{\pi} \left( S_{\pi}^{-j} - S_{\pi}^{+j} \right)",
             r"\mathrm{SNR}_c = S_0 - \sum_j \ell_j",
+            r"g_j = \mathrm{SNR}_c^{-j} - \mathrm{SNR}_c",
         ),
         symbols=(
-            Symbol(
-                r"\ell_j", "loss due to cause j, the length of its bar", unit="dB", name="loss_db"
-            ),
+            Symbol(r"\ell_j", "cost of cause j, the length of its bar", unit="dB", name="cost_db"),
+            Symbol("g_j", "gain if cause j is removed", unit="dB", name="gain_if_removed_db"),
             Symbol("j", "a cause, for example read noise"),
             Symbol(
                 r"\pi",
-                "an order of the causes; the filters come first, and the weights of the "
-                "color come before the correlation",
+                "an order of the causes; the filters come first, the weights of the color come "
+                "before the correlation, and crosstalk comes last",
             ),
             Symbol("n", "number of such orders", unit="1"),
             Symbol(
@@ -374,6 +377,7 @@ EXPLANATIONS: Mapping[str, Explanation] = {
             Symbol(r"S_{\pi}^{+j}", "the same with j too", unit="dB"),
             Symbol("S_0", "SNR of counting all photons", unit="dB", name="photons_db"),
             Symbol(r"\mathrm{SNR}_c", "SNR of the color coordinate c", unit="dB"),
+            Symbol(r"\mathrm{SNR}_c^{-j}", "the same of a sensor without cause j", unit="dB"),
         ),
         source="Shapley, Contributions to the Theory of Games II (1953), 307-317; orders with "
         "precedence: Faigle & Kern, Int. J. Game Theory 21 (1992) 249-266",

@@ -136,30 +136,39 @@ def budget_tables(analysis: Analysis) -> list[Table]:
 
 
 def _budget_table(found: Sequence[Budget | None], title: str, missing: str | None = None) -> Table:
-    """One column per coordinate, one row per cause; why for the second coordinate."""
+    """One row per cause: change and gain if removed per coordinate, and why for the second one."""
     budgets = [budget for budget in found if budget]
     if not budgets:
         note = missing or f"{title}: no coordinate has an SNR, so there is no budget"
         return Table(title=title, columns=(Column(name="cause"),), rows=(), notes=(note,))
-    read = min(1, len(budgets) - 1)
+    read, empty = min(1, len(budgets) - 1), [None for _ in (*budgets, "why")]
     rows: list[tuple[Entry, ...]] = [
-        ("all photons", *(f"{budget.photons_db:.2f}" for budget in budgets), None)
+        ("all photons", *(f"{budget.photons_db:.2f}" for budget in budgets), *empty)
     ]
     for i, cost in enumerate(budgets[0].costs):
-        losses = (f"{round(-budget.costs[i].loss_db, 2) + 0.0:+.2f}" for budget in budgets)
+        changes = [_signed(-budget.costs[i].cost_db) for budget in budgets]
+        gains = [_signed(budget.costs[i].gain_if_removed_db) for budget in budgets]
         label = cause_label(cost.cause, *(budget.coordinate for budget in budgets))
-        rows.append((label, *losses, budgets[read].costs[i].reading))
-    rows.append(("SNR", *(f"{budget.snr_db:.2f}" for budget in budgets), None))
+        rows.append((label, *changes, *gains, budgets[read].costs[i].reading))
+    rows.append(("SNR", *(f"{budget.snr_db:.2f}" for budget in budgets), *empty))
     return Table(
         title=title,
         columns=(
             Column(name="cause"),
             *(Column(name=one.coordinate, unit="dB", digits=".2f") for one in budgets),
+            *(
+                Column(name=f"{one.coordinate} gain if removed", unit="dB", digits=".2f")
+                for one in budgets
+            ),
             Column(name=f"why, for {budgets[read].coordinate}"),
         ),
         rows=tuple(rows),
         notes=(missing,) if missing else (),
     )
+
+
+def _signed(change_db: float | None) -> str | None:
+    return None if change_db is None else f"{round(change_db, 2) + 0.0:+.2f}"
 
 
 def patches_table(analysis: Analysis, chart: ChartNoise | None) -> Table:

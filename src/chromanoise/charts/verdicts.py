@@ -708,7 +708,7 @@ def _costs(budget: Budget | None) -> dict[str, float]:
     """Loss of each cause, with the loss from missing photons: the sum is minus the SNR."""
     if budget is None:
         return {}
-    return {_PHOTONS: -budget.photons_db} | {cost.cause: cost.loss_db for cost in budget.costs}
+    return {_PHOTONS: -budget.photons_db} | {cost.cause: cost.cost_db for cost in budget.costs}
 
 
 def _largest(analysis: Analysis) -> str:

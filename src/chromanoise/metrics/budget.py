@@ -1,16 +1,41 @@
-"""SNR budgets: the loss per cause, from all incident photons to one color coordinate.
+"""SNR budgets: the cost per cause, from all incident photons to one color coordinate.
 
-Causes of loss are switched on one after the other. The loss of a cause is its mean loss over
-all allowed orders (Shapley value): the filters come first, and the weights of the coordinate come
-before the correlation of the channels; all others may come anywhere after the filters.
-So the losses add up exactly, no order is preferred, and a cause without effect has a loss of 0.
+Causes of loss are switched on one after the other. The cost of a cause is its mean loss over
+all allowed orders (Shapley value): the filters come first, the weights of the coordinate come
+before the correlation of the channels, and crosstalk comes last; all others may come anywhere
+between. So the costs add up exactly, and a cause without effect has a cost of 0.
+
+Crosstalk comes last because what it does to a color is known only where everything else is known.
+The best linear readout of all channels may gain by it (a channel that gets light of its neighbors
+has more electrons, and after counting nothing is lost), while a color that is made of unmixed
+channels loses. Averaged over orders with and without weights and unmixing, its row had the sign of
+a gain where the SNR falls. Last, its row is the change of the SNR itself, and all other rows are
+those of the same sensor without crosstalk: what crosstalk makes worse, as the noise that unmixing
+multiplies, is in its row alone. Its fixed pattern exists only together with it, and follows it.
+
+The gain of removing a cause is another question: the SNR of a sensor without this one cause, and
+with all others, minus the SNR now. These gains do not add up: of two equal
+causes each costs half of what both take, and removing one alone gains less or more than that.
+
+============ =====================================================================================
+cause        removed
+============ =====================================================================================
+filters      no gain is given: a sensor without filters has no color
+noise source the source is 0: no read noise, no dark electrons, codes without steps
+crosstalk    the channels before mixing, its fixed pattern gone, and a matrix that gives the same
+             color: a kernel matrix is that of these channels. M^R is that of these channels
+weights      the best linear readout, for X, Y, Z and M^R with the SNR ``optimal_linear_snr_db``
+correlation  the channels weighted one by one, which is a wrong color where they overlap
+infrared     an ideal IR-cut at 700 nm in front, with the same matrix; L*, a*, b* in that light
+rest         its cost, as it comes last
+============ =====================================================================================
 
 ============ =============================================== ==================================
 cause        off                                             on
 ============ =============================================== ==================================
 filters      every photon is an electron of every channel    the sensor's quantum efficiencies
 read noise   none                                            the pixel's
-crosstalk    the channels without it                         light of the neighbors in each pixel
+crosstalk    the channels without it, the same color         light of the neighbors in each pixel
 weights      the best linear readout, D^-1 mu                the coordinate's own weights h.f/|f|^2
 correlation  channels weighted one by one                    channels unmixed: times G^-1
 infrared     electrons from the infrared count as signal     they are noise without signal
@@ -41,8 +66,8 @@ infrared     an ideal IR-cut at 700 nm                       its electrons add n
 h = H J^T is the coordinate's gradient with respect to light, J the Jacobian of CIELAB at the
 sensor's own mean, with the sensor's own white. The remainder, "rest", is the error of the color
 matrix: the measured change is r.dmu units instead of one. A matrix that desaturates colors has a
-gain here, because it scales signal and noise down together. Orders and losses are computed as
-above.
+gain here, because it scales signal and noise down together. Orders, costs and gains are computed
+as above.
 
 The infrared carries almost no signal here, because H is almost zero there.
 """
@@ -64,11 +89,13 @@ from chromanoise.base import (
     check,
     congruence,
     decibel,
+    defined,
     inv,
     notebook,
     pinv,
     svd,
     unit_columns,
+    warn_of_old_name,
 )
 from chromanoise.color import LAB, XYZ, ColorMatrix
 from chromanoise.geometry import DualBasis, dual_frame, variance_inflation
@@ -222,21 +249,38 @@ QUANTIZATION = next(one.cause for one in SOURCES if one.drawn == "rounding")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Cost:
-    """The loss of SNR that one cause makes.
+    """What one cause costs as the sensor is, and what removing it would gain.
 
     Attributes
     ----------
     cause
-        One of ``CAUSES``, or "rest".
-    loss_db
-        Its Shapley value; negative where the cause raises the SNR. [dB]
+        One of ``CAUSES``, a noise source of the sensor, "crosstalk", or "rest".
+    cost_db
+        Its Shapley value: the costs add up; negative where the cause raises the SNR. [dB]
+    gain_if_removed_db
+        SNR without this one cause, and with all others, minus the SNR; negative where the SNR would
+        fall. The gains do not add up. ``None`` where removing it leaves no SNR, and for the
+        filters. [dB]
     reading
-        One sentence that explains the loss in terms of the sensor.
+        One sentence that explains the cost in terms of the sensor.
     """
 
+    KEYS: ClassVar[JsonKeys] = (
+        *("cause", "cost_db", "gain_if_removed_db"),
+        JsonKey("loss_db", "cost_db"),
+        "reading",
+    )
+
     cause: str
-    loss_db: float
+    cost_db: float
+    gain_if_removed_db: float | None
     reading: str
+
+    @property
+    def loss_db(self) -> float:
+        """Old name of ``cost_db``. [dB]"""
+        warn_of_old_name("loss_db", "cost_db")
+        return self.cost_db
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -271,13 +315,21 @@ class Budget:
     snr_db: float
 
     def _repr_html_(self) -> str:
-        start = ["all photons on the pixels", f"{self.photons_db:.2f}", "every photon counted"]
-        end = [f"SNR of {self.coordinate}", f"{self.snr_db:.2f}", ""]
-        causes = [[cost.cause, f"{-cost.loss_db:+.2f}", cost.reading] for cost in self.costs]
+        start = ["all photons on the pixels", f"{self.photons_db:.2f}", "", "every photon counted"]
+        end = [f"SNR of {self.coordinate}", f"{self.snr_db:.2f}", "", ""]
+        causes = [
+            [
+                cost.cause,
+                f"{-cost.cost_db:+.2f}",
+                "" if cost.gain_if_removed_db is None else f"{cost.gain_if_removed_db:+.2f}",
+                cost.reading,
+            ]
+            for cost in self.costs
+        ]
         best = self.optimal_linear_snr_db
         return notebook.shown(
             f"Budget of {self.coordinate}; no linear readout exceeds {best:.2f} dB",
-            notebook.table(["", "dB", "why"], [start, *causes, end]),
+            notebook.table(["", "dB", "gain if removed [dB]", "why"], [start, *causes, end]),
         )
 
 
@@ -336,6 +388,9 @@ class Chain:
         The channels of the sensor.
     before_crosstalk
         The channels with the cause "crosstalk" off; ``None`` without that cause.
+    behind_cut
+        The channels behind an ideal IR-cut; ``None`` where infrared is no cause, or the coordinate
+        is undefined there.
     noise
         The noise sources of each pixel.
     crosstalk
@@ -347,6 +402,7 @@ class Chain:
     before_crosstalk: Channels | None
     noise: NoiseSources
     crosstalk: Crosstalk | None = None
+    behind_cut: Channels | None = None
 
 
 def rounded_share(seen: Seen, noise: NoiseSources) -> Float[Array, " p"]:
@@ -455,9 +511,11 @@ def chain_snrs_db(chain: Chain, sets: Sequence[Switches]) -> Float[Array, " s"]:
     rounded = _is_rounded(chain)
     for i, on in enumerate(sets):
         if FILTERS in on:
-            key = tuple(cause in on for cause in (CROSSTALK, INFRARED, WEIGHTS, CORRELATION))
+            key = tuple(
+                cause in on for cause in (CROSSTALK, PATTERN, INFRARED, WEIGHTS, CORRELATION)
+            )
             groups.setdefault(key, []).append(i)
-    for (mixed, infrared, weights, unmixed), rows in groups.items():
+    for (mixed, pattern, infrared, weights, unmixed), rows in groups.items():
         before = None if mixed else chain.before_crosstalk
         channels = before or chain.channels
         seen = channels.with_infrared if infrared else channels.without_infrared
@@ -465,7 +523,8 @@ def chain_snrs_db(chain: Chain, sets: Sequence[Switches]) -> Float[Array, " s"]:
         row = weighted if weights else None
         coupling, noise = None, replace(chain.noise, pattern=None)
         if before is None:
-            coupling, noise = after_counting(chain.crosstalk), chain.noise
+            coupling = after_counting(chain.crosstalk)
+            noise = chain.noise if pattern else noise
         own = [sets[i] for i in rows]
         result[rows] = _snrs_db(seen, row, coupling, noise, own, rounded=rounded)
     return result
@@ -540,8 +599,9 @@ def chain_budget(
     *,
     optimal_linear_snr_db: float,
     snr_db: float,
+    counted_infrared: bool = False,
 ) -> Budget:
-    """The losses of all causes; the difference that remains to ``snr_db`` is the rest.
+    """The costs and gains of all causes; the difference that remains to ``snr_db`` is the rest.
 
     Parameters
     ----------
@@ -553,24 +613,84 @@ def chain_budget(
         One sentence per cause and for "rest".
     optimal_linear_snr_db, snr_db
         As `Budget`. [dB]
+    counted_infrared
+        Whether the SNR counts the electrons of the infrared as signal.
     """
     order = (*((FILTERS, later) for later in causes[1:]), (WEIGHTS, CORRELATION))
     if _is_rounded(chain):  # what a coarse step loses depends on the noise that is rounded
         noise = (READ_NOISE, *_more_noise(chain.noise))
-        before = (name for name in noise if name != QUANTIZATION)
+        before = (name for name in noise if name not in (QUANTIZATION, PATTERN))
         order += tuple((name, QUANTIZATION) for name in before if name in causes)
+    if CROSSTALK in causes:
+        order += tuple((name, CROSSTALK) for name in causes if name not in (CROSSTALK, PATTERN))
+        order += ((CROSSTALK, PATTERN),) if PATTERN in causes else ()
     sets = allowed_sets(causes, order)
     worth = dict(zip(sets, chain_snrs_db(chain, sets).tolist(), strict=True))
     shares = shapley_values(worth.__getitem__, causes, order)
     rest = worth[frozenset(causes)] - snr_db
-    costs = [Cost(cause=c, loss_db=-shares[c], reading=readings[c]) for c in causes]
+    found = {name: -shares[name] for name in causes} | {REST: rest}
+    gains = _gains_db(chain, causes, counted_infrared=counted_infrared) | {REST: rest}
     return Budget(
         coordinate=coordinate,
         photons_db=chain.photons_db,
-        costs=(*costs, Cost(cause=REST, loss_db=rest, reading=readings[REST])),
+        costs=tuple(
+            Cost(
+                cause=name,
+                cost_db=cost_db,
+                gain_if_removed_db=defined(gains[name]),
+                reading=readings[name],
+            )
+            for name, cost_db in found.items()
+        ),
         optimal_linear_snr_db=optimal_linear_snr_db,
         snr_db=snr_db,
     )
+
+
+def _gains_db(
+    chain: Chain, causes: tuple[str, ...], *, counted_infrared: bool
+) -> dict[str, float | None]:
+    """SNR without each cause, and with all others, minus the SNR. [dB]"""
+    on = frozenset(causes) - ({INFRARED} if counted_infrared else set())
+    now = _coordinate_snr_db(chain, on)
+
+    def gain_db(cause: str) -> float | None:
+        if cause == FILTERS:
+            return None
+        if cause in (WEIGHTS, CORRELATION):
+            return chain_snr_db(chain, on - {cause}) - chain_snr_db(chain, on)
+        less = _without(chain, cause)
+        return None if less is None else _coordinate_snr_db(less, on) - now
+
+    return {cause: gain_db(cause) for cause in causes}
+
+
+def _without(chain: Chain, cause: str) -> Chain | None:
+    """The chain of the same sensor without crosstalk, infrared or one source of noise."""
+    if cause not in (CROSSTALK, INFRARED):
+        return replace(chain, noise=chain.noise.without_source(cause))
+    if cause == INFRARED:
+        cut = chain.behind_cut
+        return None if cut is None else replace(chain, channels=cut, before_crosstalk=None)
+    pure, noise = chain.before_crosstalk, replace(chain.noise, pattern=None)
+    if pure is None:
+        return None
+    return replace(chain, channels=pure, before_crosstalk=None, noise=noise, crosstalk=None)
+
+
+def _coordinate_snr_db(chain: Chain, on: Switches) -> float:
+    """SNR of the coordinate: where the signal is a change, of one unit that comes out. [dB]"""
+    found = chain_snr_db(chain, on)
+    if not chain.channels.with_infrared.is_change:
+        return found
+    return found - float(decibel(np.asarray(abs(_units_that_come_out(chain)))))
+
+
+def _units_that_come_out(chain: Chain) -> float:
+    """How many units of the coordinate come out, where the signal is one unit. [1]"""
+    seen = chain.channels.with_infrared
+    share = rounded_share(seen, chain.noise) if after_counting(chain.crosstalk) is None else 1.0
+    return float(chain.channels.row @ (share * seen.signal_e))
 
 
 def shared_readings(chain: Chain, frame: DualBasis, got: "_Electrons") -> dict[str, str]:
@@ -684,7 +804,8 @@ def color_budget(
 
     row = matrix.matrix[i]
     chain = _chain(sensor, exposure, matrix.frame, row, channels, got.photons_db)
-    own = chain.channels
+    own, cut = chain.channels, _seen(got.visible_e)
+    chain = replace(chain, behind_cut=replace(own, without_infrared=cut, with_infrared=cut))
     usable = (own.row @ got.all_e, own.row @ got.visible_e, own.single_row @ got.visible_e)
     if not min(usable) > 0:
         return None
@@ -701,6 +822,7 @@ def color_budget(
         readings,
         optimal_linear_snr_db=chain_snr_db(chain, noise_causes(chain)),
         snr_db=all_light,
+        counted_infrared=True,
     )
 
 
@@ -733,18 +855,27 @@ def contravariant_budget(
     i = sensor.names.index(channel)
     got = _electrons(scene, sensor, exposure)
 
-    def channels(of_sensor: Sensor, _: DualBasis, row: Float[Array, " p"]) -> Channels:
-        of = _electrons(scene, of_sensor, exposure)
-        seen, alone = _seen(of.all_e), np.eye(len(sensor.names))[i]
-        return Channels(without_infrared=seen, with_infrared=seen, row=row, single_row=alone)
+    def channels(of_sensor: Sensor, own: DualBasis, _: Array) -> Channels:
+        seen = _seen(_electrons(scene, of_sensor, exposure).all_e)
+        return Channels(
+            without_infrared=seen,
+            with_infrared=seen,
+            row=own.inverse_gram[i],
+            single_row=np.eye(len(sensor.names))[i],
+        )
 
-    row = frame.inverse_gram[i]
-    chain = _chain(sensor, exposure, frame, row, channels, got.photons_db)
-    defined = np.isfinite(variance_inflation(frame)[i]) and chain.channels.row @ got.all_e != 0
-    if not (defined and got.all_e[i] > 0):
+    chain = _chain(sensor, exposure, frame, frame.inverse_gram, channels, got.photons_db)
+    if not (np.isfinite(variance_inflation(frame)[i]) and _has_signal(chain.channels, i)):
         return None
+    pure = chain.before_crosstalk
+    unknown = pure is not None and not _has_signal(pure, i, least=_ROUNDING)
+    chain = replace(chain, before_crosstalk=None) if unknown else chain
     causes = causes_of(chain, infrared=False)
     readings = shared_readings(chain, frame, got)
+    if unknown:
+        readings[CORRELATION] = (
+            f"without crosstalk M^{channel} has no SNR: its loss is in this row and in filters"
+        )
     readings[WEIGHTS] = f"{channel} alone, of all {len(sensor.names)} channels"
     readings[REST] = "nothing is left"
     return chain_budget(
@@ -755,6 +886,15 @@ def contravariant_budget(
         optimal_linear_snr_db=chain_snr_db(chain, noise_causes(chain)),
         snr_db=chain_snr_db(chain, frozenset(causes)),
     )
+
+
+def _has_signal(of: Channels, i: int, *, least: float = 0.0) -> bool:
+    """Whether a contravariant coordinate, and its channel alone, have a signal.
+
+    ``least`` is the share of all electrons that a channel must exceed.
+    """
+    electrons = of.with_infrared.signal_e
+    return bool(of.row @ electrons != 0 and electrons[i] > least * electrons.sum())
 
 
 def weights_one_by_one(axis: Float[Array, " n"], frame: DualBasis) -> Float[Array, " p"]:
@@ -956,15 +1096,20 @@ def lab_budget(
     chain = _chain(sensor, exposure, matrix.frame, matrix.matrix, channels, photons_db)
     if not _followed(chain):
         return None
-    row, seen = chain.channels.row, chain.channels.with_infrared
-    share = rounded_share(seen, chain.noise) if after_counting(chain.crosstalk) is None else 1.0
+    row, seen = chain.channels.row, chain.channels.without_infrared
+    white_cut = matrix.matrix @ expected_electrons(without_infrared(white_scene), sensor, exposure)
+    if (white_cut > 0).all():
+        slope_cut = LAB.jacobian(matrix.matrix @ got.visible_e, white_cut)[i]
+        row_cut = _sum_of(slope_cut[:, None] * matrix.matrix)
+        cut = replace(chain.channels, with_infrared=seen, row=row_cut)
+        chain = replace(chain, behind_cut=cut)
     noise = with_noise(got.all_e, sensor, exposure).covariance
     readings = shared_readings(chain, matrix.frame, got)
     colorimeter = got.photons_per_unit_light / ((axes @ slope) ** 2 @ got.light)
     pays_db = photons_db - 10 * float(np.log10(colorimeter))
     readings[WEIGHTS] += f"; a perfect colorimeter pays {pays_db:.1f} dB"
-    gain = float(row @ (share * seen.signal_e))
-    readings[REST] = f"one unit of {coordinate} comes out as {gain:.2f}"
+    units = _units_that_come_out(chain)
+    readings[REST] = f"one unit of {coordinate} comes out as {units:.2f}"
     return chain_budget(
         chain,
         coordinate,

@@ -171,8 +171,7 @@ class NoiseSources(PixelReading):
             square = square + pattern
         powers = {"floor_e2": np.ones_like(mean), "slope_e": mean, "square": square}
         found = {
-            one.cause: (one.drawn not in self.without) * one.value(self) * powers[one.term]
-            for one in self.sources
+            one.cause: self.has(one) * one.value(self) * powers[one.term] for one in self.sources
         }
         return found | {PATTERN: pattern}
 
@@ -464,11 +463,37 @@ class NoiseSources(PixelReading):
         """The sources without the fixed patterns, which are the same in every frame."""
         return replace(self, without=self.without | FIXED, pattern=None)
 
+    def without_source(self, cause: str) -> "NoiseSources":
+        """The same reading of a sensor that lacks one source.
+
+        Parameters
+        ----------
+        cause
+            Of one of ``sources`` besides shot noise.
+
+        Examples
+        --------
+        >>> from chromanoise.sensor import Pixel
+        >>> pixel = Pixel(pitch_um=5, full_well_e=10_000, read_noise_e=5.0, dsnu_e=2.0)
+        >>> noise = NoiseSources(pixel=pixel, dark_e=20.0)
+        >>> noise.without_source("read noise").floor_e2(), noise.without_source("DSNU").floor_e2()
+        (24.0, 45.0)
+        """
+        known = {one.cause: one.drawn for one in self.sources if one.cause != SHOT}
+        drawn = known[check.among("source of noise", cause, tuple(known))]
+        if drawn == "count":
+            return replace(self, dark_e=0.0)
+        if drawn == "rounding":
+            return replace(self, step_e=0.0, readings=1)
+        if drawn == "place":
+            return replace(self, pattern=None)
+        return replace(self, without_causes=self.without_causes | {cause})
+
     @property
     def has_fixed_pattern(self) -> bool:
         """Whether a source is the same in every frame."""
-        fixed = any(one.value(self) for one in self.sources if one.drawn in FIXED)
-        return self.pattern is not None or (fixed and not self.without >= FIXED)
+        fixed = (one for one in self.sources if one.drawn in FIXED and self.has(one))
+        return self.pattern is not None or any(one.value(self) for one in fixed)
 
     @property
     def beyond_shot_and_read(self) -> bool:
@@ -476,7 +501,7 @@ class NoiseSources(PixelReading):
         more = any(
             one.value(self)
             for one in self.sources
-            if one.cause not in (SHOT, READ) and one.drawn not in self.without
+            if one.cause not in (SHOT, READ) and self.has(one)
         )
         return more or self.pattern is not None or bool(self.black_error_e)
 

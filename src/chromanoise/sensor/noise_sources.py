@@ -227,7 +227,9 @@ class PixelReading:
     step_e
         Electrons per code; 0 where nothing is rounded. [e-]
     without
-        Sources that are left out: `FIXED` for the temporal noise.
+        Ways of drawing whose sources are left out: `FIXED` for the temporal noise.
+    without_causes
+        Single sources that are left out.
 
     Raises
     ------
@@ -239,6 +241,7 @@ class PixelReading:
     dark_e: float = 0.0
     step_e: float = 0.0
     without: frozenset[Drawn] = frozenset()
+    without_causes: frozenset[str] = frozenset()
 
     def __post_init__(self) -> None:
         for name in ("dark_e", "step_e"):
@@ -259,6 +262,16 @@ class PixelReading:
         """The sources of the pixel, in the order of tables and budgets."""
         return sources_of(self.pixel)
 
+    def has(self, one: NoiseSource) -> bool:
+        """Whether a source is not left out.
+
+        Parameters
+        ----------
+        one
+            One of ``sources``.
+        """
+        return one.drawn not in self.without and one.cause not in self.without_causes
+
     def coefficient(self, term: str, drawn: Container[Drawn], but: Iterable[Drawn] = ()) -> float:
         """A coefficient of the law of the variance. [e-^2], [e-] or [1]
 
@@ -272,7 +285,7 @@ class PixelReading:
         return sum(
             one.value(self)
             for one in self.sources
-            if one.term == term and one.drawn in drawn and one.drawn not in (*but, *self.without)
+            if one.term == term and one.drawn in drawn and one.drawn not in but and self.has(one)
         )
 
     def sd(self, drawn: Drawn) -> float:
@@ -289,7 +302,7 @@ class PixelReading:
     def levels(self) -> tuple[float, float]:
         """Share of the pixels with two levels [1], and half the difference of the two. [e-]"""
         for one in self.sources:
-            if one.drawn == "levels" and "levels" not in self.without and one.value(self):
+            if one.drawn == "levels" and self.has(one) and one.value(self):
                 share = one.share(self)
                 return share, math.sqrt(one.value(self) / share)
         return 0.0, 0.0

@@ -144,14 +144,14 @@ def _infrared(of: Shown) -> list[str]:
         "These electrons carry no color, but they add noise. The chart starts with the SNR of all "
         "photons (top) and ends with that of the luminance Y, the brightness that an eye sees "
         f"(bottom). Each bar is a cause. In {bare.sensor.label} the infrared costs "
-        f"{decimal(cost.loss_db)} dB.",
+        f"{decimal(cost.cost_db)} dB.",
         "So the same electrons that raise the raw SNR lower the SNR of the color.",
         f"Infrared is not the only cause. With an IR-cut at {brief(_CUT_NM)} nm in front of "
         f"{bare.sensor.label}, its SNR of Y would be {decimal(_luminance_db(mended))} dB, still "
         f"less than the {decimal(_luminance_db(cut))} dB of {cut.sensor.label}: its channel "
         f"{mix.channel} is then nearly the sum of the others (only {decimal(mix.angle_deg, 0)}° "
         f"away, metric {mix.metric}), and correlation costs "
-        f"{decimal(_cost(mended, CORRELATION).loss_db)} dB.",
+        f"{decimal(_cost(mended, CORRELATION).cost_db)} dB.",
     ]
 
 

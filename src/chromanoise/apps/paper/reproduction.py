@@ -90,7 +90,7 @@ def luminance_budget(analysis: Analysis) -> Budget:
 
 
 def _cost(budget: Budget, cause: str) -> float:
-    return next(cost.loss_db for cost in budget.costs if cost.cause == cause)
+    return next(cost.cost_db for cost in budget.costs if cost.cause == cause)
 
 
 def metric_remark(study: PaperStudy) -> str:
