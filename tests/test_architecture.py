@@ -77,7 +77,8 @@ from importlib.abc import MetaPathFinder
 class Others(MetaPathFinder):
     def find_spec(self, name, path, target=None):
         top = name.partition(".")[0]
-        if path is None and top not in {"numpy", "scipy", "chromanoise", *sys.stdlib_module_names}:
+        known = {"numpy", "scipy", "chromanoise", *sys.stdlib_module_names}
+        if path is None and top not in known and not top.startswith("_sysconfigdata"):
             raise ImportError(f"{name} is blocked")
 
 sys.meta_path.insert(0, Others())

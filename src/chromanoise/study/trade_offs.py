@@ -239,7 +239,7 @@ class Standing:
     KEYS: ClassVar[JsonKeys] = (
         JsonKey("name", "sensor"),
         *("visual_noise", "behind_db", "color_error", "least_color_error", "least_total_error"),
-        *("is_lost", "snr_y_db", "weight", "channels"),
+        *("is_lost", "weight", "channels"),
     )
 
     sensor: str
@@ -256,7 +256,15 @@ class Standing:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LeftOut:
-    """A sensor that cannot be compared at equal color error, and why."""
+    """A sensor that cannot be compared at equal color error.
+
+    Attributes
+    ----------
+    sensor
+        Its label.
+    why
+        The reason, as the end of a sentence.
+    """
 
     KEYS: ClassVar[JsonKeys] = (JsonKey("name", "sensor"), "why")
 
