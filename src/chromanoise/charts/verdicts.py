@@ -38,6 +38,7 @@ from chromanoise.study import (
     PairOutcome,
     RawOutcome,
     Reader,
+    TradeOff,
     Verdict,
     color_snr_db,
     coordinate_budget,
@@ -684,24 +685,27 @@ def _label(cause: str) -> str:
 
 
 def _colors(able: Sequence[Analysis], found: EqualColor) -> str:
+    place = {one.sensor: k for k, one in enumerate(found.standings)}
+    able = sorted(able, key=lambda one: (place.get(one.sensor.label, len(place)), one.sensor.label))
     errors = ", ".join(f"{a.sensor.label} {_delta_e(mean_color_error(a))}" for a in able)
     noises = ", ".join(f"{a.sensor.label} {_in_noise(a)}" for a in able)
-    above = {one.point.sensor.label: one for one in found.trade_offs}
-    parts = []
-    for analysis in able:
-        trade, error, noise = (
-            above.get(analysis.sensor.label),
-            mean_color_error(analysis),
-            visual_noise_of(analysis),
-        )
-        place = None if trade is None or error is None else trade.place(error)
-        if trade is not None and place is not None and noise is not None:
-            parts.append(f"{20 * math.log10(noise / trade.noise_at(place)):.1f} dB")
-    could = f", {listed(parts)} above the least at these color errors" if parts else ""
-    return (
-        f"Color error (mean ΔE*ab over {_patches(able[0])}): {errors}; visual noise: "
-        f"{noises}{could if len(parts) == len(able) else ''}."
-    )
+    trades = {one.point.sensor.label: one for one in found.trade_offs}
+    above = [
+        f"{a.sensor.label} {db:.1f} dB"
+        for a in able
+        if (db := _above_the_least_db(a, trades.get(a.sensor.label))) >= _TIE_DB
+    ]
+    more = f", more than with the best matrix of this color error: {listed(above)}" if above else ""
+    return f"Color error (mean ΔE*ab over {_patches(able[0])}): {errors}; visual noise: {noises}{more}."
+
+
+def _above_the_least_db(analysis: Analysis, trade: TradeOff | None) -> float:
+    """Visual noise over that of the noise-aware matrix with the same color error; 0 without. [dB]"""
+    error, noise = mean_color_error(analysis), visual_noise_of(analysis)
+    place = None if trade is None or error is None else trade.place(error)
+    if trade is None or place is None or noise is None:
+        return 0.0
+    return 20 * math.log10(noise / trade.noise_at(place))
 
 
 def _costs(budget: Budget | None) -> dict[str, float]:
