@@ -695,12 +695,13 @@ def _colors(able: Sequence[Analysis], found: EqualColor) -> str:
         for a in able
         if (db := _above_the_least_db(a, trades.get(a.sensor.label))) >= _TIE_DB
     ]
-    more = f", more than with the best matrix of this color error: {listed(above)}" if above else ""
-    return f"Color error (mean ΔE*ab over {_patches(able[0])}): {errors}; visual noise: {noises}{more}."
+    more = f", above the best matrix of this color error: {listed(above)}" if above else ""
+    over = f"mean ΔE*ab over {_patches(able[0])}"
+    return f"Color error ({over}): {errors}; visual noise: {noises}{more}."
 
 
 def _above_the_least_db(analysis: Analysis, trade: TradeOff | None) -> float:
-    """Visual noise over that of the noise-aware matrix with the same color error; 0 without. [dB]"""
+    """Visual noise over that of the noise-aware matrix with the same color error. [dB]"""
     error, noise = mean_color_error(analysis), visual_noise_of(analysis)
     place = None if trade is None or error is None else trade.place(error)
     if trade is None or place is None or noise is None:
