@@ -352,10 +352,9 @@ EXPLANATIONS: Mapping[str, Explanation] = {
         "instead of the lowest noise; correlation is the cost of subtracting channels with similar "
         "curves. Infrared electrons add noise without signal; some SNR comes back where the matrix "
         "counts them as luminance (infrared leaking into Y). What a cause costs depends on the "
-        "causes before it, so each bar is the mean over all orders, and the bars add up exactly. "
-        "Crosstalk comes last, so that its bar is the change of the SNR itself. The gain of "
-        "removing a cause is another number: the SNR without this one cause and with all others, "
-        "minus the SNR. Gains do not add up.",
+        "causes before it, so each bar is the mean over all orders, with crosstalk last, and the "
+        "bars add up exactly; the gain of removing a cause, the SNR without it minus the SNR, is "
+        "another number.",
         latex=(
             r"\ell_j = \frac{1}{n} \sum_{\pi} \left( S_{\pi}^{-j} - S_{\pi}^{+j} \right)",
             r"\mathrm{SNR}_c = S_0 - \sum_j \ell_j",
