@@ -19,6 +19,7 @@ from chromanoise.cli.options import (
     command,
     copy_option,
     matrix_option,
+    own_option,
     table_option,
     with_settings,
 )
@@ -166,30 +167,34 @@ _START = f"{_VARY}={_FIRST:g}:{_LAST:g}"
 @command()
 @with_settings("compare")
 @click.argument("sensors", nargs=-1, required=True, metavar="SENSOR...")
-@click.option(
+@own_option(
     "--sweep",
+    heading="Sweep",
     metavar="NAME=FIRST:LAST",
     help=f"Parameter that varies: {', '.join(f'{s.name} [{s.unit}]' for s in SWEEPS.values())}. "
     "An ircut-nm of 1200 or more is a sensor without the added filter. "
     f"[default: {_START}]",
 )
-@click.option(
+@own_option(
     "--and",
     "second",
+    heading="Sweep",
     metavar="NAME=FIRST:LAST[:POINTS]",
     help="A second parameter of --sweep that varies too: values on a grid, and the best sensor at "
     f"each pair of values. POINTS is {default_of('compare_map', 'second_points')} by default.",
 )
-@click.option(
+@own_option(
     "--matrix",
     "matrices",
+    heading="Color",
     default=DEFAULT_METHOD,
     show_default=True,
     metavar="NAME[,NAME...]",
     help="Color matrices: kernel and others of `chromanoise matrix`.",
 )
-@click.option(
+@own_option(
     "--prior",
+    common=False,
     metavar=f"[{'|'.join([*PRIORS, 'all'])}]|FILE",
     help="Training set of trained matrices; all gives the band of crossovers over all sets; "
     "or a file of reflectances.",
@@ -271,6 +276,7 @@ def _span(text: str | None, option: str) -> dict[str, Any]:
 @click.option(
     "--matrix",
     cls=RenamedOption,
+    heading="Color",
     old="--method",
     default=DEFAULT_METHOD,
     show_default=True,
@@ -278,13 +284,15 @@ def _span(text: str | None, option: str) -> dict[str, Any]:
     help=f"Method of the matrix: {known_matrices()}; lmmse gives one per light "
     "level; or a file: CSV, JSON, CLF, DNG, DCP.",
 )
-@click.option(
+@own_option(
     "--export",
+    heading="Output",
     help="Write it to FILE.csv, .json, .clf (OpenColorIO) or .dcp.json (camera-profile names).",
 )
-@click.option(
+@own_option(
     "--pareto",
     "weights",
+    heading="Color",
     metavar="FIRST:LAST[:POINTS]",
     help="Color error against noise for weights of the noise from FIRST to LAST, e.g. 0.001:1000; "
     "1 is lmmse, and towards 0 lies least-squares.",

@@ -22,7 +22,7 @@ from chromanoise.apps.camera import (
     variance_through_file,
 )
 from chromanoise.base import OWN_FILES, InputError, plain, refuse_unwritable, true_path
-from chromanoise.cli.options import WHOLE, Decorated as Command, command
+from chromanoise.cli.options import WHOLE, Decorated as Command, command, own_option
 from chromanoise.cli.output import (
     json_option,
     print_lines,
@@ -184,15 +184,24 @@ _COLOR = {"R": 0.7, "G": 1.0, "B": 0.6}  # sensitivities of a color camera under
 
 def _camera_options(command: Command) -> Command:
     """Add the options of the frames, and one for each property of the camera."""
-    options = {flag: (kind, default, text) for flag, kind, default, text in _NUMBERS}
+    options: dict[str, tuple[Any, ...]] = {
+        flag: (kind, default, text, True, "Frames") for flag, kind, default, text in _NUMBERS
+    }
     for name, one in PROPERTIES.items():
         usual = getattr(USUAL_CAMERA, name)
         default = None if usual is None else f"{usual:g}"
         flag = f"--{name.replace('_', '-')}"
-        options[flag] = (float, default, one.help.partition("; default:")[0])
-    for flag, (kind, default, text) in reversed(options.items()):
-        command = click.option(
-            *flag.split(), type=kind, default=default, show_default=True, help=text
+        text = one.help.partition("; default:")[0]
+        options[flag] = (float, default, text, one.common, "Camera")
+    for flag, (kind, default, text, common, heading) in reversed(options.items()):
+        command = own_option(
+            *flag.split(),
+            type=kind,
+            default=default,
+            show_default=True,
+            help=text,
+            common=common,
+            heading=heading,
         )(command)
     return command
 
@@ -233,16 +242,18 @@ _NUMBERS: tuple[tuple[str, click.ParamType | type, Any, str], ...] = (
 
 
 @command()
-@click.option(
+@own_option(
     "-o",
     "--out",
     type=click.Path(path_type=Path),
     required=True,
+    heading="Output",
     help="Folder for the frames, capture.toml and truth.toml.",
 )
-@click.option(
+@own_option(
     "--mosaic",
     metavar="NAME|ROWS",
+    heading="Frames",
     help="Channels of a color camera, e.g. RG/GB or 'R G/IR B'. [default: monochrome]",
 )
 @_camera_options

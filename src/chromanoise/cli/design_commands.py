@@ -13,7 +13,14 @@ import numpy as np
 from chromanoise.apps.design import DEFAULT_OBJECTIVES, OBJECTIVES, half_widths, sensitivity_of
 from chromanoise.base import InputError
 from chromanoise.cli import terminal_tables
-from chromanoise.cli.options import WHOLE, command, matrix_option, table_option, with_settings
+from chromanoise.cli.options import (
+    WHOLE,
+    command,
+    matrix_option,
+    own_option,
+    table_option,
+    with_settings,
+)
 from chromanoise.cli.output import (
     duration,
     json_option,
@@ -177,35 +184,57 @@ def _values_table(found: "Design") -> Table:
 @with_settings("sensitivity")
 @click.argument("sensor")
 @matrix_option
-@click.option(
+@own_option(
     "--objectives",
+    heading="Tolerances",
     default=",".join(DEFAULT_OBJECTIVES),
     show_default=True,
     metavar="NAME[,NAME...]",
     help=f"Objectives: {', '.join(OBJECTIVES)}. The first one orders the table.",
 )
-@click.option(
+@own_option(
     "--loss",
     "losses",
+    heading="Tolerances",
     multiple=True,
     metavar="NAME=VALUE",
     help="Allowed loss of an objective in its unit, e.g. snr_y_db=0.1. The table then has the "
     "change of each parameter that causes it, alone and together with all others. Repeatable.",
 )
-@click.option("--tolerance-nm", type=float, help="Tolerance of all wavelengths, half width [nm].")
-@click.option(
-    "--tolerance-percent", type=float, help="Tolerance of all other values, half width [%]."
+@own_option(
+    "--tolerance-nm",
+    type=float,
+    heading="Tolerances",
+    help="Tolerance of all wavelengths, half width [nm].",
 )
-@click.option(
+@own_option(
+    "--tolerance-percent",
+    type=float,
+    heading="Tolerances",
+    help="Tolerance of all other values, half width [%].",
+)
+@own_option(
     "--draws",
+    common=False,
+    heading="Tolerances",
     type=WHOLE,
     default=0,
     show_default=True,
     help="Number of random sensors within the tolerances.",
 )
-@click.option("--seed", type=WHOLE, default=0, show_default=True, help="Seed of the draws.")
-@click.option(
+@own_option(
+    "--seed",
+    type=WHOLE,
+    default=0,
+    show_default=True,
+    common=False,
+    heading="Tolerances",
+    help="Seed of the draws.",
+)
+@own_option(
     "--keep-matrix",
+    common=False,
+    heading="Tolerances",
     is_flag=True,
     help="Use the color matrix of the unchanged sensor for changed sensors (no calibration).",
 )

@@ -23,12 +23,17 @@ from chromanoise.base import (
     setting_of_study,
     write_all_whole,
 )
+from chromanoise.cli.options import own_option
 from chromanoise.io import Table, table_writer
 
 _ANOTHER = "name another file"
 
-json_option = click.option(
-    "--json", "json_target", metavar="FILE|-", help="Write JSON; - for standard output."
+json_option = own_option(
+    "--json",
+    "json_target",
+    metavar="FILE|-",
+    heading="Output",
+    help="Write JSON; - for standard output.",
 )
 
 

@@ -10,7 +10,14 @@ import click
 
 from chromanoise.base import __version__, claimed_folder, refuse_unwritable
 from chromanoise.cli.analyses import print_copy
-from chromanoise.cli.options import WHOLE, command, copy_option, matrix_option, with_settings
+from chromanoise.cli.options import (
+    WHOLE,
+    command,
+    copy_option,
+    matrix_option,
+    own_option,
+    with_settings,
+)
 from chromanoise.cli.output import progress_of, write_json
 from chromanoise.imaging import Work, any_picture, cluster, is_held
 from chromanoise.noise import conditions
@@ -31,24 +38,37 @@ from chromanoise.study import (
 @command()
 @with_settings("render")
 @click.argument("cube", metavar="CUBE")
-@click.option(
+@own_option(
     "--sensor",
     "sensors",
+    heading="Sensor",
     multiple=True,
     required=True,
     help="A name of `chromanoise catalog sensors`, or a file; repeatable.",
 )
 @matrix_option
-@click.option("--threads", type=WHOLE, help="Number of threads. [default: one per core]")
-@click.option("--tile", type=WHOLE, help="Rows in memory at a time. [default: 8 MB to 1 GB]")
-@click.option(
+@own_option(
+    "--threads",
+    type=WHOLE,
+    common=False,
+    help="Number of threads. [default: one per core]",
+)
+@own_option(
+    "--tile",
+    type=WHOLE,
+    common=False,
+    help="Rows in memory at a time. [default: 8 MB to 1 GB]",
+)
+@own_option(
     "--scheduler",
+    common=False,
     metavar="ADDRESS|local",
     help="Compute on a dask cluster; the result is bit-identical.",
 )
-@click.option(
+@own_option(
     "-o",
     "--out",
+    heading="Output",
     type=click.Path(path_type=Path),
     default=Path("out/simulate"),
     show_default=True,
