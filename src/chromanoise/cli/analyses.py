@@ -235,13 +235,12 @@ def compare(
     )
     if json_target != "-":
         fixed = conditions(result.points)
+        print_lines(result.shown_sentences)
         print_lines([f"Settings (all but those that vary stay fixed): {fixed}"])
         if isinstance(result, ComparisonMap):
             terminal_tables.print_maps(result.maps, result.ranking)
             return
-        terminal_tables.print_comparison(
-            result.curves, result.ranking, result.shown_sentences, result.shown_bands
-        )
+        terminal_tables.print_comparison(result.curves, result.ranking, result.shown_bands)
 
 
 def _second_span(text: str) -> dict[str, Any]:

@@ -34,6 +34,7 @@ from chromanoise.study import (
     QuantityMap,
     Rank,
     band_sentence,
+    best_cells,
     best_of,
     by_matrix,
     color_snr_db,
@@ -147,13 +148,11 @@ def print_analyses(analyses: Iterable[Analysis]) -> None:
 def print_comparison(
     curves: Sequence[Curve],
     ranks: Sequence[Rank],
-    sentences: Sequence[str],
     bands: Sequence[CrossoverBand],
 ) -> None:
-    """Print the quantity and the color error over the sweep, then sentences and bands.
+    """Print the quantity and the color error over the sweep, then bands of crossovers.
 
-    With more than three sensors, a ranking is printed as well, and of the bands only those of pairs
-    that a sentence tells of.
+    With more than three sensors, a ranking is printed as well.
     """
     console = terminal()
     sweep, quantity, at = curves[0].sweep, curves[0].quantity, curves[0].at
@@ -178,7 +177,7 @@ def print_comparison(
     if many:
         what = f"{quantity.what} [{quantity.unit}]"
         print_ranking(ranks, f"Ranking at the fixed settings by {what}")
-    for sentence in (*sentences, *map(band_sentence, bands)):
+    for sentence in map(band_sentence, bands):
         console.print(sentence, soft_wrap=True)
     if many:
         console.print("--json has the crossovers of all pairs.")
@@ -214,6 +213,9 @@ def _grid(one: QuantityMap, cells: Sequence[Sequence[str]], title: str) -> Table
     table = Table(title=f"{title}, {over}", title_justify="left")
     table.add_column("", justify="right")
     columns, rows = (_some(at.size) for at in (one.at, one.second_at))
+    for best in best_cells([one]):  # its values are shown
+        columns = sorted({*columns, *np.flatnonzero(one.at == best.at).tolist()})
+        rows = sorted({*rows, *np.flatnonzero(one.second_at == best.second_at).tolist()})
     for k in columns:
         table.add_column(f"{one.at[k]:.4g}", justify="right")
     for j in rows:

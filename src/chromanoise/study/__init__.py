@@ -160,6 +160,14 @@ if TYPE_CHECKING:
         merits_of as merits_of,
         visual_merits,
     )
+    from chromanoise.study.optima import (
+        BestCell as BestCell,
+        Optimum as Optimum,
+        best_cell_sentences,
+        best_cells,
+        optima,
+        optima_sentences,
+    )
     from chromanoise.study.pixel_files import (
         converter_of as converter_of,
         idle_answers as idle_answers,

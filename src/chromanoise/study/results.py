@@ -81,6 +81,13 @@ from chromanoise.study.color_noise import (
     white_snr_db,
 )
 from chromanoise.study.merits import Merits, merits_of
+from chromanoise.study.optima import (
+    BestCell,
+    Optimum,
+    best_cell_sentences,
+    best_cells,
+    optima_sentences,
+)
 from chromanoise.study.ranking import (
     MOST_PAIRS_SENSORS,
     Crossover,
@@ -864,6 +871,8 @@ class Comparison(Result):
         The sensors from best to worst at their operating points, per matrix.
     leads
         Where which sensor is the best of all, per matrix.
+    optima
+        At which value of the sweep each sensor is best, per matrix, and between which values.
     equal, prior
         The exposure rule, and the training set of trained matrices.
     """
@@ -874,7 +883,7 @@ class Comparison(Result):
         JsonKey("quantity", "curves.0.quantity"),
         *("curves", "crossovers"),
         JsonKey("observer", "points.0.observer"),
-        *("equal", "prior", "bands", "ranking", "leads"),
+        *("equal", "prior", "bands", "ranking", "leads", "optima"),
     )
 
     points: tuple[OperatingPoint, ...]
@@ -883,6 +892,7 @@ class Comparison(Result):
     bands: tuple[CrossoverBand, ...]
     ranking: tuple[Rank, ...]
     leads: tuple[Lead, ...]
+    optima: tuple[Optimum, ...]
     equal: str
     prior: str
 
@@ -907,14 +917,15 @@ class Comparison(Result):
 
     @property
     def shown_sentences(self) -> list[str]:
-        """The sentences on `shown_crossovers`, and on the matrices of each sensor if several.
+        """The optimum of each sensor, `shown_crossovers`, the matrices of each sensor if several.
 
-        Of more than three sensors, they begin with those on the leaders.
+        Of more than three sensors, the leaders follow the optima.
         """
         many = len(self.points) > MOST_PAIRS_SENSORS
         first = lead_sentences(self.leads) if many else []
         first += [] if many else matrix_sentences(self.ranking, self.curves[0].quantity)
-        return [*first, *(crossover_sentence(one) for one in self.shown_crossovers)]
+        best = optima_sentences(self.optima)
+        return [*best, *first, *(crossover_sentence(one) for one in self.shown_crossovers)]
 
     def plot(self, ax: Any = None) -> Any:
         """Draw the quantity over the parameter, one curve per sensor and matrix."""
@@ -959,7 +970,7 @@ class ComparisonMap(Result):
         JsonKey("quantity", "maps.0.quantity"),
         *("maps", "best"),
         JsonKey("crossovers", "lines"),
-        *("equal", "prior", "ranking"),
+        *("equal", "prior", "ranking", "optima"),
     )
 
     points: tuple[OperatingPoint, ...]
@@ -978,6 +989,16 @@ class ComparisonMap(Result):
             ]
             for name, mine in by_matrix(self.maps).items()
         }
+
+    @property
+    def optima(self) -> tuple[BestCell, ...]:
+        """The pair of values at which each sensor is best, per matrix."""
+        return best_cells(self.maps)
+
+    @property
+    def shown_sentences(self) -> list[str]:
+        """The best pair of values of each sensor."""
+        return best_cell_sentences(self.optima)
 
     def to_table(self) -> Table:
         """One row per pair of values; a column per sensor and matrix, and the best per matrix."""
@@ -1002,7 +1023,7 @@ class ComparisonMap(Result):
         )
 
     def _repr_html_(self) -> str:
-        return self._html(f"From {conditions(self.points)}")
+        return self._html(f"From {conditions(self.points)}", self.shown_sentences)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
