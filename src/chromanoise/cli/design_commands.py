@@ -132,10 +132,11 @@ def _front_so_far(now: "Progress", objectives: tuple[str, ...]) -> str:
 
 
 def _print_design(found: "Design", folder: Path) -> None:
+    print_lines(found.sentences)
     terminal_tables.print_conditions(conditions([one.point for one in found.task.scenes[:1]]))
     terminal_tables.print_table(_objectives_table(found), width=_WIDTH)
     terminal_tables.print_table(_values_table(found), width=_WIDTH)
-    print_lines([*found.sentences, ""])
+    print_lines([""])
     written = f"{folder}: front.json, front.csv, front.svg, sensors/ ({len(found.members)} files)"
     print_lines([written])
     command = found.analyze_command(found.front.knee.name, str(folder))
@@ -160,21 +161,22 @@ def _objectives_table(found: "Design") -> Table:
 
 def _values_table(found: "Design") -> Table:
     """Parameters of the extremes and the knee, one row per parameter."""
-    shown = [one for one in found.members if one.extreme_of or one.knee]
+    shown = [i for i, one in enumerate(found.members) if one.extreme_of or one.knee]
+    names = [found.members[i].name for i in shown]
     return Table(
         title="Parameters",
         columns=(
             Column(name="parameter"),
-            *(Column(name=one.name, digits=".4g") for one in shown),
+            *(Column(name=name, digits=".4g") for name in names),
             Column(name="bounds"),
         ),
         rows=tuple(
             (
-                head(Column(name=one.name, unit="" if one.unit == "1" else one.unit)),
-                *(float(member.values[i]) for member in shown),
-                f"{one.low:g} to {one.high:g}",
+                head(Column(name=one.name, unit=one.unit)),
+                *(one.values[i] for i in shown),
+                one.bounds,
             )
-            for i, one in enumerate(found.task.space.parameters)
+            for one in found.shown_numbers()
         ),
         notes=("front.csv has all sensors of the front.",),
     )
