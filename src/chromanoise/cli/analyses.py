@@ -19,6 +19,7 @@ from chromanoise.cli.options import (
     command,
     copy_option,
     matrix_option,
+    notes_option,
     own_option,
     table_option,
     with_settings,
@@ -47,7 +48,9 @@ from chromanoise.study import (
     ComparisonMap,
     Step,
     Study,
+    answers_of,
     default_of,
+    input_notes,
     known_matrices,
     refuse_idle,
     run,
@@ -66,6 +69,7 @@ _NOT_COPIED = {
     "tile": "--tile",
     "scheduler": "--scheduler",
     "out": "--out",
+    "whole_notes": "--notes",
 }
 
 
@@ -86,16 +90,30 @@ def print_copy(kind: str, study: Study) -> None:
     click.echo(_TEXTS[kind](study), nl=False)
 
 
-def print_run(study: Study, out: Path, threads: int | None, place: Path | None = None) -> None:
-    """Run a study whose file names are relative to ``place``, and print the files it writes."""
+def print_run(
+    study: Study,
+    out: Path,
+    threads: int | None,
+    place: Path | None = None,
+    *,
+    answers: bool = False,
+) -> None:
+    """Run a study whose file names are relative to ``place``, and print the files it writes.
+
+    Parameters
+    ----------
+    answers
+        Whether to print the sentence that answers each of its questions before.
+    """
 
     def report(what: str, done: bool) -> None:
         click.echo(f"{what}{' (already done)' if done else ''}", err=True)
 
     work = Work(threads=threads)
-    for file in run_study(
-        study, out, work=work, report=report, progress=progress_of_step, place=place
-    ):
+    files = run_study(study, out, work=work, report=report, progress=progress_of_step, place=place)
+    if answers:
+        print_lines(answers_of(files))
+    for file in files:
         click.echo(file)
 
 
@@ -110,12 +128,14 @@ def progress_of_step(step: Step) -> AbstractContextManager[Callable[[int], None]
 @matrix_option
 @table_option
 @json_option
+@notes_option
 @copy_option
 def analyze(
     sensors: tuple[str, ...],
     matrix: str,
     table: str | None,
     json_target: str | None,
+    whole_notes: bool,
     copy_as: str | None,
     **settings: Any,
 ) -> None:
@@ -138,7 +158,7 @@ def analyze(
         (json_target, lambda: json_text(result.to_dict())),
     )
     if printed:
-        _print(result, sentences)
+        _print(result, sentences, whole_notes=whole_notes)
 
 
 def _table(result: Analyses) -> Table:
@@ -146,11 +166,11 @@ def _table(result: Analyses) -> Table:
     return result.pipeline_table() if result.outputs.pipeline.run else result.to_table()
 
 
-def _print(result: Analyses, sentences: Sequence[str]) -> None:
+def _print(result: Analyses, sentences: Sequence[str], *, whole_notes: bool) -> None:
     analyses = result.analyses
     print_lines(sentences)
     terminal_tables.print_conditions(conditions(result.points))
-    terminal_tables.print_analyses(analyses)
+    terminal_tables.print_analyses(analyses, whole_notes=whole_notes)
     if len(analyses) > MOST_PAIRS_SENSORS:
         terminal_tables.print_ranking(result.ranking, "Ranking by SNR of Y [dB]")
     for table in outcome_tables(result):
@@ -201,6 +221,7 @@ _START = f"{_VARY}={_FIRST:g}:{_LAST:g}"
 )
 @table_option
 @json_option
+@notes_option
 @copy_option
 def compare(
     sensors: tuple[str, ...],
@@ -209,6 +230,7 @@ def compare(
     matrices: str,
     table: str | None,
     json_target: str | None,
+    whole_notes: bool,
     copy_as: str | None,
     **settings: Any,
 ) -> None:
@@ -239,8 +261,10 @@ def compare(
         print_lines([f"Settings (all but those that vary stay fixed): {fixed}"])
         if isinstance(result, ComparisonMap):
             terminal_tables.print_maps(result.maps, result.ranking)
-            return
-        terminal_tables.print_comparison(result.curves, result.ranking, result.shown_bands)
+        else:
+            terminal_tables.print_comparison(result.curves, result.ranking, result.shown_bands)
+        notes = [(one.sensor.label, note) for one in result.points for note in input_notes(one)]
+        terminal_tables.print_notes(notes, whole=whole_notes)
 
 
 def _second_span(text: str) -> dict[str, Any]:
@@ -298,6 +322,7 @@ def _span(text: str | None, option: str) -> dict[str, Any]:
 )
 @table_option
 @json_option
+@notes_option
 @copy_option
 def matrix(
     sensor: str,
@@ -306,6 +331,7 @@ def matrix(
     weights: str | None,
     table: str | None,
     json_target: str | None,
+    whole_notes: bool,
     copy_as: str | None,
     **settings: Any,
 ) -> None:
@@ -329,10 +355,13 @@ def matrix(
     )
     if json_target == "-":
         return
+    print_lines(results.sentences)
     terminal_tables.print_conditions(conditions([point]))
     terminal_tables.print_matrix(result.matrix, report, point.sensor.label)
     if result.pareto:
         terminal_tables.print_table(pareto_table(result.pareto, report, point.sensor.label))
+    notes = [(point.sensor.label, one) for one in input_notes(point, result.matrix)]
+    terminal_tables.print_notes(notes, whole=whole_notes)
 
 
 def _span_of_matrix(text: str | None) -> dict[str, Any]:

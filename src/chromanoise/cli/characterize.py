@@ -22,7 +22,7 @@ from chromanoise.apps.camera import (
     variance_through_file,
 )
 from chromanoise.base import OWN_FILES, InputError, plain, refuse_unwritable, true_path
-from chromanoise.cli.options import WHOLE, Decorated as Command, command, own_option
+from chromanoise.cli.options import WHOLE, Decorated as Command, command, notes_option, own_option
 from chromanoise.cli.output import (
     json_option,
     print_lines,
@@ -31,6 +31,7 @@ from chromanoise.cli.output import (
     terminal,
     write_json,
 )
+from chromanoise.cli.terminal_tables import print_notes
 from chromanoise.io.frames import FrameSet, RawFrame
 from chromanoise.sensor import PhotonTransfer
 
@@ -55,12 +56,14 @@ from chromanoise.sensor import PhotonTransfer
     "CLF, DNG, DCP.",
 )
 @json_option
+@notes_option
 def characterize(
     frames: tuple[str, ...],
     out: Path | None,
     resume: Path | None,
     matrix: str | None,
     json_target: str | None,
+    whole_notes: bool,
 ) -> None:
     """Noise of a camera from its own raw frames, by the methods of EMVA 1288.
 
@@ -101,7 +104,7 @@ def characterize(
         checked = {"matrix_check": {"source": matrix, **plain(check)}} if check else {}
         write_json(result.to_dict() | checked, json_target)
     if json_target != "-":
-        _print(result)
+        _print(result, whole_notes=whole_notes)
         if check is not None:
             errors = zip(check.names, 100 * check.mean_error, strict=True)
             print_lines(
@@ -149,7 +152,16 @@ def _refuse_replaced(
         seen[path] = option
 
 
-def _print(result: Characterization) -> None:
+def _print(result: Characterization, *, whole_notes: bool) -> None:
+    verdict = result.verdict
+    holds = "The linear model holds" if verdict.holds else "The linear model does not hold"
+    print_lines(
+        [
+            f"{holds}: chi-square {verdict.chi2_per_level:.2f} per level, largest deviation "
+            f"{verdict.worst_z:+.1f} standard errors ({verdict.worst_level}).",
+            *(f"{sentence[0].upper()}{sentence[1:]}." for sentence in verdict.sentences),
+        ]
+    )
     grid = Grid(title=f"Noise of {result.camera or result.source} (EMVA 1288)")
     grid.title_justify = "left"
     grid.add_column("")
@@ -160,17 +172,9 @@ def _print(result: Characterization) -> None:
         if any(cell != "-" for cell in cells):
             grid.add_row(f"{quantity.name} [{quantity.shown_unit or '1'}]", *cells)
     terminal().print(grid)
-    verdict = result.verdict
-    holds = "The linear model holds" if verdict.holds else "The linear model does not hold"
-    print_lines(
-        [
-            f"{holds}: chi-square {verdict.chi2_per_level:.2f} per level, largest deviation "
-            f"{verdict.worst_z:+.1f} standard errors ({verdict.worst_level}).",
-            *(f"{sentence[0].upper()}{sentence[1:]}." for sentence in verdict.sentences),
-            *result.notes,
-            *dict.fromkeys(note for plane in result.planes for note in plane.fit.notes),
-        ]
-    )
+    notes = [("", note) for note in result.notes]
+    notes += [("", note) for plane in result.planes for note in plane.fit.notes]
+    print_notes(notes, whole=whole_notes)
 
 
 def _cell(value: float | None, error: float | None) -> str:

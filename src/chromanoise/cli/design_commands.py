@@ -17,6 +17,7 @@ from chromanoise.cli.options import (
     WHOLE,
     command,
     matrix_option,
+    notes_option,
     own_option,
     table_option,
     with_settings,
@@ -242,6 +243,7 @@ def _values_table(found: "Design") -> Table:
 )
 @table_option
 @json_option
+@notes_option
 def sensitivity(
     sensor: str,
     matrix: str,
@@ -254,6 +256,7 @@ def sensitivity(
     keep_matrix: bool,
     table: str | None,
     json_target: str | None,
+    whole_notes: bool,
     **settings: Any,
 ) -> None:
     """Effect of 1 nm or 1 % of each parameter of SENSOR on SNR, color error and separation.
@@ -277,8 +280,11 @@ def sensitivity(
         (json_target, lambda: json_text(result.to_dict())),
     )
     if json_target != "-":
+        print_lines(result.sentences)
         for part in _parts(result.to_table(), effects=2 + len(result.objectives)):
-            terminal_tables.print_table(part)
+            terminal_tables.print_table(replace(part, notes=()))
+        notes = [(result.point.sensor.label, note) for note in result.notes]
+        terminal_tables.print_notes(notes, whole=whole_notes)
 
 
 def _parts(whole: Table, *, effects: int) -> list[Table]:

@@ -454,6 +454,13 @@ copy_option = own_option(
     heading="Output",
     help="Compute nothing; print the command as a Python script or as a study file.",
 )
+notes_option = own_option(
+    "--notes",
+    "whole_notes",
+    is_flag=True,
+    heading="Output",
+    help="Print all notes in full, not one line each.",
+)
 matrix_option = own_option(
     "--matrix",
     default=DEFAULT_METHOD,

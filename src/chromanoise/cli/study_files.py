@@ -55,7 +55,10 @@ def run(study: Path, out: Path | None, changes: tuple[str, ...], threads: int | 
     `chromanoise rerun` runs the study of a result again and compares the results.
     """
     print_run(
-        read_study(study, changes, change_label="--set"), out or Path("out") / study.stem, threads
+        read_study(study, changes, change_label="--set"),
+        out or Path("out") / study.stem,
+        threads,
+        answers=True,
     )
 
 

@@ -817,6 +817,17 @@ class MatrixResult(Result):
         return self._html(f"{self.report.made_by} at {conditions([self.point])}")
 
 
+def _matrix_sentence(one: MatrixResult) -> str:
+    report = one.report
+    snr = None if report.snr_db is None else report.snr_db.get("Y")
+    noise = "no SNR of Y" if snr is None else f"an SNR of Y of {snr:.2f} dB"
+    error = number_text(report.color_error_mean, none="undefined")
+    return (
+        f"With the matrix {report.made_by}, {one.point.sensor.label} has a mean color error of "
+        f"{error} Delta E*ab over {report.chart} and {noise} on {report.patch}."
+    )
+
+
 def _color_error_text(one: MatrixResult) -> str:
     error = number_text(one.report.color_error_mean, none="undefined")
     return f"{one.point.sensor.label} {error} Delta E*ab"
@@ -832,10 +843,15 @@ class Matrices(Result):
         Name of the method.
     """
 
-    KEYS: ClassVar[JsonKeys] = (JsonKey("sensors", "results"),)
+    KEYS: ClassVar[JsonKeys] = (JsonKey("sensors", "results"), "sentences")
 
     method: str
     results: tuple[MatrixResult, ...]
+
+    @property
+    def sentences(self) -> list[str]:
+        """Of each sensor the mean color error with the matrix, and the SNR of Y."""
+        return [_matrix_sentence(one) for one in self.results]
 
     def to_table(self) -> Table:
         """One row per coordinate; of several sensors, per sensor and coordinate."""
@@ -884,6 +900,7 @@ class Comparison(Result):
         *("curves", "crossovers"),
         JsonKey("observer", "points.0.observer"),
         *("equal", "prior", "bands", "ranking", "leads", "optima"),
+        JsonKey("sentences", "shown_sentences"),
     )
 
     points: tuple[OperatingPoint, ...]
@@ -971,6 +988,7 @@ class ComparisonMap(Result):
         *("maps", "best"),
         JsonKey("crossovers", "lines"),
         *("equal", "prior", "ranking", "optima"),
+        JsonKey("sentences", "shown_sentences"),
     )
 
     points: tuple[OperatingPoint, ...]
